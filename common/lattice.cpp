@@ -1,0 +1,100 @@
+#include "common/lattice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "common/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double max_points = 1e7;
+/// "14.3 mm" means 100/7 mm = 14.2857 mm, "6.667 mm" means 100/15 mm.
+constexpr double spacing_tolerance = 2e-3;
+
+/// radius / spacing, an integer where the two were meant to divide.
+double ratioOf(double radius, double spacing) {
+  if (!(std::isfinite(spacing) && spacing > 0))
+    throw badInput("workspace.spacing = {} m: must be greater than 0", spacing);
+  if (!(std::isfinite(radius) && radius >= spacing))
+    throw badInput("workspace.radius = {} m is smaller than workspace.spacing = {} m: the lattice would be the origin alone",
+                   radius, spacing);
+  const double ratio = radius / spacing;
+  const double whole = std::round(ratio);
+  return std::abs(ratio - whole) <= spacing_tolerance * whole ? whole : ratio;
+}
+
+}  // namespace
+
+std::int64_t squaredNorm(const LatticePoint& p) {
+  return std::int64_t{p[0]} * p[0] + std::int64_t{p[1]} * p[1] + std::int64_t{p[2]} * p[2];
+}
+
+Lattice::Lattice(double radius, double spacing) : radius_(radius) {
+  const double ratio = ratioOf(radius, spacing);
+  const double expected = 4.0 / 3.0 * M_PI * ratio * ratio * ratio;
+  if (expected > max_points)
+    throw badInput("workspace.radius / workspace.spacing = {:.4g} makes about {:.3g} lattice points, more than {:.0e}: "
+                   "choose a larger spacing",
+                   ratio, expected, max_points);
+  spacing_ = radius / ratio;
+  extent_ = static_cast<std::int32_t>(std::floor(ratio));
+  const auto limit = static_cast<std::int64_t>(std::floor(ratio * ratio * (1 + 1e-12)));
+
+  for (std::int32_t i = -extent_; i <= extent_; ++i)
+    for (std::int32_t j = -extent_; j <= extent_; ++j)
+      for (std::int32_t k = -extent_; k <= extent_; ++k)
+        if (squaredNorm({i, j, k}) <= limit) points_.push_back({i, j, k});
+  std::sort(points_.begin(), points_.end(), [](const LatticePoint& a, const LatticePoint& b) {
+    return std::make_tuple(squaredNorm(a), a) < std::make_tuple(squaredNorm(b), b);
+  });
+
+  const std::size_t side = 2 * static_cast<std::size_t>(extent_) + 1;
+  index_of_.assign(side * side * side, -1);
+  for (std::int32_t n = 0; n < size(); ++n) {
+    const LatticePoint& p = points_[n];
+    index_of_[((p[0] + extent_) * side + (p[1] + extent_)) * side + (p[2] + extent_)] = n;
+  }
+}
+
+std::optional<std::int32_t> Lattice::indexOf(const LatticePoint& p) const {
+  for (const std::int32_t coordinate : p)
+    if (coordinate < -extent_ || coordinate > extent_) return std::nullopt;
+  const std::size_t side = 2 * static_cast<std::size_t>(extent_) + 1;
+  const std::int32_t index = index_of_[((p[0] + extent_) * side + (p[1] + extent_)) * side + (p[2] + extent_)];
+  if (index < 0) return std::nullopt;
+  return index;
+}
+
+Eigen::Vector3d Lattice::displacement(std::int32_t index) const {
+  const LatticePoint& p = points_[index];
+  return spacing_ * Eigen::Vector3d(p[0], p[1], p[2]);
+}
+
+std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
+  struct Candidate {
+    int step;
+    std::int64_t norm;
+    LatticePoint point;
+    std::int32_t index;
+  };
+  const LatticePoint& center = points_[index];
+  std::vector<Candidate> candidates;
+  for (int i = -1; i <= 1; ++i)
+    for (int j = -1; j <= 1; ++j)
+      for (int k = -1; k <= 1; ++k) {
+        const int step = i * i + j * j + k * k;
+        if (step == 0) continue;
+        const LatticePoint p = {center[0] + i, center[1] + j, center[2] + k};
+        if (const auto number = indexOf(p)) candidates.push_back({step, squaredNorm(p), p, *number});
+      }
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return std::tie(a.step, a.norm, a.point) < std::tie(b.step, b.norm, b.point);
+  });
+  std::vector<std::int32_t> neighbours;
+  for (const Candidate& candidate : candidates) neighbours.push_back(candidate.index);
+  return neighbours;
+}
+
+}  // namespace palpate

@@ -1,0 +1,84 @@
+#include "common/program.hpp"
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+
+namespace palpate {
+namespace {
+
+volatile std::sig_atomic_t interrupt_count = 0;
+
+void onInterrupt(int) {
+  interrupt_count = interrupt_count + 1;
+  if (interrupt_count > 1) _exit(static_cast<int>(ExitCode::interrupted));
+}
+
+void logToStderr(int verbosity) {
+  auto logger = spdlog::stderr_color_mt("palpate");
+  logger->set_pattern("%Y-%m-%d %H:%M:%S %^%l%$ %v");
+  spdlog::set_default_logger(logger);
+  spdlog::set_level(verbosity < 0   ? spdlog::level::warn
+                    : verbosity > 0 ? spdlog::level::debug
+                                    : spdlog::level::info);
+}
+
+ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) {
+  try {
+    return run();
+  } catch (const Error& error) {
+    fmt::print(stderr, "palpate {}: {}\n", verb, error.what());
+    return error.exitCode();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "palpate {}: unexpected: {}\n", verb, error.what());
+    return ExitCode::failed;
+  }
+}
+
+}  // namespace
+
+const char* version() { return PALPATE_VERSION; }
+
+bool interrupted() { return interrupt_count > 0; }
+
+void catchInterrupts() {
+  struct sigaction action {};
+  action.sa_handler = onInterrupt;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+int runProgram(int argc, char** argv, const char* description, std::span<const Verb> verbs) {
+  CLI::App app{description};
+  app.set_version_flag("--version", std::string("palpate ") + version());
+  app.require_subcommand(1);
+
+  bool quiet = false, verbose = false;
+  std::string chosen;
+  std::function<ExitCode()> run;
+  for (const Verb& verb : verbs) {
+    CLI::App* sub = app.add_subcommand(verb.name, verb.summary);
+    sub->add_flag("-q,--quiet", quiet, "Only warnings and errors");
+    sub->add_flag("-v,--verbose", verbose, "Say more");
+    auto prepared = verb.prepare(*sub);
+    sub->callback([&chosen, &run, prepared, name = verb.name] {
+      chosen = name;
+      run = prepared;
+    });
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const bool asked_for_help = error.get_exit_code() == 0;
+    app.exit(error);
+    return static_cast<int>(asked_for_help ? ExitCode::done : ExitCode::usage);
+  }
+  logToStderr(verbose ? 1 : quiet ? -1 : 0);
+  return static_cast<int>(runVerb(chosen, run));
+}
+
+}  // namespace palpate
