@@ -83,9 +83,8 @@ $EndElements
 
 class GmshReader : public ::testing::Test {
  protected:
-  Mesh read(const std::string& text, double metres_per_unit = 1) {
-    std::ofstream(directory / "body.msh", std::ios::binary) << text;
-    return readGmsh(directory / "body.msh", metres_per_unit);
+  static Mesh read(const std::string& text, double metres_per_unit = 1) {
+    return parseGmsh(text, "body.msh", metres_per_unit);
   }
 
   void refuses(std::string text, const std::string& what, const std::string& instead,
