@@ -44,6 +44,12 @@ Eigen::Vector3d parseDisplacement(std::span<const std::string> words, std::strin
   return displacement;
 }
 
+/// Zero without its sign: -0 means nothing to a reader.
+template <class Derived>
+auto plain(const Eigen::MatrixBase<Derived>& values) {
+  return (values.array() + 0.0).matrix().eval();
+}
+
 std::string jsonArray(const Eigen::Vector3d& v) {
   return fmt::format("[{},{},{}]", v.x(), v.y(), v.z());
 }
@@ -129,7 +135,9 @@ class Query {
         output_(output) {}
 
   void answer(const Eigen::Vector3d& displacement) {
-    const ForceSample sample = field_->evaluate(displacement);
+    ForceSample sample = field_->evaluate(displacement);
+    sample.force = plain(sample.force);
+    sample.stiffness = plain(sample.stiffness);
     outside_ += sample.inside ? 0 : 1;
     output_ << (json_ ? describeJson(displacement, sample, field_->name())
                       : describeForPerson(dataset_, space_, displacement, sample, field_->name()));
@@ -177,6 +185,7 @@ Verb queryVerb() {
                "Displacement of the active node, metres; or - to read one per line from standard input")
             ->required()
             ->expected(1, 3)
+            ->allow_extra_args(false)
             ->type_name("X Y Z");
         app.add_option("--method", options->method,
                        fmt::format("Interpolation: {}", fmt::join(forceFieldMethods(), " or ")))
