@@ -1,0 +1,44 @@
+#pragma once
+
+#include <utility>
+
+#include "common/problem.hpp"
+
+/// Scenes made in code for what solves and schedules.
+namespace palpate::test {
+
+/// Mooney-Rivlin with the paper's constants, P1-stabilized, ln det F.
+inline Scene mooneyRivlinScene() {
+  Scene scene;
+  scene.name = "test";
+  scene.mesh = "test.msh";
+  scene.material.law = LawName::mooney_rivlin;
+  scene.material.c10 = 1300;
+  scene.material.c01 = 1280;
+  return scene;
+}
+
+/// St. Venant-Kirchhoff, the modified or the linear law: the paper's Young's modulus, displacement only where it may be.
+inline Scene youngScene(LawName law, double poisson = 0.3) {
+  Scene scene = mooneyRivlinScene();
+  scene.material = {};
+  scene.material.law = law;
+  scene.material.young = 15480;
+  scene.material.poisson = poisson;
+  if (!isIncompressible(law)) scene.discretization.pressure = PressureSpace::none;
+  return scene;
+}
+
+/// `scene` on `mesh`, side xmin fixed, one active node: the surface node nearest to `near`.
+inline Problem clampedProblem(Scene scene, Mesh mesh, const Eigen::Vector3d& near, double patch_radius = 0) {
+  scene.fixed = {};
+  scene.fixed.groups = {"xmin"};
+  ActiveSelection active;
+  active.name = "tip";
+  active.near = near;
+  active.radius = patch_radius;
+  scene.active = {active};
+  return resolve(std::move(scene), std::move(mesh));
+}
+
+}  // namespace palpate::test
