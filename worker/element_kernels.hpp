@@ -19,8 +19,9 @@ namespace palpate {
 
 inline constexpr int lanes = 8;
 
-/// A value for each tetrahedron of a batch.
-using Pack __attribute__((vector_size(lanes * sizeof(double)), aligned(lanes * sizeof(double)))) = double;
+/// A value for each tetrahedron of a batch. Its alignment depends on the CPU family, so structs that cross
+/// from one translation unit to another say theirs (alignas).
+using Pack = double __attribute__((vector_size(lanes * sizeof(double))));
 
 /// Local unknowns of a tetrahedron: node a has (u_x, u_y, u_z, q) at 4a .. 4a+3. q is the scaled pressure, p
 /// = scale q.
