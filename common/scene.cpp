@@ -257,7 +257,7 @@ HalfSpace readHalfSpace(const Section& section, bool below) {
 }
 
 Box readBox(const Section& section) {
-  const Box box = {
+  Box box = {
       section.point("lowest", section.require("lowest", "the corner [x, y, z] with the lowest coordinates")),
       section.point("highest",
                     section.require("highest", "the corner [x, y, z] with the highest coordinates"))};
