@@ -5,7 +5,10 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cctype>
 #include <csignal>
+#include <string>
+#include <vector>
 
 namespace palpate {
 namespace {
@@ -36,6 +39,16 @@ ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) 
     fmt::print(stderr, "palpate {}: unexpected: {}\n", verb, error.what());
     return ExitCode::failed;
   }
+}
+
+/// "-.5" is an option to CLI11, "-0.5" a number.
+std::vector<std::string> withLeadingZeros(int argc, char** argv) {
+  std::vector<std::string> arguments(argv, argv + argc);
+  for (std::string& argument : arguments)
+    if (argument.size() > 2 && argument.starts_with("-.") &&
+        std::isdigit(static_cast<unsigned char>(argument[2])))
+      argument.insert(1, "0");
+  return arguments;
 }
 
 }  // namespace
@@ -75,7 +88,10 @@ int runProgram(int argc, char** argv, const char* description, std::span<const V
     });
   }
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> arguments = withLeadingZeros(argc, argv);
+    std::vector<char*> pointers;
+    for (std::string& argument : arguments) pointers.push_back(argument.data());
+    app.parse(argc, pointers.data());
   } catch (const CLI::ParseError& error) {
     const bool asked_for_help = error.get_exit_code() == 0;
     app.exit(error);

@@ -63,7 +63,7 @@ double medianTime(const ForceField& field, const std::vector<Eigen::Vector3d>& p
   return times[times.size() / 2];
 }
 
-int measure(double seconds) {
+int runBenchmark(double seconds) {
   const Lattice lattice(radius, spacing);
   const SpaceTable space = test::solvedSpace(lattice, test::StiffeningEnergy());
   double sum = 0;
@@ -85,5 +85,5 @@ int measure(double seconds) {
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  return palpate::measure(argc > 1 ? std::atof(argv[1]) : 1.0);
+  return palpate::runBenchmark(argc > 1 ? std::atof(argv[1]) : 1.0);
 }
