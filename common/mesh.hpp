@@ -12,13 +12,14 @@ namespace palpate {
 using Tetrahedron = std::array<std::int32_t, 4>;
 using Triangle = std::array<std::int32_t, 3>;
 
-/// A tetrahedral mesh in the rest state. Node and element numbers are 0-based indices into these arrays, in the
-/// order of the file, after nodes that belong to no tetrahedron were dropped.
+/// A tetrahedral mesh in the rest state. Node and element numbers are 0-based indices into these arrays, in
+/// the order of the file, after nodes that belong to no tetrahedron were dropped.
 struct Mesh {
-  std::vector<Eigen::Vector3d> nodes;      ///< rest positions, metres
-  std::vector<Tetrahedron> tetrahedra;     ///< positive orientation: (b-a) x (c-a) . (d-a) > 0
-  std::vector<Triangle> surface;           ///< faces of exactly one tetrahedron, normals outward; derived
-  std::map<std::string, std::vector<std::int32_t>> node_groups;  ///< named physical groups (any dimension) -> sorted nodes
+  std::vector<Eigen::Vector3d> nodes;   ///< rest positions, metres
+  std::vector<Tetrahedron> tetrahedra;  ///< positive orientation: (b-a) x (c-a) . (d-a) > 0
+  std::vector<Triangle> surface;        ///< faces of exactly one tetrahedron, normals outward; derived
+  std::map<std::string, std::vector<std::int32_t>>
+      node_groups;                         ///< named physical groups (any dimension) -> sorted nodes
   std::int32_t dropped_nodes = 0;          ///< nodes of the file that no tetrahedron used
   std::int32_t reoriented_tetrahedra = 0;  ///< tetrahedra whose node order was turned (all of them, or none)
 };
@@ -29,24 +30,35 @@ double sixVolume(const Mesh& mesh, std::size_t element);
 /// Sorted indices of the nodes on the surface.
 std::vector<std::int32_t> surfaceNodes(const Mesh& mesh);
 
+/// Number of the connected piece each node belongs to, 0.. in the order of their first nodes. Pieces that
+/// share a node are one.
+std::vector<std::int32_t> pieceOfNode(const Mesh& mesh);
+
+/// Shape of tetrahedron `element`: 12 (3|V|)^(2/3) / sum of squared edges, 1 for regular, 0 for flat.
+double shapeOf(const Mesh& mesh, std::size_t element);
+
 /// What `palpate check` prints about a mesh.
 struct MeshQuality {
-  double volume = 0;                          ///< cubic metres
-  Eigen::Vector3d lowest = {0, 0, 0}, highest = {0, 0, 0};  ///< bounding box, metres
+  double volume = 0;                                          ///< cubic metres
+  Eigen::Vector3d lowest = {0, 0, 0}, highest = {0, 0, 0};    ///< bounding box, metres
   double shortest_edge = 0, mean_edge = 0, longest_edge = 0;  ///< metres
-  double worst_shape = 0;   ///< smallest of 12 (3V)^(2/3) / sum of squared edges, 1 for regular, 0 for flat
+  double worst_shape = 0;                                     ///< smallest shapeOf
   double mean_shape = 0;
   std::int32_t worst_element = -1;
   std::int32_t components = 0;  ///< connected pieces
 };
 MeshQuality measure(const Mesh& mesh);
 
-/// Finishes a mesh that a reader filled with nodes, tetrahedra and node_groups: drops orphan nodes, checks and fixes
-/// orientation, refuses what cannot be computed on, derives the surface. `source` names the file in errors.
+/// Finishes a mesh that a reader filled with nodes, tetrahedra and node_groups: drops orphan nodes, checks
+/// and fixes orientation, refuses what cannot be computed on, derives the surface. `source` names the file in
+/// errors.
 ///
-/// Orientation: if every element has negative volume the whole file is turned (reoriented_tetrahedra); a mixture is
-/// refused, naming the first offending element. Also refused: no tetrahedra, indices out of range, coordinates that are not
-/// finite, an element with a repeated node, a degenerate element (shape measure < 1e-6), a face shared by three tetrahedra.
+/// Orientation: if every element has negative volume the whole file is turned (reoriented_tetrahedra); a
+/// mixture is refused, naming the first offending element. Also refused: no tetrahedra, indices out of range,
+/// coordinates that are not finite, an element with a repeated node, a degenerate element (shape measure <
+/// 1e-6), a face shared by three tetrahedra or by two on the same side. Elements are named by their 0-based
+/// number and the position of their centre, since the numbers that a file gives its elements are gone by
+/// then.
 void finishMesh(Mesh& mesh, const std::string& source);
 
 }  // namespace palpate

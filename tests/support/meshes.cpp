@@ -1,0 +1,195 @@
+#include "tests/support/meshes.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <random>
+
+#include "common/error.hpp"
+
+namespace palpate::test {
+namespace {
+
+/// The six orders in which a path from one corner of a brick to the opposite one can take the three axes.
+constexpr std::array<std::array<int, 3>, 6> axis_orders = {
+    {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
+
+using Cells = std::array<int, 3>;
+
+std::int32_t numberOf(const Cells& cells, const std::array<int, 3>& at) {
+  return at[0] + (cells[0] + 1) * (at[1] + (cells[1] + 1) * at[2]);
+}
+
+Tetrahedron kuhnTetrahedron(const Cells& cells, std::array<int, 3> at, int order) {
+  Tetrahedron nodes;
+  nodes[0] = numberOf(cells, at);
+  for (int i = 0; i < 3; ++i) {
+    ++at[axis_orders[order][i]];
+    nodes[i + 1] = numberOf(cells, at);
+  }
+  const bool even_order = order < 3;
+  if (!even_order) std::swap(nodes[2], nodes[3]);
+  return nodes;
+}
+
+/// The box before finishMesh, with its nodes on the unit lattice: node (i, j, k) is at (i, j, k).
+Mesh latticeBox(const Cells& cells) {
+  Mesh mesh;
+  for (int k = 0; k <= cells[2]; ++k)
+    for (int j = 0; j <= cells[1]; ++j)
+      for (int i = 0; i <= cells[0]; ++i) {
+        const auto node = static_cast<std::int32_t>(mesh.nodes.size());
+        mesh.nodes.emplace_back(i, j, k);
+        const std::array<int, 3> at = {i, j, k};
+        for (int axis = 0; axis < 3; ++axis) {
+          const std::string letter(1, static_cast<char>('x' + axis));
+          if (at[axis] == 0) mesh.node_groups[letter + "min"].push_back(node);
+          if (at[axis] == cells[axis]) mesh.node_groups[letter + "max"].push_back(node);
+        }
+      }
+  for (int k = 0; k < cells[2]; ++k)
+    for (int j = 0; j < cells[1]; ++j)
+      for (int i = 0; i < cells[0]; ++i)
+        for (int order = 0; order < 6; ++order)
+          mesh.tetrahedra.push_back(kuhnTetrahedron(cells, {i, j, k}, order));
+  return mesh;
+}
+
+Eigen::Vector3d asVector(const Cells& cells) {
+  return {double(cells[0]), double(cells[1]), double(cells[2])};
+}
+
+/// From the cube [-1, 1]^3 towards the unit ball. All the way would flatten the tetrahedra along the cube's
+/// edges.
+Eigen::Vector3d rounded(const Eigen::Vector3d& x) {
+  constexpr double roundness = 0.7;
+  const Eigen::Vector3d q = x.cwiseProduct(x);
+  const Eigen::Vector3d ball(x[0] * std::sqrt(1 - q[1] / 2 - q[2] / 2 + q[1] * q[2] / 3),
+                             x[1] * std::sqrt(1 - q[2] / 2 - q[0] / 2 + q[2] * q[0] / 3),
+                             x[2] * std::sqrt(1 - q[0] / 2 - q[1] / 2 + q[0] * q[1] / 3));
+  return (1 - roundness) * x + roundness * ball;
+}
+
+std::ofstream create(const std::filesystem::path& file) {
+  std::ofstream out(file);
+  if (!out) throw failure("cannot write {}", file.string());
+  out.precision(17);
+  return out;
+}
+
+void writePhysicalNames(const Mesh& mesh, std::ofstream& out) {
+  out << "$PhysicalNames\n" << mesh.node_groups.size() + 1 << "\n3 1 \"body\"\n";
+  int number = 1;
+  for (const auto& [name, nodes] : mesh.node_groups) out << "0 " << number++ << " \"" << name << "\"\n";
+  out << "$EndPhysicalNames\n";
+}
+
+std::size_t groupedNodes(const Mesh& mesh) {
+  std::size_t count = 0;
+  for (const auto& [name, nodes] : mesh.node_groups) count += nodes.size();
+  return count;
+}
+
+void finishFile(std::ofstream& out, const std::filesystem::path& file) {
+  out.close();
+  if (!out) throw failure("cannot write {}", file.string());
+}
+
+}  // namespace
+
+Mesh boxMesh(const Eigen::Vector3d& size, const std::array<int, 3>& cells) {
+  return distortedBoxMesh(size, cells, 0.0);
+}
+
+Mesh cubeMesh(double edge, int n) {
+  return boxMesh(Eigen::Vector3d::Constant(edge), {n, n, n});
+}
+
+Mesh distortedBoxMesh(const Eigen::Vector3d& size, const std::array<int, 3>& cells, double amount,
+                      std::uint32_t seed) {
+  Mesh mesh = latticeBox(cells);
+  std::mt19937 random(seed);
+  for (Eigen::Vector3d& node : mesh.nodes)
+    for (int axis = 0; axis < 3; ++axis) {
+      // Not uniform_real_distribution: its values differ between standard libraries.
+      const double move = amount * (2.0 * random() / 4294967295.0 - 1);
+      const bool inner = (node.array() > 0.5 && node.array() < asVector(cells).array() - 0.5).all();
+      if (inner) node[axis] += move;
+    }
+  for (Eigen::Vector3d& node : mesh.nodes) node = node.cwiseQuotient(asVector(cells)).cwiseProduct(size);
+  finishMesh(mesh, "a box made in code");
+  return mesh;
+}
+
+Mesh beamMesh() {
+  return boxMesh({0.1, 0.02, 0.02}, {10, 2, 2});
+}
+
+Mesh blobMesh(int n) {
+  Mesh mesh = latticeBox({n, n, n});
+  for (Eigen::Vector3d& node : mesh.nodes) {
+    const Eigen::Vector3d x = rounded(2.0 / n * node - Eigen::Vector3d::Ones());
+    node = {0.1 * x[0], 0.07 * x[1] * (1 - 0.2 * x[0]), 0.05 * x[2] + 0.02 * x[0] * x[0]};
+  }
+  finishMesh(mesh, "a blob made in code");
+  return mesh;
+}
+
+Mesh tetrahedronMesh(double edge) {
+  Mesh mesh;
+  mesh.nodes = {Eigen::Vector3d::Zero(), edge * Eigen::Vector3d::UnitX(), edge * Eigen::Vector3d::UnitY(),
+                edge * Eigen::Vector3d::UnitZ()};
+  mesh.tetrahedra = {{0, 1, 2, 3}};
+  mesh.node_groups = {{"xmin", {0, 2, 3}}, {"xmax", {1}},       {"ymin", {0, 1, 3}},
+                      {"ymax", {2}},       {"zmin", {0, 1, 2}}, {"zmax", {3}}};
+  finishMesh(mesh, "a tetrahedron made in code");
+  return mesh;
+}
+
+void writeGmsh22(const Mesh& mesh, const std::filesystem::path& file) {
+  std::ofstream out = create(file);
+  out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
+  writePhysicalNames(mesh, out);
+  out << "$Nodes\n" << mesh.nodes.size() << "\n";
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
+    out << n + 1 << " " << mesh.nodes[n].transpose() << "\n";
+  out << "$EndNodes\n$Elements\n" << groupedNodes(mesh) + mesh.tetrahedra.size() << "\n";
+  int element = 1, group = 1;
+  for (const auto& [name, nodes] : mesh.node_groups) {
+    for (const std::int32_t node : nodes)
+      out << element++ << " 15 2 " << group << " " << group << " " << node + 1 << "\n";
+    ++group;
+  }
+  for (const Tetrahedron& t : mesh.tetrahedra)
+    out << element++ << " 4 2 1 1 " << t[0] + 1 << " " << t[1] + 1 << " " << t[2] + 1 << " " << t[3] + 1
+        << "\n";
+  out << "$EndElements\n";
+  finishFile(out, file);
+}
+
+void writeGmsh41(const Mesh& mesh, const std::filesystem::path& file) {
+  std::ofstream out = create(file);
+  const std::size_t n_groups = mesh.node_groups.size();
+  out << "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
+  writePhysicalNames(mesh, out);
+  out << "$Entities\n" << n_groups << " 0 0 1\n";
+  for (std::size_t group = 1; group <= n_groups; ++group) out << group << " 0 0 0 1 " << group << "\n";
+  out << "1 -1 -1 -1 1 1 1 1 1 0\n$EndEntities\n";
+  out << "$Nodes\n1 " << mesh.nodes.size() << " 1 " << mesh.nodes.size() << "\n3 1 0 " << mesh.nodes.size()
+      << "\n";
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) out << n + 1 << "\n";
+  for (const Eigen::Vector3d& node : mesh.nodes) out << node.transpose() << "\n";
+  const std::size_t n_elements = groupedNodes(mesh) + mesh.tetrahedra.size();
+  out << "$EndNodes\n$Elements\n" << n_groups + 1 << " " << n_elements << " 1 " << n_elements << "\n";
+  int element = 1, group = 1;
+  for (const auto& [name, nodes] : mesh.node_groups) {
+    out << "0 " << group++ << " 15 " << nodes.size() << "\n";
+    for (const std::int32_t node : nodes) out << element++ << " " << node + 1 << "\n";
+  }
+  out << "3 1 4 " << mesh.tetrahedra.size() << "\n";
+  for (const Tetrahedron& t : mesh.tetrahedra)
+    out << element++ << " " << t[0] + 1 << " " << t[1] + 1 << " " << t[2] + 1 << " " << t[3] + 1 << "\n";
+  out << "$EndElements\n";
+  finishFile(out, file);
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+namespace palpate::test {
+
+/// A file under the CMake cache variable PALPATE_REFERENCE_DATA, which holds real meshes
+/// (meshes/liver-493.msh, ...) that the project does not ship.
+inline std::filesystem::path referenceData(const std::filesystem::path& name) {
+  return std::filesystem::path(PALPATE_REFERENCE_DATA) / name;
+}
+
+}  // namespace palpate::test
+
+/// Ends the running test as skipped, saying why, when `name` is not there; else defines `variable` as its
+/// path.
+#define PALPATE_REFERENCE_FILE(variable, name)                                                      \
+  const std::filesystem::path variable = ::palpate::test::referenceData(name);                      \
+  if (!std::filesystem::exists(variable))                                                           \
+  GTEST_SKIP() << "NOT RUN: there is no " << variable                                               \
+               << "; set the CMake cache variable PALPATE_REFERENCE_DATA to the folder that holds " \
+               << (name)
