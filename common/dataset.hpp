@@ -26,11 +26,12 @@ struct FailedAttempt {
 struct PointRecord {
   Tag tag = Tag::unknown;
   Cause cause = Cause::none;  ///< when failed: of the attempt that got furthest
-  std::int32_t parent = -1;   ///< lattice number it was solved from; the origin is its own parent; -1 when not solved
-  Equilibrium equilibrium;    ///< valid when expandable or terminating
-  double residual = 0;        ///< N
-  Cost cost;                  ///< `seconds` is not stored
-  ContentId fields;           ///< of its NodalFields; all zero when not solved
+  std::int32_t parent =
+      -1;  ///< lattice number it was solved from; the origin is its own parent; -1 when not solved
+  Equilibrium equilibrium;  ///< valid when expandable or terminating
+  double residual = 0;      ///< N
+  Cost cost;                ///< `seconds` is not stored
+  ContentId fields;         ///< of its NodalFields; all zero when not solved
 };
 
 /// One configuration space without the bulky fields. points[n] belongs to lattice number n.
@@ -43,30 +44,34 @@ struct SpaceTable {
 /// Gives the nodal fields of a solved point while a dataset is sealed. Throws Error when they cannot be read.
 using FieldsSource = std::function<NodalFields(std::size_t space, std::int32_t point)>;
 
-/// Writes a sealed dataset: aside as FILE.tmp, closed, re-opened and checked against the hashes, fsynced, renamed over FILE,
-/// directory fsynced. At any kill FILE is the old one, the new one or absent, never a part. The bytes are a function of the
-/// arguments alone (no time stamps). Layout: docs/dataset.md. Error on any HDF5 or system failure; FILE.tmp is then removed.
+/// Writes a sealed dataset: aside as FILE.tmp, closed, re-opened and checked against the hashes, fsynced,
+/// renamed over FILE, directory fsynced. At any kill FILE is the old one, the new one or absent, never a
+/// part. The bytes are a function of the arguments alone (no time stamps). Layout: docs/dataset.md. Error on
+/// any HDF5 or system failure; FILE.tmp is then removed.
 void sealDataset(const std::filesystem::path& file, const Problem& problem, const Lattice& lattice,
-                 const std::vector<SpaceTable>& spaces, const std::string& kernel_family, const FieldsSource& fields);
+                 const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
+                 const FieldsSource& fields);
 
-/// A sealed dataset, opened for reading. Everything but the nodal fields is in memory after construction; those are read when
-/// asked for. One thread at a time (HDF5 is not thread-safe); the tables may be read by any thread.
+/// A sealed dataset, opened for reading. Everything but the nodal fields is in memory after construction;
+/// those are read when asked for. One thread at a time (HDF5 is not thread-safe); the tables may be read by
+/// any thread.
 class Dataset {
  public:
-  /// Opens and verifies `file`. Error when it is missing, truncated, not a Palpate dataset, of a newer major version, or when
-  /// an array that is read does not match its hash; the message names file and array.
+  /// Opens and verifies `file`. Error when it is missing, truncated, not a Palpate dataset, of a newer major
+  /// version, or when an array that is read does not match its hash; the message names file and array.
   explicit Dataset(const std::filesystem::path& file);
   ~Dataset();
   Dataset(Dataset&&) noexcept;
   Dataset& operator=(Dataset&&) noexcept;
 
   const std::filesystem::path& file() const;
-  ContentId contentId() const;           ///< over all arrays and the scene: equal for equal results
-  ContentId buildId() const;             ///< problemId of the problem it answers
+  ContentId contentId() const;  ///< over all arrays and the scene: equal for equal results
+  ContentId buildId() const;    ///< problemId of the problem it answers
   const std::string& kernelFamily() const;
   const std::string& sceneToml() const;  ///< resolved scene
   const Scene& scene() const;
-  const Mesh& mesh() const;              ///< node_groups are not stored
+  const Mesh& mesh() const;                             ///< node_groups are not stored
+  const std::vector<std::int32_t>& fixedNodes() const;  ///< sorted
   const Lattice& lattice() const;
   const std::vector<SpaceTable>& spaces() const;
 

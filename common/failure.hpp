@@ -13,7 +13,7 @@ enum class Cause : std::uint8_t {
   none = 0,                  ///< no failure
   iteration_limit = 1,       ///< Newton used up its iterations while still descending
   line_search_stalled = 2,   ///< no step along the Newton direction reduced the residual
-  inverted_element = 3,      ///< converged, but an element has det F <= 0
+  inverted_element = 3,      ///< an element has det F <= 0: in the converged state, or wherever ln det F would be needed
   wrong_inertia = 4,         ///< converged, but to an unstable or other branch: MUMPS counts the wrong negative pivots
   factorization_failed = 5,  ///< MUMPS gave up; mumps_infog says why
   not_finite = 6,            ///< NaN or infinity in residual, tangent or force

@@ -16,34 +16,46 @@ namespace palpate {
 /// The tool's contact: the active node and every node that moves rigidly with it.
 struct ActivePatch {
   std::string name;
-  std::int32_t node = -1;              ///< the active node
-  std::vector<std::int32_t> nodes;     ///< sorted, contains `node`, disjoint from the fixed nodes
+  std::int32_t node = -1;           ///< the active node
+  std::vector<std::int32_t> nodes;  ///< sorted, contains `node`, disjoint from the fixed nodes
 };
 
 /// A scene with its mesh and with its selectors resolved to nodes: everything that determines a dataset.
 struct Problem {
   Scene scene;
   Mesh mesh;
-  std::vector<std::int32_t> fixed;     ///< sorted
-  std::vector<ActivePatch> active;     ///< one configuration space each, in the order of the scene
+  std::vector<std::int32_t> fixed;  ///< sorted
+  std::vector<ActivePatch> active;  ///< one configuration space each, in the order of the scene
 };
 
-/// Resolves the selectors of a scene on its mesh. Error (bad input), naming the scene's key, when the fixed set is
-/// empty or contains every node, when a selector selects nothing, when an active node is fixed or not on the surface, when a mesh
-/// is larger than 10 m or smaller than 1 mm (a unit mistaken: the message says which length_unit would make it plausible), when the
-/// workspace radius exceeds 3 bounding-box diagonals, or when two pieces of the mesh are not connected and one has no fixed node.
+/// Resolves the selectors of a scene on its mesh. Error (bad input), naming the scene's key, when
+/// - the mesh is larger than 10 m or smaller than 1 mm (a unit mistaken: the message says which length_unit
+/// would be plausible);
+/// - a selector selects nothing, or a group or node does not exist;
+/// - the fixed set is empty, contains every node, or lies on one line in a piece of the mesh;
+/// - an active node is fixed or not on the surface, `near` is farther from the surface than the body is wide,
+/// or patch and
+///   fixed nodes are the whole body;
+/// - the mesh has a piece, not connected to the others by a shared node, without fixed nodes;
+/// - the workspace radius exceeds 3 bounding-box diagonals.
+/// Distances "within a radius" allow 5e-13 of it for round-off.
 Problem resolve(Scene scene, Mesh mesh);
 
 /// readScene + read the mesh (by file ending) + resolve.
 Problem loadProblem(const std::filesystem::path& scene_file);
 
-/// The problem as bytes (Protobuf message palpate.wire.Problem, deterministic field order) and back. The worker gets
-/// it in this form. decodeProblem checks everything that resolve checks about numbers; Error when damaged.
+/// The problem as bytes (Protobuf message palpate.wire.Problem, deterministic field order) and back. The
+/// worker gets it in this form. The decoded scene is the resolved one: mesh path reduced to its file name,
+/// metres_per_unit = 1. The node sets are those of the bytes, not selected anew, and are checked like
+/// resolve's; Error (failure) when damaged.
 std::string encodeProblem(const Problem& problem);
 Problem decodeProblem(std::string_view bytes);
 
-/// Name of a build: the id of encodeProblem(problem). Two scenes with the same id give the same dataset. It covers the
-/// physics, lattice and mesh; not file paths.
+/// Name of a build: two problems with the same id have the same configurations. It covers material,
+/// discretisation, workspace, nodes, tetrahedra, fixed nodes, and names and nodes of the active patches. It
+/// does not cover what has no influence on them, so that a change there does not throw a computation away:
+/// the scene's name, file paths, the selectors (only the nodes they select count), node groups and the unit
+/// the files were written in.
 ContentId problemId(const Problem& problem);
 
 }  // namespace palpate

@@ -14,33 +14,40 @@ namespace palpate {
 /// [material]. Keys that the law does not take are refused; all moduli > 0, -1 < poisson < 0.5.
 struct Material {
   LawName law = LawName::mooney_rivlin;
-  double c10 = 0, c01 = 0;          ///< Pa; mooney-rivlin; c01 >= 0, c10 > 0
-  double young = 0;                 ///< Pa; linear and the two St. Venant-Kirchhoff laws
-  std::optional<double> poisson;    ///< required by linear and st-venant-kirchhoff; optional for the modified law
+  double c10 = 0, c01 = 0;  ///< Pa; mooney-rivlin; c01 >= 0, c10 > 0
+  double young = 0;         ///< Pa; linear and the two St. Venant-Kirchhoff laws
+  std::optional<double>
+      poisson;  ///< required by linear and st-venant-kirchhoff; optional for the modified law
 };
 
 /// True for the laws that are used with det F = 1, which therefore need a pressure.
 bool isIncompressible(LawName law);
 
-/// [discretization]. displacement is "P1" for now. The default pressure follows the law: "P1-stabilized" for an
-/// incompressible one, else "none"; the other combinations are refused with the reason.
+/// [discretization]. displacement is "P1" for now. The default pressure follows the law: "P1-stabilized" for
+/// an incompressible one, else "none"; the other combinations are refused with the reason.
 struct Discretization {
   PressureSpace pressure = PressureSpace::p1_stabilized;
   Constraint constraint = Constraint::ln_det_F;
 };
 
-/// Axis-aligned half space: nodes with coordinate below (or above) a plane, given as `fraction` of the bounding box
-/// or as `at` in metres. below: x < xmin + fraction (xmax - xmin); above: x > xmax - fraction (xmax - xmin).
+/// Axis-aligned half space: nodes with coordinate below (or above) a plane, given as `fraction` of the
+/// bounding box or as `at` in metres. below: x < xmin + fraction (xmax - xmin); above: x > xmax - fraction
+/// (xmax - xmin).
 struct HalfSpace {
   int axis = 0;  ///< 0 x, 1 y, 2 z
   bool below = true;
   std::optional<double> fraction, at;
 };
-struct Box { Eigen::Vector3d lowest, highest; };      ///< metres, closed
-struct Sphere { Eigen::Vector3d center; double radius; };  ///< metres, closed
+struct Box {
+  Eigen::Vector3d lowest, highest;
+};  ///< metres, closed
+struct Sphere {
+  Eigen::Vector3d center;
+  double radius;
+};  ///< metres, closed
 
-/// [fixed]: the union of everything given. `below`, `above`, `box`, `sphere` may be one table or an array of tables;
-/// `group` a name or an array of names; `nodes` an array of 0-based node numbers.
+/// [fixed]: the union of everything given. `below`, `above`, `box`, `sphere` may be one table or an array of
+/// tables; `group` a name or an array of names; `nodes` an array of 0-based node numbers.
 struct FixedSelection {
   std::vector<HalfSpace> half_spaces;
   std::vector<Box> boxes;
@@ -54,22 +61,22 @@ struct ActiveSelection {
   std::string name;                     ///< unique; letters, digits, '-' and '_'
   std::optional<Eigen::Vector3d> near;  ///< metres: the nearest surface node
   std::optional<std::int32_t> node;     ///< 0-based; must lie on the surface
-  double radius = 0;                    ///< metres: every node within it (<=) moves rigidly, fixed ones excepted
+  double radius = 0;  ///< metres: every node within it (<=) moves rigidly, fixed ones excepted
 };
 
 /// [workspace].
 struct Workspace {
-  double radius = 0.1;        ///< m, r_G
-  double spacing = 0.02;      ///< m
-  double max_force = 8.5;     ///< N; beyond it a configuration is terminating
+  double radius = 0.1;          ///< m, r_G
+  double spacing = 0.02;        ///< m
+  double max_force = 8.5;       ///< N; beyond it a configuration is terminating
   bool reject_inverted = true;  ///< a converged state with min det F <= 0 is failed, cause inverted_element
 };
 
 /// One scene file, validated, in SI units, every default filled in.
 struct Scene {
   std::string name;
-  std::filesystem::path mesh;    ///< absolute, or as in the file when read from text
-  double metres_per_unit = 1;    ///< of the *mesh file*; every length in this struct is metres already
+  std::filesystem::path mesh;  ///< absolute, or as in the file when read from text
+  double metres_per_unit = 1;  ///< of the *mesh file*; every length in this struct is metres already
   Material material;
   Discretization discretization;
   FixedSelection fixed;
@@ -77,16 +84,18 @@ struct Scene {
   Workspace workspace;
 };
 
-/// Reads a scene file. Error (bad input) for a missing file, TOML syntax, an unknown key, a wrong type or an impossible
-/// value, naming file, line and key, with the nearest known key when one is close.
-/// length_unit ("m", "cm" or "mm") applies to every length in the scene and to the mesh.
+/// Reads a scene file. Error (bad input) for a missing file, TOML syntax, an unknown key, a wrong type or an
+/// impossible value, naming file, line and key, with the nearest known key when one is close. length_unit
+/// ("m", "cm" or "mm") applies to every length in the scene and to the mesh (toMetres in mesh.hpp). A scene
+/// without `name` is called like its file. docs/scene.md describes every key for users.
 Scene readScene(const std::filesystem::path& file);
 
 /// The same from text; `source` names it in errors. A relative mesh path stays relative.
 Scene parseScene(const std::string& text, const std::string& source);
 
-/// The scene as TOML in SI with all defaults written out. parseScene(resolvedToml(s)) == s up to the mesh path, which is
-/// reduced to its file name, and numbers round-trip exactly.
+/// The scene as TOML in SI with all defaults written out, to stand beside the mesh in metres:
+/// parseScene(resolvedToml(s)) == s with the mesh path reduced to its file name and metres_per_unit = 1.
+/// Numbers round-trip exactly. The same scene gives the same bytes on every machine.
 std::string resolvedToml(const Scene& scene);
 
 }  // namespace palpate

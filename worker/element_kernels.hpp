@@ -18,14 +18,14 @@ namespace palpate {
 inline constexpr int lanes = 8;
 
 /// A value for each tetrahedron of a batch.
-using Pack = double __attribute__((vector_size(lanes * sizeof(double))));
+using Pack __attribute__((vector_size(lanes * sizeof(double)), aligned(lanes * sizeof(double)))) = double;
 
 /// Local unknowns of a tetrahedron: node a has (u_x, u_y, u_z, q) at 4a .. 4a+3. q is the scaled pressure, p = scale q.
 inline constexpr int local_unknowns = 16;
 /// Entries of the upper triangle of the local tangent, row by row: (0,0) (0,1) ... (0,15) (1,1) ...
 inline constexpr int local_entries = local_unknowns * (local_unknowns + 1) / 2;
 
-struct BatchGeometry {
+struct alignas(64) BatchGeometry {
   std::int32_t node[4][lanes];  ///< node numbers; a batch that is not full repeats its last tetrahedron with volume 0
   Pack gradient[3][3];          ///< gradient[a][I] = dN_a/dX_I of the first three nodes, 1/m; the fourth is minus their sum
   Pack volume;                  ///< m^3
@@ -42,12 +42,12 @@ struct ElementParameters {
   double stabilization = 0;      ///< alpha / mu, 1/Pa
 };
 
-struct BatchResult {
+struct alignas(64) BatchResult {
   Pack energy;                    ///< L of each tetrahedron, J
   Pack det_F;
   Pack residual[local_unknowns];  ///< dL/d(unknown): N for displacements, scale * m^3 for pressures
 };
-struct BatchTangent {
+struct alignas(64) BatchTangent {
   Pack entry[local_entries];  ///< second derivatives of L
 };
 

@@ -10,11 +10,8 @@ namespace {
 
 #define PALPATE_INLINE inline __attribute__((always_inline))
 
-constexpr int voigt_row[6] = {0, 1, 2, 0, 1, 0};
-constexpr int voigt_column[6] = {0, 1, 2, 1, 2, 2};
-
 PALPATE_INLINE Pack logarithm(Pack x) {
-  Pack y = {};
+  Pack y;
   for (int l = 0; l < lanes; ++l) y[l] = std::log(x[l]);
   return y;
 }
@@ -22,11 +19,9 @@ PALPATE_INLINE Pack logarithm(Pack x) {
 /// What the deformation of a batch amounts to.
 struct Kinematics {
   Pack F[3][3];
-  Pack J;                ///< det F
-  Pack strain[6];        ///< Voigt, engineering shear
-  Pack C_inverse[6];     ///< Voigt order, tensor components; only when a pressure acts
+  Strain<Pack> strain;
   Pack gradient[4][3];   ///< dN_a/dX
-  Pack q[4] = {}, q_mean;
+  Pack q[4], q_mean;
 };
 
 template <bool small_strain, bool mixed>
@@ -37,7 +32,7 @@ PALPATE_INLINE void deform(const BatchGeometry& geometry, const double* u, const
   }
   Pack grad_u[3][3] = {};
   for (int i = 0; i < 3; ++i) {
-    Pack nodal[4] = {};
+    Pack nodal[4];
     for (int a = 0; a < 4; ++a)
       for (int l = 0; l < lanes; ++l) nodal[a][l] = u[3 * geometry.node[a][l] + i];
     for (int a = 0; a < 3; ++a) {
@@ -48,7 +43,7 @@ PALPATE_INLINE void deform(const BatchGeometry& geometry, const double* u, const
   for (int i = 0; i < 3; ++i)
     for (int I = 0; I < 3; ++I) k.F[i][I] = grad_u[i][I] + (i == I ? 1.0 : 0.0);
   const auto& F = k.F;
-  k.J = F[0][0] * (F[1][1] * F[2][2] - F[1][2] * F[2][1]) - F[0][1] * (F[1][0] * F[2][2] - F[1][2] * F[2][0]) +
+  k.strain.J = F[0][0] * (F[1][1] * F[2][2] - F[1][2] * F[2][1]) - F[0][1] * (F[1][0] * F[2][2] - F[1][2] * F[2][0]) +
         F[0][2] * (F[1][0] * F[2][1] - F[1][1] * F[2][0]);
   for (int v = 0; v < 6; ++v) {
     const int I = voigt_row[v], K = voigt_column[v];
@@ -56,18 +51,18 @@ PALPATE_INLINE void deform(const BatchGeometry& geometry, const double* u, const
     Pack e = grad_u[I][K] + grad_u[K][I];
     if constexpr (!small_strain)
       for (int i = 0; i < 3; ++i) e += grad_u[i][I] * grad_u[i][K];
-    k.strain[v] = v < 3 ? 0.5 * e : e;
+    k.strain.e[v] = v < 3 ? 0.5 * e : e;
   }
   if constexpr (mixed) {
     Pack C[6];
-    for (int v = 0; v < 6; ++v) C[v] = v < 3 ? 2.0 * k.strain[v] + 1.0 : k.strain[v];
-    const Pack inverse_det = 1.0 / (k.J * k.J);
-    k.C_inverse[0] = (C[1] * C[2] - C[4] * C[4]) * inverse_det;
-    k.C_inverse[1] = (C[0] * C[2] - C[5] * C[5]) * inverse_det;
-    k.C_inverse[2] = (C[0] * C[1] - C[3] * C[3]) * inverse_det;
-    k.C_inverse[3] = (C[5] * C[4] - C[3] * C[2]) * inverse_det;
-    k.C_inverse[4] = (C[3] * C[5] - C[0] * C[4]) * inverse_det;
-    k.C_inverse[5] = (C[3] * C[4] - C[5] * C[1]) * inverse_det;
+    for (int v = 0; v < 6; ++v) C[v] = v < 3 ? 2.0 * k.strain.e[v] + 1.0 : k.strain.e[v];
+    const Pack inverse_det = 1.0 / (k.strain.J * k.strain.J);
+    k.strain.C_inverse[0] = (C[1] * C[2] - C[4] * C[4]) * inverse_det;
+    k.strain.C_inverse[1] = (C[0] * C[2] - C[5] * C[5]) * inverse_det;
+    k.strain.C_inverse[2] = (C[0] * C[1] - C[3] * C[3]) * inverse_det;
+    k.strain.C_inverse[3] = (C[5] * C[4] - C[3] * C[2]) * inverse_det;
+    k.strain.C_inverse[4] = (C[3] * C[5] - C[0] * C[4]) * inverse_det;
+    k.strain.C_inverse[5] = (C[3] * C[4] - C[5] * C[1]) * inverse_det;
     for (int a = 0; a < 4; ++a)
       for (int l = 0; l < lanes; ++l) k.q[a][l] = q[geometry.node[a][l]];
     k.q_mean = 0.25 * (k.q[0] + k.q[1] + k.q[2] + k.q[3]);
@@ -98,10 +93,10 @@ PALPATE_INLINE void computeResidual(const Law& law, const ElementParameters& par
   const double scale = parameters.pressure_scale;
   for (Pack& r : result.residual) r = Pack{};
   if constexpr (mixed) {
-    constraint = constrain(parameters.constraint, k.J);
+    constraint = constrain(parameters.constraint, k.strain.J);
     const Pack p = scale * k.q_mean;
     L -= p * constraint.c;
-    for (int v = 0; v < 6; ++v) S[v] -= p * constraint.a * k.C_inverse[v];
+    for (int v = 0; v < 6; ++v) S[v] -= p * constraint.a * k.strain.C_inverse[v];
     const double stabilization = parameters.stabilization * scale * scale;
     for (int a = 0; a < 4; ++a) {
       Pack projected = Pack{};
@@ -111,7 +106,7 @@ PALPATE_INLINE void computeResidual(const Law& law, const ElementParameters& par
     }
   }
   result.energy = V * L;
-  result.det_F = k.J;
+  result.det_F = k.strain.J;
 
   // First Piola-Kirchhoff stress P = F S (S itself when strains are small), times V.
   const Pack stress[3][3] = {{S[0], S[3], S[5]}, {S[3], S[1], S[4]}, {S[5], S[4], S[2]}};
@@ -145,9 +140,9 @@ PALPATE_INLINE void computeTangent(const Law& law, const ElementParameters& para
   if constexpr (mixed) {
     const Pack p = scale * k.q_mean;
     const Pack pa = p * constraint.a, pb = p * constraint.b;
-    const Pack Ci[3][3] = {{k.C_inverse[0], k.C_inverse[3], k.C_inverse[5]},
-                           {k.C_inverse[3], k.C_inverse[1], k.C_inverse[4]},
-                           {k.C_inverse[5], k.C_inverse[4], k.C_inverse[2]}};
+    Pack Ci[3][3];
+    for (int I = 0; I < 3; ++I)
+      for (int K = 0; K < 3; ++K) Ci[I][K] = k.strain.C_inverse[voigt_of[I][K]];
     for (int v = 0; v < 6; ++v)
       for (int w = v; w < 6; ++w) {
         const int I = voigt_row[v], K = voigt_column[v], M = voigt_row[w], N = voigt_column[w];
@@ -222,11 +217,10 @@ PALPATE_INLINE void computeTangent(const Law& law, const ElementParameters& para
     for (int i = 0; i < 3; ++i) {
       Pack coupling = Pack{};
       if constexpr (mixed) {
-        const int symmetric[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
         for (int I = 0; I < 3; ++I) {
-          Pack F_C_inverse = k.F[i][0] * k.C_inverse[symmetric[0][I]];
-          F_C_inverse += k.F[i][1] * k.C_inverse[symmetric[1][I]];
-          F_C_inverse += k.F[i][2] * k.C_inverse[symmetric[2][I]];
+          Pack F_C_inverse = k.F[i][0] * k.strain.C_inverse[voigt_of[0][I]];
+          F_C_inverse += k.F[i][1] * k.strain.C_inverse[voigt_of[1][I]];
+          F_C_inverse += k.F[i][2] * k.strain.C_inverse[voigt_of[2][I]];
           coupling += F_C_inverse * k.gradient[a][I];
         }
         coupling *= -0.25 * scale * V * constraint.a;

@@ -1,0 +1,18 @@
+#include "common/dataset_layout.hpp"
+
+#include <algorithm>
+
+namespace palpate::layout {
+
+ContentId contentHash(const std::string& scene_toml, std::vector<hdf5::ArrayInfo> arrays) {
+  std::sort(arrays.begin(), arrays.end(),
+            [](const hdf5::ArrayInfo& a, const hdf5::ArrayInfo& b) { return a.path < b.path; });
+  std::string text = fmt::format("scene_toml {}\n", ContentId::of(scene_toml).hex());
+  for (const hdf5::ArrayInfo& array : arrays) {
+    const std::string shape = array.shape.empty() ? "scalar" : fmt::format("{}", fmt::join(array.shape, "x"));
+    text += fmt::format("{} {} {} {}\n", array.path, hdf5::name(array.element), shape, array.hash.hex());
+  }
+  return ContentId::of(text);
+}
+
+}  // namespace palpate::layout

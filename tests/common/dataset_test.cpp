@@ -1,0 +1,278 @@
+#include "common/dataset.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <iterator>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/support/sample_dataset.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace palpate {
+namespace {
+
+using test::expectBadInput;
+using test::expectError;
+using test::SampleDataset;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+std::string bytesIn(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+void writeBytes(const std::filesystem::path& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
+}
+
+void expectSame(const Failure& a, const Failure& b) {
+  EXPECT_EQ(a.cause, b.cause);
+  EXPECT_EQ(a.step_reached, b.step_reached);
+  EXPECT_EQ(a.residual, b.residual);
+  EXPECT_EQ(a.element, b.element);
+  EXPECT_EQ(a.element_det_F, b.element_det_F);
+  EXPECT_EQ(a.negative_pivots, b.negative_pivots);
+  EXPECT_EQ(a.expected_negative_pivots, b.expected_negative_pivots);
+  EXPECT_EQ(a.mumps_infog1, b.mumps_infog1);
+  EXPECT_EQ(a.mumps_infog2, b.mumps_infog2);
+}
+
+void expectSame(const PointRecord& a, const PointRecord& b) {
+  EXPECT_EQ(a.tag, b.tag);
+  EXPECT_EQ(a.cause, b.cause);
+  EXPECT_EQ(a.parent, b.parent);
+  EXPECT_EQ(a.equilibrium.force, b.equilibrium.force);
+  EXPECT_EQ(a.equilibrium.stiffness, b.equilibrium.stiffness);
+  EXPECT_EQ(a.equilibrium.energy, b.equilibrium.energy);
+  EXPECT_EQ(a.equilibrium.min_det_F, b.equilibrium.min_det_F);
+  EXPECT_EQ(a.residual, b.residual);
+  EXPECT_EQ(a.cost.newton_iterations, b.cost.newton_iterations);
+  EXPECT_EQ(a.cost.factorizations, b.cost.factorizations);
+  EXPECT_EQ(a.cost.steps, b.cost.steps);
+  EXPECT_EQ(a.fields, b.fields);
+}
+
+/// A sealed sample and room for damaged copies of it.
+class SealedDataset : public ::testing::Test {
+ protected:
+  SealedDataset() { sample.seal(file); }
+
+  /// Opens and reads everything, as a client and `verifyAll` would.
+  static void readAll(const std::filesystem::path& path) { Dataset(path).verifyAll(); }
+
+  /// Where `values` lie in the file; they must lie there exactly once.
+  std::size_t placeOf(const std::string& bytes, std::string_view values) const {
+    const std::size_t at = bytes.find(values);
+    EXPECT_NE(at, std::string::npos);
+    EXPECT_EQ(bytes.find(values, at + 1), std::string::npos);
+    return at;
+  }
+
+  test::TemporaryDirectory directory;
+  SampleDataset sample;
+  std::filesystem::path file = directory / "sample.h5";
+  std::filesystem::path aside = directory / "sample.h5.tmp";
+  std::filesystem::path copy = directory / "copy.h5";
+};
+
+TEST_F(SealedDataset, GivesBackEveryRecord) {
+  const Dataset dataset(file);
+  ASSERT_EQ(dataset.spaces().size(), 2u);
+  for (std::size_t s = 0; s < 2; ++s) {
+    const SpaceTable &read = dataset.spaces()[s], &written = sample.spaces[s];
+    EXPECT_EQ(read.patch.name, written.patch.name);
+    EXPECT_EQ(read.patch.node, written.patch.node);
+    EXPECT_EQ(read.patch.nodes, written.patch.nodes);
+    ASSERT_EQ(read.points.size(), written.points.size());
+    for (std::size_t n = 0; n < read.points.size(); ++n) expectSame(read.points[n], written.points[n]);
+    ASSERT_EQ(read.attempts.size(), written.attempts.size());
+    for (std::size_t n = 0; n < read.attempts.size(); ++n) {
+      EXPECT_EQ(read.attempts[n].target, written.attempts[n].target);
+      EXPECT_EQ(read.attempts[n].parent, written.attempts[n].parent);
+      expectSame(read.attempts[n].failure, written.attempts[n].failure);
+    }
+  }
+}
+
+TEST_F(SealedDataset, GivesBackMeshLatticeSceneAndNames) {
+  const Dataset dataset(file);
+  EXPECT_EQ(dataset.mesh().nodes, sample.problem.mesh.nodes);
+  EXPECT_EQ(dataset.mesh().tetrahedra, sample.problem.mesh.tetrahedra);
+  EXPECT_EQ(dataset.mesh().surface, sample.problem.mesh.surface);
+  EXPECT_EQ(dataset.fixedNodes(), sample.problem.fixed);
+  EXPECT_EQ(dataset.lattice().size(), sample.lattice.size());
+  EXPECT_EQ(dataset.lattice().spacing(), sample.lattice.spacing());
+  EXPECT_EQ(dataset.sceneToml(), resolvedToml(sample.problem.scene));
+  EXPECT_EQ(dataset.scene().active.size(), 2u);
+  EXPECT_EQ(dataset.kernelFamily(), "portable");
+  EXPECT_EQ(dataset.buildId(), problemId(sample.problem));
+  EXPECT_NO_THROW(dataset.verifyAll());
+}
+
+TEST_F(SealedDataset, GivesBackTheNodalFieldsOfSolvedPointsOnly) {
+  const Dataset dataset(file);
+  for (std::size_t s = 0; s < 2; ++s)
+    for (const std::int32_t point : {0, 1, 20, 31}) {
+      EXPECT_EQ(dataset.fields(s, point).displacement, sample.fields(s, point).displacement);
+      EXPECT_EQ(dataset.fields(s, point).pressure, sample.fields(s, point).pressure);
+    }
+  expectBadInput([&] { dataset.fields(0, 7); }, {"sample.h5", "tip", "failed"});
+}
+
+TEST_F(SealedDataset, NamesTheActiveNodesThereAre) {
+  const Dataset dataset(file);
+  EXPECT_EQ(dataset.spaceNamed("tip"), 0u);
+  EXPECT_EQ(dataset.spaceNamed("edge-2"), 1u);
+  expectBadInput([&] { dataset.spaceNamed("top"); }, {"\"top\"", "tip, edge-2"});
+}
+
+TEST_F(SealedDataset, WithoutPressureSpaceHasNoPressures) {
+  SampleDataset plain(PressureSpace::none);
+  plain.seal(copy);
+  const Dataset dataset(copy);
+  EXPECT_NO_THROW(dataset.verifyAll());
+  EXPECT_TRUE(dataset.fields(1, 3).pressure.empty());
+  EXPECT_EQ(dataset.fields(1, 3).displacement, plain.fields(1, 3).displacement);
+}
+
+TEST_F(SealedDataset, HasTheSameBytesForTheSameArguments) {
+  SampleDataset().seal(copy);
+  EXPECT_TRUE(bytesIn(file) == bytesIn(copy));
+}
+
+TEST_F(SealedDataset, ContentHashFollowsResultsAndNotTheMachine) {
+  const ContentId original = Dataset(file).contentId();
+  sample.kernel_family = "avx2";
+  sample.seal(copy);
+  EXPECT_EQ(Dataset(copy).contentId(), original);
+  sample.spaces[1].points[5].equilibrium.force.x() += 1e-12;
+  sample.seal(copy);
+  EXPECT_NE(Dataset(copy).contentId(), original);
+}
+
+TEST_F(SealedDataset, KeepsAVeryLongScene) {
+  sample.problem.scene.fixed.nodes.assign(40000, 26);
+  sample.seal(copy);
+  EXPECT_EQ(Dataset(copy).sceneToml(), resolvedToml(sample.problem.scene));
+  EXPECT_GT(Dataset(copy).sceneToml().size(), 150000u);
+}
+
+TEST_F(SealedDataset, IsRefusedWhenCutAtAnyLength) {
+  const std::string whole = bytesIn(file);
+  const std::size_t step = whole.size() / 150;
+  for (std::size_t length = 0; length < whole.size(); length += length < 600 ? 37 : step) {
+    writeBytes(copy, whole.substr(0, length));
+    EXPECT_THROW(readAll(copy), Error) << length << " of " << whole.size() << " bytes";
+  }
+  writeBytes(copy, whole.substr(0, whole.size() - 1));
+  expectError(ExitCode::failed, [&] { readAll(copy); }, {"copy.h5", "truncated"});
+}
+
+TEST_F(SealedDataset, NeverAnswersWronglyWhenAByteIsDamaged) {
+  const std::string whole = bytesIn(file);
+  const ContentId original = Dataset(file).contentId();
+  int refused = 0, unharmed = 0;
+  for (std::size_t at = 0; at < whole.size(); at += 101) {
+    std::string bytes = whole;
+    bytes[at] = static_cast<char>(bytes[at] ^ 0x10);
+    writeBytes(copy, bytes);
+    try {
+      const Dataset dataset(copy);
+      dataset.verifyAll();
+      EXPECT_EQ(dataset.contentId(), original) << "byte " << at;
+      ++unharmed;  // unused room between HDF5's structures, or generator and kernel_family
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 20 * unharmed / 10);
+}
+
+TEST_F(SealedDataset, NamesTheDamagedTable) {
+  std::string bytes = bytesIn(file);
+  const double energy = sample.spaces[0].points[9].equilibrium.energy;
+  sample.spaces[0].points[9].equilibrium.energy = 0.1234567890123;
+  sample.seal(copy);
+  bytes = bytesIn(copy);
+  const double marker = 0.1234567890123;
+  bytes.replace(placeOf(bytes, {reinterpret_cast<const char*>(&marker), 8}), 8,
+                reinterpret_cast<const char*>(&energy), 8);
+  writeBytes(copy, bytes);
+  expectError(ExitCode::failed, [&] { readAll(copy); }, {"copy.h5", "/spaces/tip/energy", "blake2b"});
+}
+
+TEST_F(SealedDataset, NamesWhatIsNoDataset) {
+  expectBadInput([&] { Dataset(directory / "none.h5"); }, {"none.h5", "no such"});
+  expectBadInput([&] { Dataset(directory.path()); }, {directory.path().string(), "not a file"});
+  writeBytes(copy, "name = \"liver\"\n");
+  expectBadInput([&] { Dataset{copy}; }, {"copy.h5", "not an HDF5 file"});
+  writeBytes(copy, "");
+  expectBadInput([&] { Dataset{copy}; }, {"copy.h5", "not an HDF5 file"});
+}
+
+TEST_F(SealedDataset, IsReplacedWholeAndIgnoresWhatAKilledSealingLeft) {
+  const std::string before = bytesIn(file);
+  writeBytes(aside, before.substr(0, before.size() / 2));
+  EXPECT_NO_THROW(readAll(file));
+  sample.spaces[1].points[5].equilibrium.energy += 1;
+  sample.seal(file);
+  EXPECT_FALSE(std::filesystem::exists(aside));
+  EXPECT_EQ(Dataset(file).spaces()[1].points[5].equilibrium.energy,
+            sample.spaces[1].points[5].equilibrium.energy);
+}
+
+TEST_F(SealedDataset, StaysWhenTheNextOneCannotBeSealed) {
+  const std::string before = bytesIn(file);
+  const FieldsSource broken = [this](std::size_t space, std::int32_t point) {
+    return point == 30 ? throw failure("journal segment 3 is damaged") : sample.fields(space, point);
+  };
+  expectError(ExitCode::failed,
+              [&] { sealDataset(file, sample.problem, sample.lattice, sample.spaces, "portable", broken); },
+              {"segment 3"});
+  sample.spaces[1].points[4].fields = ContentId::of("another result");
+  expectError(ExitCode::failed, [&] { sample.seal(file); }, {"edge-2", "lattice point 4"});
+  EXPECT_TRUE(bytesIn(file) == before);
+  EXPECT_FALSE(std::filesystem::exists(aside));
+}
+
+TEST_F(SealedDataset, StaysWhenTheDiskIsFull) {
+  const std::string before = bytesIn(file);
+  // A file size limit makes write() fail as a full disk does; in a child, because it is for the whole
+  // process.
+  for (std::size_t limit = 0; limit < before.size(); limit += before.size() / 12) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      std::signal(SIGXFSZ, SIG_IGN);
+      const rlimit size_limit = {limit, limit};
+      if (setrlimit(RLIMIT_FSIZE, &size_limit) != 0) std::exit(10);
+      try {
+        sample.seal(file);
+        std::exit(11);
+      } catch (const Error& error) {
+        std::exit(std::string(error.what()).find("sample.h5") == std::string::npos ? 12 : 0);
+      }
+    }
+    int status = -1;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << "limit " << limit << ", status " << status;
+    EXPECT_FALSE(std::filesystem::exists(aside));
+    EXPECT_TRUE(bytesIn(file) == before);
+  }
+}
+
+TEST_F(SealedDataset, IsNotSealedIntoADirectoryOrToNowhere) {
+  expectBadInput([&] { sample.seal(directory.path()); }, {directory.path().string(), "directory"});
+  expectError(ExitCode::failed, [&] { sample.seal(directory / "no" / "such" / "x.h5"); },
+              {"x.h5", "No such file"});
+}
+
+}  // namespace
+}  // namespace palpate

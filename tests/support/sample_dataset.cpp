@@ -1,0 +1,171 @@
+#include "tests/support/sample_dataset.hpp"
+
+#include <array>
+#include <cmath>
+#include <random>
+
+#include "tests/support/meshes.hpp"
+
+namespace palpate::test {
+namespace {
+
+constexpr std::int32_t failed_point = 7, unknown_point = 32, terminating_point = 20;
+
+/// x^n differentiated `derivative` times.
+double power(double x, int n, int derivative) {
+  double factor = 1;
+  for (int i = 0; i < derivative; ++i) factor *= n - i;
+  return factor == 0 ? 0 : factor * std::pow(x, n - derivative);
+}
+
+Problem sampleProblem(PressureSpace pressure) {
+  Problem problem;
+  problem.mesh = cubeMesh(0.1, 2);
+  problem.fixed = problem.mesh.node_groups.at("xmin");
+  Scene& scene = problem.scene;
+  scene.name = "sample";
+  scene.mesh = "sample.msh";
+  scene.material.law = pressure == PressureSpace::none ? LawName::linear : LawName::mooney_rivlin;
+  if (pressure == PressureSpace::none) {
+    scene.material.young = 15e3;
+    scene.material.poisson = 0.4;
+  } else {
+    scene.material.c10 = 1300;
+    scene.material.c01 = 1280;
+  }
+  scene.discretization.pressure = pressure;
+  scene.fixed.nodes = problem.fixed;
+  scene.workspace = {.radius = 0.02, .spacing = 0.01, .max_force = 8.5, .reject_inverted = true};
+  problem.active = {{"tip", 26, {26}}, {"edge-2", 8, {5, 8}}};
+  for (const ActivePatch& patch : problem.active) {
+    ActiveSelection active;
+    active.name = patch.name;
+    active.node = patch.node;
+    scene.active.push_back(active);
+  }
+  return problem;
+}
+
+void clear(PointRecord& point, Tag tag, Cause cause) {
+  const Cost cost = point.cost;
+  point = {};
+  point.tag = tag;
+  point.cause = cause;
+  point.cost = cost;
+}
+
+}  // namespace
+
+double StiffeningEnergy::energy(const Eigen::Vector3d& p) const {
+  const Eigen::Vector3d q = p / 0.02;
+  return 0.02 * (std::cosh(q.x()) - 1 + 0.5 * q.y() * q.y() * std::exp(0.3 * q.z()) +
+                 std::cos(q.y() - q.z()) - 1 + q.z() * q.z());
+}
+
+Eigen::Vector3d StiffeningEnergy::gradient(const Eigen::Vector3d& p) const {
+  const Eigen::Vector3d q = p / 0.02;
+  const double x = q.x(), y = q.y(), z = q.z(), e = std::exp(0.3 * z);
+  return {std::sinh(x), y * e - std::sin(y - z), 0.15 * y * y * e + std::sin(y - z) + 2 * z};
+}
+
+Eigen::Matrix3d StiffeningEnergy::hessian(const Eigen::Vector3d& p) const {
+  const Eigen::Vector3d q = p / 0.02;
+  const double y = q.y(), z = q.z(), e = std::exp(0.3 * z), c = std::cos(y - z);
+  Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
+  h(0, 0) = std::cosh(q.x());
+  h(1, 1) = e - c;
+  h(1, 2) = h(2, 1) = 0.3 * y * e + c;
+  h(2, 2) = 0.045 * y * y * e - c + 2;
+  return h / 0.02;
+}
+
+PolynomialEnergy::PolynomialEnergy(int degree, double length) : length_(length) {
+  std::mt19937 random(20);
+  for (int a = 0; a <= degree; ++a)
+    for (int b = 0; a + b <= degree; ++b)
+      for (int c = 0; a + b + c <= degree; ++c)
+        terms_.push_back({static_cast<double>(random()) / 2147483648.0 - 1, {a, b, c}});
+}
+
+double PolynomialEnergy::sum(const Eigen::Vector3d& p, std::array<int, 3> derivative) const {
+  double total = 0;
+  for (const Term& term : terms_) {
+    double value = term.factor;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      value *= power(p[static_cast<int>(axis)] / length_, term.powers[axis], derivative[axis]) /
+               std::pow(length_, derivative[axis]);
+    total += value;
+  }
+  return total;
+}
+
+double PolynomialEnergy::energy(const Eigen::Vector3d& p) const {
+  return sum(p, {0, 0, 0});
+}
+
+Eigen::Vector3d PolynomialEnergy::gradient(const Eigen::Vector3d& p) const {
+  return {sum(p, {1, 0, 0}), sum(p, {0, 1, 0}), sum(p, {0, 0, 1})};
+}
+
+Eigen::Matrix3d PolynomialEnergy::hessian(const Eigen::Vector3d& p) const {
+  Eigen::Matrix3d h;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) {
+      std::array<int, 3> derivative = {0, 0, 0};
+      ++derivative[i];
+      ++derivative[j];
+      h(static_cast<int>(i), static_cast<int>(j)) = sum(p, derivative);
+    }
+  return h;
+}
+
+SpaceTable solvedSpace(const Lattice& lattice, const AnalyticEnergy& energy) {
+  SpaceTable space;
+  space.patch = {"tip", 0, {0}};
+  for (std::int32_t n = 0; n < lattice.size(); ++n) {
+    const Eigen::Vector3d p = lattice.displacement(n);
+    PointRecord point;
+    point.tag = Tag::expandable;
+    point.parent = n == 0 ? 0 : lattice.neighbours(n).front();
+    point.equilibrium = {-energy.gradient(p), -energy.hessian(p), energy.energy(p), 0.5 + 1.0 / (n + 2)};
+    point.residual = 1e-9 * (n + 1);
+    point.cost = {3 + n % 4, 4 + n % 4, 1, 0};
+    space.points.push_back(point);
+  }
+  return space;
+}
+
+SampleDataset::SampleDataset(PressureSpace pressure)
+    : problem(sampleProblem(pressure)),
+      lattice(problem.scene.workspace.radius, problem.scene.workspace.spacing) {
+  for (std::size_t s = 0; s < problem.active.size(); ++s) {
+    spaces.push_back(solvedSpace(lattice, StiffeningEnergy()));
+    spaces[s].patch = problem.active[s];
+    for (std::int32_t n = 0; n < lattice.size(); ++n) spaces[s].points[n].fields = fields(s, n).id();
+  }
+  SpaceTable& tip = spaces[0];
+  tip.points[terminating_point].tag = Tag::terminating;
+  clear(tip.points[failed_point], Tag::failed, Cause::wrong_inertia);
+  clear(tip.points[unknown_point], Tag::unknown, Cause::none);
+  tip.attempts = {{failed_point, 0, {Cause::wrong_inertia, 0.75, 2e-3, 11, 0.125, 28, 27, 0, 0}},
+                  {failed_point, 1, {Cause::factorization_failed, 0.5, 1.5, -1, 0, 0, 27, -9, 4096}}};
+}
+
+NodalFields SampleDataset::fields(std::size_t space, std::int32_t point) const {
+  NodalFields values;
+  const std::size_t n_nodes = problem.mesh.nodes.size();
+  for (std::size_t i = 0; i < 3 * n_nodes; ++i)
+    values.displacement.push_back(1e-3f * static_cast<float>(point) +
+                                  1e-6f * static_cast<float>(i * (space + 1)));
+  if (problem.scene.discretization.pressure != PressureSpace::none)
+    for (std::size_t i = 0; i < n_nodes; ++i)
+      values.pressure.push_back(100.0f + static_cast<float>(i) / (1.0f + static_cast<float>(point)));
+  return values;
+}
+
+void SampleDataset::seal(const std::filesystem::path& file) const {
+  sealDataset(file, problem, lattice, spaces, kernel_family,
+              [this](std::size_t space, std::int32_t point) { return fields(space, point); });
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "common/dataset.hpp"
+
+namespace palpate::test {
+
+/// Stored energy of an imaginary body as a function of the displacement, with its exact derivatives.
+class AnalyticEnergy {
+ public:
+  virtual ~AnalyticEnergy() = default;
+  virtual double energy(const Eigen::Vector3d& p) const = 0;             ///< J
+  virtual Eigen::Vector3d gradient(const Eigen::Vector3d& p) const = 0;  ///< N; the force is its negative
+  virtual Eigen::Matrix3d hessian(
+      const Eigen::Vector3d& p) const = 0;  ///< N/m; the stiffness is its negative
+};
+
+/// A smooth, stiffening, not symmetric body of about 100 N/m and a few newtons at 20 mm; no polynomial.
+class StiffeningEnergy : public AnalyticEnergy {
+ public:
+  double energy(const Eigen::Vector3d& p) const override;
+  Eigen::Vector3d gradient(const Eigen::Vector3d& p) const override;
+  Eigen::Matrix3d hessian(const Eigen::Vector3d& p) const override;
+};
+
+/// sum of c x^a y^b z^c over all monomials of total degree <= `degree`, c from a fixed seed, lengths scaled
+/// by `length`.
+class PolynomialEnergy : public AnalyticEnergy {
+ public:
+  PolynomialEnergy(int degree, double length);
+  double energy(const Eigen::Vector3d& p) const override;
+  Eigen::Vector3d gradient(const Eigen::Vector3d& p) const override;
+  Eigen::Matrix3d hessian(const Eigen::Vector3d& p) const override;
+
+ private:
+  struct Term {
+    double factor;
+    std::array<int, 3> powers;
+  };
+  double sum(const Eigen::Vector3d& p, std::array<int, 3> derivative) const;
+  std::vector<Term> terms_;
+  double length_;
+};
+
+/// A configuration space in which every point is expandable and holds the derivatives of `energy`. No nodal
+/// fields.
+SpaceTable solvedSpace(const Lattice& lattice, const AnalyticEnergy& energy);
+
+/// Everything sealDataset takes, made in code: a cube of 27 nodes, active nodes "tip" and "edge-2", a lattice
+/// of 33 points (radius 20 mm, spacing 10 mm), forces of StiffeningEnergy. In "tip" one point is failed (with
+/// two failed attempts), one is unknown and one terminating; in "edge-2" all are expandable.
+struct SampleDataset {
+  explicit SampleDataset(PressureSpace pressure = PressureSpace::p1_stabilized);
+
+  Problem problem;
+  Lattice lattice;
+  std::vector<SpaceTable> spaces;
+  std::string kernel_family = "portable";
+
+  NodalFields fields(std::size_t space, std::int32_t point) const;
+  void seal(const std::filesystem::path& file) const;
+};
+
+}  // namespace palpate::test
