@@ -181,14 +181,11 @@ std::vector<double> edgeLengths(const Mesh& mesh) {
 
 }  // namespace
 
-<<<<<<< HEAD
-=======
 double toMetres(double length, double metres_per_unit) {
   const double units_per_metre = std::round(1 / metres_per_unit);
   return units_per_metre * metres_per_unit == 1 ? length / units_per_metre : length * metres_per_unit;
 }
 
->>>>>>> main
 double sixVolume(const Mesh& mesh, std::size_t element) {
   const Tetrahedron& t = mesh.tetrahedra[element];
   const Eigen::Vector3d& a = mesh.nodes[t[0]];
