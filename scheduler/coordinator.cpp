@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "common/program.hpp"
+#include "scheduler/replay.hpp"
 #include "scheduler/status.hpp"
 
 namespace palpate {
@@ -37,11 +38,6 @@ double secondsBetween(Coordinator::Time from, Coordinator::Time to) {
   return duration<double>(to - from).count();
 }
 
-Ending endingOf(const Outcome& outcome) {
-  if (outcome.converged) return {true, outcome.equilibrium.force.norm(), Cause::none, 1};
-  return {false, 0, outcome.failure.cause, outcome.failure.step_reached};
-}
-
 /// The part of a result that must be the same bits whoever computes it.
 std::string reproducibleBytes(wire::Result result) {
   result.clear_job();
@@ -60,7 +56,7 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, cons
                          JobStore& store, Journal& journal, Time now, CoordinatorSettings settings)
     : problem_(&problem),
       problem_bytes_(std::make_shared<const std::string>(std::move(problem_bytes))),
-      build_(ContentId::of(*problem_bytes_)),
+      build_(problemId(problem)),
       lattice_(&lattice),
       store_(&store),
       journal_(&journal),
@@ -73,38 +69,12 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, cons
   ++counters_["runs"];
   // The upper half of a job number is the run, so that two runs never use the same.
   leases_ = Leases(static_cast<std::uint64_t>(counters_["runs"]) << 32);
-  frontiers_.assign(problem.active.size(), Frontier(lattice, problem.scene.workspace.max_force));
-  replay();
+  Replay replayed = replay(problem, lattice, store_->results());
+  frontiers_ = std::move(replayed.frontiers);
+  for (const TransitionKey& key : replayed.open) leases_.add(key);
   progress_.emplace_back(now, 0);
   store_->writeCounters(counters_);
   finishIfComplete(now);
-}
-
-void Coordinator::replay() {
-  std::map<TransitionKey, Outcome> known;
-  for (StoredResult& result : store_->results()) known.emplace(result.key, std::move(result.outcome));
-  for (std::uint32_t space = 0; space < frontiers_.size(); ++space) {
-    Frontier& frontier = frontiers_[space];
-    for (auto ready = frontier.takeReady(); !ready.empty(); ready = frontier.takeReady())
-      for (const Transition& transition : ready) {
-        const TransitionKey key{space, transition.target, transition.parent};
-        const auto found = known.find(key);
-        if (found == known.end()) {
-          leases_.add(key);
-          continue;
-        }
-        frontier.record(transition, endingOf(found->second));
-        known.erase(found);
-      }
-  }
-  if (!known.empty()) {
-    const TransitionKey& key = known.begin()->first;
-    throw failure(
-        "the state directory holds {} results that nobody asked for (the first: space {}, point {} from "
-        "point {}): "
-        "it is damaged; restore it from a copy, or remove it to compute everything again",
-        known.size(), key.space, key.target, key.parent);
-  }
 }
 
 // ---- messages in
@@ -176,6 +146,8 @@ void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time 
         "depend on who solved what: use machines with {} in this build",
         kernel_family_, hello.kernel_family(), kernel_family_));
 
+  // A worker that introduces itself again has forgotten what it was given.
+  leases_.giveBack(hello.worker());
   Worker& worker = workers_[hello.worker()];
   if (!worker.peer.empty()) id_of_peer_.erase(worker.peer);
   worker.peer = peer;
@@ -183,6 +155,8 @@ void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time 
   worker.pid = hello.pid();
   worker.kernel_family = hello.kernel_family();
   worker.credit = 0;
+  worker.solving.reset();
+  worker.idle_since.reset();
   worker.heard = now;
   id_of_peer_[peer] = hello.worker();
   spdlog::info("worker {} on {} joined ({} kernels)", worker.pid, worker.host, worker.kernel_family);
@@ -232,6 +206,7 @@ void Coordinator::heartbeat(const std::string& id, Worker& worker, const wire::H
     worker.idle_since = now;
   }
   send(worker.peer).mutable_heartbeat_reply()->set_incarnation(incarnation_);
+  if (stopping_ || complete()) drain(worker.peer);
 }
 
 void Coordinator::result(const std::string& peer, Worker& worker, const Incoming& incoming, Time now) {
@@ -367,6 +342,11 @@ void Coordinator::recordInFrontier(const StoredResult& result) {
 void Coordinator::addReady(std::uint32_t space) {
   for (const Transition& transition : frontiers_[space].takeReady())
     leases_.add({space, transition.target, transition.parent});
+}
+
+bool Coordinator::deserted(Time now) const {
+  return std::all_of(workers_.begin(), workers_.end(),
+                     [&](const auto& entry) { return now - entry.second.heard > 3 * settings_.heartbeat; });
 }
 
 bool Coordinator::complete() const {

@@ -78,6 +78,8 @@ class Coordinator {
   bool complete() const;
   /// Workers that said hello and neither left nor were lost.
   std::size_t workers() const { return workers_.size(); }
+  /// No worker said anything for three heartbeats: after Drain they have all left.
+  bool deserted(Time now) const;
   /// Results recorded since construction.
   std::int64_t recorded() const { return recorded_; }
 
@@ -103,7 +105,6 @@ class Coordinator {
     std::set<std::string> peers;  ///< to be acknowledged
   };
 
-  void replay();
   void addReady(std::uint32_t space);
   void recordInFrontier(const StoredResult& result);
 

@@ -79,7 +79,8 @@ void Frontier::giveUp(std::int32_t point) {
 }
 
 void Frontier::advance(std::int32_t point) {
-  if (points_[point].attempts.size() >= max_attempts_) return giveUp(point);
+  const std::size_t budget = round_ == 0 ? (max_attempts_ + 1) / 2 : max_attempts_;
+  if (points_[point].attempts.size() >= budget) return giveUp(point);
   if (round_ == 0)
     advanceInRoundZero(point);
   else

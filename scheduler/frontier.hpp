@@ -25,8 +25,9 @@ struct Ending {
   double step_reached = 0;    ///< when not converged, 0..1
 };
 
-/// How often a point is tried before it is given up. A point has 26 neighbours, and a failing transition
-/// costs ten converging ones; the points that are reached at all are reached at the first to fourth try.
+/// How often a point is tried before it is given up; half of it (rounded up) in round 0, where all parents
+/// lie on one side of the point and tend to fail together, the rest from any side. A point has 26 neighbours,
+/// and a failing transition costs ten converging ones.
 inline constexpr int max_attempts_per_point = 8;
 
 /// Decides which transitions of one configuration space are ready, from the lattice and the recorded endings
@@ -36,14 +37,13 @@ inline constexpr int max_attempts_per_point = 8;
 /// - The origin is solved first.
 /// - Round 0: the candidates of point x are its neighbours with a smaller squared norm, in the order of
 ///   Lattice::neighbours. They are walked in order. An expandable one is tried; a point that is not settled
-///   yet makes x wait; a terminating or unreached one, or one that was tried, is passed. When none is left, x
-///   is settled as unreached.
+///   yet makes x wait; a terminating or unreached one, or one that was tried, is passed. When none is left, or
+///   half of the attempts are spent, x is settled as unreached.
 /// - Round r >= 1 begins when every point is settled. The candidates of an unreached point are all its
-/// neighbours that were
-///   expandable when the round began and that it has not tried. They are tried one after the other until one
-///   succeeds.
+///   neighbours that were expandable when the round began and that it has not tried. They are tried one after
+///   the other until one succeeds or the attempts are spent.
 /// - It is over when a round has nothing to try. Then unreached points with an attempt are failed, those
-/// without stay unknown.
+///   without stay unknown.
 ///
 /// Copyable value, one thread at a time.
 class Frontier {

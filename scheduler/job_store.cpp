@@ -127,7 +127,7 @@ JobStore::JobStore(const StateDirectory& directory, const Problem& problem, cons
   if (pragma(database_, "schema_version") == 0) create(problem, problem_bytes, lattice);
   checkVersion(database_);
   build_ = readBuild(database_);
-  const ContentId wanted = ContentId::of(problem_bytes);
+  const ContentId wanted = problemId(problem);
   if (build_.build != wanted)
     throw badInput(
         "{}: holds build {} of scene \"{}\", but this is build {} of scene \"{}\" (scene or mesh changed): "
@@ -142,7 +142,7 @@ void JobStore::create(const Problem& problem, const std::string& problem_bytes, 
   database_.execute(schema);
   database_.execute(
       fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", application_id, schema_version));
-  putMeta(database_, "build", ContentId::of(problem_bytes).hex());
+  putMeta(database_, "build", problemId(problem).hex());
   putMeta(database_, "scene_name", problem.scene.name);
   putMeta(database_, "problem", problem_bytes, true);
   putMeta(database_, "made_by", std::string("palpate ") + version());

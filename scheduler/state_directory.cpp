@@ -7,7 +7,9 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <string>
+#include <thread>
 
 #include "common/error.hpp"
 
@@ -33,7 +35,12 @@ void refuseNetworkFileSystem(const std::filesystem::path& path) {
 FileDescriptor takeLock(const std::filesystem::path& file) {
   FileDescriptor lock(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
   if (!lock) throw failure("{}: cannot open: {}", file.string(), errnoText());
-  if (flock(lock.get(), LOCK_EX | LOCK_NB) != 0) {
+  // liveEndpoint() holds the lock for a moment to look at it.
+  for (int tries = 0; flock(lock.get(), LOCK_EX | LOCK_NB) != 0; ++tries) {
+    if (errno == EWOULDBLOCK && tries < 10) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      continue;
+    }
     if (errno != EWOULDBLOCK) throw failure("{}: cannot lock: {}", file.string(), errnoText());
     std::array<char, 32> text{};
     const ssize_t n = pread(lock.get(), text.data(), text.size() - 1, 0);
@@ -80,6 +87,21 @@ StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) 
   if (error) throw failure("{}: cannot make this state directory: {}", path.string(), error.message());
   refuseNetworkFileSystem(path);
   lock_ = takeLock(path / "lock");
+}
+
+void StateDirectory::announce(const std::string& endpoint) const {
+  std::ofstream file(path_ / "endpoint");
+  file << endpoint << '\n';
+  if (!file.flush()) throw failure("{}: cannot write", (path_ / "endpoint").string());
+}
+
+std::optional<std::string> StateDirectory::liveEndpoint(const std::filesystem::path& directory) {
+  const FileDescriptor lock(open((directory / "lock").c_str(), O_RDONLY | O_CLOEXEC));
+  if (!lock || flock(lock.get(), LOCK_SH | LOCK_NB) == 0) return std::nullopt;
+  std::ifstream file(directory / "endpoint");
+  std::string endpoint;
+  if (!std::getline(file, endpoint)) return std::nullopt;
+  return endpoint;
 }
 
 }  // namespace palpate
