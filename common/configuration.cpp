@@ -9,7 +9,8 @@
 
 namespace palpate {
 
-static_assert(std::endian::native == std::endian::little, "files and messages hold little-endian arrays as they are in memory");
+static_assert(std::endian::native == std::endian::little,
+              "files and messages hold little-endian arrays as they are in memory");
 
 std::string NodalFields::encode() const {
   std::string bytes(bytesOf(std::span<const float>(displacement)));
@@ -21,8 +22,8 @@ NodalFields NodalFields::decode(std::string_view bytes, std::size_t n_nodes) {
   const std::size_t displacement_bytes = 3 * n_nodes * sizeof(float);
   const std::size_t pressure_bytes = n_nodes * sizeof(float);
   if (bytes.size() != displacement_bytes && bytes.size() != displacement_bytes + pressure_bytes)
-    throw failure("nodal fields of {} bytes do not belong to a mesh of {} nodes ({} or {} bytes)", bytes.size(), n_nodes,
-                  displacement_bytes, displacement_bytes + pressure_bytes);
+    throw failure("nodal fields of {} bytes do not belong to a mesh of {} nodes ({} or {} bytes)",
+                  bytes.size(), n_nodes, displacement_bytes, displacement_bytes + pressure_bytes);
   NodalFields fields;
   fields.displacement.resize(3 * n_nodes);
   std::memcpy(fields.displacement.data(), bytes.data(), displacement_bytes);
@@ -34,6 +35,8 @@ NodalFields NodalFields::decode(std::string_view bytes, std::size_t n_nodes) {
   return fields;
 }
 
-ContentId NodalFields::id() const { return ContentId::of(encode()); }
+ContentId NodalFields::id() const {
+  return ContentId::of(encode());
+}
 
 }  // namespace palpate

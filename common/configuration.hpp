@@ -19,7 +19,8 @@ struct NodalFields {
 
   /// displacement bytes, then pressure bytes, little-endian.
   std::string encode() const;
-  /// Inverse of encode for a mesh of n_nodes; Error when the size is neither 3 nor 4 floats per node or a value is not finite.
+  /// Inverse of encode for a mesh of n_nodes; Error when the size is neither 3 nor 4 floats per node or a
+  /// value is not finite.
   static NodalFields decode(std::string_view bytes, std::size_t n_nodes);
   /// ContentId::of(encode()).
   ContentId id() const;
@@ -27,18 +28,19 @@ struct NodalFields {
 
 /// The small part of an accepted configuration.
 struct Equilibrium {
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();      ///< N, exerted by the tissue on the tool, = -dE/dp
-  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< N/m, dh/dp of that force (negative definite near rest); symmetric
-  double energy = 0;                                    ///< J, stored energy relative to the rest state
-  double min_det_F = 1;                                 ///< smallest over the elements
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< N, exerted by the tissue on the tool, = -dE/dp
+  Eigen::Matrix3d stiffness =
+      Eigen::Matrix3d::Zero();  ///< N/m, dh/dp of that force (negative definite near rest); symmetric
+  double energy = 0;            ///< J, stored energy relative to the rest state
+  double min_det_F = 1;         ///< smallest over the elements
 };
 
 /// How much work an answer took. Everything but `seconds` is reproducible.
 struct Cost {
   std::int32_t newton_iterations = 0;
   std::int32_t factorizations = 0;
-  std::int32_t steps = 0;    ///< accepted continuation steps
-  double seconds = 0;        ///< wall time on the worker; never part of a dataset
+  std::int32_t steps = 0;  ///< accepted continuation steps
+  double seconds = 0;      ///< wall time on the worker; never part of a dataset
 };
 
 /// The end of a transition: an equilibrium, or a failure.
@@ -48,7 +50,7 @@ struct Outcome {
   double residual = 0;      ///< N, norm at the end when converged
   Failure failure;          ///< valid when not converged
   Cost cost;
-  NodalFields fields;       ///< of the equilibrium; empty when not converged
+  NodalFields fields;  ///< of the equilibrium; empty when not converged
 };
 
 }  // namespace palpate

@@ -23,7 +23,8 @@ ContentHasher::ContentHasher() {
 }
 
 void ContentHasher::add(std::string_view bytes) {
-  crypto_generichash_update(stateIn(state_), reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+  crypto_generichash_update(stateIn(state_), reinterpret_cast<const unsigned char*>(bytes.data()),
+                            bytes.size());
 }
 
 ContentId ContentHasher::finish() {
@@ -42,7 +43,8 @@ std::optional<ContentId> ContentId::fromHex(std::string_view hex) {
   ContentId id;
   std::size_t length = 0;
   if (hex.size() != 64 ||
-      sodium_hex2bin(id.bytes_.data(), id.bytes_.size(), hex.data(), hex.size(), nullptr, &length, nullptr) != 0 ||
+      sodium_hex2bin(id.bytes_.data(), id.bytes_.size(), hex.data(), hex.size(), nullptr, &length, nullptr) !=
+          0 ||
       length != id.bytes_.size())
     return std::nullopt;
   return id;
@@ -61,8 +63,12 @@ std::string ContentId::hex() const {
   return text.data();
 }
 
-std::string ContentId::shortHex() const { return hex().substr(0, 12); }
+std::string ContentId::shortHex() const {
+  return hex().substr(0, 12);
+}
 
-std::string_view ContentId::bytes() const { return {reinterpret_cast<const char*>(bytes_.data()), bytes_.size()}; }
+std::string_view ContentId::bytes() const {
+  return {reinterpret_cast<const char*>(bytes_.data()), bytes_.size()};
+}
 
 }  // namespace palpate

@@ -11,8 +11,8 @@ namespace palpate {
 /// Process exit codes of every program (contract).
 enum class ExitCode { done = 0, failed = 1, usage = 2, partly_failed = 3, interrupted = 130 };
 
-/// What the user gave, or what the machine did, made it impossible to go on. Thrown, never for expected numerical
-/// failure: that is a Failure (failure.hpp) and travels as a value.
+/// What the user gave, or what the machine did, made it impossible to go on. Thrown, never for expected
+/// numerical failure: that is a Failure (failure.hpp) and travels as a value.
 ///
 /// The message says what happened, where (file, line, key, id) and what to do about it.
 class Error : public std::runtime_error {

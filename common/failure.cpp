@@ -8,12 +8,15 @@ namespace palpate {
 namespace {
 
 constexpr std::array<std::string_view, 9> words = {
-    "none",          "iteration_limit",      "line_search_stalled", "inverted_element", "wrong_inertia",
-    "factorization_failed", "not_finite", "step_budget",         "worker_lost"};
+    "none",          "iteration_limit",      "line_search_stalled", "inverted_element",
+    "wrong_inertia", "factorization_failed", "not_finite",          "step_budget",
+    "worker_lost"};
 
 }  // namespace
 
-std::string_view name(Cause cause) { return words.at(static_cast<std::size_t>(cause)); }
+std::string_view name(Cause cause) {
+  return words.at(static_cast<std::size_t>(cause));
+}
 
 std::optional<Cause> causeNamed(std::string_view word) {
   for (std::size_t i = 0; i < words.size(); ++i)
@@ -27,25 +30,34 @@ std::string describe(const Failure& f) {
     case Cause::none:
       return "no failure";
     case Cause::iteration_limit:
-      return fmt::format("iteration_limit {}: Newton was still descending, residual {:.3g} N", where, f.residual);
+      return fmt::format("iteration_limit {}: Newton was still descending, residual {:.3g} N", where,
+                         f.residual);
     case Cause::line_search_stalled:
-      return fmt::format("line_search_stalled {}: residual {:.3g} N does not go down; element {} has det F = {:.3g}", where,
-                         f.residual, f.element, f.element_det_F);
+      return fmt::format(
+          "line_search_stalled {}: residual {:.3g} N does not go down; element {} has det F = {:.3g}", where,
+          f.residual, f.element, f.element_det_F);
     case Cause::inverted_element:
-      return fmt::format("inverted_element {}: element {} has det F = {:.3g}; ln-det-F or a larger patch radius usually helps",
-                         where, f.element, f.element_det_F);
+      return fmt::format(
+          "inverted_element {}: element {} has det F = {:.3g}; ln-det-F or a larger patch radius usually "
+          "helps",
+          where, f.element, f.element_det_F);
     case Cause::wrong_inertia:
-      return fmt::format("wrong_inertia {}: {} negative pivots instead of {}, a fold or another branch lies between", where,
-                         f.negative_pivots, f.expected_negative_pivots);
+      return fmt::format(
+          "wrong_inertia {}: {} negative pivots instead of {}, a fold or another branch lies between", where,
+          f.negative_pivots, f.expected_negative_pivots);
     case Cause::factorization_failed:
-      return fmt::format("factorization_failed {}: MUMPS INFOG(1) = {}, INFOG(2) = {}", where, f.mumps_infog1, f.mumps_infog2);
+      return fmt::format("factorization_failed {}: MUMPS INFOG(1) = {}, INFOG(2) = {}", where, f.mumps_infog1,
+                         f.mumps_infog2);
     case Cause::not_finite:
       return fmt::format("not_finite {}: NaN or infinity appeared", where);
     case Cause::step_budget:
-      return fmt::format("step_budget {}: smaller steps did not get further; residual {:.3g} N, element {} has det F = {:.3g}",
-                         where, f.residual, f.element, f.element_det_F);
+      return fmt::format(
+          "step_budget {}: smaller steps did not get further; residual {:.3g} N, element {} has det F = "
+          "{:.3g}",
+          where, f.residual, f.element, f.element_det_F);
     case Cause::worker_lost:
-      return "worker_lost: every worker that tried this transition died; see the workers' logs (memory limit?)";
+      return "worker_lost: every worker that tried this transition died; see the workers' logs (memory "
+             "limit?)";
   }
   return "unknown cause";
 }

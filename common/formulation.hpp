@@ -7,8 +7,14 @@ namespace palpate {
 
 /// Strain energy W of the tissue. Words of the scene file: "linear", "st-venant-kirchhoff",
 /// "modified-st-venant-kirchhoff", "mooney-rivlin".
-enum class LawName : std::uint8_t { linear, st_venant_kirchhoff, modified_st_venant_kirchhoff, mooney_rivlin };
-/// "none", "P1" (equal order, the paper's; violates inf-sup), "P1-stabilized" (polynomial pressure projection).
+enum class LawName : std::uint8_t {
+  linear,
+  st_venant_kirchhoff,
+  modified_st_venant_kirchhoff,
+  mooney_rivlin
+};
+/// "none", "P1" (equal order, the paper's; violates inf-sup), "P1-stabilized" (polynomial pressure
+/// projection).
 enum class PressureSpace : std::uint8_t { none, p1, p1_stabilized };
 /// "ln-det-F" (default, a barrier: no element can invert) or "det-F-1" (the paper's and GetFEM's).
 enum class Constraint : std::uint8_t { ln_det_F, det_F_minus_1 };

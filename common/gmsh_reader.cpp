@@ -465,7 +465,11 @@ Mesh readGmsh(const std::filesystem::path& file, double metres_per_unit) {
     throw badInput("mesh {} cannot be opened: {}", file.string(), std::generic_category().message(errno));
   std::string text(std::istreambuf_iterator<char>(in), {});
   if (in.bad()) throw failure("mesh {} cannot be read to its end", file.string());
-  return Reader(Lines(std::move(text), file.string()), metres_per_unit).read();
+  return parseGmsh(std::move(text), file.string(), metres_per_unit);
+}
+
+Mesh parseGmsh(std::string text, const std::string& source, double metres_per_unit) {
+  return Reader(Lines(std::move(text), source), metres_per_unit).read();
 }
 
 }  // namespace palpate

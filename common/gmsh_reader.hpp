@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "common/mesh.hpp"
 
@@ -18,5 +19,8 @@ namespace palpate {
 /// Error (bad input) for a missing, truncated, binary, other-version, partitioned or inconsistent file,
 /// naming file and line.
 Mesh readGmsh(const std::filesystem::path& file, double metres_per_unit = 1.0);
+
+/// The same from text; `source` names it in errors.
+Mesh parseGmsh(std::string text, const std::string& source, double metres_per_unit = 1.0);
 
 }  // namespace palpate

@@ -18,8 +18,10 @@ double ratioOf(double radius, double spacing) {
   if (!(std::isfinite(spacing) && spacing > 0))
     throw badInput("workspace.spacing = {} m: must be greater than 0", spacing);
   if (!(std::isfinite(radius) && radius >= spacing))
-    throw badInput("workspace.radius = {} m is smaller than workspace.spacing = {} m: the lattice would be the origin alone",
-                   radius, spacing);
+    throw badInput(
+        "workspace.radius = {} m is smaller than workspace.spacing = {} m: the lattice would be the origin "
+        "alone",
+        radius, spacing);
   const double ratio = radius / spacing;
   const double whole = std::round(ratio);
   return std::abs(ratio - whole) <= spacing_tolerance * whole ? whole : ratio;
@@ -35,9 +37,10 @@ Lattice::Lattice(double radius, double spacing) : radius_(radius) {
   const double ratio = ratioOf(radius, spacing);
   const double expected = 4.0 / 3.0 * M_PI * ratio * ratio * ratio;
   if (expected > max_points)
-    throw badInput("workspace.radius / workspace.spacing = {:.4g} makes about {:.3g} lattice points, more than {:.0e}: "
-                   "choose a larger spacing",
-                   ratio, expected, max_points);
+    throw badInput(
+        "workspace.radius / workspace.spacing = {:.4g} makes about {:.3g} lattice points, more than {:.0e}: "
+        "choose a larger spacing",
+        ratio, expected, max_points);
   spacing_ = radius / ratio;
   extent_ = static_cast<std::int32_t>(std::floor(ratio));
   const auto limit = static_cast<std::int64_t>(std::floor(ratio * ratio * (1 + 1e-12)));
@@ -62,7 +65,8 @@ std::optional<std::int32_t> Lattice::indexOf(const LatticePoint& p) const {
   for (const std::int32_t coordinate : p)
     if (coordinate < -extent_ || coordinate > extent_) return std::nullopt;
   const std::size_t side = 2 * static_cast<std::size_t>(extent_) + 1;
-  const std::int32_t index = index_of_[((p[0] + extent_) * side + (p[1] + extent_)) * side + (p[2] + extent_)];
+  const std::int32_t index =
+      index_of_[((p[0] + extent_) * side + (p[1] + extent_)) * side + (p[2] + extent_)];
   if (index < 0) return std::nullopt;
   return index;
 }

@@ -16,17 +16,17 @@ std::int64_t squaredNorm(const LatticePoint& point);
 
 /// The lattice points of the closed workspace ball (paper, Eq. 11, with the origin).
 ///
-/// Membership is decided in integers, i^2+j^2+k^2 <= (radius/spacing)^2, when radius/spacing is an integer to 1e-6
-/// relative: with r = 100 mm, spacing 20, 100/7, 10, 100/15 mm these are 515, 1419, 4169, 14147 points, where a floating-point
-/// test drops some that lie exactly on the sphere. "100/7 mm" may be written 14.3 mm: a spacing within 0.2 % of
-/// radius/n, n integer, is taken as exactly radius/n.
+/// Membership is decided in integers, i^2+j^2+k^2 <= (radius/spacing)^2, when radius/spacing is an integer to
+/// 1e-6 relative: with r = 100 mm, spacing 20, 100/7, 10, 100/15 mm these are 515, 1419, 4169, 14147 points,
+/// where a floating-point test drops some that lie exactly on the sphere. "100/7 mm" may be written 14.3 mm:
+/// a spacing within 0.2 % of radius/n, n integer, is taken as exactly radius/n.
 ///
-/// Points are numbered 0..size()-1 by (squared norm, i, j, k); the origin is number 0. The numbering is part of the
-/// dataset. Immutable after construction: any thread may read.
+/// Points are numbered 0..size()-1 by (squared norm, i, j, k); the origin is number 0. The numbering is part
+/// of the dataset. Immutable after construction: any thread may read.
 class Lattice {
  public:
-  /// radius and spacing in metres, both > 0 and radius >= spacing, else Error (bad input). Also refuses more than
-  /// 10 million points, naming the numbers.
+  /// radius and spacing in metres, both > 0 and radius >= spacing, else Error (bad input). Also refuses more
+  /// than 10 million points, naming the numbers.
   Lattice(double radius, double spacing);
 
   double radius() const { return radius_; }    ///< metres
@@ -38,8 +38,8 @@ class Lattice {
   /// Displacement of point `index`, metres.
   Eigen::Vector3d displacement(std::int32_t index) const;
 
-  /// The up to 26 lattice points that differ by at most 1 in each coordinate, in the order in which they are tried as
-  /// parents: shortest transition first, then nearest to the origin, then lexicographic (i, j, k).
+  /// The up to 26 lattice points that differ by at most 1 in each coordinate, in the order in which they are
+  /// tried as parents: shortest transition first, then nearest to the origin, then lexicographic (i, j, k).
   std::vector<std::int32_t> neighbours(std::int32_t index) const;
 
  private:

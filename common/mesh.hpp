@@ -24,7 +24,8 @@ struct Mesh {
   std::int32_t reoriented_tetrahedra = 0;  ///< tetrahedra whose node order was turned (all of them, or none)
 };
 
-/// A length in metres. Divides where 1 / metres_per_unit is whole, so that 20 mm are exactly the double 0.02.
+/// A length in metres. Divides where 1 / metres_per_unit is whole, so that 20 mm are exactly the double 0.02
+/// (2.5 mm too; of lengths like 134.4 mm, which are no doubles themselves, the last bit may differ).
 double toMetres(double length, double metres_per_unit);
 
 /// Six times the signed volume of tetrahedron `element`, cubic metres.

@@ -377,6 +377,8 @@ Problem decodeProblem(std::string_view bytes) {
   try {
     Problem problem = fromMessage(message);
     check(problem);
+    if (encodeProblem(problem) != bytes)
+      throw failure("it is not written as this version of Palpate writes it");
     return problem;
   } catch (const Error& error) {
     throw failure("a problem of {} bytes is damaged: {}", bytes.size(), error.what());

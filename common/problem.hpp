@@ -47,7 +47,8 @@ Problem loadProblem(const std::filesystem::path& scene_file);
 /// The problem as bytes (Protobuf message palpate.wire.Problem, deterministic field order) and back. The
 /// worker gets it in this form. The decoded scene is the resolved one: mesh path reduced to its file name,
 /// metres_per_unit = 1. The node sets are those of the bytes, not selected anew, and are checked like
-/// resolve's; Error (failure) when damaged.
+/// resolve's. Error (failure) when damaged, which includes bytes that encodeProblem would write in another
+/// way.
 std::string encodeProblem(const Problem& problem);
 Problem decodeProblem(std::string_view bytes);
 

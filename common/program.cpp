@@ -40,9 +40,13 @@ ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) 
 
 }  // namespace
 
-const char* version() { return PALPATE_VERSION; }
+const char* version() {
+  return PALPATE_VERSION;
+}
 
-bool interrupted() { return interrupt_count > 0; }
+bool interrupted() {
+  return interrupt_count > 0;
+}
 
 void catchInterrupts() {
   struct sigaction action {};

@@ -27,7 +27,8 @@ bool readMatrix(const std::string& bytes, Eigen::Matrix<double, rows, columns>& 
 
 }  // namespace
 
-Sent sendMessage(zmq::socket_t& socket, std::string_view peer, const wire::Message& message, std::string_view payload) {
+Sent sendMessage(zmq::socket_t& socket, std::string_view peer, const wire::Message& message,
+                 std::string_view payload) {
   // Once the first frame was accepted, libzmq accepts the rest of the message too.
   try {
     if (!peer.empty() && !sendFrame(socket, peer, true)) return Sent::full;
@@ -117,7 +118,8 @@ std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint) {
     socket.bind(endpoint);
   } catch (const zmq::error_t& error) {
     if (error.num() == EADDRINUSE)
-      throw failure("{} is in use by another program: stop it (palpate stop {}) or choose another port", endpoint, endpoint);
+      throw failure("{} is in use by another program: stop it (palpate stop {}) or choose another port",
+                    endpoint, endpoint);
     throw failure("cannot listen on {}: {}", endpoint, error.what());
   }
   return socket.get(zmq::sockopt::last_endpoint);
@@ -131,7 +133,9 @@ wire::Point toWire(const LatticePoint& point) {
   return message;
 }
 
-LatticePoint fromWire(const wire::Point& point) { return {point.i(), point.j(), point.k()}; }
+LatticePoint fromWire(const wire::Point& point) {
+  return {point.i(), point.j(), point.k()};
+}
 
 void toWire(const Outcome& outcome, const std::string& fields_bytes, wire::Result& result) {
   wire::Cost& cost = *result.mutable_cost();
@@ -183,10 +187,17 @@ std::optional<Outcome> fromWire(const wire::Result& result) {
   }
   if (!result.has_failure()) return std::nullopt;
   const wire::Failure& message = result.failure();
-  if (message.cause() == 0 || message.cause() > static_cast<std::uint32_t>(Cause::worker_lost)) return std::nullopt;
-  outcome.failure = {static_cast<Cause>(message.cause()), message.step_reached(),     message.residual(),
-                     message.element(),                   message.element_det_f(),    message.negative_pivots(),
-                     message.expected_negative_pivots(),  message.mumps_infog1(),     message.mumps_infog2()};
+  if (message.cause() == 0 || message.cause() > static_cast<std::uint32_t>(Cause::worker_lost))
+    return std::nullopt;
+  outcome.failure = {static_cast<Cause>(message.cause()),
+                     message.step_reached(),
+                     message.residual(),
+                     message.element(),
+                     message.element_det_f(),
+                     message.negative_pivots(),
+                     message.expected_negative_pivots(),
+                     message.mumps_infog1(),
+                     message.mumps_infog2()};
   return outcome;
 }
 

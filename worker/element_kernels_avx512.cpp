@@ -4,6 +4,7 @@
 namespace palpate {
 
 extern const ElementKernels kernels_of_avx512;
-const ElementKernels kernels_of_avx512 = {"avx512", kernels_avx512::residualKernel, kernels_avx512::tangentKernel};
+const ElementKernels kernels_of_avx512 = {"avx512", kernels_avx512::residualKernel,
+                                          kernels_avx512::tangentKernel};
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 namespace palpate {
 
 extern const ElementKernels kernels_of_baseline;
-const ElementKernels kernels_of_baseline = {"baseline", kernels_baseline::residualKernel, kernels_baseline::tangentKernel};
+const ElementKernels kernels_of_baseline = {"baseline", kernels_baseline::residualKernel,
+                                            kernels_baseline::tangentKernel};
 
 }  // namespace palpate

@@ -1,5 +1,6 @@
-// Included once per CPU family, with PALPATE_KERNEL_NAMESPACE set to a name of its own and the compiler flags of that
-// family. Nothing here may be an inline function of another header: the linker would keep one family's copy for all.
+// Included once per CPU family, with PALPATE_KERNEL_NAMESPACE set to a name of its own and the compiler flags
+// of that family. Nothing here may be an inline function of another header: the linker would keep one
+// family's copy for all.
 #include <cmath>
 
 #include "worker/element_kernels.hpp"
@@ -20,7 +21,7 @@ PALPATE_INLINE Pack logarithm(Pack x) {
 struct Kinematics {
   Pack F[3][3];
   Strain<Pack> strain;
-  Pack gradient[4][3];   ///< dN_a/dX
+  Pack gradient[4][3];  ///< dN_a/dX
   Pack q[4], q_mean;
 };
 
@@ -43,8 +44,9 @@ PALPATE_INLINE void deform(const BatchGeometry& geometry, const double* u, const
   for (int i = 0; i < 3; ++i)
     for (int I = 0; I < 3; ++I) k.F[i][I] = grad_u[i][I] + (i == I ? 1.0 : 0.0);
   const auto& F = k.F;
-  k.strain.J = F[0][0] * (F[1][1] * F[2][2] - F[1][2] * F[2][1]) - F[0][1] * (F[1][0] * F[2][2] - F[1][2] * F[2][0]) +
-        F[0][2] * (F[1][0] * F[2][1] - F[1][1] * F[2][0]);
+  k.strain.J = F[0][0] * (F[1][1] * F[2][2] - F[1][2] * F[2][1]) -
+               F[0][1] * (F[1][0] * F[2][2] - F[1][2] * F[2][0]) +
+               F[0][2] * (F[1][0] * F[2][1] - F[1][1] * F[2][0]);
   for (int v = 0; v < 6; ++v) {
     const int I = voigt_row[v], K = voigt_column[v];
     // From grad u, not from F^T F - I: no cancellation at small strain.
@@ -80,12 +82,14 @@ PALPATE_INLINE ConstraintValues constrain(Constraint constraint, Pack J) {
 }
 
 /// Element matrix of the pressure projection, V alpha/mu [ (1 + delta_ab)/20 - 1/16 ], without V alpha/mu.
-constexpr double projection(int a, int b) { return (a == b ? 2.0 : 1.0) / 20 - 1.0 / 16; }
+constexpr double projection(int a, int b) {
+  return (a == b ? 2.0 : 1.0) / 20 - 1.0 / 16;
+}
 
 template <class Law, bool mixed>
-PALPATE_INLINE void computeResidual(const Law& law, const ElementParameters& parameters, const BatchGeometry& geometry,
-                                    const Kinematics& k, BatchResult& result, ConstraintValues& constraint,
-                                    Pack (&S)[6]) {
+PALPATE_INLINE void computeResidual(const Law& law, const ElementParameters& parameters,
+                                    const BatchGeometry& geometry, const Kinematics& k, BatchResult& result,
+                                    ConstraintValues& constraint, Pack (&S)[6]) {
   const Pack V = geometry.volume;
   Pack W;
   law.evaluate(k.strain, W, S);
@@ -120,7 +124,8 @@ PALPATE_INLINE void computeResidual(const Law& law, const ElementParameters& par
       }
     }
     for (int a = 0; a < 4; ++a)
-      result.residual[4 * a + i] = P[0] * k.gradient[a][0] + P[1] * k.gradient[a][1] + P[2] * k.gradient[a][2];
+      result.residual[4 * a + i] =
+          P[0] * k.gradient[a][0] + P[1] * k.gradient[a][1] + P[2] * k.gradient[a][2];
   }
 }
 
@@ -130,8 +135,9 @@ constexpr int entryOf(int row, int column) {
 }
 
 template <class Law, bool mixed>
-PALPATE_INLINE void computeTangent(const Law& law, const ElementParameters& parameters, const BatchGeometry& geometry,
-                                   const Kinematics& k, const ConstraintValues& constraint, const Pack (&S)[6],
+PALPATE_INLINE void computeTangent(const Law& law, const ElementParameters& parameters,
+                                   const BatchGeometry& geometry, const Kinematics& k,
+                                   const ConstraintValues& constraint, const Pack (&S)[6],
                                    BatchTangent& tangent) {
   const Pack V = geometry.volume;
   const double scale = parameters.pressure_scale;
@@ -173,7 +179,8 @@ PALPATE_INLINE void computeTangent(const Law& law, const ElementParameters& para
     for (int a = 0; a < 3; ++a) {
       Pack t[3];
       for (int I = 0; I < 3; ++I)
-        t[I] = V * (stress[I][0] * k.gradient[a][0] + stress[I][1] * k.gradient[a][1] + stress[I][2] * k.gradient[a][2]);
+        t[I] = V * (stress[I][0] * k.gradient[a][0] + stress[I][1] * k.gradient[a][1] +
+                    stress[I][2] * k.gradient[a][2]);
       for (int b = a; b < 3; ++b) {
         geometric[a][b] = t[0] * k.gradient[b][0] + t[1] * k.gradient[b][1] + t[2] * k.gradient[b][2];
         geometric[b][a] = geometric[a][b];
@@ -202,7 +209,8 @@ PALPATE_INLINE void computeTangent(const Law& law, const ElementParameters& para
         for (int j = (b == a ? i : 0); j < 3; ++j)
           tangent.entry[entryOf(4 * a + i, 4 * b + j)] = K[3 * a + i][3 * b + j];
       for (int j = 0; j < 3; ++j)
-        tangent.entry[entryOf(4 * a + i, 12 + j)] = -(K[3 * a + i][j] + K[3 * a + i][3 + j] + K[3 * a + i][6 + j]);
+        tangent.entry[entryOf(4 * a + i, 12 + j)] =
+            -(K[3 * a + i][j] + K[3 * a + i][3 + j] + K[3 * a + i][6 + j]);
     }
   for (int i = 0; i < 3; ++i)
     for (int j = i; j < 3; ++j) {
@@ -229,18 +237,20 @@ PALPATE_INLINE void computeTangent(const Law& law, const ElementParameters& para
     }
   const double stabilization = parameters.stabilization * scale * scale;
   for (int a = 0; a < 4; ++a)
-    for (int b = a; b < 4; ++b) tangent.entry[entryOf(4 * a + 3, 4 * b + 3)] = -stabilization * projection(a, b) * V;
+    for (int b = a; b < 4; ++b)
+      tangent.entry[entryOf(4 * a + 3, 4 * b + 3)] = -stabilization * projection(a, b) * V;
 }
 
 template <class Law, bool mixed, bool with_tangent>
-void evaluateBatch(const Law& law, const ElementParameters& parameters, const BatchGeometry& geometry, const double* u,
-                   const double* q, BatchResult& result, BatchTangent* tangent) {
+void evaluateBatch(const Law& law, const ElementParameters& parameters, const BatchGeometry& geometry,
+                   const double* u, const double* q, BatchResult& result, BatchTangent* tangent) {
   Kinematics k;
   ConstraintValues constraint;
   Pack S[6];
   deform<Law::small_strain, mixed>(geometry, u, q, k);
   computeResidual<Law, mixed>(law, parameters, geometry, k, result, constraint, S);
-  if constexpr (with_tangent) computeTangent<Law, mixed>(law, parameters, geometry, k, constraint, S, *tangent);
+  if constexpr (with_tangent)
+    computeTangent<Law, mixed>(law, parameters, geometry, k, constraint, S, *tangent);
 }
 
 template <bool with_tangent>
@@ -248,23 +258,27 @@ void evaluate(const ElementParameters& p, const BatchGeometry& geometry, const d
               BatchResult& result, BatchTangent* tangent) {
   switch (p.law) {
     case LawName::linear:
-      return evaluateBatch<Linear, false, with_tangent>({{p.lambda, p.mu}}, p, geometry, u, q, result, tangent);
+      return evaluateBatch<Linear, false, with_tangent>({{p.lambda, p.mu}}, p, geometry, u, q, result,
+                                                        tangent);
     case LawName::st_venant_kirchhoff:
-      return evaluateBatch<StVenantKirchhoff, false, with_tangent>({p.lambda, p.mu}, p, geometry, u, q, result, tangent);
+      return evaluateBatch<StVenantKirchhoff, false, with_tangent>({p.lambda, p.mu}, p, geometry, u, q,
+                                                                   result, tangent);
     case LawName::modified_st_venant_kirchhoff:
-      return evaluateBatch<StVenantKirchhoff, true, with_tangent>({p.lambda, p.mu}, p, geometry, u, q, result, tangent);
+      return evaluateBatch<StVenantKirchhoff, true, with_tangent>({p.lambda, p.mu}, p, geometry, u, q, result,
+                                                                  tangent);
     case LawName::mooney_rivlin:
-      return evaluateBatch<MooneyRivlin, true, with_tangent>({p.c10, p.c01}, p, geometry, u, q, result, tangent);
+      return evaluateBatch<MooneyRivlin, true, with_tangent>({p.c10, p.c01}, p, geometry, u, q, result,
+                                                             tangent);
   }
 }
 
-void residualKernel(const ElementParameters& p, const BatchGeometry& geometry, const double* u, const double* q,
-                    BatchResult& result) {
+void residualKernel(const ElementParameters& p, const BatchGeometry& geometry, const double* u,
+                    const double* q, BatchResult& result) {
   evaluate<false>(p, geometry, u, q, result, nullptr);
 }
 
-void tangentKernel(const ElementParameters& p, const BatchGeometry& geometry, const double* u, const double* q,
-                   BatchResult& result, BatchTangent& tangent) {
+void tangentKernel(const ElementParameters& p, const BatchGeometry& geometry, const double* u,
+                   const double* q, BatchResult& result, BatchTangent& tangent) {
   evaluate<true>(p, geometry, u, q, result, &tangent);
 }
 

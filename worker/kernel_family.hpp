@@ -7,9 +7,10 @@
 
 namespace palpate {
 
-/// The fastest element kernels this CPU runs: "avx512", "avx2" or "baseline". The environment variable PALPATE_KERNELS names
-/// another one, for reproducing a dataset of an older machine; Error (bad input) when the CPU cannot run it. Results of two
-/// families agree to the Newton tolerance, not to the bit, so a dataset records its family.
+/// The fastest element kernels this CPU runs: "avx512", "avx2" or "baseline". The environment variable
+/// PALPATE_KERNELS names another one, for reproducing a dataset of an older machine; Error (bad input) when
+/// the CPU cannot run it. Results of two families agree to the Newton tolerance, not to the bit, so a dataset
+/// records its family.
 const ElementKernels& chooseKernels();
 
 /// All that this CPU runs, fastest first.

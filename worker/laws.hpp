@@ -1,13 +1,16 @@
 #pragma once
 
-/// Strain energies W(gamma), gamma = (F^T F - I)/2 the Green strain (for `Linear`: the small strain), with the second
-/// Piola-Kirchhoff stress S = dW/dgamma and the tangent D = dS/dgamma. docs/numerics.md has the derivations.
+/// Strain energies W(gamma), gamma = (F^T F - I)/2 the Green strain (for `Linear`: the small strain), with
+/// the second Piola-Kirchhoff stress S = dW/dgamma and the tangent D = dS/dgamma. docs/numerics.md has the
+/// derivations.
 ///
 /// T is double, or a pack of doubles in the element kernels, so nothing here may branch on values.
-/// Voigt order 11, 22, 33, 12, 23, 13 with engineering shear: strain e = (g11, g22, g33, 2 g12, 2 g23, 2 g13),
-/// S = (S11, S22, S33, S12, S23, S13), D(i, j) = dS(i)/de(j), 6 x 6 symmetric, both triangles filled. Moduli in Pa.
+/// Voigt order 11, 22, 33, 12, 23, 13 with engineering shear: strain e = (g11, g22, g33, 2 g12, 2 g23, 2
+/// g13), S = (S11, S22, S33, S12, S23, S13), D(i, j) = dS(i)/de(j), 6 x 6 symmetric, both triangles filled.
+/// Moduli in Pa.
 ///
-/// Every translation unit that compiles the kernels for another CPU family includes this inside its own namespace.
+/// Every translation unit that compiles the kernels for another CPU family includes this inside its own
+/// namespace.
 #ifndef PALPATE_KERNEL_NAMESPACE
 #define PALPATE_KERNEL_NAMESPACE kernels_default
 #endif
@@ -19,7 +22,8 @@ constexpr int voigt_row[6] = {0, 1, 2, 0, 1, 0};
 constexpr int voigt_column[6] = {0, 1, 2, 1, 2, 2};
 constexpr int voigt_of[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
 
-/// What a law is a function of. The laws that are used with det F = 1 also get C^-1 and J, the others find zeros there.
+/// What a law is a function of. The laws that are used with det F = 1 also get C^-1 and J, the others find
+/// zeros there.
 template <class T>
 struct Strain {
   T e[6];          ///< Voigt, engineering shear
@@ -36,7 +40,8 @@ struct StVenantKirchhoff {
   void evaluate(const Strain<T>& strain, T& W, T (&S)[6]) const {
     const T(&e)[6] = strain.e;
     const T trace = e[0] + e[1] + e[2];
-    const T squares = e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + 0.5 * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5]);
+    const T squares =
+        e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + 0.5 * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5]);
     W = 0.5 * lambda * trace * trace + mu * squares;
     for (int i = 0; i < 3; ++i) S[i] = lambda * trace + 2 * mu * e[i];
     for (int i = 3; i < 6; ++i) S[i] = mu * e[i];
@@ -57,7 +62,9 @@ struct Linear : StVenantKirchhoff {
 };
 
 /// x^(-1/3) squared, lane by lane: J^(-2/3) without the branch on the sign of J.
-inline double inverseTwoThirds(double J) { return 1 / __builtin_cbrt(J * J); }
+inline double inverseTwoThirds(double J) {
+  return 1 / __builtin_cbrt(J * J);
+}
 template <class T>
 T inverseTwoThirds(const T& J) {
   T result;
@@ -65,10 +72,12 @@ T inverseTwoThirds(const T& J) {
   return result;
 }
 
-/// W = C10 (j1 - 3) + C01 (j2 - 3) with the isochoric invariants j1 = J^(-2/3) I1, j2 = J^(-4/3) I2, to be used with det F = 1.
+/// W = C10 (j1 - 3) + C01 (j2 - 3) with the isochoric invariants j1 = J^(-2/3) I1, j2 = J^(-4/3) I2, to be
+/// used with det F = 1.
 ///
-/// Where J = 1 this is the paper's Eq. 7 (less its misprint, a factor 2 on C01). In a discrete solution J is 1 only on
-/// average; the isochoric form is the one that GetFEM, the paper's library, computes, and its rest state has no pressure.
+/// Where J = 1 this is the paper's Eq. 7 (less its misprint, a factor 2 on C01). In a discrete solution J is
+/// 1 only on average; the isochoric form is the one that GetFEM, the paper's library, computes, and its rest
+/// state has no pressure.
 struct MooneyRivlin {
   static constexpr bool small_strain = false;
   double c10, c01;
@@ -89,9 +98,11 @@ struct MooneyRivlin {
     for (int i = 0; i < 6; ++i)
       for (int j = i; j < 6; ++j) {
         const int I = voigt_row[i], K = voigt_column[i], M = voigt_row[j], N = voigt_column[j];
-        const T product = 0.5 * (Ci[voigt_of[I][M]] * Ci[voigt_of[K][N]] + Ci[voigt_of[I][N]] * Ci[voigt_of[K][M]]);
+        const T product =
+            0.5 * (Ci[voigt_of[I][M]] * Ci[voigt_of[K][N]] + Ci[voigt_of[I][N]] * Ci[voigt_of[K][M]]);
         const double symmetric_identity = i != j ? 0.0 : i < 3 ? 1.0 : 0.5;
-        D[i][j] = f1 * (v.I1 / 3 * product + v.I1 / 9 * Ci[i] * Ci[j] - (identity(i) * Ci[j] + identity(j) * Ci[i]) / 3) +
+        D[i][j] = f1 * (v.I1 / 3 * product + v.I1 / 9 * Ci[i] * Ci[j] -
+                        (identity(i) * Ci[j] + identity(j) * Ci[i]) / 3) +
                   f2 * (identity(i) * identity(j) - symmetric_identity + 2 * v.I2 / 3 * product +
                         4 * v.I2 / 9 * Ci[i] * Ci[j] - 2 * (v.A[i] * Ci[j] + v.A[j] * Ci[i]) / 3);
         D[j][i] = D[i][j];
@@ -111,7 +122,8 @@ struct MooneyRivlin {
     const T(&e)[6] = strain.e;
     Invariants<T> v;
     const T trace = e[0] + e[1] + e[2];
-    const T squares = e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + 0.5 * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5]);
+    const T squares =
+        e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + 0.5 * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5]);
     v.I1 = 3 + 2 * trace;
     v.I2 = 3 + 4 * trace + 2 * (trace * trace - squares);
     v.s1 = inverseTwoThirds(strain.J);

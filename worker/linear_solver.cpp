@@ -13,7 +13,7 @@ constexpr int initialize = -1, terminate = -2, analyse = 1, factorise = 2, subst
 constexpr int use_comm_world = -987654;
 /// SCOTCH orders about as well but differently in every process, so its factors differ in the last bits.
 constexpr int ordering_pord = 4;
-constexpr int workspace_percent = 50;   ///< ICNTL(14); avoids nearly all retries
+constexpr int workspace_percent = 50;  ///< ICNTL(14); avoids nearly all retries
 constexpr int workspace_retries = 4;
 
 }  // namespace
@@ -59,11 +59,14 @@ LinearSolver::LinearSolver(const Pattern& pattern, bool singular) : mumps_(std::
   if (mumps.run(analyse) < 0) {
     const int infog1 = mumps.infog(1), infog2 = mumps.infog(2);
     mumps.run(terminate);
-    throw failure("MUMPS analysis of {} unknowns failed: INFOG(1) = {}, INFOG(2) = {}", pattern.n, infog1, infog2);
+    throw failure("MUMPS analysis of {} unknowns failed: INFOG(1) = {}, INFOG(2) = {}", pattern.n, infog1,
+                  infog2);
   }
 }
 
-LinearSolver::~LinearSolver() { mumps_->run(terminate); }
+LinearSolver::~LinearSolver() {
+  mumps_->run(terminate);
+}
 
 Factorization LinearSolver::factorize(const std::vector<double>& values) {
   Mumps& mumps = *mumps_;
@@ -94,6 +97,8 @@ double LinearSolver::factorEntries() const {
   return entries >= 0 ? entries : -1e6 * entries;
 }
 
-double LinearSolver::factorFlops() const { return mumps_->data.rinfog[2]; }
+double LinearSolver::factorFlops() const {
+  return mumps_->data.rinfog[2];
+}
 
 }  // namespace palpate

@@ -18,23 +18,24 @@ struct Factorization {
 
 /// LDL^T of a symmetric indefinite matrix with a pattern that stays, by sequential MUMPS.
 ///
-/// Analysis happens once, in the constructor, on the pattern alone; so the same values always give the same bits.
-/// MUMPS is not thread-safe: at most one LinearSolver per process, used from one thread. BLAS is held to one thread.
+/// Analysis happens once, in the constructor, on the pattern alone; so the same values always give the same
+/// bits. MUMPS is not thread-safe: at most one LinearSolver per process, used from one thread. BLAS is held
+/// to one thread.
 class LinearSolver {
  public:
-  /// Error when the analysis fails. `pattern` is copied. `singular`: the matrix may have a null space (the spurious pressure modes
-  /// of P1/P1); pivots that vanish are then detected and their unknowns kept at zero.
+  /// Error when the analysis fails. `pattern` is copied. `singular`: the matrix may have a null space (the
+  /// spurious pressure modes of P1/P1); pivots that vanish are then detected and their unknowns kept at zero.
   LinearSolver(const Pattern& pattern, bool singular);
   ~LinearSolver();
   LinearSolver(const LinearSolver&) = delete;
   LinearSolver& operator=(const LinearSolver&) = delete;
 
-  /// values: one per pattern entry, upper triangle. When MUMPS runs out of workspace (INFOG(1) = -8, -9) it is given twice as
-  /// much, at most four times.
+  /// values: one per pattern entry, upper triangle. When MUMPS runs out of workspace (INFOG(1) = -8, -9) it
+  /// is given twice as much, at most four times.
   [[nodiscard]] Factorization factorize(const std::vector<double>& values);
 
-  /// Overwrites each column of `right_hand_sides` (n x k, column-major) with its solution. Only after an ok factorize().
-  /// False when MUMPS reports an error.
+  /// Overwrites each column of `right_hand_sides` (n x k, column-major) with its solution. Only after an ok
+  /// factorize(). False when MUMPS reports an error.
   [[nodiscard]] bool solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides);
 
   /// Entries of the factor and floating-point operations of one factorisation, as MUMPS counts them.

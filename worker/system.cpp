@@ -13,8 +13,9 @@ namespace {
 
 /// The buffers of an assembly end with what belongs to the tool, then a sink for what belongs to nobody.
 constexpr std::int32_t tool_rows = 3;
-constexpr std::int32_t tool_diagonal = 3;      ///< K_aa from diagonal local entries, one per direction
-constexpr std::int32_t tool_off_diagonal = 9;  ///< K_aa from local entries above the diagonal, to be added with its transpose
+constexpr std::int32_t tool_diagonal = 3;  ///< K_aa from diagonal local entries, one per direction
+constexpr std::int32_t tool_off_diagonal =
+    9;  ///< K_aa from local entries above the diagonal, to be added with its transpose
 
 ElementParameters parametersOf(const Scene& scene) {
   const Material& material = scene.material;
@@ -117,7 +118,8 @@ void System::buildScatter() {
 
   held_.assign(pattern_.n, 0);
   rows_.resize(pattern_.n + tool_rows + 1);
-  values_.resize(pattern_.row.size() + 3 * static_cast<std::size_t>(pattern_.n) + tool_diagonal + tool_off_diagonal + 1);
+  values_.resize(pattern_.row.size() + 3 * static_cast<std::size_t>(pattern_.n) + tool_diagonal +
+                 tool_off_diagonal + 1);
   row_slots_.resize(batches_.size() * local_unknowns * lanes);
   entry_slots_.resize(batches_.size() * local_entries * lanes);
   for (std::size_t batch = 0; batch < batches_.size(); ++batch) fillSlots(batch);
@@ -150,7 +152,8 @@ std::int32_t System::entrySlot(std::int32_t node_a, int i, std::int32_t node_b, 
   if (a_held) return coupling_begin + 3 * b + i;
   if (b_held) return coupling_begin + 3 * a + j;
   const std::int32_t row = std::min(a, b), column = std::max(a, b);
-  const auto begin = pattern_.column.begin() + first_entry_[row], end = pattern_.column.begin() + first_entry_[row + 1];
+  const auto begin = pattern_.column.begin() + first_entry_[row],
+             end = pattern_.column.begin() + first_entry_[row + 1];
   return static_cast<std::int32_t>(std::lower_bound(begin, end, column + 1) - pattern_.column.begin());
 }
 
@@ -168,7 +171,8 @@ void System::fillSlots(std::size_t batch) {
       for (int column = row; column < local_unknowns; ++column, ++entry) {
         const std::int32_t node_b = geometry.node[column / 4][lane];
         entry_slots_[(batch * local_entries + entry) * lanes + lane] =
-            padding ? static_cast<std::int32_t>(values_.size()) - 1 : entrySlot(node_a, row % 4, node_b, column % 4);
+            padding ? static_cast<std::int32_t>(values_.size()) - 1
+                    : entrySlot(node_a, row % 4, node_b, column % 4);
       }
     }
   }
@@ -210,7 +214,9 @@ State System::moved(const State& state, const Eigen::VectorXd& step, double fact
   return next;
 }
 
-void System::assemble(const State& state, Residual& residual) const { run<false>(state, residual, nullptr); }
+void System::assemble(const State& state, Residual& residual) const {
+  run<false>(state, residual, nullptr);
+}
 
 void System::assemble(const State& state, Residual& residual, Tangent& tangent) const {
   run<true>(state, residual, &tangent);
@@ -262,10 +268,11 @@ void System::run(const State& state, Residual& residual, Tangent* tangent) const
     for (std::int32_t unknown = 0; unknown < pattern_.n; ++unknown)
       // A positive pivot of the size of its neighbours.
       if (held_[unknown]) tangent->values[diagonal_[unknown]] = parameters_.mu * mean_edge_;
-    tangent->tool_coupling =
-        Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(values_.data() + entries, pattern_.n, 3);
+    tangent->tool_coupling = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(
+        values_.data() + entries, pattern_.n, 3);
     const double* tool = values_.data() + entries + 3 * static_cast<std::size_t>(pattern_.n);
-    const Eigen::Matrix3d off_diagonal = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(tool + tool_diagonal);
+    const Eigen::Matrix3d off_diagonal =
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(tool + tool_diagonal);
     tangent->tool = off_diagonal + off_diagonal.transpose();
     tangent->tool.diagonal() += Eigen::Map<const Eigen::Vector3d>(tool);
   }

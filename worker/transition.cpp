@@ -24,16 +24,19 @@ Failure failureOf(Cause cause, const NewtonResult& newton) {
 
 }  // namespace
 
-TransitionSolver::TransitionSolver(const Problem& problem, const ElementKernels& kernels, TransitionOptions options)
-    : problem_(problem), options_(options), system_(problem, kernels),
+TransitionSolver::TransitionSolver(const Problem& problem, const ElementKernels& kernels,
+                                   TransitionOptions options)
+    : problem_(problem),
+      options_(options),
+      system_(problem, kernels),
       solver_(system_.pattern(), problem.scene.discretization.pressure == PressureSpace::p1) {}
 
 std::optional<Start> TransitionSolver::startAtRest(Failure& failure) {
   return linearize(system_.restState(), Eigen::Vector3d::Zero(), failure);
 }
 
-std::optional<Start> TransitionSolver::startFrom(const NodalFields& fields, const Eigen::Vector3d& displacement,
-                                                 Failure& failure) {
+std::optional<Start> TransitionSolver::startFrom(const NodalFields& fields,
+                                                 const Eigen::Vector3d& displacement, Failure& failure) {
   State state = system_.restState();
   std::copy(fields.displacement.begin(), fields.displacement.end(), state.u.begin());
   for (std::size_t node = 0; node < state.q.size(); ++node)
@@ -44,7 +47,8 @@ std::optional<Start> TransitionSolver::startFrom(const NodalFields& fields, cons
   return linearize(std::move(state), displacement, failure);
 }
 
-std::optional<Start> TransitionSolver::linearize(State state, const Eigen::Vector3d& displacement, Failure& failure) {
+std::optional<Start> TransitionSolver::linearize(State state, const Eigen::Vector3d& displacement,
+                                                 Failure& failure) {
   NewtonResult here;
   system_.assemble(state, here.residual, here.tangent);
   here.factorization = solver_.factorize(here.tangent.values);
@@ -73,7 +77,8 @@ bool TransitionSolver::accept(NewtonResult& newton, const Eigen::Vector3d& displ
     failure = failureOf(Cause::factorization_failed, newton);
     return false;
   }
-  if (const auto expected = system_.expectedNegativePivots(); expected && newton.factorization.negative_pivots != *expected) {
+  if (const auto expected = system_.expectedNegativePivots();
+      expected && newton.factorization.negative_pivots != *expected) {
     failure = failureOf(Cause::wrong_inertia, newton);
     failure.expected_negative_pivots = *expected;
     return false;
@@ -84,7 +89,8 @@ bool TransitionSolver::accept(NewtonResult& newton, const Eigen::Vector3d& displ
   equilibrium.stiffness = -0.5 * (K + K.transpose());
   equilibrium.energy = newton.residual.energy;
   equilibrium.min_det_F = newton.residual.min_det_F;
-  if (!equilibrium.stiffness.allFinite() || !equilibrium.force.allFinite() || !std::isfinite(equilibrium.energy)) {
+  if (!equilibrium.stiffness.allFinite() || !equilibrium.force.allFinite() ||
+      !std::isfinite(equilibrium.energy)) {
     failure = failureOf(Cause::not_finite, newton);
     return false;
   }
@@ -104,10 +110,12 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
   double at = 0, step = 1;
   while (at < 1) {
     const double next = std::min(1.0, at + step);
-    const Eigen::Vector3d displacement = next == 1 ? target : Eigen::Vector3d(start.displacement + next * whole);
+    const Eigen::Vector3d displacement =
+        next == 1 ? target : Eigen::Vector3d(start.displacement + next * whole);
     const Eigen::VectorXd predictor = from->sensitivity * (displacement - from->displacement);
-    NewtonResult newton = findEquilibrium(system_, solver_, system_.moved(from->state, predictor, 1, displacement),
-                                          displacement, options_.newton);
+    NewtonResult newton =
+        findEquilibrium(system_, solver_, system_.moved(from->state, predictor, 1, displacement),
+                        displacement, options_.newton);
     outcome.cost.newton_iterations += newton.iterations;
     outcome.cost.factorizations += newton.iterations;
 

@@ -16,7 +16,8 @@ struct TransitionOptions {
   NewtonOptions newton;
   double smallest_step = 1.0 / 16;  ///< fraction of the transition
   int easy_iterations = 4;          ///< a step that took no more is followed by one twice as long
-  /// A lattice transition takes about 6 factorisations; one that fails may cost about five times that, no more.
+  /// A lattice transition takes about 6 factorisations; one that fails may cost about five times that, no
+  /// more.
   int max_factorizations = 32;
 };
 
@@ -42,13 +43,16 @@ class TransitionSolver {
   const System& system() const { return system_; }
   void chooseTool(std::size_t space) { system_.chooseTool(space); }
 
-  /// The rest state, or the configuration with these nodal fields at `displacement`, made ready to start from: one
-  /// factorisation, shared by all targets around it. Nothing when MUMPS fails there or a value is not finite; `failure` then says why.
+  /// The rest state, or the configuration with these nodal fields at `displacement`, made ready to start
+  /// from: one factorisation, shared by all targets around it. Nothing when MUMPS fails there or a value is
+  /// not finite; `failure` then says why.
   std::optional<Start> startAtRest(Failure& failure);
-  std::optional<Start> startFrom(const NodalFields& fields, const Eigen::Vector3d& displacement, Failure& failure);
+  std::optional<Start> startFrom(const NodalFields& fields, const Eigen::Vector3d& displacement,
+                                 Failure& failure);
 
-  /// Moves the tool from `start` to `target` (metres), in steps: tangent predictor, Newton, check, and half the step when it
-  /// failed. A state is accepted when it is finite, min det F > 0 (if the scene says so) and the tangent has the right inertia.
+  /// Moves the tool from `start` to `target` (metres), in steps: tangent predictor, Newton, check, and half
+  /// the step when it failed. A state is accepted when it is finite, min det F > 0 (if the scene says so) and
+  /// the tangent has the right inertia.
   ///
   /// Outcome::cost counts what this transition took, the factorisation of `start` excepted (it is shared).
   Reached reach(const Start& start, const Eigen::Vector3d& target);

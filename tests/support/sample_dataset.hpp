@@ -19,7 +19,7 @@ class AnalyticEnergy {
       const Eigen::Vector3d& p) const = 0;  ///< N/m; the stiffness is its negative
 };
 
-/// A smooth, stiffening, not symmetric body of about 100 N/m and a few newtons at 20 mm; no polynomial.
+/// A smooth, stiffening, not symmetric body of about 50 N/m and 1 N at 20 mm; no polynomial.
 class StiffeningEnergy : public AnalyticEnergy {
  public:
   double energy(const Eigen::Vector3d& p) const override;

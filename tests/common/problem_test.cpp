@@ -1,0 +1,255 @@
+#include "common/problem.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/reference_data.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace palpate {
+namespace {
+
+using test::expectBadInput;
+using test::expectError;
+using ::testing::ElementsAre;
+using ::testing::SizeIs;
+
+/// A 0.2 m cube of 4^3 cells (125 nodes, node spacing 0.05 m) held below, pulled in the middle of the top.
+class Problem : public ::testing::Test {
+ protected:
+  Problem() {
+    scene.name = "cube";
+    scene.mesh = "cube.msh";
+    scene.material.c10 = 1300;
+    scene.material.c01 = 1280;
+    scene.fixed.half_spaces = {{2, true, 0.1, std::nullopt}};
+    scene.active = {{"top", Eigen::Vector3d(0.1, 0.1, 0.21), std::nullopt, 0}};
+  }
+
+  palpate::Problem resolved() const { return resolve(scene, mesh); }
+  void refuses(std::initializer_list<std::string> words) const {
+    expectBadInput([this] { resolved(); }, words);
+  }
+
+  static constexpr std::int32_t top = 2 + 5 * (2 + 5 * 4), center = 2 + 5 * (2 + 5 * 2);
+  Scene scene;
+  Mesh mesh = test::cubeMesh(0.2, 4);
+};
+
+TEST_F(Problem, FindsTheNearestSurfaceNodeAndTheFixedNodes) {
+  const palpate::Problem problem = resolved();
+  EXPECT_EQ(problem.fixed, mesh.node_groups.at("zmin"));
+  ASSERT_THAT(problem.active, SizeIs(1));
+  EXPECT_EQ(problem.active[0].node, top);
+  EXPECT_THAT(problem.active[0].nodes, ElementsAre(top));
+}
+
+TEST_F(Problem, TakesANodeExactlyAtThePatchRadius) {
+  scene.active[0].radius = 0.05;
+  EXPECT_THAT(resolved().active[0].nodes, ElementsAre(top - 25, top - 5, top - 1, top, top + 1, top + 5));
+}
+
+TEST_F(Problem, LeavesFixedNodesOutOfAPatch) {
+  scene.active[0] = {"side", std::nullopt, 2 + 25, 0.05};
+  const ActivePatch patch = resolved().active[0];
+  EXPECT_THAT(patch.nodes, ElementsAre(26, 27, 28, 32, 52));
+}
+
+TEST_F(Problem, UnitesAllSelectors) {
+  scene.fixed = {};
+  scene.fixed.half_spaces = {{0, false, std::nullopt, 0.19}};
+  scene.fixed.boxes = {{{0, 0, 0}, {0.05, 0, 0}}};
+  scene.fixed.spheres = {{{0, 0.2, 0}, 0.05}};
+  scene.fixed.groups = {"xmax"};
+  scene.fixed.nodes = {10, 10};
+  std::vector<std::int32_t> expected = mesh.node_groups.at("xmax");
+  for (const int node : {0, 1, 20, 21, 15, 45, 10}) expected.push_back(node);
+  std::sort(expected.begin(), expected.end());
+  EXPECT_EQ(resolved().fixed, expected);
+}
+
+TEST_F(Problem, RefusesAFixedSetThatIsEmptyOrEverything) {
+  scene.fixed.half_spaces[0].fraction = 1e-9;
+  EXPECT_NO_THROW(resolved());
+  scene.fixed.half_spaces = {};
+  refuses({"[fixed] selects no node"});
+  scene.fixed.half_spaces = {{2, true, std::nullopt, 5.0}};
+  refuses({"[fixed] selects all 125 nodes"});
+}
+
+TEST_F(Problem, RefusesASelectorThatSelectsNothing) {
+  scene.fixed.spheres = {{{1, 1, 1}, 0.01}};
+  refuses({"fixed.sphere selects no node", "(0.2, 0.2, 0.2)"});
+}
+
+TEST_F(Problem, RefusesAnUnknownGroupListingThoseThereAre) {
+  scene.fixed.groups = {"basis"};
+  refuses({"\"basis\"", "xmax, xmin, ymax, ymin, zmax or zmin"});
+  mesh.node_groups.clear();
+  refuses({"\"basis\"", "no physical groups"});
+}
+
+TEST_F(Problem, RefusesNodesThatAreNotThere) {
+  scene.fixed.nodes = {125};
+  refuses({"fixed.nodes", "125", "0 to 124"});
+  scene.fixed.nodes = {};
+  scene.active[0] = {"top", std::nullopt, 125, 0};
+  refuses({"active \"top\"", "125", "0 to 124"});
+}
+
+TEST_F(Problem, RefusesAnActiveNodeInsideTheBody) {
+  scene.active[0] = {"deep", std::nullopt, center, 0};
+  refuses({"active \"deep\"", "inside the body", "nearest surface node"});
+}
+
+TEST_F(Problem, RefusesAFixedActiveNode) {
+  scene.active[0].near = Eigen::Vector3d(0.1, 0.1, -0.01);
+  refuses({"active \"top\"", "fixed nodes"});
+}
+
+TEST_F(Problem, RefusesAnActiveNodeFarFromTheBody) {
+  scene.active[0].near = Eigen::Vector3d(58, 134, 2.5);
+  refuses({"active \"top\"", "near", "length_unit"});
+}
+
+TEST_F(Problem, RefusesAPatchThatLeavesNothingToSolveFor) {
+  scene.active[0].radius = 1;
+  refuses({"active \"top\"", "whole body", "radius"});
+}
+
+TEST_F(Problem, RefusesABodyThatCanTurn) {
+  scene.fixed = {};
+  scene.fixed.nodes = {0, 1, 4};
+  refuses({"on one line", "turn"});
+  scene.fixed.nodes = {0};
+  refuses({"on one line", "turn"});
+  scene.fixed.nodes = {0, 1, 5};
+  EXPECT_NO_THROW(resolved());
+}
+
+TEST_F(Problem, RefusesMillimetresTakenForMetresSayingSo) {
+  for (Eigen::Vector3d& node : mesh.nodes) node *= 1000;
+  refuses({"200 m wide", "millimetres taken for metres", "length_unit = \"mm\""});
+}
+
+TEST_F(Problem, RefusesMetresTakenForMillimetresSayingSo) {
+  for (Eigen::Vector3d& node : mesh.nodes) node /= 1000;
+  scene.metres_per_unit = 0.001;
+  refuses({"0.0002 m wide only", "metres taken for millimetres", "length_unit = \"m\""});
+}
+
+TEST_F(Problem, RefusesAPieceThatNothingHolds) {
+  const Mesh other = test::cubeMesh(0.1, 1);
+  for (const Tetrahedron& t : other.tetrahedra)
+    mesh.tetrahedra.push_back({t[0] + 125, t[1] + 125, t[2] + 125, t[3] + 125});
+  for (const Eigen::Vector3d& node : other.nodes) mesh.nodes.push_back(node + Eigen::Vector3d(0.5, 0, 0.3));
+  finishMesh(mesh, "two pieces");
+  refuses({"2 pieces", "8 nodes around node 125", "no fixed node"});
+}
+
+TEST_F(Problem, RefusesAWorkspaceMuchLargerThanTheBody) {
+  scene.workspace.radius = 1.1;
+  refuses({"workspace.radius = 1.1 m", "0.3464 m"});
+}
+
+TEST_F(Problem, TravelsAsBytesBitForBit) {
+  scene.active.push_back({"side", Eigen::Vector3d(0.2, 0.1 + 0.2, 0.1), std::nullopt, 0.06});
+  const palpate::Problem problem = resolved();
+  const std::string bytes = encodeProblem(problem);
+  const palpate::Problem again = decodeProblem(bytes);
+  EXPECT_TRUE(encodeProblem(again) == bytes);
+  EXPECT_EQ(problemId(again), problemId(problem));
+  EXPECT_EQ(again.mesh.nodes, mesh.nodes);
+  EXPECT_EQ(again.mesh.surface, mesh.surface);
+  EXPECT_EQ(again.mesh.node_groups, mesh.node_groups);
+  EXPECT_EQ(again.fixed, problem.fixed);
+  EXPECT_EQ(again.active[1].nodes, problem.active[1].nodes);
+}
+
+TEST_F(Problem, SurvivesDamagedBytes) {
+  mesh = test::cubeMesh(0.2, 1);
+  scene.fixed.half_spaces[0].fraction = 0.5;
+  const std::string bytes = encodeProblem(resolved());
+  const auto decodesOrRefuses = [](const std::string& damaged) {
+    try {
+      return encodeProblem(decodeProblem(damaged)) ==
+             damaged;  // cut between two node groups, or another number
+    } catch (const Error& error) {
+      return error.exitCode() == ExitCode::failed;
+    }
+  };
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    EXPECT_TRUE(decodesOrRefuses(bytes.substr(0, at))) << at;
+    std::string damaged = bytes;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x55);
+    EXPECT_TRUE(decodesOrRefuses(damaged)) << at;
+  }
+  expectError(ExitCode::failed, [&] { decodeProblem(bytes.substr(0, bytes.size() / 2)); }, {"damaged"});
+}
+
+TEST_F(Problem, IdIgnoresWhatDoesNotChangeAnyConfiguration) {
+  const ContentId id = problemId(resolved());
+  scene.name = "other";
+  scene.mesh = "/elsewhere/file.msh";
+  scene.metres_per_unit = 0.001;
+  scene.active[0].near = Eigen::Vector3d(0.11, 0.1, 0.2);
+  scene.fixed.half_spaces = {};
+  scene.fixed.groups = {"zmin"};
+  mesh.node_groups.erase("ymax");
+  EXPECT_EQ(problemId(resolved()), id);
+}
+
+TEST_F(Problem, IdChangesWithEverythingElse) {
+  std::vector<ContentId> ids = {problemId(resolved())};
+  const Scene original = scene;
+  const auto changed = [&](auto&& change) {
+    scene = original;
+    change();
+    ids.push_back(problemId(resolved()));
+  };
+  changed([&] { scene.material.c10 = 1300.0000000000002; });
+  changed([&] { scene.discretization.constraint = Constraint::det_F_minus_1; });
+  changed([&] { scene.workspace.max_force = 3; });
+  changed([&] { scene.workspace.spacing = 0.01; });
+  changed([&] { scene.workspace.reject_inverted = false; });
+  changed([&] { scene.active[0].name = "other"; });
+  changed([&] { scene.active[0].radius = 0.05; });
+  changed([&] { scene.fixed.nodes = {25}; });
+  changed([&] { mesh.nodes[3][1] += 1e-12; });
+  std::sort(ids.begin(), ids.end());
+  EXPECT_EQ(std::unique(ids.begin(), ids.end()), ids.end());
+}
+
+TEST_F(Problem, IsLoadedFromFilesWithErrorsThatNameTheScene) {
+  const test::TemporaryDirectory directory;
+  test::writeGmsh41(mesh, directory / "cube.msh");
+  std::ofstream(directory / "cube.toml") << resolvedToml(scene);
+  EXPECT_EQ(problemId(loadProblem(directory / "cube.toml")), problemId(resolved()));
+  scene.fixed.groups = {"nobody"};
+  std::ofstream(directory / "cube.toml") << resolvedToml(scene);
+  expectBadInput([&] { loadProblem(directory / "cube.toml"); }, {"cube.toml", "fixed.group", "nobody"});
+  scene.mesh = "cube.vtk";
+  std::ofstream(directory / "cube.toml") << resolvedToml(scene);
+  expectBadInput([&] { loadProblem(directory / "cube.toml"); }, {"cube.vtk", "Gmsh .msh"});
+}
+
+TEST_F(Problem, ResolvesTheRealLiver) {
+  PALPATE_REFERENCE_FILE(file, "meshes/liver-493.msh");
+  scene.mesh = file;
+  const test::TemporaryDirectory directory;
+  std::filesystem::copy_file(file, directory / "liver-493.msh");
+  scene.fixed.half_spaces = {{0, true, 0.15, std::nullopt}};
+  scene.active = {{"tip", Eigen::Vector3d(0.0582, 0.1344, 0.0025), std::nullopt, 0.015}};
+  std::ofstream(directory / "liver.toml") << resolvedToml(scene);
+  const palpate::Problem problem = loadProblem(directory / "liver.toml");
+  EXPECT_GT(problem.fixed.size(), 3u);
+  EXPECT_LT((problem.mesh.nodes[problem.active[0].node] - *scene.active[0].near).norm(), 0.02);
+  EXPECT_EQ(problemId(decodeProblem(encodeProblem(problem))), problemId(problem));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,262 @@
+#include "common/scene.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace palpate {
+namespace {
+
+using test::expectBadInput;
+using ::testing::HasSubstr;
+
+constexpr const char* liver = R"(name = "liver"
+mesh = "liver.msh"
+length_unit = "m"
+
+[material]
+law = "mooney-rivlin"
+c10 = 1300.0
+c01 = 1280.0
+
+[discretization]
+displacement = "P1"
+pressure = "P1-stabilized"
+constraint = "ln-det-F"
+
+[fixed]
+below = { axis = "x", fraction = 0.15 }
+
+[[active]]
+name = "tip"
+near = [0.0582, 0.1344, 0.0025]
+radius = 0.0
+
+[workspace]
+radius = 0.10
+spacing = 0.02
+max_force = 8.5
+reject_inverted = true
+)";
+
+constexpr const char* everything = R"(mesh = "meshes/organ.msh"
+length_unit = "mm"
+[material]
+law = "modified-st-venant-kirchhoff"
+young = 15480
+poisson = 0.49
+[discretization]
+pressure = "P1"
+constraint = "det-F-1"
+[fixed]
+below = [{ axis = "x", fraction = 0.1 }, { axis = "z", at = -30 }]
+above = { axis = "y", at = 77.7 }
+box = { lowest = [-1, -2, -3], highest = [1, 2, 3] }
+sphere = { center = [0.1, 0.2, 0.3], radius = 14.3 }
+group = ["the \"base\"", 'back\slash']
+nodes = [3, 1, 4]
+[[active]]
+name = "tip"
+near = [58, 134, 2.5]
+radius = 15
+[[active]]
+name = "rim_2"
+node = 17
+[workspace]
+radius = 100
+spacing = 14.3
+max_force = 3
+reject_inverted = false
+)";
+
+Scene parse(const std::string& text) {
+  return parseScene(text, "scene.toml");
+}
+
+/// The liver scene with `what` replaced is refused with all of `words`.
+void refuses(const std::string& what, const std::string& instead, std::initializer_list<std::string> words) {
+  std::string text = liver;
+  ASSERT_NE(text.find(what), std::string::npos) << what;
+  text.replace(text.find(what), what.size(), instead);
+  expectBadInput([&] { parse(text); }, words);
+}
+
+TEST(Scene, ReadsTheSceneOfTheContract) {
+  const Scene scene = parse(liver);
+  EXPECT_EQ(scene.name, "liver");
+  EXPECT_EQ(scene.mesh, "liver.msh");
+  EXPECT_EQ(scene.material.law, LawName::mooney_rivlin);
+  EXPECT_EQ(scene.material.c01, 1280);
+  EXPECT_EQ(scene.fixed.half_spaces.at(0).fraction, 0.15);
+  EXPECT_EQ(scene.active.at(0).near, Eigen::Vector3d(0.0582, 0.1344, 0.0025));
+  EXPECT_EQ(scene.workspace.max_force, 8.5);
+  EXPECT_TRUE(scene.workspace.reject_inverted);
+}
+
+TEST(Scene, ConvertsEveryLengthToMetresExactly) {
+  const Scene scene = parse(everything);
+  EXPECT_EQ(scene.name, "scene");
+  EXPECT_EQ(scene.metres_per_unit, 0.001);
+  EXPECT_EQ(scene.active.at(0).near, Eigen::Vector3d(0.058, 0.134, 0.0025));
+  EXPECT_EQ(scene.active.at(0).radius, 0.015);
+  EXPECT_EQ(scene.workspace.radius, 0.1);
+  EXPECT_EQ(scene.workspace.spacing, 0.0143);
+  EXPECT_EQ(scene.fixed.half_spaces.at(1).at, -0.03);
+  EXPECT_EQ(scene.fixed.boxes.at(0).highest, Eigen::Vector3d(0.001, 0.002, 0.003));
+  EXPECT_EQ(scene.fixed.spheres.at(0).radius, 0.0143);
+  EXPECT_EQ(scene.fixed.half_spaces.at(0).fraction, 0.1);
+  EXPECT_EQ(scene.material.young, 15480);
+}
+
+TEST(Scene, FillsInDefaultsThatFollowTheLaw) {
+  const std::string rest = "\n[fixed]\nnodes = [0]\n[[active]]\nname = \"a\"\nnode = 1\n";
+  const Scene rubber =
+      parse("mesh = \"m.msh\"\n[material]\nlaw = \"mooney-rivlin\"\nc10 = 1\nc01 = 0" + rest);
+  EXPECT_EQ(rubber.discretization.pressure, PressureSpace::p1_stabilized);
+  EXPECT_EQ(rubber.discretization.constraint, Constraint::ln_det_F);
+  EXPECT_EQ(rubber.workspace.spacing, 0.02);
+  const Scene linear =
+      parse("mesh = \"m.msh\"\n[material]\nlaw = \"linear\"\nyoung = 1\npoisson = 0.3" + rest);
+  EXPECT_EQ(linear.discretization.pressure, PressureSpace::none);
+  const Scene modified =
+      parse("mesh = \"m.msh\"\n[material]\nlaw = \"modified-st-venant-kirchhoff\"\nyoung = 1" + rest);
+  EXPECT_FALSE(modified.material.poisson.has_value());
+}
+
+TEST(Scene, ResolvedTextIsReadBackAsTheSameScene) {
+  for (const char* text : {liver, everything}) {
+    const Scene scene = parse(text);
+    const std::string resolved = resolvedToml(scene);
+    const Scene again = parse(resolved);
+    EXPECT_EQ(resolvedToml(again), resolved);
+    EXPECT_EQ(again.name, scene.name);
+    EXPECT_EQ(again.mesh, scene.mesh.filename());
+    EXPECT_EQ(again.metres_per_unit, 1);
+    EXPECT_EQ(again.fixed.groups, scene.fixed.groups);
+    EXPECT_EQ(again.fixed.nodes, scene.fixed.nodes);
+    EXPECT_EQ(again.active.at(0).near, scene.active.at(0).near);
+    EXPECT_EQ(again.workspace.reject_inverted, scene.workspace.reject_inverted);
+  }
+}
+
+TEST(Scene, ResolvedNumbersRoundTripExactly) {
+  Scene scene = parse(liver);
+  for (const double number :
+       {0.1 + 0.2, 1.0 / 3, 5e-324, 1.7976931348623157e308, 1e22, 123456789012345680.0, 1e16}) {
+    scene.material.c10 = number;
+    scene.active[0].near = Eigen::Vector3d(-number, number, -0.0);
+    const Scene again = parse(resolvedToml(scene));
+    EXPECT_EQ(again.material.c10, number);
+    EXPECT_EQ(again.active[0].near, scene.active[0].near);
+  }
+}
+
+TEST(Scene, RefusesUnknownKeysSuggestingTheNearest) {
+  refuses("spacing", "spcing", {"scene.toml:25", "workspace.spcing", "did you mean \"spacing\""});
+  refuses("[fixed]", "[fxied]", {"\"fxied\"", "did you mean \"fixed\""});
+  refuses("near = ", "nearest = ", {"scene.toml:20", "active.nearest"});
+  refuses("fraction", "fracton", {"scene.toml:16", "fixed.below.fracton", "did you mean \"fraction\""});
+  refuses("max_force", "colour",
+          {"workspace.colour", "there is radius, spacing, max_force or reject_inverted"});
+}
+
+TEST(Scene, RefusesUnknownWordsSuggestingTheNearest) {
+  refuses("mooney-rivlin", "mony-rivlin", {"scene.toml:6", "material.law", "did you mean \"mooney-rivlin\""});
+  refuses("mooney-rivlin", "ogden", {"there is linear, st-venant-kirchhoff"});
+  refuses("\"m\"", "\"inch\"", {"scene.toml:3", "length_unit", "m, cm or mm"});
+  refuses("\"P1\"", "\"P2\"", {"discretization.displacement", "\"P2\""});
+  refuses("axis = \"x\"", "axis = \"w\"", {"fixed.below.axis", "\"w\""});
+}
+
+TEST(Scene, RefusesWrongTypes) {
+  refuses("1300.0", "\"much\"", {"scene.toml:7", "material.c10", "a number is expected, not text"});
+  refuses("reject_inverted = true", "reject_inverted = 1", {"true or false is expected, not a number"});
+  refuses("[0.0582, 0.1344, 0.0025]", "[0.0582, 0.1344]", {"active.near", "[x, y, z]"});
+  refuses("[[active]]", "[active]", {"[[active]]", "double brackets"});
+  refuses("\"liver.msh\"", "7", {"scene.toml:2", "mesh", "text in quotes"});
+  refuses("near = [0.0582, 0.1344, 0.0025]", "node = 1.5", {"active.node", "integer"});
+}
+
+TEST(Scene, RefusesImpossibleValues) {
+  refuses("spacing = 0.02", "spacing = 0", {"scene.toml:25", "workspace.spacing", "greater than 0"});
+  refuses("spacing = 0.02", "spacing = -1", {"workspace.spacing", "greater than 0"});
+  refuses("radius = 0.10", "radius = 0.01",
+          {"scene.toml:24", "workspace.radius", "smaller than the spacing"});
+  refuses("c10 = 1300.0", "c10 = inf", {"material.c10", "finite"});
+  refuses("c01 = 1280.0", "c01 = -1.0", {"material.c01", "negative"});
+  refuses("fraction = 0.15", "fraction = 1.5", {"fixed.below.fraction"});
+  refuses("fraction = 0.15", "fraction = 0.15, at = 0", {"either fraction", "or at"});
+  refuses("radius = 0.0\n", "radius = -0.1\n", {"active.radius", "negative"});
+  refuses("\"tip\"", "\"tip of it\"", {"active.name", "letters"});
+  refuses("near = ", "node = 3\nnear = ", {"either near", "or node"});
+}
+
+TEST(Scene, RefusesKeysThatTheLawDoesNotTake) {
+  refuses("c01 = 1280.0", "c01 = 1280.0\nyoung = 3", {"scene.toml:9", "material.young", "takes c10 and c01"});
+  refuses("\"mooney-rivlin\"", "\"linear\"", {"material.c10", "takes young and poisson"});
+}
+
+TEST(Scene, RefusesAPressureThatDoesNotGoWithTheLaw) {
+  refuses("\"P1-stabilized\"", "\"none\"", {"discretization.pressure", "incompressible", "needs a pressure"});
+  refuses("law = \"mooney-rivlin\"\nc10 = 1300.0\nc01 = 1280.0", "law = \"linear\"\nyoung = 1\npoisson = 0.3",
+          {"discretization.pressure", "compressible", "none"});
+}
+
+TEST(Scene, RefusesWhatIsMissing) {
+  refuses("mesh = \"liver.msh\"", "", {"\"mesh\" is missing"});
+  refuses("c10 = 1300.0", "", {"scene.toml:5", "material.c10", "missing"});
+  expectBadInput([] { parse(""); }, {"scene.toml", "missing"});
+}
+
+TEST(Scene, RefusesTwoActiveNodesOfOneName) {
+  expectBadInput([] { parse(std::string(liver) + "[[active]]\nname = \"tip\"\nnode = 3\n"); },
+                 {"scene.toml:29", "two active nodes", "tip"});
+}
+
+TEST(Scene, RefusesWhatIsNotTomlNamingTheLine) {
+  refuses("c10 = 1300.0", "c10 = = 2", {"scene.toml:7", "not TOML"});
+}
+
+TEST(Scene, SurvivesACutAtEveryByte) {
+  for (const std::string text : {liver, everything})
+    for (std::size_t length = 0; length < text.size(); ++length) {
+      try {
+        const Scene scene = parse(text.substr(0, length));
+        EXPECT_EQ(resolvedToml(parse(resolvedToml(scene))), resolvedToml(scene));
+      } catch (const Error& error) {
+        EXPECT_THAT(error.what(), HasSubstr("scene.toml"));
+      }
+    }
+}
+
+TEST(Scene, FindsTheMeshBesideTheSceneFile) {
+  const test::TemporaryDirectory directory;
+  std::ofstream(directory / "organ.toml") << everything;
+  const Scene scene = readScene(directory / "organ.toml");
+  EXPECT_EQ(scene.mesh, directory / "meshes" / "organ.msh");
+  EXPECT_EQ(scene.name, "organ");
+  expectBadInput([&] { readScene(directory / "none.toml"); }, {"none.toml", "No such file"});
+}
+
+/// The example of docs/scene.md, and every other block of TOML in it.
+TEST(Scene, TheExamplesOfTheManualAreRead) {
+  std::ifstream in(std::string(PALPATE_SOURCE_DIR) + "/docs/scene.md");
+  std::stringstream page;
+  page << in.rdbuf();
+  std::string text = page.str();
+  int examples = 0;
+  for (std::size_t at = text.find("```toml\n"); at != std::string::npos;
+       at = text.find("```toml\n", at + 1), ++examples) {
+    const std::size_t begin = at + 8;
+    EXPECT_NO_THROW(parseScene(text.substr(begin, text.find("```", begin) - begin), "docs/scene.md"));
+  }
+  EXPECT_GE(examples, 2);
+}
+
+}  // namespace
+}  // namespace palpate

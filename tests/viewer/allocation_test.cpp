@@ -1,0 +1,53 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <new>
+
+#include "tests/support/sample_dataset.hpp"
+#include "viewer/force_field.hpp"
+
+namespace {
+std::atomic<long> allocations = 0;
+}
+
+// Counts every allocation of this test program.
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace palpate {
+namespace {
+
+TEST(CountingAllocator, Counts) {
+  const long before = allocations;
+  void* const memory = ::operator new(1);
+  const long after = allocations;
+  ::operator delete(memory);
+  EXPECT_EQ(after, before + 1);
+}
+
+TEST(ForceField, EvaluatesWithoutAllocating) {
+  const Lattice lattice(0.02, 0.005);
+  const SpaceTable space = test::solvedSpace(lattice, test::StiffeningEnergy());
+  for (const std::string& method : forceFieldMethods()) {
+    const auto field = makeForceField(method, lattice, space);
+    const long before = allocations;
+    double sum = 0;
+    for (int n = 0; n < 1000; ++n) sum += field->evaluate({3e-5 * n - 0.015, 1e-5 * n, -2e-5 * n}).force.x();
+    EXPECT_EQ(allocations, before) << method;
+    EXPECT_TRUE(std::isfinite(sum));
+  }
+}
+
+}  // namespace
+}  // namespace palpate

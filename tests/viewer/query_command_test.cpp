@@ -1,0 +1,171 @@
+#include "viewer/query_command.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <sstream>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/support/sample_dataset.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "viewer/force_field.hpp"
+
+namespace palpate {
+namespace {
+
+using test::expectBadInput;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// A sealed sample dataset that can be asked.
+class QueryCommand : public ::testing::Test {
+ protected:
+  QueryCommand() { sample.seal(options.dataset); }
+
+  ExitCode ask(const std::string& lines = "") {
+    std::istringstream input(lines);
+    std::ostringstream output;
+    const ExitCode code = query(options, input, output);
+    answer = output.str();
+    return code;
+  }
+
+  /// Runs the program itself and returns its exit code; standard output and error are in `answer`.
+  int run(const std::string& arguments) {
+    const std::string command = std::string(PALPATE_BIN_DIR) + "/palpate-viewer query " + arguments + " 2>&1";
+    FILE* pipe = popen(command.c_str(), "r");
+    if (pipe == nullptr) throw failure("cannot run {}", command);
+    answer.clear();
+    for (int c; (c = std::fgetc(pipe)) != EOF;) answer += static_cast<char>(c);
+    const int status = pclose(pipe);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  ForceSample expected(const std::string& method, const Eigen::Vector3d& p) const {
+    return makeForceField(method, sample.lattice, sample.spaces[1])->evaluate(p);
+  }
+
+  test::TemporaryDirectory directory;
+  test::SampleDataset sample;
+  QueryOptions options{directory / "sample.h5", "edge-2", {"0.001", "-0.002", "0"}, "potential", true};
+  std::string answer;
+};
+
+TEST_F(QueryCommand, AnswersInJsonWithNumbersThatRoundTrip) {
+  for (const std::string& method : forceFieldMethods()) {
+    options.method = method;
+    EXPECT_EQ(ask(), ExitCode::done);
+    const ForceSample sampled = expected(method, {0.001, -0.002, 0});
+    double p[3], f[3], k[9];
+    const int read = std::sscanf(
+        answer.c_str(),
+        "{\"displacement\":[%lf,%lf,%lf],\"force\":[%lf,%lf,%lf],\"stiffness\":[[%lf,%lf,%lf],[%lf,"
+        "%lf,%lf],[%lf,%lf,%lf]],\"error_bound\":null,",
+        &p[0], &p[1], &p[2], &f[0], &f[1], &f[2], &k[0], &k[1], &k[2], &k[3], &k[4], &k[5], &k[6], &k[7],
+        &k[8]);
+    ASSERT_EQ(read, 15) << answer;
+    EXPECT_EQ(p[1], -0.002);
+    EXPECT_EQ(Eigen::Map<Eigen::Vector3d>(f), sampled.force);
+    EXPECT_EQ((Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(k)), sampled.stiffness);
+    EXPECT_THAT(answer, HasSubstr("\"error_bound\":null,\"inside\":true,\"method\":\"" + method + "\"}\n"));
+  }
+}
+
+TEST_F(QueryCommand, AnswersOneLinePerLine) {
+  options.displacement = {"-"};
+  EXPECT_EQ(ask("0.001 0 0\n\n  0.001,\t0 , 1e-3\r\n+0.002 -0.001 -.001"), ExitCode::done);
+  std::istringstream lines(answer);
+  std::vector<std::string> answers;
+  for (std::string line; std::getline(lines, line);) answers.push_back(line);
+  ASSERT_EQ(answers.size(), 3u);
+  EXPECT_THAT(answers[1], StartsWith("{\"displacement\":[0.001,0,0.001],\"force\":["));
+  EXPECT_THAT(answers[2], StartsWith("{\"displacement\":[0.002,-0.001,-0.001],\"force\":["));
+}
+
+TEST_F(QueryCommand, NamesTheLineItCannotRead) {
+  options.displacement = {"-"};
+  for (const char* line : {"0 0", "0 0 0 0", "0 0 x", "0 nan 0", "0 0 1e999", "0 0 0.1m"})
+    expectBadInput([&] { ask(std::string("0 0 0\n\n") + line + "\n0 0 0\n"); }, {"standard input, line 3"});
+}
+
+TEST_F(QueryCommand, SaysWhatIsOutsideAndEndsWithCodeThree) {
+  options.displacement = {"-"};
+  EXPECT_EQ(ask("0 0 0\n0.03 0 0\n"), ExitCode::partly_failed);
+  EXPECT_THAT(answer, HasSubstr("\"inside\":true"));
+  EXPECT_THAT(answer, HasSubstr("\"inside\":false"));
+}
+
+TEST_F(QueryCommand, TellsAPersonWhyADisplacementIsOutside) {
+  options.json = false;
+  options.active = "tip";
+  options.displacement = {"0.03", "0", "0"};
+  EXPECT_EQ(ask(), ExitCode::partly_failed);
+  EXPECT_THAT(answer, AllOf(HasSubstr("NO: |displacement| = 0.03 m is beyond the workspace radius 0.02 m"),
+                            HasSubstr("N/m")));
+  options.displacement = {"0.015", "0.012", "0.001"};
+  EXPECT_EQ(ask(), ExitCode::partly_failed);
+  EXPECT_THAT(answer, HasSubstr("at the rim of the workspace ball"));
+  const LatticePoint failed = sample.lattice.point(7);
+  options.displacement.clear();
+  for (const std::int32_t coordinate : failed)
+    options.displacement.push_back(fmt::format("{}", 0.0099 * coordinate));
+  EXPECT_EQ(ask(), ExitCode::partly_failed);
+  EXPECT_THAT(answer,
+              HasSubstr(fmt::format("({}, {}, {}) failed (wrong_inertia)", failed[0], failed[1], failed[2])));
+}
+
+TEST_F(QueryCommand, ShowsForceAndMagnitudeToAPerson) {
+  options.json = false;
+  EXPECT_EQ(ask(), ExitCode::done);
+  const double magnitude = expected("potential", {0.001, -0.002, 0}).force.norm();
+  EXPECT_THAT(answer,
+              AllOf(HasSubstr(fmt::format("|force| = {:.6g} N", magnitude)), HasSubstr("inside        yes")));
+}
+
+TEST_F(QueryCommand, AsksForTheActiveNodeOnlyWhenThereAreSeveral) {
+  options.active = "";
+  expectBadInput([&] { ask(); }, {"--active", "tip, edge-2"});
+  sample.problem.scene.active.resize(1);
+  sample.problem.active.resize(1);
+  sample.spaces.resize(1);
+  sample.seal(options.dataset);
+  EXPECT_EQ(ask(), ExitCode::done);
+  options.active = "top";
+  expectBadInput([&] { ask(); }, {"\"top\"", "tip"});
+}
+
+TEST_F(QueryCommand, RefusesUnknownMethodsAndMissingDatasets) {
+  options.method = "cubic";
+  expectBadInput([&] { ask(); }, {"cubic", "potential, trilinear"});
+  options.dataset = directory / "other.h5";
+  expectBadInput([&] { ask(); }, {"other.h5", "no such dataset"});
+}
+
+TEST_F(QueryCommand, ProgramTakesNegativeNumbersAnywhere) {
+  const std::string file = options.dataset.string();
+  EXPECT_EQ(run(file + " --active edge-2 --displacement -0.01 -1e-3 -.002 --json"), 0) << answer;
+  EXPECT_THAT(answer, StartsWith("{\"displacement\":[-0.01,-0.001,-0.002],"));
+  const std::string first = answer;
+  EXPECT_EQ(run("--json --displacement -0.01 -1e-3 -.002 " + file + " --active edge-2"), 0) << answer;
+  EXPECT_EQ(answer, first);
+}
+
+TEST_F(QueryCommand, ProgramReadsStandardInputAndEndsWithItsCodes) {
+  const std::string file = options.dataset.string(), lines = (directory / "lines").string();
+  std::FILE* out = std::fopen(lines.c_str(), "w");
+  ASSERT_NE(out, nullptr);
+  std::fputs("-0.01 -1e-3 -.002\n0 0 0.5\n", out);
+  std::fclose(out);
+  EXPECT_EQ(run(file + " --active edge-2 --displacement - --json < " + lines), 3) << answer;
+  EXPECT_THAT(answer, StartsWith("{\"displacement\":[-0.01,-0.001,-0.002],"));
+  EXPECT_EQ(run(file + " --active edge-2 --displacement 0 0"), 2);
+  EXPECT_EQ(run(file + " --active edge-2"), 2);
+  EXPECT_EQ(run("--help"), 0);
+  EXPECT_THAT(answer, HasSubstr("Exit code 3"));
+}
+
+}  // namespace
+}  // namespace palpate

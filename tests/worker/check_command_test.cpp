@@ -1,0 +1,139 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "common/scene.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/reference_data.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace palpate {
+namespace {
+
+using nlohmann::json;
+using test::CommandResult;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// A blob of 125 nodes in a file, its side xmin held, a patch of 4 cm at the other end.
+class CheckCommand : public ::testing::Test {
+ protected:
+  CheckCommand() {
+    scene.name = "blob";
+    scene.mesh = "blob.msh";
+    scene.material.c10 = 1300;
+    scene.material.c01 = 1280;
+    scene.fixed.groups = {"xmin"};
+    scene.active = {{"tip", Eigen::Vector3d(0.1, 0, 0.02), std::nullopt, 0.04}};
+    test::writeGmsh22(test::blobMesh(), directory / "blob.msh");
+  }
+
+  CommandResult check(const std::string& options = "") {
+    std::ofstream(directory / "blob.toml") << resolvedToml(scene);
+    return test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-worker check " + options + " " +
+                            (directory / "blob.toml").string());
+  }
+  json report() { return json::parse(check("--json").output); }
+  std::vector<std::string> warnings() { return report().at("warnings"); }
+
+  test::TemporaryDirectory directory;
+  Scene scene;
+};
+
+TEST_F(CheckCommand, CountsWhatWillBeSolved) {
+  const json found = report();
+  EXPECT_EQ(found.at("mesh").at("nodes"), 125);
+  EXPECT_EQ(found.at("mesh").at("tetrahedra"), 384);
+  EXPECT_EQ(found.at("mesh").at("groups").at("xmin"), 25);
+  EXPECT_EQ(found.at("fixed_nodes"), 25);
+  const int patch = found.at("active").at(0).at("patch_nodes");
+  EXPECT_GT(patch, 1);
+  EXPECT_EQ(found.at("active").at(0).at("unknowns"), 3 * (125 - 25 - patch) + 125);
+  EXPECT_EQ(found.at("lattice").at("points"), 515);
+  EXPECT_EQ(found.at("dataset_bytes"), 515 * 125 * 16);
+  EXPECT_THAT(found.at("warnings"), IsEmpty());
+}
+
+TEST_F(CheckCommand, PrintsTheSameForPeople) {
+  const CommandResult result = check();
+  EXPECT_EQ(result.exit_code, 0);
+  for (const char* part : {"125 nodes, 384 tetrahedra", "\"xmin\": 25 nodes", "mooney-rivlin, c10 = 1300 Pa",
+                           "P1-stabilized", "active     \"tip\"", "515 points in each of 1 space(s)", "cost"})
+    EXPECT_THAT(result.output, HasSubstr(part));
+  EXPECT_THAT(result.output, ::testing::Not(HasSubstr("warning")));
+}
+
+TEST_F(CheckCommand, PrintsTheConvertedLengthsOfASceneInMillimetres) {
+  Mesh mesh = test::blobMesh();
+  for (Eigen::Vector3d& node : mesh.nodes) node *= 1000;
+  test::writeGmsh41(mesh, directory / "blob.msh");
+  std::ofstream(directory / "mm.toml") << R"(mesh = "blob.msh"
+length_unit = "mm"
+material = { law = "linear", young = 1000, poisson = 0.3 }
+fixed = { group = "xmin" }
+active = [{ name = "tip", near = [100, 0, 20], radius = 40 }]
+workspace = { radius = 100, spacing = 20 }
+)";
+  const CommandResult result = test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-worker check " +
+                                                (directory / "mm.toml").string());
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  for (const char* part :
+       {"1 in the files = 0.001 m", "workspace.spacing = 0.02", "near = (0.1, 0, 0.02)", "radius = 0.04"})
+    EXPECT_THAT(result.output, HasSubstr(part));
+}
+
+TEST_F(CheckCommand, WarnsOfEqualOrder) {
+  scene.discretization.pressure = PressureSpace::p1;
+  EXPECT_THAT(warnings(), Contains(HasSubstr("inf-sup")));
+}
+
+TEST_F(CheckCommand, WarnsOfASingleNodeUnderTheTool) {
+  scene.active[0].radius = 0;
+  EXPECT_THAT(warnings(), Contains(HasSubstr("single node (radius = 0)")));
+  scene.active[0].radius = 1e-4;
+  EXPECT_THAT(warnings(), Contains(HasSubstr("no other node")));
+}
+
+TEST_F(CheckCommand, WarnsOfAWorkspaceLargerThanTheBody) {
+  scene.workspace.radius = 0.5;
+  scene.workspace.spacing = 0.1;
+  EXPECT_THAT(warnings(), Contains(HasSubstr("body's diagonal")));
+}
+
+TEST_F(CheckCommand, WarnsOfNearlyFlatElements) {
+  Mesh mesh = test::cubeMesh(0.1, 2);
+  mesh.nodes[13][2] += 0.049;  // the middle node, almost to the top
+  test::writeGmsh22(mesh, directory / "blob.msh");
+  EXPECT_THAT(warnings(), Contains(HasSubstr("nearly flat")));
+}
+
+TEST_F(CheckCommand, WarnsOfTwoActiveNodesInOnePlace) {
+  scene.active.push_back(scene.active[0]);
+  scene.active.back().name = "again";
+  EXPECT_THAT(warnings(), Contains(HasSubstr("same node")));
+}
+
+TEST_F(CheckCommand, RefusesABadSceneWithCode2) {
+  scene.fixed.groups = {"nobody"};
+  const CommandResult result = check();
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, HasSubstr("palpate check: "));
+  EXPECT_THAT(result.output, HasSubstr("nobody"));
+}
+
+TEST_F(CheckCommand, EstimatesWhatWasMeasuredOnTheLiver) {
+  PALPATE_REFERENCE_FILE(file, "meshes/liver-2228.msh");
+  std::filesystem::copy_file(file, directory / "liver.msh");
+  scene.mesh = "liver.msh";
+  scene.fixed = {};
+  scene.fixed.half_spaces = {{0, true, 0.15, std::nullopt}};
+  scene.active[0].near = Eigen::Vector3d(0.0582, 0.1344, 0.0025);
+  EXPECT_NEAR(report().at("core_seconds"), 515 * 0.35, 0.01);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,134 @@
+#include "viewer/cell_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.hpp"
+
+namespace palpate {
+namespace {
+
+// In cells. A lattice point's displacement divided by the spacing is an integer to a few ulps only.
+constexpr double face_tolerance = 1e-9;
+
+int largestCoordinate(const Lattice& lattice) {
+  int largest = 0;
+  for (std::int32_t n = 0; n < lattice.size(); ++n)
+    largest = std::max(largest, std::abs(lattice.point(n)[0]));
+  return largest;
+}
+
+/// The solved point nearest to `center` (in lattice coordinates), searched in growing cubes around it.
+std::int32_t nearestSolved(const Lattice& lattice, const std::vector<bool>& solved,
+                           const Eigen::Vector3d& center) {
+  std::int32_t best = -1;
+  double best_distance = 0;
+  const LatticePoint low = {static_cast<int>(std::floor(center[0])), static_cast<int>(std::floor(center[1])),
+                            static_cast<int>(std::floor(center[2]))};
+  for (int reach = 0; best < 0 || best_distance > reach - 0.5; ++reach)
+    for (int i = low[0] - reach; i <= low[0] + 1 + reach; ++i)
+      for (int j = low[1] - reach; j <= low[1] + 1 + reach; ++j)
+        for (int k = low[2] - reach; k <= low[2] + 1 + reach; ++k) {
+          const auto number = lattice.indexOf({i, j, k});
+          if (!number || !solved[*number]) continue;
+          const double distance = (Eigen::Vector3d(i, j, k) - center).norm();
+          if (best >= 0 && distance >= best_distance) continue;
+          best = *number;
+          best_distance = distance;
+        }
+  return best;
+}
+
+}  // namespace
+
+CellGrid::CellGrid(const Lattice& lattice, const SpaceTable& space)
+    : spacing_(lattice.spacing()),
+      extent_(largestCoordinate(lattice)),
+      cells_(2 * static_cast<std::size_t>(extent_)),
+      solved_((cells_ + 1) * (cells_ + 1) * (cells_ + 1), -1),
+      covered_(cells_ * cells_ * cells_, -1),
+      nearest_(covered_.size(), 0) {
+  std::vector<bool> solved;
+  for (std::int32_t n = 0; n < lattice.size(); ++n) {
+    solved.push_back(isSolved(space.points[n].tag));
+    const LatticePoint& p = lattice.point(n);
+    if (solved.back()) solved_[pointIndex({p[0] + extent_, p[1] + extent_, p[2] + extent_})] = n;
+  }
+  if (std::find(solved.begin(), solved.end(), true) == solved.end())
+    throw failure("active node {}: no lattice point was solved, so there is nothing to interpolate",
+                  space.patch.name);
+  const int n = static_cast<int>(cells_);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < n; ++k) fill(lattice, solved, {i, j, k});
+}
+
+void CellGrid::fill(const Lattice& lattice, const std::vector<bool>& solved, const Cell& cell) {
+  CellCorners corners{};
+  for (int c = 0; c < 8; ++c)
+    corners[static_cast<std::size_t>(c)] =
+        solved_[pointIndex({cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)})];
+  if (std::find(corners.begin(), corners.end(), -1) == corners.end()) {
+    covered_[cellIndex(cell)] = static_cast<std::int32_t>(corners_.size());
+    corners_.push_back(corners);
+  } else {
+    const Eigen::Vector3d low(cell[0] - extent_, cell[1] - extent_, cell[2] - extent_);
+    nearest_[cellIndex(cell)] = nearestSolved(lattice, solved, low.array() + 0.5);
+  }
+}
+
+CellPlace CellGrid::find(const Eigen::Vector3d& displacement) const noexcept {
+  CellPlace place;
+  Cell cell{};
+  bool in_cube = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double x = displacement[axis] / spacing_ + extent_;
+    const double last = static_cast<double>(cells_) - 1;
+    const double low = x > 0 ? std::min(std::floor(x), last) : 0;  // 0 for NaN too
+    cell[static_cast<std::size_t>(axis)] = static_cast<int>(low);
+    const double local = x - low;
+    in_cube = in_cube && local >= -face_tolerance && local <= 1 + face_tolerance;
+    place.local[axis] = local;
+  }
+  const std::size_t index = cellIndex(cell);
+  if (in_cube && (covered_[index] >= 0 || findTouching(cell, place))) {
+    if (place.corners == nullptr) place.corners = &corners_[static_cast<std::size_t>(covered_[index])];
+    place.local = place.local.cwiseMax(0).cwiseMin(1);
+    return place;
+  }
+  place.nearest = nearestTo(cell, place.local);
+  place.local.setZero();
+  return place;
+}
+
+std::int32_t CellGrid::nearestTo(const Cell& cell, const Eigen::Vector3d& local) const noexcept {
+  Cell corner = cell;
+  for (int axis = 0; axis < 3; ++axis) corner[static_cast<std::size_t>(axis)] += local[axis] > 0.5 ? 1 : 0;
+  const std::int32_t number = solved_[pointIndex(corner)];
+  return number >= 0 ? number : nearest_[cellIndex(cell)];
+}
+
+/// For a displacement on the boundary of a cell that is not covered: takes a covered cell that shares that
+/// boundary.
+bool CellGrid::findTouching(const Cell& cell, CellPlace& place) const noexcept {
+  for (int c = 1; c < 8; ++c) {
+    Cell other = cell;
+    Eigen::Vector3d local = place.local;
+    bool touches = true;
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((c >> axis & 1) == 0) continue;
+      const bool low = local[axis]<face_tolerance, high = local[axis]> 1 - face_tolerance;
+      int& coordinate = other[static_cast<std::size_t>(axis)];
+      coordinate += low ? -1 : 1;
+      local[axis] = low ? 1 : 0;
+      touches = touches && (low || high) && coordinate >= 0 && coordinate < static_cast<int>(cells_);
+    }
+    if (!touches || covered_[cellIndex(other)] < 0) continue;
+    place.local = local;
+    place.corners = &corners_[static_cast<std::size_t>(covered_[cellIndex(other)])];
+    return true;
+  }
+  return false;
+}
+
+}  // namespace palpate

@@ -1,0 +1,34 @@
+#include "viewer/force_field.hpp"
+
+#include "common/error.hpp"
+#include "viewer/potential_field.hpp"
+#include "viewer/trilinear_field.hpp"
+
+namespace palpate {
+
+const std::vector<std::string>& forceFieldMethods() {
+  static const std::vector<std::string> methods = {"potential", "trilinear"};
+  return methods;
+}
+
+std::unique_ptr<ForceField> makeForceField(std::string_view method, const Lattice& lattice,
+                                           const SpaceTable& space) {
+  if (method == "potential") return std::make_unique<PotentialField>(lattice, space);
+  if (method == "trilinear") return std::make_unique<TrilinearField>(lattice, space);
+  throw badInput("there is no method \"{}\"; there are: {}", method, fmt::join(forceFieldMethods(), ", "));
+}
+
+ForceSample sampleOutside(const Equilibrium& point, const Eigen::Vector3d& step, double spacing) noexcept {
+  ForceSample sample;
+  const double length = step.stableNorm(), limit = 2 * spacing;
+  Eigen::Vector3d cut = Eigen::Vector3d::Zero();
+  if (length <= limit)
+    cut = step;
+  else if (std::isfinite(length))
+    cut = step * (limit / length);
+  sample.force = point.force + point.stiffness * cut;
+  sample.stiffness = point.stiffness;
+  return sample;
+}
+
+}  // namespace palpate

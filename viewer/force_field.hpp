@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/dataset.hpp"
+
+namespace palpate {
+
+/// What a force field says about one displacement. force and stiffness are always finite.
+struct ForceSample {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< N, of the tissue on the tool
+  Eigen::Matrix3d stiffness =
+      Eigen::Matrix3d::Zero();  ///< N/m, d force / d displacement of exactly this interpolant
+  double energy = std::numeric_limits<double>::quiet_NaN();  ///< J; NaN when the method has none
+  double error_bound =
+      std::numeric_limits<double>::quiet_NaN();  ///< N, on |force|; NaN when the method gives none
+  /// The displacement lies in a cell whose 8 corners are solved. When false, the values are those of the
+  /// second-order model of a solved lattice point close by (force + stiffness * step, the step cut at two
+  /// spacings): something a client can fade out from, not an answer.
+  bool inside = false;
+};
+
+/// Interpolates one configuration space. Everything is prepared in the constructor and copied: the dataset
+/// may go. Immutable: any number of threads may evaluate at once.
+class ForceField {
+ public:
+  virtual ~ForceField() = default;
+  /// displacement: of the active node from its rest position, metres, any value.
+  /// Real time: does not allocate, lock, throw or log.
+  virtual ForceSample evaluate(const Eigen::Vector3d& displacement) const noexcept = 0;
+  /// The word for --method: "trilinear" or "potential".
+  virtual std::string_view name() const = 0;
+};
+
+/// The words for makeForceField, the default first.
+const std::vector<std::string>& forceFieldMethods();
+
+/// Error (bad input) for an unknown method, listing the known; Error when the space has no solved point.
+std::unique_ptr<ForceField> makeForceField(std::string_view method, const Lattice& lattice,
+                                           const SpaceTable& space);
+
+/// The value outside of the covered cells, see ForceSample::inside. `point` must be solved, `step` is
+/// displacement minus that of the point. Real time.
+ForceSample sampleOutside(const Equilibrium& point, const Eigen::Vector3d& step, double spacing) noexcept;
+
+}  // namespace palpate

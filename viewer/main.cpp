@@ -1,0 +1,10 @@
+#include <array>
+
+#include "common/program.hpp"
+#include "viewer/query_command.hpp"
+
+int main(int argc, char** argv) {
+  const std::array verbs = {palpate::queryVerb()};
+  return palpate::runProgram(argc, argv, "Palpate's haptic side: reads datasets and answers with forces",
+                             verbs);
+}

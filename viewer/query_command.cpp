@@ -1,0 +1,202 @@
+#include "viewer/query_command.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "common/dataset.hpp"
+#include "viewer/cell_grid.hpp"
+#include "viewer/force_field.hpp"
+
+namespace palpate {
+namespace {
+
+std::optional<double> parseNumber(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+std::vector<std::string> wordsIn(const std::string& line) {
+  std::vector<std::string> words;
+  for (std::size_t at = 0; (at = line.find_first_not_of(" \t\r,", at)) != std::string::npos;) {
+    const std::size_t end = std::min(line.find_first_of(" \t\r,", at), line.size());
+    words.push_back(line.substr(at, end - at));
+    at = end;
+  }
+  return words;
+}
+
+Eigen::Vector3d parseDisplacement(std::span<const std::string> words, std::string_view where) {
+  if (words.size() != 3)
+    throw badInput("{}: write three numbers, X Y Z in metres, not {}", where, words.size());
+  Eigen::Vector3d displacement;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto number = parseNumber(words[i]);
+    if (!number) throw badInput("{}: \"{}\" is not a finite number", where, words[i]);
+    displacement[static_cast<Eigen::Index>(i)] = *number;
+  }
+  return displacement;
+}
+
+/// Zero without its sign: -0 means nothing to a reader.
+template <class Derived>
+auto plain(const Eigen::MatrixBase<Derived>& values) {
+  return (values.array() + 0.0).matrix().eval();
+}
+
+std::string jsonArray(const Eigen::Vector3d& v) {
+  return fmt::format("[{},{},{}]", v.x(), v.y(), v.z());
+}
+
+std::string describeJson(const Eigen::Vector3d& displacement, const ForceSample& sample,
+                         std::string_view method) {
+  const Eigen::Matrix3d& k = sample.stiffness;
+  return fmt::format(
+      "{{\"displacement\":{},\"force\":{},\"stiffness\":[{},{},{}],\"error_bound\":{},\"inside\":{},"
+      "\"method\":\"{}\"}}\n",
+      jsonArray(displacement), jsonArray(sample.force), jsonArray(k.row(0)), jsonArray(k.row(1)),
+      jsonArray(k.row(2)), std::isfinite(sample.error_bound) ? fmt::format("{}", sample.error_bound) : "null",
+      sample.inside, method);
+}
+
+/// Why a displacement is not covered, for a person.
+std::string describeOutside(const Lattice& lattice, const SpaceTable& space,
+                            const Eigen::Vector3d& displacement) {
+  if (displacement.norm() > lattice.radius())
+    return fmt::format("|displacement| = {:.6g} m is beyond the workspace radius {:.6g} m",
+                       displacement.norm(), lattice.radius());
+  int beyond = 0;
+  std::string unsolved;
+  for (int c = 0; c < 8; ++c) {
+    LatticePoint corner{};
+    for (int axis = 0; axis < 3; ++axis)
+      corner[static_cast<std::size_t>(axis)] =
+          static_cast<std::int32_t>(std::floor(displacement[axis] / lattice.spacing())) + (c >> axis & 1);
+    const auto number = lattice.indexOf(corner);
+    if (!number) {
+      ++beyond;
+      continue;
+    }
+    const PointRecord& point = space.points[*number];
+    if (isSolved(point.tag)) continue;
+    unsolved += fmt::format("{}({}, {}, {}) {}", unsolved.empty() ? "" : ", ", corner[0], corner[1],
+                            corner[2], name(point.tag));
+    if (point.tag == Tag::failed) unsolved += fmt::format(" ({})", name(point.cause));
+  }
+  std::string text;
+  if (!unsolved.empty()) text = "next to lattice points that were not solved: " + unsolved;
+  if (beyond > 0)
+    text += fmt::format(
+        "{}at the rim of the workspace ball: {} of the 8 surrounding lattice points lie outside of it",
+        text.empty() ? "" : "; ", beyond);
+  return text;
+}
+
+std::string describeForPerson(const Dataset& dataset, const SpaceTable& space,
+                              const Eigen::Vector3d& displacement, const ForceSample& sample,
+                              std::string_view method) {
+  std::string text = fmt::format("displacement  {:11.6g} {:11.6g} {:11.6g}  m\n", displacement.x(),
+                                 displacement.y(), displacement.z());
+  text += fmt::format("force         {:11.6g} {:11.6g} {:11.6g}  N    |force| = {:.6g} N\n", sample.force.x(),
+                      sample.force.y(), sample.force.z(), sample.force.norm());
+  for (int i = 0; i < 3; ++i)
+    text += fmt::format("{}{:11.6g} {:11.6g} {:11.6g}  N/m\n", i == 0 ? "stiffness     " : "              ",
+                        sample.stiffness(i, 0), sample.stiffness(i, 1), sample.stiffness(i, 2));
+  if (sample.inside) return text + fmt::format("inside        yes, method {}\n\n", method);
+  return text + fmt::format(
+                    "inside        NO: {}.\n              The values are an extrapolation from a solved "
+                    "point close by.\n\n",
+                    describeOutside(dataset.lattice(), space, displacement));
+}
+
+const SpaceTable& spaceToQuery(const Dataset& dataset, const std::string& active) {
+  if (!active.empty()) return dataset.spaces()[dataset.spaceNamed(active)];
+  if (dataset.spaces().size() == 1) return dataset.spaces()[0];
+  std::vector<std::string> names;
+  for (const SpaceTable& space : dataset.spaces()) names.push_back(space.patch.name);
+  throw badInput("{}: has several active nodes; choose one with --active: {}", dataset.file().string(),
+                 fmt::join(names, ", "));
+}
+
+/// Answers displacements of one space.
+class Query {
+ public:
+  Query(const QueryOptions& options, std::ostream& output)
+      : dataset_(options.dataset),
+        space_(spaceToQuery(dataset_, options.active)),
+        field_(makeForceField(options.method, dataset_.lattice(), space_)),
+        json_(options.json),
+        output_(output) {}
+
+  void answer(const Eigen::Vector3d& displacement) {
+    ForceSample sample = field_->evaluate(displacement);
+    sample.force = plain(sample.force);
+    sample.stiffness = plain(sample.stiffness);
+    outside_ += sample.inside ? 0 : 1;
+    output_ << (json_ ? describeJson(displacement, sample, field_->name())
+                      : describeForPerson(dataset_, space_, displacement, sample, field_->name()));
+    output_.flush();
+    if (!output_) throw failure("cannot write the answer to standard output");
+  }
+  bool allInside() const { return outside_ == 0; }
+
+ private:
+  Dataset dataset_;
+  const SpaceTable& space_;
+  std::unique_ptr<ForceField> field_;
+  bool json_;
+  std::ostream& output_;
+  int outside_ = 0;
+};
+
+}  // namespace
+
+ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& output) {
+  const bool from_input = options.displacement == std::vector<std::string>{"-"};
+  std::optional<Eigen::Vector3d> displacement;
+  if (!from_input) displacement = parseDisplacement(options.displacement, "--displacement");
+
+  Query query(options, output);
+  if (displacement) query.answer(*displacement);
+  std::string line;
+  for (int number = 1; from_input && std::getline(input, line); ++number) {
+    const std::vector<std::string> words = wordsIn(line);
+    if (!words.empty())
+      query.answer(parseDisplacement(words, fmt::format("standard input, line {}", number)));
+  }
+  return query.allInside() ? ExitCode::done : ExitCode::partly_failed;
+}
+
+Verb queryVerb() {
+  return {
+      "query", "Interpolated force and stiffness at displacements of an active node", [](CLI::App& app) {
+        auto options = std::make_shared<QueryOptions>();
+        app.add_option("dataset", options->dataset, "Sealed dataset, OUT.h5")->required()->type_name("FILE");
+        app.add_option("--active", options->active, "Active node; not needed when there is only one")
+            ->type_name("NAME");
+        app.add_option(
+               "--displacement", options->displacement,
+               "Displacement of the active node, metres; or - to read one per line from standard input")
+            ->required()
+            ->expected(1, 3)
+            ->allow_extra_args(false)
+            ->type_name("X Y Z");
+        app.add_option("--method", options->method,
+                       fmt::format("Interpolation: {}", fmt::join(forceFieldMethods(), " or ")))
+            ->capture_default_str();
+        app.add_flag("--json", options->json, "One JSON object per line");
+        app.footer(
+            "Exit code 3: some displacement lies outside of the covered region (outside the workspace ball, "
+            "or next to a\n"
+            "lattice point that was not solved). It is answered all the same, marked \"inside\": false.");
+        return std::function<ExitCode()>([options] { return query(*options, std::cin, std::cout); });
+      }};
+}
+
+}  // namespace palpate

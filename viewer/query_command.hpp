@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "common/program.hpp"
+
+namespace palpate {
+
+struct QueryOptions {
+  std::filesystem::path dataset;
+  std::string active;  ///< may be empty when the dataset has one active node only
+  std::vector<std::string>
+      displacement;  ///< three numbers, metres; or "-": one displacement per line of the input
+  std::string method = "potential";
+  bool json = false;
+};
+
+/// `palpate query`: answers with the interpolated force at each displacement, one JSON object per line or a
+/// paragraph for a person. ExitCode::partly_failed when some displacement was outside of the covered region
+/// (it is answered all the same, and marked). Error (bad input) for a wrong dataset, name, method or number;
+/// for a line of the input it names the line.
+ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& output);
+
+/// The verb `query` of palpate-viewer, on standard input and output.
+Verb queryVerb();
+
+}  // namespace palpate

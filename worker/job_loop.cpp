@@ -1,0 +1,89 @@
+#include "worker/job_loop.hpp"
+
+#include <exception>
+#include <memory>
+#include <optional>
+
+#include "common/wire.hpp"
+#include "worker/transition.hpp"
+
+namespace palpate {
+namespace {
+
+/// The solver of one problem, with what a result has to say about where it comes from.
+class Bench {
+ public:
+  Bench(std::shared_ptr<const Problem> problem, const ElementKernels& kernels)
+      : problem_(std::move(problem)),
+        lattice_(problem_->scene.workspace.radius, problem_->scene.workspace.spacing),
+        build_(problemId(*problem_)),
+        solver_(*problem_, kernels) {}
+
+  const std::shared_ptr<const Problem>& problem() const { return problem_; }
+
+  void solve(const ReadyJob& ready, Mailbox& mailbox) {
+    const wire::Job& job = ready.job;
+    solver_.chooseTool(job.space());
+    Failure start_failure;
+    const auto start = ready.start
+                           ? solver_.startFrom(*ready.start, displacementOf(job.start()), start_failure)
+                           : solver_.startAtRest(start_failure);
+    for (int n = 0; n < job.targets_size(); ++n) {
+      const wire::Target& target = job.targets(n);
+      if (!mailbox.begin(job.id(), target.point())) return;
+      Outcome outcome;
+      if (start) {
+        outcome = solver_.reach(*start, displacementOf(target.point())).outcome;
+      } else {
+        outcome.failure = start_failure;
+      }
+      FinishedTarget finished;
+      finished.last_of_job = n + 1 == job.targets_size();
+      describe(job, target, finished.result);
+      if (outcome.converged) finished.fields = outcome.fields.encode();
+      toWire(outcome, finished.fields, finished.result);
+      mailbox.finish(std::move(finished));
+    }
+  }
+
+ private:
+  Eigen::Vector3d displacementOf(const wire::Point& point) const {
+    const LatticePoint p = fromWire(point);
+    return lattice_.spacing() * Eigen::Vector3d(p[0], p[1], p[2]);
+  }
+
+  void describe(const wire::Job& job, const wire::Target& target, wire::Result& result) const {
+    result.set_build(std::string(build_.bytes()));
+    result.set_space(job.space());
+    *result.mutable_target() = target.point();
+    *result.mutable_parent() = job.start();
+    result.set_job(job.id());
+    result.set_attempt(target.attempt());
+    result.set_kernel_family(solver_.system().kernels().family);
+  }
+
+  std::shared_ptr<const Problem> problem_;
+  Lattice lattice_;
+  ContentId build_;
+  TransitionSolver solver_;
+};
+
+}  // namespace
+
+void solveJobs(Mailbox& mailbox, const ElementKernels& kernels) {
+  try {
+    std::optional<Bench> bench;
+    while (const auto ready = mailbox.next()) {
+      if (!bench || bench->problem() != ready->problem) {
+        bench.reset();  // one MUMPS instance at a time
+        bench.emplace(ready->problem, kernels);
+      }
+      bench->solve(*ready, mailbox);
+    }
+    mailbox.solverEnds("");
+  } catch (const std::exception& error) {
+    mailbox.solverEnds(error.what());
+  }
+}
+
+}  // namespace palpate

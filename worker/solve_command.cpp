@@ -1,0 +1,155 @@
+#include "worker/solve_command.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/displacement_input.hpp"
+#include "common/lattice.hpp"
+#include "common/problem.hpp"
+#include "worker/transition.hpp"
+
+namespace palpate {
+namespace {
+
+struct SolveOptions {
+  std::string scene;
+  std::string active;
+  std::vector<std::string> displacement;
+  std::optional<int> steps;
+  bool json = false;
+};
+
+std::size_t spaceNamed(const Problem& problem, const std::string& name) {
+  std::string names;
+  for (std::size_t space = 0; space < problem.active.size(); ++space) {
+    if (problem.active[space].name == name) return space;
+    names += (names.empty() ? "" : ", ") + problem.active[space].name;
+  }
+  if (name.empty() && problem.active.size() == 1) return 0;
+  throw badInput("--active \"{}\": the scene has {}", name, names);
+}
+
+/// The whole way from rest to `target`, in equal transitions (which adapt their steps inside).
+class Path {
+ public:
+  Path(TransitionSolver& solver, double spacing, std::optional<int> steps)
+      : solver_(solver), spacing_(spacing), steps_(steps) {}
+
+  Outcome walkTo(const Eigen::Vector3d& target) {
+    Failure failure;
+    const auto rest = solver_.startAtRest(failure);
+    if (!rest) {
+      Outcome outcome;
+      outcome.failure = failure;
+      return outcome;
+    }
+    const int count =
+        steps_ ? *steps_ : std::max(1, static_cast<int>(std::ceil(target.norm() / spacing_ - 1e-9)));
+    Cost total;
+    total.factorizations = 1;  // of the rest state
+    Reached reached;
+    for (int n = 1; n <= count; ++n) {
+      reached = solver_.reach(n == 1 ? *rest : Start(reached.end), target * n / count);
+      total.newton_iterations += reached.outcome.cost.newton_iterations;
+      total.factorizations += reached.outcome.cost.factorizations;
+      total.steps += reached.outcome.cost.steps;
+      total.seconds += reached.outcome.cost.seconds;
+      if (!reached.outcome.converged) {
+        reached.outcome.failure.step_reached = (n - 1 + reached.outcome.failure.step_reached) / count;
+        break;
+      }
+    }
+    reached.outcome.cost = total;
+    return reached.outcome;
+  }
+
+ private:
+  TransitionSolver& solver_;
+  double spacing_;
+  std::optional<int> steps_;
+};
+
+nlohmann::ordered_json toJson(const Eigen::Vector3d& v) {
+  return {v[0], v[1], v[2]};
+}
+
+void printJson(const Eigen::Vector3d& displacement, const Outcome& outcome) {
+  const Equilibrium& e = outcome.equilibrium;
+  nlohmann::ordered_json answer;
+  answer["displacement"] = toJson(displacement);
+  answer["converged"] = outcome.converged;
+  answer["force"] = nullptr;
+  answer["stiffness"] = nullptr;
+  answer["energy"] = nullptr;
+  if (outcome.converged) {
+    answer["force"] = toJson(e.force);
+    answer["stiffness"] = {toJson(e.stiffness.row(0)), toJson(e.stiffness.row(1)),
+                           toJson(e.stiffness.row(2))};
+    answer["energy"] = e.energy;
+  }
+  answer["newton_iterations"] = outcome.cost.newton_iterations;
+  answer["factorizations"] = outcome.cost.factorizations;
+  answer["seconds"] = outcome.cost.seconds;
+  answer["min_det_F"] = outcome.converged ? e.min_det_F : outcome.failure.element_det_F;
+  answer["failure"] = nullptr;
+  if (!outcome.converged) answer["failure"] = std::string(name(outcome.failure.cause));
+  fmt::print("{}\n", answer.dump());
+}
+
+void printText(const Eigen::Vector3d& displacement, const Outcome& outcome) {
+  fmt::print("displacement  {:g} {:g} {:g} m\n", displacement[0], displacement[1], displacement[2]);
+  if (!outcome.converged) {
+    fmt::print("failed        {}\n", describe(outcome.failure));
+  } else {
+    const Equilibrium& e = outcome.equilibrium;
+    fmt::print("force on tool {:.6g} {:.6g} {:.6g} N   ({:.6g} N)\n", e.force[0], e.force[1], e.force[2],
+               e.force.norm());
+    for (int row = 0; row < 3; ++row)
+      fmt::print("{}{:12.5g} {:12.5g} {:12.5g}\n", row == 0 ? "stiffness N/m" : "             ",
+                 e.stiffness(row, 0), e.stiffness(row, 1), e.stiffness(row, 2));
+    fmt::print("energy        {:.6g} J\nmin det F     {:.4g}\n", e.energy, e.min_det_F);
+  }
+  fmt::print("cost          {} Newton iterations, {} factorisations, {:.3f} s\n",
+             outcome.cost.newton_iterations, outcome.cost.factorizations, outcome.cost.seconds);
+}
+
+ExitCode solve(const SolveOptions& options) {
+  const Problem problem = loadProblem(options.scene);
+  const std::size_t space = spaceNamed(problem, options.active);
+  TransitionSolver solver(problem, chooseKernels());
+  solver.chooseTool(space);
+  Path path(solver, problem.scene.workspace.spacing, options.steps);
+  bool all_converged = true;
+  forEachDisplacement(options.displacement, std::cin, [&](const Eigen::Vector3d& displacement) {
+    const Outcome outcome = path.walkTo(displacement);
+    all_converged &= outcome.converged;
+    options.json ? printJson(displacement, outcome) : printText(displacement, outcome);
+    std::fflush(stdout);
+  });
+  return all_converged ? ExitCode::done : ExitCode::partly_failed;
+}
+
+std::function<ExitCode()> prepare(CLI::App& app) {
+  auto options = std::make_shared<SolveOptions>();
+  app.add_option("scene", options->scene, "Scene file (TOML)")->required();
+  app.add_option("--active", options->active, "Name of the active node; may be left out when there is one");
+  addDisplacementOption(app, options->displacement);
+  app.add_option("--steps", options->steps, "Equal transitions from rest; default: one per lattice spacing")
+      ->check(CLI::Range(1, 100000));
+  app.add_flag("--json", options->json, "One JSON object per line");
+  app.footer("Exit code 3 when a displacement was not reached; the answer then says why.");
+  return [options] { return solve(*options); };
+}
+
+}  // namespace
+
+const Verb solve_verb = {"solve", "Exact solutions at given displacements, without a scheduler", prepare};
+
+}  // namespace palpate

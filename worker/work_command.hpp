@@ -1,0 +1,10 @@
+#pragma once
+
+#include "common/program.hpp"
+
+namespace palpate {
+
+/// `palpate work --connect tcp://HOST:PORT [-j N]`: workers for a scheduler, on any machine.
+extern const Verb work_verb;
+
+}  // namespace palpate
