@@ -134,7 +134,9 @@ TEST_F(CoordinatorTest, TheDatasetDoesNotDependOnWorkersLossesOrRestarts) {
     while (!wild.coordinator().complete()) {
       ASSERT_LT(++turns, 20000);
       if (wild.coordinator().workers() < 3) {
-        wild.join(fmt::format("w{}", ++born), 2, static_cast<std::uint32_t>(born));
+        ++born;
+        wild.join(fmt::format("w{}", born), 2, static_cast<std::uint32_t>(born));
+      }
       for (auto& [peer, messages] : wild.inbox)
         for (const wire::Job& job : wild.takeJobs(peer)) work.emplace_back(peer, job);
       if (!work.empty()) {
