@@ -1,0 +1,85 @@
+#include "scheduler/build.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "scheduler/replay.hpp"
+
+namespace palpate {
+
+Build::Build(Problem problem, const std::filesystem::path& state, CoordinatorSettings settings)
+    : problem_(std::move(problem)),
+      problem_bytes_(encodeProblem(problem_)),
+      lattice_(problem_.scene.workspace.radius, problem_.scene.workspace.spacing),
+      directory_(state),
+      store_(directory_, problem_, problem_bytes_, lattice_),
+      journal_(directory_.path(), store_.committed()),
+      found_(store_.results().size()),
+      coordinator_(problem_, problem_bytes_, lattice_, store_, journal_, std::chrono::steady_clock::now(),
+                   settings) {}
+
+std::vector<SpaceTable> Build::seal(const std::filesystem::path& file) {
+  const std::vector<StoredResult> results = store_.results();
+  std::vector<SpaceTable> tables = spaceTables(problem_, coordinator_.frontiers(), results);
+  std::map<std::pair<std::size_t, std::int32_t>, JournalPosition> where;
+  for (const StoredResult& result : results)
+    if (result.outcome.converged) where[{result.key.space, result.key.target}] = result.where;
+  const auto fields = [&](std::size_t space, std::int32_t point) {
+    return NodalFields::decode(journal_.read(where.at({space, point})).payload, problem_.mesh.nodes.size());
+  };
+  sealDataset(file, problem_, lattice_, tables, store_.build().kernel_family, fields);
+  return tables;
+}
+
+bool isSealed(const std::filesystem::path& file, const ContentId& build, bool force) {
+  if (!std::filesystem::exists(file)) return false;
+  std::string what;
+  try {
+    const Dataset dataset(file);
+    if (dataset.buildId() == build) return true;
+    what = fmt::format("holds the dataset of another scene or mesh (build {} of scene \"{}\", not {})",
+                       dataset.buildId().shortHex(), dataset.scene().name, build.shortHex());
+  } catch (const Error& error) {
+    what = fmt::format("exists and is not a usable dataset ({})", error.what());
+  }
+  if (!force) throw badInput("{}: {}: give another -o, or --force to replace it", file.string(), what);
+  return false;
+}
+
+std::filesystem::path defaultDatasetFile(const Scene& scene) {
+  return scene.name + ".h5";
+}
+
+std::string summaryOf(const std::vector<SpaceTable>& spaces) {
+  std::string text = fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", "active node", "points",
+                                 "expandable", "terminating", "failed", "unknown");
+  std::map<std::string_view, int> causes;
+  for (const SpaceTable& space : spaces) {
+    std::array<int, 4> count{};
+    for (const PointRecord& point : space.points) {
+      ++count.at(static_cast<std::size_t>(point.tag));
+      if (point.tag == Tag::failed) ++causes[name(point.cause)];
+    }
+    text += fmt::format(
+        "{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", space.patch.name, space.points.size(),
+        count[static_cast<std::size_t>(Tag::expandable)], count[static_cast<std::size_t>(Tag::terminating)],
+        count[static_cast<std::size_t>(Tag::failed)], count[static_cast<std::size_t>(Tag::unknown)]);
+  }
+  if (!causes.empty()) {
+    text += "failed:";
+    for (const auto& [cause, count] : causes) text += fmt::format(" {} {}", count, cause);
+    text += '\n';
+  }
+  return text;
+}
+
+ExitCode exitCodeOf(const std::vector<SpaceTable>& spaces) {
+  const bool failed = std::any_of(spaces.begin(), spaces.end(), [](const SpaceTable& space) {
+    return std::any_of(space.points.begin(), space.points.end(),
+                       [](const PointRecord& p) { return p.tag == Tag::failed; });
+  });
+  return failed ? ExitCode::partly_failed : ExitCode::done;
+}
+
+}  // namespace palpate

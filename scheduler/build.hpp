@@ -1,0 +1,57 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/dataset.hpp"
+#include "common/error.hpp"
+#include "common/lattice.hpp"
+#include "common/problem.hpp"
+#include "scheduler/coordinator.hpp"
+#include "scheduler/job_store.hpp"
+#include "scheduler/journal.hpp"
+#include "scheduler/state_directory.hpp"
+
+namespace palpate {
+
+/// Everything one scheduler process has of a build: what the verbs `build` and `serve` share. Holding it
+/// means holding the lock of the state directory.
+class Build {
+ public:
+  /// Loads the scene's problem, opens or makes the state in `state`, and goes on where the last run was.
+  Build(Problem problem, const std::filesystem::path& state, CoordinatorSettings settings = {});
+  Build(const Build&) = delete;
+  Build& operator=(const Build&) = delete;
+
+  Coordinator& coordinator() { return coordinator_; }
+  const StateDirectory& directory() const { return directory_; }
+  /// Results that earlier runs left.
+  std::size_t found() const { return found_; }
+  /// Writes the dataset of a complete build; returns its tables.
+  std::vector<SpaceTable> seal(const std::filesystem::path& file);
+
+ private:
+  const Problem problem_;
+  const std::string problem_bytes_;
+  const Lattice lattice_;
+  StateDirectory directory_;
+  JobStore store_;
+  Journal journal_;
+  std::size_t found_;
+  Coordinator coordinator_;
+};
+
+/// True when `file` is the dataset of this build already, false when there is no such file. Error (bad input)
+/// when it is something else, unless `force`.
+bool isSealed(const std::filesystem::path& file, const ContentId& build, bool force);
+
+/// "NAME.h5" in the current directory, for a scene without -o.
+std::filesystem::path defaultDatasetFile(const Scene& scene);
+
+/// Counts per tag and failures by cause of a sealed dataset, for people; line feed at the end.
+std::string summaryOf(const std::vector<SpaceTable>& spaces);
+/// done, or partly_failed when a point failed.
+ExitCode exitCodeOf(const std::vector<SpaceTable>& spaces);
+
+}  // namespace palpate

@@ -1,0 +1,70 @@
+#include "scheduler/explain_command.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "common/dataset.hpp"
+#include "common/problem.hpp"
+#include "scheduler/explanation.hpp"
+#include "scheduler/job_store.hpp"
+#include "scheduler/replay.hpp"
+
+namespace palpate {
+namespace {
+
+struct ExplainOptions {
+  std::string where;
+  std::string active;
+  LatticePoint point{};
+  bool json = false;
+};
+
+const SpaceTable& spaceNamed(const std::vector<SpaceTable>& spaces, const std::string& wanted) {
+  const auto found =
+      std::find_if(spaces.begin(), spaces.end(), [&](const SpaceTable& s) { return s.patch.name == wanted; });
+  if (found != spaces.end()) return *found;
+  std::string known;
+  for (const SpaceTable& space : spaces) known += (known.empty() ? "" : ", ") + space.patch.name;
+  throw badInput("--active {}: there is no active node of that name; there are: {}", wanted, known);
+}
+
+wire::Explanation explainFromDataset(const ExplainOptions& options) {
+  const Dataset dataset(options.where);
+  return explain(spaceNamed(dataset.spaces(), options.active), dataset.lattice(), options.point);
+}
+
+wire::Explanation explainFromDirectory(const ExplainOptions& options) {
+  StoredTables tables(options.where);
+  const Problem problem = decodeProblem(tables.build().problem);
+  const Lattice lattice(problem.scene.workspace.radius, problem.scene.workspace.spacing);
+  const std::vector<StoredResult> results = tables.results(lattice);
+  const Replay replayed = replay(problem, lattice, results);
+  return explain(spaceNamed(spaceTables(problem, replayed.frontiers, results), options.active), lattice,
+                 options.point);
+}
+
+ExitCode run(const ExplainOptions& options) {
+  const wire::Explanation explanation = std::filesystem::is_directory(options.where)
+                                            ? explainFromDirectory(options)
+                                            : explainFromDataset(options);
+  fmt::print("{}", options.json ? toJson(explanation) + '\n' : explanation.text());
+  return ExitCode::done;
+}
+
+std::function<ExitCode()> prepare(CLI::App& app) {
+  auto options = std::make_shared<ExplainOptions>();
+  app.add_option("where", options->where, "Dataset, OUT.h5, or a state directory")->required();
+  app.add_option("--active", options->active, "Name of the active node")->required();
+  app.add_option("I", options->point[0], "Lattice coordinates of the point")->required();
+  app.add_option("J", options->point[1])->required();
+  app.add_option("K", options->point[2])->required();
+  app.add_flag("--json", options->json, "One JSON object (docs/commands.md)");
+  return [options] { return run(*options); };
+}
+
+}  // namespace
+
+const Verb explain_verb = {"explain", "How a lattice point was reached, or why it failed", prepare};
+
+}  // namespace palpate

@@ -1,0 +1,101 @@
+#include "scheduler/explanation.hpp"
+
+#include <google/protobuf/util/json_util.h>
+
+#include <cmath>
+
+#include "common/error.hpp"
+#include "common/wire.hpp"
+
+namespace palpate {
+namespace {
+
+std::string nameOf(const LatticePoint& p) {
+  return fmt::format("({}, {}, {})", p[0], p[1], p[2]);
+}
+
+std::int32_t numberOf(const Lattice& lattice, const LatticePoint& point) {
+  if (const auto number = lattice.indexOf(point)) return *number;
+  throw badInput(
+      "point {} is not in the lattice: it holds the points with i^2 + j^2 + k^2 <= {:.6g} (radius {} m / "
+      "spacing {} m, "
+      "squared)",
+      nameOf(point), std::pow(lattice.radius() / lattice.spacing(), 2), lattice.radius(), lattice.spacing());
+}
+
+void addStep(wire::Explanation& explanation, const Lattice& lattice, std::int32_t point,
+             const PointRecord& record) {
+  wire::Step& step = *explanation.add_path();
+  *step.mutable_point() = toWire(lattice.point(point));
+  step.set_tag(std::string(name(record.tag)));
+  for (const double component : record.equilibrium.force) step.add_force(component);
+  step.set_energy(record.equilibrium.energy);
+  step.set_min_det_f(record.equilibrium.min_det_F);
+  step.set_newton_iterations(record.cost.newton_iterations);
+  step.set_steps(record.cost.steps);
+}
+
+std::string textOf(const wire::Explanation& e) {
+  const std::string where =
+      fmt::format("{}: point {}, displacement ({:g}, {:g}, {:g}) m", e.active(), nameOf(fromWire(e.point())),
+                  e.displacement(0), e.displacement(1), e.displacement(2));
+  std::string text = fmt::format("{}: {}{}\n", where, e.tag(), e.cause().empty() ? "" : ", " + e.cause());
+  if (e.path_size() > 0) text += "reached by these transitions, the last one first:\n";
+  for (const wire::Step& s : e.path())
+    text += fmt::format(
+        "  {:<14} force ({:.4g}, {:.4g}, {:.4g}) N, energy {:.4g} J, min det F {:.3g}, {} iterations in {} "
+        "steps\n",
+        nameOf(fromWire(s.point())), s.force(0), s.force(1), s.force(2), s.energy(), s.min_det_f(),
+        s.newton_iterations(), s.steps());
+  if (e.attempts_size() > 0) text += "tried without success:\n";
+  for (const wire::FailedTry& t : e.attempts())
+    text += fmt::format("  from {}: {}\n", nameOf(fromWire(t.parent())), t.text());
+  if (e.path_size() == 0 && e.attempts_size() == 0)
+    text +=
+        "no transition to it was tried: none of its neighbours is expandable, or the build has not come so "
+        "far\n";
+  return text;
+}
+
+}  // namespace
+
+wire::Explanation explain(const SpaceTable& space, const Lattice& lattice, const LatticePoint& point) {
+  const std::int32_t number = numberOf(lattice, point);
+  const PointRecord& record = space.points[static_cast<std::size_t>(number)];
+  wire::Explanation explanation;
+  explanation.set_active(space.patch.name);
+  *explanation.mutable_point() = toWire(point);
+  for (const double component : lattice.displacement(number)) explanation.add_displacement(component);
+  explanation.set_tag(std::string(name(record.tag)));
+  if (record.tag == Tag::failed) explanation.set_cause(std::string(name(record.cause)));
+  // A chain of parents is shorter than the lattice, also in a damaged file.
+  std::int32_t step = record.parent < 0 ? -1 : number;
+  for (std::size_t length = 0; step >= 0 && length < space.points.size(); ++length) {
+    const PointRecord& here = space.points[static_cast<std::size_t>(step)];
+    addStep(explanation, lattice, step, here);
+    step = here.parent == step ? -1 : here.parent;
+  }
+  for (const FailedAttempt& attempt : space.attempts) {
+    if (attempt.target != number) continue;
+    wire::FailedTry& failed = *explanation.add_attempts();
+    *failed.mutable_parent() = toWire(lattice.point(attempt.parent));
+    failed.set_cause(std::string(name(attempt.failure.cause)));
+    failed.set_text(describe(attempt.failure));
+    failed.set_step_reached(attempt.failure.step_reached);
+  }
+  explanation.set_text(textOf(explanation));
+  return explanation;
+}
+
+std::string toJson(const wire::Explanation& explanation) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.always_print_primitive_fields = true;
+  options.preserve_proto_field_names = true;
+  std::string json;
+  if (const auto result = google::protobuf::util::MessageToJsonString(explanation, &json, options);
+      !result.ok())
+    throw failure("the explanation cannot be written as JSON: {}", result.ToString());
+  return json;
+}
+
+}  // namespace palpate

@@ -1,0 +1,47 @@
+#include "scheduler/request.hpp"
+
+#include <array>
+#include <filesystem>
+
+#include "common/error.hpp"
+#include "common/wire.hpp"
+#include "scheduler/state_directory.hpp"
+
+namespace palpate {
+
+wire::Message ask(const std::string& endpoint, const wire::Message& question,
+                  std::chrono::milliseconds patience) {
+  checkEndpoint(endpoint);
+  zmq::context_t context;
+  zmq::socket_t socket = makeDealer(context);
+  // The question waits until there is a connection.
+  socket.set(zmq::sockopt::immediate, false);
+  try {
+    socket.connect(endpoint);
+  } catch (const zmq::error_t& error) {
+    throw badInput("cannot connect to {}: {}", endpoint, error.what());
+  }
+  if (sendMessage(socket, "", question) != Sent::yes) throw failure("{}: cannot send", endpoint);
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  while (std::chrono::steady_clock::now() < deadline) {
+    if (auto answer = receiveMessage(socket, false)) return std::move(answer->message);
+    std::array<zmq::pollitem_t, 1> items = {{{socket.handle(), 0, ZMQ_POLLIN, 0}}};
+    try {
+      zmq::poll(items, std::chrono::milliseconds(100));
+    } catch (const zmq::error_t& error) {
+      if (error.num() != EINTR) throw failure("ZeroMQ poll: {}", error.what());
+      throw Error(ExitCode::interrupted, "interrupted");
+    }
+  }
+  throw failure("{}: no answer within {:.1f} s: is a Palpate scheduler running there?", endpoint,
+                std::chrono::duration<double>(patience).count());
+}
+
+std::string endpointOf(const std::string& where) {
+  if (where.starts_with("tcp://") || where.starts_with("ipc://")) return where;
+  if (!std::filesystem::is_directory(where))
+    throw badInput("\"{}\" is neither tcp://HOST:PORT nor a state directory", where);
+  return StateDirectory::liveEndpoint(where).value_or("");
+}
+
+}  // namespace palpate

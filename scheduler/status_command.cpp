@@ -1,0 +1,87 @@
+#include "scheduler/status_command.hpp"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <memory>
+#include <thread>
+
+#include "common/lattice.hpp"
+#include "common/problem.hpp"
+#include "common/wire.hpp"
+#include "scheduler/job_store.hpp"
+#include "scheduler/replay.hpp"
+#include "scheduler/request.hpp"
+#include "scheduler/status.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::chrono::seconds watch_every{1};
+
+struct StatusOptions {
+  std::string where = default_endpoint;
+  bool watch = false;
+  bool json = false;
+};
+
+/// From the tables of a directory in which nobody works.
+wire::Status storedStatus(const std::filesystem::path& directory) {
+  StoredTables tables(directory);
+  const Problem problem = decodeProblem(tables.build().problem);
+  const Lattice lattice(problem.scene.workspace.radius, problem.scene.workspace.spacing);
+  const Replay replayed = replay(problem, lattice, tables.results(lattice));
+  std::vector<std::string> names;
+  for (const ActivePatch& patch : problem.active) names.push_back(patch.name);
+
+  wire::Status status;
+  status.set_scene(tables.build().scene_name);
+  status.set_build(tables.build().build.hex());
+  status.set_state(tables.build().complete ? "complete" : "stopped");
+  addFrontiers(status, replayed.frontiers, names);
+  for (const ServerRow& row : tables.servers()) addWorker(status, row);
+  for (const auto& [name, value] : tables.counters())
+    (*status.mutable_counters())[name] = static_cast<std::int32_t>(value);
+  return status;
+}
+
+wire::Status statusOf(const std::string& where) {
+  const std::string endpoint = endpointOf(where);
+  if (endpoint.empty()) return storedStatus(where);
+  wire::Message question;
+  question.mutable_status_request();
+  const wire::Message answer = ask(endpoint, question);
+  if (!answer.has_status_reply())
+    throw failure("{}: what answers there is not a Palpate scheduler", endpoint);
+  return statusFromJson(answer.status_reply().json());
+}
+
+ExitCode showStatus(const StatusOptions& options) {
+  catchInterrupts();
+  const bool redraw = options.watch && !options.json && isatty(STDOUT_FILENO) == 1;
+  for (;;) {
+    const wire::Status status = statusOf(options.where);
+    fmt::print("{}{}", redraw ? "\x1b[H\x1b[2J" : "",
+               options.json ? toJson(status) + '\n' : describe(status));
+    std::fflush(stdout);
+    if (!options.watch || status.state() == "complete" || status.state() == "stopped") return ExitCode::done;
+    std::this_thread::sleep_for(watch_every);
+    if (interrupted()) return ExitCode::interrupted;
+  }
+}
+
+std::function<ExitCode()> prepare(CLI::App& app) {
+  auto options = std::make_shared<StatusOptions>();
+  app.add_option("where", options->where, "Scheduler, tcp://HOST:PORT, or a state directory")
+      ->capture_default_str();
+  app.add_flag("--watch", options->watch, "Again every second, until the build is complete or stops");
+  app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
+  return [options] { return showStatus(*options); };
+}
+
+}  // namespace
+
+const Verb status_verb = {"status", "How far a build is: points, rate, time left, workers, failures",
+                          prepare};
+
+}  // namespace palpate

@@ -1,0 +1,83 @@
+#include "scheduler/worker_pool.hpp"
+
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <thread>
+
+#include "common/error.hpp"
+
+namespace palpate {
+namespace {
+
+std::string describeStatus(int status) {
+  if (WIFSIGNALED(status))
+    return fmt::format("signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
+  return fmt::format("exit code {}", WEXITSTATUS(status));
+}
+
+/// Between fork and exec: only calls that are safe there.
+[[noreturn]] void becomeWorker(pid_t parent, char* const* arguments) {
+  if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent) _exit(126);
+  // Ctrl-C reaches the scheduler alone, which lets the workers finish what they hold.
+  setpgid(0, 0);
+  execv(arguments[0], arguments);
+  _exit(127);
+}
+
+}  // namespace
+
+WorkerPool::~WorkerPool() {
+  terminate(std::chrono::milliseconds(0));
+}
+
+void WorkerPool::start() {
+  std::vector<char*> arguments;
+  for (std::string& argument : command_) arguments.push_back(argument.data());
+  arguments.push_back(nullptr);
+  const pid_t parent = getpid();
+  const pid_t child = fork();
+  if (child < 0) throw failure("cannot start a worker process: {}", std::strerror(errno));
+  if (child == 0) becomeWorker(parent, arguments.data());
+  running_.push_back(child);
+}
+
+std::vector<WorkerPool::Ended> WorkerPool::reap() {
+  std::vector<Ended> ended;
+  std::erase_if(running_, [&](pid_t pid) {
+    int status = 0;
+    const pid_t done = waitpid(pid, &status, WNOHANG);
+    if (done == 0 || (done < 0 && errno == EINTR)) return false;
+    ended.push_back({pid, done > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0,
+                     done > 0 ? describeStatus(status) : std::string(std::strerror(errno))});
+    return true;
+  });
+  return ended;
+}
+
+void WorkerPool::terminate(std::chrono::milliseconds grace) {
+  const auto signalAll = [&](int number) {
+    for (const pid_t pid : running_) kill(pid, number);
+  };
+  signalAll(SIGTERM);
+  const auto deadline = std::chrono::steady_clock::now() + grace;
+  while (reap(), !running_.empty() && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  signalAll(SIGKILL);
+  for (const pid_t pid : running_) waitpid(pid, nullptr, 0);
+  running_.clear();
+}
+
+std::filesystem::path programBeside(const std::string& name) {
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;
+  if (access(program.c_str(), X_OK) != 0)
+    throw failure("{}: not found; is Palpate completely installed?", program.string());
+  return program;
+}
+
+}  // namespace palpate

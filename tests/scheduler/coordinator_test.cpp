@@ -1,0 +1,401 @@
+#include "scheduler/coordinator.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "scheduler/replay.hpp"
+#include "tests/scheduler/build_world.hpp"
+#include "tests/support/expect_error.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+using wire::Message;
+
+struct CoordinatorTest : testing::Test {
+  test::BuildWorld world;
+
+  std::string refusalOf(const Message& hello) {
+    world.send("a", hello);
+    const auto refused = world.take("a", Message::kRefused);
+    return refused.empty() ? "" : refused[0].refused().reason();
+  }
+  /// Solves both origins.
+  void solveOrigins() {
+    world.join("a", 2);
+    for (const wire::Job& job : world.takeJobs("a")) world.deliver("a", job);
+    world.pass(25ms);
+    world.take("a", Message::kResultAck);
+  }
+  Message originResult(const std::function<void(wire::Result&)>& change = {}) {
+    Message message;
+    *message.mutable_result() = test::solve(world.problem, 0, {0, 0, 0}, {0, 0, 0}).first;
+    if (change) change(*message.mutable_result());
+    return message;
+  }
+  std::string originFields() { return test::solve(world.problem, 0, {0, 0, 0}, {0, 0, 0}).second; }
+};
+
+TEST_F(CoordinatorTest, WelcomesAWorkerAndSendsItTheProblem) {
+  world.send("a", test::helloOf("a"));
+  const auto welcome = world.take("a", Message::kWelcome);
+  ASSERT_EQ(welcome.size(), 1u);
+  EXPECT_EQ(welcome[0].welcome().build(), problemId(world.problem).bytes());
+  EXPECT_EQ(welcome[0].welcome().incarnation().size(), 16u);
+  Message ask;
+  ask.mutable_problem_request();
+  world.send("a", ask);
+  ASSERT_EQ(world.inbox["a"].size(), 1u);
+  EXPECT_EQ(*world.inbox["a"][0].payload, encodeProblem(world.problem));
+}
+
+TEST_F(CoordinatorTest, HandsOutTheOriginOfEverySpaceFirstFromTheRestState) {
+  world.join("a", 3);
+  const auto jobs = world.takeJobs("a");
+  ASSERT_EQ(jobs.size(), 2u);
+  for (std::uint32_t space : {0u, 1u}) {
+    EXPECT_EQ(jobs[space].space(), space);
+    EXPECT_EQ(jobs[space].start_id(), "");
+    EXPECT_EQ(fromWire(jobs[space].targets(0).point()), (LatticePoint{0, 0, 0}));
+    EXPECT_EQ(jobs[space].targets(0).attempt(), 1u);
+  }
+}
+
+TEST_F(CoordinatorTest, HandsOutNothingWithoutCredit) {
+  world.join("a", 0);
+  EXPECT_TRUE(world.takeJobs("a").empty());
+  world.request("a", 1);
+  EXPECT_EQ(world.takeJobs("a").size(), 1u);
+}
+
+TEST_F(CoordinatorTest, NamesTheStartOfLaterJobsAndServesItsFields) {
+  solveOrigins();
+  world.request("a", 1);
+  const auto jobs = world.takeJobs("a");
+  ASSERT_EQ(jobs.size(), 1u);
+  EXPECT_EQ(jobs[0].start_id(), ContentId::of(originFields()).bytes());
+  Message ask;
+  ask.mutable_fields_request()->set_id(jobs[0].start_id());
+  ask.mutable_fields_request()->set_space(jobs[0].space());
+  *ask.mutable_fields_request()->mutable_point() = jobs[0].start();
+  world.inbox["a"].clear();
+  world.send("a", ask);
+  ASSERT_EQ(world.inbox["a"].size(), 1u);
+  EXPECT_EQ(ContentId::of(*world.inbox["a"][0].payload).bytes(), jobs[0].start_id());
+  ask.mutable_fields_request()->set_id(std::string(32, 'x'));
+  world.send("a", ask);
+  EXPECT_TRUE(world.inbox["a"][1].message.fields_reply().unknown());
+}
+
+TEST_F(CoordinatorTest, AcknowledgesOnlyWhatIsOnDisk) {
+  world.join("a", 2);
+  const auto jobs = world.takeJobs("a");
+  world.deliver("a", jobs[0]);
+  EXPECT_TRUE(world.take("a", Message::kResultAck).empty());
+  world.pass(10ms);
+  EXPECT_TRUE(world.take("a", Message::kResultAck).empty()) << "the group waits for others";
+  world.pass(10ms);
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u);
+  world.restart();
+  EXPECT_EQ(world.build().found(), 1u);
+}
+
+TEST_F(CoordinatorTest, CommitsAtOnceWhileAWorkerWaitsForWork) {
+  world.join("a", 3);
+  const auto jobs = world.takeJobs("a");
+  world.deliver("a", jobs[0]);
+  world.settle();
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u);
+  EXPECT_EQ(world.takeJobs("a").size(), 1u);
+}
+
+TEST_F(CoordinatorTest, FinishesTheBuildAndTellsTheWorkersToLeave) {
+  world.join("a", 2);
+  world.finish({"a"});
+  const auto drains = world.take("a", Message::kDrain);
+  ASSERT_FALSE(drains.empty());
+  EXPECT_TRUE(drains.back().drain().finished());
+  EXPECT_EQ(world.coordinator().status(world.now).state(), "complete");
+}
+
+TEST_F(CoordinatorTest, TheDatasetDoesNotDependOnWorkersLossesOrRestarts) {
+  world.join("a", 1);
+  world.finish({"a"});
+  const ContentId undisturbed = world.sealedContent();
+
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    test::BuildWorld wild;
+    std::mt19937 random(seed);
+    std::vector<std::pair<std::string, wire::Job>> work;
+    int born = 0, turns = 0;
+    while (!wild.coordinator().complete()) {
+      ASSERT_LT(++turns, 20000);
+      if (wild.coordinator().workers() < 3) {
+        ++born;
+        wild.join(fmt::format("w{}", born), 2, static_cast<std::uint32_t>(born));
+      }
+      for (auto& [peer, messages] : wild.inbox)
+        for (const wire::Job& job : wild.takeJobs(peer)) work.emplace_back(peer, job);
+      if (!work.empty()) {
+        std::swap(work[random() % work.size()], work.back());
+        auto& [peer, job] = work.back();
+        const int target = static_cast<int>(random() % static_cast<unsigned>(job.targets_size()));
+        wild.deliver(peer, job.space(), job.targets(target).point(), job.start());
+        job.mutable_targets()->DeleteSubrange(target, 1);
+        if (job.targets().empty()) {
+          wild.request(peer, 1);
+          work.pop_back();
+        }
+      }
+      if (random() % 25 == 0 && !work.empty()) {
+        const std::string victim = work.front().first;
+        std::erase_if(work, [&](const auto& entry) { return entry.first == victim; });
+        wild.coordinator().peerUnreachable(victim, wild.now);
+      }
+      if (random() % 60 == 0) {
+        work.clear();
+        wild.restart();
+      }
+      wild.pass(std::chrono::milliseconds(random() % 15));
+    }
+    EXPECT_EQ(wild.sealedContent(), undisturbed) << "seed " << seed;
+    EXPECT_EQ(wild.counter("divergent_results"), 0);
+  }
+}
+
+TEST_F(CoordinatorTest, RefusesWorkersThatWouldNotGiveTheSameBits) {
+  Message other = test::helloOf("a");
+  other.mutable_hello()->set_protocol(99);
+  EXPECT_THAT(refusalOf(other), testing::HasSubstr("protocol 99"));
+  other = test::helloOf("a");
+  other.mutable_hello()->set_version("0.0.0");
+  EXPECT_THAT(refusalOf(other), testing::HasSubstr("palpate 0.0.0"));
+  world.send("b", test::helloOf("b"));
+  other = test::helloOf("a");
+  other.mutable_hello()->set_kernel_family("avx512");
+  EXPECT_THAT(refusalOf(other), testing::AllOf(testing::HasSubstr("avx512"), testing::HasSubstr("baseline")));
+  EXPECT_EQ(world.coordinator().workers(), 1u);
+}
+
+TEST_F(CoordinatorTest, RemembersTheKernelFamilyOfRecordedResults) {
+  solveOrigins();
+  world.restart();
+  Message other = test::helloOf("a");
+  other.mutable_hello()->set_kernel_family("avx2");
+  EXPECT_THAT(refusalOf(other), testing::HasSubstr("avx2"));
+}
+
+TEST_F(CoordinatorTest, AsksAWorkerOfAnEarlierRunToIntroduceItselfAndTakesItsResultAgain) {
+  world.join("a", 1);
+  const auto jobs = world.takeJobs("a");
+  world.restart();
+  world.deliver("a", jobs[0]);
+  const auto replies = world.take("a", Message::kHeartbeatReply);
+  ASSERT_EQ(replies.size(), 1u);
+  EXPECT_EQ(replies[0].heartbeat_reply().incarnation(), "");
+  world.join("a", 1);
+  world.deliver("a", jobs[0]);
+  world.pass(25ms);
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u);
+}
+
+TEST_F(CoordinatorTest, AcknowledgesADuplicateAndKeepsOneRecord) {
+  solveOrigins();
+  world.send("a", originResult([](wire::Result& r) { r.mutable_cost()->set_seconds(99); }), originFields());
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u);
+  EXPECT_EQ(world.counter("duplicate_results"), 1);
+  EXPECT_EQ(world.counter("divergent_results"), 0) << "other seconds are no divergence";
+  world.restart();
+  EXPECT_EQ(world.build().found(), 2u);
+}
+
+TEST_F(CoordinatorTest, CountsADuplicateWithOtherBitsAndKeepsTheFirst) {
+  solveOrigins();
+  world.send("a", originResult([](wire::Result& r) { r.mutable_equilibrium()->set_energy(1e-300); }),
+             originFields());
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u);
+  EXPECT_EQ(world.counter("divergent_results"), 1);
+}
+
+TEST_F(CoordinatorTest, DropsResultsThatMakeNoSense) {
+  world.join("a", 2);
+  const std::string fields = originFields();
+  std::string not_finite = fields;
+  not_finite.replace(0, 4, std::string("\0\0\xc0\x7f", 4));
+  const std::vector<std::pair<std::function<void(wire::Result&)>, std::string>> bad = {
+      {[](wire::Result& r) { r.set_build("another"); }, fields},
+      {[](wire::Result& r) { r.set_space(2); }, fields},
+      {[](wire::Result& r) { r.mutable_target()->set_i(1000000); }, fields},
+      {[](wire::Result& r) { r.mutable_target()->set_i(1); }, fields},
+      {[](wire::Result& r) { r.set_kernel_family("avx2"); }, fields},
+      {[](wire::Result& r) { r.mutable_equilibrium()->set_force("short"); }, fields},
+      {[](wire::Result& r) { r.clear_outcome(); }, fields},
+      {[](wire::Result& r) { r.mutable_failure()->set_cause(200); }, fields},
+      {[](wire::Result& r) { r.mutable_failure()->set_cause(1), r.mutable_failure()->set_step_reached(7); },
+       ""},
+      {[](wire::Result& r) { r.set_fields_id(std::string(32, 'x')); }, fields},
+      {[](wire::Result&) {}, fields.substr(1)},
+      {[&](wire::Result& r) { r.set_fields_id(std::string(ContentId::of(not_finite).bytes())); }, not_finite},
+      {[&](wire::Result& r) {
+         r.set_fields_id(std::string(ContentId::of(fields.substr(4)).bytes()));
+         r.set_payload_bytes(r.payload_bytes() - 4);
+       },
+       fields.substr(4)},
+  };
+  for (const auto& [change, payload] : bad) world.send("a", originResult(change), payload);
+  world.pass(100ms);
+  EXPECT_EQ(world.counter("bad_messages"), static_cast<std::int64_t>(bad.size()));
+  EXPECT_TRUE(world.take("a", Message::kResultAck).empty());
+  world.send("a", originResult(), fields);
+  world.pass(25ms);
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u) << "the right one is still welcome";
+}
+
+TEST_F(CoordinatorTest, CountsMessagesThatAreNotForIt) {
+  world.send("stranger", Message());
+  world.join("a", 0);
+  world.send("a", Message());
+  Message wrong_way;
+  wrong_way.mutable_drain();
+  world.send("a", wrong_way);
+  EXPECT_EQ(world.counter("bad_messages"), 3);
+}
+
+TEST_F(CoordinatorTest, GivesASilentWorkersTargetToAnotherAndTakesTheLateAnswer) {
+  world.join("a", 2);
+  const auto lost = world.takeJobs("a");
+  world.pass(59s);
+  world.join("b", 2);
+  EXPECT_TRUE(world.takeJobs("b").empty());
+  world.pass(2s);
+  const auto again = world.takeJobs("b");
+  ASSERT_EQ(again.size(), 2u);
+  EXPECT_EQ(again[0].targets(0).attempt(), 2u);
+  // It was not dead: it is asked for its name, and its answer is the first.
+  world.deliver("a", lost[0]);
+  world.join("a", 0);
+  world.deliver("a", lost[0]);
+  world.pass(25ms);
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u);
+  world.deliver("b", again[0]);
+  EXPECT_EQ(world.take("b", Message::kResultAck).size(), 1u);
+  EXPECT_EQ(world.counter("duplicate_results"), 1);
+}
+
+TEST_F(CoordinatorTest, HeartbeatsKeepALeaseForHours) {
+  world.join("a", 2);
+  const auto jobs = world.takeJobs("a");
+  for (int n = 0; n < 200; ++n) {
+    world.pass(50s);
+    world.beat("a", &jobs[0]);
+  }
+  world.join("b", 1);
+  EXPECT_TRUE(world.takeJobs("b").empty());
+}
+
+TEST_F(CoordinatorTest, TakesBackWhatAnIdleWorkerNeverGot) {
+  world.join("a", 2);
+  world.takeJobs("a");
+  for (int n = 0; n < 3; ++n) {
+    world.pass(15s);
+    world.beat("a");
+  }
+  world.settle();
+  const auto jobs = world.takeJobs("a");
+  ASSERT_EQ(jobs.size(), 2u);
+  EXPECT_EQ(jobs[0].targets(0).attempt(), 2u);
+}
+
+TEST_F(CoordinatorTest, AWorkerThatSaysGoodbyeHandsItsWorkBack) {
+  world.join("a", 2);
+  world.join("b", 2);
+  world.takeJobs("a");
+  Message goodbye;
+  goodbye.mutable_goodbye()->set_reason("tired");
+  world.send("a", goodbye);
+  world.settle();
+  EXPECT_EQ(world.takeJobs("b").size(), 2u);
+  EXPECT_EQ(world.coordinator().workers(), 1u);
+}
+
+TEST_F(CoordinatorTest, AWorkerThatIntroducesItselfAgainHasForgottenItsJobs) {
+  world.join("a", 2);
+  EXPECT_EQ(world.takeJobs("a").size(), 2u);
+  world.join("a", 2);
+  const auto jobs = world.takeJobs("a");
+  ASSERT_EQ(jobs.size(), 2u);
+  EXPECT_EQ(jobs[0].targets(0).attempt(), 2u);
+}
+
+TEST_F(CoordinatorTest, ATargetThatKillsItsWorkersFailsAndTheBuildGoesOn) {
+  const auto kills = [](const wire::Job& job) {
+    return job.space() == 0 && fromWire(job.targets(0).point()) == LatticePoint{0, 0, 0};
+  };
+  world.join("other", 1, 1000);
+  for (std::uint32_t pid = 1; pid <= 5; ++pid) {
+    const std::string peer = fmt::format("w{}", pid);
+    std::vector<wire::Job> jobs = world.takeJobs("other");
+    for (const wire::Job& job : jobs)
+      if (kills(job)) {
+        world.beat("other", &job);
+        world.coordinator().workerProcessEnded(1000, world.now);
+        world.join("other", 1, 1000);
+      }
+  }
+  world.pass(25ms);
+  EXPECT_EQ(world.coordinator().frontiers()[0].tag(0), Tag::unknown);
+  EXPECT_EQ(world.coordinator().frontiers()[0].cause(0), Cause::worker_lost);
+  EXPECT_EQ(world.counter("lost_workers"), 5);
+  world.join("a", 2);
+  for (const wire::Job& job : world.takeJobs("other")) world.deliver("other", job);
+  world.request("other", 1);
+  world.finish({"a", "other"});
+  EXPECT_EQ(world.coordinator().frontiers()[0].tag(0), Tag::failed);
+  EXPECT_EQ(world.coordinator().frontiers()[1].tag(0), Tag::expandable);
+}
+
+TEST_F(CoordinatorTest, StopsWithoutHandingOutMoreAndGoesOnLater) {
+  world.join("a", 1);
+  const auto jobs = world.takeJobs("a");
+  Message stop;
+  stop.mutable_stop_request();
+  world.send("operator", stop);
+  EXPECT_EQ(world.take("operator", Message::kStopReply).size(), 1u);
+  ASSERT_EQ(world.take("a", Message::kDrain).size(), 1u);
+  world.deliver("a", jobs[0]);
+  world.pass(25ms);
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u) << "what is in work is still taken";
+  world.request("a", 1);
+  EXPECT_TRUE(world.takeJobs("a").empty());
+  world.restart();
+  world.join("a", 1);
+  world.finish({"a"});
+  EXPECT_TRUE(world.coordinator().complete());
+}
+
+TEST_F(CoordinatorTest, TellsPeopleHowFarItIs) {
+  solveOrigins();
+  Message ask;
+  ask.mutable_status_request();
+  world.send("operator", ask);
+  const auto replies = world.take("operator", Message::kStatusReply);
+  ASSERT_EQ(replies.size(), 1u);
+  const std::string& json = replies[0].status_reply().json();
+  EXPECT_THAT(json, testing::HasSubstr("\"expandable\":1"));
+  EXPECT_THAT(json, testing::HasSubstr("\"state\":\"running\""));
+  EXPECT_THAT(json, testing::HasSubstr("\"host\":\"here\""));
+}
+
+TEST_F(CoordinatorTest, RefusesTablesWithResultsNobodyAskedFor) {
+  const Lattice lattice(0.02, 0.01);
+  StoredResult stray;
+  stray.key = {0, 5, 1};
+  test::expectError(ExitCode::failed, [&] { replay(world.problem, lattice, {stray}); },
+                    {"nobody asked for", "damaged"});
+}
+
+}  // namespace
+}  // namespace palpate
