@@ -93,33 +93,96 @@ TEST_F(DatasetPage, FailedPointsReadAsNaNAndTakeNoRoomInH5py) {
   EXPECT_EQ(ran.status, 0) << ran.output;
 }
 
-TEST_F(DatasetPage, FilesThatOthersMadeAreRefused) {
-  const std::filesystem::path other = directory / "other.h5";
-  const auto open = [&](const std::string& program) {
-    const Ran ran = runPython(directory, "import sys, h5py, numpy as np\n" + program, other);
+/// Lets h5py change a copy of the dataset and says what reading it then ends with.
+class ChangedDataset : public DatasetPage {
+ protected:
+  std::string errorAfter(const std::string& change) {
+    const std::string program = "import hashlib, shutil, sys, h5py, numpy as np\nshutil.copy('" +
+                                file.string() + "', sys.argv[1])\nf = h5py.File(sys.argv[1], 'a')\n" +
+                                change + "\nf.close()\n";
+    const std::filesystem::path changed = directory / "changed.h5";
+    const Ran ran = runPython(directory, program, changed);
     EXPECT_EQ(ran.status, 0) << ran.output;
     try {
-      Dataset{other}.verifyAll();
+      Dataset{changed}.verifyAll();
     } catch (const Error& error) {
-      return std::string(error.what());
+      EXPECT_THAT(error.what(), HasSubstr("changed.h5"));
+      return error.what();
     }
-    return std::string("no error");
-  };
-  const std::string copied =
-      "import shutil; shutil.copy('" + file.string() + "', sys.argv[1])\nf = h5py.File(sys.argv[1], 'a')\n";
-  EXPECT_THAT(open("h5py.File(sys.argv[1], 'w')['force'] = 1.0\n"), HasSubstr("not a Palpate dataset"));
-  EXPECT_THAT(open(copied + "f.attrs['format_version'] = np.array([2, 0], 'int32')\n"),
+    return "no error";
+  }
+
+  /// The same when all hashes are made to match afterwards: what only looking at the values can find.
+  std::string errorAfterForging(const std::string& change) {
+    return errorAfter(change + R"(
+def blake2b(data):
+    return hashlib.blake2b(data, digest_size=32).hexdigest()
+lines = []
+def visit(path, item):
+    if isinstance(item, h5py.Dataset):
+        digest = blake2b(item[()].tobytes())
+        item.attrs['blake2b'] = np.bytes_(digest)
+        lines.append(f"/{path} {item.dtype} {'x'.join(map(str, item.shape)) or 'scalar'} {digest}\n")
+f.visititems(visit)
+text = f"scene_toml {blake2b(f.attrs['scene_toml'])}\n" + ''.join(sorted(lines))
+f.attrs['content_hash'] = np.bytes_(blake2b(text.encode())))");
+  }
+
+  static std::string replaced(const std::string& array, const std::string& values) {
+    return "del f['" + array + "']\nf['" + array + "'] = " + values;
+  }
+};
+
+TEST_F(ChangedDataset, IsReadAsLongAsNothingChanged) {
+  EXPECT_EQ(errorAfter(""), "no error");
+  EXPECT_EQ(errorAfterForging(""), "no error");
+}
+
+TEST_F(ChangedDataset, IsRefusedWhenOthersMadeOrChangedIt) {
+  EXPECT_THAT(errorAfter("for key in list(f.attrs): del f.attrs[key]"), HasSubstr("not a Palpate dataset"));
+  EXPECT_THAT(errorAfter("f.attrs['format_version'] = np.array([2, 0], 'int32')"),
               HasSubstr("format version 2.0"));
-  EXPECT_THAT(open(copied + "f['spaces/tip/force'][3, 0] = 7\n"), HasSubstr("/spaces/tip/force"));
-  EXPECT_THAT(open(copied + "f['spaces/tip/pressure'][3, 0] = 7\n"), HasSubstr("/spaces/tip/pressure"));
-  EXPECT_THAT(open(copied + "del f['spaces/tip/tag']\n"), HasSubstr("content_hash"));
-  EXPECT_THAT(open(copied + "del f['spaces/edge-2']\n"), HasSubstr("content_hash"));
-  EXPECT_THAT(open(copied + "f['extra'] = np.zeros(3, 'int64')\n"), HasSubstr("/extra"));
-  EXPECT_THAT(open(copied + "f['extra'] = h5py.ExternalLink('/etc/passwd', '/')\n"), HasSubstr("no error"));
-  EXPECT_THAT(open(copied + "d = f['spaces/tip/tag']; a = dict(d.attrs); del f['spaces/tip/tag']\n"
-                            "d = f.create_dataset('spaces/tip/tag', data=np.ones((33, 2), 'uint8'))\n"
-                            "for k in a: d.attrs[k] = a[k]\n"),
-              HasSubstr("content_hash"));
+  EXPECT_THAT(errorAfter("f['spaces/tip/force'][3, 0] = 7"), HasSubstr("/spaces/tip/force"));
+  EXPECT_THAT(errorAfter("f['spaces/tip/pressure'][3, 0] = 7"), HasSubstr("/spaces/tip/pressure"));
+  EXPECT_THAT(errorAfter("del f['spaces/tip/tag']"), HasSubstr("content_hash"));
+  EXPECT_THAT(errorAfter("del f['spaces/edge-2']"), HasSubstr("content_hash"));
+  EXPECT_THAT(errorAfter("f['extra'] = np.zeros(3, 'int64')"), HasSubstr("/extra"));
+}
+
+TEST_F(ChangedDataset, IsRefusedForWrongShapesAndTypes) {
+  EXPECT_THAT(errorAfterForging(replaced("spaces/tip/tag", "np.ones((33, 2), 'uint8')")),
+              HasSubstr("/spaces/tip/tag: is uint8 33 x 2 instead of uint8 33"));
+  EXPECT_THAT(errorAfterForging(replaced("mesh/points", "np.zeros((27, 3), 'float32')")),
+              HasSubstr("/mesh/points: is float32 27 x 3 instead of float64 n x 3"));
+  EXPECT_THAT(errorAfterForging(replaced("spaces/tip/displacement", "np.zeros((33, 26, 3), 'float32')")),
+              HasSubstr("/spaces/tip/displacement: is float32 33 x 26 x 3"));
+  EXPECT_THAT(errorAfterForging("del f['spaces/edge-2']"), HasSubstr("/spaces"));
+  EXPECT_THAT(errorAfterForging("del f['spaces/tip/energy']"), HasSubstr("/spaces/tip/energy: is missing"));
+}
+
+TEST_F(ChangedDataset, IsRefusedForImpossibleValues) {
+  EXPECT_THAT(errorAfterForging("f['spaces/tip/tag'][3] = 4"), HasSubstr("/spaces/tip/tag: holds 4"));
+  EXPECT_THAT(errorAfterForging("f['spaces/tip/parent'][3] = 33"), HasSubstr("/spaces/tip/parent: holds 33"));
+  EXPECT_THAT(errorAfterForging("f['spaces/tip/attempts/cause'][0] = 99"),
+              HasSubstr("attempts/cause: holds 99"));
+  EXPECT_THAT(errorAfterForging("f['mesh/tetrahedra'][0, 2] = -1"), HasSubstr("/mesh/tetrahedra: holds -1"));
+  EXPECT_THAT(errorAfterForging("f['spaces/edge-2/active_node'][()] = 2"), HasSubstr("active_node"));
+  EXPECT_THAT(errorAfterForging("f['spaces/edge-2/force'][2, 1] = np.nan"), HasSubstr("lattice point 2"));
+  EXPECT_THAT(errorAfterForging("f['lattice/ijk'][5, 0] += 1"), HasSubstr("/lattice/ijk"));
+}
+
+TEST_F(ChangedDataset, OfANewerMinorVersionIsReadWithoutItsNewArrays) {
+  EXPECT_EQ(
+      errorAfterForging(
+          "f.attrs['format_version'] = np.array([1, 7], 'int32')\nf['probes/error'] = np.zeros((2, 3))"),
+      "no error");
+}
+
+TEST_F(ChangedDataset, LinksToOtherFilesAreNotFollowed) {
+  EXPECT_EQ(errorAfter("f['extra'] = h5py.ExternalLink('/etc/passwd', '/')"), "no error");
+  EXPECT_THAT(errorAfterForging("del f['mesh/surface']\nf.create_dataset('mesh/surface', (1, 3), 'int32', "
+                                "external=[('/etc/passwd', 0, 12)])"),
+              HasSubstr("lies in another file"));
 }
 
 }  // namespace
