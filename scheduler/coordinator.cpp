@@ -372,7 +372,7 @@ void Coordinator::finishIfComplete(Time now) {
 void Coordinator::advance(Time now) {
   loseSilentWorkers(now);
   if (groupIsDue(now)) commitGroup(now);
-  handOutJobs(now);
+  handOutJobs();
   if (now - servers_written_ >= servers_written_every) writeServers(now);
   noteProgress(now);
 }
@@ -387,7 +387,7 @@ Coordinator::Time Coordinator::nextDeadline() const {
   return deadline;
 }
 
-void Coordinator::handOutJobs(Time) {
+void Coordinator::handOutJobs() {
   if (stopping_ || complete()) return;
   while (leases_.waiting() > 0) {
     Workers::iterator best = workers_.end();

@@ -125,7 +125,7 @@ class Coordinator {
   void enqueue(StoredResult result, std::string payload, const std::string& peer, Time now);
   bool groupIsDue(Time now) const;
   void commitGroup(Time now);
-  void handOutJobs(Time now);
+  void handOutJobs();
   void loseSilentWorkers(Time now);
   void workerDied(const std::string& id, Time now, const char* why);
   void removeWorker(Workers::iterator worker, const char* state, Time now);

@@ -45,8 +45,8 @@ std::string textOf(const wire::Explanation& e) {
     text += fmt::format(
         "  {:<14} force ({:.4g}, {:.4g}, {:.4g}) N, energy {:.4g} J, min det F {:.3g}, {} iterations in {} "
         "steps\n",
-        nameOf(fromWire(s.point())), s.force(0), s.force(1), s.force(2), s.energy(), s.min_det_f(),
-        s.newton_iterations(), s.steps());
+        nameOf(fromWire(s.point())), s.force(0) + 0.0, s.force(1) + 0.0, s.force(2) + 0.0, s.energy(),
+        s.min_det_f(), s.newton_iterations(), s.steps());
   if (e.attempts_size() > 0) text += "tried without success:\n";
   for (const wire::FailedTry& t : e.attempts())
     text += fmt::format("  from {}: {}\n", nameOf(fromWire(t.parent())), t.text());

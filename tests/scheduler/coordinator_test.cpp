@@ -346,7 +346,6 @@ TEST_F(CoordinatorTest, ATargetThatKillsItsWorkersFailsAndTheBuildGoesOn) {
       }
   }
   world.pass(25ms);
-  EXPECT_EQ(world.coordinator().frontiers()[0].tag(0), Tag::unknown);
   EXPECT_EQ(world.coordinator().frontiers()[0].cause(0), Cause::worker_lost);
   EXPECT_EQ(world.counter("lost_workers"), 5);
   world.join("a", 2);

@@ -213,7 +213,7 @@ TEST(Frontier, GoesAroundAWallAndReachesTheSideBehindItLater) {
   };
   const Answer answer = solve(lattice, wall, 16, 5, true);
   EXPECT_EQ(answer, referenceAnswer(lattice, wall, max_attempts_per_point));
-  const std::int32_t behind = *lattice.indexOf({2, 0, 0});
+  const std::int32_t behind = *lattice.indexOf({2, 2, 0});
   EXPECT_EQ(answer.tags[behind], Tag::expandable);
   EXPECT_GE(lattice.point(answer.parents[behind])[0], 2) << "it is reached from its own side of the wall";
   EXPECT_FALSE(answer.attempts[behind].empty());

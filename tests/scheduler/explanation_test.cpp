@@ -1,0 +1,91 @@
+#include "scheduler/explanation.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scheduler/status.hpp"
+#include "tests/support/expect_error.hpp"
+
+namespace palpate {
+namespace {
+
+/// A space of 7 points: the origin and its axis neighbours. Number 1 was reached, number 2 failed, the rest
+/// is unknown.
+struct ExplanationTest : testing::Test {
+  const Lattice lattice{0.01, 0.01};
+  SpaceTable space;
+
+  ExplanationTest() {
+    space.patch.name = "tip";
+    space.points.resize(7);
+    for (const std::int32_t n : {0, 1}) {
+      space.points[n].tag = Tag::expandable;
+      space.points[n].parent = 0;
+    }
+    space.points[1].equilibrium.force = {-1.5, 0, 0};
+    space.points[2].tag = Tag::failed;
+    space.points[2].cause = Cause::wrong_inertia;
+    Failure f;
+    f.cause = Cause::wrong_inertia;
+    f.step_reached = 0.25;
+    space.attempts = {{2, 0, f}};
+  }
+};
+
+TEST_F(ExplanationTest, FollowsTheParentsBackToTheOrigin) {
+  const wire::Explanation explanation = explain(space, lattice, lattice.point(1));
+  ASSERT_EQ(explanation.path_size(), 2);
+  EXPECT_EQ(explanation.path(0).force(0), -1.5);
+  EXPECT_EQ(explanation.path(1).point().i(), 0);
+  EXPECT_THAT(explanation.text(),
+              testing::AllOf(testing::HasSubstr("expandable"), testing::HasSubstr("-1.5")));
+}
+
+TEST_F(ExplanationTest, NamesEveryAttemptOfAFailedPoint) {
+  const wire::Explanation explanation = explain(space, lattice, lattice.point(2));
+  EXPECT_EQ(explanation.path_size(), 0);
+  EXPECT_EQ(explanation.cause(), "wrong_inertia");
+  ASSERT_EQ(explanation.attempts_size(), 1);
+  EXPECT_THAT(explanation.text(), testing::HasSubstr("from (0, 0, 0): wrong_inertia at 25.0 %"));
+  EXPECT_THAT(toJson(explanation), testing::HasSubstr("\"step_reached\":0.25"));
+}
+
+TEST_F(ExplanationTest, SaysThatAPointWasNeverTried) {
+  EXPECT_THAT(explain(space, lattice, lattice.point(3)).text(),
+              testing::HasSubstr("no transition to it was tried"));
+}
+
+TEST_F(ExplanationTest, EndsOnACircleOfParents) {
+  space.points[1].parent = 3;
+  space.points[3].parent = 1;
+  EXPECT_LE(explain(space, lattice, lattice.point(1)).path_size(), 7);
+}
+
+TEST_F(ExplanationTest, NamesTheBoundsOfTheLattice) {
+  test::expectBadInput(
+      [&] {
+        explain(space, lattice, {1, 1, 0});
+      },
+      {"(1, 1, 0)", "not in the lattice", "<= 1"});
+}
+
+TEST(Status, SurvivesJson) {
+  wire::Status status;
+  status.set_scene("a \"quoted\"\nname");
+  status.set_eta_seconds(12.5);
+  (*status.mutable_failed_attempts())["step_budget"] = 3;
+  const wire::Status back = statusFromJson(toJson(status));
+  EXPECT_EQ(back.scene(), status.scene());
+  EXPECT_EQ(back.eta_seconds(), 12.5);
+  EXPECT_EQ(back.failed_attempts().at("step_budget"), 3);
+  test::expectError(ExitCode::failed, [] { statusFromJson("<html>"); }, {"not a status"});
+}
+
+TEST(Status, WritesDurationsForPeople) {
+  EXPECT_EQ(durationText(7.4), "7 s");
+  EXPECT_EQ(durationText(720), "12 min");
+  EXPECT_EQ(durationText(12000), "3 h 20 min");
+}
+
+}  // namespace
+}  // namespace palpate

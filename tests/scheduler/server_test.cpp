@@ -1,0 +1,163 @@
+#include "scheduler/server.hpp"
+
+#include <gtest/gtest.h>
+
+#include "scheduler/build.hpp"
+#include "scheduler/status.hpp"
+#include "tests/scheduler/build_world.hpp"
+#include "tests/support/expect_error.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+using wire::Message;
+
+struct ServerTest : testing::Test {
+  test::TemporaryDirectory directory;
+  const Problem problem = test::cubeProblem();
+  zmq::context_t context;
+  Build build{problem, directory / "state"};
+  Server server{context, "tcp://127.0.0.1:*"};
+
+  zmq::socket_t connect() {
+    zmq::socket_t socket = makeDealer(context);
+    socket.set(zmq::sockopt::immediate, false);
+    socket.connect(server.endpoint());
+    return socket;
+  }
+  void send(zmq::socket_t& socket, const Message& message, const std::string& payload = "") {
+    ASSERT_EQ(sendMessage(socket, "", message, payload), Sent::yes);
+  }
+  void sendRaw(zmq::socket_t& socket, const std::vector<std::string>& frames) {
+    for (std::size_t n = 0; n < frames.size(); ++n)
+      ASSERT_TRUE(socket.send(zmq::buffer(frames[n]),
+                              n + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none));
+  }
+  /// Turns the server until a message of this kind is there; others are dropped.
+  Incoming expect(zmq::socket_t& socket, Message::BodyCase kind) {
+    for (int turns = 0; turns < 500; ++turns) {
+      server.turn(build.coordinator(), 10ms);
+      while (auto incoming = receiveMessage(socket, false))
+        if (incoming->message.body_case() == kind) return *incoming;
+    }
+    ADD_FAILURE() << "no message of kind " << kind;
+    return {};
+  }
+  void request(zmq::socket_t& socket, std::uint32_t credit) {
+    Message message;
+    message.mutable_request()->set_credit(credit);
+    send(socket, message);
+  }
+  void join(zmq::socket_t& socket, const std::string& id) {
+    send(socket, test::helloOf(id));
+    expect(socket, Message::kWelcome);
+  }
+  void deliver(zmq::socket_t& socket, const wire::Job& job) {
+    for (const wire::Target& target : job.targets()) {
+      auto [result, payload] =
+          test::solve(problem, job.space(), fromWire(target.point()), fromWire(job.start()));
+      Message message;
+      *message.mutable_result() = result;
+      send(socket, message, payload);
+    }
+  }
+  std::int64_t counter(const std::string& name) {
+    const wire::Status status = build.coordinator().status(std::chrono::steady_clock::now());
+    const auto found = status.counters().find(name);
+    return found == status.counters().end() ? 0 : found->second;
+  }
+};
+
+TEST_F(ServerTest, CarriesAWorkerFromHelloToTheEnd) {
+  zmq::socket_t worker = connect();
+  join(worker, "w");
+  Message ask;
+  ask.mutable_problem_request();
+  send(worker, ask);
+  EXPECT_EQ(problemId(decodeProblem(expect(worker, Message::kProblemReply).payload)), problemId(problem));
+  request(worker, 1);
+  for (int jobs = 0; !build.coordinator().complete(); ++jobs) {
+    ASSERT_LT(jobs, 1000);
+    deliver(worker, expect(worker, Message::kJob).message.job());
+    request(worker, 1);
+    for (int turns = 0; turns < 3; ++turns) server.turn(build.coordinator(), 5ms);
+  }
+  EXPECT_TRUE(expect(worker, Message::kDrain).message.drain().finished());
+}
+
+TEST_F(ServerTest, StillServesAfterGarbage) {
+  zmq::socket_t hostile = connect();
+  sendRaw(hostile, {""});
+  sendRaw(hostile, {"\xff\xff\xff garbage"});
+  sendRaw(hostile, {"", "", ""});
+  sendRaw(hostile, {std::string(100000, '\x08'), std::string(70000, 'x')});
+  Message result_without_hello;
+  result_without_hello.mutable_result()->set_space(4000000000u);
+  send(hostile, result_without_hello);
+  expect(hostile, Message::kHeartbeatReply);
+  EXPECT_EQ(counter("bad_messages"), 4);
+  zmq::socket_t worker = connect();
+  join(worker, "w");
+  request(worker, 1);
+  expect(worker, Message::kJob);
+}
+
+TEST_F(ServerTest, RefusesAWorkerOfAnotherVersion) {
+  zmq::socket_t worker = connect();
+  Message hello = test::helloOf("w");
+  hello.mutable_hello()->set_version("9.9.9");
+  send(worker, hello);
+  EXPECT_NE(expect(worker, Message::kRefused).message.refused().reason().find("9.9.9"), std::string::npos);
+}
+
+TEST_F(ServerTest, AcknowledgesAResultAsOftenAsItIsSent) {
+  zmq::socket_t worker = connect();
+  join(worker, "w");
+  request(worker, 1);
+  const wire::Job job = expect(worker, Message::kJob).message.job();
+  for (int n = 0; n < 3; ++n) {
+    deliver(worker, job);
+    EXPECT_EQ(expect(worker, Message::kResultAck).message.result_ack().space(), job.space());
+  }
+  EXPECT_EQ(counter("duplicate_results"), 2);
+  EXPECT_EQ(build.coordinator().recorded(), 1);
+}
+
+TEST_F(ServerTest, HandsTheWorkOfAWorkerThatIsGoneToAnother) {
+  zmq::socket_t first = connect();
+  join(first, "first");
+  request(first, 2);
+  const wire::Job lost = expect(first, Message::kJob).message.job();
+  first.close();
+  zmq::socket_t second = connect();
+  join(second, "second");
+  build.coordinator().workerProcessEnded(1, std::chrono::steady_clock::now());
+  request(second, 2);
+  const wire::Job again = expect(second, Message::kJob).message.job();
+  EXPECT_EQ(again.targets(0).attempt(), lost.targets(0).attempt() + 1);
+}
+
+TEST_F(ServerTest, AnswersPeopleBesideWorkers) {
+  zmq::socket_t person = connect();
+  Message ask;
+  ask.mutable_status_request();
+  send(person, ask);
+  const wire::Status status =
+      statusFromJson(expect(person, Message::kStatusReply).message.status_reply().json());
+  EXPECT_EQ(status.scene(), "cube");
+  EXPECT_EQ(status.spaces_size(), 2);
+  Message stop;
+  stop.mutable_stop_request();
+  send(person, stop);
+  EXPECT_TRUE(expect(person, Message::kStopReply).message.stop_reply().stopping());
+  EXPECT_TRUE(build.coordinator().stopping());
+}
+
+TEST_F(ServerTest, SaysThatAPortIsInUse) {
+  test::expectError(ExitCode::failed, [&] { Server(context, server.endpoint()); },
+                    {server.endpoint(), "in use"});
+}
+
+}  // namespace
+}  // namespace palpate

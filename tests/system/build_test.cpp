@@ -1,0 +1,199 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/support/meshes.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "tests/system/process.hpp"
+
+/// The real programs, from a scene to a sealed dataset, with kills.
+namespace palpate {
+namespace {
+
+using test::Process;
+using testing::HasSubstr;
+
+struct SystemTest : testing::Test {
+  test::TemporaryDirectory directory;
+
+  SystemTest() { writeScene(directory.path(), 1300); }
+
+  /// A cube with two active nodes and 257 lattice points around each. Tool forces grow beyond max_force on
+  /// one side.
+  static void writeScene(const std::filesystem::path& where, double c10) {
+    test::writeGmsh22(test::cubeMesh(0.1, 3), where / "cube.msh");
+    std::ofstream(where / "cube.toml")
+        << "name = \"cube\"\nmesh = \"cube.msh\"\n"
+        << "[material]\nlaw = \"mooney-rivlin\"\nc10 = " << c10 << "\nc01 = 1280.0\n"
+        << "[fixed]\nbelow = { axis = \"x\", fraction = 0.15 }\n"
+        << "[[active]]\nname = \"tip\"\nnear = [0.1, 0.0667, 0.0667]\n"
+        << "[[active]]\nname = \"corner\"\nnear = [0.1, 0.1, 0.1]\n"
+        << "[workspace]\nradius = 0.04\nspacing = 0.01\nmax_force = 2.0\n";
+  }
+
+  std::unique_ptr<Process> start(const std::string& program, std::vector<std::string> arguments) {
+    return std::make_unique<Process>(program, std::move(arguments), directory.path());
+  }
+  std::unique_ptr<Process> startBuild(const std::string& out, const std::string& workers) {
+    return start("palpate-scheduler", {"build", "cube.toml", "-o", out, "-j", workers});
+  }
+  /// Exit codes of a finished build: some points may have failed.
+  static void expectFinished(Process& process) {
+    const int code = process.wait();
+    EXPECT_TRUE(code == 0 || code == 3) << code << "\n" << process.output();
+  }
+  std::string undisturbed() {
+    auto build = startBuild("undisturbed.h5", "1");
+    expectFinished(*build);
+    return test::contentOf(directory / "undisturbed.h5");
+  }
+  std::uintmax_t journaled(const std::string& state) const {
+    std::error_code none_yet;
+    const auto size = std::filesystem::file_size(directory / state / "segment-000001.dat", none_yet);
+    return none_yet ? 0 : size;
+  }
+  /// Waits until the journal grew by `bytes`, or the process ended. False in that case.
+  bool journalGrows(Process& process, const std::string& state, std::uintmax_t bytes) const {
+    const std::uintmax_t goal = journaled(state) + bytes;
+    EXPECT_TRUE(test::eventually([&] { return !process.running() || journaled(state) >= goal; }));
+    return process.running();
+  }
+  std::string endpointIn(const std::string& state) const {
+    EXPECT_TRUE(test::eventually([&] { return !test::contentOf(directory / state / "endpoint").empty(); }));
+    std::string endpoint = test::contentOf(directory / state / "endpoint");
+    endpoint.pop_back();
+    return endpoint;
+  }
+};
+
+TEST_F(SystemTest, OneWorkerAndThreeMakeTheSameFile) {
+  auto build = startBuild("three.h5", "3");
+  expectFinished(*build);
+  EXPECT_THAT(build->output(),
+              testing::AllOf(HasSubstr("tip"), HasSubstr("corner"), HasSubstr("sealed after")));
+  EXPECT_EQ(test::contentOf(directory / "three.h5"), undisturbed());
+}
+
+TEST_F(SystemTest, KillsOfSchedulersAndWorkersLeaveNoTrace) {
+  int killed_schedulers = 0, killed_workers = 0;
+  for (int round = 0;; ++round) {
+    ASSERT_LT(round, 200);
+    auto build = startBuild("killed.h5", "2");
+    if (!journalGrows(*build, "killed.h5.state", 25000)) {
+      expectFinished(*build);
+      break;
+    }
+    if (round % 2 == 0) {
+      for (const pid_t worker : build->children()) killed_workers += kill(worker, SIGKILL) == 0;
+      if (!journalGrows(*build, "killed.h5.state", 25000)) {
+        expectFinished(*build);
+        break;
+      }
+    }
+    build->stop(SIGKILL);
+    ++killed_schedulers;
+  }
+  EXPECT_GE(killed_schedulers, 3);
+  EXPECT_GE(killed_workers, 3);
+  EXPECT_EQ(test::contentOf(directory / "killed.h5"), undisturbed());
+}
+
+TEST_F(SystemTest, WorkersOverTcpMakeTheSameFileAndLeaveWhenItIsDone) {
+  auto scheduler = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
+                                               "--state", "served", "-o", "served.h5"});
+  const std::string endpoint = endpointIn("served");
+  auto first = start("palpate-worker", {"work", "--connect", endpoint, "-j", "1"});
+  auto second = start("palpate-worker", {"work", "--connect", endpoint, "-j", "1"});
+  expectFinished(*scheduler);
+  EXPECT_EQ(first->wait(), 0) << first->output();
+  EXPECT_EQ(second->wait(), 0) << second->output();
+  EXPECT_EQ(test::contentOf(directory / "served.h5"), undisturbed());
+}
+
+TEST_F(SystemTest, WorkersOutliveTheirScheduler) {
+  const auto serve = [&] {
+    std::filesystem::remove(directory / "served" / "endpoint");
+    return start("palpate-scheduler", {"serve", "cube.toml", "--listen", "ipc://scheduler.ipc", "--state",
+                                       "served", "-o", "served.h5"});
+  };
+  auto scheduler = serve();
+  endpointIn("served");
+  auto worker = start("palpate-worker", {"work", "--connect", "ipc://scheduler.ipc", "-j", "1"});
+  ASSERT_TRUE(journalGrows(*scheduler, "served", 50000));
+  scheduler->stop(SIGKILL);
+  scheduler = serve();
+  expectFinished(*scheduler);
+  EXPECT_EQ(worker->wait(), 0) << worker->output();
+  EXPECT_EQ(test::contentOf(directory / "served.h5"), undisturbed());
+}
+
+TEST_F(SystemTest, AnInterruptedBuildGoesOn) {
+  auto build = startBuild("out.h5", "2");
+  ASSERT_TRUE(journalGrows(*build, "out.h5.state", 25000));
+  EXPECT_EQ(build->stop(SIGINT), 130) << build->output();
+  EXPECT_THAT(build->output(), HasSubstr("goes on from there"));
+  EXPECT_FALSE(std::filesystem::exists(directory / "out.h5"));
+  auto again = startBuild("out.h5", "2");
+  expectFinished(*again);
+  EXPECT_THAT(again->output(), HasSubstr("going on:"));
+  auto third = startBuild("out.h5", "2");
+  expectFinished(*third);
+  EXPECT_THAT(third->output(), HasSubstr("nothing to do"));
+}
+
+TEST_F(SystemTest, StatusAndStopFindTheSchedulerThroughItsDirectory) {
+  auto build = startBuild("out.h5", "1");
+  ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));
+  auto status = start("palpate-scheduler", {"status", "out.h5.state", "--json"});
+  EXPECT_EQ(status->wait(), 0) << status->output();
+  EXPECT_THAT(status->output(),
+              testing::AllOf(HasSubstr("\"name\":\"corner\""), HasSubstr("\"workers\":[{")));
+  auto stop = start("palpate-scheduler", {"stop", "out.h5.state"});
+  EXPECT_EQ(stop->wait(), 0) << stop->output();
+  EXPECT_EQ(build->wait(), 130);
+  auto later = start("palpate-scheduler", {"status", "out.h5.state"});
+  EXPECT_EQ(later->wait(), 0);
+  EXPECT_THAT(later->output(), HasSubstr("stopped"));
+  auto explain = start("palpate-scheduler", {"explain", "out.h5.state", "--active", "tip", "0", "0", "0"});
+  EXPECT_EQ(explain->wait(), 0) << explain->output();
+  EXPECT_THAT(explain->output(), HasSubstr("expandable"));
+}
+
+TEST_F(SystemTest, ASecondSchedulerAndAnotherSceneAreToldWhatIsWrong) {
+  auto serve =
+      start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
+  const std::string endpoint = endpointIn("state");
+  auto second =
+      start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
+  EXPECT_EQ(second->wait(), 1);
+  EXPECT_THAT(second->output(), HasSubstr("in use by process " + std::to_string(serve->pid())));
+  auto same_port =
+      start("palpate-scheduler", {"serve", "cube.toml", "--listen", endpoint, "--state", "elsewhere"});
+  EXPECT_EQ(same_port->wait(), 1);
+  EXPECT_THAT(same_port->output(), HasSubstr(endpoint + " is in use"));
+  serve->stop(SIGKILL);
+  writeScene(directory.path(), 2000);
+  auto other =
+      start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
+  EXPECT_EQ(other->wait(), 2);
+  EXPECT_THAT(other->output(), HasSubstr("another --state"));
+}
+
+TEST_F(SystemTest, ListeningBeyondThisMachineNeedsAWord) {
+  auto serve =
+      start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://0.0.0.0:*", "--state", "state"});
+  EXPECT_EQ(serve->wait(), 2);
+  EXPECT_THAT(serve->output(), HasSubstr("--insecure"));
+}
+
+TEST_F(SystemTest, RefusesToReplaceAFileThatIsNoDatasetOfThisScene) {
+  std::ofstream(directory / "out.h5") << "precious";
+  auto build = startBuild("out.h5", "1");
+  EXPECT_EQ(build->wait(), 2);
+  EXPECT_THAT(build->output(), HasSubstr("--force"));
+  EXPECT_EQ(test::contentOf(directory / "out.h5"), "precious");
+}
+
+}  // namespace
+}  // namespace palpate
