@@ -11,30 +11,18 @@
 #include <utility>
 #include <vector>
 
-#include "common/gmsh_reader.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/problems.hpp"
 #include "tests/support/reference_data.hpp"
+#include "tests/support/reference_liver.hpp"
 #include "worker/transition.hpp"
 
 namespace palpate {
 namespace {
 
+using test::liverProblem;
 using test::mooneyRivlinScene;
 using test::youngScene;
-
-/// The tip of the left lobe of liver-493, metres.
-const Eigen::Vector3d tip(0.0582, 0.1344, 0.0025);
-
-/// The scene that getfem_reference.py solves by default: fixed below x = 15 %, one active node.
-Problem liver(Scene scene, const std::filesystem::path& mesh) {
-  scene.fixed.half_spaces = {{0, true, 0.15, std::nullopt}};
-  ActiveSelection active;
-  active.name = "tip";
-  active.near = tip;
-  scene.active = {active};
-  return resolve(std::move(scene), readGmsh(mesh));
-}
 
 struct GetfemCase {
   std::string name, law;  ///< law: GetFEM's side, an argument of getfem_reference.py
@@ -75,6 +63,7 @@ struct GetfemStep {
 
 std::vector<GetfemStep> runGetfem(const GetfemCase& c, const std::filesystem::path& program,
                                   const std::filesystem::path& mesh) {
+  const Eigen::Vector3d& tip = test::liver_tip;
   const auto run = test::runCommand(fmt::format(
       "/usr/bin/python3 '{}' '{}' --law {} --fixed-below x 0.15 --active {} {} {} --to {} {} {} --steps 3",
       program.string(), mesh.string(), c.law, tip[0], tip[1], tip[2], c.target[0], c.target[1], c.target[2]));
@@ -99,7 +88,7 @@ TEST_P(Getfem, FindsTheSameForces) {
   PALPATE_REFERENCE_FILE(program, "oracle/getfem_reference.py");
   Scene scene = GetParam().scene;
   scene.discretization.constraint = Constraint::det_F_minus_1;
-  const Problem problem = liver(scene, mesh);
+  const Problem problem = liverProblem(scene, mesh);
   TransitionSolver solver(problem, chooseKernels());
   Failure failure;
   const auto rest = solver.startAtRest(failure);
@@ -128,7 +117,7 @@ class Liver : public ::testing::Test {
   Outcome pulled(const Discretization& discretization, double metres) {
     Scene scene = mooneyRivlinScene();
     scene.discretization = discretization;
-    const Problem problem = liver(scene, test::referenceData("meshes/liver-493.msh"));
+    const Problem problem = liverProblem(scene, test::referenceData("meshes/liver-493.msh"));
     TransitionSolver solver(problem, chooseKernels());
     Failure failure;
     const auto rest = solver.startAtRest(failure);
