@@ -6,7 +6,9 @@
 
 #include <atomic>
 #include <cctype>
+#include <cerrno>
 #include <csignal>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -65,8 +67,9 @@ void catchInterrupts() {
   struct sigaction action {};
   action.sa_handler = onInterrupt;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : {SIGINT, SIGTERM})
+    if (sigaction(signal, &action, nullptr) != 0)
+      throw failure("signal {} cannot be caught: {}", signal, std::strerror(errno));
 }
 
 int runProgram(int argc, char** argv, const char* description, std::span<const Verb> verbs) {

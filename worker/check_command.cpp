@@ -126,7 +126,7 @@ void printMesh(const Report& report) {
   const MeshQuality& quality = report.quality;
   fmt::print("mesh       {}: {} nodes, {} tetrahedra, {} surface triangles with {} nodes, {} piece(s)\n",
              report.problem.scene.mesh.filename().string(), mesh.nodes.size(), mesh.tetrahedra.size(),
-             mesh.surface.size(), surfaceNodes(mesh).size(), quality.components);
+             mesh.surface.size(), surfaceNodes(mesh).size(), quality.pieces);
   fmt::print("           from {} to {} m, {:.4g} litres\n", text(quality.lowest), text(quality.highest),
              1000 * quality.volume);
   fmt::print(
@@ -196,7 +196,7 @@ nlohmann::ordered_json meshJson(const Report& report) {
       {"tetrahedra", mesh.tetrahedra.size()},
       {"surface_triangles", mesh.surface.size()},
       {"surface_nodes", surfaceNodes(mesh).size()},
-      {"pieces", quality.components},
+      {"pieces", quality.pieces},
       {"groups", groups},
       {"dropped_nodes", mesh.dropped_nodes},
       {"reoriented_tetrahedra", mesh.reoriented_tetrahedra},
