@@ -81,7 +81,7 @@ TEST_F(QueryCommand, AnswersOneLinePerLine) {
   std::vector<std::string> answers;
   for (std::string line; std::getline(lines, line);) answers.push_back(line);
   ASSERT_EQ(answers.size(), 3u);
-  EXPECT_THAT(answers[1], StartsWith("{\"displacement\":[0.001,0,0.001],\"force\":["));
+  EXPECT_THAT(answers[1], StartsWith("{\"displacement\":[0.001,0.0,0.001],\"force\":["));
   EXPECT_THAT(answers[2], StartsWith("{\"displacement\":[0.002,-0.001,-0.001],\"force\":["));
 }
 
