@@ -39,9 +39,9 @@ std::string describeJson(const Eigen::Vector3d& displacement, const ForceSample&
 /// Why a displacement is not covered, for a person.
 std::string describeOutside(const Lattice& lattice, const SpaceTable& space,
                             const Eigen::Vector3d& displacement) {
-  if (displacement.norm() > lattice.radius())
+  if (displacement.stableNorm() > lattice.radius())
     return fmt::format("|displacement| = {:.6g} m is beyond the workspace radius {:.6g} m",
-                       displacement.norm(), lattice.radius());
+                       displacement.stableNorm(), lattice.radius());
   int beyond = 0;
   std::string unsolved;
   for (int c = 0; c < 8; ++c) {
@@ -136,23 +136,27 @@ ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& o
 }
 
 Verb queryVerb() {
-  return {
-      "query", "Interpolated force and stiffness at displacements of an active node", [](CLI::App& app) {
-        auto options = std::make_shared<QueryOptions>();
-        app.add_option("dataset", options->dataset, "Sealed dataset, OUT.h5")->required()->type_name("FILE");
-        app.add_option("--active", options->active, "Active node; not needed when there is only one")
-            ->type_name("NAME");
-        addDisplacementOption(app, options->displacement);
-        app.add_option("--method", options->method,
-                       fmt::format("Interpolation: {}", fmt::join(forceFieldMethods(), " or ")))
-            ->capture_default_str();
-        app.add_flag("--json", options->json, "One JSON object per line");
-        app.footer(
-            "Exit code 3: some displacement lies outside of the covered region (outside the workspace ball, "
-            "or next to a\n"
-            "lattice point that was not solved). It is answered all the same, marked \"inside\": false.");
-        return std::function<ExitCode()>([options] { return query(*options, std::cin, std::cout); });
-      }};
+  return {"query", "Interpolated force and stiffness at displacements of an active node", [](CLI::App& app) {
+            auto options = std::make_shared<QueryOptions>();
+            app.add_option("DATASET", options->dataset, "Sealed dataset, OUT.h5, as palpate build makes it")
+                ->required()
+                ->type_name("FILE");
+            app.add_option("--active", options->active, "Active node; not needed when there is only one")
+                ->type_name("NAME");
+            addDisplacementOption(app, options->displacement);
+            app.add_option("--method", options->method,
+                           fmt::format("Interpolation: {}", fmt::join(forceFieldMethods(), " or ")))
+                ->capture_default_str();
+            app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
+            app.footer(
+                "Prints the force on the tool in N and the stiffness d force / d displacement in N/m.\n"
+                "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 some displacement lies outside of the "
+                "covered region "
+                "(outside\nthe workspace ball, or next to a lattice point that was not solved; it is "
+                "answered all "
+                "the same, and marked), 130 interrupted.");
+            return std::function<ExitCode()>([options] { return query(*options, std::cin, std::cout); });
+          }};
 }
 
 }  // namespace palpate
