@@ -59,7 +59,7 @@ class Bench {
     *result.mutable_parent() = job.start();
     result.set_job(job.id());
     result.set_attempt(target.attempt());
-    result.set_kernel_family(solver_.system().kernels().family);
+    result.set_kernel_family(arithmetic(solver_.system().kernels()));
   }
 
   std::shared_ptr<const Problem> problem_;

@@ -131,12 +131,13 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
       from = &reached.end;
       at = next;
       if (newton.iterations <= options_.easy_iterations) step *= 2;
-      continue;
+      failure = failureOf(Cause::step_budget, newton);
+    } else {
+      step = (next - at) / 2;
     }
-    step = (next - at) / 2;
     const bool too_small = step < options_.smallest_step;
     const bool too_costly = outcome.cost.factorizations >= options_.max_factorizations;
-    if (too_small || too_costly) {
+    if (at < 1 && (too_small || too_costly)) {
       outcome.failure = failure;
       outcome.failure.step_reached = at;
       if (!too_small) outcome.failure.cause = Cause::step_budget;
