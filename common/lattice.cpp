@@ -55,7 +55,7 @@ std::int64_t squaredNorm(const LatticePoint& p) {
   return std::int64_t{p[0]} * p[0] + std::int64_t{p[1]} * p[1] + std::int64_t{p[2]} * p[2];
 }
 
-Lattice::Lattice(double radius, double spacing) : radius_(radius) {
+void Lattice::check(double radius, double spacing) {
   const double ratio = ratioOf(radius, spacing);
   const double expected = 4.0 / 3.0 * M_PI * ratio * ratio * ratio;
   if (expected > max_points)
@@ -63,6 +63,11 @@ Lattice::Lattice(double radius, double spacing) : radius_(radius) {
         "workspace.radius / workspace.spacing = {:.4g} makes about {:.3g} lattice points, more than {:.0e}: "
         "choose a larger spacing",
         ratio, expected, max_points);
+}
+
+Lattice::Lattice(double radius, double spacing) : radius_(radius) {
+  check(radius, spacing);
+  const double ratio = ratioOf(radius, spacing);
   spacing_ = radius / ratio;
   extent_ = static_cast<std::int32_t>(std::floor(ratio));
   const auto limit = static_cast<std::int64_t>(std::floor(ratio * ratio * (1 + 1e-12)));

@@ -25,9 +25,12 @@ std::int64_t squaredNorm(const LatticePoint& point);
 /// of the dataset. Immutable after construction: any thread may read.
 class Lattice {
  public:
-  /// radius and spacing in metres, both > 0 and radius >= spacing, else Error (bad input). Also refuses more
-  /// than about 10 million points, naming the numbers. Those take about 0.2 GB and a second.
+  /// radius and spacing in metres, as check() demands them. 10 million points take about 0.2 GB and a second.
   Lattice(double radius, double spacing);
+
+  /// Error (bad input) unless both are > 0, radius >= spacing, and the lattice has no more than 10 million
+  /// points. Costs nothing.
+  static void check(double radius, double spacing);
 
   double radius() const { return radius_; }    ///< metres
   double spacing() const { return spacing_; }  ///< metres, after the rounding above

@@ -14,6 +14,7 @@
 
 #include "common/error.hpp"
 #include "common/gmsh_reader.hpp"
+#include "common/lattice.hpp"
 #include "common/nearest_word.hpp"
 #include "proto/palpate.pb.h"
 
@@ -261,6 +262,7 @@ void check(const Problem& problem) {
     checkPatch(problem, problem.active[i], surface);
   }
   refuseLoosePieces(problem);
+  Lattice::check(problem.scene.workspace.radius, problem.scene.workspace.spacing);
   const double radius = problem.scene.workspace.radius,
                diagonal = boundingBox(problem.mesh).diagonal().norm();
   if (radius > 3 * diagonal)

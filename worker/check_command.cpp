@@ -257,7 +257,9 @@ ExitCode check(const CheckOptions& options) {
 
 std::function<ExitCode()> prepare(CLI::App& app) {
   auto options = std::make_shared<CheckOptions>();
-  app.add_option("SCENE", options->scene, "The scene, a TOML file (docs/scene.md)")->required();
+  app.add_option("SCENE", options->scene, "The scene, a TOML file (docs/scene.md)")
+      ->required()
+      ->type_name("FILE");
   app.add_flag("--json", options->json, "One JSON object, lengths in metres");
   return [options] { return check(*options); };
 }

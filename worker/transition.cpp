@@ -84,9 +84,10 @@ bool TransitionSolver::accept(NewtonResult& newton, const Eigen::Vector3d& displ
     return false;
   }
   Equilibrium equilibrium;
-  equilibrium.force = -newton.residual.tool;
+  // Subtracted from zero, so that a zero is plain 0 and not -0.
+  equilibrium.force = Eigen::Vector3d::Zero() - newton.residual.tool;
   const Eigen::Matrix3d K = newton.tangent.tool + newton.tangent.tool_coupling.transpose() * sensitivity;
-  equilibrium.stiffness = -0.5 * (K + K.transpose());
+  equilibrium.stiffness = Eigen::Matrix3d::Zero() - 0.5 * (K + K.transpose());
   equilibrium.energy = newton.residual.energy;
   equilibrium.min_det_F = newton.residual.min_det_F;
   if (!equilibrium.stiffness.allFinite() || !equilibrium.force.allFinite() ||

@@ -196,6 +196,18 @@ TEST_F(TransitionTest, AConvergedStateWithAnInvertedElementIsRefusedUnlessTheSce
   EXPECT_LT(allowed.equilibrium.min_det_F, 0);
 }
 
+TEST_F(TransitionTest, AForceOfZeroHasNoSign) {
+  clamp(test::clampedProblem(youngScene(LawName::linear), test::blobMesh(), blob_tip));
+  const Eigen::Vector3d force = equilibriumAt(Eigen::Vector3d::Zero()).force;
+  EXPECT_EQ(force, Eigen::Vector3d::Zero());
+  for (const double component : force) EXPECT_FALSE(std::signbit(component));
+}
+
+TEST_F(TransitionTest, ADisplacementThatOverflowsIsNotFiniteAndInvertsNothing) {
+  clamp(mooneyRivlinScene());
+  EXPECT_EQ(reach({1e300, 0, 0}).failure.cause, Cause::not_finite);
+}
+
 TEST_F(TransitionTest, AStarvedNewtonNamesWhatItRanOutOf) {
   TransitionOptions options;
   options.newton.max_iterations = 1;
