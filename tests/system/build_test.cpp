@@ -67,6 +67,25 @@ struct SystemTest : testing::Test {
   }
 };
 
+TEST_F(SystemTest, RefusesAFolderThatIsNotThereBeforeAnythingIsComputed) {
+  auto build = start("palpate-scheduler",
+                     {"build", "cube.toml", "-o", "nowhere2/out.h5", "--state", "elsewhere/s", "-j", "1"});
+  EXPECT_EQ(build->wait(), 1);
+  EXPECT_THAT(build->output(), HasSubstr("nothing can be written into nowhere2"));
+  EXPECT_EQ(journaled("elsewhere/s"), 0u);
+}
+
+TEST_F(SystemTest, DoesNotTakeADamagedDatasetForFinishedWork) {
+  const std::string whole = undisturbed();
+  std::string damaged = whole;
+  damaged[damaged.size() / 2] ^= 1;
+  std::ofstream(directory / "damaged.h5", std::ios::binary) << damaged;
+  auto build = startBuild("damaged.h5", "1");
+  EXPECT_EQ(build->wait(), 2);
+  EXPECT_THAT(build->output(), HasSubstr("not a usable dataset"));
+  EXPECT_EQ(test::contentOf(directory / "damaged.h5"), damaged);
+}
+
 TEST_F(SystemTest, OneWorkerAndThreeMakeTheSameFile) {
   auto build = startBuild("three.h5", "3");
   expectFinished(*build);
