@@ -117,6 +117,7 @@ std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
     return std::tie(a.step, a.norm, a.point) < std::tie(b.step, b.norm, b.point);
   });
   std::vector<std::int32_t> neighbours;
+  neighbours.reserve(candidates.size());
   for (const Candidate& candidate : candidates) neighbours.push_back(candidate.index);
   return neighbours;
 }

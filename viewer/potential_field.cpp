@@ -9,7 +9,9 @@ using Derivatives = PotentialField::Derivatives;
 using Orders = std::array<int, 3>;  ///< a, b, c of a derivative
 
 std::size_t at(const Orders& orders) {
-  return static_cast<std::size_t>(orders[0] + 3 * orders[1] + 9 * orders[2]);
+  std::size_t index = 0;
+  for (std::size_t axis = 3; axis-- > 0;) index = 3 * index + static_cast<std::size_t>(orders[axis]);
+  return index;
 }
 
 Orders plus(Orders orders, int axis, int times = 1) {
