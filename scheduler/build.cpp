@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <utility>
 
 #include "scheduler/replay.hpp"
 
@@ -15,7 +16,6 @@ Build::Build(Problem problem, const std::filesystem::path& state, CoordinatorSet
       directory_(state),
       store_(directory_, problem_, problem_bytes_, lattice_),
       journal_(directory_.path(), store_.committed()),
-      found_(store_.results().size()),
       coordinator_(problem_, problem_bytes_, lattice_, store_, journal_, std::chrono::steady_clock::now(),
                    settings) {}
 
@@ -67,8 +67,9 @@ std::string summaryOf(const std::vector<SpaceTable>& spaces) {
         count[static_cast<std::size_t>(Tag::failed)], count[static_cast<std::size_t>(Tag::unknown)]);
   }
   if (!causes.empty()) {
-    text += "failed:";
-    for (const auto& [cause, count] : causes) text += fmt::format(" {} {}", count, cause);
+    const char* before = "failed: ";
+    for (const auto& [cause, count] : causes)
+      text += fmt::format("{}{} {}", std::exchange(before, ", "), count, cause);
     text += '\n';
   }
   return text;
@@ -76,8 +77,9 @@ std::string summaryOf(const std::vector<SpaceTable>& spaces) {
 
 ExitCode exitCodeOf(const std::vector<SpaceTable>& spaces) {
   const bool failed = std::any_of(spaces.begin(), spaces.end(), [](const SpaceTable& space) {
-    return std::any_of(space.points.begin(), space.points.end(),
-                       [](const PointRecord& p) { return p.tag == Tag::failed; });
+    return std::any_of(space.points.begin(), space.points.end(), [](const PointRecord& p) {
+      return p.tag == Tag::failed && p.cause != Cause::unreachable;
+    });
   });
   return failed ? ExitCode::partly_failed : ExitCode::done;
 }
