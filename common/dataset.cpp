@@ -14,10 +14,6 @@ using hdf5::any_extent;
 using hdf5::Reader;
 using hdf5::Shape;
 
-bool isSolved(Tag tag) {
-  return tag == Tag::expandable || tag == Tag::terminating;
-}
-
 void refuseOtherFormats(const Reader& in, const std::string& file) {
   if (!in.hasAttribute("format") || !in.hasAttribute("format_version") || in.text("format") != layout::format)
     throw badInput("{}: is an HDF5 file, but not a Palpate dataset (no attribute format = \"{}\")", file,

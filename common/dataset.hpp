@@ -46,8 +46,13 @@ using FieldsSource = std::function<NodalFields(std::size_t space, std::int32_t p
 
 /// Writes a sealed dataset: aside as FILE.tmp, closed, re-opened and checked against the hashes, fsynced,
 /// renamed over FILE, directory fsynced. At any kill FILE is the old one, the new one or absent, never a
-/// part. The bytes are a function of the arguments alone (no time stamps). Layout: docs/dataset.md. Error on
-/// any HDF5 or system failure; FILE.tmp is then removed.
+/// part. The bytes are a function of the arguments alone (no time stamps). Layout: docs/dataset.md.
+///
+/// `lattice` is that of problem.scene.workspace, `spaces` has one table per problem.active, in that order and
+/// with those patches, each with one record per lattice point; else Error, and nothing is written. `fields`
+/// is asked for every solved point once, in order of space and point, and must give what its record names.
+/// Error on any HDF5 or system failure; FILE.tmp is then removed. One thread at a time (HDF5 is not
+/// thread-safe).
 void sealDataset(const std::filesystem::path& file, const Problem& problem, const Lattice& lattice,
                  const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
                  const FieldsSource& fields);

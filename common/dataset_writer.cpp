@@ -17,10 +17,6 @@ namespace {
 
 using hdf5::Shape;
 
-bool isSolved(const PointRecord& point) {
-  return point.tag == Tag::expandable || point.tag == Tag::terminating;
-}
-
 template <class T>
 std::span<const T> spanOf(const std::vector<T>& values) {
   return values;
@@ -70,7 +66,6 @@ class SealWriter {
   }
 
   void writeSpace(const SpaceTable& space, const std::function<NodalFields(std::int32_t)>& fields) {
-    checkSizes(space);
     out_.makeGroup("/spaces/" + space.patch.name);
     const std::vector<std::int32_t> active_node = {space.patch.node};
     writeColumn(space, "patch_nodes", space.patch.nodes, "1");
@@ -114,12 +109,6 @@ class SealWriter {
     out_.write(layout::inSpace(space.patch.name, array), {values.size()}, spanOf(values), unit);
   }
 
-  void checkSizes(const SpaceTable& space) const {
-    if (space.points.size() != static_cast<std::size_t>(lattice_.size()))
-      throw failure("{}: space {} has {} points, the lattice {}", file_, space.patch.name,
-                    space.points.size(), lattice_.size());
-  }
-
   void writeTags(const SpaceTable& space) {
     const auto& points = space.points;
     writeColumn(space, "tag", column<std::uint8_t>(points, [](const PointRecord& p) { return p.tag; }), "1");
@@ -142,7 +131,7 @@ class SealWriter {
     std::vector<double> force, stiffness, energy, min_det_F, residual;
     std::vector<std::uint8_t> ids;
     for (const PointRecord& point : space.points) {
-      const bool solved = isSolved(point);
+      const bool solved = isSolved(point.tag);
       const Equilibrium& e = point.equilibrium;
       for (int i = 0; i < 3; ++i) force.push_back(solved ? e.force[i] : none);
       for (int i = 0; i < 3; ++i)
@@ -199,7 +188,7 @@ class SealWriter {
     if (has_pressure)
       pressure.emplace(out_, layout::inSpace(space.patch.name, "pressure"), Shape{n_points, n_nodes}, "Pa");
     for (std::int32_t n = 0; n < lattice_.size(); ++n) {
-      if (!isSolved(space.points[n])) {
+      if (!isSolved(space.points[n].tag)) {
         displacement.skip();
         if (pressure) pressure->skip();
         continue;
@@ -220,6 +209,28 @@ class SealWriter {
   const Lattice& lattice_;
   hdf5::Writer out_;
 };
+
+void checkArguments(const std::string& file, const Problem& problem, const Lattice& lattice,
+                    const std::vector<SpaceTable>& spaces) {
+  const Workspace& workspace = problem.scene.workspace;
+  const Lattice expected(workspace.radius, workspace.spacing);
+  if (lattice.radius() != expected.radius() || lattice.spacing() != expected.spacing())
+    throw failure(
+        "{}: the lattice to seal (radius {} m, spacing {} m) is not that of the scene (radius {} m, spacing "
+        "{} m)",
+        file, lattice.radius(), lattice.spacing(), expected.radius(), expected.spacing());
+  if (spaces.size() != problem.active.size())
+    throw failure("{}: {} spaces to seal for {} active nodes", file, spaces.size(), problem.active.size());
+  for (std::size_t s = 0; s < spaces.size(); ++s) {
+    const ActivePatch &given = spaces[s].patch, &active = problem.active[s];
+    if (given.name != active.name || given.node != active.node || given.nodes != active.nodes)
+      throw failure("{}: space {} to seal is \"{}\", which is not active node \"{}\" of the problem", file, s,
+                    given.name, active.name);
+    if (spaces[s].points.size() != static_cast<std::size_t>(lattice.size()))
+      throw failure("{}: space \"{}\" has {} points, the lattice {}", file, given.name,
+                    spaces[s].points.size(), lattice.size());
+  }
+}
 
 ContentId writeDataset(const std::filesystem::path& file, const Problem& problem, const Lattice& lattice,
                        const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
@@ -253,8 +264,10 @@ void syncToDisk(const std::filesystem::path& path, int flags) {
 void sealDataset(const std::filesystem::path& file, const Problem& problem, const Lattice& lattice,
                  const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
                  const FieldsSource& fields) {
-  if (std::filesystem::is_directory(file))
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored))
     throw badInput("{}: is a directory; give the dataset a file name", file.string());
+  checkArguments(file.string(), problem, lattice, spaces);
   std::filesystem::path aside = file;
   aside += ".tmp";
   try {
@@ -263,11 +276,9 @@ void sealDataset(const std::filesystem::path& file, const Problem& problem, cons
     syncToDisk(aside, 0);
     std::filesystem::rename(aside, file);
   } catch (const std::filesystem::filesystem_error& error) {
-    std::error_code ignored;
     std::filesystem::remove(aside, ignored);
     throw failure("{}: {}", file.string(), error.code().message());
   } catch (...) {
-    std::error_code ignored;
     std::filesystem::remove(aside, ignored);
     throw;
   }

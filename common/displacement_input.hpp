@@ -13,8 +13,9 @@ namespace palpate {
 /// standard input, as `solve` and `query` take it. Negative numbers are numbers here, not options.
 CLI::Option* addDisplacementOption(CLI::App& app, std::vector<std::string>& words);
 
-/// Calls `visit` for the displacement in `words`, or for every line of `input`; empty lines and lines that
-/// start with # are passed over. Error (bad input) for what is not three finite numbers, naming the line.
+/// Calls `visit` for the displacement in `words`, or for every line of `input`, where blanks or commas stand
+/// between the numbers; empty lines and lines that start with # are passed over. Error (bad input) for what
+/// is not three finite numbers, naming the line.
 void forEachDisplacement(const std::vector<std::string>& words, std::istream& input,
                          const std::function<void(const Eigen::Vector3d&)>& visit);
 

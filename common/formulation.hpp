@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace palpate {
@@ -23,5 +24,13 @@ enum class Constraint : std::uint8_t { ln_det_F, det_F_minus_1 };
 std::string_view word(LawName law);
 std::string_view word(PressureSpace pressure);
 std::string_view word(Constraint constraint);
+
+/// All words, in the order of the enumerators.
+std::span<const std::string_view> lawWords();
+std::span<const std::string_view> pressureWords();
+std::span<const std::string_view> constraintWords();
+
+/// True for the laws that are used with det F = 1, which therefore need a pressure.
+bool isIncompressible(LawName law);
 
 }  // namespace palpate

@@ -1,10 +1,9 @@
 #include "common/gmsh_reader.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <set>
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 
 namespace palpate {
 namespace {
@@ -152,7 +152,7 @@ class Reader {
       throw badInput("{}: there is no $Nodes section: the file is truncated", lines_.source());
     if (!have_elements_)
       throw badInput("{}: there is no $Elements section: the file is truncated", lines_.source());
-    dropRepeatedTetrahedra();
+    if (!entity_blocks_) dropRepeatedTetrahedra();
     nameGroups();
     finishMesh(mesh_, lines_.source());
     return std::move(mesh_);
@@ -226,8 +226,9 @@ class Reader {
     return static_cast<std::size_t>(count);
   }
 
-  /// No more than the file can hold, whatever it announces (two characters per item at least).
-  std::size_t reserveFor(std::size_t announced) const { return std::min(announced, lines_.size() / 2); }
+  /// No more than the file can hold, whatever it announces: the shortest line of an item is "1 0 0 0" and its
+  /// end.
+  std::size_t reserveFor(std::size_t announced) const { return std::min(announced, lines_.size() / 8); }
 
   void readPhysicalNames() {
     lines_.advanceIn("$PhysicalNames");
@@ -333,8 +334,7 @@ class Reader {
     if (found.dimension == 3 && type != tetrahedron_4)
       throw lines_.wrong(
           "an element of Gmsh's type {} with {} nodes: volume elements must be 4-node tetrahedra (mesh "
-          "without "
-          "recombination, and with -order 1)",
+          "without recombination, and with -order 1)",
           type, found.nodes);
     return found;
   }
@@ -458,14 +458,7 @@ class Reader {
 }  // namespace
 
 Mesh readGmsh(const std::filesystem::path& file, double metres_per_unit) {
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error)) throw badInput("mesh {} is a directory", file.string());
-  std::ifstream in(file, std::ios::binary);
-  if (!in)
-    throw badInput("mesh {} cannot be opened: {}", file.string(), std::generic_category().message(errno));
-  std::string text(std::istreambuf_iterator<char>(in), {});
-  if (in.bad()) throw failure("mesh {} cannot be read to its end", file.string());
-  return parseGmsh(std::move(text), file.string(), metres_per_unit);
+  return parseGmsh(readText(file, "mesh"), file.string(), metres_per_unit);
 }
 
 Mesh parseGmsh(std::string text, const std::string& source, double metres_per_unit) {

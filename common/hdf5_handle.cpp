@@ -3,7 +3,7 @@
 namespace palpate::hdf5 {
 
 void silenceErrorStack() {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  if (H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) < 0) throw failure("HDF5 could not be initialised");
 }
 
 std::string lastError() {

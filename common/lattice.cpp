@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 
 #include "common/error.hpp"
@@ -9,7 +10,7 @@
 namespace palpate {
 namespace {
 
-constexpr double max_points = 1e7;
+constexpr double max_points = 1e7;  // 4/3 pi ratio^3, which counts them to a part in a thousand
 /// "14.3 mm" means 100/7 mm = 14.2857 mm, "6.667 mm" means 100/15 mm.
 constexpr double spacing_tolerance = 2e-3;
 
@@ -27,13 +28,34 @@ double ratioOf(double radius, double spacing) {
   return std::abs(ratio - whole) <= spacing_tolerance * whole ? whole : ratio;
 }
 
+/// Calls visit(point, squared norm) for the lattice points of the ball, in lexicographic order.
+template <class Visit>
+void forEachPointOfBall(std::int32_t extent, std::int64_t limit, Visit visit) {
+  for (std::int32_t i = -extent; i <= extent; ++i)
+    for (std::int32_t j = -extent; j <= extent; ++j)
+      for (std::int32_t k = -extent; k <= extent; ++k)
+        if (const std::int64_t norm = squaredNorm({i, j, k}); norm <= limit)
+          visit(LatticePoint{i, j, k}, static_cast<std::size_t>(norm));
+}
+
+/// The lattice points of the ball by (squared norm, i, j, k): a counting sort, since there may be millions.
+std::vector<LatticePoint> pointsOfBall(std::int32_t extent, std::int64_t limit) {
+  std::vector<std::size_t> next(static_cast<std::size_t>(limit) + 2, 0);  // place of the next point of a norm
+  forEachPointOfBall(extent, limit, [&](const LatticePoint&, std::size_t norm) { ++next[norm + 1]; });
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<LatticePoint> points(next.back());
+  forEachPointOfBall(extent, limit,
+                     [&](const LatticePoint& p, std::size_t norm) { points[next[norm]++] = p; });
+  return points;
+}
+
 }  // namespace
 
 std::int64_t squaredNorm(const LatticePoint& p) {
   return std::int64_t{p[0]} * p[0] + std::int64_t{p[1]} * p[1] + std::int64_t{p[2]} * p[2];
 }
 
-Lattice::Lattice(double radius, double spacing) : radius_(radius) {
+void Lattice::check(double radius, double spacing) {
   const double ratio = ratioOf(radius, spacing);
   const double expected = 4.0 / 3.0 * M_PI * ratio * ratio * ratio;
   if (expected > max_points)
@@ -41,18 +63,16 @@ Lattice::Lattice(double radius, double spacing) : radius_(radius) {
         "workspace.radius / workspace.spacing = {:.4g} makes about {:.3g} lattice points, more than {:.0e}: "
         "choose a larger spacing",
         ratio, expected, max_points);
+}
+
+Lattice::Lattice(double radius, double spacing) : radius_(radius) {
+  check(radius, spacing);
+  const double ratio = ratioOf(radius, spacing);
   spacing_ = radius / ratio;
   extent_ = static_cast<std::int32_t>(std::floor(ratio));
   const auto limit = static_cast<std::int64_t>(std::floor(ratio * ratio * (1 + 1e-12)));
 
-  for (std::int32_t i = -extent_; i <= extent_; ++i)
-    for (std::int32_t j = -extent_; j <= extent_; ++j)
-      for (std::int32_t k = -extent_; k <= extent_; ++k)
-        if (squaredNorm({i, j, k}) <= limit) points_.push_back({i, j, k});
-  std::sort(points_.begin(), points_.end(), [](const LatticePoint& a, const LatticePoint& b) {
-    return std::make_tuple(squaredNorm(a), a) < std::make_tuple(squaredNorm(b), b);
-  });
-
+  points_ = pointsOfBall(extent_, limit);
   const std::size_t side = 2 * static_cast<std::size_t>(extent_) + 1;
   index_of_.assign(side * side * side, -1);
   for (std::int32_t n = 0; n < size(); ++n) {

@@ -16,18 +16,21 @@ std::int64_t squaredNorm(const LatticePoint& point);
 
 /// The lattice points of the closed workspace ball (paper, Eq. 11, with the origin).
 ///
-/// Membership is decided in integers, i^2+j^2+k^2 <= (radius/spacing)^2, when radius/spacing is an integer to
-/// 1e-6 relative: with r = 100 mm, spacing 20, 100/7, 10, 100/15 mm these are 515, 1419, 4169, 14147 points,
-/// where a floating-point test drops some that lie exactly on the sphere. "100/7 mm" may be written 14.3 mm:
-/// a spacing within 0.2 % of radius/n, n integer, is taken as exactly radius/n.
+/// Membership is decided in integers, i^2+j^2+k^2 <= (radius/spacing)^2: with r = 100 mm, spacing 20, 100/7,
+/// 10, 100/15 mm these are 515, 1419, 4169, 14147 points, where a floating-point test drops some that lie
+/// exactly on the sphere. "100/7 mm" may be written 14.3 mm: a spacing within 0.2 % of radius/n, n integer,
+/// is taken as exactly radius/n.
 ///
 /// Points are numbered 0..size()-1 by (squared norm, i, j, k); the origin is number 0. The numbering is part
 /// of the dataset. Immutable after construction: any thread may read.
 class Lattice {
  public:
-  /// radius and spacing in metres, both > 0 and radius >= spacing, else Error (bad input). Also refuses more
-  /// than 10 million points, naming the numbers.
+  /// radius and spacing in metres, as check() demands them. 10 million points take about 0.2 GB and a second.
   Lattice(double radius, double spacing);
+
+  /// Error (bad input) unless both are > 0, radius >= spacing, and the lattice has no more than 10 million
+  /// points. Costs nothing.
+  static void check(double radius, double spacing);
 
   double radius() const { return radius_; }    ///< metres
   double spacing() const { return spacing_; }  ///< metres, after the rounding above

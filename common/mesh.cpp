@@ -32,8 +32,7 @@ void refuseBrokenNumbers(const Mesh& mesh, const std::string& source) {
   if (mesh.tetrahedra.empty())
     throw badInput(
         "{}: no tetrahedra in it; mesh the volume (gmsh -3), and if there are physical groups, name the "
-        "volume "
-        "in one, because Gmsh then saves only what is in a group",
+        "volume in one, because Gmsh then saves only what is in a group",
         source);
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
     if (!mesh.nodes[n].allFinite())
@@ -85,10 +84,10 @@ void refuseBrokenGroups(const Mesh& mesh, const std::string& source) {
 void orient(Mesh& mesh, const std::string& source) {
   std::size_t negative = 0, first_negative = 0, first_positive = 0;
   for (std::size_t e = mesh.tetrahedra.size(); e-- > 0;) {
-    if (const double shape = shapeOf(mesh, e); shape < degenerate_shape)
+    if (const double shape = shapeOf(mesh, e); !(shape >= degenerate_shape))
       throw badInput(
-          "{}: {} is degenerate: its shape measure is {:.2g} (1 is regular, 0 flat); re-mesh, or let "
-          "gmsh optimise (-optimize_netgen)",
+          "{}: {} is degenerate: its shape measure is {:.2g} (1 is regular, 0 flat); re-mesh, or let gmsh "
+          "optimise (-optimize_netgen)",
           source, placeOf(mesh, e), shape);
     if (sixVolume(mesh, e) < 0) {
       ++negative;
@@ -150,8 +149,7 @@ void deriveSurface(Mesh& mesh, const std::string& source) {
     if (count == 2 && faces[first].even == faces[first + 1].even)
       throw badInput(
           "{}: {} and tetrahedron {} lie on the same side of the face they share: they overlap, or one is "
-          "there "
-          "twice",
+          "there twice",
           source, placeOf(mesh, faces[first].element), faces[first + 1].element);
     if (count == 1) outer.emplace_back(faces[first].element, faces[first].local);
   }
@@ -253,8 +251,8 @@ MeshQuality measure(const Mesh& mesh) {
   quality.shortest_edge = *shortest;
   quality.longest_edge = *longest;
   quality.mean_edge = std::accumulate(edges.begin(), edges.end(), 0.0) / static_cast<double>(edges.size());
-  const std::vector<std::int32_t> pieces = pieceOfNode(mesh);
-  quality.components = *std::max_element(pieces.begin(), pieces.end()) + 1;
+  const std::vector<std::int32_t> piece_of = pieceOfNode(mesh);
+  quality.pieces = *std::max_element(piece_of.begin(), piece_of.end()) + 1;
   return quality;
 }
 

@@ -49,7 +49,7 @@ struct MeshQuality {
   double worst_shape = 0;                                     ///< smallest shapeOf
   double mean_shape = 0;
   std::int32_t worst_element = -1;
-  std::int32_t components = 0;  ///< connected pieces
+  std::int32_t pieces = 0;  ///< connected pieces
 };
 MeshQuality measure(const Mesh& mesh);
 

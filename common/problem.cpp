@@ -14,6 +14,7 @@
 
 #include "common/error.hpp"
 #include "common/gmsh_reader.hpp"
+#include "common/lattice.hpp"
 #include "common/nearest_word.hpp"
 #include "proto/palpate.pb.h"
 
@@ -22,7 +23,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays travel as they are in memory");
 
-/// Largest extent of a soft body that is taken for meant, metres.
+/// Extents between which a body is taken for meant, and that of an organ, metres.
 constexpr double smallest_body = 1e-3, largest_body = 10, usual_body = 0.2;
 /// Round-off in the coordinates must not decide whether a node exactly on a sphere is within it.
 constexpr double on_the_sphere = 1 + 1e-12;
@@ -74,8 +75,7 @@ void refuseMistakenUnit(const Mesh& mesh, double metres_per_unit) {
                    finding);
   throw badInput(
       "{}: its numbers look like {} taken for {}; write length_unit = \"{}\" in the scene (then it is {:.4g} "
-      "m, and "
-      "the scene's own lengths are in {} too)",
+      "m, and the scene's own lengths are in {} too)",
       finding, best->meaning, used->meaning, best->word, best_size, best->word);
 }
 
@@ -153,8 +153,7 @@ std::int32_t selectActiveNode(const ActiveSelection& selection, const Mesh& mesh
     if (distance > boundingBox(mesh).diagonal().norm())
       throw badInput(
           "active \"{}\": near = {} is {:.4g} m away from the nearest surface node, more than the body is "
-          "wide; "
-          "is its unit that of length_unit?",
+          "wide; is its unit that of length_unit?",
           selection.name, text(*selection.near), distance);
     return node;
   }
@@ -205,14 +204,12 @@ void refuseLoosePieces(const Problem& problem) {
     if (held[i].empty())
       throw badInput(
           "the mesh consists of {} pieces that share no node, and the one of {} nodes around node {} at {} "
-          "has no "
-          "fixed node: nothing holds it (merge coincident nodes, remove the piece, or fix it)",
+          "has no fixed node: nothing holds it (merge coincident nodes, remove the piece, or fix it)",
           all.size(), all[i].size(), all[i].front(), text(mesh.nodes[all[i].front()]));
     if (onOneLine(held[i], mesh, size))
       throw badInput(
           "[fixed] holds {} node(s) on one line (node {} at {}): the body can turn around it; fix at least "
-          "three "
-          "nodes that are not on a line",
+          "three nodes that are not on a line",
           held[i].size(), held[i].front(), text(mesh.nodes[held[i].front()]));
   }
 }
@@ -247,8 +244,7 @@ void checkPatch(const Problem& problem, const ActivePatch& patch, const Nodes& s
   if (problem.fixed.size() + patch.nodes.size() == n_nodes)
     throw badInput(
         "active \"{}\": its patch of {} nodes and the {} fixed nodes are the whole body: nothing is left to "
-        "solve "
-        "for; make radius smaller",
+        "solve for; make radius smaller",
         patch.name, patch.nodes.size(), problem.fixed.size());
 }
 
@@ -259,15 +255,20 @@ void check(const Problem& problem) {
   if (problem.active.size() != problem.scene.active.size())
     throw badInput("{} patches for the {} active nodes of the scene", problem.active.size(),
                    problem.scene.active.size());
-  for (const ActivePatch& patch : problem.active) checkPatch(problem, patch, surface);
+  for (std::size_t i = 0; i < problem.active.size(); ++i) {
+    if (problem.active[i].name != problem.scene.active[i].name)
+      throw badInput("patch {} is \"{}\" instead of the scene's \"{}\"", i, problem.active[i].name,
+                     problem.scene.active[i].name);
+    checkPatch(problem, problem.active[i], surface);
+  }
   refuseLoosePieces(problem);
+  Lattice::check(problem.scene.workspace.radius, problem.scene.workspace.spacing);
   const double radius = problem.scene.workspace.radius,
                diagonal = boundingBox(problem.mesh).diagonal().norm();
   if (radius > 3 * diagonal)
     throw badInput(
         "workspace.radius = {:.4g} m is more than 3 times the diagonal of the mesh's bounding box ({:.4g} "
-        "m); is its "
-        "unit that of length_unit?",
+        "m); is its unit that of length_unit?",
         radius, diagonal);
 }
 

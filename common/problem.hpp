@@ -28,14 +28,14 @@ struct Problem {
   std::vector<ActivePatch> active;  ///< one configuration space each, in the order of the scene
 };
 
-/// Resolves the selectors of a scene on its mesh. Error (bad input), naming the scene's key, when
+/// Resolves the selectors of a scene on its mesh, which finishMesh has finished. Error (bad input), naming
+/// the scene's key, when
 /// - the mesh is larger than 10 m or smaller than 1 mm (a unit mistaken: the message says which length_unit
-/// would be plausible);
+///   would be plausible);
 /// - a selector selects nothing, or a group or node does not exist;
 /// - the fixed set is empty, contains every node, or lies on one line in a piece of the mesh;
 /// - an active node is fixed or not on the surface, `near` is farther from the surface than the body is wide,
-/// or patch and
-///   fixed nodes are the whole body;
+///   or patch and fixed nodes are the whole body;
 /// - the mesh has a piece, not connected to the others by a shared node, without fixed nodes;
 /// - the workspace radius exceeds 3 bounding-box diagonals.
 /// Distances "within a radius" allow 5e-13 of it for round-off.

@@ -6,8 +6,10 @@
 
 #include <atomic>
 #include <cctype>
+#include <cerrno>
 #include <csignal>
 #include <cstdint>
+#include <cstring>
 #include <ctime>
 #include <string>
 #include <vector>
@@ -51,6 +53,21 @@ ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) 
   }
 }
 
+/// Every --help says what the program's exit codes mean, in the verb's own words where it has some.
+void sayExitCodes(CLI::App& verb) {
+  const std::string own = verb.get_footer();
+  if (own.find("Exit codes:") != std::string::npos) return;
+  verb.footer(own + (own.empty() ? "" : "\n") +
+              "Exit codes: 0 done, 1 failed, 2 wrong usage or scene, 130 interrupted.");
+}
+
+int refuseUsage(const CLI::App& app, const CLI::ParseError& error) {
+  const auto chosen = app.get_subcommands();
+  const std::string command = "palpate" + (chosen.empty() ? "" : " " + chosen.front()->get_name());
+  fmt::print(stderr, "{}: {}; {} --help tells all\n", command, error.what(), command);
+  return static_cast<int>(ExitCode::usage);
+}
+
 /// "-.5" is an option to CLI11, "-0.5" a number.
 std::vector<std::string> withLeadingZeros(int argc, char** argv) {
   std::vector<std::string> arguments(argv, argv + argc);
@@ -75,12 +92,13 @@ void catchInterrupts() {
   struct sigaction action {};
   action.sa_handler = onInterrupt;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : {SIGINT, SIGTERM})
+    if (sigaction(signal, &action, nullptr) != 0)
+      throw failure("signal {} cannot be caught: {}", signal, std::strerror(errno));
 }
 
 int runProgram(int argc, char** argv, const char* description, std::span<const Verb> verbs) {
-  CLI::App app{description};
+  CLI::App app{description, "palpate"};
   app.set_version_flag("--version", std::string("palpate ") + version());
   app.require_subcommand(1);
 
@@ -92,6 +110,7 @@ int runProgram(int argc, char** argv, const char* description, std::span<const V
     sub->add_flag("-q,--quiet", quiet, "Only warnings and errors");
     sub->add_flag("-v,--verbose", verbose, "Say more");
     auto prepared = verb.prepare(*sub);
+    sayExitCodes(*sub);
     sub->callback([&chosen, &run, prepared, name = verb.name] {
       chosen = name;
       run = prepared;
@@ -103,9 +122,9 @@ int runProgram(int argc, char** argv, const char* description, std::span<const V
     for (std::string& argument : arguments) pointers.push_back(argument.data());
     app.parse(argc, pointers.data());
   } catch (const CLI::ParseError& error) {
-    const bool asked_for_help = error.get_exit_code() == 0;
-    app.exit(error);
-    return static_cast<int>(asked_for_help ? ExitCode::done : ExitCode::usage);
+    if (error.get_exit_code() != 0) return refuseUsage(app, error);
+    app.exit(error);  // --help or --version, which it prints
+    return static_cast<int>(ExitCode::done);
   }
   logToStderr(verbose ? 1 : quiet ? -1 : 0);
   return static_cast<int>(runVerb(chosen, run));

@@ -5,24 +5,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <initializer_list>
-#include <iterator>
 #include <limits>
 
 #include "common/error.hpp"
 #include "common/mesh.hpp"
 #include "common/nearest_word.hpp"
+#include "common/text_file.hpp"
 
 namespace palpate {
 namespace {
 
 using Words = std::span<const std::string_view>;
 
-constexpr std::array<std::string_view, 4> law_words = {"linear", "st-venant-kirchhoff",
-                                                       "modified-st-venant-kirchhoff", "mooney-rivlin"};
-constexpr std::array<std::string_view, 3> pressure_words = {"none", "P1", "P1-stabilized"};
-constexpr std::array<std::string_view, 2> constraint_words = {"ln-det-F", "det-F-1"};
 constexpr std::array<std::string_view, 1> displacement_words = {"P1"};
 constexpr std::array<std::string_view, 3> unit_words = {"m", "cm", "mm"};
 constexpr std::array<double, 3> unit_metres = {1.0, 0.01, 0.001};
@@ -201,8 +196,8 @@ double poissonOf(const Section& section) {
 
 Material readMaterial(const Section& section) {
   Material material;
-  const toml::node& law = section.require("law", fmt::format("write one of {}", listed(law_words)));
-  material.law = static_cast<LawName>(section.choice("law", law, law_words));
+  const toml::node& law = section.require("law", fmt::format("write one of {}", listed(lawWords())));
+  material.law = static_cast<LawName>(section.choice("law", law, lawWords()));
   if (material.law == LawName::mooney_rivlin) {
     refuse(section, {"young", "poisson"}, material.law);
     material.c10 = section.positive("c10", "the first Mooney-Rivlin constant, Pa");
@@ -225,9 +220,9 @@ Discretization readDiscretization(const Section* section, LawName law) {
   if (const toml::node* node = section->find("displacement"))
     section->choice("displacement", *node, displacement_words);
   if (const toml::node* node = section->find("constraint"))
-    d.constraint = static_cast<Constraint>(section->choice("constraint", *node, constraint_words));
+    d.constraint = static_cast<Constraint>(section->choice("constraint", *node, constraintWords()));
   if (const toml::node* node = section->find("pressure"))
-    d.pressure = static_cast<PressureSpace>(section->choice("pressure", *node, pressure_words));
+    d.pressure = static_cast<PressureSpace>(section->choice("pressure", *node, pressureWords()));
   if (isIncompressible(law) && d.pressure == PressureSpace::none)
     throw section->wrong("pressure", "law \"{}\" is incompressible and needs a pressure: P1-stabilized or P1",
                          word(law));
@@ -372,90 +367,7 @@ Scene readTables(const toml::table& table, const std::string& source) {
   return scene;
 }
 
-/// The shortest decimal that is read back as the same double, always a TOML float.
-std::string decimal(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find_first_of(".e") == std::string::npos) text += ".0";
-  return text;
-}
-
-std::string decimal(const Eigen::Vector3d& v) {
-  return fmt::format("[{}, {}, {}]", decimal(v[0]), decimal(v[1]), decimal(v[2]));
-}
-
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    const auto code = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\')
-      (out += '\\') += c;
-    else if (code < 0x20 || code == 0x7f)
-      out += fmt::format("\\u{:04X}", code);
-    else
-      out += c;
-  }
-  return out + "\"";
-}
-
-/// `key = [item, ...]`, one item per line; nothing for no items.
-std::string listOf(const char* key, const std::vector<std::string>& items) {
-  if (items.empty()) return {};
-  std::string text = fmt::format("{} = [\n", key);
-  for (const std::string& item : items) text += "  " + item + ",\n";
-  return text + "]\n";
-}
-
-std::string materialToml(const Material& m) {
-  std::string text = fmt::format("\n[material]\nlaw = \"{}\"\n", word(m.law));
-  if (m.law == LawName::mooney_rivlin)
-    return text + fmt::format("c10 = {}  # Pa\nc01 = {}  # Pa\n", decimal(m.c10), decimal(m.c01));
-  text += fmt::format("young = {}  # Pa\n", decimal(m.young));
-  if (m.poisson) text += fmt::format("poisson = {}\n", decimal(*m.poisson));
-  return text;
-}
-
-std::string fixedToml(const FixedSelection& fixed) {
-  std::vector<std::string> below, above, boxes, spheres, groups, nodes;
-  for (const HalfSpace& half : fixed.half_spaces)
-    (half.below ? below : above)
-        .push_back(fmt::format("{{ axis = \"{}\", {} = {} }}",
-                               axis_words[static_cast<std::size_t>(half.axis)], half.at ? "at" : "fraction",
-                               decimal(half.at ? *half.at : *half.fraction)));
-  for (const Box& box : fixed.boxes)
-    boxes.push_back(
-        fmt::format("{{ lowest = {}, highest = {} }}", decimal(box.lowest), decimal(box.highest)));
-  for (const Sphere& sphere : fixed.spheres)
-    spheres.push_back(
-        fmt::format("{{ center = {}, radius = {} }}", decimal(sphere.center), decimal(sphere.radius)));
-  for (const std::string& group : fixed.groups) groups.push_back(quoted(group));
-  std::string text = "\n[fixed]\n" + listOf("below", below) + listOf("above", above) + listOf("box", boxes) +
-                     listOf("sphere", spheres) + listOf("group", groups);
-  if (!fixed.nodes.empty()) text += fmt::format("nodes = [{}]\n", fmt::join(fixed.nodes, ", "));
-  return text;
-}
-
-std::string activeToml(const ActiveSelection& active) {
-  return fmt::format("\n[[active]]\nname = {}\n{}\nradius = {}  # m\n", quoted(active.name),
-                     active.near ? fmt::format("near = {}  # m", decimal(*active.near))
-                                 : fmt::format("node = {}", *active.node),
-                     decimal(active.radius));
-}
-
 }  // namespace
-
-bool isIncompressible(LawName law) {
-  return law == LawName::modified_st_venant_kirchhoff || law == LawName::mooney_rivlin;
-}
-
-std::string_view word(LawName law) {
-  return law_words.at(static_cast<std::size_t>(law));
-}
-std::string_view word(PressureSpace pressure) {
-  return pressure_words.at(static_cast<std::size_t>(pressure));
-}
-std::string_view word(Constraint constraint) {
-  return constraint_words.at(static_cast<std::size_t>(constraint));
-}
 
 Scene parseScene(const std::string& text, const std::string& source) {
   try {
@@ -466,31 +378,9 @@ Scene parseScene(const std::string& text, const std::string& source) {
 }
 
 Scene readScene(const std::filesystem::path& file) {
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error)) throw badInput("scene {} is a directory", file.string());
-  std::ifstream in(file, std::ios::binary);
-  if (!in)
-    throw badInput("scene {} cannot be opened: {}", file.string(), std::generic_category().message(errno));
-  const std::string text(std::istreambuf_iterator<char>(in), {});
-  if (in.bad()) throw failure("scene {} cannot be read to its end", file.string());
-  Scene scene = parseScene(text, file.string());
+  Scene scene = parseScene(readText(file, "scene"), file.string());
   scene.mesh = std::filesystem::absolute(file.parent_path() / scene.mesh).lexically_normal();
   return scene;
-}
-
-std::string resolvedToml(const Scene& scene) {
-  std::string text = fmt::format("name = {}\nmesh = {}\nlength_unit = \"m\"\n", quoted(scene.name),
-                                 quoted(scene.mesh.filename().string()));
-  text += materialToml(scene.material);
-  text += fmt::format("\n[discretization]\ndisplacement = \"P1\"\npressure = \"{}\"\nconstraint = \"{}\"\n",
-                      word(scene.discretization.pressure), word(scene.discretization.constraint));
-  text += fixedToml(scene.fixed);
-  for (const ActiveSelection& active : scene.active) text += activeToml(active);
-  const Workspace& w = scene.workspace;
-  text += fmt::format(
-      "\n[workspace]\nradius = {}  # m\nspacing = {}  # m\nmax_force = {}  # N\nreject_inverted = {}\n",
-      decimal(w.radius), decimal(w.spacing), decimal(w.max_force), w.reject_inverted);
-  return text;
 }
 
 }  // namespace palpate

@@ -20,9 +20,6 @@ struct Material {
       poisson;  ///< required by linear and st-venant-kirchhoff; optional for the modified law
 };
 
-/// True for the laws that are used with det F = 1, which therefore need a pressure.
-bool isIncompressible(LawName law);
-
 /// [discretization]. displacement is "P1" for now. The default pressure follows the law: "P1-stabilized" for
 /// an incompressible one, else "none"; the other combinations are refused with the reason.
 struct Discretization {

@@ -14,6 +14,11 @@ enum class Tag : std::uint8_t {
   failed = 3,       ///< every expandable neighbour was tried within the budget; a Cause says why
 };
 
+/// True for the tags of points that hold an equilibrium.
+constexpr bool isSolved(Tag tag) {
+  return tag == Tag::expandable || tag == Tag::terminating;
+}
+
 /// "unknown", "expandable", "terminating" or "failed".
 std::string_view name(Tag tag);
 std::optional<Tag> tagNamed(std::string_view word);

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 
@@ -124,9 +125,27 @@ zmq::socket_t makeDealer(zmq::context_t& context) {
   return socket;
 }
 
+namespace {
+
+/// A host and behind it a port; * is any free one, for those who listen.
+bool hasPort(std::string_view endpoint) {
+  const std::string_view address = endpoint.substr(std::string_view("tcp://").size());
+  const std::size_t colon = address.rfind(':');
+  if (colon == std::string_view::npos || colon == 0) return false;
+  const std::string_view text = address.substr(colon + 1);
+  int port = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  return text == "*" ||
+         (error == std::errc() && end == text.data() + text.size() && port > 0 && port <= 65535);
+}
+
+}  // namespace
+
 void checkEndpoint(const std::string& endpoint) {
   if (!endpoint.starts_with("tcp://") && !endpoint.starts_with("ipc://"))
     throw badInput("endpoint \"{}\": write tcp://HOST:PORT or ipc://PATH", endpoint);
+  if (endpoint.starts_with("tcp://") && !hasPort(endpoint))
+    throw badInput("endpoint \"{}\": write tcp://HOST:PORT with a port from 1 to 65535", endpoint);
 }
 
 std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint) {

@@ -52,7 +52,8 @@ std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router);
 zmq::socket_t makeRouter(zmq::context_t& context);
 zmq::socket_t makeDealer(zmq::context_t& context);
 
-/// Refuses everything but tcp:// and ipc:// endpoints. Error (bad input).
+/// Refuses everything but ipc://PATH and tcp://HOST:PORT (PORT may be * to listen on a free one). Error (bad
+/// input).
 void checkEndpoint(const std::string& endpoint);
 
 /// Binds, and turns "address already in use" and the like into an Error that names the endpoint and what to

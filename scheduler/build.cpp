@@ -1,7 +1,11 @@
 #include "scheduler/build.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <map>
 #include <utility>
 
@@ -37,7 +41,10 @@ bool isSealed(const std::filesystem::path& file, const ContentId& build, bool fo
   std::string what;
   try {
     const Dataset dataset(file);
-    if (dataset.buildId() == build) return true;
+    if (dataset.buildId() == build) {
+      dataset.verifyAll();
+      return true;
+    }
     what = fmt::format("holds the dataset of another scene or mesh (build {} of scene \"{}\", not {})",
                        dataset.buildId().shortHex(), dataset.scene().name, build.shortHex());
   } catch (const Error& error) {
@@ -45,6 +52,13 @@ bool isSealed(const std::filesystem::path& file, const ContentId& build, bool fo
   }
   if (!force) throw badInput("{}: {}: give another -o, or --force to replace it", file.string(), what);
   return false;
+}
+
+void refuseUnwritable(const std::filesystem::path& file) {
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  if (access(folder.c_str(), W_OK | X_OK) != 0)
+    throw failure("{}: nothing can be written into {}: {}: give another -o", file.string(), folder.string(),
+                  std::strerror(errno));
 }
 
 std::filesystem::path defaultDatasetFile(const Scene& scene) {
@@ -55,17 +69,22 @@ std::string summaryOf(const std::vector<SpaceTable>& spaces) {
   std::string text = fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", "active node", "points",
                                  "expandable", "terminating", "failed", "unknown");
   std::map<std::string_view, int> causes;
+  int unknown = 0;
   for (const SpaceTable& space : spaces) {
     std::array<int, 4> count{};
     for (const PointRecord& point : space.points) {
       ++count.at(static_cast<std::size_t>(point.tag));
       if (point.tag == Tag::failed) ++causes[name(point.cause)];
     }
+    unknown += count[static_cast<std::size_t>(Tag::unknown)];
     text += fmt::format(
         "{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", space.patch.name, space.points.size(),
         count[static_cast<std::size_t>(Tag::expandable)], count[static_cast<std::size_t>(Tag::terminating)],
         count[static_cast<std::size_t>(Tag::failed)], count[static_cast<std::size_t>(Tag::unknown)]);
   }
+  if (unknown > 0)
+    text +=
+        fmt::format("unknown: {} points lie beyond terminating or failed ones and were not tried\n", unknown);
   if (!causes.empty()) {
     const char* before = "failed: ";
     for (const auto& [cause, count] : causes)

@@ -43,8 +43,8 @@ class Replacement {
     recorded_ = coordinator.recorded();
     joined_ = joined_ || coordinator.workers() > 0;
     for (const WorkerPool::Ended& ended : pool.reap()) {
-      coordinator.workerProcessEnded(static_cast<std::uint32_t>(ended.pid), Clock::now());
       if (coordinator.complete() || coordinator.stopping()) continue;
+      coordinator.workerProcessEnded(static_cast<std::uint32_t>(ended.pid), Clock::now());
       if (++deaths_ >= (joined_ ? deaths_without_progress : deaths_at_the_start))
         throw failure(
             "{} workers in a row ended before they finished anything, the last with {}: see their messages "
@@ -93,10 +93,10 @@ bool compute(Build& build, int workers) {
   return coordinator.complete();
 }
 
-ExitCode finish(const std::vector<SpaceTable>& spaces, const std::filesystem::path& out,
+ExitCode finish(const std::vector<SpaceTable>& spaces, const std::filesystem::path& out, double spacing,
                 const std::string& how) {
-  fmt::print("{}\n{}: {}\nnext: palpate query {} --active {} --displacement 0.01 0 0\n", summaryOf(spaces),
-             out.string(), how, out.string(), spaces.front().patch.name);
+  fmt::print("{}\n{}: {}\nnext: palpate query '{}' --active {} --displacement {:.3g} 0 0\n",
+             summaryOf(spaces), out.string(), how, out.string(), spaces.front().patch.name, spacing / 2);
   return exitCodeOf(spaces);
 }
 
@@ -106,11 +106,14 @@ ExitCode run(const BuildOptions& options) {
       options.out.empty() ? defaultDatasetFile(problem.scene) : std::filesystem::path(options.out);
   const std::filesystem::path state = options.state.empty() ? out.string() + ".state" : options.state;
   if (isSealed(out, problemId(problem), options.force))
-    return finish(Dataset(out).spaces(), out, "is already the dataset of this scene; nothing to do");
+    return finish(Dataset(out).spaces(), out, problem.scene.workspace.spacing,
+                  "is already the dataset of this scene; nothing to do");
 
   catchInterrupts();
   const auto began = Clock::now();
+  const double spacing = problem.scene.workspace.spacing;
   Build build(std::move(problem), state);
+  refuseUnwritable(out);
   if (build.found() > 0 && !build.coordinator().complete())
     spdlog::info("going on: {} results are recorded in {}", build.found(), state.string());
   const int workers = options.workers > 0
@@ -123,12 +126,16 @@ ExitCode run(const BuildOptions& options) {
   }
   const std::vector<SpaceTable> spaces = build.seal(out);
   const double seconds = std::chrono::duration<double>(Clock::now() - began).count();
-  return finish(spaces, out, fmt::format("sealed after {:.1f} s with {} workers", seconds, workers));
+  return finish(
+      spaces, out, spacing,
+      fmt::format("sealed after {:.1f} s with {} worker{}", seconds, workers, workers == 1 ? "" : "s"));
 }
 
 std::function<ExitCode()> prepare(CLI::App& app) {
   auto options = std::make_shared<BuildOptions>();
-  app.add_option("scene", options->scene, "Scene file, SCENE.toml")->required();
+  app.add_option("SCENE", options->scene, "The scene, a TOML file (docs/scene.md)")
+      ->required()
+      ->type_name("FILE");
   app.add_option("-o,--output", options->out,
                  "Dataset to make [the scene's name with .h5, in the current directory]");
   app.add_option("-j,--workers", options->workers, "Worker processes, one core each [number of cores]")

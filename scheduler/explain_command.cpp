@@ -54,9 +54,11 @@ ExitCode run(const ExplainOptions& options) {
 
 std::function<ExitCode()> prepare(CLI::App& app) {
   auto options = std::make_shared<ExplainOptions>();
-  app.add_option("where", options->where, "Dataset, OUT.h5, or a state directory")->required();
+  app.add_option("WHERE", options->where, "Dataset, OUT.h5, or a state directory")->required();
   app.add_option("--active", options->active, "Name of the active node")->required();
-  app.add_option("I", options->point[0], "Lattice coordinates of the point")->required();
+  app.add_option("I", options->point[0],
+                 "Lattice coordinates of the point: its displacement is spacing * (I, J, K)")
+      ->required();
   app.add_option("J", options->point[1])->required();
   app.add_option("K", options->point[2])->required();
   app.add_flag("--json", options->json, "One JSON object (docs/commands.md)");

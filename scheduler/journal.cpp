@@ -112,7 +112,10 @@ void Journal::sync() {
 JournalRecord Journal::read(const JournalPosition& position) const {
   const std::filesystem::path path = segmentPath(position.segment);
   const auto damaged = [&](const char* what) {
-    return failure("{}: record at byte {} is damaged ({})", path.string(), position.offset, what);
+    return failure(
+        "{}: record at byte {} is damaged ({}): restore the state directory from a copy, or remove it to "
+        "compute everything again",
+        path.string(), position.offset, what);
   };
   const std::string bytes = readAt(path, position.offset, position.length);
   if (bytes.size() != position.length || bytes.size() < record_overhead) throw damaged("cut off");
@@ -132,6 +135,11 @@ std::filesystem::path Journal::segmentPath(std::uint32_t segment) const {
 void Journal::openSegment(bool create) {
   const std::filesystem::path path = segmentPath(end_.segment);
   file_ = FileDescriptor(open(path.c_str(), O_RDWR | O_CLOEXEC | (create ? O_CREAT : 0), 0644));
+  if (!file_ && errno == ENOENT)
+    throw failure(
+        "{}: is missing: the state directory is damaged; restore it from a copy, or remove it to compute "
+        "everything again",
+        path.string());
   if (!file_) throw failure("{}: cannot open: {}", path.string(), errnoText());
 }
 

@@ -62,6 +62,7 @@ ExitCode run(const ServeOptions& options) {
 
   catchInterrupts();
   Build build(std::move(problem), options.state);
+  refuseUnwritable(out);
   Coordinator& coordinator = build.coordinator();
   if (!coordinator.complete()) {
     zmq::context_t context;
@@ -87,7 +88,9 @@ ExitCode run(const ServeOptions& options) {
 
 std::function<ExitCode()> prepare(CLI::App& app) {
   auto options = std::make_shared<ServeOptions>();
-  app.add_option("scene", options->scene, "Scene file, SCENE.toml")->required();
+  app.add_option("SCENE", options->scene, "The scene, a TOML file (docs/scene.md)")
+      ->required()
+      ->type_name("FILE");
   app.add_option("--listen", options->endpoint, "Where workers connect, tcp://HOST:PORT")
       ->capture_default_str();
   app.add_option("--state", options->state, "Directory for unfinished work, on a local disk")->required();

@@ -35,6 +35,9 @@ int Database::changes() const {
 }
 
 void Database::fail(const std::string& doing) const {
+  if (sqlite3_errcode(handle_) == SQLITE_FULL)
+    throw failure("{}: the disk is full: make room and start again; everything acknowledged is kept",
+                  file_.string());
   throw failure("{}: {} ({})", file_.string(), sqlite3_errmsg(handle_), doing);
 }
 
@@ -120,7 +123,8 @@ Transaction::Transaction(Database& database) : database_(&database) {
 }
 
 Transaction::~Transaction() {
-  if (!open_) return;
+  // After some errors, a full disk among them, SQLite has rolled back by itself.
+  if (!open_ || sqlite3_get_autocommit(database_->handle()) != 0) return;
   if (sqlite3_exec(database_->handle(), "ROLLBACK", nullptr, nullptr, nullptr) != SQLITE_OK)
     spdlog::warn("{}: rollback: {}", database_->file().string(), sqlite3_errmsg(database_->handle()));
 }

@@ -72,7 +72,7 @@ ExitCode showStatus(const StatusOptions& options) {
 
 std::function<ExitCode()> prepare(CLI::App& app) {
   auto options = std::make_shared<StatusOptions>();
-  app.add_option("where", options->where, "Scheduler, tcp://HOST:PORT, or a state directory")
+  app.add_option("WHERE", options->where, "Scheduler, tcp://HOST:PORT, or a state directory")
       ->capture_default_str();
   app.add_flag("--watch", options->watch, "Again every second, until the build is complete or stops");
   app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");

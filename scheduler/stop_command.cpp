@@ -21,7 +21,7 @@ ExitCode stop(const std::string& where) {
 
 std::function<ExitCode()> prepare(CLI::App& app) {
   auto where = std::make_shared<std::string>(default_endpoint);
-  app.add_option("where", *where, "Scheduler, tcp://HOST:PORT, or its state directory")
+  app.add_option("WHERE", *where, "Scheduler, tcp://HOST:PORT, or its state directory")
       ->capture_default_str();
   return [where] { return stop(*where); };
 }

@@ -18,27 +18,6 @@ int largestCoordinate(const Lattice& lattice) {
   return largest;
 }
 
-/// The solved point nearest to `center` (in lattice coordinates), searched in growing cubes around it.
-std::int32_t nearestSolved(const Lattice& lattice, const std::vector<bool>& solved,
-                           const Eigen::Vector3d& center) {
-  std::int32_t best = -1;
-  double best_distance = 0;
-  const LatticePoint low = {static_cast<int>(std::floor(center[0])), static_cast<int>(std::floor(center[1])),
-                            static_cast<int>(std::floor(center[2]))};
-  for (int reach = 0; best < 0 || best_distance > reach - 0.5; ++reach)
-    for (int i = low[0] - reach; i <= low[0] + 1 + reach; ++i)
-      for (int j = low[1] - reach; j <= low[1] + 1 + reach; ++j)
-        for (int k = low[2] - reach; k <= low[2] + 1 + reach; ++k) {
-          const auto number = lattice.indexOf({i, j, k});
-          if (!number || !solved[*number]) continue;
-          const double distance = (Eigen::Vector3d(i, j, k) - center).norm();
-          if (best >= 0 && distance >= best_distance) continue;
-          best = *number;
-          best_distance = distance;
-        }
-  return best;
-}
-
 }  // namespace
 
 CellGrid::CellGrid(const Lattice& lattice, const SpaceTable& space)
@@ -47,34 +26,69 @@ CellGrid::CellGrid(const Lattice& lattice, const SpaceTable& space)
       cells_(2 * static_cast<std::size_t>(extent_)),
       solved_((cells_ + 1) * (cells_ + 1) * (cells_ + 1), -1),
       covered_(cells_ * cells_ * cells_, -1),
-      nearest_(covered_.size(), 0) {
-  std::vector<bool> solved;
+      nearest_(covered_.size(), -1) {
+  bool any_solved = false;
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
-    solved.push_back(isSolved(space.points[n].tag));
+    if (!isSolved(space.points[n].tag)) continue;
+    any_solved = true;
     const LatticePoint& p = lattice.point(n);
-    if (solved.back()) solved_[pointIndex({p[0] + extent_, p[1] + extent_, p[2] + extent_})] = n;
+    solved_[pointIndex({p[0] + extent_, p[1] + extent_, p[2] + extent_})] = n;
   }
-  if (std::find(solved.begin(), solved.end(), true) == solved.end())
+  if (!any_solved)
     throw failure("active node {}: no lattice point was solved, so there is nothing to interpolate",
                   space.patch.name);
   const int n = static_cast<int>(cells_);
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
-      for (int k = 0; k < n; ++k) fill(lattice, solved, {i, j, k});
+      for (int k = 0; k < n; ++k) fill(lattice, {i, j, k});
+  for (bool changed = true; changed;) {
+    changed = sweep(lattice, 1);
+    changed |= sweep(lattice, -1);
+  }
 }
 
-void CellGrid::fill(const Lattice& lattice, const std::vector<bool>& solved, const Cell& cell) {
+void CellGrid::fill(const Lattice& lattice, const Cell& cell) {
   CellCorners corners{};
   for (int c = 0; c < 8; ++c)
     corners[static_cast<std::size_t>(c)] =
         solved_[pointIndex({cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)})];
-  if (std::find(corners.begin(), corners.end(), -1) == corners.end()) {
-    covered_[cellIndex(cell)] = static_cast<std::int32_t>(corners_.size());
-    corners_.push_back(corners);
-  } else {
-    const Eigen::Vector3d low(cell[0] - extent_, cell[1] - extent_, cell[2] - extent_);
-    nearest_[cellIndex(cell)] = nearestSolved(lattice, solved, low.array() + 0.5);
+  for (const std::int32_t corner : corners) offer(lattice, cell, corner);
+  if (std::find(corners.begin(), corners.end(), -1) != corners.end()) return;
+  covered_[cellIndex(cell)] = static_cast<std::int32_t>(corners_.size());
+  corners_.push_back(corners);
+}
+
+bool CellGrid::offer(const Lattice& lattice, const Cell& cell, std::int32_t candidate) {
+  std::int32_t& nearest = nearest_[cellIndex(cell)];
+  if (candidate < 0 || candidate == nearest) return false;
+  const auto distance = [&](std::int32_t number) {  // squared, of the centre, in half cells
+    const LatticePoint& p = lattice.point(number);
+    LatticePoint step;
+    for (std::size_t axis = 0; axis < 3; ++axis) step[axis] = 2 * (p[axis] + extent_ - cell[axis]) - 1;
+    return squaredNorm(step);
+  };
+  if (nearest >= 0 && distance(candidate) >= distance(nearest)) return false;
+  nearest = candidate;
+  return true;
+}
+
+/// Offers to every cell what its 13 neighbours before it have, in ascending (1) or descending (-1) order.
+bool CellGrid::sweep(const Lattice& lattice, int direction) {
+  bool changed = false;
+  const int n = static_cast<int>(cells_);
+  const auto inside = [n](int coordinate) { return coordinate >= 0 && coordinate < n; };
+  for (int index = 0; index < n * n * n; ++index) {
+    const int at = direction > 0 ? index : n * n * n - 1 - index;
+    const Cell cell = {at / (n * n), at / n % n, at % n};
+    for (int step = 1; step <= 13; ++step) {  // 13 + step in base 3 is a neighbour's offset plus 1
+      const Cell neighbour = {cell[0] - direction * ((13 + step) / 9 - 1),
+                              cell[1] - direction * ((13 + step) / 3 % 3 - 1),
+                              cell[2] - direction * ((13 + step) % 3 - 1)};
+      if (std::all_of(neighbour.begin(), neighbour.end(), inside))
+        changed |= offer(lattice, cell, nearest_[cellIndex(neighbour)]);
+    }
   }
+  return changed;
 }
 
 CellPlace CellGrid::find(const Eigen::Vector3d& displacement) const noexcept {

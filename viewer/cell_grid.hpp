@@ -10,11 +10,6 @@
 
 namespace palpate {
 
-/// True for tags of points that hold an equilibrium.
-inline bool isSolved(Tag tag) {
-  return tag == Tag::expandable || tag == Tag::terminating;
-}
-
 /// The eight lattice points around a displacement. Corner c has offset (c & 1, c >> 1 & 1, c >> 2 & 1).
 using CellCorners = std::array<std::int32_t, 8>;
 
@@ -48,7 +43,10 @@ class CellGrid {
   }
   std::size_t cellIndex(const Cell& cell) const { return index(cell, cells_); }
   std::size_t pointIndex(const Cell& point) const { return index(point, cells_ + 1); }
-  void fill(const Lattice& lattice, const std::vector<bool>& solved, const Cell& cell);
+  void fill(const Lattice& lattice, const Cell& cell);
+  /// Makes `candidate` the nearest point of the cell if it is; tells whether it is. -1 is nobody.
+  bool offer(const Lattice& lattice, const Cell& cell, std::int32_t candidate);
+  bool sweep(const Lattice& lattice, int direction);
   std::int32_t nearestTo(const Cell& cell, const Eigen::Vector3d& local) const noexcept;
   bool findTouching(const Cell& cell, CellPlace& place) const noexcept;
 
@@ -57,7 +55,7 @@ class CellGrid {
   std::size_t cells_;                  ///< per axis
   std::vector<std::int32_t> solved_;   ///< lattice number per point of the cube, -1 when not solved
   std::vector<std::int32_t> covered_;  ///< index into corners_ per cell, -1 when not covered
-  std::vector<std::int32_t> nearest_;  ///< solved lattice point per cell that is not covered
+  std::vector<std::int32_t> nearest_;  ///< solved lattice point close to the centre, per cell
   std::vector<CellCorners> corners_;
 };
 

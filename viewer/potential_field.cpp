@@ -164,30 +164,30 @@ Basis quinticHermite(double t) {
 }
 
 /// Derivatives (a, b, c), a + b + c <= 2, of the interpolant in a cell, at [a + 3 b + 9 c]; the others stay
-/// zero.
+/// zero. Sums over z, then y, then x, so that the longest loops run over neighbours in memory.
 Derivatives evaluateCell(const std::array<const Derivatives*, 8>& corners, const Eigen::Vector3d& local) {
-  const std::array<Basis, 3> basis = {quinticHermite(local.x()), quinticHermite(local.y()),
-                                      quinticHermite(local.z())};
+  const Basis x = quinticHermite(local.x()), y = quinticHermite(local.y()), z = quinticHermite(local.z());
   Derivatives result{};
-  for (std::size_t z_end = 0; z_end < 2; ++z_end)
-    for (std::size_t c = 0; c < 3; ++c) {
-      double plane[3][3] = {};  // derivatives (a, b) after x and y were summed
-      for (std::size_t y_end = 0; y_end < 2; ++y_end)
-        for (std::size_t b = 0; b < 3; ++b) {
-          double line[3] = {};  // derivatives (a) after x was summed
-          for (std::size_t x_end = 0; x_end < 2; ++x_end) {
-            const double* values = corners[x_end + 2 * y_end + 4 * z_end]->data() + 3 * b + 9 * c;
-            for (std::size_t d = 0; d < 3; ++d)
-              for (std::size_t a = 0; a < 3; ++a) line[d] += basis[0][d][x_end][a] * values[a];
-          }
-          for (std::size_t d = 0; d < 3; ++d)
-            for (std::size_t e = 0; d + e < 3; ++e) plane[d][e] += basis[1][e][y_end][b] * line[d];
-        }
-      for (std::size_t d = 0; d < 3; ++d)
-        for (std::size_t e = 0; d + e < 3; ++e)
-          for (std::size_t f = 0; d + e + f < 3; ++f)
-            result[d + 3 * e + 9 * f] += basis[2][f][z_end][c] * plane[d][e];
+  for (std::size_t x_end = 0; x_end < 2; ++x_end) {
+    double lines[3][3][3] = {};  // [derivative f along z][e along y][order a at the corner]
+    for (std::size_t y_end = 0; y_end < 2; ++y_end) {
+      double planes[3][9] = {};  // [derivative f along z][orders a + 3 b at the corner]
+      for (std::size_t z_end = 0; z_end < 2; ++z_end) {
+        const double* values = corners[x_end + 2 * y_end + 4 * z_end]->data();
+        for (std::size_t c = 0; c < 3; ++c)
+          for (std::size_t f = 0; f < 3; ++f)
+            for (std::size_t ab = 0; ab < 9; ++ab) planes[f][ab] += z[f][z_end][c] * values[9 * c + ab];
+      }
+      for (std::size_t f = 0; f < 3; ++f)
+        for (std::size_t e = 0; e + f < 3; ++e)
+          for (std::size_t b = 0; b < 3; ++b)
+            for (std::size_t a = 0; a < 3; ++a) lines[f][e][a] += y[e][y_end][b] * planes[f][a + 3 * b];
     }
+    for (std::size_t f = 0; f < 3; ++f)
+      for (std::size_t e = 0; e + f < 3; ++e)
+        for (std::size_t d = 0; d + e + f < 3; ++d)
+          for (std::size_t a = 0; a < 3; ++a) result[d + 3 * e + 9 * f] += x[d][x_end][a] * lines[f][e][a];
+  }
   return result;
 }
 

@@ -1,48 +1,17 @@
 #include "viewer/query_command.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <iostream>
 #include <memory>
-#include <optional>
-#include <span>
+#include <nlohmann/json.hpp>
 
 #include "common/dataset.hpp"
+#include "common/displacement_input.hpp"
 #include "viewer/cell_grid.hpp"
 #include "viewer/force_field.hpp"
 
 namespace palpate {
 namespace {
-
-std::optional<double> parseNumber(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
-std::vector<std::string> wordsIn(const std::string& line) {
-  std::vector<std::string> words;
-  for (std::size_t at = 0; (at = line.find_first_not_of(" \t\r,", at)) != std::string::npos;) {
-    const std::size_t end = std::min(line.find_first_of(" \t\r,", at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = end;
-  }
-  return words;
-}
-
-Eigen::Vector3d parseDisplacement(std::span<const std::string> words, std::string_view where) {
-  if (words.size() != 3)
-    throw badInput("{}: write three numbers, X Y Z in metres, not {}", where, words.size());
-  Eigen::Vector3d displacement;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto number = parseNumber(words[i]);
-    if (!number) throw badInput("{}: \"{}\" is not a finite number", where, words[i]);
-    displacement[static_cast<Eigen::Index>(i)] = *number;
-  }
-  return displacement;
-}
 
 /// Zero without its sign: -0 means nothing to a reader.
 template <class Derived>
@@ -50,27 +19,29 @@ auto plain(const Eigen::MatrixBase<Derived>& values) {
   return (values.array() + 0.0).matrix().eval();
 }
 
-std::string jsonArray(const Eigen::Vector3d& v) {
-  return fmt::format("[{},{},{}]", v.x(), v.y(), v.z());
+nlohmann::ordered_json toJson(const Eigen::Vector3d& v) {
+  return {v[0], v[1], v[2]};
 }
 
 std::string describeJson(const Eigen::Vector3d& displacement, const ForceSample& sample,
                          std::string_view method) {
-  const Eigen::Matrix3d& k = sample.stiffness;
-  return fmt::format(
-      "{{\"displacement\":{},\"force\":{},\"stiffness\":[{},{},{}],\"error_bound\":{},\"inside\":{},"
-      "\"method\":\"{}\"}}\n",
-      jsonArray(displacement), jsonArray(sample.force), jsonArray(k.row(0)), jsonArray(k.row(1)),
-      jsonArray(k.row(2)), std::isfinite(sample.error_bound) ? fmt::format("{}", sample.error_bound) : "null",
-      sample.inside, method);
+  nlohmann::ordered_json answer;
+  answer["displacement"] = toJson(displacement);
+  answer["force"] = toJson(sample.force);
+  for (int row = 0; row < 3; ++row) answer["stiffness"].push_back(toJson(sample.stiffness.row(row)));
+  answer["error_bound"] = nullptr;
+  if (std::isfinite(sample.error_bound)) answer["error_bound"] = sample.error_bound;
+  answer["inside"] = sample.inside;
+  answer["method"] = method;
+  return answer.dump() + '\n';
 }
 
 /// Why a displacement is not covered, for a person.
 std::string describeOutside(const Lattice& lattice, const SpaceTable& space,
                             const Eigen::Vector3d& displacement) {
-  if (displacement.norm() > lattice.radius())
+  if (displacement.stableNorm() > lattice.radius())
     return fmt::format("|displacement| = {:.6g} m is beyond the workspace radius {:.6g} m",
-                       displacement.norm(), lattice.radius());
+                       displacement.stableNorm(), lattice.radius());
   int beyond = 0;
   std::string unsolved;
   for (int c = 0; c < 8; ++c) {
@@ -158,45 +129,34 @@ class Query {
 }  // namespace
 
 ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& output) {
-  const bool from_input = options.displacement == std::vector<std::string>{"-"};
-  std::optional<Eigen::Vector3d> displacement;
-  if (!from_input) displacement = parseDisplacement(options.displacement, "--displacement");
-
   Query query(options, output);
-  if (displacement) query.answer(*displacement);
-  std::string line;
-  for (int number = 1; from_input && std::getline(input, line); ++number) {
-    const std::vector<std::string> words = wordsIn(line);
-    if (!words.empty())
-      query.answer(parseDisplacement(words, fmt::format("standard input, line {}", number)));
-  }
+  forEachDisplacement(options.displacement, input,
+                      [&](const Eigen::Vector3d& displacement) { query.answer(displacement); });
   return query.allInside() ? ExitCode::done : ExitCode::partly_failed;
 }
 
 Verb queryVerb() {
-  return {
-      "query", "Interpolated force and stiffness at displacements of an active node", [](CLI::App& app) {
-        auto options = std::make_shared<QueryOptions>();
-        app.add_option("dataset", options->dataset, "Sealed dataset, OUT.h5")->required()->type_name("FILE");
-        app.add_option("--active", options->active, "Active node; not needed when there is only one")
-            ->type_name("NAME");
-        app.add_option(
-               "--displacement", options->displacement,
-               "Displacement of the active node, metres; or - to read one per line from standard input")
-            ->required()
-            ->expected(1, 3)
-            ->allow_extra_args(false)
-            ->type_name("X Y Z");
-        app.add_option("--method", options->method,
-                       fmt::format("Interpolation: {}", fmt::join(forceFieldMethods(), " or ")))
-            ->capture_default_str();
-        app.add_flag("--json", options->json, "One JSON object per line");
-        app.footer(
-            "Exit code 3: some displacement lies outside of the covered region (outside the workspace ball, "
-            "or next to a\n"
-            "lattice point that was not solved). It is answered all the same, marked \"inside\": false.");
-        return std::function<ExitCode()>([options] { return query(*options, std::cin, std::cout); });
-      }};
+  return {"query", "Interpolated force and stiffness at displacements of an active node", [](CLI::App& app) {
+            auto options = std::make_shared<QueryOptions>();
+            app.add_option("DATASET", options->dataset, "Sealed dataset, OUT.h5, as palpate build makes it")
+                ->required()
+                ->type_name("FILE");
+            app.add_option("--active", options->active, "Active node; not needed when there is only one")
+                ->type_name("NAME");
+            addDisplacementOption(app, options->displacement);
+            app.add_option("--method", options->method,
+                           fmt::format("Interpolation: {}", fmt::join(forceFieldMethods(), " or ")))
+                ->capture_default_str();
+            app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
+            app.footer(
+                "Prints the force on the tool in N and the stiffness d force / d displacement in N/m.\n"
+                "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 some displacement lies outside of the "
+                "covered region "
+                "(outside\nthe workspace ball, or next to a lattice point that was not solved; it is "
+                "answered all "
+                "the same, and marked), 130 interrupted.");
+            return std::function<ExitCode()>([options] { return query(*options, std::cin, std::cout); });
+          }};
 }
 
 }  // namespace palpate

@@ -126,7 +126,7 @@ void printMesh(const Report& report) {
   const MeshQuality& quality = report.quality;
   fmt::print("mesh       {}: {} nodes, {} tetrahedra, {} surface triangles with {} nodes, {} piece(s)\n",
              report.problem.scene.mesh.filename().string(), mesh.nodes.size(), mesh.tetrahedra.size(),
-             mesh.surface.size(), surfaceNodes(mesh).size(), quality.components);
+             mesh.surface.size(), surfaceNodes(mesh).size(), quality.pieces);
   fmt::print("           from {} to {} m, {:.4g} litres\n", text(quality.lowest), text(quality.highest),
              1000 * quality.volume);
   fmt::print(
@@ -196,7 +196,7 @@ nlohmann::ordered_json meshJson(const Report& report) {
       {"tetrahedra", mesh.tetrahedra.size()},
       {"surface_triangles", mesh.surface.size()},
       {"surface_nodes", surfaceNodes(mesh).size()},
-      {"pieces", quality.components},
+      {"pieces", quality.pieces},
       {"groups", groups},
       {"dropped_nodes", mesh.dropped_nodes},
       {"reoriented_tetrahedra", mesh.reoriented_tetrahedra},
@@ -257,7 +257,9 @@ ExitCode check(const CheckOptions& options) {
 
 std::function<ExitCode()> prepare(CLI::App& app) {
   auto options = std::make_shared<CheckOptions>();
-  app.add_option("SCENE", options->scene, "The scene, a TOML file (docs/scene.md)")->required();
+  app.add_option("SCENE", options->scene, "The scene, a TOML file (docs/scene.md)")
+      ->required()
+      ->type_name("FILE");
   app.add_flag("--json", options->json, "One JSON object, lengths in metres");
   return [options] { return check(*options); };
 }

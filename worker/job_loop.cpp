@@ -11,9 +11,9 @@ namespace palpate {
 namespace {
 
 /// The solver of one problem, with what a result has to say about where it comes from.
-class Bench {
+class ProblemSolver {
  public:
-  Bench(std::shared_ptr<const Problem> problem, const ElementKernels& kernels)
+  ProblemSolver(std::shared_ptr<const Problem> problem, const ElementKernels& kernels)
       : problem_(std::move(problem)),
         lattice_(problem_->scene.workspace.radius, problem_->scene.workspace.spacing),
         build_(problemId(*problem_)),
@@ -59,7 +59,7 @@ class Bench {
     *result.mutable_parent() = job.start();
     result.set_job(job.id());
     result.set_attempt(target.attempt());
-    result.set_kernel_family(solver_.system().kernels().family);
+    result.set_kernel_family(arithmetic(solver_.system().kernels()));
   }
 
   std::shared_ptr<const Problem> problem_;
@@ -72,13 +72,13 @@ class Bench {
 
 void solveJobs(Mailbox& mailbox, const ElementKernels& kernels) {
   try {
-    std::optional<Bench> bench;
+    std::optional<ProblemSolver> solver;
     while (const auto ready = mailbox.next()) {
-      if (!bench || bench->problem() != ready->problem) {
-        bench.reset();  // one MUMPS instance at a time
-        bench.emplace(ready->problem, kernels);
+      if (!solver || solver->problem() != ready->problem) {
+        solver.reset();  // one MUMPS instance at a time
+        solver.emplace(ready->problem, kernels);
       }
-      bench->solve(*ready, mailbox);
+      solver->solve(*ready, mailbox);
     }
     mailbox.solverEnds("");
   } catch (const std::exception& error) {

@@ -1,5 +1,7 @@
 #include "worker/kernel_family.hpp"
 
+#include <cblas.h>
+
 #include <cstdlib>
 #include <string_view>
 
@@ -31,6 +33,10 @@ const ElementKernels& chooseKernels() {
     names += names.empty() ? kernels->family : std::string(", ") + kernels->family;
   }
   throw badInput("PALPATE_KERNELS={}: this machine runs {}", wanted, names);
+}
+
+std::string arithmetic(const ElementKernels& kernels) {
+  return std::string(kernels.family) + "/" + openblas_get_corename();
 }
 
 }  // namespace palpate

@@ -13,6 +13,10 @@ namespace palpate {
 /// records its family.
 const ElementKernels& chooseKernels();
 
+/// What the bits of a result depend on: the element kernels and the kernels that OpenBLAS chose for this CPU,
+/// for instance "avx512/SkylakeX". The environment variable OPENBLAS_CORETYPE chooses the latter.
+std::string arithmetic(const ElementKernels& kernels);
+
 /// All that this CPU runs, fastest first.
 std::vector<const ElementKernels*> supportedKernels();
 

@@ -1,10 +1,9 @@
 #include "worker/linear_solver.hpp"
 
+#include <cblas.h>
 #include <dmumps_c.h>
 
 #include "common/error.hpp"
-
-extern "C" void openblas_set_num_threads(int);
 
 namespace palpate {
 namespace {

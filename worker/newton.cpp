@@ -9,9 +9,10 @@ namespace {
 /// Sufficient decrease of the residual norm, per unit of step (Armijo).
 constexpr double sufficient_decrease = 1e-4;
 
-/// A state without a residual: the element is inverted (ln det F does not exist) or something overflowed.
+/// A state without a residual: the element is inverted (ln det F does not exist) or something overflowed,
+/// then det F may be NaN.
 Cause causeOfNotFinite(const Residual& residual) {
-  return residual.min_det_F > 0 ? Cause::not_finite : Cause::inverted_element;
+  return residual.min_det_F <= 0 ? Cause::inverted_element : Cause::not_finite;
 }
 
 }  // namespace

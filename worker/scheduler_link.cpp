@@ -76,7 +76,7 @@ void SchedulerLink::sayHello() {
   hello.set_worker(worker_id_);
   hello.set_host(hostName());
   hello.set_pid(static_cast<std::uint32_t>(getpid()));
-  hello.set_kernel_family(kernels_.family);
+  hello.set_kernel_family(arithmetic(kernels_));
   send(message);
   last_sent_hello_ = Clock::now();
 }
@@ -93,7 +93,7 @@ void SchedulerLink::forgetWork() {
   mailbox_.forgetJobs();
 }
 
-void SchedulerLink::handle(Incoming incoming) {
+void SchedulerLink::handle(const Incoming& incoming) {
   const wire::Message& message = incoming.message;
   if (message.body_case() == wire::Message::BODY_NOT_SET) return;
   last_heard_ = Clock::now();
@@ -285,7 +285,7 @@ LinkEnd SchedulerLink::run() {
     } catch (const zmq::error_t& error) {
       if (error.num() != EINTR) throw failure("ZeroMQ poll: {}", error.what());
     }
-    while (auto incoming = receiveMessage(socket_, false)) handle(std::move(*incoming));
+    while (const auto incoming = receiveMessage(socket_, false)) handle(*incoming);
     deliverFinished();
     if (const auto error = mailbox_.solverError()) throw failure("the solver stopped: {}", *error);
 

@@ -58,7 +58,7 @@ class SchedulerLink {
   void sayHello();
   void send(const wire::Message& message, std::string_view payload = {});
   void requestJobs(std::uint32_t credit);
-  void handle(Incoming incoming);
+  void handle(const Incoming& incoming);
   void handleWelcome(const wire::Welcome& welcome);
   void handleProblem(const wire::ProblemReply& reply, const std::string& payload);
   void handleJob(const wire::Job& job);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <iostream>
 #include <memory>
@@ -33,7 +34,20 @@ std::size_t spaceNamed(const Problem& problem, const std::string& name) {
     names += (names.empty() ? "" : ", ") + problem.active[space].name;
   }
   if (name.empty() && problem.active.size() == 1) return 0;
-  throw badInput("--active \"{}\": the scene has {}", name, names);
+  if (name.empty()) throw badInput("the scene has several active nodes; choose one with --active: {}", names);
+  throw badInput("--active {}: there is no active node of that name; there are: {}", name, names);
+}
+
+/// Further than this the tool does not meet the body any more, so another unit was meant.
+void refuseMistakenUnit(const Problem& problem, const Eigen::Vector3d& displacement) {
+  Eigen::AlignedBox3d body;
+  for (const Eigen::Vector3d& node : problem.mesh.nodes) body.extend(node);
+  const double diagonal = body.diagonal().norm();
+  if (displacement.stableNorm() > 3 * diagonal)
+    throw badInput(
+        "displacement ({:g}, {:g}, {:g}) m is more than 3 times the diagonal of the body's bounding box "
+        "({:.4g} m); displacements are in metres",
+        displacement[0], displacement[1], displacement[2], diagonal);
 }
 
 /// The whole way from rest to `target`, in equal transitions (which adapt their steps inside).
@@ -128,6 +142,7 @@ ExitCode solve(const SolveOptions& options) {
   Path path(solver, problem.scene.workspace.spacing, options.steps);
   bool all_converged = true;
   forEachDisplacement(options.displacement, std::cin, [&](const Eigen::Vector3d& displacement) {
+    refuseMistakenUnit(problem, displacement);
     const Outcome outcome = path.walkTo(displacement);
     all_converged &= outcome.converged;
     options.json ? printJson(displacement, outcome) : printText(displacement, outcome);
@@ -138,13 +153,21 @@ ExitCode solve(const SolveOptions& options) {
 
 std::function<ExitCode()> prepare(CLI::App& app) {
   auto options = std::make_shared<SolveOptions>();
-  app.add_option("scene", options->scene, "Scene file (TOML)")->required();
-  app.add_option("--active", options->active, "Name of the active node; may be left out when there is one");
+  app.add_option("SCENE", options->scene, "The scene, a TOML file (docs/scene.md)")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--active", options->active, "Active node; not needed when there is only one")
+      ->type_name("NAME");
   addDisplacementOption(app, options->displacement);
   app.add_option("--steps", options->steps, "Equal transitions from rest; default: one per lattice spacing")
       ->check(CLI::Range(1, 100000));
-  app.add_flag("--json", options->json, "One JSON object per line");
-  app.footer("Exit code 3 when a displacement was not reached; the answer then says why.");
+  app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
+  app.footer(
+      "Prints the force on the tool in N, the stiffness d force / d displacement in N/m and the energy in "
+      "J.\n"
+      "Exit codes: 0 done, 1 failed, 2 wrong usage or scene, 3 some displacement was not reached (the "
+      "answer\n"
+      "says why), 130 interrupted.");
   return [options] { return solve(*options); };
 }
 

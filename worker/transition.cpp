@@ -84,9 +84,10 @@ bool TransitionSolver::accept(NewtonResult& newton, const Eigen::Vector3d& displ
     return false;
   }
   Equilibrium equilibrium;
-  equilibrium.force = -newton.residual.tool;
+  // Subtracted from zero, so that a zero is plain 0 and not -0.
+  equilibrium.force = Eigen::Vector3d::Zero() - newton.residual.tool;
   const Eigen::Matrix3d K = newton.tangent.tool + newton.tangent.tool_coupling.transpose() * sensitivity;
-  equilibrium.stiffness = -0.5 * (K + K.transpose());
+  equilibrium.stiffness = Eigen::Matrix3d::Zero() - 0.5 * (K + K.transpose());
   equilibrium.energy = newton.residual.energy;
   equilibrium.min_det_F = newton.residual.min_det_F;
   if (!equilibrium.stiffness.allFinite() || !equilibrium.force.allFinite() ||
@@ -130,12 +131,13 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
       from = &reached.end;
       at = next;
       if (newton.iterations <= options_.easy_iterations) step *= 2;
-      continue;
+      failure = failureOf(Cause::step_budget, newton);
+    } else {
+      step = (next - at) / 2;
     }
-    step = (next - at) / 2;
     const bool too_small = step < options_.smallest_step;
     const bool too_costly = outcome.cost.factorizations >= options_.max_factorizations;
-    if (too_small || too_costly) {
+    if (at < 1 && (too_small || too_costly)) {
       outcome.failure = failure;
       outcome.failure.step_reached = at;
       if (!too_small) outcome.failure.cause = Cause::step_budget;

@@ -92,6 +92,7 @@ ExitCode superviseWorkers(const WorkOptions& options) {
     Clock::time_point started;
   };
   std::vector<Child> children;
+  children.reserve(options.workers);
   for (int n = 0; n < options.workers; ++n) children.push_back({startChild(options), Clock::now()});
 
   ExitCode result = ExitCode::done;

@@ -248,6 +248,21 @@ TEST_F(SealedDataset, StaysWhenTheNextOneCannotBeSealed) {
   EXPECT_FALSE(std::filesystem::exists(aside));
 }
 
+TEST_F(SealedDataset, IsNotSealedFromArgumentsThatDoNotFitTogether) {
+  const auto seal = [&](const Lattice& lattice, const std::vector<SpaceTable>& spaces) {
+    sealDataset(directory / "no.h5", sample.problem, lattice, spaces, "portable",
+                [this](std::size_t space, std::int32_t point) { return sample.fields(space, point); });
+  };
+  const std::vector<SpaceTable> exchanged = {sample.spaces[1], sample.spaces[0]}, one = {sample.spaces[0]};
+  std::vector<SpaceTable> shorter = sample.spaces;
+  shorter[1].points.pop_back();
+  expectError(ExitCode::failed, [&] { seal(Lattice(0.02, 0.005), sample.spaces); }, {"no.h5", "lattice"});
+  expectError(ExitCode::failed, [&] { seal(sample.lattice, one); }, {"1 spaces", "2 active"});
+  expectError(ExitCode::failed, [&] { seal(sample.lattice, exchanged); }, {"space 0", "edge-2", "tip"});
+  expectError(ExitCode::failed, [&] { seal(sample.lattice, shorter); }, {"edge-2", "32 points", "33"});
+  EXPECT_FALSE(std::filesystem::exists(directory / "no.h5"));
+}
+
 TEST_F(SealedDataset, StaysWhenTheDiskIsFull) {
   const std::string before = bytesIn(file);
   // A file size limit makes write() fail as a full disk does; in a child, because it is for the whole

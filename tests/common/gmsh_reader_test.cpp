@@ -243,7 +243,7 @@ TEST_F(GmshReader, ReadsTheRealLivers) {
   EXPECT_EQ(mesh.nodes.size(), 493u);
   EXPECT_EQ(mesh.tetrahedra.size(), 1535u);
   EXPECT_NEAR(measure(mesh).volume, 1.27e-3, 5e-6);
-  EXPECT_EQ(measure(mesh).components, 1);
+  EXPECT_EQ(measure(mesh).pieces, 1);
   EXPECT_EQ(readGmsh(large).tetrahedra.size(), 26732u);
 }
 

@@ -54,7 +54,7 @@ TEST(Mesh, EverySharedBodyIsPositiveAndWellShaped) {
                          test::blobMesh(), test::tetrahedronMesh()};
   for (const Mesh& mesh : bodies) {
     EXPECT_GT(measure(mesh).worst_shape, 0.1);
-    EXPECT_EQ(measure(mesh).components, 1);
+    EXPECT_EQ(measure(mesh).pieces, 1);
     for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) EXPECT_GT(sixVolume(mesh, e), 0);
   }
 }
@@ -164,7 +164,7 @@ TEST(Mesh, NumbersThePiecesInTheOrderOfTheirFirstNodes) {
   mesh.tetrahedra.push_back({4, 5, 6, 7});
   finishMesh(mesh, "two");
   EXPECT_THAT(pieceOfNode(mesh), ElementsAre(0, 0, 0, 0, 1, 1, 1, 1));
-  EXPECT_EQ(measure(mesh).components, 2);
+  EXPECT_EQ(measure(mesh).pieces, 2);
 }
 
 }  // namespace

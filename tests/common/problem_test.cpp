@@ -156,6 +156,11 @@ TEST_F(Problem, RefusesAWorkspaceMuchLargerThanTheBody) {
   refuses({"workspace.radius = 1.1 m", "0.3464 m"});
 }
 
+TEST_F(Problem, RefusesALatticeOfTooManyPoints) {
+  scene.workspace = {.radius = 0.1, .spacing = 0.0005};
+  refuses({"workspace.spacing", "larger spacing"});
+}
+
 TEST_F(Problem, TravelsAsBytesBitForBit) {
   scene.active.push_back({"side", Eigen::Vector3d(0.2, 0.1 + 0.2, 0.1), std::nullopt, 0.06});
   const palpate::Problem problem = resolved();

@@ -18,7 +18,8 @@ inline Scene mooneyRivlinScene() {
   return scene;
 }
 
-/// St. Venant-Kirchhoff, the modified or the linear law: the paper's Young's modulus, displacement only where it may be.
+/// St. Venant-Kirchhoff, the modified or the linear law: the paper's Young's modulus, displacement only where
+/// it may be.
 inline Scene youngScene(LawName law, double poisson = 0.3) {
   Scene scene = mooneyRivlinScene();
   scene.material = {};

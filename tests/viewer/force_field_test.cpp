@@ -168,6 +168,31 @@ TEST_P(EveryField, ContinuesASolvedPointCloseByWhereNothingIsCovered) {
             0.2 * rim.force.norm());
 }
 
+/// Distance from `p` to the nearest solved point.
+double distanceToSolved(const Lattice& lattice, const SpaceTable& space, const Vector3d& p) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::int32_t n = 0; n < lattice.size(); ++n)
+    if (isSolved(space.points[n].tag)) nearest = std::min(nearest, (lattice.displacement(n) - p).norm());
+  return nearest;
+}
+
+TEST(CellGrid, FindsASolvedPointCloseByHoweverFewThereAre) {
+  const Lattice lattice(radius, 0.0025);
+  SpaceTable space = solvedSpace(lattice, StiffeningEnergy());
+  std::mt19937 random(7);
+  for (std::int32_t n = 1; n < lattice.size(); ++n)
+    if (random() % 64 != 0) space.points[n].tag = Tag::failed;
+  const CellGrid grid(lattice, space);
+  for (const Vector3d& p : pointsWithin(0.02, 1000)) {
+    const CellPlace place = grid.find(p);
+    ASSERT_EQ(place.corners, nullptr);
+    ASSERT_TRUE(isSolved(space.points[place.nearest].tag));
+    // The nearest to the centre of the cell, which is up to half a diagonal away.
+    EXPECT_LE((lattice.displacement(place.nearest) - p).norm(),
+              distanceToSolved(lattice, space, p) + std::sqrt(3.0) * lattice.spacing());
+  }
+}
+
 TEST_P(EveryField, NeedsASolvedPoint) {
   const Lattice lattice(radius, 0.01);
   SpaceTable space = solvedSpace(lattice, StiffeningEnergy());

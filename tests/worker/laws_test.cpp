@@ -57,7 +57,8 @@ class LawTest : public ::testing::Test {
         law.evaluate(strainOf(down), W_down, S_down);
         EXPECT_NEAR((W_up - W_down) / (2 * h), S[j], 1e-7 * modulus) << "stress component " << j;
         for (int i = 0; i < 6; ++i)
-          EXPECT_NEAR((S_up[i] - S_down[i]) / (2 * h), D[i][j], 1e-6 * modulus) << "tangent " << i << "," << j;
+          EXPECT_NEAR((S_up[i] - S_down[i]) / (2 * h), D[i][j], 1e-6 * modulus)
+              << "tangent " << i << "," << j;
       }
     }
   }
@@ -70,7 +71,9 @@ TEST_F(LawTest, StVenantKirchhoffStressAndTangentAreDerivativesOfItsEnergy) {
   expectConsistent(StVenantKirchhoff{254537, 5194.6}, 1e6);
 }
 
-TEST_F(LawTest, MooneyRivlinStressAndTangentAreDerivativesOfItsEnergy) { expectConsistent(MooneyRivlin{1300, 1280}, 1e4); }
+TEST_F(LawTest, MooneyRivlinStressAndTangentAreDerivativesOfItsEnergy) {
+  expectConsistent(MooneyRivlin{1300, 1280}, 1e4);
+}
 
 TEST_F(LawTest, MooneyRivlinIsThePapersEnergyWithoutItsMisprintWhereVolumeIsKept) {
   const MooneyRivlin law{1300, 1280};

@@ -40,15 +40,16 @@ std::vector<Scene> everyFormulation() {
 }
 
 std::string nameOf(const Scene& scene) {
-  return std::string(word(scene.material.law)) + ", " + std::string(word(scene.discretization.pressure)) + ", " +
-         std::string(word(scene.discretization.constraint));
+  return std::string(word(scene.material.law)) + ", " + std::string(word(scene.discretization.pressure)) +
+         ", " + std::string(word(scene.discretization.constraint));
 }
 
 /// A small clamped body with a patch of several nodes as the tool, at a random admissible state.
 class SystemTest : public ::testing::Test {
  protected:
   void prepare(const Scene& scene, const ElementKernels& kernels = chooseKernels()) {
-    problem_ = test::clampedProblem(scene, test::distortedBoxMesh({0.2, 0.1, 0.1}, {3, 2, 2}), {0.2, 0.1, 0.1}, 0.06);
+    problem_ = test::clampedProblem(scene, test::distortedBoxMesh({0.2, 0.1, 0.1}, {3, 2, 2}),
+                                    {0.2, 0.1, 0.1}, 0.06);
     ASSERT_GT(problem_.active[0].nodes.size(), 1u);
     system_.emplace(problem_, kernels);
     std::mt19937 random(3);
@@ -88,7 +89,8 @@ class SystemTest : public ::testing::Test {
   }
 
   bool isHeld(std::int32_t unknown) const {
-    return residual_.free[unknown] == 0 && (nudged(unknown, 1e-3).u == state_.u) && (nudged(unknown, 1e-3).q == state_.q);
+    return residual_.free[unknown] == 0 && (nudged(unknown, 1e-3).u == state_.u) &&
+           (nudged(unknown, 1e-3).q == state_.q);
   }
 
   Problem problem_;
@@ -105,13 +107,16 @@ TEST_F(SystemTest, ResidualIsTheDerivativeOfTheEnergy) {
     prepare(scene);
     const double tolerance = 1e-6 * residual_.free.cwiseAbs().maxCoeff();
     for (std::int32_t unknown = 0; unknown < system_->unknowns(); ++unknown) {
-      const double slope = (residualAt(nudged(unknown, h)).energy - residualAt(nudged(unknown, -h)).energy) / (2 * h);
+      const double slope =
+          (residualAt(nudged(unknown, h)).energy - residualAt(nudged(unknown, -h)).energy) / (2 * h);
       ASSERT_NEAR(slope, residual_.free[unknown], tolerance) << nameOf(scene) << ", unknown " << unknown;
     }
     for (int direction = 0; direction < 3; ++direction) {
       const double slope =
-          (residualAt(toolNudged(direction, h)).energy - residualAt(toolNudged(direction, -h)).energy) / (2 * h);
-      ASSERT_NEAR(slope, residual_.tool[direction], tolerance) << nameOf(scene) << ", tool direction " << direction;
+          (residualAt(toolNudged(direction, h)).energy - residualAt(toolNudged(direction, -h)).energy) /
+          (2 * h);
+      ASSERT_NEAR(slope, residual_.tool[direction], tolerance)
+          << nameOf(scene) << ", tool direction " << direction;
     }
   }
 }
@@ -126,14 +131,19 @@ TEST_F(SystemTest, TangentIsTheDerivativeOfTheResidual) {
       if (isHeld(unknown)) continue;
       const Residual up = residualAt(nudged(unknown, h)), down = residualAt(nudged(unknown, -h));
       const Eigen::VectorXd column = (up.free - down.free) / (2 * h);
-      ASSERT_LT((column - K.col(unknown)).cwiseAbs().maxCoeff(), tolerance) << nameOf(scene) << ", unknown " << unknown;
+      ASSERT_LT((column - K.col(unknown)).cwiseAbs().maxCoeff(), tolerance)
+          << nameOf(scene) << ", unknown " << unknown;
       const Eigen::Vector3d coupling = (up.tool - down.tool) / (2 * h);
-      ASSERT_LT((coupling - tangent_.tool_coupling.row(unknown).transpose()).norm(), tolerance) << nameOf(scene);
+      ASSERT_LT((coupling - tangent_.tool_coupling.row(unknown).transpose()).norm(), tolerance)
+          << nameOf(scene);
     }
     for (int direction = 0; direction < 3; ++direction) {
       const Residual up = residualAt(toolNudged(direction, h)), down = residualAt(toolNudged(direction, -h));
-      ASSERT_LT(((up.tool - down.tool) / (2 * h) - tangent_.tool.col(direction)).norm(), tolerance) << nameOf(scene);
-      ASSERT_LT(((up.free - down.free) / (2 * h) - tangent_.tool_coupling.col(direction)).cwiseAbs().maxCoeff(), tolerance);
+      ASSERT_LT(((up.tool - down.tool) / (2 * h) - tangent_.tool.col(direction)).norm(), tolerance)
+          << nameOf(scene);
+      ASSERT_LT(
+          ((up.free - down.free) / (2 * h) - tangent_.tool_coupling.col(direction)).cwiseAbs().maxCoeff(),
+          tolerance);
     }
   }
 }
@@ -148,7 +158,8 @@ TEST_F(SystemTest, EveryKernelFamilyComputesTheSameToRounding) {
       EXPECT_NEAR(residual_.energy, baseline.energy, 1e-12 * std::abs(baseline.energy)) << kernels->family;
       EXPECT_LT((residual_.free - baseline.free).norm(), 1e-12 * baseline.free.norm()) << kernels->family;
       for (std::size_t entry = 0; entry < tangent_.values.size(); ++entry)
-        ASSERT_NEAR(tangent_.values[entry], baseline_tangent.values[entry], 1e-9) << kernels->family << ", " << nameOf(scene);
+        ASSERT_NEAR(tangent_.values[entry], baseline_tangent.values[entry], 1e-9)
+            << kernels->family << ", " << nameOf(scene);
     }
   }
 }
@@ -189,7 +200,8 @@ TEST_F(SystemTest, ChangingTheToolAndBackChangesNothing) {
   System fresh(problem, chooseKernels()), used(problem, chooseKernels());
   used.chooseTool(1);
   used.chooseTool(0);
-  const State state = fresh.moved(fresh.restState(), Eigen::VectorXd::Constant(fresh.unknowns(), 1e-3), 1, {0, 0, 1e-3});
+  const State state =
+      fresh.moved(fresh.restState(), Eigen::VectorXd::Constant(fresh.unknowns(), 1e-3), 1, {0, 0, 1e-3});
   Residual a, b;
   Tangent ka, kb;
   fresh.assemble(state, a, ka);
@@ -200,14 +212,16 @@ TEST_F(SystemTest, ChangingTheToolAndBackChangesNothing) {
   EXPECT_EQ(ka.tool, kb.tool);
 }
 
-/// Homogeneous states are exact on any mesh (closed forms: docs/numerics.md). The body is stretched along x with its sides free of
-/// stress; the resultant on the end face over its area is the nominal stress.
+/// Homogeneous states are exact on any mesh (closed forms: docs/numerics.md). The body is stretched along x
+/// with its sides free of stress; the resultant on the end face over its area is the nominal stress.
 class HomogeneousState : public ::testing::Test {
  protected:
-  /// Nominal stress along x, Pa, in the diagonal deformation `stretches` at pressure `p`; all inner and side forces must vanish.
+  /// Nominal stress along x, Pa, in the diagonal deformation `stretches` at pressure `p`; all inner and side
+  /// forces must vanish.
   static double nominalStress(const Scene& scene, const Eigen::Vector3d& stretches, double p) {
     const Eigen::Vector3d size(0.2, 0.1, 0.1);
-    const Problem problem = test::clampedProblem(scene, test::distortedBoxMesh(size, {3, 2, 2}), {0.2, 0.1, 0.1});
+    const Problem problem =
+        test::clampedProblem(scene, test::distortedBoxMesh(size, {3, 2, 2}), {0.2, 0.1, 0.1});
     const System system(problem, chooseKernels());
     State state = system.restState();
     for (std::size_t node = 0; node < problem.mesh.nodes.size(); ++node)
@@ -237,7 +251,8 @@ class HomogeneousState : public ::testing::Test {
 TEST_F(HomogeneousState, MooneyRivlinInUniaxialStretch) {
   const struct {
     double stretch, stress_kPa;
-  } table[] = {{0.5, -27.02}, {0.8, -4.4225}, {0.9, -1.82154}, {1.1, 1.34787}, {1.2, 2.39296}, {1.5, 4.54593}, {2, 6.79}};
+  } table[] = {{0.5, -27.02},  {0.8, -4.4225}, {0.9, -1.82154}, {1.1, 1.34787},
+               {1.2, 2.39296}, {1.5, 4.54593}, {2, 6.79}};
   for (const auto& row : table)
     for (const Constraint constraint : {Constraint::ln_det_F, Constraint::det_F_minus_1})
       for (const PressureSpace pressure : {PressureSpace::p1, PressureSpace::p1_stabilized}) {
@@ -247,8 +262,8 @@ TEST_F(HomogeneousState, MooneyRivlinInUniaxialStretch) {
         const double p = 2 * c10 * (1 / l - I1 / 3) + 2 * c01 * ((I1 - 1 / l) / l - 2 * I2 / 3);
         const double exact = 2 * (l - 1 / (l * l)) * (c10 + c01 / l);
         ASSERT_NEAR(exact / 1000, row.stress_kPa, 1e-4);
-        EXPECT_NEAR(nominalStress(with(mooneyRivlinScene(), pressure, constraint), {l, across, across}, p), exact,
-                    1e-9 * std::abs(exact))
+        EXPECT_NEAR(nominalStress(with(mooneyRivlinScene(), pressure, constraint), {l, across, across}, p),
+                    exact, 1e-9 * std::abs(exact))
             << "stretch " << l;
       }
 }
@@ -277,7 +292,7 @@ TEST_F(HomogeneousState, ModifiedStVenantKirchhoffWithAndWithoutLambda) {
     for (const double l : {0.6, 0.8, 1.2, 1.5}) {
       const double g1 = (l * l - 1) / 2, g2 = (1 / l - 1) / 2, trace = g1 + 2 * g2;
       const double S1 = lambda * trace + 2 * mu * g1, S2 = lambda * trace + 2 * mu * g2;
-      const double p = S2 / l;                   // frees the sides: S2 - p C22^-1 = 0
+      const double p = S2 / l;  // frees the sides: S2 - p C22^-1 = 0
       const double exact = l * (S1 - p / (l * l));
       const double across = 1 / std::sqrt(l);
       EXPECT_NEAR(nominalStress(scene, {l, across, across}, p), exact, 1e-9 * std::abs(exact)) << l;

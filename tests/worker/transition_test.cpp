@@ -52,7 +52,8 @@ TEST_F(TransitionTest, ForceIsMinusTheGradientOfTheEnergyAndStiffnessItsDerivati
       const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
       const Equilibrium up = equilibriumAt(target + e), down = equilibriumAt(target - e);
       EXPECT_NEAR((up.energy - down.energy) / (2 * h), -here.force[i], 1e-6 * here.force.norm());
-      EXPECT_LT(((up.force - down.force) / (2 * h) - here.stiffness.col(i)).norm(), 1e-6 * here.stiffness.norm());
+      EXPECT_LT(((up.force - down.force) / (2 * h) - here.stiffness.col(i)).norm(),
+                1e-6 * here.stiffness.norm());
     }
     EXPECT_EQ(here.stiffness, here.stiffness.transpose());
     EXPECT_LT(here.force.dot(target), 0) << "the tissue pulls the tool back";
@@ -118,7 +119,8 @@ TEST_F(TransitionTest, ThePatchMovesRigidlyAndTheFixedNodesStay) {
   ASSERT_TRUE(outcome.converged);
   ASSERT_GT(problem_.active[0].nodes.size(), 1u);
   for (const std::int32_t node : problem_.active[0].nodes)
-    for (int i = 0; i < 3; ++i) EXPECT_EQ(outcome.fields.displacement[3 * node + i], static_cast<float>(target[i]));
+    for (int i = 0; i < 3; ++i)
+      EXPECT_EQ(outcome.fields.displacement[3 * node + i], static_cast<float>(target[i]));
   for (const std::int32_t node : problem_.fixed)
     for (int i = 0; i < 3; ++i) EXPECT_EQ(outcome.fields.displacement[3 * node + i], 0.0f);
 }
@@ -128,8 +130,8 @@ TEST_F(TransitionTest, TheReactionIsTheLagrangeMultiplierOfThePaper) {
   const Eigen::Vector3d target(0.004, 0.01, -0.006);
   const Equilibrium eliminated = equilibriumAt(target);
 
-  // The same equations with the tool's displacement a an unknown and a = p a constraint with multiplier l (Sec. 3 of the
-  // paper): r_f = 0, r_a + l = 0, a - p = 0. l is the force of the tissue on the tool.
+  // The same equations with the tool's displacement a an unknown and a = p a constraint with multiplier l
+  // (Sec. 3 of the paper): r_f = 0, r_a + l = 0, a - p = 0. l is the force of the tissue on the tool.
   const System& system = solver_->system();
   const int n = system.unknowns();
   State state = system.restState();
@@ -174,7 +176,8 @@ TEST_F(TransitionTest, WhatCannotBeReachedFailsWithACauseAndNumbersWithinTheBudg
   EXPECT_NE(outcome.failure.cause, Cause::none);
   EXPECT_GE(outcome.failure.element, 0);
   EXPECT_LT(outcome.failure.step_reached, 1);
-  EXPECT_LE(outcome.cost.factorizations, TransitionOptions{}.max_factorizations + NewtonOptions{}.max_iterations + 1);
+  EXPECT_LE(outcome.cost.factorizations,
+            TransitionOptions{}.max_factorizations + NewtonOptions{}.max_iterations + 1);
   EXPECT_TRUE(outcome.fields.displacement.empty());
 }
 
@@ -191,6 +194,18 @@ TEST_F(TransitionTest, AConvergedStateWithAnInvertedElementIsRefusedUnlessTheSce
   const Outcome allowed = reach(through_the_body);
   ASSERT_TRUE(allowed.converged);
   EXPECT_LT(allowed.equilibrium.min_det_F, 0);
+}
+
+TEST_F(TransitionTest, AForceOfZeroHasNoSign) {
+  clamp(test::clampedProblem(youngScene(LawName::linear), test::blobMesh(), blob_tip));
+  const Eigen::Vector3d force = equilibriumAt(Eigen::Vector3d::Zero()).force;
+  EXPECT_EQ(force, Eigen::Vector3d::Zero());
+  for (const double component : force) EXPECT_FALSE(std::signbit(component));
+}
+
+TEST_F(TransitionTest, ADisplacementThatOverflowsIsNotFiniteAndInvertsNothing) {
+  clamp(mooneyRivlinScene());
+  EXPECT_EQ(reach({1e300, 0, 0}).failure.cause, Cause::not_finite);
 }
 
 TEST_F(TransitionTest, AStarvedNewtonNamesWhatItRanOutOf) {

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <utility>
+
+#include "common/gmsh_reader.hpp"
+#include "common/problem.hpp"
+
+namespace palpate::test {
+
+/// The tip of the left lobe of liver-493 and its finer meshes, metres.
+inline const Eigen::Vector3d liver_tip(0.0582, 0.1344, 0.0025);
+
+/// `scene` on one of the reference livers as getfem_reference.py holds and touches it by default: fixed where
+/// x is in the lowest 15 %, one active node at the tip.
+inline Problem liverProblem(Scene scene, const std::filesystem::path& mesh) {
+  scene.fixed = {};
+  scene.fixed.half_spaces = {{0, true, 0.15, std::nullopt}};
+  ActiveSelection active;
+  active.name = "tip";
+  active.near = liver_tip;
+  scene.active = {active};
+  return resolve(std::move(scene), readGmsh(mesh));
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,104 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "common/scene.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace palpate {
+namespace {
+
+using nlohmann::json;
+using test::CommandResult;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+/// A blob of 125 nodes in a file, its side xmin held, a patch at the other end.
+class SolveCommand : public ::testing::Test {
+ protected:
+  SolveCommand() {
+    scene.name = "blob";
+    scene.mesh = "blob.msh";
+    scene.material.c10 = 1300;
+    scene.material.c01 = 1280;
+    scene.fixed.groups = {"xmin"};
+    scene.active = {{"tip", Eigen::Vector3d(0.1, 0, 0.02), std::nullopt, 0.04}};
+    test::writeGmsh22(test::blobMesh(), directory / "blob.msh");
+  }
+
+  CommandResult solve(const std::string& options) {
+    std::ofstream(directory / "blob.toml") << resolvedToml(scene);
+    return test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-worker solve " +
+                            (directory / "blob.toml").string() + " " + options);
+  }
+
+  test::TemporaryDirectory directory;
+  Scene scene;
+};
+
+TEST_F(SolveCommand, AnswersInOneJsonObjectPerLine) {
+  const CommandResult result = solve("--json --displacement 0.004 -.002 0");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const json answer = json::parse(result.output);
+  EXPECT_EQ(answer.at("displacement"), json({0.004, -0.002, 0.0}));
+  EXPECT_TRUE(answer.at("converged"));
+  EXPECT_LT(answer.at("force").at(0), 0);
+  EXPECT_GT(answer.at("energy"), 0);
+  EXPECT_EQ(answer.at("stiffness").size(), 3);
+  EXPECT_TRUE(answer.at("failure").is_null());
+}
+
+TEST_F(SolveCommand, AnswersWhatItCanBeforeItNamesALineItCannotRead) {
+  std::ofstream(directory / "lines") << "0.001 0 0\n\n# not a number\nx 0 0\n0.002 0 0\n";
+  const CommandResult result = solve("--json --displacement - < " + (directory / "lines").string());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, AllOf(HasSubstr("\"displacement\":[0.001,0.0,0.0]"),
+                                   HasSubstr("palpate solve: standard input, line 4: \"x\"")));
+  EXPECT_THAT(result.output, ::testing::Not(HasSubstr("0.002")));
+}
+
+TEST_F(SolveCommand, TellsAFailedDisplacementByItsCauseAndExitCode) {
+  scene.material = {.law = LawName::st_venant_kirchhoff, .young = 5000, .poisson = 0.3};
+  scene.discretization.pressure = PressureSpace::none;
+  const CommandResult result = solve("--json --displacement -0.2 0 0 --steps 1");
+  EXPECT_EQ(result.exit_code, 3) << result.output;
+  const json answer = json::parse(result.output);
+  EXPECT_FALSE(answer.at("converged"));
+  EXPECT_TRUE(answer.at("force").is_null());
+  EXPECT_TRUE(answer.at("failure").is_string());
+}
+
+TEST_F(SolveCommand, RefusesMillimetresTakenForMetres) {
+  const CommandResult result = solve("--displacement 10 0 0");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, AllOf(HasSubstr("(10, 0, 0) m"), HasSubstr("in metres")));
+  EXPECT_EQ(solve("--displacement 1e300 0 0").exit_code, 2);
+}
+
+TEST_F(SolveCommand, AsksForTheActiveNodeOnlyWhenThereAreSeveral) {
+  EXPECT_EQ(solve("--displacement 0 0 0").exit_code, 0);
+  scene.active.push_back({"side", Eigen::Vector3d(0, 0.1, 0), std::nullopt, 0});
+  const CommandResult missing = solve("--displacement 0 0 0");
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_THAT(missing.output, HasSubstr("choose one with --active: tip, side"));
+  EXPECT_THAT(solve("--active top --displacement 0 0 0").output, HasSubstr("there are: tip, side"));
+}
+
+TEST_F(SolveCommand, HelpSaysUnitsAndExitCodes) {
+  EXPECT_THAT(solve("--help").output, AllOf(HasSubstr("Usage: palpate solve"), HasSubstr("metres"),
+                                            HasSubstr("N/m"), HasSubstr("Exit codes: 0 done")));
+}
+
+TEST_F(SolveCommand, UsageErrorsNameTheVerb) {
+  const CommandResult result = solve("--displacement 0 0 0 --tseps 2");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output,
+              AllOf(HasSubstr("palpate solve: "), HasSubstr("--tseps"), HasSubstr("palpate solve --help")));
+}
+
+}  // namespace
+}  // namespace palpate
