@@ -69,22 +69,17 @@ std::string summaryOf(const std::vector<SpaceTable>& spaces) {
   std::string text = fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", "active node", "points",
                                  "expandable", "terminating", "failed", "unknown");
   std::map<std::string_view, int> causes;
-  int unknown = 0;
   for (const SpaceTable& space : spaces) {
     std::array<int, 4> count{};
     for (const PointRecord& point : space.points) {
       ++count.at(static_cast<std::size_t>(point.tag));
       if (point.tag == Tag::failed) ++causes[name(point.cause)];
     }
-    unknown += count[static_cast<std::size_t>(Tag::unknown)];
     text += fmt::format(
         "{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", space.patch.name, space.points.size(),
         count[static_cast<std::size_t>(Tag::expandable)], count[static_cast<std::size_t>(Tag::terminating)],
         count[static_cast<std::size_t>(Tag::failed)], count[static_cast<std::size_t>(Tag::unknown)]);
   }
-  if (unknown > 0)
-    text +=
-        fmt::format("unknown: {} points lie beyond terminating or failed ones and were not tried\n", unknown);
   if (!causes.empty()) {
     const char* before = "failed: ";
     for (const auto& [cause, count] : causes)
