@@ -140,7 +140,7 @@ class SpaceReader {
   }
 
   Cause causeOf(const char* array, std::uint8_t value) const {
-    if (value > static_cast<std::uint8_t>(Cause::worker_lost))
+    if (value > static_cast<std::uint8_t>(Cause::unreachable))
       throw in_.damaged(at(array), fmt::format("holds {}, a cause this program does not know", value));
     return static_cast<Cause>(value);
   }

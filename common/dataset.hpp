@@ -25,7 +25,7 @@ struct FailedAttempt {
 /// What is known of one lattice point; the rows of a configuration space.
 struct PointRecord {
   Tag tag = Tag::unknown;
-  Cause cause = Cause::none;  ///< when failed: of the attempt that got furthest
+  Cause cause = Cause::none;  ///< when failed: of the attempt that got furthest, unreachable without one
   std::int32_t parent =
       -1;  ///< lattice number it was solved from; the origin is its own parent; -1 when not solved
   Equilibrium equilibrium;  ///< valid when expandable or terminating

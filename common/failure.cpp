@@ -7,10 +7,10 @@
 namespace palpate {
 namespace {
 
-constexpr std::array<std::string_view, 9> words = {
+constexpr std::array<std::string_view, 10> words = {
     "none",          "iteration_limit",      "line_search_stalled", "inverted_element",
     "wrong_inertia", "factorization_failed", "not_finite",          "step_budget",
-    "worker_lost"};
+    "worker_lost",   "unreachable"};
 
 }  // namespace
 
@@ -58,6 +58,10 @@ std::string describe(const Failure& f) {
     case Cause::worker_lost:
       return "worker_lost: every worker that tried this transition died; see the workers' logs (memory "
              "limit?)";
+    case Cause::unreachable:
+      return "unreachable: no neighbour can be expanded: it lies behind points that are terminating or "
+             "failed; "
+             "nothing was tried";
   }
   return "unknown cause";
 }

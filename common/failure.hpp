@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// Why a transition did not end in an accepted configuration. The closed list: values are part of the wire,
-/// the state directory and the dataset, so they are only ever appended to.
+/// Why a transition did not end in an accepted configuration, or why none was tried. The closed list: values
+/// are part of the wire, the state directory and the dataset, so they are only ever appended to.
 enum class Cause : std::uint8_t {
   none = 0,                 ///< no failure
   iteration_limit = 1,      ///< Newton used up its iterations while still descending
@@ -21,6 +21,7 @@ enum class Cause : std::uint8_t {
   not_finite = 6,            ///< NaN or infinity in residual, tangent or force
   step_budget = 7,           ///< the transition was cut into more steps than it is worth
   worker_lost = 8,           ///< every worker that tried it died
+  unreachable = 9,           ///< of a point, never of a transition: it has no expandable neighbour
 };
 
 /// The word for a cause, as it stands in messages and files: "iteration_limit". "none" for Cause::none.

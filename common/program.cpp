@@ -8,18 +8,28 @@
 #include <cctype>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
 #include <cstring>
+#include <ctime>
 #include <string>
 #include <vector>
 
 namespace palpate {
 namespace {
 
-volatile std::sig_atomic_t interrupt_count = 0;
+/// Signals so close together (ms) have one cause.
+constexpr std::int64_t same_interrupt = 1000;
+
+std::atomic<std::int64_t> first_interrupt = 0;  ///< CLOCK_MONOTONIC, ms; 0: none yet
+static_assert(decltype(first_interrupt)::is_always_lock_free, "a signal handler uses it");
 
 void onInterrupt(int) {
-  interrupt_count = interrupt_count + 1;
-  if (interrupt_count > 1) _exit(static_cast<int>(ExitCode::interrupted));
+  timespec time{};
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  const std::int64_t now = 1000 * std::int64_t{time.tv_sec} + time.tv_nsec / 1000000;
+  std::int64_t first = 0;
+  if (!first_interrupt.compare_exchange_strong(first, now) && now - first > same_interrupt)
+    _exit(static_cast<int>(ExitCode::interrupted));
 }
 
 void logToStderr(int verbosity) {
@@ -75,7 +85,7 @@ const char* version() {
 }
 
 bool interrupted() {
-  return interrupt_count > 0;
+  return first_interrupt != 0;
 }
 
 void catchInterrupts() {

@@ -8,7 +8,7 @@ namespace palpate {
 
 /// State of a lattice point: exactly the paper's four. Values are part of every file: only append.
 enum class Tag : std::uint8_t {
-  unknown = 0,      ///< not reached yet, or not reachable
+  unknown = 0,      ///< not reached yet; no point of a complete build
   expandable = 1,   ///< solved, and transitions to its neighbours may start here
   terminating = 2,  ///< solved, |force| > max_force: kept, but nothing starts here
   failed = 3,       ///< every expandable neighbour was tried within the budget; a Cause says why

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -11,9 +12,26 @@
 namespace palpate {
 namespace {
 
+/// A signal must not tear a message of several frames apart.
+template <class Call>
+auto repeatWhenInterrupted(Call call) {
+  for (;;) {
+    try {
+      return call();
+    } catch (const zmq::error_t& error) {
+      if (error.num() != EINTR) throw;
+    }
+  }
+}
+
 bool sendFrame(zmq::socket_t& socket, std::string_view bytes, bool more) {
   const auto flags = zmq::send_flags::dontwait | (more ? zmq::send_flags::sndmore : zmq::send_flags::none);
-  return socket.send(zmq::const_buffer(bytes.data(), bytes.size()), flags).has_value();
+  return repeatWhenInterrupted(
+      [&] { return socket.send(zmq::const_buffer(bytes.data(), bytes.size()), flags).has_value(); });
+}
+
+bool receiveFrame(zmq::socket_t& socket, zmq::message_t& frame) {
+  return repeatWhenInterrupted([&] { return socket.recv(frame, zmq::recv_flags::dontwait).has_value(); });
 }
 
 /// Doubles as raw bytes; nothing when the length is wrong or a value is not finite.
@@ -53,7 +71,7 @@ std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router) {
   zmq::message_t frame;
   try {
     do {
-      if (!socket.recv(frame, zmq::recv_flags::dontwait)) return std::nullopt;
+      if (!receiveFrame(socket, frame)) return std::nullopt;
       if (frame_number == 0) {
         incoming.peer = frame.to_string();
       } else if (frame_number == 1) {
@@ -66,7 +84,6 @@ std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router) {
       ++frame_number;
     } while (frame.more());
   } catch (const zmq::error_t& error) {
-    if (error.num() == EINTR) return std::nullopt;
     throw failure("ZeroMQ receive: {}", error.what());
   }
   if (!intact) incoming.message.Clear();
@@ -206,6 +223,7 @@ std::optional<Outcome> fromWire(const wire::Result& result) {
   }
   if (!result.has_failure()) return std::nullopt;
   const wire::Failure& message = result.failure();
+  // The causes after worker_lost are of points: nobody finds them by trying.
   if (message.cause() == 0 || message.cause() > static_cast<std::uint32_t>(Cause::worker_lost))
     return std::nullopt;
   outcome.failure = {static_cast<Cause>(message.cause()),

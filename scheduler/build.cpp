@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 #include <map>
+#include <utility>
 
 #include "scheduler/replay.hpp"
 
@@ -19,7 +20,6 @@ Build::Build(Problem problem, const std::filesystem::path& state, CoordinatorSet
       directory_(state),
       store_(directory_, problem_, problem_bytes_, lattice_),
       journal_(directory_.path(), store_.committed()),
-      found_(store_.results().size()),
       coordinator_(problem_, problem_bytes_, lattice_, store_, journal_, std::chrono::steady_clock::now(),
                    settings) {}
 
@@ -69,25 +69,21 @@ std::string summaryOf(const std::vector<SpaceTable>& spaces) {
   std::string text = fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", "active node", "points",
                                  "expandable", "terminating", "failed", "unknown");
   std::map<std::string_view, int> causes;
-  int unknown = 0;
   for (const SpaceTable& space : spaces) {
     std::array<int, 4> count{};
     for (const PointRecord& point : space.points) {
       ++count.at(static_cast<std::size_t>(point.tag));
       if (point.tag == Tag::failed) ++causes[name(point.cause)];
     }
-    unknown += count[static_cast<std::size_t>(Tag::unknown)];
     text += fmt::format(
         "{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", space.patch.name, space.points.size(),
         count[static_cast<std::size_t>(Tag::expandable)], count[static_cast<std::size_t>(Tag::terminating)],
         count[static_cast<std::size_t>(Tag::failed)], count[static_cast<std::size_t>(Tag::unknown)]);
   }
-  if (unknown > 0)
-    text +=
-        fmt::format("unknown: {} points lie beyond terminating or failed ones and were not tried\n", unknown);
   if (!causes.empty()) {
-    text += "failed:";
-    for (const auto& [cause, count] : causes) text += fmt::format(" {} {}", count, cause);
+    const char* before = "failed: ";
+    for (const auto& [cause, count] : causes)
+      text += fmt::format("{}{} {}", std::exchange(before, ", "), count, cause);
     text += '\n';
   }
   return text;
@@ -95,8 +91,9 @@ std::string summaryOf(const std::vector<SpaceTable>& spaces) {
 
 ExitCode exitCodeOf(const std::vector<SpaceTable>& spaces) {
   const bool failed = std::any_of(spaces.begin(), spaces.end(), [](const SpaceTable& space) {
-    return std::any_of(space.points.begin(), space.points.end(),
-                       [](const PointRecord& p) { return p.tag == Tag::failed; });
+    return std::any_of(space.points.begin(), space.points.end(), [](const PointRecord& p) {
+      return p.tag == Tag::failed && p.cause != Cause::unreachable;
+    });
   });
   return failed ? ExitCode::partly_failed : ExitCode::done;
 }

@@ -27,7 +27,7 @@ class Build {
   Coordinator& coordinator() { return coordinator_; }
   const StateDirectory& directory() const { return directory_; }
   /// Results that earlier runs left.
-  std::size_t found() const { return found_; }
+  std::size_t found() const { return coordinator_.found(); }
   /// Writes the dataset of a complete build; returns its tables.
   std::vector<SpaceTable> seal(const std::filesystem::path& file);
 
@@ -38,7 +38,6 @@ class Build {
   StateDirectory directory_;
   JobStore store_;
   Journal journal_;
-  std::size_t found_;
   Coordinator coordinator_;
 };
 
@@ -54,7 +53,8 @@ std::filesystem::path defaultDatasetFile(const Scene& scene);
 
 /// Counts per tag and failures by cause of a sealed dataset, for people; line feed at the end.
 std::string summaryOf(const std::vector<SpaceTable>& spaces);
-/// done, or partly_failed when a point failed.
+/// done, or partly_failed when a point failed that was tried. Unreachable ones lie beyond max_force by
+/// design, or behind points that did fail.
 ExitCode exitCodeOf(const std::vector<SpaceTable>& spaces);
 
 }  // namespace palpate

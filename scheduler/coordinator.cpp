@@ -69,7 +69,9 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, cons
   ++counters_["runs"];
   // The upper half of a job number is the run, so that two runs never use the same.
   leases_ = Leases(static_cast<std::uint64_t>(counters_["runs"]) << 32);
-  Replay replayed = replay(problem, lattice, store_->results());
+  const std::vector<StoredResult> results = store_->results();
+  found_ = results.size();
+  Replay replayed = replay(problem, lattice, results);
   frontiers_ = std::move(replayed.frontiers);
   for (const TransitionKey& key : replayed.open) leases_.add(key);
   progress_.emplace_back(now, 0);
@@ -146,6 +148,10 @@ void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time 
         "depend on who solved what: use machines with {} in this build",
         kernel_family_, hello.kernel_family(), kernel_family_));
 
+  if (const auto before = workerOf(peer); before != workers_.end() && before->first != hello.worker()) {
+    leases_.giveBack(before->first);
+    removeWorker(before, "left", now);
+  }
   // A worker that introduces itself again has forgotten what it was given.
   leases_.giveBack(hello.worker());
   Worker& worker = workers_[hello.worker()];
@@ -389,31 +395,31 @@ Coordinator::Time Coordinator::nextDeadline() const {
 
 void Coordinator::handOutJobs() {
   if (stopping_ || complete()) return;
-  while (leases_.waiting() > 0) {
-    Workers::iterator best = workers_.end();
-    std::size_t least = 0;
-    for (auto candidate = workers_.begin(); candidate != workers_.end(); ++candidate) {
-      if (candidate->second.credit == 0) continue;
-      const std::size_t leased = leases_.leasedTo(candidate->first);
-      if (best == workers_.end() || leased < least) {
-        best = candidate;
-        least = leased;
-      }
-    }
-    if (best == workers_.end()) return;
-    const auto handout = leases_.handOut(best->first, workers_.size());
-    --best->second.credit;
-    best->second.idle_since.reset();
-    wire::Job& job = *send(best->second.peer).mutable_job();
-    job.set_id(handout->job);
-    job.set_space(handout->space);
-    *job.mutable_start() = toWire(lattice_->point(handout->parent));
-    job.set_start_id(startId(handout->space, handout->parent, handout->targets.front().point));
-    for (const Handout::Target& target : handout->targets) {
-      wire::Target& entry = *job.add_targets();
-      *entry.mutable_point() = toWire(lattice_->point(target.point));
-      entry.set_attempt(target.attempt);
-    }
+  if (leases_.waiting() == 0) return;
+  std::set<std::pair<std::size_t, std::string>> by_load;  // (targets it holds, id) of workers with credit
+  for (const auto& [id, worker] : workers_)
+    if (worker.credit > 0) by_load.emplace(leases_.leasedTo(id), id);
+  while (!by_load.empty()) {
+    const std::string id = by_load.extract(by_load.begin()).value().second;
+    const auto handout = leases_.handOut(id, workers_.size());
+    if (!handout) return;
+    Worker& worker = workers_.at(id);
+    worker.idle_since.reset();
+    if (--worker.credit > 0) by_load.emplace(leases_.leasedTo(id), id);
+    sendJob(worker.peer, *handout);
+  }
+}
+
+void Coordinator::sendJob(const std::string& peer, const Handout& handout) {
+  wire::Job& job = *send(peer).mutable_job();
+  job.set_id(handout.job);
+  job.set_space(handout.space);
+  *job.mutable_start() = toWire(lattice_->point(handout.parent));
+  job.set_start_id(startId(handout.space, handout.parent, handout.targets.front().point));
+  for (const Handout::Target& target : handout.targets) {
+    wire::Target& entry = *job.add_targets();
+    *entry.mutable_point() = toWire(lattice_->point(target.point));
+    entry.set_attempt(target.attempt);
   }
 }
 

@@ -80,6 +80,8 @@ class Coordinator {
   std::size_t workers() const { return workers_.size(); }
   /// No worker said anything for three heartbeats: after Drain they have all left.
   bool deserted(Time now) const;
+  /// Results that earlier runs left.
+  std::size_t found() const { return found_; }
   /// Results recorded since construction.
   std::int64_t recorded() const { return recorded_; }
 
@@ -126,6 +128,7 @@ class Coordinator {
   bool groupIsDue(Time now) const;
   void commitGroup(Time now);
   void handOutJobs();
+  void sendJob(const std::string& peer, const Handout& handout);
   void loseSilentWorkers(Time now);
   void workerDied(const std::string& id, Time now, const char* why);
   void removeWorker(Workers::iterator worker, const char* state, Time now);
@@ -165,6 +168,7 @@ class Coordinator {
   Time started_;
   Time servers_written_;
   std::deque<std::pair<Time, std::int64_t>> progress_;  ///< (when, converged_ then) of the last two minutes
+  std::size_t found_ = 0;
   std::int64_t converged_ = 0;
   std::int64_t recorded_ = 0;
   bool stopping_ = false;

@@ -50,10 +50,10 @@ std::string textOf(const wire::Explanation& e) {
   if (e.attempts_size() > 0) text += "tried without success:\n";
   for (const wire::FailedTry& t : e.attempts())
     text += fmt::format("  from {}: {}\n", nameOf(fromWire(t.parent())), t.text());
-  if (e.path_size() == 0 && e.attempts_size() == 0)
-    text +=
-        "no transition to it was tried: none of its neighbours is expandable, or the build has not come so "
-        "far\n";
+  if (e.path_size() > 0 || e.attempts_size() > 0) return text;
+  text += e.cause().empty() ? "no transition to it was tried yet: the build has not come so far"
+                            : describe(Failure{.cause = Cause::unreachable});
+  text += '\n';
   return text;
 }
 

@@ -50,12 +50,13 @@ void Frontier::record(const Transition& transition, const Ending& ending) {
 
 Tag Frontier::tag(std::int32_t point) const {
   const Point& p = points_[point];
-  return complete_ && p.phase == Phase::unreached && !p.attempts.empty() ? Tag::failed : p.tag;
+  return complete_ && p.phase == Phase::unreached ? Tag::failed : p.tag;
 }
 
 Cause Frontier::cause(std::int32_t point) const {
   const Point& p = points_[point];
-  if (p.phase == Phase::reached || p.attempts.empty()) return Cause::none;
+  if (p.phase == Phase::reached) return Cause::none;
+  if (p.attempts.empty()) return complete_ ? Cause::unreachable : Cause::none;
   return std::max_element(p.attempts.begin(), p.attempts.end(),
                           [](const Attempt& a, const Attempt& b) { return a.step_reached < b.step_reached; })
       ->cause;

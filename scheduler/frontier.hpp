@@ -42,8 +42,8 @@ inline constexpr int max_attempts_per_point = 8;
 /// - Round r >= 1 begins when every point is settled. The candidates of an unreached point are all its
 ///   neighbours that were expandable when the round began and that it has not tried. They are tried one after
 ///   the other until one succeeds or the attempts are spent.
-/// - It is over when a round has nothing to try. Then unreached points with an attempt are failed, those
-///   without stay unknown.
+/// - It is over when a round has nothing to try. Then unreached points are failed; those without an attempt
+///   because they have no expandable neighbour (Cause::unreachable).
 ///
 /// Copyable value, one thread at a time.
 class Frontier {
@@ -73,8 +73,8 @@ class Frontier {
   std::int32_t parent(std::int32_t point) const { return points_[point].parent; }
   /// The tries that failed, in order; also of points that were reached later.
   const std::vector<Attempt>& attempts(std::int32_t point) const { return points_[point].attempts; }
-  /// Of an unreached point: the cause of the attempt that got furthest, the first of equals. Cause::none
-  /// without attempts.
+  /// Of an unreached point: the cause of the attempt that got furthest, the first of equals. Without
+  /// attempts: Cause::unreachable when complete, Cause::none before.
   Cause cause(std::int32_t point) const;
 
   std::int32_t size() const { return lattice_->size(); }

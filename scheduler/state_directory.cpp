@@ -87,12 +87,17 @@ StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) 
   if (error) throw failure("{}: cannot make this state directory: {}", path.string(), error.message());
   refuseNetworkFileSystem(path);
   lock_ = takeLock(path / "lock");
+  std::filesystem::remove(path / "endpoint", error);
+  if (error) throw failure("{}: cannot remove: {}", (path / "endpoint").string(), error.message());
 }
 
 void StateDirectory::announce(const std::string& endpoint) const {
-  std::ofstream file(path_ / "endpoint");
+  const std::filesystem::path aside = path_ / "endpoint.tmp";
+  std::ofstream file(aside);
   file << endpoint << '\n';
-  if (!file.flush()) throw failure("{}: cannot write", (path_ / "endpoint").string());
+  file.close();
+  if (!file) throw failure("{}: cannot write", aside.string());
+  std::filesystem::rename(aside, path_ / "endpoint");
 }
 
 std::optional<std::string> StateDirectory::liveEndpoint(const std::filesystem::path& directory) {

@@ -17,7 +17,8 @@ class StateDirectory {
   /// on them), and takes the lock. Error "in use by process N" when another scheduler holds it.
   explicit StateDirectory(const std::filesystem::path& path);
 
-  /// Writes where the scheduler listens into the folder, so that `status` and `stop` find it there.
+  /// Writes where the scheduler listens into the folder, all at once, so that `status` and `stop` find it
+  /// there. What an earlier run wrote is gone since construction.
   void announce(const std::string& endpoint) const;
   /// The endpoint that the scheduler now holding `directory` announced; nothing when none holds it.
   static std::optional<std::string> liveEndpoint(const std::filesystem::path& directory);

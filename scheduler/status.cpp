@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "common/error.hpp"
 
@@ -91,8 +92,9 @@ void appendCauses(std::string& text, const char* title,
                   const google::protobuf::Map<std::string, std::int32_t>& causes) {
   if (causes.empty()) return;
   const std::map<std::string, std::int32_t> sorted(causes.begin(), causes.end());
-  text += fmt::format("{}:", title);
-  for (const auto& [cause, count] : sorted) text += fmt::format(" {} {}", count, cause);
+  std::string before = fmt::format("{}: ", title);
+  for (const auto& [cause, count] : sorted)
+    text += fmt::format("{}{} {}", std::exchange(before, ", "), count, cause);
   text += '\n';
 }
 

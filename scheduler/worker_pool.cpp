@@ -53,8 +53,7 @@ std::vector<WorkerPool::Ended> WorkerPool::reap() {
     int status = 0;
     const pid_t done = waitpid(pid, &status, WNOHANG);
     if (done == 0 || (done < 0 && errno == EINTR)) return false;
-    ended.push_back({pid, done > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0,
-                     done > 0 ? describeStatus(status) : std::string(std::strerror(errno))});
+    ended.push_back({pid, done > 0 ? describeStatus(status) : std::string(std::strerror(errno))});
     return true;
   });
   return ended;
@@ -69,7 +68,9 @@ void WorkerPool::terminate(std::chrono::milliseconds grace) {
   while (reap(), !running_.empty() && std::chrono::steady_clock::now() < deadline)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   signalAll(SIGKILL);
-  for (const pid_t pid : running_) waitpid(pid, nullptr, 0);
+  for (const pid_t pid : running_)
+    while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
+    }
   running_.clear();
 }
 

@@ -16,8 +16,7 @@ class WorkerPool {
  public:
   struct Ended {
     pid_t pid = 0;
-    bool by_itself = false;  ///< exit code 0: it was told to leave
-    std::string how;         ///< "exit code 1", "signal 9 (Killed)"
+    std::string how;  ///< "exit code 1", "signal 9 (Killed)"
   };
 
   /// `command` is the program and its arguments. Starts nothing yet.

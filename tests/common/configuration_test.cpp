@@ -51,7 +51,7 @@ TEST(Tag, WordsAreThePapersFour) {
 }
 
 TEST(Cause, EveryWordNamesItsCause) {
-  for (int value = 0; value <= static_cast<int>(Cause::worker_lost); ++value) {
+  for (int value = 0; value <= static_cast<int>(Cause::unreachable); ++value) {
     const auto cause = static_cast<Cause>(value);
     EXPECT_EQ(causeNamed(name(cause)), cause);
     Failure failure;

@@ -234,6 +234,10 @@ TEST_F(CoordinatorTest, DropsResultsThatMakeNoSense) {
       {[](wire::Result& r) { r.mutable_equilibrium()->set_force("short"); }, fields},
       {[](wire::Result& r) { r.clear_outcome(); }, fields},
       {[](wire::Result& r) { r.mutable_failure()->set_cause(200); }, fields},
+      {[](wire::Result& r) {
+         r.mutable_failure()->set_cause(static_cast<std::uint32_t>(Cause::unreachable));
+       },
+       ""},
       {[](wire::Result& r) { r.mutable_failure()->set_cause(1), r.mutable_failure()->set_step_reached(7); },
        ""},
       {[](wire::Result& r) { r.set_fields_id(std::string(32, 'x')); }, fields},
@@ -328,6 +332,25 @@ TEST_F(CoordinatorTest, AWorkerThatIntroducesItselfAgainHasForgottenItsJobs) {
   const auto jobs = world.takeJobs("a");
   ASSERT_EQ(jobs.size(), 2u);
   EXPECT_EQ(jobs[0].targets(0).attempt(), 2u);
+}
+
+TEST_F(CoordinatorTest, APeerThatTakesAnotherNameGivesUpTheFirst) {
+  world.join("a", 2);
+  EXPECT_EQ(world.takeJobs("a").size(), 2u);
+  world.send("a", test::helloOf("another"));
+  EXPECT_EQ(world.coordinator().workers(), 1u);
+  world.request("a", 2);
+  const auto jobs = world.takeJobs("a");
+  ASSERT_EQ(jobs.size(), 2u);
+  EXPECT_EQ(jobs[0].targets(0).attempt(), 2u);
+}
+
+TEST_F(CoordinatorTest, SharesWhatIsReadyAmongTheWorkersThatHoldLeast) {
+  solveOrigins();
+  world.join("b", 1);
+  world.join("c", 1);
+  world.request("a", 1);
+  for (const char* peer : {"a", "b", "c"}) EXPECT_EQ(world.takeJobs(peer).size(), 1u) << peer;
 }
 
 TEST_F(CoordinatorTest, ATargetThatKillsItsWorkersFailsAndTheBuildGoesOn) {

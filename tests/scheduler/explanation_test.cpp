@@ -50,9 +50,18 @@ TEST_F(ExplanationTest, NamesEveryAttemptOfAFailedPoint) {
   EXPECT_THAT(toJson(explanation), testing::HasSubstr("\"step_reached\":0.25"));
 }
 
-TEST_F(ExplanationTest, SaysThatAPointWasNeverTried) {
+TEST_F(ExplanationTest, SaysThatAPointWasNotTriedYet) {
   EXPECT_THAT(explain(space, lattice, lattice.point(3)).text(),
-              testing::HasSubstr("no transition to it was tried"));
+              testing::HasSubstr("no transition to it was tried yet"));
+}
+
+TEST_F(ExplanationTest, SaysThatAPointLiesBehindOthersThatCannotBeExpanded) {
+  space.points[3].tag = Tag::failed;
+  space.points[3].cause = Cause::unreachable;
+  const wire::Explanation explanation = explain(space, lattice, lattice.point(3));
+  EXPECT_EQ(explanation.cause(), "unreachable");
+  EXPECT_THAT(explanation.text(), testing::AllOf(testing::HasSubstr("failed, unreachable"),
+                                                 testing::HasSubstr("no neighbour can be expanded")));
 }
 
 TEST_F(ExplanationTest, EndsOnACircleOfParents) {

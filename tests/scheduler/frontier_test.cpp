@@ -103,8 +103,11 @@ Answer referenceAnswer(const Lattice& lattice, const Physics& physics, std::size
     for (const auto& list : a.attempts) tries += list.size();
     if (tries == tries_before && before == a.tags) break;
   }
-  for (std::size_t x = 0; x < size; ++x)
-    if (a.tags[x] == Tag::unknown && !a.attempts[x].empty()) a.tags[x] = Tag::failed;
+  for (std::size_t x = 0; x < size; ++x) {
+    if (a.tags[x] != Tag::unknown) continue;
+    a.tags[x] = Tag::failed;
+    if (a.attempts[x].empty()) a.causes[x] = Cause::unreachable;
+  }
   return a;
 }
 
@@ -199,7 +202,8 @@ TEST(Frontier, DoesNotExpandBeyondAShellOfTooLargeForces) {
     const bool reachable = std::any_of(neighbours.begin(), neighbours.end(),
                                        [&](std::int32_t m) { return squaredNorm(lattice.point(m)) < 4; });
     const bool inside = squaredNorm(lattice.point(n)) < 4;
-    EXPECT_EQ(answer.tags[n], inside ? Tag::expandable : reachable ? Tag::terminating : Tag::unknown) << n;
+    EXPECT_EQ(answer.tags[n], inside ? Tag::expandable : reachable ? Tag::terminating : Tag::failed) << n;
+    EXPECT_EQ(answer.causes[n], inside || reachable ? Cause::none : Cause::unreachable) << n;
   }
 }
 
@@ -236,11 +240,16 @@ TEST(Frontier, LeavesAHoleThatEveryNeighbourFailedToReach) {
 TEST(Frontier, EndsAtOnceWhenTheOriginFails) {
   const Lattice lattice(3, 1);
   Frontier frontier(lattice, max_force);
+  EXPECT_EQ(frontier.tag(1), Tag::unknown) << "nothing is unreachable before the end";
+  EXPECT_EQ(frontier.cause(1), Cause::none);
   frontier.record({0, 0}, stuck(0, Cause::factorization_failed));
   EXPECT_TRUE(frontier.complete());
   EXPECT_EQ(frontier.tag(0), Tag::failed);
   EXPECT_EQ(frontier.cause(0), Cause::factorization_failed);
-  EXPECT_EQ(frontier.tag(1), Tag::unknown) << "it was never tried";
+  for (std::int32_t n = 1; n < lattice.size(); ++n) {
+    EXPECT_EQ(frontier.tag(n), Tag::failed);
+    EXPECT_EQ(frontier.cause(n), Cause::unreachable);
+  }
 }
 
 TEST(Frontier, RefusesWhatWasNotAskedFor) {

@@ -161,6 +161,21 @@ TEST_F(SystemTest, AnInterruptedBuildGoesOn) {
   EXPECT_THAT(third->output(), HasSubstr("nothing to do"));
 }
 
+TEST_F(SystemTest, SignalsThatComeTogetherAreOneAndLetTheWorkersFinish) {
+  // As timeout(1) does: the process, and then its group.
+  for (const int number : {SIGTERM, SIGINT}) {
+    auto build = startBuild("out.h5", "2");
+    ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));
+    const std::vector<pid_t> workers = build->children();
+    build->signal(number);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    EXPECT_EQ(build->stop(number), 130) << build->output();
+    EXPECT_THAT(build->output(), HasSubstr("The same command goes on from there"));
+    EXPECT_FALSE(workers.empty());
+    for (const pid_t worker : workers) EXPECT_NE(kill(worker, 0), 0) << "it was not waited for";
+  }
+}
+
 TEST_F(SystemTest, StatusAndStopFindTheSchedulerThroughItsDirectory) {
   auto build = startBuild("out.h5", "1");
   ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));

@@ -1,0 +1,67 @@
+#include "scheduler/build.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scheduler/status.hpp"
+#include "tests/scheduler/build_world.hpp"
+
+namespace palpate {
+namespace {
+
+/// One space of which the points end as named.
+std::vector<SpaceTable> spaceOf(const std::vector<std::pair<Tag, Cause>>& ends) {
+  std::vector<SpaceTable> spaces(1);
+  spaces[0].patch.name = "tip";
+  for (const auto& [tag, cause] : ends) {
+    spaces[0].points.emplace_back().tag = tag;
+    spaces[0].points.back().cause = cause;
+  }
+  return spaces;
+}
+
+TEST(ExitCodeOfABuild, IsThatOfWorkThatFailedAndNotOfPointsBeyondReach) {
+  const std::pair<Tag, Cause> expandable{Tag::expandable, Cause::none},
+      terminating{Tag::terminating, Cause::none}, unreachable{Tag::failed, Cause::unreachable},
+      failed{Tag::failed, Cause::step_budget};
+  EXPECT_EQ(exitCodeOf(spaceOf({expandable, terminating})), ExitCode::done);
+  EXPECT_EQ(exitCodeOf(spaceOf({expandable, terminating, unreachable})), ExitCode::done);
+  EXPECT_EQ(exitCodeOf(spaceOf({expandable, failed, unreachable})), ExitCode::partly_failed);
+}
+
+TEST(SummaryOfABuild, CountsFailedPointsByCause) {
+  const auto spaces = spaceOf({{Tag::expandable, Cause::none},
+                               {Tag::failed, Cause::unreachable},
+                               {Tag::failed, Cause::unreachable},
+                               {Tag::failed, Cause::step_budget}});
+  EXPECT_THAT(summaryOf(spaces), testing::HasSubstr("failed: 1 step_budget, 2 unreachable\n"));
+}
+
+TEST(Build, LeavesNoPointUnknownWhenTheOriginFails) {
+  test::BuildWorld world;
+  world.join("a", 2);
+  for (const wire::Job& job : world.takeJobs("a")) {
+    wire::Message message;
+    *message.mutable_result() = test::solve(world.problem, job.space(), {}, {}).first;
+    wire::Result& result = *message.mutable_result();
+    Outcome stuck;
+    stuck.failure.cause = Cause::factorization_failed;
+    result.clear_fields_id();
+    toWire(stuck, "", result);
+    result.clear_payload_bytes();
+    world.send("a", message);
+  }
+  world.pass(std::chrono::milliseconds(25));
+  ASSERT_TRUE(world.coordinator().complete());
+  const wire::Status status = world.coordinator().status(world.now);
+  EXPECT_EQ(status.failed_points().at("unreachable"), 64);
+  EXPECT_EQ(status.failed_points().at("factorization_failed"), 2);
+  EXPECT_THAT(describe(status),
+              testing::HasSubstr("failed points: 2 factorization_failed, 64 unreachable\n"));
+  world.sealedContent();
+  for (const SpaceTable& space : Dataset(world.directory / "cube.h5").spaces())
+    EXPECT_EQ(space.points[1].cause, Cause::unreachable);
+}
+
+}  // namespace
+}  // namespace palpate
