@@ -38,18 +38,6 @@ double secondsBetween(Coordinator::Time from, Coordinator::Time to) {
   return duration<double>(to - from).count();
 }
 
-/// The part of a result that must be the same bits whoever computes it.
-std::string reproducibleBytes(wire::Result result) {
-  result.clear_job();
-  result.clear_attempt();
-  if (result.has_cost()) result.mutable_cost()->clear_seconds();
-  return result.SerializeAsString();
-}
-
-bool causedByWorkers(const wire::Result& result) {
-  return result.has_failure() && result.failure().cause() == static_cast<std::uint32_t>(Cause::worker_lost);
-}
-
 }  // namespace
 
 Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, const Lattice& lattice,
@@ -58,6 +46,7 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, cons
       problem_bytes_(std::make_shared<const std::string>(std::move(problem_bytes))),
       build_(problemId(problem)),
       lattice_(&lattice),
+      check_(problem, lattice),
       store_(&store),
       journal_(&journal),
       settings_(settings),
@@ -78,9 +67,6 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, cons
   store_->writeCounters(counters_);
   finishIfComplete(now);
 }
-
-// ---- messages in
-// ------------------------------------------------------------------------------------------------------
 
 void Coordinator::receive(const Incoming& incoming, Time now) {
   const wire::Message& message = incoming.message;
@@ -145,7 +131,8 @@ void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time 
   if (hello.kernel_family() != kernel_family_)
     return refuse(fmt::format(
         "this build is computed with the {} kernels, the worker would use {}, and the last bits would "
-        "depend on who solved what: use machines with {} in this build",
+        "depend on who solved what: use machines with {} in this build, or see PALPATE_KERNELS and "
+        "OPENBLAS_CORETYPE in docs/numerics.md",
         kernel_family_, hello.kernel_family(), kernel_family_));
 
   if (const auto before = workerOf(peer); before != workers_.end() && before->first != hello.worker()) {
@@ -218,9 +205,10 @@ void Coordinator::heartbeat(const std::string& id, Worker& worker, const wire::H
 void Coordinator::result(const std::string& peer, Worker& worker, const Incoming& incoming, Time now) {
   const wire::Result& message = incoming.message.result();
   worker.idle_since.reset();
-  if (const std::string objection = objectionTo(message, incoming.payload); !objection.empty())
+  if (const std::string objection = check_.objectionTo(message, incoming.payload, kernel_family_);
+      !objection.empty())
     return badMessage(peer, objection);
-  const TransitionKey key = *keyOf(message.space(), message.target(), message.parent());
+  const TransitionKey key = *check_.keyOf(message.space(), message.target(), message.parent());
   if (const auto waiting = group_.find(key); waiting != group_.end()) {
     duplicate(peer, waiting->second.result.header, message);
     waiting->second.peers.insert(peer);
@@ -239,7 +227,7 @@ void Coordinator::result(const std::string& peer, Worker& worker, const Incoming
 
 void Coordinator::duplicate(const std::string& peer, const wire::Result& first, const wire::Result& second) {
   ++counters_["duplicate_results"];
-  if (causedByWorkers(first) || reproducibleBytes(first) == reproducibleBytes(second)) return;
+  if (ResultCheck::agree(first, second)) return;
   ++counters_["divergent_results"];
   const auto worker = workerOf(peer);
   spdlog::error(
@@ -259,42 +247,6 @@ void Coordinator::badMessage(const std::string& peer, const std::string& why) {
     spdlog::warn("a message from worker {} on {} was dropped: {}", worker->second.pid, worker->second.host,
                  why);
 }
-
-std::optional<TransitionKey> Coordinator::keyOf(std::uint32_t space, const wire::Point& target,
-                                                const wire::Point& parent) const {
-  const auto to = lattice_->indexOf(fromWire(target)), from = lattice_->indexOf(fromWire(parent));
-  if (space >= frontiers_.size() || !to || !from) return std::nullopt;
-  return TransitionKey{space, *to, *from};
-}
-
-std::string Coordinator::objectionTo(const wire::Result& result, const std::string& payload) const {
-  if (result.build() != build_.bytes()) return "a result of another build";
-  if (!keyOf(result.space(), result.target(), result.parent()))
-    return "a result for a point that does not exist";
-  const auto outcome = fromWire(result);
-  if (!outcome) return "a result that makes no sense";
-  if (result.payload_bytes() != payload.size())
-    return "a result whose payload has another length than it says";
-  if (result.kernel_family() != kernel_family_) return "a result of another kernel family";
-  if (!outcome->converged) {
-    const double reached = outcome->failure.step_reached;
-    return std::isfinite(reached) && reached >= 0 && reached <= 1 ? "" : "a failure with an impossible step";
-  }
-  if (ContentId::of(payload).bytes() != result.fields_id())
-    return "a result whose payload has another content id";
-  const bool has_pressure = problem_->scene.discretization.pressure != PressureSpace::none;
-  if (payload.size() != problem_->mesh.nodes.size() * (has_pressure ? 4 : 3) * sizeof(float))
-    return "a result whose fields do not belong to this mesh";
-  try {
-    NodalFields::decode(payload, problem_->mesh.nodes.size());
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
-// ---- recording
-// --------------------------------------------------------------------------------------------------------
 
 void Coordinator::enqueue(StoredResult result, std::string payload, const std::string& peer, Time now) {
   const TransitionKey key = result.key;
@@ -371,9 +323,6 @@ void Coordinator::finishIfComplete(Time now) {
   writeServers(now);
   for (const auto& [id, worker] : workers_) drain(worker.peer);
 }
-
-// ---- time
-// -------------------------------------------------------------------------------------------------------------
 
 void Coordinator::advance(Time now) {
   loseSilentWorkers(now);
@@ -522,9 +471,6 @@ ServerRow Coordinator::rowOf(const std::string& id, const Worker& worker, const 
       0,         worker.results};
 }
 
-// ---- messages out
-// -----------------------------------------------------------------------------------------------------
-
 std::vector<Outgoing> Coordinator::takeOutbox() {
   return std::exchange(outbox_, {});
 }
@@ -555,9 +501,6 @@ Coordinator::Workers::iterator Coordinator::workerOf(const std::string& peer) {
   const auto id = id_of_peer_.find(peer);
   return id == id_of_peer_.end() ? workers_.end() : workers_.find(id->second);
 }
-
-// ---- people
-// -----------------------------------------------------------------------------------------------------------
 
 wire::Status Coordinator::status(Time now) const {
   wire::Status status;

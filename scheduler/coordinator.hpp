@@ -16,6 +16,7 @@
 #include "scheduler/job_store.hpp"
 #include "scheduler/journal.hpp"
 #include "scheduler/leases.hpp"
+#include "scheduler/result_check.hpp"
 
 namespace palpate {
 
@@ -119,11 +120,6 @@ class Coordinator {
   void duplicate(const std::string& peer, const wire::Result& first, const wire::Result& second);
   void badMessage(const std::string& peer, const std::string& why);
 
-  std::optional<TransitionKey> keyOf(std::uint32_t space, const wire::Point& target,
-                                     const wire::Point& parent) const;
-  /// Empty when the result may be recorded or compared, else what is wrong with it.
-  std::string objectionTo(const wire::Result& result, const std::string& payload) const;
-
   void enqueue(StoredResult result, std::string payload, const std::string& peer, Time now);
   bool groupIsDue(Time now) const;
   void commitGroup(Time now);
@@ -149,6 +145,7 @@ class Coordinator {
   std::shared_ptr<const std::string> problem_bytes_;
   ContentId build_;
   const Lattice* lattice_;
+  ResultCheck check_;
   JobStore* store_;
   Journal* journal_;
   CoordinatorSettings settings_;

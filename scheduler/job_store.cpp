@@ -300,7 +300,7 @@ std::vector<StoredResult> JobStore::results() {
 namespace {
 
 std::filesystem::path existingDatabase(const std::filesystem::path& directory) {
-  const std::filesystem::path file = StateDirectory::databaseIn(directory);
+  std::filesystem::path file = StateDirectory::databaseIn(directory);
   if (!std::filesystem::exists(file))
     throw badInput("{}: is not a state directory of Palpate: there is no {} in it", directory.string(),
                    file.filename().string());

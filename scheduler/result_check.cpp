@@ -1,0 +1,67 @@
+#include "scheduler/result_check.hpp"
+
+#include <cmath>
+
+#include "common/configuration.hpp"
+#include "common/error.hpp"
+#include "common/wire.hpp"
+
+namespace palpate {
+namespace {
+
+/// The part of a result that must be the same bits whoever computes it.
+std::string reproducibleBytes(wire::Result result) {
+  result.clear_job();
+  result.clear_attempt();
+  if (result.has_cost()) result.mutable_cost()->clear_seconds();
+  return result.SerializeAsString();
+}
+
+bool causedByWorkers(const wire::Result& result) {
+  return result.has_failure() && result.failure().cause() == static_cast<std::uint32_t>(Cause::worker_lost);
+}
+
+}  // namespace
+
+ResultCheck::ResultCheck(const Problem& problem, const Lattice& lattice)
+    : problem_(&problem), lattice_(&lattice), build_(problemId(problem)) {}
+
+std::optional<TransitionKey> ResultCheck::keyOf(std::uint32_t space, const wire::Point& target,
+                                                const wire::Point& parent) const {
+  const auto to = lattice_->indexOf(fromWire(target)), from = lattice_->indexOf(fromWire(parent));
+  if (space >= problem_->active.size() || !to || !from) return std::nullopt;
+  return TransitionKey{space, *to, *from};
+}
+
+std::string ResultCheck::objectionTo(const wire::Result& result, const std::string& payload,
+                                     const std::string& kernel_family) const {
+  if (result.build() != build_.bytes()) return "a result of another build";
+  if (!keyOf(result.space(), result.target(), result.parent()))
+    return "a result for a point that does not exist";
+  const auto outcome = fromWire(result);
+  if (!outcome) return "a result that makes no sense";
+  if (result.payload_bytes() != payload.size())
+    return "a result whose payload has another length than it says";
+  if (result.kernel_family() != kernel_family) return "a result of another kernel family";
+  if (!outcome->converged) {
+    const double reached = outcome->failure.step_reached;
+    return std::isfinite(reached) && reached >= 0 && reached <= 1 ? "" : "a failure with an impossible step";
+  }
+  if (ContentId::of(payload).bytes() != result.fields_id())
+    return "a result whose payload has another content id";
+  const bool has_pressure = problem_->scene.discretization.pressure != PressureSpace::none;
+  if (payload.size() != problem_->mesh.nodes.size() * (has_pressure ? 4 : 3) * sizeof(float))
+    return "a result whose fields do not belong to this mesh";
+  try {
+    NodalFields::decode(payload, problem_->mesh.nodes.size());
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+bool ResultCheck::agree(const wire::Result& first, const wire::Result& second) {
+  return causedByWorkers(first) || reproducibleBytes(first) == reproducibleBytes(second);
+}
+
+}  // namespace palpate
