@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "common/scene.hpp"
+#include "tests/support/blob_on_disk.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/reference_data.hpp"
-#include "tests/support/temporary_directory.hpp"
 
 namespace palpate {
 namespace {
@@ -19,29 +19,14 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// A blob of 125 nodes in a file, its side xmin held, a patch of 4 cm at the other end.
-class CheckCommand : public ::testing::Test {
+class CheckCommand : public ::testing::Test, protected test::BlobOnDisk {
  protected:
-  CheckCommand() {
-    scene.name = "blob";
-    scene.mesh = "blob.msh";
-    scene.material.c10 = 1300;
-    scene.material.c01 = 1280;
-    scene.fixed.groups = {"xmin"};
-    scene.active = {{"tip", Eigen::Vector3d(0.1, 0, 0.02), std::nullopt, 0.04}};
-    test::writeGmsh22(test::blobMesh(), directory / "blob.msh");
-  }
-
   CommandResult check(const std::string& options = "") {
-    std::ofstream(directory / "blob.toml") << resolvedToml(scene);
     return test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-worker check " + options + " " +
-                            (directory / "blob.toml").string());
+                            write());
   }
   json report() { return json::parse(check("--json").output); }
   std::vector<std::string> warnings() { return report().at("warnings"); }
-
-  test::TemporaryDirectory directory;
-  Scene scene;
 };
 
 TEST_F(CheckCommand, CountsWhatWillBeSolved) {

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "common/scene.hpp"
+#include "tests/support/blob_on_disk.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/meshes.hpp"
-#include "tests/support/temporary_directory.hpp"
 
 namespace palpate {
 namespace {
@@ -17,27 +17,12 @@ using test::CommandResult;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// A blob of 125 nodes in a file, its side xmin held, a patch at the other end.
-class SolveCommand : public ::testing::Test {
+class SolveCommand : public ::testing::Test, protected test::BlobOnDisk {
  protected:
-  SolveCommand() {
-    scene.name = "blob";
-    scene.mesh = "blob.msh";
-    scene.material.c10 = 1300;
-    scene.material.c01 = 1280;
-    scene.fixed.groups = {"xmin"};
-    scene.active = {{"tip", Eigen::Vector3d(0.1, 0, 0.02), std::nullopt, 0.04}};
-    test::writeGmsh22(test::blobMesh(), directory / "blob.msh");
-  }
-
   CommandResult solve(const std::string& options) {
-    std::ofstream(directory / "blob.toml") << resolvedToml(scene);
-    return test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-worker solve " +
-                            (directory / "blob.toml").string() + " " + options);
+    return test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-worker solve " + write() + " " +
+                            options);
   }
-
-  test::TemporaryDirectory directory;
-  Scene scene;
 };
 
 TEST_F(SolveCommand, AnswersInOneJsonObjectPerLine) {
