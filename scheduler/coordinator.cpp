@@ -153,6 +153,7 @@ void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time 
   worker.heard = now;
   id_of_peer_[peer] = hello.worker();
   spdlog::info("worker {} on {} joined ({} kernels)", worker.pid, worker.host, worker.kernel_family);
+  servers_written_ = now - servers_written_every;  // the tables name it from the next turn on
 
   wire::Welcome& welcome = *send(peer).mutable_welcome();
   welcome.set_incarnation(incarnation_);

@@ -39,7 +39,11 @@ wire::Status storedStatus(const std::filesystem::path& directory) {
   status.set_build(tables.build().build.hex());
   status.set_state(tables.build().complete ? "complete" : "stopped");
   addFrontiers(status, replayed.frontiers, names);
-  for (const ServerRow& row : tables.servers()) addWorker(status, row);
+  for (ServerRow row : tables.servers()) {
+    // What the tables last said; no scheduler runs that it could be idle or busy for.
+    if (row.state != "lost") row.state = "left";
+    addWorker(status, row);
+  }
   for (const auto& [name, value] : tables.counters())
     (*status.mutable_counters())[name] = static_cast<std::int32_t>(value);
   return status;

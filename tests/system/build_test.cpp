@@ -194,6 +194,17 @@ TEST_F(SystemTest, StatusAndStopFindTheSchedulerThroughItsDirectory) {
   EXPECT_THAT(explain->output(), HasSubstr("expandable"));
 }
 
+TEST_F(SystemTest, StatusOfAKilledBuildShowsNobodyAtWork) {
+  auto build = startBuild("out.h5", "1");
+  ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));
+  build->stop(SIGKILL);
+  auto status = start("palpate-scheduler", {"status", "out.h5.state"});
+  EXPECT_EQ(status->wait(), 0) << status->output();
+  EXPECT_THAT(status->output(),
+              testing::AllOf(HasSubstr("stopped"), HasSubstr(": left, "), testing::Not(HasSubstr("busy")),
+                             testing::Not(HasSubstr("idle"))));
+}
+
 TEST_F(SystemTest, ASecondSchedulerAndAnotherSceneAreToldWhatIsWrong) {
   auto serve =
       start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
