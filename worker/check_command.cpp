@@ -72,18 +72,26 @@ struct Report {
           "workspace.radius = {:.4g} m is more than the body's diagonal of {:.4g} m: few of those "
           "configurations will be reached",
           workspace.radius, (quality.highest - quality.lowest).norm()));
+    findSingleNodeWarning();
     for (std::size_t i = 0; i < spaces.size(); ++i) findPatchWarnings(i);
+  }
+
+  void findSingleNodeWarning() {
+    std::string names;
+    for (const ActiveSelection& active : problem.scene.active)
+      if (active.radius == 0) names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", active.name);
+    if (!names.empty())
+      warnings.push_back(
+          fmt::format("active {}: a single node (radius = 0), whose force has no limit as the mesh gets "
+                      "finer, so it depends on the "
+                      "mesh; give the radius of the contact",
+                      names));
   }
 
   void findPatchWarnings(std::size_t number) {
     const ActivePatch& patch = *spaces[number].patch;
     const double radius = problem.scene.active[number].radius;
-    if (radius == 0)
-      warnings.push_back(fmt::format(
-          "active \"{}\" is a single node (radius = 0): its force has no limit as the mesh gets finer, "
-          "so it depends on the mesh; give the radius of the contact",
-          patch.name));
-    else if (patch.nodes.size() == 1)
+    if (radius > 0 && patch.nodes.size() == 1)
       warnings.push_back(fmt::format(
           "active \"{}\": no other node lies within its radius of {:.4g} m (edges are {:.4g} m on "
           "average), so it is a single node and its force depends on the mesh",
