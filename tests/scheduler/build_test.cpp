@@ -59,8 +59,8 @@ TEST(Build, LeavesNoPointUnknownWhenTheOriginFails) {
   EXPECT_THAT(describe(status),
               testing::HasSubstr("failed points: 2 factorization_failed, 64 unreachable\n"));
   world.sealedContent();
-  for (const SpaceTable& space : Dataset(world.directory / "cube.h5").spaces())
-    EXPECT_EQ(space.points[1].cause, Cause::unreachable);
+  const Dataset dataset(world.directory / "cube.h5");
+  for (const SpaceTable& space : dataset.spaces()) EXPECT_EQ(space.points[1].cause, Cause::unreachable);
 }
 
 }  // namespace
