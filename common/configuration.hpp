@@ -15,13 +15,13 @@ namespace palpate {
 /// The bulky part of a configuration: float32, as stored, sent and started from.
 struct NodalFields {
   std::vector<float> displacement;  ///< nNodes x 3, row per node, metres
-  std::vector<float> pressure;      ///< nNodes, Pa; empty without a pressure space
+  std::vector<float> pressure;      ///< pressureNodes(problem), Pa; empty without a pressure space
 
   /// displacement bytes, then pressure bytes, little-endian.
   std::string encode() const;
-  /// Inverse of encode for a mesh of n_nodes; Error when the size is neither 3 nor 4 floats per node or a
-  /// value is not finite.
-  static NodalFields decode(std::string_view bytes, std::size_t n_nodes);
+  /// Inverse of encode for a mesh of n_nodes, n_pressures of which have a pressure; Error when the size is
+  /// another or a value is not finite.
+  static NodalFields decode(std::string_view bytes, std::size_t n_nodes, std::size_t n_pressures);
   /// ContentId::of(encode()).
   ContentId id() const;
 };

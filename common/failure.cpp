@@ -7,10 +7,10 @@
 namespace palpate {
 namespace {
 
-constexpr std::array<std::string_view, 10> words = {
+constexpr std::array<std::string_view, 11> words = {
     "none",          "iteration_limit",      "line_search_stalled", "inverted_element",
     "wrong_inertia", "factorization_failed", "not_finite",          "step_budget",
-    "worker_lost",   "unreachable"};
+    "worker_lost",   "unreachable",          "limit_point"};
 
 }  // namespace
 
@@ -62,6 +62,12 @@ std::string describe(const Failure& f) {
       return "unreachable: no neighbour can be expanded: it lies behind points that are terminating or "
              "failed; "
              "nothing was tried";
+    case Cause::limit_point:
+      return fmt::format(
+          "limit_point {}: the equilibrium path turns back there, {} negative pivots instead of {} beyond "
+          "the "
+          "turn; a patch (radius) carries further than a single node",
+          where, f.negative_pivots, f.expected_negative_pivots);
   }
   return "unknown cause";
 }

@@ -22,6 +22,8 @@ enum class Cause : std::uint8_t {
   step_budget = 7,           ///< the transition was cut into more steps than it is worth
   worker_lost = 8,           ///< every worker that tried it died
   unreachable = 9,           ///< of a point, never of a transition: it has no expandable neighbour
+  limit_point = 10,  ///< the equilibrium path turns back before the target: beyond it there is no equilibrium
+                     ///< on this branch
 };
 
 /// The word for a cause, as it stands in messages and files: "iteration_limit". "none" for Cause::none.

@@ -5,9 +5,12 @@
 namespace palpate {
 namespace {
 
-constexpr std::array<std::string_view, 4> law_words = {"linear", "st-venant-kirchhoff",
-                                                       "modified-st-venant-kirchhoff", "mooney-rivlin"};
-constexpr std::array<std::string_view, 3> pressure_words = {"none", "P1", "P1-stabilized"};
+constexpr std::array<std::string_view, 9> law_words = {
+    "linear", "st-venant-kirchhoff", "modified-st-venant-kirchhoff", "mooney-rivlin", "neo-hookean", "yeoh",
+    "ogden",  "veronda-westmann",    "holzapfel-gasser-ogden"};
+constexpr std::array<std::string_view, 2> displacement_words = {"P1", "P2"};
+constexpr std::array<std::string_view, 4> pressure_words = {"none", "P1", "P1-stabilized", "P2"};
+constexpr std::array<std::string_view, 2> tool_words = {"rigid", "weighted-average"};
 constexpr std::array<std::string_view, 2> constraint_words = {"ln-det-F", "det-F-1"};
 
 }  // namespace
@@ -15,11 +18,18 @@ constexpr std::array<std::string_view, 2> constraint_words = {"ln-det-F", "det-F
 std::span<const std::string_view> lawWords() {
   return law_words;
 }
+std::span<const std::string_view> displacementWords() {
+  return displacement_words;
+}
 std::span<const std::string_view> pressureWords() {
   return pressure_words;
 }
 std::span<const std::string_view> constraintWords() {
   return constraint_words;
+}
+
+std::span<const std::string_view> toolWords() {
+  return tool_words;
 }
 
 std::string_view word(LawName law) {
@@ -31,9 +41,11 @@ std::string_view word(PressureSpace pressure) {
 std::string_view word(Constraint constraint) {
   return constraint_words.at(static_cast<std::size_t>(constraint));
 }
-
-bool isIncompressible(LawName law) {
-  return law == LawName::modified_st_venant_kirchhoff || law == LawName::mooney_rivlin;
+std::string_view word(DisplacementSpace displacement) {
+  return displacement_words.at(static_cast<std::size_t>(displacement));
+}
+std::string_view word(ToolKind tool) {
+  return tool_words.at(static_cast<std::size_t>(tool));
 }
 
 }  // namespace palpate

@@ -229,6 +229,34 @@ std::vector<std::int32_t> pieceOfNode(const Mesh& mesh) {
   return piece;
 }
 
+void addMidEdgeNodes(Mesh& mesh) {
+  std::map<Edge, std::int32_t> number_of;
+  for (const Tetrahedron& tetrahedron : mesh.tetrahedra)
+    for (const auto& [a, b] : tetrahedron_edges)
+      number_of.emplace(
+          Edge{std::min(tetrahedron[a], tetrahedron[b]), std::max(tetrahedron[a], tetrahedron[b])}, 0);
+  for (auto& [edge, node] : number_of) {
+    node = static_cast<std::int32_t>(mesh.nodes.size());
+    mesh.edges.push_back(edge);
+    mesh.nodes.emplace_back(0.5 * (mesh.nodes[edge[0]] + mesh.nodes[edge[1]]));
+  }
+  for (const Tetrahedron& tetrahedron : mesh.tetrahedra) {
+    auto& middle = mesh.mid_edge_nodes.emplace_back();
+    for (std::size_t e = 0; e < tetrahedron_edges.size(); ++e) {
+      const auto [a, b] =
+          std::minmax(tetrahedron[tetrahedron_edges[e][0]], tetrahedron[tetrahedron_edges[e][1]]);
+      middle[e] = number_of.at({a, b});
+    }
+  }
+  for (auto& [name, nodes] : mesh.node_groups) {
+    const std::vector<std::int32_t> vertices = nodes;
+    for (const auto& [edge, node] : number_of)
+      if (std::binary_search(vertices.begin(), vertices.end(), edge[0]) &&
+          std::binary_search(vertices.begin(), vertices.end(), edge[1]))
+        nodes.push_back(node);  // numbers ascend with the edges, so the group stays sorted
+  }
+}
+
 MeshQuality measure(const Mesh& mesh) {
   MeshQuality quality;
   quality.worst_shape = std::numeric_limits<double>::infinity();

@@ -11,6 +11,12 @@ namespace palpate {
 
 using Tetrahedron = std::array<std::int32_t, 4>;
 using Triangle = std::array<std::int32_t, 3>;
+using Edge = std::array<std::int32_t, 2>;
+
+/// Corners of the six edges of a tetrahedron, in the order of VTK's and of our mid-edge nodes. (Gmsh's order
+/// differs in the last two.)
+inline constexpr std::array<std::array<int, 2>, 6> tetrahedron_edges = {
+    {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
 
 /// A tetrahedral mesh in the rest state. Node and element numbers are 0-based indices into these arrays, in
 /// the order of the file, after nodes that belong to no tetrahedron were dropped.
@@ -19,7 +25,15 @@ struct Mesh {
   std::vector<Tetrahedron> tetrahedra;  ///< positive orientation: (b-a) x (c-a) . (d-a) > 0
   std::vector<Triangle> surface;        ///< faces of exactly one tetrahedron, normals outward; derived
   std::map<std::string, std::vector<std::int32_t>>
-      node_groups;                         ///< named physical groups (any dimension) -> sorted nodes
+      node_groups;  ///< named physical groups (any dimension) -> sorted nodes
+  std::map<std::string, std::vector<std::int32_t>>
+      element_groups;  ///< named physical groups of dimension 3 -> sorted tetrahedra
+  std::map<std::string, std::vector<Eigen::Vector3d>>
+      element_vectors;  ///< named vector per tetrahedron ($ElementData of three components, CELL_DATA)
+  /// Quadratic meshes only (addMidEdgeNodes): the middle of edge e is node vertices() + e.
+  std::vector<Edge> edges;
+  std::vector<std::array<std::int32_t, 6>> mid_edge_nodes;  ///< per tetrahedron, by tetrahedron_edges
+  std::int32_t vertices() const { return static_cast<std::int32_t>(nodes.size() - edges.size()); }
   std::int32_t dropped_nodes = 0;          ///< nodes of the file that no tetrahedron used
   std::int32_t reoriented_tetrahedra = 0;  ///< tetrahedra whose node order was turned (all of them, or none)
 };
@@ -40,6 +54,10 @@ std::vector<std::int32_t> pieceOfNode(const Mesh& mesh);
 
 /// Shape of tetrahedron `element`: 12 (3|V|)^(2/3) / sum of squared edges, 1 for regular, 0 for flat.
 double shapeOf(const Mesh& mesh, std::size_t element);
+
+/// Makes a linear, finished mesh quadratic, with straight edges: appends the mid-edge nodes, in the order of
+/// their (lower, higher) end nodes, and adds them to the node groups in which both ends of their edge are.
+void addMidEdgeNodes(Mesh& mesh);
 
 /// What `palpate check` prints about a mesh.
 struct MeshQuality {

@@ -320,9 +320,10 @@ Problem fromMessage(const wire::Problem& message) {
   if (problem.mesh.dropped_nodes != 0 || problem.mesh.reoriented_tetrahedra != 0)
     throw badInput("its mesh has orphan nodes or inverted elements");
   problem.fixed = arrayFrom<std::int32_t>(message.fixed(), "its fixed nodes");
+  problem.region_of.assign(problem.mesh.tetrahedra.size(), 0);
   for (const wire::ActivePatch& active : message.active())
     problem.active.push_back(
-        {active.name(), active.node(), arrayFrom<std::int32_t>(active.nodes(), "the nodes of a patch")});
+        {active.name(), active.node(), arrayFrom<std::int32_t>(active.nodes(), "the nodes of a patch"), {}});
   return problem;
 }
 
@@ -334,6 +335,19 @@ Mesh readMesh(const Scene& scene) {
 
 }  // namespace
 
+std::size_t pressureNodes(const Problem& problem) {
+  switch (problem.scene.discretization.pressure) {
+    case PressureSpace::none:
+      return 0;
+    case PressureSpace::p1:
+    case PressureSpace::p1_stabilized:
+      return static_cast<std::size_t>(problem.mesh.vertices());
+    case PressureSpace::p2:
+      return problem.mesh.nodes.size();
+  }
+  return 0;
+}
+
 Problem resolve(Scene scene, Mesh mesh) {
   refuseMistakenUnit(mesh, scene.metres_per_unit);
   Problem problem;
@@ -341,6 +355,7 @@ Problem resolve(Scene scene, Mesh mesh) {
   const Nodes surface = surfaceNodes(mesh);
   for (const ActiveSelection& active : scene.active)
     problem.active.push_back(selectPatch(active, mesh, surface, problem.fixed));
+  problem.region_of.assign(mesh.tetrahedra.size(), 0);
   problem.scene = std::move(scene);
   problem.mesh = std::move(mesh);
   check(problem);

@@ -13,20 +13,31 @@
 
 namespace palpate {
 
-/// The tool's contact: the active node and every node that moves rigidly with it.
+/// The tool's contact: the active node and the nodes that it moves together.
 struct ActivePatch {
   std::string name;
   std::int32_t node = -1;           ///< the active node
   std::vector<std::int32_t> nodes;  ///< sorted, contains `node`, disjoint from the fixed nodes
+  /// Empty: a rigid tool. Else a weighted-average tool: one weight per node, >= 0, sum 1, proportional to the
+  /// integral over the surface of the node's shape function times the bump (1 - (r/radius)^2)^2.
+  std::vector<double> weights;
 };
 
 /// A scene with its mesh and with its selectors resolved to nodes: everything that determines a dataset.
 struct Problem {
   Scene scene;
-  Mesh mesh;
+  Mesh mesh;                             ///< quadratic when the displacement is P2
+  std::vector<std::uint16_t> region_of;  ///< per tetrahedron, index into Scene::regions
+  /// Per tetrahedron two unit directions (zero vectors where there are fewer); empty when no material has
+  /// fibres.
+  std::vector<std::array<Eigen::Vector3d, 2>> fibers;
   std::vector<std::int32_t> fixed;  ///< sorted
   std::vector<ActivePatch> active;  ///< one configuration space each, in the order of the scene
 };
+
+/// Number of nodes that have a pressure in NodalFields: none, the vertices, or all nodes. (Where no material
+/// around a node is mixed its pressure is zero and no unknown.)
+std::size_t pressureNodes(const Problem& problem);
 
 /// Resolves the selectors of a scene on its mesh, which finishMesh has finished. Error (bad input), naming
 /// the scene's key, when

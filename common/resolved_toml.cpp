@@ -81,7 +81,7 @@ std::string activeToml(const ActiveSelection& active) {
 std::string resolvedToml(const Scene& scene) {
   std::string text = fmt::format("name = {}\nmesh = {}\nlength_unit = \"m\"\n", quoted(scene.name),
                                  quoted(scene.mesh.filename().string()));
-  text += materialToml(scene.material);
+  text += materialToml(scene.regions[0].material);
   text += fmt::format("\n[discretization]\ndisplacement = \"P1\"\npressure = \"{}\"\nconstraint = \"{}\"\n",
                       word(scene.discretization.pressure), word(scene.discretization.constraint));
   text += fixedToml(scene.fixed);

@@ -18,7 +18,6 @@ namespace {
 
 using Words = std::span<const std::string_view>;
 
-constexpr std::array<std::string_view, 1> displacement_words = {"P1"};
 constexpr std::array<std::string_view, 3> unit_words = {"m", "cm", "mm"};
 constexpr std::array<double, 3> unit_metres = {1.0, 0.01, 0.001};
 constexpr std::array<std::string_view, 3> axis_words = {"x", "y", "z"};
@@ -213,20 +212,21 @@ Material readMaterial(const Section& section) {
   return material;
 }
 
-Discretization readDiscretization(const Section* section, LawName law) {
+Discretization readDiscretization(const Section* section, const Material& material) {
+  const LawName law = material.law;
   Discretization d;
-  d.pressure = isIncompressible(law) ? PressureSpace::p1_stabilized : PressureSpace::none;
+  d.pressure = isIncompressible(material) ? PressureSpace::p1_stabilized : PressureSpace::none;
   if (section == nullptr) return d;
   if (const toml::node* node = section->find("displacement"))
-    section->choice("displacement", *node, displacement_words);
+    section->choice("displacement", *node, displacementWords());
   if (const toml::node* node = section->find("constraint"))
     d.constraint = static_cast<Constraint>(section->choice("constraint", *node, constraintWords()));
   if (const toml::node* node = section->find("pressure"))
     d.pressure = static_cast<PressureSpace>(section->choice("pressure", *node, pressureWords()));
-  if (isIncompressible(law) && d.pressure == PressureSpace::none)
+  if (isIncompressible(material) && d.pressure == PressureSpace::none)
     throw section->wrong("pressure", "law \"{}\" is incompressible and needs a pressure: P1-stabilized or P1",
                          word(law));
-  if (!isIncompressible(law) && d.pressure != PressureSpace::none)
+  if (!isIncompressible(material) && d.pressure != PressureSpace::none)
     throw section->wrong("pressure",
                          "law \"{}\" is compressible and takes no pressure: write none, or leave it out",
                          word(law));
@@ -351,12 +351,14 @@ Scene readTables(const toml::table& table, const std::string& source) {
   const toml::node* name = root.find("name");
   scene.name = name ? root.text("name", *name) : std::filesystem::path(source).stem().string();
   scene.mesh = root.text("mesh", root.require("mesh", "the mesh file, relative to the scene file"));
-  scene.material = readMaterial(root.inner("material", root.require("material", "write a [material] table"),
-                                           {"law", "c10", "c01", "young", "poisson"}));
+  scene.regions[0].material =
+      readMaterial(root.inner("material", root.require("material", "write a [material] table"),
+                              {"law", "c10", "c01", "young", "poisson"}));
   std::optional<Section> discretization;
   if (const toml::node* node = root.find("discretization"))
     discretization.emplace(root.inner("discretization", *node, {"displacement", "pressure", "constraint"}));
-  scene.discretization = readDiscretization(discretization ? &*discretization : nullptr, scene.material.law);
+  scene.discretization =
+      readDiscretization(discretization ? &*discretization : nullptr, scene.regions[0].material);
   scene.fixed = readFixed(
       root.inner("fixed", root.require("fixed", "write a [fixed] table that says which nodes are held"),
                  {"below", "above", "box", "sphere", "group", "nodes"}));
@@ -368,6 +370,13 @@ Scene readTables(const toml::table& table, const std::string& source) {
 }
 
 }  // namespace
+
+bool isInfSupStable(const Discretization& discretization) {
+  const bool equal_order = discretization.displacement == DisplacementSpace::p1
+                               ? discretization.pressure == PressureSpace::p1
+                               : discretization.pressure == PressureSpace::p2;
+  return !equal_order;
+}
 
 Scene parseScene(const std::string& text, const std::string& source) {
   try {

@@ -8,21 +8,21 @@
 #include <vector>
 
 #include "common/formulation.hpp"
+#include "common/material.hpp"
 
 namespace palpate {
 
-/// [material]. Keys that the law does not take are refused; all moduli > 0, -1 < poisson < 0.5.
-struct Material {
-  LawName law = LawName::mooney_rivlin;
-  double c10 = 0, c01 = 0;  ///< Pa; mooney-rivlin; c01 >= 0, c10 > 0
-  double young = 0;         ///< Pa; linear and the two St. Venant-Kirchhoff laws
-  std::optional<double>
-      poisson;  ///< required by linear and st-venant-kirchhoff; optional for the modified law
+/// A part of the body: the tetrahedra of a physical group, or with no group all that no other region names.
+struct Region {
+  std::string group;  ///< empty: [material]
+  Material material;
 };
 
-/// [discretization]. displacement is "P1" for now. The default pressure follows the law: "P1-stabilized" for
-/// an incompressible one, else "none"; the other combinations are refused with the reason.
+/// [discretization]. Defaults: displacement P1; pressure "none" when no material is mixed, else
+/// "P1-stabilized" with P1 and "P1" with P2 displacements. Refused: a pressure of higher order than the
+/// displacement, P1-stabilized with P2, none with an incompressible material, one without any mixed material.
 struct Discretization {
+  DisplacementSpace displacement = DisplacementSpace::p1;
   PressureSpace pressure = PressureSpace::p1_stabilized;
   Constraint constraint = Constraint::ln_det_F;
 };
@@ -53,12 +53,16 @@ struct FixedSelection {
   std::vector<std::int32_t> nodes;
 };
 
+/// Whether pressure and displacement satisfy the inf-sup condition (or there is no pressure).
+bool isInfSupStable(const Discretization& discretization);
+
 /// [[active]]: exactly one of `near` and `node`.
 struct ActiveSelection {
   std::string name;                     ///< unique; letters, digits, '-' and '_'
   std::optional<Eigen::Vector3d> near;  ///< metres: the nearest surface node
   std::optional<std::int32_t> node;     ///< 0-based; must lie on the surface
-  double radius = 0;  ///< metres: every node within it (<=) moves rigidly, fixed ones excepted
+  double radius = 0;  ///< metres: every node within it (<=) is in the patch, fixed ones excepted
+  ToolKind tool = ToolKind::rigid;  ///< weighted_average needs a radius
 };
 
 /// [workspace].
@@ -74,8 +78,9 @@ struct Scene {
   std::string name;
   std::filesystem::path mesh;  ///< absolute, or as in the file when read from text
   double metres_per_unit = 1;  ///< of the *mesh file*; every length in this struct is metres already
-  Material material;
+  std::vector<Region> regions = {Region{}};  ///< [material] first, if given, then each [[region]]
   Discretization discretization;
+  Eigen::Vector3d gravity = {0, 0, 0};  ///< m/s^2; [gravity] acceleration = [x, y, z]
   FixedSelection fixed;
   std::vector<ActiveSelection> active;
   Workspace workspace;

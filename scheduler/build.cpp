@@ -30,7 +30,8 @@ std::vector<SpaceTable> Build::seal(const std::filesystem::path& file) {
   for (const StoredResult& result : results)
     if (result.outcome.converged) where[{result.key.space, result.key.target}] = result.where;
   const auto fields = [&](std::size_t space, std::int32_t point) {
-    return NodalFields::decode(journal_.read(where.at({space, point})).payload, problem_.mesh.nodes.size());
+    return NodalFields::decode(journal_.read(where.at({space, point})).payload, problem_.mesh.nodes.size(),
+                               pressureNodes(problem_));
   };
   sealDataset(file, problem_, lattice_, tables, store_.build().kernel_family, fields);
   return tables;

@@ -49,11 +49,8 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const std::stri
   }
   if (ContentId::of(payload).bytes() != result.fields_id())
     return "a result whose payload has another content id";
-  const bool has_pressure = problem_->scene.discretization.pressure != PressureSpace::none;
-  if (payload.size() != problem_->mesh.nodes.size() * (has_pressure ? 4 : 3) * sizeof(float))
-    return "a result whose fields do not belong to this mesh";
   try {
-    NodalFields::decode(payload, problem_->mesh.nodes.size());
+    NodalFields::decode(payload, problem_->mesh.nodes.size(), pressureNodes(*problem_));
   } catch (const Error& error) {
     return error.what();
   }

@@ -169,7 +169,7 @@ void printText(const Report& report) {
   fmt::print("scene      {}\n", scene.name);
   printMesh(report);
   printConversion(scene);
-  fmt::print("material   {}\n", materialText(scene.material));
+  fmt::print("material   {}\n", materialText(scene.regions[0].material));
   fmt::print("solved as  displacement P1, pressure {}", word(scene.discretization.pressure));
   if (scene.discretization.pressure != PressureSpace::none)
     fmt::print(", constraint {}", word(scene.discretization.constraint));
@@ -233,7 +233,7 @@ nlohmann::ordered_json toJson(const Report& report) {
           {"problem", problemId(report.problem).hex()},
           {"metres_per_unit", scene.metres_per_unit},
           {"mesh", meshJson(report)},
-          {"law", word(scene.material.law)},
+          {"law", word(scene.regions[0].material.law)},
           {"pressure", word(scene.discretization.pressure)},
           {"constraint", word(scene.discretization.constraint)},
           {"fixed_nodes", report.problem.fixed.size()},

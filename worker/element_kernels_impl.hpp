@@ -269,6 +269,8 @@ void evaluate(const ElementParameters& p, const BatchGeometry& geometry, const d
     case LawName::mooney_rivlin:
       return evaluateBatch<MooneyRivlin, true, with_tangent>({p.c10, p.c01}, p, geometry, u, q, result,
                                                              tangent);
+    default:
+      break;
   }
 }
 

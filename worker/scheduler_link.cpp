@@ -210,7 +210,8 @@ void SchedulerLink::handleFields(const wire::FieldsReply& reply, const std::stri
     introduceAgain();
     return;
   }
-  remember(*id, std::make_shared<NodalFields>(NodalFields::decode(payload, problem_->mesh.nodes.size())));
+  remember(*id, std::make_shared<NodalFields>(
+                    NodalFields::decode(payload, problem_->mesh.nodes.size(), pressureNodes(*problem_))));
   startReadyJobs();
 }
 
@@ -247,8 +248,8 @@ void SchedulerLink::remember(const ContentId& id, std::shared_ptr<const NodalFie
 void SchedulerLink::deliverFinished() {
   for (FinishedTarget& finished : mailbox_.takeFinished()) {
     if (const auto id = ContentId::fromBytes(finished.result.fields_id()); id && problem_)
-      remember(*id, std::make_shared<NodalFields>(
-                        NodalFields::decode(finished.fields, problem_->mesh.nodes.size())));
+      remember(*id, std::make_shared<NodalFields>(NodalFields::decode(
+                        finished.fields, problem_->mesh.nodes.size(), pressureNodes(*problem_))));
     const wire::Result& result = finished.result;
     if (result.build() != build_.bytes()) continue;  // of a build that this scheduler left behind
     wire::Message message;

@@ -18,7 +18,7 @@ constexpr std::int32_t tool_off_diagonal =
     9;  ///< K_aa from local entries above the diagonal, to be added with its transpose
 
 ElementParameters parametersOf(const Scene& scene) {
-  const Material& material = scene.material;
+  const Material& material = scene.regions[0].material;
   ElementParameters parameters;
   parameters.law = material.law;
   parameters.pressure = scene.discretization.pressure;

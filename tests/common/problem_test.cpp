@@ -24,8 +24,8 @@ class Problem : public ::testing::Test {
   Problem() {
     scene.name = "cube";
     scene.mesh = "cube.msh";
-    scene.material.c10 = 1300;
-    scene.material.c01 = 1280;
+    scene.regions[0].material.c10 = 1300;
+    scene.regions[0].material.c01 = 1280;
     scene.fixed.half_spaces = {{2, true, 0.1, std::nullopt}};
     scene.active = {{"top", Eigen::Vector3d(0.1, 0.1, 0.21), std::nullopt, 0}};
   }
@@ -216,7 +216,7 @@ TEST_F(Problem, IdChangesWithEverythingElse) {
     change();
     ids.push_back(problemId(resolved()));
   };
-  changed([&] { scene.material.c10 = 1300.0000000000002; });
+  changed([&] { scene.regions[0].material.c10 = 1300.0000000000002; });
   changed([&] { scene.discretization.constraint = Constraint::det_F_minus_1; });
   changed([&] { scene.workspace.max_force = 3; });
   changed([&] { scene.workspace.spacing = 0.01; });

@@ -90,8 +90,8 @@ TEST(Scene, ReadsTheSceneOfTheContract) {
   const Scene scene = parse(liver);
   EXPECT_EQ(scene.name, "liver");
   EXPECT_EQ(scene.mesh, "liver.msh");
-  EXPECT_EQ(scene.material.law, LawName::mooney_rivlin);
-  EXPECT_EQ(scene.material.c01, 1280);
+  EXPECT_EQ(scene.regions[0].material.law, LawName::mooney_rivlin);
+  EXPECT_EQ(scene.regions[0].material.c01, 1280);
   EXPECT_EQ(scene.fixed.half_spaces.at(0).fraction, 0.15);
   EXPECT_EQ(scene.active.at(0).near, Eigen::Vector3d(0.0582, 0.1344, 0.0025));
   EXPECT_EQ(scene.workspace.max_force, 8.5);
@@ -110,7 +110,7 @@ TEST(Scene, ConvertsEveryLengthToMetresExactly) {
   EXPECT_EQ(scene.fixed.boxes.at(0).highest, Eigen::Vector3d(0.001, 0.002, 0.003));
   EXPECT_EQ(scene.fixed.spheres.at(0).radius, 0.0143);
   EXPECT_EQ(scene.fixed.half_spaces.at(0).fraction, 0.1);
-  EXPECT_EQ(scene.material.young, 15480);
+  EXPECT_EQ(scene.regions[0].material.young, 15480);
 }
 
 TEST(Scene, FillsInDefaultsThatFollowTheLaw) {
@@ -125,7 +125,7 @@ TEST(Scene, FillsInDefaultsThatFollowTheLaw) {
   EXPECT_EQ(linear.discretization.pressure, PressureSpace::none);
   const Scene modified =
       parse("mesh = \"m.msh\"\n[material]\nlaw = \"modified-st-venant-kirchhoff\"\nyoung = 1" + rest);
-  EXPECT_FALSE(modified.material.poisson.has_value());
+  EXPECT_FALSE(modified.regions[0].material.poisson.has_value());
 }
 
 TEST(Scene, ResolvedTextIsReadBackAsTheSameScene) {
@@ -148,10 +148,10 @@ TEST(Scene, ResolvedNumbersRoundTripExactly) {
   Scene scene = parse(liver);
   for (const double number :
        {0.1 + 0.2, 1.0 / 3, 5e-324, 1.7976931348623157e308, 1e22, 123456789012345680.0, 1e16}) {
-    scene.material.c10 = number;
+    scene.regions[0].material.c10 = number;
     scene.active[0].near = Eigen::Vector3d(-number, number, -0.0);
     const Scene again = parse(resolvedToml(scene));
-    EXPECT_EQ(again.material.c10, number);
+    EXPECT_EQ(again.regions[0].material.c10, number);
     EXPECT_EQ(again.active[0].near, scene.active[0].near);
   }
 }

@@ -24,8 +24,8 @@ inline Problem cubeProblem(double c10 = 1300) {
   Scene scene;
   scene.name = "cube";
   scene.mesh = "cube.msh";
-  scene.material.c10 = c10;
-  scene.material.c01 = 1280;
+  scene.regions[0].material.c10 = c10;
+  scene.regions[0].material.c01 = 1280;
   scene.fixed.half_spaces = {{0, true, 0.15, std::nullopt}};
   scene.active = {{"tip", Eigen::Vector3d(0.1, 0.05, 0.05), std::nullopt, 0},
                   {"corner", Eigen::Vector3d(0.1, 0.1, 0.1), std::nullopt, 0}};

@@ -12,9 +12,9 @@ inline Scene mooneyRivlinScene() {
   Scene scene;
   scene.name = "test";
   scene.mesh = "test.msh";
-  scene.material.law = LawName::mooney_rivlin;
-  scene.material.c10 = 1300;
-  scene.material.c01 = 1280;
+  scene.regions[0].material.law = LawName::mooney_rivlin;
+  scene.regions[0].material.c10 = 1300;
+  scene.regions[0].material.c01 = 1280;
   return scene;
 }
 
@@ -22,11 +22,11 @@ inline Scene mooneyRivlinScene() {
 /// it may be.
 inline Scene youngScene(LawName law, double poisson = 0.3) {
   Scene scene = mooneyRivlinScene();
-  scene.material = {};
-  scene.material.law = law;
-  scene.material.young = 15480;
-  scene.material.poisson = poisson;
-  if (!isIncompressible(law)) scene.discretization.pressure = PressureSpace::none;
+  scene.regions[0].material = {};
+  scene.regions[0].material.law = law;
+  scene.regions[0].material.young = 15480;
+  scene.regions[0].material.poisson = poisson;
+  if (!isIncompressible(scene.regions[0].material)) scene.discretization.pressure = PressureSpace::none;
   return scene;
 }
 

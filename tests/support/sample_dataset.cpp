@@ -25,13 +25,13 @@ Problem sampleProblem(PressureSpace pressure) {
   Scene& scene = problem.scene;
   scene.name = "sample";
   scene.mesh = "sample.msh";
-  scene.material.law = pressure == PressureSpace::none ? LawName::linear : LawName::mooney_rivlin;
+  scene.regions[0].material.law = pressure == PressureSpace::none ? LawName::linear : LawName::mooney_rivlin;
   if (pressure == PressureSpace::none) {
-    scene.material.young = 15e3;
-    scene.material.poisson = 0.4;
+    scene.regions[0].material.young = 15e3;
+    scene.regions[0].material.poisson = 0.4;
   } else {
-    scene.material.c10 = 1300;
-    scene.material.c01 = 1280;
+    scene.regions[0].material.c10 = 1300;
+    scene.regions[0].material.c01 = 1280;
   }
   scene.discretization.pressure = pressure;
   scene.fixed.nodes = problem.fixed;

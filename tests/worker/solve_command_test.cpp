@@ -47,7 +47,7 @@ TEST_F(SolveCommand, AnswersWhatItCanBeforeItNamesALineItCannotRead) {
 }
 
 TEST_F(SolveCommand, TellsAFailedDisplacementByItsCauseAndExitCode) {
-  scene.material = {.law = LawName::st_venant_kirchhoff, .young = 5000, .poisson = 0.3};
+  scene.regions[0].material = {.law = LawName::st_venant_kirchhoff, .young = 5000, .poisson = 0.3};
   scene.discretization.pressure = PressureSpace::none;
   const CommandResult result = solve("--json --displacement -0.2 0 0 --steps 1");
   EXPECT_EQ(result.exit_code, 3) << result.output;

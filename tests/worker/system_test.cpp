@@ -20,7 +20,8 @@ using test::mooneyRivlinScene;
 using test::youngScene;
 
 Scene with(Scene scene, PressureSpace pressure, Constraint constraint) {
-  scene.discretization = {pressure, constraint};
+  scene.discretization.pressure = pressure;
+  scene.discretization.constraint = constraint;
   return scene;
 }
 
@@ -40,8 +41,9 @@ std::vector<Scene> everyFormulation() {
 }
 
 std::string nameOf(const Scene& scene) {
-  return std::string(word(scene.material.law)) + ", " + std::string(word(scene.discretization.pressure)) +
-         ", " + std::string(word(scene.discretization.constraint));
+  return std::string(word(scene.regions[0].material.law)) + ", " +
+         std::string(word(scene.discretization.pressure)) + ", " +
+         std::string(word(scene.discretization.constraint));
 }
 
 /// A small clamped body with a patch of several nodes as the tool, at a random admissible state.
@@ -288,7 +290,7 @@ TEST_F(HomogeneousState, ModifiedStVenantKirchhoffWithAndWithoutLambda) {
     const double E = 15480, nu = 0.49;
     const double mu = keep_lambda ? E / (2 * (1 + nu)) : E / 3;
     const double lambda = keep_lambda ? E * nu / ((1 + nu) * (1 - 2 * nu)) : 0;
-    if (!keep_lambda) scene.material.poisson.reset();
+    if (!keep_lambda) scene.regions[0].material.poisson.reset();
     for (const double l : {0.6, 0.8, 1.2, 1.5}) {
       const double g1 = (l * l - 1) / 2, g2 = (1 / l - 1) / 2, trace = g1 + 2 * g2;
       const double S1 = lambda * trace + 2 * mu * g1, S2 = lambda * trace + 2 * mu * g2;

@@ -222,7 +222,8 @@ TEST_F(TransitionTest, AStarvedNewtonNamesWhatItRanOutOf) {
 
 TEST_F(TransitionTest, EqualOrderPressureConvergesAlthoughItsTangentIsSingular) {
   Scene scene = mooneyRivlinScene();
-  scene.discretization = {PressureSpace::p1, Constraint::det_F_minus_1};
+  scene.discretization.pressure = PressureSpace::p1;
+  scene.discretization.constraint = Constraint::det_F_minus_1;
   clamp(scene);
   EXPECT_FALSE(solver_->system().expectedNegativePivots());
   const Equilibrium here = equilibriumAt({0, 0.01, 0});
