@@ -20,7 +20,7 @@ struct ActivePatch {
   std::vector<std::int32_t> nodes;  ///< sorted, contains `node`, disjoint from the fixed nodes
   /// Empty: a rigid tool. Else a weighted-average tool: one weight per node, >= 0, sum 1, proportional to the
   /// integral over the surface of the node's shape function times the bump (1 - (r/radius)^2)^2.
-  std::vector<double> weights;
+  std::vector<double> weights = {};
 };
 
 /// A scene with its mesh and with its selectors resolved to nodes: everything that determines a dataset.
