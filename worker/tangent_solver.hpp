@@ -37,8 +37,8 @@ class TangentSolver {
   /// Solves for `tangent` itself with the factors of one near it, by refinement, until each residual is
   /// `tolerance` of its right-hand side. Nothing when it does not contract by a half each time (then the
   /// factors are too far away), or MUMPS reports an error.
-  [[nodiscard]] std::optional<Refined> solveWith(const Tangent& tangent, const Eigen::MatrixXd& right_hand_sides,
-                                                 double tolerance);
+  [[nodiscard]] std::optional<Refined> solveWith(const Tangent& tangent,
+                                                 const Eigen::MatrixXd& right_hand_sides, double tolerance);
 
   const LinearSolver& linearSolver() const { return solver_; }
 
