@@ -124,6 +124,7 @@ Path walk(TransitionSolver& solver, const Start& rest, const Eigen::Vector3i& di
     path.cost.newton_iterations += reached.outcome.cost.newton_iterations;
     path.cost.seconds += reached.outcome.cost.seconds;
     if (!reached.outcome.converged) {
+      solver.explainByLimitPoint(at, unit * (options.length * n / transitions), reached);
       path.failure = reached.outcome.failure;
       path.reached = options.length * (n - 1 + path.failure.step_reached) / transitions;
       return path;
