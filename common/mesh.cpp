@@ -1,6 +1,5 @@
 #include "common/mesh.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -179,6 +178,16 @@ std::vector<double> edgeLengths(const Mesh& mesh) {
 double toMetres(double length, double metres_per_unit) {
   const double units_per_metre = std::round(1 / metres_per_unit);
   return units_per_metre * metres_per_unit == 1 ? length / units_per_metre : length * metres_per_unit;
+}
+
+Eigen::AlignedBox3d boundingBox(const Mesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& node : mesh.nodes) box.extend(node);
+  return box;
+}
+
+std::string placeText(const Eigen::Vector3d& x) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
 }
 
 std::string placeOf(const Mesh& mesh, std::size_t element) {

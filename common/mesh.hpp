@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <map>
@@ -32,7 +32,7 @@ struct Mesh {
   std::map<std::string, std::vector<Eigen::Vector3d>>
       element_vectors;  ///< named vector per tetrahedron ($ElementData of three components, CELL_DATA)
   /// Quadratic meshes only (addMidEdgeNodes): the middle of edge e is node vertices() + e.
-  std::vector<Edge> edges;  ///< (lower, higher) vertex, ascending
+  std::vector<Edge> edges;                                  ///< (lower, higher) vertex, ascending
   std::vector<std::array<std::int32_t, 6>> mid_edge_nodes;  ///< per tetrahedron, by tetrahedron_edges
   std::int32_t vertices() const { return static_cast<std::int32_t>(nodes.size() - edges.size()); }
   std::int32_t dropped_nodes = 0;          ///< nodes of the file that are no corner of a tetrahedron
@@ -46,9 +46,12 @@ double toMetres(double length, double metres_per_unit);
 /// Six times the signed volume of tetrahedron `element`, cubic metres.
 double sixVolume(const Mesh& mesh, std::size_t element);
 
-/// "tetrahedron 7 (counted from 0, centre at X Y Z m)", for errors: the numbers that a file gives its elements
-/// are gone.
+Eigen::AlignedBox3d boundingBox(const Mesh& mesh);  ///< metres
+
+/// "tetrahedron 7 (counted from 0, centre at X Y Z m)", for errors: the numbers that a file gives its
+/// elements are gone.
 std::string placeOf(const Mesh& mesh, std::size_t element);
+std::string placeText(const Eigen::Vector3d& x);  ///< "(X, Y, Z)"
 
 /// Sorted indices of the vertices on the surface.
 std::vector<std::int32_t> surfaceNodes(const Mesh& mesh);
@@ -65,7 +68,8 @@ double shapeOf(const Mesh& mesh, std::size_t element);
 std::string curvedEdge(const std::vector<Eigen::Vector3d>& nodes,
                        const std::array<std::int32_t, 10>& tetrahedron);
 
-/// The node in the middle of the edge between two vertices of a quadratic mesh; -1 when there is no such edge.
+/// The node in the middle of the edge between two vertices of a quadratic mesh; -1 when there is no such
+/// edge.
 std::int32_t midEdgeNode(const Mesh& mesh, std::int32_t a, std::int32_t b);
 
 /// Makes a linear, finished mesh quadratic, with straight edges: appends the mid-edge nodes, in the order of
