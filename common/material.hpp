@@ -28,16 +28,17 @@ struct Material {
   double c01 = 0;                 ///< Pa, >= 0; mooney-rivlin
   double c20 = 0, c30 = 0;        ///< Pa; yeoh; c30 >= 0
   double mu = 0;                  ///< Pa, > 0; neo-hookean, holzapfel-gasser-ogden (its ground matrix)
-  std::vector<OgdenTerm> ogden;   ///< 1 to 3 terms
-  double c1 = 0, c2 = 0;          ///< veronda-westmann: Pa and -, both > 0
-  double k1 = 0, k2 = 0;          ///< holzapfel-gasser-ogden: Pa and -, both > 0
-  double dispersion = 0;          ///< holzapfel-gasser-ogden: kappa of Gasser et al. 2006, 0 to 1/3
-  std::vector<Eigen::Vector3d> fibers;  ///< holzapfel-gasser-ogden: 1 or 2 unit directions at rest, or none
-  std::string fiber_field;  ///< instead of `fibers`: element vectors of this name in the mesh (Mesh)
+  std::vector<OgdenTerm> ogden = {};  ///< 1 to 3 terms
+  double c1 = 0, c2 = 0;              ///< veronda-westmann: Pa and -, both > 0
+  double k1 = 0, k2 = 0;              ///< holzapfel-gasser-ogden: Pa and -, both > 0
+  double dispersion = 0;              ///< holzapfel-gasser-ogden: kappa of Gasser et al. 2006, 0 to 1/3
+  std::vector<Eigen::Vector3d> fibers =
+      {};                        ///< holzapfel-gasser-ogden: 1 or 2 unit directions at rest, or none
+  std::string fiber_field = {};  ///< instead of `fibers`: element vectors of this name in the mesh (Mesh)
   /// Pa, > 0. Given: compressible, with the volumetric energy U of docs/numerics.md; not taken by linear and
   /// the St. Venant-Kirchhoff laws. Absent: exactly incompressible.
-  std::optional<double> bulk;
-  std::optional<double> density;  ///< kg/m^3, > 0; needed when there is gravity
+  std::optional<double> bulk = {};
+  std::optional<double> density = {};  ///< kg/m^3, > 0; needed when there is gravity
   bool operator==(const Material&) const = default;
 };
 

@@ -88,8 +88,9 @@ struct Formulation {
 
 /// The default, and the equations that GetFEM solves.
 const std::vector<Formulation> formulations = {
-    {"P1-stabilized, ln-det-F", {PressureSpace::p1_stabilized, Constraint::ln_det_F}},
-    {"P1, det-F-1", {PressureSpace::p1, Constraint::det_F_minus_1}}};
+    {"P1-stabilized, ln-det-F",
+     {.pressure = PressureSpace::p1_stabilized, .constraint = Constraint::ln_det_F}},
+    {"P1, det-F-1", {.pressure = PressureSpace::p1, .constraint = Constraint::det_F_minus_1}}};
 
 State stateAt(const Problem& problem, const Eigen::Vector3d& displacement) {
   TransitionSolver solver(problem, chooseKernels());

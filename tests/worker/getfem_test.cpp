@@ -125,13 +125,14 @@ class Liver : public ::testing::Test {
     return solver.reach(*rest, {metres, 0, 0}).outcome;
   }
   double force(PressureSpace pressure, Constraint constraint, double metres) {
-    const Outcome outcome = pulled({pressure, constraint}, metres);
+    const Outcome outcome = pulled({.pressure = pressure, .constraint = constraint}, metres);
     EXPECT_TRUE(outcome.converged) << describe(outcome.failure);
     return outcome.equilibrium.force.norm();
   }
   /// Largest pressure, Pa. A tip that is pulled lowers the pressure under it, so this should stay small.
   double highestPressure(PressureSpace pressure, double metres) {
-    const auto& p = pulled({pressure, Constraint::det_F_minus_1}, metres).fields.pressure;
+    const auto& p =
+        pulled({.pressure = pressure, .constraint = Constraint::det_F_minus_1}, metres).fields.pressure;
     return *std::max_element(p.begin(), p.end());
   }
 };
@@ -165,7 +166,7 @@ TEST_F(Liver, HasNoPressureAtRestBecauseMooneyRivlinIsIsochoric) {
   PALPATE_REFERENCE_FILE(mesh, "meshes/liver-493.msh");
   // Written in I1 and I2 themselves the law would need 2 C10 + 4 C01 = 7.72 kPa to be at rest.
   for (const PressureSpace pressure : {PressureSpace::p1, PressureSpace::p1_stabilized}) {
-    const Outcome rest = pulled({pressure, Constraint::det_F_minus_1}, 0);
+    const Outcome rest = pulled({.pressure = pressure, .constraint = Constraint::det_F_minus_1}, 0);
     ASSERT_TRUE(rest.converged);
     EXPECT_EQ(rest.cost.newton_iterations, 0);
     for (const float p : rest.fields.pressure) EXPECT_EQ(p, 0);
