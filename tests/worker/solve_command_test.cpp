@@ -25,6 +25,11 @@ class SolveCommand : public ::testing::Test, protected test::BlobOnDisk {
   }
 };
 
+TEST_F(SolveCommand, WarnsOfEqualOrderInOneLine) {
+  scene.discretization.pressure = PressureSpace::p1;
+  EXPECT_THAT(solve("--displacement 0.001 0 0").output, ::testing::HasSubstr("violates inf-sup"));
+}
+
 TEST_F(SolveCommand, AnswersInOneJsonObjectPerLine) {
   const CommandResult result = solve("--json --displacement 0.004 -.002 0");
   ASSERT_EQ(result.exit_code, 0) << result.output;
