@@ -48,7 +48,7 @@ TEST_F(SolveCommand, AnswersWhatItCanBeforeItNamesALineItCannotRead) {
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.output, AllOf(HasSubstr("\"displacement\":[0.001,0.0,0.0]"),
                                    HasSubstr("palpate solve: standard input, line 4: \"x\"")));
-  EXPECT_THAT(result.output, ::testing::Not(HasSubstr("0.002")));
+  EXPECT_THAT(result.output, ::testing::Not(HasSubstr("[0.002,")));
 }
 
 TEST_F(SolveCommand, TellsAFailedDisplacementByItsCauseAndExitCode) {
