@@ -33,7 +33,9 @@ PALPATE_INLINE VolumeFunction constraintOf(Constraint constraint, Pack J) {
 
 PALPATE_INLINE VolumeFunction penaltyOf(double bulk, Pack J) {
   const auto [U, dU, ddU] = volumetricEnergy(bulk, J);
-  return {U, J * dU, J * dU + J * J * ddU};
+  // U has a logarithm, but not its derivatives: an inverted element must not have forces either.
+  const Pack nothing = U - U;
+  return {U, J * dU + nothing, J * dU + J * J * ddU};
 }
 
 PALPATE_INLINE void invertC(Strain<Pack>& strain) {
@@ -87,8 +89,8 @@ PALPATE_INLINE void respondAs(const Law& law, const ElementParameters& parameter
 /// The response of the parameters' law at pressure p (Pa; ignored without one). Fills in what the law needs
 /// of `strain` beyond e and J.
 template <bool with_tangent>
-void respond(const ElementParameters& m, const BatchGeometry& geometry, Pack p, Strain<Pack>& strain,
-             Response& response) {
+void respond(const ElementParameters& m, const BatchGeometry& geometry, Pack p,
+             Strain<Pack>& __restrict strain, Response& __restrict response) {
   const auto displacementOnly = [&](const auto& law) {
     respondAs<with_tangent, false>(law, m, geometry, p, strain, response);
   };

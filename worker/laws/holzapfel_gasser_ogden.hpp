@@ -37,7 +37,7 @@ struct HolzapfelGasserOgdenEnergy {
 
 /// W = mu/2 (j1 - 3) + k1/(2 k2) sum over the fibre families of (exp(k2 E^2) - 1),
 /// E = max(0, kappa (j1 - 3) + (1 - 3 kappa) (j4 - 1)), j4 = J^(-2/3) a.C a, a the direction at rest
-/// (Gasser, Ogden and Holzapfel 2006, Eq. 3.2). Fibres bear no compression: D jumps where E = 0, and is the
+/// (Gasser, Ogden and Holzapfel 2006). Fibres bear no compression: D jumps where E = 0, and is the
 /// one of E < 0 there. Where exp overflows, W is infinite.
 using HolzapfelGasserOgden = InvariantLaw<HolzapfelGasserOgdenEnergy>;
 
