@@ -291,7 +291,7 @@ void evaluateBatch(const ElementParameters& parameters, const BatchGeometry& geo
     respond<with_tangent>(parameters, geometry, nodal.pressureAt(x, scale), deformation.strain, response);
 
     const Pack J = deformation.strain.J;
-    result.det_F = J < result.det_F || J != J ? J : result.det_F;  // a NaN is kept as the worst
+    result.det_F = J >= result.det_F ? result.det_F : J;  // J too where it is NaN
     addShare<Element>(result.energy, weight * response.energy);
     vertexForces(gradients, deformation.F, response.S, weight, force);
     addForces<Element>(x, force, result);
