@@ -89,6 +89,8 @@ void System::numberUnknowns() {
   for (std::size_t element = 0; element < mesh.tetrahedra.size(); ++element) {
     const std::vector<std::int32_t> nodes = nodesOf(mesh, static_cast<std::int32_t>(element));
     const PressureSpace pressure = parameters_[model_.region_of[element]].pressure;
+    // Where nothing can move the constraint says nothing; only a stabilisation would give the pressure a row.
+    if (pressure != PressureSpace::p1_stabilized && isFixed(nodes)) continue;
     for (int b = 0; b < pressureNodes(pressure); ++b) has_pressure[nodes[b]] = 1;
   }
   unknown_of_.assign(4 * mesh.nodes.size(), -1);
@@ -112,6 +114,13 @@ void System::numberUnknowns() {
       rest_.q.assign(mesh.nodes.size(), 0.0);
       break;
   }
+}
+
+bool System::isFixed(const std::vector<std::int32_t>& nodes) const {
+  return std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t node) {
+    const std::uint8_t* fixed = &model_.fixed[3 * static_cast<std::size_t>(node)];
+    return fixed[0] && fixed[1] && fixed[2];
+  });
 }
 
 void System::buildBatches() {

@@ -144,6 +144,7 @@ class System {
 
   void prepareMaterials();
   void numberUnknowns();
+  bool isFixed(const std::vector<std::int32_t>& nodes) const;
   void buildBatches();
   void addBatch(const std::vector<std::int32_t>& elements, std::size_t first);
   void buildPattern();

@@ -220,6 +220,21 @@ TEST_F(TransitionTest, AStarvedNewtonNamesWhatItRanOutOf) {
   EXPECT_EQ(reach({0.05, 0.05, 0}).failure.cause, Cause::step_budget);
 }
 
+TEST_F(TransitionTest, TaylorHoodConvergesWhereWholeElementsAreFixed) {
+  Scene scene = mooneyRivlinScene();
+  scene.discretization.displacement = DisplacementSpace::p2;
+  scene.discretization.pressure = PressureSpace::p1;
+  scene.fixed.half_spaces = {{0, true, 0.6, std::nullopt}};
+  ActiveSelection active;
+  active.name = "tip";
+  active.near = blob_tip;
+  scene.active = {active};
+  clamp(resolve(scene, test::blobMesh()));
+  const Outcome outcome = reach({0, 0.01, 0});
+  ASSERT_TRUE(outcome.converged) << describe(outcome.failure);
+  EXPECT_EQ(outcome.fields.pressure.size(), static_cast<std::size_t>(problem_.mesh.vertices()));
+}
+
 TEST_F(TransitionTest, EqualOrderPressureConvergesAlthoughItsTangentIsSingular) {
   Scene scene = mooneyRivlinScene();
   scene.discretization.pressure = PressureSpace::p1;
