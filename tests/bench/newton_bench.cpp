@@ -10,6 +10,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -18,7 +19,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/problems.hpp"
 #include "tests/support/reference_liver.hpp"
-#include "worker/transition.hpp"
+#include "worker/path.hpp"
 
 extern "C" void dgemm_(const char* transpose_a, const char* transpose_b, const int* m, const int* n,
                        const int* k, const double* alpha, const double* a, const int* lda, const double* b,
@@ -34,6 +35,8 @@ struct Options {
   int rounds = 5;        ///< each: our iterations, then one run of GetFEM
   int repetitions = 20;  ///< of our iteration in a round
   bool without_oracle = false;
+  bool coarse_only = false;
+  bool laws = false;   ///< every law too
   bool paths = false;  ///< GetFEM's 10 mm transition and 100 mm path too: minutes
 };
 
@@ -81,16 +84,62 @@ double dgemmGflops() {
   return 2e-9 * n * n * n / samples.best();
 }
 
+/// What is solved, and which elements GetFEM is run with beside it: 0 none, 1 P1/P1, 2 P2/P1.
 struct Formulation {
-  const char* name;
-  Discretization discretization;
+  std::string name;
+  Scene scene;
+  int oracle_order = 0;
 };
 
+Scene withMaterial(Material material, PressureSpace pressure = PressureSpace::p1_stabilized) {
+  Scene scene = test::mooneyRivlinScene();
+  scene.regions[0].material = std::move(material);
+  scene.discretization.pressure = pressure;
+  return scene;
+}
+
+Scene mooneyRivlin(Discretization discretization) {
+  Scene scene = test::mooneyRivlinScene();
+  scene.discretization = discretization;
+  return scene;
+}
+
 /// The default, and the equations that GetFEM solves.
-const std::vector<Formulation> formulations = {
-    {"P1-stabilized, ln-det-F",
-     {.pressure = PressureSpace::p1_stabilized, .constraint = Constraint::ln_det_F}},
-    {"P1, det-F-1", {.pressure = PressureSpace::p1, .constraint = Constraint::det_F_minus_1}}};
+std::vector<Formulation> elementFormulations() {
+  return {{"mooney-rivlin, P1/P1-stabilized, ln-det-F", mooneyRivlin({}), 1},
+          {"mooney-rivlin, P1/P1, det-F-1",
+           mooneyRivlin({.pressure = PressureSpace::p1, .constraint = Constraint::det_F_minus_1}), 1},
+          {"mooney-rivlin, P2/P1, det-F-1",
+           mooneyRivlin({.displacement = DisplacementSpace::p2,
+                         .pressure = PressureSpace::p1,
+                         .constraint = Constraint::det_F_minus_1}),
+           2}};
+}
+
+/// Every law, of about the same stiffness.
+std::vector<Formulation> lawFormulations() {
+  constexpr double mu = 5160;
+  Material compressible = {.law = LawName::neo_hookean, .mu = mu};
+  compressible.bulk = 1e5;
+  return {{"linear, P1", test::youngScene(LawName::linear)},
+          {"st-venant-kirchhoff, P1", test::youngScene(LawName::st_venant_kirchhoff)},
+          {"modified-st-venant-kirchhoff, P1/P1-stabilized",
+           withMaterial({.law = LawName::modified_st_venant_kirchhoff, .young = 3 * mu})},
+          {"neo-hookean with bulk, P1", withMaterial(compressible, PressureSpace::none)},
+          {"neo-hookean, P1/P1-stabilized", withMaterial({.law = LawName::neo_hookean, .mu = mu})},
+          {"yeoh, P1/P1-stabilized",
+           withMaterial({.law = LawName::yeoh, .c10 = mu / 2, .c20 = mu / 20, .c30 = mu / 100})},
+          {"ogden (3 terms), P1/P1-stabilized",
+           withMaterial(
+               {.law = LawName::ogden, .ogden = {{0.6 * mu, 1.3}, {0.05 * mu, 5.0}, {-0.485 * mu, -2.0}}})},
+          {"veronda-westmann, P1/P1-stabilized",
+           withMaterial({.law = LawName::veronda_westmann, .c1 = mu / 2, .c2 = 2})},
+          {"holzapfel-gasser-ogden, P1/P1-stabilized", withMaterial({.law = LawName::holzapfel_gasser_ogden,
+                                                                     .mu = mu,
+                                                                     .k1 = mu / 2,
+                                                                     .k2 = 1,
+                                                                     .fibers = {Eigen::Vector3d::UnitX()}})}};
+}
 
 State stateAt(const Problem& problem, const Eigen::Vector3d& displacement) {
   TransitionSolver solver(problem, chooseKernels());
@@ -150,7 +199,7 @@ class IterationTimes {
   double flops_ = 0, factor_entries_ = 0;
 };
 
-/// Equal transitions along x from rest.
+/// Walks along x from rest, in equal transitions.
 class PathTimes {
  public:
   PathTimes(double length, int transitions) : length_(length), transitions_(transitions) {}
@@ -159,30 +208,17 @@ class PathTimes {
     Failure failure;
     const auto rest = solver.startAtRest(failure);
     if (!rest) throw palpate::failure("{}", describe(failure));
-    cost_ = {};
-    reached_ = 0;
-    seconds_.time([&] {
-      Start at = *rest;
-      for (int n = 1; n <= transitions_; ++n) {
-        Reached reached = solver.reach(at, {length_ * n / transitions_, 0, 0});
-        cost_.newton_iterations += reached.outcome.cost.newton_iterations;
-        cost_.factorizations += reached.outcome.cost.factorizations;
-        cost_.steps += reached.outcome.cost.steps;
-        if (!reached.outcome.converged) return;
-        ++reached_;
-        at = std::move(reached.end);
-      }
-    });
+    seconds_.time([&] { path_ = walk(solver, *rest, {length_, 0, 0}, transitions_); });
   }
   double best() const { return seconds_.best(); }
-  bool converged() const { return reached_ == transitions_; }
   Json json() const {
+    const Cost& cost = path_.outcome.cost;
     Json result = seconds_.milliseconds();
-    result["converged"] = converged();
-    result["transitions"] = reached_;
-    result["steps"] = cost_.steps;
-    result["newton_iterations"] = cost_.newton_iterations;
-    result["factorizations"] = cost_.factorizations;
+    result["converged"] = path_.outcome.converged;
+    result["detours"] = path_.detours;
+    result["steps"] = cost.steps;
+    result["newton_iterations"] = cost.newton_iterations;
+    result["factorizations"] = cost.factorizations;
     return result;
   }
 
@@ -190,14 +226,49 @@ class PathTimes {
   double length_;
   int transitions_;
   Samples seconds_;
-  Cost cost_;
-  int reached_ = 0;
+  WalkedPath path_;
 };
 
-/// GetFEM, which solves "P1, det-F-1".
+/// Configurations one lattice spacing from rest, along the three axes.
+class ConfigurationTimes {
+ public:
+  void measure(const Problem& problem) {
+    constexpr double spacing = 0.02;
+    TransitionSolver solver(problem, chooseKernels());
+    Failure failure;
+    const auto rest = solver.startAtRest(failure);
+    if (!rest) throw palpate::failure("{}", describe(failure));
+    failed_ = 0;
+    total_ = {};
+    seconds_.time([&] {
+      for (int axis = 0; axis < 3; ++axis)
+        for (const double sign : {-1.0, 1.0}) {
+          const Outcome outcome = solver.reach(*rest, sign * spacing * Eigen::Vector3d::Unit(axis)).outcome;
+          failed_ += outcome.converged ? 0 : 1;
+          total_.newton_iterations += outcome.cost.newton_iterations;
+          total_.factorizations += outcome.cost.factorizations;
+        }
+    });
+  }
+  Json json() const {
+    return {{"configurations", count},
+            {"failed", failed_},
+            {"factorizations_per_configuration", 1.0 * total_.factorizations / count},
+            {"newton_iterations_per_configuration", 1.0 * total_.newton_iterations / count},
+            {"seconds_per_configuration", seconds_.best() / count}};
+  }
+
+ private:
+  static constexpr int count = 6;
+  Samples seconds_;
+  Cost total_;
+  int failed_ = 0;
+};
+
+/// GetFEM with det F - 1, Mooney-Rivlin.
 class Oracle {
  public:
-  explicit Oracle(std::filesystem::path mesh) : mesh_(std::move(mesh)) {}
+  Oracle(std::filesystem::path mesh, int order) : mesh_(std::move(mesh)), order_(order) {}
   void measureIteration() {
     // A displacement of nothing: only its assembly and its linear solve are looked at.
     const Json answer = run(1e-6, 1);
@@ -226,8 +297,8 @@ class Oracle {
     const Eigen::Vector3d& tip = test::liver_tip;
     const auto result = test::runCommand(
         fmt::format("/usr/bin/python3 '{}/oracle/getfem_reference.py' '{}' --law mr --fixed-below x 0.15 "
-                    "--active {} {} {} --to {} 0 0 --steps {}",
-                    PALPATE_REFERENCE_DATA, mesh_.string(), tip[0], tip[1], tip[2], length, steps));
+                    "--active {} {} {} --to {} 0 0 --steps {} --order {}",
+                    PALPATE_REFERENCE_DATA, mesh_.string(), tip[0], tip[1], tip[2], length, steps, order_));
     if (result.exit_code != 0)
       throw failure("GetFEM ended with {} (is python3-getfem installed?):\n{}", result.exit_code,
                     result.output);
@@ -249,52 +320,62 @@ class Oracle {
   }
 
   std::filesystem::path mesh_;
+  int order_;
   Samples assembly_, solve_, iteration_;
   std::optional<Json> transition_, path_;
 };
 
-/// Everything about one mesh.
-Json measureMesh(const std::filesystem::path& mesh, const std::optional<Problem>& shipped,
+/// Everything about one mesh. `shipped`: it came with the project, and GetFEM is not asked.
+Json measureMesh(const Mesh& mesh, const std::filesystem::path& file, bool shipped, bool coarse,
                  const Options& options) {
+  std::vector<Formulation> formulations = elementFormulations();
+  if (!coarse) formulations.pop_back();  // GetFEM takes minutes for an iteration of P2/P1
+  if (options.laws)
+    for (Formulation& formulation : lawFormulations()) formulations.push_back(std::move(formulation));
   std::vector<Problem> problems;
-  for (const Formulation& formulation : formulations) {
-    Scene scene = test::mooneyRivlinScene();
-    scene.discretization = formulation.discretization;
-    problems.push_back(shipped ? *shipped : test::liverProblem(std::move(scene), mesh));
-    problems.back().scene.discretization = formulation.discretization;
-  }
+  for (const Formulation& formulation : formulations)
+    problems.push_back(test::liverProblem(formulation.scene, mesh));
   std::vector<IterationTimes> iterations(formulations.size());
+  std::vector<ConfigurationTimes> configurations(formulations.size());
   std::vector<PathTimes> transitions(formulations.size(), {0.01, 1}), paths(formulations.size(), {0.1, 5});
   double peak_megabytes = 0;
-  std::optional<Oracle> oracle;
-  if (!options.without_oracle && !shipped) oracle.emplace(mesh);
+  std::map<int, Oracle> oracles;
+  if (!options.without_oracle && !shipped)
+    for (const int order : coarse ? std::vector{1, 2} : std::vector{1})
+      oracles.emplace(order, Oracle(file, order));
   for (int round = 0; round < options.rounds; ++round) {
     for (std::size_t n = 0; n < formulations.size(); ++n) {
       iterations[n].measure(problems[n], options.repetitions);
+      configurations[n].measure(problems[n]);
       transitions[n].measure(problems[n]);
-      paths[n].measure(problems[n]);
+      if (formulations[n].oracle_order == 1) paths[n].measure(problems[n]);
       // A worker solves one formulation; later ones only add what the allocator keeps.
       if (peak_megabytes == 0) peak_megabytes = peakMegabytes();
     }
-    if (oracle) oracle->measureIteration();
+    for (auto& [order, oracle] : oracles) oracle.measureIteration();
   }
-  if (oracle && options.paths) oracle->measurePaths();
+  if (options.paths && oracles.contains(1)) oracles.at(1).measurePaths();
 
-  Json result = {{"mesh", mesh.filename().string()},
-                 {"nodes", problems[0].mesh.nodes.size()},
-                 {"tetrahedra", problems[0].mesh.tetrahedra.size()},
+  Json result = {{"mesh", file.filename().string()},
+                 {"nodes", mesh.nodes.size()},
+                 {"tetrahedra", mesh.tetrahedra.size()},
                  {"peak_rss_mb", peak_megabytes}};
   for (std::size_t n = 0; n < formulations.size(); ++n) {
+    const int order = formulations[n].oracle_order;
     Json& ours = result["palpate"][formulations[n].name] = iterations[n].json();
+    ours["lattice_configurations_20mm"] = configurations[n].json();
     ours["transition_10mm"] = transitions[n].json();
-    ours["path_100mm_in_5_transitions"] = paths[n].json();
-    if (oracle) ours["newton_iteration_times_faster"] = oracle->best() / iterations[n].best();
-    if (oracle && oracle->transitionSeconds()) {
-      ours["transition_10mm_times_faster"] = *oracle->transitionSeconds() / transitions[n].best();
-      ours["path_100mm_times_faster"] = *oracle->pathSeconds() / paths[n].best();
+    if (order == 1) ours["path_100mm_in_5_transitions"] = paths[n].json();
+    if (!oracles.contains(order)) continue;
+    const Oracle& oracle = oracles.at(order);
+    ours["newton_iteration_times_faster"] = oracle.best() / iterations[n].best();
+    if (oracle.transitionSeconds()) {
+      ours["transition_10mm_times_faster"] = *oracle.transitionSeconds() / transitions[n].best();
+      ours["path_100mm_times_faster"] = *oracle.pathSeconds() / paths[n].best();
     }
   }
-  if (oracle) result["getfem"] = oracle->json();
+  for (const auto& [order, oracle] : oracles)
+    result["getfem"][order == 1 ? "P1/P1" : "P2/P1"] = oracle.json();
   return result;
 }
 
@@ -320,16 +401,12 @@ int runBenchmark(const Options& options) {
       {"kernels", chooseKernels().family},
       {"load_average_before", load()},
       {"note", "best of all rounds on both sides, one thread; other processes disturb the median"}};
-  for (const char* name : {"493", "2228"}) {
-    if (shipped) {
-      const bool coarse = std::string_view(name) == "493";
-      const Problem problem =
-          loadProblem(source / "deploy/scenes/liver" / (coarse ? "liver.toml" : "liver-2000.toml"));
-      result["meshes"].push_back(measureMesh(problem.scene.mesh, problem, options));
-    } else {
-      result["meshes"].push_back(
-          measureMesh(reference / fmt::format("meshes/liver-{}.msh", name), std::nullopt, options));
-    }
+  for (const bool coarse : {true, false}) {
+    if (options.coarse_only && !coarse) continue;
+    const std::filesystem::path file =
+        shipped ? source / "deploy/scenes/liver" / (coarse ? "liver-500.msh" : "liver-2000.msh")
+                : reference / "meshes" / (coarse ? "liver-493.msh" : "liver-2228.msh");
+    result["meshes"].push_back(measureMesh(readGmsh(file), file, shipped, coarse, options));
   }
   result["dgemm_gflops"] = dgemmGflops();
   result["load_average_after"] = load();
@@ -348,6 +425,8 @@ int main(int argc, char** argv) {
   app.add_option("--repetitions", options.repetitions, "Our Newton iterations in a round")
       ->check(CLI::PositiveNumber);
   app.add_flag("--without-oracle", options.without_oracle, "Do not run GetFEM");
+  app.add_flag("--coarse-only", options.coarse_only, "Leave out the mesh of 2228 nodes");
+  app.add_flag("--laws", options.laws, "Every law, not only Mooney-Rivlin");
   app.add_flag("--paths", options.paths, "Measure GetFEM's 10 mm transition and 100 mm path too (minutes)");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -13,14 +13,17 @@ inline const Eigen::Vector3d liver_tip(0.0582, 0.1344, 0.0025);
 
 /// `scene` on one of the reference livers as getfem_reference.py holds and touches it by default: fixed where
 /// x is in the lowest 15 %, one active node at the tip.
-inline Problem liverProblem(Scene scene, const std::filesystem::path& mesh) {
+inline Problem liverProblem(Scene scene, Mesh mesh) {
   scene.fixed = {};
   scene.fixed.half_spaces = {{0, true, 0.15, std::nullopt}};
   ActiveSelection active;
   active.name = "tip";
   active.near = liver_tip;
   scene.active = {active};
-  return resolve(std::move(scene), readGmsh(mesh));
+  return resolve(std::move(scene), std::move(mesh));
+}
+inline Problem liverProblem(Scene scene, const std::filesystem::path& mesh) {
+  return liverProblem(std::move(scene), readGmsh(mesh));
 }
 
 }  // namespace palpate::test
