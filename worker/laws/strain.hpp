@@ -1,0 +1,73 @@
+#pragma once
+
+/// What the laws share. T is double, or a pack of doubles in the element kernels (lane l belongs to element
+/// l of a batch), so nothing in this folder branches on values: `condition ? a : b` selects lane by lane, and
+/// what the C library computes is computed lane by lane.
+///
+/// Voigt order 11, 22, 33, 12, 23, 13 with engineering shear: strain e = (g11, g22, g33, 2 g12, 2 g23, 2
+/// g13), S = (S11, S22, S33, S12, S23, S13), D(i, j) = dS(i)/de(j), 6 x 6 symmetric, both triangles filled.
+///
+/// Every translation unit that compiles the kernels for another CPU family includes this inside its own
+/// namespace.
+#ifndef PALPATE_KERNEL_NAMESPACE
+#define PALPATE_KERNEL_NAMESPACE kernels_default
+#endif
+
+namespace palpate::PALPATE_KERNEL_NAMESPACE {
+
+/// Positions of the six Voigt components in a symmetric 3 x 3 tensor, and back.
+constexpr int voigt_row[6] = {0, 1, 2, 0, 1, 0};
+constexpr int voigt_column[6] = {0, 1, 2, 1, 2, 2};
+constexpr int voigt_of[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+
+/// What a law is a function of.
+template <class T>
+struct Strain {
+  T e[6];          ///< Voigt, engineering shear
+  T C_inverse[6];  ///< tensor components in Voigt order, C = F^T F; read where Law::needs_C_inverse
+  T J;             ///< det F; read where Law::needs_C_inverse
+  /// Unit directions of the fibre families at rest, zero where there is none; read where Law::needs_fibers.
+  T fiber[2][3];
+};
+
+/// f of every lane.
+template <class Function>
+double lanewise(double x, Function f) {
+  return f(x);
+}
+template <class T, class Function>
+T lanewise(const T& x, Function f) {
+  T y;
+  for (unsigned l = 0; l < sizeof(T) / sizeof(double); ++l) y[l] = f(x[l]);
+  return y;
+}
+
+template <class T>
+T exponential(const T& x) {
+  return lanewise(x, [](double lane) { return __builtin_exp(lane); });
+}
+/// exp(x) - 1, accurate where x is small.
+template <class T>
+T exponentialMinusOne(const T& x) {
+  return lanewise(x, [](double lane) { return __builtin_expm1(lane); });
+}
+/// ln(1 + x), accurate where x is small; NaN where x < -1.
+template <class T>
+T logarithmOfOnePlus(const T& x) {
+  return lanewise(x, [](double lane) { return __builtin_log1p(lane); });
+}
+template <class T>
+T squareRoot(const T& x) {
+  return lanewise(x, [](double lane) { return __builtin_sqrt(lane); });
+}
+template <class T>
+T hyperbolicSine(const T& x) {
+  return lanewise(x, [](double lane) { return __builtin_sinh(lane); });
+}
+/// J^(-2/3), also of a negative J.
+template <class T>
+T inverseTwoThirds(const T& J) {
+  return lanewise(J, [](double lane) { return 1 / __builtin_cbrt(lane * lane); });
+}
+
+}  // namespace palpate::PALPATE_KERNEL_NAMESPACE
