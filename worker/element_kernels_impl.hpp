@@ -1,276 +1,296 @@
 // Included once per CPU family, with PALPATE_KERNEL_NAMESPACE set to a name of its own and the compiler flags
 // of that family. Nothing here may be an inline function of another header: the linker would keep one
 // family's copy for all.
-#include <cmath>
-
 #include "worker/element_kernels.hpp"
-#include "worker/laws.hpp"
+#include "worker/point_response.hpp"
+#include "worker/shape_functions.hpp"
 
+// Every element is, at each quadrature point, a linear tetrahedron. With barycentric coordinates x_b and
+// shape functions N_a(x),
+//
+//   F = I + sum_a u_a (x) grad N_a = I + sum_b d_b (x) grad x_b,   d_b = sum_a dN_a/dx_b u_a
+//
+// so its energy is that of a tetrahedron whose vertices are displaced by d. All that is nonlinear is computed
+// for that one (VertexForces, VertexStiffness); the derivatives with respect to u are constant combinations.
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 namespace {
 
-#define PALPATE_INLINE inline __attribute__((always_inline))
+template <class Displacement_, class Pressure_>
+struct Element {
+  using Displacement = Displacement_;
+  using Pressure = Pressure_;
+  static constexpr int first_pressure = 3 * Displacement::nodes;
+  static constexpr int unknowns = first_pressure + Pressure::nodes;
 
-PALPATE_INLINE Pack logarithm(Pack x) {
-  Pack y;
-  for (int l = 0; l < lanes; ++l) y[l] = std::log(x[l]);
-  return y;
-}
-
-/// What the deformation of a batch amounts to.
-struct Kinematics {
-  Pack F[3][3];
-  Strain<Pack> strain;
-  Pack gradient[4][3];  ///< dN_a/dX
-  Pack q[4], q_mean;
+  /// Place of a pair in the upper triangle of the tangent.
+  static constexpr int entryOf(int row, int column) {
+    return row * unknowns - row * (row - 1) / 2 + (column - row);
+  }
 };
 
-template <bool small_strain, bool mixed>
-PALPATE_INLINE void deform(const BatchGeometry& geometry, const double* u, const double* q, Kinematics& k) {
-  for (int I = 0; I < 3; ++I) {
-    for (int a = 0; a < 3; ++a) k.gradient[a][I] = geometry.gradient[a][I];
-    k.gradient[3][I] = -(k.gradient[0][I] + k.gradient[1][I] + k.gradient[2][I]);
-  }
-  Pack grad_u[3][3] = {};
-  for (int i = 0; i < 3; ++i) {
-    Pack nodal[4];
-    for (int a = 0; a < 4; ++a)
-      for (int l = 0; l < lanes; ++l) nodal[a][l] = u[3 * geometry.node[a][l] + i];
-    for (int a = 0; a < 3; ++a) {
-      const Pack difference = nodal[a] - nodal[3];
-      for (int I = 0; I < 3; ++I) grad_u[i][I] += difference * k.gradient[a][I];
+struct Gradients {
+  Pack of[4][3];  ///< of[b][I] = dx_b/dX_I
+
+  PALPATE_INLINE explicit Gradients(const BatchGeometry& geometry) {
+    for (int I = 0; I < 3; ++I) {
+      for (int b = 0; b < 3; ++b) of[b][I] = geometry.gradient[b][I];
+      of[3][I] = -(of[0][I] + of[1][I] + of[2][I]);
     }
   }
+};
+
+/// d at the point x.
+template <class Space>
+PALPATE_INLINE void atVertices(const double (&x)[4], const Pack (&nodal)[Space::nodes][3], Pack (&d)[4][3]) {
+  for (auto& vertex : d)
+    for (Pack& component : vertex) component = Pack{};
+  for (int a = 0; a < Space::nodes; ++a)
+    for (int e = 0; e < Space::ends; ++e)
+      for (int i = 0; i < 3; ++i) d[Space::end[a][e]][i] += Space::slope(a, e, x) * nodal[a][i];
+}
+
+/// The derivative with respect to component i of u_a, from those with respect to d.
+template <class Space>
+PALPATE_INLINE Pack atNode(int a, int i, const double (&x)[4], const Pack (&vertex)[4][3]) {
+  Pack sum = Space::slope(a, 0, x) * vertex[Space::end[a][0]][i];
+  for (int e = 1; e < Space::ends; ++e) sum += Space::slope(a, e, x) * vertex[Space::end[a][e]][i];
+  return sum;
+}
+
+PALPATE_INLINE void deform(const Gradients& gradients, const Pack (&d)[4][3], bool small_strain,
+                           Deformation& deformation) {
+  Pack grad_u[3][3] = {};
   for (int i = 0; i < 3; ++i)
-    for (int I = 0; I < 3; ++I) k.F[i][I] = grad_u[i][I] + (i == I ? 1.0 : 0.0);
-  const auto& F = k.F;
-  k.strain.J = F[0][0] * (F[1][1] * F[2][2] - F[1][2] * F[2][1]) -
-               F[0][1] * (F[1][0] * F[2][2] - F[1][2] * F[2][0]) +
-               F[0][2] * (F[1][0] * F[2][1] - F[1][1] * F[2][0]);
+    for (int b = 0; b < 3; ++b) {
+      const Pack difference = d[b][i] - d[3][i];
+      for (int I = 0; I < 3; ++I) grad_u[i][I] += difference * gradients.of[b][I];
+    }
+  auto& F = deformation.F;
+  for (int i = 0; i < 3; ++i)
+    for (int I = 0; I < 3; ++I) F[i][I] = grad_u[i][I] + (i == I ? 1.0 : 0.0);
+  deformation.strain.J = F[0][0] * (F[1][1] * F[2][2] - F[1][2] * F[2][1]) -
+                         F[0][1] * (F[1][0] * F[2][2] - F[1][2] * F[2][0]) +
+                         F[0][2] * (F[1][0] * F[2][1] - F[1][1] * F[2][0]);
   for (int v = 0; v < 6; ++v) {
     const int I = voigt_row[v], K = voigt_column[v];
     // From grad u, not from F^T F - I: no cancellation at small strain.
     Pack e = grad_u[I][K] + grad_u[K][I];
-    if constexpr (!small_strain)
+    if (!small_strain)
       for (int i = 0; i < 3; ++i) e += grad_u[i][I] * grad_u[i][K];
-    k.strain.e[v] = v < 3 ? 0.5 * e : e;
+    deformation.strain.e[v] = v < 3 ? 0.5 * e : e;
   }
-  if constexpr (mixed) {
-    Pack C[6];
-    for (int v = 0; v < 6; ++v) C[v] = v < 3 ? 2.0 * k.strain.e[v] + 1.0 : k.strain.e[v];
-    const Pack inverse_det = 1.0 / (k.strain.J * k.strain.J);
-    k.strain.C_inverse[0] = (C[1] * C[2] - C[4] * C[4]) * inverse_det;
-    k.strain.C_inverse[1] = (C[0] * C[2] - C[5] * C[5]) * inverse_det;
-    k.strain.C_inverse[2] = (C[0] * C[1] - C[3] * C[3]) * inverse_det;
-    k.strain.C_inverse[3] = (C[5] * C[4] - C[3] * C[2]) * inverse_det;
-    k.strain.C_inverse[4] = (C[3] * C[5] - C[0] * C[4]) * inverse_det;
-    k.strain.C_inverse[5] = (C[3] * C[4] - C[5] * C[1]) * inverse_det;
-    for (int a = 0; a < 4; ++a)
-      for (int l = 0; l < lanes; ++l) k.q[a][l] = q[geometry.node[a][l]];
-    k.q_mean = 0.25 * (k.q[0] + k.q[1] + k.q[2] + k.q[3]);
-  }
+  if (small_strain)
+    for (int i = 0; i < 3; ++i)
+      for (int I = 0; I < 3; ++I) F[i][I] = Pack{} + (i == I ? 1.0 : 0.0);
 }
 
-/// The constraint c(J) with a = J c'(J) and b = J da/dJ.
-struct ConstraintValues {
-  Pack c, a, b;
+struct Stress {
+  Pack of[3][3];
+
+  PALPATE_INLINE explicit Stress(const Pack (&S)[6]) {
+    for (int I = 0; I < 3; ++I)
+      for (int K = 0; K < 3; ++K) of[I][K] = S[voigt_of[I][K]];
+  }
 };
 
-PALPATE_INLINE ConstraintValues constrain(Constraint constraint, Pack J) {
-  if (constraint == Constraint::ln_det_F) return {logarithm(J), Pack{} + 1.0, Pack{}};
-  return {J - 1.0, J, J};
-}
-
-/// Element matrix of the pressure projection, V alpha/mu [ (1 + delta_ab)/20 - 1/16 ], without V alpha/mu.
-constexpr double projection(int a, int b) {
-  return (a == b ? 2.0 : 1.0) / 20 - 1.0 / 16;
-}
-
-template <class Law, bool mixed>
-PALPATE_INLINE void computeResidual(const Law& law, const ElementParameters& parameters,
-                                    const BatchGeometry& geometry, const Kinematics& k, BatchResult& result,
-                                    ConstraintValues& constraint, Pack (&S)[6]) {
-  const Pack V = geometry.volume;
-  Pack W;
-  law.evaluate(k.strain, W, S);
-  Pack L = W;
-  const double scale = parameters.pressure_scale;
-  for (Pack& r : result.residual) r = Pack{};
-  if constexpr (mixed) {
-    constraint = constrain(parameters.constraint, k.strain.J);
-    const Pack p = scale * k.q_mean;
-    L -= p * constraint.c;
-    for (int v = 0; v < 6; ++v) S[v] -= p * constraint.a * k.strain.C_inverse[v];
-    const double stabilization = parameters.stabilization * scale * scale;
-    for (int a = 0; a < 4; ++a) {
-      Pack projected = Pack{};
-      for (int b = 0; b < 4; ++b) projected += projection(a, b) * k.q[b];
-      L -= 0.5 * stabilization * projected * k.q[a];
-      result.residual[4 * a + 3] = -V * (0.25 * scale * constraint.c + stabilization * projected);
-    }
-  }
-  result.energy = V * L;
-  result.det_F = k.strain.J;
-
-  // First Piola-Kirchhoff stress P = F S (S itself when strains are small), times V.
-  const Pack stress[3][3] = {{S[0], S[3], S[5]}, {S[3], S[1], S[4]}, {S[5], S[4], S[2]}};
+/// Derivatives with respect to d of weight * (an energy density with stress S): P grad x_b, with P = F S the
+/// first Piola-Kirchhoff stress.
+PALPATE_INLINE void vertexForces(const Gradients& gradients, const Pack (&F)[3][3], const Pack (&S)[6],
+                                 Pack weight, Pack (&force)[4][3]) {
+  const Stress stress(S);
   for (int i = 0; i < 3; ++i) {
     Pack P[3];
-    for (int I = 0; I < 3; ++I) {
-      if constexpr (Law::small_strain) {
-        P[I] = V * stress[i][I];
-      } else {
-        P[I] = V * (k.F[i][0] * stress[0][I] + k.F[i][1] * stress[1][I] + k.F[i][2] * stress[2][I]);
-      }
-    }
-    for (int a = 0; a < 4; ++a)
-      result.residual[4 * a + i] =
-          P[0] * k.gradient[a][0] + P[1] * k.gradient[a][1] + P[2] * k.gradient[a][2];
-  }
-}
-
-constexpr int entryOf(int row, int column) {
-  const int i = row < column ? row : column, j = row < column ? column : row;
-  return i * local_unknowns - i * (i - 1) / 2 + (j - i);
-}
-
-template <class Law, bool mixed>
-PALPATE_INLINE void computeTangent(const Law& law, const ElementParameters& parameters,
-                                   const BatchGeometry& geometry, const Kinematics& k,
-                                   const ConstraintValues& constraint, const Pack (&S)[6],
-                                   BatchTangent& tangent) {
-  const Pack V = geometry.volume;
-  const double scale = parameters.pressure_scale;
-  Pack D[6][6];
-  law.tangent(k.strain, D);
-  if constexpr (mixed) {
-    const Pack p = scale * k.q_mean;
-    const Pack pa = p * constraint.a, pb = p * constraint.b;
-    Pack Ci[3][3];
     for (int I = 0; I < 3; ++I)
-      for (int K = 0; K < 3; ++K) Ci[I][K] = k.strain.C_inverse[voigt_of[I][K]];
-    for (int v = 0; v < 6; ++v)
-      for (int w = v; w < 6; ++w) {
-        const int I = voigt_row[v], K = voigt_column[v], M = voigt_row[w], N = voigt_column[w];
-        D[v][w] += pa * (Ci[I][M] * Ci[K][N] + Ci[I][N] * Ci[K][M]) - pb * Ci[I][K] * Ci[M][N];
-        D[w][v] = D[v][w];
-      }
+      P[I] = weight * (F[i][0] * stress.of[0][I] + F[i][1] * stress.of[1][I] + F[i][2] * stress.of[2][I]);
+    for (int b = 0; b < 4; ++b)
+      force[b][i] = P[0] * gradients.of[b][0] + P[1] * gradients.of[b][1] + P[2] * gradients.of[b][2];
   }
+}
 
-  // B maps nodal displacements to Voigt strain. Three nodes suffice: rigid translations are in the kernel.
+/// Second derivatives of weight * energy with respect to d: k[b][i][c][j].
+PALPATE_INLINE void vertexStiffness(const Gradients& gradients, const Pack (&F)[3][3],
+                                    const Response& response, bool small_strain, Pack weight,
+                                    Pack (&k)[4][3][4][3]) {
+  // B maps vertex displacements to Voigt strain. Three vertices suffice: translations do not strain.
   Pack B[6][9];
-  for (int a = 0; a < 3; ++a)
+  for (int b = 0; b < 3; ++b)
     for (int i = 0; i < 3; ++i)
       for (int v = 0; v < 6; ++v) {
         const int I = voigt_row[v], K = voigt_column[v];
-        Pack value;
-        if constexpr (Law::small_strain) {
-          value = (i == I ? 1.0 : 0.0) * k.gradient[a][K];
-          if (v >= 3) value += (i == K ? 1.0 : 0.0) * k.gradient[a][I];
-        } else {
-          value = k.F[i][I] * k.gradient[a][K];
-          if (v >= 3) value += k.F[i][K] * k.gradient[a][I];
-        }
-        B[v][3 * a + i] = value;
+        Pack value = F[i][I] * gradients.of[b][K];
+        if (v >= 3) value += F[i][K] * gradients.of[b][I];
+        B[v][3 * b + i] = value;
       }
   Pack geometric[3][3] = {};
-  if constexpr (!Law::small_strain) {
-    const Pack stress[3][3] = {{S[0], S[3], S[5]}, {S[3], S[1], S[4]}, {S[5], S[4], S[2]}};
-    for (int a = 0; a < 3; ++a) {
+  if (!small_strain) {
+    const Stress stress(response.S);
+    for (int b = 0; b < 3; ++b) {
       Pack t[3];
       for (int I = 0; I < 3; ++I)
-        t[I] = V * (stress[I][0] * k.gradient[a][0] + stress[I][1] * k.gradient[a][1] +
-                    stress[I][2] * k.gradient[a][2]);
-      for (int b = a; b < 3; ++b) {
-        geometric[a][b] = t[0] * k.gradient[b][0] + t[1] * k.gradient[b][1] + t[2] * k.gradient[b][2];
-        geometric[b][a] = geometric[a][b];
+        t[I] = weight * (stress.of[I][0] * gradients.of[b][0] + stress.of[I][1] * gradients.of[b][1] +
+                         stress.of[I][2] * gradients.of[b][2]);
+      for (int c = b; c < 3; ++c) {
+        geometric[b][c] = t[0] * gradients.of[c][0] + t[1] * gradients.of[c][1] + t[2] * gradients.of[c][2];
+        geometric[c][b] = geometric[b][c];
       }
     }
   }
-  Pack K[9][9];
   for (int column = 0; column < 9; ++column) {
+    const int c = column / 3, j = column % 3;
     Pack DB[6];
     for (int v = 0; v < 6; ++v) {
-      DB[v] = D[v][0] * B[0][column];
-      for (int w = 1; w < 6; ++w) DB[v] += D[v][w] * B[w][column];
-      DB[v] *= V;
+      DB[v] = response.D[v][0] * B[0][column];
+      for (int w = 1; w < 6; ++w) DB[v] += response.D[v][w] * B[w][column];
+      DB[v] *= weight;
     }
     for (int row = 0; row <= column; ++row) {
+      const int b = row / 3, i = row % 3;
       Pack sum = B[0][row] * DB[0];
       for (int v = 1; v < 6; ++v) sum += B[v][row] * DB[v];
-      if (row % 3 == column % 3) sum += geometric[row / 3][column / 3];
-      K[row][column] = sum;
-      K[column][row] = sum;
+      if (i == j) sum += geometric[b][c];
+      k[b][i][c][j] = sum;
+      k[c][j][b][i] = sum;
     }
   }
-  for (int a = 0; a < 3; ++a)
-    for (int i = 0; i < 3; ++i) {
-      for (int b = a; b < 3; ++b)
-        for (int j = (b == a ? i : 0); j < 3; ++j)
-          tangent.entry[entryOf(4 * a + i, 4 * b + j)] = K[3 * a + i][3 * b + j];
-      for (int j = 0; j < 3; ++j)
-        tangent.entry[entryOf(4 * a + i, 12 + j)] =
-            -(K[3 * a + i][j] + K[3 * a + i][3 + j] + K[3 * a + i][6 + j]);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      for (int b = 0; b < 3; ++b) {
+        k[b][i][3][j] = -(k[b][i][0][j] + k[b][i][1][j] + k[b][i][2][j]);
+        k[3][j][b][i] = k[b][i][3][j];
+      }
     }
   for (int i = 0; i < 3; ++i)
-    for (int j = i; j < 3; ++j) {
-      Pack sum = Pack{};
-      for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b) sum += K[3 * a + i][3 * b + j];
-      tangent.entry[entryOf(12 + i, 12 + j)] = sum;
-    }
-
-  // Coupling -V/4 a F C^-1 grad N_a (the same for the element's four pressures), and the projection.
-  for (int a = 0; a < 4; ++a)
-    for (int i = 0; i < 3; ++i) {
-      Pack coupling = Pack{};
-      if constexpr (mixed) {
-        for (int I = 0; I < 3; ++I) {
-          Pack F_C_inverse = k.F[i][0] * k.strain.C_inverse[voigt_of[0][I]];
-          F_C_inverse += k.F[i][1] * k.strain.C_inverse[voigt_of[1][I]];
-          F_C_inverse += k.F[i][2] * k.strain.C_inverse[voigt_of[2][I]];
-          coupling += F_C_inverse * k.gradient[a][I];
-        }
-        coupling *= -0.25 * scale * V * constraint.a;
-      }
-      for (int b = 0; b < 4; ++b) tangent.entry[entryOf(4 * a + i, 4 * b + 3)] = coupling;
-    }
-  const double stabilization = parameters.stabilization * scale * scale;
-  for (int a = 0; a < 4; ++a)
-    for (int b = a; b < 4; ++b)
-      tangent.entry[entryOf(4 * a + 3, 4 * b + 3)] = -stabilization * projection(a, b) * V;
+    for (int j = 0; j < 3; ++j) k[3][i][3][j] = -(k[0][i][3][j] + k[1][i][3][j] + k[2][i][3][j]);
 }
 
-template <class Law, bool mixed, bool with_tangent>
-void evaluateBatch(const Law& law, const ElementParameters& parameters, const BatchGeometry& geometry,
-                   const double* u, const double* q, BatchResult& result, BatchTangent* tangent) {
-  Kinematics k;
-  ConstraintValues constraint;
-  Pack S[6];
-  deform<Law::small_strain, mixed>(geometry, u, q, k);
-  computeResidual<Law, mixed>(law, parameters, geometry, k, result, constraint, S);
+/// The contribution of the point x to the tangent.
+template <class Element>
+PALPATE_INLINE void addStiffness(const double (&x)[4], const Pack (&k)[4][3][4][3], BatchTangent& tangent) {
+  using U = typename Element::Displacement;
+  for (int a = 0; a < U::nodes; ++a)
+    for (int i = 0; i < 3; ++i) {
+      Pack row[4][3];  // derivatives of the force i on node a with respect to d
+      for (int b = 0; b < 4; ++b)
+        for (int j = 0; j < 3; ++j) {
+          row[b][j] = U::slope(a, 0, x) * k[U::end[a][0]][i][b][j];
+          for (int e = 1; e < U::ends; ++e) row[b][j] += U::slope(a, e, x) * k[U::end[a][e]][i][b][j];
+        }
+      for (int b = a; b < U::nodes; ++b)
+        for (int j = (b == a ? i : 0); j < 3; ++j)
+          tangent.entry[Element::entryOf(3 * a + i, 3 * b + j)] += atNode<U>(b, j, x, row);
+    }
+}
+
+/// The terms that are quadratic in the pressure, - integral of p^2/(2 bulk) - V alpha/(2 mu) <(p - <p>)^2>.
+template <class Element, bool with_tangent>
+PALPATE_INLINE void addPressureForm(const ElementParameters& parameters, Pack volume, const Pack* nodal_q,
+                                    BatchResult& result, BatchTangent* tangent) {
+  using Q = typename Element::Pressure;
+  static constexpr QuadraticMeans<Q> means;
+  const double square = parameters.pressure_scale * parameters.pressure_scale;
+  const double compressibility = parameters.bulk > 0 ? square / parameters.bulk : 0;
+  const double stabilization = square * parameters.stabilization;
+  for (int a = 0; a < Q::nodes; ++a) {
+    Pack row = Pack{};
+    for (int b = 0; b < Q::nodes; ++b) {
+      const double form = compressibility * means.product[a][b] + stabilization * means.deviation[a][b];
+      row += form * nodal_q[b];
+      if constexpr (with_tangent)
+        if (b >= a)
+          tangent->entry[Element::entryOf(Element::first_pressure + a, Element::first_pressure + b)] =
+              -form * volume;
+    }
+    result.residual[Element::first_pressure + a] -= volume * row;
+    result.energy -= 0.5 * volume * row * nodal_q[a];
+  }
+}
+
+template <class Element, bool with_tangent>
+void evaluateBatch(const ElementParameters& parameters, const BatchGeometry& geometry, const double* u,
+                   const double* q, BatchResult& result, BatchTangent* tangent) {
+  using U = typename Element::Displacement;
+  using Q = typename Element::Pressure;
+  constexpr bool has_pressure = Q::nodes > 0;
+  const bool small_strain = parameters.law == LawName::linear;
+  const double scale = parameters.pressure_scale;
+  const Gradients gradients(geometry);
+
+  Pack nodal_u[U::nodes][3], nodal_q[has_pressure ? Q::nodes : 1];
+  for (int a = 0; a < U::nodes; ++a)
+    for (int i = 0; i < 3; ++i)
+      for (int l = 0; l < lanes; ++l) nodal_u[a][i][l] = u[3 * geometry.node[a][l] + i];
+  for (int b = 0; b < Q::nodes; ++b)
+    for (int l = 0; l < lanes; ++l) nodal_q[b][l] = q[geometry.node[b][l]];
+
+  result.energy = Pack{};
+  result.det_F = Pack{} + __builtin_inf();
+  for (int row = 0; row < Element::unknowns; ++row) result.residual[row] = Pack{};
   if constexpr (with_tangent)
-    computeTangent<Law, mixed>(law, parameters, geometry, k, constraint, S, *tangent);
+    for (int entry = 0; entry < localEntries(Element::unknowns); ++entry) tangent->entry[entry] = Pack{};
+
+  for (int n = 0; n < U::rule.points; ++n) {
+    const double(&x)[4] = U::rule.point[n];
+    const Pack weight = U::rule.weight[n] * geometry.volume;
+    Pack p = Pack{};
+    for (int b = 0; b < Q::nodes; ++b) p += scale * Q::value(b, x) * nodal_q[b];
+
+    Pack d[4][3];
+    Deformation deformation;
+    Response response;
+    atVertices<U>(x, nodal_u, d);
+    deform(gradients, d, small_strain, deformation);
+    respond<with_tangent>(parameters, geometry, p, deformation.strain, response);
+
+    const Pack J = deformation.strain.J;
+    // A NaN is kept as the worst.
+    result.det_F = J < result.det_F || J != J ? J : result.det_F;
+    result.energy += weight * response.energy;
+    Pack force[4][3];
+    vertexForces(gradients, deformation.F, response.S, weight, force);
+    for (int a = 0; a < U::nodes; ++a)
+      for (int i = 0; i < 3; ++i) result.residual[3 * a + i] += atNode<U>(a, i, x, force);
+    for (int b = 0; b < Q::nodes; ++b)
+      result.residual[Element::first_pressure + b] -=
+          scale * Q::value(b, x) * weight * response.constraint.value;
+
+    if constexpr (with_tangent) {
+      Pack k[4][3][4][3];
+      vertexStiffness(gradients, deformation.F, response, small_strain, weight, k);
+      addStiffness<Element>(x, k, *tangent);
+      if constexpr (has_pressure) {
+        Pack coupling[4][3];
+        // -c(J) as an energy: its stress is -J c' C^-1.
+        vertexForces(gradients, deformation.F, deformation.strain.C_inverse,
+                     -scale * weight * response.constraint.first, coupling);
+        for (int a = 0; a < U::nodes; ++a)
+          for (int i = 0; i < 3; ++i) {
+            const Pack nodal = atNode<U>(a, i, x, coupling);
+            for (int b = 0; b < Q::nodes; ++b)
+              tangent->entry[Element::entryOf(3 * a + i, Element::first_pressure + b)] +=
+                  Q::value(b, x) * nodal;
+          }
+      }
+    }
+  }
+  if constexpr (has_pressure)
+    addPressureForm<Element, with_tangent>(parameters, geometry.volume, nodal_q, result, tangent);
 }
 
 template <bool with_tangent>
 void evaluate(const ElementParameters& p, const BatchGeometry& geometry, const double* u, const double* q,
               BatchResult& result, BatchTangent* tangent) {
-  switch (p.law) {
-    case LawName::linear:
-      return evaluateBatch<Linear, false, with_tangent>({{p.lambda, p.mu}}, p, geometry, u, q, result,
-                                                        tangent);
-    case LawName::st_venant_kirchhoff:
-      return evaluateBatch<StVenantKirchhoff, false, with_tangent>({p.lambda, p.mu}, p, geometry, u, q,
-                                                                   result, tangent);
-    case LawName::modified_st_venant_kirchhoff:
-      return evaluateBatch<StVenantKirchhoff, true, with_tangent>({p.lambda, p.mu}, p, geometry, u, q, result,
-                                                                  tangent);
-    case LawName::mooney_rivlin:
-      return evaluateBatch<MooneyRivlin, true, with_tangent>({p.c10, p.c01}, p, geometry, u, q, result,
-                                                             tangent);
-    default:
-      break;
+  const bool quadratic = p.displacement == DisplacementSpace::p2;
+  switch (p.pressure) {
+    case PressureSpace::none:
+      return quadratic
+                 ? evaluateBatch<Element<P2, NoSpace>, with_tangent>(p, geometry, u, q, result, tangent)
+                 : evaluateBatch<Element<P1, NoSpace>, with_tangent>(p, geometry, u, q, result, tangent);
+    case PressureSpace::p1:
+    case PressureSpace::p1_stabilized:
+      return quadratic ? evaluateBatch<Element<P2, P1>, with_tangent>(p, geometry, u, q, result, tangent)
+                       : evaluateBatch<Element<P1, P1>, with_tangent>(p, geometry, u, q, result, tangent);
+    case PressureSpace::p2:
+      return evaluateBatch<Element<P2, P2>, with_tangent>(p, geometry, u, q, result, tangent);
   }
 }
 

@@ -29,7 +29,7 @@ TransitionSolver::TransitionSolver(const Problem& problem, const ElementKernels&
     : problem_(problem),
       options_(options),
       system_(problem, kernels),
-      solver_(system_.pattern(), problem.scene.discretization.pressure == PressureSpace::p1) {}
+      solver_(system_.pattern(), !isInfSupStable(problem.scene.discretization)) {}
 
 std::optional<Start> TransitionSolver::startAtRest(Failure& failure) {
   return linearize(system_.restState(), Eigen::Vector3d::Zero(), failure);
@@ -42,7 +42,7 @@ std::optional<Start> TransitionSolver::startFrom(const NodalFields& fields,
   for (std::size_t node = 0; node < state.q.size(); ++node)
     state.q[node] = fields.pressure.at(node) / system_.pressureScale();
   // float32 moved the tool by up to half a unit in the last place; put it back where it was.
-  for (const std::int32_t node : problem_.active[system_.tool()].nodes)
+  for (const std::int32_t node : system_.model().tools[*system_.tool()].nodes)
     for (int i = 0; i < 3; ++i) state.u[3 * node + i] = displacement[i];
   return linearize(std::move(state), displacement, failure);
 }
@@ -66,6 +66,7 @@ std::optional<Start> TransitionSolver::linearize(State state, const Eigen::Vecto
 
 bool TransitionSolver::accept(NewtonResult& newton, const Eigen::Vector3d& displacement, Reached& reached,
                               Failure& failure) {
+  system_.lookAtNodes(newton.state, newton.residual);
   if (problem_.scene.workspace.reject_inverted && !(newton.residual.min_det_F > 0)) {
     failure = failureOf(Cause::inverted_element, newton);
     return false;
