@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <set>
 #include <tuple>
@@ -12,92 +10,10 @@
 
 #include "common/error.hpp"
 #include "common/text_file.hpp"
+#include "common/text_lines.hpp"
 
 namespace palpate {
 namespace {
-
-/// A text line by line, and a line token by token. Blank lines are skipped; errors carry file and line.
-class Lines {
- public:
-  Lines(std::string text, std::string source) : text_(std::move(text)), source_(std::move(source)) {}
-
-  /// Goes to the next line that is not blank; false at the end of the text.
-  bool advance() {
-    while (at_ < text_.size()) {
-      const std::size_t end = std::min(text_.find('\n', at_), text_.size());
-      rest_ = std::string_view(text_).substr(at_, end - at_);
-      at_ = end + 1;
-      ++number_;
-      skipBlanks();
-      while (!rest_.empty() && isBlank(rest_.back())) rest_.remove_suffix(1);
-      if (!rest_.empty()) return true;
-    }
-    rest_ = {};
-    return false;
-  }
-
-  /// advance(), or an error that the file is truncated inside `section`.
-  void advanceIn(std::string_view section) {
-    if (!advance())
-      throw badInput("{}:{}: the file is truncated: it ends inside {}", source_, number_, section);
-  }
-
-  std::string_view rest() const { return rest_; }
-  std::size_t number() const { return number_; }
-  bool atEndOfLine() const { return rest_.empty(); }
-
-  /// The next number of the line; `what` names it in errors.
-  template <class Number>
-  Number take(const char* what) {
-    const std::string_view token = takeToken();
-    if (token.empty()) throw wrong("the line ends where {} is expected", what);
-    const std::string_view digits = token.front() == '+' ? token.substr(1) : token;
-    Number value{};
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error != std::errc() || end != digits.data() + digits.size())
-      throw wrong("\"{}\" where {} is expected", token, what);
-    return value;
-  }
-
-  double takeCoordinate() {
-    const auto value = take<double>("a coordinate");
-    if (!std::isfinite(value)) throw wrong("a coordinate that is not finite");
-    return value;
-  }
-
-  void expectEndOfLine() const {
-    if (!rest_.empty()) throw wrong("\"{}\" at the end of the line is too much", rest_);
-  }
-
-  template <class... Args>
-  Error wrong(fmt::format_string<Args...> format, Args&&... args) const {
-    return badInput("{}:{}: {}", source_, number_, fmt::format(format, std::forward<Args>(args)...));
-  }
-
-  std::size_t size() const { return text_.size(); }
-  const std::string& source() const { return source_; }
-
- private:
-  static bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
-  void skipBlanks() {
-    while (!rest_.empty() && isBlank(rest_.front())) rest_.remove_prefix(1);
-  }
-
-  std::string_view takeToken() {
-    const auto* end = std::find_if(rest_.begin(), rest_.end(), isBlank);
-    const std::string_view token = rest_.substr(0, end - rest_.begin());
-    rest_.remove_prefix(token.size());
-    skipBlanks();
-    return token;
-  }
-
-  std::string text_;
-  std::string source_;
-  std::size_t at_ = 0;
-  std::size_t number_ = 0;
-  std::string_view rest_;
-};
 
 /// Gmsh's element types: dimension and number of nodes.
 struct ElementType {
@@ -110,15 +26,17 @@ constexpr std::array<ElementType, 32> element_types = {
     {{-1, 0}, {1, 2},  {2, 3},  {2, 4},  {3, 4}, {3, 8}, {3, 6},  {3, 5},  {1, 3},  {2, 6}, {2, 9},
      {3, 10}, {3, 27}, {3, 18}, {3, 14}, {0, 1}, {2, 8}, {3, 20}, {3, 15}, {3, 13}, {2, 9}, {2, 10},
      {2, 12}, {2, 15}, {2, 15}, {2, 21}, {1, 4}, {1, 5}, {1, 6},  {3, 20}, {3, 35}, {3, 56}}};
-constexpr int tetrahedron_4 = 4;
+constexpr int tetrahedron_4 = 4, tetrahedron_10 = 11;
+/// Where Gmsh's 10-node tetrahedron has the nodes that we, like VTK, order by tetrahedron_edges.
+constexpr std::array<int, 10> gmsh_order = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
 
 constexpr std::array<const char*, 4> dimension_words = {"point", "curve", "surface", "volume"};
 
 /// (dimension, tag) of a physical group or of an entity: Gmsh counts each dimension on its own.
 using Key = std::pair<int, std::int64_t>;
 
-/// 0-based numbers of the nodes that the file names by tags of its own.
-class NodeTags {
+/// 0-based numbers of the nodes, or tetrahedra, that the file names by tags of its own.
+class Tags {
  public:
   void add(std::int64_t tag) { tags_.emplace_back(tag, static_cast<std::int32_t>(tags_.size())); }
   std::size_t size() const { return tags_.size(); }
@@ -143,7 +61,8 @@ class NodeTags {
 
 class Reader {
  public:
-  Reader(Lines lines, double metres_per_unit) : lines_(std::move(lines)), metres_per_unit_(metres_per_unit) {}
+  Reader(TextLines lines, double metres_per_unit)
+      : lines_(std::move(lines)), metres_per_unit_(metres_per_unit) {}
 
   Mesh read() {
     readFormat();
@@ -193,6 +112,12 @@ class Reader {
       if (have_elements_) throw lines_.wrong("a second $Elements section");
       entity_blocks_ ? readElementBlocks() : readElements();
       have_elements_ = true;
+    } else if (section == "$ElementData") {
+      if (!have_elements_) throw lines_.wrong("$ElementData before $Elements");
+      if (const auto twice = tetrahedron_tags_.sort())
+        throw lines_.wrong("$ElementData cannot be assigned: two tetrahedra have the number {}", *twice);
+      readElementData();
+      return;
     } else if (section == "$PartitionedEntities") {
       throw lines_.wrong("the mesh is partitioned; save it without partitions (gmsh: Mesh > Unpartition)");
     } else if (section.starts_with("$") && !section.starts_with("$End")) {
@@ -218,21 +143,9 @@ class Reader {
     while (lines_.rest() != end);
   }
 
-  /// A count that is announced. It is not believed before its lines were seen: only reserveFor() may use it.
-  std::size_t takeCount(const char* what) {
-    const auto count = lines_.take<std::int64_t>(what);
-    if (count < 0 || count > std::numeric_limits<std::int32_t>::max())
-      throw lines_.wrong("{} is {}, which cannot be", what, count);
-    return static_cast<std::size_t>(count);
-  }
-
-  /// No more than the file can hold, whatever it announces: the shortest line of an item is "1 0 0 0" and its
-  /// end.
-  std::size_t reserveFor(std::size_t announced) const { return std::min(announced, lines_.size() / 8); }
-
   void readPhysicalNames() {
     lines_.advanceIn("$PhysicalNames");
-    const std::size_t count = takeCount("the number of physical names");
+    const std::size_t count = lines_.takeCount("the number of physical names");
     for (std::size_t i = 0; i < count; ++i) {
       lines_.advanceIn("$PhysicalNames");
       const Key key = {takeDimension(), lines_.take<std::int64_t>("the number of a physical group")};
@@ -254,14 +167,14 @@ class Reader {
     if (!entity_blocks_) throw lines_.wrong("$Entities in a file of version 2.2");
     lines_.advanceIn("$Entities");
     std::array<std::size_t, 4> counts;
-    for (std::size_t& count : counts) count = takeCount("the number of entities");
+    for (std::size_t& count : counts) count = lines_.takeCount("the number of entities");
     for (int dimension = 0; dimension < 4; ++dimension)
       for (std::size_t i = 0; i < counts[dimension]; ++i) {
         lines_.advanceIn("$Entities");
         const Key entity = {dimension, lines_.take<std::int64_t>("the tag of an entity")};
         const int extents = dimension == 0 ? 3 : 6;  // its position, or its bounding box
         for (int n = 0; n < extents; ++n) lines_.take<double>("the extent of an entity");
-        const std::size_t n_physical = takeCount("the number of physical groups of an entity");
+        const std::size_t n_physical = lines_.takeCount("the number of physical groups of an entity");
         for (std::size_t n = 0; n < n_physical; ++n)
           physical_of_entity_[entity].insert(
               std::abs(lines_.take<std::int64_t>("the number of a physical group")));
@@ -269,19 +182,20 @@ class Reader {
   }
 
   void addNode() {
-    const double x = lines_.takeCoordinate(), y = lines_.takeCoordinate(), z = lines_.takeCoordinate();
+    const double x = lines_.takeFinite("a coordinate"), y = lines_.takeFinite("a coordinate"),
+                 z = lines_.takeFinite("a coordinate");
     mesh_.nodes.emplace_back(toMetres(x, metres_per_unit_), toMetres(y, metres_per_unit_),
                              toMetres(z, metres_per_unit_));
   }
 
   void readNodes() {
     lines_.advanceIn("$Nodes");
-    const std::size_t count = takeCount("the number of nodes");
+    const std::size_t count = lines_.takeCount("the number of nodes");
     lines_.expectEndOfLine();
-    mesh_.nodes.reserve(reserveFor(count));
+    mesh_.nodes.reserve(lines_.reserveFor(count));
     for (std::size_t i = 0; i < count; ++i) {
       lines_.advanceIn("$Nodes");
-      tags_.add(lines_.take<std::int64_t>("the number of a node"));
+      node_tags_.add(lines_.take<std::int64_t>("the number of a node"));
       addNode();
       lines_.expectEndOfLine();
     }
@@ -289,19 +203,19 @@ class Reader {
 
   void readNodeBlocks() {
     lines_.advanceIn("$Nodes");
-    const std::size_t n_blocks = takeCount("the number of entity blocks");
-    const std::size_t n_nodes = takeCount("the number of nodes");
-    mesh_.nodes.reserve(reserveFor(n_nodes));
+    const std::size_t n_blocks = lines_.takeCount("the number of entity blocks");
+    const std::size_t n_nodes = lines_.takeCount("the number of nodes");
+    mesh_.nodes.reserve(lines_.reserveFor(n_nodes));
     for (std::size_t block = 0; block < n_blocks; ++block) {
       lines_.advanceIn("$Nodes");
       takeDimension();
       lines_.take<std::int64_t>("the tag of an entity");
       const bool parametric = lines_.take<int>("0 or 1 for parametric") != 0;
-      const std::size_t count = takeCount("the number of nodes of a block");
+      const std::size_t count = lines_.takeCount("the number of nodes of a block");
       lines_.expectEndOfLine();
       for (std::size_t i = 0; i < count; ++i) {
         lines_.advanceIn("$Nodes");
-        tags_.add(lines_.take<std::int64_t>("the tag of a node"));
+        node_tags_.add(lines_.take<std::int64_t>("the tag of a node"));
         lines_.expectEndOfLine();
       }
       for (std::size_t i = 0; i < count; ++i) {
@@ -315,13 +229,13 @@ class Reader {
   }
 
   void finishNodes() {
-    if (const auto twice = tags_.sort()) throw lines_.wrong("node {} is defined twice", *twice);
+    if (const auto twice = node_tags_.sort()) throw lines_.wrong("node {} is defined twice", *twice);
     have_nodes_ = true;
   }
 
   std::int32_t takeNode() {
     const auto tag = lines_.take<std::int64_t>("a node");
-    const auto node = tags_.find(tag);
+    const auto node = node_tags_.find(tag);
     if (!node) throw lines_.wrong("an element uses node {}, which is not in $Nodes", tag);
     return *node;
   }
@@ -331,55 +245,69 @@ class Reader {
     if (type < 1 || type >= static_cast<int>(element_types.size()))
       throw lines_.wrong("element type {} is not known", type);
     const ElementType& found = element_types[type];
-    if (found.dimension == 3 && type != tetrahedron_4)
+    if (found.dimension == 3 && type != tetrahedron_4 && type != tetrahedron_10)
       throw lines_.wrong(
-          "an element of Gmsh's type {} with {} nodes: volume elements must be 4-node tetrahedra (mesh "
-          "without recombination, and with -order 1)",
+          "an element of Gmsh's type {} with {} nodes: volume elements must be tetrahedra of 4 or 10 nodes "
+          "(mesh without recombination, and with -order 1 or 2)",
           type, found.nodes);
     return found;
   }
 
-  /// The nodes of an element of the line, into the mesh and into the nodes of `group`.
-  void addElement(int type, const Key& group) {
+  /// The nodes of an element of the line, into the mesh and into what `group` has.
+  void addElement(std::int64_t tag, int type, const Key& group) {
     const int count = element_types[type].nodes;
-    std::array<std::int32_t, 4> first_four{};
+    std::array<std::int32_t, 10> first_ten{};
     std::vector<std::int32_t>& group_nodes = nodes_of_[group];
     for (int i = 0; i < count; ++i) {
       const std::int32_t node = takeNode();
-      if (i < 4) first_four[i] = node;
+      if (i < 10) first_ten[i] = node;
       group_nodes.push_back(node);
     }
     lines_.expectEndOfLine();
-    if (type != tetrahedron_4) return;
-    mesh_.tetrahedra.push_back(first_four);
+    if (element_types[type].dimension == 3) addTetrahedron(tag, type, first_ten, group);
+  }
+
+  /// Of ten nodes the corners: mid-edge nodes are added where the scene wants them, so they must be in the
+  /// middle.
+  void addTetrahedron(std::int64_t tag, int type, const std::array<std::int32_t, 10>& nodes,
+                      const Key& group) {
+    if (type == tetrahedron_10) {
+      std::array<std::int32_t, 10> ordered;
+      for (int i = 0; i < 10; ++i) ordered[i] = nodes[gmsh_order[i]];
+      if (const std::string edge = curvedEdge(mesh_.nodes, ordered); !edge.empty())
+        throw lines_.wrong("element {}: {} (gmsh: -setnumber Mesh.SecondOrderLinear 1)", tag, edge);
+    }
+    tetrahedra_of_[group].push_back(static_cast<std::int32_t>(mesh_.tetrahedra.size()));
+    mesh_.tetrahedra.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
     group_of_tetrahedron_.push_back(group.second);
+    tetrahedron_tags_.add(tag);
   }
 
   void readElements() {
     lines_.advanceIn("$Elements");
-    const std::size_t count = takeCount("the number of elements");
+    const std::size_t count = lines_.takeCount("the number of elements");
     lines_.expectEndOfLine();
-    mesh_.tetrahedra.reserve(reserveFor(count));
+    mesh_.tetrahedra.reserve(lines_.reserveFor(count));
     for (std::size_t i = 0; i < count; ++i) {
       lines_.advanceIn("$Elements");
-      lines_.take<std::int64_t>("the number of an element");
+      const auto tag = lines_.take<std::int64_t>("the number of an element");
       int type = 0;
       const int dimension = takeElementType(type).dimension;
-      const std::size_t n_tags = takeCount("the number of tags");
+      const std::size_t n_tags = lines_.takeCount("the number of tags");
       std::int64_t physical = 0;  // no group
       for (std::size_t n = 0; n < n_tags; ++n) {
-        const auto tag = lines_.take<std::int64_t>("a tag");
-        if (n == 0) physical = std::abs(tag);  // negative where the orientation was turned
+        const auto group = lines_.take<std::int64_t>("a tag");
+        if (n == 0) physical = std::abs(group);  // negative where the orientation was turned
       }
-      addElement(type, {dimension, physical});
+      addElement(tag, type, {dimension, physical});
     }
   }
 
   void readElementBlocks() {
     lines_.advanceIn("$Elements");
-    const std::size_t n_blocks = takeCount("the number of entity blocks");
-    const std::size_t n_elements = takeCount("the number of elements");
-    mesh_.tetrahedra.reserve(reserveFor(n_elements));
+    const std::size_t n_blocks = lines_.takeCount("the number of entity blocks");
+    const std::size_t n_elements = lines_.takeCount("the number of elements");
+    mesh_.tetrahedra.reserve(lines_.reserveFor(n_elements));
     std::size_t read = 0;
     for (std::size_t block = 0; block < n_blocks; ++block) {
       lines_.advanceIn("$Elements");
@@ -387,71 +315,144 @@ class Reader {
       int type = 0;
       if (takeElementType(type).dimension != entity.first)
         throw lines_.wrong("element type {} in a block of dimension {}", type, entity.first);
-      const std::size_t count = takeCount("the number of elements of a block");
+      const std::size_t count = lines_.takeCount("the number of elements of a block");
       lines_.expectEndOfLine();
       for (std::size_t i = 0; i < count; ++i, ++read) {
         lines_.advanceIn("$Elements");
-        lines_.take<std::int64_t>("the tag of an element");
-        addElement(type, entity);
+        const auto tag = lines_.take<std::int64_t>("the tag of an element");
+        addElement(tag, type, entity);
       }
     }
     if (read != n_elements)
       throw lines_.wrong("{} elements were announced, the blocks hold {}", n_elements, read);
   }
 
+  /// One vector per tetrahedron, under the first string tag. Data of other components are skipped, and so are
+  /// later time steps of the same name.
+  void readElementData() {
+    const std::string section = "$ElementData";
+    const auto tags = [&](const char* what) {
+      lines_.advanceIn(section);
+      std::vector<std::string> words;
+      for (std::size_t left = lines_.takeCount(what); left > 0; --left) {
+        lines_.advanceIn(section);
+        words.emplace_back(lines_.rest());
+      }
+      return words;
+    };
+    const std::vector<std::string> names = tags("the number of string tags");
+    tags("the number of real tags");
+    lines_.advanceIn(section);
+    std::array<std::size_t, 3> integers{};  // time step, components, elements
+    const std::size_t n_integers = lines_.takeCount("the number of integer tags");
+    for (std::size_t i = 0; i < n_integers; ++i) {
+      lines_.advanceIn(section);
+      const std::size_t value = lines_.takeCount("an integer tag");
+      if (i < integers.size()) integers[i] = value;
+    }
+    const std::string name = names.empty() ? "" : unquoted(names[0]);
+    if (name.empty() || integers[1] != 3 || mesh_.element_vectors.contains(name)) return skipSection(section);
+    std::vector<Eigen::Vector3d>& vectors = mesh_.element_vectors[name];
+    vectors.assign(mesh_.tetrahedra.size(), Eigen::Vector3d::Zero());
+    for (std::size_t i = 0; i < integers[2]; ++i) {
+      lines_.advanceIn(section);
+      const auto element = tetrahedron_tags_.find(lines_.take<std::int64_t>("the number of an element"));
+      Eigen::Vector3d vector;
+      for (double& component : vector) component = lines_.takeFinite("a component");
+      lines_.expectEndOfLine();
+      if (element) vectors[*element] = vector;
+    }
+    endSection(section);
+  }
+
+  static std::string unquoted(const std::string& text) {
+    const bool quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';
+    return quoted ? text.substr(1, text.size() - 2) : text;
+  }
+
   /// Version 2.2 writes a tetrahedron once per physical group that it is in. The same one twice in one group
   /// is an error of the mesh, and finishMesh says so.
   void dropRepeatedTetrahedra() {
-    std::vector<std::tuple<Tetrahedron, std::int64_t, std::size_t>> order;
+    std::vector<std::tuple<Tetrahedron, std::int64_t, std::int32_t>> order;
     order.reserve(mesh_.tetrahedra.size());
     for (std::size_t e = 0; e < mesh_.tetrahedra.size(); ++e) {
       Tetrahedron sorted = mesh_.tetrahedra[e];
       std::sort(sorted.begin(), sorted.end());
-      order.emplace_back(sorted, group_of_tetrahedron_[e], e);
+      order.emplace_back(sorted, group_of_tetrahedron_[e], static_cast<std::int32_t>(e));
     }
     std::sort(order.begin(), order.end());
-    std::vector<bool> repeated(order.size(), false);
-    for (std::size_t i = 1; i < order.size(); ++i) {
+    std::vector<std::int32_t> same_as(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
       const auto& [nodes, group, element] = order[i];
-      const auto& [previous_nodes, previous_group, previous_element] = order[i - 1];
-      repeated[element] = nodes == previous_nodes && group != previous_group;
+      const bool repeated = i > 0 && nodes == std::get<0>(order[i - 1]) && group != std::get<1>(order[i - 1]);
+      same_as[element] = repeated ? same_as[std::get<2>(order[i - 1])] : element;
     }
-    std::size_t e = 0;
-    std::erase_if(mesh_.tetrahedra, [&](const Tetrahedron&) { return repeated[e++]; });
+    keepOnly(same_as);
+  }
+
+  /// Keeps the tetrahedra e with same_as[e] == e; what the others are in, they are in.
+  void keepOnly(const std::vector<std::int32_t>& same_as) {
+    std::vector<std::int32_t> number(same_as.size());
+    std::int32_t kept = 0;
+    for (std::size_t e = 0; e < same_as.size(); ++e)
+      if (same_as[e] == static_cast<std::int32_t>(e)) {
+        mesh_.tetrahedra[kept] = mesh_.tetrahedra[e];
+        number[e] = kept++;
+      }
+    mesh_.tetrahedra.resize(kept);
+    for (auto& [group, elements] : tetrahedra_of_)
+      for (std::int32_t& element : elements) element = number[same_as[element]];
+    for (auto& [name, vectors] : mesh_.element_vectors) {
+      std::vector<Eigen::Vector3d> left(kept, Eigen::Vector3d::Zero());
+      for (std::size_t e = 0; e < same_as.size(); ++e)
+        if (Eigen::Vector3d& vector = left[number[same_as[e]]]; vector.isZero(0)) vector = vectors[e];
+      vectors = std::move(left);
+    }
   }
 
   void nameGroups() {
     for (const auto& [key, nodes] : nodes_of_) {
       const auto& [dimension, tag] = key;
       if (!entity_blocks_) {
-        if (tag != 0) addToGroup(key, nodes);
+        if (tag != 0) addToGroup(key, key);
         continue;
       }
       const auto physical = physical_of_entity_.find(key);
       if (physical == physical_of_entity_.end()) continue;
-      for (const std::int64_t number : physical->second) addToGroup({dimension, number}, nodes);
+      for (const std::int64_t number : physical->second) addToGroup({dimension, number}, key);
+    }
+    for (auto& [name, elements] : mesh_.element_groups) {
+      std::sort(elements.begin(), elements.end());
+      elements.erase(std::unique(elements.begin(), elements.end()), elements.end());
     }
   }
 
-  void addToGroup(const Key& group, const std::vector<std::int32_t>& nodes) {
+  /// Adds the nodes and tetrahedra that were read under `from`.
+  void addToGroup(const Key& group, const Key& from) {
     const auto named = physical_names_.find(group);
-    std::vector<std::int32_t>& all =
-        mesh_.node_groups[named != physical_names_.end()
-                              ? named->second
-                              : fmt::format("{} {}", dimension_words[group.first], group.second)];
+    const std::string name = named != physical_names_.end()
+                                 ? named->second
+                                 : fmt::format("{} {}", dimension_words[group.first], group.second);
+    const std::vector<std::int32_t>& nodes = nodes_of_.at(from);
+    std::vector<std::int32_t>& all = mesh_.node_groups[name];
     all.insert(all.end(), nodes.begin(), nodes.end());
+    if (group.first < 3) return;
+    const std::vector<std::int32_t>& elements = tetrahedra_of_.at(from);
+    std::vector<std::int32_t>& all_elements = mesh_.element_groups[name];
+    all_elements.insert(all_elements.end(), elements.begin(), elements.end());
   }
 
-  Lines lines_;
+  TextLines lines_;
   double metres_per_unit_;
   bool entity_blocks_ = false;  ///< version 4.1
   bool have_nodes_ = false, have_elements_ = false;
   Mesh mesh_;
-  NodeTags tags_;
+  Tags node_tags_, tetrahedron_tags_;
   std::map<Key, std::string> physical_names_;
   std::map<Key, std::set<std::int64_t>> physical_of_entity_;
   std::map<Key, std::vector<std::int32_t>>
       nodes_of_;  ///< of entities in version 4.1, of physical groups in 2.2
+  std::map<Key, std::vector<std::int32_t>> tetrahedra_of_;  ///< likewise
   std::vector<std::int64_t> group_of_tetrahedron_;
 };
 
@@ -462,7 +463,7 @@ Mesh readGmsh(const std::filesystem::path& file, double metres_per_unit) {
 }
 
 Mesh parseGmsh(std::string text, const std::string& source, double metres_per_unit) {
-  return Reader(Lines(std::move(text), source), metres_per_unit).read();
+  return Reader(TextLines(std::move(text), source), metres_per_unit).read();
 }
 
 }  // namespace palpate

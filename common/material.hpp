@@ -13,6 +13,7 @@ namespace palpate {
 struct OgdenTerm {
   double mu = 0;     ///< Pa
   double alpha = 0;  ///< -
+  bool operator==(const OgdenTerm&) const = default;
 };
 
 /// A material, as [material] or [[region]] gives it. Keys that the law does not take are refused. The
@@ -38,6 +39,7 @@ struct Material {
   /// the St. Venant-Kirchhoff laws. Absent: exactly incompressible.
   std::optional<double> bulk = {};
   std::optional<double> density = {};  ///< kg/m^3, > 0; needed when there is gravity
+  bool operator==(const Material&) const = default;
 };
 
 /// Whether the material is used with det F = 1 exactly, and so needs a pressure.

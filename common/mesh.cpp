@@ -1,6 +1,5 @@
 #include "common/mesh.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,15 +17,6 @@ constexpr double degenerate_shape = 1e-6;
 /// Faces of a positively oriented tetrahedron, normals outward.
 constexpr std::array<std::array<int, 3>, 4> faces_of_tetrahedron = {
     {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-constexpr std::array<std::array<int, 2>, 6> edges_of_tetrahedron = {
-    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
-
-std::string placeOf(const Mesh& mesh, std::size_t element) {
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  for (const std::int32_t node : mesh.tetrahedra[element]) center += mesh.nodes[node] / 4;
-  return fmt::format("tetrahedron {} (counted from 0, centre at {:.6g} {:.6g} {:.6g} m)", element, center[0],
-                     center[1], center[2]);
-}
 
 void refuseBrokenNumbers(const Mesh& mesh, const std::string& source) {
   if (mesh.tetrahedra.empty())
@@ -79,6 +69,12 @@ void refuseBrokenGroups(const Mesh& mesh, const std::string& source) {
       if (node < 0 || node >= n_nodes)
         throw badInput("{}: group \"{}\" uses a node that does not exist ({} of {})", source, name, node,
                        n_nodes);
+  const auto n_elements = static_cast<std::int32_t>(mesh.tetrahedra.size());
+  for (const auto& [name, elements] : mesh.element_groups)
+    for (const std::int32_t element : elements)
+      if (element < 0 || element >= n_elements)
+        throw badInput("{}: group \"{}\" uses a tetrahedron that does not exist ({} of {})", source, name,
+                       element, n_elements);
 }
 
 void orient(Mesh& mesh, const std::string& source) {
@@ -167,7 +163,7 @@ std::vector<double> edgeLengths(const Mesh& mesh) {
   std::vector<std::array<std::int32_t, 2>> edges;
   edges.reserve(6 * mesh.tetrahedra.size());
   for (const Tetrahedron& t : mesh.tetrahedra)
-    for (const auto& [a, b] : edges_of_tetrahedron)
+    for (const auto& [a, b] : tetrahedron_edges)
       edges.push_back({std::min(t[a], t[b]), std::max(t[a], t[b])});
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
@@ -184,6 +180,23 @@ double toMetres(double length, double metres_per_unit) {
   return units_per_metre * metres_per_unit == 1 ? length / units_per_metre : length * metres_per_unit;
 }
 
+Eigen::AlignedBox3d boundingBox(const Mesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& node : mesh.nodes) box.extend(node);
+  return box;
+}
+
+std::string placeText(const Eigen::Vector3d& x) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
+}
+
+std::string placeOf(const Mesh& mesh, std::size_t element) {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (const std::int32_t node : mesh.tetrahedra[element]) center += mesh.nodes[node] / 4;
+  return fmt::format("tetrahedron {} (counted from 0, centre at {:.6g} {:.6g} {:.6g} m)", element, center[0],
+                     center[1], center[2]);
+}
+
 double sixVolume(const Mesh& mesh, std::size_t element) {
   const Tetrahedron& t = mesh.tetrahedra[element];
   const Eigen::Vector3d& a = mesh.nodes[t[0]];
@@ -193,7 +206,7 @@ double sixVolume(const Mesh& mesh, std::size_t element) {
 double shapeOf(const Mesh& mesh, std::size_t element) {
   const Tetrahedron& t = mesh.tetrahedra[element];
   double squared_edges = 0;
-  for (const auto& [a, b] : edges_of_tetrahedron)
+  for (const auto& [a, b] : tetrahedron_edges)
     squared_edges += (mesh.nodes[t[a]] - mesh.nodes[t[b]]).squaredNorm();
   if (squared_edges == 0) return 0;
   return 12 * std::pow(std::abs(sixVolume(mesh, element)) / 2, 2.0 / 3.0) / squared_edges;
@@ -209,7 +222,7 @@ std::vector<std::int32_t> surfaceNodes(const Mesh& mesh) {
 }
 
 std::vector<std::int32_t> pieceOfNode(const Mesh& mesh) {
-  std::vector<std::int32_t> parent(mesh.nodes.size());
+  std::vector<std::int32_t> parent(mesh.vertices());
   std::iota(parent.begin(), parent.end(), 0);
   const auto rootOf = [&parent](std::int32_t node) {
     while (parent[node] != node) node = parent[node] = parent[parent[node]];
@@ -220,13 +233,37 @@ std::vector<std::int32_t> pieceOfNode(const Mesh& mesh) {
       const std::int32_t a = rootOf(t[0]), b = rootOf(t[i]);
       parent[std::max(a, b)] = std::min(a, b);
     }
-  std::vector<std::int32_t> piece(mesh.nodes.size());
+  std::vector<std::int32_t> piece(mesh.vertices());
   std::int32_t pieces = 0;
   for (std::size_t n = 0; n < piece.size(); ++n) {
     const std::int32_t root = rootOf(static_cast<std::int32_t>(n));
     piece[n] = root == static_cast<std::int32_t>(n) ? pieces++ : piece[root];
   }
+  for (const Edge& edge : mesh.edges) piece.push_back(piece[edge[0]]);
   return piece;
+}
+
+std::string curvedEdge(const std::vector<Eigen::Vector3d>& nodes,
+                       const std::array<std::int32_t, 10>& tetrahedron) {
+  constexpr double tolerance = 1e-6;
+  for (std::size_t e = 0; e < tetrahedron_edges.size(); ++e) {
+    const Eigen::Vector3d &a = nodes[tetrahedron[tetrahedron_edges[e][0]]],
+                          &b = nodes[tetrahedron[tetrahedron_edges[e][1]]];
+    const double off = (nodes[tetrahedron[4 + e]] - 0.5 * (a + b)).norm() / (b - a).norm();
+    if (!(off <= tolerance))
+      return fmt::format(
+          "the node of its edge at {:.6g} {:.6g} {:.6g} m is off the middle by {:.2g} of the edge's length; "
+          "curved edges are not supported",
+          a[0] / 2 + b[0] / 2, a[1] / 2 + b[1] / 2, a[2] / 2 + b[2] / 2, off);
+  }
+  return {};
+}
+
+std::int32_t midEdgeNode(const Mesh& mesh, std::int32_t a, std::int32_t b) {
+  const Edge edge = {std::min(a, b), std::max(a, b)};
+  const auto found = std::lower_bound(mesh.edges.begin(), mesh.edges.end(), edge);
+  if (found == mesh.edges.end() || *found != edge) return -1;
+  return mesh.vertices() + static_cast<std::int32_t>(found - mesh.edges.begin());
 }
 
 void addMidEdgeNodes(Mesh& mesh) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <map>
@@ -19,7 +19,8 @@ inline constexpr std::array<std::array<int, 2>, 6> tetrahedron_edges = {
     {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
 
 /// A tetrahedral mesh in the rest state. Node and element numbers are 0-based indices into these arrays, in
-/// the order of the file, after nodes that belong to no tetrahedron were dropped.
+/// the order of the file, after nodes that are no corner of a tetrahedron were dropped; mid-edge nodes
+/// follow.
 struct Mesh {
   std::vector<Eigen::Vector3d> nodes;   ///< rest positions, metres
   std::vector<Tetrahedron> tetrahedra;  ///< positive orientation: (b-a) x (c-a) . (d-a) > 0
@@ -31,10 +32,10 @@ struct Mesh {
   std::map<std::string, std::vector<Eigen::Vector3d>>
       element_vectors;  ///< named vector per tetrahedron ($ElementData of three components, CELL_DATA)
   /// Quadratic meshes only (addMidEdgeNodes): the middle of edge e is node vertices() + e.
-  std::vector<Edge> edges;
+  std::vector<Edge> edges;                                  ///< (lower, higher) vertex, ascending
   std::vector<std::array<std::int32_t, 6>> mid_edge_nodes;  ///< per tetrahedron, by tetrahedron_edges
   std::int32_t vertices() const { return static_cast<std::int32_t>(nodes.size() - edges.size()); }
-  std::int32_t dropped_nodes = 0;          ///< nodes of the file that no tetrahedron used
+  std::int32_t dropped_nodes = 0;          ///< nodes of the file that are no corner of a tetrahedron
   std::int32_t reoriented_tetrahedra = 0;  ///< tetrahedra whose node order was turned (all of them, or none)
 };
 
@@ -45,7 +46,14 @@ double toMetres(double length, double metres_per_unit);
 /// Six times the signed volume of tetrahedron `element`, cubic metres.
 double sixVolume(const Mesh& mesh, std::size_t element);
 
-/// Sorted indices of the nodes on the surface.
+Eigen::AlignedBox3d boundingBox(const Mesh& mesh);  ///< metres
+
+/// "tetrahedron 7 (counted from 0, centre at X Y Z m)", for errors: the numbers that a file gives its
+/// elements are gone.
+std::string placeOf(const Mesh& mesh, std::size_t element);
+std::string placeText(const Eigen::Vector3d& x);  ///< "(X, Y, Z)"
+
+/// Sorted indices of the vertices on the surface.
 std::vector<std::int32_t> surfaceNodes(const Mesh& mesh);
 
 /// Number of the connected piece each node belongs to, 0.. in the order of their first nodes. Pieces that
@@ -54,6 +62,15 @@ std::vector<std::int32_t> pieceOfNode(const Mesh& mesh);
 
 /// Shape of tetrahedron `element`: 12 (3|V|)^(2/3) / sum of squared edges, 1 for regular, 0 for flat.
 double shapeOf(const Mesh& mesh, std::size_t element);
+
+/// Which edge of a 10-node tetrahedron (corners, then mid-edge nodes by tetrahedron_edges) is not straight
+/// with its node in the middle, to 1e-6 of its length, as a sentence for errors; empty when all are.
+std::string curvedEdge(const std::vector<Eigen::Vector3d>& nodes,
+                       const std::array<std::int32_t, 10>& tetrahedron);
+
+/// The node in the middle of the edge between two vertices of a quadratic mesh; -1 when there is no such
+/// edge.
+std::int32_t midEdgeNode(const Mesh& mesh, std::int32_t a, std::int32_t b);
 
 /// Makes a linear, finished mesh quadratic, with straight edges: appends the mid-edge nodes, in the order of
 /// their (lower, higher) end nodes, and adds them to the node groups in which both ends of their edge are.
@@ -77,10 +94,10 @@ MeshQuality measure(const Mesh& mesh);
 ///
 /// Orientation: if every element has negative volume the whole file is turned (reoriented_tetrahedra); a
 /// mixture is refused, naming the first offending element. Also refused: no tetrahedra, indices out of range,
-/// coordinates that are not finite, an element with a repeated node, a degenerate element (shape measure <
-/// 1e-6), a face shared by three tetrahedra or by two on the same side. Elements are named by their 0-based
-/// number and the position of their centre, since the numbers that a file gives its elements are gone by
-/// then.
+/// groups of tetrahedra that are not there, coordinates that are not finite, an element with a repeated node,
+/// a degenerate element (shape measure < 1e-6), a face shared by three tetrahedra or by two on the same side.
+/// Elements are named by their 0-based number and the position of their centre, since the numbers that a file
+/// gives its elements are gone by then.
 void finishMesh(Mesh& mesh, const std::string& source);
 
 }  // namespace palpate

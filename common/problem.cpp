@@ -1,53 +1,24 @@
 #include "common/problem.hpp"
 
-#include <google/protobuf/io/coded_stream.h>
-#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <functional>
-#include <limits>
-#include <span>
+#include <numeric>
 
+#include "common/body_regions.hpp"
 #include "common/error.hpp"
+#include "common/fixed_selection.hpp"
 #include "common/gmsh_reader.hpp"
 #include "common/lattice.hpp"
-#include "common/nearest_word.hpp"
-#include "proto/palpate.pb.h"
+#include "common/patch_selection.hpp"
+#include "common/vtk_reader.hpp"
 
 namespace palpate {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "arrays travel as they are in memory");
-
 /// Extents between which a body is taken for meant, and that of an organ, metres.
 constexpr double smallest_body = 1e-3, largest_body = 10, usual_body = 0.2;
-/// Round-off in the coordinates must not decide whether a node exactly on a sphere is within it.
-constexpr double on_the_sphere = 1 + 1e-12;
-
-using Nodes = std::vector<std::int32_t>;
-
-Eigen::AlignedBox3d boundingBox(const Mesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& node : mesh.nodes) box.extend(node);
-  return box;
-}
-
-std::string text(const Eigen::Vector3d& v) {
-  return fmt::format("({:.6g}, {:.6g}, {:.6g})", v[0], v[1], v[2]);
-}
-
-bool contains(const Nodes& sorted, std::int32_t node) {
-  return std::binary_search(sorted.begin(), sorted.end(), node);
-}
-
-void sortUnique(Nodes& nodes) {
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-}
 
 void refuseMistakenUnit(const Mesh& mesh, double metres_per_unit) {
   const double size = boundingBox(mesh).sizes().maxCoeff();
@@ -79,111 +50,8 @@ void refuseMistakenUnit(const Mesh& mesh, double metres_per_unit) {
       finding, best->meaning, used->meaning, best->word, best_size, best->word);
 }
 
-/// Adds the nodes for which `inside` holds; Error when there are none.
-template <class Inside>
-void select(Nodes& fixed, const Mesh& mesh, const std::string& key, Inside inside) {
-  const std::size_t before = fixed.size();
-  for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
-    if (inside(mesh.nodes[n])) fixed.push_back(static_cast<std::int32_t>(n));
-  if (fixed.size() > before) return;
-  const Eigen::AlignedBox3d box = boundingBox(mesh);
-  throw badInput("fixed.{} selects no node; the mesh reaches from {} to {} m", key, text(box.min()),
-                 text(box.max()));
-}
-
-void selectHalfSpace(Nodes& fixed, const Mesh& mesh, const HalfSpace& half) {
-  const Eigen::AlignedBox3d box = boundingBox(mesh);
-  const int axis = half.axis;
-  const double extent = box.sizes()[axis];
-  const double plane = half.at      ? *half.at
-                       : half.below ? box.min()[axis] + *half.fraction * extent
-                                    : box.max()[axis] - *half.fraction * extent;
-  select(fixed, mesh, half.below ? "below" : "above",
-         [&](const Eigen::Vector3d& x) { return half.below ? x[axis] < plane : x[axis] > plane; });
-}
-
-const Nodes& groupNamed(const Mesh& mesh, const std::string& name) {
-  const auto found = mesh.node_groups.find(name);
-  if (found != mesh.node_groups.end()) {
-    if (found->second.empty())
-      throw badInput("fixed.group: no node of \"{}\" belongs to a tetrahedron", name);
-    return found->second;
-  }
-  std::vector<std::string_view> names;
-  for (const auto& [group, nodes] : mesh.node_groups) names.push_back(group);
-  if (names.empty()) throw badInput("fixed.group: there is no \"{}\": the mesh has no physical groups", name);
-  throw badInput("fixed.group: there is no \"{}\"; the mesh has {}", name, listed(names));
-}
-
-Nodes selectFixed(const FixedSelection& selection, const Mesh& mesh) {
-  Nodes fixed;
-  for (const HalfSpace& half : selection.half_spaces) selectHalfSpace(fixed, mesh, half);
-  for (const Box& box : selection.boxes)
-    select(fixed, mesh, "box", [&](const Eigen::Vector3d& x) {
-      return (x.array() >= box.lowest.array()).all() && (x.array() <= box.highest.array()).all();
-    });
-  for (const Sphere& sphere : selection.spheres)
-    select(fixed, mesh, "sphere", [&](const Eigen::Vector3d& x) {
-      return (x - sphere.center).squaredNorm() <= sphere.radius * sphere.radius * on_the_sphere;
-    });
-  for (const std::string& group : selection.groups) {
-    const Nodes& nodes = groupNamed(mesh, group);
-    fixed.insert(fixed.end(), nodes.begin(), nodes.end());
-  }
-  for (const std::int32_t node : selection.nodes) {
-    if (node >= static_cast<std::int32_t>(mesh.nodes.size()))
-      throw badInput("fixed.nodes: there is no node {}; the mesh has nodes 0 to {}", node,
-                     mesh.nodes.size() - 1);
-    fixed.push_back(node);
-  }
-  sortUnique(fixed);
-  return fixed;
-}
-
-std::int32_t nearestOf(const Nodes& candidates, const Mesh& mesh, const Eigen::Vector3d& x) {
-  const auto distance = [&](std::int32_t n) { return (mesh.nodes[n] - x).squaredNorm(); };
-  return *std::min_element(candidates.begin(), candidates.end(),
-                           [&](std::int32_t a, std::int32_t b) { return distance(a) < distance(b); });
-}
-
-std::int32_t selectActiveNode(const ActiveSelection& selection, const Mesh& mesh, const Nodes& surface) {
-  if (selection.near) {
-    const std::int32_t node = nearestOf(surface, mesh, *selection.near);
-    const double distance = (mesh.nodes[node] - *selection.near).norm();
-    if (distance > boundingBox(mesh).diagonal().norm())
-      throw badInput(
-          "active \"{}\": near = {} is {:.4g} m away from the nearest surface node, more than the body is "
-          "wide; is its unit that of length_unit?",
-          selection.name, text(*selection.near), distance);
-    return node;
-  }
-  const std::int32_t node = *selection.node;
-  if (node >= static_cast<std::int32_t>(mesh.nodes.size()))
-    throw badInput("active \"{}\": there is no node {}; the mesh has nodes 0 to {}", selection.name, node,
-                   mesh.nodes.size() - 1);
-  if (!contains(surface, node))
-    throw badInput("active \"{}\": node {} at {} is inside the body; the nearest surface node is {}",
-                   selection.name, node, text(mesh.nodes[node]), nearestOf(surface, mesh, mesh.nodes[node]));
-  return node;
-}
-
-ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, const Nodes& surface,
-                        const Nodes& fixed) {
-  ActivePatch patch;
-  patch.name = selection.name;
-  patch.node = selectActiveNode(selection, mesh, surface);
-  const Eigen::Vector3d& center = mesh.nodes[patch.node];
-  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-    const auto node = static_cast<std::int32_t>(n);
-    const bool within =
-        (mesh.nodes[n] - center).squaredNorm() <= selection.radius * selection.radius * on_the_sphere;
-    if (node == patch.node || (within && !contains(fixed, node))) patch.nodes.push_back(node);
-  }
-  return patch;
-}
-
 /// True when the nodes lie on one line, so that the body can turn around it.
-bool onOneLine(const Nodes& nodes, const Mesh& mesh, double size) {
+bool onOneLine(const NodeSet& nodes, const Mesh& mesh, double size) {
   const Eigen::Vector3d& a = mesh.nodes[nodes.front()];
   const auto distance = [&](std::int32_t n) { return (mesh.nodes[n] - a).norm(); };
   const std::int32_t far = *std::max_element(
@@ -196,7 +64,7 @@ bool onOneLine(const Nodes& nodes, const Mesh& mesh, double size) {
 void refuseLoosePieces(const Problem& problem) {
   const Mesh& mesh = problem.mesh;
   const std::vector<std::int32_t> piece_of = pieceOfNode(mesh);
-  std::vector<Nodes> all(*std::max_element(piece_of.begin(), piece_of.end()) + 1), held(all.size());
+  std::vector<NodeSet> all(*std::max_element(piece_of.begin(), piece_of.end()) + 1), held(all.size());
   for (std::size_t n = 0; n < piece_of.size(); ++n) all[piece_of[n]].push_back(static_cast<std::int32_t>(n));
   for (const std::int32_t node : problem.fixed) held[piece_of[node]].push_back(node);
   const double size = boundingBox(mesh).diagonal().norm();
@@ -205,17 +73,17 @@ void refuseLoosePieces(const Problem& problem) {
       throw badInput(
           "the mesh consists of {} pieces that share no node, and the one of {} nodes around node {} at {} "
           "has no fixed node: nothing holds it (merge coincident nodes, remove the piece, or fix it)",
-          all.size(), all[i].size(), all[i].front(), text(mesh.nodes[all[i].front()]));
+          all.size(), all[i].size(), all[i].front(), placeText(mesh.nodes[all[i].front()]));
     if (onOneLine(held[i], mesh, size))
       throw badInput(
           "[fixed] holds {} node(s) on one line (node {} at {}): the body can turn around it; fix at least "
           "three nodes that are not on a line",
-          held[i].size(), held[i].front(), text(mesh.nodes[held[i].front()]));
+          held[i].size(), held[i].front(), placeText(mesh.nodes[held[i].front()]));
   }
 }
 
-/// Nodes that are there, sorted, each once.
-bool isNodeSet(const Nodes& nodes, std::size_t n_nodes) {
+/// NodeSet that are there, sorted, each once.
+bool isNodeSet(const NodeSet& nodes, std::size_t n_nodes) {
   return std::adjacent_find(nodes.begin(), nodes.end(), std::greater_equal<>()) == nodes.end() &&
          (nodes.empty() || (nodes.front() >= 0 && static_cast<std::size_t>(nodes.back()) < n_nodes));
 }
@@ -229,7 +97,32 @@ void checkFixed(const Problem& problem) {
     throw badInput("[fixed] selects all {} nodes: nothing is left to move", n_nodes);
 }
 
-void checkPatch(const Problem& problem, const ActivePatch& patch, const Nodes& surface) {
+/// Rigid patches have no weights; weighted ones have one per node, with the sum 1.
+void checkWeights(const ActivePatch& patch, ToolKind tool) {
+  const bool weighted = tool == ToolKind::weighted_average;
+  const double sum = std::accumulate(patch.weights.begin(), patch.weights.end(), 0.0);
+  if (patch.weights.size() != (weighted ? patch.nodes.size() : 0) ||
+      (weighted && !(std::abs(sum - 1) < 1e-9)))
+    throw badInput("active \"{}\": {} weights with the sum {} for {} nodes", patch.name, patch.weights.size(),
+                   sum, patch.nodes.size());
+}
+
+void checkRegions(const Problem& problem) {
+  const std::size_t n_elements = problem.mesh.tetrahedra.size(), n_regions = problem.scene.regions.size();
+  if (problem.region_of.size() != n_elements ||
+      std::any_of(problem.region_of.begin(), problem.region_of.end(), [&](auto r) { return r >= n_regions; }))
+    throw badInput("the regions of the {} tetrahedra are not those of the scene", n_elements);
+  if (problem.fibers.size() != (hasFibers(problem.scene.regions) ? n_elements : 0))
+    throw badInput("{} fibres for {} tetrahedra", problem.fibers.size(), n_elements);
+  for (const auto& fibers : problem.fibers)
+    for (const Eigen::Vector3d& fiber : fibers)
+      if (!fiber.isZero(0) && !(std::abs(fiber.squaredNorm() - 1) < 1e-12))
+        throw badInput("a fibre of length {} is not a direction", fiber.norm());
+}
+
+void checkPatch(const Problem& problem, std::size_t number, const NodeSet& surface) {
+  const ActivePatch& patch = problem.active[number];
+  checkWeights(patch, problem.scene.active[number].tool);
   const std::size_t n_nodes = problem.mesh.nodes.size();
   if (!isNodeSet(patch.nodes, n_nodes) || !contains(patch.nodes, patch.node) ||
       !contains(surface, patch.node))
@@ -237,21 +130,30 @@ void checkPatch(const Problem& problem, const ActivePatch& patch, const Nodes& s
                    patch.name);
   if (contains(problem.fixed, patch.node))
     throw badInput("active \"{}\": node {} at {} is one of the {} fixed nodes; move it, or fix less",
-                   patch.name, patch.node, text(problem.mesh.nodes[patch.node]), problem.fixed.size());
+                   patch.name, patch.node, placeText(problem.mesh.nodes[patch.node]), problem.fixed.size());
   for (const std::int32_t node : patch.nodes)
     if (contains(problem.fixed, node))
       throw badInput("active \"{}\": node {} of its patch is fixed", patch.name, node);
-  if (problem.fixed.size() + patch.nodes.size() == n_nodes)
+  if (patch.weights.empty() && problem.fixed.size() + patch.nodes.size() == n_nodes)
     throw badInput(
         "active \"{}\": its patch of {} nodes and the {} fixed nodes are the whole body: nothing is left to "
         "solve for; make radius smaller",
         patch.name, patch.nodes.size(), problem.fixed.size());
 }
 
-/// Everything that must hold of a problem's numbers, wherever it came from.
-void check(const Problem& problem) {
+Mesh readMesh(const Scene& scene) {
+  if (scene.mesh.extension() == ".msh") return readGmsh(scene.mesh, scene.metres_per_unit);
+  if (scene.mesh.extension() == ".vtk") return readVtk(scene.mesh, scene.metres_per_unit);
+  throw badInput(
+      "mesh {}: its format is not read; there is Gmsh .msh, version 2.2 or 4.1, and legacy VTK .vtk",
+      scene.mesh.string());
+}
+
+}  // namespace
+
+void checkProblem(const Problem& problem) {
   checkFixed(problem);
-  const Nodes surface = surfaceNodes(problem.mesh);
+  const NodeSet surface = surfaceNodes(problem.mesh);
   if (problem.active.size() != problem.scene.active.size())
     throw badInput("{} patches for the {} active nodes of the scene", problem.active.size(),
                    problem.scene.active.size());
@@ -259,8 +161,9 @@ void check(const Problem& problem) {
     if (problem.active[i].name != problem.scene.active[i].name)
       throw badInput("patch {} is \"{}\" instead of the scene's \"{}\"", i, problem.active[i].name,
                      problem.scene.active[i].name);
-    checkPatch(problem, problem.active[i], surface);
+    checkPatch(problem, i, surface);
   }
+  checkRegions(problem);
   refuseLoosePieces(problem);
   Lattice::check(problem.scene.workspace.radius, problem.scene.workspace.spacing);
   const double radius = problem.scene.workspace.radius,
@@ -271,69 +174,6 @@ void check(const Problem& problem) {
         "m); is its unit that of length_unit?",
         radius, diagonal);
 }
-
-template <class T>
-std::string bytesOfArray(const std::vector<T>& values) {
-  return std::string(bytesOf(std::span<const T>(values)));
-}
-
-template <class T>
-std::vector<T> arrayFrom(const std::string& bytes, const char* what) {
-  if (bytes.size() % sizeof(T) != 0)
-    throw badInput("{} have {} bytes, not a multiple of {}", what, bytes.size(), sizeof(T));
-  std::vector<T> values(bytes.size() / sizeof(T));
-  std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
-  return values;
-}
-
-static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double) &&
-              sizeof(Tetrahedron) == 4 * sizeof(std::int32_t));
-
-wire::Problem toMessage(const Problem& problem) {
-  wire::Problem message;
-  message.set_scene_toml(resolvedToml(problem.scene));
-  message.set_nodes(bytesOfArray(problem.mesh.nodes));
-  message.set_tetrahedra(bytesOfArray(problem.mesh.tetrahedra));
-  message.set_fixed(bytesOfArray(problem.fixed));
-  for (const ActivePatch& patch : problem.active) {
-    wire::ActivePatch& active = *message.add_active();
-    active.set_name(patch.name);
-    active.set_node(patch.node);
-    active.set_nodes(bytesOfArray(patch.nodes));
-  }
-  for (const auto& [name, nodes] : problem.mesh.node_groups) {
-    wire::NodeGroup& group = *message.add_node_groups();
-    group.set_name(name);
-    group.set_nodes(bytesOfArray(nodes));
-  }
-  return message;
-}
-
-Problem fromMessage(const wire::Problem& message) {
-  Problem problem;
-  problem.scene = parseScene(message.scene_toml(), "its scene");
-  problem.mesh.nodes = arrayFrom<Eigen::Vector3d>(message.nodes(), "its nodes");
-  problem.mesh.tetrahedra = arrayFrom<Tetrahedron>(message.tetrahedra(), "its tetrahedra");
-  for (const wire::NodeGroup& group : message.node_groups())
-    problem.mesh.node_groups[group.name()] = arrayFrom<std::int32_t>(group.nodes(), "the nodes of a group");
-  finishMesh(problem.mesh, "its mesh");
-  if (problem.mesh.dropped_nodes != 0 || problem.mesh.reoriented_tetrahedra != 0)
-    throw badInput("its mesh has orphan nodes or inverted elements");
-  problem.fixed = arrayFrom<std::int32_t>(message.fixed(), "its fixed nodes");
-  problem.region_of.assign(problem.mesh.tetrahedra.size(), 0);
-  for (const wire::ActivePatch& active : message.active())
-    problem.active.push_back(
-        {active.name(), active.node(), arrayFrom<std::int32_t>(active.nodes(), "the nodes of a patch"), {}});
-  return problem;
-}
-
-Mesh readMesh(const Scene& scene) {
-  if (scene.mesh.extension() == ".msh") return readGmsh(scene.mesh, scene.metres_per_unit);
-  throw badInput("mesh {}: its format is not read; there is Gmsh .msh, version 2.2 or 4.1",
-                 scene.mesh.string());
-}
-
-}  // namespace
 
 std::size_t pressureNodes(const Problem& problem) {
   switch (problem.scene.discretization.pressure) {
@@ -350,15 +190,16 @@ std::size_t pressureNodes(const Problem& problem) {
 
 Problem resolve(Scene scene, Mesh mesh) {
   refuseMistakenUnit(mesh, scene.metres_per_unit);
+  if (scene.discretization.displacement == DisplacementSpace::p2) addMidEdgeNodes(mesh);
   Problem problem;
+  problem.region_of = selectRegions(scene.regions, mesh);
+  problem.fibers = selectFibers(scene.regions, problem.region_of, mesh);
   problem.fixed = selectFixed(scene.fixed, mesh);
-  const Nodes surface = surfaceNodes(mesh);
   for (const ActiveSelection& active : scene.active)
-    problem.active.push_back(selectPatch(active, mesh, surface, problem.fixed));
-  problem.region_of.assign(mesh.tetrahedra.size(), 0);
+    problem.active.push_back(selectPatch(active, mesh, problem.fixed));
   problem.scene = std::move(scene);
   problem.mesh = std::move(mesh);
-  check(problem);
+  checkProblem(problem);
   return problem;
 }
 
@@ -370,45 +211,6 @@ Problem loadProblem(const std::filesystem::path& scene_file) {
   } catch (const Error& error) {
     throw Error(error.exitCode(), fmt::format("{}: {}", scene_file.string(), error.what()));
   }
-}
-
-std::string encodeProblem(const Problem& problem) {
-  const wire::Problem message = toMessage(problem);
-  std::string bytes;
-  {
-    google::protobuf::io::StringOutputStream stream(&bytes);
-    google::protobuf::io::CodedOutputStream coded(&stream);
-    coded.SetSerializationDeterministic(true);
-    if (!message.SerializeToCodedStream(&coded))
-      throw failure("the problem is too large for a Protobuf message (2 GB)");
-  }
-  return bytes;
-}
-
-Problem decodeProblem(std::string_view bytes) {
-  wire::Problem message;
-  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()) ||
-      !message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
-    throw failure("a problem of {} bytes is damaged: it is not a Protobuf message", bytes.size());
-  try {
-    Problem problem = fromMessage(message);
-    check(problem);
-    if (encodeProblem(problem) != bytes)
-      throw failure("it is not written as this version of Palpate writes it");
-    return problem;
-  } catch (const Error& error) {
-    throw failure("a problem of {} bytes is damaged: {}", bytes.size(), error.what());
-  }
-}
-
-ContentId problemId(const Problem& problem) {
-  Problem bare = problem;
-  bare.scene.name = "any";
-  bare.scene.mesh = "any";
-  bare.scene.fixed = {};
-  bare.scene.active = {};
-  bare.mesh.node_groups.clear();
-  return ContentId::of(encodeProblem(bare));
 }
 
 }  // namespace palpate

@@ -18,8 +18,9 @@ struct ActivePatch {
   std::string name;
   std::int32_t node = -1;           ///< the active node
   std::vector<std::int32_t> nodes;  ///< sorted, contains `node`, disjoint from the fixed nodes
-  /// Empty: a rigid tool. Else a weighted-average tool: one weight per node, >= 0, sum 1, proportional to the
-  /// integral over the surface of the node's shape function times the bump (1 - (r/radius)^2)^2.
+  /// Empty: a rigid tool. Else a weighted-average tool: one weight per node, sum 1, proportional to the
+  /// integral over the surface of the node's shape function times the bump (1 - (r/radius)^2)^2. With P2
+  /// displacement some may be negative: a quadratic shape function is, in places.
   std::vector<double> weights = {};
 };
 
@@ -39,17 +40,24 @@ struct Problem {
 /// around a node is mixed its pressure is zero and no unknown.)
 std::size_t pressureNodes(const Problem& problem);
 
+/// Error (bad input) unless everything holds that resolve() guarantees of a problem's numbers.
+void checkProblem(const Problem& problem);
+
 /// Resolves the selectors of a scene on its mesh, which finishMesh has finished. Error (bad input), naming
 /// the scene's key, when
 /// - the mesh is larger than 10 m or smaller than 1 mm (a unit mistaken: the message says which length_unit
 ///   would be plausible);
 /// - a selector selects nothing, or a group or node does not exist;
 /// - the fixed set is empty, contains every node, or lies on one line in a piece of the mesh;
+/// - a tetrahedron is in no region or in two, or a region has no group or no tetrahedron;
+/// - a material wants fibres from element vectors that the mesh does not have, or that are zero;
 /// - an active node is fixed or not on the surface, `near` is farther from the surface than the body is wide,
-///   or patch and fixed nodes are the whole body;
+///   or a rigid patch and the fixed nodes are the whole body, or a weighted one has less than three nodes;
 /// - the mesh has a piece, not connected to the others by a shared node, without fixed nodes;
 /// - the workspace radius exceeds 3 bounding-box diagonals.
-/// Distances "within a radius" allow 5e-13 of it for round-off.
+/// Distances "within a radius" allow 5e-13 of it for round-off. With P2 displacement the mesh gets its
+/// mid-edge nodes first (`mesh` has none). fixed_selection.hpp, patch_selection.hpp and body_regions.hpp say
+/// what is selected.
 Problem resolve(Scene scene, Mesh mesh);
 
 /// readScene + read the mesh (by file ending) + resolve.
@@ -57,17 +65,18 @@ Problem loadProblem(const std::filesystem::path& scene_file);
 
 /// The problem as bytes (Protobuf message palpate.wire.Problem, deterministic field order) and back. The
 /// worker gets it in this form. The decoded scene is the resolved one: mesh path reduced to its file name,
-/// metres_per_unit = 1. The node sets are those of the bytes, not selected anew, and are checked like
-/// resolve's. Error (failure) when damaged, which includes bytes that encodeProblem would write in another
-/// way.
+/// metres_per_unit = 1. Node sets, weights, regions and fibres are those of the bytes, not selected anew, and
+/// are checked like resolve's (checkProblem); mid-edge nodes are made again. Element groups and vectors,
+/// which have served their purpose, stay behind. Error (failure) when damaged, which includes bytes that
+/// encodeProblem would write in another way.
 std::string encodeProblem(const Problem& problem);
 Problem decodeProblem(std::string_view bytes);
 
-/// Name of a build: two problems with the same id have the same configurations. It covers material,
-/// discretisation, workspace, nodes, tetrahedra, fixed nodes, and names and nodes of the active patches. It
-/// does not cover what has no influence on them, so that a change there does not throw a computation away:
-/// the scene's name, file paths, the selectors (only the nodes they select count), node groups and the unit
-/// the files were written in.
+/// Name of a build: two problems with the same id have the same configurations. It covers materials,
+/// discretisation, gravity, workspace, nodes, tetrahedra, their regions and fibres, fixed nodes, and names,
+/// nodes and weights of the active patches. It does not cover what has no influence on them, so that a change
+/// there does not throw a computation away: the scene's name, file paths, the selectors (only the nodes they
+/// select count), names of groups and the unit the files were written in.
 ContentId problemId(const Problem& problem);
 
 }  // namespace palpate

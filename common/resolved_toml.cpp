@@ -3,35 +3,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/material_toml.hpp"
 #include "common/scene.hpp"
+#include "common/toml_text.hpp"
 
 namespace palpate {
 namespace {
-
-/// The shortest decimal that is read back as the same double, always a TOML float.
-std::string decimal(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find_first_of(".e") == std::string::npos) text += ".0";
-  return text;
-}
-
-std::string decimal(const Eigen::Vector3d& v) {
-  return fmt::format("[{}, {}, {}]", decimal(v[0]), decimal(v[1]), decimal(v[2]));
-}
-
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    const auto code = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\')
-      (out += '\\') += c;
-    else if (code < 0x20 || code == 0x7f)
-      out += fmt::format("\\u{:04X}", code);
-    else
-      out += c;
-  }
-  return out + "\"";
-}
 
 /// `key = [item, ...]`, one item per line; nothing for no items.
 std::string listOf(const char* key, const std::vector<std::string>& items) {
@@ -41,13 +18,9 @@ std::string listOf(const char* key, const std::vector<std::string>& items) {
   return text + "]\n";
 }
 
-std::string materialToml(const Material& m) {
-  std::string text = fmt::format("\n[material]\nlaw = \"{}\"\n", word(m.law));
-  if (m.law == LawName::mooney_rivlin)
-    return text + fmt::format("c10 = {}  # Pa\nc01 = {}  # Pa\n", decimal(m.c10), decimal(m.c01));
-  text += fmt::format("young = {}  # Pa\n", decimal(m.young));
-  if (m.poisson) text += fmt::format("poisson = {}\n", decimal(*m.poisson));
-  return text;
+std::string regionToml(const Region& region) {
+  if (region.group.empty()) return "\n[material]\n" + materialToml(region.material);
+  return fmt::format("\n[[region]]\ngroup = {}\n", quotedToml(region.group)) + materialToml(region.material);
 }
 
 std::string fixedToml(const FixedSelection& fixed) {
@@ -55,14 +28,14 @@ std::string fixedToml(const FixedSelection& fixed) {
   for (const HalfSpace& half : fixed.half_spaces)
     (half.below ? below : above)
         .push_back(fmt::format("{{ axis = \"{}\", {} = {} }}", "xyz"[half.axis], half.at ? "at" : "fraction",
-                               decimal(half.at ? *half.at : *half.fraction)));
+                               decimalToml(half.at ? *half.at : *half.fraction)));
   for (const Box& box : fixed.boxes)
     boxes.push_back(
-        fmt::format("{{ lowest = {}, highest = {} }}", decimal(box.lowest), decimal(box.highest)));
+        fmt::format("{{ lowest = {}, highest = {} }}", decimalToml(box.lowest), decimalToml(box.highest)));
   for (const Sphere& sphere : fixed.spheres)
-    spheres.push_back(
-        fmt::format("{{ center = {}, radius = {} }}", decimal(sphere.center), decimal(sphere.radius)));
-  for (const std::string& group : fixed.groups) groups.push_back(quoted(group));
+    spheres.push_back(fmt::format("{{ center = {}, radius = {} }}", decimalToml(sphere.center),
+                                  decimalToml(sphere.radius)));
+  for (const std::string& group : fixed.groups) groups.push_back(quotedToml(group));
   std::string text = "\n[fixed]\n" + listOf("below", below) + listOf("above", above) + listOf("box", boxes) +
                      listOf("sphere", spheres) + listOf("group", groups);
   if (!fixed.nodes.empty()) text += fmt::format("nodes = [{}]\n", fmt::join(fixed.nodes, ", "));
@@ -70,26 +43,31 @@ std::string fixedToml(const FixedSelection& fixed) {
 }
 
 std::string activeToml(const ActiveSelection& active) {
-  return fmt::format("\n[[active]]\nname = {}\n{}\nradius = {}  # m\n", quoted(active.name),
-                     active.near ? fmt::format("near = {}  # m", decimal(*active.near))
-                                 : fmt::format("node = {}", *active.node),
-                     decimal(active.radius));
+  std::string text = fmt::format("\n[[active]]\nname = {}\n{}\nradius = {}  # m\n", quotedToml(active.name),
+                                 active.near ? fmt::format("near = {}  # m", decimalToml(*active.near))
+                                             : fmt::format("node = {}", *active.node),
+                                 decimalToml(active.radius));
+  if (active.tool != ToolKind::rigid) text += fmt::format("tool = \"{}\"\n", word(active.tool));
+  return text;
 }
 
 }  // namespace
 
 std::string resolvedToml(const Scene& scene) {
-  std::string text = fmt::format("name = {}\nmesh = {}\nlength_unit = \"m\"\n", quoted(scene.name),
-                                 quoted(scene.mesh.filename().string()));
-  text += materialToml(scene.regions[0].material);
-  text += fmt::format("\n[discretization]\ndisplacement = \"P1\"\npressure = \"{}\"\nconstraint = \"{}\"\n",
-                      word(scene.discretization.pressure), word(scene.discretization.constraint));
+  std::string text = fmt::format("name = {}\nmesh = {}\nlength_unit = \"m\"\n", quotedToml(scene.name),
+                                 quotedToml(scene.mesh.filename().string()));
+  for (const Region& region : scene.regions) text += regionToml(region);
+  const Discretization& d = scene.discretization;
+  text += fmt::format("\n[discretization]\ndisplacement = \"{}\"\npressure = \"{}\"\nconstraint = \"{}\"\n",
+                      word(d.displacement), word(d.pressure), word(d.constraint));
+  if (!scene.gravity.isZero(0))
+    text += fmt::format("\n[gravity]\nacceleration = {}  # m/s^2\n", decimalToml(scene.gravity));
   text += fixedToml(scene.fixed);
   for (const ActiveSelection& active : scene.active) text += activeToml(active);
   const Workspace& w = scene.workspace;
   text += fmt::format(
       "\n[workspace]\nradius = {}  # m\nspacing = {}  # m\nmax_force = {}  # N\nreject_inverted = {}\n",
-      decimal(w.radius), decimal(w.spacing), decimal(w.max_force), w.reject_inverted);
+      decimalToml(w.radius), decimalToml(w.spacing), decimalToml(w.max_force), w.reject_inverted);
   return text;
 }
 

@@ -13,9 +13,11 @@
 namespace palpate {
 
 /// A part of the body: the tetrahedra of a physical group, or with no group all that no other region names.
+/// No two have the same group; every tetrahedron must be in exactly one.
 struct Region {
   std::string group;  ///< empty: [material]
   Material material;
+  bool operator==(const Region&) const = default;
 };
 
 /// [discretization]. Defaults: displacement P1; pressure "none" when no material is mixed, else
@@ -25,6 +27,7 @@ struct Discretization {
   DisplacementSpace displacement = DisplacementSpace::p1;
   PressureSpace pressure = PressureSpace::p1_stabilized;
   Constraint constraint = Constraint::ln_det_F;
+  bool operator==(const Discretization&) const = default;
 };
 
 /// Axis-aligned half space: nodes with coordinate below (or above) a plane, given as `fraction` of the
@@ -34,13 +37,16 @@ struct HalfSpace {
   int axis = 0;  ///< 0 x, 1 y, 2 z
   bool below = true;
   std::optional<double> fraction, at;
+  bool operator==(const HalfSpace&) const = default;
 };
 struct Box {
   Eigen::Vector3d lowest, highest;
+  bool operator==(const Box&) const = default;
 };  ///< metres, closed
 struct Sphere {
   Eigen::Vector3d center;
   double radius;
+  bool operator==(const Sphere&) const = default;
 };  ///< metres, closed
 
 /// [fixed]: the union of everything given. `below`, `above`, `box`, `sphere` may be one table or an array of
@@ -51,6 +57,7 @@ struct FixedSelection {
   std::vector<Sphere> spheres;
   std::vector<std::string> groups;
   std::vector<std::int32_t> nodes;
+  bool operator==(const FixedSelection&) const = default;
 };
 
 /// Whether pressure and displacement satisfy the inf-sup condition (or there is no pressure).
@@ -62,7 +69,8 @@ struct ActiveSelection {
   std::optional<Eigen::Vector3d> near;  ///< metres: the nearest surface node
   std::optional<std::int32_t> node;     ///< 0-based; must lie on the surface
   double radius = 0;  ///< metres: every node within it (<=) is in the patch, fixed ones excepted
-  ToolKind tool = ToolKind::rigid;  ///< weighted_average needs a radius
+  ToolKind tool = ToolKind::rigid;  ///< weighted_average needs a radius > 0
+  bool operator==(const ActiveSelection&) const = default;
 };
 
 /// [workspace].
@@ -71,6 +79,7 @@ struct Workspace {
   double spacing = 0.02;        ///< m
   double max_force = 8.5;       ///< N; beyond it a configuration is terminating
   bool reject_inverted = true;  ///< a converged state with min det F <= 0 is failed, cause inverted_element
+  bool operator==(const Workspace&) const = default;
 };
 
 /// One scene file, validated, in SI units, every default filled in.
@@ -80,10 +89,11 @@ struct Scene {
   double metres_per_unit = 1;  ///< of the *mesh file*; every length in this struct is metres already
   std::vector<Region> regions = {Region{}};  ///< [material] first, if given, then each [[region]]
   Discretization discretization;
-  Eigen::Vector3d gravity = {0, 0, 0};  ///< m/s^2; [gravity] acceleration = [x, y, z]
+  Eigen::Vector3d gravity = {0, 0, 0};  ///< m/s^2; [gravity] acceleration = [x, y, z], in no length_unit
   FixedSelection fixed;
   std::vector<ActiveSelection> active;
   Workspace workspace;
+  bool operator==(const Scene&) const = default;
 };
 
 /// Reads a scene file. Error (bad input) for a missing file, TOML syntax, an unknown key, a wrong type or an

@@ -231,9 +231,189 @@ TEST_F(GmshReader, RefusesInconsistentFilesNamingTheLine) {
   refuses(tetrahedron_41, "3 4 7 1000000007", "3 5 7 1000000007", {"5 nodes were announced", "4"});
 }
 
-TEST_F(GmshReader, RefusesVolumeElementsThatAreNotFourNodeTetrahedra) {
-  refuses(tetrahedron_22, "3 4 2 7", "3 11 2 7",
-          {"body.msh:21", "10 nodes", "4-node tetrahedra", "-order 1"});
+TEST_F(GmshReader, RefusesVolumeElementsThatAreNotTetrahedra) {
+  refuses(tetrahedron_22, "3 4 2 7", "3 29 2 7",
+          {"body.msh:21", "20 nodes", "tetrahedra of 4 or 10 nodes", "-order 1 or 2"});
+}
+
+/// Two tetrahedra of ten nodes in Gmsh's order, the second in the group "vessel", a six-node triangle.
+constexpr const char* quadratic_22 = R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+2 7 "the base"
+3 9 "vessel"
+$EndPhysicalNames
+$Nodes
+14
+1 0 0 0
+2 2 0 0
+3 0 2 0
+4 0 0 2
+5 1 0 0
+6 1 1 0
+7 0 1 0
+8 0 0 1
+9 0 1 1
+10 1 0 1
+11 2 2 2
+12 2 1 1
+13 1 2 1
+14 1 1 2
+$EndNodes
+$Elements
+3
+1 9 2 7 1 1 2 3 5 6 7
+5 11 2 8 1 1 2 3 4 5 6 7 8 9 10
+7 11 2 9 1 2 3 4 11 6 9 10 12 14 13
+$EndElements
+$ElementData
+1
+"direction"
+1
+0.5
+3
+0
+3
+2
+7 0 0 -2
+5 1 2 +3
+$EndElementData
+)";
+
+constexpr const char* quadratic_41 = R"($MeshFormat
+4.1 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+2 7 "the base"
+3 9 "vessel"
+$EndPhysicalNames
+$Entities
+0 0 1 2
+2 0 0 0 1 1 0 1 7 0
+1 0 0 0 1 1 1 0 0
+2 0 0 0 1 1 1 1 9 0
+$EndEntities
+$Nodes
+1 14 1 14
+3 1 0 14
+1
+2
+3
+4
+5
+6
+7
+8
+9
+10
+11
+12
+13
+14
+0 0 0
+2 0 0
+0 2 0
+0 0 2
+1 0 0
+1 1 0
+0 1 0
+0 0 1
+0 1 1
+1 0 1
+2 2 2
+2 1 1
+1 2 1
+1 1 2
+$EndNodes
+$Elements
+3 3 1 7
+2 2 9 1
+1 1 2 3 5 6 7
+3 1 11 1
+5 1 2 3 4 5 6 7 8 9 10
+3 2 11 1
+7 2 3 4 11 6 9 10 12 14 13
+$EndElements
+$ElementData
+1
+"direction"
+1
+0.5
+3
+0
+3
+2
+7 0 0 -2
+5 1 2 +3
+$EndElementData
+)";
+
+TEST_F(GmshReader, ReadsTenNodeTetrahedraAsStraightOnesWithTheirGroupsAndVectors) {
+  for (const char* text : {quadratic_22, quadratic_41}) {
+    const Mesh mesh = read(text, 0.001);
+    EXPECT_EQ(mesh.nodes.size(), 5u);
+    EXPECT_EQ(mesh.nodes[4], Eigen::Vector3d(0.002, 0.002, 0.002));
+    EXPECT_THAT(mesh.tetrahedra, ElementsAre(Tetrahedron{0, 1, 2, 3}, Tetrahedron{1, 2, 3, 4}));
+    EXPECT_THAT(mesh.node_groups.at("the base"), ElementsAre(0, 1, 2));
+    EXPECT_THAT(mesh.node_groups.at("vessel"), ElementsAre(1, 2, 3, 4));
+    EXPECT_THAT(mesh.element_groups.at("vessel"), ElementsAre(1));
+    EXPECT_FALSE(mesh.element_groups.contains("the base"));
+    EXPECT_THAT(mesh.element_vectors.at("direction"),
+                ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(0, 0, -2)));
+  }
+}
+
+TEST_F(GmshReader, RefusesCurvedEdgesNamingTheElement) {
+  refuses(quadratic_22, "9 0 1 1", "9 0.001 1 1", {"body.msh:29", "element 5", "curved", "not supported"});
+  refuses(quadratic_41, "1 2 1\n", "1 2.5 1\n", {"element 7", "curved", "not supported"});
+  std::string text = quadratic_22;
+  EXPECT_NO_THROW(read(text.replace(text.find("9 0 1 1"), 7, "9 0 1.000001 1")));
+}
+
+TEST_F(GmshReader, UnitesTheGroupsAndVectorsOfARepeatedTetrahedron) {
+  std::string text = quadratic_22;
+  text.replace(text.find("$Elements\n3"), 11, "$Elements\n4");
+  text.insert(text.find("$EndElements"), "6 11 2 9 1 1 2 3 4 5 6 7 8 9 10\n");
+  text.replace(text.find("5 1 2 +3"), 8, "6 1 2 +3");
+  const Mesh mesh = read(text);
+  EXPECT_THAT(mesh.element_groups.at("volume 8"), ElementsAre(0));
+  EXPECT_THAT(mesh.element_groups.at("vessel"), ElementsAre(0, 1));
+  EXPECT_THAT(mesh.element_vectors.at("direction"),
+              ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(0, 0, -2)));
+}
+
+TEST_F(GmshReader, PassesOverElementDataThatAreNotVectorsOrAreLater) {
+  std::string text = quadratic_22;
+  const std::string data = text.substr(text.find("$ElementData"));
+  std::string scalars = data, later = data;
+  scalars.replace(scalars.find("0\n3\n2"), 5, "0\n1\n2");
+  later.replace(later.find("0.5"), 3, "1.5").replace(later.find("+3"), 2, "30");
+  text.insert(text.find("$ElementData"), scalars);
+  EXPECT_EQ(read(text + later).element_vectors.at("direction")[0], Eigen::Vector3d(1, 2, 3));
+}
+
+TEST_F(GmshReader, RefusesBrokenElementDataNamingTheLine) {
+  refuses(quadratic_22, "5 1 2 +3", "5 1 2", {"body.msh:42", "a component"});
+  refuses(quadratic_22, "5 1 2 +3", "5 1 2 inf", {"body.msh:42", "not finite"});
+  refuses(quadratic_22, "5 1 2 +3\n", "", {"$EndElementData"});
+  refuses(quadratic_22, "7 11 2 9", "5 11 2 9", {"two tetrahedra have the number 5"});
+}
+
+TEST_F(GmshReader, SurvivesEveryByteOfAQuadraticFileReplaced) {
+  for (const std::string original : {quadratic_22, quadratic_41})
+    for (std::size_t at = 0; at < original.size(); ++at)
+      for (const char wrong : {'9', '-', '\n'}) {
+        std::string text = original;
+        text[at] = wrong;
+        try {
+          EXPECT_GE(read(text).tetrahedra.size(), 1u) << at;
+        } catch (const Error& error) {
+          EXPECT_NE(std::string(error.what()).find("body.msh"), std::string::npos) << error.what();
+        }
+      }
 }
 
 TEST_F(GmshReader, ReadsTheRealLivers) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -165,6 +166,66 @@ TEST(Mesh, NumbersThePiecesInTheOrderOfTheirFirstNodes) {
   finishMesh(mesh, "two");
   EXPECT_THAT(pieceOfNode(mesh), ElementsAre(0, 0, 0, 0, 1, 1, 1, 1));
   EXPECT_EQ(measure(mesh).pieces, 2);
+}
+
+TEST(Mesh, QuadraticMeshHasOneNodeInTheMiddleOfEveryEdge) {
+  const Mesh linear = test::distortedBoxMesh({1, 2, 3}, {2, 2, 2});
+  Mesh mesh = linear;
+  addMidEdgeNodes(mesh);
+  EXPECT_EQ(mesh.vertices(), 27);
+  // Euler's characteristic of a ball is 1: vertices - edges + faces - tetrahedra.
+  const auto faces = (4 * mesh.tetrahedra.size() + mesh.surface.size()) / 2;
+  EXPECT_EQ(27 + faces - mesh.tetrahedra.size() - mesh.edges.size(), 1u);
+  EXPECT_EQ(mesh.nodes.size(), 27 + mesh.edges.size());
+  EXPECT_TRUE(std::is_sorted(mesh.edges.begin(), mesh.edges.end()));
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
+    for (std::size_t i = 0; i < 6; ++i) {
+      const std::int32_t a = mesh.tetrahedra[e][tetrahedron_edges[i][0]],
+                         b = mesh.tetrahedra[e][tetrahedron_edges[i][1]];
+      EXPECT_EQ(mesh.mid_edge_nodes[e][i], midEdgeNode(mesh, a, b));
+      EXPECT_EQ(mesh.nodes[midEdgeNode(mesh, b, a)], 0.5 * (mesh.nodes[a] + mesh.nodes[b]));
+    }
+  EXPECT_EQ(midEdgeNode(mesh, 0, 2), -1);
+  EXPECT_EQ(surfaceNodes(mesh), surfaceNodes(linear));
+  EXPECT_NEAR(measure(mesh).volume, measure(linear).volume, 1e-14);
+}
+
+TEST(Mesh, AGroupHoldsTheMiddlesOfTheEdgesBetweenItsNodes) {
+  Mesh mesh = test::cubeMesh(1, 2);
+  addMidEdgeNodes(mesh);
+  const std::vector<std::int32_t>& side = mesh.node_groups.at("xmin");
+  EXPECT_EQ(side.size(), 25u);  // a 5 x 5 lattice: 9 vertices, 12 edges along axes, 4 diagonals
+  EXPECT_TRUE(std::is_sorted(side.begin(), side.end()));
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
+    EXPECT_EQ(std::binary_search(side.begin(), side.end(), static_cast<std::int32_t>(n)),
+              mesh.nodes[n][0] == 0);
+}
+
+TEST(Mesh, MidEdgeNodesBelongToThePieceOfTheirEdge) {
+  Mesh mesh = unfinishedTetrahedron();
+  for (int n = 0; n < 4; ++n) mesh.nodes.push_back(mesh.nodes[n] + Eigen::Vector3d(5, 0, 0));
+  mesh.tetrahedra.push_back({4, 5, 6, 7});
+  finishMesh(mesh, "two");
+  addMidEdgeNodes(mesh);
+  const std::vector<std::int32_t> piece = pieceOfNode(mesh);
+  ASSERT_EQ(piece.size(), 20u);
+  for (std::size_t n = 0; n < piece.size(); ++n) EXPECT_EQ(piece[n], mesh.nodes[n][0] > 4);
+}
+
+TEST(Mesh, RefusesGroupsOfTetrahedraThatAreNotThere) {
+  Mesh mesh = unfinishedTetrahedron();
+  mesh.element_groups["vessel"] = {1};
+  expectBadInput([&] { finishMesh(mesh, "m"); }, {"group \"vessel\"", "tetrahedron", "1 of 1"});
+}
+
+TEST(Mesh, FindsCurvedEdges) {
+  Mesh mesh = test::tetrahedronMesh();
+  addMidEdgeNodes(mesh);
+  std::array<std::int32_t, 10> nodes = {0, 1, 2, 3};
+  std::copy(mesh.mid_edge_nodes[0].begin(), mesh.mid_edge_nodes[0].end(), nodes.begin() + 4);
+  EXPECT_EQ(curvedEdge(mesh.nodes, nodes), "");
+  mesh.nodes[nodes[9]][1] += 1e-5;
+  EXPECT_THAT(curvedEdge(mesh.nodes, nodes), ::testing::HasSubstr("0 0.5 0.5 m"));
 }
 
 }  // namespace
