@@ -2,7 +2,6 @@
 
 #include <exception>
 #include <memory>
-#include <optional>
 
 #include "common/wire.hpp"
 #include "worker/transition.hpp"
@@ -72,11 +71,11 @@ class ProblemSolver {
 
 void solveJobs(Mailbox& mailbox, const ElementKernels& kernels) {
   try {
-    std::optional<ProblemSolver> solver;
+    std::unique_ptr<ProblemSolver> solver;
     while (const auto ready = mailbox.next()) {
       if (!solver || solver->problem() != ready->problem) {
         solver.reset();  // one MUMPS instance at a time
-        solver.emplace(ready->problem, kernels);
+        solver = std::make_unique<ProblemSolver>(ready->problem, kernels);
       }
       solver->solve(*ready, mailbox);
     }

@@ -333,42 +333,98 @@ void System::startRows(const State& state, Residual& residual) const {
 }
 
 template <bool with_tangent>
+void System::accumulate(const Batch& batch, const State& state, Residual& residual) const {
+  BatchResult result;
+  BatchTangent local;
+  const ElementParameters& parameters = parameters_[batch.material];
+  if constexpr (with_tangent) {
+    kernels_.tangent(parameters, batch.geometry, state.u.data(), state.q.data(), result, local);
+  } else {
+    kernels_.residual(parameters, batch.geometry, state.u.data(), state.q.data(), result);
+  }
+  for (int lane = 0; lane < lanes && batch.element[lane] >= 0; ++lane) {
+    residual.energy += result.energy[lane];
+    // Written so that a NaN is kept as the worst.
+    if (!(result.det_F[lane] >= residual.min_det_F) && !std::isnan(residual.min_det_F)) {
+      residual.min_det_F = result.det_F[lane];
+      residual.worst_element = batch.element[lane];
+    }
+  }
+  const int unknowns = localUnknowns(batch);
+  const std::int32_t* slot = &row_slots_[batch.first_row];
+  for (int row = 0; row < unknowns; ++row)
+    for (int lane = 0; lane < lanes; ++lane) rows_[*slot++] += result.residual[row][lane];
+  if constexpr (with_tangent) {
+    const int entries = localEntries(unknowns);
+    const std::int32_t* entry_slot = &entry_slots_[batch.first_entry];
+    for (int entry = 0; entry < entries; ++entry)
+      for (int lane = 0; lane < lanes; ++lane) values_[*entry_slot++] += local.entry[entry][lane];
+  }
+}
+
+template <bool with_tangent>
 void System::run(const State& state, Residual& residual, Tangent* tangent) const {
   startRows(state, residual);
   if constexpr (with_tangent) std::fill(values_.begin(), values_.end(), 0.0);
   residual.min_det_F = std::numeric_limits<double>::infinity();
   residual.worst_element = -1;
 
-  BatchResult result;
-  BatchTangent local;
-  for (const Batch& batch : batches_) {
-    const ElementParameters& parameters = parameters_[batch.material];
-    if constexpr (with_tangent) {
-      kernels_.tangent(parameters, batch.geometry, state.u.data(), state.q.data(), result, local);
-    } else {
-      kernels_.residual(parameters, batch.geometry, state.u.data(), state.q.data(), result);
-    }
-    for (int lane = 0; lane < lanes && batch.element[lane] >= 0; ++lane) {
-      residual.energy += result.energy[lane];
-      // Written so that a NaN is kept as the worst.
-      if (!(result.det_F[lane] >= residual.min_det_F) && !std::isnan(residual.min_det_F)) {
-        residual.min_det_F = result.det_F[lane];
-        residual.worst_element = batch.element[lane];
-      }
-    }
-    const int unknowns = localUnknowns(batch);
-    const std::int32_t* slot = &row_slots_[batch.first_row];
-    for (int row = 0; row < unknowns; ++row)
-      for (int lane = 0; lane < lanes; ++lane) rows_[*slot++] += result.residual[row][lane];
-    if constexpr (with_tangent) {
-      const int entries = localEntries(unknowns);
-      const std::int32_t* entry_slot = &entry_slots_[batch.first_entry];
-      for (int entry = 0; entry < entries; ++entry)
-        for (int lane = 0; lane < lanes; ++lane) values_[*entry_slot++] += local.entry[entry][lane];
-    }
-  }
+  for (const Batch& batch : batches_) accumulate<with_tangent>(batch, state, residual);
   finishResidual(state, residual);
   if constexpr (with_tangent) finishTangent(*tangent);
+}
+
+Neighborhood System::neighborhood(std::size_t count) const {
+  const Mesh& mesh = model_.mesh;
+  std::vector<std::pair<double, std::int32_t>> nearest;
+  const std::vector<std::int32_t>& patch = model_.tools.at(tool_.value()).nodes;
+  for (std::int32_t node = 0; node < static_cast<std::int32_t>(mesh.nodes.size()); ++node) {
+    double distance = std::numeric_limits<double>::infinity();
+    for (const std::int32_t held : patch)
+      distance = std::min(distance, (mesh.nodes[node] - mesh.nodes[held]).squaredNorm());
+    if (distance > 0) nearest.emplace_back(distance, node);
+  }
+  count = std::min(count, nearest.size());
+  std::partial_sort(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(count), nearest.end());
+
+  Neighborhood near;
+  for (std::size_t n = 0; n < count; ++n) {
+    const std::int32_t node = nearest[n].second;
+    for (int component = 0; component < 4; ++component)
+      if (const std::int32_t unknown = unknownOf({node, component}); unknown >= 0)
+        near.unknowns.push_back(unknown);
+    near.batches.insert(near.batches.end(), batches_of_node_[node].begin(), batches_of_node_[node].end());
+  }
+  for (std::vector<std::int32_t>* numbers : {&near.unknowns, &near.batches}) {
+    std::sort(numbers->begin(), numbers->end());
+    numbers->erase(std::unique(numbers->begin(), numbers->end()), numbers->end());
+  }
+  for (std::int32_t row = 0; row < static_cast<std::int32_t>(near.unknowns.size()); ++row) {
+    std::int32_t column = row;
+    for (std::int32_t slot = first_entry_[near.unknowns[row]]; slot < first_entry_[near.unknowns[row] + 1];
+         ++slot) {
+      const std::int32_t unknown = pattern_.column[slot] - 1;
+      while (column < static_cast<std::int32_t>(near.unknowns.size()) && near.unknowns[column] < unknown)
+        ++column;
+      if (column < static_cast<std::int32_t>(near.unknowns.size()) && near.unknowns[column] == unknown)
+        near.entries.push_back({slot, row, column});
+    }
+  }
+  return near;
+}
+
+void System::assemble(const State& state, const Neighborhood& near, Eigen::VectorXd& residual,
+                      Eigen::MatrixXd& tangent) const {
+  Residual ignored;
+  startRows(state, ignored);
+  std::fill(values_.begin(), values_.end(), 0.0);
+  for (const std::int32_t batch : near.batches) accumulate<true>(batches_[batch], state, ignored);
+  const auto size = static_cast<Eigen::Index>(near.unknowns.size());
+  residual.resize(size);
+  for (Eigen::Index n = 0; n < size; ++n) residual[n] = rows_[near.unknowns[n]];
+  tangent.setZero(size, size);
+  for (const Neighborhood::Entry& entry : near.entries)
+    tangent(entry.row, entry.column) = tangent(entry.column, entry.row) = values_[entry.slot];
 }
 
 void System::finishResidual(const State& state, Residual& residual) const {

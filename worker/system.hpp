@@ -47,6 +47,17 @@ struct Tangent {
   Eigen::Matrix3d tool;  ///< d2L/dp2, N/m: K_aa of a rigid tool, else zero
 };
 
+/// The unknowns of some nodes around a rigid tool, with the elements they occur in: what System needs to
+/// assemble the equations of these unknowns while all others are held. Valid for the tool it was made for.
+struct Neighborhood {
+  std::vector<std::int32_t> unknowns;  ///< sorted
+  std::vector<std::int32_t> batches;   ///< System's own numbers
+  struct Entry {
+    std::int32_t slot, row, column;  ///< of the pattern; of the small matrix, row <= column
+  };
+  std::vector<Entry> entries;
+};
+
 /// Sparsity of the upper triangle, one entry per position, 1-based as MUMPS wants it.
 struct Pattern {
   std::int32_t n = 0;
@@ -107,6 +118,12 @@ class System {
   void assemble(const State& state, Residual& residual) const;
   void assemble(const State& state, Residual& residual, Tangent& tangent) const;
 
+  /// The `count` nodes nearest to the chosen rigid tool.
+  Neighborhood neighborhood(std::size_t count) const;
+  /// The equations of these unknowns only: residual as in Residual::free, tangent the full symmetric matrix.
+  void assemble(const State& state, const Neighborhood& neighborhood, Eigen::VectorXd& residual,
+                Eigen::MatrixXd& tangent) const;
+
   /// Quadratic elements are assembled from det F at quadrature points; this lowers min_det_F to the smallest
   /// one at the nodes of an element.
   void lookAtNodes(const State& state, Residual& residual) const;
@@ -133,6 +150,8 @@ class System {
   void buildScatter();
   template <bool with_tangent>
   void run(const State& state, Residual& residual, Tangent* tangent) const;
+  template <bool with_tangent>
+  void accumulate(const Batch& batch, const State& state, Residual& residual) const;
   void startRows(const State& state, Residual& residual) const;
   void finishResidual(const State& state, Residual& residual) const;
   void finishTangent(Tangent& tangent) const;

@@ -6,26 +6,26 @@
 #include "common/configuration.hpp"
 #include "common/problem.hpp"
 #include "worker/kernel_family.hpp"
-#include "worker/linear_solver.hpp"
 #include "worker/newton.hpp"
 #include "worker/system.hpp"
+#include "worker/tangent_solver.hpp"
 
 namespace palpate {
 
 struct TransitionOptions {
   NewtonOptions newton;
+  /// For the steps on the way, which nobody stores.
+  double loose_absolute_tolerance = 1e-6, loose_relative_tolerance = 1e-5;
   double smallest_step = 1.0 / 16;  ///< fraction of the transition
-  int easy_iterations = 4;          ///< a step that took no more is followed by one twice as long
-  /// A lattice transition takes about 6 factorisations; one that fails may cost about five times that, no
+  /// A lattice transition takes one or two factorisations; one that fails may cost about five times that, no
   /// more.
-  int max_factorizations = 32;
+  int max_factorizations = 8;
 };
 
 /// A configuration that transitions start from: where it is, and its tangent predictor.
 struct Start {
-  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< of the tool, metres
   State state;
-  Eigen::MatrixXd sensitivity;  ///< du/dp over the unknowns, nUnknowns x 3: K_ff S = -K_fa
+  Eigen::MatrixXd sensitivity;  ///< d(unknowns, multipliers)/dp, rows x 3
 };
 
 /// An outcome, and when it converged, the configuration to go on from (in double precision).
@@ -41,31 +41,45 @@ class TransitionSolver {
   TransitionSolver(const Problem& problem, const ElementKernels& kernels, TransitionOptions options = {});
 
   const System& system() const { return system_; }
-  void chooseTool(std::size_t space) { system_.chooseTool(space); }
+  /// Of the active patches; the first one is chosen at the beginning.
+  void chooseTool(std::size_t space);
 
-  /// The rest state, or the configuration with these nodal fields at `displacement`, made ready to start
-  /// from: one factorisation, shared by all targets around it. Nothing when MUMPS fails there or a value is
-  /// not finite; `failure` then says why.
+  /// The rest state (under gravity the equilibrium that it leads to, solved here once), or the configuration
+  /// with these nodal fields at `displacement`, made ready to start from: one factorisation, shared by all
+  /// targets around it. Nothing when that fails; `failure` then says why.
   std::optional<Start> startAtRest(Failure& failure);
   std::optional<Start> startFrom(const NodalFields& fields, const Eigen::Vector3d& displacement,
                                  Failure& failure);
 
-  /// Moves the tool from `start` to `target` (metres), in steps: tangent predictor, Newton, check, and half
-  /// the step when it failed. A state is accepted when it is finite, min det F > 0 (if the scene says so) and
-  /// the tangent has the right inertia.
+  /// Moves the tool from `start` to `target` (metres), in steps: tangent predictor, relaxation near the tool,
+  /// Newton, check, and half the step when it failed. A state is accepted when it is finite, min det F > 0
+  /// (if the scene says so) and the tangent has the right inertia.
+  ///
+  /// The inertia is that of the last tangent that Newton factorised; the tangent at the solution has the same
+  /// when the sensitivities, which are solved for it with those factors, contract fast, and is factorised
+  /// itself when they do not.
   ///
   /// Outcome::cost counts what this transition took, the factorisation of `start` excepted (it is shared).
   Reached reach(const Start& start, const Eigen::Vector3d& target);
 
  private:
-  bool accept(NewtonResult& newton, const Eigen::Vector3d& displacement, Reached& reached, Failure& failure);
-  std::optional<Start> linearize(State state, const Eigen::Vector3d& displacement, Failure& failure);
+  struct Sensitivity;
+
+  bool solveRest(Failure& failure);
+  std::optional<Start> linearize(State state, Failure& failure);
+  State approach(const Start& from, const Eigen::Vector3d& displacement);
+  bool accept(NewtonResult& newton, bool last, Reached& reached, Failure& failure);
+  std::optional<Sensitivity> solveSensitivity(NewtonResult& newton, const Tangent& tangent, bool last,
+                                              Cost& cost);
   NodalFields fieldsOf(const State& state) const;
 
   const Problem& problem_;
   TransitionOptions options_;
   System system_;
-  LinearSolver solver_;
+  TangentSolver solver_;
+  std::size_t space_ = 0;
+  Neighborhood near_tool_;  ///< of a rigid tool, else empty
+  bool at_rest_ = false;                   ///< the system knows its rest state
 };
 
 }  // namespace palpate

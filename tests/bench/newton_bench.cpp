@@ -108,7 +108,7 @@ class IterationTimes {
   void measure(const Problem& problem, int repetitions) {
     if (state_.u.empty()) state_ = stateAt(problem, {0.01, 0, 0});
     const System system(problem, chooseKernels());
-    LinearSolver solver(system.pattern(), problem.scene.discretization.pressure == PressureSpace::p1);
+    TangentSolver solver(system);
     Residual residual;
     Tangent tangent;
     Eigen::MatrixXd step, sensitivity;
@@ -116,7 +116,7 @@ class IterationTimes {
       residual_.time([&] { system.assemble(state_, residual); });
       iteration_.time([&] {
         tangent_.time([&] { system.assemble(state_, residual, tangent); });
-        factorize_.time([&] { check(solver.factorize(tangent.values).ok); });
+        factorize_.time([&] { check(solver.factorize(tangent).ok); });
         step = -residual.free;
         solve_.time([&] { check(solver.solve(step)); });
       });
@@ -124,8 +124,8 @@ class IterationTimes {
       sensitivity_.time([&] { check(solver.solve(sensitivity)); });
     }
     unknowns_ = system.unknowns();
-    flops_ = solver.factorFlops();
-    factor_entries_ = solver.factorEntries();
+    flops_ = solver.linearSolver().factorFlops();
+    factor_entries_ = solver.linearSolver().factorEntries();
   }
   double best() const { return iteration_.best(); }
   Json json() const {

@@ -14,7 +14,7 @@ Pattern tridiagonal() {
 const std::vector<double> indefinite = {2, 1, -3, 1, 4};
 
 TEST(LinearSolver, SolvesSeveralRightHandSidesAndCountsNegativePivots) {
-  LinearSolver solver(tridiagonal(), false);
+  LinearSolver solver(tridiagonal(), Precision::double_precision, false);
   const Factorization factorization = solver.factorize(indefinite);
   ASSERT_TRUE(factorization.ok);
   EXPECT_EQ(factorization.negative_pivots, 1);
@@ -26,14 +26,14 @@ TEST(LinearSolver, SolvesSeveralRightHandSidesAndCountsNegativePivots) {
 }
 
 TEST(LinearSolver, SaysSoWhenTheMatrixIsSingular) {
-  LinearSolver solver(tridiagonal(), false);
+  LinearSolver solver(tridiagonal(), Precision::double_precision, false);
   const Factorization factorization = solver.factorize({1, 0, 0, 0, 1});
   EXPECT_FALSE(factorization.ok);
   EXPECT_EQ(factorization.infog1, -10);
 }
 
 TEST(LinearSolver, PassesOverANullSpaceWhenToldThereIsOne) {
-  LinearSolver solver(tridiagonal(), true);
+  LinearSolver solver(tridiagonal(), Precision::double_precision, true);
   ASSERT_TRUE(solver.factorize({1, 0, 0, 0, 1}).ok);
   Eigen::MatrixXd x = Eigen::Vector3d(3, 0, 5);
   ASSERT_TRUE(solver.solve(x));
@@ -42,7 +42,7 @@ TEST(LinearSolver, PassesOverANullSpaceWhenToldThereIsOne) {
 }
 
 TEST(LinearSolver, ReportsNotANumberAsAFailure) {
-  LinearSolver solver(tridiagonal(), false);
+  LinearSolver solver(tridiagonal(), Precision::double_precision, false);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Factorization factorization = solver.factorize({nan, 1, -3, 1, 4});
   Eigen::MatrixXd x = Eigen::Vector3d(1, 1, 1);
