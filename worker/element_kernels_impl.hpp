@@ -19,6 +19,7 @@ template <class Displacement_, class Pressure_>
 struct Element {
   using Displacement = Displacement_;
   using Pressure = Pressure_;
+  static constexpr bool one_point = Displacement::rule.points == 1;
   static constexpr int first_pressure = 3 * Displacement::nodes;
   static constexpr int unknowns = first_pressure + Pressure::nodes;
 
@@ -163,6 +164,16 @@ PALPATE_INLINE void vertexStiffness(const Gradients& gradients, const Pack (&F)[
     for (int j = 0; j < 3; ++j) k[3][i][3][j] = -(k[0][i][3][j] + k[1][i][3][j] + k[2][i][3][j]);
 }
 
+/// Adds the share of a quadrature point to a sum; the share of the only point is the sum.
+template <class Element>
+PALPATE_INLINE void addShare(Pack& sum, Pack share) {
+  if constexpr (Element::one_point) {
+    sum = share;
+  } else {
+    sum += share;
+  }
+}
+
 /// The contribution of the point x to the tangent.
 template <class Element>
 PALPATE_INLINE void addStiffness(const double (&x)[4], const Pack (&k)[4][3][4][3], BatchTangent& tangent) {
@@ -177,7 +188,7 @@ PALPATE_INLINE void addStiffness(const double (&x)[4], const Pack (&k)[4][3][4][
         }
       for (int b = a; b < U::nodes; ++b)
         for (int j = (b == a ? i : 0); j < 3; ++j)
-          tangent.entry[Element::entryOf(3 * a + i, 3 * b + j)] += atNode<U>(b, j, x, row);
+          addShare<Element>(tangent.entry[Element::entryOf(3 * a + i, 3 * b + j)], atNode<U>(b, j, x, row));
     }
 }
 
@@ -222,11 +233,13 @@ void evaluateBatch(const ElementParameters& parameters, const BatchGeometry& geo
   for (int b = 0; b < Q::nodes; ++b)
     for (int l = 0; l < lanes; ++l) nodal_q[b][l] = q[geometry.node[b][l]];
 
-  result.energy = Pack{};
   result.det_F = Pack{} + __builtin_inf();
-  for (int row = 0; row < Element::unknowns; ++row) result.residual[row] = Pack{};
-  if constexpr (with_tangent)
-    for (int entry = 0; entry < localEntries(Element::unknowns); ++entry) tangent->entry[entry] = Pack{};
+  if constexpr (!Element::one_point) {
+    result.energy = Pack{};
+    for (int row = 0; row < Element::unknowns; ++row) result.residual[row] = Pack{};
+    if constexpr (with_tangent)
+      for (int entry = 0; entry < localEntries(Element::unknowns); ++entry) tangent->entry[entry] = Pack{};
+  }
 
   for (int n = 0; n < U::rule.points; ++n) {
     const double(&x)[4] = U::rule.point[n];
@@ -244,14 +257,14 @@ void evaluateBatch(const ElementParameters& parameters, const BatchGeometry& geo
     const Pack J = deformation.strain.J;
     // A NaN is kept as the worst.
     result.det_F = J < result.det_F || J != J ? J : result.det_F;
-    result.energy += weight * response.energy;
+    addShare<Element>(result.energy, weight * response.energy);
     Pack force[4][3];
     vertexForces(gradients, deformation.F, response.S, weight, force);
     for (int a = 0; a < U::nodes; ++a)
-      for (int i = 0; i < 3; ++i) result.residual[3 * a + i] += atNode<U>(a, i, x, force);
+      for (int i = 0; i < 3; ++i) addShare<Element>(result.residual[3 * a + i], atNode<U>(a, i, x, force));
     for (int b = 0; b < Q::nodes; ++b)
-      result.residual[Element::first_pressure + b] -=
-          scale * Q::value(b, x) * weight * response.constraint.value;
+      addShare<Element>(result.residual[Element::first_pressure + b],
+                        -scale * Q::value(b, x) * weight * response.constraint.value);
 
     if constexpr (with_tangent) {
       Pack k[4][3][4][3];
@@ -266,8 +279,8 @@ void evaluateBatch(const ElementParameters& parameters, const BatchGeometry& geo
           for (int i = 0; i < 3; ++i) {
             const Pack nodal = atNode<U>(a, i, x, coupling);
             for (int b = 0; b < Q::nodes; ++b)
-              tangent->entry[Element::entryOf(3 * a + i, Element::first_pressure + b)] +=
-                  Q::value(b, x) * nodal;
+              addShare<Element>(tangent->entry[Element::entryOf(3 * a + i, Element::first_pressure + b)],
+                                Q::value(b, x) * nodal);
           }
       }
     }

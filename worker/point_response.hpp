@@ -87,8 +87,8 @@ PALPATE_INLINE void respondAs(const Law& law, const ElementParameters& parameter
 /// The response of the parameters' law at pressure p (Pa; ignored without one). Fills in what the law needs
 /// of `strain` beyond e and J.
 template <bool with_tangent>
-void respond(const ElementParameters& m, const BatchGeometry& geometry, Pack p, Strain<Pack>& strain,
-             Response& response) {
+void respond(const ElementParameters& m, const BatchGeometry& geometry, Pack p,
+             Strain<Pack>& __restrict strain, Response& __restrict response) {
   const auto displacementOnly = [&](const auto& law) {
     respondAs<with_tangent, false>(law, m, geometry, p, strain, response);
   };

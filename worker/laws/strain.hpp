@@ -65,9 +65,29 @@ T hyperbolicSine(const T& x) {
   return lanewise(x, [](double lane) { return __builtin_sinh(lane); });
 }
 /// J^(-2/3), also of a negative J.
+inline double inverseTwoThirds(double J) {
+  return 1 / __builtin_cbrt(J * J);
+}
+/// In all lanes at once, to a unit in the last place; it is a tenth of an assembly when the C library does
+/// it. x = J^2; of y = x^(-1/3) the bits are about a constant less a third of those of x, which leaves an
+/// error of 0.035. Each correction, by the series of (1 - r)^(-1/3) where r = 1 - x y^3, takes it to its
+/// third power.
 template <class T>
 T inverseTwoThirds(const T& J) {
-  return lanewise(J, [](double lane) { return 1 / __builtin_cbrt(lane * lane); });
+  using Bits = decltype(J < J);
+  constexpr long constant = 0x553ef0ff289dd796;
+  const T x = J * J;
+  Bits third = __builtin_bit_cast(Bits, x);
+  third = (third >> 2) + (third >> 4);  // 1/3 = (1/4 + 1/16) (1 + 1/16) (1 + 1/256) ...
+  third += third >> 4;
+  third += third >> 8;
+  third += third >> 16;
+  T y = __builtin_bit_cast(T, constant - third);
+  for (int correction = 0; correction < 3; ++correction) {
+    const T r = 1 - x * y * y * y;
+    y += y * r * (1.0 / 3 + r * (2.0 / 9));
+  }
+  return y;
 }
 
 }  // namespace palpate::PALPATE_KERNEL_NAMESPACE
