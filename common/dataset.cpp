@@ -64,7 +64,20 @@ std::vector<std::int32_t> readNodes(const Reader& in, const std::string& path, s
   return nodes;
 }
 
-Mesh readMesh(const Reader& in) {
+/// The middles of the edges are among the points, and must be those that the tetrahedra have.
+void readMidEdgeNodes(const Reader& in, Mesh& mesh) {
+  const std::vector<Edge> edges = readTuples<2>(in, "/mesh/edges", mesh.nodes.size());
+  const std::vector<Eigen::Vector3d> points = mesh.nodes;
+  if (edges.size() >= points.size()) throw in.damaged("/mesh/edges", "has more edges than there are points");
+  mesh.nodes.resize(points.size() - edges.size());
+  for (const Tetrahedron& tetrahedron : mesh.tetrahedra)
+    checkIndices(in, "/mesh/tetrahedra", {tetrahedron.begin(), tetrahedron.end()}, 0, mesh.nodes.size());
+  addMidEdgeNodes(mesh);
+  if (mesh.edges != edges || mesh.nodes != points)
+    throw in.damaged("/mesh/edges", "are not those of the tetrahedra, or their middles are elsewhere");
+}
+
+Mesh readMesh(const Reader& in, DisplacementSpace displacement) {
   Mesh mesh;
   const std::vector<double> points = in.read<double>("/mesh/points", {any_extent, 3});
   for (std::size_t n = 0; n + 3 <= points.size(); n += 3)
@@ -72,7 +85,8 @@ Mesh readMesh(const Reader& in) {
   for (const double value : points)
     if (!std::isfinite(value)) throw in.damaged("/mesh/points", "holds a value that is not finite");
   mesh.tetrahedra = readTuples<4>(in, "/mesh/tetrahedra", mesh.nodes.size());
-  mesh.surface = readTuples<3>(in, "/mesh/surface", mesh.nodes.size());
+  if (displacement == DisplacementSpace::p2) readMidEdgeNodes(in, mesh);
+  mesh.surface = readTuples<3>(in, "/mesh/surface", mesh.vertices());
   return mesh;
 }
 
@@ -97,8 +111,8 @@ Lattice readLattice(const Reader& in, const Workspace& workspace) {
 /// Reads the arrays of one configuration space.
 class SpaceReader {
  public:
-  SpaceReader(const Reader& in, const std::string& name, std::size_t n_points, std::size_t n_nodes)
-      : in_(in), name_(name), n_points_(n_points), n_nodes_(n_nodes) {}
+  SpaceReader(const Reader& in, const ActiveSelection& active, std::size_t n_points, std::size_t n_nodes)
+      : in_(in), name_(active.name), tool_(active.tool), n_points_(n_points), n_nodes_(n_nodes) {}
 
   SpaceTable read() const {
     SpaceTable space;
@@ -110,9 +124,9 @@ class SpaceReader {
     return space;
   }
 
-  void checkFields(bool has_pressure) const {
+  void checkFields(std::size_t n_pressures) const {
     in_.array(at("displacement"), hdf5::Element::float32, {n_points_, n_nodes_, 3});
-    if (has_pressure) in_.array(at("pressure"), hdf5::Element::float32, {n_points_, n_nodes_});
+    if (n_pressures > 0) in_.array(at("pressure"), hdf5::Element::float32, {n_points_, n_pressures});
   }
 
  private:
@@ -130,6 +144,8 @@ class SpaceReader {
     patch.node = in_.read<std::int32_t>(at("active_node"), {}).at(0);
     if (!std::binary_search(patch.nodes.begin(), patch.nodes.end(), patch.node))
       throw in_.damaged(at("active_node"), "is not one of patch_nodes");
+    if (tool_ == ToolKind::weighted_average)
+      patch.weights = in_.read<double>(at("patch_weights"), {patch.nodes.size()});
     return patch;
   }
 
@@ -205,6 +221,7 @@ class SpaceReader {
 
   const Reader& in_;
   std::string name_;
+  ToolKind tool_;
   std::size_t n_points_, n_nodes_;
 };
 
@@ -216,7 +233,7 @@ struct Dataset::Impl {
         in(path),
         scene_toml(openedText()),
         scene(sceneIn(in, scene_toml, path.string())),
-        mesh(readMesh(in)),
+        mesh(readMesh(in, scene.discretization.displacement)),
         fixed(readNodes(in, "/mesh/fixed_nodes", mesh.nodes.size())),
         lattice(readLattice(in, scene.workspace)) {
     content_id = idIn(in, "content_hash");
@@ -227,8 +244,8 @@ struct Dataset::Impl {
     if (in.groupsIn("/spaces").size() != scene.active.size())
       throw in.damaged("/spaces", "are not the active nodes of the scene");
     for (const ActiveSelection& active : scene.active) {
-      const SpaceReader reader(in, active.name, static_cast<std::size_t>(lattice.size()), mesh.nodes.size());
-      reader.checkFields(hasPressure());
+      const SpaceReader reader(in, active, static_cast<std::size_t>(lattice.size()), mesh.nodes.size());
+      reader.checkFields(pressureNodes(scene.discretization.pressure, mesh));
       spaces.push_back(reader.read());
     }
   }
@@ -238,8 +255,6 @@ struct Dataset::Impl {
     in.findArrays();
     return in.text("scene_toml");
   }
-
-  bool hasPressure() const { return scene.discretization.pressure != PressureSpace::none; }
 
   std::filesystem::path file;
   Reader in;
@@ -309,8 +324,8 @@ NodalFields Dataset::fields(std::size_t space, std::int32_t point) const {
   NodalFields fields;
   fields.displacement.resize(3 * impl_->mesh.nodes.size());
   impl_->in.readRow(impl_->in.array(displacement), row, fields.displacement);
-  if (impl_->hasPressure()) {
-    fields.pressure.resize(impl_->mesh.nodes.size());
+  fields.pressure.resize(pressureNodes(impl_->scene.discretization.pressure, impl_->mesh));
+  if (!fields.pressure.empty()) {
     impl_->in.readRow(impl_->in.array(layout::inSpace(table.patch.name, "pressure")), row, fields.pressure);
   }
   if (fields.id() != record.fields)

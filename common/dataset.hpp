@@ -75,7 +75,7 @@ class Dataset {
   const std::string& kernelFamily() const;
   const std::string& sceneToml() const;  ///< resolved scene
   const Scene& scene() const;
-  const Mesh& mesh() const;                             ///< node_groups are not stored
+  const Mesh& mesh() const;  ///< quadratic with P2 displacement; groups are not stored
   const std::vector<std::int32_t>& fixedNodes() const;  ///< sorted
   const Lattice& lattice() const;
   const std::vector<SpaceTable>& spaces() const;

@@ -13,7 +13,9 @@ namespace palpate::layout {
 inline constexpr std::string_view format = "palpate-dataset";
 /// Readers refuse a newer major version and ignore what a newer minor version added.
 inline constexpr std::int32_t major_version = 1;
-inline constexpr std::int32_t minor_version = 0;
+/// 1: quadratic displacements or weighted patches are in the file (/mesh/edges, patch_weights). Without them
+/// a file is the same as one of version 1.0, and says so.
+inline constexpr std::int32_t minor_version = 1;
 inline constexpr std::string_view units = "SI: m, N, Pa, J, N/m";
 
 /// "/spaces/NAME/ARRAY".

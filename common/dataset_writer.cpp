@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -31,6 +32,12 @@ std::vector<T> column(const std::vector<Record>& records, Value value) {
   return values;
 }
 
+/// Whether version 1.0 of the format has a place for everything.
+bool isPlain(const Problem& problem) {
+  const auto rigid = [](const ActivePatch& patch) { return patch.weights.empty(); };
+  return problem.mesh.edges.empty() && std::all_of(problem.active.begin(), problem.active.end(), rigid);
+}
+
 /// Groups, attributes and arrays of one dataset file, in a fixed order.
 class SealWriter {
  public:
@@ -45,6 +52,7 @@ class SealWriter {
     out_.write<double>("/mesh/points", {mesh.nodes.size(), 3}, points, "m");
     writeTuples("/mesh/tetrahedra", mesh.tetrahedra);
     writeTuples("/mesh/surface", mesh.surface);
+    if (!mesh.edges.empty()) writeTuples("/mesh/edges", mesh.edges);
     out_.write("/mesh/fixed_nodes", {problem_.fixed.size()}, spanOf(problem_.fixed), "1");
   }
 
@@ -69,6 +77,7 @@ class SealWriter {
     out_.makeGroup("/spaces/" + space.patch.name);
     const std::vector<std::int32_t> active_node = {space.patch.node};
     writeColumn(space, "patch_nodes", space.patch.nodes, "1");
+    if (!space.patch.weights.empty()) writeColumn(space, "patch_weights", space.patch.weights, "1");
     out_.write(layout::inSpace(space.patch.name, "active_node"), {}, spanOf(active_node), "1");
     writeTags(space);
     writeEquilibria(space);
@@ -80,7 +89,8 @@ class SealWriter {
   ContentId finish(const std::string& kernel_family) {
     const std::string scene = resolvedToml(problem_.scene);
     const ContentId content = layout::contentHash(scene, out_.arrays());
-    const std::array<std::int32_t, 2> version_numbers = {layout::major_version, layout::minor_version};
+    const std::array<std::int32_t, 2> version_numbers = {layout::major_version,
+                                                         isPlain(problem_) ? 0 : layout::minor_version};
     out_.setText("/", "format", layout::format);
     out_.setIntegers("/", "format_version", version_numbers);
     out_.setText("/", "generator", std::string("palpate ") + version());
@@ -181,12 +191,13 @@ class SealWriter {
 
   void writeFields(const SpaceTable& space, const std::function<NodalFields(std::int32_t)>& fields) {
     const hsize_t n_points = space.points.size(), n_nodes = problem_.mesh.nodes.size();
-    const bool has_pressure = problem_.scene.discretization.pressure != PressureSpace::none;
+    const hsize_t n_pressures = pressureNodes(problem_);
     hdf5::RowWriter displacement(out_, layout::inSpace(space.patch.name, "displacement"),
                                  {n_points, n_nodes, 3}, "m");
     std::optional<hdf5::RowWriter> pressure;
-    if (has_pressure)
-      pressure.emplace(out_, layout::inSpace(space.patch.name, "pressure"), Shape{n_points, n_nodes}, "Pa");
+    if (n_pressures > 0)
+      pressure.emplace(out_, layout::inSpace(space.patch.name, "pressure"), Shape{n_points, n_pressures},
+                       "Pa");
     for (std::int32_t n = 0; n < lattice_.size(); ++n) {
       if (!isSolved(space.points[n].tag)) {
         displacement.skip();
@@ -194,7 +205,7 @@ class SealWriter {
         continue;
       }
       const NodalFields values = fields(n);
-      if (values.id() != space.points[n].fields || values.pressure.empty() == has_pressure)
+      if (values.id() != space.points[n].fields || values.pressure.size() != n_pressures)
         throw failure("{}: space {}: the nodal fields of lattice point {} are not those of its result", file_,
                       space.patch.name, n);
       displacement.write(values.displacement);
@@ -223,7 +234,8 @@ void checkArguments(const std::string& file, const Problem& problem, const Latti
     throw failure("{}: {} spaces to seal for {} active nodes", file, spaces.size(), problem.active.size());
   for (std::size_t s = 0; s < spaces.size(); ++s) {
     const ActivePatch &given = spaces[s].patch, &active = problem.active[s];
-    if (given.name != active.name || given.node != active.node || given.nodes != active.nodes)
+    if (given.name != active.name || given.node != active.node || given.nodes != active.nodes ||
+        given.weights != active.weights)
       throw failure("{}: space {} to seal is \"{}\", which is not active node \"{}\" of the problem", file, s,
                     given.name, active.name);
     if (spaces[s].points.size() != static_cast<std::size_t>(lattice.size()))

@@ -176,14 +176,18 @@ void checkProblem(const Problem& problem) {
 }
 
 std::size_t pressureNodes(const Problem& problem) {
-  switch (problem.scene.discretization.pressure) {
+  return pressureNodes(problem.scene.discretization.pressure, problem.mesh);
+}
+
+std::size_t pressureNodes(PressureSpace pressure, const Mesh& mesh) {
+  switch (pressure) {
     case PressureSpace::none:
       return 0;
     case PressureSpace::p1:
     case PressureSpace::p1_stabilized:
-      return static_cast<std::size_t>(problem.mesh.vertices());
+      return static_cast<std::size_t>(mesh.vertices());
     case PressureSpace::p2:
-      return problem.mesh.nodes.size();
+      return mesh.nodes.size();
   }
   return 0;
 }

@@ -39,6 +39,7 @@ struct Problem {
 /// Number of nodes that have a pressure in NodalFields: none, the vertices, or all nodes. (Where no material
 /// around a node is mixed its pressure is zero and no unknown.)
 std::size_t pressureNodes(const Problem& problem);
+std::size_t pressureNodes(PressureSpace pressure, const Mesh& mesh);
 
 /// Error (bad input) unless everything holds that resolve() guarantees of a problem's numbers.
 void checkProblem(const Problem& problem);

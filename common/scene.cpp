@@ -242,6 +242,16 @@ bool isInfSupStable(const Discretization& discretization) {
   return !equal_order;
 }
 
+std::string infSupWarning(const Discretization& discretization) {
+  if (isInfSupStable(discretization)) return {};
+  return fmt::format(
+      "pressure = \"{0}\" with {0} displacement violates inf-sup: too stiff, pressures oscillate; for "
+      "comparison "
+      "only, {1} is stable",
+      word(discretization.pressure),
+      discretization.displacement == DisplacementSpace::p1 ? "P1-stabilized" : "pressure = \"P1\"");
+}
+
 Scene parseScene(const std::string& text, const std::string& source) {
   try {
     return readTables(toml::parse(text, source), source);

@@ -62,6 +62,8 @@ struct FixedSelection {
 
 /// Whether pressure and displacement satisfy the inf-sup condition (or there is no pressure).
 bool isInfSupStable(const Discretization& discretization);
+/// The line that everyone who solves such a scene is warned with when they do not; else empty.
+std::string infSupWarning(const Discretization& discretization);
 
 /// [[active]]: exactly one of `near` and `node`.
 struct ActiveSelection {

@@ -102,6 +102,8 @@ ExitCode finish(const std::vector<SpaceTable>& spaces, const std::filesystem::pa
 
 ExitCode run(const BuildOptions& options) {
   Problem problem = loadProblem(options.scene);
+  if (const std::string warning = infSupWarning(problem.scene.discretization); !warning.empty())
+    spdlog::warn(warning);
   const std::filesystem::path out =
       options.out.empty() ? defaultDatasetFile(problem.scene) : std::filesystem::path(options.out);
   const std::filesystem::path state = options.state.empty() ? out.string() + ".state" : options.state;

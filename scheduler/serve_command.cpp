@@ -55,6 +55,8 @@ ExitCode run(const ServeOptions& options) {
         "127.0.0.1, or say --insecure on a network you trust",
         options.endpoint);
   Problem problem = loadProblem(options.scene);
+  if (const std::string warning = infSupWarning(problem.scene.discretization); !warning.empty())
+    spdlog::warn(warning);
   const std::filesystem::path out =
       options.out.empty() ? defaultDatasetFile(problem.scene) : std::filesystem::path(options.out);
   if (isSealed(out, problemId(problem), options.force))

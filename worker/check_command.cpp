@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/lattice.hpp"
+#include "common/material_toml.hpp"
 #include "common/problem.hpp"
 
 namespace palpate {
@@ -41,26 +42,25 @@ struct Report {
       : problem(given),
         quality(measure(given.mesh)),
         lattice(given.scene.workspace.radius, given.scene.workspace.spacing) {
-    const std::size_t n_nodes = problem.mesh.nodes.size();
-    const bool has_pressure = problem.scene.discretization.pressure != PressureSpace::none;
-    for (const ActivePatch& patch : problem.active)
-      spaces.push_back(
-          {&patch, 3 * (n_nodes - problem.fixed.size() - patch.nodes.size()) + (has_pressure ? n_nodes : 0)});
+    const std::size_t n_nodes = problem.mesh.nodes.size(), n_pressures = pressureNodes(problem);
+    for (const ActivePatch& patch : problem.active) {
+      const std::size_t moved = patch.weights.empty() ? patch.nodes.size() : 0;
+      spaces.push_back({&patch, 3 * (n_nodes - problem.fixed.size() - moved) + n_pressures});
+    }
+    tetrahedra_in.resize(problem.scene.regions.size());
+    for (const std::uint16_t region : problem.region_of) ++tetrahedra_in[region];
     for (std::size_t e = 0; e < problem.mesh.tetrahedra.size(); ++e)
       near_flat += shapeOf(problem.mesh, e) < near_flat_shape;
     configurations = static_cast<std::int64_t>(lattice.size()) * static_cast<std::int64_t>(spaces.size());
     core_seconds = static_cast<double>(configurations) * secondsPerConfiguration(n_nodes);
-    dataset_bytes =
-        static_cast<double>(configurations) * static_cast<double>(n_nodes) * (has_pressure ? 16 : 12);
+    dataset_bytes = static_cast<double>(configurations) * static_cast<double>(12 * n_nodes + 4 * n_pressures);
     findWarnings();
   }
 
   void findWarnings() {
     const Workspace& workspace = problem.scene.workspace;
-    if (problem.scene.discretization.pressure == PressureSpace::p1)
-      warnings.push_back(
-          "pressure = \"P1\" with P1 displacement violates inf-sup: too stiff, pressures oscillate; for "
-          "comparison only, P1-stabilized is the stable one");
+    if (const std::string warning = infSupWarning(problem.scene.discretization); !warning.empty())
+      warnings.push_back(warning);
     if (near_flat > 0)
       warnings.push_back(fmt::format(
           "{} of {} tetrahedra are nearly flat (shape < {}, the worst is element {} with {:.3g}): they "
@@ -106,6 +106,7 @@ struct Report {
   MeshQuality quality;
   Lattice lattice;
   std::vector<Space> spaces;
+  std::vector<std::int64_t> tetrahedra_in;  ///< per region
   std::int64_t near_flat = 0;
   std::int64_t configurations = 0;
   double core_seconds = 0, dataset_bytes = 0;
@@ -122,18 +123,17 @@ std::string text(const Eigen::Vector3d& v) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g})", v[0], v[1], v[2]);
 }
 
-std::string materialText(const Material& m) {
-  if (m.law == LawName::mooney_rivlin)
-    return fmt::format("{}, c10 = {} Pa, c01 = {} Pa", word(m.law), m.c10, m.c01);
-  const std::string poisson = m.poisson ? fmt::format(", poisson = {}", *m.poisson) : "";
-  return fmt::format("{}, young = {} Pa{}", word(m.law), m.young, poisson);
+std::string_view toolOf(const Space& space) {
+  return word(space.patch->weights.empty() ? ToolKind::rigid : ToolKind::weighted_average);
 }
 
 void printMesh(const Report& report) {
   const Mesh& mesh = report.problem.mesh;
   const MeshQuality& quality = report.quality;
-  fmt::print("mesh       {}: {} nodes, {} tetrahedra, {} surface triangles with {} nodes, {} piece(s)\n",
-             report.problem.scene.mesh.filename().string(), mesh.nodes.size(), mesh.tetrahedra.size(),
+  const std::string middles =
+      mesh.edges.empty() ? "" : fmt::format(" and {} mid-edge nodes", mesh.edges.size());
+  fmt::print("mesh       {}: {} nodes{}, {} tetrahedra, {} surface triangles with {} nodes, {} piece(s)\n",
+             report.problem.scene.mesh.filename().string(), mesh.vertices(), middles, mesh.tetrahedra.size(),
              mesh.surface.size(), surfaceNodes(mesh).size(), quality.pieces);
   fmt::print("           from {} to {} m, {:.4g} litres\n", text(quality.lowest), text(quality.highest),
              1000 * quality.volume);
@@ -144,12 +144,15 @@ void printMesh(const Report& report) {
       quality.worst_element);
   if (mesh.dropped_nodes > 0)
     fmt::print(
-        "           note: {} node(s) that belong to no tetrahedron were dropped, later ones count down\n",
+        "           note: {} node(s) that are no corner of a tetrahedron were dropped, later ones count "
+        "down\n",
         mesh.dropped_nodes);
   if (mesh.reoriented_tetrahedra > 0)
     fmt::print("           note: the file counts its tetrahedra left-handed; all were turned\n");
   for (const auto& [name, nodes] : mesh.node_groups)
     fmt::print("group      \"{}\": {} nodes\n", name, nodes.size());
+  for (const auto& [name, elements] : mesh.element_groups)
+    fmt::print("group      \"{}\": {} tetrahedra\n", name, elements.size());
 }
 
 /// The scene's lengths in metres, for the one who wrote them in another unit.
@@ -164,19 +167,33 @@ void printConversion(const Scene& scene) {
   }
 }
 
+void printBody(const Report& report) {
+  const Scene& scene = report.problem.scene;
+  for (std::size_t r = 0; r < scene.regions.size(); ++r) {
+    const auto& [group, material] = scene.regions[r];
+    if (scene.regions.size() == 1 && group.empty())
+      fmt::print("material   {}\n", inWords(material));
+    else
+      fmt::print("material   {} ({} tetrahedra): {}\n", group.empty() ? "rest" : fmt::format("\"{}\"", group),
+                 report.tetrahedra_in[r], inWords(material));
+  }
+  const Discretization& d = scene.discretization;
+  fmt::print("solved as  displacement {}, pressure {}", word(d.displacement), word(d.pressure));
+  if (d.pressure != PressureSpace::none) fmt::print(", constraint {}", word(d.constraint));
+  fmt::print("\n");
+  if (!scene.gravity.isZero(0)) fmt::print("gravity    {} m/s^2\n", text(scene.gravity));
+}
+
 void printText(const Report& report) {
   const Scene& scene = report.problem.scene;
   fmt::print("scene      {}\n", scene.name);
   printMesh(report);
   printConversion(scene);
-  fmt::print("material   {}\n", materialText(scene.regions[0].material));
-  fmt::print("solved as  displacement P1, pressure {}", word(scene.discretization.pressure));
-  if (scene.discretization.pressure != PressureSpace::none)
-    fmt::print(", constraint {}", word(scene.discretization.constraint));
-  fmt::print("\nfixed      {} nodes\n", report.problem.fixed.size());
+  printBody(report);
+  fmt::print("fixed      {} nodes\n", report.problem.fixed.size());
   for (const Space& space : report.spaces)
-    fmt::print("active     \"{}\": node {} at {} m, patch of {} node(s), {} unknowns\n", space.patch->name,
-               space.patch->node, text(report.problem.mesh.nodes[space.patch->node]),
+    fmt::print("active     \"{}\": node {} at {} m, {} patch of {} node(s), {} unknowns\n", space.patch->name,
+               space.patch->node, text(report.problem.mesh.nodes[space.patch->node]), toolOf(space),
                space.patch->nodes.size(), space.unknowns);
   fmt::print(
       "lattice    radius {:.4g} m, spacing {:.4g} m: {} points in each of {} space(s), {} configurations\n",
@@ -200,7 +217,8 @@ nlohmann::ordered_json meshJson(const Report& report) {
   for (const auto& [name, nodes] : mesh.node_groups) groups[name] = nodes.size();
   return {
       {"file", report.problem.scene.mesh.string()},
-      {"nodes", mesh.nodes.size()},
+      {"nodes", mesh.vertices()},
+      {"mid_edge_nodes", mesh.edges.size()},
       {"tetrahedra", mesh.tetrahedra.size()},
       {"surface_triangles", mesh.surface.size()},
       {"surface_nodes", surfaceNodes(mesh).size()},
@@ -227,13 +245,21 @@ nlohmann::ordered_json toJson(const Report& report) {
     active.push_back({{"name", space.patch->name},
                       {"node", space.patch->node},
                       {"position", vectorJson(report.problem.mesh.nodes[space.patch->node])},
+                      {"tool", toolOf(space)},
                       {"patch_nodes", space.patch->nodes.size()},
                       {"unknowns", space.unknowns}});
+  nlohmann::ordered_json regions = nlohmann::ordered_json::array();
+  for (std::size_t r = 0; r < scene.regions.size(); ++r)
+    regions.push_back({{"group", scene.regions[r].group},
+                       {"law", word(scene.regions[r].material.law)},
+                       {"tetrahedra", report.tetrahedra_in[r]}});
   return {{"scene", scene.name},
           {"problem", problemId(report.problem).hex()},
           {"metres_per_unit", scene.metres_per_unit},
           {"mesh", meshJson(report)},
-          {"law", word(scene.regions[0].material.law)},
+          {"regions", regions},
+          {"gravity", vectorJson(scene.gravity)},
+          {"displacement", word(scene.discretization.displacement)},
           {"pressure", word(scene.discretization.pressure)},
           {"constraint", word(scene.discretization.constraint)},
           {"fixed_nodes", report.problem.fixed.size()},

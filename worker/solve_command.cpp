@@ -1,6 +1,7 @@
 #include "worker/solve_command.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -136,6 +137,8 @@ void printText(const Eigen::Vector3d& displacement, const Outcome& outcome) {
 
 ExitCode solve(const SolveOptions& options) {
   const Problem problem = loadProblem(options.scene);
+  if (const std::string warning = infSupWarning(problem.scene.discretization); !warning.empty())
+    spdlog::warn(warning);
   const std::size_t space = spaceNamed(problem, options.active);
   TransitionSolver solver(problem, chooseKernels());
   solver.chooseTool(space);

@@ -107,6 +107,29 @@ TEST_F(SealedDataset, GivesBackEveryRecord) {
   }
 }
 
+TEST_F(SealedDataset, GivesBackQuadraticMeshesAndWeightedPatches) {
+  for (const PressureSpace pressure : {PressureSpace::none, PressureSpace::p1, PressureSpace::p2}) {
+    const SampleDataset quadratic(pressure, DisplacementSpace::p2);
+    quadratic.seal(file);
+    const Dataset dataset(file);
+    EXPECT_EQ(dataset.mesh().nodes, quadratic.problem.mesh.nodes);
+    EXPECT_EQ(dataset.mesh().edges, quadratic.problem.mesh.edges);
+    EXPECT_EQ(dataset.mesh().mid_edge_nodes, quadratic.problem.mesh.mid_edge_nodes);
+    EXPECT_EQ(dataset.spaces()[1].patch.nodes, quadratic.problem.active[1].nodes);
+    EXPECT_EQ(dataset.spaces()[1].patch.weights, quadratic.problem.active[1].weights);
+    const NodalFields fields = dataset.fields(1, 3);
+    EXPECT_EQ(fields.displacement, quadratic.fields(1, 3).displacement);
+    EXPECT_EQ(fields.pressure.size(), pressureNodes(quadratic.problem));
+    EXPECT_EQ(fields.pressure, quadratic.fields(1, 3).pressure);
+  }
+}
+
+TEST_F(SealedDataset, RefusesFieldsWithPressuresOfAnotherSpace) {
+  SampleDataset quadratic(PressureSpace::p1, DisplacementSpace::p2);
+  quadratic.problem.scene.discretization.pressure = PressureSpace::p2;
+  expectError(ExitCode::failed, [&] { quadratic.seal(copy); }, {"copy.h5", "nodal fields"});
+}
+
 TEST_F(SealedDataset, GivesBackMeshLatticeSceneAndNames) {
   const Dataset dataset(file);
   EXPECT_EQ(dataset.mesh().nodes, sample.problem.mesh.nodes);

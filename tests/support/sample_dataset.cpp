@@ -18,7 +18,7 @@ double power(double x, int n, int derivative) {
   return factor == 0 ? 0 : factor * std::pow(x, n - derivative);
 }
 
-Problem sampleProblem(PressureSpace pressure) {
+Problem sampleProblem(PressureSpace pressure, DisplacementSpace displacement) {
   Problem problem;
   problem.mesh = cubeMesh(0.1, 2);
   problem.fixed = problem.mesh.node_groups.at("xmin");
@@ -33,7 +33,7 @@ Problem sampleProblem(PressureSpace pressure) {
     scene.regions[0].material.c10 = 1300;
     scene.regions[0].material.c01 = 1280;
   }
-  scene.discretization.pressure = pressure;
+  scene.discretization = {displacement, pressure};
   scene.fixed.nodes = problem.fixed;
   scene.workspace = {.radius = 0.02, .spacing = 0.01, .max_force = 8.5, .reject_inverted = true};
   problem.active = {{"tip", 26, {26}}, {"edge-2", 8, {5, 8}}};
@@ -43,6 +43,12 @@ Problem sampleProblem(PressureSpace pressure) {
     active.node = patch.node;
     scene.active.push_back(active);
   }
+  if (displacement == DisplacementSpace::p1) return problem;
+  addMidEdgeNodes(problem.mesh);
+  problem.active[1].nodes.push_back(midEdgeNode(problem.mesh, 5, 8));
+  problem.active[1].weights = {0.25, 0.25, 0.5};
+  scene.active[1].radius = 0.05;
+  scene.active[1].tool = ToolKind::weighted_average;
   return problem;
 }
 
@@ -135,8 +141,8 @@ SpaceTable solvedSpace(const Lattice& lattice, const AnalyticEnergy& energy) {
   return space;
 }
 
-SampleDataset::SampleDataset(PressureSpace pressure)
-    : problem(sampleProblem(pressure)),
+SampleDataset::SampleDataset(PressureSpace pressure, DisplacementSpace displacement)
+    : problem(sampleProblem(pressure, displacement)),
       lattice(problem.scene.workspace.radius, problem.scene.workspace.spacing) {
   for (std::size_t s = 0; s < problem.active.size(); ++s) {
     spaces.push_back(solvedSpace(lattice, StiffeningEnergy()));
@@ -157,9 +163,8 @@ NodalFields SampleDataset::fields(std::size_t space, std::int32_t point) const {
   for (std::size_t i = 0; i < 3 * n_nodes; ++i)
     values.displacement.push_back(1e-3f * static_cast<float>(point) +
                                   1e-6f * static_cast<float>(i * (space + 1)));
-  if (problem.scene.discretization.pressure != PressureSpace::none)
-    for (std::size_t i = 0; i < n_nodes; ++i)
-      values.pressure.push_back(100.0f + static_cast<float>(i) / (1.0f + static_cast<float>(point)));
+  for (std::size_t i = 0; i < pressureNodes(problem); ++i)
+    values.pressure.push_back(100.0f + static_cast<float>(i) / (1.0f + static_cast<float>(point)));
   return values;
 }
 

@@ -52,9 +52,11 @@ SpaceTable solvedSpace(const Lattice& lattice, const AnalyticEnergy& energy);
 
 /// Everything sealDataset takes, made in code: a cube of 27 nodes, active nodes "tip" and "edge-2", a lattice
 /// of 33 points (radius 20 mm, spacing 10 mm), forces of StiffeningEnergy. In "tip" one point is failed (with
-/// two failed attempts), one is unknown and one terminating; in "edge-2" all are expandable.
+/// two failed attempts), one is unknown and one terminating; in "edge-2" all are expandable. With P2
+/// displacement the cube has its mid-edge nodes too, and "edge-2" is a weighted patch.
 struct SampleDataset {
-  explicit SampleDataset(PressureSpace pressure = PressureSpace::p1_stabilized);
+  explicit SampleDataset(PressureSpace pressure = PressureSpace::p1_stabilized,
+                         DisplacementSpace displacement = DisplacementSpace::p1);
 
   Problem problem;
   Lattice lattice;
