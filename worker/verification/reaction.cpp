@@ -3,54 +3,59 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "common/box_mesh.hpp"
+#include "common/error.hpp"
+#include "worker/kernel_family.hpp"
+#include "worker/transition.hpp"
 #include "worker/verification/case.hpp"
 #include "worker/verification/rig.hpp"
 
 namespace palpate::verification {
 namespace {
 
-/// A clamped box whose far corner edge is the tool.
-BodyModel clampedBox() {
-  BodyModel body = bodyOf(distortedBoxMesh({0.15, 0.1, 0.1}, {3, 2, 2}), stabilized, mooneyRivlin());
-  hold(body, "xmin", "xyz");
-  Tool tool;
-  for (const std::int32_t node : nodesInPlane(body.mesh, 0, 0.15))
-    if (body.mesh.nodes[node][2] > 0.1 - 1e-9) tool.nodes.push_back(node);
-  body.tools = {tool};
-  return body;
+/// A clamped box whose upper far edge is the tool.
+Problem clampedBox() {
+  Scene scene;
+  scene.name = "clamped box";
+  scene.regions[0].material = mooneyRivlin();
+  scene.fixed.groups = {"xmin"};
+  ActiveSelection active;
+  active.name = "edge";
+  active.near = Eigen::Vector3d(0.15, 0.05, 0.1);
+  active.radius = 0.05;
+  scene.active = {active};
+  return resolve(std::move(scene), distortedBoxMesh({0.15, 0.1, 0.1}, {3, 2, 2}));
 }
 
 const Eigen::Vector3d place(0.012, -0.02, 0.015);  ///< of the tool, metres
 
-/// The equilibrium with the tool at `p`, from rest.
-NewtonResult withToolAt(Rig& rig, const Eigen::Vector3d& p) {
-  const System& system = rig.system();
-  const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(system.unknowns());
-  State state = system.restState();
-  constexpr int steps = 4;
-  NewtonResult result;
-  for (int step = 1; step <= steps; ++step) {
-    const Eigen::Vector3d at = p * step / steps;
-    result = rig.equilibrium(system.moved(state, nothing, 1, at), at);
-    state = result.state;
+/// The configurations of a problem, each solved from rest as a worker solves them.
+class Configurations {
+ public:
+  explicit Configurations(const Problem& problem) : solver_(problem, chooseKernels()) {
+    Failure problem_at_rest;
+    std::optional<Start> rest = solver_.startAtRest(problem_at_rest);
+    if (!rest) throw failure("no rest state: {}", describe(problem_at_rest));
+    rest_ = std::move(*rest);
   }
-  return result;
-}
+  const System& system() const { return solver_.system(); }
+  Equilibrium at(const Eigen::Vector3d& p) {
+    const Outcome outcome = solver_.reach(rest_, p).outcome;
+    if (!outcome.converged) throw failure("no equilibrium: {}", describe(outcome.failure));
+    return outcome.equilibrium;
+  }
 
-/// -(K_aa + K_af S), K_ff S = -K_fa.
-Eigen::Matrix3d stiffness(Rig& rig, const Tangent& tangent) {
-  Eigen::MatrixXd S = -tangent.tool_coupling;
-  if (!rig.solver().factorize(tangent.values).ok || !rig.solver().solve(S))
-    throw std::runtime_error("no factorisation");
-  return -(tangent.tool + tangent.tool_coupling.transpose() * S);
-}
+ private:
+  TransitionSolver solver_;
+  Start rest_;
+};
 
 /// The tissue's force with the tool's displacement an unknown a and a = p a constraint with a multiplier l:
 /// r_f = 0, r_a + l = 0, a - p = 0.
-Eigen::Vector3d multiplier(const Rig& rig) {
-  const System& system = rig.system();
+Eigen::Vector3d multiplier(const System& system) {
   const int n = system.unknowns();
   State state = system.restState();
   Eigen::Vector3d a = Eigen::Vector3d::Zero(), l = Eigen::Vector3d::Zero();
@@ -80,24 +85,28 @@ Eigen::Vector3d multiplier(const Rig& rig) {
 }
 
 std::vector<Row> rows() {
-  Rig rig(clampedBox());
+  const Problem problem = clampedBox();
+  Configurations configurations(problem);
   constexpr double h = 1e-5;  // metres
-  const NewtonResult here = withToolAt(rig, place);
-  const Eigen::Vector3d force = -here.residual.tool;
-  const Eigen::Matrix3d H = stiffness(rig, here.tangent);
+  const Equilibrium here = configurations.at(place);
   Eigen::Vector3d gradient;
   Eigen::Matrix3d differences;
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
-    const NewtonResult up = withToolAt(rig, place + e), down = withToolAt(rig, place - e);
-    gradient[i] = (up.residual.energy - down.residual.energy) / (2 * h);
-    differences.col(i) = (down.residual.tool - up.residual.tool) / (2 * h);
+    const Equilibrium up = configurations.at(place + e), down = configurations.at(place - e);
+    gradient[i] = (up.energy - down.energy) / (2 * h);
+    differences.col(i) = (up.force - down.force) / (2 * h);
   }
-  return {
-      {"force + gradient of the energy, relative", (force + gradient).norm() / force.norm(), 0, 1e-6},
-      {"dh/dp, asymmetry, relative", (H - H.transpose()).norm() / H.norm(), 0, 1e-10},
-      {"dh/dp against differences of h, relative", (H - differences).norm() / H.norm(), 0, 1e-6},
-      {"force against the multiplier, relative", (force - multiplier(rig)).norm() / force.norm(), 0, 1e-9}};
+  const double force = here.force.norm(), stiffness = here.stiffness.norm();
+  return {{"force + gradient of the energy, relative", (here.force + gradient).norm() / force, 0, 1e-6},
+          {"differences of the force, asymmetry, relative",
+           (differences - differences.transpose()).norm() / stiffness, 0, 1e-6},
+          {"stiffness against these differences, relative", (here.stiffness - differences).norm() / stiffness,
+           0, 1e-6},
+          {"stiffness, asymmetry, relative", (here.stiffness - here.stiffness.transpose()).norm() / stiffness,
+           0, 1e-10},
+          {"force against the multiplier, relative",
+           (here.force - multiplier(configurations.system())).norm() / force, 0, 1e-8}};
 }
 
 }  // namespace

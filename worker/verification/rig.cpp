@@ -75,8 +75,7 @@ void setDisplacement(State& state, std::int32_t node, const Eigen::Vector3d& u) 
   Eigen::Map<Eigen::Vector3d>(&state.u[3 * static_cast<std::size_t>(node)]) = u;
 }
 
-Rig::Rig(const BodyModel& body)
-    : system_(body, chooseKernels()), solver_(system_.pattern(), !isInfSupStable(body.discretization)) {}
+Rig::Rig(const BodyModel& body) : system_(body, chooseKernels()), solver_(system_) {}
 
 NewtonResult Rig::seek(State start, const Eigen::Vector3d& tool) {
   return findEquilibrium(system_, solver_, std::move(start), tool, options);
@@ -104,7 +103,7 @@ std::int32_t Rig::negativeEigenvalues(const State& state) {
   Residual residual;
   Tangent tangent;
   system_.assemble(state, residual, tangent);
-  return solver_.factorize(tangent.values).negative_pivots;
+  return solver_.factorize(tangent).negative_pivots;
 }
 
 NodalForces nodalForces(const BodyModel& body, const State& state) {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "worker/body_model.hpp"
-#include "worker/linear_solver.hpp"
 #include "worker/newton.hpp"
 #include "worker/system.hpp"
+#include "worker/tangent_solver.hpp"
 
 /// Bodies for verification problems, and what holds, loads and measures them.
 namespace palpate::verification {
@@ -56,8 +56,6 @@ class Rig {
 
   const BodyModel& body() const { return system_.model(); }
   const System& system() const { return system_; }
-  LinearSolver& solver() { return solver_; }
-
   void setLoadFactor(double factor) { system_.setLoadFactor(factor); }
 
   /// The equilibrium that Newton finds from `start`, which has the held components, and the tool if there is
@@ -73,11 +71,12 @@ class Rig {
   /// MUMPS's count of negative eigenvalues of the tangent at `state`.
   std::int32_t negativeEigenvalues(const State& state);
 
-  NewtonOptions options = {.max_iterations = 40, .max_halvings = 12, .absolute_tolerance = 1e-12};
+  NewtonOptions options = {
+      .max_iterations = 200, .max_factorizations = 60, .max_halvings = 12, .absolute_tolerance = 1e-12};
 
  private:
   System system_;
-  LinearSolver solver_;
+  TangentSolver solver_;
 };
 
 /// What must be exerted on each node to keep `body` in this state, whoever does it, supports or loads: the
