@@ -156,7 +156,7 @@ std::vector<OgdenTerm> ogdenTerms(const TomlSection& section) {
 
 /// Unit vectors are left as they are, so that what was normalised once stays the same bits.
 Eigen::Vector3d directionOf(const TomlSection& section, const toml::node& node) {
-  const Eigen::Vector3d direction = section.vector("fiber", node);
+  Eigen::Vector3d direction = section.vector("fiber", node);
   if (direction.isZero(0)) throw section.wrong("fiber", "[0, 0, 0] has no direction");
   if (std::abs(direction.squaredNorm() - 1) < 1e-14) return direction;
   return direction.stableNormalized();

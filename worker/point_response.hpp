@@ -33,7 +33,9 @@ PALPATE_INLINE VolumeFunction constraintOf(Constraint constraint, Pack J) {
 
 PALPATE_INLINE VolumeFunction penaltyOf(double bulk, Pack J) {
   const auto [U, dU, ddU] = volumetricEnergy(bulk, J);
-  return {U, J * dU, J * dU + J * J * ddU};
+  // U has a logarithm, but not its derivatives: an inverted element must not have forces either.
+  const Pack nothing = U - U;
+  return {U, J * dU + nothing, J * dU + J * J * ddU};
 }
 
 PALPATE_INLINE void invertC(Strain<Pack>& strain) {

@@ -15,7 +15,7 @@
 #include "common/displacement_input.hpp"
 #include "common/lattice.hpp"
 #include "common/problem.hpp"
-#include "worker/transition.hpp"
+#include "worker/path.hpp"
 
 namespace palpate {
 namespace {
@@ -51,45 +51,19 @@ void refuseMistakenUnit(const Problem& problem, const Eigen::Vector3d& displacem
         displacement[0], displacement[1], displacement[2], diagonal);
 }
 
-/// The whole way from rest to `target`, in equal transitions (which adapt their steps inside).
-class Path {
- public:
-  Path(TransitionSolver& solver, double spacing, std::optional<int> steps)
-      : solver_(solver), spacing_(spacing), steps_(steps) {}
-
-  Outcome walkTo(const Eigen::Vector3d& target) {
-    Failure failure;
-    const auto rest = solver_.startAtRest(failure);
-    if (!rest) {
-      Outcome outcome;
-      outcome.failure = failure;
-      return outcome;
-    }
-    const int count =
-        steps_ ? *steps_ : std::max(1, static_cast<int>(std::ceil(target.norm() / spacing_ - 1e-9)));
-    Cost total;
-    total.factorizations = 1;  // of the rest state
-    Reached reached;
-    for (int n = 1; n <= count; ++n) {
-      reached = solver_.reach(n == 1 ? *rest : Start(reached.end), target * n / count);
-      total.newton_iterations += reached.outcome.cost.newton_iterations;
-      total.factorizations += reached.outcome.cost.factorizations;
-      total.steps += reached.outcome.cost.steps;
-      total.seconds += reached.outcome.cost.seconds;
-      if (!reached.outcome.converged) {
-        reached.outcome.failure.step_reached = (n - 1 + reached.outcome.failure.step_reached) / count;
-        break;
-      }
-    }
-    reached.outcome.cost = total;
-    return reached.outcome;
-  }
-
- private:
-  TransitionSolver& solver_;
-  double spacing_;
-  std::optional<int> steps_;
-};
+/// The whole way from rest to `target`; by default a transition for every lattice spacing.
+Outcome solveAt(TransitionSolver& solver, const Problem& problem, std::optional<int> steps,
+                const Eigen::Vector3d& target) {
+  Outcome outcome;
+  const auto rest = solver.startAtRest(outcome.failure);
+  if (!rest) return outcome;
+  const double spacings = target.norm() / problem.scene.workspace.spacing;
+  outcome =
+      walk(solver, *rest, target, steps.value_or(std::max(1, static_cast<int>(std::ceil(spacings - 1e-9)))))
+          .outcome;
+  ++outcome.cost.factorizations;  // of the rest state
+  return outcome;
+}
 
 nlohmann::ordered_json toJson(const Eigen::Vector3d& v) {
   return {v[0], v[1], v[2]};
@@ -142,11 +116,10 @@ ExitCode solve(const SolveOptions& options) {
   const std::size_t space = spaceNamed(problem, options.active);
   TransitionSolver solver(problem, chooseKernels());
   solver.chooseTool(space);
-  Path path(solver, problem.scene.workspace.spacing, options.steps);
   bool all_converged = true;
   forEachDisplacement(options.displacement, std::cin, [&](const Eigen::Vector3d& displacement) {
     refuseMistakenUnit(problem, displacement);
-    const Outcome outcome = path.walkTo(displacement);
+    const Outcome outcome = solveAt(solver, problem, options.steps, displacement);
     all_converged &= outcome.converged;
     options.json ? printJson(displacement, outcome) : printText(displacement, outcome);
     std::fflush(stdout);

@@ -6,6 +6,7 @@
 #include "common/configuration.hpp"
 #include "common/problem.hpp"
 #include "worker/kernel_family.hpp"
+#include "worker/limit_point.hpp"
 #include "worker/newton.hpp"
 #include "worker/system.hpp"
 #include "worker/tangent_solver.hpp"
@@ -62,6 +63,10 @@ class TransitionSolver {
   /// Outcome::cost counts what this transition took, the factorisation of `start` excepted (it is shared).
   Reached reach(const Start& start, const Eigen::Vector3d& target);
 
+  /// After a transition failed: whether a limit point is why, sought from where `failed` got to. When it is,
+  /// `failed` says so: Cause::limit_point, and step_reached where it lies. Costs many times a transition.
+  void explainByLimitPoint(const Start& start, const Eigen::Vector3d& target, Reached& failed);
+
  private:
   struct Sensitivity;
 
@@ -79,7 +84,7 @@ class TransitionSolver {
   TangentSolver solver_;
   std::size_t space_ = 0;
   Neighborhood near_tool_;  ///< of a rigid tool, else empty
-  bool at_rest_ = false;                   ///< the system knows its rest state
+  bool at_rest_ = false;    ///< the system knows its rest state
 };
 
 }  // namespace palpate

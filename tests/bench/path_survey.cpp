@@ -18,7 +18,7 @@
 #include "common/gmsh_reader.hpp"
 #include "common/problem.hpp"
 #include "tests/support/problems.hpp"
-#include "worker/transition.hpp"
+#include "worker/path.hpp"
 
 namespace palpate {
 namespace {
@@ -105,35 +105,8 @@ Problem problemOf(const Options& options, int axis) {
 struct Path {
   std::string node;
   Eigen::Vector3i direction;
-  double reached = 0;  ///< m
-  double smallest_det_F = 1;
-  Failure failure;
-  Cost cost;
+  WalkedPath walked;
 };
-
-Path walk(TransitionSolver& solver, const Start& rest, const Eigen::Vector3i& direction,
-          const Options& options) {
-  Path path;
-  path.direction = direction;
-  const Eigen::Vector3d unit = direction.cast<double>().normalized();
-  Start at = rest;
-  const int transitions = static_cast<int>(std::round(options.length / options.transition));
-  for (int n = 1; n <= transitions; ++n) {
-    Reached reached = solver.reach(at, unit * (options.length * n / transitions));
-    path.cost.factorizations += reached.outcome.cost.factorizations;
-    path.cost.newton_iterations += reached.outcome.cost.newton_iterations;
-    path.cost.seconds += reached.outcome.cost.seconds;
-    if (!reached.outcome.converged) {
-      path.failure = reached.outcome.failure;
-      path.reached = options.length * (n - 1 + path.failure.step_reached) / transitions;
-      return path;
-    }
-    path.smallest_det_F = std::min(path.smallest_det_F, reached.outcome.equilibrium.min_det_F);
-    path.reached = options.length * n / transitions;
-    at = std::move(reached.end);
-  }
-  return path;
-}
 
 std::vector<Eigen::Vector3i> directions() {
   std::vector<Eigen::Vector3i> all;
@@ -144,27 +117,30 @@ std::vector<Eigen::Vector3i> directions() {
   return all;
 }
 
-Json toJson(const Path& path) {
+Json toJson(const Path& path, double length) {
+  const Outcome& outcome = path.walked.outcome;
   Json json = {{"active", path.node},
                {"direction", {path.direction[0], path.direction[1], path.direction[2]}},
-               {"reached_m", path.reached},
-               {"smallest_det_F", path.smallest_det_F},
-               {"factorizations", path.cost.factorizations},
-               {"newton_iterations", path.cost.newton_iterations},
-               {"seconds", path.cost.seconds}};
-  if (path.failure.cause != Cause::none) {
-    json["cause"] = name(path.failure.cause);
-    json["element"] = path.failure.element;
-    json["element_det_F"] = path.failure.element_det_F;
-    json["negative_pivots"] = path.failure.negative_pivots;
-    json["expected_negative_pivots"] = path.failure.expected_negative_pivots;
-    json["residual"] = path.failure.residual;
+               {"reached_m", length * (outcome.converged ? 1 : outcome.failure.step_reached)},
+               {"smallest_det_F", path.walked.min_det_F},
+               {"detours", path.walked.detours},
+               {"factorizations", outcome.cost.factorizations},
+               {"newton_iterations", outcome.cost.newton_iterations},
+               {"seconds", outcome.cost.seconds}};
+  if (!outcome.converged) {
+    json["cause"] = name(outcome.failure.cause);
+    json["element"] = outcome.failure.element;
+    json["element_det_F"] = outcome.failure.element_det_F;
+    json["negative_pivots"] = outcome.failure.negative_pivots;
+    json["expected_negative_pivots"] = outcome.failure.expected_negative_pivots;
+    json["residual"] = outcome.failure.residual;
   }
   return json;
 }
 
 Json survey(const Options& options) {
-  int paths = 0, complete = 0, factorizations = 0;
+  int paths = 0, straight = 0, complete = 0, factorizations = 0;
+  const int transitions = static_cast<int>(std::round(options.length / options.transition));
   double seconds = 0;
   std::map<std::string, int> causes;
   Json stopped = Json::array(), every = Json::array();
@@ -179,18 +155,19 @@ Json survey(const Options& options) {
       const auto rest = solver.startAtRest(failure);
       if (!rest) throw palpate::failure("rest: {}", describe(failure));
       for (const Eigen::Vector3i& direction : directions()) {
-        Path path = walk(solver, *rest, direction, options);
-        path.node = fmt::format("{}/{}", axis == 0 ? "x" : "y", problem.active[space].name);
+        const Eigen::Vector3d target = options.length * direction.cast<double>().normalized();
+        const Path path = {fmt::format("{}/{}", axis == 0 ? "x" : "y", problem.active[space].name), direction,
+                           walk(solver, *rest, target, transitions)};
+        const Outcome& outcome = path.walked.outcome;
         ++paths;
-        seconds += path.cost.seconds;
-        factorizations += path.cost.factorizations;
-        if (options.every_path) every.push_back(toJson(path));
-        if (path.failure.cause == Cause::none) {
-          ++complete;
-        } else {
-          ++causes[std::string(name(path.failure.cause))];
-          stopped.push_back(toJson(path));
-        }
+        seconds += outcome.cost.seconds;
+        factorizations += outcome.cost.factorizations;
+        complete += outcome.converged ? 1 : 0;
+        straight += outcome.converged && path.walked.detours == 0 ? 1 : 0;
+        if (options.every_path) every.push_back(toJson(path, options.length));
+        if (outcome.converged) continue;
+        ++causes[std::string(name(outcome.failure.cause))];
+        stopped.push_back(toJson(path, options.length));
       }
     }
   }
@@ -202,10 +179,10 @@ Json survey(const Options& options) {
                  {"radius_m", options.radius},
                  {"paths", paths},
                  {"complete", complete},
+                 {"complete_without_detours", straight},
                  {"percent", 100.0 * complete / paths},
                  {"causes", causes},
-                 {"factorizations_per_transition",
-                  factorizations / (paths * std::round(options.length / options.transition))},
+                 {"factorizations_per_transition", factorizations / (1.0 * paths * transitions)},
                  {"seconds", seconds},
                  {"stopped", stopped}};
   if (options.every_path) result["every_path"] = every;

@@ -76,6 +76,43 @@ TEST_F(CheckCommand, WarnsOfEqualOrder) {
   EXPECT_THAT(warnings(), Contains(HasSubstr("inf-sup")));
 }
 
+TEST_F(CheckCommand, WarnsOfQuadraticEqualOrder) {
+  scene.discretization = {DisplacementSpace::p2, PressureSpace::p2};
+  EXPECT_THAT(warnings(), Contains(HasSubstr("pressure = \"P2\" with P2 displacement violates inf-sup")));
+  scene.discretization.pressure = PressureSpace::p1;
+  EXPECT_THAT(warnings(), IsEmpty());
+}
+
+TEST_F(CheckCommand, CountsQuadraticUnknownsAndSaysWhatTheToolIs) {
+  scene.discretization = {DisplacementSpace::p2, PressureSpace::p1};
+  scene.active[0].tool = ToolKind::weighted_average;
+  const json found = report();
+  const int middles = found.at("mesh").at("mid_edge_nodes"), fixed = found.at("fixed_nodes");
+  EXPECT_EQ(found.at("mesh").at("nodes"), 125);
+  EXPECT_GT(middles, 500);
+  EXPECT_EQ(fixed, 81);
+  EXPECT_EQ(found.at("active").at(0).at("tool"), "weighted-average");
+  EXPECT_EQ(found.at("active").at(0).at("unknowns"), 3 * (125 + middles - fixed) + 125);
+  EXPECT_EQ(found.at("dataset_bytes"), 515 * (12 * (125 + middles) + 4 * 125));
+  EXPECT_EQ(found.at("displacement"), "P2");
+}
+
+TEST_F(CheckCommand, PrintsRegionsAndGravity) {
+  scene.regions[0].material.density = 1060;
+  scene.regions.push_back({"body", scene.regions[0].material});
+  scene.regions.erase(scene.regions.begin());  // writeGmsh calls the volume "body"
+  scene.gravity = {0, 0, -9.81};
+  const json found = report();
+  EXPECT_EQ(found.at("regions").size(), 1u);
+  EXPECT_EQ(found.at("regions").at(0).at("group"), "body");
+  EXPECT_EQ(found.at("regions").at(0).at("law"), "mooney-rivlin");
+  EXPECT_EQ(found.at("regions").at(0).at("tetrahedra"), 384);
+  const CommandResult result = check();
+  for (const char* part : {"material   \"body\" (384 tetrahedra): mooney-rivlin, c10 = 1300 Pa",
+                           "density = 1060 kg/m^3", "gravity    (0, 0, -9.81) m/s^2"})
+    EXPECT_THAT(result.output, HasSubstr(part));
+}
+
 TEST_F(CheckCommand, WarnsOfASingleNodeUnderTheTool) {
   scene.active[0].radius = 0;
   EXPECT_THAT(warnings(), Contains(HasSubstr("single node (radius = 0)")));

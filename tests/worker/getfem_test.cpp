@@ -12,9 +12,11 @@
 #include <vector>
 
 #include "tests/support/command.hpp"
+#include "tests/support/meshes.hpp"
 #include "tests/support/problems.hpp"
 #include "tests/support/reference_data.hpp"
 #include "tests/support/reference_liver.hpp"
+#include "tests/support/temporary_directory.hpp"
 #include "worker/transition.hpp"
 
 namespace palpate {
@@ -61,12 +63,15 @@ struct GetfemStep {
   bool converged;
 };
 
-std::vector<GetfemStep> runGetfem(const GetfemCase& c, const std::filesystem::path& program,
-                                  const std::filesystem::path& mesh) {
-  const Eigen::Vector3d& tip = test::liver_tip;
-  const auto run = test::runCommand(fmt::format(
-      "/usr/bin/python3 '{}' '{}' --law {} --fixed-below x 0.15 --active {} {} {} --to {} {} {} --steps 3",
-      program.string(), mesh.string(), c.law, tip[0], tip[1], tip[2], c.target[0], c.target[1], c.target[2]));
+std::vector<GetfemStep> runGetfem(const std::string& law, const Eigen::Vector3d& active,
+                                  const Eigen::Vector3d& target, int n_steps,
+                                  const std::filesystem::path& program, const std::filesystem::path& mesh,
+                                  const std::string& options = "") {
+  const auto run =
+      test::runCommand(fmt::format("/usr/bin/python3 '{}' '{}' --law {} --fixed-below x 0.15 --active {} {} "
+                                   "{} --to {} {} {} --steps {} {}",
+                                   program.string(), mesh.string(), law, active[0], active[1], active[2],
+                                   target[0], target[1], target[2], n_steps, options));
   if (run.exit_code != 0)
     throw failure("{} ended with {} (is the package python3-getfem installed?):\n{}", program.string(),
                   run.exit_code, run.output);
@@ -81,21 +86,12 @@ std::vector<GetfemStep> runGetfem(const GetfemCase& c, const std::filesystem::pa
   return steps;
 }
 
-class Getfem : public ::testing::TestWithParam<GetfemCase> {};
-
-TEST_P(Getfem, FindsTheSameForces) {
-  PALPATE_REFERENCE_FILE(mesh, "meshes/liver-493.msh");
-  PALPATE_REFERENCE_FILE(program, "oracle/getfem_reference.py");
-  Scene scene = GetParam().scene;
-  scene.discretization.constraint = Constraint::det_F_minus_1;
-  const Problem problem = liverProblem(scene, mesh);
+/// Follows GetFEM's steps from rest and expects its forces.
+void expectSameForces(const Problem& problem, const std::vector<GetfemStep>& steps) {
   TransitionSolver solver(problem, chooseKernels());
   Failure failure;
   const auto rest = solver.startAtRest(failure);
   ASSERT_TRUE(rest) << describe(failure);
-
-  const std::vector<GetfemStep> steps = runGetfem(GetParam(), program, mesh);
-  ASSERT_EQ(steps.size(), 3u);
   Start at = *rest;
   for (const GetfemStep& step : steps) {
     ASSERT_TRUE(step.converged) << "GetFEM at " << step.displacement.transpose();
@@ -108,8 +104,66 @@ TEST_P(Getfem, FindsTheSameForces) {
   }
 }
 
+/// The nodes that the program selects: fixed in the lowest 15 % of x, the vertex nearest to `active` and what
+/// is within the radius of it; middles of edges are nodes too.
+void selectAsGetfem(Problem& problem, const Eigen::Vector3d& active, double radius) {
+  const std::vector<Eigen::Vector3d>& nodes = problem.mesh.nodes;
+  const auto along_x = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a[0] < b[0]; };
+  const auto [low, high] = std::minmax_element(nodes.begin(), nodes.end(), along_x);
+  const double plane = (*low)[0] + 0.15 * ((*high)[0] - (*low)[0]);
+  const auto nearest = std::min_element(
+      nodes.begin(), nodes.begin() + problem.mesh.vertices(),
+      [&](const auto& a, const auto& b) { return (a - active).squaredNorm() < (b - active).squaredNorm(); });
+  ActivePatch patch;
+  patch.node = static_cast<std::int32_t>(nearest - nodes.begin());
+  for (std::int32_t node = 0; node < static_cast<std::int32_t>(nodes.size()); ++node) {
+    if (nodes[node][0] < plane) {
+      problem.fixed.push_back(node);
+    } else if ((nodes[node] - *nearest).norm() <= std::max(radius, 1e-12)) {
+      patch.nodes.push_back(node);
+    }
+  }
+  problem.active = {patch};
+}
+
+class Getfem : public ::testing::TestWithParam<GetfemCase> {};
+
+TEST_P(Getfem, FindsTheSameForces) {
+  PALPATE_REFERENCE_FILE(mesh, "meshes/liver-493.msh");
+  PALPATE_REFERENCE_FILE(program, "oracle/getfem_reference.py");
+  Scene scene = GetParam().scene;
+  scene.discretization.constraint = Constraint::det_F_minus_1;
+  const std::vector<GetfemStep> steps =
+      runGetfem(GetParam().law, test::liver_tip, GetParam().target, 3, program, mesh);
+  ASSERT_EQ(steps.size(), 3u);
+  expectSameForces(liverProblem(scene, mesh), steps);
+}
+
 INSTANTIATE_TEST_SUITE_P(Laws, Getfem, ::testing::ValuesIn(cases()),
                          [](const auto& tested) { return tested.param.name; });
+
+/// Taylor-Hood elements, on an organ made in code: on the liver GetFEM takes half a minute.
+TEST(GetfemTaylorHood, FindsTheSameForcesOfANodeAndOfAPatch) {
+  PALPATE_REFERENCE_FILE(program, "oracle/getfem_reference.py");
+  const test::TemporaryDirectory directory;
+  Mesh linear = test::blobMesh();
+  linear.node_groups.clear();  // GetFEM takes their points for elements
+  test::writeGmsh22(linear, directory / "blob.msh");
+  const Eigen::Vector3d side(0.1, 0, 0.02), target(0.008, 0.004, -0.006);
+  for (const double radius : {0.0, 0.03}) {
+    Problem problem;
+    problem.scene = mooneyRivlinScene();
+    problem.scene.discretization = {DisplacementSpace::p2, PressureSpace::p1, Constraint::det_F_minus_1};
+    problem.mesh = linear;
+    addMidEdgeNodes(problem.mesh);
+    problem.region_of.assign(problem.mesh.tetrahedra.size(), 0);
+    selectAsGetfem(problem, side, radius);
+    EXPECT_EQ(problem.active[0].nodes.size() > 1, radius > 0);
+    expectSameForces(problem, runGetfem("mr", problem.mesh.nodes[problem.active[0].node], target, 1, program,
+                                        directory / "blob.msh",
+                                        fmt::format("--order 2 --pressure-order 1 --patch {}", radius)));
+  }
+}
 
 /// Mooney-Rivlin on liver-493, the tip pulled along x.
 class Liver : public ::testing::Test {
