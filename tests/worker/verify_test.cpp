@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -37,8 +38,9 @@ TEST_P(Verification, IsWithinItsTolerances) {
 TEST_P(LongVerification, IsWithinItsTolerances) {
   const char* asked = std::getenv("PALPATE_LONG_TESTS");
   if (asked == nullptr || *asked == '\0')
-    GTEST_SKIP() << "this problem takes long and was NOT checked; set PALPATE_LONG_TESTS=1 (deploy/test --all "
-                    "does)";
+    GTEST_SKIP()
+        << "this problem takes long and was NOT checked; set PALPATE_LONG_TESTS=1 (deploy/test --all "
+           "does)";
   holdToItsTolerances();
 }
 
@@ -59,9 +61,9 @@ INSTANTIATE_TEST_SUITE_P(Problem, Verification, ::testing::ValuesIn(casesThat(fa
 INSTANTIATE_TEST_SUITE_P(Problem, LongVerification, ::testing::ValuesIn(casesThat(true)), testName);
 
 TEST(VerificationRow, IsOkWithinItsToleranceAndNeverWithoutANumber) {
-  EXPECT_DOUBLE_EQ((Row{"", 2.02, 2, 0, ""}.deviation()), 0.01);
-  EXPECT_DOUBLE_EQ((Row{"", -2.02, -2, 0, ""}.deviation()), 0.01);
-  EXPECT_DOUBLE_EQ((Row{"", 1e-3, 0, 0, ""}.deviation()), 1e-3) << "absolute, where the reference is zero";
+  EXPECT_NEAR((Row{"", 2.02, 2, 0, ""}.deviation()), 0.01, 1e-15);
+  EXPECT_NEAR((Row{"", -2.02, -2, 0, ""}.deviation()), 0.01, 1e-15);
+  EXPECT_EQ((Row{"", 1e-3, 0, 0, ""}.deviation()), 1e-3) << "absolute, where the reference is zero";
   EXPECT_TRUE((Row{"", 2.02, 2, 0.011, ""}.ok()));
   EXPECT_FALSE((Row{"", 2.02, 2, 0.009, ""}.ok()));
   EXPECT_FALSE((Row{"", std::nan(""), 2, 1, ""}.ok()));

@@ -90,7 +90,7 @@ Homogeneous simpleShear(double k, double mu, double c01) {
       {" s12", [=](const Eigen::Matrix3d& P) { return cauchy(P, 0, 1); }, mu * k},
       {" s11-s22", [=](const Eigen::Matrix3d& P) { return cauchy(P, 0, 0) - cauchy(P, 1, 1); }, mu * k * k},
       {" s22-s33", [=](const Eigen::Matrix3d& P) { return cauchy(P, 1, 1) - cauchy(P, 2, 2); },
-       -2 * c01 * k * k}};
+       0.0 - 2 * c01 * k * k}};
   return state;
 }
 

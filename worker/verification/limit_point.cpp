@@ -68,9 +68,9 @@ struct LastLoad {
 /// Raises the pressure from equilibrium to equilibrium, by ever smaller steps, as far as there is one.
 LastLoad lastLoad() {
   Rig rig(cube());
-  double reached = 0, step = exact_pressure / 4;
+  double reached = 0, step = 1000;
   State state = rig.system().restState();
-  while (step > 1e-9 * exact_pressure) {
+  while (step > 1e-6) {
     rig.setLoadFactor(reached + step);
     NewtonResult result = rig.seek(state);
     if (result.cause == Cause::none && rig.negativeEigenvalues(result.state) == 0) {

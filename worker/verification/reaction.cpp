@@ -103,8 +103,6 @@ std::vector<Row> rows() {
            (differences - differences.transpose()).norm() / stiffness, 0, 1e-6},
           {"stiffness against these differences, relative", (here.stiffness - differences).norm() / stiffness,
            0, 1e-6},
-          {"stiffness, asymmetry, relative", (here.stiffness - here.stiffness.transpose()).norm() / stiffness,
-           0, 1e-10},
           {"force against the multiplier, relative",
            (here.force - multiplier(configurations.system())).norm() / force, 0, 1e-8}};
 }
