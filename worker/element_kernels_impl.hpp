@@ -11,7 +11,8 @@
 //   F = I + sum_a u_a (x) grad N_a = I + sum_b d_b (x) grad x_b,   d_b = sum_a dN_a/dx_b u_a
 //
 // so its energy is that of a tetrahedron whose vertices are displaced by d. All that is nonlinear is computed
-// for that one (VertexForces, VertexStiffness); the derivatives with respect to u are constant combinations.
+// for that one (vertexForces, vertexStiffness); derivatives with respect to u are combinations of those with
+// respect to d (atNode), the same in all elements.
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 namespace {
 
@@ -19,6 +20,7 @@ template <class Displacement_, class Pressure_>
 struct Element {
   using Displacement = Displacement_;
   using Pressure = Pressure_;
+  static constexpr bool has_pressure = Pressure::nodes > 0;
   static constexpr bool one_point = Displacement::rule.points == 1;
   static constexpr int first_pressure = 3 * Displacement::nodes;
   static constexpr int unknowns = first_pressure + Pressure::nodes;
@@ -85,6 +87,7 @@ PALPATE_INLINE void deform(const Gradients& gradients, const Pack (&d)[4][3], bo
       for (int I = 0; I < 3; ++I) F[i][I] = Pack{} + (i == I ? 1.0 : 0.0);
 }
 
+/// A stress in Voigt order as a matrix.
 struct Stress {
   Pack of[3][3];
 
@@ -108,6 +111,22 @@ PALPATE_INLINE void vertexForces(const Gradients& gradients, const Pack (&F)[3][
   }
 }
 
+/// grad x_b . S grad x_c of the first three vertices, times weight: what turning adds to the stiffness.
+PALPATE_INLINE void geometricStiffness(const Gradients& gradients, const Pack (&S)[6], Pack weight,
+                                       Pack (&geometric)[3][3]) {
+  const Stress stress(S);
+  for (int b = 0; b < 3; ++b) {
+    Pack t[3];
+    for (int I = 0; I < 3; ++I)
+      t[I] = weight * (stress.of[I][0] * gradients.of[b][0] + stress.of[I][1] * gradients.of[b][1] +
+                       stress.of[I][2] * gradients.of[b][2]);
+    for (int c = b; c < 3; ++c) {
+      geometric[b][c] = t[0] * gradients.of[c][0] + t[1] * gradients.of[c][1] + t[2] * gradients.of[c][2];
+      geometric[c][b] = geometric[b][c];
+    }
+  }
+}
+
 /// Second derivatives of weight * energy with respect to d: k[b][i][c][j].
 PALPATE_INLINE void vertexStiffness(const Gradients& gradients, const Pack (&F)[3][3],
                                     const Response& response, bool small_strain, Pack weight,
@@ -123,19 +142,7 @@ PALPATE_INLINE void vertexStiffness(const Gradients& gradients, const Pack (&F)[
         B[v][3 * b + i] = value;
       }
   Pack geometric[3][3] = {};
-  if (!small_strain) {
-    const Stress stress(response.S);
-    for (int b = 0; b < 3; ++b) {
-      Pack t[3];
-      for (int I = 0; I < 3; ++I)
-        t[I] = weight * (stress.of[I][0] * gradients.of[b][0] + stress.of[I][1] * gradients.of[b][1] +
-                         stress.of[I][2] * gradients.of[b][2]);
-      for (int c = b; c < 3; ++c) {
-        geometric[b][c] = t[0] * gradients.of[c][0] + t[1] * gradients.of[c][1] + t[2] * gradients.of[c][2];
-        geometric[c][b] = geometric[b][c];
-      }
-    }
-  }
+  if (!small_strain) geometricStiffness(gradients, response.S, weight, geometric);
   for (int column = 0; column < 9; ++column) {
     const int c = column / 3, j = column % 3;
     Pack DB[6];
@@ -154,12 +161,11 @@ PALPATE_INLINE void vertexStiffness(const Gradients& gradients, const Pack (&F)[
     }
   }
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
+    for (int j = 0; j < 3; ++j)
       for (int b = 0; b < 3; ++b) {
         k[b][i][3][j] = -(k[b][i][0][j] + k[b][i][1][j] + k[b][i][2][j]);
         k[3][j][b][i] = k[b][i][3][j];
       }
-    }
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) k[3][i][3][j] = -(k[0][i][3][j] + k[1][i][3][j] + k[2][i][3][j]);
 }
@@ -174,7 +180,13 @@ PALPATE_INLINE void addShare(Pack& sum, Pack share) {
   }
 }
 
-/// The contribution of the point x to the tangent.
+template <class Element>
+PALPATE_INLINE void addForces(const double (&x)[4], const Pack (&force)[4][3], BatchResult& result) {
+  using U = typename Element::Displacement;
+  for (int a = 0; a < U::nodes; ++a)
+    for (int i = 0; i < 3; ++i) addShare<Element>(result.residual[3 * a + i], atNode<U>(a, i, x, force));
+}
+
 template <class Element>
 PALPATE_INLINE void addStiffness(const double (&x)[4], const Pack (&k)[4][3][4][3], BatchTangent& tangent) {
   using U = typename Element::Displacement;
@@ -192,6 +204,20 @@ PALPATE_INLINE void addStiffness(const double (&x)[4], const Pack (&k)[4][3][4][
     }
 }
 
+/// force: derivatives of -scale * weight * c(J) with respect to d, those of a unit of q.
+template <class Element>
+PALPATE_INLINE void addCoupling(const double (&x)[4], const Pack (&force)[4][3], BatchTangent& tangent) {
+  using U = typename Element::Displacement;
+  using Q = typename Element::Pressure;
+  for (int a = 0; a < U::nodes; ++a)
+    for (int i = 0; i < 3; ++i) {
+      const Pack nodal = atNode<U>(a, i, x, force);
+      for (int b = 0; b < Q::nodes; ++b)
+        addShare<Element>(tangent.entry[Element::entryOf(3 * a + i, Element::first_pressure + b)],
+                          Q::value(b, x) * nodal);
+    }
+}
+
 /// The terms that are quadratic in the pressure, - integral of p^2/(2 bulk) - V alpha/(2 mu) <(p - <p>)^2>.
 template <class Element, bool with_tangent>
 PALPATE_INLINE void addPressureForm(const ElementParameters& parameters, Pack volume, const Pack* nodal_q,
@@ -202,37 +228,51 @@ PALPATE_INLINE void addPressureForm(const ElementParameters& parameters, Pack vo
   const double compressibility = parameters.bulk > 0 ? square / parameters.bulk : 0;
   const double stabilization = square * parameters.stabilization;
   for (int a = 0; a < Q::nodes; ++a) {
-    Pack row = Pack{};
+    const int row = Element::first_pressure + a;
+    Pack volume_change = Pack{};
     for (int b = 0; b < Q::nodes; ++b) {
       const double form = compressibility * means.product[a][b] + stabilization * means.deviation[a][b];
-      row += form * nodal_q[b];
+      volume_change += form * volume * nodal_q[b];
       if constexpr (with_tangent)
-        if (b >= a)
-          tangent->entry[Element::entryOf(Element::first_pressure + a, Element::first_pressure + b)] =
-              -form * volume;
+        if (b >= a) tangent->entry[Element::entryOf(row, Element::first_pressure + b)] = -form * volume;
     }
-    result.residual[Element::first_pressure + a] -= volume * row;
-    result.energy -= 0.5 * volume * row * nodal_q[a];
+    result.residual[row] -= volume_change;
+    result.energy -= 0.5 * volume_change * nodal_q[a];
   }
 }
+
+/// Nodal values of a batch.
+template <class Element>
+struct Unknowns {
+  using U = typename Element::Displacement;
+  using Q = typename Element::Pressure;
+  Pack u[U::nodes][3];
+  Pack q[Element::has_pressure ? Q::nodes : 1];
+
+  PALPATE_INLINE Unknowns(const BatchGeometry& geometry, const double* all_u, const double* all_q) {
+    for (int a = 0; a < U::nodes; ++a)
+      for (int i = 0; i < 3; ++i)
+        for (int l = 0; l < lanes; ++l) u[a][i][l] = all_u[3 * geometry.node[a][l] + i];
+    for (int b = 0; b < Q::nodes; ++b)
+      for (int l = 0; l < lanes; ++l) q[b][l] = all_q[geometry.node[b][l]];
+  }
+
+  PALPATE_INLINE Pack pressureAt(const double (&x)[4], double scale) const {
+    Pack p = Pack{};
+    for (int b = 0; b < Q::nodes; ++b) p += scale * Q::value(b, x) * q[b];
+    return p;
+  }
+};
 
 template <class Element, bool with_tangent>
 void evaluateBatch(const ElementParameters& parameters, const BatchGeometry& geometry, const double* u,
                    const double* q, BatchResult& result, BatchTangent* tangent) {
   using U = typename Element::Displacement;
   using Q = typename Element::Pressure;
-  constexpr bool has_pressure = Q::nodes > 0;
   const bool small_strain = parameters.law == LawName::linear;
   const double scale = parameters.pressure_scale;
   const Gradients gradients(geometry);
-
-  Pack nodal_u[U::nodes][3], nodal_q[has_pressure ? Q::nodes : 1];
-  for (int a = 0; a < U::nodes; ++a)
-    for (int i = 0; i < 3; ++i)
-      for (int l = 0; l < lanes; ++l) nodal_u[a][i][l] = u[3 * geometry.node[a][l] + i];
-  for (int b = 0; b < Q::nodes; ++b)
-    for (int l = 0; l < lanes; ++l) nodal_q[b][l] = q[geometry.node[b][l]];
-
+  const Unknowns<Element> nodal(geometry, u, q);
   result.det_F = Pack{} + __builtin_inf();
   if constexpr (!Element::one_point) {
     result.energy = Pack{};
@@ -240,53 +280,38 @@ void evaluateBatch(const ElementParameters& parameters, const BatchGeometry& geo
     if constexpr (with_tangent)
       for (int entry = 0; entry < localEntries(Element::unknowns); ++entry) tangent->entry[entry] = Pack{};
   }
-
   for (int n = 0; n < U::rule.points; ++n) {
     const double(&x)[4] = U::rule.point[n];
     const Pack weight = U::rule.weight[n] * geometry.volume;
-    Pack p = Pack{};
-    for (int b = 0; b < Q::nodes; ++b) p += scale * Q::value(b, x) * nodal_q[b];
-
-    Pack d[4][3];
+    Pack d[4][3], force[4][3];
     Deformation deformation;
     Response response;
-    atVertices<U>(x, nodal_u, d);
+    atVertices<U>(x, nodal.u, d);
     deform(gradients, d, small_strain, deformation);
-    respond<with_tangent>(parameters, geometry, p, deformation.strain, response);
+    respond<with_tangent>(parameters, geometry, nodal.pressureAt(x, scale), deformation.strain, response);
 
     const Pack J = deformation.strain.J;
-    // A NaN is kept as the worst.
-    result.det_F = J < result.det_F || J != J ? J : result.det_F;
+    result.det_F = J >= result.det_F ? result.det_F : J;  // J too where it is NaN
     addShare<Element>(result.energy, weight * response.energy);
-    Pack force[4][3];
     vertexForces(gradients, deformation.F, response.S, weight, force);
-    for (int a = 0; a < U::nodes; ++a)
-      for (int i = 0; i < 3; ++i) addShare<Element>(result.residual[3 * a + i], atNode<U>(a, i, x, force));
+    addForces<Element>(x, force, result);
     for (int b = 0; b < Q::nodes; ++b)
       addShare<Element>(result.residual[Element::first_pressure + b],
                         -scale * Q::value(b, x) * weight * response.constraint.value);
-
     if constexpr (with_tangent) {
       Pack k[4][3][4][3];
       vertexStiffness(gradients, deformation.F, response, small_strain, weight, k);
       addStiffness<Element>(x, k, *tangent);
-      if constexpr (has_pressure) {
-        Pack coupling[4][3];
-        // -c(J) as an energy: its stress is -J c' C^-1.
+      if constexpr (Element::has_pressure) {
+        // The constraint is an energy density too, with the stress J c' C^-1.
         vertexForces(gradients, deformation.F, deformation.strain.C_inverse,
-                     -scale * weight * response.constraint.first, coupling);
-        for (int a = 0; a < U::nodes; ++a)
-          for (int i = 0; i < 3; ++i) {
-            const Pack nodal = atNode<U>(a, i, x, coupling);
-            for (int b = 0; b < Q::nodes; ++b)
-              addShare<Element>(tangent->entry[Element::entryOf(3 * a + i, Element::first_pressure + b)],
-                                Q::value(b, x) * nodal);
-          }
+                     -scale * weight * response.constraint.first, force);
+        addCoupling<Element>(x, force, *tangent);
       }
     }
   }
-  if constexpr (has_pressure)
-    addPressureForm<Element, with_tangent>(parameters, geometry.volume, nodal_q, result, tangent);
+  if constexpr (Element::has_pressure)
+    addPressureForm<Element, with_tangent>(parameters, geometry.volume, nodal.q, result, tangent);
 }
 
 template <bool with_tangent>

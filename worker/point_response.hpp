@@ -34,7 +34,7 @@ PALPATE_INLINE VolumeFunction constraintOf(Constraint constraint, Pack J) {
 PALPATE_INLINE VolumeFunction penaltyOf(double bulk, Pack J) {
   const auto [U, dU, ddU] = volumetricEnergy(bulk, J);
   // U has a logarithm, but not its derivatives: an inverted element must not have forces either.
-  const Pack nothing = U - U;
+  const Pack nothing = 0.0 * U;
   return {U, J * dU + nothing, J * dU + J * J * ddU};
 }
 

@@ -68,13 +68,13 @@ T hyperbolicSine(const T& x) {
 inline double inverseTwoThirds(double J) {
   return 1 / __builtin_cbrt(J * J);
 }
-/// In all lanes at once, to a unit in the last place; it is a tenth of an assembly when the C library does
+/// In all lanes at once, to two units in the last place; it is a tenth of an assembly when the C library does
 /// it. x = J^2; of y = x^(-1/3) the bits are about a constant less a third of those of x, which leaves an
 /// error of 0.035. Each correction, by the series of (1 - r)^(-1/3) where r = 1 - x y^3, takes it to its
 /// third power.
 template <class T>
 T inverseTwoThirds(const T& J) {
-  using Bits = decltype(J < J);
+  using Bits = decltype(J < T{});
   constexpr long constant = 0x553ef0ff289dd796;
   const T x = J * J;
   Bits third = __builtin_bit_cast(Bits, x);
