@@ -22,15 +22,16 @@ struct Route {
   const char* program;
 };
 
-constexpr std::array<Route, 9> routes = {{{"check", "palpate-worker"},
-                                          {"build", "palpate-scheduler"},
-                                          {"query", "palpate-viewer"},
-                                          {"solve", "palpate-worker"},
-                                          {"serve", "palpate-scheduler"},
-                                          {"work", "palpate-worker"},
-                                          {"status", "palpate-scheduler"},
-                                          {"stop", "palpate-scheduler"},
-                                          {"explain", "palpate-scheduler"}}};
+constexpr std::array<Route, 10> routes = {{{"check", "palpate-worker"},
+                                           {"build", "palpate-scheduler"},
+                                           {"query", "palpate-viewer"},
+                                           {"solve", "palpate-worker"},
+                                           {"serve", "palpate-scheduler"},
+                                           {"work", "palpate-worker"},
+                                           {"status", "palpate-scheduler"},
+                                           {"stop", "palpate-scheduler"},
+                                           {"explain", "palpate-scheduler"},
+                                           {"verify", "palpate-worker"}}};
 
 constexpr const char* overview =
     R"(Feel a nonlinear soft body at 1 kHz: Palpate computes, ahead of the touch, the equilibrium of the body for a
@@ -50,6 +51,9 @@ On several machines
   status   How far it is: tags, rate, time left, workers, failures by cause
   stop     Let it finish what is running, and end it; serve goes on later
   explain  How a lattice point was reached, or why it failed
+
+Whether to trust it
+  verify   Solve problems whose solution is known; print computed, reference and deviation
 
 In five minutes, with a tetrahedral mesh organ.msh from Gmsh (here in millimetres) and this as organ.toml:
   mesh = "organ.msh"

@@ -3,9 +3,11 @@
 #include "common/program.hpp"
 #include "worker/check_command.hpp"
 #include "worker/solve_command.hpp"
+#include "worker/verify_command.hpp"
 #include "worker/work_command.hpp"
 
 int main(int argc, char** argv) {
-  const std::array verbs = {palpate::check_verb, palpate::work_verb, palpate::solve_verb};
+  const std::array verbs = {palpate::check_verb, palpate::work_verb, palpate::solve_verb,
+                            palpate::verify_verb};
   return palpate::runProgram(argc, argv, "palpate-worker: everything that solves", verbs);
 }

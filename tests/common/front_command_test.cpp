@@ -52,7 +52,7 @@ TEST_F(FrontCommand, SaysWhichProgramIsMissing) {
 TEST_F(FrontCommand, OverviewNamesEveryVerbAndIsWhatNoArgumentPrints) {
   const CommandResult result = palpate("--help");
   EXPECT_EQ(result.exit_code, 0);
-  for (const char* verb : {"build", "serve", "status", "stop", "explain", "work", "solve", "check", "query"})
+  for (const char* verb : {"build", "serve", "status", "stop", "explain", "work", "solve", "check", "query", "verify"})
     EXPECT_THAT(result.output, HasSubstr(std::string("\n  ") + verb + " "));
   EXPECT_EQ(palpate("").output, result.output);
   EXPECT_EQ(palpate("help").output, result.output);
@@ -79,7 +79,7 @@ TEST_F(FrontCommand, RefusesAnUnknownVerbNamingTheNearest) {
   EXPECT_THAT(near.output, HasSubstr("did you mean \"build\""));
   const CommandResult far = palpate("frobnicate");
   EXPECT_EQ(far.exit_code, 2);
-  EXPECT_THAT(far.output, HasSubstr("stop or explain"));
+  EXPECT_THAT(far.output, HasSubstr("explain or verify"));
 }
 
 }  // namespace

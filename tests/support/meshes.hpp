@@ -1,10 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
-#include <cstdint>
 #include <filesystem>
 
+#include "common/box_mesh.hpp"
 #include "common/mesh.hpp"
 
 /// The small bodies that tests and benchmarks share. All are finished (finishMesh), positively oriented, in
@@ -12,18 +11,9 @@
 /// the nodes of the six sides.
 namespace palpate::test {
 
-/// The box [0, size] cut into cells[0] x cells[1] x cells[2] bricks of six Kuhn tetrahedra each.
-/// (cells[0]+1)(cells[1]+1)(cells[2]+1) nodes, x fastest: node (i, j, k) has number i + (cells[0]+1) (j +
-/// (cells[1]+1) k).
-Mesh boxMesh(const Eigen::Vector3d& size, const std::array<int, 3>& cells);
-
-/// The cube [0, edge]^3 with n cells per edge: (n+1)^3 nodes, 6 n^3 tetrahedra.
-Mesh cubeMesh(double edge, int n);
-
-/// boxMesh whose inner nodes are moved at random by up to `amount` of a cell in each coordinate; the sides
-/// stay flat. amount < 0.25 keeps every tetrahedron positive.
-Mesh distortedBoxMesh(const Eigen::Vector3d& size, const std::array<int, 3>& cells, double amount = 0.2,
-                      std::uint32_t seed = 1);
+using palpate::boxMesh;
+using palpate::cubeMesh;
+using palpate::distortedBoxMesh;
 
 /// A slender beam along x, 100 x 20 x 20 mm: 99 nodes, 240 tetrahedra.
 Mesh beamMesh();

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+/// Verification problems: bodies whose solution is known on paper or published, solved with the same System
+/// and Newton as everything else. `palpate verify` prints them, tests/worker/verify_test.cpp holds them to
+/// their tolerance. docs/verification.md says what each is and where its reference comes from.
+namespace palpate::verification {
+
+/// One number and what it should be.
+struct Row {
+  std::string name;
+  double computed = 0;
+  double reference = 0;
+  double tolerance = 0;  ///< for `deviation`
+  const char* unit = "";
+
+  /// |computed - reference|, relative to the reference unless that is zero. NaN when `computed` is.
+  double deviation() const;
+  bool ok() const { return deviation() <= tolerance; }
+};
+
+/// One problem: some rows that are computed together.
+struct Case {
+  const char* name;  ///< lower case, words joined by hyphens
+  bool takes_long;   ///< more than a few seconds: only with --all
+  std::vector<Row> (*run)();
+};
+
+/// All cases in the order of docs/verification.md.
+std::vector<Case> cases();
+
+/// The rows of one case. A solve that does not converge, or another error, becomes one row that is not ok and
+/// says what happened.
+std::vector<Row> rowsOf(const Case& problem);
+
+/// The cases of one subject, one function per file of this folder.
+std::vector<Case> homogeneousCases();
+std::vector<Case> manufacturedCases();
+std::vector<Case> infSupCases();
+std::vector<Case> cookCases();
+std::vector<Case> punchCases();
+std::vector<Case> torsionCases();
+std::vector<Case> inflationCases();
+std::vector<Case> elasticaCases();
+std::vector<Case> limitPointCases();
+std::vector<Case> reactionCases();
+std::vector<Case> contactStiffnessCases();
+
+}  // namespace palpate::verification

@@ -1,0 +1,119 @@
+// Stiffness k(h) that three tools feel on a unit cube (bottom fixed, the middle of the top moved up, linear
+// law, nu = 0.3) against the element size h: of a single node proportional to h, without a limit (a point
+// load in three dimensions is singular); of patches of radius 1/8 convergent.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "common/box_mesh.hpp"
+#include "worker/verification/case.hpp"
+#include "worker/verification/rig.hpp"
+
+namespace palpate::verification {
+namespace {
+
+constexpr double young = 15480, poisson = 0.3, patch_radius = 0.125;  ///< Pa, -, m
+
+const Eigen::Vector3d middle(0.5, 0.5, 1);  ///< of the top
+
+Material linear() {
+  Material material = stVenantKirchhoff(young, poisson);
+  material.law = LawName::linear;
+  return material;
+}
+
+Discretization displacementOnly(DisplacementSpace displacement) {
+  return displacement == DisplacementSpace::p2 ? p2_displacement : p1_displacement;
+}
+
+/// k/E, metres, of the body's tool moved along z.
+double stiffness(const BodyModel& body) {
+  Rig rig(body);
+  const System& system = rig.system();
+  const Eigen::Vector3d up(0, 0, 1e-3);
+  const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(system.unknowns());
+  const NewtonResult result = rig.equilibrium(system.moved(system.restState(), nothing, 1, up), up);
+  return result.residual.tool[2] / up[2] / young;
+}
+
+/// The nodes of the top within `radius` of its middle as one rigid tool, on a mesh of h = 1/elements.
+double discStiffness(DisplacementSpace displacement, int elements, double radius) {
+  BodyModel body = bodyOf(cubeMesh(1, elements), displacementOnly(displacement), linear());
+  hold(body, "zmin", "xyz");
+  Tool disc;
+  for (const std::int32_t node : nodesInPlane(body.mesh, 2, 1))
+    if ((body.mesh.nodes[node] - middle).norm() < radius + 1e-9) disc.nodes.push_back(node);
+  body.tools = {disc};
+  return stiffness(body);
+}
+
+/// The tool of a scene: it takes the nodes inside the body within the radius too, or weights those of the
+/// surface.
+double sceneStiffness(DisplacementSpace displacement, int elements, ToolKind kind) {
+  Scene scene;
+  scene.name = "contact stiffness";
+  scene.regions[0].material = linear();
+  scene.discretization = displacementOnly(displacement);
+  scene.fixed.groups = {"zmin"};
+  ActiveSelection active;
+  active.name = "middle";
+  active.near = middle;
+  active.radius = patch_radius;
+  active.tool = kind;
+  scene.active = {active};
+  return stiffness(bodyModel(resolve(std::move(scene), cubeMesh(1, elements))));
+}
+
+Row singleNode(int elements) {
+  const double k = discStiffness(DisplacementSpace::p1, elements, 0);
+  return {fmt::format("single node P1, h = 1/{}: k/(E h)", elements), k * elements, 1.10, 0.03};
+}
+
+Row disc(DisplacementSpace displacement, int elements, double reference) {
+  return {fmt::format("rigid disc {}, h = 1/{}: k/E", word(displacement), elements),
+          discStiffness(displacement, elements, patch_radius), reference, 0.005, "m"};
+}
+
+/// k/E of the weighted average on a half-space. The normal load p(r) = 3/(pi a^2) (1 - (r/a)^2)^2 has the
+/// Hankel transform 48 J3(z)/z^3, z = k a, and the half-space the compliance 2 (1 - nu^2)/(E k) (Johnson,
+/// Contact Mechanics, 1985), so that E a/k = (1 - nu^2)/pi * integral of (48 J3/z^3)^2 dz, in gamma functions
+/// by Weber and Schafheitlin.
+double halfSpace() {
+  const double integral =
+      48 * 48 * std::tgamma(6) * std::tgamma(0.5) / (64 * std::pow(std::tgamma(3.5), 2) * std::tgamma(6.5));
+  return std::numbers::pi * patch_radius / ((1 - poisson * poisson) * integral);
+}
+
+/// The cube is a half-space to about 1 %, the rest is the mesh.
+Row weighted(DisplacementSpace displacement, int elements, double tolerance) {
+  return {fmt::format("weighted average {}, h = 1/{}: k/E", word(displacement), elements),
+          sceneStiffness(displacement, elements, ToolKind::weighted_average), halfSpace(), tolerance, "m"};
+}
+
+/// k of a mesh against k of one twice as fine.
+Row rigidPatch(int elements) {
+  return {fmt::format("rigid patch P2, h = 1/{} as 1/{}: k/E", elements, 2 * elements),
+          sceneStiffness(DisplacementSpace::p2, elements, ToolKind::rigid),
+          sceneStiffness(DisplacementSpace::p2, 2 * elements, ToolKind::rigid), 0.1, "m"};
+}
+
+std::vector<Row> quickRows() {
+  using enum DisplacementSpace;
+  return {singleNode(4),       singleNode(8),       singleNode(16),        disc(p1, 8, 0.359),
+          disc(p1, 16, 0.294), disc(p2, 8, 0.2746), weighted(p1, 16, 0.2), weighted(p2, 8, 0.1)};
+}
+
+std::vector<Row> longRows() {
+  using enum DisplacementSpace;
+  return {disc(p1, 24, 0.292),   disc(p1, 32, 0.284),    disc(p2, 12, 0.2803),  rigidPatch(6),
+          weighted(p1, 32, 0.1), weighted(p2, 12, 0.05), weighted(p2, 16, 0.04)};
+}
+
+}  // namespace
+
+std::vector<Case> contactStiffnessCases() {
+  return {{"contact-stiffness", false, quickRows}, {"contact-stiffness-fine", true, longRows}};
+}
+
+}  // namespace palpate::verification

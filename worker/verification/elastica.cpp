@@ -1,0 +1,110 @@
+// A slender cantilever under a dead tip load: the elastica (Bisshopp and Drucker 1945).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "common/box_mesh.hpp"
+#include "worker/verification/case.hpp"
+#include "worker/verification/rig.hpp"
+
+namespace palpate::verification {
+namespace {
+
+constexpr double length = 1, height = length / 50, young = 1e6;  ///< m, m, Pa
+constexpr double second_moment = height * height * height * height / 12;
+
+/// A place of the centre line, arc length 1: along, down, angle, curvature.
+using Section = Eigen::Vector4d;
+
+/// The centre line at `stations` + 1 places, clamped at the first: angle'' = -load cos(angle), by Runge and
+/// Kutta, with the curvature at the clamp bisected for a tip without a moment.
+std::vector<Section> elastica(double load, int stations) {
+  constexpr int substeps = 20;
+  const double ds = 1.0 / (stations * substeps);
+  const auto slope = [load](const Section& at) {
+    return Section(std::cos(at[2]), std::sin(at[2]), at[3], -load * std::cos(at[2]));
+  };
+  const auto shot = [&](double curvature) {
+    std::vector<Section> line = {Section(0, 0, 0, curvature)};
+    for (int station = 0; station < stations; ++station) {
+      Section at = line.back();
+      for (int substep = 0; substep < substeps; ++substep) {
+        const Section k1 = slope(at), k2 = slope(at + ds / 2 * k1), k3 = slope(at + ds / 2 * k2);
+        at += ds / 6 * (k1 + 2 * k2 + 2 * k3 + slope(at + ds * k3));
+      }
+      line.push_back(at);
+    }
+    return line;
+  };
+  double low = 0, high = load;
+  for (int halving = 0; halving < 60; ++halving) {
+    const double middle = (low + high) / 2;
+    (shot(middle).back()[3] < 0 ? low : high) = middle;
+  }
+  return shot(low);
+}
+
+/// Bernoulli's hypothesis: sections stay plane and normal to the centre line. Newton starts here, because
+/// from a straight beam the bending of one step is a stretch thousands of times as stiff.
+State bentAlong(const std::vector<Section>& line, const Mesh& mesh, State state) {
+  for (std::size_t node = 0; node < mesh.nodes.size(); ++node) {
+    const Eigen::Vector3d& X = mesh.nodes[node];
+    const auto station = static_cast<std::size_t>(std::lround(X[0] / length * double(line.size() - 1)));
+    const double along = line[station][0], down = line[station][1], angle = line[station][2];
+    const double off_centre = X[2] - height / 2;
+    setDisplacement(state, static_cast<std::int32_t>(node),
+                    {length * along + std::sin(angle) * off_centre - X[0], 0,
+                     -length * down + (std::cos(angle) - 1) * off_centre});
+  }
+  return state;
+}
+
+struct Tip {
+  double down, back;  ///< of the length: v/L and u/L
+};
+
+/// `load` is P L^2/(E I).
+Tip bent(double load, int cells) {
+  BodyModel body =
+      bodyOf(boxMesh({length, height, height}, {cells, 1, 1}), p2_displacement, stVenantKirchhoff(young, 0));
+  hold(body, "xmin", "xyz");
+  const double force = load * young * second_moment / (length * length);
+  std::vector<Triangle> end;
+  for (const Triangle& face : body.mesh.surface)
+    if (std::all_of(face.begin(), face.end(),
+                    [&](std::int32_t node) { return body.mesh.nodes[node][0] > length * (1 - 1e-9); }))
+      end.push_back(face);
+  addTraction(body, end, {0, 0, -force / (height * height)});
+  Rig rig(body);
+  const NewtonResult result =
+      rig.equilibrium(bentAlong(elastica(load, 2 * cells), body.mesh, rig.system().restState()));
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  const auto& nodes = body.mesh.node_groups.at("xmax");
+  for (const std::int32_t node : nodes) mean += displacementOf(result.state, node);
+  mean /= static_cast<double>(nodes.size());
+  return {-mean[2] / length, -mean[0] / length};
+}
+
+void addRows(double load, int cells, const Tip& reference, double tolerance, std::vector<Row>& rows) {
+  const Tip tip = bent(load, cells);
+  const std::string name = fmt::format("P2, {} elements long, P L^2/(E I) = {}", cells, load);
+  rows.push_back({name + ": v/L", tip.down, reference.down, tolerance});
+  rows.push_back({name + ": u/L", tip.back, reference.back, tolerance});
+}
+
+std::vector<Row> rows() {
+  std::vector<Row> rows;
+  addRows(1, 50, {0.30172, 0.05643}, 0.002, rows);
+  addRows(10, 100, {0.81061, 0.55500}, 0.002, rows);
+  return rows;
+}
+
+}  // namespace
+
+std::vector<Case> elasticaCases() {
+  return {{"elastica", false, rows}};
+}
+
+}  // namespace palpate::verification

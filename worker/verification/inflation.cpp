@@ -1,0 +1,110 @@
+// A hollow sphere and a tube in plane strain whose inner wall is pushed outwards. The pressure that this
+// takes is the work of the wall's reaction per volume of the hollow (Rivlin, Ogden; closed forms for
+// Mooney-Rivlin).
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "worker/verification/case.hpp"
+#include "worker/verification/meshes.hpp"
+#include "worker/verification/rig.hpp"
+
+namespace palpate::verification {
+namespace {
+
+constexpr double inner = 0.01, outer = 0.02, thickness = 0.005;  ///< metres
+constexpr double c10 = 1300, c01 = 1280;
+constexpr double stretch = 1.5;  ///< of the inner wall
+constexpr double pi = std::numbers::pi;
+
+double exactSphere() {
+  const double a = stretch, ratio = inner / outer;
+  const double b = std::cbrt(1 + (a * a * a - 1) * ratio * ratio * ratio);
+  return c10 * (4 / b + std::pow(b, -4) - 4 / a - std::pow(a, -4)) +
+         c01 * (4 * (a - b) - 2 * (1 / (a * a) - 1 / (b * b)));
+}
+
+double exactTube() {
+  const double a = stretch, ratio = inner / outer;
+  const double b = std::sqrt(1 + (a * a - 1) * ratio * ratio);
+  return 2 * (c10 + c01) * (std::log(a / b) - (1 / (a * a) - 1 / (b * b)) / 2);
+}
+
+void holdSymmetryPlanes(BodyModel& body) {
+  hold(body, nodesInPlane(body.mesh, 0, 0), "x");
+  hold(body, nodesInPlane(body.mesh, 1, 0), "y");
+  hold(body, nodesInPlane(body.mesh, 2, 0), "z");
+}
+
+/// The pressure that keeps the nodes of `wall` at `stretch` times where they were. `radial` has a 1 for each
+/// coordinate that grows: d = 3 of a sphere, 2 of a tube. `hollow`: the volume inside at rest, which grows by
+/// d stretch^(d-1) of itself per unit of stretch. Newton starts at r^d = R^d + const, where volumes stay.
+double pressure(BodyModel body, const std::string& wall, const Eigen::Vector3d& radial, double hollow) {
+  const double d = radial.sum(), growth = (std::pow(stretch, d) - 1) * std::pow(inner, d);
+  hold(body, wall, "xyz");
+  Rig rig(body);
+  State state = rig.system().restState();
+  for (std::size_t node = 0; node < body.mesh.nodes.size(); ++node) {
+    const Eigen::Vector3d X = body.mesh.nodes[node].cwiseProduct(radial);
+    const double r = std::pow(std::pow(X.norm(), d) + growth, 1 / d);
+    setDisplacement(state, static_cast<std::int32_t>(node), (r / X.norm() - 1) * X);
+  }
+  const auto& nodes = body.mesh.node_groups.at(wall);
+  for (const std::int32_t node : nodes)
+    setDisplacement(state, node, (stretch - 1) * body.mesh.nodes[node].cwiseProduct(radial));
+  state = rig.equilibrium(std::move(state)).state;
+
+  const NodalForces forces = nodalForces(body, state);
+  double work = 0;  // of the wall's reactions per unit of stretch
+  for (const std::int32_t node : nodes)
+    work += forces.row(node).dot(body.mesh.nodes[node].cwiseProduct(radial));
+  return work / (d * std::pow(stretch, d - 1) * hollow);
+}
+
+double spherePressure(const Discretization& discretization, int n) {
+  BodyModel octant = bodyOf(sphereOctantMesh(inner, outer, n), discretization, mooneyRivlin(c10, c01));
+  holdSymmetryPlanes(octant);
+  return pressure(std::move(octant), "first", {1, 1, 1}, pi / 6 * inner * inner * inner);
+}
+
+double tubePressure(const Discretization& discretization, int n) {
+  BodyModel quarter =
+      bodyOf(quarterTubeMesh(inner, outer, thickness, n), discretization, mooneyRivlin(c10, c01));
+  holdSymmetryPlanes(quarter);
+  hold(quarter, "last", "z");
+  return pressure(std::move(quarter), "inner", {1, 1, 0}, pi / 4 * inner * inner * thickness);
+}
+
+std::vector<Row> rowsOfMeshes(const std::string& name, double (*solved)(const Discretization&, int),
+                              const Discretization& discretization, int n, double exact) {
+  const double coarse = solved(discretization, n), fine = solved(discretization, 2 * n);
+  const std::string meshes = fmt::format("{}, n = {} to {}", name, n, 2 * n);
+  return {{meshes + ": order of the pressure", orderOf(coarse - exact, fine - exact), 2, 0.1},
+          {meshes + ": pressure, extrapolated", (4 * fine - coarse) / 3, exact, 0.005, "Pa"}};
+}
+
+std::vector<Row> sphereRows() {
+  return rowsOfMeshes("sphere P2/P1", spherePressure, taylor_hood, 4, exactSphere());
+}
+std::vector<Row> tubeRows() {
+  return rowsOfMeshes("tube P2/P1", tubePressure, taylor_hood, 4, exactTube());
+}
+std::vector<Row> longRows() {
+  std::vector<Row> rows = rowsOfMeshes("sphere P2/P1", spherePressure, taylor_hood, 6, exactSphere());
+  for (const Row& row : rowsOfMeshes("sphere P1-stabilized", spherePressure, stabilized, 8, exactSphere()))
+    rows.push_back(row);
+  for (const Row& row : rowsOfMeshes("tube P2/P1", tubePressure, taylor_hood, 12, exactTube()))
+    rows.push_back(row);
+  return rows;
+}
+
+}  // namespace
+
+std::vector<Case> inflationCases() {
+  return {{"sphere-inflation", false, sphereRows},
+          {"tube-inflation", false, tubeRows},
+          {"inflation-fine", true, longRows}};
+}
+
+}  // namespace palpate::verification

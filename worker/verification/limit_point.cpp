@@ -1,0 +1,102 @@
+// A St. Venant-Kirchhoff cube under a dead pressure reaches a limit point at stretch 1/sqrt(3), where its
+// tangent stops being positive definite; beyond the pressure E/(3 sqrt(3)) there is no equilibrium.
+#include <algorithm>
+#include <cmath>
+
+#include "common/box_mesh.hpp"
+#include "worker/verification/case.hpp"
+#include "worker/verification/rig.hpp"
+
+namespace palpate::verification {
+namespace {
+
+constexpr double young = 15480, poisson = 0.3, edge = 0.1;  ///< Pa, -, m
+const double exact_stretch = 1 / std::sqrt(3), exact_pressure = young / (3 * std::sqrt(3));
+
+/// On three planes of symmetry; a pressure of 1 Pa (of the area at rest) on the side xmax.
+BodyModel cube() {
+  BodyModel body = bodyOf(cubeMesh(edge, 1), p1_displacement, stVenantKirchhoff(young, poisson));
+  hold(body, "xmin", "x");
+  hold(body, "ymin", "y");
+  hold(body, "zmin", "z");
+  std::vector<Triangle> pressed;
+  for (const Triangle& face : body.mesh.surface)
+    if (std::all_of(face.begin(), face.end(),
+                    [&](std::int32_t node) { return body.mesh.nodes[node][0] > edge * (1 - 1e-9); }))
+      pressed.push_back(face);
+  addTraction(body, pressed, {-1, 0, 0});
+  return body;
+}
+
+/// Equilibria with the side xmax held at `stretch`, on both sides of the limit point, reached in steps.
+State compressedTo(double stretch) {
+  BodyModel body = cube();
+  hold(body, "xmax", "x");
+  Rig rig(body);
+  rig.setLoadFactor(0);
+  State state = rig.system().restState();
+  constexpr int steps = 10;
+  for (int step = 1; step <= steps; ++step) {
+    for (const std::int32_t node : body.mesh.node_groups.at("xmax"))
+      state.u[3 * static_cast<std::size_t>(node)] = (stretch - 1) * edge * step / steps;
+    state = rig.equilibrium(std::move(state)).state;
+  }
+  return state;
+}
+
+/// Negative eigenvalues of the tangent with the side xmax free: where there are none, the state is stable
+/// under the load that keeps it.
+int negativeUnderLoad(double stretch) {
+  const State state = compressedTo(stretch);
+  return Rig(cube()).negativeEigenvalues(state);
+}
+
+/// Bisects where the tangent loses definiteness.
+double stretchOfLimitPoint() {
+  double stable = 0.65, unstable = 0.5;
+  while (stable - unstable > 1e-8) {
+    const double middle = (stable + unstable) / 2;
+    (negativeUnderLoad(middle) == 0 ? stable : unstable) = middle;
+  }
+  return stable;
+}
+
+struct LastLoad {
+  double pressure, stretch;
+};
+
+/// Raises the pressure from equilibrium to equilibrium, by ever smaller steps, as far as there is one.
+LastLoad lastLoad() {
+  Rig rig(cube());
+  double reached = 0, step = 1000;
+  State state = rig.system().restState();
+  while (step > 1e-6) {
+    rig.setLoadFactor(reached + step);
+    NewtonResult result = rig.seek(state);
+    if (result.cause == Cause::none && rig.negativeEigenvalues(result.state) == 0) {
+      reached += step;
+      state = std::move(result.state);
+    } else {
+      step /= 2;
+    }
+  }
+  const std::int32_t pressed = rig.body().mesh.node_groups.at("xmax").front();
+  return {reached, 1 + displacementOf(state, pressed)[0] / edge};
+}
+
+std::vector<Row> rows() {
+  const LastLoad last = lastLoad();
+  return {{"limit point, tangent no longer definite: stretch", stretchOfLimitPoint(), exact_stretch, 1e-5},
+          {"limit point, last load with an equilibrium", last.pressure, exact_pressure, 1e-6, "Pa"},
+          {"limit point, stretch at that load", last.stretch, exact_stretch, 1e-3},
+          {"before it, at 0.60: negative eigenvalues", double(negativeUnderLoad(0.60)), 0, 0},
+          {"beyond it, at 0.55: negative eigenvalues", double(negativeUnderLoad(0.55)), 1, 0}};
+}
+
+}  // namespace
+
+std::vector<Case> limitPointCases() {
+  return {{"st-venant-limit-point", false, rows}};
+}
+
+}  // namespace palpate::verification

@@ -1,0 +1,88 @@
+// A quarter of an incompressible block under a pressure on the middle of its top, up to 69 % compression
+// (Reese, Wriggers, Reddy 2000; p/p0 = 80). The top cannot move sideways, so the load is dead and following
+// at once.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "common/box_mesh.hpp"
+#include "worker/verification/case.hpp"
+#include "worker/verification/rig.hpp"
+
+namespace palpate::verification {
+namespace {
+
+constexpr double mu = 80.194e6, p0 = 4e6;  ///< Pa; lengths in metres, ratios are what matters
+
+/// The planes of symmetry are x = 1 and y = 0, so that the diagonals of the top run towards its middle,
+/// (1, 0, 1). `load` is p/p0.
+BodyModel block(const Discretization& discretization, int n, double load) {
+  BodyModel body = bodyOf(cubeMesh(1, n), discretization, neoHookean(mu));
+  hold(body, "xmax", "x");
+  hold(body, "ymin", "y");
+  hold(body, "zmin", "z");
+  hold(body, "zmax", "xy");
+  std::vector<Triangle> pressed;
+  for (const Triangle& face : body.mesh.surface)
+    if (std::all_of(face.begin(), face.end(), [&](std::int32_t node) {
+          const Eigen::Vector3d& X = body.mesh.nodes[node];
+          return X[2] > 1 - 1e-9 && X[0] > 0.5 - 1e-9 && X[1] < 0.5 + 1e-9;
+        }))
+      pressed.push_back(face);
+  addTraction(body, pressed, {0, 0, -load * p0});
+  return body;
+}
+
+/// How far the middle of the top goes down, of the block's height.
+double depth(const Discretization& discretization, int n, double load, int steps) {
+  const NewtonResult result = Rig(block(discretization, n, load)).loadInSteps(steps);
+  const int middle_of_top = n + (n + 1) * (n + 1) * n;
+  return -displacementOf(result.state, middle_of_top)[2];
+}
+
+Row row(const std::string& element, const Discretization& discretization, int n, double load,
+        double reference, double tolerance) {
+  return {fmt::format("{}, n = {}, p/p0 = {}: depth", element, n, load), depth(discretization, n, load, 1),
+          reference, tolerance};
+}
+
+Row sameFromSteps(const std::string& element, const Discretization& discretization, int n) {
+  return {fmt::format("{}, n = {}, p/p0 = 80: from 16 load steps as from 1", element, n),
+          depth(discretization, n, 80, 16), depth(discretization, n, 80, 1), 1e-8};
+}
+
+/// The limit of fine meshes at p/p0 = 20, 40, 60, 80, extrapolated.
+struct Limit {
+  double load, depth;
+};
+constexpr std::array<Limit, 4> limits = {{{20, 0.2197}, {40, 0.4246}, {60, 0.5846}, {80, 0.692}}};
+
+constexpr Discretization stabilized_J = {DisplacementSpace::p1, PressureSpace::p1_stabilized,
+                                         Constraint::det_F_minus_1};
+
+std::vector<Row> quickRows() {
+  std::vector<Row> rows;
+  for (const Limit& limit : limits)
+    rows.push_back(row("P2/P1", taylor_hood, 6, limit.load, limit.depth, 0.01));
+  rows.push_back(row("P1-stabilized, det F - 1", stabilized_J, 8, 80, 0.692, 0.03));
+  rows.push_back(sameFromSteps("P2/P1", taylor_hood, 4));
+  rows.push_back(sameFromSteps("P1-stabilized", stabilized, 8));
+  return rows;
+}
+
+std::vector<Row> longRows() {
+  std::vector<Row> rows;
+  for (const Limit& limit : limits)
+    rows.push_back(row("P2/P1", taylor_hood, 8, limit.load, limit.depth, 0.005));
+  rows.push_back(sameFromSteps("P2/P1", taylor_hood, 8));
+  return rows;
+}
+
+}  // namespace
+
+std::vector<Case> punchCases() {
+  return {{"block-punch", false, quickRows}, {"block-punch-fine", true, longRows}};
+}
+
+}  // namespace palpate::verification

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <functional>
+
+#include "common/mesh.hpp"
+
+namespace palpate::verification {
+
+/// A point of integration in an element, with the element's shape functions there. Written for verification
+/// alone, apart from the element kernels that it checks.
+struct IntegrationPoint {
+  double weight;      ///< m^3
+  Eigen::Vector3d X;  ///< metres, at rest
+  int nodes;          ///< 4, or 10 on a quadratic mesh
+  std::array<std::int32_t, 10> node;
+  std::array<double, 10> N;
+  std::array<Eigen::Vector3d, 10> gradient;  ///< of N, 1/m
+  std::array<double, 4> vertex_N;            ///< the linear shape functions of the first four nodes
+};
+
+/// Calls `visit` at the points of a rule of degree 7 in every tetrahedron (Gauss-Legendre, collapsed from the
+/// cube), in a fixed order.
+void integrate(const Mesh& mesh, const std::function<void(const IntegrationPoint&)>& visit);
+
+}  // namespace palpate::verification

@@ -1,0 +1,116 @@
+// What a tool feels: minus the gradient of the stored energy, with a symmetric derivative, and the Lagrange
+// multiplier of the paper.
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "common/box_mesh.hpp"
+#include "common/error.hpp"
+#include "worker/kernel_family.hpp"
+#include "worker/transition.hpp"
+#include "worker/verification/case.hpp"
+#include "worker/verification/rig.hpp"
+
+namespace palpate::verification {
+namespace {
+
+/// A clamped box whose upper far edge is the tool.
+Problem clampedBox() {
+  Scene scene;
+  scene.name = "clamped box";
+  scene.regions[0].material = mooneyRivlin();
+  scene.fixed.groups = {"xmin"};
+  ActiveSelection active;
+  active.name = "edge";
+  active.near = Eigen::Vector3d(0.15, 0.05, 0.1);
+  active.radius = 0.05;
+  scene.active = {active};
+  return resolve(std::move(scene), distortedBoxMesh({0.15, 0.1, 0.1}, {3, 2, 2}));
+}
+
+const Eigen::Vector3d place(0.012, -0.02, 0.015);  ///< of the tool, metres
+
+/// The configurations of a problem, each solved from rest as a worker solves them.
+class Configurations {
+ public:
+  explicit Configurations(const Problem& problem) : solver_(problem, chooseKernels()) {
+    Failure problem_at_rest;
+    std::optional<Start> rest = solver_.startAtRest(problem_at_rest);
+    if (!rest) throw failure("no rest state: {}", describe(problem_at_rest));
+    rest_ = std::move(*rest);
+  }
+  const System& system() const { return solver_.system(); }
+  Equilibrium at(const Eigen::Vector3d& p) {
+    const Outcome outcome = solver_.reach(rest_, p).outcome;
+    if (!outcome.converged) throw failure("no equilibrium: {}", describe(outcome.failure));
+    return outcome.equilibrium;
+  }
+
+ private:
+  TransitionSolver solver_;
+  Start rest_;
+};
+
+/// The tissue's force with the tool's displacement an unknown a and a = p a constraint with a multiplier l:
+/// r_f = 0, r_a + l = 0, a - p = 0.
+Eigen::Vector3d multiplier(const System& system) {
+  const int n = system.unknowns();
+  State state = system.restState();
+  Eigen::Vector3d a = Eigen::Vector3d::Zero(), l = Eigen::Vector3d::Zero();
+  for (int step = 1; step <= 20; ++step) {
+    const Eigen::Vector3d p = place * std::min(1.0, step / 4.0);
+    Residual residual;
+    Tangent tangent;
+    system.assemble(state, residual, tangent);
+    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n + 6, n + 6);
+    for (std::size_t entry = 0; entry < tangent.values.size(); ++entry) {
+      const int row = system.pattern().row[entry] - 1, column = system.pattern().column[entry] - 1;
+      K(row, column) = K(column, row) = tangent.values[entry];
+    }
+    K.block(0, n, n, 3) = tangent.tool_coupling;
+    K.block(n, 0, 3, n) = tangent.tool_coupling.transpose();
+    K.block(n, n, 3, 3) = tangent.tool;
+    K.block(n, n + 3, 3, 3) = K.block(n + 3, n, 3, 3) = Eigen::Matrix3d::Identity();
+    Eigen::VectorXd r(n + 6);
+    r << residual.free, residual.tool + l, a - p;
+    const Eigen::VectorXd move = K.partialPivLu().solve(-r);
+    a += move.segment<3>(n);
+    l += move.tail<3>();
+    state = system.moved(state, move.head(n), 1, a);
+    if (step > 4 && move.norm() < 1e-13) break;
+  }
+  return l;
+}
+
+std::vector<Row> rows() {
+  const Problem problem = clampedBox();
+  Configurations configurations(problem);
+  constexpr double h = 1e-5;  // metres
+  const Equilibrium here = configurations.at(place);
+  Eigen::Vector3d gradient;
+  Eigen::Matrix3d differences;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
+    const Equilibrium up = configurations.at(place + e), down = configurations.at(place - e);
+    gradient[i] = (up.energy - down.energy) / (2 * h);
+    differences.col(i) = (up.force - down.force) / (2 * h);
+  }
+  const double force = here.force.norm(), stiffness = here.stiffness.norm();
+  return {{"force + gradient of the energy, relative", (here.force + gradient).norm() / force, 0, 1e-6},
+          {"differences of the force, asymmetry, relative",
+           (differences - differences.transpose()).norm() / stiffness, 0, 1e-6},
+          {"stiffness against these differences, relative", (here.stiffness - differences).norm() / stiffness,
+           0, 1e-6},
+          {"force against the multiplier, relative",
+           (here.force - multiplier(configurations.system())).norm() / force, 0, 1e-8}};
+}
+
+}  // namespace
+
+std::vector<Case> reactionCases() {
+  return {{"force-and-stiffness", false, rows}};
+}
+
+}  // namespace palpate::verification

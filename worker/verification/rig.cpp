@@ -1,0 +1,144 @@
+#include "worker/verification/rig.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/error.hpp"
+#include "worker/kernel_family.hpp"
+
+namespace palpate::verification {
+
+Material mooneyRivlin(double c10, double c01) {
+  Material material;
+  material.law = LawName::mooney_rivlin;
+  material.c10 = c10;
+  material.c01 = c01;
+  return material;
+}
+
+Material neoHookean(double mu) {
+  Material material;
+  material.law = LawName::neo_hookean;
+  material.mu = mu;
+  return material;
+}
+
+Material stVenantKirchhoff(double young, double poisson) {
+  Material material;
+  material.law = LawName::st_venant_kirchhoff;
+  material.young = young;
+  material.poisson = poisson;
+  return material;
+}
+
+BodyModel bodyOf(Mesh mesh, const Discretization& discretization, const Material& material) {
+  BodyModel body;
+  body.mesh = std::move(mesh);
+  if (discretization.displacement == DisplacementSpace::p2) addMidEdgeNodes(body.mesh);
+  body.discretization = discretization;
+  body.materials = {material};
+  body.region_of.assign(body.mesh.tetrahedra.size(), 0);
+  if (!material.fibers.empty()) {
+    std::array<Eigen::Vector3d, 2> directions = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+    std::copy(material.fibers.begin(), material.fibers.end(), directions.begin());
+    body.fibers.assign(body.mesh.tetrahedra.size(), directions);
+  }
+  body.fixed.assign(3 * body.mesh.nodes.size(), 0);
+  return body;
+}
+
+void hold(BodyModel& body, const std::vector<std::int32_t>& nodes, std::string_view axes) {
+  for (const std::int32_t node : nodes)
+    for (const char axis : axes) body.fixed[3 * node + (axis - 'x')] = 1;
+}
+
+void hold(BodyModel& body, const std::string& group, std::string_view axes) {
+  hold(body, body.mesh.node_groups.at(group), axes);
+}
+
+std::vector<std::int32_t> nodesInPlane(const Mesh& mesh, int axis, double value) {
+  double size = 0;
+  for (const Eigen::Vector3d& X : mesh.nodes) size = std::max(size, (X - mesh.nodes[0]).norm());
+  std::vector<std::int32_t> nodes;
+  for (std::size_t node = 0; node < mesh.nodes.size(); ++node)
+    if (std::abs(mesh.nodes[node][axis] - value) < 1e-9 * size)
+      nodes.push_back(static_cast<std::int32_t>(node));
+  return nodes;
+}
+
+Eigen::Vector3d displacementOf(const State& state, std::int32_t node) {
+  return Eigen::Map<const Eigen::Vector3d>(&state.u[3 * static_cast<std::size_t>(node)]);
+}
+
+void setDisplacement(State& state, std::int32_t node, const Eigen::Vector3d& u) {
+  Eigen::Map<Eigen::Vector3d>(&state.u[3 * static_cast<std::size_t>(node)]) = u;
+}
+
+Rig::Rig(const BodyModel& body) : system_(body, chooseKernels()), solver_(system_) {}
+
+NewtonResult Rig::seek(State start, const Eigen::Vector3d& tool) {
+  return findEquilibrium(system_, solver_, std::move(start), tool, options);
+}
+
+NewtonResult Rig::equilibrium(State start, const Eigen::Vector3d& tool) {
+  NewtonResult result = seek(std::move(start), tool);
+  if (result.cause != Cause::none)
+    throw failure("no equilibrium: {} after {} iterations, residual {:.2g} N", name(result.cause),
+                  result.iterations, result.residual.norm);
+  return result;
+}
+
+NewtonResult Rig::loadInSteps(int steps) {
+  NewtonResult reached;
+  reached.state = system_.restState();
+  for (int step = 1; step <= steps; ++step) {
+    setLoadFactor(static_cast<double>(step) / steps);
+    reached = equilibrium(std::move(reached.state));
+  }
+  return reached;
+}
+
+std::int32_t Rig::negativeEigenvalues(const State& state) {
+  Residual residual;
+  Tangent tangent;
+  system_.assemble(state, residual, tangent);
+  return solver_.factorize(tangent).negative_pivots;
+}
+
+NodalForces nodalForces(const BodyModel& body, const State& state) {
+  BodyModel loose = body;
+  loose.fixed.assign(loose.fixed.size(), 0);
+  loose.load.clear();
+  loose.tools.clear();
+  const System system(std::move(loose), chooseKernels());
+  Residual residual;
+  system.assemble(state, residual);
+  const State number = numbering(system);
+  NodalForces forces(body.mesh.nodes.size(), 3);
+  for (std::size_t component = 0; component < number.u.size(); ++component)
+    forces.data()[component] = residual.free[std::lround(number.u[component]) - 1];
+  return forces;
+}
+
+Eigen::Matrix3d meanStress(const BodyModel& body, const State& state) {
+  const NodalForces forces = nodalForces(body, state);
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (Eigen::Index node = 0; node < forces.rows(); ++node)
+    sum += forces.row(node).transpose() * body.mesh.nodes[node].transpose();
+  return sum / measure(body.mesh).volume;
+}
+
+State numbering(const System& system) {
+  State zero = system.restState();
+  std::fill(zero.u.begin(), zero.u.end(), 0.0);
+  std::fill(zero.q.begin(), zero.q.end(), 0.0);
+  const Eigen::VectorXd numbers = Eigen::VectorXd::LinSpaced(system.unknowns(), 1, system.unknowns());
+  return system.moved(zero, numbers, 1, Eigen::Vector3d::Zero());
+}
+
+double orderOf(double coarse_error, double fine_error) {
+  return std::log2(coarse_error / fine_error);
+}
+
+}  // namespace palpate::verification

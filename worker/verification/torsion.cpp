@@ -1,0 +1,71 @@
+// A cylinder whose ends turn against each other and keep their distance. The axial force that this takes
+// (Poynting's effect) tells C10 from C01, the torque does not (Rivlin 1949).
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <numbers>
+
+#include "worker/verification/case.hpp"
+#include "worker/verification/meshes.hpp"
+#include "worker/verification/rig.hpp"
+
+namespace palpate::verification {
+namespace {
+
+constexpr double radius = 0.01, length = 0.01, twist = 50;  ///< m, m, rad/m
+constexpr double c10 = 1300, c01 = 1280;
+constexpr double pi = std::numbers::pi;
+constexpr double R4 = radius * radius * radius * radius;
+constexpr double exact_torque = pi * (c10 + c01) * twist * R4;                  ///< N m
+constexpr double exact_axial = -pi * twist * twist * R4 * (c10 + 2 * c01) / 2;  ///< N, negative: it presses
+
+struct Reaction {
+  double torque, axial;  ///< on the end z = length
+};
+
+Eigen::Vector3d turned(const Eigen::Vector3d& X) {
+  return Eigen::AngleAxisd(twist * X[2], Eigen::Vector3d::UnitZ()) * X;
+}
+
+Reaction twisted(int n) {
+  BodyModel body = bodyOf(cylinderMesh(radius, length, n, n), taylor_hood, mooneyRivlin(c10, c01));
+  hold(body, "first", "xyz");
+  hold(body, "last", "xyz");
+  Rig rig(body);
+  State start = rig.system().restState();
+  for (std::size_t node = 0; node < body.mesh.nodes.size(); ++node)
+    setDisplacement(start, static_cast<std::int32_t>(node),
+                    turned(body.mesh.nodes[node]) - body.mesh.nodes[node]);
+  const NewtonResult result = rig.equilibrium(start);
+  const NodalForces forces = nodalForces(body, result.state);
+  Reaction reaction{0, 0};
+  for (const std::int32_t node : body.mesh.node_groups.at("last")) {
+    const Eigen::Vector3d x = turned(body.mesh.nodes[node]), f = forces.row(node);
+    reaction.torque += x.cross(f)[2];
+    reaction.axial += f[2];
+  }
+  return reaction;
+}
+
+std::vector<Row> rowsOfMeshes(int n) {
+  const Reaction coarse = twisted(n), fine = twisted(2 * n);
+  const auto extrapolated = [](double a, double b) { return (4 * b - a) / 3; };
+  const std::string meshes = fmt::format("P2/P1, n = {} to {}", n, 2 * n);
+  return {
+      {meshes + ": torque, order", orderOf(coarse.torque - exact_torque, fine.torque - exact_torque), 2, 0.1},
+      {meshes + ": torque, extrapolated", extrapolated(coarse.torque, fine.torque), exact_torque, 0.005,
+       "N m"},
+      {meshes + ": axial force, order", orderOf(coarse.axial - exact_axial, fine.axial - exact_axial), 2,
+       0.1},
+      {meshes + ": axial force, extrapolated", extrapolated(coarse.axial, fine.axial), exact_axial, 0.005,
+       "N"}};
+}
+
+}  // namespace
+
+std::vector<Case> torsionCases() {
+  return {{"torsion", false, [] { return rowsOfMeshes(3); }},
+          {"torsion-fine", true, [] { return rowsOfMeshes(5); }}};
+}
+
+}  // namespace palpate::verification
