@@ -81,9 +81,11 @@ std::optional<TangentSolver::Refined> TangentSolver::solveWith(const Tangent& ta
   Refined refined;
   refined.solution = Eigen::MatrixXd::Zero(right_hand_sides.rows(), right_hand_sides.cols());
   refined.residual = -right_hand_sides;
-  const Eigen::RowVectorXd goal = tolerance * right_hand_sides.colwise().norm();
+  // A weighted tool's right-hand sides are displacements, what the refinement leaves are forces.
+  const double stiffness = system_.forceScale() / system_.meanEdge();
+  const Eigen::RowVectorXd size = right_hand_sides.colwise().norm().cwiseMax(stiffness);
   Eigen::MatrixXd correction;
-  double before = right_hand_sides.norm();
+  double before = size.norm();
   for (int refinement = 0; refinement < max_refinements; ++refinement) {
     correction = -refined.residual;
     if (!solve(correction)) return std::nullopt;
@@ -91,8 +93,8 @@ std::optional<TangentSolver::Refined> TangentSolver::solveWith(const Tangent& ta
     refined.residual = multiply(tangent, refined.solution) - right_hand_sides;
     if (!refined.residual.allFinite()) return std::nullopt;
     const double now = refined.residual.norm();
-    if (before > 0) refined.contraction = std::max(refined.contraction, now / before);
-    if ((refined.residual.colwise().norm().array() <= goal.array()).all()) return refined;
+    refined.contraction = std::max(refined.contraction, now / before);
+    if ((refined.residual.colwise().norm().array() <= tolerance * size.array()).all()) return refined;
     if (!(now <= slowest_contraction * before)) return std::nullopt;
     before = now;
   }

@@ -35,8 +35,8 @@ class TangentSolver {
     double contraction = 0;    ///< largest ratio of successive residual norms
   };
   /// Solves for `tangent` itself with the factors of one near it, by refinement, until each residual is
-  /// `tolerance` of its right-hand side. Nothing when it does not contract by a half each time (then the
-  /// factors are too far away), or MUMPS reports an error.
+  /// `tolerance` of its right-hand side, or of mu h (N/m) where that is more. Nothing when it does not
+  /// contract by a half each time (then the factors are too far away), or MUMPS reports an error.
   [[nodiscard]] std::optional<Refined> solveWith(const Tangent& tangent,
                                                  const Eigen::MatrixXd& right_hand_sides, double tolerance);
 

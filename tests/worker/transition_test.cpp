@@ -61,6 +61,80 @@ TEST_F(TransitionTest, ForceIsMinusTheGradientOfTheEnergyAndStiffnessItsDerivati
   }
 }
 
+TEST_F(TransitionTest, AWeightedToolHasTheForceAndStiffnessOfItsEnergyAndStartsFromWhatIsStored) {
+  Scene scene = mooneyRivlinScene();
+  scene.fixed.groups = {"xmin"};
+  ActiveSelection active;
+  active.name = "tip";
+  active.near = blob_tip;
+  active.radius = 0.06;
+  active.tool = ToolKind::weighted_average;
+  scene.active = {active};
+  clamp(resolve(scene, test::blobMesh()));
+  const Eigen::Vector3d target(0.008, -0.012, 0.006);
+  const Equilibrium here = equilibriumAt(target);
+  constexpr double h = 1e-5;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
+    const Equilibrium up = equilibriumAt(target + e), down = equilibriumAt(target - e);
+    EXPECT_NEAR((up.energy - down.energy) / (2 * h), -here.force[i], 1e-6 * here.force.norm());
+    EXPECT_LT(((up.force - down.force) / (2 * h) - here.stiffness.col(i)).norm(),
+              1e-6 * here.stiffness.norm());
+  }
+  Failure failure;
+  const auto start = solver_->startFrom(reach(0.5 * target).fields, 0.5 * target, failure);
+  ASSERT_TRUE(start);
+  const Outcome restarted = solver_->reach(*start, target).outcome;
+  ASSERT_TRUE(restarted.converged);
+  EXPECT_LT((restarted.equilibrium.force - here.force).norm(), 1e-8 * here.force.norm());
+}
+
+TEST_F(TransitionTest, UnderGravityTheZeroConfigurationIsAnEquilibriumWithoutForce) {
+  Scene scene = mooneyRivlinScene();
+  scene.regions[0].material.density = 1060;
+  scene.gravity = {0, 0, -5};
+  clamp(scene);
+  const Outcome origin = reach(Eigen::Vector3d::Zero());
+  ASSERT_TRUE(origin.converged);
+  const Eigen::Vector3d target(0.006, -0.01, 0.004);
+  const Equilibrium here = equilibriumAt(target);
+  EXPECT_LT(origin.equilibrium.force.norm(), 1e-8 * here.force.norm());
+  EXPECT_NEAR(origin.equilibrium.energy, 0, 1e-12);
+  const std::int32_t tip = problem_.active[0].node;
+  EXPECT_LT(origin.fields.displacement[3 * tip + 2], -1e-3) << "the body sags";
+  EXPECT_NEAR(reach(target).fields.displacement[3 * tip + 2] - origin.fields.displacement[3 * tip + 2],
+              target.z(), 1e-8);
+  constexpr double h = 1e-5;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
+    const double up = equilibriumAt(target + e).energy, down = equilibriumAt(target - e).energy;
+    EXPECT_NEAR((up - down) / (2 * h), -here.force[i], 1e-6 * here.force.norm());
+  }
+}
+
+TEST_F(TransitionTest, ABodyThatItsWeightCollapsesSaysSo) {
+  Scene scene = mooneyRivlinScene();
+  scene.regions[0].material.density = 1060;
+  scene.gravity = {0, 0, -3e4};
+  problem_ = test::clampedProblem(scene, test::blobMesh(), blob_tip);
+  solver_.emplace(problem_, chooseKernels());
+  Failure failure;
+  EXPECT_FALSE(solver_->startAtRest(failure));
+  EXPECT_NE(failure.cause, Cause::none);
+}
+
+TEST_F(TransitionTest, AStepOfAnElementTakesFewTangents) {
+  clamp(mooneyRivlinScene());
+  int factorizations = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0}) {
+      const Outcome outcome = reach(sign * 0.03 * Eigen::Vector3d::Unit(axis));
+      ASSERT_TRUE(outcome.converged) << describe(outcome.failure);
+      factorizations += outcome.cost.factorizations;
+    }
+  EXPECT_LE(factorizations, 12);
+}
+
 TEST_F(TransitionTest, TheZeroConfigurationHasNoForceAndAStiffness) {
   clamp(mooneyRivlinScene());
   const Outcome origin = reach(Eigen::Vector3d::Zero());
