@@ -64,7 +64,7 @@ class Newton {
 
  private:
   double tolerance() const {
-    return options_.absolute_tolerance * system_.forceScale() +
+    return options_.absolute_tolerance * (system_.forceScale() + system_.totalLoad()) +
            options_.relative_tolerance * now_.residual.tool.norm();
   }
 

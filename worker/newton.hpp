@@ -16,8 +16,8 @@ struct NewtonOptions {
   double slow_contraction = 0.5;
   /// ... or when at that rate it is done after no more iterations than a new tangent is worth.
   int iterations_worth_a_tangent = 8;
-  /// Converged when the residual norm is at most absolute * System::forceScale() + relative * |force on the
-  /// tool|. Leaves the force right to about 1e-9 relative.
+  /// Converged when the residual norm is at most absolute * (System::forceScale() + totalLoad()) + relative *
+  /// |force on the tool|. Leaves the force right to about 1e-9 relative.
   double absolute_tolerance = 1e-10;
   double relative_tolerance = 1e-9;
 };

@@ -71,6 +71,8 @@ System::System(BodyModel model, const ElementKernels& kernels)
   buildBatches();
   buildPattern();
   buildScatter();
+  for (std::size_t n = 0; n < model_.load.size(); n += 3)
+    total_load_ += Eigen::Map<const Eigen::Vector3d>(&model_.load[n]).norm();
   if (!model_.tools.empty()) chooseTool(0);
 }
 

@@ -97,6 +97,10 @@ class System {
   /// Tolerances are relative to it, so the softest material is solved as well as if it were alone.
   double forceScale() const { return shear_modulus_ * mean_edge_ * mean_edge_; }
 
+  /// Sum of the magnitudes of the nodal loads, newtons, whatever the load factor: the other size of forces,
+  /// beside forceScale(), that round-off is relative to.
+  double totalLoad() const { return total_load_; }
+
   /// What moves, an index into BodyModel::tools; or nothing does.
   void chooseTool(std::size_t tool);
   void releaseTool();
@@ -175,6 +179,7 @@ class System {
   std::int32_t pressures_ = 0;                 ///< unknowns among them
   std::optional<std::size_t> tool_;
   double load_factor_ = 1;
+  double total_load_ = 0;  ///< newtons
   State rest_;
   double energy_at_rest_ = 0;
 

@@ -215,8 +215,11 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
     const double next = std::min(1.0, at + step);
     const bool last = next == 1;
     const Eigen::Vector3d displacement = last ? target : Eigen::Vector3d(origin + next * whole);
-    NewtonResult newton = findEquilibrium(system_, solver_, approach(*from, displacement), displacement,
-                                          last ? options_.newton : loose);
+    NewtonOptions newton_options = last ? options_.newton : loose;
+    newton_options.max_factorizations = std::min(newton_options.max_factorizations,
+                                                 options_.max_factorizations - outcome.cost.factorizations);
+    NewtonResult newton =
+        findEquilibrium(system_, solver_, approach(*from, displacement), displacement, newton_options);
     outcome.cost.newton_iterations += newton.iterations;
     outcome.cost.factorizations += newton.factorizations;
 

@@ -43,7 +43,8 @@ TEST_F(PathTest, ALimitPointIsNamedWhereThePathTurnsBack) {
   const double just_before = failure.step_reached - 0.01;
   const WalkedPath near_limit = walk(solver_, before.end, along(5.0 / 6 + just_before / 6), 4);
   ASSERT_TRUE(near_limit.outcome.converged);
-  EXPECT_GT(near_limit.outcome.equilibrium.stiffness.norm(), 1.25 * before.outcome.equilibrium.stiffness.norm());
+  EXPECT_GT(near_limit.outcome.equilibrium.stiffness.norm(),
+            1.25 * before.outcome.equilibrium.stiffness.norm());
 }
 
 TEST_F(PathTest, ADetourLeadsPastIt) {
