@@ -83,7 +83,7 @@ Discretization readDiscretization(const TomlSection* section, const std::vector<
 }
 
 Eigen::Vector3d readGravity(const TomlSection& section, const std::vector<Region>& regions) {
-  const Eigen::Vector3d acceleration = section.vector(
+  Eigen::Vector3d acceleration = section.vector(
       "acceleration", section.require("acceleration", "[x, y, z] in m/s^2, for instance [0, 0, -9.81]"));
   for (const Region& region : regions)
     if (!acceleration.isZero(0) && !region.material.density)

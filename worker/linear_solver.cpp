@@ -5,6 +5,7 @@
 #include <smumps_c.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "common/error.hpp"
 
@@ -132,7 +133,7 @@ Factorization LinearSolver::factorize(const std::vector<double>& values) {
 }
 
 bool LinearSolver::solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) {
-  return mumps_->solve(right_hand_sides);
+  return mumps_->solve(std::move(right_hand_sides));
 }
 
 double LinearSolver::factorEntries() const {
