@@ -24,14 +24,14 @@ struct Material {
   double young = 0;                    ///< Pa, > 0; linear and the two St. Venant-Kirchhoff laws
   std::optional<double> poisson = {};  ///< -1 to 0.5; needed by linear and st-venant-kirchhoff, optional for
                                        ///< the modified law
-  double c10 = 0;                     ///< Pa, > 0; mooney-rivlin, yeoh
-  double c01 = 0;                     ///< Pa, >= 0; mooney-rivlin
-  double c20 = 0, c30 = 0;            ///< Pa; yeoh; c30 >= 0
-  double mu = 0;                      ///< Pa, > 0; neo-hookean, holzapfel-gasser-ogden (its ground matrix)
-  std::vector<OgdenTerm> ogden = {};  ///< 1 to 3 terms
-  double c1 = 0, c2 = 0;              ///< veronda-westmann: Pa and -, both > 0
-  double k1 = 0, k2 = 0;              ///< holzapfel-gasser-ogden: Pa and -, both > 0
-  double dispersion = 0;              ///< holzapfel-gasser-ogden: kappa of Gasser et al. 2006, 0 to 1/3
+  double c10 = 0;                      ///< Pa, > 0; mooney-rivlin, yeoh
+  double c01 = 0;                      ///< Pa, >= 0; mooney-rivlin
+  double c20 = 0, c30 = 0;             ///< Pa; yeoh; c30 >= 0
+  double mu = 0;                       ///< Pa, > 0; neo-hookean, holzapfel-gasser-ogden (its ground matrix)
+  std::vector<OgdenTerm> ogden = {};   ///< 1 to 3 terms
+  double c1 = 0, c2 = 0;               ///< veronda-westmann: Pa and -, both > 0
+  double k1 = 0, k2 = 0;               ///< holzapfel-gasser-ogden: Pa and -, both > 0
+  double dispersion = 0;               ///< holzapfel-gasser-ogden: kappa of Gasser et al. 2006, 0 to 1/3
   std::vector<Eigen::Vector3d> fibers =
       {};                        ///< holzapfel-gasser-ogden: 1 or 2 unit directions at rest, or none
   std::string fiber_field = {};  ///< instead of `fibers`: element vectors of this name in the mesh (Mesh)
