@@ -5,7 +5,6 @@
 #include <smumps_c.h>
 
 #include <algorithm>
-#include <utility>
 
 #include "common/error.hpp"
 
@@ -25,7 +24,7 @@ class LinearSolver::Arithmetic {
  public:
   virtual ~Arithmetic() = default;
   virtual Factorization factorize(const std::vector<double>& values) = 0;
-  virtual bool solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) = 0;
+  virtual bool solve(Eigen::Ref<Eigen::MatrixXd>& right_hand_sides) = 0;
   virtual int infog(int number) const = 0;
   virtual double factorFlops() const = 0;
 };
@@ -82,7 +81,7 @@ class Mumps : public LinearSolver::Arithmetic {
     return result;
   }
 
-  bool solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) override {
+  bool solve(Eigen::Ref<Eigen::MatrixXd>& right_hand_sides) override {
     // Columns of size one: small residuals would leave the range of single precision.
     Eigen::RowVectorXd scale = right_hand_sides.cwiseAbs().colwise().maxCoeff();
     scale = (scale.array() > 0).select(scale, 1.0);
@@ -133,7 +132,7 @@ Factorization LinearSolver::factorize(const std::vector<double>& values) {
 }
 
 bool LinearSolver::solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) {
-  return mumps_->solve(std::move(right_hand_sides));
+  return mumps_->solve(right_hand_sides);
 }
 
 double LinearSolver::factorEntries() const {

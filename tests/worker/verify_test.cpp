@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <ostream>
 #include <string>
 
 #include "tests/support/command.hpp"
@@ -14,6 +15,12 @@
 #include "worker/verification/quadrature.hpp"
 
 namespace palpate::verification {
+
+/// How a test's parameter is shown.
+void PrintTo(const Case& problem, std::ostream* out) {
+  *out << problem.name;
+}
+
 namespace {
 
 using test::runCommand;
