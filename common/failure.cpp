@@ -46,6 +46,11 @@ std::string describe(const Failure& f) {
           "wrong_inertia {}: {} negative pivots instead of {}, a fold or another branch lies between", where,
           f.negative_pivots, f.expected_negative_pivots);
     case Cause::factorization_failed:
+      if (f.mumps_infog1 >= 0)
+        return fmt::format(
+            "factorization_failed {}: the solution with the factors cannot be refined, the tangent is nearly "
+            "singular",
+            where);
       return fmt::format("factorization_failed {}: MUMPS INFOG(1) = {}, INFOG(2) = {}", where, f.mumps_infog1,
                          f.mumps_infog2);
     case Cause::not_finite:

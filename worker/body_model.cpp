@@ -1,7 +1,6 @@
 #include "worker/body_model.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 
 #include "common/error.hpp"
 
@@ -9,10 +8,9 @@ namespace palpate {
 namespace {
 
 std::int32_t middleOf(const Mesh& mesh, std::int32_t a, std::int32_t b) {
-  const Edge edge = {std::min(a, b), std::max(a, b)};
-  const auto found = std::lower_bound(mesh.edges.begin(), mesh.edges.end(), edge);
-  if (found == mesh.edges.end() || *found != edge) throw failure("nodes {} and {} share no edge", a, b);
-  return mesh.vertices() + static_cast<std::int32_t>(found - mesh.edges.begin());
+  const std::int32_t middle = midEdgeNode(mesh, a, b);
+  if (middle < 0) throw failure("nodes {} and {} share no edge", a, b);
+  return middle;
 }
 
 void addLoad(BodyModel& model, std::int32_t node, const Eigen::Vector3d& force) {

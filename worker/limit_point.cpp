@@ -1,5 +1,6 @@
 #include "worker/limit_point.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 

@@ -16,8 +16,9 @@ struct LimitPoint {
   std::int32_t negative_pivots = 0;  ///< of the tangent there, beyond the turn
 };
 
-/// Follows the equilibria from `start` (displacement p0) towards `target` by arc length: p = p0 + s (target -
-/// p0), with s an unknown (Riks 1979, Crisfield 1981; corrections in the plane normal to the predictor).
+/// Follows the equilibria from `start` (displacement p0) towards `target` (metres) by arc length: p = p0 + s
+/// (target - p0), with s an unknown (Riks 1979, Crisfield 1981; corrections in the plane normal to the
+/// predictor).
 ///
 /// A limit point is returned when s was seen to decrease along the continuous path and the tangent's inertia
 /// has changed: beyond it this branch has no equilibrium, so that no step size would have reached the target.

@@ -52,6 +52,7 @@ TransitionSolver::TransitionSolver(const Problem& problem, const ElementKernels&
 }
 
 void TransitionSolver::chooseTool(std::size_t space) {
+  if (system_.tool() == space && !near_tool_.unknowns.empty()) return;
   system_.chooseTool(space);
   space_ = space;
   const bool rigid = problem_.active.at(space).weights.empty();
@@ -87,10 +88,10 @@ bool TransitionSolver::solveRest(Failure& failure) {
     system_.setLoadFactor(next);
     NewtonResult newton = findEquilibrium(system_, solver_, state, Eigen::Vector3d::Zero(), options_.newton);
     const auto expected = system_.expectedNegativePivots();
-    if (newton.cause == Cause::none && expected && newton.factorization.negative_pivots != *expected) {
-      newton.cause = Cause::wrong_inertia;
-      failure.expected_negative_pivots = *expected;
-    }
+    // Without a factorisation the load was too small to move anything, and nothing was counted.
+    const bool unstable = newton.cause == Cause::none && newton.factorizations > 0 && expected &&
+                          newton.factorization.negative_pivots != *expected;
+    if (unstable) newton.cause = Cause::wrong_inertia;
     if (newton.cause == Cause::none) {
       state = std::move(newton.state);
       at = next;
@@ -98,10 +99,8 @@ bool TransitionSolver::solveRest(Failure& failure) {
     }
     step = (next - at) / 2;
     if (step < smallest_load_step) {
-      const std::int32_t expected_pivots = failure.expected_negative_pivots;
       failure = failureOf(newton.cause, newton);
-      failure.expected_negative_pivots = expected_pivots;
-      failure.step_reached = 0;
+      if (unstable) failure.expected_negative_pivots = *expected;
       return false;
     }
   }
@@ -114,6 +113,10 @@ std::optional<Start> TransitionSolver::linearize(State state, Failure& failure) 
   NewtonResult here;
   Tangent tangent;
   system_.assemble(state, here.residual, tangent);
+  if (!std::isfinite(here.residual.norm)) {
+    failure = failureOf(here.residual.min_det_F <= 0 ? Cause::inverted_element : Cause::not_finite, here);
+    return std::nullopt;
+  }
   here.factorization = solver_.factorize(tangent);
   std::optional<TangentSolver::Refined> refined;
   if (here.factorization.ok)
@@ -255,6 +258,8 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
 
 void TransitionSolver::explainByLimitPoint(const Start& start, const Eigen::Vector3d& target,
                                            Reached& failed) {
+  const auto expected = system_.expectedNegativePivots();
+  if (!expected) return;  // spurious modes: an inertia that changed would prove nothing
   const double reached = failed.outcome.failure.step_reached;
   const State& from = reached > 0 ? failed.end.state : start.state;
   const auto limit = findLimitPoint(system_, solver_, from, target);
@@ -263,7 +268,7 @@ void TransitionSolver::explainByLimitPoint(const Start& start, const Eigen::Vect
   failure.cause = Cause::limit_point;
   failure.step_reached = reached + (1 - reached) * limit->at;
   failure.negative_pivots = limit->negative_pivots;
-  failure.expected_negative_pivots = system_.expectedNegativePivots().value_or(0) + system_.multipliers();
+  failure.expected_negative_pivots = *expected + system_.multipliers();
 }
 
 NodalFields TransitionSolver::fieldsOf(const State& state) const {

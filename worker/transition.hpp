@@ -64,7 +64,8 @@ class TransitionSolver {
   Reached reach(const Start& start, const Eigen::Vector3d& target);
 
   /// After a transition failed: whether a limit point is why, sought from where `failed` got to. When it is,
-  /// `failed` says so: Cause::limit_point, and step_reached where it lies. Costs many times a transition.
+  /// `failed` says so: Cause::limit_point, and step_reached where it lies. Costs many times a transition. Not
+  /// looked for where the inertia says nothing (System::expectedNegativePivots).
   void explainByLimitPoint(const Start& start, const Eigen::Vector3d& target, Reached& failed);
 
  private:

@@ -112,6 +112,14 @@ TEST_F(TransitionTest, UnderGravityTheZeroConfigurationIsAnEquilibriumWithoutFor
   }
 }
 
+TEST_F(TransitionTest, AWeightTooSmallToMoveAnythingLeavesTheRestStateStable) {
+  Scene scene = mooneyRivlinScene();
+  scene.regions[0].material.density = 1060;
+  scene.gravity = {0, 0, -1e-10};
+  clamp(scene);
+  EXPECT_TRUE(reach({0, 0.01, 0}).converged);
+}
+
 TEST_F(TransitionTest, UnderItsWeightEveryElementConverges) {
   Scene scene = mooneyRivlinScene();
   scene.regions[0].material.density = 1060;
