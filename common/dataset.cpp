@@ -90,8 +90,8 @@ Mesh readMesh(const Reader& in, DisplacementSpace displacement) {
   return mesh;
 }
 
-Lattice readLattice(const Reader& in, const Workspace& workspace) {
-  Lattice lattice(workspace.radius, workspace.spacing);
+Lattice readLattice(const Reader& in, const Scene& scene) {
+  Lattice lattice = uniformLattice(scene);
   const auto n_points = static_cast<hsize_t>(lattice.size());
   const auto ijk = in.read<std::int32_t>("/lattice/ijk", {n_points, 3});
   const auto position = in.read<double>("/lattice/position", {n_points, 3});
@@ -111,12 +111,18 @@ Lattice readLattice(const Reader& in, const Workspace& workspace) {
 /// Reads the arrays of one configuration space.
 class SpaceReader {
  public:
-  SpaceReader(const Reader& in, const ActiveSelection& active, std::size_t n_points, std::size_t n_nodes)
-      : in_(in), name_(active.name), tool_(active.tool), n_points_(n_points), n_nodes_(n_nodes) {}
+  SpaceReader(const Reader& in, const ActiveSelection& active, const Lattice& lattice, std::size_t n_nodes)
+      : in_(in),
+        name_(active.name),
+        tool_(active.tool),
+        lattice_(lattice),
+        n_points_(static_cast<std::size_t>(lattice.size())),
+        n_nodes_(n_nodes) {}
 
   SpaceTable read() const {
     SpaceTable space;
     space.patch = readPatch();
+    space.lattice = lattice_;
     space.points.resize(n_points_);
     readTags(space.points);
     readEquilibria(space.points);
@@ -222,6 +228,7 @@ class SpaceReader {
   const Reader& in_;
   std::string name_;
   ToolKind tool_;
+  const Lattice& lattice_;
   std::size_t n_points_, n_nodes_;
 };
 
@@ -235,7 +242,7 @@ struct Dataset::Impl {
         scene(sceneIn(in, scene_toml, path.string())),
         mesh(readMesh(in, scene.discretization.displacement)),
         fixed(readNodes(in, "/mesh/fixed_nodes", mesh.nodes.size())),
-        lattice(readLattice(in, scene.workspace)) {
+        lattice(readLattice(in, scene)) {
     content_id = idIn(in, "content_hash");
     build_id = idIn(in, "build_id");
     kernel_family = in.text("kernel_family");
@@ -244,7 +251,7 @@ struct Dataset::Impl {
     if (in.groupsIn("/spaces").size() != scene.active.size())
       throw in.damaged("/spaces", "are not the active nodes of the scene");
     for (const ActiveSelection& active : scene.active) {
-      const SpaceReader reader(in, active, static_cast<std::size_t>(lattice.size()), mesh.nodes.size());
+      const SpaceReader reader(in, active, lattice, mesh.nodes.size());
       reader.checkFields(pressureNodes(scene.discretization.pressure, mesh));
       spaces.push_back(reader.read());
     }
@@ -296,9 +303,6 @@ const Mesh& Dataset::mesh() const {
 }
 const std::vector<std::int32_t>& Dataset::fixedNodes() const {
   return impl_->fixed;
-}
-const Lattice& Dataset::lattice() const {
-  return impl_->lattice;
 }
 const std::vector<SpaceTable>& Dataset::spaces() const {
   return impl_->spaces;

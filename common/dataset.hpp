@@ -34,11 +34,21 @@ struct PointRecord {
   ContentId fields;         ///< of its NodalFields; all zero when not solved
 };
 
+/// An exact solution at a position off the lattice. No interpolation may use it: it is there to measure
+/// interpolations.
+struct Probe {
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< metres
+  PointRecord record;  ///< its parent is a lattice point; never unknown in a complete build
+};
+
 /// One configuration space without the bulky fields. points[n] belongs to lattice number n.
 struct SpaceTable {
   ActivePatch patch;
+  Lattice lattice;
+  std::vector<LatticeCell> splits;  ///< cells that were split into eight, sorted by (level, lowest)
   std::vector<PointRecord> points;
-  std::vector<FailedAttempt> attempts;  ///< sorted by (target, order in which they were tried)
+  std::vector<FailedAttempt> attempts;  ///< sorted by (target, order in which they were tried); no probes
+  std::vector<Probe> probes;
 };
 
 /// Gives the nodal fields of a solved point while a dataset is sealed. Throws Error when they cannot be read.
@@ -48,12 +58,12 @@ using FieldsSource = std::function<NodalFields(std::size_t space, std::int32_t p
 /// renamed over FILE, directory fsynced. At any kill FILE is the old one, the new one or absent, never a
 /// part. The bytes are a function of the arguments alone (no time stamps). Layout: docs/dataset.md.
 ///
-/// `lattice` is that of problem.scene.workspace, `spaces` has one table per problem.active, in that order and
-/// with those patches, each with one record per lattice point; else Error, and nothing is written. `fields`
+/// `spaces` has one table per problem.active, in that order and with those patches, each on the lattice of
+/// problem.scene and with one record per point of it; else Error, and nothing is written. `fields`
 /// is asked for every solved point once, in order of space and point, and must give what its record names.
 /// Error on any HDF5 or system failure; FILE.tmp is then removed. One thread at a time (HDF5 is not
 /// thread-safe).
-void sealDataset(const std::filesystem::path& file, const Problem& problem, const Lattice& lattice,
+void sealDataset(const std::filesystem::path& file, const Problem& problem,
                  const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
                  const FieldsSource& fields);
 
@@ -77,7 +87,6 @@ class Dataset {
   const Scene& scene() const;
   const Mesh& mesh() const;  ///< quadratic with P2 displacement; groups are not stored
   const std::vector<std::int32_t>& fixedNodes() const;  ///< sorted
-  const Lattice& lattice() const;
   const std::vector<SpaceTable>& spaces() const;
 
   /// Number of the space of the active node `name`; Error (bad input) that lists the names there are.

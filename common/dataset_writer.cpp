@@ -41,8 +41,8 @@ bool isPlain(const Problem& problem) {
 /// Groups, attributes and arrays of one dataset file, in a fixed order.
 class SealWriter {
  public:
-  SealWriter(const std::filesystem::path& file, const Problem& problem, const Lattice& lattice)
-      : file_(file.string()), problem_(problem), lattice_(lattice), out_(file) {}
+  SealWriter(const std::filesystem::path& file, const Problem& problem)
+      : file_(file.string()), problem_(problem), lattice_(uniformLattice(problem.scene)), out_(file) {}
 
   void writeMesh() {
     out_.makeGroup("/mesh");
@@ -198,7 +198,7 @@ class SealWriter {
     if (n_pressures > 0)
       pressure.emplace(out_, layout::inSpace(space.patch.name, "pressure"), Shape{n_points, n_pressures},
                        "Pa");
-    for (std::int32_t n = 0; n < lattice_.size(); ++n) {
+    for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
       if (!isSolved(space.points[n].tag)) {
         displacement.skip();
         if (pressure) pressure->skip();
@@ -217,19 +217,12 @@ class SealWriter {
 
   std::string file_;
   const Problem& problem_;
-  const Lattice& lattice_;
+  Lattice lattice_;
   hdf5::Writer out_;
 };
 
-void checkArguments(const std::string& file, const Problem& problem, const Lattice& lattice,
-                    const std::vector<SpaceTable>& spaces) {
-  const Workspace& workspace = problem.scene.workspace;
-  const Lattice expected(workspace.radius, workspace.spacing);
-  if (lattice.radius() != expected.radius() || lattice.spacing() != expected.spacing())
-    throw failure(
-        "{}: the lattice to seal (radius {} m, spacing {} m) is not that of the scene (radius {} m, spacing "
-        "{} m)",
-        file, lattice.radius(), lattice.spacing(), expected.radius(), expected.spacing());
+void checkArguments(const std::string& file, const Problem& problem, const std::vector<SpaceTable>& spaces) {
+  const Lattice expected = uniformLattice(problem.scene);
   if (spaces.size() != problem.active.size())
     throw failure("{}: {} spaces to seal for {} active nodes", file, spaces.size(), problem.active.size());
   for (std::size_t s = 0; s < spaces.size(); ++s) {
@@ -238,16 +231,23 @@ void checkArguments(const std::string& file, const Problem& problem, const Latti
         given.weights != active.weights)
       throw failure("{}: space {} to seal is \"{}\", which is not active node \"{}\" of the problem", file, s,
                     given.name, active.name);
+    const Lattice& lattice = spaces[s].lattice;
+    if (lattice.radius() != expected.radius() || lattice.spacing() != expected.spacing() ||
+        lattice.divisions() != expected.divisions() || lattice.uniformSize() != expected.size())
+      throw failure(
+          "{}: space \"{}\": its lattice (radius {} m, spacing {} m) is not that of the scene (radius {} m, "
+          "spacing {} m)",
+          file, given.name, lattice.radius(), lattice.spacing(), expected.radius(), expected.spacing());
     if (spaces[s].points.size() != static_cast<std::size_t>(lattice.size()))
       throw failure("{}: space \"{}\" has {} points, the lattice {}", file, given.name,
                     spaces[s].points.size(), lattice.size());
   }
 }
 
-ContentId writeDataset(const std::filesystem::path& file, const Problem& problem, const Lattice& lattice,
+ContentId writeDataset(const std::filesystem::path& file, const Problem& problem,
                        const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
                        const FieldsSource& fields) {
-  SealWriter writer(file, problem, lattice);
+  SealWriter writer(file, problem);
   writer.writeMesh();
   writer.writeLattice();
   writer.makeSpacesGroup();
@@ -273,17 +273,17 @@ void syncToDisk(const std::filesystem::path& path, int flags) {
 
 }  // namespace
 
-void sealDataset(const std::filesystem::path& file, const Problem& problem, const Lattice& lattice,
+void sealDataset(const std::filesystem::path& file, const Problem& problem,
                  const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
                  const FieldsSource& fields) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
     throw badInput("{}: is a directory; give the dataset a file name", file.string());
-  checkArguments(file.string(), problem, lattice, spaces);
+  checkArguments(file.string(), problem, spaces);
   std::filesystem::path aside = file;
   aside += ".tmp";
   try {
-    const ContentId content = writeDataset(aside, problem, lattice, spaces, kernel_family, fields);
+    const ContentId content = writeDataset(aside, problem, spaces, kernel_family, fields);
     verifySealed(aside, content);
     syncToDisk(aside, 0);
     std::filesystem::rename(aside, file);

@@ -65,7 +65,8 @@ void Lattice::check(double radius, double spacing) {
         ratio, expected, max_points);
 }
 
-Lattice::Lattice(double radius, double spacing) : radius_(radius) {
+Lattice::Lattice(double radius, double spacing, std::int32_t divisions)
+    : radius_(radius), divisions_(divisions) {
   check(radius, spacing);
   const double ratio = ratioOf(radius, spacing);
   spacing_ = radius / ratio;
@@ -73,27 +74,47 @@ Lattice::Lattice(double radius, double spacing) : radius_(radius) {
   const auto limit = static_cast<std::int64_t>(std::floor(ratio * ratio * (1 + 1e-12)));
 
   points_ = pointsOfBall(extent_, limit);
+  uniform_size_ = size();
+  for (LatticePoint& point : points_)
+    for (std::int32_t& coordinate : point) coordinate *= divisions;
   const std::size_t side = 2 * static_cast<std::size_t>(extent_) + 1;
   index_of_.assign(side * side * side, -1);
-  for (std::int32_t n = 0; n < size(); ++n) {
-    const LatticePoint& p = points_[n];
-    index_of_[((p[0] + extent_) * side + (p[1] + extent_)) * side + (p[2] + extent_)] = n;
+  for (std::int32_t n = 0; n < size(); ++n) index_of_[*placeInCube(points_[n])] = n;
+}
+
+std::optional<std::size_t> Lattice::placeInCube(const LatticePoint& point) const {
+  std::size_t place = 0;
+  for (const std::int32_t coordinate : point) {
+    const std::int32_t in_spacings = coordinate / divisions_;
+    if (in_spacings * divisions_ != coordinate || std::abs(in_spacings) > extent_) return std::nullopt;
+    place =
+        place * (2 * static_cast<std::size_t>(extent_) + 1) + static_cast<std::size_t>(in_spacings + extent_);
   }
+  return place;
 }
 
-std::optional<std::int32_t> Lattice::indexOf(const LatticePoint& p) const {
-  for (const std::int32_t coordinate : p)
-    if (coordinate < -extent_ || coordinate > extent_) return std::nullopt;
-  const std::size_t side = 2 * static_cast<std::size_t>(extent_) + 1;
-  const std::int32_t index =
-      index_of_[((p[0] + extent_) * side + (p[1] + extent_)) * side + (p[2] + extent_)];
-  if (index < 0) return std::nullopt;
-  return index;
+std::optional<std::int32_t> Lattice::indexOf(const LatticePoint& point) const {
+  if (const auto place = placeInCube(point)) {
+    if (index_of_[*place] < 0) return std::nullopt;
+    return index_of_[*place];
+  }
+  const auto found = added_.find(point);
+  if (found == added_.end()) return std::nullopt;
+  return found->second;
 }
 
-Eigen::Vector3d Lattice::displacement(std::int32_t index) const {
-  const LatticePoint& p = points_[index];
-  return spacing_ * Eigen::Vector3d(p[0], p[1], p[2]);
+Eigen::Vector3d Lattice::displacementOf(const LatticePoint& p) const {
+  return unit() * Eigen::Vector3d(p[0], p[1], p[2]);
+}
+
+void Lattice::add(const LatticePoint& point) {
+  if (indexOf(point))
+    throw failure("lattice point ({}, {}, {}) is added twice", point[0], point[1], point[2]);
+  if (const auto place = placeInCube(point))
+    index_of_[*place] = size();
+  else
+    added_.emplace(point, size());
+  points_.push_back(point);
 }
 
 std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
@@ -110,8 +131,10 @@ std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
       for (int k = -1; k <= 1; ++k) {
         const int step = i * i + j * j + k * k;
         if (step == 0) continue;
-        const LatticePoint p = {center[0] + i, center[1] + j, center[2] + k};
-        if (const auto number = indexOf(p)) candidates.push_back({step, squaredNorm(p), p, *number});
+        const LatticePoint p = {center[0] + i * divisions_, center[1] + j * divisions_,
+                                center[2] + k * divisions_};
+        const auto number = indexOf(p);
+        if (number && *number < uniform_size_) candidates.push_back({step, squaredNorm(p), p, *number});
       }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return std::tie(a.step, a.norm, a.point) < std::tie(b.step, b.norm, b.point);

@@ -192,6 +192,11 @@ std::size_t pressureNodes(PressureSpace pressure, const Mesh& mesh) {
   return 0;
 }
 
+Lattice uniformLattice(const Scene& scene) {
+  const bool divided = scene.accuracy.adaptive() || scene.accuracy.probes > 0;
+  return {scene.workspace.radius, scene.workspace.spacing, divided ? lattice_divisions : 1};
+}
+
 Problem resolve(Scene scene, Mesh mesh) {
   refuseMistakenUnit(mesh, scene.metres_per_unit);
   if (scene.discretization.displacement == DisplacementSpace::p2) addMidEdgeNodes(mesh);

@@ -44,6 +44,12 @@ std::size_t pressureNodes(PressureSpace pressure, const Mesh& mesh);
 /// Error (bad input) unless everything holds that resolve() guarantees of a problem's numbers.
 void checkProblem(const Problem& problem);
 
+/// Parts that coordinates divide the spacing into where there is more than the uniform lattice.
+inline constexpr std::int32_t lattice_divisions = 1024;
+
+/// The uniform lattice of a scene: with divisions when points or probes may be added to it.
+Lattice uniformLattice(const Scene& scene);
+
 /// Resolves the selectors of a scene on its mesh, which finishMesh has finished. Error (bad input), naming
 /// the scene's key, when
 /// - the mesh is larger than 10 m or smaller than 1 mm (a unit mistaken: the message says which length_unit

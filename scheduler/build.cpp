@@ -16,7 +16,7 @@ namespace palpate {
 Build::Build(Problem problem, const std::filesystem::path& state, CoordinatorSettings settings)
     : problem_(std::move(problem)),
       problem_bytes_(encodeProblem(problem_)),
-      lattice_(problem_.scene.workspace.radius, problem_.scene.workspace.spacing),
+      lattice_(uniformLattice(problem_.scene)),
       directory_(state),
       store_(directory_, problem_, problem_bytes_, lattice_),
       journal_(directory_.path(), store_.committed()),
@@ -33,7 +33,7 @@ std::vector<SpaceTable> Build::seal(const std::filesystem::path& file) {
     return NodalFields::decode(journal_.read(where.at({space, point})).payload, problem_.mesh.nodes.size(),
                                pressureNodes(problem_));
   };
-  sealDataset(file, problem_, lattice_, tables, store_.build().kernel_family, fields);
+  sealDataset(file, problem_, tables, store_.build().kernel_family, fields);
   return tables;
 }
 

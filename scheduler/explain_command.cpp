@@ -31,16 +31,16 @@ const SpaceTable& spaceNamed(const std::vector<SpaceTable>& spaces, const std::s
 
 wire::Explanation explainFromDataset(const ExplainOptions& options) {
   const Dataset dataset(options.where);
-  return explain(spaceNamed(dataset.spaces(), options.active), dataset.lattice(), options.point);
+  return explain(spaceNamed(dataset.spaces(), options.active), options.point);
 }
 
 wire::Explanation explainFromDirectory(const ExplainOptions& options) {
   StoredTables tables(options.where);
   const Problem problem = decodeProblem(tables.build().problem);
-  const Lattice lattice(problem.scene.workspace.radius, problem.scene.workspace.spacing);
+  const Lattice lattice = uniformLattice(problem.scene);
   const std::vector<StoredResult> results = tables.results(lattice);
   const Replay replayed = replay(problem, lattice, results);
-  return explain(spaceNamed(spaceTables(problem, replayed.frontiers, results), options.active), lattice,
+  return explain(spaceNamed(spaceTables(problem, replayed.frontiers, results), options.active),
                  options.point);
 }
 

@@ -59,7 +59,8 @@ std::string textOf(const wire::Explanation& e) {
 
 }  // namespace
 
-wire::Explanation explain(const SpaceTable& space, const Lattice& lattice, const LatticePoint& point) {
+wire::Explanation explain(const SpaceTable& space, const LatticePoint& point) {
+  const Lattice& lattice = space.lattice;
   const std::int32_t number = numberOf(lattice, point);
   const PointRecord& record = space.points[static_cast<std::size_t>(number)];
   wire::Explanation explanation;

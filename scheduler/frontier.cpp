@@ -7,13 +7,13 @@
 
 namespace palpate {
 
-Frontier::Frontier(const Lattice& lattice, double max_force, int max_attempts)
-    : lattice_(&lattice),
+Frontier::Frontier(Lattice lattice, double max_force, int max_attempts)
+    : lattice_(std::move(lattice)),
       max_force_(max_force),
       max_attempts_(max_attempts),
-      points_(lattice.size()),
-      unsettled_(lattice.size()) {
-  for (std::int32_t n = 1; n < lattice.size(); ++n) advance(n);
+      points_(lattice_.size()),
+      unsettled_(lattice_.size()) {
+  for (std::int32_t n = 1; n < lattice_.size(); ++n) advance(n);
   open(0, 0);
 }
 
@@ -22,7 +22,7 @@ std::vector<Transition> Frontier::takeReady() {
 }
 
 bool Frontier::isOpen(const Transition& transition) const {
-  if (transition.target < 0 || transition.target >= lattice_->size()) return false;
+  if (transition.target < 0 || transition.target >= lattice_.size()) return false;
   const Point& point = points_[transition.target];
   return point.phase == Phase::open && point.blocker == transition.parent;
 }
@@ -89,9 +89,9 @@ void Frontier::advance(std::int32_t point) {
 }
 
 void Frontier::advanceInRoundZero(std::int32_t point) {
-  const std::int64_t norm = squaredNorm(lattice_->point(point));
-  for (const std::int32_t candidate : lattice_->neighbours(point)) {
-    if (squaredNorm(lattice_->point(candidate)) >= norm) continue;
+  const std::int64_t norm = squaredNorm(lattice_.point(point));
+  for (const std::int32_t candidate : lattice_.neighbours(point)) {
+    if (squaredNorm(lattice_.point(candidate)) >= norm) continue;
     const Point& c = points_[candidate];
     if (c.phase == Phase::waiting || c.phase == Phase::open) {
       points_[point].phase = Phase::waiting;
@@ -104,7 +104,7 @@ void Frontier::advanceInRoundZero(std::int32_t point) {
 }
 
 void Frontier::advanceInLaterRound(std::int32_t point) {
-  for (const std::int32_t candidate : lattice_->neighbours(point)) {
+  for (const std::int32_t candidate : lattice_.neighbours(point)) {
     const Point& c = points_[candidate];
     if (c.tag == Tag::expandable && c.round_reached < round_ && !tried(point, candidate))
       return open(point, candidate);
@@ -116,7 +116,7 @@ void Frontier::releaseWaiting() {
   while (!newly_settled_.empty()) {
     const std::int32_t settled = newly_settled_.back();
     newly_settled_.pop_back();
-    for (const std::int32_t neighbour : lattice_->neighbours(settled)) {
+    for (const std::int32_t neighbour : lattice_.neighbours(settled)) {
       const Point& n = points_[neighbour];
       if (n.phase == Phase::waiting && n.blocker == settled) advance(neighbour);
     }
@@ -125,7 +125,7 @@ void Frontier::releaseWaiting() {
 
 void Frontier::beginRounds() {
   ++round_;
-  for (std::int32_t n = 0; n < lattice_->size(); ++n) {
+  for (std::int32_t n = 0; n < lattice_.size(); ++n) {
     if (points_[n].phase != Phase::unreached) continue;
     ++unsettled_;
     advance(n);

@@ -54,8 +54,8 @@ class Frontier {
     double step_reached = 0;
   };
 
-  /// `lattice` must outlive this object. Points whose |force| exceeds `max_force` (N) are terminating.
-  Frontier(const Lattice& lattice, double max_force, int max_attempts = max_attempts_per_point);
+  /// Points whose |force| exceeds `max_force` (N) are terminating.
+  Frontier(Lattice lattice, double max_force, int max_attempts = max_attempts_per_point);
 
   /// The transitions that became ready since the last call. Each stays open until it is recorded.
   std::vector<Transition> takeReady();
@@ -77,7 +77,8 @@ class Frontier {
   /// attempts: Cause::unreachable when complete, Cause::none before.
   Cause cause(std::int32_t point) const;
 
-  std::int32_t size() const { return lattice_->size(); }
+  const Lattice& lattice() const { return lattice_; }
+  std::int32_t size() const { return lattice_.size(); }
   std::int32_t solved() const { return solved_; }  ///< points that are expandable or terminating
   std::int32_t open() const { return open_; }      ///< transitions that are ready and not recorded
   int round() const { return round_; }
@@ -103,7 +104,7 @@ class Frontier {
   void beginRounds();
   bool tried(std::int32_t target, std::int32_t parent) const;
 
-  const Lattice* lattice_;
+  Lattice lattice_;
   double max_force_;
   std::size_t max_attempts_;
   std::vector<Point> points_;

@@ -44,6 +44,7 @@ std::vector<SpaceTable> spaceTables(const Problem& problem, const std::vector<Fr
   for (std::size_t space = 0; space < frontiers.size(); ++space) {
     SpaceTable& table = tables.emplace_back();
     table.patch = problem.active[space];
+    table.lattice = frontiers[space].lattice();
     table.points.resize(static_cast<std::size_t>(frontiers[space].size()));
     for (std::int32_t point = 0; point < frontiers[space].size(); ++point) {
       table.points[point].tag = frontiers[space].tag(point);

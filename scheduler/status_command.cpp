@@ -29,7 +29,7 @@ struct StatusOptions {
 wire::Status storedStatus(const std::filesystem::path& directory) {
   StoredTables tables(directory);
   const Problem problem = decodeProblem(tables.build().problem);
-  const Lattice lattice(problem.scene.workspace.radius, problem.scene.workspace.spacing);
+  const Lattice lattice = uniformLattice(problem.scene);
   const Replay replayed = replay(problem, lattice, tables.results(lattice));
   std::vector<std::string> names;
   for (const ActivePatch& patch : problem.active) names.push_back(patch.name);

@@ -20,13 +20,14 @@ int largestCoordinate(const Lattice& lattice) {
 
 }  // namespace
 
-CellGrid::CellGrid(const Lattice& lattice, const SpaceTable& space)
-    : spacing_(lattice.spacing()),
-      extent_(largestCoordinate(lattice)),
+CellGrid::CellGrid(const SpaceTable& space)
+    : spacing_(space.lattice.spacing()),
+      extent_(largestCoordinate(space.lattice)),
       cells_(2 * static_cast<std::size_t>(extent_)),
       solved_((cells_ + 1) * (cells_ + 1) * (cells_ + 1), -1),
       covered_(cells_ * cells_ * cells_, -1),
       nearest_(covered_.size(), -1) {
+  const Lattice& lattice = space.lattice;
   bool any_solved = false;
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
     if (!isSolved(space.points[n].tag)) continue;

@@ -27,7 +27,7 @@ struct CellPlace {
 class CellGrid {
  public:
   /// Error when no point of the space is solved.
-  CellGrid(const Lattice& lattice, const SpaceTable& space);
+  explicit CellGrid(const SpaceTable& space);
 
   /// Real time: does not allocate, lock, throw or log. Displacements that are not finite are not covered.
   CellPlace find(const Eigen::Vector3d& displacement) const noexcept;

@@ -11,10 +11,9 @@ const std::vector<std::string>& forceFieldMethods() {
   return methods;
 }
 
-std::unique_ptr<ForceField> makeForceField(std::string_view method, const Lattice& lattice,
-                                           const SpaceTable& space) {
-  if (method == "potential") return std::make_unique<PotentialField>(lattice, space);
-  if (method == "trilinear") return std::make_unique<TrilinearField>(lattice, space);
+std::unique_ptr<ForceField> makeForceField(std::string_view method, const SpaceTable& space) {
+  if (method == "potential") return std::make_unique<PotentialField>(space);
+  if (method == "trilinear") return std::make_unique<TrilinearField>(space);
   throw badInput("there is no method \"{}\"; there are: {}", method, fmt::join(forceFieldMethods(), ", "));
 }
 

@@ -41,8 +41,7 @@ class ForceField {
 const std::vector<std::string>& forceFieldMethods();
 
 /// Error (bad input) for an unknown method, listing the known; Error when the space has no solved point.
-std::unique_ptr<ForceField> makeForceField(std::string_view method, const Lattice& lattice,
-                                           const SpaceTable& space);
+std::unique_ptr<ForceField> makeForceField(std::string_view method, const SpaceTable& space);
 
 /// The value outside of the covered cells, see ForceSample::inside. `point` must be solved, `step` is
 /// displacement minus that of the point. Real time.

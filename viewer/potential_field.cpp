@@ -22,8 +22,8 @@ Orders plus(Orders orders, int axis, int times = 1) {
 /// Builds the derivatives of all lattice points in units in which the spacing is 1.
 class DerivativeTable {
  public:
-  DerivativeTable(const Lattice& lattice, const SpaceTable& space)
-      : lattice_(lattice), table_(space.points.size()) {
+  explicit DerivativeTable(const SpaceTable& space) : lattice_(space.lattice), table_(space.points.size()) {
+    const Lattice& lattice = space.lattice;
     for (std::int32_t n = 0; n < lattice.size(); ++n) {
       solved_.push_back(isSolved(space.points[n].tag));
       if (solved_.back()) setExact(table_[n], space.points[n].equilibrium);
@@ -195,11 +195,11 @@ Derivatives evaluateCell(const std::array<const Derivatives*, 8>& corners, const
 
 }  // namespace
 
-PotentialField::PotentialField(const Lattice& lattice, const SpaceTable& space)
-    : grid_(lattice, space), derivatives_(DerivativeTable(lattice, space).take()) {
-  for (std::int32_t n = 0; n < lattice.size(); ++n) {
+PotentialField::PotentialField(const SpaceTable& space)
+    : grid_(space), derivatives_(DerivativeTable(space).take()) {
+  for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
     points_.push_back(space.points[n].equilibrium);
-    displacement_.push_back(lattice.displacement(n));
+    displacement_.push_back(space.lattice.displacement(n));
   }
 }
 

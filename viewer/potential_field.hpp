@@ -24,7 +24,7 @@ namespace palpate {
 /// goes with spacing^4 (spacing^3 next to missing points).
 class PotentialField : public ForceField {
  public:
-  PotentialField(const Lattice& lattice, const SpaceTable& space);
+  explicit PotentialField(const SpaceTable& space);
   ForceSample evaluate(const Eigen::Vector3d& displacement) const noexcept override;
   std::string_view name() const override { return "potential"; }
 

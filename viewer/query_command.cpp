@@ -37,8 +37,8 @@ std::string describeJson(const Eigen::Vector3d& displacement, const ForceSample&
 }
 
 /// Why a displacement is not covered, for a person.
-std::string describeOutside(const Lattice& lattice, const SpaceTable& space,
-                            const Eigen::Vector3d& displacement) {
+std::string describeOutside(const SpaceTable& space, const Eigen::Vector3d& displacement) {
+  const Lattice& lattice = space.lattice;
   if (displacement.stableNorm() > lattice.radius())
     return fmt::format("|displacement| = {:.6g} m is beyond the workspace radius {:.6g} m",
                        displacement.stableNorm(), lattice.radius());
@@ -69,9 +69,8 @@ std::string describeOutside(const Lattice& lattice, const SpaceTable& space,
   return text;
 }
 
-std::string describeForPerson(const Dataset& dataset, const SpaceTable& space,
-                              const Eigen::Vector3d& displacement, const ForceSample& sample,
-                              std::string_view method) {
+std::string describeForPerson(const SpaceTable& space, const Eigen::Vector3d& displacement,
+                              const ForceSample& sample, std::string_view method) {
   std::string text = fmt::format("displacement  {:11.6g} {:11.6g} {:11.6g}  m\n", displacement.x(),
                                  displacement.y(), displacement.z());
   text += fmt::format("force         {:11.6g} {:11.6g} {:11.6g}  N    |force| = {:.6g} N\n", sample.force.x(),
@@ -83,7 +82,7 @@ std::string describeForPerson(const Dataset& dataset, const SpaceTable& space,
   return text + fmt::format(
                     "inside        NO: {}.\n              The values are an extrapolation from a solved "
                     "point close by.\n\n",
-                    describeOutside(dataset.lattice(), space, displacement));
+                    describeOutside(space, displacement));
 }
 
 const SpaceTable& spaceToQuery(const Dataset& dataset, const std::string& active) {
@@ -101,7 +100,7 @@ class Query {
   Query(const QueryOptions& options, std::ostream& output)
       : dataset_(options.dataset),
         space_(spaceToQuery(dataset_, options.active)),
-        field_(makeForceField(options.method, dataset_.lattice(), space_)),
+        field_(makeForceField(options.method, space_)),
         json_(options.json),
         output_(output) {}
 
@@ -111,7 +110,7 @@ class Query {
     sample.stiffness = plain(sample.stiffness);
     outside_ += sample.inside ? 0 : 1;
     output_ << (json_ ? describeJson(displacement, sample, field_->name())
-                      : describeForPerson(dataset_, space_, displacement, sample, field_->name()));
+                      : describeForPerson(space_, displacement, sample, field_->name()));
     output_.flush();
     if (!output_) throw failure("cannot write the answer to standard output");
   }

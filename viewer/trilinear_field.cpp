@@ -2,10 +2,10 @@
 
 namespace palpate {
 
-TrilinearField::TrilinearField(const Lattice& lattice, const SpaceTable& space) : grid_(lattice, space) {
-  for (std::int32_t n = 0; n < lattice.size(); ++n) {
+TrilinearField::TrilinearField(const SpaceTable& space) : grid_(space) {
+  for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
     points_.push_back(space.points[n].equilibrium);
-    displacement_.push_back(lattice.displacement(n));
+    displacement_.push_back(space.lattice.displacement(n));
   }
 }
 

@@ -13,7 +13,7 @@ namespace palpate {
 /// cells and need not be symmetric.
 class TrilinearField : public ForceField {
  public:
-  TrilinearField(const Lattice& lattice, const SpaceTable& space);
+  explicit TrilinearField(const SpaceTable& space);
   ForceSample evaluate(const Eigen::Vector3d& displacement) const noexcept override;
   std::string_view name() const override { return "trilinear"; }
 

@@ -39,9 +39,7 @@ struct Space {
 /// What there is to say of a problem.
 struct Report {
   explicit Report(const Problem& given)
-      : problem(given),
-        quality(measure(given.mesh)),
-        lattice(given.scene.workspace.radius, given.scene.workspace.spacing) {
+      : problem(given), quality(measure(given.mesh)), lattice(uniformLattice(given.scene)) {
     const std::size_t n_nodes = problem.mesh.nodes.size(), n_pressures = pressureNodes(problem);
     for (const ActivePatch& patch : problem.active) {
       const std::size_t moved = patch.weights.empty() ? patch.nodes.size() : 0;

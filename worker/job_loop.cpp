@@ -14,7 +14,7 @@ class ProblemSolver {
  public:
   ProblemSolver(std::shared_ptr<const Problem> problem, const ElementKernels& kernels)
       : problem_(std::move(problem)),
-        lattice_(problem_->scene.workspace.radius, problem_->scene.workspace.spacing),
+        lattice_(uniformLattice(problem_->scene)),
         build_(problemId(*problem_)),
         solver_(*problem_, kernels) {}
 
@@ -47,8 +47,7 @@ class ProblemSolver {
 
  private:
   Eigen::Vector3d displacementOf(const wire::Point& point) const {
-    const LatticePoint p = fromWire(point);
-    return lattice_.spacing() * Eigen::Vector3d(p[0], p[1], p[2]);
+    return lattice_.displacementOf(fromWire(point));
   }
 
   void describe(const wire::Job& job, const wire::Target& target, wire::Result& result) const {

@@ -70,7 +70,7 @@ int runBenchmark(double seconds) {
   std::string methods;
   for (const std::string& method : forceFieldMethods()) {
     const Clock::time_point start = Clock::now();
-    const auto field = makeForceField(method, lattice, space);
+    const auto field = makeForceField(method, space);
     const double prepared = nanoseconds(Clock::now() - start);
     methods += fmt::format("{}\"{}\":{{\"path_ns\":{:.1f},\"scattered_ns\":{:.1f},\"prepare_ms\":{:.1f}}}",
                            methods.empty() ? "" : ",", method, medianTime(*field, path(), seconds / 2, sum),

@@ -136,8 +136,8 @@ TEST_F(SealedDataset, GivesBackMeshLatticeSceneAndNames) {
   EXPECT_EQ(dataset.mesh().tetrahedra, sample.problem.mesh.tetrahedra);
   EXPECT_EQ(dataset.mesh().surface, sample.problem.mesh.surface);
   EXPECT_EQ(dataset.fixedNodes(), sample.problem.fixed);
-  EXPECT_EQ(dataset.lattice().size(), sample.lattice.size());
-  EXPECT_EQ(dataset.lattice().spacing(), sample.lattice.spacing());
+  EXPECT_EQ(dataset.spaces()[0].lattice.size(), sample.lattice.size());
+  EXPECT_EQ(dataset.spaces()[0].lattice.spacing(), sample.lattice.spacing());
   EXPECT_EQ(dataset.sceneToml(), resolvedToml(sample.problem.scene));
   EXPECT_EQ(dataset.scene().active.size(), 2u);
   EXPECT_EQ(dataset.kernelFamily(), "portable");
@@ -262,8 +262,7 @@ TEST_F(SealedDataset, StaysWhenTheNextOneCannotBeSealed) {
   const FieldsSource broken = [this](std::size_t space, std::int32_t point) {
     return point == 30 ? throw failure("journal segment 3 is damaged") : sample.fields(space, point);
   };
-  expectError(ExitCode::failed,
-              [&] { sealDataset(file, sample.problem, sample.lattice, sample.spaces, "portable", broken); },
+  expectError(ExitCode::failed, [&] { sealDataset(file, sample.problem, sample.spaces, "portable", broken); },
               {"segment 3"});
   sample.spaces[1].points[4].fields = ContentId::of("another result");
   expectError(ExitCode::failed, [&] { sample.seal(file); }, {"edge-2", "lattice point 4"});
@@ -272,17 +271,18 @@ TEST_F(SealedDataset, StaysWhenTheNextOneCannotBeSealed) {
 }
 
 TEST_F(SealedDataset, IsNotSealedFromArgumentsThatDoNotFitTogether) {
-  const auto seal = [&](const Lattice& lattice, const std::vector<SpaceTable>& spaces) {
-    sealDataset(directory / "no.h5", sample.problem, lattice, spaces, "portable",
+  const auto seal = [&](const std::vector<SpaceTable>& spaces) {
+    sealDataset(directory / "no.h5", sample.problem, spaces, "portable",
                 [this](std::size_t space, std::int32_t point) { return sample.fields(space, point); });
   };
   const std::vector<SpaceTable> exchanged = {sample.spaces[1], sample.spaces[0]}, one = {sample.spaces[0]};
-  std::vector<SpaceTable> shorter = sample.spaces;
+  std::vector<SpaceTable> shorter = sample.spaces, finer = sample.spaces;
+  finer[0].lattice = Lattice(0.02, 0.005);
   shorter[1].points.pop_back();
-  expectError(ExitCode::failed, [&] { seal(Lattice(0.02, 0.005), sample.spaces); }, {"no.h5", "lattice"});
-  expectError(ExitCode::failed, [&] { seal(sample.lattice, one); }, {"1 spaces", "2 active"});
-  expectError(ExitCode::failed, [&] { seal(sample.lattice, exchanged); }, {"space 0", "edge-2", "tip"});
-  expectError(ExitCode::failed, [&] { seal(sample.lattice, shorter); }, {"edge-2", "32 points", "33"});
+  expectError(ExitCode::failed, [&] { seal(finer); }, {"no.h5", "lattice"});
+  expectError(ExitCode::failed, [&] { seal(one); }, {"1 spaces", "2 active"});
+  expectError(ExitCode::failed, [&] { seal(exchanged); }, {"space 0", "edge-2", "tip"});
+  expectError(ExitCode::failed, [&] { seal(shorter); }, {"edge-2", "32 points", "33"});
   EXPECT_FALSE(std::filesystem::exists(directory / "no.h5"));
 }
 

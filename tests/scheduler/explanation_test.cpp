@@ -17,6 +17,7 @@ struct ExplanationTest : testing::Test {
 
   ExplanationTest() {
     space.patch.name = "tip";
+    space.lattice = lattice;
     space.points.resize(7);
     for (const std::int32_t n : {0, 1}) {
       space.points[n].tag = Tag::expandable;
@@ -33,7 +34,7 @@ struct ExplanationTest : testing::Test {
 };
 
 TEST_F(ExplanationTest, FollowsTheParentsBackToTheOrigin) {
-  const wire::Explanation explanation = explain(space, lattice, lattice.point(1));
+  const wire::Explanation explanation = explain(space, lattice.point(1));
   ASSERT_EQ(explanation.path_size(), 2);
   EXPECT_EQ(explanation.path(0).force(0), -1.5);
   EXPECT_EQ(explanation.path(1).point().i(), 0);
@@ -42,7 +43,7 @@ TEST_F(ExplanationTest, FollowsTheParentsBackToTheOrigin) {
 }
 
 TEST_F(ExplanationTest, NamesEveryAttemptOfAFailedPoint) {
-  const wire::Explanation explanation = explain(space, lattice, lattice.point(2));
+  const wire::Explanation explanation = explain(space, lattice.point(2));
   EXPECT_EQ(explanation.path_size(), 0);
   EXPECT_EQ(explanation.cause(), "wrong_inertia");
   ASSERT_EQ(explanation.attempts_size(), 1);
@@ -51,14 +52,14 @@ TEST_F(ExplanationTest, NamesEveryAttemptOfAFailedPoint) {
 }
 
 TEST_F(ExplanationTest, SaysThatAPointWasNotTriedYet) {
-  EXPECT_THAT(explain(space, lattice, lattice.point(3)).text(),
+  EXPECT_THAT(explain(space, lattice.point(3)).text(),
               testing::HasSubstr("no transition to it was tried yet"));
 }
 
 TEST_F(ExplanationTest, SaysThatAPointLiesBehindOthersThatCannotBeExpanded) {
   space.points[3].tag = Tag::failed;
   space.points[3].cause = Cause::unreachable;
-  const wire::Explanation explanation = explain(space, lattice, lattice.point(3));
+  const wire::Explanation explanation = explain(space, lattice.point(3));
   EXPECT_EQ(explanation.cause(), "unreachable");
   EXPECT_THAT(explanation.text(), testing::AllOf(testing::HasSubstr("failed, unreachable"),
                                                  testing::HasSubstr("no neighbour can be expanded")));
@@ -67,15 +68,11 @@ TEST_F(ExplanationTest, SaysThatAPointLiesBehindOthersThatCannotBeExpanded) {
 TEST_F(ExplanationTest, EndsOnACircleOfParents) {
   space.points[1].parent = 3;
   space.points[3].parent = 1;
-  EXPECT_LE(explain(space, lattice, lattice.point(1)).path_size(), 7);
+  EXPECT_LE(explain(space, lattice.point(1)).path_size(), 7);
 }
 
 TEST_F(ExplanationTest, NamesTheBoundsOfTheLattice) {
-  test::expectBadInput(
-      [&] {
-        explain(space, lattice, {1, 1, 0});
-      },
-      {"(1, 1, 0)", "not in the lattice", "<= 1"});
+  test::expectBadInput([&] { explain(space, {1, 1, 0}); }, {"(1, 1, 0)", "not in the lattice", "<= 1"});
 }
 
 TEST(Status, SurvivesJson) {

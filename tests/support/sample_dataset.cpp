@@ -127,6 +127,7 @@ Eigen::Matrix3d PolynomialEnergy::hessian(const Eigen::Vector3d& p) const {
 
 SpaceTable solvedSpace(const Lattice& lattice, const AnalyticEnergy& energy) {
   SpaceTable space;
+  space.lattice = lattice;
   space.patch = {"tip", 0, {0}};
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
     const Eigen::Vector3d p = lattice.displacement(n);
@@ -169,7 +170,7 @@ NodalFields SampleDataset::fields(std::size_t space, std::int32_t point) const {
 }
 
 void SampleDataset::seal(const std::filesystem::path& file) const {
-  sealDataset(file, problem, lattice, spaces, kernel_family,
+  sealDataset(file, problem, spaces, kernel_family,
               [this](std::size_t space, std::int32_t point) { return fields(space, point); });
 }
 

@@ -40,7 +40,7 @@ TEST(ForceField, EvaluatesWithoutAllocating) {
   const Lattice lattice(0.02, 0.005);
   const SpaceTable space = test::solvedSpace(lattice, test::StiffeningEnergy());
   for (const std::string& method : forceFieldMethods()) {
-    const auto field = makeForceField(method, lattice, space);
+    const auto field = makeForceField(method, space);
     const long before = allocations;
     double sum = 0;
     for (int n = 0; n < 1000; ++n) sum += field->evaluate({3e-5 * n - 0.015, 1e-5 * n, -2e-5 * n}).force.x();

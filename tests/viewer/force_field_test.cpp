@@ -37,7 +37,7 @@ std::vector<Vector3d> pointsWithin(double reach, int count = 200) {
 
 std::unique_ptr<ForceField> fieldOf(std::string_view method, const AnalyticEnergy& energy, double spacing) {
   const Lattice lattice(radius, spacing);
-  return makeForceField(method, lattice, solvedSpace(lattice, energy));
+  return makeForceField(method, solvedSpace(lattice, energy));
 }
 
 /// Mean error of the force over points whose cells have complete surroundings.
@@ -182,7 +182,7 @@ TEST(CellGrid, FindsASolvedPointCloseByHoweverFewThereAre) {
   std::mt19937 random(7);
   for (std::int32_t n = 1; n < lattice.size(); ++n)
     if (random() % 64 != 0) space.points[n].tag = Tag::failed;
-  const CellGrid grid(lattice, space);
+  const CellGrid grid(space);
   for (const Vector3d& p : pointsWithin(0.02, 1000)) {
     const CellPlace place = grid.find(p);
     ASSERT_EQ(place.corners, nullptr);
@@ -203,7 +203,7 @@ TEST_P(EveryField, NeedsASolvedPoint) {
 
 TEST(ForceField, RefusesAnUnknownMethodNamingTheKnown) {
   const Lattice lattice(radius, 0.01);
-  test::expectBadInput([&] { makeForceField("cubic", lattice, solvedSpace(lattice, StiffeningEnergy())); },
+  test::expectBadInput([&] { makeForceField("cubic", solvedSpace(lattice, StiffeningEnergy())); },
                        {"\"cubic\"", "potential, trilinear"});
 }
 
@@ -231,7 +231,7 @@ TEST(PotentialField, ReproducesCubicEnergiesNextToFailedPoints) {
     point.tag = Tag::failed;
     point.equilibrium.force.setConstant(1e9);  // must not be looked at
   }
-  expectExact(*makeForceField("potential", lattice, space), cubic, 0.015);
+  expectExact(*makeForceField("potential", space), cubic, 0.015);
 }
 
 TEST(PotentialField, ConvergesAtLeastWithTheFourthPowerOfTheSpacing) {
