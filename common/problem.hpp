@@ -80,10 +80,10 @@ std::string encodeProblem(const Problem& problem);
 Problem decodeProblem(std::string_view bytes);
 
 /// Name of a build: two problems with the same id have the same configurations. It covers materials,
-/// discretisation, gravity, workspace, nodes, tetrahedra, their regions and fibres, fixed nodes, and names,
-/// nodes and weights of the active patches. It does not cover what has no influence on them, so that a change
-/// there does not throw a computation away: the scene's name, file paths, the selectors (only the nodes they
-/// select count), names of groups and the unit the files were written in.
+/// discretisation, gravity, workspace, accuracy, nodes, tetrahedra, their regions and fibres, fixed nodes,
+/// and names, nodes and weights of the active patches. It does not cover what has no influence on them, so
+/// that a change there does not throw a computation away: the scene's name, file paths, the selectors (only
+/// the nodes they select count), names of groups and the unit the files were written in.
 ContentId problemId(const Problem& problem);
 
 }  // namespace palpate

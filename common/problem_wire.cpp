@@ -121,6 +121,7 @@ ContentId problemId(const Problem& problem) {
   bare.scene.fixed = {};
   bare.scene.active = {};
   bare.mesh.node_groups.clear();
+  if (!bare.scene.accuracy.adaptive()) bare.scene.accuracy = {.probes = bare.scene.accuracy.probes};
   for (std::size_t r = 0; r < bare.scene.regions.size(); ++r) {
     Region& region = bare.scene.regions[r];
     if (!region.group.empty()) region.group = std::to_string(r);

@@ -51,6 +51,16 @@ std::string activeToml(const ActiveSelection& active) {
   return text;
 }
 
+/// Nothing for a scene that asks for nothing: it keeps the id that it had before there was accuracy to ask
+/// for.
+std::string accuracyToml(const Accuracy& accuracy) {
+  if (accuracy == Accuracy{}) return {};
+  const std::string error =
+      accuracy.adaptive() ? fmt::format("force_error = {}\n", decimalToml(accuracy.force_error)) : "";
+  return fmt::format("\n[accuracy]\n{}force_floor = {}  # N\nlevels = {}\nprobes = {}\n", error,
+                     decimalToml(accuracy.force_floor), accuracy.levels, accuracy.probes);
+}
+
 }  // namespace
 
 std::string resolvedToml(const Scene& scene) {
@@ -68,7 +78,7 @@ std::string resolvedToml(const Scene& scene) {
   text += fmt::format(
       "\n[workspace]\nradius = {}  # m\nspacing = {}  # m\nmax_force = {}  # N\nreject_inverted = {}\n",
       decimalToml(w.radius), decimalToml(w.spacing), decimalToml(w.max_force), w.reject_inverted);
-  return text;
+  return text + accuracyToml(scene.accuracy);
 }
 
 }  // namespace palpate

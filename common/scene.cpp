@@ -14,6 +14,7 @@ namespace {
 constexpr std::array<std::string_view, 3> unit_words = {"m", "cm", "mm"};
 constexpr std::array<double, 3> unit_metres = {1.0, 0.01, 0.001};
 constexpr std::array<std::string_view, 3> axis_words = {"x", "y", "z"};
+constexpr std::int32_t max_levels = 6, max_probes = 100000;
 
 std::vector<Region> readRegions(const TomlSection& root) {
   std::vector<Region> regions;
@@ -202,11 +203,29 @@ Workspace readWorkspace(const TomlSection& section) {
   return workspace;
 }
 
+Accuracy readAccuracy(const TomlSection& section) {
+  Accuracy accuracy;
+  if (const toml::node* error = section.find("force_error")) {
+    accuracy.force_error = section.number("force_error", *error);
+    if (!(accuracy.force_error > 0 && accuracy.force_error < 1))
+      throw section.wrong("force_error",
+                          "{} must be between 0 and 1: 0.03 allows an error of 3 %; leave it out for a "
+                          "uniform lattice",
+                          accuracy.force_error);
+  }
+  if (section.has("force_floor")) accuracy.force_floor = section.positive("force_floor", "");
+  if (const toml::node* levels = section.find("levels"))
+    accuracy.levels = section.integer("levels", *levels, 0, max_levels);
+  if (const toml::node* probes = section.find("probes"))
+    accuracy.probes = section.integer("probes", *probes, 0, max_probes);
+  return accuracy;
+}
+
 Scene readTables(const toml::table& table, const std::string& source) {
   TomlContext context{source};
-  constexpr std::array<std::string_view, 10> keys = {"name",           "mesh",     "length_unit", "material",
-                                                     "region",         "gravity",  "fixed",       "active",
-                                                     "discretization", "workspace"};
+  constexpr std::array<std::string_view, 11> keys = {"name",           "mesh",      "length_unit", "material",
+                                                     "region",         "gravity",   "fixed",       "active",
+                                                     "discretization", "workspace", "accuracy"};
   const TomlSection root(context, table, "", keys);
   if (const toml::node* unit = root.find("length_unit"))
     context.metres_per_unit = unit_metres[root.choice("length_unit", *unit, unit_words)];
@@ -230,6 +249,9 @@ Scene readTables(const toml::table& table, const std::string& source) {
   if (const toml::node* node = root.find("workspace"))
     scene.workspace =
         readWorkspace(root.inner("workspace", *node, {"radius", "spacing", "max_force", "reject_inverted"}));
+  if (const toml::node* node = root.find("accuracy"))
+    scene.accuracy =
+        readAccuracy(root.inner("accuracy", *node, {"force_error", "force_floor", "levels", "probes"}));
   return scene;
 }
 

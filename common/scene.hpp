@@ -84,14 +84,15 @@ struct Workspace {
   bool operator==(const Workspace&) const = default;
 };
 
-/// [accuracy]: what interpolated forces are to keep to, and how that is measured.
+/// [accuracy]: what interpolated forces are to keep to, and how that is measured. A scene that says nothing
+/// has no such table when it is resolved either.
 struct Accuracy {
-  /// Allowed error of the force relative to its magnitude, > 0; the build then refines the lattice where the
-  /// estimated error is larger. 0: the lattice is uniform.
+  /// Allowed error of the force relative to its magnitude, in (0, 1); the build then refines the lattice
+  /// where the estimated error is larger. 0: the lattice is uniform.
   double force_error = 0;
   double force_floor = 0.01;  ///< N: an error below it is always allowed
-  std::int32_t levels = 3;    ///< cells are halved at most so often
-  std::int32_t probes = 0;    ///< exact solutions at held-out positions, per active node
+  std::int32_t levels = 3;    ///< cells are halved at most so often, 0..6
+  std::int32_t probes = 0;    ///< 0..100000; exact solutions at held-out positions, per active node
   bool adaptive() const { return force_error > 0; }
   bool operator==(const Accuracy&) const = default;
 };

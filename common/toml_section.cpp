@@ -97,6 +97,15 @@ std::int32_t TomlSection::nodeNumber(std::string_view key, const toml::node& nod
   return static_cast<std::int32_t>(*value);
 }
 
+std::int32_t TomlSection::integer(std::string_view key, const toml::node& node, std::int32_t lowest,
+                                  std::int32_t highest) const {
+  const auto value = node.is_integer() ? node.value<std::int64_t>() : std::nullopt;
+  if (!value) throw wrong(key, "an integer is expected, not {}", kindOf(node));
+  if (*value < lowest || *value > highest)
+    throw wrong(key, "{} must be in {} to {}", *value, lowest, highest);
+  return static_cast<std::int32_t>(*value);
+}
+
 std::string TomlSection::text(std::string_view key, const toml::node& node) const {
   const auto value = node.is_string() ? node.value<std::string>() : std::nullopt;
   if (!value) throw wrong(key, "text in quotes is expected, not {}", kindOf(node));

@@ -49,6 +49,9 @@ class TomlSection {
   Eigen::Vector3d point(std::string_view key, const toml::node& node) const;    ///< three lengths, metres
   std::vector<double> numbers(std::string_view key, const toml::node& node) const;
   std::int32_t nodeNumber(std::string_view key, const toml::node& node) const;
+  /// An integer in lowest..highest.
+  std::int32_t integer(std::string_view key, const toml::node& node, std::int32_t lowest,
+                       std::int32_t highest) const;
   std::string text(std::string_view key, const toml::node& node) const;  ///< not empty
   bool flag(std::string_view key, bool otherwise) const;
   /// The position in `words` of the word that `key` holds.

@@ -209,6 +209,7 @@ TEST_F(Problem, IdIgnoresWhatDoesNotChangeAnyConfiguration) {
   scene.fixed.half_spaces = {};
   scene.fixed.groups = {"zmin"};
   mesh.node_groups.erase("ymax");
+  scene.accuracy.levels = 1;
   EXPECT_EQ(problemId(resolved()), id);
 }
 
@@ -225,6 +226,9 @@ TEST_F(Problem, IdChangesWithEverythingElse) {
   changed([&] { scene.workspace.max_force = 3; });
   changed([&] { scene.workspace.spacing = 0.01; });
   changed([&] { scene.workspace.reject_inverted = false; });
+  changed([&] { scene.accuracy.probes = 10; });
+  changed([&] { scene.accuracy.force_error = 0.03; });
+  changed([&] { scene.accuracy = {.force_error = 0.03, .levels = 4}; });
   changed([&] { scene.active[0].name = "other"; });
   changed([&] { scene.active[0].radius = 0.05; });
   changed([&] { scene.fixed.nodes = {25}; });

@@ -73,6 +73,11 @@ radius = 100
 spacing = 14.3
 max_force = 3
 reject_inverted = false
+[accuracy]
+force_error = 0.03
+force_floor = 0.02
+levels = 4
+probes = 200
 )";
 
 constexpr const char* composed = R"(mesh = "organ.msh"
@@ -259,6 +264,28 @@ TEST(Scene, RefusesImpossibleValues) {
   refuses("radius = 0.0\n", "radius = -0.1\n", {"active.radius", "negative"});
   refuses("\"tip\"", "\"tip of it\"", {"active.name", "letters"});
   refuses("near = ", "node = 3\nnear = ", {"either near", "or node"});
+}
+
+TEST(Scene, IsUniformUntilItAsksForAccuracy) {
+  EXPECT_FALSE(parse(liver).accuracy.adaptive());
+  EXPECT_THAT(resolvedToml(parse(liver)), ::testing::Not(HasSubstr("accuracy")));
+  EXPECT_EQ(parse(everything).accuracy, (Accuracy{0.03, 0.02, 4, 200}));
+  const Scene probed = parse(std::string(liver) + "[accuracy]\nprobes = 7\n");
+  EXPECT_EQ(probed.accuracy, (Accuracy{.probes = 7}));
+  EXPECT_EQ(parse(resolvedToml(probed)).accuracy, probed.accuracy);
+}
+
+TEST(Scene, RefusesAnImpossibleAccuracy) {
+  const auto refused = [](const std::string& line, std::initializer_list<std::string> words) {
+    expectBadInput([&] { parse(std::string(liver) + "[accuracy]\n" + line + "\n"); }, words);
+  };
+  for (const char* number : {"0", "1", "-0.1", "3", "nan"})
+    refused(fmt::format("force_error = {}", number), {"scene.toml:29", "accuracy.force_error"});
+  refused("force_floor = 0", {"accuracy.force_floor", "greater than 0"});
+  refused("levels = 7", {"accuracy.levels", "0 to 6"});
+  refused("levels = 1.5", {"accuracy.levels", "an integer is expected, not a number"});
+  refused("probes = -1", {"accuracy.probes", "0 to 100000"});
+  refused("force_eror = 0.1", {"accuracy.force_eror", "did you mean \"force_error\""});
 }
 
 TEST(Scene, RefusesKeysThatTheLawDoesNotTake) {
