@@ -14,6 +14,8 @@ namespace {
 
 /// Coarser lattices that are looked at: every 2nd, 3rd and 4th point.
 constexpr std::array<std::int32_t, 3> thinning_factors = {2, 3, 4};
+/// Radius / spacing below which a thinned lattice says nothing; only every 2nd point may have less.
+constexpr double smallest_ratio = 1.5;
 constexpr double same_spacing = 1e-3;  ///< relative
 
 /// Why the datasets are not of one scene; empty when they are.
@@ -117,7 +119,8 @@ std::vector<LatticeMeasures> latticesIn(const std::vector<Dataset>& datasets) {
       const bool refined = other.factor == 0 && its.scene().accuracy.adaptive();
       return !refined && std::abs(other.spacing - spacing) <= same_spacing * spacing;
     });
-    if (factor > 0 && (known || !isThinnable(space.lattice, factor))) return;
+    const bool is_coarse = factor > 2 && space.lattice.radius() < smallest_ratio * spacing;
+    if (factor > 0 && (known || is_coarse || !isThinnable(space.lattice, factor))) return;
     LatticeMeasures lattice;
     lattice.dataset = dataset;
     lattice.factor = factor;
@@ -229,14 +232,17 @@ class Reporter {
   }
 
   void measureCost(LatticeMeasures& lattice) const {
+    std::int64_t configurations = 0, factorizations = 0;
     for (const std::size_t s : compared_) {
       std::optional<SpaceTable> storage;
       for (const PointRecord& point : tableOf(report_, lattice, s, storage).points) {
         if (!isSolved(point.tag)) continue;
-        lattice.configurations += 1.0 / static_cast<double>(compared_.size());
-        lattice.factorizations += point.cost.factorizations / static_cast<double>(compared_.size());
+        ++configurations;
+        factorizations += point.cost.factorizations;
       }
     }
+    lattice.configurations = static_cast<double>(configurations) / static_cast<double>(compared_.size());
+    lattice.factorizations = static_cast<double>(factorizations) / static_cast<double>(compared_.size());
   }
 
   void orderLattices() {

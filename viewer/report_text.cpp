@@ -43,36 +43,38 @@ std::string header(const Report& report) {
   return text + wrapped(describeReferences(report));
 }
 
+constexpr const char* frontier_row = "{:<18}{:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>7}\n";
+
+std::string frontierRow(const std::string& method, const LatticeMeasures& lattice,
+                        const MethodMeasures& measures) {
+  const std::string configurations = formatCount(lattice.configurations);
+  if (!measures.problem.empty() && measures.all.count == 0)
+    return fmt::format("{:<18}{:>8}  {}\n", method, configurations, measures.problem);
+  const Spread& error = measures.all.error;
+  return fmt::format(frontier_row, method, configurations, formatNumber(error.mean),
+                     formatNumber(error.median), formatNumber(error.percentile_95),
+                     formatNumber(error.maximum), formatNumber(measures.covered.error.mean),
+                     formatShare(measures.all.covered), formatShare(measures.all.within_target),
+                     formatNumber(measures.nanoseconds, 3));
+}
+
 std::string frontier(const Report& report) {
-  std::string text = fmt::format("\n{:<17} {:>14} {:>9} {:>9} {:>9} {:>9} {:>8} {:>9}\n", "method",
-                                 "configurations", "mean", "95 %", "max", "in target", "covered", "ns/query");
-  for (std::size_t m = 0; m < report.methods.size(); ++m) {
-    bool first = true;
-    for (const LatticeMeasures& lattice : report.lattices) {
-      const MethodMeasures& method = lattice.methods[m];
-      text += fmt::format("{:<17} {:>14} ", first ? report.methods[m] : "",
-                          formatNumber(lattice.configurations, 4));
-      first = false;
-      if (!method.problem.empty() && method.all.count == 0) {
-        text += fmt::format("  cannot be made: {}\n", method.problem);
-        continue;
-      }
-      text += fmt::format("{:>9} {:>9} {:>9} {:>9} {:>8} {:>9}\n", formatNumber(method.all.error.mean),
-                          formatNumber(method.all.error.percentile_95),
-                          formatNumber(method.all.error.maximum), formatShare(method.all.within_target),
-                          formatShare(method.all.covered), formatNumber(method.nanoseconds, 3));
-    }
-  }
+  std::string text = "\n" + fmt::format(frontier_row, "", "config-", "mean", "median", "95 %", "max",
+                                        "mean in", "", "", "ns per");
+  text += fmt::format(frontier_row, "method", "urations", "error", "error", "error", "error", "covered",
+                      "covered", "in target", "query");
+  for (std::size_t m = 0; m < report.methods.size(); ++m)
+    for (std::size_t n = 0; n < report.lattices.size(); ++n)
+      text += frontierRow(n == 0 ? report.methods[m] : "", report.lattices[n], report.lattices[n].methods[m]);
+  const std::string nodes = report.compared == report.nodes.size()
+                                ? "all active nodes"
+                                : fmt::format("{} of {} active nodes", report.compared, report.nodes.size());
   text += "\n";
   text += wrapped(fmt::format(
-      "Errors are |interpolated - exact force| in N over the whole ball, {} together; configurations are per "
-      "active node. In target: error <= max({:.3g} % of |force|, {:.3g} N){}. Covered: the 8 corners around "
-      "are solved.",
-      report.compared == report.nodes.size()
-          ? "all active nodes"
-          : fmt::format("{} active nodes of {}", report.compared, report.nodes.size()),
-      100 * report.target.force_error, report.target.force_floor,
-      report.target_of_scene ? ", the scene's" : ""));
+      "Configurations per active node. Errors: |interpolated - exact force| in N, whole ball, {} together. "
+      "Covered: the 8 corners around are solved. In target: error <= max({:.3g} % of |force|, {:.3g} N){}.",
+      nodes, 100 * report.target.force_error, report.target.force_floor,
+      report.target_of_scene ? ", as the scene asks" : ""));
   return text;
 }
 
@@ -160,6 +162,11 @@ std::string formatNumber(double value, int figures) {
     return fmt::format("{:.{}f}", value, std::max(0, digits));
   }
   return fmt::format("{:.{}e}", value, figures - 1);
+}
+
+std::string formatCount(double count) {
+  const bool is_whole = std::abs(count - std::round(count)) < 1e-6;
+  return fmt::format("{:.{}f}", count, is_whole || count >= 100 ? 0 : 1);
 }
 
 std::string formatShare(double share) {

@@ -21,6 +21,9 @@ std::string formatBytes(double bytes);
 /// Three figures at most, "-" for NaN: "0.00012", "1.2e-06", "34", "12300".
 std::string formatNumber(double value, int figures = 2);
 
+/// "123", "123.4" for a mean.
+std::string formatCount(double count);
+
 /// "99.5 %", "-" for NaN; never rounds up to 100 %.
 std::string formatShare(double share);
 
