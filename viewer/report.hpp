@@ -89,12 +89,15 @@ struct Report {
   std::vector<NodeMeasures> nodes;
   std::size_t compared = 0;  ///< active nodes on which all methods were compared
   std::map<Cause, FailureCount> failures;
+  std::vector<std::vector<Reference>> positions;  ///< the references, per active node
 };
 
 /// Opens the datasets and measures. Takes seconds to two minutes; uses all cores for the comparison, one for
 /// the timings. Error (bad input) for a dataset that cannot be opened, datasets of different scenes, and
 /// unknown methods.
 Report makeReport(const ReportOptions& options);
+/// The same of datasets that are open already; options.datasets is not looked at.
+Report makeReport(std::vector<Dataset> datasets, const ReportOptions& options);
 
 /// The table that stands for lattice `lattice` of the report at active node `space`. `storage` keeps it alive
 /// when it has to be made.
