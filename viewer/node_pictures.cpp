@@ -70,9 +70,12 @@ NodePictures takePictures(const Report& report, const LatticeMeasures& lattice, 
   for (std::size_t m = 0; m < report.methods.size(); ++m) {
     const auto field = fieldOrNone(report.methods[m], space);
     if (!field) continue;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      pictures.curves[axis].series.push_back(
-          curveAlong(*field, space.lattice.radius(), static_cast<int>(axis), m));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      std::vector<PlotSeries>& series = pictures.curves[axis].series;
+      // The default, the widest line, below the others.
+      series.insert(m == 0 ? series.end() : series.begin() + 1,
+                    curveAlong(*field, space.lattice.radius(), static_cast<int>(axis), m));
+    }
     if (m > 0) continue;
     std::vector<MeasuredReference> references;
     if (report.measured)

@@ -289,10 +289,14 @@ class Reporter {
       nodes[n] = compareMethods(table, report_.methods, references()[compared_[n]]);
     });
     for (std::size_t m = 0; m < report_.methods.size(); ++m) pool(nodes, m, lattice.methods[m]);
-    if (report_.measured != number) return;
-    for (std::size_t n = 0; n < compared_.size(); ++n)
-      for (std::size_t m = 0; m < report_.methods.size(); ++m)
-        report_.nodes[compared_[n]].methods[m] = measureErrors(nodes[n][m].comparisons, report_.target);
+    for (std::size_t n = 0; n < compared_.size(); ++n) {
+      lattice.node_errors.emplace_back();
+      for (std::size_t m = 0; m < report_.methods.size(); ++m) {
+        const ErrorMeasures measures = measureErrors(nodes[n][m].comparisons, report_.target);
+        lattice.node_errors.back().push_back(measures.error.mean);
+        if (report_.measured == number) report_.nodes[compared_[n]].methods[m] = measures;
+      }
+    }
   }
 
   /// One after the other, while nothing else runs.

@@ -44,6 +44,8 @@ struct LatticeMeasures {
   double configurations = 0;            ///< solved points per active node, mean of the compared
   double factorizations = 0;            ///< the work they took, per active node
   std::vector<MethodMeasures> methods;  ///< in the order of Report::methods
+  /// Mean error over the whole ball, N: per compared active node, in the order of Report::nodes, per method.
+  std::vector<std::vector<double>> node_errors;
 };
 
 /// One active node.

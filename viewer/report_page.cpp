@@ -15,7 +15,8 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t listed_nodes = 36, pictured_nodes = 6;
+constexpr std::size_t listed_nodes = 36, plotted_nodes = 12, pictured_nodes = 6;
+constexpr double smallest_share = 0.01;  ///< of a file; smaller arrays are listed together
 
 constexpr const char* style = R"(
 :root{--ink:#1b1f24;--soft:#5b6570;--line:#d9dee3;--tint:#f4f6f8;--accent:#0072b2}
@@ -42,8 +43,8 @@ figcaption{font-size:.85rem;color:var(--soft);text-align:center}
 .legend span{display:inline-flex;align-items:center;gap:6px}
 .scroll{overflow-x:auto;margin:.6em 0 1em}
 table{border-collapse:collapse;font-size:.88rem;font-variant-numeric:tabular-nums;min-width:100%}
-th,td{padding:4px 10px;text-align:right;white-space:nowrap;border-bottom:1px solid var(--line)}
-th{color:var(--soft);font-weight:600;vertical-align:bottom}
+th,td{padding:4px 8px;text-align:right;white-space:nowrap;border-bottom:1px solid var(--line)}
+th{color:var(--soft);font-weight:600;vertical-align:bottom;white-space:normal;line-height:1.25}
 th:first-child,td:first-child,.text{text-align:left}
 tbody tr.first td{border-top:2px solid var(--line)}
 td.reason{color:var(--soft);white-space:normal;text-align:left}
@@ -63,8 +64,9 @@ svg .curve{fill:none;stroke-linejoin:round;stroke-linecap:round}
 svg .rim{fill:none;stroke:#8b949e;stroke-width:1}
 svg .solved{fill:#fff;stroke:#000;stroke-width:.6;opacity:.75}
 svg .terminating{fill:#fff;stroke:#000;stroke-width:1}
-svg .failed{fill:none;stroke:#e3120b;stroke-width:2.4}
-svg .probe{stroke:#fff;stroke-width:1.6;paint-order:stroke;outline:none}
+svg .failed{fill:none;stroke:#d55e00;stroke-width:2.4}
+svg .probe{stroke:#fff;stroke-width:1.6}
+svg .cover{fill:none;stroke:#e3120b;stroke-width:1.1}
 @media print{main{max-width:none;padding:0}h2{break-after:avoid}figure,table,.figures>svg,.cards{break-inside:avoid}nav{display:none}.scroll{overflow:visible}}
 )";
 
@@ -161,32 +163,38 @@ std::string frontierPlot(const Report& report, Abscissa abscissa, bool covered) 
   return svgOf(plot);
 }
 
+std::string latticeTable(const Report& report) {
+  std::string rows;
+  for (const LatticeMeasures& lattice : report.lattices)
+    rows += "<tr>" + cell(lattice.label) + cell(fmt::format("{:.4g}", 1e3 * lattice.spacing)) +
+            cell(formatCount(lattice.configurations)) + cell(formatCount(lattice.factorizations)) + "</tr>\n";
+  return table({"lattice", "spacing, mm", "configurations", "factorizations they took"}, rows);
+}
+
 std::string frontierTable(const Report& report) {
   std::string rows;
   for (std::size_t m = 0; m < report.methods.size(); ++m)
     for (std::size_t n = 0; n < report.lattices.size(); ++n) {
       const LatticeMeasures& lattice = report.lattices[n];
       const MethodMeasures& method = lattice.methods[m];
-      rows += fmt::format("<tr{}>{}<td class=\"text\">{}</td>{}", n == 0 ? " class=\"first\"" : "",
-                          cell(n == 0 ? report.methods[m] : ""), escaped(lattice.label),
-                          cell(formatCount(lattice.configurations)));
+      rows += fmt::format("<tr{}>{}{}", n == 0 ? " class=\"first\"" : "",
+                          cell(n == 0 ? report.methods[m] : ""), cell(formatCount(lattice.configurations)));
       if (!method.problem.empty() && method.all.count == 0) {
         rows += fmt::format("<td class=\"reason\" colspan=\"11\">{}</td></tr>\n", escaped(method.problem));
         continue;
       }
-      const Spread& error = method.all.error;
+      const Spread &error = method.all.error, &covered = method.covered.error;
       for (const std::string& text :
            {formatNumber(error.mean), formatNumber(error.median), formatNumber(error.percentile_95),
-            formatNumber(error.percentile_99), formatNumber(error.maximum),
-            formatNumber(method.covered.error.mean), formatNumber(method.covered.error.maximum),
-            std::isfinite(method.all.relative.mean) ? percent(method.all.relative.mean) : "-",
-            formatShare(method.all.within_target), formatShare(method.all.covered),
-            formatNumber(method.nanoseconds, 3)})
+            formatNumber(error.maximum), formatNumber(covered.mean), formatNumber(covered.maximum),
+            formatShare(method.all.relative.mean), formatShare(method.all.within_target),
+            formatShare(method.all.covered), formatNumber(method.nanoseconds, 3),
+            formatNumber(1e3 * method.seconds_to_prepare)})
         rows += cell(text);
       rows += "</tr>\n";
     }
-  return table({"method", "lattice", "configurations", "mean", "median", "95 %", "99 %", "max",
-                "mean covered", "max covered", "relative", "in target", "covered", "ns/query"},
+  return table({"method", "configu­rations", "mean", "median", "95 %", "max", "mean, covered", "max, covered",
+                "relative", "in target", "covered", "ns per query", "ms to prepare"},
                rows);
 }
 
@@ -201,7 +209,7 @@ std::string frontierSection(const Report& report) {
         html += frontierPlot(report, abscissa, covered);
     html += "</div>\n";
   }
-  html += "<h3>In numbers</h3>\n" + frontierTable(report);
+  html += "<h3>In numbers</h3>\n" + frontierTable(report) + latticeTable(report);
   html += fmt::format(
       "<p class=\"how\">Errors are |interpolated &minus; exact force| in newtons. Relative: divided by the "
       "force, or by {} N "
@@ -250,6 +258,44 @@ std::vector<const NodeMeasures*> worstFirst(const Report& report) {
   return nodes;
 }
 
+/// Error against configurations of one active node that was compared; `place` is its row in node_errors.
+std::string nodePlot(const Report& report, const std::string& node, std::size_t place) {
+  Plot plot;
+  plot.title = node;
+  plot.x = {"configurations", true, {}, {}};
+  plot.y = {"mean error, N", true, {}, {}};
+  plot.width = 380;
+  plot.height = 280;
+  for (std::size_t m = 0; m < report.methods.size(); ++m) {
+    PlotSeries series{.label = report.methods[m], .x = {}, .y = {}, .style = seriesStyle(m)};
+    for (const LatticeMeasures& lattice : report.lattices) {
+      if (lattice.node_errors.empty()) continue;
+      series.x.push_back(lattice.configurations);
+      series.y.push_back(lattice.node_errors[place][m]);
+    }
+    plot.series.push_back(std::move(series));
+  }
+  return svgOf(plot);
+}
+
+std::string nodePlots(const Report& report) {
+  if (!report.measured || report.nodes.size() < 2) return "";
+  std::vector<std::pair<double, std::string>> plots;  // by error
+  std::size_t place = 0;
+  for (const NodeMeasures& node : report.nodes)
+    if (node.compared) {
+      plots.emplace_back(-node.methods.front().error.mean, nodePlot(report, node.name, place));
+      ++place;
+    }
+  std::stable_sort(plots.begin(), plots.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  if (plots.size() > plotted_nodes) plots.resize(plotted_nodes);
+  std::string html =
+      legendOf(frontierSeries(report, Abscissa::configurations, false)) + "<div class=\"figures\">\n";
+  for (const auto& [error, plot] : plots) html += plot;
+  return html + "</div>\n";
+}
+
 std::string nodesSection(const Report& report) {
   std::vector<const NodeMeasures*> nodes = worstFirst(report);
   const bool is_cut = nodes.size() > listed_nodes;
@@ -279,10 +325,18 @@ std::string nodesSection(const Report& report) {
   if (report.compared < report.nodes.size())
     how += fmt::format(" All methods were compared on {} nodes, evenly chosen; {} on every one.",
                        report.compared, report.methods.front());
-  return section("nodes", "Active nodes", how, table(titles, rows));
+  return section("nodes", "Active nodes", how, table(titles, rows) + nodePlots(report));
 }
 
 // ---- pictures
+
+/// In the order of the methods, without their marks.
+std::string curveLegend(const Report& report, const Plot& plot) {
+  std::vector<PlotSeries> series = {plot.series.front()};
+  for (std::size_t m = 0; m < report.methods.size(); ++m)
+    series.push_back({.label = report.methods[m], .x = {}, .y = {}, .style = seriesStyle(m), .marks = false});
+  return legendOf(series);
+}
 
 std::string picturesSection(const Report& report) {
   std::vector<const NodeMeasures*> nodes = worstFirst(report);
@@ -311,7 +365,7 @@ std::string picturesSection(const Report& report) {
       maps += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n",
                           svgOf(pictures[n].slices[s], scale), planes[s]);
     maps += "</div>\n";
-    if (n == 0) curves += legendOf(pictures[n].curves.front().series);
+    if (n == 0) curves += curveLegend(report, pictures[n].curves.front());
     curves += fmt::format("<h3>{}</h3>\n<div class=\"figures\">\n", escaped(nodes[n]->name));
     for (const Plot& plot : pictures[n].curves) curves += svgOf(plot);
     curves += "</div>\n";
@@ -366,8 +420,15 @@ std::string sizesSection(const Report& report) {
     std::string rows;
     double most = 0;
     for (const auto& [kind, size] : facts.sizes) most = std::max(most, static_cast<double>(size.stored));
+    std::size_t small = 0;
+    double small_bytes = 0;
     for (const auto& [kind, size] : facts.sizes) {
       const auto stored = static_cast<double>(size.stored);
+      if (stored < smallest_share * static_cast<double>(facts.bytes)) {
+        ++small;
+        small_bytes += stored;
+        continue;
+      }
       rows +=
           "<tr>" + cell(kind) + cell(formatBytes(stored)) +
           cell(formatBytes(static_cast<double>(size.unpacked))) +
@@ -375,6 +436,9 @@ std::string sizesSection(const Report& report) {
                                          : formatBytes(stored / static_cast<double>(facts.configurations))) +
           bar(stored, most) + "</tr>\n";
     }
+    if (small > 0)
+      rows += "<tr>" + cell(fmt::format("{} smaller ones", small)) + cell(formatBytes(small_bytes)) +
+              "<td></td><td></td>" + bar(small_bytes, most) + "</tr>\n";
     html += fmt::format("<h3>{}: {} for {} configurations</h3>\n", escaped(facts.file.filename().string()),
                         formatBytes(static_cast<double>(facts.bytes)), facts.configurations);
     html += table({"array", "in the file", "unpacked", "per configuration", ""}, rows);

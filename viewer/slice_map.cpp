@@ -6,12 +6,13 @@
 #include <array>
 #include <cmath>
 
+#include "viewer/field_comparison.hpp"
 #include "viewer/svg_plot.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr double picture = 320, margin = 26, edge = picture - 2 * margin;  ///< user units
+constexpr double picture = 330, margin = 32, edge = picture - 2 * margin;  ///< user units
 constexpr int most_decades = 5;
 
 /// Viridis (van der Walt, Smith; CC0) at equal distances.
@@ -70,21 +71,43 @@ std::string latticeMark(double x, double y, Tag tag) {
 
 std::string frame(const SliceMap& map) {
   static constexpr std::array<const char*, 3> names = {"x", "y", "z"};
-  const double center = 0.5 * picture;
+  const double center = 0.5 * picture, base = picture - margin + 4, start = margin - 4;
   std::string svg =
       fmt::format("<circle class=\"rim\" cx=\"{0}\" cy=\"{0}\" r=\"{1}\"/>\n", center, 0.5 * edge);
-  svg += fmt::format("<text class=\"label\" x=\"{:.0f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", center,
-                     picture - 6, names[static_cast<std::size_t>(map.across)]);
-  svg += fmt::format("<text class=\"label\" x=\"12\" y=\"{:.0f}\" text-anchor=\"middle\">{}</text>\n",
-                     center + 4, names[static_cast<std::size_t>(map.up)]);
-  for (const double share : {-1.0, 1.0}) {
-    const std::string number = fmt::format("{:g}", std::round(1e4 * share * map.radius) / 10);
-    svg += fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                       center + 0.5 * edge * share * 0.93, picture - 8, number);
+  svg += fmt::format("<path class=\"axis\" d=\"M{0} {1}h{2}M{3} {0}v{2}\"/>\n", margin, base, edge, start);
+  const std::array<std::string, 3> numbers = {fmt::format("{:g}", -std::round(1e4 * map.radius) / 10), "",
+                                              fmt::format("{:g}", std::round(1e4 * map.radius) / 10)};
+  for (int n = 0; n < 3; ++n) {
+    const double along = margin + 0.5 * edge * n;
+    const auto which = static_cast<std::size_t>(n);
+    const std::string across = n == 1 ? names[static_cast<std::size_t>(map.across)] : numbers[which];
+    const std::string up = n == 1 ? names[static_cast<std::size_t>(map.up)] : numbers[which];
+    svg += fmt::format("<path class=\"axis\" d=\"M{:.1f} {}v4M{} {:.1f}h-4\"/>", along, base, start,
+                       picture - along);
+    svg += fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>", along,
+                       base + 16, across);
     svg += fmt::format("<text class=\"tick\" x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n",
-                       margin - 2, center - 0.5 * edge * share * 0.96 + 4, number);
+                       start - 6, picture - along + 4, up);
   }
   return svg;
+}
+
+/// The sides between samples that are covered and samples of the ball that are not.
+std::string coverEdge(const SliceMap& map) {
+  const double step = edge / SliceMap::side;
+  const auto covered = [&](int row, int column) {
+    return map.covered[static_cast<std::size_t>(row * SliceMap::side + column)] != 0;
+  };
+  std::string path;
+  for (int row = 1; row < SliceMap::side; ++row)
+    for (int column = 1; column < SliceMap::side; ++column) {
+      const double x = margin + column * step, y = picture - margin - row * step;
+      if (covered(row, column) != covered(row - 1, column))
+        path += fmt::format("M{:.1f} {:.1f}h{:.1f}", x, y, step);
+      if (covered(row, column) != covered(row, column - 1))
+        path += fmt::format("M{:.1f} {:.1f}v-{:.1f}", x, y, step);
+    }
+  return path.empty() ? "" : fmt::format("<path class=\"cover\" d=\"{}\"/>\n", path);
 }
 
 }  // namespace
@@ -134,6 +157,7 @@ SliceMap sampleSlice(const ForceField& field, const SpaceTable& space, int acros
       const ForceSample sample = field.evaluate(p);
       const bool shown = p.norm() <= map.radius && sample.inside;
       map.bound.push_back(shown ? sample.error_bound : std::nan(""));
+      map.covered.push_back(p.norm() <= map.radius && isCovered(sample) ? 1 : 0);
     }
   for (std::int32_t n = 0; n < space.lattice.size(); ++n)
     if (space.lattice.point(n)[static_cast<std::size_t>(normal)] == 0) {
@@ -148,7 +172,7 @@ SliceMap sampleSlice(const ForceField& field, const SpaceTable& space, int acros
 std::string svgOf(const SliceMap& map, const ColourScale& scale) {
   std::string svg =
       fmt::format("<svg viewBox=\"0 0 {0} {0}\" role=\"img\" aria-label=\"error in a slice\">\n", picture);
-  svg += colours(map, scale) + frame(map);
+  svg += colours(map, scale) + coverEdge(map) + frame(map);
   const auto x = [&](double metres) { return place(metres, map.radius); };
   const auto y = [&](double metres) { return picture - place(metres, map.radius); };
   for (const SliceMap::LatticeMark& mark : map.marks)
@@ -190,7 +214,7 @@ std::string legendOf(const ColourScale& scale) {
          key(fmt::format("<circle class=\"probe\" cx=\"7\" cy=\"7\" r=\"4\" fill=\"{}\"/>",
                          ColourScale::colour(12)),
              "exact solution near the plane, in the colour of the error there") +
-         "</p>\n";
+         key("<path class=\"cover\" d=\"M0 7h14\"/>", "inside: eight solved corners") + "</p>\n";
 }
 
 }  // namespace palpate

@@ -41,6 +41,7 @@ struct SliceMap {
   int across = 0, up = 1;          ///< axes of the plane: to the right, and upward
   double radius = 0;               ///< m
   std::vector<double> bound;       ///< side x side, rows upward, N; NaN outside of the ball or without bound
+  std::vector<char> covered;       ///< side x side; not 0 where the eight corners around are solved
   struct LatticeMark {
     Eigen::Vector2d at;
     Tag tag;
