@@ -91,7 +91,7 @@ TEST_P(EveryField, ReproducesForcesLinearInEachCoordinate) {
 TEST_P(EveryField, ReturnsTheStoredForcesAtLatticePoints) {
   const Lattice lattice(radius, 0.005);
   const SpaceTable space = solvedSpace(lattice, StiffeningEnergy());
-  const auto field = makeForceField(GetParam(), lattice, space);
+  const auto field = makeForceField(GetParam(), space);
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
     const Vector3d& force = space.points[n].equilibrium.force;
     EXPECT_LE((field->evaluate(lattice.displacement(n)).force - force).norm(), 1e-12 * (1 + force.norm()));
@@ -134,7 +134,7 @@ TEST_P(EveryField, CoversCellsWithEightSolvedCornersOnly) {
   SpaceTable space = solvedSpace(lattice, StiffeningEnergy());
   space.points[*lattice.indexOf({1, 1, 1})].tag = Tag::failed;
   space.points[*lattice.indexOf({-1, 0, 0})].tag = Tag::terminating;
-  const auto field = makeForceField(GetParam(), lattice, space);
+  const auto field = makeForceField(GetParam(), space);
   EXPECT_FALSE(field->evaluate({0.0026, 0.0024, 0.0025}).inside);
   EXPECT_FALSE(field->evaluate({0.0074, 0.0074, 0.0074}).inside);
   EXPECT_TRUE(field->evaluate({-0.0026, 0.0024, 0.0025}).inside);
@@ -163,7 +163,7 @@ TEST_P(EveryField, ContinuesASolvedPointCloseByWhereNothingIsCovered) {
   const SpaceTable space = solvedSpace(lattice, StiffeningEnergy());
   const Vector3d tip(0.021, 0, 0);
   const Equilibrium& rim = space.points[*lattice.indexOf({2, 0, 0})].equilibrium;
-  const ForceSample sample = makeForceField(GetParam(), lattice, space)->evaluate(tip);
+  const ForceSample sample = makeForceField(GetParam(), space)->evaluate(tip);
   EXPECT_LE((sample.force - (rim.force + rim.stiffness * Vector3d(0.001, 0, 0))).norm(),
             0.2 * rim.force.norm());
 }
@@ -197,7 +197,7 @@ TEST_P(EveryField, NeedsASolvedPoint) {
   const Lattice lattice(radius, 0.01);
   SpaceTable space = solvedSpace(lattice, StiffeningEnergy());
   for (PointRecord& point : space.points) point = {};
-  test::expectError(ExitCode::failed, [&] { makeForceField(GetParam(), lattice, space); },
+  test::expectError(ExitCode::failed, [&] { makeForceField(GetParam(), space); },
                     {"tip", "no lattice point was solved"});
 }
 
