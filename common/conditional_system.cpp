@@ -40,7 +40,7 @@ ConditionalSystem::ConditionalSystem(Eigen::MatrixXd A, const Eigen::MatrixXd& P
   if (n == k) return;
   Eigen::Ref<Eigen::MatrixXd> corner = A_.bottomRightCorner(n - k, n - k);
   factor_.emplace(corner);
-  definite_ = factor_->info() == Eigen::Success;
+  definite_ = factor_->info() == Eigen::Success && factor_->rcond() > std::numeric_limits<double>::epsilon();
 }
 
 double ConditionalSystem::condition() const {
