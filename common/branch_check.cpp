@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace palpate {
 namespace {
@@ -50,15 +51,9 @@ bool bordersLeaf(const Leaves& leaves, const LatticePoint& lower, std::size_t ax
   return false;
 }
 
-}  // namespace
-
-EdgeCheck checkEdge(const Equilibrium& a, const Equilibrium& b, const Eigen::Vector3d& step) {
-  const Eigen::Vector3d at_a = a.stiffness * step, at_b = b.stiffness * step;
-  return {.mismatch = (b.force - a.force - 0.5 * (at_a + at_b)).norm(),
-          .allowance = 0.01 + 0.6 * (at_b - at_a).norm()};
-}
-
-std::vector<LatticeEdge> inconsistentEdges(const SpaceTable& space) {
+/// The edges of leaf cells between solved points for which `selects` their check.
+template <class Select>
+std::vector<LatticeEdge> selectEdges(const SpaceTable& space, Select selects) {
   const Lattice& lattice = space.lattice;
   const Leaves leaves(space);
   std::vector<LatticeEdge> found;
@@ -73,14 +68,43 @@ std::vector<LatticeEdge> inconsistentEdges(const SpaceTable& space) {
         if (!other || !isSolved(space.points[*other].tag) ||
             !bordersLeaf(leaves, lattice.point(n), axis, level))
           continue;
-        const EdgeCheck check = checkEdge(space.points[n].equilibrium, space.points[*other].equilibrium,
-                                          lattice.displacement(*other) - lattice.displacement(n));
-        if (!check.consistent()) found.push_back({std::min(n, *other), std::max(n, *other)});
+        if (selects(checkEdge(space.points[n].equilibrium, space.points[*other].equilibrium,
+                              lattice.displacement(*other) - lattice.displacement(n))))
+          found.push_back({std::min(n, *other), std::max(n, *other)});
       }
     }
   }
   std::sort(found.begin(), found.end());
   return found;
+}
+
+}  // namespace
+
+bool EdgeCheck::consistent() const {
+  // The constants only keep round-off and perfectly linear edges out.
+  return force_mismatch <= 2e-3 + 0.1 * change + bend &&
+         energy_mismatch <= 5e-4 + 0.02 * change + 0.25 * bend;
+}
+
+bool EdgeCheck::suspect() const {
+  return !consistent() || force_mismatch > 0.05 + 0.5 * change || energy_mismatch > 0.01 + 0.08 * change;
+}
+
+EdgeCheck checkEdge(const Equilibrium& a, const Equilibrium& b, const Eigen::Vector3d& step) {
+  const Eigen::Vector3d at_a = a.stiffness * step, at_b = b.stiffness * step, bend = at_b - at_a;
+  const double work = 0.5 * (a.force + b.force).dot(step) - bend.dot(step) / 12;
+  return {.force_mismatch = (b.force - a.force - 0.5 * (at_a + at_b)).norm(),
+          .energy_mismatch = std::abs(b.energy - a.energy + work) / step.norm(),
+          .change = 0.5 * (at_a.norm() + at_b.norm()),
+          .bend = bend.norm()};
+}
+
+std::vector<LatticeEdge> inconsistentEdges(const SpaceTable& space) {
+  return selectEdges(space, [](const EdgeCheck& check) { return !check.consistent(); });
+}
+
+std::vector<LatticeEdge> suspectEdges(const SpaceTable& space) {
+  return selectEdges(space, [](const EdgeCheck& check) { return check.suspect(); });
 }
 
 }  // namespace palpate

@@ -133,7 +133,7 @@ SpaceTable solvedSpace(const Lattice& lattice, const AnalyticEnergy& energy) {
     const Eigen::Vector3d p = lattice.displacement(n);
     PointRecord point;
     point.tag = Tag::expandable;
-    point.parent = n == 0 ? 0 : lattice.neighbours(n).front();
+    point.parent = n == 0 || n >= lattice.uniformSize() ? 0 : lattice.neighbours(n).front();
     point.equilibrium = {-energy.gradient(p), -energy.hessian(p), energy.energy(p), 0.5 + 1.0 / (n + 2)};
     point.residual = 1e-9 * (n + 1);
     point.cost = {3 + n % 4, 4 + n % 4, 1, 0};
