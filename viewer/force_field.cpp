@@ -1,19 +1,22 @@
 #include "viewer/force_field.hpp"
 
 #include "common/error.hpp"
+#include "viewer/hermite_field.hpp"
 #include "viewer/potential_field.hpp"
 #include "viewer/trilinear_field.hpp"
 
 namespace palpate {
 
 const std::vector<std::string>& forceFieldMethods() {
-  static const std::vector<std::string> methods = {"potential", "trilinear"};
+  static const std::vector<std::string> methods = {"potential", "trilinear", "tricubic", "hermite"};
   return methods;
 }
 
 std::unique_ptr<ForceField> makeForceField(std::string_view method, const SpaceTable& space) {
   if (method == "potential") return std::make_unique<PotentialField>(space);
   if (method == "trilinear") return std::make_unique<TrilinearField>(space);
+  if (method == "tricubic") return std::make_unique<HermiteField>(space, HermiteField::Slopes::differences);
+  if (method == "hermite") return std::make_unique<HermiteField>(space, HermiteField::Slopes::exact);
   throw badInput("there is no method \"{}\"; there are: {}", method, fmt::join(forceFieldMethods(), ", "));
 }
 
