@@ -63,8 +63,9 @@ class CellTree {
   Eigen::Vector3d displacement(std::int32_t slot) const;
   /// The hanging ones, coarse to fine: each after all hanging corners of its coarser leaf.
   const std::vector<std::int32_t>& hangingSlots() const { return hanging_; }
-  double radius() const { return radius_; }    ///< of the ball, metres
-  double spacing() const { return spacing_; }  ///< edge of the root cells, metres
+  double radius() const { return radius_; }              ///< of the ball, metres
+  double spacing() const { return spacing_; }            ///< edge of the root cells, metres
+  double unit() const { return spacing_ / divisions_; }  ///< metres per lattice coordinate
   /// Whether all corners of a leaf are ghosts, or hang in leaves of which that is true.
   bool unsupported(std::int32_t leaf) const { return unsupported_[static_cast<std::size_t>(leaf)]; }
 
