@@ -77,13 +77,14 @@ CellField::CellField(const CellData& data) : tree_(data.tree) {
     nodes_.emplace_back();
     nodes_.back() << data.equilibria[s].force, data.support[s];
   }
+  if (!data.inconsistent.empty()) setFlags(data);
   fillHanging(tree_, nodes_, [this](std::int32_t leaf, const Eigen::Vector3d& local) -> Eigen::Vector4d {
     return trilinear(tree_.corners(leaf), local, nodes_);
   });
-  if (!data.inconsistent.empty()) flagLeaves(data);
+  if (!flags_.empty()) setSpread();
 }
 
-void CellField::flagLeaves(const CellData& data) {
+void CellField::setFlags(const CellData& data) {
   flags_.assign(nodes_.size(), 0);
   const auto leaves = static_cast<std::int32_t>(tree_.leaves().size());
   for (std::int32_t leaf = 0; leaf < leaves; ++leaf) {
@@ -96,10 +97,14 @@ void CellField::flagLeaves(const CellData& data) {
     if (inconsistent)
       for (const std::int32_t slot : corners) flags_[at(slot)] = 1;
   }
+  for (std::size_t s = 0; s < flags_.size(); ++s) nodes_[s][3] *= 1 - flags_[s];
   fillHanging(tree_, flags_, [this](std::int32_t leaf, const Eigen::Vector3d& local) {
     return trilinear(tree_.corners(leaf), local, flags_);
   });
+}
 
+void CellField::setSpread() {
+  const auto leaves = static_cast<std::int32_t>(tree_.leaves().size());
   spread_.assign(tree_.leaves().size(), -1);
   for (std::int32_t leaf = 0; leaf < leaves; ++leaf) {
     const LeafCorners& corners = tree_.corners(leaf);

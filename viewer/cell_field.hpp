@@ -38,6 +38,7 @@ struct CellData {
 /// interpolant of the flags, and the force is (1 - w) smooth + w tri-linear. So it is exactly the tri-linear
 /// one in such a leaf, the smooth one in leaves that do not touch it, and continuous. Where w > 0 there is no
 /// energy, and the error bound grows by w times the largest difference between forces at the leaf's corners.
+/// Corners with a flag count as not covered.
 class CellField : public ForceField {
  public:
   ForceSample evaluate(const Eigen::Vector3d& displacement) const noexcept final;
@@ -54,7 +55,8 @@ class CellField : public ForceField {
   const CellTree& tree() const { return tree_; }
 
  private:
-  void flagLeaves(const CellData& data);
+  void setFlags(const CellData& data);
+  void setSpread();
   ForceSample sampleAt(const LeafPlace& place) const noexcept;
   void limit(const LeafPlace& place, const ForceSample& linear, ForceSample& sample) const noexcept;
 
