@@ -16,7 +16,8 @@ namespace {
 constexpr std::array<std::int32_t, 3> thinning_factors = {2, 3, 4};
 /// Radius / spacing below which a thinned lattice says nothing; only every 2nd point may have less.
 constexpr double smallest_ratio = 1.5;
-constexpr double same_spacing = 1e-3;  ///< relative
+constexpr std::size_t looped_nodes = 2;  ///< active nodes on which work around closed loops is measured
+constexpr double same_spacing = 1e-3;    ///< relative
 
 /// Why the datasets are not of one scene; empty when they are.
 std::string differenceOf(const Dataset& a, const Dataset& b) {
@@ -281,14 +282,17 @@ class Reporter {
     LatticeMeasures& lattice = report_.lattices[number];
     lattice.methods.resize(report_.methods.size());
     timeMethods(lattice);
-    if (!isMeasurable(lattice)) return;
+    const bool is_measurable = isMeasurable(lattice);
     std::vector<NodeComparison> nodes(compared_.size());
     runInParallel(compared_.size(), [&](std::size_t n) {
       std::optional<SpaceTable> storage;
       const SpaceTable& table = tableOf(report_, lattice, compared_[n], storage);
-      nodes[n] = compareMethods(table, report_.methods, references()[compared_[n]]);
+      nodes[n] = compareMethods(table, report_.methods,
+                                is_measurable ? references()[compared_[n]] : std::vector<Reference>(),
+                                n < looped_nodes);
     });
     for (std::size_t m = 0; m < report_.methods.size(); ++m) pool(nodes, m, lattice.methods[m]);
+    if (!is_measurable) return;
     for (std::size_t n = 0; n < compared_.size(); ++n) {
       lattice.node_errors.emplace_back();
       for (std::size_t m = 0; m < report_.methods.size(); ++m) {
@@ -315,6 +319,7 @@ class Reporter {
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       const MethodComparison& node = nodes[n][method];
       pooled.insert(pooled.end(), node.comparisons.begin(), node.comparisons.end());
+      measures.loop_work = std::fmax(measures.loop_work, node.loop_work);
       if (!node.problem.empty() && measures.problem.empty())
         measures.problem = report_.nodes[compared_[n]].name + ": " + node.problem;
     }
@@ -329,8 +334,8 @@ class Reporter {
       NodeMeasures& node = report_.nodes[s];
       if (node.compared) return;
       std::optional<SpaceTable> storage;
-      const NodeComparison result =
-          compareMethods(tableOf(report_, lattice, s, storage), {report_.methods.front()}, references()[s]);
+      const NodeComparison result = compareMethods(tableOf(report_, lattice, s, storage),
+                                                   {report_.methods.front()}, references()[s], false);
       node.methods.front() = measureErrors(result.front().comparisons, report_.target);
     });
   }

@@ -31,6 +31,8 @@ struct MethodMeasures {
   std::string problem;    ///< why it could not be made for some active node; empty when it could
   ErrorMeasures all;      ///< over the whole ball
   ErrorMeasures covered;  ///< over covered points alone: the same points for every method
+  /// Work around closed loops relative to the effort (loop_work.hpp): the largest of two active nodes.
+  double loop_work = std::numeric_limits<double>::quiet_NaN();
   double nanoseconds = std::numeric_limits<double>::quiet_NaN();  ///< per query, median, this machine
   double seconds_to_prepare = nanoseconds;                        ///< of one active node, this machine
 };
