@@ -23,7 +23,7 @@ struct ReportOptions {
   double seconds_per_timing = 0.05;  ///< how long queries are repeated to time one method on one lattice
   /// Active nodes on which all methods are compared, evenly chosen where there are more; the default method
   /// is measured on all.
-  std::size_t compared_nodes = 40;
+  std::size_t compared_nodes = 12;
 };
 
 /// One method on one lattice, over the compared active nodes together.
