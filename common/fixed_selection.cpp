@@ -1,7 +1,7 @@
 #include "common/fixed_selection.hpp"
 
 #include "common/error.hpp"
-#include "common/nearest_word.hpp"
+#include "common/node_selectors.hpp"
 
 namespace palpate {
 namespace {
@@ -29,19 +29,6 @@ void selectHalfSpace(NodeSet& fixed, const Mesh& mesh, const HalfSpace& half) {
          [&](const Eigen::Vector3d& x) { return half.below ? x[axis] < plane : x[axis] > plane; });
 }
 
-const NodeSet& groupNamed(const Mesh& mesh, const std::string& name) {
-  const auto found = mesh.node_groups.find(name);
-  if (found != mesh.node_groups.end()) {
-    if (found->second.empty())
-      throw badInput("fixed.group: no node of \"{}\" belongs to a tetrahedron", name);
-    return found->second;
-  }
-  std::vector<std::string_view> names;
-  for (const auto& [group, nodes] : mesh.node_groups) names.push_back(group);
-  if (names.empty()) throw badInput("fixed.group: there is no \"{}\": the mesh has no physical groups", name);
-  throw badInput("fixed.group: there is no \"{}\"; the mesh has {}", name, listed(names));
-}
-
 /// The mid-edge nodes between two listed vertices.
 void addNodesBetween(NodeSet listed, const Mesh& mesh, NodeSet& fixed) {
   sortUnique(listed);
@@ -56,15 +43,11 @@ NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh) {
   NodeSet fixed;
   for (const HalfSpace& half : selection.half_spaces) selectHalfSpace(fixed, mesh, half);
   for (const Box& box : selection.boxes)
-    select(fixed, mesh, "box", [&](const Eigen::Vector3d& x) {
-      return (x.array() >= box.lowest.array()).all() && (x.array() <= box.highest.array()).all();
-    });
+    select(fixed, mesh, "box", [&](const Eigen::Vector3d& x) { return isIn(box, x); });
   for (const Sphere& sphere : selection.spheres)
-    select(fixed, mesh, "sphere", [&](const Eigen::Vector3d& x) {
-      return (x - sphere.center).squaredNorm() <= sphere.radius * sphere.radius * on_the_sphere;
-    });
+    select(fixed, mesh, "sphere", [&](const Eigen::Vector3d& x) { return isIn(sphere, x); });
   for (const std::string& group : selection.groups) {
-    const NodeSet& nodes = groupNamed(mesh, group);
+    const NodeSet& nodes = groupNamed(mesh, group, "fixed.group");
     fixed.insert(fixed.end(), nodes.begin(), nodes.end());
   }
   for (const std::int32_t node : selection.nodes) {

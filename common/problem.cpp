@@ -12,6 +12,7 @@
 #include "common/gmsh_reader.hpp"
 #include "common/lattice.hpp"
 #include "common/patch_selection.hpp"
+#include "common/surface_selection.hpp"
 #include "common/vtk_reader.hpp"
 
 namespace palpate {
@@ -204,6 +205,7 @@ Problem resolve(Scene scene, Mesh mesh) {
   problem.region_of = selectRegions(scene.regions, mesh);
   problem.fibers = selectFibers(scene.regions, problem.region_of, mesh);
   problem.fixed = selectFixed(scene.fixed, mesh);
+  scene.active = expandSurfaces(scene.active, mesh, problem.fixed);
   for (const ActiveSelection& active : scene.active)
     problem.active.push_back(selectPatch(active, mesh, problem.fixed));
   problem.scene = std::move(scene);

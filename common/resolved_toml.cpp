@@ -23,18 +23,23 @@ std::string regionToml(const Region& region) {
   return fmt::format("\n[[region]]\ngroup = {}\n", quotedToml(region.group)) + materialToml(region.material);
 }
 
+std::string boxToml(const Box& box) {
+  return fmt::format("{{ lowest = {}, highest = {} }}", decimalToml(box.lowest), decimalToml(box.highest));
+}
+
+std::string sphereToml(const Sphere& sphere) {
+  return fmt::format("{{ center = {}, radius = {} }}", decimalToml(sphere.center),
+                     decimalToml(sphere.radius));
+}
+
 std::string fixedToml(const FixedSelection& fixed) {
   std::vector<std::string> below, above, boxes, spheres, groups, nodes;
   for (const HalfSpace& half : fixed.half_spaces)
     (half.below ? below : above)
         .push_back(fmt::format("{{ axis = \"{}\", {} = {} }}", "xyz"[half.axis], half.at ? "at" : "fraction",
                                decimalToml(half.at ? *half.at : *half.fraction)));
-  for (const Box& box : fixed.boxes)
-    boxes.push_back(
-        fmt::format("{{ lowest = {}, highest = {} }}", decimalToml(box.lowest), decimalToml(box.highest)));
-  for (const Sphere& sphere : fixed.spheres)
-    spheres.push_back(fmt::format("{{ center = {}, radius = {} }}", decimalToml(sphere.center),
-                                  decimalToml(sphere.radius)));
+  for (const Box& box : fixed.boxes) boxes.push_back(boxToml(box));
+  for (const Sphere& sphere : fixed.spheres) spheres.push_back(sphereToml(sphere));
   for (const std::string& group : fixed.groups) groups.push_back(quotedToml(group));
   std::string text = "\n[fixed]\n" + listOf("below", below) + listOf("above", above) + listOf("box", boxes) +
                      listOf("sphere", spheres) + listOf("group", groups);
@@ -42,11 +47,24 @@ std::string fixedToml(const FixedSelection& fixed) {
   return text;
 }
 
+std::string surfaceToml(const SurfaceSelection& surface) {
+  if (surface.all) return "\"all\"";
+  std::vector<std::string> boxes, spheres, groups, keys;
+  for (const Box& box : surface.boxes) boxes.push_back(boxToml(box));
+  for (const Sphere& sphere : surface.spheres) spheres.push_back(sphereToml(sphere));
+  for (const std::string& group : surface.groups) groups.push_back(quotedToml(group));
+  if (!boxes.empty()) keys.push_back(fmt::format("box = [{}]", fmt::join(boxes, ", ")));
+  if (!spheres.empty()) keys.push_back(fmt::format("sphere = [{}]", fmt::join(spheres, ", ")));
+  if (!groups.empty()) keys.push_back(fmt::format("group = [{}]", fmt::join(groups, ", ")));
+  return fmt::format("{{ {} }}", fmt::join(keys, ", "));
+}
+
 std::string activeToml(const ActiveSelection& active) {
+  const std::string place = active.surface ? "surface = " + surfaceToml(*active.surface)
+                            : active.near  ? fmt::format("near = {}  # m", decimalToml(*active.near))
+                                           : fmt::format("node = {}", *active.node);
   std::string text = fmt::format("\n[[active]]\nname = {}\n{}\nradius = {}  # m\n", quotedToml(active.name),
-                                 active.near ? fmt::format("near = {}  # m", decimalToml(*active.near))
-                                             : fmt::format("node = {}", *active.node),
-                                 decimalToml(active.radius));
+                                 place, decimalToml(active.radius));
   if (active.tool != ToolKind::rigid) text += fmt::format("tool = \"{}\"\n", word(active.tool));
   return text;
 }
@@ -59,6 +77,13 @@ std::string accuracyToml(const Accuracy& accuracy) {
       accuracy.adaptive() ? fmt::format("force_error = {}\n", decimalToml(accuracy.force_error)) : "";
   return fmt::format("\n[accuracy]\n{}force_floor = {}  # N\nlevels = {}\nprobes = {}\n", error,
                      decimalToml(accuracy.force_floor), accuracy.levels, accuracy.probes);
+}
+
+std::string storageToml(const Storage& storage) {
+  if (storage == Storage{}) return {};
+  return fmt::format("\n[storage]\ndisplacement = \"{}\"\nprecision = \"{}\"\n",
+                     storage.displacement == StoredNodes::all ? "all" : "surface",
+                     storage.precision == StoredPrecision::int16 ? "int16" : "float32");
 }
 
 }  // namespace
@@ -78,7 +103,8 @@ std::string resolvedToml(const Scene& scene) {
   text += fmt::format(
       "\n[workspace]\nradius = {}  # m\nspacing = {}  # m\nmax_force = {}  # N\nreject_inverted = {}\n",
       decimalToml(w.radius), decimalToml(w.spacing), decimalToml(w.max_force), w.reject_inverted);
-  return text + accuracyToml(scene.accuracy);
+  if (scene.device) text += fmt::format("\n[device]\nprofile = \"{}\"\n", scene.device->profile.name);
+  return text + accuracyToml(scene.accuracy) + storageToml(scene.storage);
 }
 
 }  // namespace palpate

@@ -14,6 +14,8 @@ namespace {
 constexpr std::array<std::string_view, 3> unit_words = {"m", "cm", "mm"};
 constexpr std::array<double, 3> unit_metres = {1.0, 0.01, 0.001};
 constexpr std::array<std::string_view, 3> axis_words = {"x", "y", "z"};
+constexpr std::array<std::string_view, 2> stored_words = {"surface", "all"};
+constexpr std::array<std::string_view, 2> precision_words = {"float32", "int16"};
 constexpr std::int32_t max_levels = 6, max_probes = 100000;
 
 std::vector<Region> readRegions(const TomlSection& root) {
@@ -127,6 +129,17 @@ Sphere readSphere(const TomlSection& section) {
           section.positiveLength("radius", "its radius")};
 }
 
+/// The selectors that [fixed] and `surface` share.
+template <class Selection>
+void readPlaces(const TomlSection& section, Selection& selection) {
+  for (const toml::node* node : section.oneOrMany("box"))
+    selection.boxes.push_back(readBox(section.inner("box", *node, {"lowest", "highest"})));
+  for (const toml::node* node : section.oneOrMany("sphere"))
+    selection.spheres.push_back(readSphere(section.inner("sphere", *node, {"center", "radius"})));
+  for (const toml::node* node : section.oneOrMany("group"))
+    selection.groups.push_back(section.text("group", *node));
+}
+
 FixedSelection readFixed(const TomlSection& section) {
   FixedSelection fixed;
   for (const bool below : {true, false}) {
@@ -135,12 +148,7 @@ FixedSelection readFixed(const TomlSection& section) {
       fixed.half_spaces.push_back(
           readHalfSpace(section.inner(key, *node, {"axis", "fraction", "at"}), below));
   }
-  for (const toml::node* node : section.oneOrMany("box"))
-    fixed.boxes.push_back(readBox(section.inner("box", *node, {"lowest", "highest"})));
-  for (const toml::node* node : section.oneOrMany("sphere"))
-    fixed.spheres.push_back(readSphere(section.inner("sphere", *node, {"center", "radius"})));
-  for (const toml::node* node : section.oneOrMany("group"))
-    fixed.groups.push_back(section.text("group", *node));
+  readPlaces(section, fixed);
   for (const toml::node* node : section.oneOrMany("nodes"))
     fixed.nodes.push_back(section.nodeNumber("nodes", *node));
   return fixed;
@@ -152,16 +160,33 @@ bool isPlainName(const std::string& name) {
   });
 }
 
+SurfaceSelection readSurface(const TomlSection& active, const toml::node& node) {
+  SurfaceSelection surface;
+  if (!node.is_table()) {
+    surface.all = node.is_string() && active.text("surface", node) == "all";
+    if (!surface.all)
+      throw active.wrong("surface", "write \"all\", or a table of box, sphere and group as in [fixed]");
+    return surface;
+  }
+  const TomlSection section = active.inner("surface", node, {"box", "sphere", "group"});
+  readPlaces(section, surface);
+  if (surface.boxes.empty() && surface.spheres.empty() && surface.groups.empty())
+    throw active.wrong("surface", "give box, sphere or group, or write surface = \"all\"");
+  return surface;
+}
+
 ActiveSelection readActive(const TomlSection& section) {
   ActiveSelection active;
   active.name = section.text("name", section.require("name", "every active node needs a name"));
   if (!isPlainName(active.name))
     throw section.wrong("name", "\"{}\" may hold letters, digits, - and _ only", active.name);
-  if (section.has("near") == section.has("node"))
+  if (section.has("near") + section.has("node") + section.has("surface") != 1)
     throw section.wrong("near",
-                        "give either near = [x, y, z] (the nearest surface node is taken) or node = NUMBER");
+                        "give either near = [x, y, z] (the nearest surface node is taken) or node = NUMBER "
+                        "or surface (every node of it is taken)");
   if (const toml::node* near = section.find("near")) active.near = section.point("near", *near);
   if (const toml::node* node = section.find("node")) active.node = section.nodeNumber("node", *node);
+  if (const toml::node* surface = section.find("surface")) active.surface = readSurface(section, *surface);
   if (const toml::node* radius = section.find("radius")) {
     const double value = section.number("radius", *radius);
     if (value < 0) throw section.wrong("radius", "{} must not be negative", value);
@@ -181,7 +206,8 @@ std::vector<ActiveSelection> readActives(const TomlSection& root) {
     throw root.wrong("active", "write [[active]], in double brackets, once for each active node");
   std::vector<ActiveSelection> actives;
   for (const toml::node& element : *array) {
-    const TomlSection section = root.inner("active", element, {"name", "near", "node", "radius", "tool"});
+    const TomlSection section =
+        root.inner("active", element, {"name", "near", "node", "surface", "radius", "tool"});
     actives.push_back(readActive(section));
     const auto same = [&](const ActiveSelection& other) { return other.name == actives.back().name; };
     if (std::any_of(actives.begin(), actives.end() - 1, same))
@@ -190,16 +216,44 @@ std::vector<ActiveSelection> readActives(const TomlSection& root) {
   return actives;
 }
 
-Workspace readWorkspace(const TomlSection& section) {
+std::optional<Device> readDevice(const TomlSection& root) {
+  const toml::node* node = root.find("device");
+  if (node == nullptr) return std::nullopt;
+  const TomlSection section = root.inner("device", *node, {"profile"});
+  const std::size_t number = section.choice(
+      "profile", section.require("profile", "which device it is, for instance \"touch\""), deviceWords());
+  return Device{deviceProfiles()[number]};
+}
+
+/// The smaller of `limit` and what the scene has, which is kept in `wanted` when it is more.
+double atMost(double limit, double value, std::optional<double>& wanted) {
+  if (value <= limit) return value;
+  wanted = value;
+  return limit;
+}
+
+/// Nothing of it exceeds the device, if there is one. `given` may be absent (nullptr).
+Workspace readWorkspace(const TomlSection* given, std::optional<Device>& device) {
   Workspace workspace;
+  if (device) {
+    workspace.radius = device->profile.workspace_radius;
+    workspace.max_force = device->profile.max_force;
+  }
+  if (given == nullptr) return workspace;
+  const TomlSection& section = *given;
   if (section.has("radius")) workspace.radius = section.positiveLength("radius", "");
   if (section.has("spacing")) workspace.spacing = section.positiveLength("spacing", "");
   if (section.has("max_force")) workspace.max_force = section.positive("max_force", "");
   workspace.reject_inverted = section.flag("reject_inverted", workspace.reject_inverted);
+  if (device) {
+    const DeviceProfile& profile = device->profile;
+    workspace.radius = atMost(profile.workspace_radius, workspace.radius, device->wanted_radius);
+    workspace.max_force = atMost(profile.max_force, workspace.max_force, device->wanted_max_force);
+  }
   if (workspace.radius < workspace.spacing)
     throw section.wrong(
-        "radius", "{} m is smaller than the spacing of {} m: the lattice would be the rest position alone",
-        workspace.radius, workspace.spacing);
+        "radius", "{} m{} is smaller than the spacing of {} m: the lattice would be the rest position alone",
+        workspace.radius, device && device->wanted_radius ? ", the device's," : "", workspace.spacing);
   return workspace;
 }
 
@@ -221,11 +275,21 @@ Accuracy readAccuracy(const TomlSection& section) {
   return accuracy;
 }
 
+Storage readStorage(const TomlSection& section) {
+  Storage storage;
+  if (const toml::node* nodes = section.find("displacement"))
+    storage.displacement = static_cast<StoredNodes>(section.choice("displacement", *nodes, stored_words));
+  if (const toml::node* precision = section.find("precision"))
+    storage.precision =
+        static_cast<StoredPrecision>(section.choice("precision", *precision, precision_words));
+  return storage;
+}
+
 Scene readTables(const toml::table& table, const std::string& source) {
   TomlContext context{source};
-  constexpr std::array<std::string_view, 11> keys = {"name",           "mesh",      "length_unit", "material",
-                                                     "region",         "gravity",   "fixed",       "active",
-                                                     "discretization", "workspace", "accuracy"};
+  constexpr std::array<std::string_view, 13> keys = {
+      "name",   "mesh",           "length_unit", "material", "region",   "gravity", "fixed",
+      "active", "discretization", "workspace",   "device",   "accuracy", "storage"};
   const TomlSection root(context, table, "", keys);
   if (const toml::node* unit = root.find("length_unit"))
     context.metres_per_unit = unit_metres[root.choice("length_unit", *unit, unit_words)];
@@ -246,12 +310,16 @@ Scene readTables(const toml::table& table, const std::string& source) {
       root.inner("fixed", root.require("fixed", "write a [fixed] table that says which nodes are held"),
                  {"below", "above", "box", "sphere", "group", "nodes"}));
   scene.active = readActives(root);
+  scene.device = readDevice(root);
+  std::optional<TomlSection> workspace;
   if (const toml::node* node = root.find("workspace"))
-    scene.workspace =
-        readWorkspace(root.inner("workspace", *node, {"radius", "spacing", "max_force", "reject_inverted"}));
+    workspace.emplace(root.inner("workspace", *node, {"radius", "spacing", "max_force", "reject_inverted"}));
+  scene.workspace = readWorkspace(workspace ? &*workspace : nullptr, scene.device);
   if (const toml::node* node = root.find("accuracy"))
     scene.accuracy =
         readAccuracy(root.inner("accuracy", *node, {"force_error", "force_floor", "levels", "probes"}));
+  if (const toml::node* node = root.find("storage"))
+    scene.storage = readStorage(root.inner("storage", *node, {"displacement", "precision"}));
   return scene;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/device_profile.hpp"
 #include "common/formulation.hpp"
 #include "common/material.hpp"
 
@@ -65,13 +66,25 @@ bool isInfSupStable(const Discretization& discretization);
 /// The line that everyone who solves such a scene is warned with when they do not; else empty.
 std::string infSupWarning(const Discretization& discretization);
 
-/// [[active]]: exactly one of `near` and `node`.
+/// Places on the surface of the body: all of it, or the union of those given, which are like those of
+/// [fixed].
+struct SurfaceSelection {
+  bool all = false;  ///< then nothing else is given
+  std::vector<Box> boxes = {};
+  std::vector<Sphere> spheres = {};
+  std::vector<std::string> groups = {};
+  bool operator==(const SurfaceSelection&) const = default;
+};
+
+/// [[active]]: exactly one of `near`, `node` and `surface`. One with `surface` stands for many active nodes
+/// until resolve() has replaced it by them (surface_selection.hpp).
 struct ActiveSelection {
-  std::string name;                     ///< unique; letters, digits, '-' and '_'
-  std::optional<Eigen::Vector3d> near;  ///< metres: the nearest surface node
-  std::optional<std::int32_t> node;     ///< 0-based; must lie on the surface
+  std::string name;                          ///< unique; letters, digits, '-' and '_'
+  std::optional<Eigen::Vector3d> near = {};  ///< metres: the nearest surface node
+  std::optional<std::int32_t> node = {};     ///< 0-based; must lie on the surface
   double radius = 0;  ///< metres: every node within it (<=) is in the patch, fixed ones excepted
-  ToolKind tool = ToolKind::rigid;  ///< weighted_average needs a radius > 0
+  ToolKind tool = ToolKind::rigid;               ///< weighted_average needs a radius > 0
+  std::optional<SurfaceSelection> surface = {};  ///< every vertex of the surface in it that is not fixed
   bool operator==(const ActiveSelection&) const = default;
 };
 
@@ -82,6 +95,15 @@ struct Workspace {
   double max_force = 8.5;       ///< N; beyond it a configuration is terminating
   bool reject_inverted = true;  ///< a converged state with min det F <= 0 is failed, cause inverted_element
   bool operator==(const Workspace&) const = default;
+};
+
+/// [device]: the haptic device that the forces are for. workspace.radius and max_force are already the
+/// smaller of the device's and the scene's, and the device's where the scene gives none.
+struct Device {
+  DeviceProfile profile;
+  /// What [workspace] asked for where that was more than the device has. Forgotten in the resolved scene.
+  std::optional<double> wanted_radius = {}, wanted_max_force = {};
+  bool operator==(const Device& other) const { return profile == other.profile; }
 };
 
 /// [accuracy]: what interpolated forces are to keep to, and how that is measured. A scene that says nothing
@@ -97,6 +119,17 @@ struct Accuracy {
   bool operator==(const Accuracy&) const = default;
 };
 
+enum class StoredNodes : std::uint8_t { surface, all };
+enum class StoredPrecision : std::uint8_t { float32, int16 };
+
+/// [storage]: what the dataset keeps of the nodal fields. It changes no configuration, and no id. Like
+/// [accuracy], it is left out of a resolved scene that says nothing.
+struct Storage {
+  StoredNodes displacement = StoredNodes::surface;       ///< "surface": of its vertices; "all": pressures too
+  StoredPrecision precision = StoredPrecision::float32;  ///< of displacements; docs/dataset.md has the bound
+  bool operator==(const Storage&) const = default;
+};
+
 /// One scene file, validated, in SI units, every default filled in.
 struct Scene {
   std::string name;
@@ -108,7 +141,9 @@ struct Scene {
   FixedSelection fixed;
   std::vector<ActiveSelection> active;
   Workspace workspace;
+  std::optional<Device> device;
   Accuracy accuracy;
+  Storage storage;
   bool operator==(const Scene&) const = default;
 };
 

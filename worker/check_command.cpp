@@ -1,12 +1,15 @@
 #include "worker/check_command.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -22,12 +25,39 @@ namespace {
 constexpr double near_flat_shape = 0.1;
 
 /// Measured: one configuration of a lattice with 20 mm spacing, Mooney-Rivlin with P1-stabilized pressure,
-/// one core at 2.6 GHz, takes 37 ms at 493 nodes and 350 ms at 2228. A power law between the two; beyond them
+/// one core at 2.6 GHz, takes 14 ms at 493 nodes and 150 ms at 2228. A power law between the two; beyond them
 /// an extrapolation.
 double secondsPerConfiguration(std::size_t n_nodes) {
-  constexpr double nodes_a = 493, seconds_a = 0.037, nodes_b = 2228, seconds_b = 0.350;
+  constexpr double nodes_a = 493, seconds_a = 0.014, nodes_b = 2228, seconds_b = 0.150;
   const double exponent = std::log(seconds_b / seconds_a) / std::log(nodes_b / nodes_a);
   return seconds_a * std::pow(static_cast<double>(n_nodes) / nodes_a, exponent);
+}
+
+/// Cubes of one spacing between lattice points that reach into the ball.
+double cellsOfBall(const Lattice& lattice) {
+  const double ratio = lattice.radius() / lattice.spacing();
+  const int extent = static_cast<int>(std::ceil(ratio));
+  const auto nearest = [](int lowest) { return lowest >= 0 ? lowest : -(lowest + 1); };
+  std::int64_t count = 0;
+  for (int i = -extent; i < extent; ++i)
+    for (int j = -extent; j < extent; ++j)
+      for (int k = -extent; k < extent; ++k) {
+        const double x = nearest(i), y = nearest(j), z = nearest(k);
+        count += x * x + y * y + z * z < ratio * ratio;
+      }
+  return static_cast<double>(count);
+}
+
+/// At most so many names are listed.
+constexpr std::size_t listed_names = 5;
+
+/// `"a", "b" and 398 more`.
+std::string listOf(const std::vector<std::string>& names) {
+  const std::size_t shown = names.size() <= listed_names + 1 ? names.size() : listed_names;
+  std::string text = fmt::format(
+      "\"{}\"", fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown), "\", \""));
+  if (shown < names.size()) text += fmt::format(" and {} more", names.size() - shown);
+  return text;
 }
 
 /// One configuration space, as far as it is known without solving.
@@ -49,9 +79,15 @@ struct Report {
     for (const std::uint16_t region : problem.region_of) ++tetrahedra_in[region];
     for (std::size_t e = 0; e < problem.mesh.tetrahedra.size(); ++e)
       near_flat += shapeOf(problem.mesh, e) < near_flat_shape;
-    configurations = static_cast<std::int64_t>(lattice.size()) * static_cast<std::int64_t>(spaces.size());
-    core_seconds = static_cast<double>(configurations) * secondsPerConfiguration(n_nodes);
-    dataset_bytes = static_cast<double>(configurations) * static_cast<double>(12 * n_nodes + 4 * n_pressures);
+    const Accuracy& accuracy = problem.scene.accuracy;
+    const auto n_spaces = static_cast<std::int64_t>(spaces.size());
+    configurations = n_spaces * (lattice.size() + accuracy.probes);
+    most_configurations = static_cast<double>(configurations);
+    if (accuracy.adaptive())
+      most_configurations +=
+          static_cast<double>(n_spaces) * cellsOfBall(lattice) * std::pow(8, accuracy.levels);
+    seconds_each = secondsPerConfiguration(n_nodes);
+    bytes_each = static_cast<double>(12 * n_nodes + 4 * n_pressures);
     findWarnings();
   }
 
@@ -70,34 +106,38 @@ struct Report {
           "workspace.radius = {:.4g} m is more than the body's diagonal of {:.4g} m: few of those "
           "configurations will be reached",
           workspace.radius, (quality.highest - quality.lowest).norm()));
-    findSingleNodeWarning();
-    for (std::size_t i = 0; i < spaces.size(); ++i) findPatchWarnings(i);
+    findSingleNodeWarnings();
+    findTwinWarning();
   }
 
-  void findSingleNodeWarning() {
-    std::string names;
-    for (const ActiveSelection& active : problem.scene.active)
-      if (active.radius == 0) names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", active.name);
-    if (!names.empty())
+  void findSingleNodeWarnings() {
+    std::vector<std::string> single, lonely;
+    for (std::size_t i = 0; i < spaces.size(); ++i) {
+      const ActivePatch& patch = *spaces[i].patch;
+      const double radius = problem.scene.active[i].radius;
+      if (radius == 0) single.push_back(patch.name);
+      if (radius > 0 && patch.nodes.size() == 1) lonely.push_back(patch.name);
+    }
+    if (!single.empty())
       warnings.push_back(
           fmt::format("active {}: a single node (radius = 0), whose force has no limit as the mesh gets "
-                      "finer, so it depends on the "
-                      "mesh; give the radius of the contact",
-                      names));
+                      "finer, so it depends on the mesh; give the radius of the contact",
+                      listOf(single)));
+    if (!lonely.empty())
+      warnings.push_back(fmt::format(
+          "active {}: no other node lies within the radius (edges are {:.4g} m on average), so it "
+          "is a single node and its force depends on the mesh",
+          listOf(lonely), quality.mean_edge));
   }
 
-  void findPatchWarnings(std::size_t number) {
-    const ActivePatch& patch = *spaces[number].patch;
-    const double radius = problem.scene.active[number].radius;
-    if (radius > 0 && patch.nodes.size() == 1)
-      warnings.push_back(fmt::format(
-          "active \"{}\": no other node lies within its radius of {:.4g} m (edges are {:.4g} m on "
-          "average), so it is a single node and its force depends on the mesh",
-          patch.name, radius, quality.mean_edge));
-    for (std::size_t other = 0; other < number; ++other)
-      if (spaces[other].patch->node == patch.node)
-        warnings.push_back(fmt::format("active \"{}\" and \"{}\" are the same node {}",
-                                       spaces[other].patch->name, patch.name, patch.node));
+  void findTwinWarning() {
+    std::map<std::int32_t, std::string> name_of;
+    std::vector<std::string> twins;
+    for (const Space& space : spaces) {
+      const auto [first, is_new] = name_of.emplace(space.patch->node, space.patch->name);
+      if (!is_new) twins.push_back(fmt::format("{}\" and \"{}", first->second, space.patch->name));
+    }
+    if (!twins.empty()) warnings.push_back(fmt::format("active {}: are the same node", listOf(twins)));
   }
 
   const Problem& problem;
@@ -106,8 +146,9 @@ struct Report {
   std::vector<Space> spaces;
   std::vector<std::int64_t> tetrahedra_in;  ///< per region
   std::int64_t near_flat = 0;
-  std::int64_t configurations = 0;
-  double core_seconds = 0, dataset_bytes = 0;
+  std::int64_t configurations = 0;  ///< probes too; of an adaptive build the least
+  double most_configurations = 0;   ///< every cell halved as often as it may be
+  double seconds_each = 0, bytes_each = 0;
   std::vector<std::string> warnings;
 };
 
@@ -159,7 +200,8 @@ void printConversion(const Scene& scene) {
   fmt::print(
       "unit       1 in the files = {} m; in metres: workspace.radius = {:.6g}, workspace.spacing = {:.6g}\n",
       scene.metres_per_unit, scene.workspace.radius, scene.workspace.spacing);
-  for (const ActiveSelection& active : scene.active) {
+  for (const ActiveSelection& active :
+       std::span(scene.active).first(std::min(scene.active.size(), listed_names))) {
     const std::string near = active.near ? fmt::format("near = {}, ", text(*active.near)) : "";
     fmt::print("           active \"{}\": {}radius = {:.6g}\n", active.name, near, active.radius);
   }
@@ -182,6 +224,55 @@ void printBody(const Report& report) {
   if (!scene.gravity.isZero(0)) fmt::print("gravity    {} m/s^2\n", text(scene.gravity));
 }
 
+void printActives(const Report& report) {
+  const std::size_t n_spaces = report.spaces.size();
+  const std::size_t shown = n_spaces <= 2 * listed_names ? n_spaces : listed_names;
+  for (const Space& space : std::span(report.spaces).first(shown))
+    fmt::print("active     \"{}\": node {} at {} m, {} patch of {} node(s), {} unknowns\n", space.patch->name,
+               space.patch->node, text(report.problem.mesh.nodes[space.patch->node]), toolOf(space),
+               space.patch->nodes.size(), space.unknowns);
+  if (shown < n_spaces)
+    fmt::print("           and {} more, \"{}\" the last: {} active nodes\n", n_spaces - shown,
+               report.spaces.back().patch->name, n_spaces);
+}
+
+void printDevice(const Scene& scene) {
+  if (!scene.device) return;
+  const DeviceProfile& profile = scene.device->profile;
+  fmt::print("device     {}: reaches {:.4g} m, {:.4g} N, {:.4g} N/m\n", profile.name,
+             profile.workspace_radius, profile.max_force, profile.max_stiffness);
+  if (const auto radius = scene.device->wanted_radius)
+    fmt::print("           workspace.radius cut from {:.4g} to {:.4g} m\n", *radius, scene.workspace.radius);
+  if (const auto force = scene.device->wanted_max_force)
+    fmt::print("           workspace.max_force cut from {:.4g} to {:.4g} N\n", *force,
+               scene.workspace.max_force);
+}
+
+void printAccuracy(const Accuracy& accuracy) {
+  if (accuracy.adaptive())
+    fmt::print("accuracy   force to {:.3g} % or {:.3g} N: cells are halved up to {} times\n",
+               100 * accuracy.force_error, accuracy.force_floor, accuracy.levels);
+  if (accuracy.probes > 0) fmt::print("probes     {} in each space\n", accuracy.probes);
+}
+
+void printCost(const Report& report) {
+  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+  const auto least = static_cast<double>(report.configurations);
+  const double seconds = least * report.seconds_each, megabytes = least * report.bytes_each / 1e6;
+  if (!report.problem.scene.accuracy.adaptive()) {
+    fmt::print("cost       about {} on one core, {} on the {} of this machine; dataset {:.3g} MB\n",
+               duration(seconds), duration(seconds / cores), cores, megabytes);
+    return;
+  }
+  const double times = report.most_configurations / least;
+  fmt::print(
+      "cost       an estimate, since cells are split where the forces turn out to need it: between {} (no "
+      "cell is split) and {} (all are, to the last level) on one core, {} and {} on the {} of this machine; "
+      "dataset {:.3g} to {:.3g} MB\n",
+      duration(seconds), duration(times * seconds), duration(seconds / cores),
+      duration(times * seconds / cores), cores, megabytes, times * megabytes);
+}
+
 void printText(const Report& report) {
   const Scene& scene = report.problem.scene;
   fmt::print("scene      {}\n", scene.name);
@@ -189,18 +280,14 @@ void printText(const Report& report) {
   printConversion(scene);
   printBody(report);
   fmt::print("fixed      {} nodes\n", report.problem.fixed.size());
-  for (const Space& space : report.spaces)
-    fmt::print("active     \"{}\": node {} at {} m, {} patch of {} node(s), {} unknowns\n", space.patch->name,
-               space.patch->node, text(report.problem.mesh.nodes[space.patch->node]), toolOf(space),
-               space.patch->nodes.size(), space.unknowns);
+  printActives(report);
+  printDevice(scene);
   fmt::print(
-      "lattice    radius {:.4g} m, spacing {:.4g} m: {} points in each of {} space(s), {} configurations\n",
+      "lattice    radius {:.4g} m, spacing {:.4g} m: {} points in each of {} space(s), {}{} configurations\n",
       report.lattice.radius(), report.lattice.spacing(), report.lattice.size(), report.spaces.size(),
-      report.configurations);
-  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
-  fmt::print("cost       about {} on one core, {} on the {} of this machine; dataset {:.3g} MB\n",
-             duration(report.core_seconds), duration(report.core_seconds / cores), cores,
-             report.dataset_bytes / 1e6);
+      scene.accuracy.adaptive() ? "at least " : "", report.configurations);
+  printAccuracy(scene.accuracy);
+  printCost(report);
   for (const std::string& warning : report.warnings) fmt::print("warning    {}\n", warning);
 }
 
@@ -236,6 +323,20 @@ nlohmann::ordered_json meshJson(const Report& report) {
       {"nearly_flat", report.near_flat}};
 }
 
+nlohmann::ordered_json deviceJson(const Scene& scene) {
+  if (!scene.device) return nullptr;
+  const Device& device = *scene.device;
+  const auto orNull = [](const std::optional<double>& value) {
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+  };
+  return {{"profile", device.profile.name},
+          {"max_force", device.profile.max_force},
+          {"max_stiffness", device.profile.max_stiffness},
+          {"workspace_radius", device.profile.workspace_radius},
+          {"radius_cut_from", orNull(device.wanted_radius)},
+          {"max_force_cut_from", orNull(device.wanted_max_force)}};
+}
+
 nlohmann::ordered_json toJson(const Report& report) {
   const Scene& scene = report.problem.scene;
   nlohmann::ordered_json active = nlohmann::ordered_json::array();
@@ -251,6 +352,7 @@ nlohmann::ordered_json toJson(const Report& report) {
     regions.push_back({{"group", scene.regions[r].group},
                        {"law", word(scene.regions[r].material.law)},
                        {"tetrahedra", report.tetrahedra_in[r]}});
+  const auto least = static_cast<double>(report.configurations);
   return {{"scene", scene.name},
           {"problem", problemId(report.problem).hex()},
           {"metres_per_unit", scene.metres_per_unit},
@@ -266,9 +368,14 @@ nlohmann::ordered_json toJson(const Report& report) {
            {{"radius", report.lattice.radius()},
             {"spacing", report.lattice.spacing()},
             {"points", report.lattice.size()}}},
+          {"device", deviceJson(scene)},
+          {"adaptive", scene.accuracy.adaptive()},
           {"configurations", report.configurations},
-          {"core_seconds", report.core_seconds},
-          {"dataset_bytes", report.dataset_bytes},
+          {"core_seconds", least * report.seconds_each},
+          {"dataset_bytes", least * report.bytes_each},
+          {"most_configurations", report.most_configurations},
+          {"most_core_seconds", report.most_configurations * report.seconds_each},
+          {"most_dataset_bytes", report.most_configurations * report.bytes_each},
           {"warnings", report.warnings}};
 }
 

@@ -90,6 +90,58 @@ TEST_F(Problem, RefusesASelectorThatSelectsNothing) {
   refuses({"fixed.sphere selects no node", "(0.2, 0.2, 0.2)"});
 }
 
+TEST_F(Problem, MakesEveryMovableNodeOfASurfaceActive) {
+  scene.active = {{.name = "skin", .radius = 0.05, .surface = SurfaceSelection{.all = true}}};
+  const palpate::Problem problem = resolved();
+  const NodeSet surface = surfaceNodes(mesh);
+  ASSERT_EQ(problem.active.size(), surface.size() - mesh.node_groups.at("zmin").size());
+  ASSERT_EQ(problem.scene.active.size(), problem.active.size());
+  for (std::size_t i = 0; i < problem.active.size(); ++i) {
+    const ActivePatch& patch = problem.active[i];
+    EXPECT_EQ(patch.name, fmt::format("skin-{}", patch.node));
+    EXPECT_TRUE(contains(surface, patch.node) && !contains(problem.fixed, patch.node));
+    EXPECT_EQ(problem.scene.active[i],
+              (ActiveSelection{.name = patch.name, .node = patch.node, .radius = 0.05}));
+    if (patch.node == top) {
+      EXPECT_THAT(patch.nodes, SizeIs(6));
+    }
+  }
+  EXPECT_EQ(problemId(decodeProblem(encodeProblem(problem))), problemId(problem));
+}
+
+TEST_F(Problem, UnitesTheSelectorsOfASurface) {
+  SurfaceSelection surface;
+  surface.boxes = {{{0, 0, 0.2}, {0.05, 0, 0.2}}};
+  surface.spheres = {{{0.1, 0.1, 0.2}, 0.05}};
+  surface.groups = {"xmax"};
+  scene.active = {{.name = "some", .surface = surface}, {.name = "one", .node = top}};
+  NodeSet expected = {100, 101, top, top - 1, top + 1, top - 5, top + 5};
+  for (const std::int32_t node : mesh.node_groups.at("xmax"))
+    if (node >= 25) expected.push_back(node);  // the lowest layer is fixed
+  sortUnique(expected);
+  NodeSet found;
+  const palpate::Problem problem = resolved();
+  for (const ActivePatch& patch : problem.active)
+    if (patch.name != "one") found.push_back(patch.node);
+  EXPECT_EQ(found, expected);
+  EXPECT_EQ(problem.active.back().name, "one");
+}
+
+TEST_F(Problem, RefusesSurfacesThatHoldNothingToTouch) {
+  const auto refusesSurface = [&](SurfaceSelection surface, std::initializer_list<std::string> words) {
+    scene.active = {{.name = "skin", .surface = std::move(surface)}};
+    refuses(words);
+  };
+  refusesSurface({.spheres = {{{0.1, 0.1, 0.1}, 0.02}}},
+                 {"active \"skin\": surface.sphere", "no node of the surface"});
+  refusesSurface({.boxes = {{{1, 1, 1}, {2, 2, 2}}}}, {"active \"skin\": surface.box"});
+  refusesSurface({.groups = {"xmx"}}, {"active \"skin\": surface.group", "\"xmx\"", "the mesh has xmax"});
+  refusesSurface({.groups = {"zmin"}}, {"active \"skin\": surface", "all 25 nodes", "fixed"});
+  scene.active = {{.name = "skin", .surface = SurfaceSelection{.all = true}},
+                  {.name = fmt::format("skin-{}", top), .node = 30}};
+  refuses({"two active nodes", fmt::format("\"skin-{}\"", top)});
+}
+
 TEST_F(Problem, RefusesAnUnknownGroupListingThoseThereAre) {
   scene.fixed.groups = {"basis"};
   refuses({"\"basis\"", "xmax, xmin, ymax, ymin, zmax or zmin"});
@@ -210,6 +262,8 @@ TEST_F(Problem, IdIgnoresWhatDoesNotChangeAnyConfiguration) {
   scene.fixed.groups = {"zmin"};
   mesh.node_groups.erase("ymax");
   scene.accuracy.levels = 1;
+  scene.device = Device{deviceProfiles()[2]};
+  scene.storage = {StoredNodes::all, StoredPrecision::int16};
   EXPECT_EQ(problemId(resolved()), id);
 }
 
@@ -286,6 +340,13 @@ TEST_F(QuadraticProblem, SelectsMidEdgeNodesByTheirPosition) {
   EXPECT_EQ(problem.active[0].nodes, nodesWhere(problem, [&](auto& x) { return (x - at).norm() <= 0.026; }));
   EXPECT_GT(problem.active[0].nodes.size(), 5u);
   EXPECT_EQ(pressureNodes(problem), 125u);
+}
+
+TEST_F(QuadraticProblem, MakesOnlyVerticesOfASurfaceActive) {
+  scene.active = {{.name = "skin", .surface = SurfaceSelection{.groups = {"zmax"}}}};
+  const palpate::Problem problem = resolved();
+  EXPECT_THAT(problem.active, SizeIs(25));
+  EXPECT_LT(problem.active.back().node, 125);
 }
 
 TEST_F(QuadraticProblem, FixesTheEdgesBetweenListedVertices) {

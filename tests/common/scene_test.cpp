@@ -68,16 +68,28 @@ radius = 15
 [[active]]
 name = "rim_2"
 node = 17
+[[active]]
+name = "skin"
+surface = "all"
+radius = 12
+[[active]]
+name = "window"
+surface = { box = [{ lowest = [-1, -2, -3], highest = [1, 2, 3] }, { lowest = [0, 0, 0], highest = [0, 0, 0] }], sphere = { center = [0.1, 0.2, 0.3], radius = 14.3 }, group = ["the \"lobe\"", "b"] }
 [workspace]
 radius = 100
 spacing = 14.3
 max_force = 3
 reject_inverted = false
+[device]
+profile = "premium-3.0"
 [accuracy]
 force_error = 0.03
 force_floor = 0.02
 levels = 4
 probes = 200
+[storage]
+displacement = "all"
+precision = "int16"
 )";
 
 constexpr const char* composed = R"(mesh = "organ.msh"
@@ -264,6 +276,75 @@ TEST(Scene, RefusesImpossibleValues) {
   refuses("radius = 0.0\n", "radius = -0.1\n", {"active.radius", "negative"});
   refuses("\"tip\"", "\"tip of it\"", {"active.name", "letters"});
   refuses("near = ", "node = 3\nnear = ", {"either near", "or node"});
+}
+
+TEST(Scene, ReadsSurfacesWithTheSelectorsOfFixed) {
+  const Scene scene = parse(everything);
+  EXPECT_TRUE(scene.active.at(2).surface.value().all);
+  EXPECT_EQ(scene.active.at(2).radius, 0.012);
+  const SurfaceSelection& window = scene.active.at(3).surface.value();
+  EXPECT_FALSE(window.all);
+  EXPECT_EQ(window.boxes.at(0), scene.fixed.boxes.at(0));
+  EXPECT_EQ(window.spheres, scene.fixed.spheres);
+  EXPECT_EQ(window.groups, (std::vector<std::string>{"the \"lobe\"", "b"}));
+}
+
+TEST(Scene, RefusesSurfacesThatSayNothingOrTooMuch) {
+  const std::string near = "near = [0.0582, 0.1344, 0.0025]";
+  refuses(near, near + "\nsurface = \"all\"", {"active.near", "or node", "or surface"});
+  refuses(near, "surface = \"some\"", {"scene.toml:20", "active.surface", "write \"all\", or a table"});
+  refuses(near, "surface = 3", {"active.surface", "write \"all\", or a table"});
+  refuses(near, "surface = {}", {"active.surface", "give box, sphere or group"});
+  refuses(near, "surface = { grop = \"a\" }", {"active.surface.grop", "did you mean \"group\""});
+  refuses(near, "surface = { below = { axis = \"x\", at = 0 } }",
+          {"active.surface.below", "box, sphere or group"});
+}
+
+TEST(Scene, KeepsWithinItsDevice) {
+  const auto with = [](const std::string& workspace, const std::string& device) {
+    std::string text = liver;
+    text = text.substr(0, text.find("[workspace]")) + workspace + "[device]\nprofile = \"" + device + "\"\n";
+    return parse(text);
+  };
+  const Scene none = with("", "falcon");
+  EXPECT_EQ(none.workspace.radius, 0.04);
+  EXPECT_EQ(none.workspace.max_force, 8);
+  EXPECT_EQ(none.device->profile.max_stiffness, 3000);
+  EXPECT_FALSE(none.device->wanted_radius || none.device->wanted_max_force);
+  const Scene larger = with("[workspace]\nradius = 0.1\nmax_force = 3\n", "touch");
+  EXPECT_EQ(larger.workspace.radius, 0.075);
+  EXPECT_EQ(larger.workspace.max_force, 3);
+  EXPECT_EQ(larger.device->wanted_radius, 0.1);
+  EXPECT_FALSE(larger.device->wanted_max_force);
+  const Scene again = parse(resolvedToml(larger));
+  EXPECT_TRUE(again == larger) << "what was wanted is forgotten";
+  EXPECT_FALSE(again.device->wanted_radius);
+  EXPECT_EQ(again.workspace.radius, 0.075);
+}
+
+TEST(Scene, KnowsEveryDeviceOfTheTable) {
+  for (const DeviceProfile& profile : deviceProfiles()) {
+    const Scene scene = parse(fmt::format(
+        "mesh = \"m.msh\"\n[material]\nlaw = \"mooney-rivlin\"\nc10 = 1\nc01 = 0\n[fixed]\nnodes = "
+        "[0]\n[[active]]\nname = \"a\"\nnode = 1\n[device]\nprofile = \"{}\"\n",
+        profile.name));
+    EXPECT_EQ(scene.workspace.radius, profile.workspace_radius);
+    EXPECT_EQ(scene.workspace.max_force, profile.max_force);
+  }
+  refuses("[workspace]", "[device]\nprofile = \"tuch\"\n[workspace]",
+          {"device.profile", "did you mean \"touch\""});
+  refuses("[workspace]", "[device]\n[workspace]", {"device.profile", "missing"});
+  refuses("[workspace]\nradius = 0.10\nspacing = 0.02",
+          "[device]\nprofile = \"falcon\"\n[workspace]\nradius = 0.10\nspacing = 0.05",
+          {"workspace.radius", "the device's", "smaller than the spacing"});
+}
+
+TEST(Scene, StoresTheSurfaceInFloatsUnlessAskedOtherwise) {
+  EXPECT_EQ(parse(liver).storage, Storage{});
+  EXPECT_EQ(parse(everything).storage, (Storage{StoredNodes::all, StoredPrecision::int16}));
+  refuses("[workspace]", "[storage]\ndisplacement = \"visible\"\n[workspace]",
+          {"storage.displacement", "surface or all"});
+  refuses("[workspace]", "[storage]\nprecision = \"int8\"\n[workspace]", {"storage.precision", "int16"});
 }
 
 TEST(Scene, IsUniformUntilItAsksForAccuracy) {
