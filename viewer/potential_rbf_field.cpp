@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/error.hpp"
+
 namespace palpate {
 namespace {
 
@@ -65,9 +67,12 @@ struct PotentialRbfField::Points {
 };
 
 PotentialRbfField::PotentialRbfField(const SpaceTable& space, const RbfKernels& kernels)
-    : grid_(space), radius_(space.lattice.radius()), kernels_(kernels) {
+    : radius_(space.lattice.radius()), spacing_(space.lattice.spacing()), kernels_(kernels) {
   const Points points(space);
-  const double extent = radius_ / grid_.spacing();  // of the ball, in spacings
+  if (points.position.empty())
+    throw failure("active node {}: no lattice point was solved, so there is nothing to interpolate",
+                  space.patch.name);
+  const double extent = radius_ / spacing_;  // of the ball, in spacings
   if (points.position.size() <= most_global_points) {
     roots_ = 1;
     cells_.push_back({Eigen::Vector3d::Zero(), extent});
@@ -91,7 +96,7 @@ void PotentialRbfField::divide(std::int32_t cell, int level, const Points& point
   const Eigen::Vector3d centre = cells_[cell].centre;
   const double half = cells_[cell].half, ball = reach * std::sqrt(3.0) * half;
   const Eigen::Vector3d nearest = (centre.cwiseAbs().array() - half).max(0).matrix();
-  if (nearest.norm() > radius_ / grid_.spacing() + 1e-9) return;  // nothing of it is in the workspace
+  if (nearest.norm() > radius_ / spacing_ + 1e-9) return;  // nothing of it is in the workspace
   if (points.countWithin(centre, ball) <= most_patch_points || level == deepest_level) {
     addPatch(cells_[cell], points);
     return;
@@ -176,7 +181,7 @@ Jet PotentialRbfField::blend(const Cell& leaf, const Eigen::Vector3d& p) const n
 ForceSample PotentialRbfField::evaluate(const Eigen::Vector3d& displacement) const noexcept {
   ForceSample sample;
   if (!displacement.allFinite()) return sample;
-  const double length = displacement.stableNorm(), h = grid_.spacing();
+  const double length = displacement.stableNorm(), h = spacing_;
   const bool beyond = length > radius_;
   const Eigen::Vector3d p = (beyond ? Eigen::Vector3d(displacement * (radius_ / length)) : displacement) / h;
   const Jet energy = blend(leafAt(p), p);

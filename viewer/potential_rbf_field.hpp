@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "viewer/cell_grid.hpp"
 #include "viewer/force_field.hpp"
 #include "viewer/hermite_rbf.hpp"
 
@@ -51,8 +50,8 @@ class PotentialRbfField : public ForceField {
   const Cell& leafAt(const Eigen::Vector3d& p) const noexcept;
   Jet blend(const Cell& leaf, const Eigen::Vector3d& p) const noexcept;
 
-  CellGrid grid_;
-  double radius_;  ///< metres
+  double radius_;   ///< of the ball, metres
+  double spacing_;  ///< metres
   const RbfKernels& kernels_;
   std::vector<Patch> patches_;
   std::vector<Cell> cells_;         ///< the roots first, x slowest

@@ -30,8 +30,8 @@ std::vector<RbfBlock> blocksOf(const SpaceTable& space, const RbfWeights& weight
 }  // namespace
 
 RbfField::RbfField(const SpaceTable& space, RbfKernel kernel, bool has_tail, const RbfKernels& kernels)
-    : grid_(space),
-      radius_(space.lattice.radius()),
+    : radius_(space.lattice.radius()),
+      spacing_(space.lattice.spacing()),
       weights_(solveRbfWeights(space, kernel)[has_tail ? 1 : 0]),
       sums_(kernel == RbfKernel::linear ? kernels.linear : kernels.cubic),
       blocks_(blocksOf(space, weights_)) {
@@ -54,7 +54,7 @@ ForceSample RbfField::evaluate(const Eigen::Vector3d& displacement) const noexce
   const double length = displacement.stableNorm();
   const bool beyond = length > radius_;
   const Eigen::Vector3d p =
-      (beyond ? Eigen::Vector3d(displacement * (radius_ / length)) : displacement) / grid_.spacing();
+      (beyond ? Eigen::Vector3d(displacement * (radius_ / length)) : displacement) / spacing_;
 
   RbfSums sums;
   sums_(blocks_.data(), blocks_.size(), p.data(), sums);
@@ -67,7 +67,7 @@ ForceSample RbfField::evaluate(const Eigen::Vector3d& displacement) const noexce
     sample.force += weights_.tail.bottomRows<3>().transpose() * p;
     sample.stiffness += weights_.tail.bottomRows<3>().transpose();
   }
-  sample.stiffness /= grid_.spacing();
+  sample.stiffness /= spacing_;
   if (beyond) {
     const Eigen::Vector3d n = displacement / length;
     sample.stiffness = (sample.stiffness - sample.stiffness * n * n.transpose()).eval() * (radius_ / length);

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "common/rbf_weights.hpp"
-#include "viewer/cell_grid.hpp"
 #include "viewer/force_field.hpp"
 #include "viewer/rbf_kernels.hpp"
 
@@ -23,8 +22,8 @@ class RbfField : public ForceField {
   std::string_view name() const override;
 
  private:
-  CellGrid grid_;
-  double radius_;  ///< metres
+  double radius_;   ///< of the ball, metres
+  double spacing_;  ///< metres
   RbfWeights weights_;
   decltype(RbfKernels::linear) sums_;
   std::vector<RbfBlock> blocks_;
