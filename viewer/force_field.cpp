@@ -1,6 +1,7 @@
 #include "viewer/force_field.hpp"
 
 #include "common/error.hpp"
+#include "viewer/hermite_field.hpp"
 #include "viewer/potential_field.hpp"
 #include "viewer/potential_rbf_field.hpp"
 #include "viewer/rbf_field.hpp"
@@ -9,9 +10,9 @@
 namespace palpate {
 
 const std::vector<std::string>& forceFieldMethods() {
-  static const std::vector<std::string> methods = {"potential",       "trilinear", "rbf-linear",
-                                                   "rbf-linear-tail", "rbf-cubic", "rbf-cubic-tail",
-                                                   "potential-rbf"};
+  static const std::vector<std::string> methods = {"potential", "trilinear",      "tricubic",
+                                                   "hermite",   "rbf-linear",     "rbf-linear-tail",
+                                                   "rbf-cubic", "rbf-cubic-tail", "potential-rbf"};
   return methods;
 }
 
@@ -23,6 +24,8 @@ std::unique_ptr<ForceField> makeForceField(std::string_view method, const SpaceT
   if (method == "rbf-cubic") return std::make_unique<RbfField>(space, RbfKernel::cubic, false);
   if (method == "rbf-cubic-tail") return std::make_unique<RbfField>(space, RbfKernel::cubic, true);
   if (method == "potential-rbf") return std::make_unique<PotentialRbfField>(space);
+  if (method == "tricubic") return std::make_unique<HermiteField>(space, HermiteField::Slopes::differences);
+  if (method == "hermite") return std::make_unique<HermiteField>(space, HermiteField::Slopes::exact);
   throw badInput("there is no method \"{}\"; there are: {}", method, fmt::join(forceFieldMethods(), ", "));
 }
 
