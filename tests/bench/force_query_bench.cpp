@@ -5,7 +5,8 @@
 //   palpate_force_query_bench DATASET ACTIVE METHOD... < DISPLACEMENTS    (a line "x y z" each, metres)
 
 #include <algorithm>
-#include <chrono>
+#include <cmath>
+#include <ctime>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -16,26 +17,27 @@
 namespace palpate {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
 Json toJson(const Eigen::Vector3d& v) {
   return {v[0], v[1], v[2]};
 }
 
-double seconds(Clock::duration duration) {
-  return std::chrono::duration<double>(duration).count();
+/// Of this thread, so that what else runs on the machine disturbs little.
+double cpuSeconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 /// Median over passes through all displacements of the mean time of a query, in nanoseconds.
 double medianTime(const ForceField& field, const std::vector<Eigen::Vector3d>& displacements) {
   std::vector<double> times;
   double sum = 0;
-  for (const Clock::time_point start = Clock::now();
-       times.size() < 5 || seconds(Clock::now() - start) < 0.5;) {
-    const Clock::time_point pass = Clock::now();
+  for (const double start = cpuSeconds(); times.size() < 5 || cpuSeconds() - start < 0.5;) {
+    const double pass = cpuSeconds();
     for (const Eigen::Vector3d& p : displacements) sum += field.evaluate(p).force.x();
-    times.push_back(1e9 * seconds(Clock::now() - pass) / static_cast<double>(displacements.size()));
+    times.push_back(1e9 * (cpuSeconds() - pass) / static_cast<double>(displacements.size()));
   }
   std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
   // The sum is used, so the queries are made.
@@ -44,10 +46,10 @@ double medianTime(const ForceField& field, const std::vector<Eigen::Vector3d>& d
 
 Json measure(const std::string& method, const SpaceTable& space,
              const std::vector<Eigen::Vector3d>& displacements) {
-  const Clock::time_point start = Clock::now();
+  const double start = cpuSeconds();
   const auto field = makeForceField(method, space);
   Json result;
-  result["prepare_s"] = seconds(Clock::now() - start);
+  result["prepare_s"] = cpuSeconds() - start;
   result["query_ns"] = medianTime(*field, displacements);
   for (const Eigen::Vector3d& p : displacements) result["force"].push_back(toJson(field->evaluate(p).force));
   return result;
