@@ -269,6 +269,7 @@ class Reporter {
       node.name = space.patch.name;
       node.space = s;
       node.references = references()[s].size();
+      node.jumps = space.inconsistent_edges.size();
       for (const PointRecord& point : space.points) {
         ++node.tags[static_cast<std::size_t>(point.tag)];
         if (isSolved(point.tag))

@@ -68,7 +68,9 @@ svg .solved{fill:#fff;stroke:#000;stroke-width:.6;opacity:.75}
 svg .terminating{fill:#fff;stroke:#000;stroke-width:1}
 svg .failed{fill:none;stroke:#d55e00;stroke-width:2.4}
 svg .probe{stroke:#fff;stroke-width:1.6}
-svg .cover{fill:none;stroke:#e3120b;stroke-width:1.1}
+svg .cover{fill:none;stroke:#fff;stroke-width:1.2}
+svg .jump{fill:none;stroke:#e3120b;stroke-width:2.2}
+.legend svg .cover{stroke:#8b949e}
 @media print{main{max-width:none;padding:0}h2{break-after:avoid}figure,table,.figures>svg,.cards{break-inside:avoid}nav{display:none}.scroll{overflow:visible}}
 )";
 
@@ -266,7 +268,8 @@ std::string loopsSection(const Report& report) {
       "Work that a hand gains or loses around circles of a quarter of the workspace radius, divided by the "
       "force "
       "times the way; the largest found. Tissue gives back what it took: a method that does not can shake a "
-      "device. 10⁻¹⁰ stands for nothing but the error of the sum.",
+      "device. 10⁻¹⁰ stands for nothing but the error of the sum. Where a method gives way to tri-linear "
+      "interpolation, at jumps between branches, its loops leak too.",
       legendOf(plot.series) + "<div class=\"single\">" + svgOf(plot) + "</div>\n");
 }
 
@@ -350,15 +353,16 @@ std::string nodesTable(const std::vector<const NodeMeasures*>& nodes) {
     for (const Tag tag : {Tag::expandable, Tag::terminating, Tag::failed})
       rows += cell(fmt::format("{}", node->tags[static_cast<std::size_t>(tag)]));
     for (const std::string& text :
-         {formatNumber(node->largest_force, 3), fmt::format("{}", node->references),
-          formatNumber(measures.error.mean), formatNumber(measures.error.median),
-          formatNumber(measures.error.percentile_95), formatNumber(measures.error.maximum),
-          formatShare(measures.within_target), formatShare(measures.bound_holds)})
+         {fmt::format("{}", node->jumps), formatNumber(node->largest_force, 3),
+          fmt::format("{}", node->references), formatNumber(measures.error.mean),
+          formatNumber(measures.error.median), formatNumber(measures.error.percentile_95),
+          formatNumber(measures.error.maximum), formatShare(measures.within_target),
+          formatShare(measures.bound_holds)})
       rows += cell(text);
     rows += "</tr>\n";
   }
-  return table({"active node", "expandable", "terminating", "failed", "largest force, N", "exact solutions",
-                "mean", "median", "95 %", "max", "in target", "within bound"},
+  return table({"active node", "expandable", "terminating", "failed", "jumps", "largest force, N",
+                "exact solutions", "mean", "median", "95 %", "max", "in target", "within bound"},
                rows);
 }
 
@@ -384,6 +388,9 @@ std::string nodesSection(const Report& report) {
                                 escaped(shownLattice(report).label));
   how +=
       listed.size() < all.size() ? fmt::format(": {} of {} active nodes.", listed.size(), all.size()) : ".";
+  how +=
+      " Jumps: edges of the lattice between different branches of solutions, across which nothing is "
+      "interpolated smoothly.";
   if (report.compared < all.size())
     how += fmt::format(" The other methods were compared on {} nodes, evenly chosen.", report.compared);
   return section("nodes", "Active nodes", how,
