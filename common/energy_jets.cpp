@@ -27,12 +27,12 @@ class Fitter {
       : tree_(tree), space_(space), fits_(space.lattice.unit()), inconsistent_(inconsistent) {
     const std::int32_t divisions = space.lattice.divisions();
     around_.resize(tree.slots().size());
-    edge_.assign(tree.slots().size(), divisions);
+    edge_.assign(tree.slots().size(), 0);
     for (std::size_t leaf = 0; leaf < tree.leaves().size(); ++leaf)
       for (const std::int32_t slot : tree.corners(static_cast<std::int32_t>(leaf))) {
         around_[static_cast<std::size_t>(slot)].push_back(static_cast<std::int32_t>(leaf));
         std::int32_t& edge = edge_[static_cast<std::size_t>(slot)];
-        edge = std::min(edge, divisions >> tree.leaves()[leaf].level);
+        edge = std::max(edge, divisions >> tree.leaves()[leaf].level);
       }
     for (std::int32_t n = 0; n < space.lattice.size(); ++n)
       if (isSolved(space.points[n].tag)) solved_.push_back(n);
@@ -136,7 +136,7 @@ class Fitter {
   LocalFits fits_;
   const std::vector<LatticeEdge>& inconsistent_;
   std::vector<std::vector<std::int32_t>> around_;  ///< leaves, per slot
-  std::vector<std::int32_t> edge_;                 ///< smallest of the leaves around, coordinates
+  std::vector<std::int32_t> edge_;                 ///< largest of the leaves around, coordinates
   std::vector<std::int32_t> solved_;
 };
 
