@@ -7,12 +7,6 @@
 
 namespace palpate {
 
-/// Two lattice points that are joined by an edge of a leaf cell.
-struct LatticeEdge {
-  std::int32_t a = -1, b = -1;  ///< lattice numbers, a < b
-  auto operator<=>(const LatticeEdge&) const = default;
-};
-
 /// How well one equilibrium, `step` metres from another, continues it: what of the changes of force and
 /// energy between the two the forces and stiffnesses at both do not explain. K step are the changes of force
 /// over the whole step at either stiffness; their mean length is `change`, the length of their difference

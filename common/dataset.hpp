@@ -31,7 +31,9 @@ struct PointRecord {
   Equilibrium equilibrium;  ///< valid when expandable or terminating
   double residual = 0;      ///< N
   Cost cost;                ///< `seconds` is not stored
-  ContentId fields;         ///< of its NodalFields; all zero when not solved
+  /// Of its NodalFields, all nodes in float32, which transitions from it start with; all zero when not
+  /// solved. A dataset may keep less of them (Storage).
+  ContentId fields;
 };
 
 /// An exact solution at a position off the lattice. No interpolation may use it: it is there to measure
@@ -49,7 +51,14 @@ struct SpaceTable {
   std::vector<PointRecord> points;
   std::vector<FailedAttempt> attempts;  ///< sorted by (target, order in which they were tried); no probes
   std::vector<Probe> probes;
+  /// inconsistentEdges of this space (branch_check.hpp), as they were when the dataset was sealed;
+  /// sealDataset finds them itself.
+  std::vector<LatticeEdge> inconsistent_edges;
 };
+
+/// What of `space` contradicts itself, as a clause for errors ("probe 3 lies outside of the workspace");
+/// empty when nothing does. Looked at are numbers that name points, cells and edges, and positions.
+std::string faultOf(const SpaceTable& space);
 
 /// Gives the nodal fields of a solved point while a dataset is sealed. Throws Error when they cannot be read.
 using FieldsSource = std::function<NodalFields(std::size_t space, std::int32_t point)>;
@@ -59,20 +68,21 @@ using FieldsSource = std::function<NodalFields(std::size_t space, std::int32_t p
 /// part. The bytes are a function of the arguments alone (no time stamps). Layout: docs/dataset.md.
 ///
 /// `spaces` has one table per problem.active, in that order and with those patches, each on the lattice of
-/// problem.scene and with one record per point of it; else Error, and nothing is written. `fields`
-/// is asked for every solved point once, in order of space and point, and must give what its record names.
+/// problem.scene (and what was added to it), with one record per point of it and without faultOf; else Error,
+/// and nothing is written. `fields` is asked for every solved point once, in order of space and point, and
+/// must give what its record names; scene.storage says what is kept of it. Of probes no fields are kept.
 /// Error on any HDF5 or system failure; FILE.tmp is then removed. One thread at a time (HDF5 is not
 /// thread-safe).
 void sealDataset(const std::filesystem::path& file, const Problem& problem,
                  const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
                  const FieldsSource& fields);
 
-/// A sealed dataset, opened for reading. Everything but the nodal fields is in memory after construction;
-/// those are read when asked for. One thread at a time (HDF5 is not thread-safe); the tables may be read by
-/// any thread.
+/// A sealed dataset, opened for reading. Everything but the nodal fields is in memory after construction,
+/// verified; those are read, and verified, when asked for. One thread at a time (HDF5 is not thread-safe);
+/// the tables may be read by any thread.
 class Dataset {
  public:
-  /// Opens and verifies `file`. Error when it is missing, truncated, not a Palpate dataset, of a newer major
+  /// Opens and verifies `file`. Error when it is missing, truncated, not a Palpate dataset, of another major
   /// version, or when an array that is read does not match its hash; the message names file and array.
   explicit Dataset(const std::filesystem::path& file);
   ~Dataset();
@@ -88,11 +98,19 @@ class Dataset {
   const Mesh& mesh() const;  ///< quadratic with P2 displacement; groups are not stored
   const std::vector<std::int32_t>& fixedNodes() const;  ///< sorted
   const std::vector<SpaceTable>& spaces() const;
+  /// The vertices on the surface, sorted: what is seen.
+  const std::vector<std::int32_t>& surfaceNodes() const;
+  /// The nodes whose displacements are kept, sorted: those of the surface, or all.
+  const std::vector<std::int32_t>& storedNodes() const;
 
   /// Number of the space of the active node `name`; Error (bad input) that lists the names there are.
   std::size_t spaceNamed(const std::string& name) const;
-  /// Displacements and pressures of a solved point, verified against their id.
+  /// What is kept of the nodal fields of a solved point: three displacements per stored node, and pressures
+  /// when all nodes are stored.
   NodalFields fields(std::size_t space, std::int32_t point) const;
+  /// Displacements of the surface nodes in every point of a space, metres: [point][surface node][axis], NaN
+  /// in points that are not solved.
+  std::vector<float> surfaceDisplacements(std::size_t space) const;
   /// Reads and verifies every array, the nodal fields too. Error names the first damaged one.
   void verifyAll() const;
 

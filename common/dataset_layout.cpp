@@ -1,6 +1,10 @@
 #include "common/dataset_layout.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "common/problem.hpp"
 
 namespace palpate::layout {
 
@@ -13,6 +17,42 @@ ContentId contentHash(const std::string& scene_toml, std::vector<hdf5::ArrayInfo
     text += fmt::format("{} {} {} {}\n", array.path, hdf5::name(array.element), shape, array.hash.hex());
   }
   return ContentId::of(text);
+}
+
+std::vector<std::int32_t> storedNodes(const Scene& scene, const Mesh& mesh) {
+  if (scene.storage.displacement == StoredNodes::surface) return surfaceNodes(mesh);
+  std::vector<std::int32_t> nodes(mesh.nodes.size());
+  std::iota(nodes.begin(), nodes.end(), 0);
+  return nodes;
+}
+
+std::size_t storedPressures(const Scene& scene, const Mesh& mesh) {
+  if (scene.storage.displacement == StoredNodes::surface) return 0;
+  return pressureNodes(scene.discretization.pressure, mesh);
+}
+
+Quantized quantize(std::span<const float> displacement) {
+  constexpr double largest_integer = 32767;
+  double largest = 0;
+  for (const float value : displacement) largest = std::max(largest, std::abs(static_cast<double>(value)));
+  Quantized quantized;
+  quantized.step = static_cast<float>(largest / largest_integer);
+  quantized.values.reserve(displacement.size());
+  for (const float value : displacement) {
+    // The step is zero where everything is, and where its quotient is too small for a float.
+    const double steps = quantized.step > 0 ? value / static_cast<double>(quantized.step) : 0;
+    quantized.values.push_back(
+        static_cast<std::int16_t>(std::clamp(std::round(steps), -largest_integer, largest_integer)));
+  }
+  return quantized;
+}
+
+ContentId rowHash(std::string_view displacement, const float* step, std::span<const float> pressure) {
+  ContentHasher hasher;
+  hasher.add(displacement);
+  if (step != nullptr) hasher.add(bytesOf(std::span(step, 1)));
+  hasher.add(bytesOf(pressure));
+  return hasher.finish();
 }
 
 }  // namespace palpate::layout

@@ -1,31 +1,47 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "common/hdf5_handle.hpp"
+#include "common/mesh.hpp"
+#include "common/scene.hpp"
 
 /// Names and numbers of the dataset format, shared by its writer and its reader. docs/dataset.md is the page
 /// about it.
 namespace palpate::layout {
 
 inline constexpr std::string_view format = "palpate-dataset";
-/// Readers refuse a newer major version and ignore what a newer minor version added.
-inline constexpr std::int32_t major_version = 1;
-/// 1: quadratic displacements or weighted patches are in the file (/mesh/edges, patch_weights). Without them
-/// a file is the same as one of version 1.0, and says so.
-inline constexpr std::int32_t minor_version = 1;
+/// Readers refuse another major version and ignore what a newer minor version added.
+inline constexpr std::int32_t major_version = 2;
+inline constexpr std::int32_t minor_version = 0;
 inline constexpr std::string_view units = "SI: m, N, Pa, J, N/m";
 
-/// "/spaces/NAME/ARRAY".
-inline std::string inSpace(const std::string& space, std::string_view array) {
-  return fmt::format("/spaces/{}/{}", space, array);
-}
-
 /// Hash over the scene and all arrays: of the text "scene_toml HASH\n" followed by one line "PATH TYPE SHAPE
-/// HASH\n" per array, sorted by path, for instance "/lattice/ijk int32 515x3 0a1b...\n"; the shape of a
+/// HASH\n" per array, sorted by path, for instance "/points/ijk int32 515x3 0a1b...\n"; the shape of a
 /// scalar is "scalar".
 ContentId contentHash(const std::string& scene_toml, std::vector<hdf5::ArrayInfo> arrays);
+
+/// What of the nodal fields is stored (Storage): the nodes that have displacements, sorted, and the number of
+/// pressures.
+std::vector<std::int32_t> storedNodes(const Scene& scene, const Mesh& mesh);
+std::size_t storedPressures(const Scene& scene, const Mesh& mesh);
+
+/// Displacements as 16-bit integers: step * values, the largest in magnitude being 32767.
+struct Quantized {
+  float step = 0;  ///< metres
+  std::vector<std::int16_t> values;
+};
+Quantized quantize(std::span<const float> displacement);
+/// An error of a quantized displacement is at most this part of the step: half of it, and what rounding to
+/// float32 adds.
+inline constexpr double quantization_error = 0.51;
+
+/// Hash of one row of stored fields: the displacements as they are stored, the step where they are quantized,
+/// the pressures where there are some.
+ContentId rowHash(std::string_view displacement, const float* step, std::span<const float> pressure);
 
 }  // namespace palpate::layout

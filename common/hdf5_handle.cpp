@@ -20,6 +20,8 @@ std::string_view name(Element element) {
   switch (element) {
     case Element::uint8:
       return "uint8";
+    case Element::int16:
+      return "int16";
     case Element::int32:
       return "int32";
     case Element::float32:
@@ -34,6 +36,8 @@ std::size_t sizeOf(Element element) {
   switch (element) {
     case Element::uint8:
       return 1;
+    case Element::int16:
+      return 2;
     case Element::int32:
     case Element::float32:
       return 4;
@@ -47,6 +51,8 @@ hid_t typeOf(Element element) {
   switch (element) {
     case Element::uint8:
       return H5T_STD_U8LE;
+    case Element::int16:
+      return H5T_STD_I16LE;
     case Element::int32:
       return H5T_STD_I32LE;
     case Element::float32:

@@ -54,7 +54,7 @@ class Handle {
 };
 
 /// The element types a dataset uses; all little-endian.
-enum class Element : std::uint8_t { uint8, int32, float32, float64 };
+enum class Element : std::uint8_t { uint8, int16, int32, float32, float64 };
 std::string_view name(Element element);
 std::size_t sizeOf(Element element);
 hid_t typeOf(Element element);  ///< a library constant, not to be closed
@@ -62,6 +62,7 @@ hid_t typeOf(Element element);  ///< a library constant, not to be closed
 template <class T>
 constexpr Element elementOf() {
   if constexpr (std::is_same_v<T, std::uint8_t>) return Element::uint8;
+  if constexpr (std::is_same_v<T, std::int16_t>) return Element::int16;
   if constexpr (std::is_same_v<T, std::int32_t>) return Element::int32;
   if constexpr (std::is_same_v<T, float>) return Element::float32;
   if constexpr (std::is_same_v<T, double>) return Element::float64;

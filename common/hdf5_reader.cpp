@@ -7,7 +7,8 @@ namespace {
 
 constexpr std::size_t max_text_bytes = std::size_t{1} << 26;  // a scene with a million node numbers is 8 MB
 constexpr int max_rank = 3;
-constexpr double max_gzip_ratio = 1040;  // of deflate, 1032, and a little for the rest
+constexpr std::size_t verified_at_once = std::size_t{4} << 20;  // bytes
+constexpr double max_gzip_ratio = 1040;                         // of deflate, 1032, and a little for the rest
 
 void refuseWhatIsNoFile(const std::filesystem::path& file) {
   std::error_code problem;
@@ -24,9 +25,15 @@ bool isShape(const Shape& shape, const Shape& expected) {
                     [](hsize_t is, hsize_t wanted) { return wanted == any_extent || is == wanted; });
 }
 
-/// Large float32 arrays are read by rows, everything else whole.
+/// Nodal fields, which are large, are read by rows, everything else whole.
 bool isReadByRows(const ArrayInfo& info) {
-  return info.element == Element::float32 && info.shape.size() > 1;
+  return (info.element == Element::float32 || info.element == Element::int16) && info.shape.size() > 1;
+}
+
+std::size_t rowBytes(const ArrayInfo& info) {
+  Shape row = info.shape;
+  row.at(0) = 1;
+  return countOf(row) * sizeOf(info.element);
 }
 
 double bytesReadAtOnce(const ArrayInfo& info) {
@@ -119,12 +126,13 @@ ArrayInfo Reader::inspect(const std::string& path) const {
 
   const Handle type(check(H5Dget_type(dataset.get()), path), H5Tclose);
   bool known = false;
-  for (const Element element : {Element::uint8, Element::int32, Element::float32, Element::float64})
+  for (const Element element :
+       {Element::uint8, Element::int16, Element::int32, Element::float32, Element::float64})
     if (check(H5Tequal(type.get(), typeOf(element)), path) > 0) {
       info.element = element;
       known = true;
     }
-  if (!known) throw damaged(path, "is none of little-endian uint8, int32, float32 and float64");
+  if (!known) throw damaged(path, "is none of little-endian uint8, int16, int32, float32 and float64");
 
   const Handle space(check(H5Dget_space(dataset.get()), path), H5Sclose);
   const int rank = check(H5Sget_simple_extent_ndims(space.get()), path);
@@ -183,20 +191,23 @@ void Reader::readBytes(const ArrayInfo& info, std::span<std::byte> bytes) const 
     throw damaged(info.path, "its values do not match its blake2b hash");
 }
 
-void Reader::readRow(const ArrayInfo& info, std::size_t row, std::span<float> values) const {
+void Reader::readRowBytes(const ArrayInfo& info, std::size_t first, std::span<std::byte> bytes) const {
+  const std::size_t row_bytes = rowBytes(info), n_rows = row_bytes > 0 ? bytes.size() / row_bytes : 0;
+  if (n_rows * row_bytes != bytes.size() || first + n_rows > info.shape.at(0))
+    throw damaged(info.path, "has no such rows");
+  if (bytes.empty()) return;
   const Handle dataset(check(H5Dopen2(file_.get(), info.path.c_str(), H5P_DEFAULT), info.path), H5Dclose);
   const Handle file_space(check(H5Dget_space(dataset.get()), info.path), H5Sclose);
   Shape start(info.shape.size(), 0), count = info.shape;
-  start.at(0) = row;
-  count.at(0) = 1;
-  if (values.size() != countOf(count) || row >= info.shape[0]) throw damaged(info.path, "has no such row");
+  start[0] = first;
+  count[0] = n_rows;
   check(H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
         info.path);
-  const Handle row_space(
+  const Handle memory_space(
       check(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), info.path), H5Sclose);
-  check(H5Dread(dataset.get(), typeOf(info.element), row_space.get(), file_space.get(), H5P_DEFAULT,
-                values.data()),
-        fmt::format("{}: row {}", info.path, row));
+  check(H5Dread(dataset.get(), typeOf(info.element), memory_space.get(), file_space.get(), H5P_DEFAULT,
+                bytes.data()),
+        fmt::format("{}: rows {} to {}", info.path, first, first + n_rows - 1));
 }
 
 void Reader::verify(const ArrayInfo& info) const {
@@ -205,12 +216,14 @@ void Reader::verify(const ArrayInfo& info) const {
     return readBytes(info, bytes);
   }
   ContentHasher hasher;
-  Shape row_shape = info.shape;
-  row_shape[0] = 1;
-  std::vector<float> row(countOf(row_shape));
-  for (std::size_t n = 0; n < info.shape[0]; ++n) {
-    readRow(info, n, row);
-    hasher.add(bytesOf(std::span<const float>(row)));
+  const std::size_t row_bytes = rowBytes(info);
+  const std::size_t at_once =
+      std::max<std::size_t>(1, verified_at_once / std::max<std::size_t>(1, row_bytes));
+  std::vector<std::byte> rows;
+  for (std::size_t first = 0; first < info.shape[0]; first += at_once) {
+    rows.resize(std::min<std::size_t>(at_once, info.shape[0] - first) * row_bytes);
+    readRowBytes(info, first, rows);
+    hasher.add(bytesOf(std::span<const std::byte>(rows)));
   }
   if (hasher.finish() != info.hash) throw damaged(info.path, "its values do not match its blake2b hash");
 }

@@ -12,7 +12,7 @@ namespace palpate::hdf5 {
 inline constexpr hsize_t any_extent = ~hsize_t{0};  ///< in an expected Shape
 
 /// Reads what Writer wrote and trusts nothing: types, shapes and hashes are checked before values are used.
-/// Only arrays of the four plain types, stored in the file itself, are accepted. Every Error names the file
+/// Only arrays of the five plain types, stored in the file itself, are accepted. Every Error names the file
 /// and the array.
 class Reader {
  public:
@@ -40,8 +40,12 @@ class Reader {
     readBytes(info, std::as_writable_bytes(std::span<T>(values)));
     return values;
   }
-  /// values[row, ...] of an array that was checked with array(). Not compared with a hash.
-  void readRow(const ArrayInfo& info, std::size_t row, std::span<float> values) const;
+  /// Rows `first`, first + 1, ... of an array that was checked with array(), as many as fill `values`. Not
+  /// compared with a hash.
+  template <class T>
+  void readRows(const ArrayInfo& info, std::size_t first, std::span<T> values) const {
+    readRowBytes(info, first, std::as_writable_bytes(values));
+  }
   /// Reads all of it and compares with its hash.
   void verify(const ArrayInfo& info) const;
 
@@ -49,6 +53,7 @@ class Reader {
   Error damaged(std::string_view where, std::string_view why) const;
 
  private:
+  void readRowBytes(const ArrayInfo& info, std::size_t first, std::span<std::byte> bytes) const;
   void readBytes(const ArrayInfo& info, std::span<std::byte> bytes) const;
   ArrayInfo inspect(const std::string& path) const;
   std::string text(hid_t object, const char* attribute, std::string_view where) const;

@@ -9,6 +9,11 @@ namespace {
 // Level 4 of gzip: nodal fields shrink by about as much as with 9, at several times its speed.
 constexpr unsigned gzip_level = 4;
 
+template <class T>
+T noValue() {
+  return std::is_floating_point_v<T> ? std::numeric_limits<T>::quiet_NaN() : std::numeric_limits<T>::lowest();
+}
+
 }  // namespace
 
 Writer::Writer(const std::filesystem::path& file) : name_(file.string()) {
@@ -111,23 +116,25 @@ void Writer::close() {
   check(file_.close(), "cannot finish the file");
 }
 
-RowWriter::RowWriter(Writer& writer, std::string path, Shape shape, const char* unit)
-    : writer_(writer), info_{std::move(path), Element::float32, std::move(shape), {}} {
+template <class T>
+RowWriter<T>::RowWriter(Writer& writer, std::string path, Shape shape, const char* unit)
+    : writer_(writer), info_{std::move(path), elementOf<T>(), std::move(shape), {}} {
   Shape row = info_.shape;
   row[0] = 1;
-  no_values_.assign(countOf(row), std::numeric_limits<float>::quiet_NaN());
+  no_values_.assign(countOf(row), noValue<T>());
   const int rank = static_cast<int>(row.size());
   const Handle properties(writer_.check(H5Pcreate(H5P_DATASET_CREATE), info_.path), H5Pclose);
   writer_.check(H5Pset_chunk(properties.get(), rank, row.data()), info_.path);
   writer_.check(H5Pset_shuffle(properties.get()), info_.path);
   writer_.check(H5Pset_deflate(properties.get(), gzip_level), info_.path);
-  writer_.check(H5Pset_fill_value(properties.get(), H5T_NATIVE_FLOAT, no_values_.data()), info_.path);
+  writer_.check(H5Pset_fill_value(properties.get(), typeOf(info_.element), no_values_.data()), info_.path);
   dataset_ = writer_.create(info_.path, info_.element, info_.shape, properties.get(), unit);
   file_space_ = Handle(writer_.check(H5Dget_space(dataset_.get()), info_.path), H5Sclose);
   row_space_ = Handle(writer_.check(H5Screate_simple(rank, row.data(), nullptr), info_.path), H5Sclose);
 }
 
-void RowWriter::write(std::span<const float> row) {
+template <class T>
+void RowWriter<T>::write(std::span<const T> row) {
   if (row.size() != no_values_.size() || next_ >= info_.shape[0])
     throw failure("{}: {}: row {} has {} values instead of {}", writer_.name_, info_.path, next_, row.size(),
                   no_values_.size());
@@ -144,17 +151,22 @@ void RowWriter::write(std::span<const float> row) {
   hasher_.add(bytesOf(row));
 }
 
-void RowWriter::skip() {
+template <class T>
+void RowWriter<T>::skip() {
   ++next_;
-  hasher_.add(bytesOf(std::span<const float>(no_values_)));
+  hasher_.add(bytesOf(std::span<const T>(no_values_)));
 }
 
-void RowWriter::finish() {
+template <class T>
+void RowWriter<T>::finish() {
   if (next_ != info_.shape[0])
     throw failure("{}: {}: {} rows instead of {}", writer_.name_, info_.path, next_, info_.shape[0]);
   info_.hash = hasher_.finish();
   writer_.finish(dataset_.get(), info_);
   writer_.check(dataset_.close(), info_.path);
 }
+
+template class RowWriter<float>;
+template class RowWriter<std::int16_t>;
 
 }  // namespace palpate::hdf5

@@ -37,6 +37,7 @@ class Writer {
   const std::vector<ArrayInfo>& arrays() const { return arrays_; }  ///< written so far
 
  private:
+  template <class T>
   friend class RowWriter;
   Handle create(const std::string& path, Element element, const Shape& shape, hid_t properties,
                 const char* unit);
@@ -58,12 +59,14 @@ class Writer {
   std::vector<ArrayInfo> arrays_;
 };
 
-/// A float32 array written row by row (first index), one gzip+shuffle chunk per row. Rows that are skipped
-/// take no room and read as NaN. Rows must come in order, each exactly once. The Writer must outlive it.
+/// An array of float32 or int16 written row by row (first index), one gzip+shuffle chunk per row. Rows that
+/// are skipped take no room and read as NaN, or as the lowest int16. Rows must come in order, each exactly
+/// once. The Writer must outlive it.
+template <class T>
 class RowWriter {
  public:
   RowWriter(Writer& writer, std::string path, Shape shape, const char* unit);
-  void write(std::span<const float> row);
+  void write(std::span<const T> row);
   void skip();
   void finish();  ///< after the last row
 
@@ -73,7 +76,10 @@ class RowWriter {
   Handle dataset_, file_space_, row_space_;
   hsize_t next_ = 0;
   ContentHasher hasher_;
-  std::vector<float> no_values_;  ///< a row of NaN
+  std::vector<T> no_values_;  ///< what a skipped row reads as
 };
+
+extern template class RowWriter<float>;
+extern template class RowWriter<std::int16_t>;
 
 }  // namespace palpate::hdf5

@@ -23,6 +23,12 @@ struct LatticeCell {
   auto operator<=>(const LatticeCell&) const = default;
 };
 
+/// Two lattice points that are joined by an edge of a leaf cell.
+struct LatticeEdge {
+  std::int32_t a = -1, b = -1;  ///< lattice numbers, a < b
+  auto operator<=>(const LatticeEdge&) const = default;
+};
+
 /// The positions of one configuration space: the uniform lattice of the closed workspace ball (paper, Eq. 11,
 /// with the origin), and the points that refinement added to it.
 ///

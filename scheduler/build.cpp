@@ -37,14 +37,15 @@ std::vector<SpaceTable> Build::seal(const std::filesystem::path& file) {
   return tables;
 }
 
-bool isSealed(const std::filesystem::path& file, const ContentId& build, bool force) {
+bool isSealed(const std::filesystem::path& file, const Problem& problem, bool force) {
   if (!std::filesystem::exists(file)) return false;
+  const ContentId build = problemId(problem);
   std::string what;
   try {
     const Dataset dataset(file);
     if (dataset.buildId() == build) {
       dataset.verifyAll();
-      return true;
+      return dataset.scene().storage == problem.scene.storage;
     }
     what = fmt::format("holds the dataset of another scene or mesh (build {} of scene \"{}\", not {})",
                        dataset.buildId().shortHex(), dataset.scene().name, build.shortHex());

@@ -41,9 +41,10 @@ class Build {
   Coordinator coordinator_;
 };
 
-/// True when `file` is the dataset of this build already, false when there is no such file. Error (bad input)
-/// when it is something else, unless `force`.
-bool isSealed(const std::filesystem::path& file, const ContentId& build, bool force);
+/// True when `file` is the dataset of this build already, false when there is no such file, or when it is that
+/// but stores something else (Storage) than asked for. Error (bad input) when it is anything else, unless
+/// `force`.
+bool isSealed(const std::filesystem::path& file, const Problem& problem, bool force);
 
 /// Error when the folder of `file` does not take files: known before the work, not after it.
 void refuseUnwritable(const std::filesystem::path& file);

@@ -107,7 +107,7 @@ ExitCode run(const BuildOptions& options) {
   const std::filesystem::path out =
       options.out.empty() ? defaultDatasetFile(problem.scene) : std::filesystem::path(options.out);
   const std::filesystem::path state = options.state.empty() ? out.string() + ".state" : options.state;
-  if (isSealed(out, problemId(problem), options.force))
+  if (isSealed(out, problem, options.force))
     return finish(Dataset(out).spaces(), out, problem.scene.workspace.spacing,
                   "is already the dataset of this scene; nothing to do");
 

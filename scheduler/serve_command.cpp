@@ -59,7 +59,7 @@ ExitCode run(const ServeOptions& options) {
     spdlog::warn(warning);
   const std::filesystem::path out =
       options.out.empty() ? defaultDatasetFile(problem.scene) : std::filesystem::path(options.out);
-  if (isSealed(out, problemId(problem), options.force))
+  if (isSealed(out, problem, options.force))
     return finish(Dataset(out).spaces(), out, "is already the dataset of this scene; nothing to do");
 
   catchInterrupts();

@@ -71,6 +71,14 @@ bool CellData::isInconsistent(std::int32_t a, std::int32_t b) const {
                             LatticeEdge{std::min(first, second), std::max(first, second)});
 }
 
+bool CellData::hasInconsistentEdge(std::int32_t leaf) const {
+  const LeafCorners& corners = tree.corners(leaf);
+  for (std::size_t c = 0; c < 8; ++c)
+    for (const std::size_t axis : {1, 2, 4})
+      if ((c & axis) == 0 && isInconsistent(corners[c], corners[c | axis])) return true;
+  return false;
+}
+
 CellField::CellField(const CellData& data) : tree_(data.tree) {
   nodes_.reserve(data.equilibria.size());
   for (std::size_t s = 0; s < data.equilibria.size(); ++s) {
@@ -88,14 +96,8 @@ void CellField::setFlags(const CellData& data) {
   flags_.assign(nodes_.size(), 0);
   const auto leaves = static_cast<std::int32_t>(tree_.leaves().size());
   for (std::int32_t leaf = 0; leaf < leaves; ++leaf) {
-    const LeafCorners& corners = tree_.corners(leaf);
-    bool inconsistent = false;
-    for (std::size_t c = 0; c < 8; ++c)
-      for (const std::size_t axis : {1, 2, 4})
-        inconsistent =
-            inconsistent || ((c & axis) == 0 && data.isInconsistent(corners[c], corners[c | axis]));
-    if (inconsistent)
-      for (const std::int32_t slot : corners) flags_[at(slot)] = 1;
+    if (!data.hasInconsistentEdge(leaf)) continue;
+    for (const std::int32_t slot : tree_.corners(leaf)) flags_[at(slot)] = 1;
   }
   for (std::size_t s = 0; s < flags_.size(); ++s) nodes_[s][3] *= 1 - flags_[s];
   fillHanging(tree_, flags_, [this](std::int32_t leaf, const Eigen::Vector3d& local) {

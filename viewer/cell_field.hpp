@@ -28,6 +28,8 @@ struct CellData {
   std::int32_t slotAt(const LatticePoint& point) const;
   /// Whether two slots are the ends of an inconsistent edge.
   bool isInconsistent(std::int32_t a, std::int32_t b) const;
+  /// Whether an edge of a leaf is inconsistent.
+  bool hasInconsistentEdge(std::int32_t leaf) const;
 };
 
 /// What all methods that interpolate in the leaves of a cell tree have in common: where a displacement lies,

@@ -10,9 +10,9 @@
 namespace palpate {
 
 const std::vector<std::string>& forceFieldMethods() {
-  static const std::vector<std::string> methods = {
-      "potential",       "trilinear", "tricubic",       "hermite",      "rbf-linear",
-      "rbf-linear-tail", "rbf-cubic", "rbf-cubic-tail", "potential-rbf"};
+  static const std::vector<std::string> methods = {"potential", "trilinear",      "tricubic",
+                                                   "hermite",   "rbf-linear",     "rbf-linear-tail",
+                                                   "rbf-cubic", "rbf-cubic-tail", "potential-rbf"};
   return methods;
 }
 

@@ -66,6 +66,13 @@ struct Space {
   std::size_t unknowns;  ///< displacement components and pressures to solve for
 };
 
+/// What a build of so many configurations amounts to.
+struct Estimate {
+  double configurations = 0;  ///< probes too
+  double seconds = 0;         ///< on one core
+  double bytes = 0;           ///< of nodal fields, before compression
+};
+
 /// What there is to say of a problem.
 struct Report {
   explicit Report(const Problem& given)
@@ -81,15 +88,26 @@ struct Report {
       near_flat += shapeOf(problem.mesh, e) < near_flat_shape;
     const Accuracy& accuracy = problem.scene.accuracy;
     const auto n_spaces = static_cast<std::int64_t>(spaces.size());
-    configurations = n_spaces * (lattice.size() + accuracy.probes);
-    most_configurations = static_cast<double>(configurations);
+    probes = n_spaces * accuracy.probes;
+    points = n_spaces * lattice.size();
+    most_points = static_cast<double>(points);
     if (accuracy.adaptive())
-      most_configurations +=
-          static_cast<double>(n_spaces) * cellsOfBall(lattice) * std::pow(8, accuracy.levels);
+      most_points += static_cast<double>(n_spaces) * cellsOfBall(lattice) * std::pow(8, accuracy.levels);
     seconds_each = secondsPerConfiguration(n_nodes);
-    bytes_each = static_cast<double>(12 * n_nodes + 4 * n_pressures);
+    const Storage& storage = problem.scene.storage;
+    const bool all = storage.displacement == StoredNodes::all;
+    const std::size_t component_bytes = storage.precision == StoredPrecision::int16 ? 2 : 4;
+    const std::size_t n_stored = all ? n_nodes : surfaceNodes(problem.mesh).size();
+    bytes_each = static_cast<double>(3 * component_bytes * n_stored + (all ? 4 * n_pressures : 0));
     findWarnings();
   }
+
+  Estimate estimateOf(double n_points) const {
+    const double configurations = n_points + static_cast<double>(probes);
+    return {configurations, configurations * seconds_each, n_points * bytes_each};
+  }
+  Estimate least() const { return estimateOf(static_cast<double>(points)); }
+  Estimate most() const { return estimateOf(most_points); }
 
   void findWarnings() {
     const Workspace& workspace = problem.scene.workspace;
@@ -146,8 +164,9 @@ struct Report {
   std::vector<Space> spaces;
   std::vector<std::int64_t> tetrahedra_in;  ///< per region
   std::int64_t near_flat = 0;
-  std::int64_t configurations = 0;  ///< probes too; of an adaptive build the least
-  double most_configurations = 0;   ///< every cell halved as often as it may be
+  std::int64_t points = 0;  ///< of all lattices; of an adaptive build the least
+  double most_points = 0;   ///< when every cell is halved as often as it may be
+  std::int64_t probes = 0;
   double seconds_each = 0, bytes_each = 0;
   std::vector<std::string> warnings;
 };
@@ -257,20 +276,19 @@ void printAccuracy(const Accuracy& accuracy) {
 
 void printCost(const Report& report) {
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
-  const auto least = static_cast<double>(report.configurations);
-  const double seconds = least * report.seconds_each, megabytes = least * report.bytes_each / 1e6;
+  const double seconds = report.least().seconds, megabytes = report.least().bytes / 1e6;
   if (!report.problem.scene.accuracy.adaptive()) {
     fmt::print("cost       about {} on one core, {} on the {} of this machine; dataset {:.3g} MB\n",
                duration(seconds), duration(seconds / cores), cores, megabytes);
     return;
   }
-  const double times = report.most_configurations / least;
+  const double most_seconds = report.most().seconds, most_megabytes = report.most().bytes / 1e6;
   fmt::print(
       "cost       an estimate, since cells are split where the forces turn out to need it: between {} (no "
       "cell is split) and {} (all are, to the last level) on one core, {} and {} on the {} of this machine; "
       "dataset {:.3g} to {:.3g} MB\n",
-      duration(seconds), duration(times * seconds), duration(seconds / cores),
-      duration(times * seconds / cores), cores, megabytes, times * megabytes);
+      duration(seconds), duration(most_seconds), duration(seconds / cores), duration(most_seconds / cores),
+      cores, megabytes, most_megabytes);
 }
 
 void printText(const Report& report) {
@@ -285,7 +303,7 @@ void printText(const Report& report) {
   fmt::print(
       "lattice    radius {:.4g} m, spacing {:.4g} m: {} points in each of {} space(s), {}{} configurations\n",
       report.lattice.radius(), report.lattice.spacing(), report.lattice.size(), report.spaces.size(),
-      scene.accuracy.adaptive() ? "at least " : "", report.configurations);
+      scene.accuracy.adaptive() ? "at least " : "", report.least().configurations);
   printAccuracy(scene.accuracy);
   printCost(report);
   for (const std::string& warning : report.warnings) fmt::print("warning    {}\n", warning);
@@ -352,7 +370,7 @@ nlohmann::ordered_json toJson(const Report& report) {
     regions.push_back({{"group", scene.regions[r].group},
                        {"law", word(scene.regions[r].material.law)},
                        {"tetrahedra", report.tetrahedra_in[r]}});
-  const auto least = static_cast<double>(report.configurations);
+  const Estimate least = report.least(), most = report.most();
   return {{"scene", scene.name},
           {"problem", problemId(report.problem).hex()},
           {"metres_per_unit", scene.metres_per_unit},
@@ -370,12 +388,12 @@ nlohmann::ordered_json toJson(const Report& report) {
             {"points", report.lattice.size()}}},
           {"device", deviceJson(scene)},
           {"adaptive", scene.accuracy.adaptive()},
-          {"configurations", report.configurations},
-          {"core_seconds", least * report.seconds_each},
-          {"dataset_bytes", least * report.bytes_each},
-          {"most_configurations", report.most_configurations},
-          {"most_core_seconds", report.most_configurations * report.seconds_each},
-          {"most_dataset_bytes", report.most_configurations * report.bytes_each},
+          {"configurations", least.configurations},
+          {"core_seconds", least.seconds},
+          {"dataset_bytes", least.bytes},
+          {"most_configurations", most.configurations},
+          {"most_core_seconds", most.seconds},
+          {"most_dataset_bytes", most.bytes},
           {"warnings", report.warnings}};
 }
 

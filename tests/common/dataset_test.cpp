@@ -6,10 +6,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <fstream>
 #include <iterator>
 
+#include "common/branch_check.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -65,6 +68,39 @@ void expectSame(const PointRecord& a, const PointRecord& b) {
   EXPECT_EQ(a.fields, b.fields);
 }
 
+void expectSame(const SpaceTable& read, const SpaceTable& written) {
+  EXPECT_EQ(read.patch.name, written.patch.name);
+  EXPECT_EQ(read.patch.node, written.patch.node);
+  EXPECT_EQ(read.patch.nodes, written.patch.nodes);
+  ASSERT_EQ(read.lattice.size(), written.lattice.size());
+  for (std::int32_t n = 0; n < read.lattice.size(); ++n)
+    EXPECT_EQ(read.lattice.point(n), written.lattice.point(n));
+  EXPECT_EQ(read.lattice.uniformSize(), written.lattice.uniformSize());
+  EXPECT_EQ(read.splits, written.splits);
+  ASSERT_EQ(read.points.size(), written.points.size());
+  for (std::size_t n = 0; n < read.points.size(); ++n) expectSame(read.points[n], written.points[n]);
+  ASSERT_EQ(read.probes.size(), written.probes.size());
+  for (std::size_t n = 0; n < read.probes.size(); ++n) {
+    EXPECT_EQ(read.probes[n].displacement, written.probes[n].displacement);
+    expectSame(read.probes[n].record, written.probes[n].record);
+  }
+  ASSERT_EQ(read.attempts.size(), written.attempts.size());
+  for (std::size_t n = 0; n < read.attempts.size(); ++n) {
+    EXPECT_EQ(read.attempts[n].target, written.attempts[n].target);
+    EXPECT_EQ(read.attempts[n].parent, written.attempts[n].parent);
+    expectSame(read.attempts[n].failure, written.attempts[n].failure);
+  }
+  EXPECT_EQ(read.inconsistent_edges, inconsistentEdges(written));
+}
+
+/// The displacements of `nodes` in `fields`.
+std::vector<float> displacementsOf(const std::vector<std::int32_t>& nodes, const NodalFields& fields) {
+  std::vector<float> values;
+  for (const std::int32_t node : nodes)
+    for (int axis = 0; axis < 3; ++axis) values.push_back(fields.displacement[3 * node + axis]);
+  return values;
+}
+
 /// A sealed sample and room for damaged copies of it.
 class SealedDataset : public ::testing::Test {
  protected:
@@ -91,30 +127,33 @@ class SealedDataset : public ::testing::Test {
 TEST_F(SealedDataset, GivesBackEveryRecord) {
   const Dataset dataset(file);
   ASSERT_EQ(dataset.spaces().size(), 2u);
-  for (std::size_t s = 0; s < 2; ++s) {
-    const SpaceTable &read = dataset.spaces()[s], &written = sample.spaces[s];
-    EXPECT_EQ(read.patch.name, written.patch.name);
-    EXPECT_EQ(read.patch.node, written.patch.node);
-    EXPECT_EQ(read.patch.nodes, written.patch.nodes);
-    ASSERT_EQ(read.points.size(), written.points.size());
-    for (std::size_t n = 0; n < read.points.size(); ++n) expectSame(read.points[n], written.points[n]);
-    ASSERT_EQ(read.attempts.size(), written.attempts.size());
-    for (std::size_t n = 0; n < read.attempts.size(); ++n) {
-      EXPECT_EQ(read.attempts[n].target, written.attempts[n].target);
-      EXPECT_EQ(read.attempts[n].parent, written.attempts[n].parent);
-      expectSame(read.attempts[n].failure, written.attempts[n].failure);
-    }
-  }
+  for (std::size_t s = 0; s < 2; ++s) expectSame(dataset.spaces()[s], sample.spaces[s]);
+}
+
+TEST_F(SealedDataset, GivesBackRefinedLatticesProbesAndInconsistentEdges) {
+  sample.refine();
+  sample.seal(file);
+  const Dataset dataset(file);
+  for (std::size_t s = 0; s < 2; ++s) expectSame(dataset.spaces()[s], sample.spaces[s]);
+  const SpaceTable& edge = dataset.spaces()[1];
+  EXPECT_EQ(edge.lattice.divisions(), 1024);
+  EXPECT_GT(edge.lattice.size(), 33 + 20);
+  EXPECT_FALSE(edge.inconsistent_edges.empty());
+  EXPECT_EQ(dataset.scene().accuracy.force_error, 0.03);
+  EXPECT_EQ(dataset.fields(1, edge.lattice.size() - 1).displacement,
+            displacementsOf(dataset.storedNodes(), sample.fields(1, edge.lattice.size() - 1)));
 }
 
 TEST_F(SealedDataset, GivesBackQuadraticMeshesAndWeightedPatches) {
   for (const PressureSpace pressure : {PressureSpace::none, PressureSpace::p1, PressureSpace::p2}) {
-    const SampleDataset quadratic(pressure, DisplacementSpace::p2);
+    SampleDataset quadratic(pressure, DisplacementSpace::p2);
+    quadratic.problem.scene.storage.displacement = StoredNodes::all;
     quadratic.seal(file);
     const Dataset dataset(file);
     EXPECT_EQ(dataset.mesh().nodes, quadratic.problem.mesh.nodes);
     EXPECT_EQ(dataset.mesh().edges, quadratic.problem.mesh.edges);
     EXPECT_EQ(dataset.mesh().mid_edge_nodes, quadratic.problem.mesh.mid_edge_nodes);
+    EXPECT_EQ(dataset.spaces()[0].patch.weights, quadratic.problem.active[0].weights);
     EXPECT_EQ(dataset.spaces()[1].patch.nodes, quadratic.problem.active[1].nodes);
     EXPECT_EQ(dataset.spaces()[1].patch.weights, quadratic.problem.active[1].weights);
     const NodalFields fields = dataset.fields(1, 3);
@@ -145,14 +184,52 @@ TEST_F(SealedDataset, GivesBackMeshLatticeSceneAndNames) {
   EXPECT_NO_THROW(dataset.verifyAll());
 }
 
-TEST_F(SealedDataset, GivesBackTheNodalFieldsOfSolvedPointsOnly) {
+TEST_F(SealedDataset, GivesBackTheSurfaceOfSolvedPoints) {
   const Dataset dataset(file);
-  for (std::size_t s = 0; s < 2; ++s)
+  EXPECT_EQ(dataset.surfaceNodes(), surfaceNodes(sample.problem.mesh));
+  EXPECT_EQ(dataset.storedNodes(), dataset.surfaceNodes());
+  EXPECT_EQ(dataset.surfaceNodes().size(), 26u) << "the middle of the cube is not seen";
+  for (std::size_t s = 0; s < 2; ++s) {
+    const std::vector<float> all = dataset.surfaceDisplacements(s);
+    ASSERT_EQ(all.size(), 33 * 26 * 3u);
     for (const std::int32_t point : {0, 1, 20, 31}) {
-      EXPECT_EQ(dataset.fields(s, point).displacement, sample.fields(s, point).displacement);
-      EXPECT_EQ(dataset.fields(s, point).pressure, sample.fields(s, point).pressure);
+      const auto expected = displacementsOf(dataset.surfaceNodes(), sample.fields(s, point));
+      EXPECT_EQ(dataset.fields(s, point).displacement, expected);
+      EXPECT_TRUE(dataset.fields(s, point).pressure.empty());
+      EXPECT_TRUE(std::equal(expected.begin(), expected.end(), all.begin() + point * 26 * 3));
     }
+  }
+  EXPECT_TRUE(std::isnan(dataset.surfaceDisplacements(0)[7 * 26 * 3]));
   expectBadInput([&] { dataset.fields(0, 7); }, {"sample.h5", "tip", "failed"});
+}
+
+TEST_F(SealedDataset, KeepsAllNodesAndPressuresWhenAsked) {
+  sample.problem.scene.storage.displacement = StoredNodes::all;
+  sample.seal(copy);
+  const Dataset all(copy), surface(file);
+  EXPECT_EQ(all.storedNodes().size(), 27u);
+  EXPECT_EQ(all.fields(1, 9).displacement, sample.fields(1, 9).displacement);
+  EXPECT_EQ(all.fields(1, 9).pressure, sample.fields(1, 9).pressure);
+  EXPECT_EQ(all.surfaceDisplacements(1), surface.surfaceDisplacements(1));
+  EXPECT_EQ(all.buildId(), surface.buildId());
+}
+
+TEST_F(SealedDataset, QuantizesWithinItsBound) {
+  for (const StoredNodes nodes : {StoredNodes::surface, StoredNodes::all}) {
+    sample.problem.scene.storage = {nodes, StoredPrecision::int16};
+    sample.seal(copy);
+    const Dataset dataset(copy);
+    EXPECT_NO_THROW(dataset.verifyAll());
+    for (const std::int32_t point : {0, 1, 20, 31}) {
+      const auto exact = displacementsOf(dataset.storedNodes(), sample.fields(0, point));
+      const auto stored = dataset.fields(0, point).displacement;
+      ASSERT_EQ(stored.size(), exact.size());
+      const float largest = *std::max_element(exact.begin(), exact.end());
+      for (std::size_t i = 0; i < exact.size(); ++i)
+        EXPECT_LE(std::abs(stored[i] - exact[i]), 0.51 / 32767 * largest) << i;
+    }
+    EXPECT_TRUE(std::isnan(dataset.surfaceDisplacements(0)[7 * 26 * 3]));
+  }
 }
 
 TEST_F(SealedDataset, NamesTheActiveNodesThereAre) {
@@ -168,7 +245,7 @@ TEST_F(SealedDataset, WithoutPressureSpaceHasNoPressures) {
   const Dataset dataset(copy);
   EXPECT_NO_THROW(dataset.verifyAll());
   EXPECT_TRUE(dataset.fields(1, 3).pressure.empty());
-  EXPECT_EQ(dataset.fields(1, 3).displacement, plain.fields(1, 3).displacement);
+  EXPECT_EQ(dataset.fields(1, 3).displacement, displacementsOf(dataset.storedNodes(), plain.fields(1, 3)));
 }
 
 TEST_F(SealedDataset, HasTheSameBytesForTheSameArguments) {
@@ -234,7 +311,7 @@ TEST_F(SealedDataset, NamesTheDamagedTable) {
   bytes.replace(placeOf(bytes, {reinterpret_cast<const char*>(&marker), 8}), 8,
                 reinterpret_cast<const char*>(&energy), 8);
   writeBytes(copy, bytes);
-  expectError(ExitCode::failed, [&] { readAll(copy); }, {"copy.h5", "/spaces/tip/energy", "blake2b"});
+  expectError(ExitCode::failed, [&] { readAll(copy); }, {"copy.h5", "/points/energy", "blake2b"});
 }
 
 TEST_F(SealedDataset, NamesWhatIsNoDataset) {
@@ -283,6 +360,35 @@ TEST_F(SealedDataset, IsNotSealedFromArgumentsThatDoNotFitTogether) {
   expectError(ExitCode::failed, [&] { seal(one); }, {"1 spaces", "2 active"});
   expectError(ExitCode::failed, [&] { seal(exchanged); }, {"space 0", "edge-2", "tip"});
   expectError(ExitCode::failed, [&] { seal(shorter); }, {"edge-2", "32 points", "33"});
+  EXPECT_FALSE(std::filesystem::exists(directory / "no.h5"));
+}
+
+TEST_F(SealedDataset, IsNotSealedFromTablesThatContradictThemselves) {
+  sample.refine();
+  const auto refused = [&](auto&& spoil, const std::string& fault) {
+    SampleDataset spoiled = sample;
+    spoil(spoiled.spaces[1]);
+    EXPECT_THAT(faultOf(spoiled.spaces[1]), HasSubstr(fault));
+    expectError(ExitCode::failed, [&] { spoiled.seal(directory / "no.h5"); }, {"no.h5", "edge-2", fault});
+  };
+  EXPECT_EQ(faultOf(sample.spaces[1]), "");
+  const std::int32_t size = sample.spaces[1].lattice.size();
+  refused([](SpaceTable& t) { std::swap(t.splits[0], t.splits[1]); }, "not sorted");
+  refused([](SpaceTable& t) { t.splits.erase(t.splits.begin()); }, "in a cell that is not split");
+  refused([](SpaceTable& t) { t.splits[1].lowest[0] += 1; }, "no cell of the lattice");
+  refused([](SpaceTable& t) { t.splits[0].lowest[2] = 1024 * 5; }, "no cell of the lattice");
+  refused([](SpaceTable& t) { t.splits[1].level = 10; }, "level 10, which has no halves");
+  refused([](SpaceTable& t) { t.probes[0].displacement[1] = NAN; }, "probe 0 lies outside");
+  refused([](SpaceTable& t) { t.probes[1].displacement[1] = 0.0201; }, "probe 1 lies outside");
+  refused([&](SpaceTable& t) { t.probes[1].record.parent = size; }, "probe 1 has parent");
+  refused([&](SpaceTable& t) { t.points[4].parent = size; }, "point 4 has parent");
+  refused([](SpaceTable& t) { t.attempts = {{3, -1, {}}}; }, "an attempt went from point -1 to point 3");
+  refused(
+      [](SpaceTable& t) {
+        t.lattice.add({4097, 0, 0});
+        t.points.push_back(t.points[3]);
+      },
+      "far outside");
   EXPECT_FALSE(std::filesystem::exists(directory / "no.h5"));
 }
 

@@ -52,6 +52,16 @@ Problem sampleProblem(PressureSpace pressure, DisplacementSpace displacement) {
   return problem;
 }
 
+PointRecord recordAt(const Eigen::Vector3d& p, std::int32_t n, const AnalyticEnergy& energy) {
+  PointRecord point;
+  point.tag = Tag::expandable;
+  point.parent = 0;
+  point.equilibrium = {-energy.gradient(p), -energy.hessian(p), energy.energy(p), 0.5 + 1.0 / (n + 2)};
+  point.residual = 1e-9 * (n + 1);
+  point.cost = {3 + n % 4, 4 + n % 4, 1, 0};
+  return point;
+}
+
 void clear(PointRecord& point, Tag tag, Cause cause) {
   const Cost cost = point.cost;
   point = {};
@@ -130,14 +140,8 @@ SpaceTable solvedSpace(const Lattice& lattice, const AnalyticEnergy& energy) {
   space.lattice = lattice;
   space.patch = {"tip", 0, {0}};
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
-    const Eigen::Vector3d p = lattice.displacement(n);
-    PointRecord point;
-    point.tag = Tag::expandable;
-    point.parent = n == 0 || n >= lattice.uniformSize() ? 0 : lattice.neighbours(n).front();
-    point.equilibrium = {-energy.gradient(p), -energy.hessian(p), energy.energy(p), 0.5 + 1.0 / (n + 2)};
-    point.residual = 1e-9 * (n + 1);
-    point.cost = {3 + n % 4, 4 + n % 4, 1, 0};
-    space.points.push_back(point);
+    space.points.push_back(recordAt(lattice.displacement(n), n, energy));
+    if (n > 0 && n < lattice.uniformSize()) space.points[n].parent = lattice.neighbours(n).front();
   }
   return space;
 }
@@ -156,6 +160,35 @@ SampleDataset::SampleDataset(PressureSpace pressure, DisplacementSpace displacem
   clear(tip.points[unknown_point], Tag::unknown, Cause::none);
   tip.attempts = {{failed_point, 0, {Cause::wrong_inertia, 0.75, 2e-3, 11, 0.125, 28, 27, 0, 0}},
                   {failed_point, 1, {Cause::factorization_failed, 0.5, 1.5, -1, 0, 0, 27, -9, 4096}}};
+}
+
+void SampleDataset::refine() {
+  problem.scene.accuracy = {.force_error = 0.03, .probes = 2};
+  lattice = uniformLattice(problem.scene);
+  for (SpaceTable& space : spaces) {
+    space.lattice = lattice;
+    for (const Eigen::Vector3d& p : {Eigen::Vector3d(0.0123, -0.001, 0.004), Eigen::Vector3d(0, 0.0199, 0)})
+      space.probes.push_back({p, recordAt(p, 3, StiffeningEnergy())});
+  }
+  clear(spaces[0].probes[1].record, Tag::failed, Cause::step_budget);
+  SpaceTable& edge = spaces[1];
+  const std::int32_t half = lattice.divisions() / 2, quarter = half / 2;
+  edge.splits = {{{0, 0, 0}, 0}, {{half, 0, 0}, 1}};
+  const auto add = [&](const LatticePoint& point) {
+    if (edge.lattice.indexOf(point)) return;
+    edge.lattice.add(point);
+    const std::int32_t n = edge.lattice.size() - 1;
+    edge.points.push_back(recordAt(edge.lattice.displacement(n), n, StiffeningEnergy()));
+    edge.points[n].fields = fields(1, n).id();
+  };
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) {
+        add({i * half, j * half, k * half});
+        add({half + i * quarter, j * quarter, k * quarter});
+      }
+  add({4 * half, 2 * half, 2 * half});                           // completes a cell at the rim
+  edge.points[3].equilibrium.force += Eigen::Vector3d(0, 7, 0);  // another branch
 }
 
 NodalFields SampleDataset::fields(std::size_t space, std::int32_t point) const {

@@ -63,6 +63,10 @@ struct SampleDataset {
   std::vector<SpaceTable> spaces;
   std::string kernel_family = "portable";
 
+  /// As an adaptive build would leave it: divisions, two probes in each space (one failed), in "edge-2" cells
+  /// split twice, the points of that, one more outside of the ball, and point 3 on another branch.
+  void refine();
+
   NodalFields fields(std::size_t space, std::int32_t point) const;
   void seal(const std::filesystem::path& file) const;
 };
