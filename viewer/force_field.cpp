@@ -2,18 +2,27 @@
 
 #include "common/error.hpp"
 #include "viewer/potential_field.hpp"
+#include "viewer/potential_rbf_field.hpp"
+#include "viewer/rbf_field.hpp"
 #include "viewer/trilinear_field.hpp"
 
 namespace palpate {
 
 const std::vector<std::string>& forceFieldMethods() {
-  static const std::vector<std::string> methods = {"potential", "trilinear"};
+  static const std::vector<std::string> methods = {"potential",       "trilinear", "rbf-linear",
+                                                   "rbf-linear-tail", "rbf-cubic", "rbf-cubic-tail",
+                                                   "potential-rbf"};
   return methods;
 }
 
 std::unique_ptr<ForceField> makeForceField(std::string_view method, const SpaceTable& space) {
   if (method == "potential") return std::make_unique<PotentialField>(space);
   if (method == "trilinear") return std::make_unique<TrilinearField>(space);
+  if (method == "rbf-linear") return std::make_unique<RbfField>(space, RbfKernel::linear, false);
+  if (method == "rbf-linear-tail") return std::make_unique<RbfField>(space, RbfKernel::linear, true);
+  if (method == "rbf-cubic") return std::make_unique<RbfField>(space, RbfKernel::cubic, false);
+  if (method == "rbf-cubic-tail") return std::make_unique<RbfField>(space, RbfKernel::cubic, true);
+  if (method == "potential-rbf") return std::make_unique<PotentialRbfField>(space);
   throw badInput("there is no method \"{}\"; there are: {}", method, fmt::join(forceFieldMethods(), ", "));
 }
 

@@ -81,7 +81,7 @@ void expectExact(const ForceField& field, const AnalyticEnergy& energy, double r
 }
 
 class EveryField : public ::testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(ForceField, EveryField, ::testing::ValuesIn(forceFieldMethods()),
+INSTANTIATE_TEST_SUITE_P(ForceField, EveryField, ::testing::Values("potential", "trilinear"),
                          [](const auto& method) { return method.param; });
 
 TEST_P(EveryField, ReproducesForcesLinearInEachCoordinate) {

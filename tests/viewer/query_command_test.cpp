@@ -45,7 +45,7 @@ class QueryCommand : public ::testing::Test {
   }
 
   ForceSample expected(const std::string& method, const Eigen::Vector3d& p) const {
-    return makeForceField(method, sample.lattice, sample.spaces[1])->evaluate(p);
+    return makeForceField(method, sample.spaces[1])->evaluate(p);
   }
 
   test::TemporaryDirectory directory;

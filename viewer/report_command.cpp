@@ -1,0 +1,41 @@
+#include "viewer/report_command.hpp"
+
+#include <iostream>
+#include <memory>
+
+#include "common/error.hpp"
+#include "viewer/force_field.hpp"
+#include "viewer/report_json.hpp"
+#include "viewer/report_text.hpp"
+
+namespace palpate {
+
+ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
+  const Report report = makeReport(options.report);
+  output << (options.json ? reportJson(report) : reportText(report)) << std::flush;
+  if (!output) throw failure("cannot write the report to standard output");
+  return ExitCode::done;
+}
+
+Verb reportVerb() {
+  return {"report", "How accurate and how fast the methods of interpolation are on a dataset",
+          [](CLI::App& app) {
+            auto options = std::make_shared<ReportCommandOptions>();
+            app.add_option("DATASET", options->report.datasets,
+                           "Sealed dataset, OUT.h5; more of the same scene with other spacings or accuracies "
+                           "add points to the curves")
+                ->required()
+                ->type_name("FILE");
+            app.add_option("--methods", options->report.methods,
+                           fmt::format("Only these, separated by commas; there are {}",
+                                       fmt::join(forceFieldMethods(), ", ")))
+                ->delimiter(',')
+                ->type_name("LIST");
+            app.add_option("--html", options->html, "Write a self-contained page with plots to FILE too")
+                ->type_name("FILE");
+            app.add_flag("--json", options->json, "One JSON object instead of the table (docs/commands.md)");
+            return std::function<ExitCode()>([options] { return report(*options, std::cout); });
+          }};
+}
+
+}  // namespace palpate
