@@ -40,10 +40,28 @@ class Fitter {
 
   LocalPolynomial fit(std::size_t slot) {
     const CellSlot& s = tree_.slots()[slot];
-    if (s.kind == SlotKind::solved) {
-      return fits_.complete(space_.points[s.number].equilibrium, neighbours(slot), edge_[slot]);
+    if (s.kind == SlotKind::ghost) return extrapolate(slot);
+    if (s.kind == SlotKind::hanging) return {};
+    return fits_.complete(space_.points[s.number].equilibrium, neighbours(slot), edge_[slot]);
+  }
+
+  /// From the nearest solved points.
+  LocalPolynomial extrapolate(std::size_t slot) const {
+    std::vector<Candidate> candidates;
+    for (const std::int32_t number : solved_)
+      candidates.push_back(candidate(tree_.slots()[slot].point, number));
+    const Candidate nearest = *std::min_element(candidates.begin(), candidates.end());
+    std::erase_if(candidates, [&](const Candidate& c) {
+      return static_cast<double>(c.distance) >
+             ghost_reach * ghost_reach * static_cast<double>(nearest.distance);
+    });
+    const auto sources = choose(std::move(candidates), -1, ghost_sources);
+    const auto edge = static_cast<std::int32_t>(std::ceil(std::sqrt(static_cast<double>(nearest.distance))));
+    for (int degree = degreeFor(sources.size());; --degree) {
+      LocalPolynomial polynomial = fits_.extrapolate(sources, edge, degree);
+      if (degree == 2 || isModest(polynomial.at(Eigen::Vector3d::Zero()), nearest, sources))
+        return polynomial;
     }
-    return extrapolate(slot);
   }
 
  private:
@@ -93,24 +111,6 @@ class Fitter {
   Candidate candidate(const LatticePoint& center, std::int32_t number) const {
     const LatticePoint offset = difference(space_.lattice.point(number), center);
     return {squaredNorm(offset), offset, number};
-  }
-
-  LocalPolynomial extrapolate(std::size_t slot) const {
-    std::vector<Candidate> candidates;
-    for (const std::int32_t number : solved_)
-      candidates.push_back(candidate(tree_.slots()[slot].point, number));
-    const Candidate nearest = *std::min_element(candidates.begin(), candidates.end());
-    std::erase_if(candidates, [&](const Candidate& c) {
-      return static_cast<double>(c.distance) >
-             ghost_reach * ghost_reach * static_cast<double>(nearest.distance);
-    });
-    const auto sources = choose(std::move(candidates), -1, ghost_sources);
-    const auto edge = static_cast<std::int32_t>(std::ceil(std::sqrt(static_cast<double>(nearest.distance))));
-    for (int degree = degreeFor(sources.size());; --degree) {
-      LocalPolynomial polynomial = fits_.extrapolate(sources, edge, degree);
-      if (degree == 2 || isModest(polynomial.at(Eigen::Vector3d::Zero()), nearest, sources))
-        return polynomial;
-    }
   }
 
   static int degreeFor(std::size_t sources) {
@@ -207,22 +207,25 @@ EnergyJet jetInLeaf(const CellTree& tree, const std::vector<EnergyJet>& jets, st
 }  // namespace
 
 std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
-                                             const std::vector<LatticeEdge>& inconsistent, SlotKind kind) {
+                                             const std::vector<LatticeEdge>& inconsistent) {
   Fitter fitter(tree, space, inconsistent);
   std::vector<LocalPolynomial> polynomials(tree.slots().size());
-  for (std::size_t slot = 0; slot < polynomials.size(); ++slot)
-    if (tree.slots()[slot].kind == kind) polynomials[slot] = fitter.fit(slot);
+  for (std::size_t slot = 0; slot < polynomials.size(); ++slot) polynomials[slot] = fitter.fit(slot);
   return polynomials;
 }
 
-std::vector<EnergyJet> energyJets(const CellTree& tree, const std::vector<LocalPolynomial>& solved,
-                                  const std::vector<LocalPolynomial>& ghosts) {
-  std::vector<EnergyJet> jets(tree.slots().size());
-  for (std::size_t s = 0; s < jets.size(); ++s) {
-    const SlotKind kind = tree.slots()[s].kind;
-    if (kind == SlotKind::hanging) continue;
-    jets[s] = jetOf(kind == SlotKind::solved ? solved[s] : ghosts[s], tree.spacing());
-  }
+std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
+                                              const std::vector<LatticeEdge>& inconsistent) {
+  const Fitter fitter(tree, space, inconsistent);
+  std::vector<LocalPolynomial> polynomials(tree.slots().size());
+  for (std::size_t slot = 0; slot < polynomials.size(); ++slot)
+    if (tree.slots()[slot].kind == SlotKind::ghost) polynomials[slot] = fitter.extrapolate(slot);
+  return polynomials;
+}
+
+std::vector<EnergyJet> energyJets(const CellTree& tree, const std::vector<LocalPolynomial>& polynomials) {
+  std::vector<EnergyJet> jets;
+  for (const LocalPolynomial& polynomial : polynomials) jets.push_back(jetOf(polynomial, tree.spacing()));
   fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
     return jetInLeaf(tree, jets, leaf, local);
   });

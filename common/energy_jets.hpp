@@ -20,18 +20,18 @@ struct EnergySample {
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< N/m, symmetric
 };
 
-/// What the solved points around a slot say about the energy near it, for all slots of a kind (not hanging);
-/// zero for the others.
-/// Solved slots: exact up to the second order; the higher derivatives are a least-squares fit to the solved
-/// corners of the leaves around. Ghosts: a fit to the nearest solved points. Points that an inconsistent edge
+/// What the solved points around every slot say about the energy near it. Of solved slots exact up to the
+/// second order, the higher derivatives from a least-squares fit to the solved corners of the leaves around.
+/// Of ghosts a fit to the nearest solved points. Zero for hanging slots. Points that an inconsistent edge
 /// joins to the slot or to a nearer source are left out.
 std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
-                                             const std::vector<LatticeEdge>& inconsistent, SlotKind kind);
+                                             const std::vector<LatticeEdge>& inconsistent);
+/// The same for the ghosts alone, zero for solved slots.
+std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
+                                              const std::vector<LatticeEdge>& inconsistent);
 
-/// The jets of all slots, hanging ones filled from their coarser leaf. `solved` and `ghosts` are the
-/// polynomials of these kinds.
-std::vector<EnergyJet> energyJets(const CellTree& tree, const std::vector<LocalPolynomial>& solved,
-                                  const std::vector<LocalPolynomial>& ghosts);
+/// The jets of all slots from their polynomials (slotPolynomials), hanging ones from their coarser leaf.
+std::vector<EnergyJet> energyJets(const CellTree& tree, const std::vector<LocalPolynomial>& polynomials);
 
 /// The tensor product quintic Hermite polynomial of the jets at the corners of a leaf with edges `edge`
 /// metres, in a lattice of `spacing` metres. Real time.

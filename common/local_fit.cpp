@@ -1,6 +1,5 @@
 #include "common/local_fit.hpp"
 
-#include <Eigen/QR>
 #include <cmath>
 
 namespace palpate {
@@ -31,23 +30,31 @@ std::vector<Orders> makeOrders() {
   return all;
 }
 
+const std::vector<Orders> all_orders = makeOrders();
+
 constexpr int termsUpTo(int degree) {
   return (degree + 1) * (degree + 2) * (degree + 3) / 6;
 }
 
-/// x^n / n!, zero for n < 0.
-double power(double x, int n) {
-  constexpr std::array<double, 6> factorial = {1, 1, 2, 6, 24, 120};
-  if (n < 0) return 0;
-  double result = 1 / factorial[static_cast<std::size_t>(n)];
-  for (; n > 0; --n) result *= x;
-  return result;
+/// x^n / n! along the axes, at [axis][n + 2]; zero for n < 0.
+using Powers = std::array<std::array<double, LocalPolynomial::degree + 3>, 3>;
+
+Powers powersOf(const Eigen::Vector3d& x) {
+  Powers powers{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    powers[axis][2] = 1;
+    for (std::size_t n = 1; n <= LocalPolynomial::degree; ++n)
+      powers[axis][n + 2] = powers[axis][n + 1] * x[static_cast<Eigen::Index>(axis)] / static_cast<double>(n);
+  }
+  return powers;
 }
 
-/// Derivative `wanted` at x of the term x^a/a! y^b/b! z^c/c!.
-double termAt(const Orders& term, const Orders& wanted, const Eigen::Vector3d& x) {
-  return power(x[0], term[0] - wanted[0]) * power(x[1], term[1] - wanted[1]) *
-         power(x[2], term[2] - wanted[2]);
+/// Derivative `wanted`, of the second order at most, of the term x^a/a! y^b/b! z^c/c!.
+double termAt(const Orders& term, const Orders& wanted, const Powers& powers) {
+  double product = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    product *= powers[axis][static_cast<std::size_t>(term[axis] - wanted[axis] + 2)];
+  return product;
 }
 
 /// The ten data in units in which `scale` is 1.
@@ -76,13 +83,16 @@ struct WeightedSystem {
     const int first = termsUpTo(from - 1), unknowns = termsUpTo(degree) - first;
     matrix = Eigen::MatrixXd::Zero(weights.size() + unknowns, unknowns);
     const auto term = [first](int t) { return LocalPolynomial::orders(static_cast<std::size_t>(first + t)); };
-    for (Eigen::Index row = 0; row < weights.size(); ++row) {
-      const auto r = static_cast<std::size_t>(row);
-      const LatticePoint& o = sources[r / n_data].offset;
+    for (std::size_t source = 0; source < sources.size(); ++source) {
+      const LatticePoint& o = sources[source].offset;
       const Eigen::Vector3d x = Eigen::Vector3d(o[0], o[1], o[2]) / edge;
-      weights[row] = std::pow(x.norm(), -distance_power);
-      for (int t = 0; t < unknowns; ++t)
-        matrix(row, t) = weights[row] * termAt(term(t), data_orders[r % n_data], x);
+      const Powers powers = powersOf(x);
+      const double weight = std::pow(x.norm(), -distance_power);
+      for (std::size_t d = 0; d < n_data; ++d) {
+        const auto row = static_cast<Eigen::Index>(n_data * source + d);
+        weights[row] = weight;
+        for (int t = 0; t < unknowns; ++t) matrix(row, t) = weight * termAt(term(t), data_orders[d], powers);
+      }
     }
     for (int t = 0; t < unknowns; ++t)
       matrix(weights.size() + t, t) = penalty[static_cast<std::size_t>(total(term(t)))];
@@ -95,17 +105,18 @@ struct WeightedSystem {
 }  // namespace
 
 const Orders& LocalPolynomial::orders(std::size_t index) {
-  static const std::vector<Orders> all = makeOrders();
-  return all[index];
+  return all_orders[index];
 }
 
 Equilibrium LocalPolynomial::at(const Eigen::Vector3d& offset) const {
-  const Eigen::Vector3d x = offset / scale;
+  const Powers powers = powersOf(offset / scale);
   Eigen::Matrix<double, n_data, 1> value = Eigen::Matrix<double, n_data, 1>::Zero();
-  for (std::size_t d = 0; d < n_data; ++d)
-    for (std::size_t t = 0; t < terms; ++t)
-      value[static_cast<Eigen::Index>(d)] +=
-          termAt(orders(t), data_orders[d], x) * derivatives[static_cast<Eigen::Index>(t)];
+  for (std::size_t t = 0; t < terms; ++t) {
+    const double derivative = derivatives[static_cast<Eigen::Index>(t)];
+    if (derivative == 0) continue;
+    for (std::size_t d = 0; d < n_data; ++d)
+      value[static_cast<Eigen::Index>(d)] += termAt(orders(t), data_orders[d], powers) * derivative;
+  }
   Equilibrium e;
   e.energy = value[0];
   e.force = -value.segment<3>(1) / scale;
@@ -114,16 +125,14 @@ Equilibrium LocalPolynomial::at(const Eigen::Vector3d& offset) const {
   return e;
 }
 
-const Eigen::MatrixXd& LocalFits::completing(const std::vector<FitSource>& sources, std::int32_t edge) {
+const LocalFits::Factors& LocalFits::completing(const std::vector<FitSource>& sources, std::int32_t edge) {
   Key key = {edge};
   for (const FitSource& source : sources) key.insert(key.end(), source.offset.begin(), source.offset.end());
-  const auto known = operators_.find(key);
-  if (known != operators_.end()) return known->second;
+  const auto known = factors_.find(key);
+  if (known != factors_.end()) return known->second;
   const WeightedSystem system(sources, edge, 3, LocalPolynomial::degree, penalty_completing);
-  const Eigen::Index rows = system.matrix.rows(), data = system.weights.size();
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(rows, data);
-  right.topRows(data) = system.weights.asDiagonal();
-  return operators_.emplace(std::move(key), system.matrix.householderQr().solve(right)).first->second;
+  return factors_.emplace(std::move(key), Factors{system.matrix.householderQr(), system.weights})
+      .first->second;
 }
 
 LocalPolynomial LocalFits::extrapolate(const std::vector<FitSource>& sources, std::int32_t edge,
@@ -145,14 +154,16 @@ LocalPolynomial LocalFits::complete(const Equilibrium& own, const std::vector<Fi
   result.scale = unit_ * edge;
   result.derivatives.head<n_data>() = dataOf(own, result.scale);
   if (sources.empty()) return result;
-  Eigen::VectorXd data(static_cast<Eigen::Index>(n_data * sources.size()));
+  const Factors& factors = completing(sources, edge);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(factors.qr.rows());
   for (std::size_t s = 0; s < sources.size(); ++s) {
     const LatticePoint& o = sources[s].offset;
-    data.segment<n_data>(static_cast<Eigen::Index>(n_data * s)) =
+    right.segment<n_data>(static_cast<Eigen::Index>(n_data * s)) =
         dataOf(*sources[s].data, result.scale) -
         dataOf(result.at(unit_ * Eigen::Vector3d(o[0], o[1], o[2])), result.scale);
   }
-  result.derivatives.tail<LocalPolynomial::terms - n_data>() = completing(sources, edge) * data;
+  right.head(factors.weights.size()).array() *= factors.weights.array();
+  result.derivatives.tail<LocalPolynomial::terms - n_data>() = factors.qr.solve(right);
   return result;
 }
 

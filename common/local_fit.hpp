@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/QR>
 #include <array>
 #include <map>
 #include <vector>
@@ -54,9 +55,13 @@ class LocalFits {
 
  private:
   using Key = std::vector<std::int32_t>;
-  const Eigen::MatrixXd& completing(const std::vector<FitSource>& sources, std::int32_t edge);
+  struct Factors {
+    Eigen::HouseholderQR<Eigen::MatrixXd> qr;
+    Eigen::VectorXd weights;  ///< per datum
+  };
+  const Factors& completing(const std::vector<FitSource>& sources, std::int32_t edge);
   double unit_;
-  std::map<Key, Eigen::MatrixXd> operators_;  ///< derivatives above the second from data
+  std::map<Key, Factors> factors_;  ///< of complete(), by the offsets of the sources
 };
 
 }  // namespace palpate

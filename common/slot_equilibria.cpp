@@ -9,7 +9,7 @@ namespace palpate {
 std::vector<Equilibrium> slotEquilibria(const CellTree& tree, const SpaceTable& space,
                                         const std::vector<LatticeEdge>& inconsistent) {
   std::vector<Equilibrium> equilibria(tree.slots().size());
-  const std::vector<LocalPolynomial> ghosts = slotPolynomials(tree, space, inconsistent, SlotKind::ghost);
+  const std::vector<LocalPolynomial> ghosts = ghostPolynomials(tree, space, inconsistent);
   for (std::size_t s = 0; s < equilibria.size(); ++s) {
     const CellSlot& slot = tree.slots()[s];
     if (slot.kind == SlotKind::solved) equilibria[s] = space.points[slot.number].equilibrium;

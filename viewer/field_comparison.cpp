@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "common/error.hpp"
+#include "viewer/loop_work.hpp"
 
 namespace palpate {
 namespace {
@@ -75,16 +76,17 @@ double medianQuery(const ForceField& field, double radius, double budget) {
 }  // namespace
 
 bool isCovered(const ForceSample& sample) noexcept {
-  return sample.inside;
+  return sample.inside && sample.coverage > 1 - 1e-9;
 }
 
 std::vector<MethodComparison> compareMethods(const SpaceTable& space, const std::vector<std::string>& methods,
-                                             const std::vector<Reference>& references) {
+                                             const std::vector<Reference>& references, bool with_loops) {
   const std::vector<char> covered = coveredReferences(space, references);
   std::vector<MethodComparison> results(methods.size());
   for (std::size_t m = 0; m < methods.size(); ++m) {
     const auto field = tryToMake(methods[m], space, results[m].problem);
     if (!field) continue;
+    if (with_loops) results[m].loop_work = loopWork(*field, space.lattice.radius());
     for (std::size_t n = 0; n < references.size(); ++n) {
       const ForceSample sample = field->evaluate(references[n].displacement);
       results[m].comparisons.push_back(

@@ -16,12 +16,14 @@ namespace palpate {
 struct MethodComparison {
   std::string problem;                       ///< why the method could not be made; empty when it could
   std::vector<ForceComparison> comparisons;  ///< one per reference; empty when it could not
+  double loop_work = std::numeric_limits<double>::quiet_NaN();  ///< see loop_work.hpp; NaN: not measured
 };
 
 /// Makes every method of `space` and asks it at every reference. Whether a reference is covered is decided
-/// once, by the cells of the tri-linear method, so that "covered" is the same set for all.
+/// once, by the cells of the tri-linear method, so that "covered" is the same set for all. The work around
+/// closed loops takes longer than all the rest, so it is measured only `with_loops`.
 std::vector<MethodComparison> compareMethods(const SpaceTable& space, const std::vector<std::string>& methods,
-                                             const std::vector<Reference>& references);
+                                             const std::vector<Reference>& references, bool with_loops);
 
 struct MethodTiming {
   double nanoseconds = std::numeric_limits<double>::quiet_NaN();         ///< per query
@@ -32,7 +34,7 @@ struct MethodTiming {
 /// thread. NaN when the method cannot be made.
 MethodTiming timeMethod(const SpaceTable& space, const std::string& method, double seconds);
 
-/// Whether a sample stands on a cell with eight solved corners.
+/// Whether a sample stands on eight solved corners on one branch, and on nothing else.
 bool isCovered(const ForceSample& sample) noexcept;
 
 /// Calls run(0) to run(count - 1), each once, on as many threads as there are cores. The first exception of

@@ -1,6 +1,7 @@
 #include "viewer/force_field.hpp"
 
 #include "common/error.hpp"
+#include "viewer/hermite_field.hpp"
 #include "viewer/potential_field.hpp"
 #include "viewer/potential_rbf_field.hpp"
 #include "viewer/rbf_field.hpp"
@@ -9,15 +10,17 @@
 namespace palpate {
 
 const std::vector<std::string>& forceFieldMethods() {
-  static const std::vector<std::string> methods = {"potential",       "trilinear", "rbf-linear",
-                                                   "rbf-linear-tail", "rbf-cubic", "rbf-cubic-tail",
-                                                   "potential-rbf"};
+  static const std::vector<std::string> methods = {"potential", "trilinear",      "tricubic",
+                                                   "hermite",   "rbf-linear",     "rbf-linear-tail",
+                                                   "rbf-cubic", "rbf-cubic-tail", "potential-rbf"};
   return methods;
 }
 
 std::unique_ptr<ForceField> makeForceField(std::string_view method, const SpaceTable& space) {
   if (method == "potential") return std::make_unique<PotentialField>(space);
   if (method == "trilinear") return std::make_unique<TrilinearField>(space);
+  if (method == "tricubic") return std::make_unique<HermiteField>(space, HermiteField::Slopes::differences);
+  if (method == "hermite") return std::make_unique<HermiteField>(space, HermiteField::Slopes::exact);
   if (method == "rbf-linear") return std::make_unique<RbfField>(space, RbfKernel::linear, false);
   if (method == "rbf-linear-tail") return std::make_unique<RbfField>(space, RbfKernel::linear, true);
   if (method == "rbf-cubic") return std::make_unique<RbfField>(space, RbfKernel::cubic, false);

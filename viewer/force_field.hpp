@@ -19,9 +19,12 @@ struct ForceSample {
   double energy = std::numeric_limits<double>::quiet_NaN();  ///< J; NaN when the method has none
   double error_bound =
       std::numeric_limits<double>::quiet_NaN();  ///< N, on |force|; NaN when the method gives none
-  /// The displacement lies in a cell whose 8 corners are solved. When false, the values are those of the
-  /// second-order model of a solved lattice point close by (force + stiffness * step, the step cut at two
-  /// spacings): something a client can fade out from, not an answer.
+  /// Share of the answer that stands on solved corners of the cell around, whose edges are all consistent
+  /// (branch_check.hpp), by tri-linear weights: 1 where all eight are, 0 where everything is extrapolated.
+  double coverage = 0;
+  /// The displacement is in the closed workspace ball, and a corner of the cell around it is solved. When
+  /// false outside of the ball, the force is that at the nearest point of the sphere, and the error bound
+  /// grows with the distance: something a client can fade out from, not an answer. Not finite: no force.
   bool inside = false;
 };
 

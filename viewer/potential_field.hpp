@@ -1,41 +1,41 @@
 #pragma once
 
-#include <array>
 #include <vector>
 
-#include "viewer/cell_grid.hpp"
-#include "viewer/force_field.hpp"
+#include "common/energy_jets.hpp"
+#include "common/field_error.hpp"
+#include "viewer/cell_field.hpp"
 
 namespace palpate {
 
 /// Interpolates the stored energy E(p) and differentiates it: force = -grad E, stiffness = -Hessian.
-/// Therefore conservative by construction (a closed loop returns no energy), with a symmetric stiffness.
+/// Therefore conservative by construction (a closed loop returns no energy), with a symmetric stiffness; but
+/// for the limiter next to inconsistent edges (cell_field.hpp).
 ///
-/// In a cell E is the tensor product quintic Hermite polynomial of the 27 derivatives d^(a+b+c) E / dx^a dy^b
-/// dz^c, a, b, c <= 2, at its 8 corners. They are values of lattice points, the same for every cell around: E
-/// has continuous second derivatives, so force and stiffness are continuous over faces.
-///   orders 0 to 2  exact: energy, -force, -stiffness
-///   E_xxy and alike  from E_y and E_xy of the neighbours along x (compact difference, error spacing^4;
-///   spacing^2 with one neighbour) E_xyz  from the mixed second derivatives of the neighbours (error
-///   spacing^2; spacing with one neighbour) E_xxyy, E_xxyz and alike  second differences of second
-///   derivatives, zero where a neighbour is missing higher ones  zero
-/// A direction without neighbours contributes zero. So energies up to the fourth degree are exact where all
-/// neighbours are solved, up to the third everywhere that has one along each axis, and the error of the force
-/// goes with spacing^4 (spacing^3 next to missing points).
-class PotentialField : public ForceField {
+/// In a leaf E is the tensor product quintic Hermite polynomial of the 27 derivatives at its 8 corners
+/// (energy_jets.hpp). They belong to positions, the same for every leaf around, so E has continuous second
+/// derivatives: force and stiffness are continuous over faces, between leaves of different size, over the rim
+/// and around failed points.
+///
+/// Energies up to the fourth degree are exact where solved points surround the leaf, up to the third where
+/// enough are near, and the error of the force goes with the fourth power of the spacing. The error bound is
+/// that of field_error.hpp.
+class PotentialField : public CellField {
  public:
-  explicit PotentialField(const SpaceTable& space);
-  ForceSample evaluate(const Eigen::Vector3d& displacement) const noexcept override;
+  explicit PotentialField(const SpaceTable& space) : PotentialField(CellData(space), space) {}
   std::string_view name() const override { return "potential"; }
 
-  /// One lattice point: derivative (a, b, c) times spacing^(a+b+c), J, at [a + 3 b + 9 c].
-  using Derivatives = std::array<double, 27>;
+ protected:
+  void interpolate(std::int32_t leaf, const Eigen::Vector3d& local,
+                   ForceSample& sample) const noexcept override;
 
  private:
-  CellGrid grid_;
-  std::vector<Equilibrium> points_;            ///< per lattice point
-  std::vector<Eigen::Vector3d> displacement_;  ///< per lattice point, metres
-  std::vector<Derivatives> derivatives_;       ///< per lattice point; zero when not solved
+  PotentialField(const CellData& data, const SpaceTable& space);
+  PotentialField(const CellData& data, const SpaceTable& space,
+                 const std::vector<LocalPolynomial>& polynomials);
+
+  std::vector<EnergyJet> jets_;  ///< per slot
+  FieldError error_;
 };
 
 }  // namespace palpate

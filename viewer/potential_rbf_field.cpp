@@ -65,9 +65,9 @@ struct PotentialRbfField::Points {
 };
 
 PotentialRbfField::PotentialRbfField(const SpaceTable& space, const RbfKernels& kernels)
-    : grid_(space), radius_(space.lattice.radius()), kernels_(kernels) {
+    : CellField(CellData(space)), kernels_(kernels) {
   const Points points(space);
-  const double extent = radius_ / grid_.spacing();  // of the ball, in spacings
+  const double extent = tree().radius() / tree().spacing();  // of the ball, in spacings
   if (points.position.size() <= most_global_points) {
     roots_ = 1;
     cells_.push_back({Eigen::Vector3d::Zero(), extent});
@@ -91,7 +91,8 @@ void PotentialRbfField::divide(std::int32_t cell, int level, const Points& point
   const Eigen::Vector3d centre = cells_[cell].centre;
   const double half = cells_[cell].half, ball = reach * std::sqrt(3.0) * half;
   const Eigen::Vector3d nearest = (centre.cwiseAbs().array() - half).max(0).matrix();
-  if (nearest.norm() > radius_ / grid_.spacing() + 1e-9) return;  // nothing of it is in the workspace
+  if (nearest.norm() > tree().radius() / tree().spacing() + 1e-9)
+    return;  // nothing of it is in the workspace
   if (points.countWithin(centre, ball) <= most_patch_points || level == deepest_level) {
     addPatch(cells_[cell], points);
     return;
@@ -173,22 +174,15 @@ Jet PotentialRbfField::blend(const Cell& leaf, const Eigen::Vector3d& p) const n
   return energy;
 }
 
-ForceSample PotentialRbfField::evaluate(const Eigen::Vector3d& displacement) const noexcept {
-  ForceSample sample;
-  if (!displacement.allFinite()) return sample;
-  const double length = displacement.stableNorm(), h = grid_.spacing();
-  const bool beyond = length > radius_;
-  const Eigen::Vector3d p = (beyond ? Eigen::Vector3d(displacement * (radius_ / length)) : displacement) / h;
+void PotentialRbfField::interpolate(std::int32_t leaf, const Eigen::Vector3d& local,
+                                    ForceSample& sample) const noexcept {
+  const double spacing = tree().spacing();
+  const Eigen::Vector3d p =
+      (tree().displacement(tree().corners(leaf)[0]) + tree().edge(leaf) * local) / spacing;
   const Jet energy = blend(leafAt(p), p);
   sample.energy = energy.value;
-  sample.force = -energy.gradient / h;
-  sample.stiffness = -energy.hessian / (h * h);
-  if (beyond) {
-    const Eigen::Vector3d n = displacement / length;
-    sample.stiffness = (sample.stiffness - sample.stiffness * n * n.transpose()).eval() * (radius_ / length);
-  }
-  sample.inside = !beyond;
-  return sample;
+  sample.force = -energy.gradient / spacing;
+  sample.stiffness = -energy.hessian / (spacing * spacing);
 }
 
 }  // namespace palpate

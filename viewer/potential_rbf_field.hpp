@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "viewer/cell_grid.hpp"
-#include "viewer/force_field.hpp"
+#include "viewer/cell_field.hpp"
 #include "viewer/hermite_rbf.hpp"
 
 namespace palpate {
@@ -18,13 +17,12 @@ namespace palpate {
 /// by overlapping balls around the cells of an octree, each with an interpolation of the solved points in it
 /// (and of the nearest, where they are too few); E is their mean, weighted by Wendland's function of class
 /// C2. So force and stiffness are continuous everywhere, and a query takes a bounded time.
-class PotentialRbfField : public ForceField {
+class PotentialRbfField : public CellField {
  public:
   /// Error when the space has no solved point, or points too close to be told apart. `kernels` must be one
   /// that the CPU runs.
   explicit PotentialRbfField(const SpaceTable& space,
                              const RbfKernels& kernels = *supportedRbfKernels().front());
-  ForceSample evaluate(const Eigen::Vector3d& displacement) const noexcept override;
   std::string_view name() const override { return "potential-rbf"; }
   std::size_t patches() const { return patches_.size(); }
 
@@ -45,14 +43,14 @@ class PotentialRbfField : public ForceField {
   };
   struct Points;
 
+  void interpolate(std::int32_t leaf, const Eigen::Vector3d& local,
+                   ForceSample& sample) const noexcept override;
   void divide(std::int32_t cell, int level, const Points& points);
   void addPatch(const Cell& cell, const Points& points);
   void findNear();
   const Cell& leafAt(const Eigen::Vector3d& p) const noexcept;
   Jet blend(const Cell& leaf, const Eigen::Vector3d& p) const noexcept;
 
-  CellGrid grid_;
-  double radius_;  ///< metres
   const RbfKernels& kernels_;
   std::vector<Patch> patches_;
   std::vector<Cell> cells_;         ///< the roots first, x slowest

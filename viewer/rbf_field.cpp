@@ -37,8 +37,7 @@ std::vector<RbfBlock> blocksOf(const SpaceTable& space, const RbfWeights& weight
 }  // namespace
 
 RbfField::RbfField(const SpaceTable& space, RbfKernel kernel, bool has_tail, const RbfKernels& kernels)
-    : grid_(space),
-      radius_(space.lattice.radius()),
+    : CellField(CellData(space)),
       weights_(rbfWeights(space, kernel, has_tail)),
       sums_(kernel == RbfKernel::linear ? kernels.linear : kernels.cubic),
       blocks_(blocksOf(space, weights_)) {
@@ -55,14 +54,11 @@ std::string_view RbfField::name() const {
   return nameOf(weights_.kernel, weights_.has_tail);
 }
 
-ForceSample RbfField::evaluate(const Eigen::Vector3d& displacement) const noexcept {
-  ForceSample sample;
-  if (!displacement.allFinite()) return sample;
-  const double length = displacement.stableNorm();
-  const bool beyond = length > radius_;
+void RbfField::interpolate(std::int32_t leaf, const Eigen::Vector3d& local,
+                           ForceSample& sample) const noexcept {
+  const double spacing = tree().spacing();
   const Eigen::Vector3d p =
-      (beyond ? Eigen::Vector3d(displacement * (radius_ / length)) : displacement) / grid_.spacing();
-
+      (tree().displacement(tree().corners(leaf)[0]) + tree().edge(leaf) * local) / spacing;
   RbfSums sums;
   sums_(blocks_.data(), blocks_.size(), p.data(), sums);
   for (int i = 0; i < 3; ++i) {
@@ -74,13 +70,7 @@ ForceSample RbfField::evaluate(const Eigen::Vector3d& displacement) const noexce
     sample.force += weights_.tail.bottomRows<3>().transpose() * p;
     sample.stiffness += weights_.tail.bottomRows<3>().transpose();
   }
-  sample.stiffness /= grid_.spacing();
-  if (beyond) {
-    const Eigen::Vector3d n = displacement / length;
-    sample.stiffness = (sample.stiffness - sample.stiffness * n * n.transpose()).eval() * (radius_ / length);
-  }
-  sample.inside = !beyond;
-  return sample;
+  sample.stiffness /= spacing;
 }
 
 }  // namespace palpate

@@ -3,8 +3,7 @@
 #include <vector>
 
 #include "common/rbf_weights.hpp"
-#include "viewer/cell_grid.hpp"
-#include "viewer/force_field.hpp"
+#include "viewer/cell_field.hpp"
 #include "viewer/rbf_kernels.hpp"
 
 namespace palpate {
@@ -13,18 +12,18 @@ namespace palpate {
 /// cells, so the force has continuous derivatives everywhere (of r: but at the solved points) and the whole
 /// ball is answered the same way. A query costs time for every solved point, and the force is not
 /// conservative.
-class RbfField : public ForceField {
+class RbfField : public CellField {
  public:
   /// Solves for the weights. Error when the space has no solved point, too many, or points that these radial
   /// functions cannot tell apart (a single one, without a tail). `kernels` must be one that the CPU runs.
   RbfField(const SpaceTable& space, RbfKernel kernel, bool has_tail,
            const RbfKernels& kernels = *supportedRbfKernels().front());
-  ForceSample evaluate(const Eigen::Vector3d& displacement) const noexcept override;
   std::string_view name() const override;
 
  private:
-  CellGrid grid_;
-  double radius_;  ///< metres
+  void interpolate(std::int32_t leaf, const Eigen::Vector3d& local,
+                   ForceSample& sample) const noexcept override;
+
   RbfWeights weights_;
   decltype(RbfKernels::linear) sums_;
   std::vector<RbfBlock> blocks_;

@@ -16,7 +16,8 @@ namespace {
 constexpr std::array<std::int32_t, 3> thinning_factors = {2, 3, 4};
 /// Radius / spacing below which a thinned lattice says nothing; only every 2nd point may have less.
 constexpr double smallest_ratio = 1.5;
-constexpr double same_spacing = 1e-3;  ///< relative
+constexpr std::size_t looped_nodes = 2;  ///< active nodes on which work around closed loops is measured
+constexpr double same_spacing = 1e-3;    ///< relative
 
 /// Why the datasets are not of one scene; empty when they are.
 std::string differenceOf(const Dataset& a, const Dataset& b) {
@@ -38,17 +39,13 @@ std::string differenceOf(const Dataset& a, const Dataset& b) {
   return "";
 }
 
-std::vector<Dataset> openAll(const std::vector<std::filesystem::path>& files) {
-  std::vector<Dataset> datasets;
-  for (const std::filesystem::path& file : files) {
-    datasets.emplace_back(file);
-    if (const std::string what = differenceOf(datasets.front(), datasets.back()); !what.empty())
+void refuseOtherScenes(const std::vector<Dataset>& datasets) {
+  for (const Dataset& dataset : datasets)
+    if (const std::string what = differenceOf(datasets.front(), dataset); !what.empty())
       throw badInput(
           "{} and {} are not of one scene: they differ in {}. Only workspace.spacing and [accuracy] may "
           "differ",
-          files.front().string(), file.string(), what);
-  }
-  return datasets;
+          datasets.front().file().string(), dataset.file().string(), what);
 }
 
 std::vector<std::string> chosenMethods(const std::vector<std::string>& asked) {
@@ -147,8 +144,9 @@ std::vector<std::size_t> evenly(std::size_t size, std::size_t count) {
 /// Fills a Report step by step.
 class Reporter {
  public:
-  explicit Reporter(const ReportOptions& options) : options_(options) {
-    report_.open = openAll(options.datasets);
+  Reporter(std::vector<Dataset> datasets, const ReportOptions& options) : options_(options) {
+    refuseOtherScenes(datasets);
+    report_.open = std::move(datasets);
     report_.methods = chosenMethods(options.methods);
     for (const Dataset& dataset : report_.open) report_.datasets.push_back(factsOf(dataset));
     report_.failures = failuresOf(report_.open.front());
@@ -171,6 +169,7 @@ class Reporter {
  private:
   using NodeComparison = std::vector<MethodComparison>;  ///< per method
 
+  std::vector<std::vector<Reference>>& references() { return report_.positions; }
   std::size_t spaces() const { return report_.open.front().spaces().size(); }
 
   void setTarget() {
@@ -183,11 +182,11 @@ class Reporter {
   }
 
   void chooseReferences() {
-    references_.resize(spaces());
+    references().resize(spaces());
     for (std::size_t s = 0; s < spaces(); ++s) {
       std::vector<const SpaceTable*> tables;
       for (const Dataset& dataset : report_.open) tables.push_back(&dataset.spaces()[s]);
-      references_[s] = solvedProbes(tables);
+      references()[s] = solvedProbes(tables);
     }
     if (anyReference()) {
       report_.references = ReferenceKind::probes;
@@ -195,11 +194,12 @@ class Reporter {
       chooseLeftOutPoints();
       if (anyReference()) report_.references = ReferenceKind::left_out;
     }
-    for (const auto& references : references_) report_.reference_count += references.size();
+    for (const auto& references : references()) report_.reference_count += references.size();
   }
 
   bool anyReference() const {
-    return std::any_of(references_.begin(), references_.end(), [](const auto& r) { return !r.empty(); });
+    return std::any_of(report_.positions.begin(), report_.positions.end(),
+                       [](const auto& r) { return !r.empty(); });
   }
 
   void chooseLeftOutPoints() {
@@ -215,7 +215,7 @@ class Reporter {
       for (std::size_t n = 0; n < report_.lattices.size(); ++n)
         if (!isSource(report_.lattices[n]))
           tables.push_back(&tableOf(report_, report_.lattices[n], s, storage[n]));
-      references_[s] = leftOutPoints(most->spaces()[s], tables);
+      references()[s] = leftOutPoints(most->spaces()[s], tables);
     }
   }
 
@@ -263,7 +263,7 @@ class Reporter {
       NodeMeasures node;
       node.name = space.patch.name;
       node.space = s;
-      node.references = references_[s].size();
+      node.references = references()[s].size();
       for (const PointRecord& point : space.points) {
         ++node.tags[static_cast<std::size_t>(point.tag)];
         if (isSolved(point.tag))
@@ -279,18 +279,25 @@ class Reporter {
     LatticeMeasures& lattice = report_.lattices[number];
     lattice.methods.resize(report_.methods.size());
     timeMethods(lattice);
-    if (!isMeasurable(lattice)) return;
+    const bool is_measurable = isMeasurable(lattice);
     std::vector<NodeComparison> nodes(compared_.size());
     runInParallel(compared_.size(), [&](std::size_t n) {
       std::optional<SpaceTable> storage;
       const SpaceTable& table = tableOf(report_, lattice, compared_[n], storage);
-      nodes[n] = compareMethods(table, report_.methods, references_[compared_[n]]);
+      nodes[n] = compareMethods(table, report_.methods,
+                                is_measurable ? references()[compared_[n]] : std::vector<Reference>(),
+                                n < looped_nodes);
     });
     for (std::size_t m = 0; m < report_.methods.size(); ++m) pool(nodes, m, lattice.methods[m]);
-    if (report_.measured != number) return;
-    for (std::size_t n = 0; n < compared_.size(); ++n)
-      for (std::size_t m = 0; m < report_.methods.size(); ++m)
-        report_.nodes[compared_[n]].methods[m] = measureErrors(nodes[n][m].comparisons, report_.target);
+    if (!is_measurable) return;
+    for (std::size_t n = 0; n < compared_.size(); ++n) {
+      lattice.node_errors.emplace_back();
+      for (std::size_t m = 0; m < report_.methods.size(); ++m) {
+        const ErrorMeasures measures = measureErrors(nodes[n][m].comparisons, report_.target);
+        lattice.node_errors.back().push_back(measures.error.mean);
+        if (report_.measured == number) report_.nodes[compared_[n]].methods[m] = measures;
+      }
+    }
   }
 
   /// One after the other, while nothing else runs.
@@ -309,6 +316,7 @@ class Reporter {
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       const MethodComparison& node = nodes[n][method];
       pooled.insert(pooled.end(), node.comparisons.begin(), node.comparisons.end());
+      measures.loop_work = std::fmax(measures.loop_work, node.loop_work);
       if (!node.problem.empty() && measures.problem.empty())
         measures.problem = report_.nodes[compared_[n]].name + ": " + node.problem;
     }
@@ -323,17 +331,16 @@ class Reporter {
       NodeMeasures& node = report_.nodes[s];
       if (node.compared) return;
       std::optional<SpaceTable> storage;
-      const NodeComparison result =
-          compareMethods(tableOf(report_, lattice, s, storage), {report_.methods.front()}, references_[s]);
+      const NodeComparison result = compareMethods(tableOf(report_, lattice, s, storage),
+                                                   {report_.methods.front()}, references()[s], false);
       node.methods.front() = measureErrors(result.front().comparisons, report_.target);
     });
   }
 
   ReportOptions options_;
   Report report_;
-  std::vector<std::size_t> compared_;               ///< numbers of active nodes
-  std::vector<std::vector<Reference>> references_;  ///< per active node
-  std::optional<std::size_t> source_;               ///< dataset whose points are the references
+  std::vector<std::size_t> compared_;  ///< numbers of active nodes
+  std::optional<std::size_t> source_;  ///< dataset whose points are the references
 };
 
 }  // namespace
@@ -347,8 +354,14 @@ const SpaceTable& tableOf(const Report& report, const LatticeMeasures& lattice, 
 }
 
 Report makeReport(const ReportOptions& options) {
-  if (options.datasets.empty()) throw badInput("a report needs at least one dataset");
-  return Reporter(options).finish();
+  std::vector<Dataset> datasets;
+  for (const std::filesystem::path& file : options.datasets) datasets.emplace_back(file);
+  return makeReport(std::move(datasets), options);
+}
+
+Report makeReport(std::vector<Dataset> datasets, const ReportOptions& options) {
+  if (datasets.empty()) throw badInput("a report needs at least one dataset");
+  return Reporter(std::move(datasets), options).finish();
 }
 
 }  // namespace palpate

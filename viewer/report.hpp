@@ -31,6 +31,8 @@ struct MethodMeasures {
   std::string problem;    ///< why it could not be made for some active node; empty when it could
   ErrorMeasures all;      ///< over the whole ball
   ErrorMeasures covered;  ///< over covered points alone: the same points for every method
+  /// Work around closed loops relative to the effort (loop_work.hpp): the largest of two active nodes.
+  double loop_work = std::numeric_limits<double>::quiet_NaN();
   double nanoseconds = std::numeric_limits<double>::quiet_NaN();  ///< per query, median, this machine
   double seconds_to_prepare = nanoseconds;                        ///< of one active node, this machine
 };
@@ -44,6 +46,8 @@ struct LatticeMeasures {
   double configurations = 0;            ///< solved points per active node, mean of the compared
   double factorizations = 0;            ///< the work they took, per active node
   std::vector<MethodMeasures> methods;  ///< in the order of Report::methods
+  /// Mean error over the whole ball, N: per compared active node, in the order of Report::nodes, per method.
+  std::vector<std::vector<double>> node_errors;
 };
 
 /// One active node.
@@ -89,12 +93,15 @@ struct Report {
   std::vector<NodeMeasures> nodes;
   std::size_t compared = 0;  ///< active nodes on which all methods were compared
   std::map<Cause, FailureCount> failures;
+  std::vector<std::vector<Reference>> positions;  ///< the references, per active node
 };
 
 /// Opens the datasets and measures. Takes seconds to two minutes; uses all cores for the comparison, one for
 /// the timings. Error (bad input) for a dataset that cannot be opened, datasets of different scenes, and
 /// unknown methods.
 Report makeReport(const ReportOptions& options);
+/// The same of datasets that are open already; options.datasets is not looked at.
+Report makeReport(std::vector<Dataset> datasets, const ReportOptions& options);
 
 /// The table that stands for lattice `lattice` of the report at active node `space`. `storage` keeps it alive
 /// when it has to be made.

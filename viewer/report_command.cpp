@@ -1,17 +1,40 @@
 #include "viewer/report_command.hpp"
 
+#include <cerrno>
+#include <fstream>
 #include <iostream>
 #include <memory>
 
 #include "common/error.hpp"
 #include "viewer/force_field.hpp"
 #include "viewer/report_json.hpp"
+#include "viewer/report_page.hpp"
 #include "viewer/report_text.hpp"
 
 namespace palpate {
+namespace {
+
+/// Writes aside and renames, so that the page is whole or not there.
+void writePage(const std::filesystem::path& file, const std::string& page) {
+  const std::filesystem::path aside = file.string() + ".tmp";
+  std::ofstream out(aside, std::ios::binary);
+  out << page;
+  out.close();
+  std::error_code error;
+  if (out) {
+    std::filesystem::rename(aside, file, error);
+    if (!error) return;
+  }
+  const std::string reason = error ? error.message() : std::generic_category().message(errno);
+  std::filesystem::remove(aside, error);
+  throw failure("{}: the page cannot be written: {}", file.string(), reason);
+}
+
+}  // namespace
 
 ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
   const Report report = makeReport(options.report);
+  if (!options.html.empty()) writePage(options.html, reportPage(report));
   output << (options.json ? reportJson(report) : reportText(report)) << std::flush;
   if (!output) throw failure("cannot write the report to standard output");
   return ExitCode::done;

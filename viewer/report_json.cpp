@@ -65,6 +65,7 @@ Json latticeJson(const Report& report, const LatticeMeasures& lattice) {
   for (std::size_t m = 0; m < report.methods.size(); ++m) {
     const MethodMeasures& method = lattice.methods[m];
     methods[report.methods[m]] = {{"problem", method.problem.empty() ? Json(nullptr) : Json(method.problem)},
+                                  {"loop_work", number(method.loop_work)},
                                   {"nanoseconds_per_query", number(method.nanoseconds)},
                                   {"seconds_to_prepare", number(method.seconds_to_prepare)},
                                   {"whole_ball", toJson(method.all)},

@@ -43,26 +43,26 @@ std::string header(const Report& report) {
   return text + wrapped(describeReferences(report));
 }
 
-constexpr const char* frontier_row = "{:<18}{:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>7}\n";
+constexpr const char* frontier_row = "{:<16}{:>7}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>10}{:>9}{:>8}\n";
 
 std::string frontierRow(const std::string& method, const LatticeMeasures& lattice,
                         const MethodMeasures& measures) {
   const std::string configurations = formatCount(lattice.configurations);
   if (!measures.problem.empty() && measures.all.count == 0)
-    return fmt::format("{:<18}{:>8}  {}\n", method, configurations, measures.problem);
+    return fmt::format("{:<16}{:>7}  {}\n", method, configurations, measures.problem);
   const Spread& error = measures.all.error;
   return fmt::format(frontier_row, method, configurations, formatNumber(error.mean),
                      formatNumber(error.median), formatNumber(error.percentile_95),
                      formatNumber(error.maximum), formatNumber(measures.covered.error.mean),
                      formatShare(measures.all.covered), formatShare(measures.all.within_target),
-                     formatNumber(measures.nanoseconds, 3));
+                     formatNumber(measures.loop_work), formatNumber(measures.nanoseconds, 3));
 }
 
 std::string frontier(const Report& report) {
-  std::string text = "\n" + fmt::format(frontier_row, "", "config-", "mean", "median", "95 %", "max",
-                                        "mean in", "", "", "ns per");
-  text += fmt::format(frontier_row, "method", "urations", "error", "error", "error", "error", "covered",
-                      "covered", "in target", "query");
+  std::string text = "\n" + fmt::format(frontier_row, "", "", "mean", "median", "95 %", "max", "mean in", "",
+                                        "", "loop", "ns per");
+  text += fmt::format(frontier_row, "method", "configs", "error", "error", "error", "error", "covered",
+                      "covered", "in target", "work", "query");
   for (std::size_t m = 0; m < report.methods.size(); ++m)
     for (std::size_t n = 0; n < report.lattices.size(); ++n)
       text += frontierRow(n == 0 ? report.methods[m] : "", report.lattices[n], report.lattices[n].methods[m]);
@@ -70,11 +70,13 @@ std::string frontier(const Report& report) {
                                 ? "all active nodes"
                                 : fmt::format("{} of {} active nodes", report.compared, report.nodes.size());
   text += "\n";
-  text += wrapped(fmt::format(
-      "Configurations per active node. Errors: |interpolated - exact force| in N, whole ball, {} together. "
-      "Covered: the 8 corners around are solved. In target: error <= max({:.3g} % of |force|, {:.3g} N){}.",
-      nodes, 100 * report.target.force_error, report.target.force_floor,
-      report.target_of_scene ? ", as the scene asks" : ""));
+  text += wrapped(
+      fmt::format("Configs: configurations per active node. Errors: |interpolated - exact force| in N, whole "
+                  "ball, {} together. "
+                  "Covered: the 8 corners around are solved, on one branch. Loop work: around closed loops, "
+                  "relative to the effort. In target: error <= max({:.3g} % of |force|, {:.3g} N){}.",
+                  nodes, 100 * report.target.force_error, report.target.force_floor,
+                  report.target_of_scene ? ", as the scene asks" : ""));
   return text;
 }
 

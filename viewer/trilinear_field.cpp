@@ -1,37 +1,46 @@
 #include "viewer/trilinear_field.hpp"
 
-namespace palpate {
+#include <algorithm>
 
-TrilinearField::TrilinearField(const SpaceTable& space) : grid_(space) {
-  for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
-    points_.push_back(space.points[n].equilibrium);
-    displacement_.push_back(space.lattice.displacement(n));
+namespace palpate {
+namespace {
+
+std::size_t at(std::int32_t index) {
+  return static_cast<std::size_t>(index);
+}
+
+std::vector<Eigen::Matrix3d> stiffnesses(const CellData& data) {
+  std::vector<Eigen::Matrix3d> values;
+  for (const Equilibrium& equilibrium : data.equilibria) values.push_back(equilibrium.stiffness);
+  fillHanging(data.tree, values, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
+    const std::array<double, 8> weights = trilinearWeights(local);
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (std::size_t c = 0; c < 8; ++c) sum += weights[c] * values[at(data.tree.corners(leaf)[c])];
+    return sum;
+  });
+  return values;
+}
+
+}  // namespace
+
+TrilinearField::TrilinearField(const CellData& data) : CellField(data) {
+  const std::vector<Eigen::Matrix3d> stiffness = stiffnesses(data);
+  for (std::size_t leaf = 0; leaf < tree().leaves().size(); ++leaf) {
+    const LeafCorners& corners = tree().corners(static_cast<std::int32_t>(leaf));
+    Eigen::Vector3d bend = Eigen::Vector3d::Zero();  // N, along each axis
+    for (int axis = 0; axis < 3; ++axis)
+      for (std::size_t c = 0; c < 8; ++c)
+        if (const std::size_t other = c | std::size_t{1} << axis; other != c)
+          bend[axis] = std::max(bend[axis],
+                                (stiffness[at(corners[other])] - stiffness[at(corners[c])]).col(axis).norm() *
+                                    tree().edge(static_cast<std::int32_t>(leaf)));
+    error_bound_.push_back(bend.sum() / 8);
   }
 }
 
-ForceSample TrilinearField::evaluate(const Eigen::Vector3d& displacement) const noexcept {
-  const CellPlace place = grid_.find(displacement);
-  if (place.corners == nullptr)
-    return sampleOutside(points_[place.nearest], displacement - displacement_[place.nearest],
-                         grid_.spacing());
-
-  ForceSample sample;
-  sample.inside = true;
-  for (std::size_t c = 0; c < 8; ++c) {
-    Eigen::Vector3d weight, slope;  // of the linear basis along each axis
-    for (int axis = 0; axis < 3; ++axis) {
-      const bool upper = (c >> axis & 1) != 0;
-      weight[axis] = upper ? place.local[axis] : 1 - place.local[axis];
-      slope[axis] = (upper ? 1 : -1) / grid_.spacing();
-    }
-    const Eigen::RowVector3d gradient(slope.x() * weight.y() * weight.z(),
-                                      weight.x() * slope.y() * weight.z(),
-                                      weight.x() * weight.y() * slope.z());
-    const Eigen::Vector3d& force = points_[(*place.corners)[c]].force;
-    sample.force += weight.prod() * force;
-    sample.stiffness += force * gradient;
-  }
-  return sample;
+void TrilinearField::interpolate(std::int32_t leaf, const Eigen::Vector3d&,
+                                 ForceSample& sample) const noexcept {
+  sample.error_bound = error_bound_[at(leaf)];
 }
 
 }  // namespace palpate

@@ -1,0 +1,137 @@
+#include "common/refinement.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include "common/error.hpp"
+#include "common/field_error.hpp"
+
+namespace palpate {
+namespace {
+
+/// Positions per axis at which a leaf's error is looked at.
+constexpr int samples = 5;
+
+/// What is typical of the error where the bound of field_error.hpp holds at 99 % of positions: a cell is
+/// refined for what is likely, since the largest estimate of a cell, not its mean, decides already.
+constexpr double likely_share = 0.5;
+
+bool before(const LatticeCell& a, const LatticeCell& b) {
+  return a.level != b.level ? a.level < b.level : a.lowest < b.lowest;
+}
+
+/// One look at a configuration space.
+class Inspection {
+ public:
+  Inspection(const SpaceTable& space, const Accuracy& accuracy)
+      : space_(space), accuracy_(accuracy), tree_(space) {
+    const std::vector<LatticeEdge> inconsistent = inconsistentEdges(space);
+    const std::vector<LocalPolynomial> polynomials = slotPolynomials(tree_, space, inconsistent);
+    jets_ = energyJets(tree_, polynomials);
+    const FieldError error(tree_, polynomials, jets_, suspectEdges(space));
+    for (std::int32_t leaf = 0; leaf < static_cast<std::int32_t>(tree_.leaves().size()); ++leaf)
+      inspect(leaf, error);
+  }
+
+  Refinement refine() const {
+    Refinement result;
+    result.worst_ratio = worst_ratio_;
+    result.kept = samples_ > 0 ? static_cast<double>(kept_) / static_cast<double>(samples_) : 1;
+    std::set<LatticePoint> points;
+    for (const std::int32_t leaf : poor_) {
+      if (allTerminating(leaf)) continue;
+      const std::vector<LatticePoint> untried = untriedCorners(leaf);
+      points.insert(untried.begin(), untried.end());
+      const LatticeCell& cell = tree_.leaves()[static_cast<std::size_t>(leaf)];
+      if (untried.empty() && cell.level < accuracy_.levels && (space_.lattice.divisions() >> cell.level) > 1)
+        result.splits.push_back(cell);
+    }
+    std::sort(result.splits.begin(), result.splits.end(), before);
+    addNewCorners(result.splits, points);
+    result.points.assign(points.begin(), points.end());
+    std::sort(result.points.begin(), result.points.end(), [](const LatticePoint& a, const LatticePoint& b) {
+      return std::make_tuple(squaredNorm(a), a) < std::make_tuple(squaredNorm(b), b);
+    });
+    return result;
+  }
+
+ private:
+  void inspect(std::int32_t leaf, const FieldError& error) {
+    const Eigen::Vector3d lowest = tree_.displacement(tree_.corners(leaf)[0]);
+    double worst = 0;
+    for (int n = 0; n < samples * samples * samples; ++n) {
+      const Eigen::Vector3d local =
+          (Eigen::Vector3d(n % samples, n / samples % samples, n / samples / samples).array() + 0.5) /
+          samples;
+      if ((lowest + tree_.edge(leaf) * local).norm() > tree_.radius()) continue;
+      const double force = evaluateEnergy(tree_, jets_, {leaf, local}).force.norm();
+      const double allowed = std::max(accuracy_.force_error * force, accuracy_.force_floor);
+      const double ratio = likely_share * error.bound(leaf, local) / allowed;
+      const double volume = std::pow(tree_.edge(leaf) / tree_.spacing(), 3);
+      samples_ += volume;
+      if (ratio <= 1) kept_ += volume;
+      worst = std::max(worst, ratio);
+    }
+    worst_ratio_ = std::max(worst_ratio_, worst);
+    if (worst > 1) poor_.push_back(leaf);
+  }
+
+  const CellSlot& slot(std::int32_t number) const { return tree_.slots()[static_cast<std::size_t>(number)]; }
+
+  bool allTerminating(std::int32_t leaf) const {
+    bool any = false;
+    for (const std::int32_t corner : tree_.corners(leaf)) {
+      if (slot(corner).kind != SlotKind::solved) continue;
+      any = true;
+      if (space_.points[slot(corner).number].tag != Tag::terminating) return false;
+    }
+    return any;
+  }
+
+  std::vector<LatticePoint> untriedCorners(std::int32_t leaf) const {
+    std::vector<LatticePoint> untried;
+    for (const std::int32_t corner : tree_.corners(leaf))
+      if (slot(corner).kind == SlotKind::ghost && !space_.lattice.indexOf(slot(corner).point))
+        untried.push_back(slot(corner).point);
+    return untried;
+  }
+
+  /// The corners of the leaves there will be that are in the ball, do not hang and were never tried.
+  void addNewCorners(const std::vector<LatticeCell>& splits, std::set<LatticePoint>& points) const {
+    if (splits.empty()) return;
+    SpaceTable after = space_;
+    after.splits.insert(after.splits.end(), splits.begin(), splits.end());
+    std::sort(after.splits.begin(), after.splits.end(), before);
+    const CellTree tree(after);
+    for (std::size_t s = 0; s < tree.slots().size(); ++s) {
+      const CellSlot& corner = tree.slots()[s];
+      if (corner.kind == SlotKind::ghost && !space_.lattice.indexOf(corner.point) &&
+          tree.displacement(static_cast<std::int32_t>(s)).norm() <= tree.radius() * (1 + 1e-9))
+        points.insert(corner.point);
+    }
+  }
+
+  const SpaceTable& space_;
+  const Accuracy& accuracy_;
+  const CellTree tree_;
+  std::vector<EnergyJet> jets_;
+  std::vector<std::int32_t> poor_;  ///< leaves that do not keep the accuracy
+  double worst_ratio_ = 0, kept_ = 0, samples_ = 0;
+};
+
+}  // namespace
+
+Refinement nextRefinement(const SpaceTable& space, const Scene& scene) {
+  if (!scene.accuracy.adaptive())
+    throw failure("active node {}: a scene without accuracy.force_error has nothing to refine",
+                  space.patch.name);
+  if (space.lattice.divisions() != lattice_divisions)
+    throw failure("active node {}: its lattice has {} divisions where a refined one has {}", space.patch.name,
+                  space.lattice.divisions(), lattice_divisions);
+  return Inspection(space, scene.accuracy).refine();
+}
+
+}  // namespace palpate

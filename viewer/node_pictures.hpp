@@ -1,0 +1,21 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "viewer/report.hpp"
+#include "viewer/slice_map.hpp"
+#include "viewer/svg_plot.hpp"
+
+namespace palpate {
+
+/// What the page shows of one active node.
+struct NodePictures {
+  std::array<SliceMap, 3> slices;  ///< xy, xz, yz; empty when no method can be made
+  std::array<Plot, 3> curves;      ///< force along x, y, z: a line per method, marks for the lattice
+};
+
+/// Samples the fields of active node `space` on `lattice` of the report.
+NodePictures takePictures(const Report& report, const LatticeMeasures& lattice, std::size_t space);
+
+}  // namespace palpate
