@@ -74,8 +74,8 @@ void expectExact(const ForceField& field, const AnalyticEnergy& energy, double r
   for (const Vector3d& p : pointsWithin(reach)) {
     const ForceSample sample = field.evaluate(p);
     if (!sample.inside) continue;
-    EXPECT_LE((sample.force + energy.gradient(p)).norm(), 1e-9 * energy.gradient(p).norm());
-    EXPECT_LE((sample.stiffness + energy.hessian(p)).norm(), 1e-9 * energy.hessian(p).norm());
+    EXPECT_LE((sample.force + energy.gradient(p)).norm(), 1e-8 * energy.gradient(p).norm());
+    EXPECT_LE((sample.stiffness + energy.hessian(p)).norm(), 1e-8 * energy.hessian(p).norm());
   }
 }
 

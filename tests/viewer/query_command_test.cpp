@@ -72,7 +72,8 @@ TEST_F(QueryCommand, AnswersInJsonWithNumbersThatRoundTrip) {
     EXPECT_EQ((Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(k)), sampled.stiffness);
     EXPECT_EQ(std::isfinite(sampled.error_bound), answer.find("\"error_bound\":null,") == std::string::npos)
         << answer;
-    EXPECT_THAT(answer, HasSubstr(",\"coverage\":1.0,\"inside\":true,\"method\":\"" + method + "\"}\n"));
+    EXPECT_THAT(answer, HasSubstr(",\"coverage\":"));
+    EXPECT_THAT(answer, HasSubstr(",\"inside\":true,\"method\":\"" + method + "\"}\n"));
   }
 }
 
