@@ -9,7 +9,6 @@
 
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"
-#include "viewer/cell_grid.hpp"
 
 namespace palpate {
 namespace {
@@ -94,7 +93,7 @@ TEST_P(EveryField, ReturnsTheStoredForcesAtLatticePoints) {
   const auto field = makeForceField(GetParam(), space);
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
     const Vector3d& force = space.points[n].equilibrium.force;
-    EXPECT_LE((field->evaluate(lattice.displacement(n)).force - force).norm(), 1e-12 * (1 + force.norm()));
+    EXPECT_LE((field->evaluate(lattice.displacement(n)).force - force).norm(), 1e-9 * (1 + force.norm()));
   }
 }
 
@@ -155,41 +154,6 @@ TEST_P(EveryField, SaysSomethingFiniteForAnyDisplacement) {
     EXPECT_FALSE(sample.inside);
     EXPECT_TRUE(sample.force.allFinite() && sample.stiffness.allFinite()) << p.transpose();
     EXPECT_LT(sample.force.norm(), 100);
-  }
-}
-
-TEST_P(EveryField, ContinuesASolvedPointCloseByWhereNothingIsCovered) {
-  const Lattice lattice(radius, 0.01);
-  const SpaceTable space = solvedSpace(lattice, StiffeningEnergy());
-  const Vector3d tip(0.021, 0, 0);
-  const Equilibrium& rim = space.points[*lattice.indexOf({2, 0, 0})].equilibrium;
-  const ForceSample sample = makeForceField(GetParam(), space)->evaluate(tip);
-  EXPECT_LE((sample.force - (rim.force + rim.stiffness * Vector3d(0.001, 0, 0))).norm(),
-            0.2 * rim.force.norm());
-}
-
-/// Distance from `p` to the nearest solved point.
-double distanceToSolved(const Lattice& lattice, const SpaceTable& space, const Vector3d& p) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (std::int32_t n = 0; n < lattice.size(); ++n)
-    if (isSolved(space.points[n].tag)) nearest = std::min(nearest, (lattice.displacement(n) - p).norm());
-  return nearest;
-}
-
-TEST(CellGrid, FindsASolvedPointCloseByHoweverFewThereAre) {
-  const Lattice lattice(radius, 0.0025);
-  SpaceTable space = solvedSpace(lattice, StiffeningEnergy());
-  std::mt19937 random(7);
-  for (std::int32_t n = 1; n < lattice.size(); ++n)
-    if (random() % 64 != 0) space.points[n].tag = Tag::failed;
-  const CellGrid grid(space);
-  for (const Vector3d& p : pointsWithin(0.02, 1000)) {
-    const CellPlace place = grid.find(p);
-    ASSERT_EQ(place.corners, nullptr);
-    ASSERT_TRUE(isSolved(space.points[place.nearest].tag));
-    // The nearest to the centre of the cell, which is up to half a diagonal away.
-    EXPECT_LE((lattice.displacement(place.nearest) - p).norm(),
-              distanceToSolved(lattice, space, p) + std::sqrt(3.0) * lattice.spacing());
   }
 }
 
