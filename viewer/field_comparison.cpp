@@ -1,6 +1,7 @@
 #include "viewer/field_comparison.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <exception>
@@ -36,14 +37,13 @@ std::unique_ptr<ForceField> tryToMake(const std::string& method, const SpaceTabl
   return nullptr;
 }
 
-std::vector<char> coveredReferences(const SpaceTable& space, const std::vector<Reference>& references) {
-  std::vector<char> covered(references.size(), 0);
-  std::string problem;
-  if (const auto cells = tryToMake("trilinear", space, problem))
-    std::transform(references.begin(), references.end(), covered.begin(), [&](const Reference& reference) {
-      return isCovered(cells->evaluate(reference.displacement));
-    });
-  return covered;
+/// Methods whose samples tell what is covered: they interpolate in cells.
+constexpr std::array<std::string_view, 2> cell_methods = {"trilinear", "potential"};
+
+void markCovered(MethodComparison& result, const ForceField& cells,
+                 const std::vector<Reference>& references) {
+  for (std::size_t n = 0; n < result.comparisons.size(); ++n)
+    result.comparisons[n].covered = isCovered(cells.evaluate(references[n].displacement));
 }
 
 std::vector<Eigen::Vector3d> positionsInBall(double radius) {
@@ -81,18 +81,24 @@ bool isCovered(const ForceSample& sample) noexcept {
 
 std::vector<MethodComparison> compareMethods(const SpaceTable& space, const std::vector<std::string>& methods,
                                              const std::vector<Reference>& references, bool with_loops) {
-  const std::vector<char> covered = coveredReferences(space, references);
   std::vector<MethodComparison> results(methods.size());
+  std::unique_ptr<ForceField> cells;
   for (std::size_t m = 0; m < methods.size(); ++m) {
-    const auto field = tryToMake(methods[m], space, results[m].problem);
+    auto field = tryToMake(methods[m], space, results[m].problem);
     if (!field) continue;
     if (with_loops) results[m].loop_work = loopWork(*field, space.lattice.radius());
-    for (std::size_t n = 0; n < references.size(); ++n) {
-      const ForceSample sample = field->evaluate(references[n].displacement);
-      results[m].comparisons.push_back(
-          {references[n].force, sample.force, sample.error_bound, covered[n] != 0});
+    for (const Reference& reference : references) {
+      const ForceSample sample = field->evaluate(reference.displacement);
+      results[m].comparisons.push_back({reference.force, sample.force, sample.error_bound, false});
     }
+    const bool knows_cells =
+        std::find(cell_methods.begin(), cell_methods.end(), methods[m]) != cell_methods.end();
+    if (knows_cells && !cells) cells = std::move(field);
   }
+  std::string problem;
+  if (!cells && !references.empty()) cells = tryToMake(std::string(cell_methods.front()), space, problem);
+  if (cells)
+    for (MethodComparison& result : results) markCovered(result, *cells, references);
   return results;
 }
 

@@ -20,7 +20,7 @@ struct MethodComparison {
 };
 
 /// Makes every method of `space` and asks it at every reference. Whether a reference is covered is decided
-/// once, by the cells of the tri-linear method, so that "covered" is the same set for all. The work around
+/// once, by a method that interpolates in cells, so that "covered" is the same set for all. The work around
 /// closed loops takes longer than all the rest, so it is measured only `with_loops`.
 std::vector<MethodComparison> compareMethods(const SpaceTable& space, const std::vector<std::string>& methods,
                                              const std::vector<Reference>& references, bool with_loops);

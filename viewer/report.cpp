@@ -1,5 +1,7 @@
 #include "viewer/report.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -264,6 +266,7 @@ class Reporter {
       node.name = space.patch.name;
       node.space = s;
       node.references = references()[s].size();
+      node.jumps = space.inconsistent_edges.size();
       for (const PointRecord& point : space.points) {
         ++node.tags[static_cast<std::size_t>(point.tag)];
         if (isSolved(point.tag))
@@ -280,6 +283,8 @@ class Reporter {
     lattice.methods.resize(report_.methods.size());
     timeMethods(lattice);
     const bool is_measurable = isMeasurable(lattice);
+    spdlog::info("{}: comparing {} methods on {} active nodes", lattice.label, report_.methods.size(),
+                 compared_.size());
     std::vector<NodeComparison> nodes(compared_.size());
     runInParallel(compared_.size(), [&](std::size_t n) {
       std::optional<SpaceTable> storage;
@@ -327,6 +332,8 @@ class Reporter {
   void measureOtherNodes() {
     if (!report_.measured) return;
     const LatticeMeasures& lattice = report_.lattices[*report_.measured];
+    if (compared_.size() < spaces())
+      spdlog::info("{}: measuring {} on the other active nodes", lattice.label, report_.methods.front());
     runInParallel(spaces(), [&](std::size_t s) {
       NodeMeasures& node = report_.nodes[s];
       if (node.compared) return;

@@ -23,7 +23,7 @@ struct ReportOptions {
   double seconds_per_timing = 0.05;  ///< how long queries are repeated to time one method on one lattice
   /// Active nodes on which all methods are compared, evenly chosen where there are more; the default method
   /// is measured on all.
-  std::size_t compared_nodes = 40;
+  std::size_t compared_nodes = 12;
 };
 
 /// One method on one lattice, over the compared active nodes together.
@@ -56,6 +56,7 @@ struct NodeMeasures {
   std::size_t space = 0;               ///< index into Dataset::spaces() of the first dataset
   std::array<std::int32_t, 4> tags{};  ///< lattice points, by Tag
   std::size_t references = 0;
+  std::size_t jumps = 0;               ///< lattice edges whose ends are on different branches
   double largest_force = 0;            ///< N, of a solved lattice point
   bool compared = false;               ///< else only the default method was measured
   std::vector<ErrorMeasures> methods;  ///< on the measured lattice, in the order of Report::methods

@@ -89,6 +89,7 @@ Json nodeJson(const Report& report, const NodeMeasures& node) {
     tags[std::string(name(static_cast<Tag>(tag)))] = node.tags[tag];
   return {{"name", node.name},
           {"points", tags},
+          {"inconsistent_edges", node.jumps},
           {"references", node.references},
           {"largest_force", node.largest_force},
           {"methods", methods}};

@@ -16,7 +16,8 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t listed_nodes = 36, plotted_nodes = 12, pictured_nodes = 6;
-constexpr double smallest_share = 0.01;  ///< of a file; smaller arrays are listed together
+constexpr double least_loop_work = 1e-10;  ///< drawn; what is below is the error of the sum
+constexpr double smallest_share = 0.01;    ///< of a file; smaller arrays are listed together
 
 constexpr const char* style = R"(
 :root{--ink:#1b1f24;--soft:#5b6570;--line:#d9dee3;--tint:#f4f6f8;--accent:#0072b2}
@@ -67,7 +68,9 @@ svg .solved{fill:#fff;stroke:#000;stroke-width:.6;opacity:.75}
 svg .terminating{fill:#fff;stroke:#000;stroke-width:1}
 svg .failed{fill:none;stroke:#d55e00;stroke-width:2.4}
 svg .probe{stroke:#fff;stroke-width:1.6}
-svg .cover{fill:none;stroke:#e3120b;stroke-width:1.1}
+svg .cover{fill:none;stroke:#fff;stroke-width:1.2}
+svg .jump{fill:none;stroke:#e3120b;stroke-width:2.2}
+.legend svg .cover{stroke:#8b949e}
 @media print{main{max-width:none;padding:0}h2{break-after:avoid}figure,table,.figures>svg,.cards{break-inside:avoid}nav{display:none}.scroll{overflow:visible}}
 )";
 
@@ -252,7 +255,8 @@ std::string loopsSection(const Report& report) {
     PlotSeries series{.label = report.methods[m], .x = {}, .y = {}, .style = seriesStyle(m)};
     for (const LatticeMeasures& lattice : report.lattices) {
       series.x.push_back(lattice.configurations);
-      series.y.push_back(lattice.methods[m].loop_work);
+      const double work = lattice.methods[m].loop_work;
+      series.y.push_back(std::isfinite(work) ? std::max(work, least_loop_work) : work);
       series.notes.push_back(fmt::format("{}, {} configurations: {}", report.methods[m],
                                          formatCount(lattice.configurations),
                                          formatNumber(lattice.methods[m].loop_work)));
@@ -264,7 +268,8 @@ std::string loopsSection(const Report& report) {
       "Work that a hand gains or loses around circles of a quarter of the workspace radius, divided by the "
       "force "
       "times the way; the largest found. Tissue gives back what it took: a method that does not can shake a "
-      "device. Below 10⁻⁸ it is the error of the sum.",
+      "device. 10⁻¹⁰ stands for nothing but the error of the sum. Where a method gives way to tri-linear "
+      "interpolation, at jumps between branches, its loops leak too.",
       legendOf(plot.series) + "<div class=\"single\">" + svgOf(plot) + "</div>\n");
 }
 
@@ -340,14 +345,7 @@ std::string nodePlots(const Report& report) {
   return html + "</div>\n";
 }
 
-std::string nodesSection(const Report& report) {
-  std::vector<const NodeMeasures*> nodes = worstFirst(report);
-  const bool is_cut = nodes.size() > listed_nodes;
-  if (is_cut) nodes.resize(listed_nodes);
-  std::vector<std::string> titles = {"active node",      "expandable",      "terminating", "failed",
-                                     "largest force, N", "exact solutions", "95 %",        "max",
-                                     "in target"};
-  for (const std::string& method : report.methods) titles.push_back("mean: " + method);
+std::string nodesTable(const std::vector<const NodeMeasures*>& nodes) {
   std::string rows;
   for (const NodeMeasures* node : nodes) {
     const ErrorMeasures& measures = node->methods.front();
@@ -355,21 +353,48 @@ std::string nodesSection(const Report& report) {
     for (const Tag tag : {Tag::expandable, Tag::terminating, Tag::failed})
       rows += cell(fmt::format("{}", node->tags[static_cast<std::size_t>(tag)]));
     for (const std::string& text :
-         {formatNumber(node->largest_force, 3), fmt::format("{}", node->references),
-          formatNumber(measures.error.percentile_95), formatNumber(measures.error.maximum),
-          formatShare(measures.within_target)})
+         {fmt::format("{}", node->jumps), formatNumber(node->largest_force, 3),
+          fmt::format("{}", node->references), formatNumber(measures.error.mean),
+          formatNumber(measures.error.median), formatNumber(measures.error.percentile_95),
+          formatNumber(measures.error.maximum), formatShare(measures.within_target),
+          formatShare(measures.bound_holds)})
       rows += cell(text);
+    rows += "</tr>\n";
+  }
+  return table({"active node", "expandable", "terminating", "failed", "jumps", "largest force, N",
+                "exact solutions", "mean", "median", "95 %", "max", "in target", "within bound"},
+               rows);
+}
+
+/// Mean errors, a column per method.
+std::string nodeMethodsTable(const Report& report, const std::vector<const NodeMeasures*>& nodes) {
+  std::vector<std::string> titles = {"mean error, N"};
+  titles.insert(titles.end(), report.methods.begin(), report.methods.end());
+  std::string rows;
+  for (const NodeMeasures* node : nodes) {
+    if (!node->compared) continue;
+    rows += "<tr>" + cell(node->name);
     for (const ErrorMeasures& method : node->methods) rows += cell(formatNumber(method.error.mean));
     rows += "</tr>\n";
   }
-  std::string how =
-      fmt::format("Errors in newtons on {}; 95 %, max and in target are those of {}. The worst first",
-                  escaped(shownLattice(report).label), report.methods.front());
-  how += is_cut ? fmt::format(": {} of {} active nodes.", listed_nodes, report.nodes.size()) : ".";
-  if (report.compared < report.nodes.size())
-    how += fmt::format(" All methods were compared on {} nodes, evenly chosen; {} on every one.",
-                       report.compared, report.methods.front());
-  return section("nodes", "Active nodes", how, table(titles, rows) + nodePlots(report));
+  return rows.empty() || report.methods.size() < 2 ? "" : table(titles, rows);
+}
+
+std::string nodesSection(const Report& report) {
+  const std::vector<const NodeMeasures*> all = worstFirst(report);
+  const std::vector<const NodeMeasures*> listed(
+      all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), listed_nodes)));
+  std::string how = fmt::format("Errors of {} in newtons on {}, the worst first", report.methods.front(),
+                                escaped(shownLattice(report).label));
+  how +=
+      listed.size() < all.size() ? fmt::format(": {} of {} active nodes.", listed.size(), all.size()) : ".";
+  how +=
+      " Jumps: edges of the lattice between different branches of solutions, across which nothing is "
+      "interpolated smoothly.";
+  if (report.compared < all.size())
+    how += fmt::format(" The other methods were compared on {} nodes, evenly chosen.", report.compared);
+  return section("nodes", "Active nodes", how,
+                 nodesTable(listed) + nodeMethodsTable(report, all) + nodePlots(report));
 }
 
 // ---- pictures

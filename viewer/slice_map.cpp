@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "viewer/error_measures.hpp"
 #include "viewer/field_comparison.hpp"
 #include "viewer/svg_plot.hpp"
 
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double picture = 330, margin = 32, edge = picture - 2 * margin;  ///< user units
 constexpr int most_decades = 5;
+constexpr double beyond = 0.02;  ///< share of the values that may lie beyond either end of the colours
 
 /// Viridis (van der Walt, Smith; CC0) at equal distances.
 constexpr std::array<std::array<int, 3>, 11> viridis = {{{68, 1, 84},
@@ -113,16 +115,14 @@ std::string coverEdge(const SliceMap& map) {
 }  // namespace
 
 ColourScale::ColourScale(const std::vector<double>& values) {
-  double lowest = 0, highest = 0;
-  for (const double value : values) {
-    if (!std::isfinite(value) || value <= 0) continue;
-    lowest = highest == 0 ? value : std::min(lowest, value);
-    highest = std::max(highest, value);
-  }
-  if (highest == 0) return;
-  const double top = std::ceil(std::log10(highest) - 1e-9);
-  const double base = std::clamp(std::floor(std::log10(lowest) + 1e-9), top - most_decades, top - 1);
-  lowest_ = std::pow(10, base);
+  std::vector<double> positive;
+  std::copy_if(values.begin(), values.end(), std::back_inserter(positive),
+               [](double value) { return std::isfinite(value) && value > 0; });
+  if (positive.empty()) return;
+  std::sort(positive.begin(), positive.end());
+  const double top = std::ceil(std::log10(percentile(positive, 1 - beyond)) - 1e-9);
+  const double base = std::floor(std::log10(percentile(positive, beyond)) + 1e-9);
+  lowest_ = std::pow(10, std::clamp(base, top - most_decades, top - 1));
   highest_ = std::pow(10, top);
 }
 
@@ -164,6 +164,14 @@ SliceMap sampleSlice(const ForceField& field, const SpaceTable& space, int acros
       const Eigen::Vector3d p = space.lattice.displacement(n);
       if (p.norm() <= map.radius * (1 + 1e-9)) map.marks.push_back({{p[across], p[up]}, space.points[n].tag});
     }
+  const auto is_in_plane = [&](std::int32_t n) {
+    return space.lattice.point(n)[static_cast<std::size_t>(normal)] == 0;
+  };
+  for (const LatticeEdge& jump : space.inconsistent_edges) {
+    if (!is_in_plane(jump.a) || !is_in_plane(jump.b)) continue;
+    const Eigen::Vector3d a = space.lattice.displacement(jump.a), b = space.lattice.displacement(jump.b);
+    map.jumps.push_back({Eigen::Vector2d(a[across], a[up]), Eigen::Vector2d(b[across], b[up])});
+  }
   for (const MeasuredReference& reference : references)
     if (std::abs(reference.displacement[normal]) < thickness) map.references.push_back(reference);
   return map;
@@ -175,6 +183,9 @@ std::string svgOf(const SliceMap& map, const ColourScale& scale) {
   svg += colours(map, scale) + coverEdge(map) + frame(map);
   const auto x = [&](double metres) { return place(metres, map.radius); };
   const auto y = [&](double metres) { return picture - place(metres, map.radius); };
+  for (const auto& [a, b] : map.jumps)
+    svg += fmt::format("<path class=\"jump\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"/>\n", x(a.x()), y(a.y()),
+                       x(b.x()), y(b.y()));
   for (const SliceMap::LatticeMark& mark : map.marks)
     svg += latticeMark(x(mark.at.x()), y(mark.at.y()), mark.tag) + '\n';
   for (const MeasuredReference& reference : map.references)
@@ -214,7 +225,8 @@ std::string legendOf(const ColourScale& scale) {
          key(fmt::format("<circle class=\"probe\" cx=\"7\" cy=\"7\" r=\"4\" fill=\"{}\"/>",
                          ColourScale::colour(12)),
              "exact solution near the plane, in the colour of the error there") +
-         key("<path class=\"cover\" d=\"M0 7h14\"/>", "inside: eight solved corners") + "</p>\n";
+         key("<path class=\"cover\" d=\"M0 7h14\"/>", "inside: eight solved corners on one branch") +
+         key("<path class=\"jump\" d=\"M1 7h12\"/>", "jump between branches") + "</p>\n";
 }
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,8 @@ namespace palpate {
 /// which grows lighter evenly and is read by colour-blind people and in grey prints.
 class ColourScale {
  public:
-  /// Limits are powers of ten around the positive, finite values, at most five decades, the upper ones kept;
-  /// 1e-3 to 1 when there are none.
+  /// Limits are powers of ten around all but the outermost 2 % of the positive, finite values, at most five
+  /// decades, the upper ones kept; 1e-3 to 1 when there are none.
   explicit ColourScale(const std::vector<double>& values);
 
   double lowest() const { return lowest_; }
@@ -46,8 +47,9 @@ struct SliceMap {
     Eigen::Vector2d at;
     Tag tag;
   };
-  std::vector<LatticeMark> marks;             ///< lattice points in the plane, m
-  std::vector<MeasuredReference> references;  ///< those close to the plane
+  std::vector<LatticeMark> marks;                     ///< lattice points in the plane, m
+  std::vector<std::array<Eigen::Vector2d, 2>> jumps;  ///< lattice edges in the plane between branches, m
+  std::vector<MeasuredReference> references;          ///< those close to the plane
 };
 
 /// Samples the error bound of `field`. References nearer to the plane than `thickness` are shown in it.

@@ -1,5 +1,6 @@
 #include "viewer/thinned_space.hpp"
 
+#include "common/branch_check.hpp"
 #include "common/error.hpp"
 
 namespace palpate {
@@ -36,6 +37,7 @@ SpaceTable thinned(const SpaceTable& space, std::int32_t factor) {
     attempt.parent = number[attempt.parent];
     if (attempt.target >= 0 && attempt.parent >= 0) coarse.attempts.push_back(attempt);
   }
+  coarse.inconsistent_edges = inconsistentEdges(coarse);
   return coarse;
 }
 
