@@ -191,7 +191,12 @@ LeafPlace CellTree::find(const Eigen::Vector3d& displacement) const noexcept {
   if (!(length <= radius_ * (1 + pull))) return {};
   const LeafPlace place = descend(displacement / spacing_);
   if (place.leaf >= 0) return place;
-  return descend(displacement * ((1 - pull) * std::min(1.0, radius_ / length) / spacing_));
+  LeafPlace pulled = descend(displacement * ((1 - pull) * std::min(1.0, radius_ / length) / spacing_));
+  if (pulled.leaf < 0) return pulled;
+  const LatticePoint& low = leaves_[static_cast<std::size_t>(pulled.leaf)].lowest;
+  const Eigen::Vector3d from = displacement - unit() * Eigen::Vector3d(low[0], low[1], low[2]);
+  pulled.local = (from / edge(pulled.leaf)).cwiseMax(0).cwiseMin(1);
+  return pulled;
 }
 
 Eigen::Vector3d nearestInBall(const Eigen::Vector3d& displacement, double radius) noexcept {

@@ -41,6 +41,14 @@ struct Cost {
   std::int32_t factorizations = 0;
   std::int32_t steps = 0;  ///< accepted continuation steps
   double seconds = 0;      ///< wall time on the worker; never part of a dataset
+
+  Cost& operator+=(const Cost& other) {
+    newton_iterations += other.newton_iterations;
+    factorizations += other.factorizations;
+    steps += other.steps;
+    seconds += other.seconds;
+    return *this;
+  }
 };
 
 /// The end of a transition: an equilibrium, or a failure.

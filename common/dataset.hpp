@@ -11,6 +11,7 @@
 #include "common/configuration.hpp"
 #include "common/lattice.hpp"
 #include "common/problem.hpp"
+#include "common/rbf_weights.hpp"
 #include "common/tag.hpp"
 
 namespace palpate {
@@ -54,7 +55,13 @@ struct SpaceTable {
   /// inconsistentEdges of this space (branch_check.hpp), as they were when the dataset was sealed;
   /// sealDataset finds them itself.
   std::vector<LatticeEdge> inconsistent_edges;
+  /// Weights of r, r with tail, r^3, r^3 with tail, of these points, from a dataset; sealDataset solves them
+  /// itself. Empty where no point is solved, or more than most_stored_rbf_points.
+  std::vector<RbfWeights> rbf;
 };
+
+/// Factorising for more points would hold sealing up; who wants their weights solves them (solveRbfWeights).
+inline constexpr std::size_t most_stored_rbf_points = 2000;
 
 /// What of `space` contradicts itself, as a clause for errors ("probe 3 lies outside of the workspace");
 /// empty when nothing does. Looked at are numbers that name points, cells and edges, and positions.

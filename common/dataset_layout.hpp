@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -24,6 +25,12 @@ inline constexpr std::string_view units = "SI: m, N, Pa, J, N/m";
 /// HASH\n" per array, sorted by path, for instance "/points/ijk int32 515x3 0a1b...\n"; the shape of a
 /// scalar is "scalar".
 ContentId contentHash(const std::string& scene_toml, std::vector<hdf5::ArrayInfo> arrays);
+
+/// Arrays of RBF weights in /rbf, in the order of SpaceTable::rbf.
+inline constexpr std::array<const char*, 4> rbf_paths = {"/rbf/linear", "/rbf/linear_tail", "/rbf/cubic",
+                                                         "/rbf/cubic_tail"};
+/// Rows of the tails.
+inline constexpr std::array<std::size_t, 4> rbf_tail_rows = {0, 1, 0, 4};
 
 /// What of the nodal fields is stored (Storage): the nodes that have displacements, sorted, and the number of
 /// pressures.

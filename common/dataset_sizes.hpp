@@ -9,7 +9,7 @@ namespace palpate {
 
 /// The room that one array of a dataset takes.
 struct ArraySize {
-  std::string path;            ///< "/spaces/tip/displacement"
+  std::string path;            ///< "/points/displacement"
   std::uint64_t stored = 0;    ///< bytes in the file, compressed
   std::uint64_t unpacked = 0;  ///< bytes of its values
 };

@@ -174,6 +174,19 @@ class SealWriter {
     writeRecords("/probes/", &SpaceTable::probes);
   }
 
+  void writeRbf() {
+    out_.makeGroup("/rbf");
+    std::vector<double> condition, residual;
+    for (const SpaceTable& space : spaces_)
+      for (std::size_t k = 0; k < layout::rbf_paths.size(); ++k) {
+        condition.push_back(space.rbf.empty() ? no_number : space.rbf[k].condition);
+        residual.push_back(space.rbf.empty() ? no_number : space.rbf[k].residual);
+      }
+    out_.write("/rbf/condition", {spaces_.size(), 4}, spanOf(condition), "1");
+    out_.write("/rbf/residual", {spaces_.size(), 4}, spanOf(residual), "1");
+    for (std::size_t k = 0; k < layout::rbf_paths.size(); ++k) writeRbf(k);
+  }
+
   void writeFields(const FieldsSource& fields) {
     std::size_t n_rows = 0;
     for (const SpaceTable& space : spaces_) n_rows += space.points.size();
@@ -350,6 +363,28 @@ class SealWriter {
     writeRows<double>(group + "stiffness", {3, 3}, "N/m", records, stiffness);
   }
 
+  /// One row of weights per point, NaN where there are none, and the tail of every space.
+  void writeRbf(std::size_t kind) {
+    std::vector<double> weights, tails;
+    for (const SpaceTable& space : spaces_) {
+      const RbfWeights* const rbf = space.rbf.empty() ? nullptr : &space.rbf[kind];
+      Eigen::Index row = 0;
+      for (const PointRecord& point : space.points) {
+        const bool has = rbf != nullptr && isSolved(point.tag);
+        for (Eigen::Index axis = 0; axis < 3; ++axis)
+          weights.push_back(has ? rbf->weights(row, axis) : no_number);
+        row += has ? 1 : 0;
+      }
+      for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(layout::rbf_tail_rows[kind]); ++i)
+        for (Eigen::Index axis = 0; axis < 3; ++axis)
+          tails.push_back(rbf != nullptr ? rbf->tail(i, axis) : no_number);
+    }
+    const std::string path = layout::rbf_paths[kind];
+    out_.write(path, {weights.size() / 3, 3}, spanOf(weights), "N");
+    if (!tails.empty())
+      out_.write(path + "_polynomial", {spaces_.size(), layout::rbf_tail_rows[kind], 3}, spanOf(tails), "N");
+  }
+
   void writeAttempts() {
     out_.makeGroup("/attempts");
     const auto integers = [&](const char* array, auto value) {
@@ -401,6 +436,20 @@ void checkArguments(const std::string& file, const Problem& problem, const std::
   }
 }
 
+/// With what is derived from the points and stored beside them.
+std::vector<SpaceTable> withDerived(std::vector<SpaceTable> spaces) {
+  for (SpaceTable& space : spaces) {
+    space.inconsistent_edges = inconsistentEdges(space);
+    space.rbf.clear();
+    const auto n_solved = std::count_if(space.points.begin(), space.points.end(),
+                                        [](const PointRecord& point) { return isSolved(point.tag); });
+    if (n_solved == 0 || static_cast<std::size_t>(n_solved) > most_stored_rbf_points) continue;
+    for (const RbfKernel kernel : {RbfKernel::linear, RbfKernel::cubic})
+      for (RbfWeights& weights : solveRbfWeights(space, kernel)) space.rbf.push_back(std::move(weights));
+  }
+  return spaces;
+}
+
 ContentId writeDataset(const std::filesystem::path& file, const Problem& problem,
                        const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
                        const FieldsSource& fields) {
@@ -409,6 +458,7 @@ ContentId writeDataset(const std::filesystem::path& file, const Problem& problem
   writer.writeSpaces();
   writer.writePoints();
   writer.writeProbes();
+  writer.writeRbf();
   writer.writeFields(fields);
   return writer.finish(kernel_family);
 }
@@ -436,10 +486,8 @@ void sealDataset(const std::filesystem::path& file, const Problem& problem,
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
     throw badInput("{}: is a directory; give the dataset a file name", file.string());
-  std::vector<SpaceTable> complete = spaces;
-  for (SpaceTable& space : complete) space.inconsistent_edges.clear();
-  checkArguments(file.string(), problem, complete);
-  for (SpaceTable& space : complete) space.inconsistent_edges = inconsistentEdges(space);
+  checkArguments(file.string(), problem, spaces);
+  const std::vector<SpaceTable> complete = withDerived(spaces);
   std::filesystem::path aside = file;
   aside += ".tmp";
   try {

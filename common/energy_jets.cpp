@@ -27,12 +27,12 @@ class Fitter {
       : tree_(tree), space_(space), fits_(space.lattice.unit()), inconsistent_(inconsistent) {
     const std::int32_t divisions = space.lattice.divisions();
     around_.resize(tree.slots().size());
-    edge_.assign(tree.slots().size(), divisions);
+    edge_.assign(tree.slots().size(), 0);
     for (std::size_t leaf = 0; leaf < tree.leaves().size(); ++leaf)
       for (const std::int32_t slot : tree.corners(static_cast<std::int32_t>(leaf))) {
         around_[static_cast<std::size_t>(slot)].push_back(static_cast<std::int32_t>(leaf));
         std::int32_t& edge = edge_[static_cast<std::size_t>(slot)];
-        edge = std::min(edge, divisions >> tree.leaves()[leaf].level);
+        edge = std::max(edge, divisions >> tree.leaves()[leaf].level);
       }
     for (std::int32_t n = 0; n < space.lattice.size(); ++n)
       if (isSolved(space.points[n].tag)) solved_.push_back(n);
@@ -136,7 +136,7 @@ class Fitter {
   LocalFits fits_;
   const std::vector<LatticeEdge>& inconsistent_;
   std::vector<std::vector<std::int32_t>> around_;  ///< leaves, per slot
-  std::vector<std::int32_t> edge_;                 ///< smallest of the leaves around, coordinates
+  std::vector<std::int32_t> edge_;                 ///< largest of the leaves around, coordinates
   std::vector<std::int32_t> solved_;
 };
 
@@ -232,9 +232,11 @@ std::vector<EnergyJet> energyJets(const CellTree& tree, const std::vector<LocalP
   return jets;
 }
 
-/// Sums over z, then y, then x, so that the longest loops run over neighbours in memory.
+/// Sums over z, then y, then x, so that the longest sums run over neighbours in memory.
 EnergySample evaluateEnergy(const std::array<const EnergyJet*, 8>& corners, const Eigen::Vector3d& local,
                             double edge, double spacing) noexcept {
+  using Plane = Eigen::Array<double, 9, 1>;  // orders a + 3 b at a corner
+  using Line = Eigen::Array3d;               // orders a
   Basis<3> x = quinticHermite(local.x()), y = quinticHermite(local.y()), z = quinticHermite(local.z());
   if (edge != spacing) {
     const double scale = edge / spacing;
@@ -247,24 +249,27 @@ EnergySample evaluateEnergy(const std::array<const EnergyJet*, 8>& corners, cons
   }
   double d[3][3][3] = {};  // derivative [f along z][e along y][d along x] of the interpolant, d + e + f <= 2
   for (std::size_t x_end = 0; x_end < 2; ++x_end) {
-    double lines[3][3][3] = {};  // [derivative f along z][e along y][order a at the corner]
+    Line lines[3][3];  // [derivative f along z][e along y]
+    for (auto& row : lines)
+      for (Line& line : row) line.setZero();
     for (std::size_t y_end = 0; y_end < 2; ++y_end) {
-      double planes[3][9] = {};  // [derivative f along z][orders a + 3 b at the corner]
-      for (std::size_t z_end = 0; z_end < 2; ++z_end) {
-        const double* values = corners[x_end + 2 * y_end + 4 * z_end]->data();
-        for (std::size_t c = 0; c < 3; ++c)
-          for (std::size_t f = 0; f < 3; ++f)
-            for (std::size_t ab = 0; ab < 9; ++ab) planes[f][ab] += z[f][z_end][c] * values[9 * c + ab];
-      }
-      for (std::size_t f = 0; f < 3; ++f)
+      const double* low = corners[x_end + 2 * y_end]->data();
+      const double* high = corners[x_end + 2 * y_end + 4]->data();
+      const Eigen::Map<const Plane> l0(low), l1(low + 9), l2(low + 18), h0(high), h1(high + 9), h2(high + 18);
+      for (std::size_t f = 0; f < 3; ++f) {
+        const auto& b = z[f];
+        const Plane plane =
+            b[0][0] * l0 + b[0][1] * l1 + b[0][2] * l2 + b[1][0] * h0 + b[1][1] * h1 + b[1][2] * h2;
         for (std::size_t e = 0; e + f < 3; ++e)
-          for (std::size_t b = 0; b < 3; ++b)
-            for (std::size_t a = 0; a < 3; ++a) lines[f][e][a] += y[e][y_end][b] * planes[f][a + 3 * b];
+          lines[f][e] += y[e][y_end][0] * plane.segment<3>(0) + y[e][y_end][1] * plane.segment<3>(3) +
+                         y[e][y_end][2] * plane.segment<3>(6);
+      }
     }
     for (std::size_t f = 0; f < 3; ++f)
       for (std::size_t e = 0; e + f < 3; ++e)
         for (std::size_t order = 0; order + e + f < 3; ++order)
-          for (std::size_t a = 0; a < 3; ++a) d[f][e][order] += x[order][x_end][a] * lines[f][e][a];
+          d[f][e][order] += x[order][x_end][0] * lines[f][e][0] + x[order][x_end][1] * lines[f][e][1] +
+                            x[order][x_end][2] * lines[f][e][2];
   }
   EnergySample sample;
   sample.energy = d[0][0][0];

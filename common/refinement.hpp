@@ -15,23 +15,26 @@ struct Refinement {
   /// Cells to split, sorted by (level, lowest): to be merged into SpaceTable::splits, together with the
   /// points.
   std::vector<LatticeCell> splits;
-  /// Largest estimated force error over what Accuracy allows there, over the whole ball; at most 1: the
-  /// estimate keeps the accuracy everywhere.
+  /// Largest likely force error over what Accuracy allows there, over the whole ball; at most 1: the accuracy
+  /// is kept everywhere.
   double worst_ratio = 0;
-  /// Share (0..1) of sampled positions of the ball at which the estimate keeps the accuracy.
+  /// Share (0..1) of the ball in which the likely force error keeps the accuracy.
   double kept = 1;
   bool empty() const { return points.empty() && splits.empty(); }
 };
 
-/// Compares the estimated error of the force (field_error.hpp) with what scene.accuracy allows,
-/// max(force_error |F|, force_floor), at sample positions of every leaf cell. Where it is larger, corners of
-/// the leaf that were never tried are to be solved, and when there are none, the leaf is to be split, unless
-/// it has been split scene.accuracy.levels times or its solved corners are all terminating. Empty when the
-/// accuracy is kept or cannot be improved; worst_ratio tells these apart.
+/// Compares the likely error of the force (a fifth of the bound of field_error.hpp) with what scene.accuracy
+/// allows, max(force_error |F|, force_floor), at 125 positions of every leaf cell. Where it is larger in a
+/// leaf, its corners close outside of the ball are to be solved, and when all have been tried, the leaf is to
+/// be split, unless it has been split scene.accuracy.levels times or its solved corners are all terminating.
+/// Empty when the accuracy is kept in 99.8 % of the ball, or cannot be improved; `kept` tells these apart.
+///
+/// Start from few points: spacing = radius / 2 (33 points) is refined to what is needed; with radius / 1 too
+/// little is known to judge, and radius / 3 already has more points than many scenes need.
 ///
 /// A deterministic function of its arguments; probes and attempts have no influence. Every point of the
-/// lattice must have been tried: tag unknown counts as failed. Error when no point is solved, or when
-/// the scene is not adaptive or the lattice lacks lattice_divisions. Any thread.
+/// lattice must have been tried: tag unknown counts as failed. Error when no point is solved, when the scene
+/// is not adaptive, or when the lattice does not have lattice_divisions. Any thread.
 Refinement nextRefinement(const SpaceTable& space, const Scene& scene);
 
 }  // namespace palpate

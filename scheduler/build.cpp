@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <map>
@@ -16,19 +15,19 @@ namespace palpate {
 Build::Build(Problem problem, const std::filesystem::path& state, CoordinatorSettings settings)
     : problem_(std::move(problem)),
       problem_bytes_(encodeProblem(problem_)),
-      lattice_(uniformLattice(problem_.scene)),
       directory_(state),
-      store_(directory_, problem_, problem_bytes_, lattice_),
+      store_(directory_, problem_, problem_bytes_),
       journal_(directory_.path(), store_.committed()),
-      coordinator_(problem_, problem_bytes_, lattice_, store_, journal_, std::chrono::steady_clock::now(),
-                   settings) {}
+      coordinator_(problem_, problem_bytes_, store_, journal_, std::chrono::steady_clock::now(), settings) {}
 
 std::vector<SpaceTable> Build::seal(const std::filesystem::path& file) {
-  const std::vector<StoredResult> results = store_.results();
-  std::vector<SpaceTable> tables = spaceTables(problem_, coordinator_.frontiers(), results);
+  const std::vector<SpacePlan>& plans = coordinator_.plans();
+  std::vector<SpaceTable> tables = spaceTables(plans);
   std::map<std::pair<std::size_t, std::int32_t>, JournalPosition> where;
-  for (const StoredResult& result : results)
-    if (result.outcome.converged) where[{result.key.space, result.key.target}] = result.where;
+  for (const StoredResult& result : store_.results())
+    if (result.outcome.converged &&
+        plans[result.key.space].record(result.key.target).parent == result.key.parent)
+      where[{result.key.space, result.key.target}] = result.where;
   const auto fields = [&](std::size_t space, std::int32_t point) {
     return NodalFields::decode(journal_.read(where.at({space, point})).payload, problem_.mesh.nodes.size(),
                                pressureNodes(problem_));
@@ -65,39 +64,6 @@ void refuseUnwritable(const std::filesystem::path& file) {
 
 std::filesystem::path defaultDatasetFile(const Scene& scene) {
   return scene.name + ".h5";
-}
-
-std::string summaryOf(const std::vector<SpaceTable>& spaces) {
-  std::string text = fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", "active node", "points",
-                                 "expandable", "terminating", "failed", "unknown");
-  std::map<std::string_view, int> causes;
-  for (const SpaceTable& space : spaces) {
-    std::array<int, 4> count{};
-    for (const PointRecord& point : space.points) {
-      ++count.at(static_cast<std::size_t>(point.tag));
-      if (point.tag == Tag::failed) ++causes[name(point.cause)];
-    }
-    text += fmt::format(
-        "{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", space.patch.name, space.points.size(),
-        count[static_cast<std::size_t>(Tag::expandable)], count[static_cast<std::size_t>(Tag::terminating)],
-        count[static_cast<std::size_t>(Tag::failed)], count[static_cast<std::size_t>(Tag::unknown)]);
-  }
-  if (!causes.empty()) {
-    const char* before = "failed: ";
-    for (const auto& [cause, count] : causes)
-      text += fmt::format("{}{} {}", std::exchange(before, ", "), count, cause);
-    text += '\n';
-  }
-  return text;
-}
-
-ExitCode exitCodeOf(const std::vector<SpaceTable>& spaces) {
-  const bool failed = std::any_of(spaces.begin(), spaces.end(), [](const SpaceTable& space) {
-    return std::any_of(space.points.begin(), space.points.end(), [](const PointRecord& p) {
-      return p.tag == Tag::failed && p.cause != Cause::unreachable;
-    });
-  });
-  return failed ? ExitCode::partly_failed : ExitCode::done;
 }
 
 }  // namespace palpate

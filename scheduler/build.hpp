@@ -24,6 +24,7 @@ class Build {
   Build(const Build&) = delete;
   Build& operator=(const Build&) = delete;
 
+  const Problem& problem() const { return problem_; }
   Coordinator& coordinator() { return coordinator_; }
   const StateDirectory& directory() const { return directory_; }
   /// Results that earlier runs left.
@@ -34,16 +35,15 @@ class Build {
  private:
   const Problem problem_;
   const std::string problem_bytes_;
-  const Lattice lattice_;
   StateDirectory directory_;
   JobStore store_;
   Journal journal_;
   Coordinator coordinator_;
 };
 
-/// True when `file` is the dataset of this build already, false when there is no such file, or when it is that
-/// but stores something else (Storage) than asked for. Error (bad input) when it is anything else, unless
-/// `force`.
+/// True when `file` is the dataset of this build already, false when there is no such file, or when it is
+/// that but stores something else (Storage) than asked for. Error (bad input) when it is anything else,
+/// unless `force`.
 bool isSealed(const std::filesystem::path& file, const Problem& problem, bool force);
 
 /// Error when the folder of `file` does not take files: known before the work, not after it.
@@ -51,11 +51,5 @@ void refuseUnwritable(const std::filesystem::path& file);
 
 /// "NAME.h5" in the current directory, for a scene without -o.
 std::filesystem::path defaultDatasetFile(const Scene& scene);
-
-/// Counts per tag and failures by cause of a sealed dataset, for people; line feed at the end.
-std::string summaryOf(const std::vector<SpaceTable>& spaces);
-/// done, or partly_failed when a point failed that was tried. Unreachable ones lie beyond max_force by
-/// design, or behind points that did fail.
-ExitCode exitCodeOf(const std::vector<SpaceTable>& spaces);
 
 }  // namespace palpate

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "scheduler/build.hpp"
+#include "scheduler/build_summary.hpp"
 #include "scheduler/progress.hpp"
 #include "scheduler/server.hpp"
 #include "scheduler/status.hpp"
@@ -93,10 +94,11 @@ bool compute(Build& build, int workers) {
   return coordinator.complete();
 }
 
-ExitCode finish(const std::vector<SpaceTable>& spaces, const std::filesystem::path& out, double spacing,
+ExitCode finish(const std::vector<SpaceTable>& spaces, const Scene& scene, const std::filesystem::path& out,
                 const std::string& how) {
   fmt::print("{}\n{}: {}\nnext: palpate query '{}' --active {} --displacement {:.3g} 0 0\n",
-             summaryOf(spaces), out.string(), how, out.string(), spaces.front().patch.name, spacing / 2);
+             summaryOf(spaces, scene), out.string(), how, out.string(), spaces.front().patch.name,
+             scene.workspace.spacing / 2);
   return exitCodeOf(spaces);
 }
 
@@ -108,12 +110,11 @@ ExitCode run(const BuildOptions& options) {
       options.out.empty() ? defaultDatasetFile(problem.scene) : std::filesystem::path(options.out);
   const std::filesystem::path state = options.state.empty() ? out.string() + ".state" : options.state;
   if (isSealed(out, problem, options.force))
-    return finish(Dataset(out).spaces(), out, problem.scene.workspace.spacing,
+    return finish(Dataset(out).spaces(), problem.scene, out,
                   "is already the dataset of this scene; nothing to do");
 
   catchInterrupts();
   const auto began = Clock::now();
-  const double spacing = problem.scene.workspace.spacing;
   Build build(std::move(problem), state);
   refuseUnwritable(out);
   if (build.found() > 0 && !build.coordinator().complete())
@@ -129,7 +130,7 @@ ExitCode run(const BuildOptions& options) {
   const std::vector<SpaceTable> spaces = build.seal(out);
   const double seconds = std::chrono::duration<double>(Clock::now() - began).count();
   return finish(
-      spaces, out, spacing,
+      spaces, build.problem().scene, out,
       fmt::format("sealed after {:.1f} s with {} worker{}", seconds, workers, workers == 1 ? "" : "s"));
 }
 

@@ -40,13 +40,12 @@ double secondsBetween(Coordinator::Time from, Coordinator::Time to) {
 
 }  // namespace
 
-Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, const Lattice& lattice,
-                         JobStore& store, Journal& journal, Time now, CoordinatorSettings settings)
+Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobStore& store, Journal& journal,
+                         Time now, CoordinatorSettings settings)
     : problem_(&problem),
       problem_bytes_(std::make_shared<const std::string>(std::move(problem_bytes))),
       build_(problemId(problem)),
-      lattice_(&lattice),
-      check_(problem, lattice),
+      check_(problem),
       store_(&store),
       journal_(&journal),
       settings_(settings),
@@ -60,8 +59,8 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, cons
   leases_ = Leases(static_cast<std::uint64_t>(counters_["runs"]) << 32);
   const std::vector<StoredResult> results = store_->results();
   found_ = results.size();
-  Replay replayed = replay(problem, lattice, results);
-  frontiers_ = std::move(replayed.frontiers);
+  Replay replayed = replay(problem, results);
+  plans_ = std::move(replayed.plans);
   for (const TransitionKey& key : replayed.open) leases_.add(key);
   progress_.emplace_back(now, 0);
   store_->writeCounters(counters_);
@@ -174,9 +173,9 @@ void Coordinator::sendProblem(const std::string& peer) {
 }
 
 void Coordinator::sendFields(const std::string& peer, const wire::FieldsRequest& request) {
-  const auto point = lattice_->indexOf(fromWire(request.point()));
   std::optional<StoredResult> found;
-  if (point && request.space() < frontiers_.size()) found = store_->configuration(request.space(), *point);
+  if (const auto key = keyOf(request.space(), request.point(), request.point()))
+    found = configuration(key->space, key->target);
   if (!found || found->header.fields_id() != request.id()) {
     wire::FieldsReply& reply = *send(peer).mutable_fields_reply();
     reply.set_id(request.id());
@@ -194,8 +193,9 @@ void Coordinator::heartbeat(const std::string& id, Worker& worker, const wire::H
   worker.solving.reset();
   if (heartbeat.solving()) {
     worker.idle_since.reset();
-    if (const auto target = lattice_->indexOf(fromWire(heartbeat.target())))
-      worker.solving = leases_.leasedTransition(id, heartbeat.job(), *target);
+    if (const auto space = leases_.spaceOf(id, heartbeat.job()))
+      if (const auto key = keyOf(*space, heartbeat.target(), heartbeat.target()))
+        worker.solving = leases_.leasedTransition(id, heartbeat.job(), key->target);
   } else if (leases_.leasedTo(id) > 0 && !worker.idle_since) {
     worker.idle_since = now;
   }
@@ -209,13 +209,15 @@ void Coordinator::result(const std::string& peer, Worker& worker, const Incoming
   if (const std::string objection = check_.objectionTo(message, incoming.payload, kernel_family_);
       !objection.empty())
     return badMessage(peer, objection);
-  const TransitionKey key = *check_.keyOf(message.space(), message.target(), message.parent());
+  const auto named = keyOf(message.space(), message.target(), message.parent());
+  if (!named) return badMessage(peer, "a result for a point that does not exist");
+  const TransitionKey& key = *named;
   if (const auto waiting = group_.find(key); waiting != group_.end()) {
     duplicate(peer, waiting->second.result.header, message);
     waiting->second.peers.insert(peer);
     return;
   }
-  if (frontiers_[key.space].isOpen({key.target, key.parent})) {
+  if (plans_[key.space].isOpen({key.target, key.parent})) {
     ++worker.results;
     return enqueue({key, message, *fromWire(message), {}}, incoming.payload, peer, now);
   }
@@ -275,7 +277,7 @@ void Coordinator::commitGroup(Time now) {
   for (auto& [key, pending] : group_) {
     pending.result.where = journal_->append(pending.result.header.SerializeAsString(), pending.payload);
     results.push_back(pending.result);
-    tags.push_back(frontiers_[key.space].tagOf(pending.result.outcome.equilibrium.force.norm()));
+    tags.push_back(plans_[key.space].tagOf(pending.result.outcome.equilibrium.force.norm()));
   }
   journal_->sync();
   if (store_->build().kernel_family.empty()) store_->setKernelFamily(kernel_family_);
@@ -285,22 +287,37 @@ void Coordinator::commitGroup(Time now) {
   group_since_.reset();
   for (const auto& [key, pending] : group) {
     for (const std::string& peer : pending.peers) acknowledge(peer, pending.result.header);
-    recordInFrontier(pending.result);
+    recordInPlan(pending.result);
   }
   finishIfComplete(now);
 }
 
-void Coordinator::recordInFrontier(const StoredResult& result) {
-  Frontier& frontier = frontiers_[result.key.space];
-  frontier.record({result.key.target, result.key.parent}, endingOf(result.outcome));
+void Coordinator::recordInPlan(const StoredResult& result) {
+  plans_[result.key.space].record({result.key.target, result.key.parent}, result.outcome,
+                                  fieldsOf(result.header));
   ++recorded_;
   converged_ += result.outcome.converged;
   addReady(result.key.space);
 }
 
 void Coordinator::addReady(std::uint32_t space) {
-  for (const Transition& transition : frontiers_[space].takeReady())
+  for (const Transition& transition : plans_[space].takeReady())
     leases_.add({space, transition.target, transition.parent});
+}
+
+std::optional<TransitionKey> Coordinator::keyOf(std::uint32_t space, const wire::Point& target,
+                                                const wire::Point& parent) const {
+  if (space >= plans_.size()) return std::nullopt;
+  const Lattice& positions = plans_[space].positions();
+  const auto to = positions.indexOf(fromWire(target)), from = positions.indexOf(fromWire(parent));
+  if (!to || !from) return std::nullopt;
+  return TransitionKey{space, *to, *from};
+}
+
+std::optional<StoredResult> Coordinator::configuration(std::uint32_t space, std::int32_t point) const {
+  const PointRecord& record = plans_[space].record(point);
+  if (!isSolved(record.tag)) return std::nullopt;
+  return store_->find({space, point, record.parent});
 }
 
 bool Coordinator::deserted(Time now) const {
@@ -314,12 +331,13 @@ bool Coordinator::complete() const {
 
 void Coordinator::finishIfComplete(Time now) {
   if (complete() || !group_.empty()) return;
-  if (!std::all_of(frontiers_.begin(), frontiers_.end(), [](const Frontier& f) { return f.complete(); }))
+  if (!std::all_of(plans_.begin(), plans_.end(), [](const SpacePlan& plan) { return plan.complete(); }))
     return;
-  std::vector<FailedPoints> failed(frontiers_.size());
-  for (std::size_t space = 0; space < frontiers_.size(); ++space)
-    for (std::int32_t point = 0; point < lattice_->size(); ++point)
-      if (frontiers_[space].tag(point) == Tag::failed) failed[space][point] = frontiers_[space].cause(point);
+  std::vector<FailedPoints> failed(plans_.size());
+  for (std::size_t space = 0; space < plans_.size(); ++space)
+    for (std::int32_t n = 0; n < plans_[space].size(); ++n)
+      if (const PointRecord& record = plans_[space].record(n); record.tag == Tag::failed)
+        failed[space][n] = {plans_[space].positions().point(n), record.cause};
   store_->complete(failed);
   writeServers(now);
   for (const auto& [id, worker] : workers_) drain(worker.peer);
@@ -361,23 +379,26 @@ void Coordinator::handOutJobs() {
 }
 
 void Coordinator::sendJob(const std::string& peer, const Handout& handout) {
+  const SpacePlan& plan = plans_[handout.space];
   wire::Job& job = *send(peer).mutable_job();
   job.set_id(handout.job);
   job.set_space(handout.space);
-  *job.mutable_start() = toWire(lattice_->point(handout.parent));
+  *job.mutable_start() = toWire(plan.positions().point(handout.parent));
   job.set_start_id(startId(handout.space, handout.parent, handout.targets.front().point));
   for (const Handout::Target& target : handout.targets) {
     wire::Target& entry = *job.add_targets();
-    *entry.mutable_point() = toWire(lattice_->point(target.point));
+    *entry.mutable_point() = toWire(plan.positions().point(target.point));
     entry.set_attempt(target.attempt);
+    entry.set_steps(static_cast<std::uint32_t>(plan.stepsOf({target.point, handout.parent})));
   }
 }
 
 std::string Coordinator::startId(std::uint32_t space, std::int32_t parent, std::int32_t target) {
   if (parent == target) return "";  // the origin itself, from the rest state
-  const auto start = store_->configuration(space, parent);
-  if (!start) throw failure("point {} of space {} is the start of a job but is not recorded", parent, space);
-  return start->header.fields_id();
+  const PointRecord& start = plans_[space].record(parent);
+  if (!isSolved(start.tag))
+    throw failure("point {} of space {} is the start of a job but is not solved", parent, space);
+  return std::string(start.fields.bytes());
 }
 
 void Coordinator::loseSilentWorkers(Time now) {
@@ -421,7 +442,8 @@ void Coordinator::workerDied(const std::string& id, Time now, const char* why) {
 }
 
 void Coordinator::giveUp(const TransitionKey& key, Time now) {
-  const LatticePoint& point = lattice_->point(key.target);
+  const Lattice& positions = plans_[key.space].positions();
+  const LatticePoint& point = positions.point(key.target);
   spdlog::error(
       "space {}, point ({}, {}, {}): {} workers died while they solved it; it is not tried from there again",
       key.space, point[0], point[1], point[2], deaths_before_giving_up);
@@ -431,7 +453,7 @@ void Coordinator::giveUp(const TransitionKey& key, Time now) {
   header.set_build(std::string(build_.bytes()));
   header.set_space(key.space);
   *header.mutable_target() = toWire(point);
-  *header.mutable_parent() = toWire(lattice_->point(key.parent));
+  *header.mutable_parent() = toWire(positions.point(key.parent));
   header.set_kernel_family(kernel_family_);
   toWire(outcome, "", header);
   enqueue({key, header, outcome, {}}, "", "", now);
@@ -510,7 +532,7 @@ wire::Status Coordinator::status(Time now) const {
   status.set_state(complete() ? "complete" : stopping_ ? "stopping" : "running");
   std::vector<std::string> names;
   for (const ActivePatch& patch : problem_->active) names.push_back(patch.name);
-  addFrontiers(status, frontiers_, names);
+  addPlans(status, plans_, names);
   status.set_recorded(static_cast<std::int32_t>(recorded_));
   status.set_seconds(secondsBetween(started_, now));
   const double elapsed = secondsBetween(progress_.front().first, now);

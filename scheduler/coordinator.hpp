@@ -12,11 +12,11 @@
 
 #include "common/problem.hpp"
 #include "common/wire.hpp"
-#include "scheduler/frontier.hpp"
 #include "scheduler/job_store.hpp"
 #include "scheduler/journal.hpp"
 #include "scheduler/leases.hpp"
 #include "scheduler/result_check.hpp"
+#include "scheduler/space_plan.hpp"
 
 namespace palpate {
 
@@ -41,11 +41,11 @@ struct CoordinatorSettings {
   std::size_t group_results = 64;
 };
 
-/// What every message means: takes messages and the time, keeps frontiers, leases, journal and tables in
+/// What every message means: takes messages and the time, keeps plans, leases, journal and tables in
 /// step, and leaves messages to be sent. No sockets, no clock of its own, one thread.
 ///
 /// A result is acknowledged after journal append, sync and transaction, in that order (docs/state.md). Only
-/// then does the frontier move on. Construction replays what is recorded, so a restart goes on where the last
+/// then does the plan move on. Construction replays what is recorded, so a restart goes on where the last
 /// run was.
 ///
 /// Errors of journal or tables leave as exceptions; the object must not be used afterwards, and nothing was
@@ -55,8 +55,8 @@ class Coordinator {
   using Time = std::chrono::steady_clock::time_point;
 
   /// All references must outlive this object. `problem_bytes` is encodeProblem(problem).
-  Coordinator(const Problem& problem, std::string problem_bytes, const Lattice& lattice, JobStore& store,
-              Journal& journal, Time now, CoordinatorSettings settings = {});
+  Coordinator(const Problem& problem, std::string problem_bytes, JobStore& store, Journal& journal, Time now,
+              CoordinatorSettings settings = {});
 
   void receive(const Incoming& incoming, Time now);
   /// Whatever time brings: commits a group that is due, gives up silent workers, hands out jobs. Call after
@@ -87,7 +87,7 @@ class Coordinator {
   std::int64_t recorded() const { return recorded_; }
 
   wire::Status status(Time now) const;
-  const std::vector<Frontier>& frontiers() const { return frontiers_; }
+  const std::vector<SpacePlan>& plans() const { return plans_; }
 
  private:
   struct Worker {
@@ -108,8 +108,13 @@ class Coordinator {
     std::set<std::string> peers;  ///< to be acknowledged
   };
 
+  /// Which transition these words name; nothing when the space or a point does not exist.
+  std::optional<TransitionKey> keyOf(std::uint32_t space, const wire::Point& target,
+                                     const wire::Point& parent) const;
+  /// The recorded configuration of a point.
+  std::optional<StoredResult> configuration(std::uint32_t space, std::int32_t point) const;
   void addReady(std::uint32_t space);
-  void recordInFrontier(const StoredResult& result);
+  void recordInPlan(const StoredResult& result);
 
   void hello(const std::string& peer, const wire::Hello& hello, Time now);
   void request(Worker& worker, const wire::Request& request);
@@ -144,14 +149,13 @@ class Coordinator {
   const Problem* problem_;
   std::shared_ptr<const std::string> problem_bytes_;
   ContentId build_;
-  const Lattice* lattice_;
   ResultCheck check_;
   JobStore* store_;
   Journal* journal_;
   CoordinatorSettings settings_;
   std::string incarnation_;  ///< 16 random bytes
 
-  std::vector<Frontier> frontiers_;  ///< one per space
+  std::vector<SpacePlan> plans_;  ///< one per space
   Leases leases_;
   Workers workers_;
   std::map<std::string, std::string> id_of_peer_;

@@ -16,7 +16,7 @@ namespace {
 struct ExplainOptions {
   std::string where;
   std::string active;
-  LatticePoint point{};
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in spacings
   bool json = false;
 };
 
@@ -37,11 +37,8 @@ wire::Explanation explainFromDataset(const ExplainOptions& options) {
 wire::Explanation explainFromDirectory(const ExplainOptions& options) {
   StoredTables tables(options.where);
   const Problem problem = decodeProblem(tables.build().problem);
-  const Lattice lattice = uniformLattice(problem.scene);
-  const std::vector<StoredResult> results = tables.results(lattice);
-  const Replay replayed = replay(problem, lattice, results);
-  return explain(spaceNamed(spaceTables(problem, replayed.frontiers, results), options.active),
-                 options.point);
+  const Replay replayed = replay(problem, tables.results());
+  return explain(spaceNamed(spaceTables(replayed.plans), options.active), options.point);
 }
 
 ExitCode run(const ExplainOptions& options) {
@@ -57,7 +54,8 @@ std::function<ExitCode()> prepare(CLI::App& app) {
   app.add_option("WHERE", options->where, "Dataset, OUT.h5, or a state directory")->required();
   app.add_option("--active", options->active, "Name of the active node")->required();
   app.add_option("I", options->point[0],
-                 "Lattice coordinates of the point: its displacement is spacing * (I, J, K)")
+                 "Lattice coordinates of the point: its displacement is spacing * (I, J, K); refined points "
+                 "have fractions")
       ->required();
   app.add_option("J", options->point[1])->required();
   app.add_option("K", options->point[2])->required();

@@ -6,10 +6,10 @@
 
 namespace palpate {
 
-/// How a lattice point of one space was reached: the chain of parents back to the origin; or why it was not:
-/// every attempt. `text` says it for people. Error (bad input), naming the bounds, when the point is not in
-/// the lattice.
-wire::Explanation explain(const SpaceTable& space, const LatticePoint& point);
+/// How a lattice point of one space, given in spacings, was reached: the chain of parents back to the origin;
+/// or why it was not: every attempt. `text` says it for people. Error (bad input), naming the bounds, when
+/// the point is not in the lattice.
+wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spacings);
 
 /// As JSON with the field names of wire::Explanation.
 std::string toJson(const wire::Explanation& explanation);

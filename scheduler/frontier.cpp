@@ -7,6 +7,11 @@
 
 namespace palpate {
 
+Ending endingOf(const Outcome& outcome) {
+  if (outcome.converged) return {true, outcome.equilibrium.force.norm(), Cause::none, 1};
+  return {false, 0, outcome.failure.cause, outcome.failure.step_reached};
+}
+
 Frontier::Frontier(Lattice lattice, double max_force, int max_attempts)
     : lattice_(std::move(lattice)),
       max_force_(max_force),

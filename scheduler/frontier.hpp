@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/configuration.hpp"
 #include "common/failure.hpp"
 #include "common/lattice.hpp"
 #include "common/tag.hpp"
@@ -24,6 +25,7 @@ struct Ending {
   Cause cause = Cause::none;  ///< when not converged
   double step_reached = 0;    ///< when not converged, 0..1
 };
+Ending endingOf(const Outcome& outcome);
 
 /// How often a point is tried before it is given up; half of it (rounded up) in round 0, where all parents
 /// lie on one side of the point and tend to fail together, the rest from any side. A point has 26 neighbours,

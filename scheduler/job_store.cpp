@@ -31,7 +31,8 @@ CREATE TABLE attempts (space INTEGER, target INTEGER, number INTEGER, parent INT
 CREATE TABLE counters (name TEXT PRIMARY KEY, value INTEGER NOT NULL) STRICT;
 )sql";
 
-constexpr const char* result_columns = "header, segment, offset, length";
+// The number of the target is called point in one table and target in the other.
+constexpr const char* result_columns = "header, segment, offset, length, parent";
 
 std::int64_t pragma(Database& database, const std::string& name) {
   Statement query(database, "PRAGMA " + name);
@@ -85,29 +86,29 @@ void checkVersion(Database& database) {
         file, found, version(), JobStore::schema_version);
 }
 
-StoredResult readResult(Statement& row, const Lattice& lattice) {
+StoredResult readResult(Statement& row) {
   StoredResult result;
   if (!result.header.ParseFromString(row.blob(0))) throw failure("the state database holds a damaged result");
-  const auto target = lattice.indexOf(fromWire(result.header.target()));
-  const auto parent = lattice.indexOf(fromWire(result.header.parent()));
   auto outcome = fromWire(result.header);
-  if (!target || !parent || !outcome) throw failure("the state database holds a result that makes no sense");
-  result.key = {result.header.space(), *target, *parent};
+  if (!outcome) throw failure("the state database holds a result that makes no sense");
+  result.key = {result.header.space(), static_cast<std::int32_t>(row.integer(5)),
+                static_cast<std::int32_t>(row.integer(4))};
   result.outcome = std::move(*outcome);
   result.where = {static_cast<std::uint32_t>(row.integer(1)), static_cast<std::uint64_t>(row.integer(2)),
                   static_cast<std::uint64_t>(row.integer(3))};
   return result;
 }
 
-std::vector<StoredResult> readResults(Database& database, const Lattice& lattice) {
+std::vector<StoredResult> readResults(Database& database) {
   std::vector<StoredResult> results;
-  Statement solved(database,
-                   fmt::format("SELECT {} FROM configurations WHERE header IS NOT NULL ORDER BY space, point",
-                               result_columns));
-  while (solved.step()) results.push_back(readResult(solved, lattice));
-  Statement failed(database,
-                   fmt::format("SELECT {} FROM attempts ORDER BY space, target, number", result_columns));
-  while (failed.step()) results.push_back(readResult(failed, lattice));
+  Statement solved(
+      database,
+      fmt::format("SELECT {}, point FROM configurations WHERE header IS NOT NULL ORDER BY space, point",
+                  result_columns));
+  while (solved.step()) results.push_back(readResult(solved));
+  Statement failed(database, fmt::format("SELECT {}, target FROM attempts ORDER BY space, target, number",
+                                         result_columns));
+  while (failed.step()) results.push_back(readResult(failed));
   return results;
 }
 
@@ -120,11 +121,14 @@ std::map<std::string, std::int64_t> readCounters(Database& database) {
 
 }  // namespace
 
-JobStore::JobStore(const StateDirectory& directory, const Problem& problem, const std::string& problem_bytes,
-                   const Lattice& lattice)
-    : lattice_(&lattice), database_(directory.database(), Database::Access::read_write_create) {
+ContentId fieldsOf(const wire::Result& result) {
+  return ContentId::fromBytes(result.fields_id()).value_or(ContentId());
+}
+
+JobStore::JobStore(const StateDirectory& directory, const Problem& problem, const std::string& problem_bytes)
+    : database_(directory.database(), Database::Access::read_write_create) {
   database_.execute("PRAGMA page_size = 8192; PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
-  if (pragma(database_, "schema_version") == 0) create(problem, problem_bytes, lattice);
+  if (pragma(database_, "schema_version") == 0) create(problem, problem_bytes);
   checkVersion(database_);
   build_ = readBuild(database_);
   const ContentId wanted = problemId(problem);
@@ -137,7 +141,8 @@ JobStore::JobStore(const StateDirectory& directory, const Problem& problem, cons
         problem.scene.name);
 }
 
-void JobStore::create(const Problem& problem, const std::string& problem_bytes, const Lattice& lattice) {
+void JobStore::create(const Problem& problem, const std::string& problem_bytes) {
+  const Lattice lattice = uniformLattice(problem.scene);
   Transaction transaction(database_);
   database_.execute(schema);
   database_.execute(
@@ -175,23 +180,31 @@ void JobStore::record(std::span<const StoredResult> results, std::span<const Tag
                       JournalEnd journal_end) {
   Transaction transaction(database_);
   for (std::size_t n = 0; n < results.size(); ++n) {
-    if (results[n].outcome.converged)
-      updateConfiguration(results[n], tags[n]);
-    else
-      insertAttempt(results[n]);
+    const TransitionKey& key = results[n].key;
+    if (find(key))
+      throw failure("{}: point {} of space {} is recorded twice from point {}", database_.file().string(),
+                    key.target, key.space, key.parent);
+    if (!results[n].outcome.converged || !makeRow(results[n], tags[n])) insertAttempt(results[n]);
   }
   putMetaNumber(database_, "journal_segment", journal_end.segment);
   putMetaNumber(database_, "journal_offset", static_cast<std::int64_t>(journal_end.offset));
   transaction.commit();
 }
 
-void JobStore::updateConfiguration(const StoredResult& result, Tag tag) {
+/// False when the point has its row already.
+bool JobStore::makeRow(const StoredResult& result, Tag tag) {
   Statement update(
       database_,
-      "UPDATE configurations SET tag = ?, parent = ?, force_x = ?, force_y = ?, force_z = ?, energy = ?, "
-      "min_det_f = ?, newton_iterations = ?, factorizations = ?, steps = ?, seconds = ?, fields_id = ?, "
-      "header = ?, segment = ?, offset = ?, length = ? "
-      "WHERE space = ? AND point = ? AND header IS NULL");
+      "INSERT INTO configurations (tag, parent, force_x, force_y, force_z, energy, min_det_f, "
+      "newton_iterations, factorizations, steps, seconds, fields_id, header, segment, offset, length, space, "
+      "point, i, j, k) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
+      "ON CONFLICT (space, point) DO UPDATE SET tag = excluded.tag, parent = excluded.parent, "
+      "force_x = excluded.force_x, force_y = excluded.force_y, force_z = excluded.force_z, "
+      "energy = excluded.energy, min_det_f = excluded.min_det_f, "
+      "newton_iterations = excluded.newton_iterations, factorizations = excluded.factorizations, "
+      "steps = excluded.steps, seconds = excluded.seconds, fields_id = excluded.fields_id, "
+      "header = excluded.header, segment = excluded.segment, offset = excluded.offset, "
+      "length = excluded.length WHERE configurations.header IS NULL");
   const Equilibrium& equilibrium = result.outcome.equilibrium;
   const Cost& cost = result.outcome.cost;
   update.bindText(1, name(tag)).bind(2, std::int64_t{result.key.parent});
@@ -203,10 +216,10 @@ void JobStore::updateConfiguration(const StoredResult& result, Tag tag) {
   update.bind(15, static_cast<std::int64_t>(result.where.offset));
   update.bind(16, static_cast<std::int64_t>(result.where.length));
   update.bind(17, std::int64_t{result.key.space}).bind(18, std::int64_t{result.key.target});
+  const LatticePoint position = fromWire(result.header.target());
+  for (int axis = 0; axis < 3; ++axis) update.bind(19 + axis, std::int64_t{position[axis]});
   update.run();
-  if (database_.changes() != 1)
-    throw failure("{}: point {} of space {} is recorded twice", database_.file().string(), result.key.target,
-                  result.key.space);
+  return database_.changes() == 1;
 }
 
 void JobStore::insertAttempt(const StoredResult& result) {
@@ -235,13 +248,16 @@ void JobStore::setKernelFamily(const std::string& family) {
 void JobStore::complete(std::span<const FailedPoints> failed) {
   Transaction transaction(database_);
   Statement update(database_,
-                   "UPDATE configurations SET tag = 'failed', cause = ? WHERE space = ? AND point = ?");
+                   "INSERT INTO configurations (tag, cause, space, point, i, j, k) "
+                   "VALUES ('failed', ?, ?, ?, ?, ?, ?) "
+                   "ON CONFLICT (space, point) DO UPDATE SET tag = excluded.tag, cause = excluded.cause");
   for (std::size_t space = 0; space < failed.size(); ++space)
-    for (const auto& [point, cause] : failed[space])
-      update.bindText(1, name(cause))
-          .bind(2, static_cast<std::int64_t>(space))
-          .bind(3, std::int64_t{point})
-          .run();
+    for (const auto& [number, point] : failed[space]) {
+      update.bindText(1, name(point.cause)).bind(2, static_cast<std::int64_t>(space));
+      update.bind(3, std::int64_t{number});
+      for (int axis = 0; axis < 3; ++axis) update.bind(4 + axis, std::int64_t{point.position[axis]});
+      update.run();
+    }
   putMetaNumber(database_, "complete", 1);
   transaction.commit();
   build_.complete = true;
@@ -274,27 +290,21 @@ std::map<std::string, std::int64_t> JobStore::counters() {
 }
 
 std::optional<StoredResult> JobStore::find(const TransitionKey& key) {
-  if (auto found = configuration(key.space, key.target); found && found->key == key) return found;
-  Statement query(
-      database_,
-      fmt::format("SELECT {} FROM attempts WHERE space = ? AND target = ? AND parent = ?", result_columns));
-  query.bind(1, std::int64_t{key.space}).bind(2, std::int64_t{key.target}).bind(3, std::int64_t{key.parent});
-  if (!query.step()) return std::nullopt;
-  return readResult(query, *lattice_);
-}
-
-std::optional<StoredResult> JobStore::configuration(std::uint32_t space, std::int32_t point) {
-  Statement query(
-      database_,
-      fmt::format("SELECT {} FROM configurations WHERE space = ? AND point = ? AND header IS NOT NULL",
-                  result_columns));
-  query.bind(1, std::int64_t{space}).bind(2, std::int64_t{point});
-  if (!query.step()) return std::nullopt;
-  return readResult(query, *lattice_);
+  for (const auto& [table, target] : {std::pair{"configurations", "point"}, {"attempts", "target"}}) {
+    Statement query(database_,
+                    fmt::format("SELECT {0}, {2} FROM {1} WHERE space = ? AND {2} = ? AND parent = ? "
+                                "AND header IS NOT NULL",
+                                result_columns, table, target));
+    query.bind(1, std::int64_t{key.space})
+        .bind(2, std::int64_t{key.target})
+        .bind(3, std::int64_t{key.parent});
+    if (query.step()) return readResult(query);
+  }
+  return std::nullopt;
 }
 
 std::vector<StoredResult> JobStore::results() {
-  return readResults(database_, *lattice_);
+  return readResults(database_);
 }
 
 namespace {
@@ -318,8 +328,8 @@ StoredTables::StoredTables(const std::filesystem::path& directory)
 
 StoredTables::~StoredTables() = default;
 
-std::vector<StoredResult> StoredTables::results(const Lattice& lattice) {
-  return readResults(database_, lattice);
+std::vector<StoredResult> StoredTables::results() {
+  return readResults(database_);
 }
 
 std::vector<ServerRow> StoredTables::servers() {

@@ -30,6 +30,9 @@ struct StoredBuild {
   bool complete = false;
 };
 
+/// The id of a result's nodal fields; all zero of a failure.
+ContentId fieldsOf(const wire::Result& result);
+
 /// One recorded result: its header exactly as the worker sent it, and where header and payload lie in the
 /// journal.
 struct StoredResult {
@@ -51,8 +54,12 @@ struct ServerRow {
   std::int64_t results = 0;
 };
 
-/// Point -> cause of every failed point of one space.
-using FailedPoints = std::map<std::int32_t, Cause>;
+struct FailedPoint {
+  LatticePoint position;
+  Cause cause = Cause::none;
+};
+/// The failed points of one space by number.
+using FailedPoints = std::map<std::int32_t, FailedPoint>;
 
 /// The tables of a build (SQLite, docs/state.md): servers, configurations, attempts, counters. One writer,
 /// which owns the StateDirectory; readers open StoredTables beside it at any time.
@@ -62,20 +69,19 @@ using FailedPoints = std::map<std::int32_t, Cause>;
 /// scheduler.
 class JobStore {
  public:
-  static constexpr int schema_version = 1;
+  static constexpr int schema_version = 2;
 
-  /// Opens the tables in `directory`, or makes them with every lattice point unknown. Error (bad input) when
-  /// they belong to another build, naming its scene, or to a newer version of Palpate.
-  JobStore(const StateDirectory& directory, const Problem& problem, const std::string& problem_bytes,
-           const Lattice& lattice);
+  /// Opens the tables in `directory`, or makes them with every point of the uniform lattice unknown. Error
+  /// (bad input) when they belong to another build, naming its scene, or to a newer version of Palpate.
+  JobStore(const StateDirectory& directory, const Problem& problem, const std::string& problem_bytes);
 
   /// Where the committed journal ends; Journal truncates there.
   JournalEnd committed();
   const StoredBuild& build() const { return build_; }
 
-  /// Records results that `journal_end` covers and that the journal has synced. Converged ones set the tag
-  /// that `tags` (parallel to results) gives, failed ones become attempts. Error when a key is recorded
-  /// already.
+  /// Records results that `journal_end` covers and that the journal has synced. The first converged one of a
+  /// point becomes its row, with the tag that `tags` (parallel to results) gives; failed ones, and those that
+  /// converged for a point that has its row, become attempts. Error when a key is recorded already.
   void record(std::span<const StoredResult> results, std::span<const Tag> tags, JournalEnd journal_end);
   void setKernelFamily(const std::string& family);
   /// The end of the build: the points of each space that could not be reached.
@@ -87,18 +93,15 @@ class JobStore {
 
   /// The result with this key; nothing when it is not recorded.
   std::optional<StoredResult> find(const TransitionKey& key);
-  /// The configuration of a solved point; nothing when it is not solved.
-  std::optional<StoredResult> configuration(std::uint32_t space, std::int32_t point);
-  /// Every result: the solved points by (space, point), then the attempts by (space, target, order of
-  /// trying).
+  /// Every result: first those that made a row of a point, by (space, point), then the others by (space,
+  /// target, order of trying).
   std::vector<StoredResult> results();
 
  private:
-  void create(const Problem& problem, const std::string& problem_bytes, const Lattice& lattice);
+  void create(const Problem& problem, const std::string& problem_bytes);
   void insertAttempt(const StoredResult& result);
-  void updateConfiguration(const StoredResult& result, Tag tag);
+  bool makeRow(const StoredResult& result, Tag tag);
 
-  const Lattice* lattice_;
   Database database_;
   StoredBuild build_;
 };
@@ -112,7 +115,7 @@ class StoredTables {
   ~StoredTables();
 
   const StoredBuild& build() const { return build_; }
-  std::vector<StoredResult> results(const Lattice& lattice);
+  std::vector<StoredResult> results();
   std::vector<ServerRow> servers();
   std::map<std::string, std::int64_t> counters();
 

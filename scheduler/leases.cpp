@@ -95,14 +95,24 @@ std::size_t Leases::jobsOf(const std::string& worker) const {
   return found == by_worker_.end() ? 0 : found->second.size();
 }
 
+const std::vector<TransitionKey>* Leases::openOf(const std::string& worker, std::uint64_t job) const {
+  const auto jobs = by_worker_.find(worker);
+  if (jobs == by_worker_.end()) return nullptr;
+  const auto keys = jobs->second.find(job);
+  return keys == jobs->second.end() || keys->second.empty() ? nullptr : &keys->second;
+}
+
+std::optional<std::uint32_t> Leases::spaceOf(const std::string& worker, std::uint64_t job) const {
+  const std::vector<TransitionKey>* open = openOf(worker, job);
+  if (open == nullptr) return std::nullopt;
+  return open->front().space;
+}
+
 std::optional<TransitionKey> Leases::leasedTransition(const std::string& worker, std::uint64_t job,
                                                       std::int32_t target) const {
-  const auto jobs = by_worker_.find(worker);
-  if (jobs == by_worker_.end()) return std::nullopt;
-  const auto keys = jobs->second.find(job);
-  if (keys == jobs->second.end()) return std::nullopt;
-  for (const TransitionKey& key : keys->second)
-    if (key.target == target) return key;
+  if (const std::vector<TransitionKey>* open = openOf(worker, job))
+    for (const TransitionKey& key : *open)
+      if (key.target == target) return key;
   return std::nullopt;
 }
 

@@ -76,6 +76,8 @@ class Leases {
   /// Targets and jobs leased to one worker.
   std::size_t leasedTo(const std::string& worker) const;
   std::size_t jobsOf(const std::string& worker) const;
+  /// The space of that job of that worker; nothing when none of its transitions is open.
+  std::optional<std::uint32_t> spaceOf(const std::string& worker, std::uint64_t job) const;
   /// The open transition to `target` in that job of that worker; nothing when there is none.
   std::optional<TransitionKey> leasedTransition(const std::string& worker, std::uint64_t job,
                                                 std::int32_t target) const;
@@ -95,6 +97,7 @@ class Leases {
 
   void putBack(const TransitionKey& key, Entry& entry);
   void takeFromWaiting(const TransitionKey& key);
+  const std::vector<TransitionKey>* openOf(const std::string& worker, std::uint64_t job) const;
   LeasesOfWorker endLeases(const std::string& worker);
 
   std::map<TransitionKey, Entry> entries_;

@@ -23,21 +23,11 @@ bool causedByWorkers(const wire::Result& result) {
 
 }  // namespace
 
-ResultCheck::ResultCheck(const Problem& problem, const Lattice& lattice)
-    : problem_(&problem), lattice_(&lattice), build_(problemId(problem)) {}
-
-std::optional<TransitionKey> ResultCheck::keyOf(std::uint32_t space, const wire::Point& target,
-                                                const wire::Point& parent) const {
-  const auto to = lattice_->indexOf(fromWire(target)), from = lattice_->indexOf(fromWire(parent));
-  if (space >= problem_->active.size() || !to || !from) return std::nullopt;
-  return TransitionKey{space, *to, *from};
-}
+ResultCheck::ResultCheck(const Problem& problem) : problem_(&problem), build_(problemId(problem)) {}
 
 std::string ResultCheck::objectionTo(const wire::Result& result, const std::string& payload,
                                      const std::string& kernel_family) const {
   if (result.build() != build_.bytes()) return "a result of another build";
-  if (!keyOf(result.space(), result.target(), result.parent()))
-    return "a result for a point that does not exist";
   const auto outcome = fromWire(result);
   if (!outcome) return "a result that makes no sense";
   if (result.payload_bytes() != payload.size())

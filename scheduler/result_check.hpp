@@ -1,27 +1,20 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "common/content_id.hpp"
-#include "common/lattice.hpp"
 #include "common/problem.hpp"
 #include "proto/palpate.pb.h"
-#include "scheduler/leases.hpp"
 
 namespace palpate {
 
-/// Judges results that came over a socket before anything is done with them. `problem` and `lattice` must
-/// outlive it.
+/// Judges results that came over a socket before anything is done with them. `problem` must outlive it.
 class ResultCheck {
  public:
-  ResultCheck(const Problem& problem, const Lattice& lattice);
+  explicit ResultCheck(const Problem& problem);
 
-  /// Which transition these words name; nothing when the space or a point does not exist.
-  std::optional<TransitionKey> keyOf(std::uint32_t space, const wire::Point& target,
-                                     const wire::Point& parent) const;
-
-  /// Why this is no result of this build, computed with `kernel_family`; empty when it is one.
+  /// Why this is no result of this build, computed with `kernel_family`; empty when it may be one: whether
+  /// the transition was asked for is for the plans to say.
   std::string objectionTo(const wire::Result& result, const std::string& payload,
                           const std::string& kernel_family) const;
 
@@ -31,7 +24,6 @@ class ResultCheck {
 
  private:
   const Problem* problem_;
-  const Lattice* lattice_;
   ContentId build_;
 };
 

@@ -7,6 +7,7 @@
 
 #include "common/wire.hpp"
 #include "scheduler/build.hpp"
+#include "scheduler/build_summary.hpp"
 #include "scheduler/progress.hpp"
 #include "scheduler/server.hpp"
 
@@ -41,8 +42,9 @@ void waitForWorkersToLeave(Server& server, Coordinator& coordinator) {
     server.turn(coordinator, longest_turn);
 }
 
-ExitCode finish(const std::vector<SpaceTable>& spaces, const std::filesystem::path& out, const char* how) {
-  fmt::print("{}\n{}: {}\n", summaryOf(spaces), out.string(), how);
+ExitCode finish(const std::vector<SpaceTable>& spaces, const Scene& scene, const std::filesystem::path& out,
+                const char* how) {
+  fmt::print("{}\n{}: {}\n", summaryOf(spaces, scene), out.string(), how);
   return exitCodeOf(spaces);
 }
 
@@ -60,7 +62,8 @@ ExitCode run(const ServeOptions& options) {
   const std::filesystem::path out =
       options.out.empty() ? defaultDatasetFile(problem.scene) : std::filesystem::path(options.out);
   if (isSealed(out, problem, options.force))
-    return finish(Dataset(out).spaces(), out, "is already the dataset of this scene; nothing to do");
+    return finish(Dataset(out).spaces(), problem.scene, out,
+                  "is already the dataset of this scene; nothing to do");
 
   catchInterrupts();
   Build build(std::move(problem), options.state);
@@ -85,7 +88,7 @@ ExitCode run(const ServeOptions& options) {
                options.state);
     return interrupted() ? ExitCode::interrupted : ExitCode::done;
   }
-  return finish(build.seal(out), out, "sealed");
+  return finish(build.seal(out), build.problem().scene, out, "sealed");
 }
 
 std::function<ExitCode()> prepare(CLI::App& app) {

@@ -11,27 +11,29 @@
 
 namespace palpate {
 
-void addFrontiers(wire::Status& status, const std::vector<Frontier>& frontiers,
-                  const std::vector<std::string>& names) {
+void addPlans(wire::Status& status, const std::vector<SpacePlan>& plans,
+              const std::vector<std::string>& names) {
   std::int32_t ready = 0;
-  for (std::size_t n = 0; n < frontiers.size(); ++n) {
-    const Frontier& frontier = frontiers[n];
+  for (std::size_t n = 0; n < plans.size(); ++n) {
+    const SpacePlan& plan = plans[n];
     std::array<std::int32_t, 4> count{};
-    for (std::int32_t point = 0; point < frontier.size(); ++point) {
-      const Tag tag = frontier.tag(point);
-      ++count.at(static_cast<std::size_t>(tag));
-      for (const Frontier::Attempt& attempt : frontier.attempts(point))
-        ++(*status.mutable_failed_attempts())[std::string(name(attempt.cause))];
-      if (tag == Tag::failed) ++(*status.mutable_failed_points())[std::string(name(frontier.cause(point)))];
+    for (std::int32_t point = 0; point < plan.size(); ++point) {
+      const PointRecord& record = plan.record(point);
+      ++count.at(static_cast<std::size_t>(record.tag));
+      for (const FailedAttempt& attempt : plan.attempts(point))
+        ++(*status.mutable_failed_attempts())[std::string(name(attempt.failure.cause))];
+      if (record.tag == Tag::failed) ++(*status.mutable_failed_points())[std::string(name(record.cause))];
     }
     wire::SpaceStatus& space = *status.add_spaces();
     space.set_name(names[n]);
-    space.set_points(frontier.size());
+    space.set_points(plan.size());
     space.set_unknown(count[static_cast<std::size_t>(Tag::unknown)]);
     space.set_expandable(count[static_cast<std::size_t>(Tag::expandable)]);
     space.set_terminating(count[static_cast<std::size_t>(Tag::terminating)]);
     space.set_failed(count[static_cast<std::size_t>(Tag::failed)]);
-    ready += frontier.open();
+    space.set_stage(std::string(name(plan.stage())));
+    status.set_may_grow(status.may_grow() || plan.mayGrow());
+    ready += plan.open();
   }
   status.set_ready(ready);
 }
@@ -82,11 +84,39 @@ std::string progressLine(const wire::Status& status) {
   std::string line = fmt::format("{}/{} points, {:.1f}/s, frontier {}, {} worker{}", points - unknown, points,
                                  status.configurations_per_second(), status.ready(), status.workers_size(),
                                  status.workers_size() == 1 ? "" : "s");
-  if (status.has_eta_seconds()) line += fmt::format(", {} left", durationText(status.eta_seconds()));
+  if (status.has_eta_seconds())
+    line += fmt::format(", {}{} left", status.may_grow() ? "an estimated " : "",
+                        durationText(status.eta_seconds()));
+  if (status.may_grow()) line += ", refinement may ask for more points";
   return line;
 }
 
 namespace {
+
+/// All of them, or when they are many those that are being worked on, as far as they fit on a screen, and a
+/// sum.
+std::vector<wire::SpaceStatus> spacesToShow(const wire::Status& status) {
+  constexpr std::size_t most = 24;
+  std::vector<wire::SpaceStatus> shown(status.spaces().begin(), status.spaces().end());
+  if (shown.size() <= most) return shown;
+  wire::SpaceStatus sum;
+  int complete = 0;
+  for (const wire::SpaceStatus& s : shown) {
+    sum.set_points(sum.points() + s.points());
+    sum.set_unknown(sum.unknown() + s.unknown());
+    sum.set_expandable(sum.expandable() + s.expandable());
+    sum.set_terminating(sum.terminating() + s.terminating());
+    sum.set_failed(sum.failed() + s.failed());
+    complete += s.stage() == "complete" ? 1 : 0;
+  }
+  sum.set_name(fmt::format("all {}", shown.size()));
+  sum.set_stage(fmt::format("{} complete", complete));
+  std::erase_if(shown,
+                [](const wire::SpaceStatus& s) { return s.stage() == "complete" || s.expandable() == 0; });
+  if (shown.size() > most) shown.resize(most);
+  shown.push_back(sum);
+  return shown;
+}
 
 void appendCauses(std::string& text, const char* title,
                   const google::protobuf::Map<std::string, std::int32_t>& causes) {
@@ -103,11 +133,11 @@ void appendCauses(std::string& text, const char* title,
 std::string describe(const wire::Status& status) {
   std::string text =
       fmt::format("scene {}, build {}: {}\n\n", status.scene(), status.build().substr(0, 12), status.state());
-  text += fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", "active node", "points", "expandable",
-                      "terminating", "failed", "unknown");
-  for (const wire::SpaceStatus& s : status.spaces())
-    text += fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", s.name(), s.points(), s.expandable(),
-                        s.terminating(), s.failed(), s.unknown());
+  text += fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}  {}\n", "active node", "points", "expandable",
+                      "terminating", "failed", "unknown", "stage");
+  for (const wire::SpaceStatus& s : spacesToShow(status))
+    text += fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}  {}\n", s.name(), s.points(), s.expandable(),
+                        s.terminating(), s.failed(), s.unknown(), s.stage());
   text += '\n';
   if (status.state() == "running" || status.state() == "stopping") text += progressLine(status) + '\n';
   appendCauses(text, "failed points", status.failed_points());

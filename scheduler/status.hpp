@@ -4,15 +4,15 @@
 #include <vector>
 
 #include "proto/palpate.pb.h"
-#include "scheduler/frontier.hpp"
 #include "scheduler/job_store.hpp"
+#include "scheduler/space_plan.hpp"
 
 namespace palpate {
 
-/// Fills spaces, ready, failed_attempts and failed_points. `names` are those of the active nodes, parallel to
-/// `frontiers`.
-void addFrontiers(wire::Status& status, const std::vector<Frontier>& frontiers,
-                  const std::vector<std::string>& names);
+/// Fills spaces, ready, may_grow, failed_attempts and failed_points. `names` are those of the active nodes,
+/// parallel to `plans`.
+void addPlans(wire::Status& status, const std::vector<SpacePlan>& plans,
+              const std::vector<std::string>& names);
 void addWorker(wire::Status& status, const ServerRow& row);
 
 /// A Status as the JSON of StatusReply, and back. Error when the text is not one.

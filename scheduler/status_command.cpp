@@ -6,7 +6,6 @@
 #include <memory>
 #include <thread>
 
-#include "common/lattice.hpp"
 #include "common/problem.hpp"
 #include "common/wire.hpp"
 #include "scheduler/job_store.hpp"
@@ -29,8 +28,7 @@ struct StatusOptions {
 wire::Status storedStatus(const std::filesystem::path& directory) {
   StoredTables tables(directory);
   const Problem problem = decodeProblem(tables.build().problem);
-  const Lattice lattice = uniformLattice(problem.scene);
-  const Replay replayed = replay(problem, lattice, tables.results(lattice));
+  const Replay replayed = replay(problem, tables.results());
   std::vector<std::string> names;
   for (const ActivePatch& patch : problem.active) names.push_back(patch.name);
 
@@ -38,7 +36,7 @@ wire::Status storedStatus(const std::filesystem::path& directory) {
   status.set_scene(tables.build().scene_name);
   status.set_build(tables.build().build.hex());
   status.set_state(tables.build().complete ? "complete" : "stopped");
-  addFrontiers(status, replayed.frontiers, names);
+  addPlans(status, replayed.plans, names);
   for (ServerRow row : tables.servers()) {
     // What the tables last said; no scheduler runs that it could be idle or busy for.
     if (row.state != "lost") row.state = "left";

@@ -45,11 +45,16 @@ Eigen::Matrix<double, Rows, 4> trilinearJet(const LeafCorners& corners, const Ei
   return jet;
 }
 
+bool contains(const std::vector<LatticeEdge>& edges, std::int32_t a, std::int32_t b) {
+  return std::binary_search(edges.begin(), edges.end(), LatticeEdge{std::min(a, b), std::max(a, b)});
+}
+
 }  // namespace
 
 CellData::CellData(const SpaceTable& space)
     : tree(space),
       inconsistent(inconsistentEdges(space)),
+      suspect(suspectEdges(space)),
       equilibria(slotEquilibria(tree, space, inconsistent)),
       support(slotCoverage(tree, inconsistent)),
       divisions(space.lattice.divisions()) {
@@ -66,40 +71,44 @@ std::int32_t CellData::slotAt(const LatticePoint& point) const {
 }
 
 bool CellData::isInconsistent(std::int32_t a, std::int32_t b) const {
-  const std::int32_t first = numbers[at(a)], second = numbers[at(b)];
-  return std::binary_search(inconsistent.begin(), inconsistent.end(),
-                            LatticeEdge{std::min(first, second), std::max(first, second)});
+  return contains(inconsistent, numbers[at(a)], numbers[at(b)]);
 }
 
-bool CellData::hasInconsistentEdge(std::int32_t leaf) const {
-  const LeafCorners& corners = tree.corners(leaf);
-  for (std::size_t c = 0; c < 8; ++c)
-    for (const std::size_t axis : {1, 2, 4})
-      if ((c & axis) == 0 && isInconsistent(corners[c], corners[c | axis])) return true;
-  return false;
+std::vector<std::int32_t> CellData::leavesWith(const std::vector<LatticeEdge>& edges) const {
+  std::vector<std::int32_t> found;
+  if (edges.empty()) return found;
+  for (std::int32_t leaf = 0; leaf < static_cast<std::int32_t>(tree.leaves().size()); ++leaf) {
+    const LeafCorners& corners = tree.corners(leaf);
+    bool any = false;
+    for (std::size_t c = 0; c < 8; ++c)
+      for (const std::size_t axis : {1, 2, 4})
+        any = any ||
+              ((c & axis) == 0 && contains(edges, numbers[at(corners[c])], numbers[at(corners[c | axis])]));
+    if (any) found.push_back(leaf);
+  }
+  return found;
 }
 
-CellField::CellField(const CellData& data) : tree_(data.tree) {
+CellField::CellField(const CellData& data, Limit limit) : tree_(data.tree) {
   nodes_.reserve(data.equilibria.size());
   for (std::size_t s = 0; s < data.equilibria.size(); ++s) {
     nodes_.emplace_back();
     nodes_.back() << data.equilibria[s].force, data.support[s];
   }
-  if (!data.inconsistent.empty()) setFlags(data);
+  for (const std::int32_t leaf : data.leavesWith(data.inconsistent))
+    for (const std::int32_t slot : tree_.corners(leaf)) nodes_[at(slot)][3] = 0;
   fillHanging(tree_, nodes_, [this](std::int32_t leaf, const Eigen::Vector3d& local) -> Eigen::Vector4d {
     return trilinear(tree_.corners(leaf), local, nodes_);
   });
+  setFlags(data.leavesWith(limit == Limit::suspect ? data.suspect : data.inconsistent));
   if (!flags_.empty()) setSpread();
 }
 
-void CellField::setFlags(const CellData& data) {
+void CellField::setFlags(const std::vector<std::int32_t>& leaves) {
+  if (leaves.empty()) return;
   flags_.assign(nodes_.size(), 0);
-  const auto leaves = static_cast<std::int32_t>(tree_.leaves().size());
-  for (std::int32_t leaf = 0; leaf < leaves; ++leaf) {
-    if (!data.hasInconsistentEdge(leaf)) continue;
+  for (const std::int32_t leaf : leaves)
     for (const std::int32_t slot : tree_.corners(leaf)) flags_[at(slot)] = 1;
-  }
-  for (std::size_t s = 0; s < flags_.size(); ++s) nodes_[s][3] *= 1 - flags_[s];
   fillHanging(tree_, flags_, [this](std::int32_t leaf, const Eigen::Vector3d& local) {
     return trilinear(tree_.corners(leaf), local, flags_);
   });

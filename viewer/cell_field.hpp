@@ -18,6 +18,7 @@ struct CellData {
 
   CellTree tree;
   std::vector<LatticeEdge> inconsistent;  ///< inconsistentEdges of the space
+  std::vector<LatticeEdge> suspect;       ///< suspectEdges of the space
   std::vector<Equilibrium> equilibria;    ///< slotEquilibria
   std::vector<double> support;            ///< slotCoverage
   std::vector<std::int32_t> numbers;  ///< per slot: lattice number, of hanging ones too; -1 when it has none
@@ -28,26 +29,29 @@ struct CellData {
   std::int32_t slotAt(const LatticePoint& point) const;
   /// Whether two slots are the ends of an inconsistent edge.
   bool isInconsistent(std::int32_t a, std::int32_t b) const;
-  /// Whether an edge of a leaf is inconsistent.
-  bool hasInconsistentEdge(std::int32_t leaf) const;
+  /// The leaves with an edge among these; sorted edges.
+  std::vector<std::int32_t> leavesWith(const std::vector<LatticeEdge>& edges) const;
 };
 
 /// What all methods that interpolate in the leaves of a cell tree have in common: where a displacement lies,
 /// what happens outside of the ball, coverage, and the limiter.
 ///
 /// Limiter: smooth interpolants overshoot where two corners of a leaf lie on different branches. All corners
-/// of a leaf with an inconsistent edge (branch_check.hpp) have the flag 1, the others 0; w is the tri-linear
+/// of a leaf with such an edge (branch_check.hpp) have the flag 1, the others 0; w is the tri-linear
 /// interpolant of the flags, and the force is (1 - w) smooth + w tri-linear. So it is exactly the tri-linear
 /// one in such a leaf, the smooth one in leaves that do not touch it, and continuous. Where w > 0 there is no
 /// energy, and the error bound grows by w times the largest difference between forces at the leaf's corners.
-/// Corners with a flag count as not covered.
+/// The corners of leaves with an inconsistent edge count as not covered.
 class CellField : public ForceField {
  public:
   ForceSample evaluate(const Eigen::Vector3d& displacement) const noexcept final;
 
  protected:
+  /// Which edges make a leaf tri-linear: methods that keep to the stored energies overshoot less.
+  enum class Limit { inconsistent, suspect };
+
   /// Copies what it needs.
-  explicit CellField(const CellData& data);
+  explicit CellField(const CellData& data, Limit limit = Limit::suspect);
 
   /// Replaces what `sample` comes with, the tri-linear force and stiffness, by those of the method at a place
   /// in a leaf (0..1 along each axis), with energy and error bound if it has them. Real time.
@@ -57,7 +61,7 @@ class CellField : public ForceField {
   const CellTree& tree() const { return tree_; }
 
  private:
-  void setFlags(const CellData& data);
+  void setFlags(const std::vector<std::int32_t>& leaves);
   void setSpread();
   ForceSample sampleAt(const LeafPlace& place) const noexcept;
   void limit(const LeafPlace& place, const ForceSample& linear, ForceSample& sample) const noexcept;

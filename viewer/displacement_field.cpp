@@ -14,6 +14,9 @@ std::size_t at(std::int32_t index) {
   return static_cast<std::size_t>(index);
 }
 
+/// Solved points that a ghost is continued from: enough to span the space beside a flat rim too.
+constexpr std::size_t sources = 20;
+
 /// A multiple of a slot's row.
 struct Term {
   std::int32_t slot;
@@ -44,7 +47,7 @@ std::vector<std::int32_t> nearestSolved(const CellData& data, std::int32_t ghost
 /// Factors that sum to one and continue linear functions exactly, near slots weighing more; the nearest alone
 /// where the slots do not span the space or would be blown up.
 std::vector<Term> linearContinuation(const CellData& data, std::int32_t ghost) {
-  const std::vector<std::int32_t> slots = nearestSolved(data, ghost, 8);
+  const std::vector<std::int32_t> slots = nearestSolved(data, ghost, sources);
   const auto n = static_cast<Eigen::Index>(slots.size());
   Eigen::MatrixXd conditions(4, n);
   Eigen::VectorXd closeness(n);
@@ -59,7 +62,7 @@ std::vector<Term> linearContinuation(const CellData& data, std::int32_t ghost) {
   const Eigen::MatrixXd weighted = conditions * closeness.asDiagonal();
   const Eigen::VectorXd factors =
       closeness.cwiseProduct(weighted.completeOrthogonalDecomposition().solve(target));
-  constexpr double most = 4;  // sum of the magnitudes: 1 to 3 at a rim
+  constexpr double most = 6;  // sum of the magnitudes: 1 to 3 at a rim
   if (!((conditions * factors - target).norm() < 1e-9 && factors.cwiseAbs().sum() <= most))
     return {{slots.front(), 1}};
   std::vector<Term> terms;
@@ -174,9 +177,9 @@ void DisplacementField::setFlags(const CellData& data) {
   const auto flag = [&](std::int32_t leaf) {
     for (const std::int32_t slot : tree_.corners(leaf)) flags_[at(slot)] = 1;
   };
+  for (const std::int32_t leaf : data.leavesWith(data.inconsistent)) flag(leaf);
   for (std::size_t leaf = 0; leaf < tree_.leaves().size(); ++leaf) {
     const auto index = static_cast<std::int32_t>(leaf);
-    if (data.hasInconsistentEdge(index)) flag(index);
     for (const std::int32_t slot : tree_.corners(index))
       if (tree_.slots()[at(slot)].kind == SlotKind::hanging) {
         flag(index);

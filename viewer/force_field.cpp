@@ -29,17 +29,4 @@ std::unique_ptr<ForceField> makeForceField(std::string_view method, const SpaceT
   throw badInput("there is no method \"{}\"; there are: {}", method, fmt::join(forceFieldMethods(), ", "));
 }
 
-ForceSample sampleOutside(const Equilibrium& point, const Eigen::Vector3d& step, double spacing) noexcept {
-  ForceSample sample;
-  const double length = step.stableNorm(), limit = 2 * spacing;
-  Eigen::Vector3d cut = Eigen::Vector3d::Zero();
-  if (length <= limit)
-    cut = step;
-  else if (std::isfinite(length))
-    cut = step * (limit / length);
-  sample.force = point.force + point.stiffness * cut;
-  sample.stiffness = point.stiffness;
-  return sample;
-}
-
 }  // namespace palpate

@@ -36,7 +36,7 @@ class ForceField {
   /// displacement: of the active node from its rest position, metres, any value.
   /// Real time: does not allocate, lock, throw or log.
   virtual ForceSample evaluate(const Eigen::Vector3d& displacement) const noexcept = 0;
-  /// The word for --method: "trilinear" or "potential".
+  /// The word for --method.
   virtual std::string_view name() const = 0;
 };
 
@@ -45,9 +45,5 @@ const std::vector<std::string>& forceFieldMethods();
 
 /// Error (bad input) for an unknown method, listing the known; Error when the space has no solved point.
 std::unique_ptr<ForceField> makeForceField(std::string_view method, const SpaceTable& space);
-
-/// The value outside of the covered cells, see ForceSample::inside. `point` must be solved, `step` is
-/// displacement minus that of the point. Real time.
-ForceSample sampleOutside(const Equilibrium& point, const Eigen::Vector3d& step, double spacing) noexcept;
 
 }  // namespace palpate

@@ -7,7 +7,7 @@ PotentialField::PotentialField(const CellData& data, const SpaceTable& space)
 
 PotentialField::PotentialField(const CellData& data, const SpaceTable& space,
                                const std::vector<LocalPolynomial>& polynomials)
-    : CellField(data),
+    : CellField(data, Limit::inconsistent),
       jets_(energyJets(data.tree, polynomials)),
       error_(data.tree, polynomials, jets_, suspectEdges(space)) {}
 

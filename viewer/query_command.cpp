@@ -7,7 +7,6 @@
 
 #include "common/dataset.hpp"
 #include "common/displacement_input.hpp"
-#include "viewer/cell_grid.hpp"
 #include "viewer/force_field.hpp"
 
 namespace palpate {
@@ -31,42 +30,42 @@ std::string describeJson(const Eigen::Vector3d& displacement, const ForceSample&
   for (int row = 0; row < 3; ++row) answer["stiffness"].push_back(toJson(sample.stiffness.row(row)));
   answer["error_bound"] = nullptr;
   if (std::isfinite(sample.error_bound)) answer["error_bound"] = sample.error_bound;
+  answer["coverage"] = sample.coverage;
   answer["inside"] = sample.inside;
   answer["method"] = method;
   return answer.dump() + '\n';
 }
 
-/// Why a displacement is not covered, for a person.
-std::string describeOutside(const SpaceTable& space, const Eigen::Vector3d& displacement) {
-  const Lattice& lattice = space.lattice;
+/// Why a displacement is not inside, and what the answer is then, for a person.
+std::string describeOutside(const Lattice& lattice, const Eigen::Vector3d& displacement) {
   if (displacement.stableNorm() > lattice.radius())
-    return fmt::format("|displacement| = {:.6g} m is beyond the workspace radius {:.6g} m",
-                       displacement.stableNorm(), lattice.radius());
+    return fmt::format(
+        "|displacement| = {:.6g} m is beyond the workspace radius {:.6g} m.\n"
+        "              The values are those at the nearest point of the workspace ball",
+        displacement.stableNorm(), lattice.radius());
+  return "none of the lattice points around it was solved.\n              The values are an extrapolation";
+}
+
+/// What is missing around a displacement in the ball, for a person; of the uniform lattice.
+std::string describeGaps(const SpaceTable& space, const Eigen::Vector3d& displacement) {
+  const Lattice& lattice = space.lattice;
   int beyond = 0;
-  std::string unsolved;
+  std::string gaps;
   for (int c = 0; c < 8; ++c) {
     LatticePoint corner{};
     for (int axis = 0; axis < 3; ++axis)
       corner[static_cast<std::size_t>(axis)] =
-          static_cast<std::int32_t>(std::floor(displacement[axis] / lattice.spacing())) + (c >> axis & 1);
+          lattice.divisions() *
+          (static_cast<std::int32_t>(std::floor(displacement[axis] / lattice.spacing())) + (c >> axis & 1));
     const auto number = lattice.indexOf(corner);
-    if (!number) {
-      ++beyond;
-      continue;
-    }
+    beyond += number ? 0 : 1;
+    if (!number || isSolved(space.points[*number].tag)) continue;
     const PointRecord& point = space.points[*number];
-    if (isSolved(point.tag)) continue;
-    unsolved += fmt::format("{}({}, {}, {}) {}", unsolved.empty() ? "" : ", ", corner[0], corner[1],
-                            corner[2], name(point.tag));
-    if (point.tag == Tag::failed) unsolved += fmt::format(" ({})", name(point.cause));
+    gaps += fmt::format(", ({}, {}, {}) {}", corner[0], corner[1], corner[2], name(point.tag));
+    if (point.tag == Tag::failed) gaps += fmt::format(" ({})", name(point.cause));
   }
-  std::string text;
-  if (!unsolved.empty()) text = "next to lattice points that were not solved: " + unsolved;
-  if (beyond > 0)
-    text += fmt::format(
-        "{}at the rim of the workspace ball: {} of the 8 surrounding lattice points lie outside of it",
-        text.empty() ? "" : "; ", beyond);
-  return text;
+  if (beyond > 0) gaps += fmt::format(", {} of 8 corners beyond the rim of the workspace ball", beyond);
+  return gaps;
 }
 
 std::string describeForPerson(const SpaceTable& space, const Eigen::Vector3d& displacement,
@@ -78,11 +77,13 @@ std::string describeForPerson(const SpaceTable& space, const Eigen::Vector3d& di
   for (int i = 0; i < 3; ++i)
     text += fmt::format("{}{:11.6g} {:11.6g} {:11.6g}  N/m\n", i == 0 ? "stiffness     " : "              ",
                         sample.stiffness(i, 0), sample.stiffness(i, 1), sample.stiffness(i, 2));
-  if (sample.inside) return text + fmt::format("inside        yes, method {}\n\n", method);
-  return text + fmt::format(
-                    "inside        NO: {}.\n              The values are an extrapolation from a solved "
-                    "point close by.\n\n",
-                    describeOutside(space, displacement));
+  if (!sample.inside)
+    return text + fmt::format("inside        NO: {}.\n\n", describeOutside(space.lattice, displacement));
+  text += fmt::format("inside        yes, method {}", method);
+  if (sample.coverage < 1)
+    text += fmt::format("; {:.0f} % of it stands on solved lattice points of one branch{}",
+                        100 * sample.coverage, describeGaps(space, displacement));
+  return text + "\n\n";
 }
 
 const SpaceTable& spaceToQuery(const Dataset& dataset, const std::string& active) {

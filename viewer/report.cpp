@@ -61,14 +61,11 @@ std::vector<std::string> chosenMethods(const std::vector<std::string>& asked) {
   return chosen;
 }
 
-/// "mesh", "lattice", "displacement": what the arrays of all active nodes have in common.
+/// "mesh", "points", "displacement": the group of an array, or itself where it is of nodal fields.
 std::string kindOf(const std::string& path) {
-  const auto part = [&](std::size_t begin) {
-    return path.substr(begin, std::min(path.find('/', begin), path.size()) - begin);
-  };
-  if (!path.starts_with("/spaces/")) return part(1);
-  const std::size_t in_space = path.find('/', 8);
-  return in_space == std::string::npos ? "spaces" : part(in_space + 1);
+  for (const char* field : {"displacement", "pressure"})
+    if (path == std::string("/points/") + field) return field;
+  return path.substr(1, std::min(path.find('/', 1), path.size()) - 1);
 }
 
 DatasetFacts factsOf(const Dataset& dataset) {

@@ -32,7 +32,7 @@ class ProblemSolver {
       if (!mailbox.begin(job.id(), target.point())) return;
       Outcome outcome;
       if (start) {
-        outcome = solver_.reach(*start, displacementOf(target.point())).outcome;
+        outcome = reach(*start, displacementOf(target.point()), target.steps());
       } else {
         outcome.failure = start_failure;
       }
@@ -46,6 +46,27 @@ class ProblemSolver {
   }
 
  private:
+  /// In `steps` equal transitions, 0 meaning 1; the outcome has the cost of all, and what it reached of all.
+  Outcome reach(const Start& start, const Eigen::Vector3d& target, std::uint32_t steps) {
+    if (steps <= 1) return solver_.reach(start, target).outcome;
+    const Eigen::Vector3d origin = start.state.displacement;
+    Start at = start;
+    Cost total;
+    for (std::uint32_t n = 1;; ++n) {
+      const Eigen::Vector3d next = n == steps ? target : origin + (target - origin) * n / steps;
+      Reached reached = solver_.reach(at, next);
+      total += reached.outcome.cost;
+      if (n < steps && reached.outcome.converged) {
+        at = std::move(reached.end);
+        continue;
+      }
+      reached.outcome.cost = total;
+      Failure& failure = reached.outcome.failure;
+      if (!reached.outcome.converged) failure.step_reached = (n - 1 + failure.step_reached) / steps;
+      return std::move(reached.outcome);
+    }
+  }
+
   Eigen::Vector3d displacementOf(const wire::Point& point) const {
     return lattice_.displacementOf(fromWire(point));
   }

@@ -14,13 +14,6 @@ namespace {
 constexpr std::array<double, 3> detour_widths = {0.5, 1.0, 2.0};
 constexpr int detours_around = 6;
 
-void add(Cost& total, const Cost& cost) {
-  total.newton_iterations += cost.newton_iterations;
-  total.factorizations += cost.factorizations;
-  total.steps += cost.steps;
-  total.seconds += cost.seconds;
-}
-
 std::optional<Reached> reachAround(TransitionSolver& solver, const Start& from, const Eigen::Vector3d& target,
                                    Cost& cost) {
   const Eigen::Vector3d way = target - from.state.displacement;
@@ -30,10 +23,10 @@ std::optional<Reached> reachAround(TransitionSolver& solver, const Start& from, 
     for (int n = 0; n < detours_around; ++n) {
       const Eigen::AngleAxisd turned(2 * M_PI * n / detours_around, way.normalized());
       const Reached beside = solver.reach(from, middle + width * (turned * across));
-      add(cost, beside.outcome.cost);
+      cost += beside.outcome.cost;
       if (!beside.outcome.converged) continue;
       Reached reached = solver.reach(beside.end, target);
-      add(cost, reached.outcome.cost);
+      cost += reached.outcome.cost;
       if (reached.outcome.converged) return reached;
     }
   return std::nullopt;
@@ -50,7 +43,7 @@ WalkedPath walk(TransitionSolver& solver, const Start& start, const Eigen::Vecto
   for (int n = 1; n <= transitions; ++n) {
     const Eigen::Vector3d next = n == transitions ? target : origin + (target - origin) * n / transitions;
     Reached reached = solver.reach(*at, next);
-    add(total, reached.outcome.cost);
+    total += reached.outcome.cost;
     if (!reached.outcome.converged)
       if (auto around = reachAround(solver, *at, next, total)) {
         reached = std::move(*around);

@@ -83,8 +83,8 @@ int runBenchmark(const std::vector<std::string>& arguments) {
 int main(int argc, char** argv) {
   try {
     return palpate::runBenchmark({argv + 1, argv + argc});
-  } catch (const palpate::Error& error) {
-    std::cerr << "palpate_force_query_bench: " << error.what() << '\n';
-    return static_cast<int>(error.exitCode());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "palpate_force_query_bench: {}\n", error.what());
+    return 1;
   }
 }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "scheduler/build_summary.hpp"
 #include "scheduler/status.hpp"
 #include "tests/scheduler/build_world.hpp"
 
@@ -34,7 +35,7 @@ TEST(SummaryOfABuild, CountsFailedPointsByCause) {
                                {Tag::failed, Cause::unreachable},
                                {Tag::failed, Cause::unreachable},
                                {Tag::failed, Cause::step_budget}});
-  EXPECT_THAT(summaryOf(spaces), testing::HasSubstr("failed: 1 step_budget, 2 unreachable\n"));
+  EXPECT_THAT(summaryOf(spaces, Scene()), testing::HasSubstr("failed: 1 step_budget, 2 unreachable\n"));
 }
 
 TEST(Build, LeavesNoPointUnknownWhenTheOriginFails) {

@@ -369,14 +369,14 @@ TEST_F(CoordinatorTest, ATargetThatKillsItsWorkersFailsAndTheBuildGoesOn) {
       }
   }
   world.pass(25ms);
-  EXPECT_EQ(world.coordinator().frontiers()[0].cause(0), Cause::worker_lost);
+  EXPECT_EQ(world.coordinator().plans()[0].record(0).cause, Cause::worker_lost);
   EXPECT_EQ(world.counter("lost_workers"), 5);
   world.join("a", 2);
   for (const wire::Job& job : world.takeJobs("other")) world.deliver("other", job);
   world.request("other", 1);
   world.finish({"a", "other"});
-  EXPECT_EQ(world.coordinator().frontiers()[0].tag(0), Tag::failed);
-  EXPECT_EQ(world.coordinator().frontiers()[1].tag(0), Tag::expandable);
+  EXPECT_EQ(world.coordinator().plans()[0].record(0).tag, Tag::failed);
+  EXPECT_EQ(world.coordinator().plans()[1].record(0).tag, Tag::expandable);
 }
 
 TEST_F(CoordinatorTest, StopsWithoutHandingOutMoreAndGoesOnLater) {
@@ -415,7 +415,7 @@ TEST_F(CoordinatorTest, RefusesTablesWithResultsNobodyAskedFor) {
   const Lattice lattice(0.02, 0.01);
   StoredResult stray;
   stray.key = {0, 5, 1};
-  test::expectError(ExitCode::failed, [&] { replay(world.problem, lattice, {stray}); },
+  test::expectError(ExitCode::failed, [&] { replay(world.problem, {stray}); },
                     {"nobody asked for", "damaged"});
 }
 

@@ -34,7 +34,8 @@ struct ExplanationTest : testing::Test {
 };
 
 TEST_F(ExplanationTest, FollowsTheParentsBackToTheOrigin) {
-  const wire::Explanation explanation = explain(space, lattice.point(1));
+  const wire::Explanation explanation =
+      explain(space, Eigen::Vector3d(lattice.displacement(1) / lattice.spacing()));
   ASSERT_EQ(explanation.path_size(), 2);
   EXPECT_EQ(explanation.path(0).force(0), -1.5);
   EXPECT_EQ(explanation.path(1).point().i(), 0);
@@ -43,7 +44,8 @@ TEST_F(ExplanationTest, FollowsTheParentsBackToTheOrigin) {
 }
 
 TEST_F(ExplanationTest, NamesEveryAttemptOfAFailedPoint) {
-  const wire::Explanation explanation = explain(space, lattice.point(2));
+  const wire::Explanation explanation =
+      explain(space, Eigen::Vector3d(lattice.displacement(2) / lattice.spacing()));
   EXPECT_EQ(explanation.path_size(), 0);
   EXPECT_EQ(explanation.cause(), "wrong_inertia");
   ASSERT_EQ(explanation.attempts_size(), 1);
@@ -52,14 +54,15 @@ TEST_F(ExplanationTest, NamesEveryAttemptOfAFailedPoint) {
 }
 
 TEST_F(ExplanationTest, SaysThatAPointWasNotTriedYet) {
-  EXPECT_THAT(explain(space, lattice.point(3)).text(),
+  EXPECT_THAT(explain(space, Eigen::Vector3d(lattice.displacement(3) / lattice.spacing())).text(),
               testing::HasSubstr("no transition to it was tried yet"));
 }
 
 TEST_F(ExplanationTest, SaysThatAPointLiesBehindOthersThatCannotBeExpanded) {
   space.points[3].tag = Tag::failed;
   space.points[3].cause = Cause::unreachable;
-  const wire::Explanation explanation = explain(space, lattice.point(3));
+  const wire::Explanation explanation =
+      explain(space, Eigen::Vector3d(lattice.displacement(3) / lattice.spacing()));
   EXPECT_EQ(explanation.cause(), "unreachable");
   EXPECT_THAT(explanation.text(), testing::AllOf(testing::HasSubstr("failed, unreachable"),
                                                  testing::HasSubstr("no neighbour can be expanded")));
@@ -68,7 +71,7 @@ TEST_F(ExplanationTest, SaysThatAPointLiesBehindOthersThatCannotBeExpanded) {
 TEST_F(ExplanationTest, EndsOnACircleOfParents) {
   space.points[1].parent = 3;
   space.points[3].parent = 1;
-  EXPECT_LE(explain(space, lattice.point(1)).path_size(), 7);
+  EXPECT_LE(explain(space, Eigen::Vector3d(lattice.displacement(1) / lattice.spacing())).path_size(), 7);
 }
 
 TEST_F(ExplanationTest, NamesTheBoundsOfTheLattice) {

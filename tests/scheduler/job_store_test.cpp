@@ -18,7 +18,7 @@ struct JobStoreTest : testing::Test {
   const Lattice lattice{0.02, 0.01};
   const std::filesystem::path state = directory / "state";
 
-  JobStore open(const StateDirectory& held) { return {held, problem, encodeProblem(problem), lattice}; }
+  JobStore open(const StateDirectory& held) { return {held, problem, encodeProblem(problem)}; }
 
   StoredResult result(std::uint32_t space, std::int32_t target, std::int32_t parent) {
     StoredResult stored;
@@ -66,7 +66,7 @@ TEST_F(JobStoreTest, GivesBackResultsToTheLastBitAfterReopening) {
   EXPECT_TRUE(std::signbit(found->outcome.equilibrium.energy));
   EXPECT_EQ(found->where, origin.where);
   EXPECT_FALSE(store.find({0, 1, 0}));
-  EXPECT_FALSE(store.configuration(1, 0));
+  EXPECT_FALSE(store.find({1, 0, 0}));
 }
 
 TEST_F(JobStoreTest, KeepsTheOrderInWhichAPointWasTried) {
@@ -89,6 +89,34 @@ TEST_F(JobStoreTest, KeepsTheOrderInWhichAPointWasTried) {
   EXPECT_TRUE(store.find({1, 20, 3}));
 }
 
+TEST_F(JobStoreTest, KeepsAnotherEquilibriumOfASolvedPointBesideIt) {
+  const StateDirectory held(state);
+  JobStore store = open(held);
+  StoredResult first = result(0, 20, 7), second = first;
+  ASSERT_TRUE(first.outcome.converged);
+  second.key.parent = 3;
+  *second.header.mutable_parent() = toWire(lattice.point(3));
+  store.record(std::vector<StoredResult>{first}, std::vector<Tag>{Tag::expandable}, {1, 1});
+  store.record(std::vector<StoredResult>{second}, std::vector<Tag>{Tag::expandable}, {1, 2});
+  const std::vector<StoredResult> results = store.results();
+  ASSERT_EQ(results.size(), 2u);
+  EXPECT_EQ(results[0].key, first.key);
+  EXPECT_EQ(results[1].key, second.key);
+  EXPECT_TRUE(results[1].outcome.converged);
+  EXPECT_TRUE(store.find(second.key));
+}
+
+TEST_F(JobStoreTest, TakesPointsThatAreNotInTheUniformLattice) {
+  const StateDirectory held(state);
+  JobStore store = open(held);
+  StoredResult refined = result(0, 7, 0);
+  refined.key.target = 1234;
+  *refined.header.mutable_target() = toWire({512, 0, -512});
+  store.record(std::vector<StoredResult>{refined}, std::vector<Tag>{Tag::expandable}, {1, 1});
+  ASSERT_TRUE(store.find(refined.key));
+  EXPECT_EQ(store.results().at(0).key, refined.key);
+}
+
 TEST_F(JobStoreTest, RecordsAGroupWhollyOrNotAtAll) {
   const StateDirectory held(state);
   JobStore store = open(held);
@@ -105,7 +133,7 @@ TEST_F(JobStoreTest, RecordsAGroupWhollyOrNotAtAll) {
 TEST_F(JobStoreTest, MarksTheFailedPointsAtTheEnd) {
   const StateDirectory held(state);
   JobStore store = open(held);
-  store.complete(std::vector<FailedPoints>{{{4, Cause::wrong_inertia}}, {}});
+  store.complete(std::vector<FailedPoints>{{{4, {lattice.point(4), Cause::wrong_inertia}}}, {}});
   EXPECT_TRUE(store.build().complete);
   Database database(held.database(), Database::Access::read_only);
   Statement query(database, "SELECT space, point, cause FROM configurations WHERE tag = 'failed'");
@@ -119,7 +147,7 @@ TEST_F(JobStoreTest, RefusesTheDirectoryOfAnotherScene) {
   { open(StateDirectory(state)); }
   const Problem other = test::cubeProblem(2000);
   const StateDirectory held(state);
-  test::expectBadInput([&] { JobStore(held, other, encodeProblem(other), lattice); },
+  test::expectBadInput([&] { JobStore(held, other, encodeProblem(other)); },
                        {"scene \"cube\"", problemId(problem).shortHex(), "another --state"});
 }
 
@@ -145,8 +173,8 @@ TEST_F(JobStoreTest, CanBeReadWhileASchedulerWrites) {
   StoredTables tables(state);
   const std::vector<StoredResult> results = {result(0, 0, 0)};
   store.record(results, std::vector<Tag>{Tag::expandable}, {1, 10});
-  EXPECT_TRUE(tables.results(lattice).empty()) << "a snapshot of the moment it was opened";
-  EXPECT_EQ(StoredTables(state).results(lattice).size(), 1u);
+  EXPECT_TRUE(tables.results().empty()) << "a snapshot of the moment it was opened";
+  EXPECT_EQ(StoredTables(state).results().size(), 1u);
   ASSERT_EQ(tables.servers().size(), 1u);
   EXPECT_EQ(tables.servers()[0].state, "busy");
   EXPECT_NEAR(tables.servers()[0].heard_before, 3, 60);
@@ -197,7 +225,7 @@ TEST(Recovery, AKillBetweenJournalAndTransactionLosesNothingAcknowledged) {
   const pid_t child = fork();
   if (child == 0) {
     const StateDirectory held(directory / "state");
-    JobStore store(held, problem, encodeProblem(problem), lattice);
+    JobStore store(held, problem, encodeProblem(problem));
     Journal journal(held.path(), store.committed());
     std::vector<StoredResult> first = {origin(0)};
     first[0].where = journal.append(first[0].header.SerializeAsString(), fields);
@@ -212,7 +240,7 @@ TEST(Recovery, AKillBetweenJournalAndTransactionLosesNothingAcknowledged) {
   ASSERT_TRUE(WIFSIGNALED(status));
 
   const StateDirectory held(directory / "state");
-  JobStore store(held, problem, encodeProblem(problem), lattice);
+  JobStore store(held, problem, encodeProblem(problem));
   ASSERT_GT(std::filesystem::file_size(directory / "state/segment-000001.dat"), store.committed().offset);
   Journal journal(held.path(), store.committed());
   EXPECT_EQ(std::filesystem::file_size(directory / "state/segment-000001.dat"), store.committed().offset);

@@ -1,11 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <new>
+#include <vector>
 
 #include "tests/support/sample_dataset.hpp"
+#include "viewer/displacement_field.hpp"
 #include "viewer/force_field.hpp"
 
 namespace {
@@ -47,6 +50,37 @@ TEST(ForceField, EvaluatesWithoutAllocating) {
     EXPECT_EQ(allocations, before) << method;
     EXPECT_TRUE(std::isfinite(sum));
   }
+}
+
+TEST(ForceField, EvaluatesWithoutAllocatingWhereCornersAreMissingBranchesMeetAndOutside) {
+  SpaceTable space = test::solvedSpace(Lattice(0.02, 0.005), test::StiffeningEnergy());
+  for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
+    if (space.lattice.point(n)[0] > 1) space.points[n].equilibrium.force.y() += 3;
+    if (space.lattice.point(n)[1] < -2) space.points[n] = {};
+  }
+  for (const std::string& method : forceFieldMethods()) {
+    const auto field = makeForceField(method, space);
+    const long before = allocations;
+    double sum = 0;
+    for (int n = 0; n < 1000; ++n) sum += field->evaluate({5e-5 * n - 0.025, -2e-5 * n, 0.001}).force.x();
+    sum += field->evaluate({std::nan(""), 1e300, 0}).force.x();
+    EXPECT_EQ(allocations, before) << method;
+    EXPECT_TRUE(std::isfinite(sum)) << method;
+  }
+}
+
+TEST(DisplacementField, EvaluatesWithoutAllocating) {
+  const SpaceTable space = test::solvedSpace(Lattice(0.02, 0.005), test::StiffeningEnergy());
+  const std::vector<float> displacements(space.points.size() * 30, 1e-3f),
+      tangents(3 * displacements.size(), 0.5f);
+  const DisplacementField linear(space, displacements), cubic(space, displacements, tangents);
+  std::array<float, 30> shape;
+  const long before = allocations;
+  for (int n = 0; n < 1000; ++n) {
+    linear.evaluate({5e-5 * n - 0.025, -2e-5 * n, 0.001}, shape);
+    cubic.evaluate({5e-5 * n - 0.025, -2e-5 * n, 0.001}, shape);
+  }
+  EXPECT_EQ(allocations, before);
 }
 
 }  // namespace

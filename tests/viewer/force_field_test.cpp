@@ -9,7 +9,6 @@
 
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"
-#include "viewer/cell_grid.hpp"
 
 namespace palpate {
 namespace {
@@ -75,8 +74,8 @@ void expectExact(const ForceField& field, const AnalyticEnergy& energy, double r
   for (const Vector3d& p : pointsWithin(reach)) {
     const ForceSample sample = field.evaluate(p);
     if (!sample.inside) continue;
-    EXPECT_LE((sample.force + energy.gradient(p)).norm(), 1e-9 * energy.gradient(p).norm());
-    EXPECT_LE((sample.stiffness + energy.hessian(p)).norm(), 1e-9 * energy.hessian(p).norm());
+    EXPECT_LE((sample.force + energy.gradient(p)).norm(), 1e-8 * energy.gradient(p).norm());
+    EXPECT_LE((sample.stiffness + energy.hessian(p)).norm(), 1e-7 * energy.hessian(p).norm());
   }
 }
 
@@ -94,7 +93,7 @@ TEST_P(EveryField, ReturnsTheStoredForcesAtLatticePoints) {
   const auto field = makeForceField(GetParam(), space);
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
     const Vector3d& force = space.points[n].equilibrium.force;
-    EXPECT_LE((field->evaluate(lattice.displacement(n)).force - force).norm(), 1e-12 * (1 + force.norm()));
+    EXPECT_LE((field->evaluate(lattice.displacement(n)).force - force).norm(), 1e-9 * (1 + force.norm()));
   }
 }
 
@@ -129,19 +128,19 @@ TEST_P(EveryField, StiffnessIsTheDerivativeOfItsForce) {
   }
 }
 
-TEST_P(EveryField, CoversCellsWithEightSolvedCornersOnly) {
+TEST_P(EveryField, SaysWhatOfTheBallStandsOnSolvedCorners) {
   const Lattice lattice(radius, 0.005);
   SpaceTable space = solvedSpace(lattice, StiffeningEnergy());
   space.points[*lattice.indexOf({1, 1, 1})].tag = Tag::failed;
   space.points[*lattice.indexOf({-1, 0, 0})].tag = Tag::terminating;
   const auto field = makeForceField(GetParam(), space);
-  EXPECT_FALSE(field->evaluate({0.0026, 0.0024, 0.0025}).inside);
-  EXPECT_FALSE(field->evaluate({0.0074, 0.0074, 0.0074}).inside);
-  EXPECT_TRUE(field->evaluate({-0.0026, 0.0024, 0.0025}).inside);
-  EXPECT_TRUE(field->evaluate({0, 0.0024, 0.0025}).inside) << "on the face of a covered cell";
-  EXPECT_TRUE(field->evaluate({0.005, 0.005, 0}).inside) << "on the edge of a covered cell";
-  EXPECT_FALSE(field->evaluate({0.005, 0.005, 0.005}).inside) << "on the failed point itself";
-  EXPECT_FALSE(field->evaluate({0.0199, 0, 0}).inside) << "at the rim, inside the ball";
+  const auto coverage = [&](const Vector3d& p) { return field->evaluate(p).coverage; };
+  EXPECT_NEAR(coverage({0.0025, 0.0025, 0.0025}), 7.0 / 8, 1e-12) << "one corner of eight failed";
+  EXPECT_NEAR(coverage({-0.0026, 0.0024, 0.0025}), 1, 1e-12) << "terminating points are solved";
+  EXPECT_NEAR(coverage({0.005, 0.005, 0}), 1, 1e-12);
+  EXPECT_NEAR(coverage({0.005, 0.005, 0.005}), 0, 1e-12) << "on the failed point itself";
+  EXPECT_TRUE(field->evaluate({0.005, 0.005, 0.005}).inside);
+  EXPECT_TRUE(field->evaluate({0.0199, 0, 0}).inside) << "at the rim, inside the ball";
   EXPECT_FALSE(field->evaluate({0.021, 0, 0}).inside) << "outside the ball";
 }
 
@@ -155,41 +154,6 @@ TEST_P(EveryField, SaysSomethingFiniteForAnyDisplacement) {
     EXPECT_FALSE(sample.inside);
     EXPECT_TRUE(sample.force.allFinite() && sample.stiffness.allFinite()) << p.transpose();
     EXPECT_LT(sample.force.norm(), 100);
-  }
-}
-
-TEST_P(EveryField, ContinuesASolvedPointCloseByWhereNothingIsCovered) {
-  const Lattice lattice(radius, 0.01);
-  const SpaceTable space = solvedSpace(lattice, StiffeningEnergy());
-  const Vector3d tip(0.021, 0, 0);
-  const Equilibrium& rim = space.points[*lattice.indexOf({2, 0, 0})].equilibrium;
-  const ForceSample sample = makeForceField(GetParam(), space)->evaluate(tip);
-  EXPECT_LE((sample.force - (rim.force + rim.stiffness * Vector3d(0.001, 0, 0))).norm(),
-            0.2 * rim.force.norm());
-}
-
-/// Distance from `p` to the nearest solved point.
-double distanceToSolved(const Lattice& lattice, const SpaceTable& space, const Vector3d& p) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (std::int32_t n = 0; n < lattice.size(); ++n)
-    if (isSolved(space.points[n].tag)) nearest = std::min(nearest, (lattice.displacement(n) - p).norm());
-  return nearest;
-}
-
-TEST(CellGrid, FindsASolvedPointCloseByHoweverFewThereAre) {
-  const Lattice lattice(radius, 0.0025);
-  SpaceTable space = solvedSpace(lattice, StiffeningEnergy());
-  std::mt19937 random(7);
-  for (std::int32_t n = 1; n < lattice.size(); ++n)
-    if (random() % 64 != 0) space.points[n].tag = Tag::failed;
-  const CellGrid grid(space);
-  for (const Vector3d& p : pointsWithin(0.02, 1000)) {
-    const CellPlace place = grid.find(p);
-    ASSERT_EQ(place.corners, nullptr);
-    ASSERT_TRUE(isSolved(space.points[place.nearest].tag));
-    // The nearest to the centre of the cell, which is up to half a diagonal away.
-    EXPECT_LE((lattice.displacement(place.nearest) - p).norm(),
-              distanceToSolved(lattice, space, p) + std::sqrt(3.0) * lattice.spacing());
   }
 }
 

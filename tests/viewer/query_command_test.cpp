@@ -63,14 +63,17 @@ TEST_F(QueryCommand, AnswersInJsonWithNumbersThatRoundTrip) {
     const int read = std::sscanf(
         answer.c_str(),
         "{\"displacement\":[%lf,%lf,%lf],\"force\":[%lf,%lf,%lf],\"stiffness\":[[%lf,%lf,%lf],[%lf,"
-        "%lf,%lf],[%lf,%lf,%lf]],\"error_bound\":null,",
+        "%lf,%lf],[%lf,%lf,%lf]],\"error_bound\":",
         &p[0], &p[1], &p[2], &f[0], &f[1], &f[2], &k[0], &k[1], &k[2], &k[3], &k[4], &k[5], &k[6], &k[7],
         &k[8]);
     ASSERT_EQ(read, 15) << answer;
     EXPECT_EQ(p[1], -0.002);
     EXPECT_EQ(Eigen::Map<Eigen::Vector3d>(f), sampled.force);
     EXPECT_EQ((Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(k)), sampled.stiffness);
-    EXPECT_THAT(answer, HasSubstr("\"error_bound\":null,\"inside\":true,\"method\":\"" + method + "\"}\n"));
+    EXPECT_EQ(std::isfinite(sampled.error_bound), answer.find("\"error_bound\":null,") == std::string::npos)
+        << answer;
+    EXPECT_THAT(answer, HasSubstr(",\"coverage\":"));
+    EXPECT_THAT(answer, HasSubstr(",\"inside\":true,\"method\":\"" + method + "\"}\n"));
   }
 }
 
@@ -105,14 +108,19 @@ TEST_F(QueryCommand, TellsAPersonWhyADisplacementIsOutside) {
   EXPECT_EQ(ask(), ExitCode::partly_failed);
   EXPECT_THAT(answer, AllOf(HasSubstr("NO: |displacement| = 0.03 m is beyond the workspace radius 0.02 m"),
                             HasSubstr("N/m")));
+}
+
+TEST_F(QueryCommand, TellsAPersonWhatIsMissingAroundADisplacement) {
+  options.json = false;
+  options.active = "tip";
   options.displacement = {"0.015", "0.012", "0.001"};
-  EXPECT_EQ(ask(), ExitCode::partly_failed);
-  EXPECT_THAT(answer, HasSubstr("at the rim of the workspace ball"));
+  EXPECT_EQ(ask(), ExitCode::done);
+  EXPECT_THAT(answer, HasSubstr("corners beyond the rim of the workspace ball"));
   const LatticePoint failed = sample.lattice.point(7);
   options.displacement.clear();
   for (const std::int32_t coordinate : failed)
     options.displacement.push_back(fmt::format("{}", 0.0099 * coordinate));
-  EXPECT_EQ(ask(), ExitCode::partly_failed);
+  EXPECT_EQ(ask(), ExitCode::done);
   EXPECT_THAT(answer,
               HasSubstr(fmt::format("({}, {}, {}) failed (wrong_inertia)", failed[0], failed[1], failed[2])));
 }
