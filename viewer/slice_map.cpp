@@ -30,6 +30,11 @@ constexpr std::array<std::array<int, 3>, 11> viridis = {{{68, 1, 84},
                                                          {189, 223, 38},
                                                          {253, 231, 37}}};
 
+/// Index of a sample of a SliceMap.
+std::size_t sampleAt(int row, int column) {
+  return static_cast<std::size_t>(row) * SliceMap::side + static_cast<std::size_t>(column);
+}
+
 /// Metres to user units.
 double place(double metres, double radius) {
   return margin + edge * 0.5 * (1 + metres / radius);
@@ -41,7 +46,7 @@ std::string colours(const SliceMap& map, const ColourScale& scale) {
   const double step = edge / SliceMap::side;
   for (int row = 0; row < SliceMap::side; ++row) {
     const auto level = [&](int column) {
-      const double value = map.bound[static_cast<std::size_t>(row * SliceMap::side + column)];
+      const double value = map.bound[sampleAt(row, column)];
       return std::isfinite(value) ? scale.levelOf(value) : -1;
     };
     for (int begin = 0, end = 0; begin < SliceMap::side; begin = end) {
@@ -97,9 +102,7 @@ std::string frame(const SliceMap& map) {
 /// The sides between samples that are covered and samples of the ball that are not.
 std::string coverEdge(const SliceMap& map) {
   const double step = edge / SliceMap::side;
-  const auto covered = [&](int row, int column) {
-    return map.covered[static_cast<std::size_t>(row * SliceMap::side + column)] != 0;
-  };
+  const auto covered = [&](int row, int column) { return map.covered[sampleAt(row, column)] != 0; };
   std::string path;
   for (int row = 1; row < SliceMap::side; ++row)
     for (int column = 1; column < SliceMap::side; ++column) {
