@@ -73,9 +73,8 @@ class Inspection {
     const Eigen::Vector3d lowest = tree_.displacement(tree_.corners(leaf)[0]);
     double worst = 0;
     for (int n = 0; n < samples * samples * samples; ++n) {
-      const Eigen::Vector3d local =
-          (Eigen::Vector3d(n % samples, n / samples % samples, n / samples / samples).array() + 0.5) /
-          samples;
+      const int i = n % samples, j = n / samples % samples, k = n / samples / samples;
+      const Eigen::Vector3d local = (Eigen::Vector3d(i, j, k).array() + 0.5) / samples;
       if ((lowest + tree_.edge(leaf) * local).norm() > tree_.radius()) continue;
       const double force = evaluateEnergy(tree_, jets_, {leaf, local}).force.norm();
       const double allowed = std::max(accuracy_.force_error * force, accuracy_.force_floor);
