@@ -11,7 +11,7 @@ namespace palpate {
 
 /// What the page shows of one active node.
 struct NodePictures {
-  std::array<SliceMap, 3> slices;  ///< xy, xz, yz; empty when no method can be made
+  std::array<SliceMap, 3> slices;  ///< xy, xz, yz; empty when the default method cannot be made
   std::array<Plot, 3> curves;      ///< force along x, y, z: a line per method, marks for the lattice
 };
 

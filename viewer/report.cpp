@@ -18,8 +18,7 @@ namespace {
 constexpr std::array<std::int32_t, 3> thinning_factors = {2, 3, 4};
 /// Radius / spacing below which a thinned lattice says nothing; only every 2nd point may have less.
 constexpr double smallest_ratio = 1.5;
-constexpr std::size_t looped_nodes = 2;  ///< active nodes on which work around closed loops is measured
-constexpr double same_spacing = 1e-3;    ///< relative
+constexpr double same_spacing = 1e-3;  ///< relative
 
 /// Why the datasets are not of one scene; empty when they are.
 std::string differenceOf(const Dataset& a, const Dataset& b) {
@@ -291,7 +290,7 @@ class Reporter {
       const SpaceTable& table = tableOf(report_, lattice, compared_[n], storage);
       nodes[n] = compareMethods(table, report_.methods,
                                 is_measurable ? references()[compared_[n]] : std::vector<Reference>(),
-                                n < looped_nodes);
+                                n < options_.looped_nodes);
     });
     for (std::size_t m = 0; m < report_.methods.size(); ++m) pool(nodes, m, lattice.methods[m]);
     if (!is_measurable) return;

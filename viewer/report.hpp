@@ -24,6 +24,8 @@ struct ReportOptions {
   /// Active nodes on which all methods are compared, evenly chosen where there are more; the default method
   /// is measured on all.
   std::size_t compared_nodes = 12;
+  /// Of these, nodes on which work around closed loops is measured; a few seconds each.
+  std::size_t looped_nodes = 2;
 };
 
 /// One method on one lattice, over the compared active nodes together.
@@ -31,7 +33,8 @@ struct MethodMeasures {
   std::string problem;    ///< why it could not be made for some active node; empty when it could
   ErrorMeasures all;      ///< over the whole ball
   ErrorMeasures covered;  ///< over covered points alone: the same points for every method
-  /// Work around closed loops relative to the effort (loop_work.hpp): the largest of two active nodes.
+  /// Work around closed loops relative to the effort (loop_work.hpp): the largest of
+  /// ReportOptions::looped_nodes.
   double loop_work = std::numeric_limits<double>::quiet_NaN();
   double nanoseconds = std::numeric_limits<double>::quiet_NaN();  ///< per query, median, this machine
   double seconds_to_prepare = nanoseconds;                        ///< of one active node, this machine

@@ -229,6 +229,7 @@ std::string frontierSection(const Report& report) {
     html += "</div>\n";
   }
   html += "<h3>In numbers</h3>\n" + frontierTable(report) + latticeTable(report);
+  for (const std::string& gap : describeGaps(report)) html += "<p class=\"note\">" + escaped(gap) + "</p>\n";
   html += fmt::format(
       "<p class=\"how\">Errors are |interpolated &minus; exact force| in newtons. Relative: divided by the "
       "force, or by {} N "

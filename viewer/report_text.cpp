@@ -4,26 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace palpate {
 namespace {
 
 constexpr std::size_t shown_nodes = 20, width = 100;
 
-/// Breaks a text at spaces; lines after the first are indented.
+/// Breaks a text at spaces. Its first line begins in column `indent`, which the others are indented to.
 std::string wrapped(const std::string& text, std::size_t indent = 0) {
   std::string result, line;
-  std::size_t begin = 0;
-  while (begin < text.size()) {
-    const std::size_t end = std::min(text.find(' ', begin), text.size());
-    const std::string word = text.substr(begin, end - begin);
-    if (!line.empty() && line.size() + 1 + word.size() > width) {
-      result += line + '\n';
-      line = std::string(indent, ' ') + word;
-    } else {
-      line += (line.empty() ? "" : " ") + word;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (!line.empty() && indent + line.size() + 1 + word.size() > width) {
+      result += line + '\n' + std::string(indent, ' ');
+      line.clear();
     }
-    begin = end + 1;
+    line += (line.empty() ? "" : " ") + word;
   }
   return result + line + '\n';
 }
@@ -49,7 +46,7 @@ std::string frontierRow(const std::string& method, const LatticeMeasures& lattic
                         const MethodMeasures& measures) {
   const std::string configurations = formatCount(lattice.configurations);
   if (!measures.problem.empty() && measures.all.count == 0)
-    return fmt::format("{:<16}{:>7}  {}\n", method, configurations, measures.problem);
+    return fmt::format("{:<16}{:>7}  ", method, configurations) + wrapped(measures.problem, 25);
   const Spread& error = measures.all.error;
   return fmt::format(frontier_row, method, configurations, formatNumber(error.mean),
                      formatNumber(error.median), formatNumber(error.percentile_95),
@@ -66,6 +63,7 @@ std::string frontier(const Report& report) {
   for (std::size_t m = 0; m < report.methods.size(); ++m)
     for (std::size_t n = 0; n < report.lattices.size(); ++n)
       text += frontierRow(n == 0 ? report.methods[m] : "", report.lattices[n], report.lattices[n].methods[m]);
+  for (const std::string& gap : describeGaps(report)) text += "\n" + wrapped(gap);
   const std::string nodes = report.compared == report.nodes.size()
                                 ? "all active nodes"
                                 : fmt::format("{} of {} active nodes", report.compared, report.nodes.size());
@@ -138,6 +136,18 @@ std::string describeReferences(const Report& report) {
   return "There are no solved probes, and no coarser lattice inside this one leaves solved points out: "
          "nothing to "
          "measure errors with.";
+}
+
+std::vector<std::string> describeGaps(const Report& report) {
+  std::vector<std::string> gaps;
+  for (const LatticeMeasures& lattice : report.lattices)
+    for (std::size_t m = 0; m < report.methods.size(); ++m) {
+      const MethodMeasures& method = lattice.methods[m];
+      if (!method.problem.empty() && method.all.count > 0)
+        gaps.push_back(fmt::format("{} with {} configurations is not measured on every active node. {}",
+                                   report.methods[m], formatCount(lattice.configurations), method.problem));
+    }
+  return gaps;
 }
 
 std::string hintForProbes(const Report& report) {

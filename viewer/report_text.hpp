@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "viewer/report.hpp"
 
@@ -11,6 +12,9 @@ std::string reportText(const Report& report);
 
 /// One sentence: what the errors are measured with. For people.
 std::string describeReferences(const Report& report);
+
+/// A sentence for each method that could not be made for some, but not all active nodes.
+std::vector<std::string> describeGaps(const Report& report);
 
 /// What to do for better references; empty when there are probes.
 std::string hintForProbes(const Report& report);

@@ -180,7 +180,8 @@ SliceMap sampleSlice(const ForceField& field, const SpaceTable& space, int acros
 std::string svgOf(const SliceMap& map, const ColourScale& scale) {
   std::string svg =
       fmt::format("<svg viewBox=\"0 0 {0} {0}\" role=\"img\" aria-label=\"error in a slice\">\n", picture);
-  svg += colours(map, scale) + coverEdge(map) + frame(map);
+  if (!map.bound.empty()) svg += colours(map, scale) + coverEdge(map);
+  svg += frame(map);
   const auto x = [&](double metres) { return place(metres, map.radius); };
   const auto y = [&](double metres) { return picture - place(metres, map.radius); };
   for (const auto& [a, b] : map.jumps)

@@ -36,7 +36,7 @@ struct MeasuredReference {
   double error = 0;
 };
 
-/// What is known in a plane through the rest position.
+/// What is known in a plane through the rest position; empty by itself.
 struct SliceMap {
   static constexpr int side = 90;  ///< samples along an edge of the square around the ball
   int across = 0, up = 1;          ///< axes of the plane: to the right, and upward

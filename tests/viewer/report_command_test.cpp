@@ -29,6 +29,7 @@ class ReportCommand : public ::testing::Test {
   ReportCommand() {
     options.report.datasets = {directory / "sample.h5"};
     options.report.seconds_per_timing = 0;
+    options.report.looped_nodes = 0;
   }
 
   nlohmann::json json() {
@@ -88,6 +89,14 @@ TEST_F(RefinedReport, MeasuresEveryMethodWithTheProbes) {
   }
 }
 
+TEST_F(RefinedReport, MeasuresTheWorkAroundClosedLoops) {
+  options.report.methods = {"potential", "trilinear"};
+  options.report.looped_nodes = 1;
+  const nlohmann::json report = json();
+  for (const nlohmann::json& lattice : report["lattices"])
+    EXPECT_GT(lattice["methods"]["trilinear"]["loop_work"].get<double>(), 1e-6);
+}
+
 TEST_F(RefinedReport, ErrorsAreThoseOfTheFieldAtTheProbes) {
   const nlohmann::json report = json();
   double sum = 0;
@@ -107,7 +116,8 @@ TEST_F(RefinedReport, ErrorsAreThoseOfTheFieldAtTheProbes) {
 
 TEST_F(RefinedReport, ShowsTheLatticeBeforeItWasRefinedToo) {
   std::vector<int> factors;
-  for (const nlohmann::json& lattice : json()["lattices"]) factors.push_back(lattice["factor"]);
+  const nlohmann::json report = json();
+  for (const nlohmann::json& lattice : report["lattices"]) factors.push_back(lattice["factor"]);
   EXPECT_THAT(factors, ::testing::ElementsAre(2, 1, 0));
 }
 
@@ -137,7 +147,8 @@ TEST_F(RefinedReport, PageNeedsNothingFromElsewhere) {
 TEST_F(RefinedReport, TableFitsATerminal) {
   std::istringstream lines(text());
   for (std::string line; std::getline(lines, line);) {
-    if (line.find(directory.path().string()) == std::string::npos) EXPECT_LE(line.size(), 100U) << line;
+    const bool names_a_file = line.find(directory.path().string()) != std::string::npos;
+    EXPECT_TRUE(names_a_file || line.size() <= 100) << line;
   }
 }
 
@@ -173,10 +184,10 @@ TEST_F(RefinedReport, WhoseProbesAllFailedUsesLeftOutPoints) {
 TEST_F(ReportCommand, WithoutProbesUsesLeftOutPointsAndSaysHowToGetProbes) {
   const nlohmann::json report = json();
   EXPECT_EQ(report["references"]["kind"], "left-out lattice points");
-  EXPECT_EQ(report["references"]["count"], (33 - 7) * 2 - 2);  // one failed, one unknown
+  EXPECT_EQ(report["references"]["count"], (33 - 7) * 2 - 1);  // one failed
   const nlohmann::json& measured = report["lattices"][report["measured_lattice"].get<std::size_t>()];
   EXPECT_EQ(measured["factor"], 2);
-  EXPECT_EQ(measured["configurations_per_node"].get<double>(), 7);
+  EXPECT_EQ(measured["configurations_per_node"].get<double>(), 6.5);  // one of 7 unknown
   options.json = false;
   EXPECT_THAT(text(), HasSubstr("[accuracy] probes = 200"));
   EXPECT_THAT(page(), HasSubstr("[accuracy] probes = 200"));
@@ -189,7 +200,8 @@ TEST_F(ReportCommand, OfASingleConfigurationSaysThatNothingCanBeMeasured) {
   EXPECT_EQ(report["measured_lattice"], nullptr);
   EXPECT_EQ(report["failures"]["unreachable"]["points"], 64);
   options.json = false;
-  EXPECT_THAT(text(), HasSubstr("nothing to measure"));
+  EXPECT_THAT(text(), AllOf(HasSubstr("There are no solved probes, and no coarser lattice"),
+                            HasSubstr("unreachable")));
   EXPECT_THAT(page(), HasSubstr("nothing to measure"));
 }
 
