@@ -189,7 +189,7 @@ LeafPlace CellTree::descend(const Eigen::Vector3d& in_spacings) const noexcept {
 LeafPlace CellTree::find(const Eigen::Vector3d& displacement) const noexcept {
   const double length = displacement.norm();
   if (!(length <= radius_ * (1 + pull))) return {};
-  const LeafPlace place = descend(displacement / spacing_);
+  LeafPlace place = descend(displacement / spacing_);
   if (place.leaf >= 0) return place;
   LeafPlace pulled = descend(displacement * ((1 - pull) * std::min(1.0, radius_ / length) / spacing_));
   if (pulled.leaf < 0) return pulled;

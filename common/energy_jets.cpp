@@ -13,7 +13,8 @@ constexpr double ghost_reach = 2.2;
 constexpr std::size_t ghost_sources = 16;
 
 std::size_t at(const Orders& orders) {
-  return static_cast<std::size_t>(orders[0] + 3 * orders[1] + 9 * orders[2]);
+  const int index = orders[0] + 3 * orders[1] + 9 * orders[2];
+  return static_cast<std::size_t>(index);
 }
 
 LatticePoint difference(const LatticePoint& a, const LatticePoint& b) {
@@ -193,10 +194,11 @@ EnergyJet jetInLeaf(const CellTree& tree, const std::vector<EnergyJet>& jets, st
     double sum = 0;
     for (std::size_t c = 0; c < 8; ++c) {
       const EnergyJet& jet = jets[static_cast<std::size_t>(tree.corners(leaf)[c])];
-      for (std::size_t b = 0; b < 27; ++b)
-        sum += jet[b] * std::pow(scale, static_cast<double>(b % 3 + b / 3 % 3 + b / 9)) *
-               basis[0][wanted[0]][c & 1][b % 3] * basis[1][wanted[1]][c >> 1 & 1][b / 3 % 3] *
-               basis[2][wanted[2]][c >> 2][b / 9];
+      for (std::size_t b = 0; b < 27; ++b) {
+        const std::size_t order = b % 3 + b / 3 % 3 + b / 9;
+        sum += jet[b] * std::pow(scale, order) * basis[0][wanted[0]][c & 1][b % 3] *
+               basis[1][wanted[1]][c >> 1 & 1][b / 3 % 3] * basis[2][wanted[2]][c >> 2][b / 9];
+      }
     }
     result[static_cast<std::size_t>(a)] =
         sum / std::pow(scale, static_cast<double>(wanted[0] + wanted[1] + wanted[2]));

@@ -43,8 +43,8 @@ class NodeForces {
 };
 
 Eigen::Vector3d placeOf(std::size_t node) {
-  return 0.5 * Eigen::Vector3d(static_cast<double>(node % 3), static_cast<double>(node / 3 % 3),
-                               static_cast<double>(node / 9));
+  const int n = static_cast<int>(node), i = n % 3, j = n / 3 % 3, k = n / 9;
+  return 0.5 * Eigen::Vector3d(i, j, k);
 }
 
 bool hasSuspectEdge(const CellTree& tree, std::int32_t leaf, const std::vector<LatticeEdge>& suspect) {

@@ -52,8 +52,10 @@ Powers powersOf(const Eigen::Vector3d& x) {
 /// Derivative `wanted`, of the second order at most, of the term x^a/a! y^b/b! z^c/c!.
 double termAt(const Orders& term, const Orders& wanted, const Powers& powers) {
   double product = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    product *= powers[axis][static_cast<std::size_t>(term[axis] - wanted[axis] + 2)];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const int n = term[axis] - wanted[axis] + 2;
+    product *= powers[axis][static_cast<std::size_t>(n)];
+  }
   return product;
 }
 
@@ -82,7 +84,10 @@ struct WeightedSystem {
       : weights(static_cast<Eigen::Index>(n_data * sources.size())) {
     const int first = termsUpTo(from - 1), unknowns = termsUpTo(degree) - first;
     matrix = Eigen::MatrixXd::Zero(weights.size() + unknowns, unknowns);
-    const auto term = [first](int t) { return LocalPolynomial::orders(static_cast<std::size_t>(first + t)); };
+    const auto term = [first](int t) {
+      const int index = first + t;
+      return LocalPolynomial::orders(static_cast<std::size_t>(index));
+    };
     for (std::size_t source = 0; source < sources.size(); ++source) {
       const LatticePoint& o = sources[source].offset;
       const Eigen::Vector3d x = Eigen::Vector3d(o[0], o[1], o[2]) / edge;

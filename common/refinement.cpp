@@ -37,10 +37,12 @@ class Inspection {
  public:
   Inspection(const SpaceTable& space, const Accuracy& accuracy)
       : space_(space), accuracy_(accuracy), tree_(space) {
-    const std::vector<LatticeEdge> inconsistent = inconsistentEdges(space);
+    const std::vector<LatticeEdge> inconsistent = inconsistentEdges(space), suspect = suspectEdges(space);
     const std::vector<LocalPolynomial> polynomials = slotPolynomials(tree_, space, inconsistent);
     jets_ = energyJets(tree_, polynomials);
-    const FieldError error(tree_, polynomials, jets_, suspectEdges(space));
+    jumps_.insert(inconsistent.begin(), inconsistent.end());
+    suspects_.insert(suspect.begin(), suspect.end());
+    const FieldError error(tree_, polynomials, jets_, suspect);
     for (std::int32_t leaf = 0; leaf < static_cast<std::int32_t>(tree_.leaves().size()); ++leaf)
       inspect(leaf, error);
   }
@@ -52,7 +54,7 @@ class Inspection {
     if (result.kept >= enough) return result;
     std::set<LatticePoint> points;
     for (const std::int32_t leaf : poor_) {
-      if (allTerminating(leaf)) continue;
+      if (allTerminating(leaf) || isAtJump(leaf)) continue;
       const std::vector<LatticePoint> untried = untriedCorners(leaf);
       points.insert(untried.begin(), untried.end());
       const LatticeCell& cell = tree_.leaves()[static_cast<std::size_t>(leaf)];
@@ -73,9 +75,8 @@ class Inspection {
     const Eigen::Vector3d lowest = tree_.displacement(tree_.corners(leaf)[0]);
     double worst = 0;
     for (int n = 0; n < samples * samples * samples; ++n) {
-      const Eigen::Vector3d local =
-          (Eigen::Vector3d(n % samples, n / samples % samples, n / samples / samples).array() + 0.5) /
-          samples;
+      const int i = n % samples, j = n / samples % samples, k = n / samples / samples;
+      const Eigen::Vector3d local = (Eigen::Vector3d(i, j, k).array() + 0.5) / samples;
       if ((lowest + tree_.edge(leaf) * local).norm() > tree_.radius()) continue;
       const double force = evaluateEnergy(tree_, jets_, {leaf, local}).force.norm();
       const double allowed = std::max(accuracy_.force_error * force, accuracy_.force_floor);
@@ -99,6 +100,22 @@ class Inspection {
       if (space_.points[slot(corner).number].tag != Tag::terminating) return false;
     }
     return any;
+  }
+
+  /// Halving a cell that a jump between branches crosses leaves the jump where it is. An edge that is merely
+  /// suspect gets one chance: over half its length the two are told apart.
+  bool isAtJump(std::int32_t leaf) const {
+    const std::set<LatticeEdge>& edges =
+        tree_.leaves()[static_cast<std::size_t>(leaf)].level == 0 ? jumps_ : suspects_;
+    const LeafCorners& corners = tree_.corners(leaf);
+    for (int c = 0; c < 8; ++c)
+      for (const int along : {1, 2, 4}) {
+        if ((c & along) != 0) continue;
+        const std::int32_t a = slot(corners[static_cast<std::size_t>(c)]).number;
+        const std::int32_t b = slot(corners[static_cast<std::size_t>(c | along)]).number;
+        if (edges.contains({std::min(a, b), std::max(a, b)})) return true;
+      }
+    return false;
   }
 
   std::vector<LatticePoint> untriedCorners(std::int32_t leaf) const {
@@ -129,6 +146,7 @@ class Inspection {
   const Accuracy& accuracy_;
   const CellTree tree_;
   std::vector<EnergyJet> jets_;
+  std::set<LatticeEdge> jumps_, suspects_;
   std::vector<std::int32_t> poor_;  ///< leaves that do not keep the accuracy
   double worst_ratio_ = 0, kept_ = 0, samples_ = 0;
 };

@@ -26,8 +26,9 @@ struct Refinement {
 /// Compares the likely error of the force (a fifth of the bound of field_error.hpp) with what scene.accuracy
 /// allows, max(force_error |F|, force_floor), at 125 positions of every leaf cell. Where it is larger in a
 /// leaf, its corners close outside of the ball are to be solved, and when all have been tried, the leaf is to
-/// be split, unless it has been split scene.accuracy.levels times or its solved corners are all terminating.
-/// Empty when the accuracy is kept in 99.8 % of the ball, or cannot be improved; `kept` tells these apart.
+/// be split, unless it has been split scene.accuracy.levels times, its solved corners are all terminating, or
+/// a jump between branches crosses it (branch_check.hpp). Empty when the accuracy is kept in 99.8 % of the
+/// ball, or cannot be improved; `kept` tells these apart.
 ///
 /// Start from few points: spacing = radius / 2 (33 points) is refined to what is needed; with radius / 1 too
 /// little is known to judge, and radius / 3 already has more points than many scenes need.

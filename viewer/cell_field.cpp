@@ -30,8 +30,10 @@ Eigen::Matrix<double, Rows, 4> trilinearJet(const LeafCorners& corners, const Ei
   const double x = local.x(), y = local.y(), z = local.z();
   Column low[2], dx[2], dy[2];  // at the lower and upper face along z
   for (std::size_t k = 0; k < 2; ++k) {
-    const Column a = node(corners[4 * k]), b = node(corners[4 * k + 1]), c = node(corners[4 * k + 2]),
-                 d = node(corners[4 * k + 3]);
+    const Column& a = node(corners[4 * k]);
+    const Column& b = node(corners[4 * k + 1]);
+    const Column& c = node(corners[4 * k + 2]);
+    const Column& d = node(corners[4 * k + 3]);
     const Column front = a + x * (b - a), back = c + x * (d - c);
     low[k] = front + y * (back - front);
     dx[k] = (1 - y) * (b - a) + y * (d - c);

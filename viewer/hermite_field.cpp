@@ -143,7 +143,7 @@ CellData withStencilSupport(CellData data) {
 
 }  // namespace
 
-HermiteField::HermiteField(CellData data, Slopes slopes)
+HermiteField::HermiteField(const CellData& data, Slopes slopes)
     : CellField(slopes == Slopes::exact ? data : withStencilSupport(data)),
       slopes_(slopes),
       nodes_(makeNodes(data, slopes)) {}

@@ -23,7 +23,7 @@ class HermiteField : public CellField {
   };
 
   HermiteField(const SpaceTable& space, Slopes slopes) : HermiteField(CellData(space), slopes) {}
-  HermiteField(CellData data, Slopes slopes);
+  HermiteField(const CellData& data, Slopes slopes);
   std::string_view name() const override { return slopes_ == Slopes::exact ? "hermite" : "tricubic"; }
 
   /// Derivative (a, b, c) of the force, N / m^(a + b + c), in rows 0 to 2 of column a + 2 b + 4 c. Row 3 is
