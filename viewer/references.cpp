@@ -37,12 +37,12 @@ std::string_view name(ReferenceKind kind) {
   return "none";
 }
 
-std::vector<Reference> solvedProbes(const std::vector<const SpaceTable*>& tables) {
+std::vector<Reference> usableProbes(const std::vector<const SpaceTable*>& tables) {
   std::vector<Reference> references;
   for (const SpaceTable* table : tables)
     for (const Probe& probe : table->probes) {
       const auto same = [&](const Reference& known) { return known.displacement == probe.displacement; };
-      if (!isSolved(probe.record.tag) || isPointOfAny(tables, probe.displacement) ||
+      if (probe.record.tag != Tag::expandable || isPointOfAny(tables, probe.displacement) ||
           (table != tables.front() && std::any_of(references.begin(), references.end(), same)))
         continue;
       references.push_back({probe.displacement, probe.record.equilibrium.force});
@@ -55,7 +55,7 @@ std::vector<Reference> leftOutPoints(const SpaceTable& dense, const std::vector<
   for (std::int32_t n = 0; n < dense.lattice.size(); ++n) {
     const PointRecord& point = dense.points[n];
     const Eigen::Vector3d displacement = dense.lattice.displacement(n);
-    if (isSolved(point.tag) && displacement.norm() <= dense.lattice.radius() * (1 + 1e-12) &&
+    if (point.tag == Tag::expandable && displacement.norm() <= dense.lattice.radius() * (1 + 1e-12) &&
         !isPointOfAny(tables, displacement))
       references.push_back({displacement, point.equilibrium.force});
   }

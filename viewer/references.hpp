@@ -24,11 +24,12 @@ enum class ReferenceKind : std::uint8_t {
 };
 std::string_view name(ReferenceKind kind);  ///< "probes", "left-out lattice points", "none"
 
-/// Solved probes of all `tables` (of one active node, in several lattices), without those that are a point of
-/// one of the lattices, and each once.
-std::vector<Reference> solvedProbes(const std::vector<const SpaceTable*>& tables);
+/// Probes of all `tables` (of one active node, in several lattices) that were solved with a force within
+/// max_force, without those that are a point of one of the lattices, and each once. Beyond max_force no
+/// device renders the force, and next to a crushed element it is thousands of newtons.
+std::vector<Reference> usableProbes(const std::vector<const SpaceTable*>& tables);
 
-/// Solved points of `dense` that are in no lattice of `tables`.
+/// Expandable points of `dense` that are in no lattice of `tables`.
 std::vector<Reference> leftOutPoints(const SpaceTable& dense, const std::vector<const SpaceTable*>& tables);
 
 }  // namespace palpate

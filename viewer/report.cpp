@@ -77,7 +77,10 @@ DatasetFacts factsOf(const Dataset& dataset) {
     facts.lattice_points += space.points.size();
     facts.probes += space.probes.size();
     for (const PointRecord& point : space.points) facts.configurations += isSolved(point.tag) ? 1 : 0;
-    for (const Probe& probe : space.probes) facts.solved_probes += isSolved(probe.record.tag) ? 1 : 0;
+    for (const Probe& probe : space.probes) {
+      facts.solved_probes += isSolved(probe.record.tag) ? 1 : 0;
+      facts.terminating_probes += probe.record.tag == Tag::terminating ? 1 : 0;
+    }
   }
   std::map<std::string, ArraySize> kinds;
   for (const ArraySize& array : arraySizes(dataset.file())) {
@@ -187,7 +190,7 @@ class Reporter {
     for (std::size_t s = 0; s < spaces(); ++s) {
       std::vector<const SpaceTable*> tables;
       for (const Dataset& dataset : report_.open) tables.push_back(&dataset.spaces()[s]);
-      references()[s] = solvedProbes(tables);
+      references()[s] = usableProbes(tables);
     }
     if (anyReference()) {
       report_.references = ReferenceKind::probes;

@@ -70,7 +70,7 @@ struct DatasetFacts {
   std::uintmax_t bytes = 0;
   std::size_t configurations = 0;  ///< solved lattice points, all active nodes
   std::size_t lattice_points = 0;
-  std::size_t probes = 0, solved_probes = 0;
+  std::size_t probes = 0, solved_probes = 0, terminating_probes = 0;
   std::vector<std::pair<std::string, ArraySize>> sizes;  ///< what is stored, summed over active nodes
 };
 

@@ -52,6 +52,7 @@ Json datasetJson(const Dataset& dataset, const DatasetFacts& facts) {
           {"configurations", facts.configurations},
           {"probes", facts.probes},
           {"solved_probes", facts.solved_probes},
+          {"terminating_probes", facts.terminating_probes},
           {"bytes", facts.bytes},
           {"bytes_per_configuration",
            facts.configurations == 0

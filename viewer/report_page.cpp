@@ -536,7 +536,8 @@ std::string provenanceSection(const Report& report) {
                                  dataset.scene().workspace.max_force));
     row("mesh", fmt::format("{} nodes, {} tetrahedra", dataset.mesh().nodes.size(),
                             dataset.mesh().tetrahedra.size()));
-    row("probes", fmt::format("{}, {} of them solved", facts.probes, facts.solved_probes));
+    row("probes", fmt::format("{}, {} of them solved, {} beyond max_force and not measured with",
+                              facts.probes, facts.solved_probes, facts.terminating_probes));
     html += "</dl>\n";
     html += fmt::format(
         "<details><summary>Scene, with every default written out</summary><pre>{}</pre></details>\n",

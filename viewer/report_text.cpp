@@ -122,7 +122,8 @@ std::string describeReferences(const Report& report) {
   switch (report.references) {
     case ReferenceKind::probes:
       return fmt::format(
-          "Measured with {} probes: exact solutions at positions that no interpolation has seen.",
+          "Measured with {} probes: exact solutions, within max_force, at positions that no interpolation "
+          "has seen.",
           report.reference_count);
     case ReferenceKind::left_out:
       return fmt::format(

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/branch_check.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"
 
@@ -66,6 +67,18 @@ TEST(Refinement, LeavesAnAccurateSpaceAlone) {
   EXPECT_TRUE(next.empty());
   EXPECT_LE(next.worst_ratio, 1);
   EXPECT_EQ(next.kept, 1);
+}
+
+TEST(Refinement, DoesNotHalveCellsThatAJumpBetweenBranchesCrosses) {
+  const Scene scene = adaptiveScene(0.03);
+  SpaceTable space = solvedStart(scene, test::PolynomialEnergy(3, 0.06));
+  // Beyond the plane x = 0 another branch: forces of tens of newtons, which no stiffness explains.
+  for (std::int32_t n = 0; n < space.lattice.size(); ++n)
+    if (space.lattice.point(n)[0] > 0) space.points[n].equilibrium.force += Vector3d(40, -30, 20);
+  ASSERT_FALSE(inconsistentEdges(space).empty());
+  const Refinement next = nextRefinement(space, scene);
+  EXPECT_LT(next.kept, 1);
+  for (const LatticeCell& cell : next.splits) EXPECT_NE(cell.lowest[0], 0) << "crossed by the jump";
 }
 
 TEST(Refinement, EndsWithTheAccuracyKept) {

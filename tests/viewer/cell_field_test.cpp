@@ -166,12 +166,18 @@ TEST_P(EveryCellField, NeverErrsMoreThanTriLinearNextToAJump) {
 }
 
 TEST_P(EveryCellField, CoversByTheSolvedCornersAround) {
-  if (GetParam() == "tricubic") GTEST_SKIP() << "needs more than the corners";
   const auto field = makeForceField(GetParam(), withHoles());
-  EXPECT_DOUBLE_EQ(field->evaluate({-0.0025, 0.0025, 0.0025}).coverage, 1);
-  EXPECT_DOUBLE_EQ(field->evaluate({-0.0025, -0.0025, -0.0025}).coverage, 7.0 / 8);
-  EXPECT_DOUBLE_EQ(field->evaluate({0.0025, 0.0025, 0.0025}).coverage, 6.0 / 8);
-  EXPECT_NEAR(field->evaluate({0.005, 0, 0}).coverage, 0, 1e-12) << "on a failed point itself";
+  const auto expectCoverage = [&](const Vector3d& p, double share) {
+    const double coverage = field->evaluate(p).coverage;
+    if (GetParam() == "tricubic")
+      EXPECT_LE(coverage, share + 1e-12) << "it stands on more than the corners";
+    else
+      EXPECT_NEAR(coverage, share, 1e-12);
+  };
+  expectCoverage({-0.0025, 0.0025, 0.0025}, 1);
+  expectCoverage({-0.0025, -0.0025, -0.0025}, 7.0 / 8);
+  expectCoverage({0.0025, 0.0025, 0.0025}, 6.0 / 8);
+  expectCoverage({0.005, 0, 0}, 0);  // on a failed point itself
   EXPECT_TRUE(field->evaluate({0.005, 0, 0}).inside);
   const ForceSample rim = field->evaluate({0.0199, 0.0005, 0.0003});
   EXPECT_TRUE(rim.inside);
