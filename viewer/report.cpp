@@ -236,11 +236,14 @@ class Reporter {
     std::int64_t configurations = 0, factorizations = 0;
     for (const std::size_t s : compared_) {
       std::optional<SpaceTable> storage;
+      std::int64_t solved = 0;
       for (const PointRecord& point : tableOf(report_, lattice, s, storage).points) {
         if (!isSolved(point.tag)) continue;
-        ++configurations;
+        ++solved;
         factorizations += point.cost.factorizations;
       }
+      lattice.node_configurations.push_back(solved);
+      configurations += solved;
     }
     lattice.configurations = static_cast<double>(configurations) / static_cast<double>(compared_.size());
     lattice.factorizations = static_cast<double>(factorizations) / static_cast<double>(compared_.size());

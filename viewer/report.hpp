@@ -42,13 +42,14 @@ struct MethodMeasures {
 
 /// One lattice: a dataset, or a part of it that is a coarser lattice.
 struct LatticeMeasures {
-  std::size_t dataset = 0;              ///< index into Report::datasets
-  std::int32_t factor = 0;              ///< 0: the dataset as it is; else thinned by this factor
-  std::string label;                    ///< "liver.h5", "liver.h5, every 2nd point"
-  double spacing = 0;                   ///< m
-  double configurations = 0;            ///< solved points per active node, mean of the compared
-  double factorizations = 0;            ///< the work they took, per active node
-  std::vector<MethodMeasures> methods;  ///< in the order of Report::methods
+  std::size_t dataset = 0;                        ///< index into Report::datasets
+  std::int32_t factor = 0;                        ///< 0: the dataset as it is; else thinned by this factor
+  std::string label;                              ///< "liver.h5", "liver.h5, every 2nd point"
+  double spacing = 0;                             ///< m
+  double configurations = 0;                      ///< solved points per active node, mean of the compared
+  double factorizations = 0;                      ///< the work they took, per active node
+  std::vector<MethodMeasures> methods;            ///< in the order of Report::methods
+  std::vector<std::int64_t> node_configurations;  ///< solved points, per compared active node
   /// Mean error over the whole ball, N: per compared active node, in the order of Report::nodes, per method.
   std::vector<std::vector<double>> node_errors;
 };

@@ -320,7 +320,7 @@ std::string nodePlot(const Report& report, const std::string& node, std::size_t 
     PlotSeries series{.label = report.methods[m], .x = {}, .y = {}, .style = seriesStyle(m)};
     for (const LatticeMeasures& lattice : report.lattices) {
       if (lattice.node_errors.empty()) continue;
-      series.x.push_back(lattice.configurations);
+      series.x.push_back(static_cast<double>(lattice.node_configurations[place]));
       series.y.push_back(lattice.node_errors[place][m]);
     }
     plot.series.push_back(std::move(series));

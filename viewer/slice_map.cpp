@@ -13,7 +13,8 @@
 namespace palpate {
 namespace {
 
-constexpr double picture = 330, margin = 32, edge = picture - 2 * margin;  ///< user units
+constexpr double margin = 32, step = 3;  ///< user units; whole, so that runs of samples meet without seams
+constexpr double edge = step * SliceMap::side, picture = edge + 2 * margin;
 constexpr int most_decades = 5;
 constexpr double beyond = 0.02;  ///< share of the values that may lie beyond either end of the colours
 
@@ -43,7 +44,6 @@ double place(double metres, double radius) {
 /// One path per colour, of runs of samples along the rows: small, and no seams between neighbours.
 std::string colours(const SliceMap& map, const ColourScale& scale) {
   std::array<std::string, ColourScale::levels> paths;
-  const double step = edge / SliceMap::side;
   for (int row = 0; row < SliceMap::side; ++row) {
     const auto level = [&](int column) {
       const double value = map.bound[sampleAt(row, column)];
@@ -54,8 +54,8 @@ std::string colours(const SliceMap& map, const ColourScale& scale) {
       while (end < SliceMap::side && level(end) == run) ++end;
       if (run >= 0)
         paths[static_cast<std::size_t>(run)] += fmt::format(
-            "M{:.1f} {:.1f}h{:.1f}v{:.1f}h{:.1f}z", margin + begin * step,
-            picture - margin - (row + 1) * step, (end - begin) * step, step, (begin - end) * step);
+            "M{:g} {:g}h{:g}v{:g}h{:g}z", margin + begin * step, picture - margin - (row + 1) * step,
+            (end - begin) * step, step, (begin - end) * step);
     }
   }
   std::string svg = "<g shape-rendering=\"crispEdges\">";
@@ -101,7 +101,6 @@ std::string frame(const SliceMap& map) {
 
 /// The sides between samples that are covered and samples of the ball that are not.
 std::string coverEdge(const SliceMap& map) {
-  const double step = edge / SliceMap::side;
   const auto covered = [&](int row, int column) { return map.covered[sampleAt(row, column)] != 0; };
   std::string path;
   for (int row = 1; row < SliceMap::side; ++row)
