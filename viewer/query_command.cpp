@@ -77,6 +77,9 @@ std::string describeForPerson(const SpaceTable& space, const Eigen::Vector3d& di
   for (int i = 0; i < 3; ++i)
     text += fmt::format("{}{:11.6g} {:11.6g} {:11.6g}  N/m\n", i == 0 ? "stiffness     " : "              ",
                         sample.stiffness(i, 0), sample.stiffness(i, 1), sample.stiffness(i, 2));
+  if (std::isfinite(sample.error_bound))
+    text += fmt::format("error bound   {:11.4g}  N, on |force|, estimated to hold at 99 % of places\n",
+                        sample.error_bound);
   if (!sample.inside)
     return text + fmt::format("inside        NO: {}.\n\n", describeOutside(space.lattice, displacement));
   text += fmt::format("inside        yes, method {}", method);
@@ -136,27 +139,27 @@ ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& o
 }
 
 Verb queryVerb() {
-  return {"query", "Interpolated force and stiffness at displacements of an active node", [](CLI::App& app) {
-            auto options = std::make_shared<QueryOptions>();
-            app.add_option("DATASET", options->dataset, "Sealed dataset, OUT.h5, as palpate build makes it")
-                ->required()
-                ->type_name("FILE");
-            app.add_option("--active", options->active, "Active node; not needed when there is only one")
-                ->type_name("NAME");
-            addDisplacementOption(app, options->displacement);
-            app.add_option("--method", options->method,
-                           fmt::format("Interpolation: {}", fmt::join(forceFieldMethods(), " or ")))
-                ->capture_default_str();
-            app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
-            app.footer(
-                "Prints the force on the tool in N and the stiffness d force / d displacement in N/m.\n"
-                "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 some displacement lies outside of the "
-                "covered region "
-                "(outside\nthe workspace ball, or next to a lattice point that was not solved; it is "
-                "answered all "
-                "the same, and marked), 130 interrupted.");
-            return std::function<ExitCode()>([options] { return query(*options, std::cin, std::cout); });
-          }};
+  return {
+      "query", "Interpolated force and stiffness at displacements of an active node", [](CLI::App& app) {
+        auto options = std::make_shared<QueryOptions>();
+        app.add_option("DATASET", options->dataset, "Sealed dataset, OUT.h5, as palpate build makes it")
+            ->required()
+            ->type_name("FILE");
+        app.add_option("--active", options->active, "Active node; not needed when there is only one")
+            ->type_name("NAME");
+        addDisplacementOption(app, options->displacement);
+        app.add_option("--method", options->method,
+                       fmt::format("Interpolation: {}", fmt::join(forceFieldMethods(), " or ")))
+            ->capture_default_str();
+        app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
+        app.footer(
+            "Prints the force on the tool in N and the stiffness d force / d displacement in N/m.\n"
+            "coverage (--json): share of the answer that stands on solved lattice points of one branch.\n"
+            "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 some displacement lies outside of the workspace "
+            "ball, or\nwhere nothing around was solved (it is answered all the same, and marked), 130 "
+            "interrupted.");
+        return std::function<ExitCode()>([options] { return query(*options, std::cin, std::cout); });
+      }};
 }
 
 }  // namespace palpate
