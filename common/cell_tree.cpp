@@ -86,11 +86,12 @@ void CellTree::makeSlots(const SpaceTable& space) {
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
 
+  const std::vector<bool> interpolated = interpolatedPoints(space);
   for (const LatticePoint& point : points) {
     CellSlot slot;
     slot.point = point;
     const auto number = space.lattice.indexOf(point);
-    if (number && isSolved(space.points[*number].tag)) {
+    if (number && interpolated[static_cast<std::size_t>(*number)]) {
       slot.kind = SlotKind::solved;
       slot.number = *number;
     }

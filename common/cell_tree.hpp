@@ -12,8 +12,8 @@ namespace palpate {
 
 /// Where the nodal data of a corner come from.
 enum class SlotKind : std::uint8_t {
-  solved,   ///< a lattice point that holds an equilibrium
-  ghost,    ///< nothing is solved there (outside of the ball, failed): extrapolated from solved points
+  solved,  ///< a lattice point that holds an equilibrium (and is one of interpolatedPoints)
+  ghost,  ///< nothing is solved there (outside of the ball, failed, crushed): extrapolated from solved points
   hanging,  ///< on the boundary of a coarser leaf and no corner of it: what that leaf interpolates there,
             ///< whether or not the position is solved, so that interpolants agree on the common boundary
 };

@@ -63,6 +63,15 @@ struct SpaceTable {
 /// Factorising for more points would hold sealing up; who wants their weights solves them (solveRbfWeights).
 inline constexpr std::size_t most_stored_rbf_points = 2000;
 
+/// Largest force of a terminating point that cells are interpolated with, in largest forces of the expandable
+/// points. Beyond it an element beside the tool is being crushed: the force is tens to thousands of times
+/// what a device renders, and a polynomial that meets it is wrong in the whole cell.
+inline constexpr double largest_force_share = 3;
+
+/// By lattice number, whether cells are interpolated with the point: it is solved and, if it is terminating,
+/// within largest_force_share. The others are continued from their neighbours, as if they had failed.
+std::vector<bool> interpolatedPoints(const SpaceTable& space);
+
 /// What of `space` contradicts itself, as a clause for errors ("probe 3 lies outside of the workspace");
 /// empty when nothing does. Looked at are numbers that name points, cells and edges, and positions.
 std::string faultOf(const SpaceTable& space);

@@ -25,7 +25,11 @@ LatticePoint difference(const LatticePoint& a, const LatticePoint& b) {
 class Fitter {
  public:
   Fitter(const CellTree& tree, const SpaceTable& space, const std::vector<LatticeEdge>& inconsistent)
-      : tree_(tree), space_(space), fits_(space.lattice.unit()), inconsistent_(inconsistent) {
+      : tree_(tree),
+        space_(space),
+        interpolated_(interpolatedPoints(space)),
+        fits_(space.lattice.unit()),
+        inconsistent_(inconsistent) {
     const std::int32_t divisions = space.lattice.divisions();
     around_.resize(tree.slots().size());
     edge_.assign(tree.slots().size(), 0);
@@ -36,7 +40,7 @@ class Fitter {
         edge = std::max(edge, divisions >> tree.leaves()[leaf].level);
       }
     for (std::int32_t n = 0; n < space.lattice.size(); ++n)
-      if (isSolved(space.points[n].tag)) solved_.push_back(n);
+      if (interpolated_[static_cast<std::size_t>(n)]) solved_.push_back(n);
   }
 
   LocalPolynomial fit(std::size_t slot) {
@@ -101,7 +105,7 @@ class Fitter {
     for (const std::int32_t leaf : around_[slot])
       for (const std::int32_t corner : tree_.corners(leaf)) {
         const auto number = space_.lattice.indexOf(tree_.slots()[static_cast<std::size_t>(corner)].point);
-        if (number && *number != center.number && isSolved(space_.points[*number].tag))
+        if (number && *number != center.number && interpolated_[static_cast<std::size_t>(*number)])
           numbers.insert(*number);
       }
     std::vector<Candidate> candidates;
@@ -134,6 +138,7 @@ class Fitter {
 
   const CellTree& tree_;
   const SpaceTable& space_;
+  const std::vector<bool> interpolated_;
   LocalFits fits_;
   const std::vector<LatticeEdge>& inconsistent_;
   std::vector<std::vector<std::int32_t>> around_;  ///< leaves, per slot

@@ -95,9 +95,10 @@ class Inspection {
   bool allTerminating(std::int32_t leaf) const {
     bool any = false;
     for (const std::int32_t corner : tree_.corners(leaf)) {
-      if (slot(corner).kind != SlotKind::solved) continue;
+      const auto number = space_.lattice.indexOf(slot(corner).point);
+      if (!number || !isSolved(space_.points[*number].tag)) continue;
       any = true;
-      if (space_.points[slot(corner).number].tag != Tag::terminating) return false;
+      if (space_.points[*number].tag != Tag::terminating) return false;
     }
     return any;
   }

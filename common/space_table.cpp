@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/dataset.hpp"
 #include "common/error.hpp"
@@ -52,6 +53,18 @@ std::string faultOfSplits(const SpaceTable& space) {
 }
 
 }  // namespace
+
+std::vector<bool> interpolatedPoints(const SpaceTable& space) {
+  double largest = 0;
+  for (const PointRecord& point : space.points)
+    if (point.tag == Tag::expandable) largest = std::max(largest, point.equilibrium.force.norm());
+  const double limit = largest > 0 ? largest_force_share * largest : std::numeric_limits<double>::infinity();
+  std::vector<bool> interpolated;
+  for (const PointRecord& point : space.points)
+    interpolated.push_back(point.tag == Tag::expandable ||
+                           (point.tag == Tag::terminating && point.equilibrium.force.norm() <= limit));
+  return interpolated;
+}
 
 std::string faultOf(const SpaceTable& space) {
   const Lattice& lattice = space.lattice;

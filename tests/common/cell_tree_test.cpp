@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -87,6 +88,24 @@ TEST(CellTree, TellsSolvedGhostAndHangingCornersApart) {
   EXPECT_EQ(kind({512, 512, 0}), SlotKind::hanging) << "on a face of an unsplit cell, though solved";
   EXPECT_EQ(kind({768, 768, 768}), SlotKind::solved);
   EXPECT_EQ(kind({768, 768, 512}), SlotKind::hanging) << "on a face of an eighth";
+}
+
+TEST(CellTree, TreatsATerminatingPointOfACrushedElementLikeOneThatFailed) {
+  SpaceTable space = test::solvedSpace(Lattice(radius, spacing), test::StiffeningEnergy());
+  double largest = 0;
+  for (const PointRecord& point : space.points) largest = std::max(largest, point.equilibrium.force.norm());
+  const std::int32_t strong = *space.lattice.indexOf({2, 0, 0}), crushed = *space.lattice.indexOf({0, 2, 0});
+  for (const std::int32_t n : {strong, crushed}) space.points[n].tag = Tag::terminating;
+  space.points[strong].equilibrium.force = {2 * largest, 0, 0};
+  space.points[crushed].equilibrium.force = {0, 40 * largest, 0};
+  const CellTree tree(space);
+  const auto kindAt = [&](const LatticePoint& point) {
+    return std::find_if(tree.slots().begin(), tree.slots().end(),
+                        [&](const CellSlot& slot) { return slot.point == point; })
+        ->kind;
+  };
+  EXPECT_EQ(kindAt({2, 0, 0}), SlotKind::solved);
+  EXPECT_EQ(kindAt({0, 2, 0}), SlotKind::ghost);
 }
 
 TEST(CellTree, OrdersHangingSlotsSoThatInterpolantsAreContinuous) {
