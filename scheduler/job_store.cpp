@@ -121,6 +121,14 @@ std::map<std::string, std::int64_t> readCounters(Database& database) {
 
 }  // namespace
 
+/// Version 1 knew the uniform lattice alone: what was complete then may have branches and probes to solve.
+void JobStore::upgrade() {
+  Transaction transaction(database_);
+  putMetaNumber(database_, "complete", 0);
+  database_.execute(fmt::format("PRAGMA user_version = {}", schema_version));
+  transaction.commit();
+}
+
 ContentId fieldsOf(const wire::Result& result) {
   return ContentId::fromBytes(result.fields_id()).value_or(ContentId());
 }
@@ -130,6 +138,7 @@ JobStore::JobStore(const StateDirectory& directory, const Problem& problem, cons
   database_.execute("PRAGMA page_size = 8192; PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
   if (pragma(database_, "schema_version") == 0) create(problem, problem_bytes);
   checkVersion(database_);
+  if (pragma(database_, "user_version") < schema_version) upgrade();
   build_ = readBuild(database_);
   const ContentId wanted = problemId(problem);
   if (build_.build != wanted)

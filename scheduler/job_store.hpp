@@ -99,6 +99,7 @@ class JobStore {
 
  private:
   void create(const Problem& problem, const std::string& problem_bytes);
+  void upgrade();
   void insertAttempt(const StoredResult& result);
   bool makeRow(const StoredResult& result, Tag tag);
 

@@ -71,8 +71,6 @@ class SpacePlan {
   const std::vector<FailedAttempt>& attempts(std::int32_t number) const;
   /// expandable or terminating: the tag of a converged configuration whose |force| (N) is this.
   Tag tagOf(double force) const { return frontier_.tagOf(force); }
-  /// Whether the point has a configuration already, so that another converged one is an alternative.
-  bool isSolvedAlready(std::int32_t number) const { return isSolved(records_[number].tag); }
 
   /// The rows of the dataset, as far as they are known.
   SpaceTable table() const;

@@ -3,13 +3,12 @@
 namespace palpate {
 
 PotentialField::PotentialField(const CellData& data, const SpaceTable& space)
-    : PotentialField(data, space, slotPolynomials(data.tree, space, data.inconsistent)) {}
+    : PotentialField(data, slotPolynomials(data.tree, space, data.inconsistent)) {}
 
-PotentialField::PotentialField(const CellData& data, const SpaceTable& space,
-                               const std::vector<LocalPolynomial>& polynomials)
+PotentialField::PotentialField(const CellData& data, const std::vector<LocalPolynomial>& polynomials)
     : CellField(data, Limit::inconsistent),
       jets_(energyJets(data.tree, polynomials)),
-      error_(data.tree, polynomials, jets_, suspectEdges(space)) {}
+      error_(data.tree, polynomials, jets_, data.suspect) {}
 
 void PotentialField::interpolate(std::int32_t leaf, const Eigen::Vector3d& local,
                                  ForceSample& sample) const noexcept {

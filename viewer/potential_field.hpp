@@ -31,8 +31,7 @@ class PotentialField : public CellField {
 
  private:
   PotentialField(const CellData& data, const SpaceTable& space);
-  PotentialField(const CellData& data, const SpaceTable& space,
-                 const std::vector<LocalPolynomial>& polynomials);
+  PotentialField(const CellData& data, const std::vector<LocalPolynomial>& polynomials);
 
   std::vector<EnergyJet> jets_;  ///< per slot
   FieldError error_;

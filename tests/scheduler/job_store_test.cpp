@@ -143,6 +143,16 @@ TEST_F(JobStoreTest, MarksTheFailedPointsAtTheEnd) {
   EXPECT_FALSE(query.step());
 }
 
+TEST_F(JobStoreTest, ADirectoryOfTheFirstVersionIsNotCompleteAnyMore) {
+  {
+    const StateDirectory held(state);
+    open(held).complete(std::vector<FailedPoints>(2));
+  }
+  alter("PRAGMA user_version = 1");
+  const StateDirectory held(state);
+  EXPECT_FALSE(open(held).build().complete) << "branches and probes may be left to solve";
+}
+
 TEST_F(JobStoreTest, RefusesTheDirectoryOfAnotherScene) {
   { open(StateDirectory(state)); }
   const Problem other = test::cubeProblem(2000);
