@@ -122,6 +122,7 @@ ContentId problemId(const Problem& problem) {
   bare.scene.active = {};
   bare.scene.device.reset();
   bare.scene.storage = {};
+  bare.scene.contact = {};
   bare.mesh.node_groups.clear();
   if (!bare.scene.accuracy.adaptive()) bare.scene.accuracy = {.probes = bare.scene.accuracy.probes};
   for (std::size_t r = 0; r < bare.scene.regions.size(); ++r) {

@@ -91,6 +91,7 @@ std::string storageToml(const Storage& storage) {
 std::string resolvedToml(const Scene& scene) {
   std::string text = fmt::format("name = {}\nmesh = {}\nlength_unit = \"m\"\n", quotedToml(scene.name),
                                  quotedToml(scene.mesh.filename().string()));
+  if (scene.contact == ContactMode::glued) text += "contact = \"glued\"\n";
   for (const Region& region : scene.regions) text += regionToml(region);
   const Discretization& d = scene.discretization;
   text += fmt::format("\n[discretization]\ndisplacement = \"{}\"\npressure = \"{}\"\nconstraint = \"{}\"\n",

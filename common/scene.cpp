@@ -16,6 +16,7 @@ constexpr std::array<double, 3> unit_metres = {1.0, 0.01, 0.001};
 constexpr std::array<std::string_view, 3> axis_words = {"x", "y", "z"};
 constexpr std::array<std::string_view, 2> stored_words = {"surface", "all"};
 constexpr std::array<std::string_view, 2> precision_words = {"float32", "int16"};
+constexpr std::array<std::string_view, 2> contact_words = {"unilateral", "glued"};
 constexpr std::int32_t max_levels = 6, max_probes = 100000;
 
 std::vector<Region> readRegions(const TomlSection& root) {
@@ -287,9 +288,9 @@ Storage readStorage(const TomlSection& section) {
 
 Scene readTables(const toml::table& table, const std::string& source) {
   TomlContext context{source};
-  constexpr std::array<std::string_view, 13> keys = {
+  constexpr std::array<std::string_view, 14> keys = {
       "name",   "mesh",           "length_unit", "material", "region",   "gravity", "fixed",
-      "active", "discretization", "workspace",   "device",   "accuracy", "storage"};
+      "active", "discretization", "workspace",   "device",   "accuracy", "storage", "contact"};
   const TomlSection root(context, table, "", keys);
   if (const toml::node* unit = root.find("length_unit"))
     context.metres_per_unit = unit_metres[root.choice("length_unit", *unit, unit_words)];
@@ -320,6 +321,8 @@ Scene readTables(const toml::table& table, const std::string& source) {
         readAccuracy(root.inner("accuracy", *node, {"force_error", "force_floor", "levels", "probes"}));
   if (const toml::node* node = root.find("storage"))
     scene.storage = readStorage(root.inner("storage", *node, {"displacement", "precision"}));
+  if (const toml::node* node = root.find("contact"))
+    scene.contact = static_cast<ContactMode>(root.choice("contact", *node, contact_words));
   return scene;
 }
 

@@ -130,6 +130,13 @@ struct Storage {
   bool operator==(const Storage&) const = default;
 };
 
+/// `contact`, the key: how a tool touches the body in the haptic client. It changes no configuration and no
+/// id, and is left out of a resolved scene that says nothing.
+enum class ContactMode : std::uint8_t {
+  unilateral,  ///< the tissue pushes the tool away and never pulls; the tool slides with friction
+  glued        ///< the tool holds the surface and can pull it too (the paper's mode)
+};
+
 /// One scene file, validated, in SI units, every default filled in.
 struct Scene {
   std::string name;
@@ -144,6 +151,7 @@ struct Scene {
   std::optional<Device> device;
   Accuracy accuracy;
   Storage storage;
+  ContactMode contact = ContactMode::unilateral;
   bool operator==(const Scene&) const = default;
 };
 

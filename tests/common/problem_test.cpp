@@ -264,6 +264,7 @@ TEST_F(Problem, IdIgnoresWhatDoesNotChangeAnyConfiguration) {
   scene.accuracy.levels = 1;
   scene.device = Device{deviceProfiles()[2]};
   scene.storage = {StoredNodes::all, StoredPrecision::int16};
+  scene.contact = ContactMode::glued;
   EXPECT_EQ(problemId(resolved()), id);
 }
 

@@ -47,6 +47,7 @@ reject_inverted = true
 
 constexpr const char* everything = R"(mesh = "meshes/organ.msh"
 length_unit = "mm"
+contact = "glued"
 [material]
 law = "modified-st-venant-kirchhoff"
 young = 15480
@@ -345,6 +346,12 @@ TEST(Scene, StoresTheSurfaceInFloatsUnlessAskedOtherwise) {
   refuses("[workspace]", "[storage]\ndisplacement = \"visible\"\n[workspace]",
           {"storage.displacement", "surface or all"});
   refuses("[workspace]", "[storage]\nprecision = \"int8\"\n[workspace]", {"storage.precision", "int16"});
+}
+
+TEST(Scene, TouchesWithoutPullingUnlessItIsGlued) {
+  EXPECT_EQ(parse(liver).contact, ContactMode::unilateral);
+  EXPECT_EQ(parse(everything).contact, ContactMode::glued);
+  refuses("name = ", "contact = \"sticky\"\nname = ", {"contact", "unilateral or glued"});
 }
 
 TEST(Scene, IsUniformUntilItAsksForAccuracy) {

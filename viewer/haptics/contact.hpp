@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "viewer/haptics/haptic_model.hpp"
+
+namespace palpate {
+
+struct ContactOptions {
+  ContactMode mode = ContactMode::unilateral;
+  double friction = 0.2;         ///< Coulomb's coefficient, >= 0; unilateral only
+  double grab_distance = 0.005;  ///< m; glued: the tool takes hold of a surface this near
+  double most_slide = 0.002;     ///< m per tick that the anchor may slide at most
+};
+
+/// What the tissue does to the tool.
+struct Touch {
+  bool touching = false;
+  /// The raw force may differ from the last one by more than motion explains: contact began away from the
+  /// surface, ended with a force, or model or method were switched. The force guard fades such steps in.
+  bool stepped = false;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();      ///< N, on the tool, not limited yet
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< N/m, d force / d tool with the anchor held
+  double energy = 0;       ///< J, stored in the tissue; NaN where the method has none
+  double error_bound = 0;  ///< N; NaN where the method gives none
+  double coverage = 1;     ///< ForceSample::coverage, blended
+  bool inside = true;      ///< all blended spaces answer from inside of their workspaces
+  SurfacePoint anchor;     ///< the material point in contact
+  Eigen::Vector3d anchor_position = Eigen::Vector3d::Zero();  ///< at rest, m
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();       ///< outward, of the surface at rest in the anchor
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< of the anchor, m: what the spaces are asked
+  SpaceBlend blend;
+  double gap = 0;  ///< m, when not touching: distance to the body, negative inside of it
+};
+
+/// A point tool on a soft body.
+///
+/// The tool touches when it crosses a touchable triangle from outside; where it does, the *anchor*, is the
+/// material point that moves with it: the displacement is tool - anchor, and the force
+///   F = sum w_i(anchor) h_i(tool - anchor)
+/// over the spaces of the anchor's blend. The displacement, and with it the force, is zero at first: contact
+/// begins without a jump. While it lasts the deformed surface passes through the tool at the anchor, so the
+/// anchor *is* the closest point of the deformed surface, and only a free tool needs a search.
+///
+/// Sliding. The stored energy of a contact is W(X) = sum w_i(X) E_i(tool - X), X the anchor. Moving it along
+/// the surface changes W by (F + sum E_i grad w_i) . dX; call the tangential part of that T. Friction holds
+/// the anchor while |T| <= friction * F.n, else it slides against T until that holds again, walking over the
+/// edges of triangles. So sliding never creates energy, and takes none without friction. A method that has no
+/// energy slides by the tangential force alone. The anchor cannot leave the touchable surface: at its rim it
+/// stays. Since the anchor moves continuously and the weights are continuous, so is the force.
+///
+/// Release: nothing pulls. When F.n becomes <= 0 (n outward) the contact ends with it. A tool that is inside
+/// the body then, or came in where nothing is touchable, feels nothing until it has been outside.
+///
+/// Glued (the paper's mode): the tool takes hold of the nearest touchable point within grab_distance, and
+/// keeps it, pulling too, as long as `hold`; the displacement counts from where it was taken.
+///
+/// One thread. update() and use() are real time: they do not allocate, lock, throw or log.
+class Contact {
+ public:
+  /// The model must outlive this object, or its replacement by use().
+  explicit Contact(const HapticModel& model, const ContactOptions& options = {});
+
+  /// tool: m, scene frame. Not finite: contact ends. hold: glued mode only.
+  const Touch& update(const Eigen::Vector3d& tool, bool hold = true) noexcept;
+  const Touch& touch() const noexcept { return touch_; }
+  /// Ends the contact; the tool must come from outside again.
+  void release() noexcept;
+  /// Goes on with another model or method. Contact is kept where the surfaces have the same triangles, vertex
+  /// for vertex, and the anchor is touchable in the new one.
+  void use(const HapticModel& model, std::size_t method) noexcept;
+
+ private:
+  const HapticModel* model_;
+  std::size_t method_ = 0;
+  ContactOptions options_;
+  Touch touch_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <vector>
+
+#include "viewer/devices/haptic_device.hpp"
+#include "viewer/haptics/contact.hpp"
+#include "viewer/haptics/force_guard.hpp"
+#include "viewer/haptics/haptic_state.hpp"
+
+namespace palpate {
+
+/// From the frame of a device to that of the scene: tool = origin + scale * rotation * position. Forces go
+/// back by the transposed rotation alone: newtons stay newtons, only lengths are scaled (the hand then feels
+/// `scale` times the stiffness per metre of its own motion).
+struct WorkspaceMap {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  double scale = 1;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< m
+  Eigen::Vector3d toScene(const Eigen::Vector3d& position) const noexcept {
+    return origin + scale * (rotation * position);
+  }
+  Eigen::Vector3d toDevice(const Eigen::Vector3d& force) const noexcept {
+    return rotation.transpose() * force;
+  }
+};
+/// The device's workspace around what is touchable: identity for devices that live in the scene; else the
+/// scale at which `profile`'s workspace holds the touchable vertices and the displacements around them, at
+/// least 1; the device's axes are the scene's.
+WorkspaceMap workspaceFor(const HapticModel& model, const HapticDevice& device);
+
+struct TickOptions {
+  double period = 1e-3;  ///< s
+  ContactOptions contact;
+  GuardOptions guard;
+  WorkspaceMap map;
+};
+
+/// One tick of the haptic loop: read, find contact, evaluate, guard, write. Knows no clock and no thread, so
+/// that the same readings give the same forces to the last bit.
+/// run() and obey() are real time: they do not allocate, lock, throw or log.
+class HapticTick {
+ public:
+  /// models: at least one, to be switched between; they and the device must outlive this object.
+  HapticTick(std::vector<const HapticModel*> models, HapticDevice& device, const TickOptions& options);
+
+  /// late: the loop hung before this tick.
+  const HapticState& run(bool late = false) noexcept;
+  /// Commands that name what does not exist are ignored.
+  void obey(const HapticCommand& command) noexcept;
+  const HapticState& state() const noexcept { return state_; }
+  const TickOptions& options() const noexcept { return options_; }
+
+ private:
+  std::vector<const HapticModel*> models_;
+  HapticDevice& device_;
+  TickOptions options_;
+  Contact contact_;
+  ForceGuard guard_;
+  HapticState state_;
+};
+
+}  // namespace palpate
