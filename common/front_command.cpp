@@ -22,7 +22,7 @@ struct Route {
   const char* program;
 };
 
-constexpr std::array<Route, 11> routes = {{{"check", "palpate-worker"},
+constexpr std::array<Route, 12> routes = {{{"check", "palpate-worker"},
                                            {"build", "palpate-scheduler"},
                                            {"query", "palpate-viewer"},
                                            {"solve", "palpate-worker"},
@@ -32,7 +32,8 @@ constexpr std::array<Route, 11> routes = {{{"check", "palpate-worker"},
                                            {"stop", "palpate-scheduler"},
                                            {"explain", "palpate-scheduler"},
                                            {"verify", "palpate-worker"},
-                                           {"report", "palpate-viewer"}}};
+                                           {"report", "palpate-viewer"},
+                                           {"doctor", "palpate-viewer"}}};
 
 constexpr const char* overview =
     R"(Feel a nonlinear soft body at 1 kHz: Palpate computes, ahead of the touch, the equilibrium of the body for a
@@ -56,6 +57,7 @@ On several machines
 Whether to trust it
   verify   Solve problems whose solution is known; print computed, reference and deviation
   report   Speed against error of every method of interpolation, from a dataset; with --html a page
+  doctor   Can this machine run the haptic client: timer, real-time limits, display, devices
 
 In five minutes, with a tetrahedral mesh organ.msh from Gmsh (here in millimetres) and this as organ.toml:
   mesh = "organ.msh"

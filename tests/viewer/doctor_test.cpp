@@ -1,0 +1,59 @@
+#include "viewer/doctor.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace palpate {
+namespace {
+
+using ::testing::HasSubstr;
+
+Finding findingOf(const std::string& topic) {
+  const std::vector<Finding> findings = examineMachine();
+  const auto found = std::find_if(findings.begin(), findings.end(),
+                                  [&](const Finding& finding) { return finding.topic == topic; });
+  EXPECT_NE(found, findings.end()) << topic;
+  return found == findings.end() ? Finding{} : *found;
+}
+
+TEST(Doctor, MeasuresHowLateTheTimerWakes) {
+  EXPECT_THAT(findingOf("timer").found, HasSubstr("us at worst of 1000 sleeps"));
+}
+
+TEST(Doctor, SaysWhatToDoWithoutADisplay) {
+  unsetenv("DISPLAY");
+  unsetenv("WAYLAND_DISPLAY");
+  const Finding none = findingOf("display");
+  EXPECT_EQ(none.verdict, Finding::Verdict::note);
+  EXPECT_THAT(none.advice, HasSubstr("--headless"));
+  setenv("DISPLAY", ":7", 1);
+  EXPECT_EQ(findingOf("display").found, "DISPLAY=:7");
+  unsetenv("DISPLAY");
+}
+
+TEST(Doctor, PrintsAnAdviceUnderWhatNeedsOne) {
+  const std::string text = describe(
+      {{Finding::Verdict::good, "clock", "fast"}, {Finding::Verdict::bad, "device", "locked", "open it"}});
+  EXPECT_EQ(text,
+            "ok   clock               fast\n"
+            "BAD  device              locked\n"
+            "                         -> open it\n");
+}
+
+TEST(Doctor, PrintsOneJsonObjectPerLine) {
+  std::istringstream lines(describeJson({{Finding::Verdict::note, "display", "none", "make one"}}));
+  std::string line;
+  ASSERT_TRUE(std::getline(lines, line));
+  const auto finding = nlohmann::json::parse(line);
+  EXPECT_EQ(finding.at("verdict"), "note");
+  EXPECT_EQ(finding.at("advice"), "make one");
+  EXPECT_FALSE(std::getline(lines, line));
+}
+
+}  // namespace
+}  // namespace palpate

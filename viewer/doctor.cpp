@@ -1,0 +1,231 @@
+#include "viewer/doctor.hpp"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "common/program.hpp"
+
+namespace palpate {
+namespace {
+
+using Verdict = Finding::Verdict;
+namespace fs = std::filesystem;
+
+constexpr const char* realtime_advice =
+    "put \"@realtime - rtprio 80\" and \"@realtime - memlock unlimited\" into /etc/security/limits.d, join "
+    "the "
+    "group realtime, log in again; without it the loop runs all the same, and is woken late more often";
+
+std::string firstLine(const fs::path& file) {
+  std::string line;
+  std::ifstream stream(file);
+  std::getline(stream, line);
+  return line;
+}
+
+/// Asks for SCHED_FIFO on a thread of its own, so that nothing else changes.
+int refusalOfFifo() {
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setinheritsched(&attributes, PTHREAD_EXPLICIT_SCHED);
+  pthread_attr_setschedpolicy(&attributes, SCHED_FIFO);
+  const sched_param parameters{.sched_priority = 1};
+  pthread_attr_setschedparam(&attributes, &parameters);
+  pthread_t thread{};
+  const int refusal = pthread_create(
+      &thread, &attributes, [](void*) -> void* { return nullptr; }, nullptr);
+  if (refusal == 0) pthread_join(thread, nullptr);
+  pthread_attr_destroy(&attributes);
+  return refusal;
+}
+
+Finding realTimePriority() {
+  const int refusal = refusalOfFifo();
+  if (refusal == 0) return {Verdict::good, "real-time priority", "SCHED_FIFO is granted (--real-time)"};
+  return {Verdict::note, "real-time priority",
+          fmt::format("SCHED_FIFO is refused: {}", std::strerror(refusal)), realtime_advice};
+}
+
+Finding lockedMemory() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_MEMLOCK, &limit) != 0)
+    return {Verdict::note, "locked memory", fmt::format("unknown: {}", std::strerror(errno))};
+  if (limit.rlim_cur == RLIM_INFINITY) return {Verdict::good, "locked memory", "no limit"};
+  constexpr rlim_t enough = 1U << 30;
+  const std::string found = fmt::format("at most {} MiB", limit.rlim_cur >> 20);
+  return limit.rlim_cur >= enough ? Finding{Verdict::good, "locked memory", found}
+                                  : Finding{Verdict::note, "locked memory", found, realtime_advice};
+}
+
+/// How late a thread wakes from sleeps to times 1 ms apart, sorted, seconds.
+std::vector<double> wakingLatencies() {
+  constexpr long step = 1'000'000, second = 1'000'000'000;
+  constexpr int sleeps = 1000;
+  std::vector<double> late;
+  timespec target{}, now{};
+  clock_gettime(CLOCK_MONOTONIC, &target);
+  for (int n = 0; n < sleeps; ++n) {
+    target.tv_nsec += step;
+    if (target.tv_nsec >= second) {
+      target.tv_nsec -= second;
+      ++target.tv_sec;
+    }
+    if (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &target, nullptr) != 0) continue;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    late.push_back(static_cast<double>(now.tv_sec - target.tv_sec) +
+                   1e-9 * static_cast<double>(now.tv_nsec - target.tv_nsec));
+  }
+  std::sort(late.begin(), late.end());
+  return late;
+}
+
+Finding timer() {
+  const std::vector<double> late = wakingLatencies();
+  if (late.empty()) return {Verdict::bad, "timer", "clock_nanosleep does not work"};
+  const std::string found = fmt::format(
+      "woken {:.0f} us late in the median, {:.0f} us in 99 of 100, {:.0f} us at worst of {} sleeps",
+      1e6 * late[late.size() / 2], 1e6 * late[late.size() * 99 / 100], 1e6 * late.back(), late.size());
+  constexpr double period = 1e-3;
+  if (late.back() < period / 2) return {Verdict::good, "timer", found};
+  return {Verdict::note, "timer", found, "other programs take the processor: end them, or use --real-time"};
+}
+
+Finding kernel() {
+  utsname name{};
+  if (uname(&name) != 0) return {Verdict::note, "kernel", fmt::format("unknown: {}", std::strerror(errno))};
+  const bool preemptible = firstLine("/sys/kernel/realtime") == "1";
+  return {Verdict::good, "kernel",
+          fmt::format("{} {}{}", name.sysname, name.release, preemptible ? ", PREEMPT_RT" : "")};
+}
+
+Finding processorClock() {
+  const std::string governor = firstLine("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
+  if (governor.empty()) return {Verdict::good, "processor clock", "not managed by this system"};
+  if (governor == "performance") return {Verdict::good, "processor clock", governor};
+  return {Verdict::note, "processor clock", governor,
+          "cpupower frequency-set -g performance keeps the clock up between ticks"};
+}
+
+Finding display() {
+  for (const char* variable : {"DISPLAY", "WAYLAND_DISPLAY"})
+    if (const char* value = std::getenv(variable); value != nullptr && *value != '\0')
+      return {Verdict::good, "display", fmt::format("{}={}", variable, value)};
+  return {Verdict::note, "display", "none", "palpate view --headless runs without, xvfb-run gives it one"};
+}
+
+/// Vendors of haptic devices, by the ids that they are registered with at usb.org.
+struct UsbVendor {
+  std::string_view vendor, product;  ///< hexadecimal, as in sysfs; empty product: any
+  std::string_view name;
+};
+constexpr std::array<UsbVendor, 2> vendors = {
+    {{"1451", "", "Force Dimension"}, {"0403", "cb48", "Novint Falcon"}}};
+
+/// The node in /dev that a USB device of sysfs is opened through.
+fs::path nodeOf(const fs::path& device) {
+  const auto number = [&](const char* file) { return std::atoi(firstLine(device / file).c_str()); };
+  return fmt::format("/dev/bus/usb/{:03}/{:03}", number("busnum"), number("devnum"));
+}
+
+void findUsbDevices(std::vector<Finding>& findings) {
+  std::error_code none;
+  for (const fs::directory_entry& entry : fs::directory_iterator("/sys/bus/usb/devices", none)) {
+    const std::string vendor = firstLine(entry.path() / "idVendor"),
+                      product = firstLine(entry.path() / "idProduct");
+    for (const UsbVendor& known : vendors) {
+      if (vendor != known.vendor || (!known.product.empty() && product != known.product)) continue;
+      const fs::path node = nodeOf(entry.path());
+      const std::string found = fmt::format("{} ({}:{}) at {}", known.name, vendor, product, node.string());
+      if (access(node.c_str(), R_OK | W_OK) == 0)
+        findings.push_back({Verdict::good, "device", found});
+      else
+        findings.push_back({Verdict::bad, "device", found + fmt::format(", {}", std::strerror(errno)),
+                            fmt::format("a udev rule: SUBSYSTEM==\"usb\", ATTR{{idVendor}}==\"{}\", "
+                                        "MODE=\"0660\", GROUP=\"plugdev\"; never run as root for it",
+                                        vendor)});
+    }
+  }
+}
+
+Finding haplyService() {
+  constexpr std::uint16_t port = 10001;
+  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const bool answers =
+      socket >= 0 && connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  if (socket >= 0) close(socket);
+  return {Verdict::good, "Haply service",
+          answers
+              ? fmt::format("answers on port {} (--device haply)", port)
+              : fmt::format("nothing listens on port {}: start Haply's Inverse service to use one", port)};
+}
+
+/// Libraries that plug-ins for devices stand on. Loaded to see whether that works, and dropped again.
+void findLibraries(std::vector<Finding>& findings) {
+  constexpr std::array<std::pair<const char*, const char*>, 3> libraries = {
+      {{"libHD.so", "OpenHaptics"}, {"libdhd.so", "Force Dimension"}, {"libchai3d.so", "CHAI3D"}}};
+  for (const auto& [file, vendor] : libraries) {
+    void* const handle = dlopen(file, RTLD_LAZY | RTLD_LOCAL);
+    findings.push_back({Verdict::good, vendor,
+                        handle != nullptr ? fmt::format("{} can be loaded", file)
+                                          : fmt::format("no {}; only a plug-in for it needs it", file)});
+    if (handle != nullptr) dlclose(handle);
+  }
+}
+
+const char* word(Verdict verdict) {
+  constexpr std::array<const char*, 3> words = {"ok", "note", "BAD"};
+  return words[static_cast<std::size_t>(verdict)];
+}
+
+}  // namespace
+
+std::vector<Finding> examineMachine() {
+  std::vector<Finding> findings = {kernel(),         timer(),   realTimePriority(), lockedMemory(),
+                                   processorClock(), display(), haplyService()};
+  findUsbDevices(findings);
+  findLibraries(findings);
+  return findings;
+}
+
+std::string describe(const std::vector<Finding>& findings) {
+  std::string text;
+  for (const Finding& finding : findings) {
+    text += fmt::format("{:<5}{:<20}{}\n", word(finding.verdict), finding.topic, finding.found);
+    if (!finding.advice.empty()) text += fmt::format("{:<25}-> {}\n", "", finding.advice);
+  }
+  return text;
+}
+
+std::string describeJson(const std::vector<Finding>& findings) {
+  std::string text;
+  for (const Finding& finding : findings) {
+    const nlohmann::ordered_json line = {{"topic", finding.topic},
+                                         {"verdict", word(finding.verdict)},
+                                         {"found", finding.found},
+                                         {"advice", finding.advice}};
+    text += line.dump() + '\n';
+  }
+  return text;
+}
+
+}  // namespace palpate

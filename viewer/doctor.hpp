@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+/// One thing that the doctor looked at.
+struct Finding {
+  enum class Verdict { good, note, bad } verdict = Verdict::good;  ///< bad: something will not work
+  std::string topic;                                               ///< "real-time priority"
+  std::string found;                                               ///< what is so
+  std::string advice = {};  ///< what to do about it; empty when there is nothing to do
+};
+
+/// Whether this machine can run the haptic client: real-time limits, timer, memory locking, processor clock,
+/// display, known haptic devices on USB and who may open them, the Haply service, vendors' libraries. Changes
+/// nothing, opens no device. Takes a second, in which it measures how late the timer wakes a thread.
+std::vector<Finding> examineMachine();
+
+/// For a person, one or two lines per finding; and one JSON object per line.
+std::string describe(const std::vector<Finding>& findings);
+std::string describeJson(const std::vector<Finding>& findings);
+
+}  // namespace palpate
