@@ -60,7 +60,7 @@ struct Recording {
   RecordedRun run;
 
   std::size_t size() const { return times.size(); }
-  /// No tick is missing between the first and the last.
+  /// No tick is missing from the first one of the run to the last.
   bool complete() const;
 };
 
