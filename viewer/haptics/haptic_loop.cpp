@@ -175,7 +175,6 @@ void HapticLoop::runTicks() {
     const std::int64_t end = nowNs(), computed = processorNs() - processor;
     statistics_.compute.add(seconds(end - begin));
     statistics_.processor.add(seconds(computed));
-    if (!more) return;
     due += period_ns;
     if (end > due) {
       ++(computed > period_ns ? statistics_.missed_program : statistics_.missed_system);
@@ -184,6 +183,7 @@ void HapticLoop::runTicks() {
       publishStatistics();
       published = end;
     }
+    if (!more) return;
   }
 }
 
