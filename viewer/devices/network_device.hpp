@@ -77,7 +77,7 @@ class NetworkDevice : public HapticDevice {
   zmq::socket_t socket_;
   bool greeted_ = false;    ///< the device said its limits
   bool connected_ = false;  ///< and sends readings
-  double max_force_ = 0;  ///< N, the least of all that was said
+  double max_force_ = 0;    ///< N, the least of all that was said
   std::uint64_t last_reading_ = 0, forces_ = 0, garbage_ = 0;
   Clock::time_point last_heard_, last_greeting_, last_force_;
   std::string connection_trouble_, device_trouble_, told_;
