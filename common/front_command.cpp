@@ -22,7 +22,7 @@ struct Route {
   const char* program;
 };
 
-constexpr std::array<Route, 11> routes = {{{"check", "palpate-worker"},
+constexpr std::array<Route, 12> routes = {{{"check", "palpate-worker"},
                                            {"build", "palpate-scheduler"},
                                            {"query", "palpate-viewer"},
                                            {"solve", "palpate-worker"},
@@ -32,7 +32,8 @@ constexpr std::array<Route, 11> routes = {{{"check", "palpate-worker"},
                                            {"stop", "palpate-scheduler"},
                                            {"explain", "palpate-scheduler"},
                                            {"verify", "palpate-worker"},
-                                           {"report", "palpate-viewer"}}};
+                                           {"report", "palpate-viewer"},
+                                           {"device", "palpate-viewer"}}};
 
 constexpr const char* overview =
     R"(Feel a nonlinear soft body at 1 kHz: Palpate computes, ahead of the touch, the equilibrium of the body for a
@@ -52,6 +53,9 @@ On several machines
   status   How far it is: tags, rate, time left, workers, failures by cause
   stop     Let it finish what is running, and end it; serve goes on later
   explain  How a lattice point was reached, or why it failed
+
+With a haptic device elsewhere
+  device   Lend a haptic device of this machine to a simulator on another
 
 Whether to trust it
   verify   Solve problems whose solution is known; print computed, reference and deviation

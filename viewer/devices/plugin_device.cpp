@@ -186,7 +186,10 @@ PluginDevice::PluginDevice(const PluginDeviceOptions& options)
 }
 
 PluginDevice::~PluginDevice() {
-  if (session_->stop()) return thread_.join();
+  if (session_->stop()) {
+    thread_.join();
+    return;
+  }
   // The thread hangs in the plug-in. It holds the session too, and so keeps the library loaded.
   session_->setHalted(true);
   thread_.detach();

@@ -242,7 +242,13 @@ TEST(HaplyDevice, LeavesTheDeviceWithZeroForce) {
 }
 
 TEST(HaplyDevice, RefusesAnAddressThatIsNoNumber) {
-  test::expectBadInput([] { HaplyDevice({.address = "nowhere"}); }, {"nowhere", "127.0.0.1"});
+  test::expectBadInput(
+      [] {
+        HaplyDeviceOptions options;
+        options.address = "nowhere";
+        HaplyDevice device(options);
+      },
+      {"nowhere", "127.0.0.1"});
 }
 
 }  // namespace
