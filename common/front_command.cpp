@@ -22,7 +22,7 @@ struct Route {
   const char* program;
 };
 
-constexpr std::array<Route, 12> routes = {{{"check", "palpate-worker"},
+constexpr std::array<Route, 14> routes = {{{"check", "palpate-worker"},
                                            {"build", "palpate-scheduler"},
                                            {"query", "palpate-viewer"},
                                            {"solve", "palpate-worker"},
@@ -33,7 +33,9 @@ constexpr std::array<Route, 12> routes = {{{"check", "palpate-worker"},
                                            {"explain", "palpate-scheduler"},
                                            {"verify", "palpate-worker"},
                                            {"report", "palpate-viewer"},
-                                           {"doctor", "palpate-viewer"}}};
+                                           {"doctor", "palpate-viewer"},
+                                           {"view", "palpate-viewer"},
+                                           {"device", "palpate-viewer"}}};
 
 constexpr const char* overview =
     R"(Feel a nonlinear soft body at 1 kHz: Palpate computes, ahead of the touch, the equilibrium of the body for a
@@ -45,6 +47,7 @@ From a scene to forces
   check    Validate a scene; print sizes, mesh quality, warnings and what it will cost. Computes nothing
   build    Compute the dataset of a scene with workers on this machine; interrupted, it goes on where it was
   query    Force, stiffness and error bound at any displacement, from a dataset
+  view     Feel and see it: the haptic client, with a virtual hand when there is no device
   solve    One exact solution, without scheduler and dataset
 
 On several machines
@@ -53,6 +56,9 @@ On several machines
   status   How far it is: tags, rate, time left, workers, failures by cause
   stop     Let it finish what is running, and end it; serve goes on later
   explain  How a lattice point was reached, or why it failed
+
+With a haptic device elsewhere
+  device   Lend a haptic device of this machine to a simulator on another
 
 Whether to trust it
   verify   Solve problems whose solution is known; print computed, reference and deviation

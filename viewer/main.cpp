@@ -1,12 +1,14 @@
 #include <array>
 
 #include "common/program.hpp"
+#include "viewer/devices/device_command.hpp"
 #include "viewer/doctor_command.hpp"
 #include "viewer/query_command.hpp"
 #include "viewer/report_command.hpp"
+#include "viewer/view_command.hpp"
 
 int main(int argc, char** argv) {
-  const std::array verbs = {palpate::queryVerb(), palpate::reportVerb(), palpate::doctorVerb()};
-  return palpate::runProgram(argc, argv, "Palpate's haptic side: reads datasets and answers with forces",
-                             verbs);
+  using namespace palpate;
+  const std::array verbs = {viewVerb(), queryVerb(), reportVerb(), deviceVerb(), doctorVerb()};
+  return runProgram(argc, argv, "Palpate's haptic side: lets a hand feel datasets, answers with forces", verbs);
 }

@@ -1,0 +1,124 @@
+#include "viewer/devices/device_choice.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/support/command.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/sample_dataset.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "tests/viewer/devices/tray_device.hpp"
+#include "viewer/devices/device_command.hpp"
+#include "viewer/devices/device_server.hpp"
+#include "viewer/devices/hand_path.hpp"
+#include "viewer/haptics/haptic_model.hpp"
+
+namespace palpate {
+namespace {
+
+using test::expectBadInput;
+using ::testing::HasSubstr;
+
+/// A model of the sample dataset, a cube with two active nodes.
+class DeviceChoice : public ::testing::Test {
+ protected:
+  DeviceChoice() { sample.seal(directory / "sample.h5"); }
+  const HapticModel& model() {
+    if (!model_) model_ = std::make_unique<HapticModel>(Dataset(directory / "sample.h5"));
+    return *model_;
+  }
+  DeviceContext context() { return {&model(), 1e-3, deviceProfiles()[2]}; }
+
+  test::TemporaryDirectory directory;
+  test::SampleDataset sample;
+
+ private:
+  std::unique_ptr<HapticModel> model_;
+};
+
+TEST_F(DeviceChoice, TheDefaultIsAVirtualHandOutsideOfTheBody) {
+  const auto device = openDevice(default_device, context());
+  EXPECT_EQ(device->name(), "virtual hand");
+  EXPECT_EQ(device->profile(), deviceProfiles()[2]);
+  const NearestPoint nearest = model().surface().tree().nearest(device->read().position);
+  EXPECT_TRUE(nearest.outside);
+  EXPECT_GT(nearest.distance, 0.01);
+}
+
+TEST_F(DeviceChoice, TheDefaultPathPressesEachActiveNodeButNeverHarderThanAsked) {
+  const TouchPathOptions options;
+  const HandPath path = touchPath(model(), options);
+  EXPECT_TRUE(path.repeats());
+  for (std::size_t s = 0; s < model().spaces().size(); ++s) {
+    double pressed = 0;
+    for (const HandWaypoint& waypoint : path.waypoints()) {
+      const NearestPoint nearest = model().surface().tree().nearest(waypoint.position);
+      if (nearest.outside) continue;
+      const SurfacePoint anchor{nearest.triangle, nearest.barycentric};
+      if (!model().surface().touchable(anchor.triangle)) continue;
+      const SpaceBlend blend = model().surface().blendAt(anchor);
+      for (int i = 0; i < blend.size; ++i)
+        if (blend.shares[static_cast<std::size_t>(i)].space == static_cast<int>(s))
+          pressed = std::max(pressed, nearest.distance);
+    }
+    EXPECT_GT(pressed, 1e-4) << "space " << s;
+  }
+}
+
+TEST_F(DeviceChoice, TheDefaultPathIsAFunctionOfTheModelAlone) {
+  const HandPath a = touchPath(model()), b = touchPath(model());
+  ASSERT_EQ(a.waypoints().size(), b.waypoints().size());
+  for (double t = 0; t < a.duration(); t += 0.1) EXPECT_EQ(a.at(t).position, b.at(t).position);
+}
+
+TEST_F(DeviceChoice, OpensEachKindByItsWord) {
+  std::ofstream(directory / "hand.txt") << "0 0 0 0\n1 0 0 0.01\n";
+  EXPECT_EQ(openDevice("virtual:" + (directory / "hand.txt").string(), {})->name(), "virtual hand");
+  EXPECT_EQ(openDevice("mouse", context())->name(), "mouse");
+  EXPECT_THAT(openDevice("haply:049D", {})->name(), HasSubstr("049D"));
+  EXPECT_THAT(openDevice(std::string("plugin:") + CIRCLE_DEVICE + ":circle:radius=0.01", {})->name(),
+              HasSubstr("circle"));
+  test::TrayDevice tray;
+  const DeviceServer server(tray, {"tcp://127.0.0.1:*"});
+  EXPECT_THAT(openDevice(server.endpoint(), {})->name(), HasSubstr("tray"));
+}
+
+TEST(DeviceWord, UnknownOnesAreRefusedWithAListAndTheNearest) {
+  expectBadInput([] { openDevice("virtal", {}); },
+                 {"virtal", "did you mean virtual?", "replay:FILE", "tcp://HOST:PORT", "plugin:LIB.so"});
+  expectBadInput([] { openDevice("", {}); }, {"there is no such device"});
+  expectBadInput([] { openDevice("mouse:3", {}); }, {"mouse:3"});
+}
+
+TEST(DeviceWord, MissingPartsAreAskedFor) {
+  expectBadInput([] { openDevice("virtual", {}); }, {"virtual:FILE"});
+  expectBadInput([] { openDevice("mouse", {}); }, {"mouse"});
+  expectBadInput([] { openDevice("replay", {}); }, {"replay:FILE"});
+  expectBadInput([] { openDevice("replay:/nowhere.h5", {}); }, {"/nowhere.h5"});
+  expectBadInput([] { openDevice("plugin:", {}); }, {"plugin:LIB.so"});
+  expectBadInput([] { openDevice("tcp://host", {}); }, {"tcp://host"});
+}
+
+TEST(DeviceCommand, RefusesToListenBeyondThisMachineUnlessTold) {
+  DeviceCommandOptions options;
+  options.endpoint = "tcp://0.0.0.0:7412";
+  expectBadInput([&] { serveDevice(options); }, {"0.0.0.0", "--insecure", "tunnel"});
+}
+
+TEST(DeviceCommand, LendsADeviceUntilItIsInterrupted) {
+  const test::TemporaryDirectory directory;
+  const std::string log = (directory / "log").string();
+  // In the background of a shell SIGINT is ignored; SIGTERM means the same.
+  const auto result = test::runCommand(
+      PALPATE_BIN_DIR "/palpate-viewer device --listen 'tcp://127.0.0.1:*' --device plugin:" CIRCLE_DEVICE
+                      " > " +
+      log + " 2>&1 & for i in $(seq 400); do grep -q 'can be had at' " + log +
+      " && break; sleep 0.05; done; kill -TERM $!; wait $!; code=$?; cat " + log + "; exit $code");
+  EXPECT_THAT(result.output, HasSubstr("circle can be had at tcp://127.0.0.1:"));
+  EXPECT_EQ(result.exit_code, static_cast<int>(ExitCode::interrupted));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,58 @@
+#include "viewer/devices/mouse_device.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/expect_error.hpp"
+
+namespace palpate {
+namespace {
+
+MouseDevice atOrigin() {
+  return MouseDevice(Eigen::Vector3d::Zero(), {}, deviceProfiles().front());
+}
+
+/// x(t) = 1 - (1 + t/T) exp(-t/T)
+TEST(MouseDevice, FollowsAStepAsACriticallyDampedSpring) {
+  MouseDevice mouse = atOrigin();
+  mouse.moveTo({1, 0, 0}, 0);
+  for (int i = 1; i <= 200; ++i) {
+    const double t = i * 1e-3 / 0.015;
+    EXPECT_NEAR(mouse.read().position.x(), 1 - (1 + t) * std::exp(-t), 1e-12);
+  }
+}
+
+TEST(MouseDevice, MakesOneSmoothMotionOfSixtyEventsASecond) {
+  MouseDevice mouse = atOrigin();
+  const double step = 0.002;  // m per event: 0.12 m/s
+  double last = 0, largest_change = 0, last_move = 0;
+  for (int i = 0; i < 2000; ++i) {
+    if (i % 16 == 0) mouse.moveTo({step * (i / 16 + 1), 0, 0}, 0);
+    const double x = mouse.read().position.x();
+    EXPECT_GE(x, last);
+    if (i > 0) largest_change = std::max(largest_change, std::abs(x - last - last_move));
+    last_move = x - last;
+    last = x;
+  }
+  // A step's strongest acceleration is its length times rate^2.
+  EXPECT_LT(largest_change, 1.05 * step / (0.015 * 0.015) * 1e-6);
+}
+
+TEST(MouseDevice, GivesButtonsAndIgnoresPlacesThatAreNotFinite) {
+  MouseDevice mouse = atOrigin();
+  mouse.moveTo({0.1, 0, 0}, 5);
+  mouse.moveTo({NAN, 0, 0}, 7);
+  EXPECT_EQ(mouse.read().buttons, 5U);
+  for (int i = 0; i < 500; ++i) mouse.read();
+  EXPECT_NEAR(mouse.read().position.x(), 0.1, 1e-12);
+}
+
+TEST(MouseDevice, RefusesTimesThatAreNotPositive) {
+  test::expectBadInput(
+      [] { MouseDevice(Eigen::Vector3d::Zero(), {.time_constant = 0}, deviceProfiles().front()); },
+      {"time constant"});
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,328 @@
+#include "viewer/devices/network_device.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/viewer/devices/polling.hpp"
+#include "tests/viewer/devices/tray_device.hpp"
+#include "viewer/devices/device_server.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+using test::eventually;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// A device here, and a client that it is lent to.
+class NetworkDeviceTest : public ::testing::Test {
+ protected:
+  void serve() { server = std::make_unique<DeviceServer>(tray, DeviceServerOptions{endpoint}); }
+  void connect() {
+    endpoint = server->endpoint();
+    device = std::make_unique<NetworkDevice>(NetworkDeviceOptions{.endpoint = endpoint, .wait = 20s});
+  }
+  void SetUp() override {
+    serve();
+    connect();
+  }
+  /// One tick of a client that pushes with `force`.
+  DeviceReading tick(const Eigen::Vector3d& force = Eigen::Vector3d::Zero()) {
+    const DeviceReading reading = device->read();
+    device->write(force);
+    return reading;
+  }
+  bool becomes(DeviceStatus status) {
+    return eventually([&] { return tick().status == status; });
+  }
+
+  test::TrayDevice tray;
+  std::string endpoint = "tcp://127.0.0.1:*";
+  std::unique_ptr<DeviceServer> server;
+  std::unique_ptr<NetworkDevice> device;
+};
+
+TEST_F(NetworkDeviceTest, TakesOverTheLimitsOfTheFarDevice) {
+  EXPECT_EQ(device->profile().max_force, 2);
+  EXPECT_EQ(device->profile().max_stiffness, 500);
+  EXPECT_EQ(device->profile().workspace_radius, 0.06);
+  EXPECT_FALSE(device->livesInScene());
+  EXPECT_TRUE(device->hasButtons());
+  EXPECT_THAT(device->name(), HasSubstr("tray"));
+}
+
+TEST_F(NetworkDeviceTest, ReadingsArrive) {
+  tray.lay({{0.01, -0.02, 0.03}, 5, DeviceStatus::fresh});
+  EXPECT_TRUE(eventually([&] {
+    const DeviceReading reading = tick();
+    return reading.status == DeviceStatus::fresh && reading.buttons == 5 &&
+           reading.position == Eigen::Vector3d(0.01, -0.02, 0.03);
+  }));
+  EXPECT_THAT(device->trouble(), IsEmpty());
+}
+
+TEST_F(NetworkDeviceTest, ForcesArriveAndAreShortenedToTheLimit) {
+  EXPECT_TRUE(eventually([&] {
+    return tick({0.5, 1, -0.25}), tray.force() == Eigen::Vector3d(0.5, 1, -0.25);
+  }));
+  EXPECT_TRUE(eventually([&] {
+    return tick({30, 0, 40}), tray.force().isApprox(Eigen::Vector3d(1.2, 0, 1.6));
+  }));
+}
+
+TEST_F(NetworkDeviceTest, NaNInAReadingIsPassedOn) {
+  tray.lay({Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()), 0, DeviceStatus::fresh});
+  EXPECT_TRUE(eventually([&] {
+    const DeviceReading reading = tick();
+    return reading.status == DeviceStatus::fresh && std::isnan(reading.position.y());
+  }));
+}
+
+TEST_F(NetworkDeviceTest, ADeviceThatIsUnpluggedThereIsLostHere) {
+  ASSERT_TRUE(becomes(DeviceStatus::fresh));
+  tray.lay({Eigen::Vector3d::Zero(), 0, DeviceStatus::lost});
+  EXPECT_TRUE(becomes(DeviceStatus::lost));
+  tray.lay({Eigen::Vector3d::Zero(), 0, DeviceStatus::fresh});
+  EXPECT_TRUE(becomes(DeviceStatus::fresh));
+}
+
+TEST_F(NetworkDeviceTest, HaltingMakesTheFarForceZeroUntilResume) {
+  ASSERT_TRUE(eventually([&] { return tick({1, 0, 0}), tray.force().x() == 1; }));
+  device->halt();
+  EXPECT_TRUE(eventually([&] { return tick({1, 0, 0}), tray.force().isZero(); }));
+  device->resume();
+  EXPECT_TRUE(eventually([&] { return tick({1, 0, 0}), tray.force().x() == 1; }));
+}
+
+TEST_F(NetworkDeviceTest, AServerThatIsKilledIsLostAndFoundAgain) {
+  ASSERT_TRUE(becomes(DeviceStatus::fresh));
+  server.reset();
+  EXPECT_TRUE(tray.force().isZero());
+  EXPECT_TRUE(becomes(DeviceStatus::lost));
+  EXPECT_TRUE(eventually([&] { return device->trouble().find(endpoint) != std::string::npos; }));
+  serve();
+  EXPECT_TRUE(becomes(DeviceStatus::fresh));
+  EXPECT_TRUE(eventually([&] { return device->trouble().empty(); })) << device->trouble();
+  EXPECT_TRUE(eventually([&] { return tick({1, 0, 0}), tray.force().x() == 1; }));
+}
+
+TEST_F(NetworkDeviceTest, AClientThatGoesLeavesZeroForceAndAFreeDevice) {
+  ASSERT_TRUE(eventually([&] { return tick({1, 0, 0}), tray.force().x() == 1; }));
+  device.reset();
+  EXPECT_TRUE(eventually([&] { return tray.force().isZero(); }));
+  connect();
+  EXPECT_TRUE(becomes(DeviceStatus::fresh));
+}
+
+TEST_F(NetworkDeviceTest, ASecondClientIsRefusedWithTheReason) {
+  ASSERT_TRUE(becomes(DeviceStatus::fresh));
+  NetworkDevice second({.endpoint = endpoint, .wait = 1ms});
+  EXPECT_TRUE(eventually([&] {
+    tick();
+    return second.trouble().find("another simulator holds") != std::string::npos;
+  })) << second.trouble();
+  EXPECT_EQ(second.read().status, DeviceStatus::lost);
+  EXPECT_TRUE(becomes(DeviceStatus::fresh));
+}
+
+TEST(NetworkDevice, SaysHowToStartADeviceWhenNobodyAnswers) {
+  NetworkDevice device({.endpoint = "tcp://127.0.0.1:9", .wait = 1ms});
+  EXPECT_EQ(device.read().status, DeviceStatus::lost);
+  EXPECT_THAT(device.trouble(), HasSubstr("tcp://127.0.0.1:9"));
+  EXPECT_THAT(device.trouble(), HasSubstr("palpate device"));
+  EXPECT_EQ(device.profile(), deviceProfiles().front());
+}
+
+TEST(NetworkDevice, RefusesAnEndpointThatIsNone) {
+  test::expectBadInput([] { NetworkDevice({.endpoint = "tcp://nowhere"}); }, {"tcp://nowhere", "PORT"});
+}
+
+/// A far side that the test speaks for, word by word.
+class FarSide {
+ public:
+  FarSide() : socket_(makeDeviceRouter(context_)) {
+    socket_.bind("tcp://127.0.0.1:*");
+    endpoint = socket_.get(zmq::sockopt::last_endpoint);
+  }
+  void send(const wire::DeviceMessage& message) { sendDeviceMessage(socket_, peer, message); }
+  void sendRaw(const std::string& bytes) {
+    socket_.send(zmq::buffer(peer), zmq::send_flags::sndmore);
+    socket_.send(zmq::buffer(bytes), zmq::send_flags::none);
+  }
+  /// The next message of that kind.
+  wire::DeviceMessage expect(wire::DeviceMessage::BodyCase kind) {
+    wire::DeviceMessage found;
+    EXPECT_TRUE(eventually([&] {
+      const auto incoming = receiveDeviceMessage(socket_, true);
+      if (!incoming) return false;
+      peer = incoming->peer;
+      found = incoming->message;
+      return found.body_case() == kind;
+    })) << "no message of kind "
+        << kind;
+    return found;
+  }
+  void sayHello(double max_force = 3) {
+    wire::DeviceMessage message;
+    wire::DeviceHello& hello = *message.mutable_hello();
+    hello.set_protocol(device_protocol);
+    hello.set_max_force(max_force);
+    hello.set_max_stiffness(400);
+    hello.set_workspace_radius(0.1);
+    send(message);
+  }
+  void sendReading(std::uint64_t sequence, double x) {
+    wire::DeviceMessage message;
+    message.mutable_reading()->set_sequence(sequence);
+    message.mutable_reading()->set_x(x);
+    send(message);
+  }
+
+  std::string endpoint, peer;
+
+ private:
+  zmq::context_t context_;
+  zmq::socket_t socket_;
+};
+
+TEST(NetworkDevice, IgnoresGarbageAndCountsIt) {
+  FarSide far;
+  NetworkDevice device({.endpoint = far.endpoint, .wait = 1ms});
+  far.expect(wire::DeviceMessage::kGreeting);
+  far.sendRaw("\xff\xff\xff\xff");
+  far.sendRaw("");
+  far.sayHello(-1);
+  EXPECT_TRUE(eventually([&] { return device.trouble().find("3 messages") != std::string::npos; }))
+      << device.trouble();
+  far.sayHello();
+  far.sendReading(1, 0.25);
+  EXPECT_TRUE(eventually([&] { return device.read().position.x() == 0.25; }));
+}
+
+TEST(NetworkDevice, IgnoresReadingsThatAreOlderThanTheLast) {
+  FarSide far;
+  NetworkDevice device({.endpoint = far.endpoint, .wait = 1ms});
+  far.expect(wire::DeviceMessage::kGreeting);
+  far.sayHello();
+  far.sendReading(7, 0.7);
+  far.sendReading(6, 0.6);
+  far.sendReading(8, 0.8);
+  EXPECT_TRUE(eventually([&] {
+    const double x = device.read().position.x();
+    EXPECT_NE(x, 0.6);
+    return x == 0.8;
+  }));
+}
+
+TEST(NetworkDevice, GivesALateDeviceNoMoreForceThanWasPromised) {
+  FarSide far;
+  NetworkDevice device({.endpoint = far.endpoint, .wait = 1ms});
+  far.expect(wire::DeviceMessage::kGreeting);
+  device.write({100, 0, 0});
+  far.sayHello(50);
+  EXPECT_NEAR(far.expect(wire::DeviceMessage::kForce).force().x(), device.profile().max_force, 1e-12);
+}
+
+/// A client that the test speaks for, word by word.
+class NearSide {
+ public:
+  explicit NearSide(const std::string& endpoint) : socket_(makeDeviceDealer(context_)) {
+    socket_.set(zmq::sockopt::immediate, false);
+    socket_.connect(endpoint);
+  }
+  void greet(std::uint32_t protocol = device_protocol) {
+    wire::DeviceMessage message;
+    message.mutable_greeting()->set_protocol(protocol);
+    sendDeviceMessage(socket_, "", message);
+  }
+  void push(std::uint64_t sequence, double x, double valid_for_s) {
+    wire::DeviceMessage message;
+    message.mutable_force()->set_sequence(sequence);
+    message.mutable_force()->set_x(x);
+    message.mutable_force()->set_valid_for_s(valid_for_s);
+    sendDeviceMessage(socket_, "", message);
+  }
+  void sendRaw(const std::string& bytes) { socket_.send(zmq::buffer(bytes), zmq::send_flags::none); }
+  wire::DeviceMessage expect(wire::DeviceMessage::BodyCase kind) {
+    wire::DeviceMessage found;
+    EXPECT_TRUE(eventually([&] {
+      const auto incoming = receiveDeviceMessage(socket_, false);
+      if (!incoming) return false;
+      found = incoming->message;
+      return found.body_case() == kind;
+    })) << "no message of kind "
+        << kind;
+    return found;
+  }
+
+ private:
+  zmq::context_t context_;
+  zmq::socket_t socket_;
+};
+
+TEST(DeviceServer, LetsGoWhenNoForceCameForAsLongAsTheLastWasValid) {
+  test::TrayDevice tray;
+  DeviceServer server(tray, {"tcp://127.0.0.1:*"});
+  NearSide client(server.endpoint());
+  client.greet();
+  client.expect(wire::DeviceMessage::kHello);
+  client.push(1, 1.5, 0.5);
+  ASSERT_TRUE(eventually([&] { return tray.force().x() == 1.5; }));
+  EXPECT_TRUE(eventually([&] { return tray.force().isZero(); }));
+  EXPECT_EQ(server.state().lapses, 1U);
+  client.push(2, 1, 0.5);
+  EXPECT_TRUE(eventually([&] { return tray.force().x() == 1; }));
+}
+
+TEST(DeviceServer, TrustsNoForce) {
+  test::TrayDevice tray;
+  DeviceServer server(tray, {"tcp://127.0.0.1:*"});
+  NearSide client(server.endpoint());
+  client.greet();
+  client.expect(wire::DeviceMessage::kHello);
+  client.push(1, std::numeric_limits<double>::infinity(), 0.5);
+  client.push(2, 1, 1e9);
+  client.push(3, 1, -1);
+  client.sendRaw("no message");
+  EXPECT_TRUE(eventually([&] { return server.state().garbage == 4; })) << server.state().garbage;
+  EXPECT_EQ(server.state().forces, 0U);
+  EXPECT_TRUE(tray.force().isZero());
+  client.push(4, -500, 0.5);
+  EXPECT_TRUE(eventually([&] { return tray.force().x() == -2; }));
+}
+
+TEST(DeviceServer, FollowsOnlyTheClientThatHoldsTheDevice) {
+  test::TrayDevice tray;
+  DeviceServer server(tray, {"tcp://127.0.0.1:*"});
+  NearSide holder(server.endpoint()), other(server.endpoint());
+  holder.greet();
+  holder.expect(wire::DeviceMessage::kHello);
+  other.push(1, 1, 0.5);
+  other.greet();
+  EXPECT_THAT(other.expect(wire::DeviceMessage::kRefused).refused().reason(), HasSubstr("another simulator"));
+  EXPECT_EQ(server.state().forces, 0U);
+}
+
+TEST(DeviceServer, RefusesAnotherProtocolWithBothVersions) {
+  test::TrayDevice tray;
+  DeviceServer server(tray, {"tcp://127.0.0.1:*"});
+  NearSide client(server.endpoint());
+  client.greet(99);
+  EXPECT_THAT(client.expect(wire::DeviceMessage::kRefused).refused().reason(), HasSubstr("99"));
+}
+
+TEST(DeviceServer, SaysWhoseEndpointIsTaken) {
+  test::TrayDevice tray, second;
+  DeviceServer server(tray, {"tcp://127.0.0.1:*"});
+  test::expectError(ExitCode::failed, [&] { DeviceServer(second, {server.endpoint()}); },
+                    {"in use", server.endpoint()});
+}
+
+}  // namespace
+}  // namespace palpate

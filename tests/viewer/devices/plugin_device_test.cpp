@@ -1,0 +1,82 @@
+#include "viewer/devices/plugin_device.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/viewer/devices/polling.hpp"
+
+namespace palpate {
+namespace {
+
+using test::eventually;
+using test::expectBadInput;
+using test::expectError;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+PluginDeviceOptions circle(const std::string& id = "", const std::string& options = "") {
+  return {CIRCLE_DEVICE, id, options, 1e-3};
+}
+PluginDeviceOptions broken(const std::string& fault) {
+  return {std::filesystem::path(BROKEN_PLUGINS) / ("plugin_" + fault + ".so"), "", "", 1e-3};
+}
+
+TEST(PluginDevice, SaysItsDevicesAndTheirLimits) {
+  EXPECT_THAT(devicesOfPlugin(CIRCLE_DEVICE), ElementsAre("circle"));
+  const PluginDevice device(circle("circle"));
+  EXPECT_EQ(device.profile().max_force, 5);
+  EXPECT_EQ(device.profile().max_stiffness, 1000);
+  EXPECT_EQ(device.profile().workspace_radius, 0.06);
+  EXPECT_FALSE(device.hasButtons());
+  EXPECT_FALSE(device.livesInScene());
+  EXPECT_THAT(device.name(), HasSubstr("circle"));
+}
+
+TEST(PluginDevice, MovesOnTheCircleOfItsOptionsAndGivesWayToForce) {
+  PluginDevice device(circle("", "radius=0.03"));
+  ASSERT_TRUE(eventually([&] { return device.read().status == DeviceStatus::fresh; }));
+  EXPECT_NEAR(device.read().position.norm(), 0.03, 1e-12);
+  device.write({0, 0, 4});
+  EXPECT_TRUE(eventually([&] { return std::abs(device.read().position.z() - 0.004) < 1e-12; }));
+  device.halt();
+  EXPECT_TRUE(eventually([&] { return device.read().position.z() == 0; }));
+  device.resume();
+  EXPECT_TRUE(eventually([&] { return std::abs(device.read().position.z() - 0.004) < 1e-12; }));
+}
+
+TEST(PluginDevice, PassesOnWhyADeviceCannotBeOpened) {
+  expectError(ExitCode::failed, [] { PluginDevice(circle("square")); },
+              {"circle_device.so", "only \"circle\""});
+  expectError(ExitCode::failed, [] { PluginDevice(circle("", "radius=7")); }, {"radius=METRES"});
+}
+
+TEST(PluginDevice, RefusesWhatIsNoPlugInAndNamesTheFile) {
+  expectBadInput([] { PluginDevice({"nowhere.so"}); }, {"nowhere.so", "cannot be loaded", "No such file"});
+  expectBadInput([] { PluginDevice({__FILE__}); }, {"plugin_device_test.cpp", "invalid ELF header"});
+  expectBadInput([] { PluginDevice(broken("NO_ENTRY")); },
+                 {"plugin_NO_ENTRY.so", "palpate_device_plugin_v1"});
+  expectBadInput([] { PluginDevice(broken("OLD_ABI")); }, {"plugin_OLD_ABI.so", "version 2"});
+  expectBadInput([] { PluginDevice(broken("SHORT_TABLE")); }, {"plugin_SHORT_TABLE.so", "bytes"});
+  expectBadInput([] { PluginDevice(broken("NULL_ENTRY")); }, {"plugin_NULL_ENTRY.so", "null entry"});
+}
+
+TEST(PluginDevice, APlugInThatHangsIsLostAndDoesNotHangItsUser) {
+  PluginDevice device(broken("HANGS"));
+  for (int tick = 0; tick < 100; ++tick) {
+    EXPECT_EQ(device.read().status, DeviceStatus::lost);
+    device.write({1, 0, 0});
+  }
+}
+
+TEST(PluginDevice, SaysWhyTheDeviceIsLost) {
+  PluginDevice device(broken("HANGS"));
+  device.halt();
+  EXPECT_TRUE(eventually([&] { return device.trouble().find("the cable is out") != std::string::npos; }))
+      << device.trouble();
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,96 @@
+#include "viewer/devices/virtual_hand.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/expect_error.hpp"
+
+namespace palpate {
+namespace {
+
+const DeviceProfile& touchProfile() {
+  return deviceProfiles().front();
+}
+
+HandPath resting() {
+  return HandPath({{0, {0.01, 0.02, 0.03}}});
+}
+
+TEST(VirtualHand, BeginsAtTheBeginningOfItsPath) {
+  VirtualHand hand(resting(), {}, touchProfile());
+  const DeviceReading reading = hand.read();
+  EXPECT_EQ(reading.position, Eigen::Vector3d(0.01, 0.02, 0.03));
+  EXPECT_EQ(reading.status, DeviceStatus::fresh);
+  EXPECT_TRUE(hand.livesInScene());
+}
+
+TEST(VirtualHand, GivesWayToAConstantForceByForceOverStiffness) {
+  VirtualHand hand(resting(), {}, touchProfile());
+  Eigen::Vector3d position;
+  for (int i = 0; i < 2000; ++i) {
+    position = hand.read().position;
+    hand.write({0, 2, -1});
+  }
+  EXPECT_LT((position - Eigen::Vector3d(0.01, 0.025, 0.0275)).norm(), 1e-9);
+}
+
+/// The step response of the damped oscillator, from its formula.
+TEST(VirtualHand, SwingsAsItsMassSpringAndDamperDo) {
+  const VirtualHandOptions options{.substeps = 64};
+  VirtualHand hand(HandPath({{0, {0, 0, 0}}}), options, touchProfile());
+  const double decay = options.damping / (2 * options.mass);
+  const double natural = std::sqrt(options.stiffness / options.mass);
+  const double w = std::sqrt(natural * natural - decay * decay);
+  hand.read();
+  hand.write({1, 0, 0});
+  for (int i = 1; i <= 300; ++i) {
+    const double t = i * options.period;
+    const double expected =
+        1 / options.stiffness * (1 - std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t)));
+    EXPECT_NEAR(hand.read().position.x(), expected, 2e-6) << t;
+    hand.write({1, 0, 0});
+  }
+}
+
+TEST(VirtualHand, FollowsItsPathCloselyWithoutForce) {
+  VirtualHand hand(HandPath({{0, {0, 0, 0}}, {1, {0.05, 0, 0}}, {2, {0, 0, 0}}}, HandPath::AtEnd::repeats),
+                   {}, touchProfile());
+  for (int i = 0; i < 5000; ++i)
+    EXPECT_NEAR(hand.read().position.x(), hand.path().at(i * 1e-3).position.x(), 5e-4) << i;
+}
+
+TEST(VirtualHand, GivesTheSameBitsForTheSameForces) {
+  const auto trace = [] {
+    VirtualHand hand(HandPath({{0, {0, 0, 0}}, {0.3, {0.05, 0.01, 0}}}), {}, touchProfile());
+    std::vector<Eigen::Vector3d> positions;
+    for (int i = 0; i < 1000; ++i) {
+      positions.push_back(hand.read().position);
+      hand.write(-30 * positions.back());
+    }
+    return positions;
+  };
+  EXPECT_EQ(trace(), trace());
+}
+
+TEST(VirtualHand, FeelsNothingWhileHalted) {
+  VirtualHand pushed(resting(), {}, touchProfile());
+  const Eigen::Vector3d start = pushed.read().position;
+  pushed.halt();
+  for (int i = 0; i < 100; ++i) {
+    pushed.write({3, 0, 0});
+    EXPECT_EQ(pushed.read().position, start);
+  }
+  pushed.resume();
+  pushed.write({3, 0, 0});
+  EXPECT_GT(pushed.read().position.x(), start.x());
+}
+
+TEST(VirtualHand, RefusesOptionsWithoutAStableMotion) {
+  test::expectBadInput([] { VirtualHand(resting(), {.mass = 0}, touchProfile()); }, {"mass"});
+  test::expectBadInput([] { VirtualHand(resting(), {.mass = 1e-6, .substeps = 1}, touchProfile()); },
+                       {"too long"});
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "viewer/devices/haptic_device.hpp"
+
+namespace palpate {
+
+class HapticModel;
+
+/// What a device is opened for.
+struct DeviceContext {
+  /// What is touched: gives the virtual hand its default path and the mouse its place. May be null; then
+  /// those two cannot be had.
+  const HapticModel* model = nullptr;
+  double period = 1e-3;  ///< s, of the loop that reads the device
+  /// Of devices that have no limits of their own: virtual hand, mouse; and of a network device until it told
+  /// its own.
+  DeviceProfile profile = deviceProfiles().front();
+};
+
+/// The word of --device when there is none.
+inline constexpr const char* default_device = "virtual";
+
+/// The text of --help for --device.
+const char* deviceHelp();
+
+/// A device by its word:
+///   virtual             a scripted hand that explores what can be touched (touchPath)
+///   virtual:FILE        one that follows the path in FILE (readHandPath)
+///   mouse               the mouse and the keys of the picture (MouseDevice)
+///   replay:FILE         a recorded run
+///   tcp://HOST:PORT     a device that `palpate device` lends (also ipc://PATH)
+///   haply, haply:ID     a Haply Inverse3 through its service on this machine
+///   plugin:LIB[:ID[:OPTIONS]]  a device of a plug-in (palpate_device.h); LIB without a colon
+/// Error (bad input) for another word, which lists them; else what the device's constructor throws.
+std::unique_ptr<HapticDevice> openDevice(const std::string& word, const DeviceContext& context);
+
+}  // namespace palpate

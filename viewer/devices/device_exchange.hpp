@@ -1,0 +1,52 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <string>
+
+#include "viewer/devices/haptic_device.hpp"
+#include "viewer/haptics/triple_buffer.hpp"
+
+namespace palpate {
+
+/// What passes between the haptic thread and the thread that speaks with a device: the newest reading one
+/// way, the newest force the other. Neither side ever waits for the other.
+class DeviceExchange {
+ public:
+  using Clock = std::chrono::steady_clock;
+  /// Without a reading for this long a device is lost.
+  static constexpr std::chrono::milliseconds silence{50};
+
+  // Haptic thread; real time.
+  /// Fresh when a reading came since the last call; lost when none came for `silence`.
+  DeviceReading read() noexcept;
+  void write(const Eigen::Vector3d& force) noexcept { forces_.write(force); }
+
+  // Any thread; real time.
+  void halt() noexcept { halted_ = true; }
+  void resume() noexcept { halted_ = false; }
+
+  // The thread of the device.
+  /// status: fresh or lost.
+  void deliver(const DeviceReading& reading) noexcept { readings_.write({reading, Clock::now()}); }
+  /// N: the last one written; zero while halted, and when it is not finite.
+  Eigen::Vector3d force() noexcept;
+  /// What is wrong, as a sentence; empty when nothing is. Any thread may ask.
+  void setTrouble(const std::string& sentence);
+  std::string trouble() const;
+
+ private:
+  struct Arrival {
+    DeviceReading reading;
+    Clock::time_point time{};
+  };
+  TripleBuffer<Arrival> readings_;
+  Clock::time_point last_arrival_{};  ///< haptic thread
+  TripleBuffer<Eigen::Vector3d> forces_{Eigen::Vector3d::Zero()};
+  std::atomic<bool> halted_ = false;
+  mutable std::mutex mutex_;  ///< of trouble_; never taken by the haptic thread
+  std::string trouble_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <zmq.hpp>
+
+#include "viewer/devices/device_wire.hpp"
+#include "viewer/devices/haptic_device.hpp"
+
+namespace palpate {
+
+struct DeviceServerOptions {
+  std::string endpoint = default_device_endpoint;  ///< port * : the system chooses
+  double rate = 1000;                              ///< Hz, at which the device is read
+};
+
+/// Lends a device to one simulator on another machine (NetworkDevice).
+///
+/// A thread of its own reads the device at `rate`, sends every reading to the client that holds it and writes
+/// the client's newest force. The client is not trusted: a force that is not finite is ignored, a longer one
+/// than the device's limit is shortened, and when none came for as long as the last one said it is valid the
+/// force is zero. A client that is silent for a second loses the device to the next.
+class DeviceServer {
+ public:
+  struct State {
+    bool held = false;           ///< a client has the device
+    std::uint64_t readings = 0;  ///< that were sent
+    std::uint64_t forces = 0;    ///< that were followed
+    std::uint64_t garbage = 0;   ///< messages that made no sense, or forces that were not finite
+    std::uint64_t lapses = 0;    ///< times that a client's force went out of date and became zero
+    std::string fault;           ///< why the thread ended, if it did
+  };
+
+  /// The device must outlive this object and be used by nobody else. Error when it cannot listen there, and
+  /// (bad input) for options that make no sense.
+  DeviceServer(HapticDevice& device, const DeviceServerOptions& options);
+  /// Zero force is written last.
+  ~DeviceServer();
+
+  const std::string& endpoint() const { return endpoint_; }  ///< with the port that the system chose
+  State state() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  // On the thread of the server.
+  void run(double rate);
+  void turn();
+  void handle(const IncomingDeviceMessage& incoming);
+  void greet(const std::string& peer, const wire::DeviceGreeting& greeting);
+  void follow(const wire::DeviceForce& force);
+  void release();
+  void sendReading(const DeviceReading& reading);
+
+  HapticDevice& device_;
+  const DeviceProfile profile_;
+  zmq::context_t context_;
+  zmq::socket_t socket_;
+  std::string endpoint_;
+
+  std::string holder_;  ///< routing id; empty: free
+  Clock::time_point last_heard_, valid_until_, last_trouble_;
+  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
+  bool pushing_ = false;  ///< force_ is in date
+  std::uint64_t last_force_ = 0, sequence_ = 0;
+  std::string trouble_;
+
+  mutable std::mutex mutex_;
+  State state_;  ///< guarded by mutex_
+  std::atomic<bool> stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace palpate

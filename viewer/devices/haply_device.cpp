@@ -1,0 +1,183 @@
+#include "viewer/devices/haply_device.hpp"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "common/error.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+using Clock = DeviceExchange::Clock;
+
+constexpr auto period = 1ms;
+constexpr auto connect_limit = 2s;
+/// A service that does not answer for so long is given up and called anew.
+constexpr auto answer_limit = 1s;
+constexpr auto retry_interval = 500ms;
+constexpr auto stop_check = 20ms;
+constexpr std::size_t longest_message = 1 << 20;
+
+constexpr const char* how_to_start =
+    "start the Haply Hub, or the service alone: systemctl start haply-inverse-service.service";
+
+/// The web socket, with calls that return after a time, or when `stopping` becomes true, at the latest. After
+/// a call that did not succeed the connection is closed.
+class Connection {
+ public:
+  explicit Connection(const std::atomic<bool>& stopping) : stopping_(stopping), socket_(io_) {}
+
+  beast::error_code open(const asio::ip::tcp::endpoint& endpoint) {
+    auto error = await([&](auto done) { lowest().async_connect(endpoint, done); }, connect_limit);
+    if (error) return error;
+    lowest().socket().set_option(asio::ip::tcp::no_delay(true), error);
+    socket_.read_message_max(longest_message);
+    socket_.text(true);
+    return await(
+        [&](auto done) {
+          socket_.async_handshake("localhost:" + std::to_string(endpoint.port()), "/", done);
+        },
+        connect_limit);
+  }
+  beast::error_code read(std::string& text) {
+    buffer_.clear();
+    const auto error = await(
+        [&](auto done) {
+          socket_.async_read(buffer_, [done](beast::error_code code, std::size_t) { done(code); });
+        },
+        answer_limit);
+    text = beast::buffers_to_string(buffer_.data());
+    return error;
+  }
+  beast::error_code write(const std::string& text) {
+    return await(
+        [&](auto done) {
+          socket_.async_write(asio::buffer(text),
+                              [done](beast::error_code code, std::size_t) { done(code); });
+        },
+        answer_limit);
+  }
+  void close() {
+    await([&](auto done) { socket_.async_close(beast::websocket::close_code::normal, done); }, 200ms);
+  }
+
+ private:
+  beast::tcp_stream& lowest() { return beast::get_lowest_layer(socket_); }
+
+  template <class Start>
+  beast::error_code await(Start start, Clock::duration limit) {
+    beast::error_code result = asio::error::timed_out;
+    bool done = false;
+    start([&](beast::error_code code) {
+      result = code;
+      done = true;
+    });
+    const auto end = Clock::now() + limit;
+    io_.restart();
+    do {
+      io_.run_for(std::min<Clock::duration>(stop_check, end - Clock::now()));
+    } while (!done && !stopping_ && Clock::now() < end);
+    if (done) return result;
+    lowest().close();  // ends what is under way
+    io_.restart();
+    io_.run();
+    return asio::error::timed_out;
+  }
+
+  const std::atomic<bool>& stopping_;
+  asio::io_context io_;
+  beast::websocket::stream<beast::tcp_stream> socket_;
+  beast::flat_buffer buffer_;
+};
+
+/// Zero force, although the thread is being stopped.
+void letGo(Connection& connection, const std::string& id) {
+  if (!connection.write(haplyForceMessage(id, Eigen::Vector3d::Zero()))) connection.close();
+}
+
+}  // namespace
+
+HaplyDevice::HaplyDevice(HaplyDeviceOptions options) : options_(std::move(options)) {
+  beast::error_code error;
+  asio::ip::make_address(options_.address, error);
+  if (error)
+    throw badInput("\"{}\" is no address of a Haply Inverse Service: write a number like 127.0.0.1",
+                   options_.address);
+  exchange_.setTrouble(fmt::format("connecting to ws://{}:{}", options_.address, options_.port));
+  thread_ = std::thread(&HaplyDevice::run, this);
+}
+
+HaplyDevice::~HaplyDevice() {
+  stopping_ = true;
+  thread_.join();
+}
+
+std::string HaplyDevice::name() const {
+  return options_.id.empty() ? "Haply Inverse3" : "Haply Inverse3 " + options_.id;
+}
+
+void HaplyDevice::run() {
+  while (!stopping_) {
+    try {
+      serve();
+    } catch (const std::exception& error) {
+      exchange_.setTrouble(fmt::format("ws://{}:{}: {}", options_.address, options_.port, error.what()));
+    }
+    const auto retry = Clock::now() + retry_interval;
+    while (!stopping_ && Clock::now() < retry) std::this_thread::sleep_for(stop_check);
+  }
+}
+
+void HaplyDevice::serve() {
+  const auto place = fmt::format("ws://{}:{}", options_.address, options_.port);
+  Connection connection(stopping_);
+  if (const auto error = connection.open({asio::ip::make_address(options_.address), options_.port})) {
+    exchange_.setTrouble(
+        fmt::format("no Haply Inverse Service at {} ({}): {}", place, error.message(), how_to_start));
+    return;
+  }
+  const Eigen::Vector3d center(options_.center[0], options_.center[1], options_.center[2]);
+  const auto sayGone = [&](const beast::error_code& error) {
+    if (stopping_) return;
+    exchange_.setTrouble(fmt::format("the Haply Inverse Service at {} went away ({}): {}", place,
+                                     error.message(), how_to_start));
+  };
+  std::string id = options_.id, text, told = "not told yet";
+  std::uint64_t malformed = 0;
+  for (auto next = Clock::now(); !stopping_;) {
+    if (const auto error = connection.read(text)) return sayGone(error);
+    HaplyState state = readHaplyState(text, id);
+    if (state.kind == HaplyState::Kind::no_device) {
+      state.reading.status = DeviceStatus::lost;
+      exchange_.deliver(state.reading);
+      exchange_.setTrouble(
+          fmt::format("the Haply Inverse Service at {} has no Inverse3{}: plug it in{}", place,
+                      id.empty() ? "" : " " + id,
+                      state.id.empty() ? "" : ", or choose one of those it has: " + state.id));
+      return;  // a new connection begins with a new inventory
+    }
+    malformed += state.kind == HaplyState::Kind::malformed ? 1 : 0;
+    if (state.kind == HaplyState::Kind::reading) {
+      id = state.id;
+      state.reading.position -= center;
+      exchange_.deliver(state.reading);
+    }
+    std::string trouble = state.trouble;
+    if (malformed > 0)
+      trouble += fmt::format("{}{} messages of {} made no sense and were ignored",
+                             trouble.empty() ? "" : "; ", malformed, place);
+    if (trouble != told) exchange_.setTrouble(told = trouble);
+    // The service answers each of our messages, so this paces both.
+    next = std::max(next + period, Clock::now());
+    std::this_thread::sleep_until(next);
+    if (const auto error = connection.write(haplyForceMessage(id, exchange_.force()))) return sayGone(error);
+  }
+  letGo(connection, id);
+}
+
+}  // namespace palpate

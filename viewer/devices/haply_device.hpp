@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "viewer/devices/device_exchange.hpp"
+#include "viewer/devices/haptic_device.hpp"
+
+namespace palpate {
+
+/// The Haply Inverse3: 4 N within 80 % of its workspace, 1 N/mm, a workspace of 460 x 510 x 230 mm of which
+/// the largest ball is used (data sheet of the Inverse3). Its peak of 10 N is not: it holds in few places.
+inline constexpr DeviceProfile inverse3_profile{"inverse3", 4, 1000, 0.115};
+
+struct HaplyDeviceOptions {
+  std::string id = {};                ///< "049D", as the service shows it; empty: the first one
+  std::string address = "127.0.0.1";  ///< of the Haply Inverse Service; a number, not a name
+  std::uint16_t port = 10001;
+  /// m, in our frame: where in the device's own frame, whose origin is on its mounting plate, the middle of
+  /// the workspace is. Default: where the documentation of the service shows a resting cursor.
+  std::array<double, 3> center = {0, 0.15, 0.12};
+};
+
+/// A Haply Inverse3 through the Haply Inverse Service, which must run on this machine.
+///
+/// The protocol is that of the service's versions 3.1 to 3.5 (docs.haply.co, Inverse SDK, "WebSocket
+/// Protocol" and "Basis Permutation" of 3.5.x): JSON over ws://localhost:10001. The service begins with an
+/// inventory and then answers every message of ours with the state of all devices; every millisecond we send
+///   {"inverse3":[{"device_id":ID,"commands":{"set_cursor_force":{"values":{"x":..,"y":..,"z":..}}}}]}
+/// and read inverse3[].state.cursor_position {x,y,z} in metres, and the buttons of a VerseGrip. The frame of
+/// the service is right-handed, x to the right, y forward, z up: our x, -z, y.
+///
+/// Lost when nothing came for 50 ms, or the service does not list the device any more; connects again by
+/// itself.
+class HaplyDevice : public HapticDevice {
+ public:
+  /// Does not wait for the service. Error (bad input) when the address is no number.
+  explicit HaplyDevice(HaplyDeviceOptions options);
+  ~HaplyDevice() override;
+
+  DeviceReading read() noexcept override { return exchange_.read(); }
+  void write(const Eigen::Vector3d& force) noexcept override { exchange_.write(force); }
+  void halt() noexcept override { exchange_.halt(); }
+  void resume() noexcept override { exchange_.resume(); }
+  DeviceProfile profile() const override { return inverse3_profile; }
+  bool hasButtons() const override { return true; }
+  std::string name() const override;
+  std::string trouble() const override { return exchange_.trouble(); }
+
+ private:
+  void run();
+  void serve();
+
+  const HaplyDeviceOptions options_;
+  DeviceExchange exchange_;
+  std::atomic<bool> stopping_ = false;
+  std::thread thread_;
+};
+
+/// What one message of the service says about a device.
+struct HaplyState {
+  enum class Kind : std::uint8_t {
+    reading,    ///< the device is there, and its position
+    no_device,  ///< the service lists no such device
+    malformed   ///< no message of the service
+  } kind = Kind::malformed;
+  std::string id;         ///< of the device; no_device: those that are listed, "049D, 04A1"
+  DeviceReading reading;  ///< our axes, origin that of the service
+  std::string trouble;    ///< not calibrated, no power supply
+};
+/// Never throws for any text. id: empty takes the first one.
+HaplyState readHaplyState(std::string_view text, const std::string& id);
+
+/// The message that makes the force of a device `force` (N, our axes).
+std::string haplyForceMessage(const std::string& id, const Eigen::Vector3d& force);
+
+}  // namespace palpate

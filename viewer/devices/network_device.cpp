@@ -1,0 +1,182 @@
+#include "viewer/devices/network_device.hpp"
+
+#include <cerrno>
+
+#include "common/error.hpp"
+#include "common/program.hpp"
+#include "common/wire.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto poll_interval = 1ms;
+constexpr auto greeting_interval = 100ms;
+/// Forces go out with every reading, and this often when readings stay away.
+constexpr auto force_interval = 5ms;
+constexpr auto farewell_time = 100ms;
+
+}  // namespace
+
+NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
+    : options_(std::move(options)),
+      profile_(options_.fallback),
+      context_(1),
+      socket_(makeDeviceDealer(context_)),
+      max_force_(options_.fallback.max_force) {
+  checkEndpoint(options_.endpoint);
+  try {
+    socket_.connect(options_.endpoint);
+  } catch (const zmq::error_t& error) {
+    throw badInput("cannot connect to {}: {}", options_.endpoint, error.what());
+  }
+  connection_trouble_ =
+      fmt::format("no device answers at {}: start one there with palpate device --listen", options_.endpoint);
+  tellTrouble();
+  thread_ = std::thread(&NetworkDevice::run, this);
+  std::unique_lock lock(mutex_);
+  answered_.wait_for(lock, options_.wait, [&] { return has_hello_; });
+  settled_ = true;
+  if (!has_hello_) return;
+  profile_ = profileOf(hello_).value_or(options_.fallback);
+  lives_in_scene_ = hello_.lives_in_scene();
+  has_buttons_ = hello_.has_buttons();
+}
+
+NetworkDevice::~NetworkDevice() {
+  stopping_ = true;
+  thread_.join();
+}
+
+std::string NetworkDevice::name() const {
+  const std::lock_guard lock(mutex_);
+  return has_hello_ ? fmt::format("{} at {}", hello_.name(), options_.endpoint) : options_.endpoint;
+}
+
+void NetworkDevice::run() {
+  try {
+    while (!stopping_) turn();
+    sayFarewell();
+  } catch (const std::exception& error) {
+    exchange_.setTrouble(
+        fmt::format("{}: {}; the device is not used any more", options_.endpoint, error.what()));
+  }
+}
+
+void NetworkDevice::turn() {
+  zmq::pollitem_t item{socket_.handle(), 0, ZMQ_POLLIN, 0};
+  try {
+    zmq::poll(&item, 1, poll_interval);
+  } catch (const zmq::error_t& error) {
+    if (error.num() != EINTR) throw;
+  }
+  const std::uint64_t before = last_reading_;
+  while (const auto incoming = receiveDeviceMessage(socket_, false)) handle(incoming->message);
+  const auto now = Clock::now();
+  if (connected_ && now - last_heard_ > DeviceExchange::silence) {
+    connected_ = false;
+    connection_trouble_ = fmt::format("{} has been silent for more than {} ms; waiting for it to come back",
+                                      options_.endpoint, DeviceExchange::silence.count());
+  }
+  if (!connected_ && now - last_greeting_ > greeting_interval) greet();
+  if (connected_ && (last_reading_ != before || now - last_force_ > force_interval)) sendForce();
+  tellTrouble();
+}
+
+void NetworkDevice::handle(const wire::DeviceMessage& message) {
+  switch (message.body_case()) {
+    case wire::DeviceMessage::kHello:
+      return accept(message.hello());
+    case wire::DeviceMessage::kRefused:
+      connection_trouble_ = fmt::format("{} refuses: {}", options_.endpoint, message.refused().reason());
+      return;
+    case wire::DeviceMessage::kReading: {
+      if (!greeted_) return;  // its limits are not known
+      const wire::DeviceReading& reading = message.reading();
+      if (reading.sequence() <= last_reading_) return;
+      last_reading_ = reading.sequence();
+      last_heard_ = Clock::now();
+      connected_ = true;
+      connection_trouble_.clear();
+      device_trouble_ = reading.trouble();
+      exchange_.deliver(
+          {vectorOf(reading), reading.buttons(), reading.lost() ? DeviceStatus::lost : DeviceStatus::fresh});
+      return;
+    }
+    default:
+      ++garbage_;
+  }
+}
+
+void NetworkDevice::accept(const wire::DeviceHello& hello) {
+  const auto profile = profileOf(hello);
+  if (hello.protocol() != device_protocol) {
+    connection_trouble_ = fmt::format(
+        "{} speaks version {} of the protocol, not {}: use the same version of "
+        "palpate on both machines",
+        options_.endpoint, hello.protocol(), device_protocol);
+    return;
+  }
+  if (!profile) {
+    ++garbage_;
+    return;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (settled_ && hello.lives_in_scene() != lives_in_scene_) {
+      connection_trouble_ = fmt::format(
+          "the device at {} answered after the start, and its positions are in another frame than was "
+          "expected: start again to use it",
+          options_.endpoint);
+      greeted_ = false;
+      return;
+    }
+    hello_ = hello;
+    has_hello_ = true;
+    max_force_ = settled_ ? std::min(profile_.max_force, profile->max_force) : profile->max_force;
+  }
+  answered_.notify_all();
+  connected_ = greeted_ = true;
+  last_reading_ = 0;
+  last_heard_ = Clock::now();
+  connection_trouble_.clear();
+}
+
+void NetworkDevice::greet() {
+  wire::DeviceMessage message;
+  message.mutable_greeting()->set_protocol(device_protocol);
+  message.mutable_greeting()->set_version(version());
+  sendDeviceMessage(socket_, "", message);
+  last_greeting_ = Clock::now();
+}
+
+void NetworkDevice::sendForce() {
+  wire::DeviceMessage message;
+  wire::DeviceForce& force = *message.mutable_force();
+  force.set_sequence(++forces_);
+  setVector(force, shortened(exchange_.force(), max_force_));
+  force.set_valid_for_s(std::chrono::duration<double>(options_.valid).count());
+  // Dropped when the queue is full: the next one is a millisecond away.
+  sendDeviceMessage(socket_, "", message);
+  last_force_ = Clock::now();
+}
+
+void NetworkDevice::sayFarewell() {
+  wire::DeviceMessage message;
+  message.mutable_farewell();
+  sendDeviceMessage(socket_, "", message);
+  socket_.set(zmq::sockopt::linger, static_cast<int>(farewell_time.count()));
+}
+
+void NetworkDevice::tellTrouble() {
+  std::string sentence = connection_trouble_.empty() ? device_trouble_ : connection_trouble_;
+  if (garbage_ > 0)
+    sentence += fmt::format("{}{} messages from {} made no sense and were ignored",
+                            sentence.empty() ? "" : "; ", garbage_, options_.endpoint);
+  if (sentence == told_) return;
+  told_ = sentence;
+  exchange_.setTrouble(sentence);
+}
+
+}  // namespace palpate

@@ -1,0 +1,238 @@
+#include "viewer/devices/plugin_device.hpp"
+
+#include <dlfcn.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "common/error.hpp"
+#include "viewer/devices/device_exchange.hpp"
+#include "viewer/devices/palpate_device.h"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = DeviceExchange::Clock;
+
+constexpr auto end_limit = 2s;
+constexpr const char* entry_point = "palpate_device_plugin_v1";
+/// More devices than anyone has; a plug-in that never says "no more" is stopped here.
+constexpr std::uint32_t most_devices = 64;
+
+/// A plug-in that was loaded and checked.
+class Plugin {
+ public:
+  explicit Plugin(const std::filesystem::path& file) {
+    // A name without a slash would be searched for in the system's folders.
+    const std::string path = std::filesystem::absolute(file).string();
+    library_.reset(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL));
+    if (!library_) throw badInput("device plug-in {} cannot be loaded: {}", file.string(), lastDlError());
+    void* const symbol = dlsym(library_.get(), entry_point);
+    if (symbol == nullptr)
+      throw badInput("{} is no device plug-in, or one for another version: {}", file.string(), lastDlError());
+    table_ = reinterpret_cast<palpate_device_plugin_function>(symbol)();
+    check(file.string());
+  }
+  const palpate_device_plugin& operator*() const { return *table_; }
+  const palpate_device_plugin* operator->() const { return table_; }
+
+ private:
+  struct Unload {
+    void operator()(void* library) const { dlclose(library); }
+  };
+
+  static std::string lastDlError() {
+    const char* const text = dlerror();
+    return text == nullptr ? "no reason was given" : text;
+  }
+
+  void check(const std::string& file) const {
+    if (table_ == nullptr) throw badInput("device plug-in {}: {}() gives no table", file, entry_point);
+    if (table_->abi != PALPATE_DEVICE_ABI)
+      throw badInput(
+          "device plug-in {} is built for version {} of palpate_device.h, this program for {}: build it "
+          "again with the header of this version",
+          file, table_->abi, PALPATE_DEVICE_ABI);
+    if (table_->size < sizeof(palpate_device_plugin))
+      throw badInput("device plug-in {}: its table has {} bytes where version {} has {}: build it again",
+                     file, table_->size, PALPATE_DEVICE_ABI, sizeof(palpate_device_plugin));
+    if (table_->name == nullptr || table_->enumerate == nullptr || table_->open == nullptr ||
+        table_->limits == nullptr || table_->read == nullptr || table_->write == nullptr ||
+        table_->halt == nullptr || table_->last_error == nullptr || table_->close == nullptr)
+      throw badInput("device plug-in {}: its table has a null entry; version {} needs them all", file,
+                     PALPATE_DEVICE_ABI);
+  }
+
+  std::unique_ptr<void, Unload> library_;
+  const palpate_device_plugin* table_ = nullptr;
+};
+
+std::string sentenceOf(const char* text) {
+  return text == nullptr || *text == '\0' ? "it gives no reason" : text;
+}
+
+}  // namespace
+
+/// An open device with its thread.
+class PluginDevice::Session {
+ public:
+  explicit Session(const PluginDeviceOptions& options)
+      : file(options.library.string()), plugin_(options.library) {
+    std::array<char, 512> reason{};
+    device_ = plugin_->open(options.id.c_str(), options.options.c_str(), reason.data(), reason.size());
+    if (device_ == nullptr)
+      throw failure("device plug-in {} cannot open {}: {}", file,
+                    options.id.empty() ? "its first device" : "device \"" + options.id + "\"",
+                    sentenceOf(reason.data()));
+    try {
+      takeLimits();
+      name = options.id.empty() ? plugin_->name : std::string(plugin_->name) + " " + options.id;
+    } catch (...) {
+      plugin_->close(device_);
+      throw;
+    }
+  }
+  ~Session() { plugin_->close(device_); }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// The thread of the device, until stop().
+  void run(Clock::duration period) {
+    for (auto next = Clock::now(); !stopping_;) {
+      turn();
+      next = std::max(next + period, Clock::now());
+      std::this_thread::sleep_until(next);
+    }
+    constexpr std::array<double, 3> zero{};
+    plugin_->write(device_, zero.data());
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+    changed_.notify_all();
+  }
+  /// False when the plug-in hangs.
+  bool stop() {
+    stopping_ = true;
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, end_limit, [&] { return ended_; });
+  }
+  void setHalted(bool halted) noexcept {
+    halted ? exchange.halt() : exchange.resume();
+    plugin_->halt(device_, halted ? 1 : 0);
+  }
+
+  DeviceExchange exchange;
+  std::string file, name;
+  DeviceProfile profile;
+  bool lives_in_scene = false, has_buttons = false;
+
+ private:
+  void takeLimits() {
+    palpate_device_limits limits{};
+    limits.size = sizeof limits;
+    if (plugin_->limits(device_, &limits) != PALPATE_DEVICE_OK)
+      throw failure("device plug-in {} does not tell the limits of the device: {}", file,
+                    sentenceOf(plugin_->last_error(device_)));
+    for (const double limit : {limits.max_force, limits.max_stiffness, limits.workspace_radius})
+      if (!std::isfinite(limit) || limit <= 0)
+        throw failure("device plug-in {}: limits must be positive; they are {} N, {} N/m and {} m", file,
+                      limits.max_force, limits.max_stiffness, limits.workspace_radius);
+    profile = {"plugin", limits.max_force, limits.max_stiffness, limits.workspace_radius};
+    lives_in_scene = limits.lives_in_scene != 0;
+    has_buttons = limits.has_buttons != 0;
+  }
+
+  void turn() {
+    palpate_device_state state{};
+    state.size = sizeof state;
+    const std::int32_t read = plugin_->read(device_, &state);
+    if (read == PALPATE_DEVICE_OK)
+      exchange.deliver(
+          {Eigen::Map<const Eigen::Vector3d>(state.position), state.buttons, DeviceStatus::fresh});
+    else if (read == PALPATE_DEVICE_LOST)
+      exchange.deliver({Eigen::Vector3d::Zero(), 0, DeviceStatus::lost});
+    const Eigen::Vector3d force = exchange.force();
+    const std::int32_t written = plugin_->write(device_, force.data());
+    tell(read != PALPATE_DEVICE_OK || written != PALPATE_DEVICE_OK);
+  }
+
+  void tell(bool failed) {
+    if (!failed && !failed_) return;
+    failed_ = failed;
+    exchange.setTrouble(failed ? fmt::format("{}: {}", name, sentenceOf(plugin_->last_error(device_))) : "");
+  }
+
+  Plugin plugin_;
+  palpate_device* device_ = nullptr;
+  bool failed_ = false;
+  std::atomic<bool> stopping_ = false;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool ended_ = false;
+};
+
+PluginDevice::PluginDevice(const PluginDeviceOptions& options)
+    : session_(std::make_shared<Session>(options)) {
+  if (!(options.period > 0) || !(options.period <= 1))
+    throw badInput("a plug-in cannot be read every {} s", options.period);
+  const auto period =
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.period));
+  thread_ = std::thread([session = session_, period] { session->run(period); });
+}
+
+PluginDevice::~PluginDevice() {
+  if (session_->stop()) {
+    thread_.join();
+    return;
+  }
+  // The thread hangs in the plug-in. It holds the session too, and so keeps the library loaded.
+  session_->setHalted(true);
+  thread_.detach();
+}
+
+DeviceReading PluginDevice::read() noexcept {
+  return session_->exchange.read();
+}
+void PluginDevice::write(const Eigen::Vector3d& force) noexcept {
+  session_->exchange.write(force);
+}
+void PluginDevice::halt() noexcept {
+  session_->setHalted(true);
+}
+void PluginDevice::resume() noexcept {
+  session_->setHalted(false);
+}
+DeviceProfile PluginDevice::profile() const {
+  return session_->profile;
+}
+bool PluginDevice::livesInScene() const {
+  return session_->lives_in_scene;
+}
+bool PluginDevice::hasButtons() const {
+  return session_->has_buttons;
+}
+std::string PluginDevice::name() const {
+  return session_->name;
+}
+std::string PluginDevice::trouble() const {
+  return session_->exchange.trouble();
+}
+
+std::vector<std::string> devicesOfPlugin(const std::filesystem::path& library) {
+  const Plugin plugin(library);
+  std::vector<std::string> ids;
+  std::array<char, 256> id{};
+  for (std::uint32_t i = 0;
+       i < most_devices && plugin->enumerate(i, id.data(), id.size()) == PALPATE_DEVICE_OK; ++i) {
+    id.back() = '\0';
+    ids.emplace_back(id.data());
+  }
+  return ids;
+}
+
+}  // namespace palpate
