@@ -1,0 +1,9 @@
+#pragma once
+
+namespace palpate::test {
+
+/// Calls of malloc, calloc, realloc and the aligned kinds in this process so far, by any library and thread.
+/// Negative where they cannot be counted (under a sanitizer, which has allocators of its own).
+long allocationCount();
+
+}  // namespace palpate::test
