@@ -205,6 +205,9 @@ typedef struct palpate_contact_options {
   double friction;      /* Coulomb's coefficient, >= 0; unilateral only; default 0.2 */
   double grab_distance; /* m, >= 0; glued: the tool takes hold of a surface this near; default 0.005 */
   double most_slide;    /* m per update, > 0, that the point of contact may slide at most; default 0.002 */
+  /* 0..1 of the force per update, > 0: what sliding may change it by beyond what the tool's motion does,
+   * where the point of contact runs down from a ridge. Smaller is softer, and lags behind; default 0.005. */
+  double most_relaxation;
 } palpate_contact_options;
 
 #define PALPATE_MOST_SHARES 9
@@ -265,8 +268,8 @@ PALPATE_API palpate_status palpate_contact_use(palpate_contact* contact, const p
  * copied to the thread that draws. The dataset must be the contact's. Displacements of the vertices, m, 3
  * vertex_count floats; `capacity` as with palpate_dataset_vertices. They blend the shapes of the spaces that
  * take part, and let the surface pass through the tool. Without contact all zero. Of the touch touching,
- * displacement, triangle, barycentric, anchor and the shares are read. Any thread; allocates, so it belongs to
- * the thread that draws. */
+ * displacement, triangle, barycentric, anchor and the shares are read. Any thread; allocates, so it belongs
+ * to the thread that draws. */
 PALPATE_API palpate_status palpate_touch_displacements(const palpate_dataset* dataset,
                                                        const palpate_touch* touch, float* displacements,
                                                        size_t capacity);

@@ -28,7 +28,8 @@ palpate_contact_options defaultsFor(const palpate_dataset& dataset) noexcept {
           .method = 0,
           .friction = usual.friction,
           .grab_distance = usual.grab_distance,
-          .most_slide = usual.most_slide};
+          .most_slide = usual.most_slide,
+          .most_relaxation = usual.most_relaxation};
 }
 
 bool canBeUsed(const char* function, const palpate_contact_options& options,
@@ -39,7 +40,8 @@ bool canBeUsed(const char* function, const palpate_contact_options& options,
   }
   if (!isAtLeastZero(function, "options->friction", options.friction) ||
       !isAtLeastZero(function, "options->grab_distance", options.grab_distance) ||
-      !isPositive(function, "options->most_slide", options.most_slide))
+      !isPositive(function, "options->most_slide", options.most_slide) ||
+      !isPositive(function, "options->most_relaxation", options.most_relaxation))
     return false;
   return isNumber(function, "method", options.method, dataset.loaded->info().method_count);
 }
@@ -50,6 +52,7 @@ ContactOptions contactOptions(const palpate_contact_options& options) noexcept {
   chosen.friction = options.friction;
   chosen.grab_distance = options.grab_distance;
   chosen.most_slide = options.most_slide;
+  chosen.most_relaxation = options.most_relaxation;
   return chosen;
 }
 

@@ -20,7 +20,7 @@ inline constexpr std::size_t first_size<palpate_space_info> = 72;
 template <>
 inline constexpr std::size_t first_size<palpate_sample> = 136;
 template <>
-inline constexpr std::size_t first_size<palpate_contact_options> = 40;
+inline constexpr std::size_t first_size<palpate_contact_options> = 48;
 template <>
 inline constexpr std::size_t first_size<palpate_touch> = 360;
 template <>

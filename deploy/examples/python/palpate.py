@@ -61,7 +61,7 @@ class Sample(_Sized):
 
 class ContactOptions(_Sized):
     _fields_ = [("size", c_size_t), ("mode", c_int32), ("method", c_int32), ("friction", c_double),
-                ("grab_distance", c_double), ("most_slide", c_double)]
+                ("grab_distance", c_double), ("most_slide", c_double), ("most_relaxation", c_double)]
 
 
 class Touch(_Sized):

@@ -82,6 +82,7 @@ int main(void) {
   MEMBER(palpate_contact_options, friction);
   MEMBER(palpate_contact_options, grab_distance);
   MEMBER(palpate_contact_options, most_slide);
+  MEMBER(palpate_contact_options, most_relaxation);
 
   STRUCT(palpate_touch);
   MEMBER(palpate_touch, size);

@@ -84,7 +84,7 @@ TEST(Abi, RecordsAllBytesOfEveryStructure) {
       continue;
     }
     EXPECT_EQ(first, end) << what << " does not begin where the member before it ends";
-    if (what.ends_with(".size")) EXPECT_EQ(first, 0) << what;
+    EXPECT_TRUE(first == 0 || !what.ends_with(".size")) << what;
     end = first + second;
   }
   EXPECT_EQ(end, size) << name;
@@ -109,8 +109,9 @@ TEST(Abi, NeedsNothingOfThePictureTheSchedulerOrTheSolver) {
   const std::string libraries = run("ldd " PALPATE_LIBRARY).output;
   EXPECT_THAT(libraries, HasSubstr("libc.so"));
   EXPECT_THAT(libraries, Not(HasSubstr("not found")));
-  EXPECT_THAT(libraries, Not(ContainsRegex("libCoin|libglfw|libGL|imgui|libX11|libmpi|open-rte|open-pal|libmpich|"
-                                           "mumps|libzmq|libsqlite|libprotobuf")));
+  EXPECT_THAT(libraries,
+              Not(ContainsRegex("libCoin|libglfw|libGL|imgui|libX11|libmpi|open-rte|open-pal|libmpich|"
+                                "mumps|libzmq|libsqlite|libprotobuf")));
 }
 
 }  // namespace

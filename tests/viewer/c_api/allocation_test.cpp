@@ -52,10 +52,10 @@ TEST_F(RealTime, ContactsAndGuardsDoNotAllocate) {
   for (int n = 0; n < ticks; ++n) {
     const auto tool = test::pressing(dataset_.get(), n, ticks);
     failures += palpate_contact_update(contact.get(), tool.data(), 1, &touch) == PALPATE_OK ? 0 : 1;
-    failures += palpate_guard_limit(guard.get(), tool.data(), &touch, PALPATE_READING_FRESH, &force) ==
-                        PALPATE_OK
-                    ? 0
-                    : 1;
+    failures +=
+        palpate_guard_limit(guard.get(), tool.data(), &touch, PALPATE_READING_FRESH, &force) == PALPATE_OK
+            ? 0
+            : 1;
     failures += palpate_contact_use(contact.get(), dataset_.get(), n / 10 % 2) == PALPATE_OK ? 0 : 1;
     touching += touch.touching;
   }

@@ -1,3 +1,5 @@
+#include "viewer/haptics/contact.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,7 +9,6 @@
 #include <vector>
 
 #include "tests/viewer/c_api/sample_file.hpp"
-#include "viewer/haptics/contact.hpp"
 #include "viewer/haptics/deformed_shape.hpp"
 
 namespace palpate {
@@ -74,6 +75,7 @@ TEST_F(CContact, TakesItsDefaultsFromTheScene) {
   EXPECT_EQ(options.friction, ContactOptions().friction);
   EXPECT_EQ(options.grab_distance, ContactOptions().grab_distance);
   EXPECT_EQ(options.most_slide, ContactOptions().most_slide);
+  EXPECT_EQ(options.most_relaxation, ContactOptions().most_relaxation);
 
   test::SampleDataset glued;
   glued.problem.scene.contact = ContactMode::glued;
@@ -199,6 +201,7 @@ TEST_F(CContact, RefusesOptionsThatMakeNoSense) {
   EXPECT_THAT(complaint([](auto& o) { o.friction = -0.1; }), HasSubstr("friction is -0.1"));
   EXPECT_THAT(complaint([](auto& o) { o.grab_distance = nan_value; }), HasSubstr("grab_distance is nan"));
   EXPECT_THAT(complaint([](auto& o) { o.most_slide = 0; }), HasSubstr("most_slide is 0"));
+  EXPECT_THAT(complaint([](auto& o) { o.most_relaxation = -1; }), HasSubstr("most_relaxation is -1"));
 
   auto touch = test::sized<palpate_touch>();
   const double tool[3] = {0, 0, 0};

@@ -82,6 +82,7 @@ TEST(CGuard, ClampsToTheDevice) {
 
 TEST(CGuard, LimitsTheRate) {
   const auto guard = test::guardWith();
+  settled(guard.get(), 0);
   double last = 0;
   std::uint32_t guards = 0;
   for (int tick = 0; tick < 100; ++tick) {
@@ -143,7 +144,8 @@ TEST(CGuard, GivesZeroWheneverItRefuses) {
   const auto guard = test::guardWith();
   const double tool[3] = {0, 0, 0};
   const palpate_touch touch = pushing(1);
-  const auto refused = [&](palpate_guard* to, const double* at, const palpate_touch* of, std::uint32_t flags) {
+  const auto refused = [&](palpate_guard* to, const double* at, const palpate_touch* of,
+                           std::uint32_t flags) {
     auto force = test::sized<palpate_guarded_force>();
     force.force[0] = 42;
     EXPECT_EQ(palpate_guard_limit(to, at, of, flags, &force), PALPATE_INVALID_ARGUMENT);

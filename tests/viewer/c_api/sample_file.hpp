@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -14,7 +16,7 @@ namespace palpate::test {
 /// The sample dataset in a file: a cube of 0.1 m with active nodes "tip" and "edge-2".
 class SampleFile {
  public:
-  SampleFile() { SampleDataset().seal(path()); }
+  explicit SampleFile(const SampleDataset& sample = SampleDataset()) { sample.seal(path()); }
   std::filesystem::path path() const { return directory_ / "sample.h5"; }
 
  private:
@@ -69,8 +71,8 @@ inline palpate_dataset_info describe(const palpate_dataset* dataset) {
   return info;
 }
 
-/// A tick of a tool that comes from +x, sinks into the cube beside its corner "tip", slides a little and goes:
-/// tick in 0..count-1.
+/// A tick of a tool that comes from +x, sinks into the cube beside its corner "tip", slides a little and
+/// goes: tick in 0..count-1.
 inline std::array<double, 3> pressing(const palpate_dataset* dataset, int tick, int count) {
   auto tip = sized<palpate_space_info>();
   EXPECT_EQ(palpate_dataset_space(dataset, 0, &tip), PALPATE_OK);
