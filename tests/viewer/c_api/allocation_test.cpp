@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "tests/viewer/c_api/counting_malloc.hpp"
@@ -76,6 +77,41 @@ TEST_F(RealTime, ShapesDoNotAllocate) {
   }
   EXPECT_EQ(test::allocationCount(), before);
   EXPECT_EQ(failures, 0);
+}
+
+TEST_F(RealTime, NoMemoryIsAStatus) {
+  palpate_contact* contact = nullptr;
+  palpate_guard* guard = nullptr;
+  palpate_dataset* dataset = nullptr;
+  const std::string file = file_.path().string();
+  const long before = test::allocationCount();
+  ASSERT_EQ(palpate_dataset_open(file.c_str(), nullptr, &dataset), PALPATE_OK);
+  const long needed = test::allocationCount() - before;
+  palpate_dataset_close(dataset);
+  ASSERT_NE(palpate_last_error(), nullptr);  // the text of this thread comes to be
+  palpate_status without_contact = PALPATE_OK, without_guard = PALPATE_OK;
+  {
+    const test::MemoryShortage shortage(0);
+    without_contact = palpate_contact_create(dataset_.get(), nullptr, &contact);
+    without_guard = palpate_guard_create(nullptr, &guard);
+  }
+  EXPECT_EQ(without_contact, PALPATE_OUT_OF_MEMORY);
+  EXPECT_EQ(without_guard, PALPATE_OUT_OF_MEMORY);
+  EXPECT_EQ(contact, nullptr);
+  EXPECT_EQ(guard, nullptr);
+  EXPECT_NE(std::string(palpate_last_error()).find("not enough memory"), std::string::npos);
+  // The last tenth of the allocations prepares force fields; those before are HDF5's too, which has words of
+  // its own for want of memory.
+  for (long granted = needed - 1; granted > needed * 9 / 10; granted -= needed / 200 + 1) {
+    dataset = dataset_.get();
+    palpate_status status = PALPATE_OK;
+    {
+      const test::MemoryShortage shortage(granted);
+      status = palpate_dataset_open(file.c_str(), nullptr, &dataset);
+    }
+    EXPECT_EQ(status, PALPATE_OUT_OF_MEMORY) << palpate_last_error();
+    EXPECT_EQ(dataset, nullptr);
+  }
 }
 
 }  // namespace

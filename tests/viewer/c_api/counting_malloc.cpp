@@ -8,7 +8,31 @@
 
 namespace {
 std::atomic<long> allocations = 0;
+constexpr long unlimited = -1;
+// Of this program's own: its place is known before any allocation.
+thread_local long granted_to_thread = unlimited;
+
+/// Counts an allocation; whether it may be.
+[[maybe_unused]] bool grant() {
+  ++allocations;
+  if (granted_to_thread == unlimited) return true;
+  if (granted_to_thread == 0) return false;
+  --granted_to_thread;
+  return true;
 }
+
+}  // namespace
+
+namespace palpate::test {
+
+MemoryShortage::MemoryShortage(long granted) {
+  granted_to_thread = granted;
+}
+MemoryShortage::~MemoryShortage() {
+  granted_to_thread = unlimited;
+}
+
+}  // namespace palpate::test
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 
@@ -29,20 +53,16 @@ void* __libc_realloc(void* memory, std::size_t size);            // NOLINT
 void* __libc_memalign(std::size_t alignment, std::size_t size);  // NOLINT
 
 void* malloc(std::size_t size) noexcept {
-  ++allocations;
-  return __libc_malloc(size);
+  return grant() ? __libc_malloc(size) : nullptr;
 }
 void* calloc(std::size_t count, std::size_t size) noexcept {
-  ++allocations;
-  return __libc_calloc(count, size);
+  return grant() ? __libc_calloc(count, size) : nullptr;
 }
 void* realloc(void* memory, std::size_t size) noexcept {
-  ++allocations;
-  return __libc_realloc(memory, size);
+  return grant() ? __libc_realloc(memory, size) : nullptr;
 }
 void* memalign(std::size_t alignment, std::size_t size) noexcept {
-  ++allocations;
-  return __libc_memalign(alignment, size);
+  return grant() ? __libc_memalign(alignment, size) : nullptr;
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
   return memalign(alignment, size);

@@ -6,4 +6,13 @@ namespace palpate::test {
 /// Negative where they cannot be counted (under a sanitizer, which has allocators of its own).
 long allocationCount();
 
+/// While it lives, all allocations of this thread fail but the first `granted`.
+class MemoryShortage {
+ public:
+  explicit MemoryShortage(long granted);
+  ~MemoryShortage();
+  MemoryShortage(const MemoryShortage&) = delete;
+  MemoryShortage& operator=(const MemoryShortage&) = delete;
+};
+
 }  // namespace palpate::test
