@@ -1,0 +1,206 @@
+// A sketch, not compiled here: libpalpate for Unity (or any C#), with the layouts of palpate.h.
+//
+// Put libpalpate.so.0 with the libraries that `ldd` names beside it into Assets/Plugins/x86_64, as libpalpate.so. Unity is
+// left-handed with y up: turn positions and forces by one convention at the border (here: z is negated), and keep metres.
+// The haptic loop has a thread of its own, never Update(): that runs at the rate of the picture. C# may stop any thread for garbage
+// collection; the guard turns such gaps into zero force when they are reported (LoopLate). For a hard 1 kHz write the loop in C.
+using System;
+using System.Diagnostics;
+using System.Runtime.InteropServices;
+using System.Threading;
+
+namespace PalpateClient {
+
+public enum Status { Ok = 0, InvalidArgument = 1, BadFile = 2, OutOfMemory = 3, Failed = 4 }
+
+[Flags]
+public enum Reading : uint { None = 0, Fresh = 1, DeviceLost = 2, LoopLate = 4 }
+
+[StructLayout(LayoutKind.Sequential)]
+public struct Vector3d {
+  public double X, Y, Z;
+  public Vector3d(double x, double y, double z) { X = x; Y = y; Z = z; }
+  public static Vector3d FromUnity(UnityEngine.Vector3 v) => new Vector3d(v.x, v.y, -v.z);
+  public UnityEngine.Vector3 ToUnity() => new UnityEngine.Vector3((float)X, (float)Y, (float)-Z);
+}
+
+// Size is set by Create(); palpate.h says what the members mean. `fixed` members need "Allow unsafe code".
+[StructLayout(LayoutKind.Sequential)]
+public struct DatasetInfo {  // 64 bytes
+  public UIntPtr Size;
+  public IntPtr Name, File, ContentId;
+  public int ContactMode, SpaceCount, MethodCount, VertexCount, TriangleCount, Reserved;
+  public double MaxForce;
+  public static DatasetInfo Create() => new DatasetInfo { Size = (UIntPtr)Marshal.SizeOf<DatasetInfo>() };
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct Sample {  // 136 bytes
+  public UIntPtr Size;
+  public Vector3d Force;
+  public fixed double Stiffness[9];
+  public double Energy, ErrorBound, Coverage;
+  public int Inside, Reserved;
+  public static Sample Create() => new Sample { Size = (UIntPtr)sizeof(Sample) };
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct Touch {  // 360 bytes
+  public UIntPtr Size;
+  public int Touching, Stepped, Inside, Triangle;
+  public Vector3d Force;
+  public fixed double Stiffness[9];
+  public double Energy, ErrorBound, Coverage;
+  public Vector3d Barycentric, Anchor, Normal, Displacement;
+  public double Gap;
+  public int ShareCount;
+  public fixed int ShareSpaces[9];
+  public fixed double ShareWeights[9];
+  public static Touch Create() => new Touch { Size = (UIntPtr)sizeof(Touch) };
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct GuardOptions {  // 64 bytes
+  public UIntPtr Size;
+  public double Period, MaxForce, MaxSlew, Ramp, Stall, MaxStiffness, EnergyCredit;
+  public static GuardOptions Create() => new GuardOptions { Size = (UIntPtr)Marshal.SizeOf<GuardOptions>() };
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct GuardedForce {  // 48 bytes
+  public UIntPtr Size;
+  public Vector3d Force;
+  public double Passivity;
+  public uint Guards, Reserved;
+  public static GuardedForce Create() => new GuardedForce { Size = (UIntPtr)Marshal.SizeOf<GuardedForce>() };
+}
+
+public abstract class Handle : SafeHandle {
+  protected Handle() : base(IntPtr.Zero, true) { }
+  public override bool IsInvalid => handle == IntPtr.Zero;
+}
+public sealed class DatasetHandle : Handle {
+  protected override bool ReleaseHandle() { Native.palpate_dataset_close(handle); return true; }
+}
+public sealed class ContactHandle : Handle {  // keeps its dataset in memory: any order of finalizers is fine
+  protected override bool ReleaseHandle() { Native.palpate_contact_destroy(handle); return true; }
+}
+public sealed class GuardHandle : Handle {
+  protected override bool ReleaseHandle() { Native.palpate_guard_destroy(handle); return true; }
+}
+
+public static class Native {
+  private const string Library = "palpate";
+  [DllImport(Library)] public static extern int palpate_abi_version();
+  [DllImport(Library)] public static extern IntPtr palpate_last_error();
+  [DllImport(Library)] public static extern Status palpate_dataset_open(
+      [MarshalAs(UnmanagedType.LPUTF8Str)] string file, IntPtr options, out DatasetHandle dataset);
+  [DllImport(Library)] public static extern void palpate_dataset_close(IntPtr dataset);
+  [DllImport(Library)] public static extern Status palpate_dataset_describe(DatasetHandle dataset, ref DatasetInfo info);
+  [DllImport(Library)] public static extern Status palpate_dataset_vertices(
+      DatasetHandle dataset, [Out] double[] vertices, UIntPtr capacity);
+  [DllImport(Library)] public static extern Status palpate_dataset_triangles(
+      DatasetHandle dataset, [Out] int[] triangles, UIntPtr capacity);
+  [DllImport(Library)] public static extern Status palpate_query(
+      DatasetHandle dataset, int space, int method, in Vector3d displacement, ref Sample sample);
+  [DllImport(Library)] public static extern Status palpate_contact_create(
+      DatasetHandle dataset, IntPtr options, out ContactHandle contact);
+  [DllImport(Library)] public static extern void palpate_contact_destroy(IntPtr contact);
+  [DllImport(Library)] public static extern Status palpate_contact_update(
+      ContactHandle contact, in Vector3d tool, int hold, ref Touch touch);
+  [DllImport(Library)] public static extern Status palpate_touch_displacements(
+      DatasetHandle dataset, in Touch touch, [Out] float[] displacements, UIntPtr capacity);
+  [DllImport(Library)] public static extern Status palpate_guard_defaults(
+      [MarshalAs(UnmanagedType.LPUTF8Str)] string device, double period, ref GuardOptions options);
+  [DllImport(Library)] public static extern Status palpate_guard_create(in GuardOptions options, out GuardHandle guard);
+  [DllImport(Library)] public static extern void palpate_guard_destroy(IntPtr guard);
+  [DllImport(Library)] public static extern Status palpate_guard_limit(
+      GuardHandle guard, in Vector3d tool, in Touch touch, Reading flags, ref GuardedForce force);
+
+  /// Errors are per thread: ask on the thread of the call that failed.
+  public static void Check(Status status) {
+    if (status != Status.Ok)
+      throw new InvalidOperationException(status + ": " + Marshal.PtrToStringUTF8(palpate_last_error()));
+  }
+}
+
+/// A device of the simulator's own.
+public interface IHapticDevice {
+  bool Read(out Vector3d position);  ///< metres, frame of the scene; false: nothing new
+  bool Lost { get; }
+  void Write(Vector3d force);        ///< newtons
+}
+
+/// The haptic loop on a thread of its own; the picture reads LastTouch.
+public sealed class HapticLoop : IDisposable {
+  private const double Period = 1e-3;
+  private readonly DatasetHandle dataset;
+  private readonly ContactHandle contact;
+  private readonly GuardHandle guard;
+  private readonly IHapticDevice device;
+  private readonly Thread thread;
+  private readonly object seenLock = new object();
+  private Touch seen = Touch.Create();
+  private volatile bool running = true;
+
+  public HapticLoop(string file, IHapticDevice device, string profile = "touch") {
+    if (Native.palpate_abi_version() != 0) throw new InvalidOperationException("libpalpate has another ABI");
+    this.device = device;
+    Native.Check(Native.palpate_dataset_open(file, IntPtr.Zero, out dataset));
+    Native.Check(Native.palpate_contact_create(dataset, IntPtr.Zero, out contact));
+    var limits = GuardOptions.Create();
+    Native.Check(Native.palpate_guard_defaults(profile, Period, ref limits));
+    Native.Check(Native.palpate_guard_create(limits, out guard));
+    thread = new Thread(Run) { IsBackground = true, Priority = ThreadPriority.Highest };
+    thread.Start();
+  }
+
+  public Touch LastTouch { get { lock (seenLock) return seen; } }
+
+  /// Displacements of the surface for a mesh, metres, frame of the scene; called from Update().
+  public void Deform(float[] displacements) {
+    Touch touch = LastTouch;
+    Native.Check(Native.palpate_touch_displacements(dataset, touch, displacements, (UIntPtr)displacements.Length));
+  }
+
+  private void Run() {
+    var clock = Stopwatch.StartNew();
+    var touch = Touch.Create();
+    var force = GuardedForce.Create();
+    double due = 0;
+    Vector3d tool = default;
+    while (running) {
+      due += Period;
+      Reading flags = Reading.None;
+      double late = clock.Elapsed.TotalSeconds - due;
+      if (late > 20 * Period) {  // the loop hung: say so, and do not try to catch up
+        flags |= Reading.LoopLate;
+        due += late;
+      }
+      if (device.Read(out Vector3d position)) {
+        tool = position;
+        flags |= Reading.Fresh;
+      }
+      if (device.Lost) flags |= Reading.DeviceLost;
+      bool done = Native.palpate_contact_update(contact, tool, 1, ref touch) == Status.Ok &&
+                  Native.palpate_guard_limit(guard, tool, touch, flags, ref force) == Status.Ok;
+      device.Write(done ? force.Force : default);
+      if (Monitor.TryEnter(seenLock)) {  // a picture may miss a tick, a tick never waits
+        seen = touch;
+        Monitor.Exit(seenLock);
+      }
+      while (running && clock.Elapsed.TotalSeconds < due) Thread.Yield();
+    }
+    device.Write(default);
+  }
+
+  public void Dispose() {
+    running = false;
+    thread.Join();
+    contact.Dispose();
+    guard.Dispose();
+    dataset.Dispose();
+  }
+}
+
+}  // namespace PalpateClient

@@ -1,0 +1,118 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/support/command.hpp"
+#include "viewer/c_api/palpate.h"
+
+namespace palpate {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::ElementsAreArray;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::string only_append =
+    "The ABI of libpalpate is recorded in tests/viewer/c_api/abi.txt. What is recorded there may not change: "
+    "append members at the end of a structure, add functions and constants, and record them; anything else "
+    "breaks programs that were compiled before, and needs a new PALPATE_ABI_VERSION and soname.";
+
+std::vector<std::string> linesOf(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+/// Recorded lines that begin with one of some words.
+std::vector<std::string> recorded(const std::vector<std::string>& words) {
+  std::ifstream in(PALPATE_SOURCE_DIR "/tests/viewer/c_api/abi.txt");
+  EXPECT_TRUE(in.is_open());
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);)
+    for (const std::string& word : words)
+      if (line.starts_with(word + " ")) lines.push_back(line);
+  return lines;
+}
+
+test::CommandResult run(const std::string& command) {
+  test::CommandResult result = test::runCommand(command);
+  EXPECT_EQ(result.exit_code, 0) << command << '\n' << result.output;
+  return result;
+}
+
+TEST(Abi, ExportsExactlyTheRecordedFunctions) {
+  const auto symbols = linesOf(run("nm -D --defined-only --format=posix " PALPATE_LIBRARY).output);
+  std::vector<std::string> functions;
+  for (const std::string& symbol : symbols) {
+    std::istringstream words(symbol);
+    std::string name, kind;
+    words >> name >> kind;
+    EXPECT_EQ(kind, "T") << symbol;
+    functions.push_back("function " + name);
+  }
+  EXPECT_THAT(functions, ElementsAreArray(recorded({"function"}))) << only_append;
+}
+
+TEST(Abi, KeepsTheRecordedStructuresAndConstants) {
+  EXPECT_THAT(linesOf(run(PALPATE_ABI_PROGRAM).output),
+              ElementsAreArray(recorded({"constant", "type", "struct", "member"})))
+      << only_append;
+}
+
+// A member that the header has and abi.c forgets would be free to move.
+TEST(Abi, RecordsAllBytesOfEveryStructure) {
+  std::string name;
+  long size = 0, end = 0;
+  int structures = 0;
+  for (const std::string& line : recorded({"struct", "member"})) {
+    std::istringstream words(line);
+    std::string kind, what;
+    long first = 0, second = 0;
+    words >> kind >> what >> first >> second;
+    if (kind == "struct") {
+      EXPECT_EQ(end, size) << name;
+      name = what;
+      size = first;
+      end = 0;
+      ++structures;
+      continue;
+    }
+    EXPECT_EQ(first, end) << what << " does not begin where the member before it ends";
+    EXPECT_TRUE(first == 0 || !what.ends_with(".size")) << what;
+    end = first + second;
+  }
+  EXPECT_EQ(end, size) << name;
+  EXPECT_GE(structures, 9);
+}
+
+TEST(Abi, SaysItsVersion) {
+  EXPECT_EQ(palpate_abi_version(), PALPATE_ABI_VERSION);
+  EXPECT_STREQ(palpate_version(), PALPATE_PROJECT_VERSION);
+  EXPECT_THAT(run("objdump -p " PALPATE_LIBRARY).output,
+              ContainsRegex("SONAME +libpalpate.so." + std::to_string(PALPATE_ABI_VERSION)));
+}
+
+TEST(Abi, HeaderIsStrictC99AndCxx) {
+  const std::string header = "'" PALPATE_SOURCE_DIR "/viewer/c_api/palpate.h'";
+  const std::string strict = " -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -fsyntax-only ";
+  run("cc -x c -std=c99" + strict + header);
+  run("c++ -x c++ -std=c++11 -Wno-pragma-once-outside-header" + strict + header);
+}
+
+TEST(Abi, NeedsNothingOfThePictureTheSchedulerOrTheSolver) {
+  const std::string libraries = run("ldd " PALPATE_LIBRARY).output;
+  EXPECT_THAT(libraries, HasSubstr("libc.so"));
+  EXPECT_THAT(libraries, Not(HasSubstr("not found")));
+  EXPECT_THAT(libraries,
+              Not(ContainsRegex("libCoin|libglfw|libGL|imgui|libX11|libmpi|open-rte|open-pal|libmpich|"
+                                "mumps|libzmq|libsqlite|libprotobuf")));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,118 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "tests/viewer/c_api/counting_malloc.hpp"
+#include "tests/viewer/c_api/sample_file.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr int ticks = 1000;
+
+class RealTime : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (test::allocationCount() < 0) GTEST_SKIP() << "a sanitizer has an allocator of its own";
+    const long before = test::allocationCount();
+    void* volatile memory = std::malloc(100);
+    std::free(memory);
+    ASSERT_EQ(test::allocationCount(), before + 1);
+  }
+
+  test::SampleFile file_;
+  test::DatasetHandle dataset_ = test::open(file_.path());
+};
+
+TEST_F(RealTime, QueriesDoNotAllocateInsideOutsideAndForNan) {
+  auto sample = test::sized<palpate_sample>();
+  int failures = 0;
+  const long before = test::allocationCount();
+  for (int n = 0; n < ticks; ++n) {
+    const double p[3] = {n == 500 ? std::numeric_limits<double>::quiet_NaN() : 5e-5 * n - 0.025, 1e-5 * n,
+                         -0.002};
+    for (int space = 0; space < 2; ++space)
+      for (int method = 0; method < 2; ++method)
+        failures += palpate_query(dataset_.get(), space, method, p, &sample) == PALPATE_OK ? 0 : 1;
+  }
+  EXPECT_EQ(test::allocationCount(), before);
+  EXPECT_EQ(failures, 0);
+}
+
+TEST_F(RealTime, ContactsAndGuardsDoNotAllocate) {
+  const auto contact = test::touchWith(dataset_.get());
+  const auto guard = test::guardWith();
+  auto touch = test::sized<palpate_touch>();
+  auto force = test::sized<palpate_guarded_force>();
+  int failures = 0, touching = 0;
+  const long before = test::allocationCount();
+  for (int n = 0; n < ticks; ++n) {
+    const auto tool = test::pressing(dataset_.get(), n, ticks);
+    failures += palpate_contact_update(contact.get(), tool.data(), 1, &touch) == PALPATE_OK ? 0 : 1;
+    failures +=
+        palpate_guard_limit(guard.get(), tool.data(), &touch, PALPATE_READING_FRESH, &force) == PALPATE_OK
+            ? 0
+            : 1;
+    failures += palpate_contact_use(contact.get(), dataset_.get(), n / 10 % 2) == PALPATE_OK ? 0 : 1;
+    touching += touch.touching;
+  }
+  EXPECT_EQ(test::allocationCount(), before);
+  EXPECT_EQ(failures, 0);
+  EXPECT_GT(touching, ticks / 2);
+}
+
+TEST_F(RealTime, ShapesDoNotAllocate) {
+  std::vector<float> shape(3 * static_cast<std::size_t>(test::describe(dataset_.get()).vertex_count));
+  int failures = 0;
+  const long before = test::allocationCount();
+  for (int n = 0; n < ticks; ++n) {
+    const double p[3] = {1e-5 * n, 0.001, 0};
+    failures += palpate_displacements(dataset_.get(), 1, p, shape.data(), shape.size(), nullptr) == PALPATE_OK
+                    ? 0
+                    : 1;
+  }
+  EXPECT_EQ(test::allocationCount(), before);
+  EXPECT_EQ(failures, 0);
+}
+
+TEST_F(RealTime, NoMemoryIsAStatus) {
+  palpate_contact* contact = nullptr;
+  palpate_guard* guard = nullptr;
+  palpate_dataset* dataset = nullptr;
+  const std::string file = file_.path().string();
+  const long before = test::allocationCount();
+  ASSERT_EQ(palpate_dataset_open(file.c_str(), nullptr, &dataset), PALPATE_OK);
+  const long needed = test::allocationCount() - before;
+  palpate_dataset_close(dataset);
+  ASSERT_NE(palpate_last_error(), nullptr);  // the text of this thread comes to be
+  palpate_status without_contact = PALPATE_OK, without_guard = PALPATE_OK;
+  {
+    const test::MemoryShortage shortage(0);
+    without_contact = palpate_contact_create(dataset_.get(), nullptr, &contact);
+    without_guard = palpate_guard_create(nullptr, &guard);
+  }
+  EXPECT_EQ(without_contact, PALPATE_OUT_OF_MEMORY);
+  EXPECT_EQ(without_guard, PALPATE_OUT_OF_MEMORY);
+  EXPECT_EQ(contact, nullptr);
+  EXPECT_EQ(guard, nullptr);
+  EXPECT_NE(std::string(palpate_last_error()).find("not enough memory"), std::string::npos);
+  // The last tenth of the allocations prepares force fields; those before are HDF5's too, which has words of
+  // its own for want of memory.
+  for (long granted = needed - 1; granted > needed * 9 / 10; granted -= needed / 200 + 1) {
+    dataset = dataset_.get();
+    palpate_status status = PALPATE_OK;
+    {
+      const test::MemoryShortage shortage(granted);
+      status = palpate_dataset_open(file.c_str(), nullptr, &dataset);
+    }
+    EXPECT_EQ(status, PALPATE_OUT_OF_MEMORY) << palpate_last_error();
+    EXPECT_EQ(dataset, nullptr);
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,325 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "tests/viewer/c_api/sample_file.hpp"
+#include "viewer/force_field.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::NanSensitiveDoubleEq;
+
+constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
+
+class CDataset : public ::testing::Test {
+ protected:
+  palpate_sample query(int space, int method, const std::array<double, 3>& displacement) {
+    auto sample = test::sized<palpate_sample>();
+    EXPECT_EQ(palpate_query(dataset_.get(), space, method, displacement.data(), &sample), PALPATE_OK)
+        << palpate_last_error();
+    return sample;
+  }
+
+  test::SampleFile file_;
+  test::DatasetHandle dataset_ = test::open(file_.path());
+};
+
+bool sameBits(const palpate_sample& a, const palpate_sample& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+TEST_F(CDataset, SaysWhatItHolds) {
+  const Dataset reference(file_.path());
+  const palpate_dataset_info info = test::describe(dataset_.get());
+  EXPECT_STREQ(info.name, "sample");
+  EXPECT_EQ(info.file, file_.path().string());
+  EXPECT_EQ(info.content_id, reference.contentId().hex());
+  EXPECT_EQ(info.contact_mode, PALPATE_UNILATERAL);
+  EXPECT_EQ(info.space_count, 2);
+  EXPECT_EQ(info.method_count, 2);
+  EXPECT_EQ(info.vertex_count, static_cast<std::int32_t>(reference.surfaceNodes().size()));
+  EXPECT_EQ(info.triangle_count, static_cast<std::int32_t>(reference.mesh().surface.size()));
+  EXPECT_EQ(info.max_force, 8.5);
+  EXPECT_STREQ(palpate_dataset_method(dataset_.get(), 0), "potential");
+  EXPECT_STREQ(palpate_dataset_method(dataset_.get(), 1), "trilinear");
+}
+
+TEST_F(CDataset, DescribesItsSpaces) {
+  const Dataset reference(file_.path());
+  std::int32_t number = -1;
+  ASSERT_EQ(palpate_dataset_find_space(dataset_.get(), "edge-2", &number), PALPATE_OK);
+  EXPECT_EQ(number, 1);
+  auto space = test::sized<palpate_space_info>();
+  ASSERT_EQ(palpate_dataset_space(dataset_.get(), number, &space), PALPATE_OK);
+  EXPECT_STREQ(space.name, "edge-2");
+  EXPECT_EQ(space.node, 8);
+  EXPECT_EQ(reference.surfaceNodes()[static_cast<std::size_t>(space.vertex)], 8);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(space.rest_position[i], reference.mesh().nodes[8][i]);
+  EXPECT_EQ(space.workspace_radius, 0.02);
+  EXPECT_EQ(space.spacing, 0.01);
+  double largest = 0;
+  for (const PointRecord& point : reference.spaces()[1].points)
+    largest = std::max(largest, point.equilibrium.force.norm());
+  EXPECT_EQ(space.largest_force, largest);
+}
+
+TEST_F(CDataset, CopiesItsSurface) {
+  const Dataset reference(file_.path());
+  const auto& nodes = reference.surfaceNodes();
+  const auto& triangles = reference.mesh().surface;
+  std::vector<double> vertices(3 * nodes.size() + 1, -7);
+  ASSERT_EQ(palpate_dataset_vertices(dataset_.get(), vertices.data(), vertices.size()), PALPATE_OK);
+  for (std::size_t n = 0; n < nodes.size(); ++n)
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_EQ(vertices[3 * n + i],
+                reference.mesh().nodes[static_cast<std::size_t>(nodes[n])][static_cast<int>(i)]);
+  EXPECT_EQ(vertices.back(), -7);
+
+  std::vector<std::int32_t> corners(3 * triangles.size(), -1);
+  ASSERT_EQ(palpate_dataset_triangles(dataset_.get(), corners.data(), corners.size()), PALPATE_OK);
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_EQ(nodes[static_cast<std::size_t>(corners[3 * t + i])], triangles[t][i]);
+
+  std::vector<std::uint8_t> touchable(triangles.size(), 9);
+  ASSERT_EQ(palpate_dataset_touchable(dataset_.get(), touchable.data(), touchable.size()), PALPATE_OK);
+  EXPECT_THAT(touchable, Each(::testing::Le(1)));
+  EXPECT_THAT(touchable, ::testing::Contains(1));
+}
+
+TEST_F(CDataset, AnswersAsTheForceFieldDoesToTheLastBit) {
+  const Dataset reference(file_.path());
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> anywhere(-0.025, 0.025);
+  for (std::size_t method = 0; method < 2; ++method)
+    for (std::size_t space = 0; space < 2; ++space) {
+      const auto field = makeForceField(forceFieldMethods()[method], reference.spaces()[space]);
+      for (int n = 0; n < 200; ++n) {
+        const std::array<double, 3> p = {anywhere(random), anywhere(random), anywhere(random)};
+        const ForceSample expected = field->evaluate({p[0], p[1], p[2]});
+        const palpate_sample sample = query(static_cast<int>(space), static_cast<int>(method), p);
+        for (int i = 0; i < 3; ++i) EXPECT_EQ(sample.force[i], expected.force[i]);
+        for (int i = 0; i < 9; ++i) EXPECT_EQ(sample.stiffness[i], expected.stiffness(i / 3, i % 3));
+        EXPECT_THAT(sample.energy, NanSensitiveDoubleEq(expected.energy));
+        EXPECT_THAT(sample.error_bound, NanSensitiveDoubleEq(expected.error_bound));
+        EXPECT_EQ(sample.coverage, expected.coverage);
+        EXPECT_EQ(sample.inside, expected.inside ? 1 : 0);
+      }
+    }
+}
+
+TEST_F(CDataset, AnswersAfterItsFileIsGone) {
+  const palpate_sample before = query(0, 0, {0.003, 0.001, -0.002});
+  std::filesystem::remove(file_.path());
+  EXPECT_TRUE(sameBits(query(0, 0, {0.003, 0.001, -0.002}), before));
+}
+
+TEST_F(CDataset, GivesFourThreadsTheSameAnswers) {
+  constexpr int count = 2000;
+  const auto place = [](int n) { return std::array<double, 3>{1e-5 * n - 0.01, 5e-6 * n, -3e-6 * n}; };
+  std::vector<palpate_sample> expected;
+  for (int n = 0; n < count; ++n) expected.push_back(query(n % 2, n / 2 % 2, place(n)));
+
+  std::array<int, 4> different = {-1, -1, -1, -1};
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < different.size(); ++t)
+    threads.emplace_back([&, t] {
+      int differences = 0;
+      for (int n = 0; n < count; ++n) {
+        auto sample = test::sized<palpate_sample>();
+        const palpate_status status =
+            palpate_query(dataset_.get(), n % 2, n / 2 % 2, place(n).data(), &sample);
+        differences +=
+            status == PALPATE_OK && sameBits(sample, expected[static_cast<std::size_t>(n)]) ? 0 : 1;
+      }
+      different[t] = differences;
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_THAT(different, ElementsAre(0, 0, 0, 0));
+}
+
+TEST_F(CDataset, ErrorsBelongToTheirThread) {
+  std::int32_t number = 0;
+  ASSERT_EQ(palpate_dataset_find_space(dataset_.get(), "nose", &number), PALPATE_INVALID_ARGUMENT);
+  std::string text = "unset";
+  std::thread([&] { text = palpate_last_error(); }).join();
+  EXPECT_EQ(text, "");
+  EXPECT_THAT(palpate_last_error(), AllOf(HasSubstr("nose"), HasSubstr("tip, edge-2")));
+}
+
+TEST_F(CDataset, AnswersNanWithoutForceAndWithoutAnError) {
+  for (const int method : {0, 1}) {
+    const palpate_sample sample = query(0, method, {nan_value, 0.001, 0});
+    EXPECT_THAT(sample.force, Each(0.0));
+    EXPECT_THAT(sample.stiffness, Each(::testing::Truly([](double k) { return std::isfinite(k); })));
+    EXPECT_EQ(sample.inside, 0);
+  }
+  std::vector<float> shape(3 * static_cast<std::size_t>(test::describe(dataset_.get()).vertex_count), 5);
+  const double displacement[3] = {0, nan_value, 0};
+  std::int32_t inside = 1;
+  ASSERT_EQ(palpate_displacements(dataset_.get(), 0, displacement, shape.data(), shape.size(), &inside),
+            PALPATE_OK);
+  EXPECT_EQ(inside, 0);
+  EXPECT_THAT(shape, Each(0.0F));
+}
+
+TEST_F(CDataset, GivesTheShapeOfASolvedPoint) {
+  const Dataset reference(file_.path());
+  const SpaceTable& space = reference.spaces()[1];
+  const std::vector<float> solved = reference.surfaceDisplacements(1);
+  const std::size_t row = 3 * reference.surfaceNodes().size();
+  std::vector<float> shape(row);
+  const Eigen::Vector3d p = space.lattice.displacement(4);
+  std::int32_t inside = 0;
+  ASSERT_EQ(palpate_displacements(dataset_.get(), 1, p.data(), shape.data(), row, &inside), PALPATE_OK);
+  EXPECT_EQ(inside, 1);
+  for (std::size_t i = 0; i < row; ++i) EXPECT_NEAR(shape[i], solved[4 * row + i], 1e-8);
+}
+
+TEST_F(CDataset, PreparesTheMethodsThatAreAskedFor) {
+  const char* const methods[] = {"tricubic", "potential"};
+  auto options = test::sized<palpate_open_options>();
+  options.methods = methods;
+  options.method_count = 2;
+  const auto dataset = test::open(file_.path(), &options);
+  EXPECT_STREQ(palpate_dataset_method(dataset.get(), 0), "tricubic");
+  std::int32_t method = -1;
+  ASSERT_EQ(palpate_dataset_find_method(dataset.get(), "potential", &method), PALPATE_OK);
+  EXPECT_EQ(method, 1);
+  EXPECT_EQ(palpate_dataset_find_method(dataset.get(), "trilinear", &method), PALPATE_INVALID_ARGUMENT);
+  EXPECT_THAT(palpate_last_error(), AllOf(HasSubstr("trilinear"), HasSubstr("tricubic, potential")));
+  EXPECT_EQ(method, 1);
+}
+
+/// What opening a file says; nothing may be opened.
+std::string complaint(palpate_status expected, const std::filesystem::path& file,
+                      const palpate_open_options* options = nullptr) {
+  int anything = 0;
+  palpate_dataset* dataset = reinterpret_cast<palpate_dataset*>(&anything);
+  EXPECT_EQ(palpate_dataset_open(file.c_str(), options, &dataset), expected);
+  EXPECT_EQ(dataset, nullptr);
+  return palpate_last_error();
+}
+
+TEST_F(CDataset, RefusesWhatIsNoDataset) {
+  const test::TemporaryDirectory directory;
+  EXPECT_THAT(complaint(PALPATE_BAD_FILE, directory / "absent.h5"), HasSubstr("absent.h5"));
+  EXPECT_THAT(complaint(PALPATE_BAD_FILE, directory.path()), HasSubstr(directory.path().string()));
+  std::ofstream(directory / "text.h5") << "not a dataset\n";
+  EXPECT_THAT(complaint(PALPATE_BAD_FILE, directory / "text.h5"), HasSubstr("not an HDF5 file"));
+  std::filesystem::copy_file(file_.path(), directory / "cut.h5");
+  std::filesystem::resize_file(directory / "cut.h5", std::filesystem::file_size(file_.path()) / 2);
+  EXPECT_THAT(complaint(PALPATE_BAD_FILE, directory / "cut.h5"), HasSubstr("cut.h5"));
+}
+
+TEST_F(CDataset, RefusesOptionsThatMakeNoSense) {
+  const char* methods[] = {"potential", "quadrilinear"};
+  auto options = test::sized<palpate_open_options>();
+  options.methods = methods;
+  options.method_count = 2;
+  EXPECT_THAT(complaint(PALPATE_INVALID_ARGUMENT, file_.path(), &options),
+              AllOf(HasSubstr("quadrilinear"), HasSubstr("potential-rbf")));
+  methods[1] = nullptr;
+  EXPECT_THAT(complaint(PALPATE_INVALID_ARGUMENT, file_.path(), &options), HasSubstr("methods"));
+  options.methods = nullptr;
+  EXPECT_THAT(complaint(PALPATE_INVALID_ARGUMENT, file_.path(), &options), HasSubstr("methods"));
+  options = test::sized<palpate_open_options>();
+  for (const double reach : {-0.01, nan_value, std::numeric_limits<double>::infinity()}) {
+    options.reach = reach;
+    EXPECT_THAT(complaint(PALPATE_INVALID_ARGUMENT, file_.path(), &options), HasSubstr("reach"));
+  }
+  options = test::sized<palpate_open_options>();
+  for (const std::size_t size : {std::size_t{0}, sizeof options - 1, sizeof options + 8}) {
+    options.size = size;
+    EXPECT_THAT(complaint(PALPATE_INVALID_ARGUMENT, file_.path(), &options),
+                AllOf(HasSubstr("options->size"), HasSubstr(std::to_string(sizeof options))));
+  }
+}
+
+#define EXPECT_INVALID(call, text)             \
+  EXPECT_EQ((call), PALPATE_INVALID_ARGUMENT); \
+  EXPECT_THAT(palpate_last_error(), HasSubstr(text))
+
+TEST_F(CDataset, RefusesNullPointers) {
+  const double p[3] = {0, 0, 0};
+  float shape[3];
+  auto sample = test::sized<palpate_sample>();
+  auto info = test::sized<palpate_dataset_info>();
+  auto space = test::sized<palpate_space_info>();
+  palpate_dataset* dataset = nullptr;
+  std::int32_t number = 0;
+  EXPECT_INVALID(palpate_dataset_open(nullptr, nullptr, &dataset), "file is NULL");
+  EXPECT_INVALID(palpate_dataset_open(file_.path().c_str(), nullptr, nullptr), "dataset is NULL");
+  EXPECT_INVALID(palpate_dataset_describe(nullptr, &info), "dataset is NULL");
+  EXPECT_INVALID(palpate_dataset_describe(dataset_.get(), nullptr), "info is NULL");
+  EXPECT_INVALID(palpate_dataset_space(nullptr, 0, &space), "dataset is NULL");
+  EXPECT_INVALID(palpate_dataset_space(dataset_.get(), 0, nullptr), "info is NULL");
+  EXPECT_INVALID(palpate_dataset_find_space(dataset_.get(), nullptr, &number), "name is NULL");
+  EXPECT_INVALID(palpate_dataset_find_space(dataset_.get(), "tip", nullptr), "space is NULL");
+  EXPECT_INVALID(palpate_dataset_find_method(nullptr, "potential", &number), "dataset is NULL");
+  EXPECT_EQ(palpate_dataset_method(nullptr, 0), nullptr);
+  EXPECT_INVALID(palpate_query(nullptr, 0, 0, p, &sample), "dataset is NULL");
+  EXPECT_INVALID(palpate_query(dataset_.get(), 0, 0, nullptr, &sample), "displacement is NULL");
+  EXPECT_INVALID(palpate_query(dataset_.get(), 0, 0, p, nullptr), "sample is NULL");
+  EXPECT_INVALID(palpate_displacements(nullptr, 0, p, shape, 3, nullptr), "dataset is NULL");
+  EXPECT_INVALID(palpate_displacements(dataset_.get(), 0, p, nullptr, 3, nullptr), "displacements is NULL");
+  EXPECT_INVALID(palpate_dataset_vertices(dataset_.get(), nullptr, 3), "vertices is NULL");
+  palpate_dataset_close(nullptr);
+}
+
+TEST_F(CDataset, RefusesNumbersThatNameNothing) {
+  const double p[3] = {0, 0, 0};
+  auto sample = test::sized<palpate_sample>();
+  auto space = test::sized<palpate_space_info>();
+  sample.force[0] = 42;
+  EXPECT_INVALID(palpate_query(dataset_.get(), 2, 0, p, &sample), "no space 2; they are numbered 0 to 1");
+  EXPECT_INVALID(palpate_query(dataset_.get(), -1, 0, p, &sample), "no space -1");
+  EXPECT_INVALID(palpate_query(dataset_.get(), 0, 2, p, &sample), "no method 2");
+  EXPECT_EQ(sample.force[0], 42);
+  EXPECT_INVALID(palpate_dataset_space(dataset_.get(), 7, &space), "no space 7");
+  EXPECT_EQ(palpate_dataset_method(dataset_.get(), -1), nullptr);
+  EXPECT_THAT(palpate_last_error(), HasSubstr("no method -1"));
+}
+
+TEST_F(CDataset, RefusesSizesThatItDoesNotKnow) {
+  const double p[3] = {0, 0, 0};
+  palpate_sample sample{};
+  EXPECT_INVALID(palpate_query(dataset_.get(), 0, 0, p, &sample), "sample->size is 0");
+  sample.size = sizeof sample + 8;
+  EXPECT_INVALID(palpate_query(dataset_.get(), 0, 0, p, &sample), "sample->size is 144, not 136");
+  EXPECT_EQ(sample.coverage, 0);
+}
+
+TEST_F(CDataset, RefusesSmallBuffersAndLeavesThem) {
+  const double p[3] = {0.001, 0, 0};
+  const palpate_dataset_info info = test::describe(dataset_.get());
+  std::vector<float> shape(3 * static_cast<std::size_t>(info.vertex_count) - 1, 7);
+  EXPECT_INVALID(palpate_displacements(dataset_.get(), 0, p, shape.data(), shape.size(), nullptr),
+                 std::to_string(shape.size()) + " numbers, " + std::to_string(shape.size() + 1));
+  EXPECT_THAT(shape, Each(7.0F));
+  std::vector<double> vertices(5, 7);
+  EXPECT_INVALID(palpate_dataset_vertices(dataset_.get(), vertices.data(), 5), "holds 5 numbers");
+  EXPECT_THAT(vertices, Each(7.0));
+  std::vector<std::int32_t> triangles(5, 7);
+  EXPECT_INVALID(palpate_dataset_triangles(dataset_.get(), triangles.data(), 5), "holds 5 numbers");
+  EXPECT_THAT(triangles, Each(7));
+  std::uint8_t touchable = 7;
+  EXPECT_INVALID(palpate_dataset_touchable(dataset_.get(), &touchable, 1), "holds 1 numbers");
+  EXPECT_EQ(touchable, 7);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,166 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+#include "tests/support/command.hpp"
+#include "tests/viewer/c_api/sample_file.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr const char* examples = PALPATE_SOURCE_DIR "/deploy/examples";
+
+std::string shellWord(const std::filesystem::path& path) {
+  return "'" + path.string() + "'";
+}
+
+std::string run(const std::string& command) {
+  const test::CommandResult result = test::runCommand(command);
+  EXPECT_EQ(result.exit_code, 0) << command << '\n' << result.output;
+  return result.output;
+}
+
+/// The sample as a body that pushes back equally in all directions: its "tip" is a corner, from which a tool
+/// slides off, and the sample's own body is soft to one side there.
+test::SampleDataset springs() {
+  constexpr double stiffness = 50;  // N/m
+  test::SampleDataset sample;
+  for (SpaceTable& space : sample.spaces)
+    for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
+      PointRecord& point = space.points[static_cast<std::size_t>(n)];
+      if (!isSolved(point.tag)) continue;
+      const Eigen::Vector3d p = space.lattice.displacement(n);
+      point.equilibrium.force = -stiffness * p;
+      point.equilibrium.stiffness = -stiffness * Eigen::Matrix3d::Identity();
+      point.equilibrium.energy = 0.5 * stiffness * p.squaredNorm();
+    }
+  return sample;
+}
+
+/// The examples as a simulator's developer meets them: libpalpate is installed somewhere, the sources are not
+/// there.
+class Examples : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    prefix_ = new test::TemporaryDirectory;
+    run(PALPATE_LIBRARY_INSTALL_COMMAND " " + shellWord(prefix_->path()));
+  }
+  static void TearDownTestSuite() {
+    delete prefix_;
+    prefix_ = nullptr;
+  }
+
+  void SetUp() override {
+    if (std::string_view(PALPATE_SANITIZERS) != "")
+      GTEST_SKIP() << "programs without the sanitizer cannot load a library with it";
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(prefix_->path())) {
+      if (entry.path().filename() == "libpalpate.so") library_ = entry.path();
+      if (entry.path().filename() == "palpate.pc") package_ = entry.path();
+    }
+    ASSERT_FALSE(library_.empty());
+    ASSERT_FALSE(package_.empty());
+    sample_ = std::make_unique<test::SampleFile>(springs());
+  }
+
+  /// That an example's output holds forces, the first of which is that of `palpate query`.
+  void expectForces(const std::string& output) {
+    EXPECT_THAT(output, HasSubstr("touching"));
+    std::istringstream in(output);
+    std::string line;
+    while (std::getline(in, line) && !line.starts_with("query ")) {
+    }
+    std::istringstream words(line);
+    std::string word, name, force;
+    std::array<std::string, 3> displacement, forces;
+    words >> word >> name >> displacement[0] >> displacement[1] >> displacement[2] >> force >> forces[0] >>
+        forces[1] >> forces[2];
+    ASSERT_EQ(force, "force") << output;
+    const auto answer = nlohmann::json::parse(
+        run(PALPATE_BIN_DIR "/palpate query " + shellWord(sample_->path()) + " --json --active " + name +
+            " --displacement " + displacement[0] + " " + displacement[1] + " " + displacement[2]));
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(std::strtod(forces[i].c_str(), nullptr), answer["force"][i].get<double>()) << line;
+      EXPECT_EQ(std::strtod(displacement[i].c_str(), nullptr), answer["displacement"][i].get<double>());
+    }
+    EXPECT_NE(answer["force"][0].get<double>(), 0);
+  }
+
+  static test::TemporaryDirectory* prefix_;
+  test::TemporaryDirectory build_;
+  std::filesystem::path library_, package_;
+  std::unique_ptr<test::SampleFile> sample_;
+};
+test::TemporaryDirectory* Examples::prefix_ = nullptr;
+
+TEST_F(Examples, InCBuildsWithPkgConfig) {
+  const std::string config = "PKG_CONFIG_PATH=" + shellWord(package_.parent_path()) + " pkg-config ";
+  EXPECT_THAT(run(config + "--modversion palpate"), HasSubstr(PALPATE_PROJECT_VERSION));
+  run("cc -std=c99 -Wall -Wextra -Wpedantic -Werror " + shellWord(std::string(examples) + "/c/touch.c") +
+      " -o " + shellWord(build_ / "touch") + " $(" + config + "--cflags --libs palpate) -lm");
+  expectForces(run("LD_LIBRARY_PATH=" + shellWord(library_.parent_path()) + " " +
+                   shellWord(build_ / "touch") + " " + shellWord(sample_->path())));
+}
+
+TEST_F(Examples, InCBuildsWithCMake) {
+  run("cmake -S " + shellWord(std::string(examples) + "/c") + " -B " + shellWord(build_.path()) +
+      " -DCMAKE_PREFIX_PATH=" + shellWord(prefix_->path()) + " && cmake --build " + shellWord(build_.path()));
+  expectForces(run(shellWord(build_ / "touch") + " " + shellWord(sample_->path()) + " 4"));
+}
+
+TEST_F(Examples, InCSaysWhatIsWrongWithAFile) {
+  run("cc -std=c99 " + shellWord(std::string(examples) + "/c/touch.c") + " -o " +
+      shellWord(build_ / "touch") + " $(PKG_CONFIG_PATH=" + shellWord(package_.parent_path()) +
+      " pkg-config --cflags --libs palpate) -lm");
+  const test::CommandResult result =
+      test::runCommand("LD_LIBRARY_PATH=" + shellWord(library_.parent_path()) + " " +
+                       shellWord(build_ / "touch") + " " + shellWord(build_ / "absent.h5"));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.output, HasSubstr("absent.h5: there is no such dataset"));
+}
+
+TEST_F(Examples, InPythonRuns) {
+  const std::string python =
+      "PALPATE_LIBRARY=" + shellWord(library_) +
+      " PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=" + shellWord(std::string(examples) + "/python") + " python3 ";
+  expectForces(
+      run(python + shellWord(std::string(examples) + "/python/touch.py") + " " + shellWord(sample_->path())));
+
+  const std::string structures =
+      run(python +
+          "-c 'import palpate\n"
+          "for n, c in sorted(vars(palpate).items()):\n"
+          "  if isinstance(c, type) and issubclass(c, palpate._Sized) and c is not palpate._Sized:\n"
+          "    print(n, palpate.ctypes.sizeof(c))'");
+  EXPECT_EQ(structures, "ContactOptions " + std::to_string(sizeof(palpate_contact_options)) +
+                            "\nDatasetInfo " + std::to_string(sizeof(palpate_dataset_info)) + "\nDevice " +
+                            std::to_string(sizeof(palpate_device)) + "\nGuardOptions " +
+                            std::to_string(sizeof(palpate_guard_options)) + "\nGuardedForce " +
+                            std::to_string(sizeof(palpate_guarded_force)) + "\nOpenOptions " +
+                            std::to_string(sizeof(palpate_open_options)) + "\nSample " +
+                            std::to_string(sizeof(palpate_sample)) + "\nSpaceInfo " +
+                            std::to_string(sizeof(palpate_space_info)) + "\nTouch " +
+                            std::to_string(sizeof(palpate_touch)) + "\n");
+
+  const test::CommandResult failed =
+      test::runCommand(python + "-c 'import palpate; palpate.Dataset(\"/absent.h5\")'");
+  EXPECT_NE(failed.exit_code, 0);
+  EXPECT_THAT(failed.output, HasSubstr("/absent.h5: there is no such dataset"));
+}
+
+TEST_F(Examples, ComeWithTheLibraryAndNothingElseDoes) {
+  for (const char* file : {"c/touch.c", "c/CMakeLists.txt", "python/palpate.py", "python/touch.py",
+                           "sofa/PalpateForceFeedback.h", "unity/Palpate.cs"})
+    EXPECT_TRUE(std::filesystem::exists(*prefix_ / "share/doc/palpate/examples" / file)) << file;
+  EXPECT_TRUE(std::filesystem::exists(*prefix_ / "include/palpate.h"));
+  EXPECT_FALSE(std::filesystem::exists(*prefix_ / "bin"));
+}
+
+}  // namespace
+}  // namespace palpate

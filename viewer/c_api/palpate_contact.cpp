@@ -1,0 +1,141 @@
+#include <cmath>
+#include <memory>
+
+#include "viewer/c_api/arguments.hpp"
+#include "viewer/c_api/loaded_dataset.hpp"
+#include "viewer/c_api/sized_struct.hpp"
+#include "viewer/c_api/touch_struct.hpp"
+#include "viewer/haptics/contact.hpp"
+#include "viewer/haptics/deformed_shape.hpp"
+
+using namespace palpate;
+
+struct palpate_contact {
+  palpate_contact(const palpate_dataset& dataset, const ContactOptions& options, std::int32_t method)
+      : loaded(dataset.loaded), contact(loaded->model(), options) {
+    contact.use(loaded->model(), static_cast<std::size_t>(method));
+  }
+  std::shared_ptr<const LoadedDataset> loaded;
+  Contact contact;
+};
+
+namespace {
+
+palpate_contact_options defaultsFor(const palpate_dataset& dataset) noexcept {
+  const ContactOptions usual;
+  return {.size = sizeof(palpate_contact_options),
+          .mode = dataset.loaded->info().contact_mode,
+          .method = 0,
+          .friction = usual.friction,
+          .grab_distance = usual.grab_distance,
+          .most_slide = usual.most_slide,
+          .most_relaxation = usual.most_relaxation};
+}
+
+bool canBeUsed(const char* function, const palpate_contact_options& options,
+               const palpate_dataset& dataset) noexcept {
+  if (options.mode != PALPATE_UNILATERAL && options.mode != PALPATE_GLUED) {
+    invalid("{}: options->mode is {}; it is PALPATE_UNILATERAL or PALPATE_GLUED", function, options.mode);
+    return false;
+  }
+  if (!isAtLeastZero(function, "options->friction", options.friction) ||
+      !isAtLeastZero(function, "options->grab_distance", options.grab_distance) ||
+      !isPositive(function, "options->most_slide", options.most_slide) ||
+      !isPositive(function, "options->most_relaxation", options.most_relaxation))
+    return false;
+  return isNumber(function, "method", options.method, dataset.loaded->info().method_count);
+}
+
+ContactOptions contactOptions(const palpate_contact_options& options) noexcept {
+  ContactOptions chosen;
+  chosen.mode = options.mode == PALPATE_GLUED ? ContactMode::glued : ContactMode::unilateral;
+  chosen.friction = options.friction;
+  chosen.grab_distance = options.grab_distance;
+  chosen.most_slide = options.most_slide;
+  chosen.most_relaxation = options.most_relaxation;
+  return chosen;
+}
+
+/// Whether a touch that the caller may have put together names triangles and spaces that there are.
+bool belongsTo(const char* function, const palpate_touch& touch, const palpate_dataset_info& info) noexcept {
+  if (touch.touching == 0) return true;
+  if (!isNumber(function, "triangle", touch.triangle, info.triangle_count)) return false;
+  if (touch.share_count < 1 || touch.share_count > PALPATE_MOST_SHARES) {
+    invalid("{}: touch->share_count is {}; it is 1 to {}", function, touch.share_count, PALPATE_MOST_SHARES);
+    return false;
+  }
+  for (std::int32_t s = 0; s < touch.share_count; ++s)
+    if (!isNumber(function, "space", touch.share_spaces[s], info.space_count)) return false;
+  return true;
+}
+
+}  // namespace
+
+palpate_status palpate_contact_defaults(const palpate_dataset* dataset, palpate_contact_options* options) {
+  if (!isThere(__func__, "dataset", dataset) || !sizeIsKnown(__func__, "options", options))
+    return PALPATE_INVALID_ARGUMENT;
+  give(options, defaultsFor(*dataset));
+  return PALPATE_OK;
+}
+
+palpate_status palpate_contact_create(const palpate_dataset* dataset, const palpate_contact_options* options,
+                                      palpate_contact** contact) {
+  if (!isThere(__func__, "contact", contact)) return PALPATE_INVALID_ARGUMENT;
+  *contact = nullptr;
+  if (!isThere(__func__, "dataset", dataset)) return PALPATE_INVALID_ARGUMENT;
+  palpate_contact_options chosen = defaultsFor(*dataset);
+  if (options != nullptr) {
+    if (!sizeIsKnown(__func__, "options", options)) return PALPATE_INVALID_ARGUMENT;
+    chosen = taken(options, chosen);
+  }
+  if (!canBeUsed(__func__, chosen, *dataset)) return PALPATE_INVALID_ARGUMENT;
+  return withoutExceptions(
+      __func__, [&] { *contact = new palpate_contact(*dataset, contactOptions(chosen), chosen.method); });
+}
+
+void palpate_contact_destroy(palpate_contact* contact) {
+  delete contact;
+}
+
+palpate_status palpate_contact_update(palpate_contact* contact, const double tool[3], std::int32_t hold,
+                                      palpate_touch* touch) {
+  if (!isThere(__func__, "contact", contact) || !isThere(__func__, "tool", tool) ||
+      !sizeIsKnown(__func__, "touch", touch))
+    return PALPATE_INVALID_ARGUMENT;
+  give(touch, toStruct(contact->contact.update(vectorOf(tool), hold != 0)));
+  return PALPATE_OK;
+}
+
+palpate_status palpate_contact_release(palpate_contact* contact) {
+  if (!isThere(__func__, "contact", contact)) return PALPATE_INVALID_ARGUMENT;
+  contact->contact.release();
+  return PALPATE_OK;
+}
+
+palpate_status palpate_contact_use(palpate_contact* contact, const palpate_dataset* dataset,
+                                   std::int32_t method) {
+  if (!isThere(__func__, "contact", contact) || !isThere(__func__, "dataset", dataset) ||
+      !isNumber(__func__, "method", method, dataset->loaded->info().method_count))
+    return PALPATE_INVALID_ARGUMENT;
+  // The former model must be alive while use() compares the two.
+  const std::shared_ptr<const LoadedDataset> former = contact->loaded;
+  contact->loaded = dataset->loaded;
+  contact->contact.use(contact->loaded->model(), static_cast<std::size_t>(method));
+  return PALPATE_OK;
+}
+
+palpate_status palpate_touch_displacements(const palpate_dataset* dataset, const palpate_touch* touch,
+                                           float* displacements, std::size_t capacity) {
+  if (!isThere(__func__, "dataset", dataset) || !sizeIsKnown(__func__, "touch", touch) ||
+      !isThere(__func__, "displacements", displacements))
+    return PALPATE_INVALID_ARGUMENT;
+  const palpate_dataset_info& info = dataset->loaded->info();
+  const palpate_touch known = taken(touch, toStruct(Touch{}));
+  const std::size_t needed = countOf(info.vertex_count);
+  if (!isEnough(__func__, capacity, needed) || !belongsTo(__func__, known, info))
+    return PALPATE_INVALID_ARGUMENT;
+  return withoutExceptions(__func__, [&] {
+    DeformedShape shape(static_cast<std::size_t>(info.vertex_count));
+    shape.evaluate(dataset->loaded->model(), toTouch(known), {displacements, needed});
+  });
+}

@@ -1,0 +1,208 @@
+#include <algorithm>
+#include <mutex>
+
+#include "viewer/c_api/arguments.hpp"
+#include "viewer/c_api/loaded_dataset.hpp"
+#include "viewer/c_api/sized_struct.hpp"
+
+using namespace palpate;
+
+namespace {
+
+/// HDF5 is not thread-safe.
+std::mutex& readingMutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+bool methodsAreKnown(const char* function, const palpate_open_options& options) {
+  for (std::size_t m = 0; m < options.method_count; ++m) {
+    if (options.methods == nullptr || options.methods[m] == nullptr) {
+      invalid("{}: options->methods has no name {} of {}", function, m, options.method_count);
+      return false;
+    }
+    const auto& known = forceFieldMethods();
+    if (std::find(known.begin(), known.end(), options.methods[m]) == known.end()) {
+      invalid("{}: there is no method \"{}\"; there are: {}", function, options.methods[m],
+              fmt::join(known, ", "));
+      return false;
+    }
+  }
+  return true;
+}
+
+HapticModelOptions modelOptions(const palpate_open_options& given) {
+  HapticModelOptions options;
+  if (given.method_count > 0) options.methods.assign(given.methods, given.methods + given.method_count);
+  options.reach = given.reach;
+  return options;
+}
+
+/// Number of `name` among `count` names; -1 when it is none of them, which is recorded with all of them.
+template <class NameOf>
+std::int32_t find(const char* function, const char* what, std::string_view name, std::int32_t count,
+                  NameOf nameOf) {
+  std::string names;
+  for (std::int32_t n = 0; n < count; ++n) {
+    if (name == nameOf(n)) return n;
+    names += fmt::format("{}{}", n > 0 ? ", " : "", nameOf(n));
+  }
+  invalid("{}: there is no {} \"{}\"; there are: {}", function, what, name, names);
+  return -1;
+}
+
+}  // namespace
+
+palpate_status palpate_dataset_open(const char* file, const palpate_open_options* options,
+                                    palpate_dataset** dataset) {
+  if (!isThere(__func__, "dataset", dataset)) return PALPATE_INVALID_ARGUMENT;
+  *dataset = nullptr;
+  if (!isThere(__func__, "file", file)) return PALPATE_INVALID_ARGUMENT;
+  palpate_open_options chosen{};
+  if (options != nullptr) {
+    if (!sizeIsKnown(__func__, "options", options)) return PALPATE_INVALID_ARGUMENT;
+    chosen = taken(options, chosen);
+  }
+  if (!isAtLeastZero(__func__, "options->reach", chosen.reach)) return PALPATE_INVALID_ARGUMENT;
+  bool known = true;
+  const char* const function = __func__;
+  const palpate_status status = withoutExceptions(function, [&] {
+    known = methodsAreKnown(function, chosen);
+    if (!known) return;
+    const std::lock_guard lock(readingMutex());
+    *dataset =
+        new palpate_dataset{std::make_shared<const LoadedDataset>(Dataset(file), modelOptions(chosen))};
+  });
+  return known ? status : PALPATE_INVALID_ARGUMENT;
+}
+
+void palpate_dataset_close(palpate_dataset* dataset) {
+  delete dataset;
+}
+
+palpate_status palpate_dataset_describe(const palpate_dataset* dataset, palpate_dataset_info* info) {
+  if (!isThere(__func__, "dataset", dataset) || !sizeIsKnown(__func__, "info", info))
+    return PALPATE_INVALID_ARGUMENT;
+  give(info, dataset->loaded->info());
+  return PALPATE_OK;
+}
+
+palpate_status palpate_dataset_space(const palpate_dataset* dataset, std::int32_t space,
+                                     palpate_space_info* info) {
+  if (!isThere(__func__, "dataset", dataset) || !sizeIsKnown(__func__, "info", info) ||
+      !isNumber(__func__, "space", space, dataset->loaded->info().space_count))
+    return PALPATE_INVALID_ARGUMENT;
+  give(info, dataset->loaded->spaces()[static_cast<std::size_t>(space)]);
+  return PALPATE_OK;
+}
+
+palpate_status palpate_dataset_find_space(const palpate_dataset* dataset, const char* name,
+                                          std::int32_t* space) {
+  const char* const function = __func__;
+  if (!isThere(function, "dataset", dataset) || !isThere(function, "name", name) ||
+      !isThere(function, "space", space))
+    return PALPATE_INVALID_ARGUMENT;
+  std::int32_t found = -1;
+  const palpate_status status = withoutExceptions(function, [&] {
+    const auto& spaces = dataset->loaded->spaces();
+    found = find(function, "active node", name, static_cast<std::int32_t>(spaces.size()),
+                 [&](std::int32_t n) { return spaces[static_cast<std::size_t>(n)].name; });
+  });
+  if (status != PALPATE_OK) return status;
+  if (found < 0) return PALPATE_INVALID_ARGUMENT;
+  *space = found;
+  return PALPATE_OK;
+}
+
+const char* palpate_dataset_method(const palpate_dataset* dataset, std::int32_t method) {
+  if (!isThere(__func__, "dataset", dataset) ||
+      !isNumber(__func__, "method", method, dataset->loaded->info().method_count))
+    return nullptr;
+  return dataset->loaded->model().methods()[static_cast<std::size_t>(method)].c_str();
+}
+
+palpate_status palpate_dataset_find_method(const palpate_dataset* dataset, const char* name,
+                                           std::int32_t* method) {
+  const char* const function = __func__;
+  if (!isThere(function, "dataset", dataset) || !isThere(function, "name", name) ||
+      !isThere(function, "method", method))
+    return PALPATE_INVALID_ARGUMENT;
+  std::int32_t found = -1;
+  const palpate_status status = withoutExceptions(function, [&] {
+    const auto& methods = dataset->loaded->model().methods();
+    found = find(function, "prepared method", name, static_cast<std::int32_t>(methods.size()),
+                 [&](std::int32_t n) -> std::string_view { return methods[static_cast<std::size_t>(n)]; });
+  });
+  if (status != PALPATE_OK) return status;
+  if (found < 0) return PALPATE_INVALID_ARGUMENT;
+  *method = found;
+  return PALPATE_OK;
+}
+
+palpate_status palpate_dataset_vertices(const palpate_dataset* dataset, double* vertices,
+                                        std::size_t capacity) {
+  if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "vertices", vertices) ||
+      !isEnough(__func__, capacity, countOf(dataset->loaded->info().vertex_count)))
+    return PALPATE_INVALID_ARGUMENT;
+  for (const Eigen::Vector3d& vertex : dataset->loaded->model().surface().vertices())
+    vertices = std::copy_n(vertex.data(), 3, vertices);
+  return PALPATE_OK;
+}
+
+palpate_status palpate_dataset_triangles(const palpate_dataset* dataset, std::int32_t* triangles,
+                                         std::size_t capacity) {
+  if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "triangles", triangles) ||
+      !isEnough(__func__, capacity, countOf(dataset->loaded->info().triangle_count)))
+    return PALPATE_INVALID_ARGUMENT;
+  for (const Triangle& triangle : dataset->loaded->model().surface().triangles())
+    triangles = std::copy(triangle.begin(), triangle.end(), triangles);
+  return PALPATE_OK;
+}
+
+palpate_status palpate_dataset_touchable(const palpate_dataset* dataset, std::uint8_t* touchable,
+                                         std::size_t capacity) {
+  if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "touchable", touchable) ||
+      !isEnough(__func__, capacity, static_cast<std::size_t>(dataset->loaded->info().triangle_count)))
+    return PALPATE_INVALID_ARGUMENT;
+  const TouchSurface& surface = dataset->loaded->model().surface();
+  for (std::int32_t t = 0; t < dataset->loaded->info().triangle_count; ++t)
+    touchable[t] = surface.touchable(t) ? 1 : 0;
+  return PALPATE_OK;
+}
+
+palpate_status palpate_query(const palpate_dataset* dataset, std::int32_t space, std::int32_t method,
+                             const double displacement[3], palpate_sample* sample) {
+  if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "displacement", displacement) ||
+      !sizeIsKnown(__func__, "sample", sample) ||
+      !isNumber(__func__, "space", space, dataset->loaded->info().space_count) ||
+      !isNumber(__func__, "method", method, dataset->loaded->info().method_count))
+    return PALPATE_INVALID_ARGUMENT;
+  const ForceSample answer = dataset->loaded->model()
+                                 .field(static_cast<std::size_t>(method), static_cast<std::size_t>(space))
+                                 .evaluate(vectorOf(displacement));
+  palpate_sample given{};
+  give(given.force, answer.force);
+  give(given.stiffness, answer.stiffness);
+  given.energy = answer.energy;
+  given.error_bound = answer.error_bound;
+  given.coverage = answer.coverage;
+  given.inside = answer.inside ? 1 : 0;
+  give(sample, given);
+  return PALPATE_OK;
+}
+
+palpate_status palpate_displacements(const palpate_dataset* dataset, std::int32_t space,
+                                     const double displacement[3], float* displacements, std::size_t capacity,
+                                     std::int32_t* inside) {
+  if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "displacement", displacement) ||
+      !isThere(__func__, "displacements", displacements) ||
+      !isNumber(__func__, "space", space, dataset->loaded->info().space_count))
+    return PALPATE_INVALID_ARGUMENT;
+  const std::size_t needed = countOf(dataset->loaded->info().vertex_count);
+  if (!isEnough(__func__, capacity, needed)) return PALPATE_INVALID_ARGUMENT;
+  const bool in_ball = dataset->loaded->model()
+                           .shape(static_cast<std::size_t>(space))
+                           .evaluate(vectorOf(displacement), {displacements, needed});
+  if (inside != nullptr) *inside = in_ball ? 1 : 0;
+  return PALPATE_OK;
+}

@@ -1,0 +1,148 @@
+#include <algorithm>
+
+#include "common/device_profile.hpp"
+#include "viewer/c_api/arguments.hpp"
+#include "viewer/c_api/sized_struct.hpp"
+#include "viewer/c_api/touch_struct.hpp"
+#include "viewer/haptics/force_guard.hpp"
+
+using namespace palpate;
+
+struct palpate_guard {
+  explicit palpate_guard(const GuardOptions& options) : guard(options) {}
+  ForceGuard guard;
+};
+
+static_assert(guard_count == 8 && PALPATE_GUARD_RAMPED == static_cast<std::uint32_t>(Guarded::ramped) &&
+              PALPATE_GUARD_DAMPED == static_cast<std::uint32_t>(Guarded::damped) &&
+              PALPATE_GUARD_CLAMPED == static_cast<std::uint32_t>(Guarded::clamped) &&
+              PALPATE_GUARD_SLEWED == static_cast<std::uint32_t>(Guarded::slewed) &&
+              PALPATE_GUARD_STALLED == static_cast<std::uint32_t>(Guarded::stalled) &&
+              PALPATE_GUARD_LOST == static_cast<std::uint32_t>(Guarded::lost) &&
+              PALPATE_GUARD_NOT_FINITE == static_cast<std::uint32_t>(Guarded::not_finite) &&
+              PALPATE_GUARD_LATE == static_cast<std::uint32_t>(Guarded::late));
+
+namespace {
+
+constexpr std::uint32_t known_flags = PALPATE_READING_FRESH | PALPATE_DEVICE_LOST | PALPATE_LOOP_LATE;
+
+const DeviceProfile* profileNamed(const char* function, std::string_view name) {
+  const auto profiles = deviceProfiles();
+  const auto found = std::find_if(profiles.begin(), profiles.end(),
+                                  [&](const DeviceProfile& profile) { return profile.name == name; });
+  if (found != profiles.end()) return &*found;
+  invalid("{}: there is no device \"{}\"; there are: {}", function, name, fmt::join(deviceWords(), ", "));
+  return nullptr;
+}
+
+palpate_guard_options toStruct(const GuardOptions& options) noexcept {
+  return {.size = sizeof(palpate_guard_options),
+          .period = options.period,
+          .max_force = options.max_force,
+          .max_slew = options.max_slew,
+          .ramp = options.ramp,
+          .stall = options.stall,
+          .max_stiffness = options.max_stiffness,
+          .energy_credit = options.energy_credit};
+}
+
+GuardOptions guardOptions(const palpate_guard_options& options) noexcept {
+  GuardOptions chosen;
+  chosen.period = options.period;
+  chosen.max_force = options.max_force;
+  chosen.max_slew = options.max_slew;
+  chosen.ramp = options.ramp;
+  chosen.stall = options.stall;
+  chosen.max_stiffness = options.max_stiffness;
+  chosen.energy_credit = options.energy_credit;
+  return chosen;
+}
+
+bool canBeUsed(const char* function, const palpate_guard_options& options) noexcept {
+  return isPositive(function, "options->period", options.period) &&
+         isPositive(function, "options->max_force", options.max_force) &&
+         isPositive(function, "options->max_slew", options.max_slew) &&
+         isPositive(function, "options->ramp", options.ramp) &&
+         isPositive(function, "options->stall", options.stall) &&
+         isPositive(function, "options->max_stiffness", options.max_stiffness) &&
+         isAtLeastZero(function, "options->energy_credit", options.energy_credit);
+}
+
+GuardInput inputOf(const double tool[3], const palpate_touch& touch, std::uint32_t flags) noexcept {
+  GuardInput input;
+  input.tool = vectorOf(tool);
+  input.touch = toTouch(touch);
+  input.fresh = (flags & PALPATE_READING_FRESH) != 0;
+  input.lost = (flags & PALPATE_DEVICE_LOST) != 0;
+  input.late = (flags & PALPATE_LOOP_LATE) != 0;
+  return input;
+}
+
+}  // namespace
+
+palpate_status palpate_device_profile(const char* name, palpate_device* device) {
+  if (!isThere(__func__, "name", name) || !sizeIsKnown(__func__, "device", device))
+    return PALPATE_INVALID_ARGUMENT;
+  const DeviceProfile* const profile = profileNamed(__func__, name);
+  if (profile == nullptr) return PALPATE_INVALID_ARGUMENT;
+  give(device, palpate_device{.size = sizeof(palpate_device),
+                              .name = profile->name.data(),  // views of literals end with a zero
+                              .max_force = profile->max_force,
+                              .max_stiffness = profile->max_stiffness,
+                              .workspace_radius = profile->workspace_radius});
+  return PALPATE_OK;
+}
+
+palpate_status palpate_guard_defaults(const char* device, double period, palpate_guard_options* options) {
+  if (!isPositive(__func__, "period", period) || !sizeIsKnown(__func__, "options", options))
+    return PALPATE_INVALID_ARGUMENT;
+  GuardOptions chosen;
+  if (device != nullptr) {
+    const DeviceProfile* const profile = profileNamed(__func__, device);
+    if (profile == nullptr) return PALPATE_INVALID_ARGUMENT;
+    chosen = guardFor(*profile, period);
+  }
+  chosen.period = period;
+  give(options, toStruct(chosen));
+  return PALPATE_OK;
+}
+
+palpate_status palpate_guard_create(const palpate_guard_options* options, palpate_guard** guard) {
+  if (!isThere(__func__, "guard", guard)) return PALPATE_INVALID_ARGUMENT;
+  *guard = nullptr;
+  palpate_guard_options chosen = toStruct(GuardOptions{});
+  if (options != nullptr) {
+    if (!sizeIsKnown(__func__, "options", options)) return PALPATE_INVALID_ARGUMENT;
+    chosen = taken(options, chosen);
+  }
+  if (!canBeUsed(__func__, chosen)) return PALPATE_INVALID_ARGUMENT;
+  return withoutExceptions(__func__, [&] { *guard = new palpate_guard(guardOptions(chosen)); });
+}
+
+void palpate_guard_destroy(palpate_guard* guard) {
+  delete guard;
+}
+
+palpate_status palpate_guard_limit(palpate_guard* guard, const double tool[3], const palpate_touch* touch,
+                                   std::uint32_t flags, palpate_guarded_force* guarded) {
+  if (!sizeIsKnown(__func__, "guarded", guarded)) return PALPATE_INVALID_ARGUMENT;
+  give(guarded, palpate_guarded_force{});
+  if (!isThere(__func__, "guard", guard) || !isThere(__func__, "tool", tool) ||
+      !sizeIsKnown(__func__, "touch", touch))
+    return PALPATE_INVALID_ARGUMENT;
+  if ((flags & ~known_flags) != 0)
+    return invalid("{}: flags {:#x} has bits without a meaning; see palpate.h", __func__, flags);
+  const GuardedForce limited = guard->guard.limit(inputOf(tool, taken(touch, toStruct(Touch{})), flags));
+  palpate_guarded_force given{};
+  give(given.force, limited.force);
+  given.passivity = limited.passivity;
+  given.guards = limited.guards;
+  give(guarded, given);
+  return PALPATE_OK;
+}
+
+palpate_status palpate_guard_reset(palpate_guard* guard) {
+  if (!isThere(__func__, "guard", guard)) return PALPATE_INVALID_ARGUMENT;
+  guard->guard.reset();
+  return PALPATE_OK;
+}
