@@ -9,6 +9,7 @@
 #include "viewer/error_measures.hpp"
 #include "viewer/field_comparison.hpp"
 #include "viewer/svg_plot.hpp"
+#include "viewer/viridis.hpp"
 
 namespace palpate {
 namespace {
@@ -17,19 +18,6 @@ constexpr double margin = 32, step = 3;  ///< user units; whole, so that runs of
 constexpr double edge = step * SliceMap::side, picture = edge + 2 * margin;
 constexpr int most_decades = 5;
 constexpr double beyond = 0.02;  ///< share of the values that may lie beyond either end of the colours
-
-/// Viridis (van der Walt, Smith; CC0) at equal distances.
-constexpr std::array<std::array<int, 3>, 11> viridis = {{{68, 1, 84},
-                                                         {72, 36, 117},
-                                                         {65, 68, 135},
-                                                         {53, 95, 141},
-                                                         {42, 120, 142},
-                                                         {33, 145, 140},
-                                                         {34, 168, 132},
-                                                         {68, 191, 112},
-                                                         {122, 209, 81},
-                                                         {189, 223, 38},
-                                                         {253, 231, 37}}};
 
 /// Index of a sample of a SliceMap.
 std::size_t sampleAt(int row, int column) {
@@ -135,13 +123,8 @@ int ColourScale::levelOf(double value) const {
 }
 
 std::string ColourScale::colour(int level) {
-  const double place = static_cast<double>(level) / (levels - 1) * (viridis.size() - 1);
-  const auto below = std::min(static_cast<std::size_t>(place), viridis.size() - 2);
-  std::array<int, 3> rgb{};
-  for (std::size_t i = 0; i < 3; ++i)
-    rgb[i] = static_cast<int>(
-        std::lround(std::lerp(viridis[below][i], viridis[below + 1][i], place - static_cast<double>(below))));
-  return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
+  const std::array<double, 3> rgb = viridis(static_cast<double>(level) / (levels - 1));
+  return fmt::format("#{:02x}{:02x}{:02x}", std::lround(rgb[0]), std::lround(rgb[1]), std::lround(rgb[2]));
 }
 
 SliceMap sampleSlice(const ForceField& field, const SpaceTable& space, int across, int up,

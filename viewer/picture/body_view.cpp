@@ -1,0 +1,110 @@
+#include "viewer/picture/body_view.hpp"
+
+#include <GL/gl.h>
+#include <Inventor/actions/SoGLRenderAction.h>
+#include <Inventor/nodes/SoCallback.h>
+
+#include <algorithm>
+#include <array>
+
+namespace palpate {
+namespace {
+
+using Colour = std::array<float, 4>;
+constexpr Colour ambient = {0.42F, 0.42F, 0.44F, 1}, gloss = {0.16F, 0.16F, 0.16F, 1};
+constexpr Colour rim_colour = {0.16F, 0.18F, 0.24F, 1};
+constexpr Colour ghost_lines = {0.12F, 0.22F, 0.42F, 0.40F}, ghost_fill = {0.45F, 0.62F, 0.90F, 0.16F};
+
+void drawElements(GLenum kind, std::span<const std::uint32_t> indices) {
+  glDrawElements(kind, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, indices.data());
+}
+
+}  // namespace
+
+BodyView::BodyView(SurfaceShape shape) : shape_(std::move(shape)), node_(new SoCallback) {
+  node_->ref();
+  node_->setCallback(render, this);
+  ghost_edges_.reserve(shape_.edges().size());
+  ghost_corners_.reserve(shape_.corners().size());
+}
+
+BodyView::~BodyView() {
+  node_->setCallback(nullptr);
+  node_->unref();
+}
+
+void BodyView::render(void* view, SoAction* action) {
+  if (!action->isOfType(SoGLRenderAction::getClassTypeId())) return;
+  auto& self = *static_cast<BodyView*>(view);
+  // Coin finds its state as it left it.
+  glPushAttrib(GL_ENABLE_BIT | GL_LIGHTING_BIT | GL_POLYGON_BIT | GL_LINE_BIT | GL_COLOR_BUFFER_BIT |
+               GL_DEPTH_BUFFER_BIT | GL_CURRENT_BIT);
+  glPushClientAttrib(GL_CLIENT_VERTEX_ARRAY_BIT);
+  glDisable(GL_TEXTURE_2D);
+  glEnable(GL_DEPTH_TEST);
+  glEnableClientState(GL_VERTEX_ARRAY);
+  self.drawSurface();
+  self.drawRim();
+  if (self.ghost_) self.drawGhost();
+  glPopClientAttrib();
+  glPopAttrib();
+}
+
+void BodyView::drawSurface() const {
+  glEnable(GL_LIGHTING);
+  glShadeModel(GL_SMOOTH);
+  glLightModelfv(GL_LIGHT_MODEL_AMBIENT, ambient.data());
+  glLightModeli(GL_LIGHT_MODEL_TWO_SIDE, GL_FALSE);
+  glColorMaterial(GL_FRONT_AND_BACK, GL_AMBIENT_AND_DIFFUSE);
+  glEnable(GL_COLOR_MATERIAL);
+  glMaterialfv(GL_FRONT_AND_BACK, GL_SPECULAR, gloss.data());
+  glMaterialf(GL_FRONT_AND_BACK, GL_SHININESS, 24);
+  glEnable(GL_CULL_FACE);
+  glCullFace(GL_BACK);
+  glFrontFace(GL_CCW);
+  // Behind the lines that lie on it.
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(1, 2);
+  glEnableClientState(GL_NORMAL_ARRAY);
+  glEnableClientState(GL_COLOR_ARRAY);
+  glVertexPointer(3, GL_FLOAT, 0, shape_.positions().data());
+  glNormalPointer(GL_FLOAT, 0, shape_.normals().data());
+  glColorPointer(4, GL_UNSIGNED_BYTE, 0, shape_.colours().data());
+  drawElements(GL_TRIANGLES, shape_.corners());
+  glDisableClientState(GL_NORMAL_ARRAY);
+  glDisableClientState(GL_COLOR_ARRAY);
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  glDisable(GL_LIGHTING);
+}
+
+void BodyView::drawRim() const {
+  glLineWidth(2);
+  glColor4fv(rim_colour.data());
+  glVertexPointer(3, GL_FLOAT, 0, shape_.positions().data());
+  drawElements(GL_LINES, shape_.rim());
+  glLineWidth(1);
+}
+
+void BodyView::drawGhost() {
+  const auto moved = [&](std::uint32_t vertex) { return shape_.length(vertex) > ghost_from_; };
+  ghost_edges_.clear();
+  for (std::size_t n = 0; n < shape_.edges().size(); n += 2)
+    if (moved(shape_.edges()[n]) || moved(shape_.edges()[n + 1]))
+      ghost_edges_.insert(ghost_edges_.end(), {shape_.edges()[n], shape_.edges()[n + 1]});
+  ghost_corners_.clear();
+  for (std::size_t n = 0; n < shape_.corners().size(); n += 3) {
+    const std::span<const std::uint32_t> triangle = shape_.corners().subspan(n, 3);
+    if (std::any_of(triangle.begin(), triangle.end(), moved))
+      ghost_corners_.insert(ghost_corners_.end(), triangle.begin(), triangle.end());
+  }
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glDepthMask(GL_FALSE);
+  glVertexPointer(3, GL_FLOAT, 0, shape_.rest().data());
+  glColor4fv(ghost_fill.data());
+  drawElements(GL_TRIANGLES, ghost_corners_);
+  glColor4fv(ghost_lines.data());
+  drawElements(GL_LINES, ghost_edges_);
+}
+
+}  // namespace palpate

@@ -1,0 +1,67 @@
+#include "viewer/picture/image.hpp"
+
+#include <fmt/format.h>
+#include <stb_image_write.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <string>
+
+#include "common/error.hpp"
+
+namespace palpate {
+namespace {
+
+void appendBytes(void* bytes, void* data, int size) {
+  static_cast<std::string*>(bytes)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
+}
+
+/// What errno says after a file could not be written.
+std::string causeOf(int error) {
+  return error == 0 ? "the system does not say why" : std::strerror(error);
+}
+
+}  // namespace
+
+void writePng(const Image& image, const std::filesystem::path& file) {
+  std::string bytes;
+  if (stbi_write_png_to_func(appendBytes, &bytes, image.width, image.height, 3, image.pixels.data(),
+                             3 * image.width) == 0)
+    throw failure("{}: a picture of {} x {} pixels cannot be written as PNG", file.string(), image.width,
+                  image.height);
+  const std::filesystem::path aside = file.string() + ".tmp";
+  errno = 0;
+  std::ofstream out(aside, std::ios::binary | std::ios::trunc);
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  std::error_code refused;
+  if (out) {
+    std::filesystem::rename(aside, file, refused);
+    if (!refused) return;
+  }
+  const std::string cause = refused ? refused.message() : causeOf(errno);
+  std::filesystem::remove(aside, refused);
+  throw failure("{}: cannot write the picture: {}; check the folder, its permissions and the space left",
+                file.string(), cause);
+}
+
+VideoFrames::VideoFrames(std::filesystem::path folder) : folder_(std::move(folder)) {
+  std::error_code refused;
+  std::filesystem::create_directories(folder_, refused);
+  if (refused)
+    throw failure("{}: cannot make the folder for frames: {}", folder_.string(), refused.message());
+  for (const auto& entry : std::filesystem::directory_iterator(folder_, refused))
+    if (entry.path().filename().string().starts_with("frame-"))
+      throw badInput("{} holds frames already ({}); name another folder, or empty this one", folder_.string(),
+                     entry.path().filename().string());
+  if (refused)
+    throw failure("{}: cannot read the folder for frames: {}", folder_.string(), refused.message());
+}
+
+void VideoFrames::add(const Image& image) {
+  writePng(image, folder_ / fmt::format("frame-{:06}.png", count_ + 1));
+  ++count_;
+}
+
+}  // namespace palpate

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "common/dataset.hpp"
+#include "viewer/force_field.hpp"
+
+namespace palpate {
+
+/// A place in a configuration space and the colour it is drawn in.
+struct LatticeDot {
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m
+  std::array<double, 3> colour = {0, 0, 0};                ///< red, green, blue, 0 to 255
+};
+
+/// A plane at right angles to an axis; keeps what is nearer to it than half a spacing.
+struct LatticeCut {
+  int axis = 2;       ///< 0, 1, 2
+  double offset = 0;  ///< m
+};
+
+/// The colour of a tag: expandable green, terminating orange, failed red, unknown grey.
+std::array<double, 3> colourOf(Tag tag);
+/// The points of a space, all or those in a cut, coloured by tag.
+std::vector<LatticeDot> tagDots(const SpaceTable& space, const std::optional<LatticeCut>& cut);
+
+/// The error bound in the middle of one cell.
+struct CellError {
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m
+  double error = 0;                                        ///< N; NaN: the method gives none there
+};
+/// Of all cells of the uniform lattice whose middle is in the ball. Evaluates the field in each: some
+/// milliseconds.
+std::vector<CellError> cellErrors(const SpaceTable& space, const ForceField& field);
+
+/// A logarithmic scale of errors: three decades below the largest error, rounded up to a power of ten.
+struct ErrorScale {
+  double lowest = 1e-3, highest = 1;  ///< N
+  explicit ErrorScale(const std::vector<CellError>& errors);
+  double place(double error) const;  ///< 0 to 1 within the scale
+};
+/// Coloured by viridis; what has no bound is left out.
+std::vector<LatticeDot> errorDots(const std::vector<CellError>& errors, const ErrorScale& scale,
+                                  double spacing, const std::optional<LatticeCut>& cut);
+
+}  // namespace palpate

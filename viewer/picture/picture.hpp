@@ -1,0 +1,78 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "viewer/haptics/haptic_model.hpp"
+#include "viewer/haptics/haptic_state.hpp"
+#include "viewer/picture/image.hpp"
+#include "viewer/picture/picture_status.hpp"
+
+namespace palpate {
+
+struct PictureOptions {
+  int width = 1280, height = 800;  ///< of the window, screen units
+  bool visible = true;             ///< false: drawn all the same, for grab()
+  bool vsync = true;               ///< draw() waits for the screen; without one it returns at once
+  bool ghost = true;               ///< begin with the shape at rest drawn
+  bool lattice = false;            ///< begin with the lattice drawn
+  /// Wait for the drawing after each part, so that costs() can tell them apart; slower.
+  bool measure = false;
+};
+
+/// What the person at the picture asked for since the last one.
+struct PictureRequests {
+  struct Use {
+    std::int32_t model = 0, method = 0;
+  };
+  std::optional<Use> use;    ///< another dataset or method
+  bool release = false;      ///< let go
+  bool pause = false;        ///< stop, or go on: pressed once
+  bool reload = false;       ///< read the datasets again
+  bool quit = false;         ///< pressed the key for it; closing the window shows in wantsClose()
+  bool mouse_holds = false;  ///< Ctrl is held: the mouse moves the tool
+  /// m, scene frame: where the mouse has the tool; while mouse_holds.
+  std::optional<Eigen::Vector3d> mouse_target;
+};
+
+/// Processor time of the whole process in the parts of the last draw(), seconds. Only with
+/// PictureOptions::measure, and when no other thread works.
+struct PictureCosts {
+  double shape = 0;   ///< displacements
+  double arrays = 0;  ///< positions, normals, colours
+  double scene = 0;   ///< Coin, and the drawing of its scene
+  double panels = 0;  ///< ImGui, and the drawing of its panels
+  double swap = 0;
+};
+
+/// A window that shows a hand on a soft body: the deformed surface, tool and force; what is known of the
+/// configuration space; numbers, plots and controls beside it (H lists keys and mouse).
+///
+/// Threads: made, used and destroyed in the main thread of the process, one at a time (GLFW, OpenGL). It only
+/// reads the models and the states it is given; nothing else waits for it.
+class Picture {
+ public:
+  /// models: at least one, as HapticTick has them; must outlive this object. Error when there is no display,
+  /// or no OpenGL, with what to do.
+  explicit Picture(std::vector<const HapticModel*> models, const PictureOptions& options = {});
+  ~Picture();
+  Picture(const Picture&) = delete;
+  Picture& operator=(const Picture&) = delete;
+
+  /// The window was closed by the person or the system. It stays until this object goes.
+  bool wantsClose() const;
+  /// One picture: takes in events, draws, shows it.
+  PictureRequests draw(const HapticState& state, const PictureStatus& status);
+  /// The pixels of the last picture; drawn once more for it. Error when nothing was drawn yet.
+  Image grab();
+  PictureCosts costs() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,132 @@
+#include "viewer/picture/stage.hpp"
+
+#include <GL/gl.h>
+#include <Inventor/SoDB.h>
+#include <Inventor/actions/SoGLRenderAction.h>
+#include <Inventor/elements/SoGLCacheContextElement.h>
+#include <Inventor/nodes/SoCallback.h>
+#include <Inventor/nodes/SoDirectionalLight.h>
+#include <Inventor/nodes/SoPerspectiveCamera.h>
+#include <Inventor/nodes/SoSeparator.h>
+#include <Inventor/nodes/SoSwitch.h>
+
+#include <array>
+
+namespace palpate {
+namespace {
+
+constexpr double tool_share = 0.022;  ///< of the extent
+constexpr std::array<float, 3> sky = {0.985F, 0.987F, 0.992F}, ground = {0.800F, 0.828F, 0.868F};
+
+/// Coin's types must be there before its first node: the views are members.
+double withCoin(double extent) {
+  if (!SoDB::isInitialized()) SoDB::init();
+  return extent;
+}
+
+void drawBackground(void* /*nothing*/, SoAction* action) {
+  if (!action->isOfType(SoGLRenderAction::getClassTypeId())) return;
+  glPushAttrib(GL_ENABLE_BIT | GL_LIGHTING_BIT | GL_DEPTH_BUFFER_BIT | GL_CURRENT_BIT);
+  glDisable(GL_LIGHTING);
+  glDisable(GL_DEPTH_TEST);
+  glDepthMask(GL_FALSE);
+  glShadeModel(GL_SMOOTH);
+  for (const GLenum matrix : {GL_PROJECTION, GL_MODELVIEW}) {
+    glMatrixMode(matrix);
+    glPushMatrix();
+    glLoadIdentity();
+  }
+  glBegin(GL_TRIANGLE_STRIP);
+  glColor3fv(ground.data());
+  glVertex2f(-1, -1);
+  glVertex2f(1, -1);
+  glColor3fv(sky.data());
+  glVertex2f(-1, 1);
+  glVertex2f(1, 1);
+  glEnd();
+  for (const GLenum matrix : {GL_PROJECTION, GL_MODELVIEW}) {
+    glMatrixMode(matrix);
+    glPopMatrix();
+  }
+  glPopAttrib();
+}
+
+SbVec3f coin(const Eigen::Vector3d& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
+SbRotation rotationTo(const Eigen::Matrix3d& axes) {
+  const Eigen::Quaterniond q(axes);
+  return {static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z()),
+          static_cast<float>(q.w())};
+}
+
+}  // namespace
+
+Stage::Stage(double extent)
+    : tool_(withCoin(extent) * tool_share),
+      root_(new SoSeparator),
+      bodies_(new SoSeparator),
+      coin_camera_(new SoPerspectiveCamera),
+      key_(new SoDirectionalLight),
+      fill_(new SoDirectionalLight) {
+  root_->ref();
+  auto* background = new SoCallback;
+  background->setCallback(drawBackground);
+  key_->intensity.setValue(0.62F);
+  fill_->intensity.setValue(0.22F);
+  coin_camera_->viewportMapping.setValue(SoCamera::LEAVE_ALONE);
+  root_->addChild(background);
+  root_->addChild(coin_camera_);
+  root_->addChild(key_);
+  root_->addChild(fill_);
+  root_->addChild(bodies_);
+  root_->addChild(lattice_.node());
+  root_->addChild(tool_.node());
+  action_ = std::make_unique<SoGLRenderAction>(SbViewportRegion());
+  // Caches of one window are not another's.
+  action_->setCacheContext(SoGLCacheContextElement::getUniqueCacheContext());
+}
+
+Stage::~Stage() {
+  root_->unref();
+}
+
+void Stage::setBody(BodyView* body) {
+  bodies_->removeAllChildren();
+  if (body != nullptr) bodies_->addChild(body->node());
+}
+
+void Stage::placeCamera(const Viewport& viewport) {
+  const Eigen::Matrix3d axes = camera_.axes();
+  coin_camera_->position.setValue(coin(camera_.position()));
+  coin_camera_->orientation.setValue(rotationTo(axes));
+  coin_camera_->nearDistance.setValue(static_cast<float>(camera_.near()));
+  coin_camera_->farDistance.setValue(static_cast<float>(camera_.far()));
+  coin_camera_->focalDistance.setValue(static_cast<float>(camera_.distance()));
+  coin_camera_->heightAngle.setValue(static_cast<float>(OrbitCamera::height_angle));
+  coin_camera_->aspectRatio.setValue(static_cast<float>(viewport.width) /
+                                     static_cast<float>(viewport.height));
+  key_->direction.setValue(coin(axes * Eigen::Vector3d(0.45, -0.7, -0.8)));
+  fill_->direction.setValue(coin(axes * Eigen::Vector3d(-0.8, 0.1, -0.5)));
+}
+
+void Stage::render(const Viewport& viewport) {
+  placeCamera(viewport);
+  SbViewportRegion region(static_cast<short>(viewport.window_width),
+                          static_cast<short>(viewport.window_height));
+  region.setViewportPixels(static_cast<short>(viewport.x), static_cast<short>(viewport.y),
+                           static_cast<short>(viewport.width), static_cast<short>(viewport.height));
+  glPushAttrib(GL_ALL_ATTRIB_BITS);
+  glPushClientAttrib(GL_CLIENT_ALL_ATTRIB_BITS);
+  glScissor(viewport.x, viewport.y, viewport.width, viewport.height);
+  glEnable(GL_SCISSOR_TEST);
+  glEnable(GL_DEPTH_TEST);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  action_->setViewportRegion(region);
+  action_->apply(root_);
+  glPopClientAttrib();
+  glPopAttrib();
+}
+
+}  // namespace palpate

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "viewer/picture/body_view.hpp"
+#include "viewer/picture/lattice_view.hpp"
+#include "viewer/picture/orbit_camera.hpp"
+#include "viewer/picture/tool_view.hpp"
+
+class SoSeparator;
+class SoPerspectiveCamera;
+class SoDirectionalLight;
+class SoGLRenderAction;
+
+namespace palpate {
+
+/// A part of a window; pixels, from the left and the bottom.
+struct Viewport {
+  int window_width = 1, window_height = 1;
+  int x = 0, y = 0, width = 1, height = 1;
+};
+
+/// The scene graph: background, camera, lights, one body, the lattice and the tool. Belongs to the thread in
+/// which a Window is current, and must go before it.
+class Stage {
+ public:
+  /// extent: radius of what is shown, m; sizes of tool and lattice follow from it.
+  explicit Stage(double extent);
+  ~Stage();
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+
+  /// The body that is drawn from now on; must outlive the stage or its replacement. nullptr: none.
+  void setBody(BodyView* body);
+  ToolView& tool() { return tool_; }
+  LatticeView& lattice() { return lattice_; }
+  OrbitCamera& camera() { return camera_; }
+  /// Draws into the part of the window; the rest of it is left as it is. OpenGL's state is as before then.
+  void render(const Viewport& viewport);
+
+ private:
+  void placeCamera(const Viewport& viewport);
+
+  OrbitCamera camera_;
+  ToolView tool_;
+  LatticeView lattice_;
+  SoSeparator *root_, *bodies_;
+  SoPerspectiveCamera* coin_camera_;
+  SoDirectionalLight *key_, *fill_;
+  std::unique_ptr<SoGLRenderAction> action_;
+};
+
+}  // namespace palpate

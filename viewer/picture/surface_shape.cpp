@@ -1,0 +1,123 @@
+#include "viewer/picture/surface_shape.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <map>
+
+#include "common/error.hpp"
+#include "viewer/viridis.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr int levels = 256;
+/// What cannot be touched is drawn in a light warm grey with a trace of its colour.
+constexpr std::array<double, 3> tissue_grey = {196, 190, 186};
+constexpr double trace = 0.3;
+
+std::uint32_t packed(const std::array<double, 3>& colour) {
+  const auto byte = [](double value) { return static_cast<std::uint8_t>(std::lround(value)); };
+  return std::bit_cast<std::uint32_t>(
+      std::array<std::uint8_t, 4>{byte(colour[0]), byte(colour[1]), byte(colour[2]), 255});
+}
+
+std::array<double, 3> greyed(const std::array<double, 3>& colour) {
+  std::array<double, 3> mixed{};
+  for (std::size_t i = 0; i < 3; ++i) mixed[i] = std::lerp(tissue_grey[i], colour[i], trace);
+  return mixed;
+}
+
+}  // namespace
+
+SurfaceShape::SurfaceShape(const std::vector<Eigen::Vector3d>& vertices,
+                           const std::vector<Triangle>& triangles, const std::vector<bool>& touchable)
+    : lengths_(vertices.size()), colours_(vertices.size()), touchable_(vertices.size(), false) {
+  if (touchable.size() != triangles.size())
+    throw failure("a surface of {} triangles cannot be drawn with {} marks of what is touchable",
+                  triangles.size(), touchable.size());
+  for (const Eigen::Vector3d& vertex : vertices)
+    for (int axis = 0; axis < 3; ++axis) rest_.push_back(static_cast<float>(vertex[axis]));
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (const std::int32_t corner : triangles[t]) {
+      corners_.push_back(static_cast<std::uint32_t>(corner));
+      if (touchable[t]) touchable_[static_cast<std::size_t>(corner)] = true;
+    }
+  for (int level = 0; level < levels; ++level) {
+    const std::array<double, 3> colour = viridis(static_cast<double>(level) / (levels - 1));
+    vivid_.push_back(packed(colour));
+    grey_.push_back(packed(greyed(colour)));
+  }
+  setEdges(triangles, touchable);
+  positions_ = rest_;
+  normals_.resize(rest_.size());
+  setNormals();
+  setColours(1);
+}
+
+void SurfaceShape::setEdges(const std::vector<Triangle>& triangles, const std::vector<bool>& touchable) {
+  std::map<Edge, int> touchable_sides;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t side = 0; side < 3; ++side) {
+      const std::int32_t a = triangles[t][side], b = triangles[t][(side + 1) % 3];
+      touchable_sides[{std::min(a, b), std::max(a, b)}] += touchable[t] ? 1 : 0;
+    }
+  for (const auto& [edge, sides] : touchable_sides)
+    for (const std::int32_t end : edge) {
+      edges_.push_back(static_cast<std::uint32_t>(end));
+      if (sides == 1) rim_.push_back(static_cast<std::uint32_t>(end));
+    }
+}
+
+void SurfaceShape::setDisplacements(std::span<const float> displacements) {
+  if (displacements.size() != rest_.size())
+    throw failure("{} displacements do not fit a surface of {} vertices", displacements.size(), size());
+  float largest = 0;
+  for (std::size_t vertex = 0; vertex < lengths_.size(); ++vertex) {
+    const float* u = displacements.data() + 3 * vertex;
+    const float squared = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+    const bool finite = std::isfinite(squared);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      positions_[3 * vertex + axis] = rest_[3 * vertex + axis] + (finite ? u[axis] : 0);
+    lengths_[vertex] = finite ? std::sqrt(squared) : 0;
+    largest = std::max(largest, lengths_[vertex]);
+  }
+  largest_ = largest;
+  setNormals();
+}
+
+void SurfaceShape::setColours(double full) {
+  const float scale = full > 0 ? static_cast<float>((levels - 1) / full) : 0;
+  for (std::size_t vertex = 0; vertex < lengths_.size(); ++vertex) {
+    const auto level =
+        static_cast<std::size_t>(std::min(lengths_[vertex] * scale, static_cast<float>(levels - 1)));
+    colours_[vertex] = touchable_[vertex] ? vivid_[level] : grey_[level];
+  }
+}
+
+void SurfaceShape::setNormals() {
+  std::fill(normals_.begin(), normals_.end(), 0.0F);
+  for (std::size_t t = 0; t < corners_.size(); t += 3) {
+    const float* a = positions_.data() + 3 * corners_[t];
+    const float* b = positions_.data() + 3 * corners_[t + 1];
+    const float* c = positions_.data() + 3 * corners_[t + 2];
+    const std::array<float, 3> p = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    const std::array<float, 3> q = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    // Twice the area long, which weights the sum.
+    const std::array<float, 3> cross = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2],
+                                        p[0] * q[1] - p[1] * q[0]};
+    for (std::size_t corner = t; corner < t + 3; ++corner) {
+      float* normal = normals_.data() + 3 * corners_[corner];
+      for (std::size_t axis = 0; axis < 3; ++axis) normal[axis] += cross[axis];
+    }
+  }
+  for (std::size_t n = 0; n < normals_.size(); n += 3) {
+    float* normal = normals_.data() + n;
+    const float length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    const float scale = length > 0 ? 1 / length : 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) normal[axis] *= scale;
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+
+class SoSeparator;
+class SoSwitch;
+class SoTransform;
+class SoCoordinate3;
+
+namespace palpate {
+
+/// Draws the tool as a small sphere, the force on it as an arrow from its centre, and the anchor, at rest,
+/// with a line to the tool. A Coin node. Metres, scene frame.
+class ToolView {
+ public:
+  /// radius: of the sphere, m.
+  explicit ToolView(double radius);
+  ~ToolView();
+  ToolView(const ToolView&) = delete;
+  ToolView& operator=(const ToolView&) = delete;
+
+  SoSeparator* node() const { return node_; }
+  double radius() const { return radius_; }
+  /// Nothing is drawn of a tool that is not finite.
+  void setTool(const Eigen::Vector3d& tool);
+  /// arrow: from the tool to the tip, m; one shorter than the sphere is not drawn.
+  void setArrow(const Eigen::Vector3d& arrow);
+  /// Where the material point in contact lies at rest.
+  void showAnchor(const Eigen::Vector3d& anchor);
+  void hideAnchor();
+
+ private:
+  void makeSphere();
+  void makeArrow();
+  void makeAnchor();
+
+  double radius_;
+  Eigen::Vector3d tool_ = Eigen::Vector3d::Zero();
+  SoSeparator* node_;
+  SoSwitch *tool_switch_, *arrow_switch_, *anchor_switch_;
+  SoTransform *tool_place_, *arrow_place_, *shaft_place_, *head_place_, *anchor_place_;
+  SoCoordinate3* thread_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,69 @@
+#include "viewer/picture/window.hpp"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include "common/error.hpp"
+
+namespace palpate {
+namespace {
+
+/// What GLFW says about its last failure.
+std::string lastTrouble() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text != nullptr ? text : "no reason given";
+}
+
+}  // namespace
+
+Window::Window(const std::string& title, int width, int height, bool visible, bool vsync) {
+  if (glfwInit() != GLFW_TRUE)
+    throw failure("no picture without a display ({}); use --headless, or run under xvfb-run, or set DISPLAY",
+                  lastTrouble());
+  glfwWindowHint(GLFW_VISIBLE, visible ? GLFW_TRUE : GLFW_FALSE);
+  glfwWindowHint(GLFW_DEPTH_BITS, 24);
+  glfwWindowHint(GLFW_SAMPLES, 0);  // software rendering could not keep up
+  window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  if (window_ == nullptr) {
+    const std::string trouble = lastTrouble();
+    glfwTerminate();
+    throw failure(
+        "no window with OpenGL 2.1 on this display ({}); use --headless, or install libgl1-mesa-dri and set "
+        "LIBGL_ALWAYS_SOFTWARE=1 to draw in software",
+        trouble);
+  }
+  glfwMakeContextCurrent(window_);
+  glfwSwapInterval(vsync ? 1 : 0);
+}
+
+Window::~Window() {
+  glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+int Window::width() const {
+  int width = 0;
+  glfwGetFramebufferSize(window_, &width, nullptr);
+  return width;
+}
+
+int Window::height() const {
+  int height = 0;
+  glfwGetFramebufferSize(window_, nullptr, &height);
+  return height;
+}
+
+bool Window::wantsClose() const {
+  return glfwWindowShouldClose(window_) != GLFW_FALSE;
+}
+
+void Window::poll() {
+  glfwPollEvents();
+}
+
+void Window::swap() {
+  glfwSwapBuffers(window_);
+}
+
+}  // namespace palpate

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+
+struct GLFWwindow;
+
+namespace palpate {
+
+/// A window with an OpenGL 2.1 context, current in the thread that made it. That must be the main thread of
+/// the process, which alone may use it (GLFW); one window at a time.
+class Window {
+ public:
+  /// vsync: swap() waits for the screen. Error, with what to do, when there is no display or no OpenGL.
+  Window(const std::string& title, int width, int height, bool visible, bool vsync);
+  ~Window();
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  GLFWwindow* handle() const { return window_; }
+  int width() const;  ///< pixels of the drawn area, now
+  int height() const;
+  bool wantsClose() const;
+  void poll();  ///< takes in what person and system did since the last call
+  void swap();  ///< shows what was drawn
+
+ private:
+  GLFWwindow* window_ = nullptr;
+};
+
+}  // namespace palpate
