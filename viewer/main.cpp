@@ -10,5 +10,6 @@
 int main(int argc, char** argv) {
   using namespace palpate;
   const std::array verbs = {viewVerb(), queryVerb(), reportVerb(), deviceVerb(), doctorVerb()};
-  return runProgram(argc, argv, "Palpate's haptic side: lets a hand feel datasets, answers with forces", verbs);
+  return runProgram(argc, argv, "Palpate's haptic side: lets a hand feel datasets, answers with forces",
+                    verbs);
 }

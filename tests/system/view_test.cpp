@@ -1,0 +1,120 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/sample_dataset.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "tests/system/process.hpp"
+
+/// The haptic client as a person starts it, without a display.
+namespace palpate {
+namespace {
+
+using test::Process;
+using ::testing::HasSubstr;
+
+struct ViewTest : testing::Test {
+  test::TemporaryDirectory directory;
+
+  ViewTest() {
+    unsetenv("DISPLAY");
+    unsetenv("WAYLAND_DISPLAY");
+    sample.seal(directory / "cube.h5");
+  }
+
+  std::unique_ptr<Process> start(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "view");
+    return std::make_unique<Process>("palpate-viewer", std::move(arguments), directory.path());
+  }
+  /// The measurements of a run that must succeed, as JSON.
+  nlohmann::json measured(std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--headless", "--json"});
+    auto run = start(std::move(arguments));
+    const int code = run->wait();
+    const std::string output = run->output();
+    EXPECT_EQ(code, 0) << output;
+    const std::size_t begin = output.find('{');
+    return begin == std::string::npos ? nlohmann::json() : nlohmann::json::parse(output.substr(begin));
+  }
+  std::string content(const char* file) const { return test::contentOf(directory / file); }
+
+  test::SampleDataset sample;
+};
+
+TEST_F(ViewTest, TheVirtualHandTouchesAndEveryRunIsTheSameToTheBit) {
+  const auto first = measured({"cube.h5", "--fast", "--duration", "4", "--record", "first.h5"});
+  EXPECT_EQ(first.at("ticks"), 4000);
+  EXPECT_GE(first.at("contacts"), 1);
+  EXPECT_GT(first.at("largest_force"), 0.05);
+  measured({"cube.h5", "--fast", "--duration", "4", "--record", "second.h5"});
+  EXPECT_EQ(content("first.h5"), content("second.h5"));
+}
+
+TEST_F(ViewTest, AReplayGivesTheSameForcesAgain) {
+  measured({"cube.h5", "--fast", "--duration", "2", "--record", "run.h5"});
+  const auto replayed = measured({"cube.h5", "--fast", "--device", "replay:run.h5", "--record", "again.h5"});
+  EXPECT_EQ(replayed.at("ticks"), 2000);
+  const auto compared =
+      test::runCommand("cd '" + directory.path().string() +
+                       "' && python3 -c \"import h5py; a, b = h5py.File('run.h5'), "
+                       "h5py.File('again.h5'); print('equal' if "
+                       "(a['/force/rendered'][:] == b['/force/rendered'][:]).all() else 'no')\"");
+  EXPECT_EQ(compared.output, "equal\n");
+}
+
+TEST_F(ViewTest, EndsAfterItsDurationOnTheClock) {
+  const auto run = measured({"cube.h5", "--duration", "0.5"});
+  EXPECT_EQ(run.at("ticks"), 500);
+}
+
+TEST_F(ViewTest, AnInterruptEndsItWithItsMeasurementsAndItsRecording) {
+  auto run = start({"cube.h5", "--headless", "--record", "run.h5"});
+  ASSERT_TRUE(test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));
+  run->signal(SIGINT);
+  EXPECT_EQ(run->wait(), 130);
+  EXPECT_THAT(run->output(), HasSubstr("latency"));
+  EXPECT_TRUE(std::filesystem::exists(directory / "run.h5"));
+}
+
+TEST_F(ViewTest, ADatasetThatIsReplacedMeanwhileChangesNothing) {
+  auto run = start({"cube.h5", "--headless", "--duration", "2.5", "--record", "run.h5"});
+  ASSERT_TRUE(test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));
+  test::SampleDataset other(PressureSpace::p1);
+  other.seal(directory / "cube.h5");
+  EXPECT_EQ(run->wait(), 0) << run->output();
+  EXPECT_THAT(run->output(), HasSubstr("cube.h5 was replaced"));
+}
+
+TEST_F(ViewTest, SaysWhatToDoWithoutADisplay) {
+  auto run = start({"cube.h5", "--duration", "1"});
+  EXPECT_EQ(run->wait(), 1);
+  EXPECT_THAT(run->output(), HasSubstr("--headless"));
+}
+
+TEST_F(ViewTest, RefusesWhatItCannotFeel) {
+  struct Case {
+    std::vector<std::string> arguments;
+    int code;
+    const char* says;
+  };
+  const std::vector<Case> cases = {
+      {{"nothing.h5"}, 2, "nothing.h5"},
+      {{"cube.h5", "--method", "magic"}, 2, "potential"},
+      {{"cube.h5", "--rate", "7"}, 2, "--rate"},
+      {{"cube.h5", "--fast"}, 2, "--duration"},
+      {{"cube.h5", "--device", "vitrual"}, 2, "virtual"},
+      {{"cube.h5", "--device", "replay:none.h5"}, 2, "none.h5"},
+      {{"cube.h5", "--duration", "0.1", "--record", "nowhere/run.h5"}, 1, "nowhere"},
+  };
+  for (Case one : cases) {
+    one.arguments.insert(one.arguments.end(), "--headless");
+    auto run = start(one.arguments);
+    EXPECT_EQ(run->wait(), one.code) << run->output();
+    EXPECT_THAT(run->output(), HasSubstr(one.says));
+  }
+}
+
+}  // namespace
+}  // namespace palpate
