@@ -175,15 +175,19 @@ TEST_F(HapticTickTest, SwitchesTheMethodWhileTouchingWithoutAKick) {
   for (int n = 0; n < 300; ++n) tick.run();
   Eigen::Vector3d before = tick.state().force;
   const Eigen::Vector3d potential = before;
+  double largest_step = 0;
   tick.obey({HapticCommand::Kind::use, 0, 1});
   for (int n = 0; n < 100; ++n) {
     const HapticState& state = tick.run();
     EXPECT_EQ(state.method, 1);
-    EXPECT_LE((state.force - before).norm(), 0.005);
+    largest_step = std::max(largest_step, (state.force - before).norm());
     before = state.force;
   }
   EXPECT_TRUE(tick.state().touch.touching);
-  EXPECT_GT((before - potential).norm(), 1e-4);
+  const double difference = (before - potential).norm();
+  EXPECT_GT(difference, 0.01);
+  // A ramp of 50 ticks, whose steepest slope is 1.5 of the mean.
+  EXPECT_LE(largest_step, 1.6 * difference / 50);
 }
 
 TEST_F(HapticTickTest, IgnoresCommandsForWhatDoesNotExist) {
@@ -218,10 +222,13 @@ TEST_F(HapticTickTest, ScalesTheWorkspaceOfADeviceAroundWhatCanBeTouched) {
   ScriptedHand hand(pressing, false);
   const WorkspaceMap map = workspaceFor(model(), hand);
   EXPECT_GT(map.scale, 1);
+  EXPECT_LT(map.scale, 2);
   EXPECT_TRUE(map.rotation.isIdentity());
-  for (const Eigen::Vector3d& vertex : model().surface().vertices()) {
-    if (vertex.z() < 0.01) continue;  // the bottom is fixed
-    const double reach = (vertex - map.origin).norm() + model().spaces().front().lattice.radius();
+  const TouchSurface& surface = model().surface();
+  for (std::size_t v = 0; v < surface.vertices().size(); ++v) {
+    if (surface.sharesOf(static_cast<std::int32_t>(v)).empty()) continue;
+    const double reach =
+        (surface.vertices()[v] - map.origin).norm() + model().spaces().front().lattice.radius();
     EXPECT_LE(reach / map.scale, hand.limits.workspace_radius * (1 + 1e-9));
   }
   hand.limits.workspace_radius = 10;

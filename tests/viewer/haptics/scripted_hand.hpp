@@ -62,7 +62,8 @@ inline ScriptedHand::Script pressingAndSliding(double period = 1e-3) {
   return [period](std::uint64_t tick) { return fresh(pressAndSlide(period * static_cast<double>(tick))); };
 }
 
-/// A cube of 100 mm whose whole surface can be touched, stiffer to one side; its bottom is fixed.
+/// A cube of 100 mm that can be touched around the middle of its top, where nine nodes are active, stiffer to
+/// one side; its bottom is fixed.
 class TouchedCube {
  public:
   TouchedCube() : model_(sealed(directory_ / "cube.h5")) {}
@@ -71,8 +72,12 @@ class TouchedCube {
  private:
   static Dataset sealed(const std::filesystem::path& file) {
     const Mesh cube = cubeMesh(0.1, 4);
-    TouchableBody(cube, wholeSurface(cube, [](const Eigen::Vector3d& x) { return 1 + 5 * x.x(); }))
-        .seal(file);
+    std::vector<TouchableBody::Active> active;
+    for (const TouchableBody::Active& node :
+         wholeSurface(cube, [](const Eigen::Vector3d& x) { return 1 + 5 * x.x(); }))
+      if ((cube.nodes[static_cast<std::size_t>(node.node)] - Eigen::Vector3d(0.05, 0.05, 0.1)).norm() < 0.04)
+        active.push_back(node);
+    TouchableBody(cube, active).seal(file);
     return Dataset(file);
   }
   TemporaryDirectory directory_;
