@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <utility>
@@ -22,9 +23,13 @@ ErrorText& lastErrorText() noexcept;
 template <class... Args>
 palpate_status fail(palpate_status status, fmt::format_string<Args...> format, Args&&... args) noexcept {
   ErrorText& text = lastErrorText();
-  const auto written =
-      fmt::format_to_n(text.data(), text.size() - 1, format, std::forward<Args>(args)...).size;
-  text[std::min(written, text.size() - 1)] = '\0';
+  try {
+    const auto written =
+        fmt::format_to_n(text.data(), text.size() - 1, format, std::forward<Args>(args)...).size;
+    text[std::min(written, text.size() - 1)] = '\0';
+  } catch (...) {
+    std::strcpy(text.data(), "failed, and the text that says why could not be made");
+  }
   return status;
 }
 

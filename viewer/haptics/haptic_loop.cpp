@@ -169,7 +169,7 @@ void HapticLoop::runTicks() {
   std::int64_t due = nowNs() + period_ns, published = due;
   while (!stop_.load(std::memory_order_relaxed)) {
     sleepUntil(due);
-    const std::int64_t begin = nowNs(), processor = processorNs();
+    const std::int64_t processor = processorNs(), begin = nowNs();
     statistics_.latency.add(seconds(begin - due));
     const bool more = oneTick(begin);
     const std::int64_t end = nowNs(), computed = processorNs() - processor;
@@ -189,7 +189,7 @@ void HapticLoop::runTicks() {
 
 void HapticLoop::runFreely() {
   for (bool more = true; more && !stop_.load(std::memory_order_relaxed);) {
-    const std::int64_t begin = nowNs(), processor = processorNs();
+    const std::int64_t processor = processorNs(), begin = nowNs();
     more = oneTick(begin);
     statistics_.compute.add(seconds(nowNs() - begin));
     statistics_.processor.add(seconds(processorNs() - processor));

@@ -56,6 +56,7 @@ void forEachNumber(AnyRun& run, const Visit& visit) {
   visit("contact_friction", run.options.contact.friction);
   visit("contact_grab_distance", run.options.contact.grab_distance);
   visit("contact_most_slide", run.options.contact.most_slide);
+  visit("contact_most_relaxation", run.options.contact.most_relaxation);
   visit("guard_period", run.options.guard.period);
   visit("guard_max_force", run.options.guard.max_force);
   visit("guard_max_slew", run.options.guard.max_slew);

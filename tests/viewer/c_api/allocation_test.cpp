@@ -102,7 +102,7 @@ TEST_F(RealTime, NoMemoryIsAStatus) {
   EXPECT_NE(std::string(palpate_last_error()).find("not enough memory"), std::string::npos);
   // The last tenth of the allocations prepares force fields; those before are HDF5's too, which has words of
   // its own for want of memory.
-  for (long granted = needed - 1; granted > needed * 9 / 10; granted -= needed / 200 + 1) {
+  for (long granted = needed - 1; granted > needed * 9 / 10; granted -= needed / 40 + 1) {
     dataset = dataset_.get();
     palpate_status status = PALPATE_OK;
     {

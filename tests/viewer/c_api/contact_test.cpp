@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -14,7 +13,6 @@
 namespace palpate {
 namespace {
 
-using ::testing::AllOf;
 using ::testing::Each;
 using ::testing::HasSubstr;
 
@@ -111,7 +109,7 @@ TEST_F(CContact, OutlivesTheHandleOfItsDataset) {
   dataset_.reset();
   palpate_touch touch{};
   for (const auto& tool : path) touch = update(contact.get(), tool);
-  EXPECT_EQ(std::memcmp(&touch, &expected, sizeof touch), 0);
+  EXPECT_TRUE(test::sameBits(touch, expected));
 }
 
 TEST_F(CContact, SwitchesDatasetAndMethodWhileTouching) {

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <limits>
 #include <random>
@@ -36,10 +35,6 @@ class CDataset : public ::testing::Test {
   test::SampleFile file_;
   test::DatasetHandle dataset_ = test::open(file_.path());
 };
-
-bool sameBits(const palpate_sample& a, const palpate_sample& b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
-}
 
 TEST_F(CDataset, SaysWhatItHolds) {
   const Dataset reference(file_.path());
@@ -124,7 +119,7 @@ TEST_F(CDataset, AnswersAsTheForceFieldDoesToTheLastBit) {
 TEST_F(CDataset, AnswersAfterItsFileIsGone) {
   const palpate_sample before = query(0, 0, {0.003, 0.001, -0.002});
   std::filesystem::remove(file_.path());
-  EXPECT_TRUE(sameBits(query(0, 0, {0.003, 0.001, -0.002}), before));
+  EXPECT_TRUE(test::sameBits(query(0, 0, {0.003, 0.001, -0.002}), before));
 }
 
 TEST_F(CDataset, GivesFourThreadsTheSameAnswers) {
@@ -143,7 +138,7 @@ TEST_F(CDataset, GivesFourThreadsTheSameAnswers) {
         const palpate_status status =
             palpate_query(dataset_.get(), n % 2, n / 2 % 2, place(n).data(), &sample);
         differences +=
-            status == PALPATE_OK && sameBits(sample, expected[static_cast<std::size_t>(n)]) ? 0 : 1;
+            status == PALPATE_OK && test::sameBits(sample, expected[static_cast<std::size_t>(n)]) ? 0 : 1;
       }
       different[t] = differences;
     });

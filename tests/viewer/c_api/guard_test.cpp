@@ -11,7 +11,6 @@
 namespace palpate {
 namespace {
 
-using ::testing::AllOf;
 using ::testing::Each;
 using ::testing::HasSubstr;
 

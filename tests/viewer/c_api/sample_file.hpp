@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 
@@ -63,6 +65,13 @@ Struct sized() {
   Struct value{};
   value.size = sizeof value;
   return value;
+}
+
+/// Equal to the last bit; NaN equals NaN.
+template <class Struct>
+bool sameBits(const Struct& a, const Struct& b) {
+  using Bytes = std::array<std::byte, sizeof(Struct)>;
+  return std::bit_cast<Bytes>(a) == std::bit_cast<Bytes>(b);
 }
 
 inline palpate_dataset_info describe(const palpate_dataset* dataset) {

@@ -40,7 +40,7 @@ RecordedRun someRun() {
   run.workspace_radius = 0.075;
   run.scene_frame = true;
   run.options.period = 2e-4;
-  run.options.contact = {ContactMode::glued, 0.3, 0.004, 0.001};
+  run.options.contact = {ContactMode::glued, 0.3, 0.004, 0.001, 0.02};
   run.options.guard = guardFor({"omega", 12, 5000, 0.075}, 2e-4);
   run.options.map.rotation = Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
   run.options.map.scale = 1.7;
@@ -130,6 +130,7 @@ TEST(Recording, SaysWhatTheRunWasMadeWith) {
   EXPECT_EQ(run.options.contact.friction, 0.3);
   EXPECT_EQ(run.options.contact.grab_distance, 0.004);
   EXPECT_EQ(run.options.contact.most_slide, 0.001);
+  EXPECT_EQ(run.options.contact.most_relaxation, 0.02);
   EXPECT_EQ(run.options.guard.max_slew, wanted.options.guard.max_slew);
   EXPECT_EQ(run.options.guard.energy_credit, wanted.options.guard.energy_credit);
   EXPECT_EQ(run.options.map.rotation, wanted.options.map.rotation);
