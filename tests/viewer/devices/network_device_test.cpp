@@ -34,7 +34,7 @@ class NetworkDeviceTest : public ::testing::Test {
   }
   /// One tick of a client that pushes with `force`.
   DeviceReading tick(const Eigen::Vector3d& force = Eigen::Vector3d::Zero()) {
-    const DeviceReading reading = device->read();
+    DeviceReading reading = device->read();
     device->write(force);
     return reading;
   }
