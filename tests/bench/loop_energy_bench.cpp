@@ -1,5 +1,5 @@
 // The energy that the force fields of a sealed dataset create around random closed loops: paths of smooth
-// pieces inside of the workspace, of each active node in turn, at a fixed anchor. Prints one JSON object: for
+// pieces inside of balls of 0.2 to 1 times the workspace radius, of each active node in turn, at a fixed anchor. Prints one JSON object: for
 // each method over all loops, and over those on which every answer stood on solved and consistent corners
 // ("covered"; elsewhere the limiter mixes tri-linear forces in, which have no potential). "net_share" is the
 // sum of |net work| over the sum of the energy exchanged, "largest_share" that of the worst loop,
@@ -54,7 +54,8 @@ Json measure(const Dataset& dataset, const std::string& method, int loops) {
   std::mt19937 random(20);
   for (int n = 0; n < loops; ++n) {
     const std::size_t space = static_cast<std::size_t>(n) % fields.size();
-    const test::RandomLoop loop(random, dataset.scene().workspace.radius);
+    const double size = 0.2 + 0.8 * (static_cast<double>(random()) + 0.5) / 4294967296.0;
+    const test::RandomLoop loop(random, size * dataset.scene().workspace.radius);
     const test::LoopEnergy energy = loopEnergy(*fields[space], loop);
     all.add(energy);
     if (energy.covered) covered.add(energy);

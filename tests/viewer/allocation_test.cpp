@@ -111,7 +111,7 @@ TEST(DeformedShape, EvaluatesWithoutAllocating) {
   DeformedShape shape(model.surface().vertices().size());
   std::vector<float> out(3 * model.surface().vertices().size());
   Contact contact(model);
-  for (int n = 0; n < 300; ++n) contact.update({0, 0, 0.08 - 1e-4 * n});
+  for (int n = 0; n < 300; ++n) contact.update({0.01, 0.01, 0.07 - 1e-4 * n});
   ASSERT_TRUE(contact.touch().touching);
   const long before = allocations;
   shape.evaluate(model, contact.touch(), out);

@@ -8,6 +8,9 @@ namespace palpate {
 namespace {
 
 constexpr int most_pieces = 3;
+/// Of the force. What a step of Newton's method leaves of an excess below this is some hundred times less,
+/// and is slid in the next tick: two evaluations of the spaces in most ticks, not four.
+constexpr double small_excess = 0.02;
 /// Barycentric: nearer to an edge than this is on it. Some 1e-14 m.
 constexpr double on_edge = 1e-12;
 
@@ -129,15 +132,20 @@ double slideAnchor(const HapticModel& model, std::size_t method, const Eigen::Ve
   for (int piece = 0; piece < most_pieces; ++piece) {
     const Descent descent = steepestDescent(surface, anchor, force);
     if (piece == 0) allowed = wayAllowed(limits, force.force(), descent.energy.change);
-    const double held = limits.friction * std::max(0.0, force.force().dot(surface.normal(anchor)));
-    const double excess = descent.slope - held;
+    const Eigen::Vector3d normal = surface.normal(anchor);
+    const double excess = descent.slope - limits.friction * std::max(0.0, force.force().dot(normal));
     if (!(excess > 1e-9 * force.force().norm() && gone < allowed)) break;
 
-    // A flat direction gets a share of the largest stiffness, so that the way is bounded there too.
-    const double stiffness = std::max(descent.direction.dot(descent.energy.hessian * descent.direction),
-                                      0.1 * force.stiffness().norm());
-    double length = std::min(shorter * excess / stiffness, allowed - gone);
+    // How fast the excess falls along the way. A flat direction gets a share of the largest stiffness, so
+    // that the way is bounded there too.
+    const Eigen::Vector3d& direction = descent.direction;
+    const double falls = direction.dot(descent.energy.hessian * direction) +
+                         limits.friction * normal.dot(descent.energy.change * direction);
+    const double stiffness = std::max(falls, 0.1 * force.stiffness().norm());
+    const double wanted = shorter * excess / stiffness;
+    double length = std::min(wanted, allowed - gone);
     const SurfacePoint next = moved(descent, length);
+    const bool was_enough = length == wanted && excess < small_excess * force.force().norm();
     const double energy = force.sum().energy;
     evaluateAt(next);
     if (force.sum().energy > energy + 1e-12 * std::abs(energy)) {
@@ -147,6 +155,7 @@ double slideAnchor(const HapticModel& model, std::size_t method, const Eigen::Ve
     }
     anchor = next;
     gone += length;
+    if (was_enough) break;
   }
   return gone;
 }
