@@ -8,8 +8,11 @@
 #include <vector>
 
 #include "tests/support/sample_dataset.hpp"
+#include "tests/viewer/haptics/touched_model.hpp"
 #include "viewer/displacement_field.hpp"
 #include "viewer/force_field.hpp"
+#include "viewer/haptics/contact.hpp"
+#include "viewer/haptics/deformed_shape.hpp"
 
 namespace {
 std::atomic<long> allocations = 0;
@@ -80,6 +83,39 @@ TEST(DisplacementField, EvaluatesWithoutAllocating) {
     linear.evaluate({5e-5 * n - 0.025, -2e-5 * n, 0.001}, shape);
     cubic.evaluate({5e-5 * n - 0.025, -2e-5 * n, 0.001}, shape);
   }
+  EXPECT_EQ(allocations, before);
+}
+
+TEST(Contact, TouchesSlidesReleasesAndSwitchesWithoutAllocating) {
+  const HapticModel model = test::tenNodeModel(), other = test::tenNodeModel();
+  for (const ContactMode mode : {ContactMode::unilateral, ContactMode::glued}) {
+    Contact contact(model, {.mode = mode});
+    int touched = 0;
+    const long before = allocations;
+    for (int n = 0; n < 20000; ++n) {
+      const double t = 0.001 * n;
+      const Touch& touch = contact.update(
+          {0.06 * std::sin(3.1 * t), 0.03 * std::sin(4.3 * t), 0.055 - 0.01 * std::sin(9 * t)}, n % 500 > 50);
+      touched += touch.touching ? 1 : 0;
+      if (n % 1000 == 0) contact.use(n % 2000 == 0 ? model : other, static_cast<std::size_t>(n / 1000 % 2));
+      if (n % 3000 == 0) contact.release();
+      if (n % 3500 == 0) contact.update({std::nan(""), 0, 0});
+    }
+    EXPECT_EQ(allocations, before);
+    EXPECT_GT(touched, 1000);
+  }
+}
+
+TEST(DeformedShape, EvaluatesWithoutAllocating) {
+  const HapticModel model = test::tenNodeModel();
+  DeformedShape shape(model.surface().vertices().size());
+  std::vector<float> out(3 * model.surface().vertices().size());
+  Contact contact(model);
+  for (int n = 0; n < 300; ++n) contact.update({0, 0, 0.08 - 1e-4 * n});
+  ASSERT_TRUE(contact.touch().touching);
+  const long before = allocations;
+  shape.evaluate(model, contact.touch(), out);
+  shape.evaluate(model, Touch{}, out);
   EXPECT_EQ(allocations, before);
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "viewer/haptics/blended_force.hpp"
 #include "viewer/haptics/haptic_model.hpp"
 
 namespace palpate {
@@ -12,6 +13,10 @@ struct ContactOptions {
   double friction = 0.2;         ///< Coulomb's coefficient, >= 0; unilateral only
   double grab_distance = 0.005;  ///< m; glued: the tool takes hold of a surface this near
   double most_slide = 0.002;     ///< m per tick that the anchor may slide at most
+  /// Of the force, per tick: what sliding may change it by beyond what the tool's own motion does. So the
+  /// force stays continuous where the anchor runs down from a ridge between two triangles. Smaller is softer,
+  /// and lags behind.
+  double most_relaxation = 0.005;
 };
 
 /// What the tissue does to the tool.
@@ -48,13 +53,16 @@ struct Touch {
 /// the anchor while |T| <= friction * F.n, else it slides against T until that holds again, walking over the
 /// edges of triangles. So sliding never creates energy, and takes none without friction. A method that has no
 /// energy slides by the tangential force alone. The anchor cannot leave the touchable surface: at its rim it
-/// stays. Since the anchor moves continuously and the weights are continuous, so is the force.
+/// stays. In one tick it slides no further than most_slide, than twice the tool's motion and what changes the
+/// force by most_relaxation (anchor_slide.hpp); what is left is slid in the next ticks. Since the anchor
+/// moves continuously and the weights are continuous, so is the force.
 ///
 /// Release: nothing pulls. When F.n becomes <= 0 (n outward) the contact ends with it. A tool that is inside
 /// the body then, or came in where nothing is touchable, feels nothing until it has been outside.
 ///
 /// Glued (the paper's mode): the tool takes hold of the nearest touchable point within grab_distance, and
-/// keeps it, pulling too, as long as `hold`; the displacement counts from where it was taken.
+/// keeps it, pulling too, as long as `hold`; the displacement counts from where it was taken. After release()
+/// it takes hold again when `hold` was false or the tool farther than grab_distance in between.
 ///
 /// One thread. update() and use() are real time: they do not allocate, lock, throw or log.
 class Contact {
@@ -72,10 +80,26 @@ class Contact {
   void use(const HapticModel& model, std::size_t method) noexcept;
 
  private:
+  void seek(const Eigen::Vector3d& tool, bool hold) noexcept;
+  void seekEntry(const Eigen::Vector3d& tool, const NearestPoint& nearest) noexcept;
+  void seekGrip(const Eigen::Vector3d& tool, bool hold) noexcept;
+  bool press(const Eigen::Vector3d& tool) noexcept;
+  void begin(const SurfacePoint& anchor, const Eigen::Vector3d& offset) noexcept;
+  void end(bool stepped) noexcept;
+  void describe(const Eigen::Vector3d& displacement) noexcept;
+
   const HapticModel* model_;
   std::size_t method_ = 0;
   ContactOptions options_;
   Touch touch_;
+  BlendedForce force_;
+  SurfacePoint anchor_;
+  Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();     ///< of the tool from the anchor at zero force; glued
+  Eigen::Vector3d last_tool_ = Eigen::Vector3d::Zero();  ///< where the search for an entry goes on from
+  bool last_tool_known_ = false;
+  bool ready_;                       ///< has been outside (unilateral), or may take hold (glued)
+  bool step_follows_ = false;        ///< Touch::stepped of the next update
+  std::int32_t near_triangle_ = -1;  ///< where the nearest point was last
 };
 
 }  // namespace palpate

@@ -27,6 +27,12 @@ struct SpaceWeight {
 inline constexpr std::size_t most_spaces_of_vertex = 3;
 inline constexpr std::size_t most_blended_spaces = 3 * most_spaces_of_vertex;
 
+/// The share of one space in the three corners of a triangle; in between it is interpolated linearly.
+struct CornerShares {
+  std::int32_t space = -1;
+  Eigen::Vector3d weights = Eigen::Vector3d::Zero();
+};
+
 /// The shares in a point of the surface; entries 0..size-1 are distinct spaces, their weights sum to 1.
 struct SpaceBlend {
   std::array<SpaceWeight, most_blended_spaces> shares;
@@ -36,11 +42,11 @@ struct SpaceBlend {
 /// The surface of a body at rest, and where on it there are forces to feel.
 ///
 /// Every vertex near active nodes has weights of up to three configuration spaces: an active node, or a node
-/// of its patch, 1 of its own; another vertex within `reach` (shortest way along surface edges) of active
-/// nodes the inverse-distance weights of the nearest three, tapered to zero at the reach. A triangle whose
-/// three corners have weights is touchable. In it the weights are interpolated linearly: they are continuous
-/// over the touchable surface and sum to 1. So no force jumps where one active node takes over from another,
-/// which is what the paper's nearest vertex does.
+/// of its patch, 1 of its own (equal parts where patches overlap); another vertex within `reach` (shortest
+/// way d along surface edges to the patch) the weights (1 / d) (1 - d / reach)^2 of the nearest three, scaled
+/// to sum 1. A triangle whose three corners have weights is touchable. In it the weights are interpolated
+/// linearly: they are continuous over the touchable surface and sum to 1. So no force jumps where one active
+/// node takes over from another, which is what the paper's nearest vertex does.
 ///
 /// Vertices are numbered as Dataset::surfaceNodes(). Immutable: any thread may read.
 class TouchSurface {
@@ -57,26 +63,52 @@ class TouchSurface {
   std::int32_t neighbor(std::int32_t triangle, int corner) const;
   /// Shares of one vertex; empty where there is nothing to feel.
   std::span<const SpaceWeight> sharesOf(std::int32_t vertex) const;
+  /// m, of the edges at a vertex.
+  double longestEdgeAt(std::int32_t vertex) const { return longest_edges_[static_cast<std::size_t>(vertex)]; }
 
   // Real time, all of these: they do not allocate, lock, throw or log.
+  std::span<const std::int32_t> trianglesAt(std::int32_t vertex) const noexcept;  ///< ascending
+  const Eigen::Vector3d& faceNormal(std::int32_t triangle) const noexcept {
+    return faces_[static_cast<std::size_t>(triangle)].normal;
+  }
+  /// 1/m; column c: gradient of the barycentric coordinate of corner c along the triangle.
+  const Eigen::Matrix3d& barycentricGradients(std::int32_t triangle) const noexcept {
+    return faces_[static_cast<std::size_t>(triangle)].gradients;
+  }
+  /// The spaces with a share in any corner, each once; empty where there is nothing to feel.
+  std::span<const CornerShares> cornerSharesOf(std::int32_t triangle) const noexcept;
   Eigen::Vector3d position(const SurfacePoint& point) const noexcept;  ///< at rest, m
   Eigen::Vector3d normal(const SurfacePoint& point) const noexcept;    ///< unit, vertex normals interpolated
   /// Shares at a point of a touchable triangle.
   SpaceBlend blendAt(const SurfacePoint& point) const noexcept;
   const SurfaceTree& tree() const noexcept { return tree_; }
+  /// The nearest point of touchable triangles. They are no closed surface: `outside` says nothing here.
+  NearestPoint nearestTouchable(const Eigen::Vector3d& point) const noexcept;
 
  private:
-  void setNormals();
+  struct Face {
+    Eigen::Vector3d normal;
+    Eigen::Matrix3d gradients;
+  };
+  void setFaces();
   void setNeighbors();
-  void setShares(const Dataset& dataset, double reach);
+  void setShares(const std::vector<ActivePatch>& patches, double reach);
+  void setTouchable();
 
   std::vector<Eigen::Vector3d> vertices_, normals_;
   std::vector<Triangle> triangles_;
-  std::vector<std::array<std::int32_t, 3>> neighbors_;
-  std::vector<std::array<SpaceWeight, most_spaces_of_vertex>> shares_;
-  std::vector<std::int32_t> share_counts_;
+  std::vector<Face> faces_;                             ///< per triangle
+  std::vector<std::array<std::int32_t, 3>> neighbors_;  ///< per triangle, by corner; -1: none
+  std::vector<std::int32_t> around_, around_begins_;    ///< triangles at the vertices, one after the other
+  std::vector<double> longest_edges_;                   ///< per vertex
+  std::vector<std::array<SpaceWeight, most_spaces_of_vertex>> shares_;  ///< per vertex
+  std::vector<std::int32_t> share_counts_;                              ///< per vertex
+  std::vector<CornerShares> corner_shares_;  ///< of the triangles, one after the other
+  std::vector<std::int32_t> corner_begins_;  ///< per triangle, and one more
   std::vector<bool> touchable_;
   SurfaceTree tree_;
+  SurfaceTree touch_tree_;                     ///< of the touchable triangles
+  std::vector<std::int32_t> touch_triangles_;  ///< their numbers
 };
 
 }  // namespace palpate

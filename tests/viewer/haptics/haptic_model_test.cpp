@@ -1,0 +1,40 @@
+#include "viewer/haptics/haptic_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/viewer/haptics/touched_model.hpp"
+
+namespace palpate {
+namespace {
+
+TEST(HapticModel, OutlivesTheDatasetAndItsFile) {
+  const Mesh mesh = test::cubeMesh(0.1, 4);
+  test::TouchableBody body(mesh, {{112}, {113, 2}});
+  body.problem.scene.contact = ContactMode::glued;
+  const HapticModel model = test::modelOf(body);
+  EXPECT_EQ(model.name(), "touchable");
+  EXPECT_NE(model.file().find("body.h5"), std::string::npos);
+  EXPECT_EQ(model.contactMode(), ContactMode::glued);
+  EXPECT_EQ(model.maxForce(), 8.5);
+  EXPECT_EQ(model.methods(), (std::vector<std::string>{"potential", "trilinear"}));
+  ASSERT_EQ(model.spaces().size(), 2u);
+  for (std::size_t method = 0; method < 2; ++method) {
+    EXPECT_EQ(model.field(method, 1).name(), model.methods()[method]);
+    const Eigen::Vector3d p(0.015, 0, 0);  // a lattice point
+    EXPECT_LT((model.field(method, 1).evaluate(p).force + test::ConvexEnergy(2).gradient(p)).norm(), 1e-6);
+  }
+  EXPECT_EQ(model.shape(1).nodes(), model.surface().vertices().size());
+}
+
+TEST(HapticModel, RefusesUnknownMethodsAndNone) {
+  const test::TouchableBody body(test::cubeMesh(0.1, 4), {{112}});
+  const test::TemporaryDirectory directory;
+  body.seal(directory / "body.h5");
+  const Dataset dataset(directory / "body.h5");
+  test::expectBadInput([&] { HapticModel(dataset, {.methods = {"quadlinear"}}); }, {"quadlinear"});
+  test::expectBadInput([&] { HapticModel(dataset, {.methods = {}}); }, {"body.h5", "method"});
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,154 @@
+#include "viewer/haptics/anchor_slide.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+constexpr int most_pieces = 3;
+/// Barycentric: nearer to an edge than this is on it. Some 1e-14 m.
+constexpr double on_edge = 1e-12;
+
+std::size_t at(Eigen::Index index) {
+  return static_cast<std::size_t>(index);
+}
+
+/// The way from a point of a triangle along which W falls most steeply.
+struct Descent {
+  SurfacePoint from;
+  double slope = 0;                                     ///< N, >= 0; 0: none
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit
+  Eigen::Vector3d rate = Eigen::Vector3d::Zero();       ///< 1/m, of the barycentric coordinates along it
+  AnchorSlope energy;
+};
+
+/// Along the edge from one corner to another, when that is steeper than what `best` has.
+void alongEdge(const TouchSurface& surface, Eigen::Index from, Eigen::Index to, const Eigen::Vector3d& drive,
+               Descent& best) noexcept {
+  const Triangle& t = surface.triangles()[at(best.from.triangle)];
+  const Eigen::Vector3d edge = surface.vertices()[at(t[at(to)])] - surface.vertices()[at(t[at(from)])];
+  const double length = edge.norm(), slope = drive.dot(edge) / length;
+  if (slope <= best.slope) return;
+  best.slope = slope;
+  best.direction = edge / length;
+  best.rate.setZero();
+  best.rate[to] = 1 / length;
+  best.rate[from] = -1 / length;
+}
+
+/// Within the triangle: freely, or where the drive points out of it along its edges.
+Descent descentWithin(const TouchSurface& surface, const SurfacePoint& from, BlendedForce& force) noexcept {
+  Descent descent;
+  descent.from = from;
+  descent.energy = force.slopeAlong(from.triangle);
+  const Eigen::Vector3d drive = -descent.energy.tangent;
+  const Eigen::Vector3d rate = surface.barycentricGradients(from.triangle).transpose() * drive;
+  bool blocked = false;
+  for (Eigen::Index c = 0; c < 3; ++c) blocked = blocked || (from.barycentric[c] == 0 && rate[c] < 0);
+  if (!blocked) {
+    descent.slope = drive.norm();
+    if (descent.slope > 0) {
+      descent.direction = drive / descent.slope;
+      descent.rate = rate / descent.slope;
+    }
+    return descent;
+  }
+  for (Eigen::Index c = 0; c < 3; ++c) {
+    const Eigen::Index a = (c + 1) % 3, b = (c + 2) % 3;
+    if (from.barycentric[c] != 0) continue;  // not on the edge opposite to c
+    if (from.barycentric[a] > 0) alongEdge(surface, a, b, drive, descent);
+    if (from.barycentric[b] > 0) alongEdge(surface, b, a, drive, descent);
+  }
+  return descent;
+}
+
+/// The same point, of an edge or vertex, in another triangle there.
+SurfacePoint seenFrom(const TouchSurface& surface, std::int32_t triangle,
+                      const SurfacePoint& point) noexcept {
+  SurfacePoint seen{triangle, Eigen::Vector3d::Zero()};
+  const Triangle &own = surface.triangles()[at(point.triangle)], &other = surface.triangles()[at(triangle)];
+  for (Eigen::Index c = 0; c < 3; ++c)
+    for (Eigen::Index d = 0; d < 3; ++d)
+      if (own[at(c)] == other[at(d)]) seen.barycentric[d] = point.barycentric[c];
+  return seen;
+}
+
+Descent steepestDescent(const TouchSurface& surface, const SurfacePoint& anchor,
+                        BlendedForce& force) noexcept {
+  Descent best = descentWithin(surface, anchor, force);
+  const auto consider = [&](std::int32_t triangle) {
+    if (triangle < 0 || triangle == anchor.triangle || !surface.touchable(triangle)) return;
+    const Descent other = descentWithin(surface, seenFrom(surface, triangle, anchor), force);
+    if (other.slope > best.slope) best = other;
+  };
+  const auto zeros = (anchor.barycentric.array() == 0).count();
+  for (Eigen::Index c = 0; c < 3; ++c) {
+    if (zeros == 1 && anchor.barycentric[c] == 0)
+      consider(surface.neighbor(anchor.triangle, static_cast<int>(c)));
+    if (zeros == 2 && anchor.barycentric[c] != 0)
+      for (const std::int32_t triangle : surface.trianglesAt(surface.triangles()[at(anchor.triangle)][at(c)]))
+        consider(triangle);
+  }
+  return best;
+}
+
+/// At most to the edge of the triangle; `length` becomes the way that was gone.
+SurfacePoint moved(const Descent& descent, double& length) noexcept {
+  const Eigen::Vector3d &from = descent.from.barycentric, &rate = descent.rate;
+  Eigen::Index last = -1;
+  for (Eigen::Index c = 0; c < 3; ++c)
+    if (rate[c] < 0 && from[c] + length * rate[c] <= 0) {
+      length = from[c] / -rate[c];
+      last = c;
+    }
+  SurfacePoint to{descent.from.triangle, from + length * rate};
+  if (last >= 0) to.barycentric[last] = 0;
+  for (Eigen::Index c = 0; c < 3; ++c)
+    if (to.barycentric[c] < on_edge) to.barycentric[c] = 0;
+  to.barycentric /= to.barycentric.sum();
+  return to;
+}
+
+double wayAllowed(const SlideLimits& limits, const Eigen::Vector3d& force, const Eigen::Matrix3d& change) {
+  const double stiffness = change.norm();
+  const double relaxed = stiffness > 0 ? limits.force_change * force.norm() / stiffness : 0;
+  return std::min(limits.length, 2 * limits.motion + relaxed);
+}
+
+}  // namespace
+
+double slideAnchor(const HapticModel& model, std::size_t method, const Eigen::Vector3d& tool,
+                   const SlideLimits& limits, SurfacePoint& anchor, BlendedForce& force) noexcept {
+  const TouchSurface& surface = model.surface();
+  const auto evaluateAt = [&](const SurfacePoint& point) {
+    force.evaluate(model, method, point, tool - surface.position(point));
+  };
+  double gone = 0, allowed = 0, shorter = 1;
+  for (int piece = 0; piece < most_pieces; ++piece) {
+    const Descent descent = steepestDescent(surface, anchor, force);
+    if (piece == 0) allowed = wayAllowed(limits, force.force(), descent.energy.change);
+    const double held = limits.friction * std::max(0.0, force.force().dot(surface.normal(anchor)));
+    const double excess = descent.slope - held;
+    if (!(excess > 1e-9 * force.force().norm() && gone < allowed)) break;
+
+    // A flat direction gets a share of the largest stiffness, so that the way is bounded there too.
+    const double stiffness = std::max(descent.direction.dot(descent.energy.hessian * descent.direction),
+                                      0.1 * force.stiffness().norm());
+    double length = std::min(shorter * excess / stiffness, allowed - gone);
+    const SurfacePoint next = moved(descent, length);
+    const double energy = force.sum().energy;
+    evaluateAt(next);
+    if (force.sum().energy > energy + 1e-12 * std::abs(energy)) {
+      evaluateAt(anchor);
+      shorter /= 4;
+      continue;
+    }
+    anchor = next;
+    gone += length;
+  }
+  return gone;
+}
+
+}  // namespace palpate

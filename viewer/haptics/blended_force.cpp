@@ -1,0 +1,64 @@
+#include "viewer/haptics/blended_force.hpp"
+
+#include <cmath>
+
+namespace palpate {
+
+void BlendedForce::evaluate(const HapticModel& model, std::size_t method, const SurfacePoint& anchor,
+                            const Eigen::Vector3d& displacement) noexcept {
+  model_ = &model;
+  method_ = method;
+  displacement_ = displacement;
+  size_ = 0;
+  blend_ = model.surface().blendAt(anchor);
+  sum_ = {};
+  sum_.energy = sum_.error_bound = 0;
+  sum_.inside = true;
+  for (std::size_t n = 0; n < static_cast<std::size_t>(blend_.size); ++n) {
+    const double weight = blend_.shares[n].weight;
+    const ForceSample* const sample = sampleOf(blend_.shares[n].space);
+    if (sample == nullptr) continue;  // impossible: a triangle has fewer spaces than most_samples
+    sum_.force += weight * sample->force;
+    sum_.stiffness += weight * sample->stiffness;
+    sum_.energy += weight * sample->energy;
+    sum_.error_bound += weight * sample->error_bound;
+    sum_.coverage += weight * sample->coverage;
+    sum_.inside = sum_.inside && sample->inside;
+  }
+}
+
+AnchorSlope BlendedForce::slopeAlong(std::int32_t triangle) noexcept {
+  const TouchSurface& surface = model_->surface();
+  const Eigen::Vector3d& normal = surface.faceNormal(triangle);
+  Eigen::Vector3d of_energies = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d of_weights = Eigen::Matrix3d::Zero();
+  bool has_energies = std::isfinite(sum_.energy);
+  for (const CornerShares& corners : surface.cornerSharesOf(triangle)) {
+    const Eigen::Vector3d& weights = corners.weights;
+    if (weights[0] == weights[1] && weights[1] == weights[2]) continue;
+    const Eigen::Vector3d gradient = surface.barycentricGradients(triangle) * weights;
+    const ForceSample* const sample = sampleOf(corners.space);
+    if (sample == nullptr || !std::isfinite(sample->energy)) has_energies = false;
+    if (sample == nullptr) continue;
+    of_energies += sample->energy * gradient;
+    of_weights += sample->force * gradient.transpose();
+  }
+  AnchorSlope slope;
+  const Eigen::Vector3d total = has_energies ? Eigen::Vector3d(sum_.force + of_energies) : sum_.force;
+  slope.tangent = total - normal.dot(total) * normal;
+  slope.change = of_weights - sum_.stiffness;
+  slope.hessian = slope.change;
+  if (has_energies) slope.hessian += of_weights.transpose();
+  return slope;
+}
+
+const ForceSample* BlendedForce::sampleOf(std::int32_t space) noexcept {
+  for (std::size_t n = 0; n < size_; ++n)
+    if (spaces_[n] == space) return &samples_[n];
+  if (size_ == most_samples) return nullptr;
+  spaces_[size_] = space;
+  samples_[size_] = model_->field(method_, static_cast<std::size_t>(space)).evaluate(displacement_);
+  return &samples_[size_++];
+}
+
+}  // namespace palpate

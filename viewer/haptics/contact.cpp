@@ -1,0 +1,162 @@
+#include "viewer/haptics/contact.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "viewer/haptics/anchor_slide.hpp"
+
+namespace palpate {
+namespace {
+
+/// m: a tool no deeper than this has not missed the way in. Rounding decides on which side it is, and whether
+/// it is pushed.
+constexpr double graze = 1e-6;
+
+bool sameSurface(const TouchSurface& a, const TouchSurface& b) noexcept {
+  return &a == &b || (a.triangles() == b.triangles() && a.vertices() == b.vertices());
+}
+
+}  // namespace
+
+Contact::Contact(const HapticModel& model, const ContactOptions& options)
+    : model_(&model), options_(options), ready_(options.mode == ContactMode::glued) {}
+
+const Touch& Contact::update(const Eigen::Vector3d& tool, bool hold) noexcept {
+  touch_.stepped = std::exchange(step_follows_, false);
+  if (!tool.allFinite()) {
+    end(touch_.stepped || !touch_.force.isZero(0));
+    last_tool_known_ = false;
+    ready_ = options_.mode == ContactMode::glued;
+    return touch_;
+  }
+  if (!last_tool_known_) last_tool_ = tool;
+  last_tool_known_ = true;
+
+  if (touch_.touching && options_.mode == ContactMode::glued && !hold)
+    end(touch_.stepped || !touch_.force.isZero(0));
+  if (touch_.touching) {
+    const double force = touch_.force.norm(), stiffness = touch_.stiffness.norm();
+    if (press(tool)) {
+      last_tool_ = tool;
+      return touch_;
+    }
+    // What the tool's motion explains is no step.
+    end(touch_.stepped || force > 2 * stiffness * (tool - last_tool_).norm());
+    ready_ = false;
+  }
+  seek(tool, hold);
+  return touch_;
+}
+
+void Contact::seek(const Eigen::Vector3d& tool, bool hold) noexcept {
+  const NearestPoint nearest = model_->surface().tree().nearest(tool, near_triangle_);
+  near_triangle_ = nearest.triangle;
+  touch_.gap = nearest.outside ? nearest.distance : -nearest.distance;
+  if (options_.mode == ContactMode::glued) return seekGrip(tool, hold);
+  if (nearest.outside) {
+    ready_ = true;
+    last_tool_ = tool;
+    return;
+  }
+  if (ready_) return seekEntry(tool, nearest);
+  ready_ = nearest.distance <= graze;
+  last_tool_ = tool;
+}
+
+/// The tool was outside and is inside.
+void Contact::seekEntry(const Eigen::Vector3d& tool, const NearestPoint& nearest) noexcept {
+  const Crossing crossing = model_->surface().tree().entry(last_tool_, tool);
+  // A tool that was on the surface may have passed it without crossing it, by rounding.
+  const SurfacePoint entry = crossing.triangle >= 0 ? SurfacePoint{crossing.triangle, crossing.barycentric}
+                                                    : SurfacePoint{nearest.triangle, nearest.barycentric};
+  if (model_->surface().touchable(entry.triangle)) {
+    const double gap = touch_.gap;
+    begin(entry, Eigen::Vector3d::Zero());
+    if (press(tool)) {
+      last_tool_ = tool;
+      return;
+    }
+    end(touch_.stepped);
+    touch_.gap = gap;
+    if (nearest.distance <= graze) return;
+  }
+  ready_ = false;
+  last_tool_ = tool;
+}
+
+void Contact::seekGrip(const Eigen::Vector3d& tool, bool hold) noexcept {
+  last_tool_ = tool;
+  const NearestPoint nearest = model_->surface().nearestTouchable(tool);
+  const bool near = nearest.distance <= options_.grab_distance;
+  ready_ = ready_ || !hold || !near;
+  if (!(ready_ && hold && near)) return;
+  begin({nearest.triangle, nearest.barycentric}, tool - nearest.position);
+  press(tool);
+}
+
+void Contact::begin(const SurfacePoint& anchor, const Eigen::Vector3d& offset) noexcept {
+  anchor_ = anchor;
+  offset_ = offset;
+}
+
+/// False where the tissue would pull; then nothing is touched.
+bool Contact::press(const Eigen::Vector3d& tool) noexcept {
+  const TouchSurface& surface = model_->surface();
+  const Eigen::Vector3d pressing = tool - offset_;
+  force_.evaluate(*model_, method_, anchor_, pressing - surface.position(anchor_));
+  if (options_.mode == ContactMode::unilateral) {
+    SlideLimits limits;
+    limits.friction = options_.friction;
+    limits.length = options_.most_slide;
+    limits.force_change = options_.most_relaxation;
+    limits.motion = (tool - last_tool_).norm();
+    slideAnchor(*model_, method_, pressing, limits, anchor_, force_);
+    if (force_.force().dot(surface.normal(anchor_)) <= 0) return false;
+  }
+  describe(pressing - surface.position(anchor_));
+  return true;
+}
+
+void Contact::describe(const Eigen::Vector3d& displacement) noexcept {
+  const ForceSample& sum = force_.sum();
+  touch_.touching = true;
+  touch_.force = sum.force;
+  touch_.stiffness = sum.stiffness;
+  touch_.energy = sum.energy;
+  touch_.error_bound = sum.error_bound;
+  touch_.coverage = sum.coverage;
+  touch_.inside = sum.inside;
+  touch_.anchor = anchor_;
+  touch_.anchor_position = model_->surface().position(anchor_);
+  touch_.normal = model_->surface().normal(anchor_);
+  touch_.displacement = displacement;
+  touch_.blend = force_.blend();
+  touch_.gap = 0;
+}
+
+void Contact::end(bool stepped) noexcept {
+  touch_ = {};
+  touch_.stepped = stepped;
+}
+
+void Contact::release() noexcept {
+  const bool had_force = touch_.touching && !touch_.force.isZero(0);
+  end(false);
+  step_follows_ = step_follows_ || had_force;
+  ready_ = false;
+  last_tool_known_ = false;
+}
+
+void Contact::use(const HapticModel& model, std::size_t method) noexcept {
+  const bool same = sameSurface(model_->surface(), model.surface());
+  const bool kept = touch_.touching && same && model.surface().touchable(anchor_.triangle);
+  model_ = &model;
+  method_ = method;
+  if (touch_.touching && !kept) release();
+  if (touch_.touching) step_follows_ = true;
+  if (same) return;
+  near_triangle_ = -1;
+  if (options_.mode == ContactMode::unilateral) ready_ = false;
+}
+
+}  // namespace palpate

@@ -1,0 +1,264 @@
+#include "viewer/haptics/surface_tree.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+constexpr std::int32_t leaf_size = 4;
+/// Halving 2^31 triangles down to a leaf takes 30 levels, and a level leaves one entry on a stack.
+constexpr std::size_t stack_size = 64;
+
+std::size_t at(std::int32_t index) {
+  return static_cast<std::size_t>(index);
+}
+
+double angleAt(const Eigen::Vector3d& corner, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const Eigen::Vector3d u = a - corner, v = b - corner;
+  return std::atan2(u.cross(v).norm(), u.dot(v));
+}
+
+/// Barycentric coordinates of the nearest point of a triangle (Ericson, Real-Time Collision
+/// Detection, 5.1.5). Exactly zero for corners that the nearest edge or vertex does not have.
+Eigen::Vector3d nearestInTriangle(const std::array<Eigen::Vector3d, 3>& corners,
+                                  const Eigen::Vector3d& point) noexcept {
+  const Eigen::Vector3d ab = corners[1] - corners[0], ac = corners[2] - corners[0];
+  const Eigen::Vector3d ap = point - corners[0], bp = point - corners[1], cp = point - corners[2];
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp),
+               d6 = ac.dot(cp);
+  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
+  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
+  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
+  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return {0, 1 - w, w};
+  }
+  const double sum = va + vb + vc;
+  return {va / sum, vb / sum, vc / sum};
+}
+
+Eigen::Vector3d combine(const std::array<Eigen::Vector3d, 3>& corners, const Eigen::Vector3d& barycentric) {
+  return barycentric[0] * corners[0] + barycentric[1] * corners[1] + barycentric[2] * corners[2];
+}
+
+double squaredDistance(const Eigen::Vector3d& center, const Eigen::Vector3d& half,
+                       const Eigen::Vector3d& point) noexcept {
+  return ((point - center).cwiseAbs() - half).cwiseMax(0.0).squaredNorm();
+}
+
+/// A segment in the coordinates of the watertight test of Woop, Benthin and Wald (2013): sheared so that it
+/// lies on the third axis. The coordinates of a vertex do not depend on the triangle it is seen from, so
+/// two triangles agree about the side on which their common edge is passed.
+class ShearedSegment {
+ public:
+  ShearedSegment(const Eigen::Vector3d& from, const Eigen::Vector3d& to) noexcept
+      : from_(from), half_((to - from) / 2), middle_((to + from) / 2) {
+    const Eigen::Vector3d direction = to - from;
+    direction.cwiseAbs().maxCoeff(&z_);
+    x_ = (z_ + 1) % 3;
+    y_ = (z_ + 2) % 3;
+    if (direction[z_] < 0) std::swap(x_, y_);
+    length_ = direction[z_];
+    shear_x_ = direction[x_] / length_;
+    shear_y_ = direction[y_] / length_;
+    // Room for the rounding of the box test itself.
+    reach_ = half_.cwiseAbs().array() + 1e-13 * (middle_.cwiseAbs() + half_.cwiseAbs()).sum();
+  }
+
+  /// Whether the segment may meet a box: three axes and three cross products separate them or nothing does.
+  bool mayMeet(const Eigen::Vector3d& center, const Eigen::Vector3d& half) const noexcept {
+    const Eigen::Vector3d m = middle_ - center, room = half + reach_;
+    if ((m.cwiseAbs().array() > room.array()).any()) return false;
+    const Eigen::Vector3d cross = m.cross(half_).cwiseAbs();
+    return cross[0] <= half[1] * reach_[2] + half[2] * reach_[1] + slack(half) &&
+           cross[1] <= half[0] * reach_[2] + half[2] * reach_[0] + slack(half) &&
+           cross[2] <= half[0] * reach_[1] + half[1] * reach_[0] + slack(half);
+  }
+
+  /// Replaces `best` where the triangle is entered, from its outer side, before it.
+  void meet(const std::array<Eigen::Vector3d, 3>& corners, std::int32_t triangle,
+            Crossing& best) const noexcept {
+    const Eigen::Vector3d a = corners[0] - from_, b = corners[1] - from_, c = corners[2] - from_;
+    const double ax = a[x_] - shear_x_ * a[z_], ay = a[y_] - shear_y_ * a[z_];
+    const double bx = b[x_] - shear_x_ * b[z_], by = b[y_] - shear_y_ * b[z_];
+    const double cx = c[x_] - shear_x_ * c[z_], cy = c[y_] - shear_y_ * c[z_];
+    const double u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
+    if (u < 0 || v < 0 || w < 0) return;  // beside it, or from inside
+    const double sum = u + v + w;
+    if (sum <= 0) return;
+    const double fraction = (u * a[z_] + v * b[z_] + w * c[z_]) / (sum * length_);
+    if (!(fraction >= 0 && fraction <= 1)) return;
+    if (best.triangle >= 0 && std::pair(best.fraction, best.triangle) <= std::pair(fraction, triangle))
+      return;
+    best = {triangle, Eigen::Vector3d(u, v, w) / sum, fraction};
+  }
+
+ private:
+  double slack(const Eigen::Vector3d& half) const noexcept { return 1e-13 * half.sum() * reach_.sum(); }
+
+  Eigen::Vector3d from_, half_, middle_, reach_;
+  Eigen::Index x_ = 0, y_ = 0, z_ = 0;
+  double length_ = 0, shear_x_ = 0, shear_y_ = 0;
+};
+
+}  // namespace
+
+SurfaceTree::SurfaceTree(const std::vector<Eigen::Vector3d>& vertices,
+                         const std::vector<Triangle>& triangles) {
+  setFaces(vertices, triangles);
+  order_.resize(triangles.size());
+  std::iota(order_.begin(), order_.end(), 0);
+  if (!order_.empty()) build(0, static_cast<std::int32_t>(order_.size()));
+}
+
+void SurfaceTree::setFaces(const std::vector<Eigen::Vector3d>& vertices,
+                           const std::vector<Triangle>& triangles) {
+  std::map<std::pair<std::int32_t, std::int32_t>, Eigen::Vector3d> edge_normals;
+  std::vector<Eigen::Vector3d> vertex_normals(vertices.size(), Eigen::Vector3d::Zero());
+  const auto edgeOf = [](const Triangle& t, std::size_t c) {
+    return std::minmax(t[(c + 1) % 3], t[(c + 2) % 3]);
+  };
+  faces_.resize(triangles.size());
+  for (std::size_t n = 0; n < triangles.size(); ++n) {
+    const Triangle& t = triangles[n];
+    Face& face = faces_[n];
+    for (std::size_t c = 0; c < 3; ++c) face.corners[c] = vertices[at(t[c])];
+    face.normal = (face.corners[1] - face.corners[0]).cross(face.corners[2] - face.corners[0]).normalized();
+    for (std::size_t c = 0; c < 3; ++c) {
+      edge_normals.try_emplace(edgeOf(t, c), Eigen::Vector3d::Zero()).first->second += face.normal;
+      vertex_normals[at(t[c])] +=
+          angleAt(face.corners[c], face.corners[(c + 1) % 3], face.corners[(c + 2) % 3]) * face.normal;
+    }
+  }
+  for (std::size_t n = 0; n < triangles.size(); ++n)
+    for (std::size_t c = 0; c < 3; ++c) {
+      faces_[n].edge_normals[c] = edge_normals.at(edgeOf(triangles[n], c));
+      faces_[n].vertex_normals[c] = vertex_normals[at(triangles[n][c])];
+    }
+}
+
+/// Halves by the median of the centroids along the longest side of their box.
+std::int32_t SurfaceTree::build(std::int32_t first, std::int32_t count) {
+  Eigen::AlignedBox3d box, centroids;
+  const auto centroidOf = [this](std::int32_t triangle) {
+    const std::array<Eigen::Vector3d, 3>& corners = faces_[at(triangle)].corners;
+    return Eigen::Vector3d((corners[0] + corners[1] + corners[2]) / 3);
+  };
+  for (std::int32_t n = first; n < first + count; ++n) {
+    for (const Eigen::Vector3d& corner : faces_[at(order_[at(n)])].corners) box.extend(corner);
+    centroids.extend(centroidOf(order_[at(n)]));
+  }
+  const auto index = static_cast<std::int32_t>(nodes_.size());
+  Node node;
+  node.center = box.center();
+  // Rounding of the centre may not cut a corner off.
+  node.half = box.sizes() / 2 + Eigen::Vector3d::Constant(1e-15 * (1 + box.max().cwiseAbs().maxCoeff()));
+  if (count <= leaf_size) {
+    node.first = first;
+    node.count = count;
+    nodes_.push_back(node);
+    return index;
+  }
+  nodes_.push_back(node);
+  Eigen::Index axis = 0;
+  centroids.sizes().maxCoeff(&axis);
+  const std::int32_t left = count / 2;
+  std::nth_element(order_.begin() + first, order_.begin() + first + left, order_.begin() + first + count,
+                   [&](std::int32_t a, std::int32_t b) {
+                     return std::pair(centroidOf(a)[axis], a) < std::pair(centroidOf(b)[axis], b);
+                   });
+  build(first, left);
+  const std::int32_t right = build(first + left, count - left);
+  nodes_[at(index)].first = right;
+  return index;
+}
+
+NearestPoint SurfaceTree::nearest(const Eigen::Vector3d& point, std::int32_t hint) const noexcept {
+  NearestPoint best;
+  if (nodes_.empty()) return best;
+  double best_squared = std::numeric_limits<double>::infinity();
+  const auto consider = [&](std::int32_t triangle) {
+    const std::array<Eigen::Vector3d, 3>& corners = faces_[at(triangle)].corners;
+    const Eigen::Vector3d barycentric = nearestInTriangle(corners, point);
+    const Eigen::Vector3d position = combine(corners, barycentric);
+    const double squared = (point - position).squaredNorm();
+    if (!(squared < best_squared)) return;
+    best_squared = squared;
+    best.triangle = triangle;
+    best.barycentric = barycentric;
+    best.position = position;
+  };
+  if (hint >= 0 && at(hint) < faces_.size()) consider(hint);
+
+  struct Entry {
+    std::int32_t node;
+    double squared;
+  };
+  std::array<Entry, stack_size> stack;
+  std::size_t size = 0;
+  stack[size++] = {0, squaredDistance(nodes_[0].center, nodes_[0].half, point)};
+  while (size > 0) {
+    const Entry entry = stack[--size];
+    if (entry.squared >= best_squared) continue;
+    const Node& node = nodes_[at(entry.node)];
+    if (node.count > 0) {
+      for (std::int32_t n = node.first; n < node.first + node.count; ++n) consider(order_[at(n)]);
+      continue;
+    }
+    const auto entryOf = [&](std::int32_t child) {
+      return Entry{child, squaredDistance(nodes_[at(child)].center, nodes_[at(child)].half, point)};
+    };
+    Entry near = entryOf(entry.node + 1), far = entryOf(node.first);
+    if (far.squared < near.squared) std::swap(near, far);
+    if (far.squared < best_squared) stack[size++] = far;
+    if (near.squared < best_squared) stack[size++] = near;
+  }
+  if (best.triangle < 0) return best;  // the point is not finite
+
+  best.distance = std::sqrt(best_squared);
+  const Face& face = faces_[at(best.triangle)];
+  const std::array<bool, 3> zero = {best.barycentric[0] == 0, best.barycentric[1] == 0,
+                                    best.barycentric[2] == 0};
+  const auto zeros = std::ranges::count(zero, true);
+  const auto which = [&](bool value) {
+    return static_cast<std::size_t>(std::ranges::find(zero, value) - zero.begin());
+  };
+  const Eigen::Vector3d& normal = zeros == 0   ? face.normal
+                                  : zeros == 1 ? face.edge_normals[which(true)]
+                                               : face.vertex_normals[which(false)];
+  best.outside = (point - best.position).dot(normal) >= 0;
+  return best;
+}
+
+Crossing SurfaceTree::entry(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const noexcept {
+  Crossing best;
+  if (nodes_.empty() || from == to || !from.allFinite() || !to.allFinite()) return best;
+  const ShearedSegment segment(from, to);
+  std::array<std::int32_t, stack_size> stack;
+  std::size_t size = 0;
+  stack[size++] = 0;
+  while (size > 0) {
+    const std::int32_t index = stack[--size];
+    const Node& node = nodes_[at(index)];
+    if (!segment.mayMeet(node.center, node.half)) continue;
+    if (node.count == 0) {
+      stack[size++] = node.first;
+      stack[size++] = index + 1;
+      continue;
+    }
+    for (std::int32_t n = node.first; n < node.first + node.count; ++n) {
+      const std::int32_t triangle = order_[at(n)];
+      segment.meet(faces_[at(triangle)].corners, triangle, best);
+    }
+  }
+  return best;
+}
+
+}  // namespace palpate

@@ -1,0 +1,274 @@
+#include "viewer/haptics/touch_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <queue>
+#include <utility>
+
+#include "common/error.hpp"
+
+namespace palpate {
+namespace {
+
+std::size_t at(std::int32_t index) {
+  return static_cast<std::size_t>(index);
+}
+
+struct WeightedEdge {
+  std::int32_t to;
+  double length;  ///< m
+};
+using EdgeGraph = std::vector<std::vector<WeightedEdge>>;
+
+EdgeGraph edgeGraph(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Triangle>& triangles) {
+  EdgeGraph graph(vertices.size());
+  for (const Triangle& t : triangles)
+    for (std::size_t c = 0; c < 3; ++c) {
+      // The neighbour beyond an edge of a closed surface adds the other direction.
+      const std::int32_t from = t[c], to = t[(c + 1) % 3];
+      graph[at(from)].push_back({to, (vertices[at(to)] - vertices[at(from)]).norm()});
+    }
+  return graph;
+}
+
+struct VertexDistance {
+  std::int32_t vertex;
+  double distance;  ///< m
+};
+
+/// Dijkstra's: all vertices within `reach` of the sources along edges, nearest first.
+std::vector<VertexDistance> verticesWithin(const EdgeGraph& graph, const std::vector<std::int32_t>& sources,
+                                           double reach) {
+  using Item = std::pair<double, std::int32_t>;
+  std::priority_queue<Item, std::vector<Item>, std::greater<>> open;
+  std::map<std::int32_t, double> known;
+  for (const std::int32_t vertex : sources) {
+    known[vertex] = 0;
+    open.push({0, vertex});
+  }
+  std::vector<VertexDistance> settled;
+  while (!open.empty()) {
+    const auto [distance, vertex] = open.top();
+    open.pop();
+    if (distance > known[vertex]) continue;
+    settled.push_back({vertex, distance});
+    for (const WeightedEdge& edge : graph[at(vertex)]) {
+      const double through = distance + edge.length;
+      if (through > reach) continue;
+      const auto [place, is_new] = known.try_emplace(edge.to, through);
+      if (!is_new && place->second <= through) continue;
+      place->second = through;
+      open.push({through, edge.to});
+    }
+  }
+  return settled;
+}
+
+struct Candidate {
+  std::int32_t space;
+  double distance, reach;  ///< m
+};
+
+/// In place: the nearest three at most, as weights that sum to 1.
+std::vector<SpaceWeight> sharesFrom(std::vector<Candidate>& candidates) {
+  std::ranges::sort(candidates, [](const Candidate& a, const Candidate& b) {
+    return std::pair(a.distance, a.space) < std::pair(b.distance, b.space);
+  });
+  if (candidates.size() > most_spaces_of_vertex) candidates.resize(most_spaces_of_vertex);
+  if (candidates.front().distance == 0)
+    std::erase_if(candidates, [](const Candidate& candidate) { return candidate.distance > 0; });
+  std::vector<SpaceWeight> shares;
+  double sum = 0;
+  for (const Candidate& candidate : candidates) {
+    // A vertex exactly at the reach, as those of the first ring are, keeps a little of the weight.
+    const double taper = std::max(1 - candidate.distance / candidate.reach, 1e-3);
+    const double weight = candidate.distance > 0 ? taper * taper / candidate.distance : 1;
+    shares.push_back({candidate.space, weight});
+    sum += weight;
+  }
+  for (SpaceWeight& share : shares) share.weight /= sum;
+  return shares;
+}
+
+}  // namespace
+
+TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
+  const std::vector<std::int32_t>& nodes = dataset.surfaceNodes();
+  const auto vertexOf = [&nodes](std::int32_t node) {
+    const auto place = std::ranges::lower_bound(nodes, node);
+    return place != nodes.end() && *place == node ? static_cast<std::int32_t>(place - nodes.begin()) : -1;
+  };
+  for (const std::int32_t node : nodes) vertices_.push_back(dataset.mesh().nodes[at(node)]);
+  for (const Triangle& t : dataset.mesh().surface)
+    triangles_.push_back({vertexOf(t[0]), vertexOf(t[1]), vertexOf(t[2])});
+  setFaces();
+  setNeighbors();
+
+  std::vector<ActivePatch> patches;
+  for (const SpaceTable& space : dataset.spaces()) {
+    ActivePatch patch = space.patch;
+    patch.node = vertexOf(patch.node);
+    for (std::int32_t& node : patch.nodes) node = vertexOf(node);
+    std::erase(patch.nodes, -1);  // inside of the body, or in the middle of an edge
+    patches.push_back(patch);
+  }
+  if (!(std::isfinite(reach) && reach >= 0))
+    throw badInput("the reach of active nodes must be finite and not negative, not {} m", reach);
+  setShares(patches, reach);
+  setTouchable();
+  if (touch_triangles_.empty())
+    throw failure(
+        "{}: nothing can be touched: no triangle of the surface has three corners near active "
+        "nodes; give a larger reach than {} m",
+        dataset.file().string(), reach);
+  tree_ = SurfaceTree(vertices_, triangles_);
+}
+
+void TouchSurface::setFaces() {
+  normals_.assign(vertices_.size(), Eigen::Vector3d::Zero());
+  longest_edges_.assign(vertices_.size(), 0);
+  for (const Triangle& t : triangles_) {
+    Face face;
+    std::array<Eigen::Vector3d, 3> edges;  // opposite to each corner
+    for (std::size_t c = 0; c < 3; ++c)
+      edges[c] = vertices_[at(t[(c + 2) % 3])] - vertices_[at(t[(c + 1) % 3])];
+    const Eigen::Vector3d twice_area = edges[0].cross(edges[1]);
+    face.normal = twice_area.normalized();
+    for (std::size_t c = 0; c < 3; ++c) {
+      face.gradients.col(static_cast<Eigen::Index>(c)) = face.normal.cross(edges[c]) / twice_area.norm();
+      const Eigen::Vector3d &before = edges[(c + 1) % 3], &after = edges[(c + 2) % 3];
+      normals_[at(t[c])] += std::atan2(before.cross(after).norm(), -before.dot(after)) * face.normal;
+      longest_edges_[at(t[c])] = std::max({longest_edges_[at(t[c])], before.norm(), after.norm()});
+    }
+    faces_.push_back(face);
+  }
+  for (Eigen::Vector3d& normal : normals_) normal.normalize();
+}
+
+void TouchSurface::setNeighbors() {
+  // From (start, end) of a directed edge to (triangle, corner opposite to it).
+  std::multimap<std::pair<std::int32_t, std::int32_t>, std::pair<std::int32_t, std::size_t>> edges;
+  for (std::size_t n = 0; n < triangles_.size(); ++n)
+    for (std::size_t c = 0; c < 3; ++c)
+      edges.insert(
+          {{triangles_[n][(c + 1) % 3], triangles_[n][(c + 2) % 3]}, {static_cast<std::int32_t>(n), c}});
+  neighbors_.assign(triangles_.size(), {-1, -1, -1});
+  while (!edges.empty()) {
+    const auto [edge, place] = *edges.begin();
+    edges.erase(edges.begin());
+    const auto opposite = edges.find({edge.second, edge.first});
+    if (opposite == edges.end()) continue;
+    neighbors_[at(place.first)][place.second] = opposite->second.first;
+    neighbors_[at(opposite->second.first)][opposite->second.second] = place.first;
+    edges.erase(opposite);
+  }
+
+  std::vector<std::vector<std::int32_t>> around(vertices_.size());
+  for (std::size_t n = 0; n < triangles_.size(); ++n)
+    for (const std::int32_t vertex : triangles_[n])
+      around[at(vertex)].push_back(static_cast<std::int32_t>(n));
+  around_begins_ = {0};
+  for (const std::vector<std::int32_t>& triangles : around) {
+    around_.insert(around_.end(), triangles.begin(), triangles.end());
+    around_begins_.push_back(static_cast<std::int32_t>(around_.size()));
+  }
+}
+
+void TouchSurface::setShares(const std::vector<ActivePatch>& patches, double reach) {
+  const EdgeGraph graph = edgeGraph(vertices_, triangles_);
+  std::vector<std::vector<Candidate>> candidates(vertices_.size());
+  for (std::size_t s = 0; s < patches.size(); ++s) {
+    const ActivePatch& patch = patches[s];
+    if (patch.node < 0) continue;
+    double own_reach = reach;
+    if (reach == 0) {
+      own_reach = longest_edges_[at(patch.node)];
+      for (const std::int32_t vertex : patch.nodes)
+        own_reach = std::max(own_reach, (vertices_[at(vertex)] - vertices_[at(patch.node)]).norm());
+    }
+    for (const auto& [vertex, distance] : verticesWithin(graph, patch.nodes, own_reach))
+      candidates[at(vertex)].push_back({static_cast<std::int32_t>(s), distance, own_reach});
+  }
+  shares_.resize(vertices_.size());
+  share_counts_.assign(vertices_.size(), 0);
+  for (std::size_t v = 0; v < vertices_.size(); ++v) {
+    if (candidates[v].empty()) continue;
+    const std::vector<SpaceWeight> shares = sharesFrom(candidates[v]);
+    std::ranges::copy(shares, shares_[v].begin());
+    share_counts_[v] = static_cast<std::int32_t>(shares.size());
+  }
+}
+
+void TouchSurface::setTouchable() {
+  corner_begins_ = {0};
+  std::vector<Triangle> touchable;
+  for (std::size_t n = 0; n < triangles_.size(); ++n) {
+    const Triangle& t = triangles_[n];
+    touchable_.push_back(std::ranges::all_of(t, [this](std::int32_t v) { return share_counts_[at(v)] > 0; }));
+    if (touchable_.back()) {
+      touchable.push_back(t);
+      touch_triangles_.push_back(static_cast<std::int32_t>(n));
+      std::map<std::int32_t, Eigen::Vector3d> weights;
+      for (std::size_t c = 0; c < 3; ++c)
+        for (const SpaceWeight& share : sharesOf(t[c]))
+          weights.try_emplace(share.space, Eigen::Vector3d::Zero())
+              .first->second[static_cast<Eigen::Index>(c)] = share.weight;
+      for (const auto& [space, corners] : weights) corner_shares_.push_back({space, corners});
+    }
+    corner_begins_.push_back(static_cast<std::int32_t>(corner_shares_.size()));
+  }
+  touch_tree_ = SurfaceTree(vertices_, touchable);
+}
+
+std::int32_t TouchSurface::neighbor(std::int32_t triangle, int corner) const {
+  return neighbors_[at(triangle)][at(corner)];
+}
+
+std::span<const SpaceWeight> TouchSurface::sharesOf(std::int32_t vertex) const {
+  return {shares_[at(vertex)].data(), at(share_counts_[at(vertex)])};
+}
+
+std::span<const std::int32_t> TouchSurface::trianglesAt(std::int32_t vertex) const noexcept {
+  const std::size_t begin = at(around_begins_[at(vertex)]);
+  return {around_.data() + begin, at(around_begins_[at(vertex) + 1]) - begin};
+}
+
+std::span<const CornerShares> TouchSurface::cornerSharesOf(std::int32_t triangle) const noexcept {
+  const std::size_t begin = at(corner_begins_[at(triangle)]);
+  return {corner_shares_.data() + begin, at(corner_begins_[at(triangle) + 1]) - begin};
+}
+
+Eigen::Vector3d TouchSurface::position(const SurfacePoint& point) const noexcept {
+  const Triangle& t = triangles_[at(point.triangle)];
+  return point.barycentric[0] * vertices_[at(t[0])] + point.barycentric[1] * vertices_[at(t[1])] +
+         point.barycentric[2] * vertices_[at(t[2])];
+}
+
+Eigen::Vector3d TouchSurface::normal(const SurfacePoint& point) const noexcept {
+  const Triangle& t = triangles_[at(point.triangle)];
+  const Eigen::Vector3d sum = point.barycentric[0] * normals_[at(t[0])] +
+                              point.barycentric[1] * normals_[at(t[1])] +
+                              point.barycentric[2] * normals_[at(t[2])];
+  const double length = sum.norm();
+  return length > 1e-6 ? Eigen::Vector3d(sum / length) : faceNormal(point.triangle);
+}
+
+SpaceBlend TouchSurface::blendAt(const SurfacePoint& point) const noexcept {
+  SpaceBlend blend;
+  for (const CornerShares& corners : cornerSharesOf(point.triangle)) {
+    const double weight = corners.weights.dot(point.barycentric);
+    if (weight > 0) blend.shares[at(blend.size++)] = {corners.space, weight};
+  }
+  return blend;
+}
+
+NearestPoint TouchSurface::nearestTouchable(const Eigen::Vector3d& point) const noexcept {
+  NearestPoint nearest = touch_tree_.nearest(point);
+  if (nearest.triangle >= 0) nearest.triangle = touch_triangles_[at(nearest.triangle)];
+  return nearest;
+}
+
+}  // namespace palpate
