@@ -1,11 +1,6 @@
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <span>
 
@@ -14,6 +9,7 @@
 #include "common/dataset_layout.hpp"
 #include "common/hdf5_writer.hpp"
 #include "common/program.hpp"
+#include "common/replaced_file.hpp"
 
 namespace palpate {
 namespace {
@@ -470,14 +466,6 @@ void verifySealed(const std::filesystem::path& file, const ContentId& written) {
     throw failure("{}: reads back differently from what was written", file.string());
 }
 
-void syncToDisk(const std::filesystem::path& path, int flags) {
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | flags);
-  const bool synced = descriptor >= 0 && fsync(descriptor) == 0;
-  const int reason = errno;
-  if (descriptor >= 0) close(descriptor);
-  if (!synced) throw failure("{}: cannot be flushed to disk: {}", path.string(), std::strerror(reason));
-}
-
 }  // namespace
 
 void sealDataset(const std::filesystem::path& file, const Problem& problem,
@@ -488,22 +476,10 @@ void sealDataset(const std::filesystem::path& file, const Problem& problem,
     throw badInput("{}: is a directory; give the dataset a file name", file.string());
   checkArguments(file.string(), problem, spaces);
   const std::vector<SpaceTable> complete = withDerived(spaces);
-  std::filesystem::path aside = file;
-  aside += ".tmp";
-  try {
+  replaceFile(file, [&](const std::filesystem::path& aside) {
     const ContentId content = writeDataset(aside, problem, complete, kernel_family, fields);
     verifySealed(aside, content);
-    syncToDisk(aside, 0);
-    std::filesystem::rename(aside, file);
-  } catch (const std::filesystem::filesystem_error& error) {
-    std::filesystem::remove(aside, ignored);
-    throw failure("{}: {}", file.string(), error.code().message());
-  } catch (...) {
-    std::filesystem::remove(aside, ignored);
-    throw;
-  }
-  const std::filesystem::path folder = file.parent_path();
-  syncToDisk(folder.empty() ? "." : folder, O_DIRECTORY);
+  });
 }
 
 }  // namespace palpate

@@ -11,8 +11,8 @@
 #include "common/content_id.hpp"
 #include "common/error.hpp"
 
-/// What the dataset needs of the HDF5 C API. Not thread-safe, as the library is not. For common/dataset*.cpp
-/// only.
+/// What datasets and recordings need of the HDF5 C API. Not thread-safe, as the library is not. For
+/// common/dataset*.cpp and viewer/haptics/recording.cpp only.
 namespace palpate::hdf5 {
 
 /// Turns off HDF5's own printing to stderr; called by every Reader and Writer.

@@ -10,14 +10,14 @@ constexpr int max_rank = 3;
 constexpr std::size_t verified_at_once = std::size_t{4} << 20;  // bytes
 constexpr double max_gzip_ratio = 1040;                         // of deflate, 1032, and a little for the rest
 
-void refuseWhatIsNoFile(const std::filesystem::path& file) {
+void refuseWhatIsNoFile(const std::filesystem::path& file, const FileKind& kind) {
   std::error_code problem;
   const auto status = std::filesystem::status(file, problem);
   if (status.type() == std::filesystem::file_type::not_found)
-    throw badInput("{}: there is no such dataset; palpate build makes one", file.string());
+    throw badInput("{}: there is no such {}; {}", file.string(), kind.noun, kind.origin);
   if (problem) throw badInput("{}: {}", file.string(), problem.message());
   if (status.type() != std::filesystem::file_type::regular)
-    throw badInput("{}: is not a file; a dataset is one .h5 file", file.string());
+    throw badInput("{}: is not a file; a {} is one .h5 file", file.string(), kind.noun);
 }
 
 bool isShape(const Shape& shape, const Shape& expected) {
@@ -52,12 +52,12 @@ std::string describeExpected(const Shape& expected) {
 
 }  // namespace
 
-Reader::Reader(const std::filesystem::path& file) : name_(file.string()) {
+Reader::Reader(const std::filesystem::path& file, const FileKind& kind) : name_(file.string()), kind_(kind) {
   silenceErrorStack();
-  refuseWhatIsNoFile(file);
+  refuseWhatIsNoFile(file, kind_);
   const htri_t is_hdf5 = H5Fis_hdf5(name_.c_str());
   if (is_hdf5 < 0) throw failure("{}: cannot be read: {}", name_, lastError());
-  if (is_hdf5 == 0) throw badInput("{}: is not an HDF5 file, so not a Palpate dataset", name_);
+  if (is_hdf5 == 0) throw badInput("{}: is not an HDF5 file, so not a Palpate {}", name_, kind_.noun);
   const Handle access(check(H5Pcreate(H5P_FILE_ACCESS), "file access properties"), H5Pclose);
   // A sealed file never changes, and locks fail on read-only network file systems.
   check(H5Pset_file_locking(access.get(), false, true), "file locking");
@@ -68,7 +68,7 @@ Reader::Reader(const std::filesystem::path& file) : name_(file.string()) {
 }
 
 Error Reader::damaged(std::string_view where, std::string_view why) const {
-  return failure("{}: {}: {}; copy the dataset again or seal it again with palpate build", name_, where, why);
+  return failure("{}: {}: {}; {}", name_, where, why, kind_.remedy);
 }
 
 bool Reader::hasAttribute(const char* attribute) const {
@@ -104,6 +104,18 @@ std::vector<std::int32_t> Reader::integers(const char* attribute) const {
   std::vector<std::int32_t> values(static_cast<std::size_t>(count));
   check(H5Aread(opened.get(), type.get(), values.data()), attribute);
   return values;
+}
+
+double Reader::number(const char* attribute) const {
+  const Handle opened(check(H5Aopen(file_.get(), attribute, H5P_DEFAULT), attribute), H5Aclose);
+  const Handle type(check(H5Aget_type(opened.get()), attribute), H5Tclose);
+  const Handle space(check(H5Aget_space(opened.get()), attribute), H5Sclose);
+  if (check(H5Tequal(type.get(), typeOf(Element::float64)), attribute) == 0 ||
+      H5Sget_simple_extent_type(space.get()) != H5S_SCALAR)
+    throw damaged(attribute, "is not one float64");
+  double value = 0;
+  check(H5Aread(opened.get(), type.get(), &value), attribute);
+  return value;
 }
 
 void Reader::findArrays() {

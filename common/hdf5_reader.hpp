@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/hdf5_handle.hpp"
@@ -11,6 +12,13 @@ namespace palpate::hdf5 {
 
 inline constexpr hsize_t any_extent = ~hsize_t{0};  ///< in an expected Shape
 
+/// Words for messages about one kind of file.
+struct FileKind {
+  std::string_view noun = "dataset";
+  std::string_view origin = "palpate build makes one";
+  std::string_view remedy = "copy the dataset again or seal it again with palpate build";
+};
+
 /// Reads what Writer wrote and trusts nothing: types, shapes and hashes are checked before values are used.
 /// Only arrays of the five plain types, stored in the file itself, are accepted. Every Error names the file
 /// and the array.
@@ -18,11 +26,12 @@ class Reader {
  public:
   /// Error (bad input) when `file` is missing, no file or no HDF5 file; Error when it is cut or its structure
   /// damaged.
-  explicit Reader(const std::filesystem::path& file);
+  explicit Reader(const std::filesystem::path& file, const FileKind& kind = {});
 
   bool hasAttribute(const char* attribute) const;  ///< of the root group
   std::string text(const char* attribute) const;   ///< of the root group, fixed-length string
   std::vector<std::int32_t> integers(const char* attribute) const;
+  double number(const char* attribute) const;
 
   /// Looks at every array of the file. To be called once, before any of the calls below.
   void findArrays();
@@ -63,6 +72,7 @@ class Reader {
   }
 
   std::string name_;
+  FileKind kind_;
   Handle file_;
   hsize_t file_size_ = 0;
   std::vector<ArrayInfo> arrays_;

@@ -16,7 +16,7 @@ struct GuardOptions {
   double ramp = 0.05;           ///< s in which a step of the raw force is faded in
   double stall = 0.02;          ///< s without a fresh reading, after which the force goes to zero
   double max_stiffness = 400;   ///< N/m, of the device: bounds the damping of the passivity controller
-  double energy_credit = 1e-4;  ///< J of dissipated energy that the observer remembers at most
+  double energy_credit = 1e-4;  ///< J, dissipated or owed, that the observer remembers at most
 };
 /// Those of a device: max_force and max_stiffness of its profile, max_slew = max_force / 10 ms.
 GuardOptions guardFor(const DeviceProfile& profile, double period);
@@ -58,21 +58,46 @@ struct GuardedForce {
 ///      0 to 1 in `ramp` seconds, so that the force goes on from where it was;
 ///   3. passivity observer and controller (Hannaford and Ryu 2002): the work of the hand, - sum F . dx of the
 ///      force it was given, less the energy stored in the tissue, may not be negative. What is missing is
-///      taken out by damping against the motion, no more of it than T |K| (K the local stiffness, T the
-///      period: twice the K T / 2 by which holding the force for a tick makes a spring active);
+///      taken out by damping against the motion, no more of it than T |K| (K the local stiffness along the
+///      motion, T the period: twice the K T / 2 by which holding the force for a tick makes a spring active)
+///      and than T max_stiffness. What is stored counts by the share of the force that the clamp lets
+///      through, since no more than that comes back. A step, which may change what is stored at will, is no
+///      work; at a step, at the end of its ramp and at that of contact the observer forgets all but
+///      `energy_credit`;
 ///   4. clamp to max_force, keeping the direction;
 ///   5. slew: no faster than max_slew;
 ///   6. no fresh reading for `stall` seconds: toward zero as fast as max_slew allows.
-/// A device that is lost, or a loop that hung, is given exactly zero at once.
-/// Deterministic: a function of its inputs alone. One thread; real time.
+/// A device that is lost, or a loop that hung, is given exactly zero at once. Numbers beyond 1e9 (N, m, J)
+/// are taken for not finite. Deterministic: a function of its inputs alone. One thread; real time.
 class ForceGuard {
  public:
+  /// Error when a number is not finite, the period, max_force or max_slew not positive, or another negative.
   explicit ForceGuard(const GuardOptions& options);
   GuardedForce limit(const GuardInput& input) noexcept;
   void reset() noexcept;
 
  private:
+  void startRamp(const Eigen::Vector3d& raw) noexcept;
+  void restartObserver() noexcept;
+  void observe(const GuardInput& input, bool stepped) noexcept;
+  void forgetContact() noexcept;
+  bool countStale(bool fresh) noexcept;
+  Eigen::Vector3d fade() noexcept;
+  Eigen::Vector3d damping(const Eigen::Matrix3d& stiffness) const noexcept;
+
   GuardOptions options_;
+  Eigen::Vector3d given_ = Eigen::Vector3d::Zero();   ///< N, of the last tick
+  Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();  ///< N, the step that is being faded in
+  double ramp_time_ = 0;                              ///< s since the step
+  bool usable_ = false;                               ///< the last raw force counted
+  bool stalled_ = false;                              ///< the last tick was
+  std::uint64_t ticks_since_fresh_ = 0;
+  Eigen::Vector3d tool_ = Eigen::Vector3d::Zero();    ///< m, of the last tick, when usable_
+  Eigen::Vector3d motion_ = Eigen::Vector3d::Zero();  ///< m, of the last tick
+  bool touching_ = false;                             ///< the last tick was
+  double stored_ = 0;                                 ///< J, of the last tick
+  double clamp_share_ = 1;                            ///< of the last tick
+  double passivity_ = 0;
 };
 
 }  // namespace palpate

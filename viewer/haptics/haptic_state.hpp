@@ -13,7 +13,7 @@ struct HapticState {
   std::uint64_t tick = 0;  ///< counted from 1
   double time = 0;         ///< s, tick * period: not the clock of the wall
   DeviceReading reading;
-  Eigen::Vector3d tool = Eigen::Vector3d::Zero();  ///< m, scene frame
+  Eigen::Vector3d tool = Eigen::Vector3d::Zero();  ///< m, scene frame; the last that was known, always finite
   Touch touch;
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< N, scene frame: what was written to the device
   std::uint32_t guards = 0;                         ///< Guarded bits

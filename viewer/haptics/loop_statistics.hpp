@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "viewer/haptics/force_guard.hpp"
 
@@ -14,11 +15,17 @@ class TimeHistogram {
  public:
   void add(double seconds) noexcept;
   std::uint64_t count() const { return count_; }
-  double quantile(double share) const;         ///< s, upper edge of the bin; 0 when empty
+  double quantile(double share) const;         ///< s, upper edge of the bin, at most largest(); 0 when empty
   double largest() const { return largest_; }  ///< s, exact
   double mean() const;                         ///< s
+  struct Bin {
+    double upper_edge;  ///< s
+    std::uint64_t count;
+  };
+  std::vector<Bin> bins() const;  ///< those that are not empty, in order
 
  private:
+  static double upperEdge(std::size_t bin);  ///< s
   static constexpr int bins_per_octave = 32, octaves = 30;
   std::array<std::uint64_t, static_cast<std::size_t>(bins_per_octave* octaves)> bins_ = {};
   std::uint64_t count_ = 0;
@@ -44,7 +51,12 @@ struct LoopStatistics {
   double largest_step = 0;                             ///< N between ticks, rendered
 };
 
-/// For a person, several lines; and one JSON object.
+struct HapticState;
+/// Counts one tick, after `before`: ticks, guards, contacts, largest force and step. Real time.
+void count(LoopStatistics& statistics, const HapticState& before, const HapticState& state) noexcept;
+
+/// For a person, several lines; and one JSON object: times in microseconds, histograms as pairs [upper edge,
+/// count].
 std::string describe(const LoopStatistics& statistics);
 std::string describeJson(const LoopStatistics& statistics);
 

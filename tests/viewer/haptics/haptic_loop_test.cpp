@@ -1,0 +1,302 @@
+#include "viewer/haptics/haptic_loop.hpp"
+
+#include <gtest/gtest.h>
+#include <pthread.h>
+
+#include <chrono>
+#include <csignal>
+#include <ctime>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/viewer/haptics/scripted_hand.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+using test::fresh;
+using test::pressAndSlide;
+using test::ScriptedHand;
+
+/// Waits for `holds`, so long that only a hang is longer.
+template <class Holds>
+bool waitFor(const Holds& holds) {
+  const auto end = std::chrono::steady_clock::now() + 60s;
+  while (!holds() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
+  return holds();
+}
+
+class HapticLoopTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { cube = new test::TouchedCube; }
+  static void TearDownTestSuite() { delete cube; }
+  static TickOptions tickOptions(double rate = 1000) {
+    TickOptions options;
+    options.period = 1 / rate;
+    options.guard = guardFor({"omega", 12, 5000, 0.075}, options.period);
+    return options;
+  }
+  static LoopOptions loopOptions(std::uint64_t ticks, double rate = 1000) {
+    LoopOptions options;
+    options.rate = rate;
+    options.ticks = ticks;
+    options.watchdog = 30;  // this machine may be busy; where it matters the test sets it
+    return options;
+  }
+  static void runToTheEnd(HapticLoop& loop) {
+    loop.start();
+    EXPECT_TRUE(waitFor([&loop] { return !loop.running(); }));
+    loop.stop();
+  }
+  static std::vector<const HapticModel*> models() { return {&cube->model()}; }
+
+  static inline test::TouchedCube* cube = nullptr;
+};
+
+TEST_F(HapticLoopTest, RunsAsManyTicksAsItIsToldAndEndsWithZeroForce) {
+  ScriptedHand hand([](std::uint64_t) { return fresh(pressAndSlide(0.4)); });
+  HapticTick tick(models(), hand, tickOptions());
+  HapticLoop loop(tick, hand, loopOptions(300));
+  EXPECT_FALSE(loop.running());
+  runToTheEnd(loop);
+  const LoopStatistics statistics = loop.statistics();
+  EXPECT_EQ(hand.reads, 300U);
+  EXPECT_EQ(hand.forces.size(), 301U);
+  EXPECT_EQ(hand.last_force, Eigen::Vector3d::Zero());
+  EXPECT_EQ(statistics.rate, 1000);
+  EXPECT_EQ(statistics.ticks, 300U);
+  EXPECT_EQ(statistics.period.count(), 299U);
+  EXPECT_EQ(statistics.latency.count(), 300U);
+  EXPECT_EQ(statistics.compute.count(), 300U);
+  EXPECT_EQ(statistics.processor.count(), 300U);
+  EXPECT_EQ(statistics.halts, 0U);
+  EXPECT_EQ(loop.latest().tick, 300U);
+}
+
+TEST_F(HapticLoopTest, StopsWhenAskedTo) {
+  ScriptedHand hand(test::pressingAndSliding());
+  HapticTick tick(models(), hand, tickOptions());
+  HapticLoop loop(tick, hand, loopOptions(0));
+  loop.start();
+  EXPECT_TRUE(loop.running());
+  EXPECT_TRUE(waitFor([&loop] { return loop.latest().tick > 20; }));
+  loop.stop();
+  EXPECT_FALSE(loop.running());
+  EXPECT_EQ(loop.statistics().ticks, hand.reads);
+  EXPECT_EQ(hand.last_force, Eigen::Vector3d::Zero());
+  loop.stop();  // again, which does nothing
+}
+
+TEST_F(HapticLoopTest, CannotBeStartedTwiceOrAtAnotherRateThanItsTick) {
+  ScriptedHand hand(test::pressingAndSliding());
+  HapticTick tick(models(), hand, tickOptions());
+  test::expectBadInput([&] { HapticLoop(tick, hand, loopOptions(1, 5000)); }, {"5000", "rate"});
+  HapticLoop loop(tick, hand, loopOptions(10));
+  loop.start();
+  test::expectError(ExitCode::failed, [&] { loop.start(); }, {"started before"});
+  loop.stop();
+  test::expectError(ExitCode::failed, [&] { loop.start(); }, {"started before"});
+}
+
+TEST_F(HapticLoopTest, RecordsEveryTickOfAFreeRunAndEqualsTheTickAlone) {
+  constexpr std::uint64_t ticks = 20000;  // more than the queue holds
+  ScriptedHand hand(test::pressingAndSliding()), alone(test::pressingAndSliding());
+  HapticTick tick(models(), hand, tickOptions()), tick_alone(models(), alone, tickOptions());
+  LoopOptions options = loopOptions(ticks);
+  options.free_running = options.record = true;
+  HapticLoop loop(tick, hand, options);
+  loop.start();
+  std::uint64_t taken = 0;
+  EXPECT_TRUE(waitFor([&] {
+    while (const auto state = loop.takeRecorded()) {
+      const HapticState& wanted = tick_alone.run();
+      EXPECT_EQ(state->tick, ++taken);
+      EXPECT_EQ(state->force, wanted.force);
+      EXPECT_EQ(state->guards, wanted.guards);
+    }
+    return taken == ticks;
+  }));
+  loop.stop();
+  EXPECT_FALSE(loop.takeRecorded().has_value());
+  EXPECT_EQ(loop.statistics().not_recorded, 0U);
+  EXPECT_EQ(loop.statistics().contacts, 20U);
+  EXPECT_EQ(loop.statistics().missed_program + loop.statistics().missed_system, 0U);
+}
+
+TEST_F(HapticLoopTest, CountsStatesThatNobodyTook) {
+  constexpr std::uint64_t ticks = 8192 + 200;
+  ScriptedHand hand(test::pressingAndSliding());
+  HapticTick tick(models(), hand, tickOptions(20000));
+  LoopOptions options = loopOptions(ticks, 20000);
+  options.record = true;
+  HapticLoop loop(tick, hand, options);
+  runToTheEnd(loop);
+  std::uint64_t taken = 0;
+  while (loop.takeRecorded()) ++taken;
+  EXPECT_EQ(taken, 8192U);
+  EXPECT_EQ(loop.statistics().not_recorded, 200U);
+}
+
+TEST_F(HapticLoopTest, ObeysCommands) {
+  ScriptedHand hand(test::pressingAndSliding());
+  HapticTick tick(models(), hand, tickOptions());
+  HapticLoop loop(tick, hand, loopOptions(0));
+  loop.start();
+  EXPECT_EQ(loop.latest().method, 0);
+  EXPECT_TRUE(loop.command({HapticCommand::Kind::use, 0, 1}));
+  EXPECT_TRUE(waitFor([&loop] { return loop.latest().method == 1; }));
+}
+
+TEST_F(HapticLoopTest, RefusesCommandsWhenNobodyTakesThem) {
+  ScriptedHand hand(test::pressingAndSliding());
+  HapticTick tick(models(), hand, tickOptions());
+  HapticLoop loop(tick, hand, loopOptions(0));
+  int taken = 0;
+  while (taken < 1000 && loop.command({})) ++taken;
+  EXPECT_EQ(taken, 64);
+}
+
+TEST_F(HapticLoopTest, HaltsADeviceThatHangsAndGoesOnFromZero) {
+  std::atomic<const ScriptedHand*> watched = nullptr;
+  ScriptedHand hand([&watched](std::uint64_t tick) {
+    // Hangs in the middle of a press until the watchdog has seen it.
+    EXPECT_TRUE(tick != 400 || waitFor([&] { return watched.load()->halts > 0; }));
+    return fresh(pressAndSlide(1e-3 * static_cast<double>(tick)));
+  });
+  watched = &hand;
+  HapticTick tick(models(), hand, tickOptions());
+  LoopOptions options = loopOptions(700);
+  options.watchdog = 0.1;
+  options.record = true;
+  HapticLoop loop(tick, hand, options);
+  runToTheEnd(loop);
+  EXPECT_GE(loop.statistics().halts, 1U);
+  EXPECT_EQ(hand.halts, static_cast<int>(loop.statistics().halts));
+  EXPECT_EQ(hand.resumes, hand.halts + 1);  // once at the start
+  EXPECT_GE(loop.statistics().guards[7], 1U);
+
+  Eigen::Vector3d before = Eigen::Vector3d::Zero();
+  bool was_late = false;
+  while (const auto state = loop.takeRecorded()) {
+    if ((state->guards & static_cast<std::uint32_t>(Guarded::late)) != 0) {
+      EXPECT_EQ(state->force, Eigen::Vector3d::Zero());
+      was_late = true;
+    } else {
+      EXPECT_LE((state->force - before).norm(), 0.1);
+    }
+    before = state->force;
+  }
+  EXPECT_TRUE(was_late);
+}
+
+void compute(double cpu_seconds) {
+  const auto now = [] {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  };
+  for (const double end = now() + cpu_seconds; now() < end;) {
+  }
+}
+
+TEST_F(HapticLoopTest, TellsTheProgramsMissedDeadlinesFromTheSystems) {
+  ScriptedHand hand([](std::uint64_t tick) {
+    if (tick % 10 == 0) compute(0.025);
+    return fresh({0, 0, 1});
+  });
+  HapticTick tick(models(), hand, tickOptions(50));
+  HapticLoop loop(tick, hand, loopOptions(40, 50));
+  runToTheEnd(loop);
+  EXPECT_EQ(loop.statistics().missed_program, 4U);
+
+  ScriptedHand waiting([](std::uint64_t n) {
+    if (n % 10 == 0) std::this_thread::sleep_for(25ms);
+    return fresh({0, 0, 1});
+  });
+  HapticTick waiting_tick(models(), waiting, tickOptions(50));
+  HapticLoop waiting_loop(waiting_tick, waiting, loopOptions(40, 50));
+  runToTheEnd(waiting_loop);
+  EXPECT_EQ(waiting_loop.statistics().missed_program, 0U);
+  EXPECT_GE(waiting_loop.statistics().missed_system, 4U);
+}
+
+TEST_F(HapticLoopTest, SleepsOnAfterASignal) {
+  std::atomic<pthread_t> haptic_thread = 0;
+  std::atomic<std::int64_t> first_ns = 0, last_ns = 0;
+  ScriptedHand hand([&](std::uint64_t) {
+    const std::int64_t now = std::chrono::steady_clock::now().time_since_epoch().count();
+    if (haptic_thread.load() == 0) first_ns = now;
+    haptic_thread = pthread_self();
+    last_ns = now;
+    return fresh({0, 0, 1});
+  });
+  struct sigaction handler {};
+  handler.sa_handler = [](int) {};
+  struct sigaction before {};
+  ASSERT_EQ(sigaction(SIGUSR1, &handler, &before), 0);
+  HapticTick tick(models(), hand, tickOptions(100));
+  HapticLoop loop(tick, hand, loopOptions(0, 100));
+  loop.start();
+  EXPECT_TRUE(waitFor([&] { return haptic_thread.load() != 0; }));
+  EXPECT_TRUE(waitFor([&] {
+    pthread_kill(haptic_thread, SIGUSR1);
+    return loop.latest().tick >= 20;
+  }));
+  loop.stop();
+  sigaction(SIGUSR1, &before, nullptr);
+  const auto ticks = static_cast<double>(hand.reads);
+  EXPECT_GE(1e-9 * static_cast<double>(last_ns - first_ns), (ticks - 2) * 0.01);
+}
+
+TEST_F(HapticLoopTest, GoesOnWhenRealTimeIsRefusedAndSaysWhatToDo) {
+  ScriptedHand hand(test::pressingAndSliding());
+  HapticTick tick(models(), hand, tickOptions());
+  LoopOptions options = loopOptions(50);
+  options.real_time = true;
+  HapticLoop loop(tick, hand, options);
+  runToTheEnd(loop);
+  EXPECT_EQ(loop.statistics().ticks, 50U);
+  const std::string trouble = loop.trouble();
+  const auto tells = [&trouble](const char* what) { return trouble.find(what) != std::string::npos; };
+  EXPECT_EQ(tells("priority"), tells("ulimit -r")) << trouble;
+  EXPECT_EQ(tells("Memory"), tells("ulimit -l")) << trouble;
+
+  HapticTick modest_tick(models(), hand, tickOptions());
+  HapticLoop modest(modest_tick, hand, loopOptions(1));
+  runToTheEnd(modest);
+  EXPECT_EQ(modest.trouble(), "");
+}
+
+TEST_F(HapticLoopTest, HandsStatesOverWholeAndInOrder) {
+  constexpr std::uint64_t ticks = 60000;
+  ScriptedHand hand(test::pressingAndSliding());
+  HapticTick tick(models(), hand, tickOptions());
+  LoopOptions options = loopOptions(ticks);
+  options.free_running = options.record = true;
+  HapticLoop loop(tick, hand, options);
+  loop.start();
+  std::thread recording([&loop] {
+    std::uint64_t next = 1;
+    EXPECT_TRUE(waitFor([&] {
+      while (const auto state = loop.takeRecorded()) EXPECT_EQ(state->tick, next++);
+      return next > ticks;
+    }));
+  });
+  std::uint64_t seen = 0;
+  EXPECT_TRUE(waitFor([&] {
+    for (int n = 0; n < 1000; ++n) {
+      const HapticState& state = loop.latest();
+      EXPECT_GE(state.tick, seen);
+      seen = state.tick;
+      if (state.tick == 0) continue;
+      EXPECT_EQ(state.time, static_cast<double>(state.tick) * 1e-3);
+      EXPECT_EQ(state.tool, pressAndSlide(1e-3 * static_cast<double>(state.tick)));
+    }
+    EXPECT_LE(loop.statistics().ticks, ticks);
+    return seen == ticks;
+  }));
+  recording.join();
+}
+
+}  // namespace
+}  // namespace palpate

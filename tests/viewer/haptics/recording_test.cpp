@@ -1,0 +1,307 @@
+#include "viewer/haptics/recording.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <hdf5.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <random>
+
+#include "common/error.hpp"
+#include "common/hdf5_writer.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/sample_dataset.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace palpate {
+namespace {
+
+using test::TemporaryDirectory;
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+RecordedRun someRun() {
+  RecordedRun run;
+  run.models = {{"liver", "soft liver.h5", ContentId::of("soft")}, {"liver", "stiff.h5", ContentId::of("b")}};
+  run.methods = {"potential", "trilinear"};
+  run.device = "virtual hand";
+  run.profile = "omega";
+  run.max_force = 12;
+  run.max_stiffness = 5000;
+  run.workspace_radius = 0.075;
+  run.scene_frame = true;
+  run.options.period = 2e-4;
+  run.options.contact = {ContactMode::glued, 0.3, 0.004, 0.001, 0.02};
+  run.options.guard = guardFor({"omega", 12, 5000, 0.075}, 2e-4);
+  run.options.map.rotation = Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
+  run.options.map.scale = 1.7;
+  run.options.map.origin = {0.1, -0.2, 1.0 / 3};
+  return run;
+}
+
+HapticState someState(std::uint64_t tick, std::mt19937& random) {
+  std::normal_distribution<double> number;
+  const auto vector = [&] { return Eigen::Vector3d(number(random), number(random), number(random)); };
+  HapticState state;
+  state.tick = tick;
+  state.time = static_cast<double>(tick) * 2e-4;
+  state.reading = {vector(), static_cast<std::uint32_t>(random()), static_cast<DeviceStatus>(random() % 3)};
+  if (tick % 7 == 0) state.reading.position.y() = not_a_number;
+  state.tool = vector();
+  state.touch.touching = random() % 2 == 0;
+  state.touch.force = vector();
+  state.touch.anchor_position = vector();
+  state.touch.displacement = vector();
+  state.touch.energy = tick % 5 == 0 ? not_a_number : number(random);
+  state.touch.error_bound = not_a_number;
+  state.force = vector();
+  state.guards = static_cast<std::uint32_t>(random());
+  state.model = static_cast<std::int32_t>(random() % 2);
+  state.method = static_cast<std::int32_t>(random() % 2);
+  return state;
+}
+
+Recorder someRecorder(std::uint64_t ticks) {
+  std::mt19937 random(5);
+  Recorder recorder(someRun());
+  for (std::uint64_t tick = 1; tick <= ticks; ++tick) recorder.add(someState(tick, random));
+  return recorder;
+}
+
+std::string bytesOf(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Bit by bit, so that NaN equals NaN.
+template <class T>
+bool sameBits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(static_cast<const void*>(a.data()), static_cast<const void*>(b.data()),
+                                   a.size() * sizeof(T)) == 0);
+}
+
+TEST(Recording, ReadsBackToTheLastBit) {
+  const TemporaryDirectory folder;
+  const Recorder recorder = someRecorder(1000);
+  recorder.save(folder / "run.h5");
+  const Recording &written = recorder.recording(), read = readRecording(folder / "run.h5");
+  EXPECT_EQ(read.rate, 5000);
+  EXPECT_TRUE(read.scene_frame);
+  EXPECT_TRUE(read.complete());
+  EXPECT_EQ(read.size(), 1000U);
+  EXPECT_TRUE(sameBits(read.times, written.times));
+  EXPECT_TRUE(sameBits(read.positions, written.positions));
+  EXPECT_TRUE(sameBits(read.buttons, written.buttons));
+  EXPECT_TRUE(sameBits(read.status, written.status));
+  EXPECT_TRUE(sameBits(read.tools, written.tools));
+  EXPECT_TRUE(sameBits(read.forces, written.forces));
+  EXPECT_TRUE(sameBits(read.raw_forces, written.raw_forces));
+  EXPECT_TRUE(sameBits(read.touching, written.touching));
+  EXPECT_TRUE(sameBits(read.anchors, written.anchors));
+  EXPECT_TRUE(sameBits(read.displacements, written.displacements));
+  EXPECT_TRUE(sameBits(read.energies, written.energies));
+  EXPECT_TRUE(sameBits(read.error_bounds, written.error_bounds));
+  EXPECT_TRUE(sameBits(read.guards, written.guards));
+  EXPECT_TRUE(sameBits(read.models, written.models));
+  EXPECT_TRUE(sameBits(read.methods, written.methods));
+}
+
+TEST(Recording, SaysWhatTheRunWasMadeWith) {
+  const TemporaryDirectory folder;
+  someRecorder(3).save(folder / "run.h5");
+  const RecordedRun run = readRecording(folder / "run.h5").run, wanted = someRun();
+  EXPECT_EQ(run.models, wanted.models);
+  EXPECT_EQ(run.methods, wanted.methods);
+  EXPECT_EQ(run.device, wanted.device);
+  EXPECT_EQ(run.profile, wanted.profile);
+  EXPECT_EQ(run.max_force, wanted.max_force);
+  EXPECT_EQ(run.options.period, wanted.options.period);
+  EXPECT_EQ(run.options.contact.mode, ContactMode::glued);
+  EXPECT_EQ(run.options.contact.friction, 0.3);
+  EXPECT_EQ(run.options.contact.grab_distance, 0.004);
+  EXPECT_EQ(run.options.contact.most_slide, 0.001);
+  EXPECT_EQ(run.options.contact.most_relaxation, 0.02);
+  EXPECT_EQ(run.options.guard.max_slew, wanted.options.guard.max_slew);
+  EXPECT_EQ(run.options.guard.energy_credit, wanted.options.guard.energy_credit);
+  EXPECT_EQ(run.options.map.rotation, wanted.options.map.rotation);
+  EXPECT_EQ(run.options.map.scale, 1.7);
+  EXPECT_EQ(run.options.map.origin, wanted.options.map.origin);
+}
+
+TEST(Recording, OfNothingIsARecording) {
+  const TemporaryDirectory folder;
+  someRecorder(0).save(folder / "run.h5");
+  EXPECT_EQ(readRecording(folder / "run.h5").size(), 0U);
+}
+
+TEST(Recording, SavesTheSameBytesEveryTimeAndReplacesTheOldFile) {
+  const TemporaryDirectory folder;
+  someRecorder(10).save(folder / "a.h5");
+  someRecorder(100).save(folder / "a.h5");
+  someRecorder(100).save(folder / "b.h5");
+  EXPECT_EQ(bytesOf(folder / "a.h5"), bytesOf(folder / "b.h5"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 2);
+}
+
+TEST(Recording, TellsWhenTicksAreMissing) {
+  std::mt19937 random(5);
+  Recorder recorder(someRun());
+  recorder.add(someState(1, random));
+  recorder.add(someState(2, random));
+  EXPECT_TRUE(recorder.recording().complete());
+  recorder.add(someState(4, random));
+  EXPECT_FALSE(recorder.recording().complete());
+  test::expectError(ExitCode::failed, [&] { recorder.add(someState(3, random)); }, {"comes after"});
+}
+
+TEST(Recording, IsNotReadFromForeignFiles) {
+  const TemporaryDirectory folder;
+  test::expectBadInput([&] { readRecording(folder / "none.h5"); }, {"none.h5", "no such recording"});
+  std::ofstream(folder / "text.h5") << "hello";
+  test::expectBadInput([&] { readRecording(folder / "text.h5"); }, {"text.h5", "not an HDF5 file"});
+  test::SampleDataset().seal(folder / "dataset.h5");
+  test::expectBadInput([&] { readRecording(folder / "dataset.h5"); }, {"dataset.h5", "not a recording"});
+}
+
+TEST(Recording, OfALaterFormatIsRefused) {
+  const TemporaryDirectory folder;
+  const std::int32_t version = 2;
+  {
+    hdf5::Writer out(folder / "run.h5");
+    out.setText("/", "format", "palpate-recording");
+    out.setIntegers("/", "format_version", std::span(&version, 1));
+    out.close();
+  }
+  test::expectBadInput([&] { readRecording(folder / "run.h5"); }, {"format 2", "format 1"});
+}
+
+TEST(Recording, CutAtAnyLengthIsAnErrorThatNamesTheFile) {
+  const TemporaryDirectory folder;
+  someRecorder(20).save(folder / "run.h5");
+  const std::string whole = bytesOf(folder / "run.h5");
+  for (std::size_t size = 0; size < whole.size(); size += 97) {
+    std::ofstream(folder / "cut.h5", std::ios::binary) << whole.substr(0, size);
+    try {
+      readRecording(folder / "cut.h5");
+      ADD_FAILURE() << "read with " << size << " bytes";
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("cut.h5"));
+    }
+  }
+}
+
+TEST(Recording, WithAChangedByteIsAnErrorOrTheSameReadings) {
+  const TemporaryDirectory folder;
+  const Recorder recorder = someRecorder(20);
+  recorder.save(folder / "run.h5");
+  const std::string whole = bytesOf(folder / "run.h5");
+  int refused = 0, tried = 0;
+  for (std::size_t at = 0; at < whole.size(); at += 61, ++tried) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x5a);
+    std::ofstream(folder / "bad.h5", std::ios::binary) << damaged;
+    try {
+      const Recording read = readRecording(folder / "bad.h5");
+      EXPECT_TRUE(sameBits(read.positions, recorder.recording().positions)) << at;
+      EXPECT_TRUE(sameBits(read.buttons, recorder.recording().buttons)) << at;
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, tried / 4);
+}
+
+/// Writes one number over another where it lies, hash and all: what a foreign program could write.
+template <class T>
+void rewrite(const std::filesystem::path& file, const char* path, std::vector<T> values,
+             const hdf5::Shape& shape) {
+  const hid_t opened = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t array = H5Dopen2(opened, path, H5P_DEFAULT);
+  ASSERT_GE(array, 0);
+  ASSERT_EQ(values.size(), hdf5::countOf(shape));
+  const hid_t type = H5Dget_type(array);
+  ASSERT_GE(H5Dwrite(array, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0);
+  const std::string hash = ContentId::of(palpate::bytesOf(std::span<const T>(values))).hex();
+  const hid_t attribute = H5Aopen(array, hdf5::hash_attribute, H5P_DEFAULT);
+  const hid_t text = H5Aget_type(attribute);
+  ASSERT_GE(H5Awrite(attribute, text, hash.data()), 0);
+  H5Tclose(text);
+  H5Aclose(attribute);
+  H5Tclose(type);
+  H5Dclose(array);
+  H5Fclose(opened);
+}
+
+TEST(Recording, WithImpossibleValuesIsRefused) {
+  const TemporaryDirectory folder;
+  const auto fresh = [&] { someRecorder(3).save(folder / "run.h5"); };
+  const auto refused = [&](const std::string& where) {
+    test::expectError(ExitCode::failed, [&] { readRecording(folder / "run.h5"); }, {"run.h5", where});
+  };
+  fresh();
+  rewrite<double>(folder / "run.h5", "/time", {1, 3, 2}, {3});
+  refused("/time");
+  fresh();
+  rewrite<std::uint8_t>(folder / "run.h5", "/device/status", {0, 3, 0}, {3});
+  refused("/device/status");
+  fresh();
+  rewrite<std::int32_t>(folder / "run.h5", "/model", {0, 2, 0}, {3});
+  refused("/model");
+  fresh();
+  rewrite<double>(folder / "run.h5", "/workspace/rotation", {1, 0, 0, 0, 2, 0, 0, 0, 1}, {3, 3});
+  refused("/workspace/rotation");
+  fresh();
+  rewrite<double>(folder / "run.h5", "/force/rendered", {1, 0, 0, 0, not_a_number, 0, 0, 0, 1}, {3, 3});
+  refused("/force/rendered");
+}
+
+/// 0 when a save to a disk that takes no more than `limit` bytes of a file is an Error that names it.
+int saveToAFullDisk(const Recorder& recorder, const std::filesystem::path& file, std::size_t limit) {
+  std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit size_limit = {limit, limit};
+  if (setrlimit(RLIMIT_FSIZE, &size_limit) != 0) return 10;
+  try {
+    recorder.save(file);
+    return 11;
+  } catch (const Error& error) {
+    return std::string(error.what()).find("run.h5") == std::string::npos ? 12 : 0;
+  }
+}
+
+TEST(Recording, LeavesTheOldFileAndNothingElseOnAFullDisk) {
+  const TemporaryDirectory folder;
+  const std::filesystem::path file = folder / "run.h5";
+  someRecorder(10).save(file);
+  const std::string before = bytesOf(file);
+  const Recorder recorder = someRecorder(2000);
+  // In a child, because the limit is for the whole process.
+  for (std::size_t limit = 0; limit < 300000; limit += 60000) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) _exit(saveToAFullDisk(recorder, file, limit));
+    int status = -1;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << "limit " << limit << ", status " << status;
+    EXPECT_EQ(bytesOf(file), before);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+  }
+}
+
+TEST(Recording, IsNotSavedToADirectory) {
+  const TemporaryDirectory folder;
+  test::expectBadInput([&] { someRecorder(1).save(folder.path()); }, {"is a directory"});
+  test::expectError(ExitCode::failed, [&] { someRecorder(1).save(folder / "no" / "run.h5"); }, {"run.h5"});
+}
+
+}  // namespace
+}  // namespace palpate

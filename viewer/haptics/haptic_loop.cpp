@@ -1,0 +1,264 @@
+#include "viewer/haptics/haptic_loop.hpp"
+
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <ctime>
+#include <system_error>
+
+#include "common/error.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int real_time_priority = 80;  // of 1..99: above sound servers, below the kernel's own threads
+constexpr std::size_t stack_bytes = 256 * 1024;  // far more than a tick needs
+constexpr std::int64_t publish_ns = 100'000'000;
+
+std::int64_t clockNs(clockid_t clock) noexcept {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
+}
+std::int64_t nowNs() noexcept {
+  return clockNs(CLOCK_MONOTONIC);
+}
+std::int64_t processorNs() noexcept {
+  return clockNs(CLOCK_THREAD_CPUTIME_ID);
+}
+
+double seconds(std::int64_t ns) noexcept {
+  return 1e-9 * static_cast<double>(ns);
+}
+
+void sleepUntil(std::int64_t ns) noexcept {
+  const timespec until = {ns / 1'000'000'000, ns % 1'000'000'000};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  }
+}
+
+/// So that no tick meets a page of the stack that is not there yet.
+[[gnu::noinline]] void touchStack() noexcept {
+  char stack[stack_bytes];
+  volatile char* const bytes = stack;
+  for (std::size_t at = 0; at < stack_bytes; at += 1024) bytes[at] = 0;
+}
+
+void checkOptions(const LoopOptions& options, const TickOptions& tick) {
+  if (!(std::abs(options.rate * tick.period - 1) < 1e-9))
+    throw badInput("a haptic loop of {} Hz cannot run ticks of {} s; give both the same rate", options.rate,
+                   tick.period);
+  if (!(options.watchdog > 0))
+    throw badInput("a watchdog of {} s is none; give it a positive time", options.watchdog);
+}
+
+}  // namespace
+
+HapticLoop::HapticLoop(HapticTick& tick, HapticDevice& device, const LoopOptions& options)
+    : tick_(tick), device_(device), options_(options) {
+  checkOptions(options, tick.options());
+  if (options.record) {
+    recorded_ = std::make_unique<RecordedQueue>();
+    while (recorded_->push({})) {
+    }
+    recorded_->reset();  // its pages are there now
+  }
+  statistics_.rate = options.rate;
+  published_.write(statistics_);
+}
+
+HapticLoop::~HapticLoop() {
+  stop();
+}
+
+void HapticLoop::start() {
+  if (thread_.joinable() || ticks_done_ > 0) throw failure("this haptic loop was started before");
+  if (options_.real_time) lockMemory();
+  running_ = true;
+  device_.resume();
+  try {
+    thread_ = std::thread([this] { runLoop(); });
+    if (!options_.free_running) watchdog_ = std::thread([this] { watch(); });
+  } catch (const std::system_error& error) {
+    stop();
+    running_ = false;
+    throw failure("no thread for the haptic loop: {}; end other programs, or raise ulimit -u", error.what());
+  }
+  std::unique_lock lock(waiting_);
+  woken_.wait(lock, [this] { return prepared_; });
+}
+
+void HapticLoop::stop() {
+  {
+    const std::lock_guard lock(waiting_);
+    stop_ = true;
+  }
+  woken_.notify_all();
+  if (thread_.joinable()) thread_.join();
+  if (watchdog_.joinable()) watchdog_.join();
+  if (memory_locked_) munlockall();
+  memory_locked_ = false;
+}
+
+std::optional<HapticState> HapticLoop::takeRecorded() {
+  HapticState state;
+  if (!recorded_ || !recorded_->pop(state)) return std::nullopt;
+  return state;
+}
+
+LoopStatistics HapticLoop::statistics() const {
+  LoopStatistics statistics = published_.read();
+  statistics.halts = halts_;
+  return statistics;
+}
+
+void HapticLoop::lockMemory() {
+  // With a limit, locking what is yet to come would make later allocations fail.
+  rlimit limit{};
+  const bool unlimited = getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
+  memory_locked_ = mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
+  if (!memory_locked_)
+    trouble_ += fmt::format(
+        "Memory is not locked ({}), so a tick may wait for a page: allow it with ulimit -l, \"@realtime - "
+        "memlock unlimited\" in /etc/security/limits.conf, or LimitMEMLOCK=infinity of a systemd unit. ",
+        std::strerror(errno));
+}
+
+void HapticLoop::askForPriority() {
+  const sched_param priority = {real_time_priority};
+  const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
+  if (refused != 0)
+    trouble_ += fmt::format(
+        "The haptic thread has no real-time priority ({}), so other programs may delay it: allow it with "
+        "ulimit -r {}, \"@realtime - rtprio {}\" in /etc/security/limits.conf, or LimitRTPRIO={} of a "
+        "systemd "
+        "unit. ",
+        std::strerror(refused), real_time_priority, real_time_priority, real_time_priority);
+}
+
+void HapticLoop::runLoop() {
+  pthread_setname_np(pthread_self(), "haptic");
+  prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // the kernel's default delays each sleep by up to 50 us
+  if (options_.real_time) askForPriority();
+  touchStack();
+  {
+    const std::lock_guard lock(waiting_);
+    prepared_ = true;
+  }
+  woken_.notify_all();
+  usage_at_start_ = usage();
+  if (options_.free_running)
+    runFreely();
+  else
+    runTicks();
+  device_.write(Eigen::Vector3d::Zero());
+  publishStatistics();
+  running_.store(false, std::memory_order_release);
+}
+
+void HapticLoop::runTicks() {
+  const auto period_ns = static_cast<std::int64_t>(std::llround(1e9 / options_.rate));
+  std::int64_t due = nowNs() + period_ns, published = due;
+  while (!stop_.load(std::memory_order_relaxed)) {
+    sleepUntil(due);
+    const std::int64_t processor = processorNs(), begin = nowNs();
+    statistics_.latency.add(seconds(begin - due));
+    const bool more = oneTick(begin);
+    const std::int64_t end = nowNs(), computed = processorNs() - processor;
+    statistics_.compute.add(seconds(end - begin));
+    statistics_.processor.add(seconds(computed));
+    due += period_ns;
+    if (end > due) {
+      ++(computed > period_ns ? statistics_.missed_program : statistics_.missed_system);
+      due = end;
+    } else if (end - published > publish_ns) {
+      publishStatistics();
+      published = end;
+    }
+    if (!more) return;
+  }
+}
+
+void HapticLoop::runFreely() {
+  for (bool more = true; more && !stop_.load(std::memory_order_relaxed);) {
+    const std::int64_t processor = processorNs(), begin = nowNs();
+    more = oneTick(begin);
+    statistics_.compute.add(seconds(nowNs() - begin));
+    statistics_.processor.add(seconds(processorNs() - processor));
+    if (statistics_.ticks % 4096 == 0) publishStatistics();
+  }
+}
+
+/// False when it was the last.
+bool HapticLoop::oneTick(std::int64_t begin_ns) {
+  const double away = last_begin_ns_ == 0 ? 0 : seconds(begin_ns - last_begin_ns_);
+  if (last_begin_ns_ != 0) statistics_.period.add(away);
+  last_begin_ns_ = begin_ns;
+  const bool halted = halted_.exchange(false, std::memory_order_acq_rel);
+  const bool late = halted || (!options_.free_running && away > options_.watchdog);
+
+  HapticCommand command;
+  while (commands_.pop(command)) tick_.obey(command);
+  const HapticState& state = tick_.run(late);
+  if (halted) device_.resume();
+  hand(state);
+  ticks_done_.store(statistics_.ticks, std::memory_order_release);
+  return options_.ticks == 0 || statistics_.ticks < options_.ticks;
+}
+
+void HapticLoop::hand(const HapticState& state) noexcept {
+  count(statistics_, before_, state);
+  before_ = state;
+  states_.write(state);
+  if (!recorded_) return;
+  bool taken = recorded_->push(state);
+  while (!taken && options_.free_running && !stop_.load(std::memory_order_relaxed)) {
+    sched_yield();
+    taken = recorded_->push(state);
+  }
+  if (!taken) ++statistics_.not_recorded;
+}
+
+HapticLoop::Usage HapticLoop::usage() noexcept {
+  rusage usage{};
+  getrusage(RUSAGE_THREAD, &usage);
+  return {static_cast<std::uint64_t>(usage.ru_minflt + usage.ru_majflt),
+          static_cast<std::uint64_t>(usage.ru_nivcsw)};
+}
+
+void HapticLoop::publishStatistics() noexcept {
+  const Usage now = usage();
+  statistics_.page_faults = now.page_faults - usage_at_start_.page_faults;
+  statistics_.preemptions = now.preemptions - usage_at_start_.preemptions;
+  published_.write(statistics_);
+}
+
+void HapticLoop::watch() {
+  const auto limit = std::chrono::duration<double>(options_.watchdog);
+  auto changed = std::chrono::steady_clock::now();
+  std::uint64_t seen = 0;
+  std::unique_lock lock(waiting_);
+  while (!stop_ && running()) {
+    woken_.wait_for(lock, limit / 4);
+    const auto now = std::chrono::steady_clock::now();
+    const std::uint64_t done = ticks_done_.load(std::memory_order_acquire);
+    if (done != seen) {
+      seen = done;
+      changed = now;
+    } else if (now - changed > limit && !halted_ && running() && !stop_) {
+      device_.halt();  // before the flag: the loop resumes the device when it sees it
+      ++halts_;
+      halted_.store(true, std::memory_order_release);
+    }
+  }
+}
+
+}  // namespace palpate

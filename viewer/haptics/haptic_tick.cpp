@@ -1,0 +1,103 @@
+#include "viewer/haptics/haptic_tick.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "common/error.hpp"
+#include "viewer/haptics/haptic_model.hpp"
+
+namespace palpate {
+namespace {
+
+const HapticModel& firstOf(const std::vector<const HapticModel*>& models) {
+  if (models.empty()) throw failure("a haptic tick needs a model");
+  return *models.front();
+}
+
+/// The guard's period is the tick's, and no force is beyond the device, whatever the options say.
+TickOptions limited(TickOptions options, const HapticDevice& device) {
+  options.guard.period = options.period;
+  const double most = device.profile().max_force;
+  if (most > 0) options.guard.max_force = std::min(options.guard.max_force, most);
+  return options;
+}
+
+/// The touchable vertices, one under the other.
+Eigen::Matrix3Xd touchableVertices(const TouchSurface& surface) {
+  std::vector<Eigen::Vector3d> found;
+  for (std::size_t v = 0; v < surface.vertices().size(); ++v)
+    if (!surface.sharesOf(static_cast<std::int32_t>(v)).empty()) found.push_back(surface.vertices()[v]);
+  return Eigen::Map<const Eigen::Matrix3Xd>(found.empty() ? nullptr : found.front().data(), 3,
+                                            static_cast<Eigen::Index>(found.size()));
+}
+
+double largestDisplacement(const std::vector<SpaceTable>& spaces) {
+  double largest = 0;
+  for (const SpaceTable& space : spaces) largest = std::max(largest, space.lattice.radius());
+  return largest;
+}
+
+}  // namespace
+
+WorkspaceMap workspaceFor(const HapticModel& model, const HapticDevice& device) {
+  WorkspaceMap map;
+  const double radius = device.profile().workspace_radius;
+  const Eigen::Matrix3Xd vertices = touchableVertices(model.surface());
+  if (device.livesInScene() || !(radius > 0) || vertices.cols() == 0) return map;
+  map.origin = 0.5 * (vertices.rowwise().minCoeff() + vertices.rowwise().maxCoeff());
+  const double extent = (vertices.colwise() - map.origin).colwise().norm().maxCoeff();
+  map.scale = std::max(1.0, (extent + largestDisplacement(model.spaces())) / radius);
+  return map;
+}
+
+HapticTick::HapticTick(std::vector<const HapticModel*> models, HapticDevice& device,
+                       const TickOptions& options)
+    : models_(std::move(models)),
+      device_(device),
+      options_(limited(options, device)),
+      contact_(firstOf(models_), options.contact),
+      guard_(options_.guard) {
+  state_.tool = options_.map.origin;
+}
+
+const HapticState& HapticTick::run(bool late) noexcept {
+  ++state_.tick;
+  state_.time = static_cast<double>(state_.tick) * options_.period;
+  state_.reading = device_.read();
+  const bool lost = state_.reading.status == DeviceStatus::lost;
+  // A lost device has no position, whatever the reading says; contact ends with it.
+  const Eigen::Vector3d tool =
+      lost ? Eigen::Vector3d(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()))
+           : options_.map.toScene(state_.reading.position);
+  if (tool.allFinite()) state_.tool = tool;
+
+  GuardInput input;
+  input.tool = tool;
+  input.touch = contact_.update(tool, (state_.reading.buttons & 1U) == 0);
+  input.fresh = state_.reading.status == DeviceStatus::fresh;
+  input.lost = lost;
+  input.late = late;
+  const GuardedForce guarded = guard_.limit(input);
+
+  state_.touch = input.touch;
+  state_.force = guarded.force;
+  state_.guards = guarded.guards;
+  state_.passivity = guarded.passivity;
+  device_.write(options_.map.toDevice(guarded.force));
+  return state_;
+}
+
+void HapticTick::obey(const HapticCommand& command) noexcept {
+  if (command.kind == HapticCommand::Kind::release) return contact_.release();
+  const auto exists = [](std::int32_t number, std::size_t size) {
+    return number >= 0 && static_cast<std::size_t>(number) < size;
+  };
+  if (!exists(command.model, models_.size())) return;
+  const HapticModel& model = *models_[static_cast<std::size_t>(command.model)];
+  if (!exists(command.method, model.methods().size())) return;
+  contact_.use(model, static_cast<std::size_t>(command.method));
+  state_.model = command.model;
+  state_.method = command.method;
+}
+
+}  // namespace palpate
