@@ -352,19 +352,7 @@ PictureRequests Picture::draw(const HapticState& state, const PictureStatus& sta
 Image Picture::grab() {
   if (!impl_->drawn) throw failure("no picture was drawn yet that could be kept");
   impl_->render();
-  Image image;
-  image.width = impl_->viewport.window_width;
-  image.height = impl_->viewport.window_height;
-  const std::size_t row = 3 * static_cast<std::size_t>(image.width);
-  std::vector<std::uint8_t> upward(row * static_cast<std::size_t>(image.height));
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadBuffer(GL_BACK);
-  glReadPixels(0, 0, image.width, image.height, GL_RGB, GL_UNSIGNED_BYTE, upward.data());
-  image.pixels.resize(upward.size());
-  for (int y = 0; y < image.height; ++y)
-    std::copy_n(upward.data() + row * static_cast<std::size_t>(image.height - 1 - y), row,
-                image.pixels.data() + row * static_cast<std::size_t>(y));
-  return image;
+  return readPixels(impl_->viewport.window_width, impl_->viewport.window_height);
 }
 
 PictureCosts Picture::costs() const {
