@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 
+#include "viewer/picture/coin.hpp"
+
 namespace palpate {
 namespace {
 
@@ -21,7 +23,7 @@ void drawElements(GLenum kind, std::span<const std::uint32_t> indices) {
 
 }  // namespace
 
-BodyView::BodyView(SurfaceShape shape) : shape_(std::move(shape)), node_(new SoCallback) {
+BodyView::BodyView(SurfaceShape shape) : shape_(std::move(shape)), node_((startCoin(), new SoCallback)) {
   node_->ref();
   node_->setCallback(render, this);
   ghost_edges_.reserve(shape_.edges().size());

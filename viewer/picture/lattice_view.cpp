@@ -3,73 +3,60 @@
 #include <GL/gl.h>
 #include <Inventor/actions/SoGLRenderAction.h>
 #include <Inventor/nodes/SoCallback.h>
-#include <Inventor/nodes/SoDrawStyle.h>
-#include <Inventor/nodes/SoLightModel.h>
-#include <Inventor/nodes/SoPointSet.h>
-#include <Inventor/nodes/SoSeparator.h>
 #include <Inventor/nodes/SoSwitch.h>
-#include <Inventor/nodes/SoVertexProperty.h>
 
 #include <cmath>
-#include <vector>
+
+#include "viewer/picture/coin.hpp"
 
 namespace palpate {
-namespace {
 
-void clearDepth(void* /*nothing*/, SoAction* action) {
-  if (action->isOfType(SoGLRenderAction::getClassTypeId())) glClear(GL_DEPTH_BUFFER_BIT);
-}
-
-/// As SoVertexProperty has it: red in the highest byte.
-std::uint32_t packed(const std::array<double, 3>& colour) {
-  std::uint32_t bits = 0;
-  for (const double channel : colour) bits = bits << 8 | static_cast<std::uint32_t>(std::lround(channel));
-  return bits << 8 | 255U;
-}
-
-}  // namespace
-
-LatticeView::LatticeView() : node_(new SoSwitch), dots_(new SoVertexProperty), style_(new SoDrawStyle) {
+LatticeView::LatticeView() : node_((startCoin(), new SoSwitch)), dots_(new SoCallback) {
   node_->ref();
-  auto* group = new SoSeparator;
-  auto* front = new SoCallback;
-  front->setCallback(clearDepth);
-  auto* unlit = new SoLightModel;
-  unlit->model.setValue(SoLightModel::BASE_COLOR);
-  auto* points = new SoPointSet;
-  dots_->materialBinding.setValue(SoVertexProperty::PER_VERTEX);
-  points->vertexProperty.setValue(dots_);
-  group->addChild(front);
-  group->addChild(unlit);
-  group->addChild(style_);
-  group->addChild(points);
-  node_->addChild(group);
+  dots_->setCallback(render, this);
+  node_->addChild(dots_);
   show(false);
 }
 
 LatticeView::~LatticeView() {
+  dots_->setCallback(nullptr);
   node_->unref();
 }
 
 void LatticeView::setDots(std::span<const LatticeDot> dots, const Eigen::Vector3d& origin, double size) {
-  std::vector<SbVec3f> places;
-  std::vector<std::uint32_t> colours;
+  places_.clear();
+  colours_.clear();
   for (const LatticeDot& dot : dots) {
     const Eigen::Vector3f place = (origin + dot.displacement).cast<float>();
-    places.emplace_back(place.x(), place.y(), place.z());
-    colours.push_back(packed(dot.colour));
+    places_.insert(places_.end(), place.begin(), place.end());
+    for (const double channel : dot.colour)
+      colours_.push_back(static_cast<std::uint8_t>(std::lround(channel)));
   }
-  const int count = static_cast<int>(dots.size());
-  dots_->vertex.setNum(count);
-  dots_->orderedRGBA.setNum(count);
-  dots_->vertex.setValues(0, count, places.data());
-  dots_->orderedRGBA.setValues(0, count, colours.data());
-  style_->pointSize.setValue(static_cast<float>(size));
+  size_ = static_cast<float>(size);
 }
 
 void LatticeView::show(bool shown) {
   const int child = shown ? SO_SWITCH_ALL : SO_SWITCH_NONE;
   if (node_->whichChild.getValue() != child) node_->whichChild.setValue(child);
+}
+
+void LatticeView::render(void* view, SoAction* action) {
+  if (!action->isOfType(SoGLRenderAction::getClassTypeId())) return;
+  const auto& self = *static_cast<const LatticeView*>(view);
+  glPushAttrib(GL_ENABLE_BIT | GL_POINT_BIT | GL_CURRENT_BIT);
+  glPushClientAttrib(GL_CLIENT_VERTEX_ARRAY_BIT);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glDisable(GL_LIGHTING);
+  glDisable(GL_TEXTURE_2D);
+  glEnable(GL_DEPTH_TEST);
+  glPointSize(self.size_);
+  glEnableClientState(GL_VERTEX_ARRAY);
+  glEnableClientState(GL_COLOR_ARRAY);
+  glVertexPointer(3, GL_FLOAT, 0, self.places_.data());
+  glColorPointer(3, GL_UNSIGNED_BYTE, 0, self.colours_.data());
+  glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(self.places_.size() / 3));
+  glPopClientAttrib();
+  glPopAttrib();
 }
 
 }  // namespace palpate

@@ -1,13 +1,15 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "viewer/picture/lattice_dots.hpp"
 
-class SoDrawStyle;
+class SoAction;
+class SoCallback;
 class SoSwitch;
-class SoVertexProperty;
 
 namespace palpate {
 
@@ -25,9 +27,13 @@ class LatticeView {
   void show(bool shown);
 
  private:
+  static void render(void* view, SoAction* action);
+
   SoSwitch* node_;
-  SoVertexProperty* dots_;
-  SoDrawStyle* style_;
+  SoCallback* dots_;
+  std::vector<float> places_;          ///< [dot][axis], m
+  std::vector<std::uint8_t> colours_;  ///< [dot][red, green, blue]
+  float size_ = 4;                     ///< px
 };
 
 }  // namespace palpate

@@ -32,7 +32,6 @@ void setStyle() {
   style.FrameRounding = 3;
   style.WindowPadding = {14, 12};
   style.ItemSpacing = {8, 5};
-  style.Colors[ImGuiCol_WindowBg] = {0.975F, 0.978F, 0.984F, 1};
   style.Colors[ImGuiCol_Text] = ImGui::ColorConvertU32ToFloat4(ink);
   style.Colors[ImGuiCol_TextDisabled] = {0.42F, 0.45F, 0.51F, 1};
   style.Colors[ImGuiCol_FrameBg] = {0.90F, 0.915F, 0.935F, 1};
@@ -42,9 +41,10 @@ void setStyle() {
   style.Colors[ImGuiCol_CheckMark] = {0.09F, 0.33F, 0.66F, 1};
 }
 
-constexpr ImGuiWindowFlags fixed_panel =
-    ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-    ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus;
+constexpr ImGuiWindowFlags fixed_panel = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                                         ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
+                                         ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBackground |
+                                         ImGuiWindowFlags_NoBringToFrontOnFocus;
 
 /// The part of the window that panels leave free, in ImGui's units.
 Viewport layout() {
@@ -247,8 +247,9 @@ void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& hist
       const float force = curve < 3 ? sample.force[static_cast<Eigen::Index>(curve)] : sample.force.norm();
       points[n] = area.at(sample.time, force);
     }
+    // Whole widths: ImGui draws those with few triangles.
     draw.AddPolyline(points.data(), static_cast<int>(points.size()), curve_colours[curve], ImDrawFlags_None,
-                     curve == 3 ? 2.0F : 1.4F);
+                     curve == 3 ? 2.0F : 1.0F);
   }
 }
 

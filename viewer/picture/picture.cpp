@@ -12,6 +12,7 @@
 #include <map>
 
 #include "common/error.hpp"
+#include "viewer/haptics/deformed_shape.hpp"
 #include "viewer/picture/panels.hpp"
 #include "viewer/picture/view_control.hpp"
 #include "viewer/picture/window.hpp"
@@ -92,29 +93,17 @@ struct ShownModel {
         sphere(sphereAround(of.surface().vertices())),
         body(SurfaceShape(of.surface().vertices(), of.surface().triangles(),
                           touchableTriangles(of.surface()))),
-        displacements(3 * of.surface().vertices().size()),
-        part(displacements.size()) {
+        deformed(of.surface().vertices().size()),
+        displacements(3 * of.surface().vertices().size()) {
     body.setGhostFrom(0.01 * sphere.radius);
   }
-  /// The shape of a touch, into `displacements`.
-  void deform(const Touch& touch);
-
   const HapticModel& model;
   FramedSphere sphere;
   BodyView body;
-  std::vector<float> displacements, part;  ///< [vertex][axis], m
-  double full_colour = 0.005;              ///< m, grows with what was seen
+  DeformedShape deformed;
+  std::vector<float> displacements;  ///< [vertex][axis], m
+  double full_colour = 0.005;        ///< m, grows with what was seen
 };
-
-void ShownModel::deform(const Touch& touch) {
-  std::fill(displacements.begin(), displacements.end(), 0.0F);
-  for (std::int32_t n = 0; touch.touching && n < touch.blend.size; ++n) {
-    const SpaceWeight& share = touch.blend.shares[static_cast<std::size_t>(n)];
-    model.shape(static_cast<std::size_t>(share.space)).evaluate(touch.displacement, part);
-    for (std::size_t i = 0; i < part.size(); ++i)
-      displacements[i] += static_cast<float>(share.weight) * part[i];
-  }
-}
 
 /// What decides which dots the lattice shows.
 struct LatticeKey {
@@ -211,7 +200,7 @@ MouseMotion Picture::Impl::mouse(const Viewport& part) const {
 
 void Picture::Impl::showBody(const Touch& touch) {
   ShownModel& now = *shown[static_cast<std::size_t>(model)];
-  now.deform(touch);
+  now.deformed.evaluate(now.model, touch, now.displacements);
   measured(costs.shape);
   SurfaceShape& shape = now.body.shape();
   shape.setDisplacements(now.displacements);
@@ -363,19 +352,7 @@ PictureRequests Picture::draw(const HapticState& state, const PictureStatus& sta
 Image Picture::grab() {
   if (!impl_->drawn) throw failure("no picture was drawn yet that could be kept");
   impl_->render();
-  Image image;
-  image.width = impl_->viewport.window_width;
-  image.height = impl_->viewport.window_height;
-  const std::size_t row = 3 * static_cast<std::size_t>(image.width);
-  std::vector<std::uint8_t> upward(row * static_cast<std::size_t>(image.height));
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadBuffer(GL_BACK);
-  glReadPixels(0, 0, image.width, image.height, GL_RGB, GL_UNSIGNED_BYTE, upward.data());
-  image.pixels.resize(upward.size());
-  for (int y = 0; y < image.height; ++y)
-    std::copy_n(upward.data() + row * static_cast<std::size_t>(image.height - 1 - y), row,
-                image.pixels.data() + row * static_cast<std::size_t>(y));
-  return image;
+  return readPixels(impl_->viewport.window_width, impl_->viewport.window_height);
 }
 
 PictureCosts Picture::costs() const {

@@ -1,7 +1,6 @@
 #include "viewer/picture/stage.hpp"
 
 #include <GL/gl.h>
-#include <Inventor/SoDB.h>
 #include <Inventor/actions/SoGLRenderAction.h>
 #include <Inventor/elements/SoGLCacheContextElement.h>
 #include <Inventor/nodes/SoCallback.h>
@@ -15,14 +14,11 @@
 namespace palpate {
 namespace {
 
-constexpr double tool_share = 0.022;  ///< of the extent
+constexpr double tool_share = 0.03;  ///< of the extent
+/// Around the view. Clearing is cheap; panels with a ground of their own, blended, would cost as much as the
+/// body where drawing is done in software.
+constexpr std::array<float, 3> panel_ground = {0.975F, 0.978F, 0.984F};
 constexpr std::array<float, 3> sky = {0.985F, 0.987F, 0.992F}, ground = {0.800F, 0.828F, 0.868F};
-
-/// Coin's types must be there before its first node: the views are members.
-double withCoin(double extent) {
-  if (!SoDB::isInitialized()) SoDB::init();
-  return extent;
-}
 
 void drawBackground(void* /*nothing*/, SoAction* action) {
   if (!action->isOfType(SoGLRenderAction::getClassTypeId())) return;
@@ -64,7 +60,7 @@ SbRotation rotationTo(const Eigen::Matrix3d& axes) {
 }  // namespace
 
 Stage::Stage(double extent)
-    : tool_(withCoin(extent) * tool_share),
+    : tool_(extent * tool_share),
       root_(new SoSeparator),
       bodies_(new SoSeparator),
       coin_camera_(new SoPerspectiveCamera),
@@ -119,10 +115,10 @@ void Stage::render(const Viewport& viewport) {
                            static_cast<short>(viewport.width), static_cast<short>(viewport.height));
   glPushAttrib(GL_ALL_ATTRIB_BITS);
   glPushClientAttrib(GL_CLIENT_ALL_ATTRIB_BITS);
-  glScissor(viewport.x, viewport.y, viewport.width, viewport.height);
-  glEnable(GL_SCISSOR_TEST);
+  glDisable(GL_SCISSOR_TEST);
   glEnable(GL_DEPTH_TEST);
-  glClear(GL_DEPTH_BUFFER_BIT);
+  glClearColor(panel_ground[0], panel_ground[1], panel_ground[2], 1);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   action_->setViewportRegion(region);
   action_->apply(root_);
   glPopClientAttrib();

@@ -36,7 +36,8 @@ class Stage {
   ToolView& tool() { return tool_; }
   LatticeView& lattice() { return lattice_; }
   OrbitCamera& camera() { return camera_; }
-  /// Draws into the part of the window; the rest of it is left as it is. OpenGL's state is as before then.
+  /// Draws into the part of the window; the rest becomes the ground of the panels. OpenGL's state is as
+  /// before then.
   void render(const Viewport& viewport);
 
  private:

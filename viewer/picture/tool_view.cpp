@@ -1,13 +1,11 @@
 #include "viewer/picture/tool_view.hpp"
 
-#include <Inventor/nodes/SoBaseColor.h>
+#include <GL/gl.h>
+#include <Inventor/actions/SoGLRenderAction.h>
+#include <Inventor/nodes/SoCallback.h>
 #include <Inventor/nodes/SoComplexity.h>
 #include <Inventor/nodes/SoCone.h>
-#include <Inventor/nodes/SoCoordinate3.h>
 #include <Inventor/nodes/SoCylinder.h>
-#include <Inventor/nodes/SoDrawStyle.h>
-#include <Inventor/nodes/SoLightModel.h>
-#include <Inventor/nodes/SoLineSet.h>
 #include <Inventor/nodes/SoMaterial.h>
 #include <Inventor/nodes/SoSeparator.h>
 #include <Inventor/nodes/SoSphere.h>
@@ -15,6 +13,8 @@
 #include <Inventor/nodes/SoTransform.h>
 
 #include <algorithm>
+
+#include "viewer/picture/coin.hpp"
 
 namespace palpate {
 namespace {
@@ -49,7 +49,7 @@ void show(SoSwitch* which, bool shown) {
 
 }  // namespace
 
-ToolView::ToolView(double radius) : radius_(radius), node_(new SoSeparator) {
+ToolView::ToolView(double radius) : radius_(radius), node_((startCoin(), new SoSeparator)) {
   node_->ref();
   auto* complexity = new SoComplexity;
   complexity->value.setValue(0.5F);
@@ -60,6 +60,7 @@ ToolView::ToolView(double radius) : radius_(radius), node_(new SoSeparator) {
 }
 
 ToolView::~ToolView() {
+  thread_->setCallback(nullptr);
   node_->unref();
 }
 
@@ -97,20 +98,9 @@ void ToolView::makeArrow() {
 
 void ToolView::makeAnchor() {
   auto* group = new SoSeparator;
-  auto* line = new SoSeparator;
-  auto* unlit = new SoLightModel;
-  unlit->model.setValue(SoLightModel::BASE_COLOR);
-  auto* colour = new SoBaseColor;
-  colour->rgb.setValue(0.90F, 0.45F, 0.05F);
-  auto* style = new SoDrawStyle;
-  style->lineWidth.setValue(2);
-  thread_ = new SoCoordinate3;
-  thread_->point.setNum(2);
-  for (SoNode* child : {static_cast<SoNode*>(unlit), static_cast<SoNode*>(colour),
-                        static_cast<SoNode*>(style), static_cast<SoNode*>(thread_)})
-    line->addChild(child);
-  line->addChild(new SoLineSet);
-  group->addChild(line);
+  thread_ = new SoCallback;
+  thread_->setCallback(drawThread, this);
+  group->addChild(thread_);
   auto* point = new SoSeparator;
   point->addChild(material(0.95F, 0.55F, 0.10F));
   point->addChild(anchor_place_ = new SoTransform);
@@ -119,6 +109,21 @@ void ToolView::makeAnchor() {
   point->addChild(sphere);
   group->addChild(point);
   node_->addChild(anchor_switch_ = switchOver(group));
+}
+
+void ToolView::drawThread(void* view, SoAction* action) {
+  if (!action->isOfType(SoGLRenderAction::getClassTypeId())) return;
+  const auto& self = *static_cast<const ToolView*>(view);
+  glPushAttrib(GL_ENABLE_BIT | GL_LINE_BIT | GL_CURRENT_BIT);
+  glDisable(GL_LIGHTING);
+  glDisable(GL_TEXTURE_2D);
+  glLineWidth(2);
+  glColor3f(0.90F, 0.45F, 0.05F);
+  glBegin(GL_LINES);
+  glVertex3dv(self.anchor_.data());
+  glVertex3dv(self.tool_.data());
+  glEnd();
+  glPopAttrib();
 }
 
 void ToolView::setTool(const Eigen::Vector3d& tool) {
@@ -148,8 +153,7 @@ void ToolView::showAnchor(const Eigen::Vector3d& anchor) {
   show(anchor_switch_, anchor.allFinite());
   if (!anchor.allFinite()) return;
   anchor_place_->translation.setValue(coin(anchor));
-  thread_->point.set1Value(0, coin(anchor));
-  thread_->point.set1Value(1, coin(tool_));
+  anchor_ = anchor;
 }
 
 void ToolView::hideAnchor() {

@@ -2,10 +2,11 @@
 
 #include <Eigen/Core>
 
+class SoAction;
+class SoCallback;
 class SoSeparator;
 class SoSwitch;
 class SoTransform;
-class SoCoordinate3;
 
 namespace palpate {
 
@@ -30,16 +31,17 @@ class ToolView {
   void hideAnchor();
 
  private:
+  static void drawThread(void* view, SoAction* action);
   void makeSphere();
   void makeArrow();
   void makeAnchor();
 
   double radius_;
-  Eigen::Vector3d tool_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d tool_ = Eigen::Vector3d::Zero(), anchor_ = Eigen::Vector3d::Zero();
   SoSeparator* node_;
   SoSwitch *tool_switch_, *arrow_switch_, *anchor_switch_;
   SoTransform *tool_place_, *arrow_place_, *shaft_place_, *head_place_, *anchor_place_;
-  SoCoordinate3* thread_;
+  SoCallback* thread_;
 };
 
 }  // namespace palpate

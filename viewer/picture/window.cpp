@@ -1,7 +1,10 @@
 #include "viewer/picture/window.hpp"
 
 #define GLFW_INCLUDE_NONE
+#include <GL/gl.h>
 #include <GLFW/glfw3.h>
+
+#include <algorithm>
 
 #include "common/error.hpp"
 
@@ -64,6 +67,18 @@ void Window::poll() {
 
 void Window::swap() {
   glfwSwapBuffers(window_);
+}
+
+Image readPixels(int width, int height) {
+  const std::size_t row = 3 * static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
+  std::vector<std::uint8_t> upward(row * rows);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadBuffer(GL_BACK);
+  glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, upward.data());
+  Image image{width, height, std::vector<std::uint8_t>(upward.size())};
+  for (std::size_t y = 0; y < rows; ++y)
+    std::copy_n(upward.data() + row * (rows - 1 - y), row, image.pixels.data() + row * y);
+  return image;
 }
 
 }  // namespace palpate

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "viewer/picture/image.hpp"
+
 struct GLFWwindow;
 
 namespace palpate {
@@ -26,5 +28,8 @@ class Window {
  private:
   GLFWwindow* window_ = nullptr;
 };
+
+/// What was drawn since the last swap() of the current window, width x height pixels from its lower left.
+Image readPixels(int width, int height);
 
 }  // namespace palpate

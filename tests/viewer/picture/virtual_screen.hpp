@@ -2,6 +2,7 @@
 
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -40,6 +41,7 @@ class VirtualScreen {
  private:
   [[noreturn]] static void become(const int (&ends)[2]) {
     close(ends[0]);
+    prctl(PR_SET_PDEATHSIG, SIGTERM);  // a test that crashes leaves nothing behind
     const std::string out = std::to_string(ends[1]);
     execlp("Xvfb", "Xvfb", "-displayfd", out.c_str(), "-screen", "0", "1600x1000x24", "-nolisten", "tcp",
            "-noreset", static_cast<char*>(nullptr));

@@ -1,0 +1,113 @@
+// Processor time of one picture of a surface of 5,292 triangles, of this whole process with the threads that
+// draw in software (getrusage), in the default window on an Xvfb of its own. Prints one JSON object. Nothing
+// here is checked: times belong to the machine. The X server's own share, copying the picture, is not in it.
+//
+//   picture_bench [PICTURES]
+
+#include <sys/resource.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "tests/viewer/haptics/touched_model.hpp"
+#include "tests/viewer/picture/virtual_screen.hpp"
+#include "viewer/picture/picture.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double depth = 0.015;  // m
+
+double processorSeconds() {
+  rusage use{};
+  getrusage(RUSAGE_SELF, &use);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(use.ru_utime) + seconds(use.ru_stime);
+}
+
+HapticModel largeBlob() {
+  const Mesh mesh = test::blobMesh(21);
+  const std::vector<std::int32_t>& top = mesh.node_groups.at("zmax");
+  const auto distance = [&](std::int32_t node) {
+    return mesh.nodes[static_cast<std::size_t>(node)].head<2>().norm();
+  };
+  return test::modelOf({mesh, {{*std::ranges::min_element(top, {}, distance), 1}}}, 0.06);
+}
+
+/// A hand that presses in and out once a second.
+class Hand {
+ public:
+  explicit Hand(const HapticModel& model)
+      : contact_(model), top_(model.surface().tree().nearest({0, 0, 0.2}).position.z()) {}
+  const HapticState& next() {
+    state_.time += 1.0 / 60;
+    const double z = top_ + 0.002 - depth * std::pow(std::sin(3.14159 * state_.time), 2);
+    state_.tool = {0, 0, z};
+    state_.touch = contact_.update(state_.tool);
+    state_.force = state_.touch.force;
+    return state_;
+  }
+
+ private:
+  Contact contact_;
+  double top_;
+  HapticState state_;
+};
+
+nlohmann::json measure(const HapticModel& model, PictureOptions options, int pictures) {
+  options.vsync = false;
+  Picture picture({&model}, options);
+  Hand hand(model);
+  for (int n = 0; n < 60; ++n) picture.draw(hand.next(), {});
+  PictureCosts sum;
+  const double begin = processorSeconds();
+  for (int n = 0; n < pictures; ++n) {
+    picture.draw(hand.next(), {});
+    const PictureCosts costs = picture.costs();
+    sum.shape += costs.shape;
+    sum.arrays += costs.arrays;
+    sum.scene += costs.scene;
+    sum.panels += costs.panels;
+    sum.swap += costs.swap;
+  }
+  const double ms = 1e3 / pictures;
+  nlohmann::json result = {{"processor_ms", ms * (processorSeconds() - begin)}};
+  if (options.measure)
+    result["parts_ms"] = {{"shape", ms * sum.shape},
+                          {"arrays", ms * sum.arrays},
+                          {"scene", ms * sum.scene},
+                          {"panels", ms * sum.panels},
+                          {"swap", ms * sum.swap}};
+  return result;
+}
+
+int run(int pictures) {
+  const test::VirtualScreen screen;
+  const HapticModel model = largeBlob();
+  const PictureOptions usual;
+  const nlohmann::json out = {{"triangles", model.surface().triangles().size()},
+                              {"window", {usual.width, usual.height}},
+                              {"pictures", pictures},
+                              {"usual", measure(model, usual, pictures)},
+                              {"without_ghost", measure(model, {.ghost = false}, pictures)},
+                              {"with_lattice", measure(model, {.lattice = true}, pictures)},
+                              {"waiting_after_each_part", measure(model, {.measure = true}, pictures)}};
+  std::puts(out.dump(2).c_str());
+  return 0;
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  try {
+    return palpate::run(argc > 1 ? std::atoi(argv[1]) : 600);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+}

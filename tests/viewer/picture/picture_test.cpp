@@ -1,0 +1,245 @@
+#include "viewer/picture/picture.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/viewer/haptics/touched_model.hpp"
+#include "tests/viewer/picture/person.hpp"
+#include "tests/viewer/picture/virtual_screen.hpp"
+#include "viewer/picture/stage.hpp"
+#include "viewer/picture/window.hpp"
+
+namespace palpate {
+namespace {
+
+using Pixel = const std::uint8_t*;
+using Colour = std::function<bool(Pixel)>;
+
+bool isRed(Pixel p) {
+  return p[0] > 110 && p[1] < 0.45 * p[0] && p[2] < 0.45 * p[0];
+}
+bool isPurple(Pixel p) {
+  return p[2] > p[1] + 25 && p[0] > p[1] + 10 && p[2] < 170;
+}
+bool isYellow(Pixel p) {
+  return p[0] > p[2] + 60 && p[1] > p[2] + 60;
+}
+
+/// How many pixels of the view, beside the panels and the legends, have a colour; and where, on average.
+struct Spot {
+  int count = 0;
+  double x = 0, y = 0;
+};
+Spot find(const Image& image, const Colour& colour, int right = 980, int bottom = 400) {
+  Spot spot;
+  for (int y = 0; y < std::min(bottom, image.height); ++y)
+    for (int x = 0; x < std::min(right, image.width); ++x)
+      if (colour(image.at(x, y))) {
+        ++spot.count;
+        spot.x += x;
+        spot.y += y;
+      }
+  spot.x /= std::max(spot.count, 1);
+  spot.y /= std::max(spot.count, 1);
+  return spot;
+}
+
+int differences(const Image& a, const Image& b, int right, int bottom) {
+  int count = 0;
+  for (int y = 0; y < bottom; ++y)
+    for (int x = 0; x < right; ++x)
+      if (!std::equal(a.at(x, y), a.at(x, y) + 3, b.at(x, y))) ++count;
+  return count;
+}
+
+class PictureTest : public ::testing::Test {
+ protected:
+  PictureTest() : model(test::tenNodeModel()) {}
+
+  /// The hand above the middle of the touchable surface, or pressed into it by `depth` metres.
+  HapticState pressed(double depth) {
+    HapticState state;
+    state.time = ++time;
+    state.tool = {0, 0, 0.2};
+    Contact contact(model);
+    contact.update(state.tool);
+    const double top = model.surface().tree().nearest({0, 0, 0.2}).position.z();
+    for (int step = 0; step <= 100 && depth > 0; ++step) {
+      state.tool.z() = top + 1e-4 - (depth + 1e-4) * step / 100;
+      contact.update(state.tool);
+    }
+    state.touch = contact.touch();
+    state.force = state.touch.force;
+    return state;
+  }
+  Image pictureOf(const HapticState& state, PictureOptions options = {}) {
+    options.vsync = false;
+    Picture picture({&model}, options);
+    picture.draw(state, {});
+    return picture.grab();
+  }
+
+  test::VirtualScreen screen;
+  HapticModel model;
+  double time = 0;
+};
+
+TEST_F(PictureTest, ShowsTheBodyAndColoursWhatIsPressed) {
+  const Image rest = pictureOf(pressed(0), {.ghost = false});
+  EXPECT_GT(find(rest, isPurple).count, 5000);
+  EXPECT_EQ(find(rest, isYellow).count, 0);
+  const HapticState press = pressed(0.0048);
+  ASSERT_TRUE(press.touch.touching);
+  const Image dent = pictureOf(press, {.ghost = false});
+  EXPECT_GT(find(dent, isYellow).count, 300);
+}
+
+TEST_F(PictureTest, ShowsTheGhostOnlyWhereTheBodyIsDeformed) {
+  const HapticState rest = pressed(0), press = pressed(0.012);
+  EXPECT_EQ(differences(pictureOf(rest, {.ghost = true}), pictureOf(rest, {.ghost = false}), 980, 622), 0);
+  EXPECT_GT(differences(pictureOf(press, {.ghost = true}), pictureOf(press, {.ghost = false}), 980, 622),
+            500);
+}
+
+TEST_F(PictureTest, ShowsAnArrowWhenThereIsAForce) {
+  HapticState state = pressed(0);
+  EXPECT_EQ(find(pictureOf(state), isRed).count, 0);
+  state.force = {0, 0, 2};
+  EXPECT_GT(find(pictureOf(state), isRed).count, 100);
+}
+
+TEST_F(PictureTest, ShowsTheLatticeByTag) {
+  const HapticState state = pressed(0);
+  const auto green = [](Pixel p) { return p[0] == 38 && p[1] == 140 && p[2] == 72; };
+  EXPECT_EQ(find(pictureOf(state), green, 980, 500).count, 0);
+  EXPECT_GT(find(pictureOf(state, {.lattice = true}), green, 980, 500).count, 16 * 10);
+}
+
+TEST_F(PictureTest, FillsItsPanelsAndSaysTroubleInRed) {
+  Picture picture({&model}, {.vsync = false});
+  const HapticState state = pressed(0);
+  picture.draw(state, {});
+  const Image calm = picture.grab();
+  PictureStatus status;
+  status.trouble = "the device is unplugged; plug it in again";
+  picture.draw(state, status);
+  const Image troubled = picture.grab();
+  EXPECT_GT(find(troubled, isRed, 400, 60).count, find(calm, isRed, 400, 60).count + 200);
+  const auto ink = [](Pixel p) { return p[0] < 120 && p[1] < 120 && p[2] < 120; };
+  EXPECT_GT(find(calm, ink, 1280, 800).count - find(calm, ink, 980, 800).count, 1000)
+      << "numbers at the side";
+}
+
+TEST_F(PictureTest, CanBeHiddenAndStillKeepsItsPixels) {
+  EXPECT_GT(find(pictureOf(pressed(0), {.visible = false}), isPurple).count, 5000);
+}
+
+TEST_F(PictureTest, SwitchesBetweenModelsThatShareTheWindow) {
+  const HapticModel other = test::cubeModel();
+  Picture picture({&model, &other}, {.vsync = false});
+  HapticState state = pressed(0);
+  picture.draw(state, {});
+  const Image first = picture.grab();
+  state.model = 1;
+  picture.draw(state, {});
+  EXPECT_GT(differences(first, picture.grab(), 980, 622), 20000);
+}
+
+TEST_F(PictureTest, WantsToCloseWhenItsWindowIsClosed) {
+  Picture picture({&model}, {.vsync = false});
+  picture.draw(pressed(0), {});
+  EXPECT_FALSE(picture.wantsClose());
+  test::Person(screen.name(), "Palpate").closeWindow();
+  picture.draw(pressed(0), {});
+  EXPECT_TRUE(picture.wantsClose());
+}
+
+TEST_F(PictureTest, PassesOnWhatThePersonAsksForByKeys) {
+  Picture picture({&model}, {.vsync = false});
+  const HapticState state = pressed(0);
+  picture.draw(state, {});
+  test::Person person(screen.name(), "Palpate");
+  const auto after = [&](const char* key) {
+    person.press(key);
+    PictureRequests all;
+    for (int n = 0; n < 3; ++n) {  // a key that goes down and up at once counts in the picture after
+      const PictureRequests one = picture.draw(state, {});
+      if (one.use) all.use = one.use;
+      all.release |= one.release;
+      all.pause |= one.pause;
+      all.reload |= one.reload;
+      all.quit |= one.quit;
+    }
+    return all;
+  };
+  EXPECT_TRUE(after("r").release);
+  EXPECT_TRUE(after("space").pause);
+  EXPECT_TRUE(after("F5").reload);
+  EXPECT_TRUE(after("q").quit);
+  const PictureRequests method = after("m");
+  ASSERT_TRUE(method.use);
+  EXPECT_EQ(method.use->method, 1);
+  EXPECT_FALSE(method.release || method.pause || method.quit);
+}
+
+TEST(Picture, WithoutADisplaySaysWhatToDo) {
+  unsetenv("DISPLAY");
+  unsetenv("WAYLAND_DISPLAY");
+  const HapticModel model = test::cubeModel();
+  test::expectError(ExitCode::failed, [&] { Picture picture({&model}); },
+                    {"display", "--headless", "xvfb-run"});
+}
+
+/// A stage in a window of its own, seen from +z, y up: pixels of what is on it.
+class StageTest : public ::testing::Test {
+ protected:
+  StageTest() : window("Stage", 400, 400, true, false), stage(0.1) {
+    stage.camera().frame(Eigen::Vector3d::Zero(), 0.1, Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY(), 1);
+  }
+  Image render() {
+    stage.render({400, 400, 0, 0, 400, 400});
+    return readPixels(400, 400);
+  }
+
+  test::VirtualScreen screen;
+  Window window;
+  Stage stage;
+};
+
+TEST_F(StageTest, PointsTheArrowAlongTheForce) {
+  stage.tool().setTool(Eigen::Vector3d::Zero());
+  EXPECT_EQ(find(render(), isRed, 400, 400).count, 0);
+  for (const Eigen::Vector3d& arrow : {Eigen::Vector3d(0.06, 0, 0), Eigen::Vector3d(-0.06, 0, 0),
+                                       Eigen::Vector3d(0, 0.06, 0), Eigen::Vector3d(0.03, -0.04, 0)}) {
+    stage.tool().setArrow(arrow);
+    const Spot spot = find(render(), isRed, 400, 400);
+    ASSERT_GT(spot.count, 50);
+    const Eigen::Vector2d seen(spot.x - 199.5, 199.5 - spot.y);
+    EXPECT_GT(seen.normalized().dot(arrow.head<2>().normalized()), 0.98) << arrow.transpose();
+    EXPECT_GT(seen.norm(), 20);
+  }
+}
+
+TEST_F(StageTest, DrawsDotsWhereTheyAreInTheirColours) {
+  const std::vector<LatticeDot> dots = {{{0.03, 0, 0}, colourOf(Tag::failed)},
+                                        {{-0.03, 0.02, 0}, colourOf(Tag::expandable)}};
+  stage.lattice().setDots(dots, {0, 0.01, 0}, 6);
+  const auto at = [&](const Image& image, const LatticeDot& dot) {
+    const Eigen::Vector3d place = stage.camera().project(dot.displacement + Eigen::Vector3d(0, 0.01, 0));
+    Pixel p = image.at(static_cast<int>(200 + 400 * place.x()), static_cast<int>(200 - 400 * place.y()));
+    return std::array<double, 3>{static_cast<double>(p[0]), static_cast<double>(p[1]),
+                                 static_cast<double>(p[2])};
+  };
+  const Image without = render();
+  stage.lattice().show(true);
+  const Image with = render();
+  for (const LatticeDot& dot : dots) {
+    EXPECT_NE(at(without, dot), dot.colour);
+    EXPECT_EQ(at(with, dot), dot.colour);
+  }
+}
+
+}  // namespace
+}  // namespace palpate
