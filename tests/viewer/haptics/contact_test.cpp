@@ -29,7 +29,7 @@ const HapticModel& tenNodes() {
 }
 const HapticModel& wholeBlob() {
   static const HapticModel model = [] {
-    const Mesh mesh = test::blobMesh(6);
+    const Mesh mesh = test::blobMesh(4);
     return test::modelOf({mesh, test::wholeSurface(mesh, [](const Eigen::Vector3d& x) {
                             return 1 + 0.2 * std::sin(40 * x.x()) + 0.15 * std::cos(50 * x.y());
                           })});
@@ -160,7 +160,6 @@ TEST(Contact, NeverPullsOnRandomWalks) {
 }
 
 TEST(Contact, MissesNoWayInOnRandomWalks) {
-  // All of the cube but its bottom can be touched.
   int entries = 0;
   for (const unsigned seed : {1, 2, 3, 4, 5}) {
     Contact contact(flatModel(), {.friction = 0});
@@ -172,7 +171,7 @@ TEST(Contact, MissesNoWayInOnRandomWalks) {
       const bool is_outside = !touch.touching && touch.gap >= 0;
       if (was_outside && !is_outside) {
         ++entries;
-        EXPECT_TRUE(touch.touching || tool.z() < 0.001) << n << ": " << tool.transpose();
+        EXPECT_TRUE(touch.touching) << n << ": " << tool.transpose();
       }
       was_outside = is_outside;
     }
@@ -376,7 +375,7 @@ TEST(Contact, SlidesOverEdgesAndVerticesWithoutAJumpOfForce) {
           sweep.ticks, sweep.triangles);
       EXPECT_LT(sweep.largest_excess, 0.01);
       EXPECT_GT(sweep.ticks, 2000);
-      EXPECT_GT(sweep.triangles, 30);
+      EXPECT_GT(sweep.triangles, 15);
     }
 }
 

@@ -19,11 +19,14 @@ inline HapticModel modelOf(const TouchableBody& body, double reach = 0) {
   return HapticModel(dataset, {.methods = {"potential", "trilinear"}, .reach = reach});
 }
 
-/// A cube of 100 mm with every vertex active but those of the bottom.
+/// A cube of 100 mm, all of it touchable, with every vertex of its top active.
 inline HapticModel cubeModel(const std::function<double(const Eigen::Vector3d&)>& factor =
                                  [](const Eigen::Vector3d&) { return 1.0; }) {
   const Mesh mesh = cubeMesh(0.1, 4);
-  return modelOf({mesh, wholeSurface(mesh, factor)});
+  std::vector<TouchableBody::Active> active;
+  for (const std::int32_t node : mesh.node_groups.at("zmax"))
+    active.push_back({node, factor(mesh.nodes[static_cast<std::size_t>(node)])});
+  return modelOf({mesh, active}, 0.2);
 }
 
 /// The blob with ten active nodes on its upper side, of factors from 0.8 to 1.25, all of it touchable.
