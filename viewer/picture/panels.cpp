@@ -410,7 +410,7 @@ std::int32_t following(std::int32_t current, std::size_t count) {
 
 void keys(const PanelContents& contents, ViewChoices& view, PictureRequests& requests) {
   const HapticState& state = contents.state;
-  const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
+  const auto pressed = [&](int key) { return std::ranges::count(contents.keys, key) > 0; };
   if (ImGui::GetIO().WantTextInput) return;
   if (pressed(GLFW_KEY_G)) view.ghost = !view.ghost;
   if (pressed(GLFW_KEY_L)) view.lattice = !view.lattice;

@@ -37,6 +37,7 @@ struct PanelContents {
   const ForceHistory& history;
   const GuardLamps& lamps;
   const OrbitCamera& camera;
+  const std::vector<int>& keys;      ///< Window::keys()
   std::vector<std::string> models;   ///< names, the datasets to choose from
   std::vector<std::string> methods;  ///< of the model in use
   std::vector<std::string> spaces;   ///< names of the active nodes of the model in use

@@ -274,6 +274,7 @@ PanelContents Picture::Impl::contents(const HapticState& state, const PictureSta
                     .history = history,
                     .lamps = lamps,
                     .camera = stage->camera(),
+                    .keys = window.keys(),
                     .models = {},
                     .methods = now.model.methods(),
                     .spaces = {},
@@ -313,7 +314,7 @@ PictureRequests Picture::Impl::draw(const HapticState& state, const PictureStatu
   use(std::clamp(state.model, 0, last));
   history.add(state.time, state.force);
   lamps.update(glfwGetTime(), state.guards, status.loop.guards);
-  if (!ImGui::GetIO().WantTextInput && ImGui::IsKeyPressed(GLFW_KEY_F, false)) frameAll();
+  if (!ImGui::GetIO().WantTextInput && std::ranges::count(window.keys(), GLFW_KEY_F) > 0) frameAll();
   requests.mouse_target = control.apply(mouse(viewport), state.tool,
                                         shown[static_cast<std::size_t>(model)]->sphere, stage->camera());
   requests.mouse_holds = requests.mouse_target.has_value();

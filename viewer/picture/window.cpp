@@ -38,6 +38,11 @@ Window::Window(const std::string& title, int width, int height, bool visible, bo
   }
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(vsync ? 1 : 0);
+  glfwSetWindowUserPointer(window_, this);
+  // Panels call what was set before them.
+  glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int /*code*/, int action, int /*modifiers*/) {
+    if (action == GLFW_PRESS) static_cast<Window*>(glfwGetWindowUserPointer(window))->keys_.push_back(key);
+  });
 }
 
 Window::~Window() {
@@ -62,6 +67,7 @@ bool Window::wantsClose() const {
 }
 
 void Window::poll() {
+  keys_.clear();
   glfwPollEvents();
 }
 

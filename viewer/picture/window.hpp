@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "viewer/picture/image.hpp"
 
@@ -23,10 +24,13 @@ class Window {
   int height() const;
   bool wantsClose() const;
   void poll();  ///< takes in what person and system did since the last call
+  /// Keys (GLFW_KEY_*) that went down before the last poll(), in order; short strokes count too.
+  const std::vector<int>& keys() const { return keys_; }
   void swap();  ///< shows what was drawn
 
  private:
   GLFWwindow* window_ = nullptr;
+  std::vector<int> keys_;
 };
 
 /// What was drawn since the last swap() of the current window, width x height pixels from its lower left.
