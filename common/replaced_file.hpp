@@ -11,4 +11,8 @@ namespace palpate {
 void replaceFile(const std::filesystem::path& file,
                  const std::function<void(const std::filesystem::path& aside)>& write);
 
+/// Error unless the folder of `file` is there and may be written: to be asked before hours of work.
+/// `option`: what names another file, for the message.
+void refuseUnwritable(const std::filesystem::path& file, const char* option);
+
 }  // namespace palpate

@@ -1,10 +1,6 @@
 #include "scheduler/build.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <map>
 #include <utility>
 
@@ -53,13 +49,6 @@ bool isSealed(const std::filesystem::path& file, const Problem& problem, bool fo
   }
   if (!force) throw badInput("{}: {}: give another -o, or --force to replace it", file.string(), what);
   return false;
-}
-
-void refuseUnwritable(const std::filesystem::path& file) {
-  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  if (access(folder.c_str(), W_OK | X_OK) != 0)
-    throw failure("{}: nothing can be written into {}: {}: give another -o", file.string(), folder.string(),
-                  std::strerror(errno));
 }
 
 std::filesystem::path defaultDatasetFile(const Scene& scene) {

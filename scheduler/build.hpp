@@ -46,9 +46,6 @@ class Build {
 /// unless `force`.
 bool isSealed(const std::filesystem::path& file, const Problem& problem, bool force);
 
-/// Error when the folder of `file` does not take files: known before the work, not after it.
-void refuseUnwritable(const std::filesystem::path& file);
-
 /// "NAME.h5" in the current directory, for a scene without -o.
 std::filesystem::path defaultDatasetFile(const Scene& scene);
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <thread>
 
+#include "common/replaced_file.hpp"
 #include "scheduler/build.hpp"
 #include "scheduler/build_summary.hpp"
 #include "scheduler/progress.hpp"
@@ -116,7 +117,7 @@ ExitCode run(const BuildOptions& options) {
   catchInterrupts();
   const auto began = Clock::now();
   Build build(std::move(problem), state);
-  refuseUnwritable(out);
+  refuseUnwritable(out, "-o");
   if (build.found() > 0 && !build.coordinator().complete())
     spdlog::info("going on: {} results are recorded in {}", build.found(), state.string());
   const int workers = options.workers > 0

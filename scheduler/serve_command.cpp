@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "common/replaced_file.hpp"
 #include "common/wire.hpp"
 #include "scheduler/build.hpp"
 #include "scheduler/build_summary.hpp"
@@ -67,7 +68,7 @@ ExitCode run(const ServeOptions& options) {
 
   catchInterrupts();
   Build build(std::move(problem), options.state);
-  refuseUnwritable(out);
+  refuseUnwritable(out, "-o");
   Coordinator& coordinator = build.coordinator();
   if (!coordinator.complete()) {
     zmq::context_t context;

@@ -22,6 +22,9 @@ void check(const ViewOptions& options) {
   if (!(options.duration >= 0)) throw badInput("--duration {}: seconds, 0 or more", options.duration);
   if (options.fast && options.duration <= 0 && !options.device.starts_with("replay"))
     throw badInput("--fast has no clock that could end it: say how long with --duration");
+  if (options.fast && !(options.device.starts_with("virtual") || options.device.starts_with("replay")))
+    throw badInput("--fast is for the virtual hand and replays: {} has the time of the clock",
+                   options.device);
   if (options.headless && !(options.screenshot.empty() && options.video.empty()))
     throw badInput("--headless draws no picture: leave it out for --screenshot and --record-video");
 }

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <thread>
 
 #include "common/dataset.hpp"
+#include "common/replaced_file.hpp"
 #include "viewer/devices/device_choice.hpp"
 #include "viewer/devices/mouse_device.hpp"
 #include "viewer/devices/replay_device.hpp"
@@ -97,6 +99,8 @@ double largestStiffness(const HapticModel& model) {
 
 struct ViewSession::Parts {
   explicit Parts(const ViewOptions& wanted) : options(wanted) {
+    if (!options.record.empty()) refuseUnwritable(options.record, "--record");
+    if (!options.screenshot.empty()) refuseUnwritable(options.screenshot, "--screenshot");
     loaded = std::make_unique<LoadedModels>(options);
     if (!options.headless) openPicture();
     if (!options.video.empty()) video.emplace(options.video);
@@ -128,6 +132,7 @@ struct ViewSession::Parts {
   void obey(const PictureRequests& requests);
   void look();
   void reload();
+  void saveRecording() const;
   void finish(std::ostream& output);
 
   ViewOptions options;
@@ -311,18 +316,29 @@ void ViewSession::Parts::reload() {
   if (ran) startLoop();
 }
 
-void ViewSession::Parts::finish(std::ostream& output) {
-  if (recorder) {
+/// A recording that cannot be written where it should be is kept somewhere else, if there is any room.
+void ViewSession::Parts::saveRecording() const {
+  if (!recorder) return;
+  try {
     recorder->save(options.record);
-    spdlog::info("{}: {} ticks{}", options.record.string(), recorder->size(),
-                 recorder->recording().complete() ? "" : ", with gaps");
+  } catch (const Error& error) {
+    const std::filesystem::path elsewhere =
+        std::filesystem::temp_directory_path() / fmt::format("palpate-run-{}.h5", getpid());
+    recorder->save(elsewhere);
+    throw failure("{}; the recording was written to {} instead", error.what(), elsewhere.string());
   }
+  spdlog::info("{}: {} ticks{}", options.record.string(), recorder->size(),
+               recorder->recording().complete() ? "" : ", with gaps");
+}
+
+void ViewSession::Parts::finish(std::ostream& output) {
   if (!options.screenshot.empty()) {
     drawFrame(tick->state());
     writePng(picture->grab(), options.screenshot);
   }
   if (video) spdlog::info("{}: {} pictures", options.video.string(), video->count());
   output << (options.json ? describeJson(statistics) + "\n" : describe(statistics)) << std::flush;
+  saveRecording();
   if (!output) throw failure("cannot write the measurements to standard output");
 }
 

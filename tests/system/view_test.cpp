@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/command.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/system/process.hpp"
+#include "tests/viewer/picture/virtual_screen.hpp"
 
 /// The haptic client as a person starts it, without a display.
 namespace palpate {
@@ -58,7 +60,7 @@ TEST_F(ViewTest, AReplayGivesTheSameForcesAgain) {
   EXPECT_EQ(replayed.at("ticks"), 2000);
   const auto compared =
       test::runCommand("cd '" + directory.path().string() +
-                       "' && python3 -c \"import h5py; a, b = h5py.File('run.h5'), "
+                       "' && /usr/bin/python3 -c \"import h5py; a, b = h5py.File('run.h5'), "
                        "h5py.File('again.h5'); print('equal' if "
                        "(a['/force/rendered'][:] == b['/force/rendered'][:]).all() else 'no')\"");
   EXPECT_EQ(compared.output, "equal\n");
@@ -93,6 +95,27 @@ TEST_F(ViewTest, SaysWhatToDoWithoutADisplay) {
   EXPECT_THAT(run->output(), HasSubstr("--headless"));
 }
 
+TEST_F(ViewTest, WritesTheSamePicturesInEveryRunWithoutAClock) {
+  const test::VirtualScreen screen;
+  for (const std::string name : {"first", "second"}) {
+    auto run = start({"cube.h5", "--fast", "--duration", "1.2", "--screenshot", name + ".png",
+                      "--record-video", name + "-frames"});
+    EXPECT_EQ(run->wait(), 0) << run->output();
+  }
+  EXPECT_GT(content("first.png").size(), 10000u);
+  EXPECT_EQ(content("first.png"), content("second.png"));
+  EXPECT_EQ(content("first-frames/frame-000030.png"), content("second-frames/frame-000030.png"));
+  EXPECT_NE(content("first-frames/frame-000010.png"), content("first-frames/frame-000030.png"));
+}
+
+TEST_F(ViewTest, DrawsWhileTheLoopKeepsItsTime) {
+  const test::VirtualScreen screen;
+  auto run = start({"cube.h5", "--duration", "1", "--screenshot", "end.png", "--json"});
+  EXPECT_EQ(run->wait(), 0) << run->output();
+  EXPECT_THAT(run->output(), HasSubstr("\"ticks\":1000,"));
+  EXPECT_GT(content("end.png").size(), 10000u);
+}
+
 TEST_F(ViewTest, RefusesWhatItCannotFeel) {
   struct Case {
     std::vector<std::string> arguments;
@@ -104,6 +127,7 @@ TEST_F(ViewTest, RefusesWhatItCannotFeel) {
       {{"cube.h5", "--method", "magic"}, 2, "potential"},
       {{"cube.h5", "--rate", "7"}, 2, "--rate"},
       {{"cube.h5", "--fast"}, 2, "--duration"},
+      {{"cube.h5", "--fast", "--duration", "1", "--device", "haply"}, 2, "--fast"},
       {{"cube.h5", "--device", "vitrual"}, 2, "virtual"},
       {{"cube.h5", "--device", "replay:none.h5"}, 2, "none.h5"},
       {{"cube.h5", "--duration", "0.1", "--record", "nowhere/run.h5"}, 1, "nowhere"},

@@ -39,25 +39,6 @@ struct Site {
   double radius;                  ///< m, of the circle
 };
 
-/// The vertex that feels this space alone and lies nearest to the middle of those that do.
-std::int32_t middleVertex(const TouchSurface& surface, std::int32_t space) {
-  std::vector<std::int32_t> own;
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (std::int32_t v = 0; v < static_cast<std::int32_t>(surface.vertices().size()); ++v)
-    for (const SpaceWeight& share : surface.sharesOf(v))
-      if (share.space == space && share.weight > 0.999) {
-        own.push_back(v);
-        middle += surface.vertices()[static_cast<std::size_t>(v)];
-      }
-  if (own.empty()) return -1;
-  middle /= static_cast<double>(own.size());
-  const auto distance = [&](std::int32_t v) {
-    return (surface.vertices()[static_cast<std::size_t>(v)] - middle).squaredNorm();
-  };
-  return *std::min_element(own.begin(), own.end(),
-                           [&](std::int32_t a, std::int32_t b) { return distance(a) < distance(b); });
-}
-
 /// The largest depth up to `wanted` at which the force, and at all smaller depths, is bearable.
 double bearableDepth(const ForceField& field, const Eigen::Vector3d& normal, double wanted,
                      double largest_force) {
@@ -73,7 +54,7 @@ std::vector<Site> sitesOf(const HapticModel& model, const TouchPathOptions& opti
   std::vector<Site> sites;
   const TouchSurface& surface = model.surface();
   for (std::size_t s = 0; s < model.spaces().size(); ++s) {
-    const std::int32_t vertex = middleVertex(surface, static_cast<std::int32_t>(s));
+    const std::int32_t vertex = surface.activeVertex(s);
     if (vertex < 0) continue;
     const auto v = static_cast<std::size_t>(vertex);
     const double reach = model.spaces()[s].lattice.radius();

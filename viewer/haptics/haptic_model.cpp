@@ -1,8 +1,39 @@
 #include "viewer/haptics/haptic_model.hpp"
 
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <functional>
+#include <thread>
+
 #include "common/error.hpp"
 
 namespace palpate {
+namespace {
+
+/// Calls task(0), ..., task(count - 1), several at once; throws what the first of them to fail threw.
+void inParallel(std::size_t count, const std::function<void(std::size_t)>& task) {
+  std::atomic<std::size_t> next = 0;
+  std::atomic<bool> failed = false;
+  std::exception_ptr error;
+  const auto work = [&] {
+    for (std::size_t n = next++; n < count && !failed; n = next++) try {
+        task(n);
+      } catch (...) {
+        if (!failed.exchange(true)) error = std::current_exception();
+      }
+  };
+  {
+    std::vector<std::jthread> threads;
+    const std::size_t wanted =
+        std::min<std::size_t>(count, std::max(1U, std::thread::hardware_concurrency()));
+    while (threads.size() + 1 < wanted) threads.emplace_back(work);
+    work();
+  }
+  if (error) std::rethrow_exception(error);
+}
+
+}  // namespace
 
 HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& options)
     : name_(dataset.scene().name),
@@ -14,10 +45,12 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
       spaces_(dataset.spaces()),
       methods_(options.methods) {
   if (methods_.empty()) throw badInput("{}: no method to interpolate forces by was given", file_);
-  for (const std::string& method : methods_) {
-    fields_.emplace_back();
-    for (const SpaceTable& space : spaces_) fields_.back().push_back(makeForceField(method, space));
-  }
+  fields_.resize(methods_.size());
+  for (auto& of_method : fields_) of_method.resize(spaces_.size());
+  inParallel(methods_.size() * spaces_.size(), [&](std::size_t n) {
+    const std::size_t method = n / spaces_.size(), space = n % spaces_.size();
+    fields_[method][space] = makeForceField(methods_[method], spaces_[space]);
+  });
   for (std::size_t s = 0; s < spaces_.size(); ++s)
     shapes_.push_back(std::make_unique<DisplacementField>(spaces_[s], dataset.surfaceDisplacements(s)));
 }

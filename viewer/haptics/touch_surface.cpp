@@ -113,6 +113,7 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
     patch.node = vertexOf(patch.node);
     for (std::int32_t& node : patch.nodes) node = vertexOf(node);
     std::erase(patch.nodes, -1);  // inside of the body, or in the middle of an edge
+    active_vertices_.push_back(patch.node);
     patches.push_back(patch);
   }
   if (!(std::isfinite(reach) && reach >= 0))

@@ -63,6 +63,8 @@ class TouchSurface {
   std::int32_t neighbor(std::int32_t triangle, int corner) const;
   /// Shares of one vertex; empty where there is nothing to feel.
   std::span<const SpaceWeight> sharesOf(std::int32_t vertex) const;
+  /// The vertex of a space's active node; -1: it lies on no vertex of the surface.
+  std::int32_t activeVertex(std::size_t space) const { return active_vertices_[space]; }
   /// m, of the edges at a vertex.
   double longestEdgeAt(std::int32_t vertex) const { return longest_edges_[static_cast<std::size_t>(vertex)]; }
 
@@ -100,6 +102,7 @@ class TouchSurface {
   std::vector<Face> faces_;                             ///< per triangle
   std::vector<std::array<std::int32_t, 3>> neighbors_;  ///< per triangle, by corner; -1: none
   std::vector<std::int32_t> around_, around_begins_;    ///< triangles at the vertices, one after the other
+  std::vector<std::int32_t> active_vertices_;           ///< per space
   std::vector<double> longest_edges_;                   ///< per vertex
   std::vector<std::array<SpaceWeight, most_spaces_of_vertex>> shares_;  ///< per vertex
   std::vector<std::int32_t> share_counts_;                              ///< per vertex

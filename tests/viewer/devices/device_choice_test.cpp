@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "tests/support/command.hpp"
@@ -64,6 +65,19 @@ TEST_F(DeviceChoice, TheDefaultPathPressesEachActiveNodeButNeverHarderThanAsked)
           pressed = std::max(pressed, nearest.distance);
     }
     EXPECT_GT(pressed, 1e-4) << "space " << s;
+  }
+}
+
+/// Vertices of the ring around it may belong to its space alone too; there a hand would miss the rim.
+TEST_F(DeviceChoice, TheDefaultPathComesDownOnTheActiveNodesThemselves) {
+  const HandPath path = touchPath(model());
+  for (std::size_t s = 0; s < model().spaces().size(); ++s) {
+    const Eigen::Vector3d node =
+        sample.problem.mesh.nodes[static_cast<std::size_t>(sample.problem.active[s].node)];
+    const auto meets = [&](const HandWaypoint& waypoint) {
+      return (waypoint.position - node).norm() < 1e-12;
+    };
+    EXPECT_TRUE(std::any_of(path.waypoints().begin(), path.waypoints().end(), meets)) << "space " << s;
   }
 }
 

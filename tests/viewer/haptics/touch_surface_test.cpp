@@ -53,6 +53,13 @@ TEST_F(TouchSurfaceTest, LetsTheRingAroundAnActiveNodeBeTouched) {
   }
 }
 
+TEST_F(TouchSurfaceTest, KnowsTheVerticesOfItsActiveNodes) {
+  const Eigen::Vector3d first(0.05, 0.05, 0.1), second(0.1, 0.025, 0.05);
+  const TouchSurface surface(sealed({cube, {{nodeAt(cube, first)}, {nodeAt(cube, second)}}}));
+  EXPECT_LT((surface.vertices()[static_cast<std::size_t>(surface.activeVertex(0))] - first).norm(), 1e-12);
+  EXPECT_LT((surface.vertices()[static_cast<std::size_t>(surface.activeVertex(1))] - second).norm(), 1e-12);
+}
+
 TEST_F(TouchSurfaceTest, ReachesAlongTheSurface) {
   const TouchSurface surface(sealed({cube, {{nodeAt(cube, {0.05, 0.05, 0.1})}}}), 0.051);
   for (std::size_t v = 0; v < surface.vertices().size(); ++v) {
