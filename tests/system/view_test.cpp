@@ -5,8 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/command.hpp"
-#include "tests/support/sample_dataset.hpp"
+#include "tests/support/meshes.hpp"
 #include "tests/support/temporary_directory.hpp"
+#include "tests/support/touchable_body.hpp"
 #include "tests/system/process.hpp"
 #include "tests/viewer/picture/virtual_screen.hpp"
 
@@ -23,9 +24,16 @@ struct ViewTest : testing::Test {
   ViewTest() {
     unsetenv("DISPLAY");
     unsetenv("WAYLAND_DISPLAY");
-    sample.seal(directory / "cube.h5");
+    seal(1);
   }
 
+  /// A cube that is touched all over its top, `factor` times as stiff as the softest.
+  void seal(double factor) const {
+    const Mesh mesh = test::cubeMesh(0.1, 4);
+    std::vector<test::TouchableBody::Active> active;
+    for (const std::int32_t node : mesh.node_groups.at("zmax")) active.push_back({node, factor});
+    test::TouchableBody(mesh, active).seal(directory / "cube.h5");
+  }
   std::unique_ptr<Process> start(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "view");
     return std::make_unique<Process>("palpate-viewer", std::move(arguments), directory.path());
@@ -38,11 +46,11 @@ struct ViewTest : testing::Test {
     const std::string output = run->output();
     EXPECT_EQ(code, 0) << output;
     const std::size_t begin = output.find('{');
-    return begin == std::string::npos ? nlohmann::json() : nlohmann::json::parse(output.substr(begin));
+    return begin == std::string::npos
+               ? nlohmann::json()
+               : nlohmann::json::parse(output.substr(begin, output.find('\n', begin) - begin));
   }
   std::string content(const char* file) const { return test::contentOf(directory / file); }
-
-  test::SampleDataset sample;
 };
 
 TEST_F(ViewTest, TheVirtualHandTouchesAndEveryRunIsTheSameToTheBit) {
@@ -83,8 +91,7 @@ TEST_F(ViewTest, AnInterruptEndsItWithItsMeasurementsAndItsRecording) {
 TEST_F(ViewTest, ADatasetThatIsReplacedMeanwhileChangesNothing) {
   auto run = start({"cube.h5", "--headless", "--duration", "2.5", "--record", "run.h5"});
   ASSERT_TRUE(test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));
-  test::SampleDataset other(PressureSpace::p1);
-  other.seal(directory / "cube.h5");
+  seal(2);
   EXPECT_EQ(run->wait(), 0) << run->output();
   EXPECT_THAT(run->output(), HasSubstr("cube.h5 was replaced"));
 }

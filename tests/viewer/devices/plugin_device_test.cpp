@@ -55,7 +55,8 @@ TEST(PluginDevice, PassesOnWhyADeviceCannotBeOpened) {
 
 TEST(PluginDevice, RefusesWhatIsNoPlugInAndNamesTheFile) {
   expectBadInput([] { PluginDevice({"nowhere.so"}); }, {"nowhere.so", "cannot be loaded", "No such file"});
-  expectBadInput([] { PluginDevice({__FILE__}); }, {"plugin_device_test.cpp", "invalid ELF header"});
+  expectBadInput([] { PluginDevice({PALPATE_SOURCE_DIR "/README.md"}); },
+                 {"README.md", "invalid ELF header"});
   expectBadInput([] { PluginDevice(broken("NO_ENTRY")); },
                  {"plugin_NO_ENTRY.so", "palpate_device_plugin_v1"});
   expectBadInput([] { PluginDevice(broken("OLD_ABI")); }, {"plugin_OLD_ABI.so", "version 2"});
