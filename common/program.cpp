@@ -92,9 +92,14 @@ void catchInterrupts() {
   struct sigaction action {};
   action.sa_handler = onInterrupt;
   sigemptyset(&action.sa_mask);
-  for (const int signal : {SIGINT, SIGTERM})
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {};
+    // Whoever started it with nohup wants it to outlive the terminal.
+    if (sigaction(signal, nullptr, &before) == 0 && signal == SIGHUP && before.sa_handler == SIG_IGN)
+      continue;
     if (sigaction(signal, &action, nullptr) != 0)
       throw failure("signal {} cannot be caught: {}", signal, std::strerror(errno));
+  }
 }
 
 int runProgram(int argc, char** argv, const char* description, std::span<const Verb> verbs) {

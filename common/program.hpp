@@ -24,9 +24,10 @@ int runProgram(int argc, char** argv, const char* description, std::span<const V
 /// The program's version, "0.1.0".
 const char* version();
 
-/// True once SIGINT or SIGTERM came in, after catchInterrupts(). A second signal ends the process at once
-/// with code 130, unless it follows the first within a second: timeout(1) signals a process and then its
-/// group, and Ctrl-C in a terminal reaches children that are told to end by their parent too.
+/// True once SIGINT, SIGTERM or SIGHUP (unless that was ignored) came in, after catchInterrupts(). A second
+/// signal ends the process at once with code 130, unless it follows the first within a second: timeout(1)
+/// signals a process and then its group, and Ctrl-C in a terminal reaches children that are told to end by
+/// their parent too.
 bool interrupted();
 void catchInterrupts();
 

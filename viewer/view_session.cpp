@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <ostream>
 #include <thread>
 
@@ -127,8 +128,9 @@ struct ViewSession::Parts {
   void runStepped();
   void runLoop();
   void startLoop();
+  void endLoop();
   void drainRecording();
-  void drawFrame(const HapticState& state);
+  PictureRequests drawFrame(const HapticState& state);
   void obey(const PictureRequests& requests);
   void look();
   void reload();
@@ -145,7 +147,7 @@ struct ViewSession::Parts {
   std::unique_ptr<HapticTick> tick;
   std::optional<Recorder> recorder;
   std::unique_ptr<HapticLoop> loop;  ///< none while paused, and when stepped
-  LoopStatistics statistics;         ///< of the last loop; of the ticks when stepped
+  LoopStatistics statistics;         ///< of the loops that ended; of the ticks when stepped
   std::uint64_t ticks = 0;           ///< to make; 0: no end
   PictureStatus status;
   std::string said;  ///< the trouble that was logged last
@@ -161,6 +163,7 @@ void ViewSession::Parts::makeTick() {
   tick_options.contact.friction = options.friction;
   tick_options.guard = guardFor(limitsOf(*device, options), tick_options.period);
   tick_options.map = workspaceFor(model, *device);
+  tick_options.guard.max_stiffness /= tick_options.map.scale;  // per metre of the scene
   tick = std::make_unique<HapticTick>(loaded->pointers(), *device, tick_options);
 }
 
@@ -176,11 +179,12 @@ void ViewSession::Parts::announce() const {
   spdlog::info("{} at {:g} Hz: at most {:g} N and {:g} N/s, workspace scale {:.3g}", device->name(),
                options.rate, used.guard.max_force, used.guard.max_slew, used.map.scale);
   const double felt = used.map.scale * largestStiffness(model);
-  if (felt > used.guard.max_stiffness)
+  const double rendered = used.map.scale * used.guard.max_stiffness;
+  if (felt > rendered)
     spdlog::warn(
         "the tissue at rest is felt with {:.0f} N/m, of which the device renders {:.0f} stably: it may "
         "buzz; a smaller scale or a device profile of its own helps",
-        felt, used.guard.max_stiffness);
+        felt, rendered);
 }
 
 /// Ticks and pictures in turn, by the time of the ticks alone: the same pictures on every machine.
@@ -195,7 +199,7 @@ void ViewSession::Parts::runStepped() {
       count(statistics, before, tick->run());
       if (recorder) recorder->add(tick->state());
     }
-    drawFrame(tick->state());
+    obey(drawFrame(tick->state()));
   }
   device->write(Eigen::Vector3d::Zero());
 }
@@ -205,7 +209,7 @@ void ViewSession::Parts::startLoop() {
   loop_options.rate = options.rate;
   loop_options.real_time = options.real_time;
   loop_options.free_running = options.fast;
-  loop_options.ticks = ticks;
+  loop_options.ticks = ticks == 0 ? 0 : std::max<std::uint64_t>(1, ticks - statistics.ticks);
   loop_options.record = recorder.has_value();
   loop = std::make_unique<HapticLoop>(*tick, *device, loop_options);
   loop->start();
@@ -226,15 +230,20 @@ void ViewSession::Parts::runLoop() {
       std::this_thread::sleep_for(headless_pause);
       continue;
     }
-    drawFrame(loop ? loop->latest() : tick->state());
+    obey(drawFrame(loop ? loop->latest() : tick->state()));
     next = std::max(next + std::chrono::microseconds(static_cast<int>(1e6 / frames_per_second)),
                     std::chrono::steady_clock::now());
     std::this_thread::sleep_until(next);
   }
+  endLoop();
+}
+
+void ViewSession::Parts::endLoop() {
   if (!loop) return;
   loop->stop();
   drainRecording();
-  statistics = loop->statistics();
+  add(statistics, loop->statistics());
+  loop.reset();
 }
 
 /// What changes slowly: files on disk, troubles, statistics.
@@ -256,14 +265,14 @@ void ViewSession::Parts::look() {
     }
 }
 
-void ViewSession::Parts::drawFrame(const HapticState& state) {
+PictureRequests ViewSession::Parts::drawFrame(const HapticState& state) {
   status.device = device->name();
   status.max_force = tick->options().guard.max_force;
   status.paused = !loop && !stepped();
   status.recording = recorder.has_value();
   const PictureRequests requests = picture->draw(state, status);
   if (video) video->add(picture->grab());
-  obey(requests);
+  return requests;
 }
 
 void ViewSession::Parts::obey(const PictureRequests& requests) {
@@ -277,14 +286,10 @@ void ViewSession::Parts::obey(const PictureRequests& requests) {
   if (requests.release) command({HapticCommand::Kind::release});
   if (mouse != nullptr && requests.mouse_target) mouse->moveTo(*requests.mouse_target, 0);
   if (requests.pause && !stepped()) {
-    if (loop) {
-      loop->stop();
-      drainRecording();
-      statistics = loop->statistics();
-      loop.reset();
-    } else {
+    if (loop)
+      endLoop();
+    else
       startLoop();
-    }
   }
   if (requests.reload) reload();
   quit = quit || requests.quit;
@@ -299,14 +304,13 @@ void ViewSession::Parts::reload() {
   std::unique_ptr<LoadedModels> fresh;
   try {
     fresh = std::make_unique<LoadedModels>(options);
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     status.notice = fmt::format("not read again: {}", error.what());
     spdlog::warn("{}", status.notice);
     return;
   }
   const bool ran = loop != nullptr;
-  if (loop) loop->stop();
-  loop.reset();
+  endLoop();
   tick.reset();
   picture.reset();
   loaded = std::move(fresh);
@@ -332,13 +336,13 @@ void ViewSession::Parts::saveRecording() const {
 }
 
 void ViewSession::Parts::finish(std::ostream& output) {
+  saveRecording();
   if (!options.screenshot.empty()) {
     drawFrame(tick->state());
     writePng(picture->grab(), options.screenshot);
   }
   if (video) spdlog::info("{}: {} pictures", options.video.string(), video->count());
   output << (options.json ? describeJson(statistics) + "\n" : describe(statistics)) << std::flush;
-  saveRecording();
   if (!output) throw failure("cannot write the measurements to standard output");
 }
 
@@ -348,8 +352,15 @@ ViewSession::~ViewSession() = default;
 
 ExitCode ViewSession::run(std::ostream& output) {
   catchInterrupts();
+  std::signal(SIGPIPE, SIG_IGN);  // a reader of our output that goes must not end us with a force on
   parts_->announce();
-  parts_->stepped() ? parts_->runStepped() : parts_->runLoop();
+  try {
+    parts_->stepped() ? parts_->runStepped() : parts_->runLoop();
+  } catch (...) {
+    parts_->endLoop();
+    parts_->saveRecording();
+    throw;
+  }
   parts_->finish(output);
   return interrupted() ? ExitCode::interrupted : ExitCode::done;
 }

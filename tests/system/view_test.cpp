@@ -88,6 +88,37 @@ TEST_F(ViewTest, AnInterruptEndsItWithItsMeasurementsAndItsRecording) {
   EXPECT_TRUE(std::filesystem::exists(directory / "run.h5"));
 }
 
+TEST_F(ViewTest, AClosedTerminalKeepsTheRecording) {
+  auto run = start({"cube.h5", "--headless", "--record", "run.h5"});
+  ASSERT_TRUE(test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));
+  run->signal(SIGHUP);
+  EXPECT_EQ(run->wait(), 130);
+  EXPECT_TRUE(std::filesystem::exists(directory / "run.h5"));
+}
+
+TEST_F(ViewTest, AReaderThatGoesAwayKeepsTheRecording) {
+  const auto run =
+      test::runCommand("cd '" + directory.path().string() + "' && " +
+                       PALPATE_BIN_DIR
+                       "/palpate-viewer view cube.h5 --headless --fast --duration 1 --record run.h5 "
+                       "| true");
+  EXPECT_THAT(run.output, HasSubstr("run.h5: 1000 ticks"));
+  EXPECT_TRUE(std::filesystem::exists(directory / "run.h5"));
+}
+
+TEST_F(ViewTest, AFolderOfPicturesThatFailsKeepsTheRecording) {
+  const test::VirtualScreen screen;
+  auto run = start({"cube.h5", "--record-video", "frames", "--record", "run.h5"});
+  ASSERT_TRUE(
+      test::eventually([&] { return std::filesystem::exists(directory / "frames/frame-000003.png"); }));
+  std::error_code busy;
+  while (std::filesystem::exists(directory / "frames"))
+    std::filesystem::remove_all(directory / "frames", busy);
+  EXPECT_EQ(run->wait(), 1);
+  EXPECT_THAT(run->output(), HasSubstr("cannot write the picture"));
+  EXPECT_TRUE(std::filesystem::exists(directory / "run.h5"));
+}
+
 TEST_F(ViewTest, ADatasetThatIsReplacedMeanwhileChangesNothing) {
   auto run = start({"cube.h5", "--headless", "--duration", "2.5", "--record", "run.h5"});
   ASSERT_TRUE(test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));

@@ -203,7 +203,9 @@ bool HapticLoop::oneTick(std::int64_t begin_ns) {
   if (last_begin_ns_ != 0) statistics_.period.add(away);
   last_begin_ns_ = begin_ns;
   const bool halted = halted_.exchange(false, std::memory_order_acq_rel);
-  const bool late = halted || (!options_.free_running && away > options_.watchdog);
+  // Ticks that another loop ran before this one left a force behind; the device has held zero since.
+  const bool goes_on = statistics_.ticks == 0 && tick_.state().tick > 0;
+  const bool late = halted || goes_on || (!options_.free_running && away > options_.watchdog);
 
   HapticCommand command;
   while (commands_.pop(command)) tick_.obey(command);

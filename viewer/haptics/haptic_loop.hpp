@@ -37,7 +37,7 @@ struct LoopOptions {
 ///
 /// When no tick ends for `watchdog` seconds the watchdog thread halts the device, counts, and the loop starts
 /// from zero force when it comes back (Guarded::late). So it does when it finds by itself that it was away
-/// for so long.
+/// for so long, and when it goes on with a tick that ran before.
 ///
 /// Other threads: latest() from one thread (the picture), command() from one thread, takeRecorded() from one
 /// thread, the rest from the owner.

@@ -96,6 +96,7 @@ void HapticTick::obey(const HapticCommand& command) noexcept {
   const HapticModel& model = *models_[static_cast<std::size_t>(command.model)];
   if (!exists(command.method, model.methods().size())) return;
   contact_.use(model, static_cast<std::size_t>(command.method));
+  state_.touch = {};  // of the model before; who draws it before the next run() must not ask this one
   state_.model = command.model;
   state_.method = command.method;
 }

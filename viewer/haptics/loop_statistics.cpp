@@ -49,6 +49,13 @@ void TimeHistogram::add(double seconds) noexcept {
   largest_ = std::max(largest_, time);
 }
 
+void TimeHistogram::add(const TimeHistogram& other) noexcept {
+  for (std::size_t bin = 0; bin < bins_.size(); ++bin) bins_[bin] += other.bins_[bin];
+  count_ += other.count_;
+  sum_ += other.sum_;
+  largest_ = std::max(largest_, other.largest_);
+}
+
 double TimeHistogram::upperEdge(std::size_t bin) {
   return smallest_time * std::exp2(static_cast<double>(bin + 1) / bins_per_octave);
 }
@@ -81,6 +88,21 @@ void count(LoopStatistics& statistics, const HapticState& before, const HapticSt
   if (state.touch.touching && !before.touch.touching) ++statistics.contacts;
   statistics.largest_force = std::max(statistics.largest_force, state.force.norm());
   statistics.largest_step = std::max(statistics.largest_step, (state.force - before.force).norm());
+}
+
+void add(LoopStatistics& total, const LoopStatistics& part) noexcept {
+  total.rate = part.rate;
+  for (TimeHistogram LoopStatistics::*times : {&LoopStatistics::period, &LoopStatistics::latency,
+                                               &LoopStatistics::compute, &LoopStatistics::processor})
+    (total.*times).add(part.*times);
+  for (std::uint64_t LoopStatistics::*number :
+       {&LoopStatistics::ticks, &LoopStatistics::missed_program, &LoopStatistics::missed_system,
+        &LoopStatistics::halts, &LoopStatistics::page_faults, &LoopStatistics::preemptions,
+        &LoopStatistics::not_recorded, &LoopStatistics::contacts})
+    total.*number += part.*number;
+  for (std::size_t bit = 0; bit < total.guards.size(); ++bit) total.guards[bit] += part.guards[bit];
+  total.largest_force = std::max(total.largest_force, part.largest_force);
+  total.largest_step = std::max(total.largest_step, part.largest_step);
 }
 
 std::string describe(const LoopStatistics& statistics) {

@@ -14,6 +14,7 @@ namespace palpate {
 class TimeHistogram {
  public:
   void add(double seconds) noexcept;
+  void add(const TimeHistogram& other) noexcept;
   std::uint64_t count() const { return count_; }
   double quantile(double share) const;         ///< s, upper edge of the bin, at most largest(); 0 when empty
   double largest() const { return largest_; }  ///< s, exact
@@ -54,6 +55,9 @@ struct LoopStatistics {
 struct HapticState;
 /// Counts one tick, after `before`: ticks, guards, contacts, largest force and step. Real time.
 void count(LoopStatistics& statistics, const HapticState& before, const HapticState& state) noexcept;
+
+/// Adds the run of another loop: counts and times add up, the largest stays.
+void add(LoopStatistics& total, const LoopStatistics& part) noexcept;
 
 /// For a person, several lines; and one JSON object: times in microseconds, histograms as pairs [upper edge,
 /// count].

@@ -63,19 +63,12 @@ Eigen::Vector3d bestView(const TouchSurface& surface) {
   return 0.8 * normal + 0.75 * right + 0.35 * Eigen::Vector3d::UnitY() + 0.25 * Eigen::Vector3d::UnitZ();
 }
 
-/// Middle of the vertices that belong to a space alone: its active node, or patch, at rest.
+/// Where the active node of a space is at rest.
 Eigen::Vector3d originOf(const HapticModel& model, std::size_t space) {
   const TouchSurface& surface = model.surface();
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  int count = 0;
-  for (std::size_t vertex = 0; vertex < surface.vertices().size(); ++vertex) {
-    const std::span<const SpaceWeight> shares = surface.sharesOf(static_cast<std::int32_t>(vertex));
-    if (shares.size() != 1 || static_cast<std::size_t>(shares[0].space) != space) continue;
-    if (shares[0].weight < 1 - 1e-9) continue;
-    sum += surface.vertices()[vertex];
-    ++count;
-  }
-  return count > 0 ? Eigen::Vector3d(sum / count) : sphereAround(surface.vertices()).centre;
+  const std::int32_t vertex = surface.activeVertex(space);
+  return vertex >= 0 ? surface.vertices()[static_cast<std::size_t>(vertex)]
+                     : sphereAround(surface.vertices()).centre;
 }
 
 /// The smallest of 1, 2 and 5 times a power of ten that holds `length`.

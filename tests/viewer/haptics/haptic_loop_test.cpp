@@ -87,6 +87,25 @@ TEST_F(HapticLoopTest, StopsWhenAskedTo) {
   loop.stop();  // again, which does nothing
 }
 
+/// A pause: the device held zero, the guard remembers the force of before.
+TEST_F(HapticLoopTest, GoesOnWithATickThatRanBeforeFromZeroByARamp) {
+  ScriptedHand pressing([](std::uint64_t n) {
+    return fresh({0.05, 0.05, 0.101 - 2.5e-4 * static_cast<double>(std::min<std::uint64_t>(n, 24))});
+  });
+  HapticTick pressed(models(), pressing, tickOptions());
+  HapticLoop before(pressed, pressing, loopOptions(200));
+  runToTheEnd(before);
+  const double held = pressed.state().force.norm();
+  ASSERT_GT(held, 0.1);
+
+  pressing.forces.clear();
+  HapticLoop after(pressed, pressing, loopOptions(200));
+  runToTheEnd(after);
+  EXPECT_EQ(pressing.forces.front(), Eigen::Vector3d::Zero());
+  EXPECT_LT(pressing.forces[2].norm(), 0.1 * held);
+  EXPECT_NEAR(pressed.state().force.norm(), held, 0.05 * held);
+}
+
 TEST_F(HapticLoopTest, CannotBeStartedTwiceOrAtAnotherRateThanItsTick) {
   ScriptedHand hand(test::pressingAndSliding());
   HapticTick tick(models(), hand, tickOptions());

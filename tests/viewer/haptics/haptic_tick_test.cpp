@@ -190,6 +190,18 @@ TEST_F(HapticTickTest, SwitchesTheMethodWhileTouchingWithoutAKick) {
   EXPECT_LE(largest_step, 1.6 * difference / 50);
 }
 
+/// Its triangle and spaces are those of the model before.
+TEST_F(HapticTickTest, ForgetsTheTouchThatWasSeenWhenTheModelChanges) {
+  ScriptedHand hand(pressing);
+  HapticTick tick({&model(), &model()}, hand, options());
+  for (int n = 0; n < 100; ++n) tick.run();
+  ASSERT_TRUE(tick.state().touch.touching);
+  tick.obey({HapticCommand::Kind::use, 1, 0});
+  EXPECT_EQ(tick.state().model, 1);
+  EXPECT_FALSE(tick.state().touch.touching);
+  EXPECT_TRUE(tick.run().touch.touching);
+}
+
 TEST_F(HapticTickTest, IgnoresCommandsForWhatDoesNotExist) {
   ScriptedHand hand(pressing);
   HapticTick tick({&model()}, hand, options());

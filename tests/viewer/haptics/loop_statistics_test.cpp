@@ -96,6 +96,23 @@ LoopStatistics someStatistics() {
   return statistics;
 }
 
+TEST(LoopStatistics, AddUpOverTheLoopsOfARun) {
+  LoopStatistics total, part = someStatistics();
+  part.largest_force = 2;
+  add(total, part);
+  part.largest_force = 1;
+  add(total, part);
+  EXPECT_EQ(total.rate, 1000);
+  EXPECT_EQ(total.ticks, 400U);
+  EXPECT_EQ(total.compute.count(), 400U);
+  EXPECT_DOUBLE_EQ(total.compute.mean(), part.compute.mean());
+  EXPECT_EQ(total.compute.quantile(0.5), part.compute.quantile(0.5));
+  EXPECT_EQ(total.missed_system, 6U);
+  EXPECT_EQ(total.guards[1], 100U);
+  EXPECT_EQ(total.contacts, 8U);
+  EXPECT_EQ(total.largest_force, 2);
+}
+
 TEST(LoopStatistics, AreDescribedForAPerson) {
   const std::string text = describe(someStatistics());
   EXPECT_THAT(text, HasSubstr("200 ticks at 1000 Hz"));
