@@ -27,6 +27,11 @@ INSTANTIATE_TEST_SUITE_P(CellField, EveryCellField,
                          ::testing::Values("trilinear", "tricubic", "hermite", "potential"),
                          [](const auto& method) { return method.param; });
 
+/// Those without an energy, whose forces are blended where branches meet.
+class EveryBlendedField : public ::testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(CellField, EveryBlendedField, ::testing::Values("trilinear", "tricubic", "hermite"),
+                         [](const auto& method) { return method.param; });
+
 std::vector<Vector3d> pointsInBall(double reach, int count) {
   std::mt19937 random(23);
   const auto coordinate = [&] { return reach * (static_cast<double>(random()) / 2147483648.0 - 1); };
@@ -135,7 +140,7 @@ TEST_P(EveryCellField, ReturnsTheStoredForcesAtSolvedPointsOfTheBall) {
   }
 }
 
-TEST_P(EveryCellField, IsTriLinearWhereBranchesMeetAndSmoothElsewhere) {
+TEST_P(EveryBlendedField, IsTriLinearWhereBranchesMeetAndSmoothElsewhere) {
   const SpaceTable space = branches(), whole = smooth();
   const auto field = makeForceField(GetParam(), space), linear = makeForceField("trilinear", space),
              unbroken = makeForceField(GetParam(), whole);
@@ -153,7 +158,7 @@ TEST_P(EveryCellField, IsTriLinearWhereBranchesMeetAndSmoothElsewhere) {
             unbroken->evaluate(Vector3d(-0.007, 0.0021, 0)).force);
 }
 
-TEST_P(EveryCellField, NeverErrsMoreThanTriLinearNextToAJump) {
+TEST_P(EveryBlendedField, NeverErrsMoreThanTriLinearNextToAJump) {
   const auto field = makeForceField(GetParam(), branches()), linear = makeForceField("trilinear", branches());
   double worst = 0, worst_linear = 0;
   for (const Vector3d& p : pointsInBall(radius, 4000)) {
