@@ -13,7 +13,7 @@ namespace {
 // spacing): 0.1 keeps the largest error next to jumps near that of tri-linear interpolation, larger shares
 // only the mean.
 constexpr double allowed_share = 0.1;
-// Each sweep leaves at most 6/7 of the distance to the minimum.
+// A sweep leaves at most some 6/7 of the distance to the minimum.
 constexpr int sweeps = 100;
 
 std::size_t at(std::int32_t index) {
