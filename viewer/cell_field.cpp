@@ -91,7 +91,7 @@ std::vector<std::int32_t> CellData::leavesWith(const std::vector<LatticeEdge>& e
   return found;
 }
 
-CellField::CellField(const CellData& data, Limit limit) : tree_(data.tree) {
+CellField::CellField(const CellData& data, Limit limit) : tree_(data.tree), limit_(limit) {
   nodes_.reserve(data.equilibria.size());
   for (std::size_t s = 0; s < data.equilibria.size(); ++s) {
     nodes_.emplace_back();
@@ -102,7 +102,7 @@ CellField::CellField(const CellData& data, Limit limit) : tree_(data.tree) {
   fillHanging(tree_, nodes_, [this](std::int32_t leaf, const Eigen::Vector3d& local) -> Eigen::Vector4d {
     return trilinear(tree_.corners(leaf), local, nodes_);
   });
-  setFlags(data.leavesWith(limit == Limit::suspect ? data.suspect : data.inconsistent));
+  setFlags(data.leavesWith(limit == Limit::force ? data.suspect : data.inconsistent));
   if (!flags_.empty()) setSpread();
 }
 
@@ -173,6 +173,8 @@ void CellField::limit(const LeafPlace& place, const ForceSample& linear, ForceSa
     return Eigen::Matrix<double, 1, 1>(flags_[at(slot)]);
   });
   const double weight = flag(0, 0);
+  sample.error_bound += weight * spread_[at(place.leaf)];
+  if (limit_ == Limit::bound) return;
   if (weight == 1) {
     sample.force = linear.force;
     sample.stiffness = linear.stiffness;
@@ -183,7 +185,6 @@ void CellField::limit(const LeafPlace& place, const ForceSample& linear, ForceSa
     sample.stiffness += change * flag.rightCols<3>() / tree_.edge(place.leaf);
   }
   if (weight > 0) sample.energy = std::numeric_limits<double>::quiet_NaN();
-  sample.error_bound += weight * spread_[at(place.leaf)];
 }
 
 }  // namespace palpate

@@ -38,20 +38,24 @@ struct CellData {
 ///
 /// Limiter: smooth interpolants overshoot where two corners of a leaf lie on different branches. All corners
 /// of a leaf with such an edge (branch_check.hpp) have the flag 1, the others 0; w is the tri-linear
-/// interpolant of the flags, and the force is (1 - w) smooth + w tri-linear. So it is exactly the tri-linear
-/// one in such a leaf, the smooth one in leaves that do not touch it, and continuous. Where w > 0 there is no
-/// energy, and the error bound grows by w times the largest difference between forces at the leaf's corners.
-/// The corners of leaves with an inconsistent edge count as not covered.
+/// interpolant of the flags. Where w > 0 the error bound grows by w times the largest difference between
+/// forces at the leaf's corners. Methods without an energy of their own are blended: the force is (1 - w)
+/// smooth + w tri-linear, so exactly the tri-linear one in such a leaf, the smooth one in leaves that do not
+/// touch it, and continuous; there is no energy. The corners of leaves with an inconsistent edge count as not
+/// covered.
 class CellField : public ForceField {
  public:
   ForceSample evaluate(const Eigen::Vector3d& displacement) const noexcept final;
 
  protected:
-  /// Which edges make a leaf tri-linear: methods that keep to the stored energies overshoot less.
-  enum class Limit { inconsistent, suspect };
+  /// Which edges flag a leaf, and what that changes.
+  enum class Limit {
+    bound,  ///< inconsistent ones, and the error bound alone: the method itself is limited
+    force,  ///< suspect ones: the force is blended too
+  };
 
   /// Copies what it needs.
-  explicit CellField(const CellData& data, Limit limit = Limit::suspect);
+  explicit CellField(const CellData& data, Limit limit = Limit::force);
 
   /// Replaces what `sample` comes with, the tri-linear force and stiffness, by those of the method at a place
   /// in a leaf (0..1 along each axis), with energy and error bound if it has them. Real time.
@@ -67,6 +71,7 @@ class CellField : public ForceField {
   void limit(const LeafPlace& place, const ForceSample& linear, ForceSample& sample) const noexcept;
 
   CellTree tree_;
+  Limit limit_;
   std::vector<Eigen::Vector4d> nodes_;  ///< per slot: force, N, and support
   std::vector<double> flags_;           ///< per slot
   std::vector<double> spread_;  ///< per leaf: largest difference of corner forces, N; -1: no corner flagged

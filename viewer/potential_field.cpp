@@ -1,12 +1,24 @@
 #include "viewer/potential_field.hpp"
 
+#include "viewer/energy_corrections.hpp"
+
 namespace palpate {
+namespace {
+
+std::vector<LocalPolynomial> correctedPolynomials(const CellData& data, const SpaceTable& space) {
+  std::vector<LocalPolynomial> polynomials = slotPolynomials(data.tree, space, data.inconsistent);
+  const std::vector<double> corrections = energyCorrections(data);
+  for (std::size_t s = 0; s < polynomials.size(); ++s) polynomials[s].derivatives[0] += corrections[s];
+  return polynomials;
+}
+
+}  // namespace
 
 PotentialField::PotentialField(const CellData& data, const SpaceTable& space)
-    : PotentialField(data, slotPolynomials(data.tree, space, data.inconsistent)) {}
+    : PotentialField(data, correctedPolynomials(data, space)) {}
 
 PotentialField::PotentialField(const CellData& data, const std::vector<LocalPolynomial>& polynomials)
-    : CellField(data, Limit::inconsistent),
+    : CellField(data, Limit::bound),
       jets_(energyJets(data.tree, polynomials)),
       error_(data.tree, polynomials, jets_, data.suspect) {}
 

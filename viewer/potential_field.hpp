@@ -9,13 +9,18 @@
 namespace palpate {
 
 /// Interpolates the stored energy E(p) and differentiates it: force = -grad E, stiffness = -Hessian.
-/// Therefore conservative by construction (a closed loop returns no energy), with a symmetric stiffness; but
-/// for the limiter next to inconsistent edges (cell_field.hpp).
+/// Therefore conservative by construction (a closed loop returns no energy) in the whole ball, with an energy
+/// everywhere in it and a symmetric stiffness.
 ///
 /// In a leaf E is the tensor product quintic Hermite polynomial of the 27 derivatives at its 8 corners
 /// (energy_jets.hpp). They belong to positions, the same for every leaf around, so E has continuous second
 /// derivatives: force and stiffness are continuous over faces, between leaves of different size, over the rim
 /// and around failed points.
+///
+/// Next to inconsistent edges (branch_check.hpp) the energies at the corners are moved towards what the
+/// forces say (energy_corrections.hpp); forces and stiffnesses are the stored ones at all solved points. What
+/// energy a jump between branches loses is then a ramp over some three leaves, whose force is not that of
+/// either branch.
 ///
 /// Energies up to the fourth degree are exact where solved points surround the leaf, up to the third where
 /// enough are near, and the error of the force goes with the fourth power of the spacing. The error bound is

@@ -23,7 +23,7 @@ std::vector<Eigen::Matrix3d> stiffnesses(const CellData& data) {
 
 }  // namespace
 
-TrilinearField::TrilinearField(const CellData& data) : CellField(data, Limit::inconsistent) {
+TrilinearField::TrilinearField(const CellData& data) : CellField(data, Limit::bound) {
   const std::vector<Eigen::Matrix3d> stiffness = stiffnesses(data);
   for (std::size_t leaf = 0; leaf < tree().leaves().size(); ++leaf) {
     const LeafCorners& corners = tree().corners(static_cast<std::int32_t>(leaf));
