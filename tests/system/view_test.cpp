@@ -102,7 +102,7 @@ TEST_F(ViewTest, AReaderThatGoesAwayKeepsTheRecording) {
                        PALPATE_BIN_DIR
                        "/palpate-viewer view cube.h5 --headless --fast --duration 1 --record run.h5 "
                        "| true");
-  EXPECT_THAT(run.output, HasSubstr("run.h5: 1000 ticks"));
+  EXPECT_EQ(run.exit_code, 0) << "of true, which reads nothing: " << run.output;
   EXPECT_TRUE(std::filesystem::exists(directory / "run.h5"));
 }
 
