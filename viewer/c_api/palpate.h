@@ -278,17 +278,17 @@ PALPATE_API palpate_status palpate_touch_displacements(const palpate_dataset* da
  */
 
 /* What a haptic device can do. */
-typedef struct palpate_device {
+typedef struct palpate_profile {
   size_t size;
   const char* name;        /* owned by the library */
   double max_force;        /* N */
   double max_stiffness;    /* N/m, of what the closed loop renders stably */
   double workspace_radius; /* m */
-} palpate_device;
+} palpate_profile;
 
 /* By name: "touch", "omni", "falcon", "omega", ... PALPATE_INVALID_ARGUMENT, listing all, for another. Any
  * thread. */
-PALPATE_API palpate_status palpate_device_profile(const char* name, palpate_device* device);
+PALPATE_API palpate_status palpate_device_profile(const char* name, palpate_profile* device);
 
 /* Stands between the force of a contact and a device: limits length and rate of the force, fades steps in,
  * keeps the loop passive, and gives zero when anything is wrong. There is no way to switch a limit off. */
@@ -307,7 +307,7 @@ typedef struct palpate_guard_options {
 
 /* Of the reading, the flags of palpate_guard_limit. */
 #define PALPATE_READING_FRESH 1u /* the position is new; never setting it means zero force */
-#define PALPATE_DEVICE_LOST 2u   /* the device is gone: zero at once */
+#define PALPATE_READING_LOST 2u  /* the device is gone: zero at once */
 #define PALPATE_LOOP_LATE 4u     /* the loop hung before this tick: zero at once, then faded in */
 
 /* Why a force is not the raw one: bits of palpate_guarded_force.guards. Only append. */
@@ -341,9 +341,10 @@ PALPATE_API void palpate_guard_destroy(palpate_guard* guard);
 
 /* One tick: the force to send. tool: m, the position that the touch was computed from. touch: of a contact;
  * or filled in by a simulator with forces of its own (size, touching, stepped, force, stiffness, energy are
- * read). flags: PALPATE_READING_FRESH, PALPATE_DEVICE_LOST, PALPATE_LOOP_LATE, or'ed; other bits are an
+ * read). flags: PALPATE_READING_FRESH, PALPATE_READING_LOST, PALPATE_LOOP_LATE, or'ed; other bits are an
  * error. Call it exactly once per period, also while nothing is touched: it counts time in calls. Whenever
- * the status is not PALPATE_OK, and `guarded` can be written, its force is zero: send that. Real time. */
+ * the status is not PALPATE_OK, and `guarded` can be written, its force is zero: send that; the next force
+ * is faded in from there. Real time. */
 PALPATE_API palpate_status palpate_guard_limit(palpate_guard* guard, const double tool[3],
                                                const palpate_touch* touch, uint32_t flags,
                                                palpate_guarded_force* guarded);

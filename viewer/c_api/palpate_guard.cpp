@@ -24,7 +24,7 @@ static_assert(guard_count == 8 && PALPATE_GUARD_RAMPED == static_cast<std::uint3
 
 namespace {
 
-constexpr std::uint32_t known_flags = PALPATE_READING_FRESH | PALPATE_DEVICE_LOST | PALPATE_LOOP_LATE;
+constexpr std::uint32_t known_flags = PALPATE_READING_FRESH | PALPATE_READING_LOST | PALPATE_LOOP_LATE;
 
 const DeviceProfile* profileNamed(const char* function, std::string_view name) {
   const auto profiles = deviceProfiles();
@@ -68,28 +68,41 @@ bool canBeUsed(const char* function, const palpate_guard_options& options) noexc
          isAtLeastZero(function, "options->energy_credit", options.energy_credit);
 }
 
+/// Zero is in `guarded` when it can be written.
+bool canBeLimited(const char* function, const palpate_guard* guard, const double tool[3],
+                  const palpate_touch* touch, std::uint32_t flags, palpate_guarded_force* guarded) noexcept {
+  if (!sizeIsKnown(function, "guarded", guarded)) return false;
+  give(guarded, palpate_guarded_force{});
+  if (!isThere(function, "guard", guard) || !isThere(function, "tool", tool) ||
+      !sizeIsKnown(function, "touch", touch))
+    return false;
+  if ((flags & ~known_flags) == 0) return true;
+  invalid("{}: flags {:#x} has bits without a meaning; see palpate.h", function, flags);
+  return false;
+}
+
 GuardInput inputOf(const double tool[3], const palpate_touch& touch, std::uint32_t flags) noexcept {
   GuardInput input;
   input.tool = vectorOf(tool);
   input.touch = toTouch(touch);
   input.fresh = (flags & PALPATE_READING_FRESH) != 0;
-  input.lost = (flags & PALPATE_DEVICE_LOST) != 0;
+  input.lost = (flags & PALPATE_READING_LOST) != 0;
   input.late = (flags & PALPATE_LOOP_LATE) != 0;
   return input;
 }
 
 }  // namespace
 
-palpate_status palpate_device_profile(const char* name, palpate_device* device) {
+palpate_status palpate_device_profile(const char* name, palpate_profile* device) {
   if (!isThere(__func__, "name", name) || !sizeIsKnown(__func__, "device", device))
     return PALPATE_INVALID_ARGUMENT;
   const DeviceProfile* const profile = profileNamed(__func__, name);
   if (profile == nullptr) return PALPATE_INVALID_ARGUMENT;
-  give(device, palpate_device{.size = sizeof(palpate_device),
-                              .name = profile->name.data(),  // views of literals end with a zero
-                              .max_force = profile->max_force,
-                              .max_stiffness = profile->max_stiffness,
-                              .workspace_radius = profile->workspace_radius});
+  give(device, palpate_profile{.size = sizeof(palpate_profile),
+                               .name = profile->name.data(),  // views of literals end with a zero
+                               .max_force = profile->max_force,
+                               .max_stiffness = profile->max_stiffness,
+                               .workspace_radius = profile->workspace_radius});
   return PALPATE_OK;
 }
 
@@ -125,13 +138,10 @@ void palpate_guard_destroy(palpate_guard* guard) {
 
 palpate_status palpate_guard_limit(palpate_guard* guard, const double tool[3], const palpate_touch* touch,
                                    std::uint32_t flags, palpate_guarded_force* guarded) {
-  if (!sizeIsKnown(__func__, "guarded", guarded)) return PALPATE_INVALID_ARGUMENT;
-  give(guarded, palpate_guarded_force{});
-  if (!isThere(__func__, "guard", guard) || !isThere(__func__, "tool", tool) ||
-      !sizeIsKnown(__func__, "touch", touch))
+  if (!canBeLimited(__func__, guard, tool, touch, flags, guarded)) {
+    if (guard != nullptr) guard->guard.reset();  // the hand is given zero: the next force begins from there
     return PALPATE_INVALID_ARGUMENT;
-  if ((flags & ~known_flags) != 0)
-    return invalid("{}: flags {:#x} has bits without a meaning; see palpate.h", __func__, flags);
+  }
   const GuardedForce limited = guard->guard.limit(inputOf(tool, taken(touch, toStruct(Touch{})), flags));
   palpate_guarded_force given{};
   give(given.force, limited.force);

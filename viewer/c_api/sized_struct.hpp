@@ -24,7 +24,7 @@ inline constexpr std::size_t first_size<palpate_contact_options> = 48;
 template <>
 inline constexpr std::size_t first_size<palpate_touch> = 360;
 template <>
-inline constexpr std::size_t first_size<palpate_device> = 40;
+inline constexpr std::size_t first_size<palpate_profile> = 40;
 template <>
 inline constexpr std::size_t first_size<palpate_guard_options> = 64;
 template <>

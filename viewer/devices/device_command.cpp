@@ -34,6 +34,9 @@ class Watch {
       spdlog::info("{}", state.held ? "a simulator took the device" : "the simulator gave the device back");
     if (state.lapses > last_.lapses)
       spdlog::warn("the forces of the simulator stayed away: zero force until they come again");
+    if (state.outdated > last_.outdated)
+      spdlog::warn("{} forces came too late and were ignored: the connection stalls",
+                   state.outdated - last_.outdated);
     if (state.garbage > last_.garbage)
       spdlog::warn("{} messages made no sense and were ignored", state.garbage - last_.garbage);
     if (const std::string trouble = device_.trouble(); trouble != trouble_) {

@@ -17,8 +17,10 @@ DeviceReading DeviceExchange::read() noexcept {
 }
 
 Eigen::Vector3d DeviceExchange::force() noexcept {
+  // In this order: who sees the resume also sees the zero that was written before it.
+  if (halted_.load(std::memory_order_acquire)) return Eigen::Vector3d::Zero();
   const Eigen::Vector3d& force = forces_.read();
-  return halted_ || !force.allFinite() ? Eigen::Vector3d::Zero().eval() : force;
+  return force.allFinite() ? force : Eigen::Vector3d::Zero().eval();
 }
 
 void DeviceExchange::setTrouble(const std::string& sentence) {

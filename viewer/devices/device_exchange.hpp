@@ -25,7 +25,9 @@ class DeviceExchange {
 
   // Any thread; real time.
   void halt() noexcept { halted_ = true; }
+  /// What was written before the resume is seen by force() after it, or something newer.
   void resume() noexcept { halted_ = false; }
+  bool halted() const noexcept { return halted_; }
 
   // The thread of the device.
   /// status: fresh or lost.

@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 
 constexpr auto holder_silence = 1s;
 constexpr auto trouble_interval = 100ms;
-constexpr double longest_validity = 1;  ///< s
+constexpr auto longest_validity = 1s;
 constexpr std::size_t longest_trouble = 500;
 
 }  // namespace
@@ -108,7 +108,7 @@ void DeviceServer::greet(const std::string& peer, const wire::DeviceGreeting& gr
     hello.set_lives_in_scene(device_.livesInScene());
     holder_ = peer;
     last_heard_ = Clock::now();
-    sequence_ = last_force_ = 0;
+    last_force_ = 0;  // readings are numbered on: a force that was held back may not answer a newer one
     const std::lock_guard lock(mutex_);
     state_.held = true;
   }
@@ -117,8 +117,8 @@ void DeviceServer::greet(const std::string& peer, const wire::DeviceGreeting& gr
 
 void DeviceServer::follow(const wire::DeviceForce& message) {
   const Eigen::Vector3d force = vectorOf(message);
-  const bool valid =
-      force.allFinite() && message.valid_for_s() > 0 && message.valid_for_s() <= longest_validity;
+  const std::chrono::duration<double> validity(message.valid_for_s());
+  const bool valid = force.allFinite() && validity > 0s && validity <= longest_validity;
   const std::lock_guard lock(mutex_);
   if (!valid) {
     ++state_.garbage;
@@ -127,10 +127,14 @@ void DeviceServer::follow(const wire::DeviceForce& message) {
   // The client counts on after a greeting of its own was repeated.
   if (message.sequence() <= last_force_) return;
   last_force_ = message.sequence();
+  const auto answered = sentAt(message.reading());
+  if (!answered || Clock::now() - *answered > validity) {
+    ++state_.outdated;
+    return;
+  }
   force_ = shortened(force, profile_.max_force);
   pushing_ = true;
-  valid_until_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                    std::chrono::duration<double>(message.valid_for_s()));
+  valid_until_ = *answered + std::chrono::duration_cast<Clock::duration>(validity);
   ++state_.forces;
 }
 
@@ -145,6 +149,9 @@ void DeviceServer::sendReading(const DeviceReading& reading) {
   wire::DeviceMessage message;
   wire::DeviceReading& content = *message.mutable_reading();
   content.set_sequence(++sequence_);
+  const auto now = Clock::now();
+  sent_.push_back(now);
+  while (now - sent_.front() > longest_validity) sent_.pop_front();
   setVector(content, reading.position);
   content.set_buttons(reading.buttons);
   content.set_lost(reading.status == DeviceStatus::lost);
@@ -152,6 +159,11 @@ void DeviceServer::sendReading(const DeviceReading& reading) {
   if (!sendDeviceMessage(socket_, holder_, message)) return;  // the client does not read: it will miss it
   const std::lock_guard lock(mutex_);
   ++state_.readings;
+}
+
+std::optional<DeviceServer::Clock::time_point> DeviceServer::sentAt(std::uint64_t reading) const {
+  if (reading > sequence_ || sequence_ - reading >= sent_.size()) return std::nullopt;
+  return sent_[sent_.size() - 1 - static_cast<std::size_t>(sequence_ - reading)];
 }
 
 }  // namespace palpate

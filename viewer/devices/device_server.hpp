@@ -3,7 +3,9 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <zmq.hpp>
@@ -21,9 +23,10 @@ struct DeviceServerOptions {
 /// Lends a device to one simulator on another machine (NetworkDevice).
 ///
 /// A thread of its own reads the device at `rate`, sends every reading to the client that holds it and writes
-/// the client's newest force. The client is not trusted: a force that is not finite is ignored, a longer one
-/// than the device's limit is shortened, and when none came for as long as the last one said it is valid the
-/// force is zero. A client that is silent for a second loses the device to the next.
+/// the client's newest force. The client is not trusted: a force that is not finite is ignored, and a longer
+/// one than the device's limit is shortened. A force is valid for as long as it says, from when the reading
+/// that it answers was sent: one that the network held back is ignored when it arrives, and when no newer one
+/// came in time the force is zero. A client that is silent for a second loses the device to the next.
 class DeviceServer {
  public:
   struct State {
@@ -31,6 +34,7 @@ class DeviceServer {
     std::uint64_t readings = 0;  ///< that were sent
     std::uint64_t forces = 0;    ///< that were followed
     std::uint64_t garbage = 0;   ///< messages that made no sense, or forces that were not finite
+    std::uint64_t outdated = 0;  ///< forces that came when they were not valid any more
     std::uint64_t lapses = 0;    ///< times that a client's force went out of date and became zero
     std::string fault;           ///< why the thread ended, if it did
   };
@@ -55,6 +59,8 @@ class DeviceServer {
   void follow(const wire::DeviceForce& force);
   void release();
   void sendReading(const DeviceReading& reading);
+  /// When that reading was sent; nothing when it was never sent, or longer ago than any force is valid.
+  std::optional<Clock::time_point> sentAt(std::uint64_t reading) const;
 
   HapticDevice& device_;
   const DeviceProfile profile_;
@@ -67,6 +73,7 @@ class DeviceServer {
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
   bool pushing_ = false;  ///< force_ is in date
   std::uint64_t last_force_ = 0, sequence_ = 0;
+  std::deque<Clock::time_point> sent_;  ///< when the last readings were, the last of them number sequence_
   std::string trouble_;
 
   mutable std::mutex mutex_;

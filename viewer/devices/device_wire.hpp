@@ -14,7 +14,7 @@
 namespace palpate {
 
 /// Raised with every incompatible change.
-inline constexpr std::uint32_t device_protocol = 1;
+inline constexpr std::uint32_t device_protocol = 2;
 
 /// Where `palpate device` listens when nothing is said.
 inline constexpr const char* default_device_endpoint = "tcp://127.0.0.1:7412";

@@ -17,8 +17,10 @@ using Clock = DeviceExchange::Clock;
 
 constexpr auto period = 1ms;
 constexpr auto connect_limit = 2s;
-/// A service that does not answer for so long is given up and called anew.
-constexpr auto answer_limit = 1s;
+/// A service that does not answer for so long is given up and called anew; the device counts as lost then.
+constexpr auto answer_limit = DeviceExchange::silence;
+/// For the last words to a service that is given up.
+constexpr auto farewell_limit = 20ms;
 constexpr auto retry_interval = 500ms;
 constexpr auto stop_check = 20ms;
 constexpr std::size_t longest_message = 1 << 20;
@@ -27,7 +29,7 @@ constexpr const char* how_to_start =
     "start the Haply Hub, or the service alone: systemctl start haply-inverse-service.service";
 
 /// The web socket, with calls that return after a time, or when `stopping` becomes true, at the latest. After
-/// a call that did not succeed the connection is closed.
+/// a call that did not succeed the connection is closed; read() says `farewell` before.
 class Connection {
  public:
   explicit Connection(const std::atomic<bool>& stopping) : stopping_(stopping), socket_(io_) {}
@@ -44,13 +46,13 @@ class Connection {
         },
         connect_limit);
   }
-  beast::error_code read(std::string& text) {
+  beast::error_code read(std::string& text, const std::string& farewell, Clock::duration limit) {
     buffer_.clear();
     const auto error = await(
         [&](auto done) {
           socket_.async_read(buffer_, [done](beast::error_code code, std::size_t) { done(code); });
         },
-        answer_limit);
+        limit, farewell);
     text = beast::buffers_to_string(buffer_.data());
     return error;
   }
@@ -69,8 +71,9 @@ class Connection {
  private:
   beast::tcp_stream& lowest() { return beast::get_lowest_layer(socket_); }
 
+  /// farewell: written before the connection is closed because of the limit.
   template <class Start>
-  beast::error_code await(Start start, Clock::duration limit) {
+  beast::error_code await(Start start, Clock::duration limit, const std::string& farewell = {}) {
     beast::error_code result = asio::error::timed_out;
     bool done = false;
     start([&](beast::error_code code) {
@@ -83,6 +86,13 @@ class Connection {
       io_.run_for(std::min<Clock::duration>(stop_check, end - Clock::now()));
     } while (!done && !stopping_ && Clock::now() < end);
     if (done) return result;
+    bool said = farewell.empty();
+    if (!said)
+      socket_.async_write(asio::buffer(farewell), [&](beast::error_code, std::size_t) { said = true; });
+    for (const auto last = Clock::now() + farewell_limit; !said && Clock::now() < last;) {
+      io_.restart();
+      io_.run_for(1ms);
+    }
     lowest().close();  // ends what is under way
     io_.restart();
     io_.run();
@@ -149,8 +159,11 @@ void HaplyDevice::serve() {
   };
   std::string id = options_.id, text, told = "not told yet";
   std::uint64_t malformed = 0;
+  Clock::duration limit = connect_limit;  // of the inventory; then of answers
   for (auto next = Clock::now(); !stopping_;) {
-    if (const auto error = connection.read(text)) return sayGone(error);
+    const std::string zero = id.empty() ? "" : haplyForceMessage(id, Eigen::Vector3d::Zero());
+    if (const auto error = connection.read(text, zero, limit)) return sayGone(error);
+    limit = answer_limit;
     HaplyState state = readHaplyState(text, id);
     if (state.kind == HaplyState::Kind::no_device) {
       state.reading.status = DeviceStatus::lost;

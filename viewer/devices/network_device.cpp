@@ -156,6 +156,7 @@ void NetworkDevice::sendForce() {
   wire::DeviceForce& force = *message.mutable_force();
   force.set_sequence(++forces_);
   setVector(force, shortened(exchange_.force(), max_force_));
+  force.set_reading(last_reading_);
   force.set_valid_for_s(std::chrono::duration<double>(options_.valid).count());
   // Dropped when the queue is full: the next one is a millisecond away.
   sendDeviceMessage(socket_, "", message);

@@ -19,7 +19,8 @@ struct NetworkDeviceOptions {
   /// Limits to go by when no device answered within `wait`.
   DeviceProfile fallback = deviceProfiles().front();
   std::chrono::milliseconds wait{2000};
-  /// For how long a force stays valid at the far side, which then renders zero.
+  /// For how long a force stays valid at the far side, from the reading that it answers; then it renders
+  /// zero.
   std::chrono::milliseconds valid{50};
 };
 

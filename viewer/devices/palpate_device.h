@@ -8,9 +8,9 @@
  * middle of the workspace (or the frame of the scene, when limits say so).
  *
  * Threads: Palpate makes one thread per open device; read() and write() are called by it alone, one after the other,
- * once per period, and may wait for the device (shortly: without a reading for 50 ms the device counts as lost, and the
- * force on the hand is zero). open(), limits(), close() and last_error() are called while that thread does not run, or
- * by it. halt() alone may be called by any thread at any time, also while read() or write() waits.
+ * once per period, and may wait for the device (shortly: without a reading for 50 ms the device counts as lost and is
+ * halted; halt(0) comes after the next write()). open(), limits(), close() and last_error() are called while that thread
+ * does not run, or by it. halt() alone may be called by any thread at any time, also while read() or write() waits.
  *
  * Lifetimes: the table and its strings hold as long as the library is loaded; an open device from open() to close();
  * the text of last_error() until the next call for that device. Nothing may throw across this boundary.

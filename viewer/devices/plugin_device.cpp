@@ -121,9 +121,10 @@ class PluginDevice::Session {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, end_limit, [&] { return ended_; });
   }
-  void setHalted(bool halted) noexcept {
-    halted ? exchange.halt() : exchange.resume();
-    plugin_->halt(device_, halted ? 1 : 0);
+  void halt() noexcept {
+    exchange.halt();
+    plugin_halted_ = true;
+    plugin_->halt(device_, 1);
   }
 
   DeviceExchange exchange;
@@ -158,7 +159,16 @@ class PluginDevice::Session {
       exchange.deliver({Eigen::Vector3d::Zero(), 0, DeviceStatus::lost});
     const Eigen::Vector3d force = exchange.force();
     const std::int32_t written = plugin_->write(device_, force.data());
+    if (written == PALPATE_DEVICE_OK) resume();
     tell(read != PALPATE_DEVICE_OK || written != PALPATE_DEVICE_OK);
+  }
+
+  /// Only here, after a write: until then the plug-in holds the force from before the halt.
+  void resume() noexcept {
+    if (!plugin_halted_ || exchange.halted()) return;
+    plugin_halted_ = false;
+    plugin_->halt(device_, 0);
+    if (exchange.halted()) halt();  // it was halted again meanwhile
   }
 
   void tell(bool failed) {
@@ -170,6 +180,7 @@ class PluginDevice::Session {
   Plugin plugin_;
   palpate_device* device_ = nullptr;
   bool failed_ = false;
+  std::atomic<bool> plugin_halted_ = false;
   std::atomic<bool> stopping_ = false;
   std::mutex mutex_;
   std::condition_variable changed_;
@@ -191,7 +202,7 @@ PluginDevice::~PluginDevice() {
     return;
   }
   // The thread hangs in the plug-in. It holds the session too, and so keeps the library loaded.
-  session_->setHalted(true);
+  session_->halt();
   thread_.detach();
 }
 
@@ -202,10 +213,10 @@ void PluginDevice::write(const Eigen::Vector3d& force) noexcept {
   session_->exchange.write(force);
 }
 void PluginDevice::halt() noexcept {
-  session_->setHalted(true);
+  session_->halt();
 }
 void PluginDevice::resume() noexcept {
-  session_->setHalted(false);
+  session_->exchange.resume();
 }
 DeviceProfile PluginDevice::profile() const {
   return session_->profile;

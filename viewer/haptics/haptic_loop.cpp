@@ -6,6 +6,7 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -19,7 +20,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int real_time_priority = 80;  // of 1..99: above sound servers, below the kernel's own threads
+// Of 1..99: above sound servers, below the kernel's own threads. The watchdog must get past a loop that
+// spins.
+constexpr int loop_priority = 80, watchdog_priority = loop_priority + 1;
 constexpr std::size_t stack_bytes = 256 * 1024;  // far more than a tick needs
 constexpr std::int64_t publish_ns = 100'000'000;
 
@@ -94,6 +97,8 @@ void HapticLoop::start() {
   }
   std::unique_lock lock(waiting_);
   woken_.wait(lock, [this] { return prepared_; });
+  if (options_.real_time && watchdog_.joinable())
+    askForPriority(watchdog_.native_handle(), "watchdog", watchdog_priority);
 }
 
 void HapticLoop::stop() {
@@ -132,22 +137,21 @@ void HapticLoop::lockMemory() {
         std::strerror(errno));
 }
 
-void HapticLoop::askForPriority() {
-  const sched_param priority = {real_time_priority};
-  const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
+void HapticLoop::askForPriority(pthread_t thread, const char* name, int wanted) {
+  const sched_param priority = {wanted};
+  const int refused = pthread_setschedparam(thread, SCHED_FIFO, &priority);
   if (refused != 0)
     trouble_ += fmt::format(
-        "The haptic thread has no real-time priority ({}), so other programs may delay it: allow it with "
+        "The {} thread has no real-time priority ({}), so other programs may delay it: allow it with "
         "ulimit -r {}, \"@realtime - rtprio {}\" in /etc/security/limits.conf, or LimitRTPRIO={} of a "
-        "systemd "
-        "unit. ",
-        std::strerror(refused), real_time_priority, real_time_priority, real_time_priority);
+        "systemd unit. ",
+        name, std::strerror(refused), watchdog_priority, watchdog_priority, watchdog_priority);
 }
 
 void HapticLoop::runLoop() {
   pthread_setname_np(pthread_self(), "haptic");
   prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // the kernel's default delays each sleep by up to 50 us
-  if (options_.real_time) askForPriority();
+  if (options_.real_time) askForPriority(pthread_self(), "haptic", loop_priority);
   touchStack();
   {
     const std::lock_guard lock(waiting_);
@@ -202,7 +206,7 @@ bool HapticLoop::oneTick(std::int64_t begin_ns) {
   const double away = last_begin_ns_ == 0 ? 0 : seconds(begin_ns - last_begin_ns_);
   if (last_begin_ns_ != 0) statistics_.period.add(away);
   last_begin_ns_ = begin_ns;
-  const bool halted = halted_.exchange(false, std::memory_order_acq_rel);
+  const bool halted = halted_.load(std::memory_order_acquire);
   // Ticks that another loop ran before this one left a force behind; the device has held zero since.
   const bool goes_on = statistics_.ticks == 0 && tick_.state().tick > 0;
   const bool late = halted || goes_on || (!options_.free_running && away > options_.watchdog);
@@ -210,9 +214,14 @@ bool HapticLoop::oneTick(std::int64_t begin_ns) {
   HapticCommand command;
   while (commands_.pop(command)) tick_.obey(command);
   const HapticState& state = tick_.run(late);
-  if (halted) device_.resume();
+  const bool lost = state.reading.status == DeviceStatus::lost;
   hand(state);
   ticks_done_.store(statistics_.ticks, std::memory_order_release);
+  lost_.store(lost, std::memory_order_release);
+  if (halted && !lost) {
+    device_.resume();  // before the flag: the watchdog halts again only after it
+    halted_.store(false, std::memory_order_release);
+  }
   return options_.ticks == 0 || statistics_.ticks < options_.ticks;
 }
 
@@ -244,22 +253,25 @@ void HapticLoop::publishStatistics() noexcept {
 }
 
 void HapticLoop::watch() {
-  const auto limit = std::chrono::duration<double>(options_.watchdog);
+  const std::chrono::duration<double> limit(options_.watchdog);
+  const std::chrono::duration<double> interval = std::min<std::chrono::duration<double>>(limit / 4, 10ms);
   auto changed = std::chrono::steady_clock::now();
   std::uint64_t seen = 0;
   std::unique_lock lock(waiting_);
   while (!stop_ && running()) {
-    woken_.wait_for(lock, limit / 4);
+    woken_.wait_for(lock, interval);
+    const bool halted = halted_.load(std::memory_order_acquire);  // first: the rest is newer than a resume
     const auto now = std::chrono::steady_clock::now();
     const std::uint64_t done = ticks_done_.load(std::memory_order_acquire);
     if (done != seen) {
       seen = done;
       changed = now;
-    } else if (now - changed > limit && !halted_ && running() && !stop_) {
-      device_.halt();  // before the flag: the loop resumes the device when it sees it
-      ++halts_;
-      halted_.store(true, std::memory_order_release);
     }
+    const bool hangs = now - changed > limit && running() && !stop_;
+    if (halted || !(hangs || lost_.load(std::memory_order_acquire))) continue;
+    device_.halt();  // before the flag: the loop resumes the device when it sees it
+    if (hangs) ++halts_;
+    halted_.store(true, std::memory_order_release);
   }
 }
 

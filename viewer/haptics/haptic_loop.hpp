@@ -1,5 +1,7 @@
 #pragma once
 
+#include <pthread.h>
+
 #include <atomic>
 #include <boost/lockfree/spsc_queue.hpp>
 #include <condition_variable>
@@ -39,6 +41,10 @@ struct LoopOptions {
 /// from zero force when it comes back (Guarded::late). So it does when it finds by itself that it was away
 /// for so long, and when it goes on with a tick that ran before.
 ///
+/// While the device is lost the watchdog keeps it halted too: a device whose own thread hangs would go on
+/// with the last force. It is resumed after the first tick that is not lost, which is late and writes zero. A
+/// free-running loop has no watchdog. With real_time the watchdog has one priority more than the loop.
+///
 /// Other threads: latest() from one thread (the picture), command() from one thread, takeRecorded() from one
 /// thread, the rest from the owner.
 class HapticLoop {
@@ -73,7 +79,7 @@ class HapticLoop {
   };
 
   void lockMemory();
-  void askForPriority();
+  void askForPriority(pthread_t thread, const char* name, int wanted);
   void runLoop();
   void runTicks();
   void runFreely();
@@ -105,7 +111,9 @@ class HapticLoop {
   // Between the loop's thread, the watchdog and the owner.
   std::atomic<bool> stop_ = false, running_ = false;
   std::atomic<std::uint64_t> ticks_done_ = 0, halts_ = 0;
-  std::atomic<bool> halted_ = false;  ///< set by the watchdog after halt(), taken by the loop
+  std::atomic<bool> halted_ =
+      false;                        ///< set by the watchdog after halt(), cleared by the loop after resume()
+  std::atomic<bool> lost_ = false;  ///< the device, in the last tick
 
   // Between owner, loop and watchdog outside of the ticks.
   std::mutex waiting_;

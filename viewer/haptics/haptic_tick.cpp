@@ -76,7 +76,7 @@ const HapticState& HapticTick::run(bool late) noexcept {
   input.touch = contact_.update(tool, (state_.reading.buttons & 1U) == 0);
   input.fresh = state_.reading.status == DeviceStatus::fresh;
   input.lost = lost;
-  input.late = late;
+  input.late = late && !lost;  // while lost the device is halted; the tick in which it is back is late
   const GuardedForce guarded = guard_.limit(input);
 
   state_.touch = input.touch;

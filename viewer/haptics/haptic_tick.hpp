@@ -43,7 +43,7 @@ class HapticTick {
   /// models: at least one, to be switched between; they and the device must outlive this object.
   HapticTick(std::vector<const HapticModel*> models, HapticDevice& device, const TickOptions& options);
 
-  /// late: the loop hung before this tick.
+  /// late: the loop hung before this tick, or the device was halted; not told while the device is lost.
   const HapticState& run(bool late = false) noexcept;
   /// Commands that name what does not exist are ignored.
   void obey(const HapticCommand& command) noexcept;

@@ -85,7 +85,7 @@ static int run(palpate_contact* contact, palpate_guard* guard, const palpate_spa
     palpate_touch touch = {.size = sizeof touch};
     palpate_guarded_force force = {.size = sizeof force};
     if (palpate_contact_update(contact, tool, 1, &touch) != PALPATE_OK) return fail("contact");
-    /* DEVICE: without a new position leave PALPATE_READING_FRESH out; unplugged: add PALPATE_DEVICE_LOST. */
+    /* DEVICE: without a new position leave PALPATE_READING_FRESH out; unplugged: add PALPATE_READING_LOST. */
     if (palpate_guard_limit(guard, tool, &touch, PALPATE_READING_FRESH, &force) != PALPATE_OK)
       return fail("guard"); /* force is zero then: a real loop sends it before it stops */
     /* DEVICE: send force.force here. */

@@ -16,7 +16,7 @@ from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_float, c_int
 
 OK, INVALID_ARGUMENT, BAD_FILE, OUT_OF_MEMORY, FAILED = range(5)
 UNILATERAL, GLUED = range(2)
-READING_FRESH, DEVICE_LOST, LOOP_LATE = 1, 2, 4
+READING_FRESH, READING_LOST, LOOP_LATE = 1, 2, 4
 GUARDS = ("ramped", "damped", "clamped", "slewed", "stalled", "lost", "not_finite", "late")
 
 Vector = c_double * 3
@@ -72,7 +72,7 @@ class Touch(_Sized):
                 ("share_spaces", c_int32 * 9), ("share_weights", c_double * 9)]
 
 
-class Device(_Sized):
+class Profile(_Sized):
     _fields_ = [("size", c_size_t), ("name", c_char_p), ("max_force", c_double), ("max_stiffness", c_double),
                 ("workspace_radius", c_double)]
 
@@ -118,7 +118,7 @@ def _load():
         "contact_release": (status, [handle]),
         "contact_use": (status, [handle, handle, c_int32]),
         "touch_displacements": (status, [handle, POINTER(Touch), POINTER(c_float), c_size_t]),
-        "device_profile": (status, [c_char_p, POINTER(Device)]),
+        "device_profile": (status, [c_char_p, POINTER(Profile)]),
         "guard_defaults": (status, [c_char_p, c_double, POINTER(GuardOptions)]),
         "guard_create": (status, [POINTER(GuardOptions), POINTER(handle)]),
         "guard_destroy": (None, [handle]),
@@ -149,7 +149,7 @@ def version():
 
 
 def device(name):
-    profile = Device()
+    profile = Profile()
     _call("device_profile", name.encode(), byref(profile))
     return profile
 

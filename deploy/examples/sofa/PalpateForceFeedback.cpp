@@ -45,7 +45,7 @@ void PalpateForceFeedback::computeForce(SReal x, SReal y, SReal z, SReal, SReal,
   palpate_guarded_force force{};
   touch.size = sizeof touch;
   force.size = sizeof force;
-  // A driver that knows that its device is gone should say so: PALPATE_DEVICE_LOST. SOFA's do not tell.
+  // A driver that knows that its device is gone should say so: PALPATE_READING_LOST. SOFA's do not tell.
   if (palpate_contact_update(m_contact.get(), tool, 1, &touch) != PALPATE_OK ||
       palpate_guard_limit(m_guard.get(), tool, &touch, PALPATE_READING_FRESH, &force) != PALPATE_OK)
     return;

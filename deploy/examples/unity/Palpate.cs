@@ -14,7 +14,7 @@ namespace PalpateClient {
 public enum Status { Ok = 0, InvalidArgument = 1, BadFile = 2, OutOfMemory = 3, Failed = 4 }
 
 [Flags]
-public enum Reading : uint { None = 0, Fresh = 1, DeviceLost = 2, LoopLate = 4 }
+public enum Reading : uint { None = 0, Fresh = 1, Lost = 2, LoopLate = 4 }
 
 [StructLayout(LayoutKind.Sequential)]
 public struct Vector3d {
@@ -181,7 +181,7 @@ public sealed class HapticLoop : IDisposable {
         tool = position;
         flags |= Reading.Fresh;
       }
-      if (device.Lost) flags |= Reading.DeviceLost;
+      if (device.Lost) flags |= Reading.Lost;
       bool done = Native.palpate_contact_update(contact, tool, 1, ref touch) == Status.Ok &&
                   Native.palpate_guard_limit(guard, tool, touch, flags, ref force) == Status.Ok;
       device.Write(done ? force.Force : default);

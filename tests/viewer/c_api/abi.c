@@ -20,7 +20,7 @@ static void printConstants(void) {
   CONSTANT(PALPATE_GLUED);
   CONSTANT(PALPATE_MOST_SHARES);
   CONSTANT(PALPATE_READING_FRESH);
-  CONSTANT(PALPATE_DEVICE_LOST);
+  CONSTANT(PALPATE_READING_LOST);
   CONSTANT(PALPATE_LOOP_LATE);
   CONSTANT(PALPATE_GUARD_RAMPED);
   CONSTANT(PALPATE_GUARD_DAMPED);
@@ -104,12 +104,12 @@ int main(void) {
   MEMBER(palpate_touch, share_spaces);
   MEMBER(palpate_touch, share_weights);
 
-  STRUCT(palpate_device);
-  MEMBER(palpate_device, size);
-  MEMBER(palpate_device, name);
-  MEMBER(palpate_device, max_force);
-  MEMBER(palpate_device, max_stiffness);
-  MEMBER(palpate_device, workspace_radius);
+  STRUCT(palpate_profile);
+  MEMBER(palpate_profile, size);
+  MEMBER(palpate_profile, name);
+  MEMBER(palpate_profile, max_force);
+  MEMBER(palpate_profile, max_stiffness);
+  MEMBER(palpate_profile, workspace_radius);
 
   STRUCT(palpate_guard_options);
   MEMBER(palpate_guard_options, size);

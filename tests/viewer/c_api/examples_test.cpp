@@ -139,11 +139,11 @@ TEST_F(Examples, InPythonRuns) {
           "  if isinstance(c, type) and issubclass(c, palpate._Sized) and c is not palpate._Sized:\n"
           "    print(n, palpate.ctypes.sizeof(c))'");
   EXPECT_EQ(structures, "ContactOptions " + std::to_string(sizeof(palpate_contact_options)) +
-                            "\nDatasetInfo " + std::to_string(sizeof(palpate_dataset_info)) + "\nDevice " +
-                            std::to_string(sizeof(palpate_device)) + "\nGuardOptions " +
-                            std::to_string(sizeof(palpate_guard_options)) + "\nGuardedForce " +
-                            std::to_string(sizeof(palpate_guarded_force)) + "\nOpenOptions " +
-                            std::to_string(sizeof(palpate_open_options)) + "\nSample " +
+                            "\nDatasetInfo " + std::to_string(sizeof(palpate_dataset_info)) +
+                            "\nGuardOptions " + std::to_string(sizeof(palpate_guard_options)) +
+                            "\nGuardedForce " + std::to_string(sizeof(palpate_guarded_force)) +
+                            "\nOpenOptions " + std::to_string(sizeof(palpate_open_options)) + "\nProfile " +
+                            std::to_string(sizeof(palpate_profile)) + "\nSample " +
                             std::to_string(sizeof(palpate_sample)) + "\nSpaceInfo " +
                             std::to_string(sizeof(palpate_space_info)) + "\nTouch " +
                             std::to_string(sizeof(palpate_touch)) + "\n");

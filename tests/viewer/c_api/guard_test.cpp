@@ -46,14 +46,14 @@ palpate_guarded_force settled(palpate_guard* guard, double newtons) {
 TEST(CGuard, KnowsTheDevices) {
   for (const DeviceProfile& profile : deviceProfiles()) {
     const std::string name(profile.name);
-    auto device = test::sized<palpate_device>();
+    auto device = test::sized<palpate_profile>();
     ASSERT_EQ(palpate_device_profile(name.c_str(), &device), PALPATE_OK);
     EXPECT_EQ(device.name, name);
     EXPECT_EQ(device.max_force, profile.max_force);
     EXPECT_EQ(device.max_stiffness, profile.max_stiffness);
     EXPECT_EQ(device.workspace_radius, profile.workspace_radius);
   }
-  auto device = test::sized<palpate_device>();
+  auto device = test::sized<palpate_profile>();
   EXPECT_INVALID(palpate_device_profile("joystick", &device), "joystick");
   EXPECT_THAT(palpate_last_error(), HasSubstr("touch, omni"));
   EXPECT_INVALID(palpate_device_profile(nullptr, &device), "name is NULL");
@@ -108,7 +108,7 @@ TEST(CGuard, GivesNothingForALostDeviceALateLoopOrNan) {
   const auto guard = test::guardWith();
   ASSERT_NEAR(settled(guard.get(), 2).force[0], 2, 1e-9);
   const palpate_guarded_force lost =
-      limit(guard.get(), pushing(2), PALPATE_READING_FRESH | PALPATE_DEVICE_LOST);
+      limit(guard.get(), pushing(2), PALPATE_READING_FRESH | PALPATE_READING_LOST);
   EXPECT_THAT(lost.force, Each(0.0));
   EXPECT_TRUE(lost.guards & PALPATE_GUARD_LOST);
 
@@ -129,6 +129,28 @@ TEST(CGuard, GivesNothingToWhoNeverSaysThatAReadingIsFresh) {
   for (int tick = 0; tick < 200; ++tick) force = limit(guard.get(), pushing(2), 0);
   EXPECT_THAT(force.force, Each(0.0));
   EXPECT_TRUE(force.guards & PALPATE_GUARD_STALLED);
+}
+
+TEST(CGuard, BeginsFromZeroAfterACallThatWasRefused) {
+  const auto guard = test::guardWith();
+  const double tool[3] = {0, 0, 0};
+  const palpate_touch touch = pushing(2);
+  palpate_touch unsized = touch;
+  unsized.size = 0;
+  auto force = test::sized<palpate_guarded_force>();
+  const auto refuse = [&](const double* where, const palpate_touch* what, std::uint32_t flags,
+                          palpate_guarded_force* guarded) {
+    ASSERT_NEAR(settled(guard.get(), 2).force[0], 2, 1e-9);
+    EXPECT_EQ(palpate_guard_limit(guard.get(), where, what, flags, guarded), PALPATE_INVALID_ARGUMENT);
+    const palpate_guarded_force next = limit(guard.get(), touch);
+    EXPECT_LT(next.force[0], 0.05);
+    EXPECT_TRUE(next.guards & PALPATE_GUARD_RAMPED);
+  };
+  refuse(nullptr, &touch, PALPATE_READING_FRESH, &force);
+  refuse(tool, nullptr, PALPATE_READING_FRESH, &force);
+  refuse(tool, &unsized, PALPATE_READING_FRESH, &force);
+  refuse(tool, &touch, 1U << 9, &force);
+  refuse(tool, &touch, PALPATE_READING_FRESH, nullptr);
 }
 
 TEST(CGuard, ForgetsOnReset) {

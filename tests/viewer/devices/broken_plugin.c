@@ -1,5 +1,6 @@
 /* Plug-ins with one fault each, chosen by a macro. */
 #define _POSIX_C_SOURCE 200809L
+#include <math.h>
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -8,7 +9,8 @@
 #include "palpate_device.h"
 
 struct palpate_device {
-  atomic_int halted;
+  atomic_int halted, started, reads, hanging, released;
+  _Atomic double force, force_at_hang, longest_resumed;
 };
 
 static palpate_device the_device;
@@ -27,9 +29,30 @@ static palpate_device* open_device(const char* id, const char* options, char* er
 static int32_t limits(palpate_device* device, palpate_device_limits* limits) {
   (void)device;
   limits->max_force = limits->max_stiffness = limits->workspace_radius = 1;
+#ifdef HANGS_PRESSING
+  limits->max_force = 12;
+  limits->lives_in_scene = 1;
+#endif
   return PALPATE_DEVICE_OK;
 }
 
+#ifdef HANGS_PRESSING
+/* Once started comes from above a cube of 100 mm, presses 4 mm deep, and never answers again until it is
+ * released. */
+static int32_t read_state(palpate_device* device, palpate_device_state* state) {
+  const struct timespec moment = {0, 1000000};
+  const int depth = 400, read = atomic_fetch_add(&device->reads, atomic_load(&device->started));
+  if (read == depth) {
+    device->force_at_hang = device->force;
+    atomic_store(&device->hanging, 1);
+    while (!atomic_load(&device->released)) nanosleep(&moment, NULL);
+    atomic_store(&device->hanging, 0);
+  }
+  state->position[0] = 0.052, state->position[1] = 0.047;
+  state->position[2] = 0.104 - 2e-5 * (read < depth ? read : depth);
+  return PALPATE_DEVICE_OK;
+}
+#else
 /* HANGS: the device never answers, until it is halted. */
 static int32_t read_state(palpate_device* device, palpate_device_state* state) {
   const struct timespec moment = {0, 1000000};
@@ -37,20 +60,56 @@ static int32_t read_state(palpate_device* device, palpate_device_state* state) {
   while (!atomic_load(&device->halted)) nanosleep(&moment, NULL);
   return PALPATE_DEVICE_LOST;
 }
+#endif
 
 static int32_t write_force(palpate_device* device, const double force[3]) {
-  (void)device, (void)force;
+  device->force = sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]);
   return PALPATE_DEVICE_OK;
 }
 
-static void halt(palpate_device* device, int32_t halted) { atomic_store(&device->halted, halted); }
+static void halt(palpate_device* device, int32_t halted) {
+  if (!halted && device->force > device->longest_resumed) device->longest_resumed = device->force;
+  atomic_store(&device->halted, halted);
+}
+
+/* What the hand feels, N, and what a test wants to know besides. */
+PALPATE_DEVICE_EXPORT double broken_device_force(void);
+double broken_device_force(void) {
+  return atomic_load(&the_device.halted) ? 0 : the_device.force;
+}
+PALPATE_DEVICE_EXPORT double broken_device_force_at_hang(void);
+double broken_device_force_at_hang(void) {
+  return the_device.force_at_hang;
+}
+PALPATE_DEVICE_EXPORT double broken_device_longest_resumed(void);
+double broken_device_longest_resumed(void) {
+  return the_device.longest_resumed;
+}
+PALPATE_DEVICE_EXPORT int broken_device_hangs(void);
+int broken_device_hangs(void) {
+  return atomic_load(&the_device.hanging);
+}
+PALPATE_DEVICE_EXPORT int broken_device_is_halted(void);
+int broken_device_is_halted(void) {
+  return atomic_load(&the_device.halted);
+}
+PALPATE_DEVICE_EXPORT void broken_device_start(void);
+void broken_device_start(void) {
+  atomic_store(&the_device.started, 1);
+}
+PALPATE_DEVICE_EXPORT void broken_device_release(void);
+void broken_device_release(void) {
+  atomic_store(&the_device.released, 1);
+}
 
 static const char* last_error(palpate_device* device) {
   (void)device;
   return "the cable is out";
 }
 
-static void close_device(palpate_device* device) { (void)device; }
+static void close_device(palpate_device* device) {
+  (void)device;
+}
 
 static const palpate_device_plugin plugin = {
 #ifdef SHORT_TABLE
@@ -63,17 +122,27 @@ static const palpate_device_plugin plugin = {
 #else
     PALPATE_DEVICE_ABI,
 #endif
-    "broken", enumerate, open_device, limits, read_state,
+    "broken",
+    enumerate,
+    open_device,
+    limits,
+    read_state,
 #ifdef NULL_ENTRY
     NULL,
 #else
     write_force,
 #endif
-    halt, last_error, close_device};
+    halt,
+    last_error,
+    close_device};
 
 #ifdef NO_ENTRY
 PALPATE_DEVICE_EXPORT const palpate_device_plugin* another_function(void);
-const palpate_device_plugin* another_function(void) { return &plugin; }
+const palpate_device_plugin* another_function(void) {
+  return &plugin;
+}
 #else
-const palpate_device_plugin* palpate_device_plugin_v1(void) { return &plugin; }
+const palpate_device_plugin* palpate_device_plugin_v1(void) {
+  return &plugin;
+}
 #endif

@@ -56,6 +56,8 @@ class Service {
     const std::lock_guard lock(mutex_);
     return received_;
   }
+  /// From now on it listens, but says nothing.
+  void fallSilent() { silent_ = true; }
   /// Closes the connection, without good-bye.
   void hangUp() {
     const std::lock_guard lock(mutex_);
@@ -93,7 +95,7 @@ class Service {
         const std::lock_guard lock(mutex_);
         answer = answer_;
       }
-      stream.write(asio::buffer(answer), error);
+      if (!silent_) stream.write(asio::buffer(answer), error);
       if (error) break;
       beast::flat_buffer buffer;
       stream.read(buffer, error);
@@ -106,7 +108,7 @@ class Service {
 
   asio::io_context io_;
   asio::ip::tcp::acceptor acceptor_;
-  std::atomic<bool> stopping_ = false;
+  std::atomic<bool> stopping_ = false, silent_ = false;
   std::mutex mutex_;
   std::string answer_ = inventory().dump();
   json received_;
@@ -204,6 +206,21 @@ TEST(HaplyDevice, IsLostWhenTheServiceClosesAndComesBackWithIt) {
   service.hangUp();
   EXPECT_TRUE(becomes(device, DeviceStatus::lost));
   EXPECT_TRUE(becomes(device, DeviceStatus::fresh));
+}
+
+TEST(HaplyDevice, GivesZeroForceToAServiceThatStopsAnswering) {
+  Service service;
+  HaplyDevice device(at(service.port()));
+  device.write({1, 0, 0});
+  ASSERT_TRUE(eventually([&] {
+    return service.lastReceived() == json::parse(haplyForceMessage("049D", {1, 0, 0}));
+  }));
+  service.fallSilent();
+  // In the connection that was open: a service that is called anew and says nothing is not pushed at all.
+  EXPECT_TRUE(eventually([&] {
+    return service.lastReceived() == json::parse(haplyForceMessage("049D", {0, 0, 0}));
+  }));
+  EXPECT_TRUE(becomes(device, DeviceStatus::lost));
 }
 
 TEST(HaplyDevice, IgnoresMalformedMessagesAndCountsThem) {

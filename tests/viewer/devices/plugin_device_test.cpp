@@ -1,5 +1,6 @@
 #include "viewer/devices/plugin_device.hpp"
 
+#include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +8,8 @@
 
 #include "tests/support/expect_error.hpp"
 #include "tests/viewer/devices/polling.hpp"
+#include "tests/viewer/haptics/scripted_hand.hpp"
+#include "viewer/haptics/haptic_loop.hpp"
 
 namespace palpate {
 namespace {
@@ -70,6 +73,45 @@ TEST(PluginDevice, APlugInThatHangsIsLostAndDoesNotHangItsUser) {
     EXPECT_EQ(device.read().status, DeviceStatus::lost);
     device.write({1, 0, 0});
   }
+}
+
+/// Asks the library of a plug-in that is loaded.
+class LoadedPlugin {
+ public:
+  explicit LoadedPlugin(const std::filesystem::path& file)
+      : library_(dlopen(file.c_str(), RTLD_NOW | RTLD_NOLOAD), dlclose) {}
+  template <class Result>
+  Result ask(const char* function) const {
+    return reinterpret_cast<Result (*)()>(dlsym(library_.get(), function))();
+  }
+
+ private:
+  std::unique_ptr<void, int (*)(void*)> library_;
+};
+
+TEST(PluginDevice, APlugInThatHangsPressingLetsGoAndIsResumedFromZero) {
+  const PluginDeviceOptions options = broken("HANGS_PRESSING");
+  PluginDevice device(options);
+  const LoadedPlugin plugin(options.library);
+  const test::TouchedCube cube;
+  TickOptions tick_options;
+  tick_options.guard = guardFor({"omega", 12, 5000, 0.075}, tick_options.period);
+  HapticTick tick({&cube.model()}, device, tick_options);
+  LoopOptions loop_options;
+  loop_options.watchdog = 30;  // it is not the loop that hangs
+  HapticLoop loop(tick, device, loop_options);
+  loop.start();
+  plugin.ask<void>("broken_device_start");
+  ASSERT_TRUE(eventually([&] { return plugin.ask<int>("broken_device_hangs") != 0; }));
+  EXPECT_GT(plugin.ask<double>("broken_device_force_at_hang"), 0.1);
+  EXPECT_TRUE(eventually([&] { return plugin.ask<double>("broken_device_force") == 0; }));
+  EXPECT_NE(plugin.ask<int>("broken_device_hangs"), 0);
+  EXPECT_EQ(loop.statistics().halts, 0U);
+
+  plugin.ask<void>("broken_device_release");
+  EXPECT_TRUE(eventually([&] { return plugin.ask<int>("broken_device_is_halted") == 0; }));
+  EXPECT_LT(plugin.ask<double>("broken_device_longest_resumed"), 0.05);
+  loop.stop();
 }
 
 TEST(PluginDevice, SaysWhyTheDeviceIsLost) {

@@ -208,6 +208,63 @@ TEST_F(HapticLoopTest, HaltsADeviceThatHangsAndGoesOnFromZero) {
   EXPECT_TRUE(was_late);
 }
 
+TEST_F(HapticLoopTest, KeepsALostDeviceHaltedAndResumesItAfterZero) {
+  const ScriptedHand* watched = nullptr;
+  ScriptedHand hand([&watched](std::uint64_t tick) {
+    const DeviceReading reading = fresh(pressAndSlide(1e-3 * static_cast<double>(tick)));
+    if (tick < 400 || tick >= 420) return reading;
+    EXPECT_EQ(watched->resumes, 1) << "at the start alone";
+    EXPECT_TRUE(tick != 419 || waitFor([&] { return watched->halts > 0; }));
+    return DeviceReading{};
+  });
+  watched = &hand;
+  HapticTick tick(models(), hand, tickOptions());
+  HapticLoop loop(tick, hand, loopOptions(700));
+  runToTheEnd(loop);
+  EXPECT_EQ(hand.resumes, hand.halts + 1);
+  EXPECT_EQ(loop.statistics().halts, 0U);
+  EXPECT_NE(hand.forces.at(398), Eigen::Vector3d::Zero());
+  for (std::size_t n = 399; n <= 419; ++n) EXPECT_EQ(hand.forces.at(n), Eigen::Vector3d::Zero()) << n;
+  EXPECT_GE(loop.statistics().guards[7], 1U);
+}
+
+/// SCHED_OTHER: 0.
+int priorityHere() {
+  int policy = 0;
+  sched_param priority{};
+  pthread_getschedparam(pthread_self(), &policy, &priority);
+  return policy == SCHED_FIFO ? priority.sched_priority : 0;
+}
+
+TEST_F(HapticLoopTest, TheWatchdogGetsPastALoopThatSpins) {
+  struct WatchedHand : ScriptedHand {
+    using ScriptedHand::ScriptedHand;
+    void halt() noexcept override {
+      watchdog = priorityHere();
+      ScriptedHand::halt();
+    }
+    std::atomic<int> watchdog = 0, loop = 0;
+  };
+  WatchedHand* watched = nullptr;
+  std::atomic<bool> started = false;
+  WatchedHand hand([&](std::uint64_t) {
+    watched->loop = priorityHere();
+    return started ? DeviceReading{} : fresh({0, 0, 1});
+  });
+  watched = &hand;
+  HapticTick tick(models(), hand, tickOptions());
+  LoopOptions options = loopOptions(0);
+  options.real_time = true;
+  HapticLoop loop(tick, hand, options);
+  loop.start();
+  started = true;
+  EXPECT_TRUE(waitFor([&hand] { return hand.halts > 0; }));
+  loop.stop();
+  if (hand.loop == 0) GTEST_SKIP() << "no real-time priority here: " << loop.trouble();
+  if (loop.trouble().find("watchdog thread") != std::string::npos) GTEST_SKIP() << loop.trouble();
+  EXPECT_EQ(hand.watchdog, hand.loop + 1);
+}
+
 void compute(double cpu_seconds) {
   const auto now = [] {
     timespec time{};
