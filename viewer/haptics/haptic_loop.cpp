@@ -83,7 +83,8 @@ HapticLoop::~HapticLoop() {
 }
 
 void HapticLoop::start() {
-  if (thread_.joinable() || ticks_done_ > 0) throw failure("this haptic loop was started before");
+  if (started_) throw failure("this haptic loop was started before");
+  started_ = true;
   if (options_.real_time) lockMemory();
   running_ = true;
   device_.resume();

@@ -100,7 +100,7 @@ class HapticLoop {
   // The owner's; the loop's thread before start() returns.
   std::thread thread_, watchdog_;
   std::string trouble_;
-  bool memory_locked_ = false;
+  bool started_ = false, memory_locked_ = false;
 
   // The loop's thread alone.
   LoopStatistics statistics_;
