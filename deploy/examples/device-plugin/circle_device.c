@@ -1,5 +1,5 @@
-/* A plug-in for palpate view --device plugin:LIB, as small as it can be: a device whose handle moves by itself on a small
- * circle and gives way to the force as a spring does. Options: "radius=0.02" in metres.
+/* A plug-in for palpate view --device plugin:LIB, as small as it can be: a device whose handle moves by
+ * itself on a small circle and gives way to the force as a spring does. Options: "radius=0.02" in metres.
  *
  *     cc -shared -fPIC -o circle_device.so circle_device.c
  */
@@ -60,7 +60,8 @@ static int32_t limits(palpate_device* device, palpate_device_limits* limits) {
 static int32_t read_state(palpate_device* device, palpate_device_state* state) {
   struct timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);
-  const double time = (double)(now.tv_sec - device->start.tv_sec) + 1e-9 * (double)(now.tv_nsec - device->start.tv_nsec);
+  const double time =
+      (double)(now.tv_sec - device->start.tv_sec) + 1e-9 * (double)(now.tv_nsec - device->start.tv_nsec);
   const double angle = 2 * 3.14159265358979323846 * TURNS_PER_SECOND * time;
   const double circle[3] = {device->radius * cos(angle), device->radius * sin(angle), 0};
   for (int axis = 0; axis < 3; ++axis)
@@ -74,18 +75,30 @@ static int32_t write_force(palpate_device* device, const double force[3]) {
   return PALPATE_DEVICE_OK;
 }
 
-static void halt(palpate_device* device, int32_t halted) { device->halted = halted; }
+static void halt(palpate_device* device, int32_t halted) {
+  device->halted = halted;
+}
 
 static const char* last_error(palpate_device* device) {
   (void)device;
   return "";
 }
 
-static void close_device(palpate_device* device) { free(device); }
+static void close_device(palpate_device* device) {
+  free(device);
+}
 
 const palpate_device_plugin* palpate_device_plugin_v1(void) {
-  static const palpate_device_plugin plugin = {
-      sizeof(palpate_device_plugin), PALPATE_DEVICE_ABI, "circle", enumerate,  open_device, limits, read_state,
-      write_force,                   halt,               last_error, close_device};
+  static const palpate_device_plugin plugin = {sizeof(palpate_device_plugin),
+                                               PALPATE_DEVICE_ABI,
+                                               "circle",
+                                               enumerate,
+                                               open_device,
+                                               limits,
+                                               read_state,
+                                               write_force,
+                                               halt,
+                                               last_error,
+                                               close_device};
   return &plugin;
 }

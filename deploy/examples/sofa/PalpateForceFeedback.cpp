@@ -11,7 +11,8 @@ PalpateForceFeedback::PalpateForceFeedback()
       d_device(initData(&d_device, std::string("touch"), "device", "Name of the device, for its limits")),
       d_period(initData(&d_period, 1e-3, "period", "Seconds between two calls of the driver")),
       d_scale(initData(&d_scale, 1.0, "scale", "Metres per unit of the scene")),
-      d_displacements(initData(&d_displacements, "displacements", "Of the surface's vertices, units of the scene")) {
+      d_displacements(
+          initData(&d_displacements, "displacements", "Of the surface's vertices, units of the scene")) {
   f_listening.setValue(true);
 }
 
