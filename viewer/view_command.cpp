@@ -25,6 +25,8 @@ void check(const ViewOptions& options) {
   if (options.fast && !(options.device.starts_with("virtual") || options.device.starts_with("replay")))
     throw badInput("--fast is for the virtual hand and replays: {} has the time of the clock",
                    options.device);
+  if (options.headless && options.device == "mouse")
+    throw badInput("--device mouse moves the tool in the picture: leave out --headless");
   if (options.headless && !(options.screenshot.empty() && options.video.empty()))
     throw badInput("--headless draws no picture: leave it out for --screenshot and --record-video");
 }

@@ -270,7 +270,7 @@ PictureRequests ViewSession::Parts::drawFrame(const HapticState& state) {
   status.max_force = tick->options().guard.max_force;
   status.paused = !loop && !stepped();
   status.recording = recorder.has_value();
-  const PictureRequests requests = picture->draw(state, status);
+  PictureRequests requests = picture->draw(state, status);
   if (video) video->add(picture->grab());
   return requests;
 }

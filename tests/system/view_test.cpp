@@ -166,6 +166,7 @@ TEST_F(ViewTest, RefusesWhatItCannotFeel) {
       {{"cube.h5", "--rate", "7"}, 2, "--rate"},
       {{"cube.h5", "--fast"}, 2, "--duration"},
       {{"cube.h5", "--fast", "--duration", "1", "--device", "haply"}, 2, "--fast"},
+      {{"cube.h5", "--device", "mouse"}, 2, "--headless"},
       {{"cube.h5", "--device", "vitrual"}, 2, "virtual"},
       {{"cube.h5", "--device", "replay:none.h5"}, 2, "none.h5"},
       {{"cube.h5", "--duration", "0.1", "--record", "nowhere/run.h5"}, 1, "nowhere"},
