@@ -80,7 +80,7 @@ TEST_F(FrontCommand, RefusesAnUnknownVerbNamingTheNearest) {
   EXPECT_THAT(near.output, HasSubstr("did you mean \"build\""));
   const CommandResult far = palpate("frobnicate");
   EXPECT_EQ(far.exit_code, 2);
-  EXPECT_THAT(far.output, HasSubstr("verify or report"));
+  EXPECT_THAT(far.output, HasSubstr("view or device"));
 }
 
 }  // namespace
