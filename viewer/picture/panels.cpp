@@ -179,8 +179,9 @@ void lamps(const GuardLamps& lamps) {
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float column = ImGui::GetContentRegionAvail().x / 3, line = ImGui::GetTextLineHeight() + 5;
   for (int bit = 0; bit < guard_count; ++bit) {
-    const ImVec2 at = {origin.x + column * static_cast<float>(bit % 3),
-                       origin.y + line * static_cast<float>(bit / 3)};
+    const int row = bit / 3;
+    const ImVec2 at = {origin.x + column * static_cast<float>(bit - 3 * row),
+                       origin.y + line * static_cast<float>(row)};
     const bool lit = lamps.lit(bit);
     draw.AddCircleFilled({at.x + 6, at.y + 7}, 5,
                          lit ? IM_COL32(240, 130, 0, 255) : IM_COL32(208, 213, 221, 255), 12);
