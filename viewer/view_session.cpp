@@ -179,7 +179,7 @@ void ViewSession::Parts::announce() const {
   spdlog::info("{} at {:g} Hz: at most {:g} N and {:g} N/s, workspace scale {:.3g}", device->name(),
                options.rate, used.guard.max_force, used.guard.max_slew, used.map.scale);
   const double felt = used.map.scale * largestStiffness(model);
-  const double rendered = used.map.scale * used.guard.max_stiffness;
+  const double rendered = limitsOf(*device, options).max_stiffness;
   if (felt > rendered)
     spdlog::warn(
         "the tissue at rest is felt with {:.0f} N/m, of which the device renders {:.0f} stably: it may "

@@ -22,7 +22,7 @@ struct LoopOptions {
   double rate = 1000;      ///< Hz
   bool real_time = false;  ///< ask for SCHED_FIFO and mlockall; refusals are told in trouble()
   bool free_running =
-      false;  ///< no clock: one tick after the other, as fast as possible (tests, --duration without a hand)
+      false;  ///< no clock: one tick after the other, as fast as possible (tests, palpate view --fast)
   double watchdog = 0.1;    ///< s without a tick, after which the device is halted
   std::uint64_t ticks = 0;  ///< stop after so many; 0: never
   /// Fill the queue that takeRecorded() empties; it holds 8192 states. When it is full, states are lost and

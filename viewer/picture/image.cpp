@@ -9,6 +9,7 @@
 #include <string>
 
 #include "common/error.hpp"
+#include "common/replaced_file.hpp"
 
 namespace palpate {
 namespace {
@@ -30,20 +31,15 @@ void writePng(const Image& image, const std::filesystem::path& file) {
                              3 * image.width) == 0)
     throw failure("{}: a picture of {} x {} pixels cannot be written as PNG", file.string(), image.width,
                   image.height);
-  const std::filesystem::path aside = file.string() + ".tmp";
-  errno = 0;
-  std::ofstream out(aside, std::ios::binary | std::ios::trunc);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  std::error_code refused;
-  if (out) {
-    std::filesystem::rename(aside, file, refused);
-    if (!refused) return;
-  }
-  const std::string cause = refused ? refused.message() : causeOf(errno);
-  std::filesystem::remove(aside, refused);
-  throw failure("{}: cannot write the picture: {}; check the folder, its permissions and the space left",
-                file.string(), cause);
+  replaceFile(file, [&](const std::filesystem::path& aside) {
+    errno = 0;
+    std::ofstream out(aside, std::ios::binary | std::ios::trunc);
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    out.close();
+    if (!out)
+      throw failure("{}: cannot write the picture: {}; check the folder, its permissions and the space left",
+                    file.string(), causeOf(errno));
+  });
 }
 
 VideoFrames::VideoFrames(std::filesystem::path folder) : folder_(std::move(folder)) {
