@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "scheduler/replay.hpp"
+#include "scheduler/state/replay.hpp"
 
 namespace palpate {
 
@@ -14,7 +14,8 @@ Build::Build(Problem problem, const std::filesystem::path& state, CoordinatorSet
       directory_(state),
       store_(directory_, problem_, problem_bytes_),
       journal_(directory_.path(), store_.committed()),
-      coordinator_(problem_, problem_bytes_, store_, journal_, std::chrono::steady_clock::now(), settings) {}
+      coordinator_(problem_, problem_bytes_, store_, journal_, std::chrono::steady_clock::now(),
+                   settings) {}
 
 std::vector<SpaceTable> Build::seal(const std::filesystem::path& file) {
   const std::vector<SpacePlan>& plans = coordinator_.plans();
@@ -25,8 +26,8 @@ std::vector<SpaceTable> Build::seal(const std::filesystem::path& file) {
         plans[result.key.space].record(result.key.target).parent == result.key.parent)
       where[{result.key.space, result.key.target}] = result.where;
   const auto fields = [&](std::size_t space, std::int32_t point) {
-    return NodalFields::decode(journal_.read(where.at({space, point})).payload, problem_.mesh.nodes.size(),
-                               pressureNodes(problem_));
+    return NodalFields::decode(journal_.read(where.at({space, point})).payload,
+                               problem_.mesh.nodes.size(), pressureNodes(problem_));
   };
   sealDataset(file, problem_, tables, store_.build().kernel_family, fields);
   return tables;
@@ -42,17 +43,17 @@ bool isSealed(const std::filesystem::path& file, const Problem& problem, bool fo
       dataset.verifyAll();
       return dataset.scene().storage == problem.scene.storage;
     }
-    what = fmt::format("holds the dataset of another scene or mesh (build {} of scene \"{}\", not {})",
-                       dataset.buildId().shortHex(), dataset.scene().name, build.shortHex());
+    what =
+        fmt::format("holds the dataset of another scene or mesh (build {} of scene \"{}\", not {})",
+                    dataset.buildId().shortHex(), dataset.scene().name, build.shortHex());
   } catch (const Error& error) {
     what = fmt::format("exists and is not a usable dataset ({})", error.what());
   }
-  if (!force) throw badInput("{}: {}: give another -o, or --force to replace it", file.string(), what);
+  if (!force)
+    throw badInput("{}: {}: give another -o, or --force to replace it", file.string(), what);
   return false;
 }
 
-std::filesystem::path defaultDatasetFile(const Scene& scene) {
-  return scene.name + ".h5";
-}
+std::filesystem::path defaultDatasetFile(const Scene& scene) { return scene.name + ".h5"; }
 
 }  // namespace palpate

@@ -4,22 +4,23 @@
 #include <string>
 #include <vector>
 
-#include "common/dataset.hpp"
-#include "common/error.hpp"
-#include "common/lattice.hpp"
-#include "common/problem.hpp"
+#include "common/base/error.hpp"
+#include "common/dataset/dataset.hpp"
+#include "common/problem/problem.hpp"
+#include "common/space/lattice.hpp"
 #include "scheduler/coordinator.hpp"
-#include "scheduler/job_store.hpp"
-#include "scheduler/journal.hpp"
-#include "scheduler/state_directory.hpp"
+#include "scheduler/state/job_store.hpp"
+#include "scheduler/state/journal.hpp"
+#include "scheduler/state/state_directory.hpp"
 
 namespace palpate {
 
-/// Everything one scheduler process has of a build: what the verbs `build` and `serve` share. Holding it
-/// means holding the lock of the state directory.
+/// Everything one scheduler process has of a build: what the verbs `build` and `serve` share.
+/// Holding it means holding the lock of the state directory.
 class Build {
  public:
-  /// Loads the scene's problem, opens or makes the state in `state`, and goes on where the last run was.
+  /// Loads the scene's problem, opens or makes the state in `state`, and goes on where the last run
+  /// was.
   Build(Problem problem, const std::filesystem::path& state, CoordinatorSettings settings = {});
   Build(const Build&) = delete;
   Build& operator=(const Build&) = delete;
@@ -41,9 +42,9 @@ class Build {
   Coordinator coordinator_;
 };
 
-/// True when `file` is the dataset of this build already, false when there is no such file, or when it is
-/// that but stores something else (Storage) than asked for. Error (bad input) when it is anything else,
-/// unless `force`.
+/// True when `file` is the dataset of this build already, false when there is no such file, or when
+/// it is that but stores something else (Storage) than asked for. Error (bad input) when it is
+/// anything else, unless `force`.
 bool isSealed(const std::filesystem::path& file, const Problem& problem, bool force);
 
 /// "NAME.h5" in the current directory, for a scene without -o.

@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "common/refinement.hpp"
+#include "scheduler/plan/refinement.hpp"
 
 namespace palpate {
 namespace {
@@ -78,15 +78,16 @@ std::string accuracyOf(const std::vector<SpaceTable>& spaces, const Scene& scene
     worst = std::max(worst, state.worst_ratio);
   }
   if (counted == 0) return "";
-  std::string text =
-      fmt::format("accuracy: the estimated error keeps max({:g} %, {:g} N) in {:.4g} % of the workspace",
-                  100 * scene.accuracy.force_error, scene.accuracy.force_floor,
-                  100 * kept / static_cast<double>(counted));
+  std::string text = fmt::format(
+      "accuracy: the estimated error keeps max({:g} %, {:g} N) in {:.4g} % of the workspace",
+      100 * scene.accuracy.force_error, scene.accuracy.force_floor,
+      100 * kept / static_cast<double>(counted));
   if (keeping < counted)
     text += fmt::format(
-        "; {} of {} active node(s) keep it everywhere, the worst is {} with {:.3g} times the allowed error. "
-        "More "
-        "`levels` help where cells were split that often, nothing where neighbours lie on different branches",
+        "; {} of {} active node(s) keep it everywhere, "
+        "the worst is {} with {:.3g} times the allowed error. "
+        "More `levels` help where cells were split that often, "
+        "nothing where neighbours lie on different branches",
         keeping, counted, *worst_name, worst);
   return text + '\n';
 }
@@ -94,12 +95,12 @@ std::string accuracyOf(const std::vector<SpaceTable>& spaces, const Scene& scene
 }  // namespace
 
 std::string summaryOf(const std::vector<SpaceTable>& spaces, const Scene& scene) {
-  std::string text = fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", "active node", "points",
-                                 "expandable", "terminating", "failed", "unknown");
+  std::string text = fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", "active node",
+                                 "points", "expandable", "terminating", "failed", "unknown");
   for (Row& row : rowsOf(spaces))
-    text +=
-        fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", row.name, row.points, row.of(Tag::expandable),
-                    row.of(Tag::terminating), row.of(Tag::failed), row.of(Tag::unknown));
+    text += fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", row.name, row.points,
+                        row.of(Tag::expandable), row.of(Tag::terminating), row.of(Tag::failed),
+                        row.of(Tag::unknown));
   return text + causesOf(spaces) + probesOf(spaces) + accuracyOf(spaces, scene);
 }
 

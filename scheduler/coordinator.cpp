@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/program.hpp"
-#include "scheduler/replay.hpp"
+#include "common/base/program.hpp"
+#include "scheduler/state/replay.hpp"
 #include "scheduler/status.hpp"
 
 namespace palpate {
@@ -40,8 +40,8 @@ double secondsBetween(Coordinator::Time from, Coordinator::Time to) {
 
 }  // namespace
 
-Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobStore& store, Journal& journal,
-                         Time now, CoordinatorSettings settings)
+Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobStore& store,
+                         Journal& journal, Time now, CoordinatorSettings settings)
     : problem_(&problem),
       problem_bytes_(std::make_shared<const std::string>(std::move(problem_bytes))),
       build_(problemId(problem)),
@@ -84,7 +84,8 @@ void Coordinator::receive(const Incoming& incoming, Time now) {
   }
   const auto found = workerOf(peer);
   if (found == workers_.end()) {
-    if (message.body_case() == wire::Message::BODY_NOT_SET) return badMessage(peer, "it cannot be read");
+    if (message.body_case() == wire::Message::BODY_NOT_SET)
+      return badMessage(peer, "it cannot be read");
     return sayUnknown(peer);
   }
   Worker& worker = found->second;
@@ -116,25 +117,28 @@ void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time 
     send(peer).mutable_refused()->set_reason(reason);
   };
   if (hello.protocol() != protocol_version)
-    return refuse(fmt::format(
-        "this scheduler speaks protocol {}, the worker protocol {}: install the same Palpate on both",
-        protocol_version, hello.protocol()));
+    return refuse(
+        fmt::format("this scheduler speaks protocol {}, the worker protocol {}: "
+                    "install the same Palpate on both",
+                    protocol_version, hello.protocol()));
   if (hello.version() != version())
-    return refuse(fmt::format(
-        "this scheduler is palpate {}, the worker palpate {}: results of two versions may differ, so "
-        "install the same on both",
-        version(), hello.version()));
-  if (hello.worker().empty() || hello.worker().size() > 64) return refuse("its id is missing or too long");
+    return refuse(
+        fmt::format("this scheduler is palpate {}, the worker palpate {}: "
+                    "results of two versions may differ, so install the same on both",
+                    version(), hello.version()));
+  if (hello.worker().empty() || hello.worker().size() > 64)
+    return refuse("its id is missing or too long");
   if (hello.kernel_family().empty()) return refuse("it does not say which kernel family it uses");
   if (kernel_family_.empty()) kernel_family_ = hello.kernel_family();
   if (hello.kernel_family() != kernel_family_)
     return refuse(fmt::format(
-        "this build is computed with the {} kernels, the worker would use {}, and the last bits would "
-        "depend on who solved what: use machines with {} in this build, or see PALPATE_KERNELS and "
-        "OPENBLAS_CORETYPE in docs/numerics.md",
+        "this build is computed with the {} kernels, the worker would use {}, "
+        "and the last bits would depend on who solved what: use machines with {} in this build, "
+        "or see PALPATE_KERNELS and OPENBLAS_CORETYPE in docs/numerics.md",
         kernel_family_, hello.kernel_family(), kernel_family_));
 
-  if (const auto before = workerOf(peer); before != workers_.end() && before->first != hello.worker()) {
+  if (const auto before = workerOf(peer);
+      before != workers_.end() && before->first != hello.worker()) {
     leases_.giveBack(before->first);
     removeWorker(before, "left", now);
   }
@@ -151,7 +155,8 @@ void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time 
   worker.idle_since.reset();
   worker.heard = now;
   id_of_peer_[peer] = hello.worker();
-  spdlog::info("worker {} on {} joined ({} kernels)", worker.pid, worker.host, worker.kernel_family);
+  spdlog::info("worker {} on {} joined ({} kernels)", worker.pid, worker.host,
+               worker.kernel_family);
   servers_written_ = now - servers_written_every;  // the tables name it from the next turn on
 
   wire::Welcome& welcome = *send(peer).mutable_welcome();
@@ -163,7 +168,8 @@ void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time 
 
 void Coordinator::request(Worker& worker, const wire::Request& request) {
   if (stopping_ || complete()) return drain(worker.peer);
-  worker.credit = std::min(largest_credit, worker.credit + std::min(request.credit(), largest_credit));
+  worker.credit =
+      std::min(largest_credit, worker.credit + std::min(request.credit(), largest_credit));
 }
 
 void Coordinator::sendProblem(const std::string& peer) {
@@ -203,7 +209,8 @@ void Coordinator::heartbeat(const std::string& id, Worker& worker, const wire::H
   if (stopping_ || complete()) drain(worker.peer);
 }
 
-void Coordinator::result(const std::string& peer, Worker& worker, const Incoming& incoming, Time now) {
+void Coordinator::result(const std::string& peer, Worker& worker, const Incoming& incoming,
+                         Time now) {
   const wire::Result& message = incoming.message.result();
   worker.idle_since.reset();
   if (const std::string objection = check_.objectionTo(message, incoming.payload, kernel_family_);
@@ -228,17 +235,17 @@ void Coordinator::result(const std::string& peer, Worker& worker, const Incoming
   badMessage(peer, "nobody asked for this result");
 }
 
-void Coordinator::duplicate(const std::string& peer, const wire::Result& first, const wire::Result& second) {
+void Coordinator::duplicate(const std::string& peer, const wire::Result& first,
+                            const wire::Result& second) {
   ++counters_["duplicate_results"];
   if (ResultCheck::agree(first, second)) return;
   ++counters_["divergent_results"];
   const auto worker = workerOf(peer);
   spdlog::error(
-      "space {}, point ({}, {}, {}): worker {} on {} found other bits than the recorded ones; the first "
-      "result is kept. "
-      "One of the two machines computes wrongly",
-      second.space(), second.target().i(), second.target().j(), second.target().k(), worker->second.pid,
-      worker->second.host);
+      "space {}, point ({}, {}, {}): worker {} on {} found other bits than the recorded ones; "
+      "the first result is kept. One of the two machines computes wrongly",
+      second.space(), second.target().i(), second.target().j(), second.target().k(),
+      worker->second.pid, worker->second.host);
 }
 
 void Coordinator::badMessage(const std::string& peer, const std::string& why) {
@@ -247,11 +254,12 @@ void Coordinator::badMessage(const std::string& peer, const std::string& why) {
   if (worker == workers_.end())
     spdlog::warn("a message from a stranger was dropped: {}", why);
   else
-    spdlog::warn("a message from worker {} on {} was dropped: {}", worker->second.pid, worker->second.host,
-                 why);
+    spdlog::warn("a message from worker {} on {} was dropped: {}", worker->second.pid,
+                 worker->second.host, why);
 }
 
-void Coordinator::enqueue(StoredResult result, std::string payload, const std::string& peer, Time now) {
+void Coordinator::enqueue(StoredResult result, std::string payload, const std::string& peer,
+                          Time now) {
   const TransitionKey key = result.key;
   leases_.finish(key);
   Pending& pending = group_[key];
@@ -266,8 +274,9 @@ bool Coordinator::groupIsDue(Time now) const {
   if (group_.empty()) return false;
   if (now - *group_since_ >= settings_.group_age) return true;
   // Somebody waits for what these results may make ready.
-  return leases_.waiting() == 0 && std::any_of(workers_.begin(), workers_.end(),
-                                               [](const auto& entry) { return entry.second.credit > 0; });
+  return leases_.waiting() == 0 &&
+         std::any_of(workers_.begin(), workers_.end(),
+                     [](const auto& entry) { return entry.second.credit > 0; });
 }
 
 void Coordinator::commitGroup(Time now) {
@@ -275,7 +284,8 @@ void Coordinator::commitGroup(Time now) {
   std::vector<StoredResult> results;
   std::vector<Tag> tags;
   for (auto& [key, pending] : group_) {
-    pending.result.where = journal_->append(pending.result.header.SerializeAsString(), pending.payload);
+    pending.result.where =
+        journal_->append(pending.result.header.SerializeAsString(), pending.payload);
     results.push_back(pending.result);
     tags.push_back(plans_[key.space].tagOf(pending.result.outcome.equilibrium.force.norm()));
   }
@@ -314,24 +324,25 @@ std::optional<TransitionKey> Coordinator::keyOf(std::uint32_t space, const wire:
   return TransitionKey{space, *to, *from};
 }
 
-std::optional<StoredResult> Coordinator::configuration(std::uint32_t space, std::int32_t point) const {
+std::optional<StoredResult> Coordinator::configuration(std::uint32_t space,
+                                                       std::int32_t point) const {
   const PointRecord& record = plans_[space].record(point);
   if (!isSolved(record.tag)) return std::nullopt;
   return store_->find({space, point, record.parent});
 }
 
 bool Coordinator::deserted(Time now) const {
-  return std::all_of(workers_.begin(), workers_.end(),
-                     [&](const auto& entry) { return now - entry.second.heard > 3 * settings_.heartbeat; });
+  return std::all_of(workers_.begin(), workers_.end(), [&](const auto& entry) {
+    return now - entry.second.heard > 3 * settings_.heartbeat;
+  });
 }
 
-bool Coordinator::complete() const {
-  return store_->build().complete;
-}
+bool Coordinator::complete() const { return store_->build().complete; }
 
 void Coordinator::finishIfComplete(Time now) {
   if (complete() || !group_.empty()) return;
-  if (!std::all_of(plans_.begin(), plans_.end(), [](const SpacePlan& plan) { return plan.complete(); }))
+  if (!std::all_of(plans_.begin(), plans_.end(),
+                   [](const SpacePlan& plan) { return plan.complete(); }))
     return;
   std::vector<FailedPoints> failed(plans_.size());
   for (std::size_t space = 0; space < plans_.size(); ++space)
@@ -356,7 +367,8 @@ Coordinator::Time Coordinator::nextDeadline() const {
   if (group_since_) deadline = std::min(deadline, *group_since_ + settings_.group_age);
   for (const auto& [id, worker] : workers_) {
     deadline = std::min(deadline, worker.heard + settings_.worker_lost);
-    if (worker.idle_since) deadline = std::min(deadline, *worker.idle_since + settings_.idle_with_leases);
+    if (worker.idle_since)
+      deadline = std::min(deadline, *worker.idle_since + settings_.idle_with_leases);
   }
   return deadline;
 }
@@ -364,7 +376,8 @@ Coordinator::Time Coordinator::nextDeadline() const {
 void Coordinator::handOutJobs() {
   if (stopping_ || complete()) return;
   if (leases_.waiting() == 0) return;
-  std::set<std::pair<std::size_t, std::string>> by_load;  // (targets it holds, id) of workers with credit
+  std::set<std::pair<std::size_t, std::string>>
+      by_load;  // (targets it holds, id) of workers with credit
   for (const auto& [id, worker] : workers_)
     if (worker.credit > 0) by_load.emplace(leases_.leasedTo(id), id);
   while (!by_load.empty()) {
@@ -406,10 +419,10 @@ void Coordinator::loseSilentWorkers(Time now) {
   for (auto& [id, worker] : workers_) {
     if (now - worker.heard >= settings_.worker_lost) silent.push_back(id);
     if (!worker.idle_since || now - *worker.idle_since < settings_.idle_with_leases) continue;
-    spdlog::warn("worker {} on {} does not solve what it was given: it is handed out again", worker.pid,
-                 worker.host);
-    worker.credit = std::min<std::uint32_t>(largest_credit,
-                                            worker.credit + static_cast<std::uint32_t>(leases_.jobsOf(id)));
+    spdlog::warn("worker {} on {} does not solve what it was given: it is handed out again",
+                 worker.pid, worker.host);
+    worker.credit = std::min<std::uint32_t>(
+        largest_credit, worker.credit + static_cast<std::uint32_t>(leases_.jobsOf(id)));
     worker.idle_since.reset();
     leases_.giveBack(id);
   }
@@ -433,8 +446,8 @@ void Coordinator::workerProcessEnded(std::uint32_t pid, Time now) {
 
 void Coordinator::workerDied(const std::string& id, Time now, const char* why) {
   const auto worker = workers_.find(id);
-  spdlog::warn("worker {} on {} {}; {} targets are handed out again", worker->second.pid, worker->second.host,
-               why, leases_.leasedTo(id));
+  spdlog::warn("worker {} on {} {}; {} targets are handed out again", worker->second.pid,
+               worker->second.host, why, leases_.leasedTo(id));
   const std::vector<TransitionKey> given_up = leases_.workerDied(id, worker->second.solving);
   ++counters_["lost_workers"];
   removeWorker(worker, "lost", now);
@@ -445,7 +458,8 @@ void Coordinator::giveUp(const TransitionKey& key, Time now) {
   const Lattice& positions = plans_[key.space].positions();
   const LatticePoint& point = positions.point(key.target);
   spdlog::error(
-      "space {}, point ({}, {}, {}): {} workers died while they solved it; it is not tried from there again",
+      "space {}, point ({}, {}, {}): {} workers died while they solved it; "
+      "it is not tried from there again",
       key.space, point[0], point[1], point[2], deaths_before_giving_up);
   Outcome outcome;
   outcome.failure.cause = Cause::worker_lost;
@@ -488,26 +502,25 @@ void Coordinator::noteProgress(Time now) {
   while (progress_.size() > 2 && now - progress_[1].first >= rate_window) progress_.pop_front();
 }
 
-ServerRow Coordinator::rowOf(const std::string& id, const Worker& worker, const char* state, Time now) const {
-  return {
-      hexOf(id), worker.host,   worker.pid, worker.kernel_family, state, secondsBetween(worker.heard, now),
-      0,         worker.results};
+ServerRow Coordinator::rowOf(const std::string& id, const Worker& worker, const char* state,
+                             Time now) const {
+  return {hexOf(id),  worker.host,
+          worker.pid, worker.kernel_family,
+          state,      secondsBetween(worker.heard, now),
+          0,          worker.results};
 }
 
-std::vector<Outgoing> Coordinator::takeOutbox() {
-  return std::exchange(outbox_, {});
-}
+std::vector<Outgoing> Coordinator::takeOutbox() { return std::exchange(outbox_, {}); }
 
-wire::Message& Coordinator::send(const std::string& peer, std::shared_ptr<const std::string> payload) {
+wire::Message& Coordinator::send(const std::string& peer,
+                                 std::shared_ptr<const std::string> payload) {
   outbox_.push_back({peer, {}, std::move(payload)});
   return outbox_.back().message;
 }
 
-/// An empty incarnation is never the one a worker knows, so it says hello, and then resends what was not
-/// acknowledged.
-void Coordinator::sayUnknown(const std::string& peer) {
-  send(peer).mutable_heartbeat_reply();
-}
+/// An empty incarnation is never the one a worker knows, so it says hello, and then resends what
+/// was not acknowledged.
+void Coordinator::sayUnknown(const std::string& peer) { send(peer).mutable_heartbeat_reply(); }
 
 void Coordinator::drain(const std::string& peer) {
   send(peer).mutable_drain()->set_finished(complete());
@@ -536,7 +549,8 @@ wire::Status Coordinator::status(Time now) const {
   status.set_recorded(static_cast<std::int32_t>(recorded_));
   status.set_seconds(secondsBetween(started_, now));
   const double elapsed = secondsBetween(progress_.front().first, now);
-  const double rate = elapsed > 0 ? static_cast<double>(converged_ - progress_.front().second) / elapsed : 0;
+  const double rate =
+      elapsed > 0 ? static_cast<double>(converged_ - progress_.front().second) / elapsed : 0;
   status.set_configurations_per_second(rate);
   std::int64_t unknown = 0;
   for (const wire::SpaceStatus& space : status.spaces()) unknown += space.unknown();

@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "common/problem.hpp"
-#include "common/wire.hpp"
-#include "scheduler/job_store.hpp"
-#include "scheduler/journal.hpp"
-#include "scheduler/leases.hpp"
+#include "common/problem/problem.hpp"
+#include "common/wire/wire.hpp"
+#include "scheduler/plan/leases.hpp"
+#include "scheduler/plan/space_plan.hpp"
 #include "scheduler/result_check.hpp"
-#include "scheduler/space_plan.hpp"
+#include "scheduler/state/job_store.hpp"
+#include "scheduler/state/journal.hpp"
 
 namespace palpate {
 
@@ -28,39 +28,41 @@ struct Outgoing {
 };
 
 struct CoordinatorSettings {
-  /// How often workers say that they live. Cheap; it also names the target whose solve would kill a worker.
+  /// How often workers say that they live. Cheap; it also names the target whose solve would kill a
+  /// worker.
   std::chrono::milliseconds heartbeat{1000};
-  /// A worker that says nothing for so long is taken for dead. Shorter than network outages costs work done
-  /// twice.
+  /// A worker that says nothing for so long is taken for dead. Shorter than network outages costs
+  /// work done twice.
   std::chrono::milliseconds worker_lost{60000};
-  /// A worker that says it solves nothing while it holds leases for so long never got them, or forgot them.
+  /// A worker that says it solves nothing while it holds leases for so long never got them, or
+  /// forgot them.
   std::chrono::milliseconds idle_with_leases{30000};
-  /// Group commit: results wait for others at most so long, and at most so many share one sync and one
-  /// transaction.
+  /// Group commit: results wait for others at most so long, and at most so many share one sync and
+  /// one transaction.
   std::chrono::milliseconds group_age{20};
   std::size_t group_results = 64;
 };
 
-/// What every message means: takes messages and the time, keeps plans, leases, journal and tables in
-/// step, and leaves messages to be sent. No sockets, no clock of its own, one thread.
+/// What every message means: takes messages and the time, keeps plans, leases, journal and tables
+/// in step, and leaves messages to be sent. No sockets, no clock of its own, one thread.
 ///
-/// A result is acknowledged after journal append, sync and transaction, in that order (docs/state.md). Only
-/// then does the plan move on. Construction replays what is recorded, so a restart goes on where the last
-/// run was.
+/// A result is acknowledged after journal append, sync and transaction, in that order
+/// (docs/state.md). Only then does the plan move on. Construction replays what is recorded, so a
+/// restart goes on where the last run was.
 ///
-/// Errors of journal or tables leave as exceptions; the object must not be used afterwards, and nothing was
-/// acknowledged that is not on disk.
+/// Errors of journal or tables leave as exceptions; the object must not be used afterwards, and
+/// nothing was acknowledged that is not on disk.
 class Coordinator {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
   /// All references must outlive this object. `problem_bytes` is encodeProblem(problem).
-  Coordinator(const Problem& problem, std::string problem_bytes, JobStore& store, Journal& journal, Time now,
-              CoordinatorSettings settings = {});
+  Coordinator(const Problem& problem, std::string problem_bytes, JobStore& store, Journal& journal,
+              Time now, CoordinatorSettings settings = {});
 
   void receive(const Incoming& incoming, Time now);
-  /// Whatever time brings: commits a group that is due, gives up silent workers, hands out jobs. Call after
-  /// every batch of messages and at nextDeadline.
+  /// Whatever time brings: commits a group that is due, gives up silent workers, hands out jobs.
+  /// Call after every batch of messages and at nextDeadline.
   void advance(Time now);
   /// Everything to be sent, in order.
   std::vector<Outgoing> takeOutbox();
@@ -140,7 +142,8 @@ class Coordinator {
   void drain(const std::string& peer);
   std::string startId(std::uint32_t space, std::int32_t parent, std::int32_t target);
 
-  wire::Message& send(const std::string& peer, std::shared_ptr<const std::string> payload = nullptr);
+  wire::Message& send(const std::string& peer,
+                      std::shared_ptr<const std::string> payload = nullptr);
   void sayUnknown(const std::string& peer);
   void acknowledge(const std::string& peer, const wire::Result& result);
   Workers::iterator workerOf(const std::string& peer);
@@ -168,7 +171,8 @@ class Coordinator {
   std::vector<ServerRow> departed_;  ///< since servers were last written
   Time started_;
   Time servers_written_;
-  std::deque<std::pair<Time, std::int64_t>> progress_;  ///< (when, converged_ then) of the last two minutes
+  std::deque<std::pair<Time, std::int64_t>>
+      progress_;  ///< (when, converged_ then) of the last two minutes
   std::size_t found_ = 0;
   std::int64_t converged_ = 0;
   std::int64_t recorded_ = 0;

@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <memory>
 
-#include "common/dataset.hpp"
-#include "common/problem.hpp"
+#include "common/dataset/dataset.hpp"
+#include "common/problem/problem.hpp"
 #include "scheduler/explanation.hpp"
-#include "scheduler/job_store.hpp"
-#include "scheduler/replay.hpp"
+#include "scheduler/state/job_store.hpp"
+#include "scheduler/state/replay.hpp"
 
 namespace palpate {
 namespace {
@@ -21,8 +21,8 @@ struct ExplainOptions {
 };
 
 const SpaceTable& spaceNamed(const std::vector<SpaceTable>& spaces, const std::string& wanted) {
-  const auto found =
-      std::find_if(spaces.begin(), spaces.end(), [&](const SpaceTable& s) { return s.patch.name == wanted; });
+  const auto found = std::find_if(spaces.begin(), spaces.end(),
+                                  [&](const SpaceTable& s) { return s.patch.name == wanted; });
   if (found != spaces.end()) return *found;
   std::string known;
   for (const SpaceTable& space : spaces) known += (known.empty() ? "" : ", ") + space.patch.name;
@@ -54,8 +54,8 @@ std::function<ExitCode()> prepare(CLI::App& app) {
   app.add_option("WHERE", options->where, "Dataset, OUT.h5, or a state directory")->required();
   app.add_option("--active", options->active, "Name of the active node")->required();
   app.add_option("I", options->point[0],
-                 "Lattice coordinates of the point: its displacement is spacing * (I, J, K); refined points "
-                 "have fractions")
+                 "Lattice coordinates of the point: its displacement is spacing * (I, J, K); "
+                 "refined points have fractions")
       ->required();
   app.add_option("J", options->point[1])->required();
   app.add_option("K", options->point[2])->required();

@@ -4,15 +4,17 @@
 
 #include <cmath>
 
-#include "common/error.hpp"
-#include "common/wire.hpp"
+#include "common/base/error.hpp"
+#include "common/wire/wire.hpp"
 
 namespace palpate {
 namespace {
 
 /// Coordinates in spacings: "(1, 0.5, 0)".
 std::string nameOf(const LatticePoint& p, std::int32_t divisions) {
-  const auto spacings = [&](std::int32_t coordinate) { return static_cast<double>(coordinate) / divisions; };
+  const auto spacings = [&](std::int32_t coordinate) {
+    return static_cast<double>(coordinate) / divisions;
+  };
   return fmt::format("({:g}, {:g}, {:g})", spacings(p[0]), spacings(p[1]), spacings(p[2]));
 }
 
@@ -27,11 +29,11 @@ std::int32_t numberOf(const Lattice& lattice, const Eigen::Vector3d& in_spacings
   if (whole)
     if (const auto number = lattice.indexOf(point)) return *number;
   throw badInput(
-      "({:g}, {:g}, {:g}) is not in the lattice: it holds the points with i^2 + j^2 + k^2 <= {:.6g} (radius "
-      "{} "
-      "m / spacing {} m, squared){}",
-      in_spacings[0], in_spacings[1], in_spacings[2], std::pow(lattice.radius() / lattice.spacing(), 2),
-      lattice.radius(), lattice.spacing(),
+      "({:g}, {:g}, {:g}) is not in the lattice: "
+      "it holds the points with i^2 + j^2 + k^2 <= {:.6g} (radius {} m / spacing {} m, "
+      "squared){}",
+      in_spacings[0], in_spacings[1], in_spacings[2],
+      std::pow(lattice.radius() / lattice.spacing(), 2), lattice.radius(), lattice.spacing(),
       lattice.size() > lattice.uniformSize()
           ? fmt::format(", and {} refined ones", lattice.size() - lattice.uniformSize())
           : "");
@@ -50,17 +52,18 @@ void addStep(wire::Explanation& explanation, const Lattice& lattice, std::int32_
 }
 
 std::string textOf(const wire::Explanation& e) {
-  const std::string where = fmt::format("{}: point {}, displacement ({:g}, {:g}, {:g}) m", e.active(),
-                                        nameOf(fromWire(e.point()), e.divisions()), e.displacement(0),
-                                        e.displacement(1), e.displacement(2));
-  std::string text = fmt::format("{}: {}{}\n", where, e.tag(), e.cause().empty() ? "" : ", " + e.cause());
+  const std::string where = fmt::format("{}: point {}, displacement ({:g}, {:g}, {:g}) m",
+                                        e.active(), nameOf(fromWire(e.point()), e.divisions()),
+                                        e.displacement(0), e.displacement(1), e.displacement(2));
+  std::string text =
+      fmt::format("{}: {}{}\n", where, e.tag(), e.cause().empty() ? "" : ", " + e.cause());
   if (e.path_size() > 0) text += "reached by these transitions, the last one first:\n";
   for (const wire::Step& s : e.path())
     text += fmt::format(
-        "  {:<14} force ({:.4g}, {:.4g}, {:.4g}) N, energy {:.4g} J, min det F {:.3g}, {} iterations in {} "
-        "steps\n",
-        nameOf(fromWire(s.point()), e.divisions()), s.force(0) + 0.0, s.force(1) + 0.0, s.force(2) + 0.0,
-        s.energy(), s.min_det_f(), s.newton_iterations(), s.steps());
+        "  {:<14} force ({:.4g}, {:.4g}, {:.4g}) N, energy {:.4g} J, min det F {:.3g}, "
+        "{} iterations in {} steps\n",
+        nameOf(fromWire(s.point()), e.divisions()), s.force(0) + 0.0, s.force(1) + 0.0,
+        s.force(2) + 0.0, s.energy(), s.min_det_f(), s.newton_iterations(), s.steps());
   if (e.attempts_size() > 0) text += "tried without success:\n";
   for (const wire::FailedTry& t : e.attempts())
     text += fmt::format("  from {}: {}\n", nameOf(fromWire(t.parent()), e.divisions()), t.text());
@@ -81,7 +84,8 @@ wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spa
   explanation.set_active(space.patch.name);
   *explanation.mutable_point() = toWire(lattice.point(number));
   explanation.set_divisions(lattice.divisions());
-  for (const double component : lattice.displacement(number)) explanation.add_displacement(component);
+  for (const double component : lattice.displacement(number))
+    explanation.add_displacement(component);
   explanation.set_tag(std::string(name(record.tag)));
   if (record.tag == Tag::failed) explanation.set_cause(std::string(name(record.cause)));
   // A chain of parents is shorter than the lattice, also in a damaged file.

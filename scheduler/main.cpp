@@ -1,6 +1,6 @@
 #include <array>
 
-#include "common/program.hpp"
+#include "common/base/program.hpp"
 #include "scheduler/build_command.hpp"
 #include "scheduler/explain_command.hpp"
 #include "scheduler/serve_command.hpp"
@@ -11,5 +11,6 @@ int main(int argc, char** argv) {
   using namespace palpate;
   const std::array verbs = {build_verb, serve_verb, status_verb, stop_verb, explain_verb};
   return runProgram(argc, argv,
-                    "Palpate scheduler: decides what is solved next and keeps what workers answer", verbs);
+                    "Palpate scheduler: decides what is solved next and keeps what workers answer",
+                    verbs);
 }

@@ -22,7 +22,8 @@ std::string barOf(const wire::Status& status) {
     known += space.points() - space.unknown();
   }
   const std::size_t filled =
-      points > 0 ? bar_width * static_cast<std::size_t>(known) / static_cast<std::size_t>(points) : 0;
+      points > 0 ? bar_width * static_cast<std::size_t>(known) / static_cast<std::size_t>(points)
+                 : 0;
   return '[' + std::string(filled, '#') + std::string(bar_width - filled, ' ') + ']';
 }
 
@@ -40,7 +41,8 @@ Progress::Progress()
 void Progress::show(const Coordinator& coordinator) {
   const auto now = std::chrono::steady_clock::now();
   if (!wanted_ || now < next_) return;
-  next_ = now + (terminal_ ? std::chrono::milliseconds(redraw_every) : std::chrono::milliseconds(line_every));
+  next_ = now + (terminal_ ? std::chrono::milliseconds(redraw_every)
+                           : std::chrono::milliseconds(line_every));
   const wire::Status status = coordinator.status(now);
   if (terminal_)
     fmt::print(stderr, "\r{} {}\x1b[K", barOf(status), progressLine(status));

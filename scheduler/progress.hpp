@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// Shows on stderr how far a build is: a bar that redraws itself on a terminal, else a line every few
-/// seconds. Nothing when only warnings are wanted (--quiet).
+/// Shows on stderr how far a build is: a bar that redraws itself on a terminal, else a line every
+/// few seconds. Nothing when only warnings are wanted (--quiet).
 class Progress {
  public:
   Progress();

@@ -3,9 +3,9 @@
 #include <array>
 #include <filesystem>
 
-#include "common/error.hpp"
-#include "common/wire.hpp"
-#include "scheduler/state_directory.hpp"
+#include "common/base/error.hpp"
+#include "common/wire/wire.hpp"
+#include "scheduler/state/state_directory.hpp"
 
 namespace palpate {
 

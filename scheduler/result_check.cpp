@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "common/configuration.hpp"
-#include "common/error.hpp"
-#include "common/wire.hpp"
+#include "common/base/error.hpp"
+#include "common/space/configuration.hpp"
+#include "common/wire/wire.hpp"
 
 namespace palpate {
 namespace {
@@ -18,7 +18,8 @@ std::string reproducibleBytes(wire::Result result) {
 }
 
 bool causedByWorkers(const wire::Result& result) {
-  return result.has_failure() && result.failure().cause() == static_cast<std::uint32_t>(Cause::worker_lost);
+  return result.has_failure() &&
+         result.failure().cause() == static_cast<std::uint32_t>(Cause::worker_lost);
 }
 
 }  // namespace
@@ -35,7 +36,9 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const std::stri
   if (result.kernel_family() != kernel_family) return "a result of another kernel family";
   if (!outcome->converged) {
     const double reached = outcome->failure.step_reached;
-    return std::isfinite(reached) && reached >= 0 && reached <= 1 ? "" : "a failure with an impossible step";
+    return std::isfinite(reached) && reached >= 0 && reached <= 1
+               ? ""
+               : "a failure with an impossible step";
   }
   if (ContentId::of(payload).bytes() != result.fields_id())
     return "a result whose payload has another content id";

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "common/replaced_file.hpp"
-#include "common/wire.hpp"
+#include "common/base/replaced_file.hpp"
+#include "common/wire/wire.hpp"
 #include "scheduler/build.hpp"
 #include "scheduler/build_summary.hpp"
 #include "scheduler/progress.hpp"
@@ -43,8 +43,8 @@ void waitForWorkersToLeave(Server& server, Coordinator& coordinator) {
     server.turn(coordinator, longest_turn);
 }
 
-ExitCode finish(const std::vector<SpaceTable>& spaces, const Scene& scene, const std::filesystem::path& out,
-                const char* how) {
+ExitCode finish(const std::vector<SpaceTable>& spaces, const Scene& scene,
+                const std::filesystem::path& out, const char* how) {
   fmt::print("{}\n{}: {}\n", summaryOf(spaces, scene), out.string(), how);
   return exitCodeOf(spaces);
 }
@@ -53,9 +53,9 @@ ExitCode run(const ServeOptions& options) {
   checkEndpoint(options.endpoint);
   if (!isOnThisMachineOnly(options.endpoint) && !options.insecure)
     throw badInput(
-        "--listen {}: anyone who reaches that port could take and deliver work, since there are no keys yet: "
-        "listen on "
-        "127.0.0.1, or say --insecure on a network you trust",
+        "--listen {}: anyone who reaches that port could take and deliver work, "
+        "since there are no keys yet: listen on 127.0.0.1, "
+        "or say --insecure on a network you trust",
         options.endpoint);
   Problem problem = loadProblem(options.scene);
   if (const std::string warning = infSupWarning(problem.scene.discretization); !warning.empty())
@@ -74,7 +74,8 @@ ExitCode run(const ServeOptions& options) {
     zmq::context_t context;
     Server server(context, options.endpoint);
     build.directory().announce(server.endpoint());
-    spdlog::info("listening on {}; {} results are recorded already", server.endpoint(), build.found());
+    spdlog::info("listening on {}; {} results are recorded already", server.endpoint(),
+                 build.found());
     Progress progress;
     while (!coordinator.complete() && !coordinator.stopping()) {
       server.turn(coordinator, longest_turn);
@@ -85,7 +86,8 @@ ExitCode run(const ServeOptions& options) {
     waitForWorkersToLeave(server, coordinator);
   }
   if (!coordinator.complete()) {
-    fmt::print(stderr, "stopped; everything finished is kept in {}. The same command goes on from there.\n",
+    fmt::print(stderr,
+               "stopped; everything finished is kept in {}. The same command goes on from there.\n",
                options.state);
     return interrupted() ? ExitCode::interrupted : ExitCode::done;
   }
@@ -99,21 +101,23 @@ std::function<ExitCode()> prepare(CLI::App& app) {
       ->type_name("FILE");
   app.add_option("--listen", options->endpoint, "Where workers connect, tcp://HOST:PORT")
       ->capture_default_str();
-  app.add_option("--state", options->state, "Directory for unfinished work, on a local disk")->required();
+  app.add_option("--state", options->state, "Directory for unfinished work, on a local disk")
+      ->required();
   app.add_option("-o,--output", options->out,
                  "Dataset to make [the scene's name with .h5, in the current directory]");
-  app.add_flag("--insecure", options->insecure, "Listen beyond this machine although workers need no key");
+  app.add_flag("--insecure", options->insecure,
+               "Listen beyond this machine although workers need no key");
   app.add_flag("--force", options->force, "Replace OUTPUT when it holds something else");
   app.footer(
       "Ends when the dataset is sealed, or when it is stopped; the same command then goes on.\n"
-      "Exit codes: 0 done or stopped, 1 failed, 2 bad scene or usage, 3 done but some points failed, 130 "
-      "interrupted.");
+      "Exit codes: 0 done or stopped, 1 failed, 2 bad scene or usage, "
+      "3 done but some points failed, 130 interrupted.");
   return [options] { return run(*options); };
 }
 
 }  // namespace
 
-const Verb serve_verb = {"serve", "Compute the dataset of a scene with workers that connect from anywhere",
-                         prepare};
+const Verb serve_verb = {
+    "serve", "Compute the dataset of a scene with workers that connect from anywhere", prepare};
 
 }  // namespace palpate

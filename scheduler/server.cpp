@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include "common/error.hpp"
-#include "common/wire.hpp"
+#include "common/base/error.hpp"
+#include "common/wire/wire.hpp"
 
 namespace palpate {
 namespace {

@@ -17,8 +17,8 @@ class Server {
   /// Where it listens, with the port that was chosen.
   const std::string& endpoint() const { return endpoint_; }
 
-  /// Waits at most `longest` for messages or the coordinator's next deadline, feeds what came in to it, lets
-  /// it act, and sends what it says. Returns early on a signal.
+  /// Waits at most `longest` for messages or the coordinator's next deadline, feeds what came in to
+  /// it, lets it act, and sends what it says. Returns early on a signal.
   void turn(Coordinator& coordinator, std::chrono::milliseconds longest);
 
  private:

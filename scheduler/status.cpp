@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 
 namespace palpate {
 
@@ -22,7 +22,8 @@ void addPlans(wire::Status& status, const std::vector<SpacePlan>& plans,
       ++count.at(static_cast<std::size_t>(record.tag));
       for (const FailedAttempt& attempt : plan.attempts(point))
         ++(*status.mutable_failed_attempts())[std::string(name(attempt.failure.cause))];
-      if (record.tag == Tag::failed) ++(*status.mutable_failed_points())[std::string(name(record.cause))];
+      if (record.tag == Tag::failed)
+        ++(*status.mutable_failed_points())[std::string(name(record.cause))];
     }
     wire::SpaceStatus& space = *status.add_spaces();
     space.set_name(names[n]);
@@ -54,7 +55,8 @@ std::string toJson(const wire::Status& status) {
   options.always_print_primitive_fields = true;
   options.preserve_proto_field_names = true;
   std::string json;
-  if (const auto result = google::protobuf::util::MessageToJsonString(status, &json, options); !result.ok())
+  if (const auto result = google::protobuf::util::MessageToJsonString(status, &json, options);
+      !result.ok())
     throw failure("the status cannot be written as JSON: {}", result.ToString());
   return json;
 }
@@ -63,7 +65,8 @@ wire::Status statusFromJson(const std::string& json) {
   wire::Status status;
   google::protobuf::util::JsonParseOptions options;
   options.ignore_unknown_fields = true;
-  if (const auto result = google::protobuf::util::JsonStringToMessage(json, &status, options); !result.ok())
+  if (const auto result = google::protobuf::util::JsonStringToMessage(json, &status, options);
+      !result.ok())
     throw failure("the answer is not a status: {}", result.ToString());
   return status;
 }
@@ -81,9 +84,10 @@ std::string progressLine(const wire::Status& status) {
     points += space.points();
     unknown += space.unknown();
   }
-  std::string line = fmt::format("{}/{} points, {:.1f}/s, frontier {}, {} worker{}", points - unknown, points,
-                                 status.configurations_per_second(), status.ready(), status.workers_size(),
-                                 status.workers_size() == 1 ? "" : "s");
+  std::string line =
+      fmt::format("{}/{} points, {:.1f}/s, frontier {}, {} worker{}", points - unknown, points,
+                  status.configurations_per_second(), status.ready(), status.workers_size(),
+                  status.workers_size() == 1 ? "" : "s");
   if (status.has_eta_seconds())
     line += fmt::format(", {}{} left", status.may_grow() ? "an estimated " : "",
                         durationText(status.eta_seconds()));
@@ -93,8 +97,8 @@ std::string progressLine(const wire::Status& status) {
 
 namespace {
 
-/// All of them, or when they are many those that are being worked on, as far as they fit on a screen, and a
-/// sum.
+/// All of them, or when they are many those that are being worked on, as far as they fit on a
+/// screen, and a sum.
 std::vector<wire::SpaceStatus> spacesToShow(const wire::Status& status) {
   constexpr std::size_t most = 24;
   std::vector<wire::SpaceStatus> shown(status.spaces().begin(), status.spaces().end());
@@ -111,8 +115,9 @@ std::vector<wire::SpaceStatus> spacesToShow(const wire::Status& status) {
   }
   sum.set_name(fmt::format("all {}", shown.size()));
   sum.set_stage(fmt::format("{} complete", complete));
-  std::erase_if(shown,
-                [](const wire::SpaceStatus& s) { return s.stage() == "complete" || s.expandable() == 0; });
+  std::erase_if(shown, [](const wire::SpaceStatus& s) {
+    return s.stage() == "complete" || s.expandable() == 0;
+  });
   if (shown.size() > most) shown.resize(most);
   shown.push_back(sum);
   return shown;
@@ -131,20 +136,21 @@ void appendCauses(std::string& text, const char* title,
 }  // namespace
 
 std::string describe(const wire::Status& status) {
-  std::string text =
-      fmt::format("scene {}, build {}: {}\n\n", status.scene(), status.build().substr(0, 12), status.state());
-  text += fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}  {}\n", "active node", "points", "expandable",
-                      "terminating", "failed", "unknown", "stage");
+  std::string text = fmt::format("scene {}, build {}: {}\n\n", status.scene(),
+                                 status.build().substr(0, 12), status.state());
+  text += fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}  {}\n", "active node", "points",
+                      "expandable", "terminating", "failed", "unknown", "stage");
   for (const wire::SpaceStatus& s : spacesToShow(status))
-    text += fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}  {}\n", s.name(), s.points(), s.expandable(),
-                        s.terminating(), s.failed(), s.unknown(), s.stage());
+    text += fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}  {}\n", s.name(), s.points(),
+                        s.expandable(), s.terminating(), s.failed(), s.unknown(), s.stage());
   text += '\n';
-  if (status.state() == "running" || status.state() == "stopping") text += progressLine(status) + '\n';
+  if (status.state() == "running" || status.state() == "stopping")
+    text += progressLine(status) + '\n';
   appendCauses(text, "failed points", status.failed_points());
   appendCauses(text, "failed transitions", status.failed_attempts());
   for (const wire::WorkerStatus& w : status.workers())
-    text += fmt::format("worker {} on {}: {}, {} results, heard {:.0f} s ago\n", w.pid(), w.host(), w.state(),
-                        w.results(), w.heard_seconds_ago());
+    text += fmt::format("worker {} on {}: {}, {} results, heard {:.0f} s ago\n", w.pid(), w.host(),
+                        w.state(), w.results(), w.heard_seconds_ago());
   for (const char* alarm : {"divergent_results", "bad_messages", "lost_workers", "refused_workers"})
     if (const auto found = status.counters().find(alarm);
         found != status.counters().end() && found->second > 0)

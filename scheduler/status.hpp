@@ -4,13 +4,13 @@
 #include <vector>
 
 #include "proto/palpate.pb.h"
-#include "scheduler/job_store.hpp"
-#include "scheduler/space_plan.hpp"
+#include "scheduler/plan/space_plan.hpp"
+#include "scheduler/state/job_store.hpp"
 
 namespace palpate {
 
-/// Fills spaces, ready, may_grow, failed_attempts and failed_points. `names` are those of the active nodes,
-/// parallel to `plans`.
+/// Fills spaces, ready, may_grow, failed_attempts and failed_points. `names` are those of the
+/// active nodes, parallel to `plans`.
 void addPlans(wire::Status& status, const std::vector<SpacePlan>& plans,
               const std::vector<std::string>& names);
 void addWorker(wire::Status& status, const ServerRow& row);

@@ -6,11 +6,11 @@
 #include <memory>
 #include <thread>
 
-#include "common/problem.hpp"
-#include "common/wire.hpp"
-#include "scheduler/job_store.hpp"
-#include "scheduler/replay.hpp"
+#include "common/problem/problem.hpp"
+#include "common/wire/wire.hpp"
 #include "scheduler/request.hpp"
+#include "scheduler/state/job_store.hpp"
+#include "scheduler/state/replay.hpp"
 #include "scheduler/status.hpp"
 
 namespace palpate {
@@ -66,7 +66,8 @@ ExitCode showStatus(const StatusOptions& options) {
     fmt::print("{}{}", redraw ? "\x1b[H\x1b[2J" : "",
                options.json ? toJson(status) + '\n' : describe(status));
     std::fflush(stdout);
-    if (!options.watch || status.state() == "complete" || status.state() == "stopped") return ExitCode::done;
+    if (!options.watch || status.state() == "complete" || status.state() == "stopped")
+      return ExitCode::done;
     std::this_thread::sleep_for(watch_every);
     if (interrupted()) return ExitCode::interrupted;
   }
@@ -76,14 +77,15 @@ std::function<ExitCode()> prepare(CLI::App& app) {
   auto options = std::make_shared<StatusOptions>();
   app.add_option("WHERE", options->where, "Scheduler, tcp://HOST:PORT, or a state directory")
       ->capture_default_str();
-  app.add_flag("--watch", options->watch, "Again every second, until the build is complete or stops");
+  app.add_flag("--watch", options->watch,
+               "Again every second, until the build is complete or stops");
   app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
   return [options] { return showStatus(*options); };
 }
 
 }  // namespace
 
-const Verb status_verb = {"status", "How far a build is: points, rate, time left, workers, failures",
-                          prepare};
+const Verb status_verb = {
+    "status", "How far a build is: points, rate, time left, workers, failures", prepare};
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "common/program.hpp"
+#include "common/base/program.hpp"
 
 namespace palpate {
 

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "common/wire.hpp"
+#include "common/wire/wire.hpp"
 #include "scheduler/request.hpp"
 
 namespace palpate {
@@ -29,6 +29,7 @@ std::function<ExitCode()> prepare(CLI::App& app) {
 }  // namespace
 
 const Verb stop_verb = {
-    "stop", "Let a scheduler's workers finish what they hold and end it; it can go on later", prepare};
+    "stop", "Let a scheduler's workers finish what they hold and end it; it can go on later",
+    prepare};
 
 }  // namespace palpate

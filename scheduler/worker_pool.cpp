@@ -10,7 +10,7 @@
 #include <cstring>
 #include <thread>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -32,9 +32,7 @@ std::string describeStatus(int status) {
 
 }  // namespace
 
-WorkerPool::~WorkerPool() {
-  terminate(std::chrono::milliseconds(0));
-}
+WorkerPool::~WorkerPool() { terminate(std::chrono::milliseconds(0)); }
 
 void WorkerPool::start() {
   std::vector<char*> arguments;
@@ -75,7 +73,8 @@ void WorkerPool::terminate(std::chrono::milliseconds grace) {
 }
 
 std::filesystem::path programBeside(const std::string& name) {
-  std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;
+  std::filesystem::path program =
+      std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;
   if (access(program.c_str(), X_OK) != 0)
     throw failure("{}: not found; is Palpate completely installed?", program.string());
   return program;

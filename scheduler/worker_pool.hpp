@@ -10,8 +10,9 @@
 
 namespace palpate {
 
-/// The local `palpate-worker` processes of `build`. They die with this process, even when it is killed. One
-/// thread, the one that constructed it (the kernel ties a child's life to the thread that forked it).
+/// The local `palpate-worker` processes of `build`. They die with this process, even when it is
+/// killed. One thread, the one that constructed it (the kernel ties a child's life to the thread
+/// that forked it).
 class WorkerPool {
  public:
   struct Ended {

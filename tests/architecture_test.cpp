@@ -15,13 +15,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What each folder may include. The three programs never include each other; tests and deploy may see
-/// everything.
-const std::map<std::string, std::set<std::string>> allowed = {{"proto", {"proto"}},
-                                                              {"common", {"common", "proto"}},
-                                                              {"scheduler", {"scheduler", "common", "proto"}},
-                                                              {"worker", {"worker", "common", "proto"}},
-                                                              {"viewer", {"viewer", "common", "proto"}}};
+/// What each folder may include. The three programs never include each other; tests and deploy may
+/// see everything.
+const std::map<std::string, std::set<std::string>> allowed = {
+    {"proto", {"proto"}},
+    {"common", {"common", "proto"}},
+    {"scheduler", {"scheduler", "common", "proto"}},
+    {"worker", {"worker", "common", "proto"}},
+    {"viewer", {"viewer", "common", "proto"}}};
 
 /// "FILE includes FOLDER/..." for every include that the folder of the file may not have.
 std::vector<std::string> forbiddenIncludes(const fs::path& root) {
@@ -35,7 +36,8 @@ std::vector<std::string> forbiddenIncludes(const fs::path& root) {
       std::smatch match;
       for (std::string line; std::getline(in, line);)
         if (std::regex_search(line, match, include) && !may_include.contains(match[1]))
-          found.push_back(fs::relative(entry.path(), root).string() + " includes " + match[1].str());
+          found.push_back(fs::relative(entry.path(), root).string() + " includes " +
+                          match[1].str());
     }
   return found;
 }
@@ -51,8 +53,9 @@ TEST(Architecture, NoProgramLinksOpenMpi) {
     const test::CommandResult libraries = test::runCommand("ldd '" + entry.path().string() + "'");
     EXPECT_EQ(libraries.exit_code, 0) << libraries.output;
     EXPECT_THAT(libraries.output, ::testing::HasSubstr("libc.so")) << entry.path();
-    EXPECT_THAT(libraries.output,
-                ::testing::Not(::testing::ContainsRegex("libmpi|openmpi|open-rte|open-pal|libmpich")))
+    EXPECT_THAT(
+        libraries.output,
+        ::testing::Not(::testing::ContainsRegex("libmpi|openmpi|open-rte|open-pal|libmpich")))
         << entry.path();
     ++programs;
   }

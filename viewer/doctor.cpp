@@ -19,7 +19,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "common/program.hpp"
+#include "common/base/program.hpp"
 
 namespace palpate {
 namespace {
@@ -28,9 +28,9 @@ using Verdict = Finding::Verdict;
 namespace fs = std::filesystem;
 
 constexpr const char* realtime_advice =
-    "put \"@realtime - rtprio 80\" and \"@realtime - memlock unlimited\" into /etc/security/limits.d, join "
-    "the "
-    "group realtime, log in again; without it the loop runs all the same, and is woken late more often";
+    "put \"@realtime - rtprio 80\" and \"@realtime - memlock unlimited\" into "
+    "/etc/security/limits.d, join the group realtime, log in again; "
+    "without it the loop runs all the same, and is woken late more often";
 
 std::string firstLine(const fs::path& file) {
   std::string line;
@@ -57,7 +57,8 @@ int refusalOfFifo() {
 
 Finding realTimePriority() {
   const int refusal = refusalOfFifo();
-  if (refusal == 0) return {Verdict::good, "real-time priority", "SCHED_FIFO is granted (--real-time)"};
+  if (refusal == 0)
+    return {Verdict::good, "real-time priority", "SCHED_FIFO is granted (--real-time)"};
   return {Verdict::note, "real-time priority",
           fmt::format("SCHED_FIFO is refused: {}", std::strerror(refusal)), realtime_advice};
 }
@@ -100,15 +101,18 @@ Finding timer() {
   if (late.empty()) return {Verdict::bad, "timer", "clock_nanosleep does not work"};
   const std::string found = fmt::format(
       "woken {:.0f} us late in the median, {:.0f} us in 99 of 100, {:.0f} us at worst of {} sleeps",
-      1e6 * late[late.size() / 2], 1e6 * late[late.size() * 99 / 100], 1e6 * late.back(), late.size());
+      1e6 * late[late.size() / 2], 1e6 * late[late.size() * 99 / 100], 1e6 * late.back(),
+      late.size());
   constexpr double period = 1e-3;
   if (late.back() < period / 2) return {Verdict::good, "timer", found};
-  return {Verdict::note, "timer", found, "other programs take the processor: end them, or use --real-time"};
+  return {Verdict::note, "timer", found,
+          "other programs take the processor: end them, or use --real-time"};
 }
 
 Finding kernel() {
   utsname name{};
-  if (uname(&name) != 0) return {Verdict::note, "kernel", fmt::format("unknown: {}", std::strerror(errno))};
+  if (uname(&name) != 0)
+    return {Verdict::note, "kernel", fmt::format("unknown: {}", std::strerror(errno))};
   const bool preemptible = firstLine("/sys/kernel/realtime") == "1";
   return {Verdict::good, "kernel",
           fmt::format("{} {}{}", name.sysname, name.release, preemptible ? ", PREEMPT_RT" : "")};
@@ -126,7 +130,8 @@ Finding display() {
   for (const char* variable : {"DISPLAY", "WAYLAND_DISPLAY"})
     if (const char* value = std::getenv(variable); value != nullptr && *value != '\0')
       return {Verdict::good, "display", fmt::format("{}={}", variable, value)};
-  return {Verdict::note, "display", "none", "palpate view --headless runs without, xvfb-run gives it one"};
+  return {Verdict::note, "display", "none",
+          "palpate view --headless runs without, xvfb-run gives it one"};
 }
 
 /// Vendors of haptic devices, by the ids that they are registered with at usb.org.
@@ -151,14 +156,16 @@ void findUsbDevices(std::vector<Finding>& findings) {
     for (const UsbVendor& known : vendors) {
       if (vendor != known.vendor || (!known.product.empty() && product != known.product)) continue;
       const fs::path node = nodeOf(entry.path());
-      const std::string found = fmt::format("{} ({}:{}) at {}", known.name, vendor, product, node.string());
+      const std::string found =
+          fmt::format("{} ({}:{}) at {}", known.name, vendor, product, node.string());
       if (access(node.c_str(), R_OK | W_OK) == 0)
         findings.push_back({Verdict::good, "device", found});
       else
-        findings.push_back({Verdict::bad, "device", found + fmt::format(", {}", std::strerror(errno)),
-                            fmt::format("a udev rule: SUBSYSTEM==\"usb\", ATTR{{idVendor}}==\"{}\", "
-                                        "MODE=\"0660\", GROUP=\"plugdev\"; never run as root for it",
-                                        vendor)});
+        findings.push_back(
+            {Verdict::bad, "device", found + fmt::format(", {}", std::strerror(errno)),
+             fmt::format("a udev rule: SUBSYSTEM==\"usb\", ATTR{{idVendor}}==\"{}\", "
+                         "MODE=\"0660\", GROUP=\"plugdev\"; never run as root for it",
+                         vendor)});
     }
   }
 }
@@ -170,24 +177,27 @@ Finding haplyService() {
   address.sin_family = AF_INET;
   address.sin_port = htons(port);
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  const bool answers =
-      socket >= 0 && connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  const bool answers = socket >= 0 && connect(socket, reinterpret_cast<const sockaddr*>(&address),
+                                              sizeof address) == 0;
   if (socket >= 0) close(socket);
   return {Verdict::good, "Haply service",
           answers
               ? fmt::format("answers on port {} (--device haply)", port)
-              : fmt::format("nothing listens on port {}: start Haply's Inverse service to use one", port)};
+              : fmt::format("nothing listens on port {}: start Haply's Inverse service to use one",
+                            port)};
 }
 
-/// Libraries that plug-ins for devices stand on. Loaded to see whether that works, and dropped again.
+/// Libraries that plug-ins for devices stand on. Loaded to see whether that works, and dropped
+/// again.
 void findLibraries(std::vector<Finding>& findings) {
   constexpr std::array<std::pair<const char*, const char*>, 3> libraries = {
       {{"libHD.so", "OpenHaptics"}, {"libdhd.so", "Force Dimension"}, {"libchai3d.so", "CHAI3D"}}};
   for (const auto& [file, vendor] : libraries) {
     void* const handle = dlopen(file, RTLD_LAZY | RTLD_LOCAL);
     findings.push_back({Verdict::good, vendor,
-                        handle != nullptr ? fmt::format("{} can be loaded", file)
-                                          : fmt::format("no {}; only a plug-in for it needs it", file)});
+                        handle != nullptr
+                            ? fmt::format("{} can be loaded", file)
+                            : fmt::format("no {}; only a plug-in for it needs it", file)});
     if (handle != nullptr) dlclose(handle);
   }
 }

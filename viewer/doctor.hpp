@@ -13,9 +13,10 @@ struct Finding {
   std::string advice = {};  ///< what to do about it; empty when there is nothing to do
 };
 
-/// Whether this machine can run the haptic client: real-time limits, timer, memory locking, processor clock,
-/// display, known haptic devices on USB and who may open them, the Haply service, vendors' libraries. Changes
-/// nothing, opens no device. Takes a second, in which it measures how late the timer wakes a thread.
+/// Whether this machine can run the haptic client: real-time limits, timer, memory locking,
+/// processor clock, display, known haptic devices on USB and who may open them, the Haply service,
+/// vendors' libraries. Changes nothing, opens no device. Takes a second, in which it measures how
+/// late the timer wakes a thread.
 std::vector<Finding> examineMachine();
 
 /// For a person, one or two lines per finding; and one JSON object per line.

@@ -1,15 +1,15 @@
 #include <array>
 
-#include "common/program.hpp"
+#include "common/base/program.hpp"
 #include "viewer/devices/device_command.hpp"
 #include "viewer/doctor_command.hpp"
 #include "viewer/query_command.hpp"
-#include "viewer/report_command.hpp"
+#include "viewer/report/report_command.hpp"
 #include "viewer/view_command.hpp"
 
 int main(int argc, char** argv) {
   using namespace palpate;
   const std::array verbs = {viewVerb(), queryVerb(), reportVerb(), deviceVerb(), doctorVerb()};
-  return runProgram(argc, argv, "Palpate's haptic side: lets a hand feel datasets, answers with forces",
-                    verbs);
+  return runProgram(argc, argv,
+                    "Palpate's haptic side: lets a hand feel datasets, answers with forces", verbs);
 }

@@ -5,9 +5,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "common/dataset.hpp"
-#include "common/displacement_input.hpp"
-#include "viewer/force_field.hpp"
+#include "common/base/displacement_input.hpp"
+#include "common/dataset/dataset.hpp"
+#include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
 namespace {
@@ -18,16 +18,15 @@ auto plain(const Eigen::MatrixBase<Derived>& values) {
   return (values.array() + 0.0).matrix().eval();
 }
 
-nlohmann::ordered_json toJson(const Eigen::Vector3d& v) {
-  return {v[0], v[1], v[2]};
-}
+nlohmann::ordered_json toJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
 std::string describeJson(const Eigen::Vector3d& displacement, const ForceSample& sample,
                          std::string_view method) {
   nlohmann::ordered_json answer;
   answer["displacement"] = toJson(displacement);
   answer["force"] = toJson(sample.force);
-  for (int row = 0; row < 3; ++row) answer["stiffness"].push_back(toJson(sample.stiffness.row(row)));
+  for (int row = 0; row < 3; ++row)
+    answer["stiffness"].push_back(toJson(sample.stiffness.row(row)));
   answer["error_bound"] = nullptr;
   if (std::isfinite(sample.error_bound)) answer["error_bound"] = sample.error_bound;
   answer["coverage"] = sample.coverage;
@@ -43,7 +42,8 @@ std::string describeOutside(const Lattice& lattice, const Eigen::Vector3d& displ
         "|displacement| = {:.6g} m is beyond the workspace radius {:.6g} m.\n"
         "              The values are those at the nearest point of the workspace ball",
         displacement.stableNorm(), lattice.radius());
-  return "none of the lattice points around it was solved.\n              The values are an extrapolation";
+  return "none of the lattice points around it was solved.\n"
+         "              The values are an extrapolation";
 }
 
 /// What is missing around a displacement in the ball, for a person; of the uniform lattice.
@@ -56,7 +56,8 @@ std::string describeGaps(const SpaceTable& space, const Eigen::Vector3d& displac
     for (int axis = 0; axis < 3; ++axis)
       corner[static_cast<std::size_t>(axis)] =
           lattice.divisions() *
-          (static_cast<std::int32_t>(std::floor(displacement[axis] / lattice.spacing())) + (c >> axis & 1));
+          (static_cast<std::int32_t>(std::floor(displacement[axis] / lattice.spacing())) +
+           (c >> axis & 1));
     const auto number = lattice.indexOf(corner);
     beyond += number ? 0 : 1;
     if (!number || isSolved(space.points[*number].tag)) continue;
@@ -64,7 +65,8 @@ std::string describeGaps(const SpaceTable& space, const Eigen::Vector3d& displac
     gaps += fmt::format(", ({}, {}, {}) {}", corner[0], corner[1], corner[2], name(point.tag));
     if (point.tag == Tag::failed) gaps += fmt::format(" ({})", name(point.cause));
   }
-  if (beyond > 0) gaps += fmt::format(", {} of 8 corners beyond the rim of the workspace ball", beyond);
+  if (beyond > 0)
+    gaps += fmt::format(", {} of 8 corners beyond the rim of the workspace ball", beyond);
   return gaps;
 }
 
@@ -72,16 +74,19 @@ std::string describeForPerson(const SpaceTable& space, const Eigen::Vector3d& di
                               const ForceSample& sample, std::string_view method) {
   std::string text = fmt::format("displacement  {:11.6g} {:11.6g} {:11.6g}  m\n", displacement.x(),
                                  displacement.y(), displacement.z());
-  text += fmt::format("force         {:11.6g} {:11.6g} {:11.6g}  N    |force| = {:.6g} N\n", sample.force.x(),
-                      sample.force.y(), sample.force.z(), sample.force.norm());
+  text += fmt::format("force         {:11.6g} {:11.6g} {:11.6g}  N    |force| = {:.6g} N\n",
+                      sample.force.x(), sample.force.y(), sample.force.z(), sample.force.norm());
   for (int i = 0; i < 3; ++i)
-    text += fmt::format("{}{:11.6g} {:11.6g} {:11.6g}  N/m\n", i == 0 ? "stiffness     " : "              ",
-                        sample.stiffness(i, 0), sample.stiffness(i, 1), sample.stiffness(i, 2));
+    text += fmt::format("{}{:11.6g} {:11.6g} {:11.6g}  N/m\n",
+                        i == 0 ? "stiffness     " : "              ", sample.stiffness(i, 0),
+                        sample.stiffness(i, 1), sample.stiffness(i, 2));
   if (std::isfinite(sample.error_bound))
-    text += fmt::format("error bound   {:11.4g}  N, on |force|, estimated to hold at 99 % of places\n",
-                        sample.error_bound);
+    text +=
+        fmt::format("error bound   {:11.4g}  N, on |force|, estimated to hold at 99 % of places\n",
+                    sample.error_bound);
   if (!sample.inside)
-    return text + fmt::format("inside        NO: {}.\n\n", describeOutside(space.lattice, displacement));
+    return text +
+           fmt::format("inside        NO: {}.\n\n", describeOutside(space.lattice, displacement));
   text += fmt::format("inside        yes, method {}", method);
   if (sample.coverage < 1)
     text += fmt::format("; {:.0f} % of it stands on solved lattice points of one branch{}",
@@ -94,8 +99,8 @@ const SpaceTable& spaceToQuery(const Dataset& dataset, const std::string& active
   if (dataset.spaces().size() == 1) return dataset.spaces()[0];
   std::vector<std::string> names;
   for (const SpaceTable& space : dataset.spaces()) names.push_back(space.patch.name);
-  throw badInput("{}: has several active nodes; choose one with --active: {}", dataset.file().string(),
-                 fmt::join(names, ", "));
+  throw badInput("{}: has several active nodes; choose one with --active: {}",
+                 dataset.file().string(), fmt::join(names, ", "));
 }
 
 /// Answers displacements of one space.
@@ -140,12 +145,15 @@ ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& o
 
 Verb queryVerb() {
   return {
-      "query", "Interpolated force and stiffness at displacements of an active node", [](CLI::App& app) {
+      "query", "Interpolated force and stiffness at displacements of an active node",
+      [](CLI::App& app) {
         auto options = std::make_shared<QueryOptions>();
-        app.add_option("DATASET", options->dataset, "Sealed dataset, OUT.h5, as palpate build makes it")
+        app.add_option("DATASET", options->dataset,
+                       "Sealed dataset, OUT.h5, as palpate build makes it")
             ->required()
             ->type_name("FILE");
-        app.add_option("--active", options->active, "Active node; not needed when there is only one")
+        app.add_option("--active", options->active,
+                       "Active node; not needed when there is only one")
             ->type_name("NAME");
         addDisplacementOption(app, options->displacement);
         app.add_option("--method", options->method,
@@ -153,12 +161,16 @@ Verb queryVerb() {
             ->capture_default_str();
         app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
         app.footer(
-            "Prints the force on the tool in N and the stiffness d force / d displacement in N/m.\n"
-            "coverage (--json): share of the answer that stands on solved lattice points of one branch.\n"
-            "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 some displacement lies outside of the workspace "
-            "ball, or\nwhere nothing around was solved (it is answered all the same, and marked), 130 "
-            "interrupted.");
-        return std::function<ExitCode()>([options] { return query(*options, std::cin, std::cout); });
+            "Prints the force on the tool in N and the stiffness d force / d displacement in "
+            "N/m.\n"
+            "coverage (--json): share of the answer that stands on solved lattice points of one "
+            "branch.\n"
+            "Exit codes: 0 done, 1 failed, 2 wrong usage, "
+            "3 some displacement lies outside of the workspace ball, or\n"
+            "where nothing around was solved (it is answered all the same, and marked), "
+            "130 interrupted.");
+        return std::function<ExitCode()>(
+            [options] { return query(*options, std::cin, std::cout); });
       }};
 }
 

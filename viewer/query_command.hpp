@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/program.hpp"
+#include "common/base/program.hpp"
 
 namespace palpate {
 
@@ -18,10 +18,10 @@ struct QueryOptions {
   bool json = false;
 };
 
-/// `palpate query`: answers with the interpolated force at each displacement, one JSON object per line or a
-/// paragraph for a person. ExitCode::partly_failed when some displacement was outside of the covered region
-/// (it is answered all the same, and marked). Error (bad input) for a wrong dataset, name, method or number;
-/// for a line of the input it names the line.
+/// `palpate query`: answers with the interpolated force at each displacement, one JSON object per
+/// line or a paragraph for a person. ExitCode::partly_failed when some displacement was outside of
+/// the covered region (it is answered all the same, and marked). Error (bad input) for a wrong
+/// dataset, name, method or number; for a line of the input it names the line.
 ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& output);
 
 /// The verb `query` of palpate-viewer, on standard input and output.

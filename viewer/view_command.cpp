@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "viewer/devices/device_choice.hpp"
-#include "viewer/force_field.hpp"
+#include "viewer/fields/field_choice.hpp"
 #include "viewer/view_session.hpp"
 
 namespace palpate {
@@ -15,14 +15,17 @@ constexpr double most_ticks_per_second = 10000;
 
 void check(const ViewOptions& options) {
   if (!(options.rate >= 100 && options.rate <= most_ticks_per_second))
-    throw badInput("--rate {}: between 100 and {} ticks per second", options.rate, most_ticks_per_second);
+    throw badInput("--rate {}: between 100 and {} ticks per second", options.rate,
+                   most_ticks_per_second);
   if (!(options.friction >= 0 && options.friction <= 10))
     throw badInput("--friction {}: between 0 and 10", options.friction);
   if (!(options.reach >= 0)) throw badInput("--reach {}: metres, 0 or more", options.reach);
-  if (!(options.duration >= 0)) throw badInput("--duration {}: seconds, 0 or more", options.duration);
+  if (!(options.duration >= 0))
+    throw badInput("--duration {}: seconds, 0 or more", options.duration);
   if (options.fast && options.duration <= 0 && !options.device.starts_with("replay"))
     throw badInput("--fast has no clock that could end it: say how long with --duration");
-  if (options.fast && !(options.device.starts_with("virtual") || options.device.starts_with("replay")))
+  if (options.fast &&
+      !(options.device.starts_with("virtual") || options.device.starts_with("replay")))
     throw badInput("--fast is for the virtual hand and replays: {} has the time of the clock",
                    options.device);
   if (options.headless && options.device == "mouse")
@@ -53,7 +56,9 @@ Verb viewVerb() {
                        "Sealed datasets, OUT.h5; with several the picture switches between them")
             ->required()
             ->type_name("FILE");
-        app.add_option("--device", options->device, deviceHelp())->type_name("WORD")->capture_default_str();
+        app.add_option("--device", options->device, deviceHelp())
+            ->type_name("WORD")
+            ->capture_default_str();
         std::vector<std::string> profiles(deviceWords().begin(), deviceWords().end());
         app.add_option("--profile", options->profile,
                        "Limits of force and stiffness as of this device; default: the device's own")
@@ -63,27 +68,32 @@ Verb viewVerb() {
             ->capture_default_str();
         app.add_option("--contact", *contact, "unilateral or glued; default: what the scene says")
             ->check(CLI::IsMember({"unilateral", "glued"}));
-        app.add_option("--friction", options->friction, "Coulomb's coefficient of unilateral contact")
+        app.add_option("--friction", options->friction,
+                       "Coulomb's coefficient of unilateral contact")
             ->capture_default_str();
-        app.add_option("--reach", options->reach,
-                       "m around active nodes in which the surface can be touched; 0: up to the next nodes")
+        app.add_option(
+               "--reach", options->reach,
+               "m around active nodes in which the surface can be touched; 0: up to the next nodes")
             ->capture_default_str();
         app.add_option("--rate", options->rate, "Ticks per second")->capture_default_str();
         app.add_option("--duration", options->duration, "s after which it ends; 0: never")
             ->capture_default_str();
         app.add_flag("--headless", options->headless, "No picture; needs no display");
-        app.add_flag("--fast", options->fast, "Tick after tick without a clock (virtual hand, replay)");
+        app.add_flag("--fast", options->fast,
+                     "Tick after tick without a clock (virtual hand, replay)");
         app.add_flag("--real-time", options->real_time, "Ask for SCHED_FIFO and locked memory");
         app.add_option("--record", options->record, "Write every tick to FILE")->type_name("FILE");
         app.add_option("--screenshot", options->screenshot, "Write the last picture to FILE, PNG")
             ->type_name("FILE");
         app.add_option("--record-video", options->video, "Write every picture to DIR, numbered PNG")
             ->type_name("DIR");
-        app.add_flag("--json", options->json, "Print the measurements as one JSON object at the end");
+        app.add_flag("--json", options->json,
+                     "Print the measurements as one JSON object at the end");
         app.footer(
-            "Ends with the window, --duration, the end of a replay, or Ctrl-C; then prints what "
-            "the loop measured.\nThe force is limited to the device's at all times "
-            "(docs/client.md). Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.");
+            "Ends with the window, --duration, the end of a replay, or Ctrl-C; "
+            "then prints what the loop measured.\n"
+            "The force is limited to the device's at all times (docs/client.md). Exit codes: "
+            "0 done, 1 failed, 2 wrong usage, 130 interrupted.");
         return std::function<ExitCode()>([options, contact] {
           options->contact = contactNamed(*contact);
           return view(*options, std::cout);

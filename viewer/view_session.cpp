@@ -12,8 +12,8 @@
 #include <ostream>
 #include <thread>
 
-#include "common/dataset.hpp"
-#include "common/replaced_file.hpp"
+#include "common/base/replaced_file.hpp"
+#include "common/dataset/dataset.hpp"
 #include "viewer/devices/device_choice.hpp"
 #include "viewer/devices/mouse_device.hpp"
 #include "viewer/devices/replay_device.hpp"
@@ -28,7 +28,8 @@ constexpr double frames_per_second = 60, video_frames_per_second = 30;
 constexpr auto headless_pause = std::chrono::milliseconds(20);
 constexpr auto look_every = std::chrono::milliseconds(500);  // at files, troubles and statistics
 
-/// Which bytes a path names: another after the file was replaced or rewritten. All zero: there is none.
+/// Which bytes a path names: another after the file was replaced or rewritten. All zero: there is
+/// none.
 struct FileIdentity {
   explicit FileIdentity(const std::filesystem::path& file) {
     struct stat found {};
@@ -66,7 +67,8 @@ struct LoadedModels {
 
 DeviceProfile profileNamed(std::string_view word) {
   const auto all = deviceProfiles();
-  return *std::find_if(all.begin(), all.end(), [&](const DeviceProfile& p) { return p.name == word; });
+  return *std::find_if(all.begin(), all.end(),
+                       [&](const DeviceProfile& p) { return p.name == word; });
 }
 
 /// The limits that a virtual device has.
@@ -89,9 +91,11 @@ DeviceProfile limitsOf(const HapticDevice& device, const ViewOptions& options) {
 double largestStiffness(const HapticModel& model) {
   double largest = 0;
   for (std::size_t space = 0; space < model.spaces().size(); ++space) {
-    const Eigen::Matrix3d stiffness = model.field(0, space).evaluate(Eigen::Vector3d::Zero()).stiffness;
+    const Eigen::Matrix3d stiffness =
+        model.field(0, space).evaluate(Eigen::Vector3d::Zero()).stiffness;
     const Eigen::Matrix3d symmetric = -0.5 * (stiffness + stiffness.transpose());
-    largest = std::max(largest, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(symmetric).eigenvalues()[2]);
+    largest = std::max(largest,
+                       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(symmetric).eigenvalues()[2]);
   }
   return largest;
 }
@@ -105,12 +109,13 @@ struct ViewSession::Parts {
     loaded = std::make_unique<LoadedModels>(options);
     if (!options.headless) openPicture();
     if (!options.video.empty()) video.emplace(options.video);
-    device = openDevice(options.device,
-                        {loaded->models.front().get(), 1 / options.rate, wantedProfile(options, *loaded)});
+    device = openDevice(options.device, {loaded->models.front().get(), 1 / options.rate,
+                                         wantedProfile(options, *loaded)});
     mouse = dynamic_cast<MouseDevice*>(device.get());
     replay = dynamic_cast<ReplayDevice*>(device.get());
     makeTick();
-    if (!options.record.empty()) recorder.emplace(describeRun(loaded->pointers(), *device, tick->options()));
+    if (!options.record.empty())
+      recorder.emplace(describeRun(loaded->pointers(), *device, tick->options()));
     ticks = static_cast<std::uint64_t>(std::llround(options.duration * options.rate));
     if (replay != nullptr && ticks == 0) ticks = replay->recording().size();
   }
@@ -173,24 +178,25 @@ void ViewSession::Parts::announce() const {
   std::int32_t touchable = 0;
   const auto triangles = static_cast<std::int32_t>(model.surface().triangles().size());
   for (std::int32_t t = 0; t < triangles; ++t) touchable += model.surface().touchable(t) ? 1 : 0;
-  spdlog::info("{}: {} active node(s), {} of {} surface triangles can be touched, method {}, contact {}",
-               model.file(), model.spaces().size(), touchable, triangles, options.method,
-               used.contact.mode == ContactMode::glued ? "glued" : "unilateral");
+  spdlog::info(
+      "{}: {} active node(s), {} of {} surface triangles can be touched, method {}, contact {}",
+      model.file(), model.spaces().size(), touchable, triangles, options.method,
+      used.contact.mode == ContactMode::glued ? "glued" : "unilateral");
   spdlog::info("{} at {:g} Hz: at most {:g} N and {:g} N/s, workspace scale {:.3g}", device->name(),
                options.rate, used.guard.max_force, used.guard.max_slew, used.map.scale);
   const double felt = used.map.scale * largestStiffness(model);
   const double rendered = limitsOf(*device, options).max_stiffness;
   if (felt > rendered)
     spdlog::warn(
-        "the tissue at rest is felt with {:.0f} N/m, of which the device renders {:.0f} stably: it may "
-        "buzz; a smaller scale or a device profile of its own helps",
+        "the tissue at rest is felt with {:.0f} N/m, of which the device renders {:.0f} stably: "
+        "it may buzz; a smaller scale or a device profile of its own helps",
         felt, rendered);
 }
 
 /// Ticks and pictures in turn, by the time of the ticks alone: the same pictures on every machine.
 void ViewSession::Parts::runStepped() {
-  const auto ticks_per_frame =
-      std::max<std::uint64_t>(1, static_cast<std::uint64_t>(options.rate / video_frames_per_second));
+  const auto ticks_per_frame = std::max<std::uint64_t>(
+      1, static_cast<std::uint64_t>(options.rate / video_frames_per_second));
   statistics.rate = options.rate;
   for (std::uint64_t done = 0; done < ticks && !over();) {
     const std::uint64_t goal = std::min(ticks, done + ticks_per_frame);
@@ -259,8 +265,9 @@ void ViewSession::Parts::look() {
   if (loop) status.loop = figuresOf(loop->statistics());
   for (std::size_t m = 0; m < loaded->models.size(); ++m)
     if (status.notice.empty() && FileIdentity(options.datasets[m]) != loaded->identities[m]) {
-      status.notice = fmt::format("{} was replaced; what is felt is the old one until it is read again",
-                                  options.datasets[m].string());
+      status.notice =
+          fmt::format("{} was replaced; what is felt is the old one until it is read again",
+                      options.datasets[m].string());
       spdlog::warn("{}", status.notice);
     }
 }
@@ -320,7 +327,8 @@ void ViewSession::Parts::reload() {
   if (ran) startLoop();
 }
 
-/// A recording that cannot be written where it should be is kept somewhere else, if there is any room.
+/// A recording that cannot be written where it should be is kept somewhere else, if there is any
+/// room.
 void ViewSession::Parts::saveRecording() const {
   if (!recorder) return;
   try {
@@ -352,7 +360,8 @@ ViewSession::~ViewSession() = default;
 
 ExitCode ViewSession::run(std::ostream& output) {
   catchInterrupts();
-  std::signal(SIGPIPE, SIG_IGN);  // a reader of our output that goes must not end us with a force on
+  std::signal(SIGPIPE,
+              SIG_IGN);  // a reader of our output that goes must not end us with a force on
   parts_->announce();
   try {
     parts_->stepped() ? parts_->runStepped() : parts_->runLoop();

@@ -14,9 +14,9 @@
 #include <thread>
 #include <vector>
 
-#include "common/lattice.hpp"
-#include "common/material_toml.hpp"
-#include "common/problem.hpp"
+#include "common/problem/problem.hpp"
+#include "common/scene/material_toml.hpp"
+#include "common/space/lattice.hpp"
 
 namespace palpate {
 namespace {
@@ -24,9 +24,9 @@ namespace {
 /// Tetrahedra below this shape (1 regular, 0 flat) spoil the conditioning and invert first.
 constexpr double near_flat_shape = 0.1;
 
-/// Measured: one configuration of a lattice with 20 mm spacing, Mooney-Rivlin with P1-stabilized pressure,
-/// one core at 2.6 GHz, takes 14 ms at 493 nodes and 150 ms at 2228. A power law between the two; beyond them
-/// an extrapolation.
+/// Measured: one configuration of a lattice with 20 mm spacing, Mooney-Rivlin with P1-stabilized
+/// pressure, one core at 2.6 GHz, takes 14 ms at 493 nodes and 150 ms at 2228. A power law between
+/// the two; beyond them an extrapolation.
 double secondsPerConfiguration(std::size_t n_nodes) {
   constexpr double nodes_a = 493, seconds_a = 0.014, nodes_b = 2228, seconds_b = 0.150;
   const double exponent = std::log(seconds_b / seconds_a) / std::log(nodes_b / nodes_a);
@@ -55,7 +55,8 @@ constexpr std::size_t listed_names = 5;
 std::string listOf(const std::vector<std::string>& names) {
   const std::size_t shown = names.size() <= listed_names + 1 ? names.size() : listed_names;
   std::string text = fmt::format(
-      "\"{}\"", fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown), "\", \""));
+      "\"{}\"",
+      fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown), "\", \""));
   if (shown < names.size()) text += fmt::format(" and {} more", names.size() - shown);
   return text;
 }
@@ -92,7 +93,8 @@ struct Report {
     points = n_spaces * lattice.size();
     most_points = static_cast<double>(points);
     if (accuracy.adaptive())
-      most_points += static_cast<double>(n_spaces) * cellsOfBall(lattice) * std::pow(8, accuracy.levels);
+      most_points +=
+          static_cast<double>(n_spaces) * cellsOfBall(lattice) * std::pow(8, accuracy.levels);
     seconds_each = secondsPerConfiguration(n_nodes);
     const Storage& storage = problem.scene.storage;
     const bool all = storage.displacement == StoredNodes::all;
@@ -114,16 +116,17 @@ struct Report {
     if (const std::string warning = infSupWarning(problem.scene.discretization); !warning.empty())
       warnings.push_back(warning);
     if (near_flat > 0)
-      warnings.push_back(fmt::format(
-          "{} of {} tetrahedra are nearly flat (shape < {}, the worst is element {} with {:.3g}): they "
-          "invert first; re-mesh or optimise (gmsh -optimize_netgen)",
-          near_flat, problem.mesh.tetrahedra.size(), near_flat_shape, quality.worst_element,
-          quality.worst_shape));
+      warnings.push_back(
+          fmt::format("{} of {} tetrahedra are nearly flat (shape < {}, "
+                      "the worst is element {} with {:.3g}): they invert first; "
+                      "re-mesh or optimise (gmsh -optimize_netgen)",
+                      near_flat, problem.mesh.tetrahedra.size(), near_flat_shape,
+                      quality.worst_element, quality.worst_shape));
     if (workspace.radius > (quality.highest - quality.lowest).norm())
-      warnings.push_back(fmt::format(
-          "workspace.radius = {:.4g} m is more than the body's diagonal of {:.4g} m: few of those "
-          "configurations will be reached",
-          workspace.radius, (quality.highest - quality.lowest).norm()));
+      warnings.push_back(
+          fmt::format("workspace.radius = {:.4g} m is more than the body's diagonal of {:.4g} m: "
+                      "few of those configurations will be reached",
+                      workspace.radius, (quality.highest - quality.lowest).norm()));
     findSingleNodeWarnings();
     findTwinWarning();
   }
@@ -138,13 +141,14 @@ struct Report {
     }
     if (!single.empty())
       warnings.push_back(
-          fmt::format("active {}: a single node (radius = 0), whose force has no limit as the mesh gets "
-                      "finer, so it depends on the mesh; give the radius of the contact",
+          fmt::format("active {}: a single node (radius = 0), "
+                      "whose force has no limit as the mesh gets finer, so it depends on the mesh; "
+                      "give the radius of the contact",
                       listOf(single)));
     if (!lonely.empty())
       warnings.push_back(fmt::format(
-          "active {}: no other node lies within the radius (edges are {:.4g} m on average), so it "
-          "is a single node and its force depends on the mesh",
+          "active {}: no other node lies within the radius (edges are {:.4g} m on average), "
+          "so it is a single node and its force depends on the mesh",
           listOf(lonely), quality.mean_edge));
   }
 
@@ -155,7 +159,8 @@ struct Report {
       const auto [first, is_new] = name_of.emplace(space.patch->node, space.patch->name);
       if (!is_new) twins.push_back(fmt::format("{}\" and \"{}", first->second, space.patch->name));
     }
-    if (!twins.empty()) warnings.push_back(fmt::format("active {}: are the same node", listOf(twins)));
+    if (!twins.empty())
+      warnings.push_back(fmt::format("active {}: are the same node", listOf(twins)));
   }
 
   const Problem& problem;
@@ -190,20 +195,21 @@ void printMesh(const Report& report) {
   const MeshQuality& quality = report.quality;
   const std::string middles =
       mesh.edges.empty() ? "" : fmt::format(" and {} mid-edge nodes", mesh.edges.size());
-  fmt::print("mesh       {}: {} nodes{}, {} tetrahedra, {} surface triangles with {} nodes, {} piece(s)\n",
-             report.problem.scene.mesh.filename().string(), mesh.vertices(), middles, mesh.tetrahedra.size(),
-             mesh.surface.size(), surfaceNodes(mesh).size(), quality.pieces);
-  fmt::print("           from {} to {} m, {:.4g} litres\n", text(quality.lowest), text(quality.highest),
-             1000 * quality.volume);
   fmt::print(
-      "           edges {:.4g} to {:.4g} m, mean {:.4g}; shape (1 regular, 0 flat) mean {:.3g}, worst {:.3g} "
-      "in element {}\n",
-      quality.shortest_edge, quality.longest_edge, quality.mean_edge, quality.mean_shape, quality.worst_shape,
-      quality.worst_element);
+      "mesh       {}: {} nodes{}, {} tetrahedra, {} surface triangles with {} nodes, {} piece(s)\n",
+      report.problem.scene.mesh.filename().string(), mesh.vertices(), middles,
+      mesh.tetrahedra.size(), mesh.surface.size(), surfaceNodes(mesh).size(), quality.pieces);
+  fmt::print("           from {} to {} m, {:.4g} litres\n", text(quality.lowest),
+             text(quality.highest), 1000 * quality.volume);
+  fmt::print(
+      "           edges {:.4g} to {:.4g} m, mean {:.4g}; shape (1 regular, 0 flat) mean {:.3g}, "
+      "worst {:.3g} in element {}\n",
+      quality.shortest_edge, quality.longest_edge, quality.mean_edge, quality.mean_shape,
+      quality.worst_shape, quality.worst_element);
   if (mesh.dropped_nodes > 0)
     fmt::print(
-        "           note: {} node(s) that are no corner of a tetrahedron were dropped, later ones count "
-        "down\n",
+        "           note: {} node(s) that are no corner of a tetrahedron were dropped, "
+        "later ones count down\n",
         mesh.dropped_nodes);
   if (mesh.reoriented_tetrahedra > 0)
     fmt::print("           note: the file counts its tetrahedra left-handed; all were turned\n");
@@ -217,7 +223,8 @@ void printMesh(const Report& report) {
 void printConversion(const Scene& scene) {
   if (scene.metres_per_unit == 1) return;
   fmt::print(
-      "unit       1 in the files = {} m; in metres: workspace.radius = {:.6g}, workspace.spacing = {:.6g}\n",
+      "unit       1 in the files = {} m; in metres: workspace.radius = {:.6g}, "
+      "workspace.spacing = {:.6g}\n",
       scene.metres_per_unit, scene.workspace.radius, scene.workspace.spacing);
   for (const ActiveSelection& active :
        std::span(scene.active).first(std::min(scene.active.size(), listed_names))) {
@@ -233,8 +240,9 @@ void printBody(const Report& report) {
     if (scene.regions.size() == 1 && group.empty())
       fmt::print("material   {}\n", inWords(material));
     else
-      fmt::print("material   {} ({} tetrahedra): {}\n", group.empty() ? "rest" : fmt::format("\"{}\"", group),
-                 report.tetrahedra_in[r], inWords(material));
+      fmt::print("material   {} ({} tetrahedra): {}\n",
+                 group.empty() ? "rest" : fmt::format("\"{}\"", group), report.tetrahedra_in[r],
+                 inWords(material));
   }
   const Discretization& d = scene.discretization;
   fmt::print("solved as  displacement {}, pressure {}", word(d.displacement), word(d.pressure));
@@ -247,8 +255,9 @@ void printActives(const Report& report) {
   const std::size_t n_spaces = report.spaces.size();
   const std::size_t shown = n_spaces <= 2 * listed_names ? n_spaces : listed_names;
   for (const Space& space : std::span(report.spaces).first(shown))
-    fmt::print("active     \"{}\": node {} at {} m, {} patch of {} node(s), {} unknowns\n", space.patch->name,
-               space.patch->node, text(report.problem.mesh.nodes[space.patch->node]), toolOf(space),
+    fmt::print("active     \"{}\": node {} at {} m, {} patch of {} node(s), {} unknowns\n",
+               space.patch->name, space.patch->node,
+               text(report.problem.mesh.nodes[space.patch->node]), toolOf(space),
                space.patch->nodes.size(), space.unknowns);
   if (shown < n_spaces)
     fmt::print("           and {} more, \"{}\" the last: {} active nodes\n", n_spaces - shown,
@@ -261,7 +270,8 @@ void printDevice(const Scene& scene) {
   fmt::print("device     {}: reaches {:.4g} m, {:.4g} N, {:.4g} N/m\n", profile.name,
              profile.workspace_radius, profile.max_force, profile.max_stiffness);
   if (const auto radius = scene.device->wanted_radius)
-    fmt::print("           workspace.radius cut from {:.4g} to {:.4g} m\n", *radius, scene.workspace.radius);
+    fmt::print("           workspace.radius cut from {:.4g} to {:.4g} m\n", *radius,
+               scene.workspace.radius);
   if (const auto force = scene.device->wanted_max_force)
     fmt::print("           workspace.max_force cut from {:.4g} to {:.4g} N\n", *force,
                scene.workspace.max_force);
@@ -284,11 +294,11 @@ void printCost(const Report& report) {
   }
   const double most_seconds = report.most().seconds, most_megabytes = report.most().bytes / 1e6;
   fmt::print(
-      "cost       an estimate, since cells are split where the forces turn out to need it: between {} (no "
-      "cell is split) and {} (all are, to the last level) on one core, {} and {} on the {} of this machine; "
-      "dataset {:.3g} to {:.3g} MB\n",
-      duration(seconds), duration(most_seconds), duration(seconds / cores), duration(most_seconds / cores),
-      cores, megabytes, most_megabytes);
+      "cost       an estimate, since cells are split where the forces turn out to need it: "
+      "between {} (no cell is split) and {} (all are, to the last level) on one core, "
+      "{} and {} on the {} of this machine; dataset {:.3g} to {:.3g} MB\n",
+      duration(seconds), duration(most_seconds), duration(seconds / cores),
+      duration(most_seconds / cores), cores, megabytes, most_megabytes);
 }
 
 void printText(const Report& report) {
@@ -301,44 +311,45 @@ void printText(const Report& report) {
   printActives(report);
   printDevice(scene);
   fmt::print(
-      "lattice    radius {:.4g} m, spacing {:.4g} m: {} points in each of {} space(s), {}{} configurations\n",
-      report.lattice.radius(), report.lattice.spacing(), report.lattice.size(), report.spaces.size(),
-      scene.accuracy.adaptive() ? "at least " : "", report.least().configurations);
+      "lattice    radius {:.4g} m, spacing {:.4g} m: {} points in each of {} space(s), "
+      "{}{} configurations\n",
+      report.lattice.radius(), report.lattice.spacing(), report.lattice.size(),
+      report.spaces.size(), scene.accuracy.adaptive() ? "at least " : "",
+      report.least().configurations);
   printAccuracy(scene.accuracy);
   printCost(report);
   for (const std::string& warning : report.warnings) fmt::print("warning    {}\n", warning);
 }
 
-nlohmann::ordered_json vectorJson(const Eigen::Vector3d& v) {
-  return {v[0], v[1], v[2]};
-}
+nlohmann::ordered_json vectorJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
 nlohmann::ordered_json meshJson(const Report& report) {
   const Mesh& mesh = report.problem.mesh;
   const MeshQuality& quality = report.quality;
   nlohmann::ordered_json groups = nlohmann::ordered_json::object();
   for (const auto& [name, nodes] : mesh.node_groups) groups[name] = nodes.size();
-  return {
-      {"file", report.problem.scene.mesh.string()},
-      {"nodes", mesh.vertices()},
-      {"mid_edge_nodes", mesh.edges.size()},
-      {"tetrahedra", mesh.tetrahedra.size()},
-      {"surface_triangles", mesh.surface.size()},
-      {"surface_nodes", surfaceNodes(mesh).size()},
-      {"pieces", quality.pieces},
-      {"groups", groups},
-      {"dropped_nodes", mesh.dropped_nodes},
-      {"reoriented_tetrahedra", mesh.reoriented_tetrahedra},
-      {"lowest", vectorJson(quality.lowest)},
-      {"highest", vectorJson(quality.highest)},
-      {"volume", quality.volume},
-      {"edge",
-       {{"shortest", quality.shortest_edge}, {"mean", quality.mean_edge}, {"longest", quality.longest_edge}}},
-      {"shape",
-       {{"worst", quality.worst_shape},
-        {"mean", quality.mean_shape},
-        {"worst_element", quality.worst_element}}},
-      {"nearly_flat", report.near_flat}};
+  return {{"file", report.problem.scene.mesh.string()},
+          {"nodes", mesh.vertices()},
+          {"mid_edge_nodes", mesh.edges.size()},
+          {"tetrahedra", mesh.tetrahedra.size()},
+          {"surface_triangles", mesh.surface.size()},
+          {"surface_nodes", surfaceNodes(mesh).size()},
+          {"pieces", quality.pieces},
+          {"groups", groups},
+          {"dropped_nodes", mesh.dropped_nodes},
+          {"reoriented_tetrahedra", mesh.reoriented_tetrahedra},
+          {"lowest", vectorJson(quality.lowest)},
+          {"highest", vectorJson(quality.highest)},
+          {"volume", quality.volume},
+          {"edge",
+           {{"shortest", quality.shortest_edge},
+            {"mean", quality.mean_edge},
+            {"longest", quality.longest_edge}}},
+          {"shape",
+           {{"worst", quality.worst_shape},
+            {"mean", quality.mean_shape},
+            {"worst_element", quality.worst_element}}},
+          {"nearly_flat", report.near_flat}};
 }
 
 nlohmann::ordered_json deviceJson(const Scene& scene) {
@@ -423,7 +434,7 @@ std::function<ExitCode()> prepare(CLI::App& app) {
 
 }  // namespace
 
-const Verb check_verb = {"check", "Validate a scene; print sizes, mesh quality and cost; compute nothing",
-                         prepare};
+const Verb check_verb = {
+    "check", "Validate a scene; print sizes, mesh quality and cost; compute nothing", prepare};
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 #include <array>
 
-#include "common/program.hpp"
+#include "common/base/program.hpp"
 #include "worker/check_command.hpp"
 #include "worker/solve_command.hpp"
 #include "worker/verify_command.hpp"

@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "common/displacement_input.hpp"
-#include "common/lattice.hpp"
-#include "common/problem.hpp"
-#include "worker/path.hpp"
+#include "common/base/displacement_input.hpp"
+#include "common/problem/problem.hpp"
+#include "common/space/lattice.hpp"
+#include "worker/solver/path.hpp"
 
 namespace palpate {
 namespace {
@@ -35,7 +35,8 @@ std::size_t spaceNamed(const Problem& problem, const std::string& name) {
     names += (names.empty() ? "" : ", ") + problem.active[space].name;
   }
   if (name.empty() && problem.active.size() == 1) return 0;
-  if (name.empty()) throw badInput("the scene has several active nodes; choose one with --active: {}", names);
+  if (name.empty())
+    throw badInput("the scene has several active nodes; choose one with --active: {}", names);
   throw badInput("--active {}: there is no active node of that name; there are: {}", name, names);
 }
 
@@ -46,8 +47,9 @@ void refuseMistakenUnit(const Problem& problem, const Eigen::Vector3d& displacem
   const double diagonal = body.diagonal().norm();
   if (displacement.stableNorm() > 3 * diagonal)
     throw badInput(
-        "displacement ({:g}, {:g}, {:g}) m is more than 3 times the diagonal of the body's bounding box "
-        "({:.4g} m); displacements are in metres",
+        "displacement ({:g}, {:g}, {:g}) "
+        "m is more than 3 times the diagonal of the body's bounding box ({:.4g} m); "
+        "displacements are in metres",
         displacement[0], displacement[1], displacement[2], diagonal);
 }
 
@@ -58,16 +60,14 @@ Outcome solveAt(TransitionSolver& solver, const Problem& problem, std::optional<
   const auto rest = solver.startAtRest(outcome.failure);
   if (!rest) return outcome;
   const double spacings = target.norm() / problem.scene.workspace.spacing;
-  outcome =
-      walk(solver, *rest, target, steps.value_or(std::max(1, static_cast<int>(std::ceil(spacings - 1e-9)))))
-          .outcome;
+  outcome = walk(solver, *rest, target,
+                 steps.value_or(std::max(1, static_cast<int>(std::ceil(spacings - 1e-9)))))
+                .outcome;
   ++outcome.cost.factorizations;  // of the rest state
   return outcome;
 }
 
-nlohmann::ordered_json toJson(const Eigen::Vector3d& v) {
-  return {v[0], v[1], v[2]};
-}
+nlohmann::ordered_json toJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
 void printJson(const Eigen::Vector3d& displacement, const Outcome& outcome) {
   const Equilibrium& e = outcome.equilibrium;
@@ -98,8 +98,8 @@ void printText(const Eigen::Vector3d& displacement, const Outcome& outcome) {
     fmt::print("failed        {}\n", describe(outcome.failure));
   } else {
     const Equilibrium& e = outcome.equilibrium;
-    fmt::print("force on tool {:.6g} {:.6g} {:.6g} N   ({:.6g} N)\n", e.force[0], e.force[1], e.force[2],
-               e.force.norm());
+    fmt::print("force on tool {:.6g} {:.6g} {:.6g} N   ({:.6g} N)\n", e.force[0], e.force[1],
+               e.force[2], e.force.norm());
     for (int row = 0; row < 3; ++row)
       fmt::print("{}{:12.5g} {:12.5g} {:12.5g}\n", row == 0 ? "stiffness N/m" : "             ",
                  e.stiffness(row, 0), e.stiffness(row, 1), e.stiffness(row, 2));
@@ -135,20 +135,22 @@ std::function<ExitCode()> prepare(CLI::App& app) {
   app.add_option("--active", options->active, "Active node; not needed when there is only one")
       ->type_name("NAME");
   addDisplacementOption(app, options->displacement);
-  app.add_option("--steps", options->steps, "Equal transitions from rest; default: one per lattice spacing")
+  app.add_option("--steps", options->steps,
+                 "Equal transitions from rest; default: one per lattice spacing")
       ->check(CLI::Range(1, 100000));
   app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
   app.footer(
-      "Prints the force on the tool in N, the stiffness d force / d displacement in N/m and the energy in "
-      "J.\n"
-      "Exit codes: 0 done, 1 failed, 2 wrong usage or scene, 3 some displacement was not reached (the "
-      "answer\n"
+      "Prints the force on the tool in N, "
+      "the stiffness d force / d displacement in N/m and the energy in J.\n"
+      "Exit codes: 0 done, 1 failed, 2 wrong usage or scene, "
+      "3 some displacement was not reached (the answer\n"
       "says why), 130 interrupted.");
   return [options] { return solve(*options); };
 }
 
 }  // namespace
 
-const Verb solve_verb = {"solve", "Exact solutions at given displacements, without a scheduler", prepare};
+const Verb solve_verb = {"solve", "Exact solutions at given displacements, without a scheduler",
+                         prepare};
 
 }  // namespace palpate

@@ -31,14 +31,17 @@ std::vector<Case> chosenCases(const VerifyOptions& options) {
     return std::string_view(problem.name).find(name) != std::string_view::npos;
   };
   for (const std::string& name : options.names)
-    if (std::none_of(known.begin(), known.end(), [&](const Case& problem) { return matches(problem, name); }))
+    if (std::none_of(known.begin(), known.end(),
+                     [&](const Case& problem) { return matches(problem, name); }))
       throw badInput(
-          "there is no verification problem with \"{}\" in its name; palpate verify names them all", name);
+          "there is no verification problem with \"{}\" in its name; palpate verify names them all",
+          name);
   std::vector<Case> chosen;
   for (const Case& problem : known) {
     const bool wanted =
-        options.names.empty() || std::any_of(options.names.begin(), options.names.end(),
-                                             [&](const std::string& name) { return matches(problem, name); });
+        options.names.empty() ||
+        std::any_of(options.names.begin(), options.names.end(),
+                    [&](const std::string& name) { return matches(problem, name); });
     if (wanted && (options.all || !problem.takes_long)) chosen.push_back(problem);
   }
   return chosen;
@@ -53,8 +56,9 @@ class TableOutput {
   void print(const Case& problem, const std::vector<Row>& rows, double seconds) {
     fmt::print("{} ({:.1f} s)\n", problem.name, seconds);
     for (const Row& row : rows) {
-      fmt::print("  {:<64} {:>14.8g} {:>14.8g} {:<4} {:>9.1e} {:>9.1e}  {}\n", row.name, row.computed,
-                 row.reference, row.unit, row.deviation(), row.tolerance, row.ok() ? "ok" : "NOT OK");
+      fmt::print("  {:<64} {:>14.8g} {:>14.8g} {:<4} {:>9.1e} {:>9.1e}  {}\n", row.name,
+                 row.computed, row.reference, row.unit, row.deviation(), row.tolerance,
+                 row.ok() ? "ok" : "NOT OK");
       ++(row.ok() ? good_ : bad_);
     }
     std::fflush(stdout);
@@ -90,12 +94,14 @@ ExitCode verify(const VerifyOptions& options) {
   for (const Case& problem : chosen) {
     const auto start = std::chrono::steady_clock::now();
     const std::vector<Row> rows = verification::rowsOf(problem);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (options.json)
       printJson(problem, rows, seconds);
     else
       table.print(problem, rows, seconds);
-    all_ok = all_ok && std::all_of(rows.begin(), rows.end(), [](const Row& row) { return row.ok(); });
+    all_ok =
+        all_ok && std::all_of(rows.begin(), rows.end(), [](const Row& row) { return row.ok(); });
   }
   if (!options.json) table.end();
   return all_ok ? ExitCode::done : ExitCode::failed;
@@ -103,7 +109,8 @@ ExitCode verify(const VerifyOptions& options) {
 
 std::function<ExitCode()> prepare(CLI::App& app) {
   auto options = std::make_shared<VerifyOptions>();
-  app.add_option("NAME", options->names, "Only the problems with this in their name")->type_name("NAME");
+  app.add_option("NAME", options->names, "Only the problems with this in their name")
+      ->type_name("NAME");
   app.add_flag("--all", options->all, "Also the problems that take longer than seconds");
   app.add_flag("--json", options->json, "One JSON object per row");
   return [options] { return verify(*options); };
@@ -112,6 +119,7 @@ std::function<ExitCode()> prepare(CLI::App& app) {
 }  // namespace
 
 const Verb verify_verb = {
-    "verify", "Solve problems whose solution is known; print computed, reference and deviation", prepare};
+    "verify", "Solve problems whose solution is known; print computed, reference and deviation",
+    prepare};
 
 }  // namespace palpate

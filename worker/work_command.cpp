@@ -15,8 +15,8 @@
 #include <thread>
 #include <vector>
 
-#include "worker/job_loop.hpp"
-#include "worker/scheduler_link.hpp"
+#include "worker/link/job_loop.hpp"
+#include "worker/link/scheduler_link.hpp"
 
 namespace palpate {
 namespace {
@@ -35,7 +35,8 @@ ExitCode runOneWorker(const WorkOptions& options) {
   Mailbox mailbox;
   LinkOptions link_options;
   link_options.endpoint = options.endpoint;
-  link_options.give_up = std::chrono::milliseconds(static_cast<std::int64_t>(1000 * options.give_up_s));
+  link_options.give_up =
+      std::chrono::milliseconds(static_cast<std::int64_t>(1000 * options.give_up_s));
   link_options.drain = std::chrono::milliseconds(static_cast<std::int64_t>(1000 * options.drain_s));
   SchedulerLink link(context, mailbox, kernels, link_options);
 
@@ -69,20 +70,21 @@ ExitCode runOneWorker(const WorkOptions& options) {
 
 /// Starts `palpate-worker work ... -j 1`, which dies with this process.
 pid_t startChild(const WorkOptions& options) {
-  const std::string give_up = std::to_string(options.give_up_s), drain = std::to_string(options.drain_s);
+  const std::string give_up = std::to_string(options.give_up_s),
+                    drain = std::to_string(options.drain_s);
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child < 0) throw failure("fork: {}", std::strerror(errno));
   if (child > 0) return child;
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(1);
-  execl("/proc/self/exe", "palpate-worker", "work", "--connect", options.endpoint.c_str(), "-j", "1",
-        "--give-up", give_up.c_str(), "--drain", drain.c_str(), static_cast<char*>(nullptr));
+  execl("/proc/self/exe", "palpate-worker", "work", "--connect", options.endpoint.c_str(), "-j",
+        "1", "--give-up", give_up.c_str(), "--drain", drain.c_str(), static_cast<char*>(nullptr));
   _exit(127);
 }
 
-/// Keeps N workers running. One that dies by a signal is replaced, unless it lived so short that replacing it
-/// is pointless.
+/// Keeps N workers running. One that dies by a signal is replaced, unless it lived so short that
+/// replacing it is pointless.
 ExitCode superviseWorkers(const WorkOptions& options) {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::seconds short_life{10};
@@ -117,7 +119,8 @@ ExitCode superviseWorkers(const WorkOptions& options) {
         *child = {startChild(options), Clock::now()};
         break;
       }
-      if (killed) spdlog::error("worker {} died of signal {} right after its start", pid, WTERMSIG(status));
+      if (killed)
+        spdlog::error("worker {} died of signal {} right after its start", pid, WTERMSIG(status));
       if (killed || (WIFEXITED(status) && WEXITSTATUS(status) == 1)) result = ExitCode::failed;
       children.erase(child);
       break;
@@ -128,7 +131,8 @@ ExitCode superviseWorkers(const WorkOptions& options) {
 
 std::function<ExitCode()> prepare(CLI::App& app) {
   auto options = std::make_shared<WorkOptions>();
-  app.add_option("--connect", options->endpoint, "The scheduler, tcp://HOST:PORT")->capture_default_str();
+  app.add_option("--connect", options->endpoint, "The scheduler, tcp://HOST:PORT")
+      ->capture_default_str();
   app.add_option("-j,--workers", options->workers, "Worker processes; each uses one core")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
@@ -141,7 +145,8 @@ std::function<ExitCode()> prepare(CLI::App& app) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.footer(
-      "Workers keep nothing: start and stop them at any time, on any machine that reaches the scheduler.");
+      "Workers keep nothing: start and stop them at any time, "
+      "on any machine that reaches the scheduler.");
   return [options] {
     checkEndpoint(options->endpoint);
     return options->workers == 1 ? runOneWorker(*options) : superviseWorkers(*options);

@@ -1,6 +1,6 @@
-// How long sealing and opening a dataset take: one of hundreds of small spaces, as a whole surface makes, and
-// one of ten large ones with all nodes of the body. The configurations are made up. Prints one JSON object.
-// Nothing here is checked: times belong to the machine.
+// How long sealing and opening a dataset take: one of hundreds of small spaces, as a whole surface
+// makes, and one of ten large ones with all nodes of the body. The configurations are made up.
+// Prints one JSON object. Nothing here is checked: times belong to the machine.
 //
 //   palpate_dataset_bench
 
@@ -9,8 +9,8 @@
 #include <chrono>
 #include <cmath>
 
-#include "common/dataset.hpp"
-#include "common/node_set.hpp"
+#include "common/dataset/dataset.hpp"
+#include "common/mesh/node_set.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/problems.hpp"
 #include "tests/support/sample_dataset.hpp"
@@ -65,7 +65,8 @@ std::string measured(const char* name, const Problem& problem) {
   for (std::size_t s = 0; s < problem.active.size(); ++s) {
     spaces.push_back(test::solvedSpace(lattice, test::StiffeningEnergy()));
     spaces[s].patch = problem.active[s];
-    for (std::int32_t n = 0; n < lattice.size(); ++n) spaces[s].points[n].fields = fields(s, n).id();
+    for (std::int32_t n = 0; n < lattice.size(); ++n)
+      spaces[s].points[n].fields = fields(s, n).id();
   }
   Clock::time_point start = Clock::now();
   sealDataset(file, problem, spaces, "portable", fields);
@@ -76,12 +77,10 @@ std::string measured(const char* name, const Problem& problem) {
   start = Clock::now();
   const std::size_t n_values = dataset.surfaceDisplacements(0).size();
   return fmt::format(
-      "\"{}\":{{\"spaces\":{},\"points_each\":{},\"stored_nodes\":{},\"megabytes\":{:.1f},\"seal_seconds\":{:"
-      ".2f},"
-      "\"open_seconds\":{:.4f},\"surface_of_one_space_seconds\":{:.4f},\"surface_values\":{}}}",
+      "\"{}\":{{\"spaces\":{},\"points_each\":{},\"stored_nodes\":{},\"megabytes\":{:.1f},\"seal_seconds\":{:.2f},\"open_seconds\":{:.4f},\"surface_of_one_space_seconds\":{:.4f},\"surface_values\":{}}}",
       name, spaces.size(), lattice.size(), dataset.storedNodes().size(),
-      static_cast<double>(std::filesystem::file_size(file)) / 1e6, sealing, opening, secondsSince(start),
-      n_values);
+      static_cast<double>(std::filesystem::file_size(file)) / 1e6, sealing, opening,
+      secondsSince(start), n_values);
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
-// How long one query of a force field, or of all displacements of 2228 nodes, takes. Prints one JSON object.
-// Nothing here is checked: times belong to the machine. Per method and number of configurations (a ball of
-// 100 mm):
+// How long one query of a force field, or of all displacements of 2228 nodes, takes. Prints one
+// JSON object. Nothing here is checked: times belong to the machine. Per method and number of
+// configurations (a ball of 100 mm):
 //
 //   path_ns       a hand's path, 1 kHz samples of a smooth curve through many cells
 //   scattered_ns  random displacements, as little locality as there is in one space
-//   cold_ns       random displacements, each after the caches were emptied: the first touch of a space
-//   prepare_ms    the constructor
+//   cold_ns       random displacements, each after the caches were emptied: the first touch of a
+//   space prepare_ms    the constructor
 //
 //   force_field_bench [SECONDS_PER_NUMBER]
 
@@ -19,14 +19,15 @@
 #include <random>
 
 #include "tests/support/sample_dataset.hpp"
-#include "viewer/displacement_field.hpp"
-#include "viewer/force_field.hpp"
+#include "viewer/fields/displacement_field.hpp"
+#include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Query = std::function<double(const Eigen::Vector3d&)>;  // what it returns only keeps the work alive
+using Query =
+    std::function<double(const Eigen::Vector3d&)>;  // what it returns only keeps the work alive
 
 constexpr double radius = 0.1;
 // Global radial functions take memory with the square and time with the cube of the points.
@@ -46,8 +47,8 @@ std::vector<Eigen::Vector3d> path(int count) {
   std::vector<Eigen::Vector3d> points;
   for (int n = 0; n < count; ++n) {
     const double t = 1e-3 * n;
-    points.push_back(0.048 *
-                     Eigen::Vector3d(std::sin(2.1 * t), std::sin(3.3 * t + 1), std::sin(1.3 * t + 2)));
+    points.push_back(
+        0.048 * Eigen::Vector3d(std::sin(2.1 * t), std::sin(3.3 * t + 1), std::sin(1.3 * t + 2)));
   }
   return points;
 }
@@ -99,12 +100,11 @@ std::string methodResult(const std::string& method, const SpaceTable& space, dou
   const Clock::time_point start = Clock::now();
   const auto field = makeForceField(method, space);
   const double prepared = nanoseconds(Clock::now() - start);
-  // The virtual call is what a client pays too; the std::function around it costs about a nanosecond more.
+  // The virtual call is what a client pays too; the std::function around it costs about a
+  // nanosecond more.
   const Query query = [&](const Eigen::Vector3d& p) { return field->evaluate(p).force.x(); };
   return fmt::format(
-      "{{\"method\":\"{}\",\"configurations\":{},\"path_ns\":{:.1f},\"scattered_ns\":{:.1f},\"cold_ns\":{:."
-      "0f},"
-      "\"prepare_ms\":{:.1f}}}",
+      "{{\"method\":\"{}\",\"configurations\":{},\"path_ns\":{:.1f},\"scattered_ns\":{:.1f},\"cold_ns\":{:.0f},\"prepare_ms\":{:.1f}}}",
       method, space.lattice.size(), hotTime(query, path(10000), seconds),
       hotTime(query, scattered(10000), seconds), coldTime(query), 1e-6 * prepared);
 }
@@ -120,7 +120,8 @@ std::string shapeResult(const SpaceTable& space, bool tangents, double seconds) 
     return static_cast<double>(shape[0]);
   };
   return fmt::format(
-      "{{\"nodes\":{},\"tangents\":{},\"configurations\":{},\"path_us\":{:.2f},\"scattered_us\":{:.2f},"
+      "{{\"nodes\":{},\"tangents\":{},\"configurations\":{},\"path_us\":{:.2f},\"scattered_us\":{:."
+      "2f},"
       "\"cold_us\":{:.2f}}}",
       nodes, tangents, space.lattice.size(), 1e-3 * hotTime(query, path(1000), seconds),
       1e-3 * hotTime(query, scattered(1000), seconds), 1e-3 * coldTime(query));
@@ -137,7 +138,8 @@ int runBenchmark(double seconds) {
   const SpaceTable space = test::solvedSpace(Lattice(radius, radius / 5), test::StiffeningEnergy());
   for (const bool tangents : {false, true}) shapes.push_back(shapeResult(space, tangents, seconds));
   fmt::print(
-      "{{\"benchmark\":\"force_field\",\"forces\":[\n{}],\n\"displacements\":[\n{}],\n\"checksum\":{}}}\n",
+      "{{\"benchmark\":\"force_field\",\"forces\":[\n{}],\n\"displacements\":[\n{}],\n\"checksum\":"
+      "{}}}\n",
       fmt::join(forces, ",\n"), fmt::join(shapes, ",\n"), checksum);
   return 0;
 }

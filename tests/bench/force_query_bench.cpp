@@ -1,8 +1,9 @@
-// How long the force fields of a sealed dataset take for given displacements, one query at a time in this
-// process, and what they answer. Prints one JSON object. scipy_bench times SciPy with the same points and
-// displacements. Nothing here is checked: times belong to the machine.
+// How long the force fields of a sealed dataset take for given displacements, one query at a time
+// in this process, and what they answer. Prints one JSON object. scipy_bench times SciPy with the
+// same points and displacements. Nothing here is checked: times belong to the machine.
 //
-//   palpate_force_query_bench DATASET ACTIVE METHOD... < DISPLACEMENTS    (a line "x y z" each, metres)
+//   palpate_force_query_bench DATASET ACTIVE METHOD... < DISPLACEMENTS    (a line "x y z" each,
+//   metres)
 
 #include <algorithm>
 #include <cmath>
@@ -10,18 +11,16 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "common/dataset.hpp"
-#include "common/error.hpp"
-#include "viewer/force_field.hpp"
+#include "common/base/error.hpp"
+#include "common/dataset/dataset.hpp"
+#include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json toJson(const Eigen::Vector3d& v) {
-  return {v[0], v[1], v[2]};
-}
+Json toJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
 /// Of this thread, so that what else runs on the machine disturbs little.
 double cpuSeconds() {
@@ -39,7 +38,8 @@ double medianTime(const ForceField& field, const std::vector<Eigen::Vector3d>& d
     for (const Eigen::Vector3d& p : displacements) sum += field.evaluate(p).force.x();
     times.push_back(1e9 * (cpuSeconds() - pass) / static_cast<double>(displacements.size()));
   }
-  std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
+  std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2),
+                   times.end());
   // The sum is used, so the queries are made.
   return std::isfinite(sum) ? times[times.size() / 2] : 0;
 }
@@ -51,7 +51,8 @@ Json measure(const std::string& method, const SpaceTable& space,
   Json result;
   result["prepare_s"] = cpuSeconds() - start;
   result["query_ns"] = medianTime(*field, displacements);
-  for (const Eigen::Vector3d& p : displacements) result["force"].push_back(toJson(field->evaluate(p).force));
+  for (const Eigen::Vector3d& p : displacements)
+    result["force"].push_back(toJson(field->evaluate(p).force));
   return result;
 }
 

@@ -1,6 +1,7 @@
-// A haptic loop at its rate, with a scripted hand that presses and slides over all that can be touched, alone
-// or beside a thread that is as busy as a picture: the deformed shape of the whole surface, 60 times a
-// second. Prints one JSON object. Nothing here is checked: times belong to the machine.
+// A haptic loop at its rate, with a scripted hand that presses and slides over all that can be
+// touched, alone or beside a thread that is as busy as a picture: the deformed shape of the whole
+// surface, 60 times a second. Prints one JSON object. Nothing here is checked: times belong to the
+// machine.
 //
 //   palpate_haptic_loop_bench DATASET [SECONDS] [RATE] [--busy] [--real-time]
 
@@ -13,8 +14,8 @@
 #include <numbers>
 #include <thread>
 
-#include "common/dataset.hpp"
-#include "common/error.hpp"
+#include "common/base/error.hpp"
+#include "common/dataset/dataset.hpp"
 #include "viewer/haptics/deformed_shape.hpp"
 #include "viewer/haptics/haptic_loop.hpp"
 
@@ -23,8 +24,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A hand on rails, half a second at each touchable triangle in turn: from outside along the normal, pressing
-/// to a quarter of the workspace radius, in a circle as wide as the triangle.
+/// A hand on rails, half a second at each touchable triangle in turn: from outside along the
+/// normal, pressing to a quarter of the workspace radius, in a circle as wide as the triangle.
 class SweepingHand : public HapticDevice {
  public:
   SweepingHand(const HapticModel& model, double period) : model_(model), period_(period) {
@@ -104,7 +105,8 @@ Arguments parse(const std::vector<std::string>& words) {
       plain.push_back(word);
   }
   if (plain.empty() || plain.size() > 3)
-    throw badInput("usage: palpate_haptic_loop_bench DATASET [SECONDS] [RATE] [--busy] [--real-time]");
+    throw badInput(
+        "usage: palpate_haptic_loop_bench DATASET [SECONDS] [RATE] [--busy] [--real-time]");
   arguments.dataset = plain[0];
   if (plain.size() > 1) arguments.seconds = numberIn(plain[1]);
   if (plain.size() > 2) arguments.rate = numberIn(plain[2]);

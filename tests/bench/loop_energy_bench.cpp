@@ -1,9 +1,9 @@
-// The energy that the force fields of a sealed dataset create around random closed loops: paths of smooth
-// pieces inside of balls of 0.2 to 1 times the workspace radius, of each active node in turn, at a fixed
-// anchor. Prints one JSON object: for each method over all loops, and over those on which every answer stood
-// on solved and consistent corners ("covered"). "net_share" is the sum of |net work| over the sum of the
-// energy exchanged, "largest_share" that of the worst loop, "created_share" counts only loops that gave
-// energy.
+// The energy that the force fields of a sealed dataset create around random closed loops: paths of
+// smooth pieces inside of balls of 0.2 to 1 times the workspace radius, of each active node in
+// turn, at a fixed anchor. Prints one JSON object: for each method over all loops, and over those
+// on which every answer stood on solved and consistent corners ("covered"). "net_share" is the sum
+// of |net work| over the sum of the energy exchanged, "largest_share" that of the worst loop,
+// "created_share" counts only loops that gave energy.
 //
 //   palpate_loop_energy_bench DATASET [LOOPS] [METHOD...]     (default: 10000 potential trilinear)
 
@@ -12,9 +12,10 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "common/dataset.hpp"
-#include "common/error.hpp"
+#include "common/base/error.hpp"
+#include "common/dataset/dataset.hpp"
 #include "tests/support/random_loops.hpp"
+#include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
 namespace {
@@ -29,7 +30,8 @@ class Tally {
     created_ += std::max(0.0, energy.net);
     exchanged_ += energy.exchanged;
     error_ += energy.error;
-    if (energy.exchanged > 0) largest_ = std::max(largest_, std::abs(energy.net) / energy.exchanged);
+    if (energy.exchanged > 0)
+      largest_ = std::max(largest_, std::abs(energy.net) / energy.exchanged);
   }
   Json toJson() const {
     Json json = {{"loops", loops_}};
@@ -64,14 +66,16 @@ Json measure(const Dataset& dataset, const std::string& method, int loops) {
 }
 
 int runBenchmark(const std::vector<std::string>& arguments) {
-  if (arguments.empty()) throw badInput("usage: palpate_loop_energy_bench DATASET [LOOPS] [METHOD...]");
+  if (arguments.empty())
+    throw badInput("usage: palpate_loop_energy_bench DATASET [LOOPS] [METHOD...]");
   const Dataset dataset(arguments[0]);
   const int loops = arguments.size() > 1 ? std::stoi(arguments[1]) : 10000;
-  std::vector<std::string> methods(arguments.begin() + std::min<std::ptrdiff_t>(2, std::ssize(arguments)),
-                                   arguments.end());
+  std::vector<std::string> methods(
+      arguments.begin() + std::min<std::ptrdiff_t>(2, std::ssize(arguments)), arguments.end());
   if (methods.empty()) methods = {"potential", "trilinear"};
   Json answer = {{"active_nodes", dataset.spaces().size()}, {"seed", 20}};
-  for (const std::string& method : methods) answer["methods"][method] = measure(dataset, method, loops);
+  for (const std::string& method : methods)
+    answer["methods"][method] = measure(dataset, method, loops);
   std::cout << answer.dump(2) << '\n';
   return 0;
 }

@@ -1,6 +1,6 @@
-// What one Newton iteration, a transition and a path cost, beside GetFEM, the finite-element library of the
-// 2010 paper, on the same machine in the same minutes. Prints one JSON object; README.md says what it means.
-// Nothing here is checked: times belong to the machine.
+// What one Newton iteration, a transition and a path cost, beside GetFEM, the finite-element
+// library of the 2010 paper, on the same machine in the same minutes. Prints one JSON object;
+// README.md says what it means. Nothing here is checked: times belong to the machine.
 #include <fmt/format.h>
 #include <stdlib.h>
 #include <sys/resource.h>
@@ -19,11 +19,12 @@
 #include "tests/support/command.hpp"
 #include "tests/support/problems.hpp"
 #include "tests/support/reference_liver.hpp"
-#include "worker/path.hpp"
+#include "worker/solver/path.hpp"
 
 extern "C" void dgemm_(const char* transpose_a, const char* transpose_b, const int* m, const int* n,
-                       const int* k, const double* alpha, const double* a, const int* lda, const double* b,
-                       const int* ldb, const double* beta, double* c, const int* ldc);
+                       const int* k, const double* alpha, const double* a, const int* lda,
+                       const double* b, const int* ldb, const double* beta, double* c,
+                       const int* ldc);
 
 namespace palpate {
 namespace {
@@ -70,8 +71,8 @@ double peakMegabytes() {
   return static_cast<double>(usage.ru_maxrss) / 1024;  // ru_maxrss is in KiB
 }
 
-/// GFLOP/s of one dgemm of 1024 x 1024 matrices on one thread, the best of some: what the machine can do at
-/// most.
+/// GFLOP/s of one dgemm of 1024 x 1024 matrices on one thread, the best of some: what the machine
+/// can do at most.
 double dgemmGflops() {
   constexpr int n = 1024;
   const std::vector<double> a(n * n, 1.5), b(n * n, 0.5);
@@ -79,8 +80,9 @@ double dgemmGflops() {
   const double one = 1, zero = 0;
   Samples samples;
   for (int repetition = 0; repetition < 8; ++repetition)
-    samples.time(
-        [&] { dgemm_("N", "N", &n, &n, &n, &one, a.data(), &n, b.data(), &n, &zero, c.data(), &n); });
+    samples.time([&] {
+      dgemm_("N", "N", &n, &n, &n, &one, a.data(), &n, b.data(), &n, &zero, c.data(), &n);
+    });
   return 2e-9 * n * n * n / samples.best();
 }
 
@@ -106,14 +108,15 @@ Scene mooneyRivlin(Discretization discretization) {
 
 /// The default, and the equations that GetFEM solves.
 std::vector<Formulation> elementFormulations() {
-  return {{"mooney-rivlin, P1/P1-stabilized, ln-det-F", mooneyRivlin({}), 1},
-          {"mooney-rivlin, P1/P1, det-F-1",
-           mooneyRivlin({.pressure = PressureSpace::p1, .constraint = Constraint::det_F_minus_1}), 1},
-          {"mooney-rivlin, P2/P1, det-F-1",
-           mooneyRivlin({.displacement = DisplacementSpace::p2,
-                         .pressure = PressureSpace::p1,
-                         .constraint = Constraint::det_F_minus_1}),
-           2}};
+  return {
+      {"mooney-rivlin, P1/P1-stabilized, ln-det-F", mooneyRivlin({}), 1},
+      {"mooney-rivlin, P1/P1, det-F-1",
+       mooneyRivlin({.pressure = PressureSpace::p1, .constraint = Constraint::det_F_minus_1}), 1},
+      {"mooney-rivlin, P2/P1, det-F-1",
+       mooneyRivlin({.displacement = DisplacementSpace::p2,
+                     .pressure = PressureSpace::p1,
+                     .constraint = Constraint::det_F_minus_1}),
+       2}};
 }
 
 /// Every law, of about the same stiffness.
@@ -130,15 +133,16 @@ std::vector<Formulation> lawFormulations() {
           {"yeoh, P1/P1-stabilized",
            withMaterial({.law = LawName::yeoh, .c10 = mu / 2, .c20 = mu / 20, .c30 = mu / 100})},
           {"ogden (3 terms), P1/P1-stabilized",
-           withMaterial(
-               {.law = LawName::ogden, .ogden = {{0.6 * mu, 1.3}, {0.05 * mu, 5.0}, {-0.485 * mu, -2.0}}})},
+           withMaterial({.law = LawName::ogden,
+                         .ogden = {{0.6 * mu, 1.3}, {0.05 * mu, 5.0}, {-0.485 * mu, -2.0}}})},
           {"veronda-westmann, P1/P1-stabilized",
            withMaterial({.law = LawName::veronda_westmann, .c1 = mu / 2, .c2 = 2})},
-          {"holzapfel-gasser-ogden, P1/P1-stabilized", withMaterial({.law = LawName::holzapfel_gasser_ogden,
-                                                                     .mu = mu,
-                                                                     .k1 = mu / 2,
-                                                                     .k2 = 1,
-                                                                     .fibers = {Eigen::Vector3d::UnitX()}})}};
+          {"holzapfel-gasser-ogden, P1/P1-stabilized",
+           withMaterial({.law = LawName::holzapfel_gasser_ogden,
+                         .mu = mu,
+                         .k1 = mu / 2,
+                         .k2 = 1,
+                         .fibers = {Eigen::Vector3d::UnitX()}})}};
 }
 
 State stateAt(const Problem& problem, const Eigen::Vector3d& displacement) {
@@ -243,7 +247,8 @@ class ConfigurationTimes {
     seconds_.time([&] {
       for (int axis = 0; axis < 3; ++axis)
         for (const double sign : {-1.0, 1.0}) {
-          const Outcome outcome = solver.reach(*rest, sign * spacing * Eigen::Vector3d::Unit(axis)).outcome;
+          const Outcome outcome =
+              solver.reach(*rest, sign * spacing * Eigen::Vector3d::Unit(axis)).outcome;
           failed_ += outcome.converged ? 0 : 1;
           total_.newton_iterations += outcome.cost.newton_iterations;
           total_.factorizations += outcome.cost.factorizations;
@@ -295,10 +300,10 @@ class Oracle {
  private:
   Json run(double length, int steps) const {
     const Eigen::Vector3d& tip = test::liver_tip;
-    const auto result = test::runCommand(
-        fmt::format("/usr/bin/python3 '{}/oracle/getfem_reference.py' '{}' --law mr --fixed-below x 0.15 "
-                    "--active {} {} {} --to {} 0 0 --steps {} --order {}",
-                    PALPATE_REFERENCE_DATA, mesh_.string(), tip[0], tip[1], tip[2], length, steps, order_));
+    const auto result = test::runCommand(fmt::format(
+        "/usr/bin/python3 '{}/oracle/getfem_reference.py' '{}' --law mr --fixed-below x 0.15 "
+        "--active {} {} {} --to {} 0 0 --steps {} --order {}",
+        PALPATE_REFERENCE_DATA, mesh_.string(), tip[0], tip[1], tip[2], length, steps, order_));
     if (result.exit_code != 0)
       throw failure("GetFEM ended with {} (is python3-getfem installed?):\n{}", result.exit_code,
                     result.output);
@@ -322,7 +327,9 @@ class Oracle {
       iterations += step.at("iterations").get<int>();
       converged &= step.at("converged").get<bool>();
     }
-    return {{"seconds", answer.at("total_s")}, {"converged", converged}, {"newton_iterations", iterations}};
+    return {{"seconds", answer.at("total_s")},
+            {"converged", converged},
+            {"newton_iterations", iterations}};
   }
 
   std::filesystem::path mesh_;
@@ -337,13 +344,15 @@ Json measureMesh(const Mesh& mesh, const std::filesystem::path& file, bool shipp
   std::vector<Formulation> formulations = elementFormulations();
   if (!coarse) formulations.pop_back();  // GetFEM takes minutes for an iteration of P2/P1
   if (options.laws)
-    for (Formulation& formulation : lawFormulations()) formulations.push_back(std::move(formulation));
+    for (Formulation& formulation : lawFormulations())
+      formulations.push_back(std::move(formulation));
   std::vector<Problem> problems;
   for (const Formulation& formulation : formulations)
     problems.push_back(test::liverProblem(formulation.scene, mesh));
   std::vector<IterationTimes> iterations(formulations.size());
   std::vector<ConfigurationTimes> configurations(formulations.size());
-  std::vector<PathTimes> transitions(formulations.size(), {0.01, 1}), paths(formulations.size(), {0.1, 5});
+  std::vector<PathTimes> transitions(formulations.size(), {0.01, 1}),
+      paths(formulations.size(), {0.1, 5});
   double peak_megabytes = 0;
   std::map<int, Oracle> oracles;
   if (!options.without_oracle && !shipped)
@@ -425,7 +434,8 @@ int runBenchmark(const Options& options) {
 
 int main(int argc, char** argv) {
   palpate::Options options;
-  CLI::App app("One Newton iteration, a transition and a path on two livers, beside GetFEM's; prints JSON");
+  CLI::App app(
+      "One Newton iteration, a transition and a path on two livers, beside GetFEM's; prints JSON");
   app.add_option("--rounds", options.rounds, "Rounds, each with one run of GetFEM")
       ->check(CLI::PositiveNumber);
   app.add_option("--repetitions", options.repetitions, "Our Newton iterations in a round")
@@ -433,7 +443,8 @@ int main(int argc, char** argv) {
   app.add_flag("--without-oracle", options.without_oracle, "Do not run GetFEM");
   app.add_flag("--coarse-only", options.coarse_only, "Leave out the mesh of 2228 nodes");
   app.add_flag("--laws", options.laws, "Every law, not only Mooney-Rivlin");
-  app.add_flag("--paths", options.paths, "Measure GetFEM's 10 mm transition and 100 mm path too (minutes)");
+  app.add_flag("--paths", options.paths,
+               "Measure GetFEM's 10 mm transition and 100 mm path too (minutes)");
   CLI11_PARSE(app, argc, argv);
   try {
     return palpate::runBenchmark(options);

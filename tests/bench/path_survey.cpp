@@ -1,5 +1,5 @@
-// The paper's stability test: paths of 100 mm in 26 directions from ten active nodes, the body held in two
-// ways.
+// The paper's stability test: paths of 100 mm in 26 directions from ten active nodes, the body held
+// in two ways.
 
 #include <fmt/format.h>
 
@@ -14,11 +14,11 @@
 #include <string>
 #include <vector>
 
-#include "common/error.hpp"
-#include "common/gmsh_reader.hpp"
-#include "common/problem.hpp"
+#include "common/base/error.hpp"
+#include "common/mesh/gmsh_reader.hpp"
+#include "common/problem/problem.hpp"
 #include "tests/support/problems.hpp"
-#include "worker/path.hpp"
+#include "worker/solver/path.hpp"
 
 namespace palpate {
 namespace {
@@ -52,7 +52,8 @@ Scene sceneOf(const Options& options) {
 }
 
 /// Surface nodes far from what is held and from each other: each the farthest from all before.
-std::vector<std::int32_t> spreadNodes(const Mesh& mesh, const std::vector<std::int32_t>& fixed, int count) {
+std::vector<std::int32_t> spreadNodes(const Mesh& mesh, const std::vector<std::int32_t>& fixed,
+                                      int count) {
   constexpr double clearance = 0.03;
   std::vector<std::int32_t> candidates;
   std::vector<double> distance;
@@ -69,7 +70,8 @@ std::vector<std::int32_t> spreadNodes(const Mesh& mesh, const std::vector<std::i
     const auto farthest = std::max_element(distance.begin(), distance.end()) - distance.begin();
     chosen.push_back(candidates[farthest]);
     for (std::size_t n = 0; n < candidates.size(); ++n)
-      distance[n] = std::min(distance[n], (mesh.nodes[candidates[n]] - mesh.nodes[chosen.back()]).norm());
+      distance[n] =
+          std::min(distance[n], (mesh.nodes[candidates[n]] - mesh.nodes[chosen.back()]).norm());
   }
   return chosen;
 }
@@ -86,8 +88,9 @@ Problem problemOf(const Options& options, int axis) {
   // Once for the fixed nodes, of which the active ones keep clear.
   Scene first = scene;
   first.active[0].near = mesh.nodes[surfaceNodes(mesh).back()];
-  const auto highest = std::max_element(mesh.nodes.begin(), mesh.nodes.end(),
-                                        [&](const auto& a, const auto& b) { return a[axis] < b[axis]; });
+  const auto highest =
+      std::max_element(mesh.nodes.begin(), mesh.nodes.end(),
+                       [&](const auto& a, const auto& b) { return a[axis] < b[axis]; });
   first.active[0].near = *highest;
   const Problem held = resolve(first, mesh);
   scene.active.clear();
@@ -156,8 +159,8 @@ Json survey(const Options& options) {
       if (!rest) throw palpate::failure("rest: {}", describe(failure));
       for (const Eigen::Vector3i& direction : directions()) {
         const Eigen::Vector3d target = options.length * direction.cast<double>().normalized();
-        const Path path = {fmt::format("{}/{}", axis == 0 ? "x" : "y", problem.active[space].name), direction,
-                           walk(solver, *rest, target, transitions)};
+        const Path path = {fmt::format("{}/{}", axis == 0 ? "x" : "y", problem.active[space].name),
+                           direction, walk(solver, *rest, target, transitions)};
         const Outcome& outcome = path.walked.outcome;
         ++paths;
         seconds += outcome.cost.seconds;
@@ -194,10 +197,12 @@ Json survey(const Options& options) {
 
 int main(int argc, char** argv) {
   palpate::Options options;
-  CLI::App app("Paths of 100 mm in 26 directions, ten active nodes, two sets of fixed nodes; prints JSON");
+  CLI::App app(
+      "Paths of 100 mm in 26 directions, ten active nodes, two sets of fixed nodes; prints JSON");
   app.add_option("MESH", options.mesh, "A .msh file in metres")->required();
   app.add_option("--law", options.law)
-      ->check(CLI::IsMember({"mooney-rivlin", "modified-st-venant-kirchhoff", "st-venant-kirchhoff"}));
+      ->check(
+          CLI::IsMember({"mooney-rivlin", "modified-st-venant-kirchhoff", "st-venant-kirchhoff"}));
   app.add_option("--constraint", options.constraint)->check(CLI::IsMember({"ln-det-F", "det-F-1"}));
   app.add_option("--tool", options.tool)->check(CLI::IsMember({"rigid", "weighted-average"}));
   app.add_option("--radius", options.radius, "Of the patch, m; 0: a single node");

@@ -1,6 +1,7 @@
-// Processor time of one picture of a surface of 5,292 triangles, of this whole process with the threads that
-// draw in software (getrusage), in the default window on an Xvfb of its own. Prints one JSON object. Nothing
-// here is checked: times belong to the machine. The X server's own share, copying the picture, is not in it.
+// Processor time of one picture of a surface of 5,292 triangles, of this whole process with the
+// threads that draw in software (getrusage), in the default window on an Xvfb of its own. Prints
+// one JSON object. Nothing here is checked: times belong to the machine. The X server's own share,
+// copying the picture, is not in it.
 //
 //   picture_bench [PICTURES]
 
@@ -89,13 +90,14 @@ int run(int pictures) {
   const test::VirtualScreen screen;
   const HapticModel model = largeBlob();
   const PictureOptions usual;
-  const nlohmann::json out = {{"triangles", model.surface().triangles().size()},
-                              {"window", {usual.width, usual.height}},
-                              {"pictures", pictures},
-                              {"usual", measure(model, usual, pictures)},
-                              {"without_ghost", measure(model, {.ghost = false}, pictures)},
-                              {"with_lattice", measure(model, {.lattice = true}, pictures)},
-                              {"waiting_after_each_part", measure(model, {.measure = true}, pictures)}};
+  const nlohmann::json out = {
+      {"triangles", model.surface().triangles().size()},
+      {"window", {usual.width, usual.height}},
+      {"pictures", pictures},
+      {"usual", measure(model, usual, pictures)},
+      {"without_ghost", measure(model, {.ghost = false}, pictures)},
+      {"with_lattice", measure(model, {.lattice = true}, pictures)},
+      {"waiting_after_each_part", measure(model, {.measure = true}, pictures)}};
   std::puts(out.dump(2).c_str());
   return 0;
 }

@@ -35,7 +35,8 @@ TEST(SummaryOfABuild, CountsFailedPointsByCause) {
                                {Tag::failed, Cause::unreachable},
                                {Tag::failed, Cause::unreachable},
                                {Tag::failed, Cause::step_budget}});
-  EXPECT_THAT(summaryOf(spaces, Scene()), testing::HasSubstr("failed: 1 step_budget, 2 unreachable\n"));
+  EXPECT_THAT(summaryOf(spaces, Scene()),
+              testing::HasSubstr("failed: 1 step_budget, 2 unreachable\n"));
 }
 
 TEST(Build, LeavesNoPointUnknownWhenTheOriginFails) {
@@ -61,7 +62,8 @@ TEST(Build, LeavesNoPointUnknownWhenTheOriginFails) {
               testing::HasSubstr("failed points: 2 factorization_failed, 64 unreachable\n"));
   world.sealedContent();
   const Dataset dataset(world.directory / "cube.h5");
-  for (const SpaceTable& space : dataset.spaces()) EXPECT_EQ(space.points[1].cause, Cause::unreachable);
+  for (const SpaceTable& space : dataset.spaces())
+    EXPECT_EQ(space.points[1].cause, Cause::unreachable);
 }
 
 }  // namespace

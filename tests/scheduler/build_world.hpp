@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "common/program.hpp"
-#include "common/wire.hpp"
+#include "common/base/program.hpp"
+#include "common/wire/wire.hpp"
 #include "scheduler/build.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -33,11 +33,12 @@ inline Problem cubeProblem(double c10 = 1300) {
   return resolve(scene, cubeMesh(0.1, 2));
 }
 
-/// What a worker would answer: a pure function of the transition. About a quarter of the transitions fail and
-/// some points lie beyond max_force. Forces of neighbours contradict each other, so that branches are looked
-/// for.
+/// What a worker would answer: a pure function of the transition. About a quarter of the
+/// transitions fail and some points lie beyond max_force. Forces of neighbours contradict each
+/// other, so that branches are looked for.
 inline std::pair<wire::Result, std::string> solve(const Problem& problem, std::uint32_t space,
-                                                  const LatticePoint& target, const LatticePoint& parent) {
+                                                  const LatticePoint& target,
+                                                  const LatticePoint& parent) {
   std::uint64_t dice = 88172645463325252ull + space;
   for (const LatticePoint& p : {target, parent})
     for (const std::int32_t c : p) {
@@ -50,12 +51,14 @@ inline std::pair<wire::Result, std::string> solve(const Problem& problem, std::u
   outcome.converged = origin || dice % 100 >= 25;
   if (outcome.converged) {
     const double norm = std::sqrt(static_cast<double>(squaredNorm(target)));
-    outcome.equilibrium.force = {-3 * norm - 0.1 * static_cast<double>(dice % 40), 0.5, 1e-3 / (1 + norm)};
+    outcome.equilibrium.force = {-3 * norm - 0.1 * static_cast<double>(dice % 40), 0.5,
+                                 1e-3 / (1 + norm)};
     outcome.equilibrium.energy =
         norm + 0.01 * static_cast<double>(dice % 7);  // another branch, another energy
     const std::size_t nodes = problem.mesh.nodes.size();
     for (std::size_t n = 0; n < 3 * nodes; ++n)
-      outcome.fields.displacement.push_back(static_cast<float>(dice % 1000) + static_cast<float>(n));
+      outcome.fields.displacement.push_back(static_cast<float>(dice % 1000) +
+                                            static_cast<float>(n));
     outcome.fields.pressure.assign(nodes, static_cast<float>(dice % 77));
   } else {
     outcome.failure.cause = static_cast<Cause>(1 + dice % 7);
@@ -85,8 +88,8 @@ inline wire::Message helloOf(const std::string& id, std::uint32_t pid = 1) {
   return message;
 }
 
-/// A build in a temporary directory, a clock that tests move, and workers that are names: messages go in by
-/// hand and what comes out is sorted by peer.
+/// A build in a temporary directory, a clock that tests move, and workers that are names: messages
+/// go in by hand and what comes out is sorted by peer.
 class BuildWorld {
  public:
   explicit BuildWorld(CoordinatorSettings settings = {}) : settings_(settings) { start(); }
@@ -105,7 +108,8 @@ class BuildWorld {
     now += time;
     settle();
   }
-  void send(const std::string& peer, const wire::Message& message, const std::string& payload = "") {
+  void send(const std::string& peer, const wire::Message& message,
+            const std::string& payload = "") {
     coordinator().receive({peer, message, payload}, now);
     collect();
   }
@@ -142,7 +146,8 @@ class BuildWorld {
     send(peer, message, payload);
   }
   void deliver(const std::string& peer, const wire::Job& job) {
-    for (const wire::Target& target : job.targets()) deliver(peer, job.space(), target.point(), job.start());
+    for (const wire::Target& target : job.targets())
+      deliver(peer, job.space(), target.point(), job.start());
   }
 
   /// Takes the messages of one kind out of a peer's inbox.
@@ -157,7 +162,8 @@ class BuildWorld {
   }
   std::vector<wire::Job> takeJobs(const std::string& peer) {
     std::vector<wire::Job> jobs;
-    for (const wire::Message& message : take(peer, wire::Message::kJob)) jobs.push_back(message.job());
+    for (const wire::Message& message : take(peer, wire::Message::kJob))
+      jobs.push_back(message.job());
     return jobs;
   }
   std::int64_t counter(const std::string& name) {
@@ -192,7 +198,8 @@ class BuildWorld {
  private:
   void start() { build_ = std::make_unique<Build>(problem, directory / "state", settings_); }
   void collect() {
-    for (Outgoing& outgoing : coordinator().takeOutbox()) inbox[outgoing.peer].push_back(std::move(outgoing));
+    for (Outgoing& outgoing : coordinator().takeOutbox())
+      inbox[outgoing.peer].push_back(std::move(outgoing));
   }
 
   CoordinatorSettings settings_;

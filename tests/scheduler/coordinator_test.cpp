@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "scheduler/replay.hpp"
+#include "scheduler/state/replay.hpp"
 #include "tests/scheduler/build_world.hpp"
 #include "tests/support/expect_error.hpp"
 
@@ -176,7 +176,8 @@ TEST_F(CoordinatorTest, RefusesWorkersThatWouldNotGiveTheSameBits) {
   world.send("b", test::helloOf("b"));
   other = test::helloOf("a");
   other.mutable_hello()->set_kernel_family("avx512");
-  EXPECT_THAT(refusalOf(other), testing::AllOf(testing::HasSubstr("avx512"), testing::HasSubstr("baseline")));
+  EXPECT_THAT(refusalOf(other),
+              testing::AllOf(testing::HasSubstr("avx512"), testing::HasSubstr("baseline")));
   EXPECT_EQ(world.coordinator().workers(), 1u);
 }
 
@@ -204,7 +205,8 @@ TEST_F(CoordinatorTest, AsksAWorkerOfAnEarlierRunToIntroduceItselfAndTakesItsRes
 
 TEST_F(CoordinatorTest, AcknowledgesADuplicateAndKeepsOneRecord) {
   solveOrigins();
-  world.send("a", originResult([](wire::Result& r) { r.mutable_cost()->set_seconds(99); }), originFields());
+  world.send("a", originResult([](wire::Result& r) { r.mutable_cost()->set_seconds(99); }),
+             originFields());
   EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u);
   EXPECT_EQ(world.counter("duplicate_results"), 1);
   EXPECT_EQ(world.counter("divergent_results"), 0) << "other seconds are no divergence";
@@ -214,7 +216,8 @@ TEST_F(CoordinatorTest, AcknowledgesADuplicateAndKeepsOneRecord) {
 
 TEST_F(CoordinatorTest, CountsADuplicateWithOtherBitsAndKeepsTheFirst) {
   solveOrigins();
-  world.send("a", originResult([](wire::Result& r) { r.mutable_equilibrium()->set_energy(1e-300); }),
+  world.send("a",
+             originResult([](wire::Result& r) { r.mutable_equilibrium()->set_energy(1e-300); }),
              originFields());
   EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u);
   EXPECT_EQ(world.counter("divergent_results"), 1);
@@ -238,11 +241,14 @@ TEST_F(CoordinatorTest, DropsResultsThatMakeNoSense) {
          r.mutable_failure()->set_cause(static_cast<std::uint32_t>(Cause::unreachable));
        },
        ""},
-      {[](wire::Result& r) { r.mutable_failure()->set_cause(1), r.mutable_failure()->set_step_reached(7); },
+      {[](wire::Result& r) {
+         r.mutable_failure()->set_cause(1), r.mutable_failure()->set_step_reached(7);
+       },
        ""},
       {[](wire::Result& r) { r.set_fields_id(std::string(32, 'x')); }, fields},
       {[](wire::Result&) {}, fields.substr(1)},
-      {[&](wire::Result& r) { r.set_fields_id(std::string(ContentId::of(not_finite).bytes())); }, not_finite},
+      {[&](wire::Result& r) { r.set_fields_id(std::string(ContentId::of(not_finite).bytes())); },
+       not_finite},
       {[&](wire::Result& r) {
          r.set_fields_id(std::string(ContentId::of(fields.substr(4)).bytes()));
          r.set_payload_bytes(r.payload_bytes() - 4);

@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-/// A space of 7 points: the origin and its axis neighbours. Number 1 was reached, number 2 failed, the rest
-/// is unknown.
+/// A space of 7 points: the origin and its axis neighbours. Number 1 was reached, number 2 failed,
+/// the rest is unknown.
 struct ExplanationTest : testing::Test {
   const Lattice lattice{0.01, 0.01};
   SpaceTable space;
@@ -64,18 +64,24 @@ TEST_F(ExplanationTest, SaysThatAPointLiesBehindOthersThatCannotBeExpanded) {
   const wire::Explanation explanation =
       explain(space, Eigen::Vector3d(lattice.displacement(3) / lattice.spacing()));
   EXPECT_EQ(explanation.cause(), "unreachable");
-  EXPECT_THAT(explanation.text(), testing::AllOf(testing::HasSubstr("failed, unreachable"),
-                                                 testing::HasSubstr("no neighbour can be expanded")));
+  EXPECT_THAT(explanation.text(),
+              testing::AllOf(testing::HasSubstr("failed, unreachable"),
+                             testing::HasSubstr("no neighbour can be expanded")));
 }
 
 TEST_F(ExplanationTest, EndsOnACircleOfParents) {
   space.points[1].parent = 3;
   space.points[3].parent = 1;
-  EXPECT_LE(explain(space, Eigen::Vector3d(lattice.displacement(1) / lattice.spacing())).path_size(), 7);
+  EXPECT_LE(
+      explain(space, Eigen::Vector3d(lattice.displacement(1) / lattice.spacing())).path_size(), 7);
 }
 
 TEST_F(ExplanationTest, NamesTheBoundsOfTheLattice) {
-  test::expectBadInput([&] { explain(space, {1, 1, 0}); }, {"(1, 1, 0)", "not in the lattice", "<= 1"});
+  test::expectBadInput(
+      [&] {
+        explain(space, {1, 1, 0});
+      },
+      {"(1, 1, 0)", "not in the lattice", "<= 1"});
 }
 
 TEST(Status, SurvivesJson) {

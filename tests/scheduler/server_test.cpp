@@ -31,8 +31,9 @@ struct ServerTest : testing::Test {
   }
   void sendRaw(zmq::socket_t& socket, const std::vector<std::string>& frames) {
     for (std::size_t n = 0; n < frames.size(); ++n)
-      ASSERT_TRUE(socket.send(zmq::buffer(frames[n]),
-                              n + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none));
+      ASSERT_TRUE(socket.send(zmq::buffer(frames[n]), n + 1 < frames.size()
+                                                          ? zmq::send_flags::sndmore
+                                                          : zmq::send_flags::none));
   }
   /// Turns the server until a message of this kind is there; others are dropped.
   Incoming expect(zmq::socket_t& socket, Message::BodyCase kind) {
@@ -75,7 +76,8 @@ TEST_F(ServerTest, CarriesAWorkerFromHelloToTheEnd) {
   Message ask;
   ask.mutable_problem_request();
   send(worker, ask);
-  EXPECT_EQ(problemId(decodeProblem(expect(worker, Message::kProblemReply).payload)), problemId(problem));
+  EXPECT_EQ(problemId(decodeProblem(expect(worker, Message::kProblemReply).payload)),
+            problemId(problem));
   request(worker, 1);
   for (int jobs = 0; !build.coordinator().complete(); ++jobs) {
     ASSERT_LT(jobs, 1000);
@@ -108,7 +110,8 @@ TEST_F(ServerTest, RefusesAWorkerOfAnotherVersion) {
   Message hello = test::helloOf("w");
   hello.mutable_hello()->set_version("9.9.9");
   send(worker, hello);
-  EXPECT_NE(expect(worker, Message::kRefused).message.refused().reason().find("9.9.9"), std::string::npos);
+  EXPECT_NE(expect(worker, Message::kRefused).message.refused().reason().find("9.9.9"),
+            std::string::npos);
 }
 
 TEST_F(ServerTest, AcknowledgesAResultAsOftenAsItIsSent) {

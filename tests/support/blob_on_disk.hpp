@@ -10,8 +10,8 @@
 
 namespace palpate::test {
 
-/// A Mooney-Rivlin blob of 125 nodes as files, for tests that run the programs: side xmin held, a patch of 4
-/// cm at the other end. Change `scene` as you like before write().
+/// A Mooney-Rivlin blob of 125 nodes as files, for tests that run the programs: side xmin held, a
+/// patch of 4 cm at the other end. Change `scene` as you like before write().
 struct BlobOnDisk {
   BlobOnDisk() {
     scene.name = "blob";

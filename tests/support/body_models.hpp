@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tests/support/meshes.hpp"
-#include "worker/body_model.hpp"
+#include "worker/solver/body_model.hpp"
 
 /// Bodies made in code for what discretises and solves, without a scene.
 namespace palpate::test {
@@ -77,27 +77,32 @@ inline std::vector<Discretization> everyElement() {
 }
 
 inline std::string nameOf(const Discretization& discretization) {
-  return std::string(word(discretization.displacement)) + "/" + std::string(word(discretization.pressure));
+  return std::string(word(discretization.displacement)) + "/" +
+         std::string(word(discretization.pressure));
 }
 
-/// `mesh` of one material with nothing fixed, no loads and no tools; mid-edge nodes added where needed, and a
-/// bulk modulus where there is no pressure to keep the volume. Fibres as the material says.
+/// `mesh` of one material with nothing fixed, no loads and no tools; mid-edge nodes added where
+/// needed, and a bulk modulus where there is no pressure to keep the volume. Fibres as the material
+/// says.
 inline BodyModel freeBody(Mesh mesh, const Discretization& discretization, Material material) {
   if (discretization.displacement == DisplacementSpace::p2) addMidEdgeNodes(mesh);
-  if (discretization.pressure == PressureSpace::none && isIncompressible(material)) material.bulk = 40000;
+  if (discretization.pressure == PressureSpace::none && isIncompressible(material))
+    material.bulk = 40000;
   BodyModel model;
   model.mesh = std::move(mesh);
   model.discretization = discretization;
   model.region_of.assign(model.mesh.tetrahedra.size(), 0);
   if (!material.fibers.empty())
-    model.fibers.assign(model.mesh.tetrahedra.size(), {material.fibers.front(), material.fibers.back()});
+    model.fibers.assign(model.mesh.tetrahedra.size(),
+                        {material.fibers.front(), material.fibers.back()});
   model.materials = {std::move(material)};
   model.fixed.assign(3 * model.mesh.nodes.size(), 0);
   return model;
 }
 
 /// Fixes these components (of x, y, z) of the nodes of a group.
-inline void fix(BodyModel& model, const std::string& group, const std::vector<int>& components = {0, 1, 2}) {
+inline void fix(BodyModel& model, const std::string& group,
+                const std::vector<int>& components = {0, 1, 2}) {
   for (const std::int32_t node : model.mesh.node_groups.at(group))
     for (const int i : components) model.fixed[3 * static_cast<std::size_t>(node) + i] = 1;
 }
@@ -105,7 +110,8 @@ inline void fix(BodyModel& model, const std::string& group, const std::vector<in
 /// The nodes of a group as a rigid tool, or with equal weights.
 inline Tool toolOf(const BodyModel& model, const std::string& group, bool weighted = false) {
   Tool tool{model.mesh.node_groups.at(group), {}};
-  if (weighted) tool.weights.assign(tool.nodes.size(), 1.0 / static_cast<double>(tool.nodes.size()));
+  if (weighted)
+    tool.weights.assign(tool.nodes.size(), 1.0 / static_cast<double>(tool.nodes.size()));
   return tool;
 }
 
@@ -114,8 +120,9 @@ inline std::vector<Triangle> facesOf(const Mesh& mesh, const std::string& group)
   const std::vector<std::int32_t>& nodes = mesh.node_groups.at(group);
   std::vector<Triangle> faces;
   for (const Triangle& face : mesh.surface)
-    if (std::all_of(face.begin(), face.end(),
-                    [&](std::int32_t node) { return std::binary_search(nodes.begin(), nodes.end(), node); }))
+    if (std::all_of(face.begin(), face.end(), [&](std::int32_t node) {
+          return std::binary_search(nodes.begin(), nodes.end(), node);
+        }))
       faces.push_back(face);
   return faces;
 }

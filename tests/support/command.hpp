@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 
 namespace palpate::test {
 
@@ -21,7 +21,8 @@ inline CommandResult runCommand(const std::string& line) {
   if (pipe == nullptr) throw failure("cannot run {}", line);
   CommandResult result;
   char buffer[4096];
-  while (const std::size_t count = fread(buffer, 1, sizeof buffer, pipe)) result.output.append(buffer, count);
+  while (const std::size_t count = fread(buffer, 1, sizeof buffer, pipe))
+    result.output.append(buffer, count);
   const int status = pclose(pipe);
   if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
   return result;

@@ -5,11 +5,12 @@
 #include <initializer_list>
 #include <string>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 
 namespace palpate::test {
 
-/// Runs `action` and expects an Error of the given exit code whose message contains every one of `words`.
+/// Runs `action` and expects an Error of the given exit code whose message contains every one of
+/// `words`.
 template <class Action>
 void expectError(ExitCode code, Action&& action, std::initializer_list<std::string> words) {
   try {

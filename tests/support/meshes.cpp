@@ -3,13 +3,13 @@
 #include <cmath>
 #include <fstream>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 
 namespace palpate::test {
 namespace {
 
-/// From the cube [-1, 1]^3 towards the unit ball. All the way would flatten the tetrahedra along the cube's
-/// edges.
+/// From the cube [-1, 1]^3 towards the unit ball. All the way would flatten the tetrahedra along
+/// the cube's edges.
 Eigen::Vector3d rounded(const Eigen::Vector3d& x) {
   constexpr double roundness = 0.7;
   const Eigen::Vector3d q = x.cwiseProduct(x);
@@ -29,7 +29,8 @@ std::ofstream create(const std::filesystem::path& file) {
 void writePhysicalNames(const Mesh& mesh, std::ofstream& out) {
   out << "$PhysicalNames\n" << mesh.node_groups.size() + 1 << "\n3 1 \"body\"\n";
   int number = 1;
-  for (const auto& [name, nodes] : mesh.node_groups) out << "0 " << number++ << " \"" << name << "\"\n";
+  for (const auto& [name, nodes] : mesh.node_groups)
+    out << "0 " << number++ << " \"" << name << "\"\n";
   out << "$EndPhysicalNames\n";
 }
 
@@ -46,9 +47,7 @@ void finishFile(std::ofstream& out, const std::filesystem::path& file) {
 
 }  // namespace
 
-Mesh beamMesh() {
-  return boxMesh({0.1, 0.02, 0.02}, {10, 2, 2});
-}
+Mesh beamMesh() { return boxMesh({0.1, 0.02, 0.02}, {10, 2, 2}); }
 
 Mesh blobMesh(int n) {
   Mesh mesh = cubeMesh(n, n);
@@ -62,8 +61,8 @@ Mesh blobMesh(int n) {
 
 Mesh tetrahedronMesh(double edge) {
   Mesh mesh;
-  mesh.nodes = {Eigen::Vector3d::Zero(), edge * Eigen::Vector3d::UnitX(), edge * Eigen::Vector3d::UnitY(),
-                edge * Eigen::Vector3d::UnitZ()};
+  mesh.nodes = {Eigen::Vector3d::Zero(), edge * Eigen::Vector3d::UnitX(),
+                edge * Eigen::Vector3d::UnitY(), edge * Eigen::Vector3d::UnitZ()};
   mesh.tetrahedra = {{0, 1, 2, 3}};
   mesh.node_groups = {{"xmin", {0, 2, 3}}, {"xmax", {1}},       {"ymin", {0, 1, 3}},
                       {"ymax", {2}},       {"zmin", {0, 1, 2}}, {"zmax", {3}}};
@@ -86,8 +85,8 @@ void writeGmsh22(const Mesh& mesh, const std::filesystem::path& file) {
     ++group;
   }
   for (const Tetrahedron& t : mesh.tetrahedra)
-    out << element++ << " 4 2 1 1 " << t[0] + 1 << " " << t[1] + 1 << " " << t[2] + 1 << " " << t[3] + 1
-        << "\n";
+    out << element++ << " 4 2 1 1 " << t[0] + 1 << " " << t[1] + 1 << " " << t[2] + 1 << " "
+        << t[3] + 1 << "\n";
   out << "$EndElements\n";
   finishFile(out, file);
 }
@@ -98,14 +97,16 @@ void writeGmsh41(const Mesh& mesh, const std::filesystem::path& file) {
   out << "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
   writePhysicalNames(mesh, out);
   out << "$Entities\n" << n_groups << " 0 0 1\n";
-  for (std::size_t group = 1; group <= n_groups; ++group) out << group << " 0 0 0 1 " << group << "\n";
+  for (std::size_t group = 1; group <= n_groups; ++group)
+    out << group << " 0 0 0 1 " << group << "\n";
   out << "1 -1 -1 -1 1 1 1 1 1 0\n$EndEntities\n";
-  out << "$Nodes\n1 " << mesh.nodes.size() << " 1 " << mesh.nodes.size() << "\n3 1 0 " << mesh.nodes.size()
-      << "\n";
+  out << "$Nodes\n1 " << mesh.nodes.size() << " 1 " << mesh.nodes.size() << "\n3 1 0 "
+      << mesh.nodes.size() << "\n";
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) out << n + 1 << "\n";
   for (const Eigen::Vector3d& node : mesh.nodes) out << node.transpose() << "\n";
   const std::size_t n_elements = groupedNodes(mesh) + mesh.tetrahedra.size();
-  out << "$EndNodes\n$Elements\n" << n_groups + 1 << " " << n_elements << " 1 " << n_elements << "\n";
+  out << "$EndNodes\n$Elements\n"
+      << n_groups + 1 << " " << n_elements << " 1 " << n_elements << "\n";
   int element = 1, group = 1;
   for (const auto& [name, nodes] : mesh.node_groups) {
     out << "0 " << group++ << " 15 " << nodes.size() << "\n";
@@ -113,7 +114,8 @@ void writeGmsh41(const Mesh& mesh, const std::filesystem::path& file) {
   }
   out << "3 1 4 " << mesh.tetrahedra.size() << "\n";
   for (const Tetrahedron& t : mesh.tetrahedra)
-    out << element++ << " " << t[0] + 1 << " " << t[1] + 1 << " " << t[2] + 1 << " " << t[3] + 1 << "\n";
+    out << element++ << " " << t[0] + 1 << " " << t[1] + 1 << " " << t[2] + 1 << " " << t[3] + 1
+        << "\n";
   out << "$EndElements\n";
   finishFile(out, file);
 }

@@ -3,12 +3,12 @@
 #include <Eigen/Core>
 #include <filesystem>
 
-#include "common/box_mesh.hpp"
-#include "common/mesh.hpp"
+#include "common/mesh/mesh.hpp"
+#include "worker/verification/box_mesh.hpp"
 
-/// The small bodies that tests and benchmarks share. All are finished (finishMesh), positively oriented, in
-/// metres, and the same on every machine. Node groups "xmin", "xmax", "ymin", "ymax", "zmin" and "zmax" hold
-/// the nodes of the six sides.
+/// The small bodies that tests and benchmarks share. All are finished (finishMesh), positively
+/// oriented, in metres, and the same on every machine. Node groups "xmin", "xmax", "ymin", "ymax",
+/// "zmin" and "zmax" hold the nodes of the six sides.
 namespace palpate::test {
 
 using palpate::boxMesh;
@@ -25,9 +25,9 @@ Mesh blobMesh(int n = 4);
 /// One tetrahedron: the corner at the origin and the three unit vectors times `edge`.
 Mesh tetrahedronMesh(double edge = 1.0);
 
-/// Writes the mesh as Gmsh 2.2 or 4.1 ASCII, coordinates with 17 digits, each node group as a physical group
-/// of points under its name. Reading it back gives the same nodes, tetrahedra and groups. Error when the file
-/// cannot be written.
+/// Writes the mesh as Gmsh 2.2 or 4.1 ASCII, coordinates with 17 digits, each node group as a
+/// physical group of points under its name. Reading it back gives the same nodes, tetrahedra and
+/// groups. Error when the file cannot be written.
 void writeGmsh22(const Mesh& mesh, const std::filesystem::path& file);
 void writeGmsh41(const Mesh& mesh, const std::filesystem::path& file);
 

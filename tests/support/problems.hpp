@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "common/problem.hpp"
+#include "common/problem/problem.hpp"
 
 /// Scenes made in code for what solves and schedules.
 namespace palpate::test {
@@ -18,20 +18,22 @@ inline Scene mooneyRivlinScene() {
   return scene;
 }
 
-/// St. Venant-Kirchhoff, the modified or the linear law: the paper's Young's modulus, displacement only where
-/// it may be.
+/// St. Venant-Kirchhoff, the modified or the linear law: the paper's Young's modulus, displacement
+/// only where it may be.
 inline Scene youngScene(LawName law, double poisson = 0.3) {
   Scene scene = mooneyRivlinScene();
   scene.regions[0].material = {};
   scene.regions[0].material.law = law;
   scene.regions[0].material.young = 15480;
   scene.regions[0].material.poisson = poisson;
-  if (!isIncompressible(scene.regions[0].material)) scene.discretization.pressure = PressureSpace::none;
+  if (!isIncompressible(scene.regions[0].material))
+    scene.discretization.pressure = PressureSpace::none;
   return scene;
 }
 
 /// `scene` on `mesh`, side xmin fixed, one active node: the surface node nearest to `near`.
-inline Problem clampedProblem(Scene scene, Mesh mesh, const Eigen::Vector3d& near, double patch_radius = 0) {
+inline Problem clampedProblem(Scene scene, Mesh mesh, const Eigen::Vector3d& near,
+                              double patch_radius = 0) {
   scene.fixed = {};
   scene.fixed.groups = {"xmin"};
   ActiveSelection active;

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <random>
 
-#include "viewer/force_field.hpp"
+#include "viewer/fields/force_field.hpp"
 
 namespace palpate::test {
 
-/// A closed path of smooth pieces: p(t), t from 0 to 1, a sum of waves, and beyond a half a straight way back
-/// to its start. Inside of a ball.
+/// A closed path of smooth pieces: p(t), t from 0 to 1, a sum of waves, and beyond a half a
+/// straight way back to its start. Inside of a ball.
 class RandomLoop {
  public:
   RandomLoop(std::mt19937& random, double radius) {

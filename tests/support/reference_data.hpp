@@ -14,11 +14,12 @@ inline std::filesystem::path referenceData(const std::filesystem::path& name) {
 
 }  // namespace palpate::test
 
-/// Ends the running test as skipped, saying why, when `name` is not there; else defines `variable` as its
-/// path.
-#define PALPATE_REFERENCE_FILE(variable, name)                                                      \
-  const std::filesystem::path variable = ::palpate::test::referenceData(name);                      \
-  if (!std::filesystem::exists(variable))                                                           \
-  GTEST_SKIP() << "NOT RUN: there is no " << variable                                               \
-               << "; set the CMake cache variable PALPATE_REFERENCE_DATA to the folder that holds " \
-               << (name)
+/// Ends the running test as skipped, saying why, when `name` is not there; else defines `variable`
+/// as its path.
+#define PALPATE_REFERENCE_FILE(variable, name)                                             \
+  const std::filesystem::path variable = ::palpate::test::referenceData(name);             \
+  if (!std::filesystem::exists(variable))                                                  \
+  GTEST_SKIP()                                                                             \
+      << "NOT RUN: there is no " << variable                                               \
+      << "; set the CMake cache variable PALPATE_REFERENCE_DATA to the folder that holds " \
+      << (name)

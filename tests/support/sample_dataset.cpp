@@ -25,7 +25,8 @@ Problem sampleProblem(PressureSpace pressure, DisplacementSpace displacement) {
   Scene& scene = problem.scene;
   scene.name = "sample";
   scene.mesh = "sample.msh";
-  scene.regions[0].material.law = pressure == PressureSpace::none ? LawName::linear : LawName::mooney_rivlin;
+  scene.regions[0].material.law =
+      pressure == PressureSpace::none ? LawName::linear : LawName::mooney_rivlin;
   if (pressure == PressureSpace::none) {
     scene.regions[0].material.young = 15e3;
     scene.regions[0].material.poisson = 0.4;
@@ -56,7 +57,8 @@ PointRecord recordAt(const Eigen::Vector3d& p, std::int32_t n, const AnalyticEne
   PointRecord point;
   point.tag = Tag::expandable;
   point.parent = 0;
-  point.equilibrium = {-energy.gradient(p), -energy.hessian(p), energy.energy(p), 0.5 + 1.0 / (n + 2)};
+  point.equilibrium = {-energy.gradient(p), -energy.hessian(p), energy.energy(p),
+                       0.5 + 1.0 / (n + 2)};
   point.residual = 1e-9 * (n + 1);
   point.cost = {3 + n % 4, 4 + n % 4, 1, 0};
   return point;
@@ -115,9 +117,7 @@ double PolynomialEnergy::sum(const Eigen::Vector3d& p, std::array<int, 3> deriva
   return total;
 }
 
-double PolynomialEnergy::energy(const Eigen::Vector3d& p) const {
-  return sum(p, {0, 0, 0});
-}
+double PolynomialEnergy::energy(const Eigen::Vector3d& p) const { return sum(p, {0, 0, 0}); }
 
 Eigen::Vector3d PolynomialEnergy::gradient(const Eigen::Vector3d& p) const {
   return {sum(p, {1, 0, 0}), sum(p, {0, 1, 0}), sum(p, {0, 0, 1})};
@@ -152,14 +152,16 @@ SampleDataset::SampleDataset(PressureSpace pressure, DisplacementSpace displacem
   for (std::size_t s = 0; s < problem.active.size(); ++s) {
     spaces.push_back(solvedSpace(lattice, StiffeningEnergy()));
     spaces[s].patch = problem.active[s];
-    for (std::int32_t n = 0; n < lattice.size(); ++n) spaces[s].points[n].fields = fields(s, n).id();
+    for (std::int32_t n = 0; n < lattice.size(); ++n)
+      spaces[s].points[n].fields = fields(s, n).id();
   }
   SpaceTable& tip = spaces[0];
   tip.points[terminating_point].tag = Tag::terminating;
   clear(tip.points[failed_point], Tag::failed, Cause::wrong_inertia);
   clear(tip.points[unknown_point], Tag::unknown, Cause::none);
-  tip.attempts = {{failed_point, 0, {Cause::wrong_inertia, 0.75, 2e-3, 11, 0.125, 28, 27, 0, 0}},
-                  {failed_point, 1, {Cause::factorization_failed, 0.5, 1.5, -1, 0, 0, 27, -9, 4096}}};
+  tip.attempts = {
+      {failed_point, 0, {Cause::wrong_inertia, 0.75, 2e-3, 11, 0.125, 28, 27, 0, 0}},
+      {failed_point, 1, {Cause::factorization_failed, 0.5, 1.5, -1, 0, 0, 27, -9, 4096}}};
 }
 
 void SampleDataset::refine() {
@@ -167,7 +169,8 @@ void SampleDataset::refine() {
   lattice = uniformLattice(problem.scene);
   for (SpaceTable& space : spaces) {
     space.lattice = lattice;
-    for (const Eigen::Vector3d& p : {Eigen::Vector3d(0.0123, -0.001, 0.004), Eigen::Vector3d(0, 0.0199, 0)})
+    for (const Eigen::Vector3d& p :
+         {Eigen::Vector3d(0.0123, -0.001, 0.004), Eigen::Vector3d(0, 0.0199, 0)})
       space.probes.push_back({p, recordAt(p, 3, StiffeningEnergy())});
   }
   clear(spaces[0].probes[1].record, Tag::failed, Cause::step_budget);

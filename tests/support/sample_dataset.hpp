@@ -5,16 +5,18 @@
 #include <functional>
 #include <vector>
 
-#include "common/dataset.hpp"
+#include "common/dataset/dataset.hpp"
 
 namespace palpate::test {
 
-/// Stored energy of an imaginary body as a function of the displacement, with its exact derivatives.
+/// Stored energy of an imaginary body as a function of the displacement, with its exact
+/// derivatives.
 class AnalyticEnergy {
  public:
   virtual ~AnalyticEnergy() = default;
-  virtual double energy(const Eigen::Vector3d& p) const = 0;             ///< J
-  virtual Eigen::Vector3d gradient(const Eigen::Vector3d& p) const = 0;  ///< N; the force is its negative
+  virtual double energy(const Eigen::Vector3d& p) const = 0;  ///< J
+  virtual Eigen::Vector3d gradient(
+      const Eigen::Vector3d& p) const = 0;  ///< N; the force is its negative
   virtual Eigen::Matrix3d hessian(
       const Eigen::Vector3d& p) const = 0;  ///< N/m; the stiffness is its negative
 };
@@ -27,8 +29,8 @@ class StiffeningEnergy : public AnalyticEnergy {
   Eigen::Matrix3d hessian(const Eigen::Vector3d& p) const override;
 };
 
-/// sum of c x^a y^b z^c over all monomials of total degree <= `degree`, c from a fixed seed, lengths scaled
-/// by `length`.
+/// sum of c x^a y^b z^c over all monomials of total degree <= `degree`, c from a fixed seed,
+/// lengths scaled by `length`.
 class PolynomialEnergy : public AnalyticEnergy {
  public:
   PolynomialEnergy(int degree, double length);
@@ -46,14 +48,15 @@ class PolynomialEnergy : public AnalyticEnergy {
   double length_;
 };
 
-/// A configuration space in which every point is expandable and holds the derivatives of `energy`. No nodal
-/// fields.
+/// A configuration space in which every point is expandable and holds the derivatives of `energy`.
+/// No nodal fields.
 SpaceTable solvedSpace(const Lattice& lattice, const AnalyticEnergy& energy);
 
-/// Everything sealDataset takes, made in code: a cube of 27 nodes, active nodes "tip" and "edge-2", a lattice
-/// of 33 points (radius 20 mm, spacing 10 mm), forces of StiffeningEnergy. In "tip" one point is failed (with
-/// two failed attempts), one is unknown and one terminating; in "edge-2" all are expandable. With P2
-/// displacement the cube has its mid-edge nodes too, and "edge-2" is a weighted patch.
+/// Everything sealDataset takes, made in code: a cube of 27 nodes, active nodes "tip" and "edge-2",
+/// a lattice of 33 points (radius 20 mm, spacing 10 mm), forces of StiffeningEnergy. In "tip" one
+/// point is failed (with two failed attempts), one is unknown and one terminating; in "edge-2" all
+/// are expandable. With P2 displacement the cube has its mid-edge nodes too, and "edge-2" is a
+/// weighted patch.
 struct SampleDataset {
   explicit SampleDataset(PressureSpace pressure = PressureSpace::p1_stabilized,
                          DisplacementSpace displacement = DisplacementSpace::p1);
@@ -63,8 +66,9 @@ struct SampleDataset {
   std::vector<SpaceTable> spaces;
   std::string kernel_family = "portable";
 
-  /// As an adaptive build would leave it: divisions, two probes in each space (one failed), in "edge-2" cells
-  /// split twice, the points of that, one more outside of the ball, and point 3 on another branch.
+  /// As an adaptive build would leave it: divisions, two probes in each space (one failed), in
+  /// "edge-2" cells split twice, the points of that, one more outside of the ball, and point 3 on
+  /// another branch.
   void refine();
 
   NodalFields fields(std::size_t space, std::int32_t point) const;

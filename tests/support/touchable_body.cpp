@@ -26,11 +26,12 @@ Eigen::Vector3d ConvexEnergy::gradient(const Eigen::Vector3d& p) const {
 }
 
 Eigen::Matrix3d ConvexEnergy::hessian(const Eigen::Vector3d& p) const {
-  return factor_ *
-         (softness() + hardening * (p.squaredNorm() * Eigen::Matrix3d::Identity() + 2 * p * p.transpose()));
+  return factor_ * (softness() + hardening * (p.squaredNorm() * Eigen::Matrix3d::Identity() +
+                                              2 * p * p.transpose()));
 }
 
-TouchableBody::TouchableBody(Mesh mesh, const std::vector<Active>& active, double radius, double spacing) {
+TouchableBody::TouchableBody(Mesh mesh, const std::vector<Active>& active, double radius,
+                             double spacing) {
   problem.mesh = std::move(mesh);
   problem.fixed = problem.mesh.node_groups.at("zmin");
   Scene& scene = problem.scene;
@@ -40,7 +41,8 @@ TouchableBody::TouchableBody(Mesh mesh, const std::vector<Active>& active, doubl
   scene.regions[0].material.c10 = 1300;
   scene.regions[0].material.c01 = 1280;
   scene.fixed.nodes = problem.fixed;
-  scene.workspace = {.radius = radius, .spacing = spacing, .max_force = 8.5, .reject_inverted = true};
+  scene.workspace = {
+      .radius = radius, .spacing = spacing, .max_force = 8.5, .reject_inverted = true};
   for (const Active& one : active) {
     ActiveSelection selection;
     selection.name = "node-" + std::to_string(one.node);
@@ -60,10 +62,12 @@ TouchableBody::TouchableBody(Mesh mesh, const std::vector<Active>& active, doubl
 NodalFields TouchableBody::fields(std::size_t space, std::int32_t point) const {
   NodalFields values;
   const Eigen::Vector3d p = spaces[space].lattice.displacement(point),
-                        center = problem.mesh.nodes[static_cast<std::size_t>(problem.active[space].node)];
+                        center = problem.mesh
+                                     .nodes[static_cast<std::size_t>(problem.active[space].node)];
   for (const Eigen::Vector3d& node : problem.mesh.nodes)
     for (Eigen::Index axis = 0; axis < 3; ++axis)
-      values.displacement.push_back(static_cast<float>(p[axis] * std::exp(-(node - center).norm() / 0.03)));
+      values.displacement.push_back(
+          static_cast<float>(p[axis] * std::exp(-(node - center).norm() / 0.03)));
   values.pressure.assign(pressureNodes(problem), 0.0f);
   return values;
 }
@@ -73,8 +77,8 @@ void TouchableBody::seal(const std::filesystem::path& file) const {
               [this](std::size_t space, std::int32_t point) { return fields(space, point); });
 }
 
-std::vector<TouchableBody::Active> wholeSurface(const Mesh& mesh,
-                                                const std::function<double(const Eigen::Vector3d&)>& factor) {
+std::vector<TouchableBody::Active> wholeSurface(
+    const Mesh& mesh, const std::function<double(const Eigen::Vector3d&)>& factor) {
   const std::vector<std::int32_t>& fixed = mesh.node_groups.at("zmin");
   std::vector<TouchableBody::Active> active;
   for (const std::int32_t node : surfaceNodes(mesh))

@@ -8,8 +8,8 @@
 
 namespace palpate::test {
 
-/// Convex and stiffening: f (p.A p / 2 + b |p|^4 / 4), some 60 f N/m at rest and twice that at 20 mm; A is
-/// not isotropic. A body that a hand can slide on without falling into a hole.
+/// Convex and stiffening: f (p.A p / 2 + b |p|^4 / 4), some 60 f N/m at rest and twice that at 20
+/// mm; A is not isotropic. A body that a hand can slide on without falling into a hole.
 class ConvexEnergy : public AnalyticEnergy {
  public:
   explicit ConvexEnergy(double factor = 1) : factor_(factor) {}
@@ -21,15 +21,16 @@ class ConvexEnergy : public AnalyticEnergy {
   double factor_;
 };
 
-/// A sealed dataset of a mesh, made in code: active nodes with ConvexEnergy of their own factors, every point
-/// solved, and around each active node displacements that fall off with the distance.
+/// A sealed dataset of a mesh, made in code: active nodes with ConvexEnergy of their own factors,
+/// every point solved, and around each active node displacements that fall off with the distance.
 struct TouchableBody {
   struct Active {
     std::int32_t node;
     double factor = 1;
   };
   /// Fixed are the nodes of the group "zmin"; the others of `nodes` may be active.
-  TouchableBody(Mesh mesh, const std::vector<Active>& active, double radius = 0.03, double spacing = 0.015);
+  TouchableBody(Mesh mesh, const std::vector<Active>& active, double radius = 0.03,
+                double spacing = 0.015);
 
   Problem problem;
   std::vector<SpaceTable> spaces;
@@ -40,7 +41,7 @@ struct TouchableBody {
 };
 
 /// Every vertex of the surface but the fixed ones, with a factor for each position.
-std::vector<TouchableBody::Active> wholeSurface(const Mesh& mesh,
-                                                const std::function<double(const Eigen::Vector3d&)>& factor);
+std::vector<TouchableBody::Active> wholeSurface(
+    const Mesh& mesh, const std::function<double(const Eigen::Vector3d&)>& factor);
 
 }  // namespace palpate::test

@@ -19,8 +19,8 @@ struct SystemTest : testing::Test {
 
   SystemTest() { writeScene(directory.path(), 1300); }
 
-  /// A cube with two active nodes and 257 lattice points around each. Tool forces grow beyond max_force on
-  /// one side.
+  /// A cube with two active nodes and 257 lattice points around each. Tool forces grow beyond
+  /// max_force on one side.
   static void writeScene(const std::filesystem::path& where, double c10) {
     test::writeGmsh22(test::cubeMesh(0.1, 3), where / "cube.msh");
     std::ofstream(where / "cube.toml")
@@ -50,7 +50,8 @@ struct SystemTest : testing::Test {
   }
   std::uintmax_t journaled(const std::string& state) const {
     std::error_code none_yet;
-    const auto size = std::filesystem::file_size(directory / state / "segment-000001.dat", none_yet);
+    const auto size =
+        std::filesystem::file_size(directory / state / "segment-000001.dat", none_yet);
     return none_yet ? 0 : size;
   }
   /// Waits until the journal grew by `bytes`, or the process ended. False in that case.
@@ -60,7 +61,8 @@ struct SystemTest : testing::Test {
     return process.running();
   }
   std::string endpointIn(const std::string& state) const {
-    EXPECT_TRUE(test::eventually([&] { return !test::contentOf(directory / state / "endpoint").empty(); }));
+    EXPECT_TRUE(
+        test::eventually([&] { return !test::contentOf(directory / state / "endpoint").empty(); }));
     std::string endpoint = test::contentOf(directory / state / "endpoint");
     endpoint.pop_back();
     return endpoint;
@@ -68,8 +70,8 @@ struct SystemTest : testing::Test {
 };
 
 TEST_F(SystemTest, RefusesAFolderThatIsNotThereBeforeAnythingIsComputed) {
-  auto build = start("palpate-scheduler",
-                     {"build", "cube.toml", "-o", "nowhere2/out.h5", "--state", "elsewhere/s", "-j", "1"});
+  auto build = start("palpate-scheduler", {"build", "cube.toml", "-o", "nowhere2/out.h5", "--state",
+                                           "elsewhere/s", "-j", "1"});
   EXPECT_EQ(build->wait(), 1);
   EXPECT_THAT(build->output(), HasSubstr("nothing can be written into nowhere2"));
   EXPECT_EQ(journaled("elsewhere/s"), 0u);
@@ -119,8 +121,9 @@ TEST_F(SystemTest, KillsOfSchedulersAndWorkersLeaveNoTrace) {
 }
 
 TEST_F(SystemTest, WorkersOverTcpMakeTheSameFileAndLeaveWhenItIsDone) {
-  auto scheduler = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
-                                               "--state", "served", "-o", "served.h5"});
+  auto scheduler =
+      start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state",
+                                  "served", "-o", "served.h5"});
   const std::string endpoint = endpointIn("served");
   auto first = start("palpate-worker", {"work", "--connect", endpoint, "-j", "1"});
   auto second = start("palpate-worker", {"work", "--connect", endpoint, "-j", "1"});
@@ -133,8 +136,8 @@ TEST_F(SystemTest, WorkersOverTcpMakeTheSameFileAndLeaveWhenItIsDone) {
 TEST_F(SystemTest, WorkersOutliveTheirScheduler) {
   const auto serve = [&] {
     std::filesystem::remove(directory / "served" / "endpoint");
-    return start("palpate-scheduler", {"serve", "cube.toml", "--listen", "ipc://scheduler.ipc", "--state",
-                                       "served", "-o", "served.h5"});
+    return start("palpate-scheduler", {"serve", "cube.toml", "--listen", "ipc://scheduler.ipc",
+                                       "--state", "served", "-o", "served.h5"});
   };
   auto scheduler = serve();
   endpointIn("served");
@@ -189,7 +192,8 @@ TEST_F(SystemTest, StatusAndStopFindTheSchedulerThroughItsDirectory) {
   auto later = start("palpate-scheduler", {"status", "out.h5.state"});
   EXPECT_EQ(later->wait(), 0);
   EXPECT_THAT(later->output(), HasSubstr("stopped"));
-  auto explain = start("palpate-scheduler", {"explain", "out.h5.state", "--active", "tip", "0", "0", "0"});
+  auto explain =
+      start("palpate-scheduler", {"explain", "out.h5.state", "--active", "tip", "0", "0", "0"});
   EXPECT_EQ(explain->wait(), 0) << explain->output();
   EXPECT_THAT(explain->output(), HasSubstr("expandable"));
 }
@@ -201,33 +205,33 @@ TEST_F(SystemTest, StatusOfAKilledBuildShowsNobodyAtWork) {
   auto status = start("palpate-scheduler", {"status", "out.h5.state"});
   EXPECT_EQ(status->wait(), 0) << status->output();
   EXPECT_THAT(status->output(),
-              testing::AllOf(HasSubstr("stopped"), HasSubstr(": left, "), testing::Not(HasSubstr("busy")),
-                             testing::Not(HasSubstr("idle"))));
+              testing::AllOf(HasSubstr("stopped"), HasSubstr(": left, "),
+                             testing::Not(HasSubstr("busy")), testing::Not(HasSubstr("idle"))));
 }
 
 TEST_F(SystemTest, ASecondSchedulerAndAnotherSceneAreToldWhatIsWrong) {
-  auto serve =
-      start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
+  auto serve = start("palpate-scheduler",
+                     {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
   const std::string endpoint = endpointIn("state");
-  auto second =
-      start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
+  auto second = start("palpate-scheduler",
+                      {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
   EXPECT_EQ(second->wait(), 1);
   EXPECT_THAT(second->output(), HasSubstr("in use by process " + std::to_string(serve->pid())));
-  auto same_port =
-      start("palpate-scheduler", {"serve", "cube.toml", "--listen", endpoint, "--state", "elsewhere"});
+  auto same_port = start("palpate-scheduler",
+                         {"serve", "cube.toml", "--listen", endpoint, "--state", "elsewhere"});
   EXPECT_EQ(same_port->wait(), 1);
   EXPECT_THAT(same_port->output(), HasSubstr(endpoint + " is in use"));
   serve->stop(SIGKILL);
   writeScene(directory.path(), 2000);
-  auto other =
-      start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
+  auto other = start("palpate-scheduler",
+                     {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
   EXPECT_EQ(other->wait(), 2);
   EXPECT_THAT(other->output(), HasSubstr("another --state"));
 }
 
 TEST_F(SystemTest, ListeningBeyondThisMachineNeedsAWord) {
-  auto serve =
-      start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://0.0.0.0:*", "--state", "state"});
+  auto serve = start("palpate-scheduler",
+                     {"serve", "cube.toml", "--listen", "tcp://0.0.0.0:*", "--state", "state"});
   EXPECT_EQ(serve->wait(), 2);
   EXPECT_THAT(serve->output(), HasSubstr("--insecure"));
 }

@@ -18,8 +18,8 @@ TEST(Installation, ChecksTheShippedSceneFromWhereverItIs) {
   const auto installed = test::runCommand(PALPATE_INSTALL_COMMAND " " + quoted);
   ASSERT_EQ(installed.exit_code, 0) << installed.output;
 
-  const auto checked =
-      test::runCommand(quoted + "/bin/palpate check " + quoted + "/share/palpate/scenes/liver/liver.toml");
+  const auto checked = test::runCommand(quoted + "/bin/palpate check " + quoted +
+                                        "/share/palpate/scenes/liver/liver.toml");
   EXPECT_EQ(checked.exit_code, 0) << checked.output;
   EXPECT_THAT(checked.output, HasSubstr("492 nodes"));
   for (const char* verb : {"build", "query"}) {

@@ -81,7 +81,8 @@ class Process {
   std::string output() const { return contentOf(output_); }
   /// Its children, in no order.
   std::vector<pid_t> children() const {
-    std::ifstream file("/proc/" + std::to_string(pid_) + "/task/" + std::to_string(pid_) + "/children");
+    std::ifstream file("/proc/" + std::to_string(pid_) + "/task/" + std::to_string(pid_) +
+                       "/children");
     return {std::istream_iterator<pid_t>(file), {}};
   }
 

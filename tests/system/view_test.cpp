@@ -64,13 +64,14 @@ TEST_F(ViewTest, TheVirtualHandTouchesAndEveryRunIsTheSameToTheBit) {
 
 TEST_F(ViewTest, AReplayGivesTheSameForcesAgain) {
   measured({"cube.h5", "--fast", "--duration", "2", "--record", "run.h5"});
-  const auto replayed = measured({"cube.h5", "--fast", "--device", "replay:run.h5", "--record", "again.h5"});
+  const auto replayed =
+      measured({"cube.h5", "--fast", "--device", "replay:run.h5", "--record", "again.h5"});
   EXPECT_EQ(replayed.at("ticks"), 2000);
   const auto compared =
       test::runCommand("cd '" + directory.path().string() +
                        "' && /usr/bin/python3 -c \"import h5py; a, b = h5py.File('run.h5'), "
-                       "h5py.File('again.h5'); print('equal' if "
-                       "(a['/force/rendered'][:] == b['/force/rendered'][:]).all() else 'no')\"");
+                       "h5py.File('again.h5'); print('equal' if (a['/force/rendered'][:] == "
+                       "b['/force/rendered'][:]).all() else 'no')\"");
   EXPECT_EQ(compared.output, "equal\n");
 }
 
@@ -81,7 +82,8 @@ TEST_F(ViewTest, EndsAfterItsDurationOnTheClock) {
 
 TEST_F(ViewTest, AnInterruptEndsItWithItsMeasurementsAndItsRecording) {
   auto run = start({"cube.h5", "--headless", "--record", "run.h5"});
-  ASSERT_TRUE(test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));
+  ASSERT_TRUE(
+      test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));
   run->signal(SIGINT);
   EXPECT_EQ(run->wait(), 130);
   EXPECT_THAT(run->output(), HasSubstr("latency"));
@@ -90,18 +92,18 @@ TEST_F(ViewTest, AnInterruptEndsItWithItsMeasurementsAndItsRecording) {
 
 TEST_F(ViewTest, AClosedTerminalKeepsTheRecording) {
   auto run = start({"cube.h5", "--headless", "--record", "run.h5"});
-  ASSERT_TRUE(test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));
+  ASSERT_TRUE(
+      test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));
   run->signal(SIGHUP);
   EXPECT_EQ(run->wait(), 130);
   EXPECT_TRUE(std::filesystem::exists(directory / "run.h5"));
 }
 
 TEST_F(ViewTest, AReaderThatGoesAwayKeepsTheRecording) {
-  const auto run =
-      test::runCommand("cd '" + directory.path().string() + "' && " +
-                       PALPATE_BIN_DIR
-                       "/palpate-viewer view cube.h5 --headless --fast --duration 1 --record run.h5 "
-                       "| true");
+  const auto run = test::runCommand(
+      "cd '" + directory.path().string() + "' && " +
+      PALPATE_BIN_DIR
+      "/palpate-viewer view cube.h5 --headless --fast --duration 1 --record run.h5 | true");
   EXPECT_EQ(run.exit_code, 0) << "of true, which reads nothing: " << run.output;
   EXPECT_TRUE(std::filesystem::exists(directory / "run.h5"));
 }
@@ -109,8 +111,8 @@ TEST_F(ViewTest, AReaderThatGoesAwayKeepsTheRecording) {
 TEST_F(ViewTest, AFolderOfPicturesThatFailsKeepsTheRecording) {
   const test::VirtualScreen screen;
   auto run = start({"cube.h5", "--record-video", "frames", "--record", "run.h5"});
-  ASSERT_TRUE(
-      test::eventually([&] { return std::filesystem::exists(directory / "frames/frame-000003.png"); }));
+  ASSERT_TRUE(test::eventually(
+      [&] { return std::filesystem::exists(directory / "frames/frame-000003.png"); }));
   std::error_code busy;
   while (std::filesystem::exists(directory / "frames"))
     std::filesystem::remove_all(directory / "frames", busy);
@@ -121,7 +123,8 @@ TEST_F(ViewTest, AFolderOfPicturesThatFailsKeepsTheRecording) {
 
 TEST_F(ViewTest, ADatasetThatIsReplacedMeanwhileChangesNothing) {
   auto run = start({"cube.h5", "--headless", "--duration", "2.5", "--record", "run.h5"});
-  ASSERT_TRUE(test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));
+  ASSERT_TRUE(
+      test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));
   seal(2);
   EXPECT_EQ(run->wait(), 0) << run->output();
   EXPECT_THAT(run->output(), HasSubstr("cube.h5 was replaced"));

@@ -37,8 +37,8 @@ TEST(Doctor, SaysWhatToDoWithoutADisplay) {
 }
 
 TEST(Doctor, PrintsAnAdviceUnderWhatNeedsOne) {
-  const std::string text = describe(
-      {{Finding::Verdict::good, "clock", "fast"}, {Finding::Verdict::bad, "device", "locked", "open it"}});
+  const std::string text = describe({{Finding::Verdict::good, "clock", "fast"},
+                                     {Finding::Verdict::bad, "device", "locked", "open it"}});
   EXPECT_EQ(text,
             "ok   clock               fast\n"
             "BAD  device              locked\n"

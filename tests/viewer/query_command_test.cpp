@@ -10,7 +10,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
-#include "viewer/force_field.hpp"
+#include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
 namespace {
@@ -35,7 +35,8 @@ class QueryCommand : public ::testing::Test {
 
   /// Runs the program itself and returns its exit code; standard output and error are in `answer`.
   int run(const std::string& arguments) {
-    const std::string command = std::string(PALPATE_BIN_DIR) + "/palpate-viewer query " + arguments + " 2>&1";
+    const std::string command =
+        std::string(PALPATE_BIN_DIR) + "/palpate-viewer query " + arguments + " 2>&1";
     FILE* pipe = popen(command.c_str(), "r");
     if (pipe == nullptr) throw failure("cannot run {}", command);
     answer.clear();
@@ -50,7 +51,8 @@ class QueryCommand : public ::testing::Test {
 
   test::TemporaryDirectory directory;
   test::SampleDataset sample;
-  QueryOptions options{directory / "sample.h5", "edge-2", {"0.001", "-0.002", "0"}, "potential", true};
+  QueryOptions options{
+      directory / "sample.h5", "edge-2", {"0.001", "-0.002", "0"}, "potential", true};
   std::string answer;
 };
 
@@ -64,13 +66,14 @@ TEST_F(QueryCommand, AnswersInJsonWithNumbersThatRoundTrip) {
         answer.c_str(),
         "{\"displacement\":[%lf,%lf,%lf],\"force\":[%lf,%lf,%lf],\"stiffness\":[[%lf,%lf,%lf],[%lf,"
         "%lf,%lf],[%lf,%lf,%lf]],\"error_bound\":",
-        &p[0], &p[1], &p[2], &f[0], &f[1], &f[2], &k[0], &k[1], &k[2], &k[3], &k[4], &k[5], &k[6], &k[7],
-        &k[8]);
+        &p[0], &p[1], &p[2], &f[0], &f[1], &f[2], &k[0], &k[1], &k[2], &k[3], &k[4], &k[5], &k[6],
+        &k[7], &k[8]);
     ASSERT_EQ(read, 15) << answer;
     EXPECT_EQ(p[1], -0.002);
     EXPECT_EQ(Eigen::Map<Eigen::Vector3d>(f), sampled.force);
     EXPECT_EQ((Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(k)), sampled.stiffness);
-    EXPECT_EQ(std::isfinite(sampled.error_bound), answer.find("\"error_bound\":null,") == std::string::npos)
+    EXPECT_EQ(std::isfinite(sampled.error_bound),
+              answer.find("\"error_bound\":null,") == std::string::npos)
         << answer;
     EXPECT_THAT(answer, HasSubstr(",\"coverage\":"));
     EXPECT_THAT(answer, HasSubstr(",\"inside\":true,\"method\":\"" + method + "\"}\n"));
@@ -91,7 +94,8 @@ TEST_F(QueryCommand, AnswersOneLinePerLine) {
 TEST_F(QueryCommand, NamesTheLineItCannotRead) {
   options.displacement = {"-"};
   for (const char* line : {"0 0", "0 0 0 0", "0 0 x", "0 nan 0", "0 0 1e999", "0 0 0.1m"})
-    expectBadInput([&] { ask(std::string("0 0 0\n\n") + line + "\n0 0 0\n"); }, {"standard input, line 3"});
+    expectBadInput([&] { ask(std::string("0 0 0\n\n") + line + "\n0 0 0\n"); },
+                   {"standard input, line 3"});
 }
 
 TEST_F(QueryCommand, SaysWhatIsOutsideAndEndsWithCodeThree) {
@@ -106,8 +110,9 @@ TEST_F(QueryCommand, TellsAPersonWhyADisplacementIsOutside) {
   options.active = "tip";
   options.displacement = {"0.03", "0", "0"};
   EXPECT_EQ(ask(), ExitCode::partly_failed);
-  EXPECT_THAT(answer, AllOf(HasSubstr("NO: |displacement| = 0.03 m is beyond the workspace radius 0.02 m"),
-                            HasSubstr("N/m")));
+  EXPECT_THAT(answer,
+              AllOf(HasSubstr("NO: |displacement| = 0.03 m is beyond the workspace radius 0.02 m"),
+                    HasSubstr("N/m")));
 }
 
 TEST_F(QueryCommand, TellsAPersonWhatIsMissingAroundADisplacement) {
@@ -121,16 +126,16 @@ TEST_F(QueryCommand, TellsAPersonWhatIsMissingAroundADisplacement) {
   for (const std::int32_t coordinate : failed)
     options.displacement.push_back(fmt::format("{}", 0.0099 * coordinate));
   EXPECT_EQ(ask(), ExitCode::done);
-  EXPECT_THAT(answer,
-              HasSubstr(fmt::format("({}, {}, {}) failed (wrong_inertia)", failed[0], failed[1], failed[2])));
+  EXPECT_THAT(answer, HasSubstr(fmt::format("({}, {}, {}) failed (wrong_inertia)", failed[0],
+                                            failed[1], failed[2])));
 }
 
 TEST_F(QueryCommand, ShowsForceAndMagnitudeToAPerson) {
   options.json = false;
   EXPECT_EQ(ask(), ExitCode::done);
   const double magnitude = expected("potential", {0.001, -0.002, 0}).force.norm();
-  EXPECT_THAT(answer,
-              AllOf(HasSubstr(fmt::format("|force| = {:.6g} N", magnitude)), HasSubstr("inside        yes")));
+  EXPECT_THAT(answer, AllOf(HasSubstr(fmt::format("|force| = {:.6g} N", magnitude)),
+                            HasSubstr("inside        yes")));
 }
 
 TEST_F(QueryCommand, AsksForTheActiveNodeOnlyWhenThereAreSeveral) {
@@ -157,7 +162,8 @@ TEST_F(QueryCommand, ProgramTakesNegativeNumbersAnywhere) {
   EXPECT_EQ(run(file + " --active edge-2 --displacement -0.01 -1e-3 -.002 --json"), 0) << answer;
   EXPECT_THAT(answer, StartsWith("{\"displacement\":[-0.01,-0.001,-0.002],"));
   const std::string first = answer;
-  EXPECT_EQ(run("--json --displacement -0.01 -1e-3 -.002 " + file + " --active edge-2"), 0) << answer;
+  EXPECT_EQ(run("--json --displacement -0.01 -1e-3 -.002 " + file + " --active edge-2"), 0)
+      << answer;
   EXPECT_EQ(answer, first);
 }
 
@@ -172,8 +178,8 @@ TEST_F(QueryCommand, ProgramReadsStandardInputAndEndsWithItsCodes) {
   EXPECT_EQ(run(file + " --active edge-2 --displacement 0 0"), 2);
   EXPECT_EQ(run(file + " --active edge-2"), 2);
   EXPECT_EQ(run("--help"), 0);
-  EXPECT_THAT(answer,
-              AllOf(HasSubstr("Usage: palpate query"), HasSubstr("3 some displacement lies outside")));
+  EXPECT_THAT(answer, AllOf(HasSubstr("Usage: palpate query"),
+                            HasSubstr("3 some displacement lies outside")));
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "common/scene.hpp"
+#include "common/scene/scene.hpp"
 #include "tests/support/blob_on_disk.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/meshes.hpp"
@@ -22,8 +22,8 @@ using ::testing::IsEmpty;
 class CheckCommand : public ::testing::Test, protected test::BlobOnDisk {
  protected:
   CommandResult check(const std::string& options = "") {
-    return test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-worker check " + options + " " +
-                            write());
+    return test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-worker check " + options +
+                            " " + write());
   }
   json report() { return json::parse(check("--json").output); }
   std::vector<std::string> warnings() { return report().at("warnings"); }
@@ -46,8 +46,9 @@ TEST_F(CheckCommand, CountsWhatWillBeSolved) {
 TEST_F(CheckCommand, PrintsTheSameForPeople) {
   const CommandResult result = check();
   EXPECT_EQ(result.exit_code, 0);
-  for (const char* part : {"125 nodes, 384 tetrahedra", "\"xmin\": 25 nodes", "mooney-rivlin, c10 = 1300 Pa",
-                           "P1-stabilized", "active     \"tip\"", "515 points in each of 1 space(s)", "cost"})
+  for (const char* part :
+       {"125 nodes, 384 tetrahedra", "\"xmin\": 25 nodes", "mooney-rivlin, c10 = 1300 Pa",
+        "P1-stabilized", "active     \"tip\"", "515 points in each of 1 space(s)", "cost"})
     EXPECT_THAT(result.output, HasSubstr(part));
   EXPECT_THAT(result.output, ::testing::Not(HasSubstr("warning")));
 }
@@ -63,11 +64,11 @@ fixed = { group = "xmin" }
 active = [{ name = "tip", near = [100, 0, 20], radius = 40 }]
 workspace = { radius = 100, spacing = 20 }
 )";
-  const CommandResult result = test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-worker check " +
-                                                (directory / "mm.toml").string());
+  const CommandResult result = test::runCommand(
+      std::string(PALPATE_BIN_DIR) + "/palpate-worker check " + (directory / "mm.toml").string());
   EXPECT_EQ(result.exit_code, 0) << result.output;
-  for (const char* part :
-       {"1 in the files = 0.001 m", "workspace.spacing = 0.02", "near = (0.1, 0, 0.02)", "radius = 0.04"})
+  for (const char* part : {"1 in the files = 0.001 m", "workspace.spacing = 0.02",
+                           "near = (0.1, 0, 0.02)", "radius = 0.04"})
     EXPECT_THAT(result.output, HasSubstr(part));
 }
 
@@ -78,7 +79,8 @@ TEST_F(CheckCommand, WarnsOfEqualOrder) {
 
 TEST_F(CheckCommand, WarnsOfQuadraticEqualOrder) {
   scene.discretization = {DisplacementSpace::p2, PressureSpace::p2};
-  EXPECT_THAT(warnings(), Contains(HasSubstr("pressure = \"P2\" with P2 displacement violates inf-sup")));
+  EXPECT_THAT(warnings(),
+              Contains(HasSubstr("pressure = \"P2\" with P2 displacement violates inf-sup")));
   scene.discretization.pressure = PressureSpace::p1;
   EXPECT_THAT(warnings(), IsEmpty());
 }
@@ -157,8 +159,8 @@ TEST_F(CheckCommand, SaysWhatADeviceCutsOff) {
   EXPECT_EQ(report().at("device").at("max_force_cut_from"), 8.5);
   const std::string text = check().output;
   for (const char* part :
-       {"device     touch: reaches 0.075 m, 3.3 N, 400 N/m", "workspace.radius cut from 0.1 to 0.075 m",
-        "workspace.max_force cut from 8.5 to 3.3 N"})
+       {"device     touch: reaches 0.075 m, 3.3 N, 400 N/m",
+        "workspace.radius cut from 0.1 to 0.075 m", "workspace.max_force cut from 8.5 to 3.3 N"})
     EXPECT_THAT(text, HasSubstr(part));
 }
 
@@ -169,8 +171,8 @@ TEST_F(CheckCommand, GivesBoundsOfTheCostOfAnAdaptiveBuild) {
   EXPECT_EQ(found.at("configurations"), 7 + 10);
   EXPECT_EQ(found.at("most_configurations"), 7 + 10 + 8 * 8);
   const std::string text = check().output;
-  for (const char* part : {"at least 17 configurations", "force to 3 % or 0.01 N", "10 in each space",
-                           "cost       an estimate", "between"})
+  for (const char* part : {"at least 17 configurations", "force to 3 % or 0.01 N",
+                           "10 in each space", "cost       an estimate", "between"})
     EXPECT_THAT(text, HasSubstr(part));
 }
 

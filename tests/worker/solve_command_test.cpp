@@ -4,7 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "common/scene.hpp"
+#include "common/scene/scene.hpp"
 #include "tests/support/blob_on_disk.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/meshes.hpp"
@@ -20,8 +20,8 @@ using ::testing::HasSubstr;
 class SolveCommand : public ::testing::Test, protected test::BlobOnDisk {
  protected:
   CommandResult solve(const std::string& options) {
-    return test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-worker solve " + write() + " " +
-                            options);
+    return test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-worker solve " + write() +
+                            " " + options);
   }
 };
 
@@ -86,8 +86,8 @@ TEST_F(SolveCommand, HelpSaysUnitsAndExitCodes) {
 TEST_F(SolveCommand, UsageErrorsNameTheVerb) {
   const CommandResult result = solve("--displacement 0 0 0 --tseps 2");
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.output,
-              AllOf(HasSubstr("palpate solve: "), HasSubstr("--tseps"), HasSubstr("palpate solve --help")));
+  EXPECT_THAT(result.output, AllOf(HasSubstr("palpate solve: "), HasSubstr("--tseps"),
+                                   HasSubstr("palpate solve --help")));
 }
 
 }  // namespace

@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-// Checks of arguments. Each tells whether the argument can be used, and records what is wrong with it.
+// Checks of arguments. Each tells whether the argument can be used, and records what is wrong with
+// it.
 
 inline bool isThere(const char* function, const char* name, const void* pointer) noexcept {
   if (pointer == nullptr) invalid("{}: {} is NULL", function, name);

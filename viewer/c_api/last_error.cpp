@@ -9,6 +9,4 @@ ErrorText& lastErrorText() noexcept {
 
 }  // namespace palpate
 
-const char* palpate_last_error() {
-  return palpate::lastErrorText().data();
-}
+const char* palpate_last_error() { return palpate::lastErrorText().data(); }

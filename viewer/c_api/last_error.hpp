@@ -9,7 +9,7 @@
 #include <new>
 #include <utility>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 #include "viewer/c_api/palpate.h"
 
 namespace palpate {
@@ -18,10 +18,11 @@ namespace palpate {
 using ErrorText = std::array<char, 1024>;
 ErrorText& lastErrorText() noexcept;
 
-/// Records a failure of this thread and gives back its status. Does not allocate (the first failure of a
-/// thread may: its text comes to be).
+/// Records a failure of this thread and gives back its status. Does not allocate (the first failure
+/// of a thread may: its text comes to be).
 template <class... Args>
-palpate_status fail(palpate_status status, fmt::format_string<Args...> format, Args&&... args) noexcept {
+palpate_status fail(palpate_status status, fmt::format_string<Args...> format,
+                    Args&&... args) noexcept {
   ErrorText& text = lastErrorText();
   try {
     const auto written =
@@ -38,14 +39,16 @@ palpate_status invalid(fmt::format_string<Args...> format, Args&&... args) noexc
   return fail(PALPATE_INVALID_ARGUMENT, format, std::forward<Args>(args)...);
 }
 
-/// Runs what may throw. An Error is about the file that is being opened: arguments were looked at before.
+/// Runs what may throw. An Error is about the file that is being opened: arguments were looked at
+/// before.
 template <class Work>
 palpate_status withoutExceptions(const char* function, Work&& work) noexcept {
   try {
     std::forward<Work>(work)();
     return PALPATE_OK;
   } catch (const std::bad_alloc&) {
-    return fail(PALPATE_OUT_OF_MEMORY, "{}: there is not enough memory; prepare fewer methods", function);
+    return fail(PALPATE_OUT_OF_MEMORY, "{}: there is not enough memory; prepare fewer methods",
+                function);
   } catch (const Error& error) {
     return fail(PALPATE_BAD_FILE, "{}: {}", function, error.what());
   } catch (const std::exception& error) {

@@ -40,7 +40,8 @@ LoadedDataset::LoadedDataset(const Dataset& dataset, const HapticModelOptions& o
   info_.name = model_.name().c_str();
   info_.file = model_.file().c_str();
   info_.content_id = content_id_.c_str();
-  info_.contact_mode = model_.contactMode() == ContactMode::glued ? PALPATE_GLUED : PALPATE_UNILATERAL;
+  info_.contact_mode =
+      model_.contactMode() == ContactMode::glued ? PALPATE_GLUED : PALPATE_UNILATERAL;
   info_.space_count = static_cast<std::int32_t>(model_.spaces().size());
   info_.method_count = static_cast<std::int32_t>(model_.methods().size());
   info_.vertex_count = static_cast<std::int32_t>(model_.surface().vertices().size());

@@ -9,7 +9,8 @@
 
 namespace palpate {
 
-/// A dataset as the C API gives it out: the prepared model, and what palpate_..._info say of it. Immutable.
+/// A dataset as the C API gives it out: the prepared model, and what palpate_..._info say of it.
+/// Immutable.
 class LoadedDataset {
  public:
   /// Error as of Dataset and HapticModel.

@@ -1,30 +1,35 @@
-/* libpalpate: forces of a soft body from a Palpate dataset, for simulators with a loop of their own.
+/* libpalpate: forces of a soft body from a Palpate dataset, for simulators with a loop of their
+ * own.
  *
- * A dataset holds precomputed equilibria of a body for displacements of its active nodes. Each active node
- * has a *space*: a ball of displacements in which force, stiffness and shape are interpolated. This library
- * loads a dataset into memory and answers from it. docs/client.md tells how to link, query and stay safe.
+ * A dataset holds precomputed equilibria of a body for displacements of its active nodes. Each
+ * active node has a *space*: a ball of displacements in which force, stiffness and shape are
+ * interpolated. This library loads a dataset into memory and answers from it. docs/client.md tells
+ * how to link, query and stay safe.
  *
- * Units and frame. SI throughout: m, N, N/m, J, s. Everything is in the frame of the scene, the frame of the
- * mesh; forces are those of the tissue on the tool. Matrices are row major: stiffness[3 * i + j] =
- * d force[i] / d position[j].
+ * Units and frame. SI throughout: m, N, N/m, J, s. Everything is in the frame of the scene, the
+ * frame of the mesh; forces are those of the tissue on the tool. Matrices are row major:
+ * stiffness[3 * i + j] = d force[i] / d position[j].
  *
- * Structures. Every one begins with `size`, and the caller sets it to sizeof(the structure) before a call,
- * for those that are filled too. Later versions append members, and know by `size` what a caller was compiled
- * with. A program needs a library at least as new as the header it was compiled with.
+ * Structures. Every one begins with `size`, and the caller sets it to sizeof(the structure) before
+ * a call, for those that are filled too. Later versions append members, and know by `size` what a
+ * caller was compiled with. A program needs a library at least as new as the header it was compiled
+ * with.
  *
- * Errors. What can fail returns a palpate_status; everything but PALPATE_OK has a text in palpate_last_error.
- * Unless a function says otherwise its results are left as they were then. Nothing is thrown, and the process
- * is never ended, on any input but an invalid pointer or a handle that was given back.
+ * Errors. What can fail returns a palpate_status; everything but PALPATE_OK has a text in
+ * palpate_last_error. Unless a function says otherwise its results are left as they were then.
+ * Nothing is thrown, and the process is never ended, on any input but an invalid pointer or a
+ * handle that was given back.
  *
- * Threads. A dataset is immutable: any number of threads may use one at once. A contact and a guard belong to
- * one thread at a time. Handles of their own are independent of each other.
+ * Threads. A dataset is immutable: any number of threads may use one at once. A contact and a guard
+ * belong to one thread at a time. Handles of their own are independent of each other.
  *
- * Real time. Where it says so a function neither allocates nor locks nor waits nor does input and output,
- * when it returns PALPATE_OK, and its time is bounded. Everything else belongs into the preparation.
+ * Real time. Where it says so a function neither allocates nor locks nor waits nor does input and
+ * output, when it returns PALPATE_OK, and its time is bounded. Everything else belongs into the
+ * preparation.
  *
- * Lifetime. Handles are given back once, by the function that is named. A contact keeps its dataset in
- * memory: they may be given back in any order. Texts belong to the library or to the handle, as said; never
- * free them. */
+ * Lifetime. Handles are given back once, by the function that is named. A contact keeps its dataset
+ * in memory: they may be given back in any order. Texts belong to the library or to the handle, as
+ * said; never free them. */
 #ifndef PALPATE_H
 #define PALPATE_H
 
@@ -41,18 +46,19 @@
 extern "C" {
 #endif
 
-/* ---- version and errors ----------------------------------------------------------------------------------
+/* ---- version and errors
+ * ----------------------------------------------------------------------------------
  */
 
-/* Of this header. Functions and members are only ever added while it stays the same; it is the number in
- * libpalpate.so.N. */
+/* Of this header. Functions and members are only ever added while it stays the same; it is the
+ * number in libpalpate.so.N. */
 #define PALPATE_ABI_VERSION 0
 
 /* Values are part of the ABI: only append. */
 typedef enum palpate_status {
   PALPATE_OK = 0,
   PALPATE_INVALID_ARGUMENT =
-      1,                /* NULL, wrong size, no such number or name, value out of range, small buffer */
+      1, /* NULL, wrong size, no such number or name, value out of range, small buffer */
   PALPATE_BAD_FILE = 2, /* missing, unreadable, no dataset, damaged, or with nothing to touch */
   PALPATE_OUT_OF_MEMORY = 3,
   PALPATE_FAILED = 4 /* anything else; worth a report */
@@ -61,28 +67,29 @@ typedef enum palpate_status {
 /* Version of the library, as "0.1.0". Any thread, real time. */
 PALPATE_API const char* palpate_version(void);
 
-/* PALPATE_ABI_VERSION of the library: compare it with that of the header after loading the library by hand.
- * Any thread, real time. */
+/* PALPATE_ABI_VERSION of the library: compare it with that of the header after loading the library
+ * by hand. Any thread, real time. */
 PALPATE_API int32_t palpate_abi_version(void);
 
-/* The last failure of the calling thread: what happened, where, what to do; "" when there was none. Calls
- * that succeed leave it. Valid until the next failure on this thread. Real time. */
+/* The last failure of the calling thread: what happened, where, what to do; "" when there was none.
+ * Calls that succeed leave it. Valid until the next failure on this thread. Real time. */
 PALPATE_API const char* palpate_last_error(void);
 
-/* ---- dataset ---------------------------------------------------------------------------------------------
+/* ---- dataset
+ * ---------------------------------------------------------------------------------------------
  */
 
 typedef struct palpate_dataset palpate_dataset;
 
 typedef struct palpate_open_options {
   size_t size;
-  /* Interpolation methods to prepare, by name, numbered in this order: "potential" (conservative, the
-   * default), "trilinear", and those that `palpate query --help` lists. NULL with method_count 0: these two.
-   * Each takes time and memory. */
+  /* Interpolation methods to prepare, by name, numbered in this order: "potential" (conservative,
+   * the default), "trilinear", and those that `palpate query --help` lists. NULL with method_count
+   * 0: these two. Each takes time and memory. */
   const char* const* methods;
   size_t method_count;
-  /* m along the surface, >= 0: how far from an active node the surface can be touched. 0: as far as the
-   * triangles at the active node reach. */
+  /* m along the surface, >= 0: how far from an active node the surface can be touched. 0: as far as
+   * the triangles at the active node reach. */
   double reach;
 } palpate_open_options;
 
@@ -112,13 +119,15 @@ typedef struct palpate_space_info {
   double largest_force;    /* N, longest solved force */
 } palpate_space_info;
 
-/* Loads `file` (UTF-8), verifies it, and prepares everything: seconds, and memory of several times the file.
- * The file is closed then and may be replaced or removed. options: NULL for the defaults. *dataset is to be
- * given to palpate_dataset_close; NULL on failure. Errors: PALPATE_BAD_FILE, PALPATE_INVALID_ARGUMENT
- * (unknown method, negative reach), PALPATE_OUT_OF_MEMORY. Any thread; two calls at once wait for each other.
- * HDF5, which reads the file, is not thread-safe: no other part of the process may be inside HDF5 meanwhile.
+/* Loads `file` (UTF-8), verifies it, and prepares everything: seconds, and memory of several times
+ * the file. The file is closed then and may be replaced or removed. options: NULL for the defaults.
+ * *dataset is to be given to palpate_dataset_close; NULL on failure. Errors: PALPATE_BAD_FILE,
+ * PALPATE_INVALID_ARGUMENT (unknown method, negative reach), PALPATE_OUT_OF_MEMORY. Any thread; two
+ * calls at once wait for each other. HDF5, which reads the file, is not thread-safe: no other part
+ * of the process may be inside HDF5 meanwhile.
  */
-PALPATE_API palpate_status palpate_dataset_open(const char* file, const palpate_open_options* options,
+PALPATE_API palpate_status palpate_dataset_open(const char* file,
+                                                const palpate_open_options* options,
                                                 palpate_dataset** dataset);
 
 /* Gives the handle back; NULL is ignored. No other thread may be using it; contacts may. */
@@ -131,32 +140,34 @@ PALPATE_API palpate_status palpate_dataset_describe(const palpate_dataset* datas
 /* Spaces are numbered 0..space_count-1, in the order of the scene. Any thread, real time. */
 PALPATE_API palpate_status palpate_dataset_space(const palpate_dataset* dataset, int32_t space,
                                                  palpate_space_info* info);
-/* Number of the space of an active node. PALPATE_INVALID_ARGUMENT, listing the names there are, when there is
- * none. Any thread. */
-PALPATE_API palpate_status palpate_dataset_find_space(const palpate_dataset* dataset, const char* name,
-                                                      int32_t* space);
+/* Number of the space of an active node. PALPATE_INVALID_ARGUMENT, listing the names there are,
+ * when there is none. Any thread. */
+PALPATE_API palpate_status palpate_dataset_find_space(const palpate_dataset* dataset,
+                                                      const char* name, int32_t* space);
 
-/* Name of a prepared method, 0..method_count-1; owned by the dataset; NULL, with an error text, when there is
- * none. Any thread, real time. */
+/* Name of a prepared method, 0..method_count-1; owned by the dataset; NULL, with an error text,
+ * when there is none. Any thread, real time. */
 PALPATE_API const char* palpate_dataset_method(const palpate_dataset* dataset, int32_t method);
-/* Number of a prepared method. PALPATE_INVALID_ARGUMENT, listing those prepared, when it is none. Any thread.
+/* Number of a prepared method. PALPATE_INVALID_ARGUMENT, listing those prepared, when it is none.
+ * Any thread.
  */
-PALPATE_API palpate_status palpate_dataset_find_method(const palpate_dataset* dataset, const char* name,
-                                                       int32_t* method);
+PALPATE_API palpate_status palpate_dataset_find_method(const palpate_dataset* dataset,
+                                                       const char* name, int32_t* method);
 
-/* The surface at rest, copied into buffers of the caller. `capacity` counts numbers, not bytes; more than
- * needed is left as it was; less is PALPATE_INVALID_ARGUMENT and nothing is written. Any thread, real time.
- *   vertices   3 vertex_count: x, y, z of every vertex, m
- *   triangles  3 triangle_count: vertex numbers, counterclockwise seen from outside
- *   touchable  triangle_count: 1 where a contact feels forces, else 0 */
-PALPATE_API palpate_status palpate_dataset_vertices(const palpate_dataset* dataset, double* vertices,
-                                                    size_t capacity);
-PALPATE_API palpate_status palpate_dataset_triangles(const palpate_dataset* dataset, int32_t* triangles,
-                                                     size_t capacity);
-PALPATE_API palpate_status palpate_dataset_touchable(const palpate_dataset* dataset, uint8_t* touchable,
-                                                     size_t capacity);
+/* The surface at rest, copied into buffers of the caller. `capacity` counts numbers, not bytes;
+ * more than needed is left as it was; less is PALPATE_INVALID_ARGUMENT and nothing is written. Any
+ * thread, real time. vertices   3 vertex_count: x, y, z of every vertex, m triangles  3
+ * triangle_count: vertex numbers, counterclockwise seen from outside touchable  triangle_count: 1
+ * where a contact feels forces, else 0 */
+PALPATE_API palpate_status palpate_dataset_vertices(const palpate_dataset* dataset,
+                                                    double* vertices, size_t capacity);
+PALPATE_API palpate_status palpate_dataset_triangles(const palpate_dataset* dataset,
+                                                     int32_t* triangles, size_t capacity);
+PALPATE_API palpate_status palpate_dataset_touchable(const palpate_dataset* dataset,
+                                                     uint8_t* touchable, size_t capacity);
 
-/* ---- query -----------------------------------------------------------------------------------------------
+/* ---- query
+ * -----------------------------------------------------------------------------------------------
  */
 
 /* The answer to one displacement. Force and stiffness are always finite. */
@@ -165,31 +176,36 @@ typedef struct palpate_sample {
   double force[3];     /* N */
   double stiffness[9]; /* N/m, row major: the exact derivative of this method's force */
   double energy;       /* J, stored in the tissue; NaN when the method has none */
-  double error_bound;  /* N, on the error of the force, estimated to hold at 99 % of places; NaN: not known */
-  double coverage;     /* 0..1, share of the answer that stands on solved equilibria of one branch */
-  int32_t inside;      /* 1: in the workspace ball, with something solved around. 0: an extrapolation */
-  int32_t reserved;    /* 0 */
+  double error_bound; /* N, on the error of the force, estimated to hold at 99 % of places; NaN: not
+                         known */
+  double coverage;    /* 0..1, share of the answer that stands on solved equilibria of one branch */
+  int32_t inside; /* 1: in the workspace ball, with something solved around. 0: an extrapolation */
+  int32_t reserved; /* 0 */
 } palpate_sample;
 
-/* Force and stiffness of one space. displacement: of its active node from its rest position, m. Outside of
- * the workspace ball the answer is that at the nearest point of the sphere, with a growing error bound and
- * inside = 0: something to fade out from. A displacement that is not finite gives no force and inside = 0;
- * that is no error, so that a bad reading does not stop a loop. Any thread, real time (wait-free). */
-PALPATE_API palpate_status palpate_query(const palpate_dataset* dataset, int32_t space, int32_t method,
-                                         const double displacement[3], palpate_sample* sample);
+/* Force and stiffness of one space. displacement: of its active node from its rest position, m.
+ * Outside of the workspace ball the answer is that at the nearest point of the sphere, with a
+ * growing error bound and inside = 0: something to fade out from. A displacement that is not finite
+ * gives no force and inside = 0; that is no error, so that a bad reading does not stop a loop. Any
+ * thread, real time (wait-free). */
+PALPATE_API palpate_status palpate_query(const palpate_dataset* dataset, int32_t space,
+                                         int32_t method, const double displacement[3],
+                                         palpate_sample* sample);
 
-/* The deformed surface for a displacement of one active node alone: displacements of the vertices, m, 3
- * vertex_count floats; `capacity` as with palpate_dataset_vertices. *inside (may be NULL): as in
- * palpate_sample. A displacement that is not finite gives the shape at rest. Any thread, real time; its time
- * grows with the surface, so it belongs to the thread that draws. */
+/* The deformed surface for a displacement of one active node alone: displacements of the vertices,
+ * m, 3 vertex_count floats; `capacity` as with palpate_dataset_vertices. *inside (may be NULL): as
+ * in palpate_sample. A displacement that is not finite gives the shape at rest. Any thread, real
+ * time; its time grows with the surface, so it belongs to the thread that draws. */
 PALPATE_API palpate_status palpate_displacements(const palpate_dataset* dataset, int32_t space,
                                                  const double displacement[3], float* displacements,
                                                  size_t capacity, int32_t* inside);
 
-/* ---- contact ---------------------------------------------------------------------------------------------
+/* ---- contact
+ * ---------------------------------------------------------------------------------------------
  */
 
-/* A point tool on the body: finds where it touches, blends the spaces there, slides with friction. */
+/* A point tool on the body: finds where it touches, blends the spaces there, slides with friction.
+ */
 typedef struct palpate_contact palpate_contact;
 
 /* Values are part of the ABI: only append. */
@@ -200,13 +216,16 @@ typedef enum palpate_contact_mode {
 
 typedef struct palpate_contact_options {
   size_t size;
-  int32_t mode;         /* palpate_contact_mode; default: what the scene asks for */
-  int32_t method;       /* number of a prepared method; default 0 */
-  double friction;      /* Coulomb's coefficient, >= 0; unilateral only; default 0.2 */
-  double grab_distance; /* m, >= 0; glued: the tool takes hold of a surface this near; default 0.005 */
-  double most_slide;    /* m per update, > 0, that the point of contact may slide at most; default 0.002 */
-  /* 0..1 of the force per update, > 0: what sliding may change it by beyond what the tool's motion does,
-   * where the point of contact runs down from a ridge. Smaller is softer, and lags behind; default 0.005. */
+  int32_t mode;    /* palpate_contact_mode; default: what the scene asks for */
+  int32_t method;  /* number of a prepared method; default 0 */
+  double friction; /* Coulomb's coefficient, >= 0; unilateral only; default 0.2 */
+  double
+      grab_distance; /* m, >= 0; glued: the tool takes hold of a surface this near; default 0.005 */
+  double most_slide; /* m per update, > 0, that the point of contact may slide at most; default
+                        0.002 */
+  /* 0..1 of the force per update, > 0: what sliding may change it by beyond what the tool's motion
+   * does, where the point of contact runs down from a ridge. Smaller is softer, and lags behind;
+   * default 0.005. */
   double most_relaxation;
 } palpate_contact_options;
 
@@ -216,8 +235,9 @@ typedef struct palpate_contact_options {
 typedef struct palpate_touch {
   size_t size;
   int32_t touching; /* 1 or 0 */
-  /* 1: the force may differ from the last one by more than motion explains (contact began away from the
-   * surface, ended with a force, or the dataset was switched). The guard fades such steps in. */
+  /* 1: the force may differ from the last one by more than motion explains (contact began away from
+   * the surface, ended with a force, or the dataset was switched). The guard fades such steps in.
+   */
   int32_t stepped;
   int32_t inside;         /* as in palpate_sample, of all spaces that take part */
   int32_t triangle;       /* in contact; -1: none */
@@ -236,11 +256,13 @@ typedef struct palpate_touch {
   double share_weights[PALPATE_MOST_SHARES]; /* sum 1 */
 } palpate_touch;
 
-/* Fills in the defaults above for a dataset (options->size is set by the caller). Any thread, real time. */
+/* Fills in the defaults above for a dataset (options->size is set by the caller). Any thread, real
+ * time. */
 PALPATE_API palpate_status palpate_contact_defaults(const palpate_dataset* dataset,
                                                     palpate_contact_options* options);
 
-/* options: NULL for the defaults. *contact is to be given to palpate_contact_destroy; NULL on failure. */
+/* options: NULL for the defaults. *contact is to be given to palpate_contact_destroy; NULL on
+ * failure. */
 PALPATE_API palpate_status palpate_contact_create(const palpate_dataset* dataset,
                                                   const palpate_contact_options* options,
                                                   palpate_contact** contact);
@@ -248,33 +270,34 @@ PALPATE_API palpate_status palpate_contact_create(const palpate_dataset* dataset
 /* Gives the handle back; NULL is ignored. */
 PALPATE_API void palpate_contact_destroy(palpate_contact* contact);
 
-/* One tick: the tool is at `tool`, m. Call it at the rate of the loop, with every reading in turn: contact
- * depends on the way that the tool took. The tool touches when it crosses a touchable triangle from outside,
- * so the first position should be outside of the body. hold: glued mode only, 0 lets go. A position that is
- * not finite ends the contact. Real time. */
+/* One tick: the tool is at `tool`, m. Call it at the rate of the loop, with every reading in turn:
+ * contact depends on the way that the tool took. The tool touches when it crosses a touchable
+ * triangle from outside, so the first position should be outside of the body. hold: glued mode
+ * only, 0 lets go. A position that is not finite ends the contact. Real time. */
 PALPATE_API palpate_status palpate_contact_update(palpate_contact* contact, const double tool[3],
                                                   int32_t hold, palpate_touch* touch);
 
 /* Ends the contact; the tool must come from outside again. Real time. */
 PALPATE_API palpate_status palpate_contact_release(palpate_contact* contact);
 
-/* Goes on with another dataset or another prepared method, to feel the difference. Contact is kept where both
- * surfaces have the same triangles. Real time when the dataset used so far is still open (else this frees
- * it). */
-PALPATE_API palpate_status palpate_contact_use(palpate_contact* contact, const palpate_dataset* dataset,
-                                               int32_t method);
+/* Goes on with another dataset or another prepared method, to feel the difference. Contact is kept
+ * where both surfaces have the same triangles. Real time when the dataset used so far is still open
+ * (else this frees it). */
+PALPATE_API palpate_status palpate_contact_use(palpate_contact* contact,
+                                               const palpate_dataset* dataset, int32_t method);
 
-/* The deformed surface of a contact, from the touch that palpate_contact_update gave, so that a touch may be
- * copied to the thread that draws. The dataset must be the contact's. Displacements of the vertices, m, 3
- * vertex_count floats; `capacity` as with palpate_dataset_vertices. They blend the shapes of the spaces that
- * take part, and let the surface pass through the tool. Without contact all zero. Of the touch touching,
- * displacement, triangle, barycentric, anchor and the shares are read. Any thread; allocates, so it belongs
- * to the thread that draws. */
+/* The deformed surface of a contact, from the touch that palpate_contact_update gave, so that a
+ * touch may be copied to the thread that draws. The dataset must be the contact's. Displacements of
+ * the vertices, m, 3 vertex_count floats; `capacity` as with palpate_dataset_vertices. They blend
+ * the shapes of the spaces that take part, and let the surface pass through the tool. Without
+ * contact all zero. Of the touch touching, displacement, triangle, barycentric, anchor and the
+ * shares are read. Any thread; allocates, so it belongs to the thread that draws. */
 PALPATE_API palpate_status palpate_touch_displacements(const palpate_dataset* dataset,
-                                                       const palpate_touch* touch, float* displacements,
-                                                       size_t capacity);
+                                                       const palpate_touch* touch,
+                                                       float* displacements, size_t capacity);
 
-/* ---- devices and the guard -------------------------------------------------------------------------------
+/* ---- devices and the guard
+ * -------------------------------------------------------------------------------
  */
 
 /* What a haptic device can do. */
@@ -286,12 +309,13 @@ typedef struct palpate_profile {
   double workspace_radius; /* m */
 } palpate_profile;
 
-/* By name: "touch", "omni", "falcon", "omega", ... PALPATE_INVALID_ARGUMENT, listing all, for another. Any
- * thread. */
+/* By name: "touch", "omni", "falcon", "omega", ... PALPATE_INVALID_ARGUMENT, listing all, for
+ * another. Any thread. */
 PALPATE_API palpate_status palpate_device_profile(const char* name, palpate_profile* device);
 
-/* Stands between the force of a contact and a device: limits length and rate of the force, fades steps in,
- * keeps the loop passive, and gives zero when anything is wrong. There is no way to switch a limit off. */
+/* Stands between the force of a contact and a device: limits length and rate of the force, fades
+ * steps in, keeps the loop passive, and gives zero when anything is wrong. There is no way to
+ * switch a limit off. */
 typedef struct palpate_guard palpate_guard;
 
 typedef struct palpate_guard_options {
@@ -300,7 +324,8 @@ typedef struct palpate_guard_options {
   double max_force; /* N, > 0; default 3.3, of the smallest device */
   double max_slew;  /* N/s, > 0; default: max_force in 10 ms */
   double ramp;      /* s, > 0, in which a step of the force is faded in; default 0.05 */
-  double stall;     /* s, > 0, without a fresh reading, after which the force goes to zero; default 0.02 */
+  double
+      stall; /* s, > 0, without a fresh reading, after which the force goes to zero; default 0.02 */
   double max_stiffness; /* N/m, > 0, of the device: bounds the damping; default 400 */
   double energy_credit; /* J, >= 0, of dissipated energy that is remembered at most; default 1e-4 */
 } palpate_guard_options;
@@ -323,28 +348,32 @@ typedef struct palpate_guard_options {
 typedef struct palpate_guarded_force {
   size_t size;
   double force[3];   /* N, finite, |force| <= max_force: what to send to the device */
-  double passivity;  /* J, put in by the hand less stored in the tissue; negative: the loop created energy */
+  double passivity;  /* J, put in by the hand less stored in the tissue; negative: the loop created
+                        energy */
   uint32_t guards;   /* PALPATE_GUARD_... bits */
   uint32_t reserved; /* 0 */
 } palpate_guarded_force;
 
-/* Options for a device by name at a period (s, > 0); device NULL: the defaults above. options->size is set by
- * the caller. Any thread. */
+/* Options for a device by name at a period (s, > 0); device NULL: the defaults above. options->size
+ * is set by the caller. Any thread. */
 PALPATE_API palpate_status palpate_guard_defaults(const char* device, double period,
                                                   palpate_guard_options* options);
 
-/* options: NULL for the defaults. *guard is to be given to palpate_guard_destroy; NULL on failure. */
-PALPATE_API palpate_status palpate_guard_create(const palpate_guard_options* options, palpate_guard** guard);
+/* options: NULL for the defaults. *guard is to be given to palpate_guard_destroy; NULL on failure.
+ */
+PALPATE_API palpate_status palpate_guard_create(const palpate_guard_options* options,
+                                                palpate_guard** guard);
 
 /* Gives the handle back; NULL is ignored. */
 PALPATE_API void palpate_guard_destroy(palpate_guard* guard);
 
-/* One tick: the force to send. tool: m, the position that the touch was computed from. touch: of a contact;
- * or filled in by a simulator with forces of its own (size, touching, stepped, force, stiffness, energy are
- * read). flags: PALPATE_READING_FRESH, PALPATE_READING_LOST, PALPATE_LOOP_LATE, or'ed; other bits are an
- * error. Call it exactly once per period, also while nothing is touched: it counts time in calls. Whenever
- * the status is not PALPATE_OK, and `guarded` can be written, its force is zero: send that; the next force
- * is faded in from there. Real time. */
+/* One tick: the force to send. tool: m, the position that the touch was computed from. touch: of a
+ * contact; or filled in by a simulator with forces of its own (size, touching, stepped, force,
+ * stiffness, energy are read). flags: PALPATE_READING_FRESH, PALPATE_READING_LOST,
+ * PALPATE_LOOP_LATE, or'ed; other bits are an error. Call it exactly once per period, also while
+ * nothing is touched: it counts time in calls. Whenever the status is not PALPATE_OK, and `guarded`
+ * can be written, its force is zero: send that; the next force is faded in from there. Real time.
+ */
 PALPATE_API palpate_status palpate_guard_limit(palpate_guard* guard, const double tool[3],
                                                const palpate_touch* touch, uint32_t flags,
                                                palpate_guarded_force* guarded);

@@ -11,7 +11,8 @@
 using namespace palpate;
 
 struct palpate_contact {
-  palpate_contact(const palpate_dataset& dataset, const ContactOptions& options, std::int32_t method)
+  palpate_contact(const palpate_dataset& dataset, const ContactOptions& options,
+                  std::int32_t method)
       : loaded(dataset.loaded), contact(loaded->model(), options) {
     contact.use(loaded->model(), static_cast<std::size_t>(method));
   }
@@ -35,7 +36,8 @@ palpate_contact_options defaultsFor(const palpate_dataset& dataset) noexcept {
 bool canBeUsed(const char* function, const palpate_contact_options& options,
                const palpate_dataset& dataset) noexcept {
   if (options.mode != PALPATE_UNILATERAL && options.mode != PALPATE_GLUED) {
-    invalid("{}: options->mode is {}; it is PALPATE_UNILATERAL or PALPATE_GLUED", function, options.mode);
+    invalid("{}: options->mode is {}; it is PALPATE_UNILATERAL or PALPATE_GLUED", function,
+            options.mode);
     return false;
   }
   if (!isAtLeastZero(function, "options->friction", options.friction) ||
@@ -57,11 +59,13 @@ ContactOptions contactOptions(const palpate_contact_options& options) noexcept {
 }
 
 /// Whether a touch that the caller may have put together names triangles and spaces that there are.
-bool belongsTo(const char* function, const palpate_touch& touch, const palpate_dataset_info& info) noexcept {
+bool belongsTo(const char* function, const palpate_touch& touch,
+               const palpate_dataset_info& info) noexcept {
   if (touch.touching == 0) return true;
   if (!isNumber(function, "triangle", touch.triangle, info.triangle_count)) return false;
   if (touch.share_count < 1 || touch.share_count > PALPATE_MOST_SHARES) {
-    invalid("{}: touch->share_count is {}; it is 1 to {}", function, touch.share_count, PALPATE_MOST_SHARES);
+    invalid("{}: touch->share_count is {}; it is 1 to {}", function, touch.share_count,
+            PALPATE_MOST_SHARES);
     return false;
   }
   for (std::int32_t s = 0; s < touch.share_count; ++s)
@@ -71,14 +75,16 @@ bool belongsTo(const char* function, const palpate_touch& touch, const palpate_d
 
 }  // namespace
 
-palpate_status palpate_contact_defaults(const palpate_dataset* dataset, palpate_contact_options* options) {
+palpate_status palpate_contact_defaults(const palpate_dataset* dataset,
+                                        palpate_contact_options* options) {
   if (!isThere(__func__, "dataset", dataset) || !sizeIsKnown(__func__, "options", options))
     return PALPATE_INVALID_ARGUMENT;
   give(options, defaultsFor(*dataset));
   return PALPATE_OK;
 }
 
-palpate_status palpate_contact_create(const palpate_dataset* dataset, const palpate_contact_options* options,
+palpate_status palpate_contact_create(const palpate_dataset* dataset,
+                                      const palpate_contact_options* options,
                                       palpate_contact** contact) {
   if (!isThere(__func__, "contact", contact)) return PALPATE_INVALID_ARGUMENT;
   *contact = nullptr;
@@ -89,16 +95,15 @@ palpate_status palpate_contact_create(const palpate_dataset* dataset, const palp
     chosen = taken(options, chosen);
   }
   if (!canBeUsed(__func__, chosen, *dataset)) return PALPATE_INVALID_ARGUMENT;
-  return withoutExceptions(
-      __func__, [&] { *contact = new palpate_contact(*dataset, contactOptions(chosen), chosen.method); });
+  return withoutExceptions(__func__, [&] {
+    *contact = new palpate_contact(*dataset, contactOptions(chosen), chosen.method);
+  });
 }
 
-void palpate_contact_destroy(palpate_contact* contact) {
-  delete contact;
-}
+void palpate_contact_destroy(palpate_contact* contact) { delete contact; }
 
-palpate_status palpate_contact_update(palpate_contact* contact, const double tool[3], std::int32_t hold,
-                                      palpate_touch* touch) {
+palpate_status palpate_contact_update(palpate_contact* contact, const double tool[3],
+                                      std::int32_t hold, palpate_touch* touch) {
   if (!isThere(__func__, "contact", contact) || !isThere(__func__, "tool", tool) ||
       !sizeIsKnown(__func__, "touch", touch))
     return PALPATE_INVALID_ARGUMENT;
@@ -124,8 +129,9 @@ palpate_status palpate_contact_use(palpate_contact* contact, const palpate_datas
   return PALPATE_OK;
 }
 
-palpate_status palpate_touch_displacements(const palpate_dataset* dataset, const palpate_touch* touch,
-                                           float* displacements, std::size_t capacity) {
+palpate_status palpate_touch_displacements(const palpate_dataset* dataset,
+                                           const palpate_touch* touch, float* displacements,
+                                           std::size_t capacity) {
   if (!isThere(__func__, "dataset", dataset) || !sizeIsKnown(__func__, "touch", touch) ||
       !isThere(__func__, "displacements", displacements))
     return PALPATE_INVALID_ARGUMENT;

@@ -4,6 +4,7 @@
 #include "viewer/c_api/arguments.hpp"
 #include "viewer/c_api/loaded_dataset.hpp"
 #include "viewer/c_api/sized_struct.hpp"
+#include "viewer/fields/field_choice.hpp"
 
 using namespace palpate;
 
@@ -33,12 +34,14 @@ bool methodsAreKnown(const char* function, const palpate_open_options& options) 
 
 HapticModelOptions modelOptions(const palpate_open_options& given) {
   HapticModelOptions options;
-  if (given.method_count > 0) options.methods.assign(given.methods, given.methods + given.method_count);
+  if (given.method_count > 0)
+    options.methods.assign(given.methods, given.methods + given.method_count);
   options.reach = given.reach;
   return options;
 }
 
-/// Number of `name` among `count` names; -1 when it is none of them, which is recorded with all of them.
+/// Number of `name` among `count` names; -1 when it is none of them, which is recorded with all of
+/// them.
 template <class NameOf>
 std::int32_t find(const char* function, const char* what, std::string_view name, std::int32_t count,
                   NameOf nameOf) {
@@ -70,17 +73,16 @@ palpate_status palpate_dataset_open(const char* file, const palpate_open_options
     known = methodsAreKnown(function, chosen);
     if (!known) return;
     const std::lock_guard lock(readingMutex());
-    *dataset =
-        new palpate_dataset{std::make_shared<const LoadedDataset>(Dataset(file), modelOptions(chosen))};
+    *dataset = new palpate_dataset{
+        std::make_shared<const LoadedDataset>(Dataset(file), modelOptions(chosen))};
   });
   return known ? status : PALPATE_INVALID_ARGUMENT;
 }
 
-void palpate_dataset_close(palpate_dataset* dataset) {
-  delete dataset;
-}
+void palpate_dataset_close(palpate_dataset* dataset) { delete dataset; }
 
-palpate_status palpate_dataset_describe(const palpate_dataset* dataset, palpate_dataset_info* info) {
+palpate_status palpate_dataset_describe(const palpate_dataset* dataset,
+                                        palpate_dataset_info* info) {
   if (!isThere(__func__, "dataset", dataset) || !sizeIsKnown(__func__, "info", info))
     return PALPATE_INVALID_ARGUMENT;
   give(info, dataset->loaded->info());
@@ -130,8 +132,9 @@ palpate_status palpate_dataset_find_method(const palpate_dataset* dataset, const
   std::int32_t found = -1;
   const palpate_status status = withoutExceptions(function, [&] {
     const auto& methods = dataset->loaded->model().methods();
-    found = find(function, "prepared method", name, static_cast<std::int32_t>(methods.size()),
-                 [&](std::int32_t n) -> std::string_view { return methods[static_cast<std::size_t>(n)]; });
+    found = find(
+        function, "prepared method", name, static_cast<std::int32_t>(methods.size()),
+        [&](std::int32_t n) -> std::string_view { return methods[static_cast<std::size_t>(n)]; });
   });
   if (status != PALPATE_OK) return status;
   if (found < 0) return PALPATE_INVALID_ARGUMENT;
@@ -162,7 +165,8 @@ palpate_status palpate_dataset_triangles(const palpate_dataset* dataset, std::in
 palpate_status palpate_dataset_touchable(const palpate_dataset* dataset, std::uint8_t* touchable,
                                          std::size_t capacity) {
   if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "touchable", touchable) ||
-      !isEnough(__func__, capacity, static_cast<std::size_t>(dataset->loaded->info().triangle_count)))
+      !isEnough(__func__, capacity,
+                static_cast<std::size_t>(dataset->loaded->info().triangle_count)))
     return PALPATE_INVALID_ARGUMENT;
   const TouchSurface& surface = dataset->loaded->model().surface();
   for (std::int32_t t = 0; t < dataset->loaded->info().triangle_count; ++t)
@@ -170,16 +174,18 @@ palpate_status palpate_dataset_touchable(const palpate_dataset* dataset, std::ui
   return PALPATE_OK;
 }
 
-palpate_status palpate_query(const palpate_dataset* dataset, std::int32_t space, std::int32_t method,
-                             const double displacement[3], palpate_sample* sample) {
+palpate_status palpate_query(const palpate_dataset* dataset, std::int32_t space,
+                             std::int32_t method, const double displacement[3],
+                             palpate_sample* sample) {
   if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "displacement", displacement) ||
       !sizeIsKnown(__func__, "sample", sample) ||
       !isNumber(__func__, "space", space, dataset->loaded->info().space_count) ||
       !isNumber(__func__, "method", method, dataset->loaded->info().method_count))
     return PALPATE_INVALID_ARGUMENT;
-  const ForceSample answer = dataset->loaded->model()
-                                 .field(static_cast<std::size_t>(method), static_cast<std::size_t>(space))
-                                 .evaluate(vectorOf(displacement));
+  const ForceSample answer =
+      dataset->loaded->model()
+          .field(static_cast<std::size_t>(method), static_cast<std::size_t>(space))
+          .evaluate(vectorOf(displacement));
   palpate_sample given{};
   give(given.force, answer.force);
   give(given.stiffness, answer.stiffness);
@@ -192,8 +198,8 @@ palpate_status palpate_query(const palpate_dataset* dataset, std::int32_t space,
 }
 
 palpate_status palpate_displacements(const palpate_dataset* dataset, std::int32_t space,
-                                     const double displacement[3], float* displacements, std::size_t capacity,
-                                     std::int32_t* inside) {
+                                     const double displacement[3], float* displacements,
+                                     std::size_t capacity, std::int32_t* inside) {
   if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "displacement", displacement) ||
       !isThere(__func__, "displacements", displacements) ||
       !isNumber(__func__, "space", space, dataset->loaded->info().space_count))

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "common/device_profile.hpp"
+#include "common/scene/device_profile.hpp"
 #include "viewer/c_api/arguments.hpp"
 #include "viewer/c_api/sized_struct.hpp"
 #include "viewer/c_api/touch_struct.hpp"
@@ -13,7 +13,8 @@ struct palpate_guard {
   ForceGuard guard;
 };
 
-static_assert(guard_count == 8 && PALPATE_GUARD_RAMPED == static_cast<std::uint32_t>(Guarded::ramped) &&
+static_assert(guard_count == 8 &&
+              PALPATE_GUARD_RAMPED == static_cast<std::uint32_t>(Guarded::ramped) &&
               PALPATE_GUARD_DAMPED == static_cast<std::uint32_t>(Guarded::damped) &&
               PALPATE_GUARD_CLAMPED == static_cast<std::uint32_t>(Guarded::clamped) &&
               PALPATE_GUARD_SLEWED == static_cast<std::uint32_t>(Guarded::slewed) &&
@@ -24,14 +25,17 @@ static_assert(guard_count == 8 && PALPATE_GUARD_RAMPED == static_cast<std::uint3
 
 namespace {
 
-constexpr std::uint32_t known_flags = PALPATE_READING_FRESH | PALPATE_READING_LOST | PALPATE_LOOP_LATE;
+constexpr std::uint32_t known_flags =
+    PALPATE_READING_FRESH | PALPATE_READING_LOST | PALPATE_LOOP_LATE;
 
 const DeviceProfile* profileNamed(const char* function, std::string_view name) {
   const auto profiles = deviceProfiles();
-  const auto found = std::find_if(profiles.begin(), profiles.end(),
-                                  [&](const DeviceProfile& profile) { return profile.name == name; });
+  const auto found =
+      std::find_if(profiles.begin(), profiles.end(),
+                   [&](const DeviceProfile& profile) { return profile.name == name; });
   if (found != profiles.end()) return &*found;
-  invalid("{}: there is no device \"{}\"; there are: {}", function, name, fmt::join(deviceWords(), ", "));
+  invalid("{}: there is no device \"{}\"; there are: {}", function, name,
+          fmt::join(deviceWords(), ", "));
   return nullptr;
 }
 
@@ -70,7 +74,8 @@ bool canBeUsed(const char* function, const palpate_guard_options& options) noexc
 
 /// Zero is in `guarded` when it can be written.
 bool canBeLimited(const char* function, const palpate_guard* guard, const double tool[3],
-                  const palpate_touch* touch, std::uint32_t flags, palpate_guarded_force* guarded) noexcept {
+                  const palpate_touch* touch, std::uint32_t flags,
+                  palpate_guarded_force* guarded) noexcept {
   if (!sizeIsKnown(function, "guarded", guarded)) return false;
   give(guarded, palpate_guarded_force{});
   if (!isThere(function, "guard", guard) || !isThere(function, "tool", tool) ||
@@ -106,7 +111,8 @@ palpate_status palpate_device_profile(const char* name, palpate_profile* device)
   return PALPATE_OK;
 }
 
-palpate_status palpate_guard_defaults(const char* device, double period, palpate_guard_options* options) {
+palpate_status palpate_guard_defaults(const char* device, double period,
+                                      palpate_guard_options* options) {
   if (!isPositive(__func__, "period", period) || !sizeIsKnown(__func__, "options", options))
     return PALPATE_INVALID_ARGUMENT;
   GuardOptions chosen;
@@ -132,17 +138,18 @@ palpate_status palpate_guard_create(const palpate_guard_options* options, palpat
   return withoutExceptions(__func__, [&] { *guard = new palpate_guard(guardOptions(chosen)); });
 }
 
-void palpate_guard_destroy(palpate_guard* guard) {
-  delete guard;
-}
+void palpate_guard_destroy(palpate_guard* guard) { delete guard; }
 
-palpate_status palpate_guard_limit(palpate_guard* guard, const double tool[3], const palpate_touch* touch,
-                                   std::uint32_t flags, palpate_guarded_force* guarded) {
+palpate_status palpate_guard_limit(palpate_guard* guard, const double tool[3],
+                                   const palpate_touch* touch, std::uint32_t flags,
+                                   palpate_guarded_force* guarded) {
   if (!canBeLimited(__func__, guard, tool, touch, flags, guarded)) {
-    if (guard != nullptr) guard->guard.reset();  // the hand is given zero: the next force begins from there
+    if (guard != nullptr)
+      guard->guard.reset();  // the hand is given zero: the next force begins from there
     return PALPATE_INVALID_ARGUMENT;
   }
-  const GuardedForce limited = guard->guard.limit(inputOf(tool, taken(touch, toStruct(Touch{})), flags));
+  const GuardedForce limited =
+      guard->guard.limit(inputOf(tool, taken(touch, toStruct(Touch{})), flags));
   palpate_guarded_force given{};
   give(given.force, limited.force);
   given.passivity = limited.passivity;

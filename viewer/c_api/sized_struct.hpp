@@ -30,7 +30,8 @@ inline constexpr std::size_t first_size<palpate_guard_options> = 64;
 template <>
 inline constexpr std::size_t first_size<palpate_guarded_force> = 48;
 
-/// Whether a structure of the caller is there and of a size that this library knows; records what is wrong.
+/// Whether a structure of the caller is there and of a size that this library knows; records what
+/// is wrong.
 template <class Struct>
 bool sizeIsKnown(const char* function, const char* name, const Struct* given) noexcept {
   static_assert(first_size<Struct> > 0 && first_size<Struct> <= sizeof(Struct));
@@ -39,8 +40,9 @@ bool sizeIsKnown(const char* function, const char* name, const Struct* given) no
     return false;
   }
   if (given->size >= first_size<Struct> && given->size <= sizeof(Struct)) return true;
-  invalid("{}: {}->size is {}, not {}; set it to sizeof(*{}), and use a library as new as palpate.h",
-          function, name, given->size, sizeof(Struct), name);
+  invalid(
+      "{}: {}->size is {}, not {}; set it to sizeof(*{}), and use a library as new as palpate.h",
+      function, name, given->size, sizeof(Struct), name);
   return false;
 }
 

@@ -3,8 +3,8 @@
 #include <array>
 #include <string_view>
 
-#include "common/error.hpp"
-#include "common/nearest_word.hpp"
+#include "common/base/error.hpp"
+#include "common/base/nearest_word.hpp"
 #include "viewer/devices/haply_device.hpp"
 #include "viewer/devices/mouse_device.hpp"
 #include "viewer/devices/network_device.hpp"
@@ -32,13 +32,15 @@ Word split(std::string_view text) {
 
 const HapticModel& modelFor(const char* device, const DeviceContext& context) {
   if (context.model == nullptr)
-    throw badInput("the device \"{}\" moves around a body, and there is none here: choose another{}", device,
-                   std::string_view(device) == "virtual" ? ", or give it a path: virtual:FILE" : "");
+    throw badInput(
+        "the device \"{}\" moves around a body, and there is none here: choose another{}", device,
+        std::string_view(device) == "virtual" ? ", or give it a path: virtual:FILE" : "");
   return *context.model;
 }
 
 Device openVirtual(const Word& word, const DeviceContext& context) {
-  HandPath path = word.rest.empty() ? touchPath(modelFor("virtual", context)) : readHandPath(word.rest);
+  HandPath path =
+      word.rest.empty() ? touchPath(modelFor("virtual", context)) : readHandPath(word.rest);
   VirtualHandOptions options;
   options.period = context.period;
   return std::make_unique<VirtualHand>(std::move(path), options, context.profile);
@@ -66,8 +68,8 @@ Device openPlugin(const Word& word, const DeviceContext& context) {
   if (word.rest.empty())
     throw badInput("--device plugin: name the library: plugin:LIB.so or plugin:LIB.so:ID");
   const Word library = split(word.rest), device = split(library.rest);
-  return std::make_unique<PluginDevice>(
-      PluginDeviceOptions{std::string(library.kind), std::string(device.kind), device.rest, context.period});
+  return std::make_unique<PluginDevice>(PluginDeviceOptions{
+      std::string(library.kind), std::string(device.kind), device.rest, context.period});
 }
 
 struct Opener {
@@ -92,7 +94,8 @@ Error unknown(const std::string& text, std::string_view kind) {
 }  // namespace
 
 const char* deviceHelp() {
-  return "virtual, virtual:FILE, mouse, replay:FILE, tcp://HOST:PORT, haply, haply:ID or plugin:LIB.so[:ID]";
+  return "virtual, virtual:FILE, mouse, replay:FILE, tcp://HOST:PORT, haply, "
+         "haply:ID or plugin:LIB.so[:ID]";
 }
 
 std::unique_ptr<HapticDevice> openDevice(const std::string& text, const DeviceContext& context) {

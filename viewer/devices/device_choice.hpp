@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "viewer/devices/haptic_device.hpp"
+#include "viewer/haptics/haptic_device.hpp"
 
 namespace palpate {
 
@@ -11,12 +11,12 @@ class HapticModel;
 
 /// What a device is opened for.
 struct DeviceContext {
-  /// What is touched: gives the virtual hand its default path and the mouse its place. May be null; then
-  /// those two cannot be had.
+  /// What is touched: gives the virtual hand its default path and the mouse its place. May be null;
+  /// then those two cannot be had.
   const HapticModel* model = nullptr;
   double period = 1e-3;  ///< s, of the loop that reads the device
-  /// Of devices that have no limits of their own: virtual hand, mouse; and of a network device until it told
-  /// its own.
+  /// Of devices that have no limits of their own: virtual hand, mouse; and of a network device
+  /// until it told its own.
   DeviceProfile profile = deviceProfiles().front();
 };
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "common/program.hpp"
+#include "common/base/program.hpp"
 
 namespace palpate {
 
@@ -13,9 +13,9 @@ struct DeviceCommandOptions {
   bool insecure = false;         ///< listen beyond this machine
 };
 
-/// `palpate device`: lends a device of this machine to a simulator on another (DeviceServer), until it is
-/// interrupted. Error (bad input) for a wrong word or endpoint, or one beyond this machine without
-/// `insecure`.
+/// `palpate device`: lends a device of this machine to a simulator on another (DeviceServer), until
+/// it is interrupted. Error (bad input) for a wrong word or endpoint, or one beyond this machine
+/// without `insecure`.
 ExitCode serveDevice(const DeviceCommandOptions& options);
 
 /// The verb `device` of palpate-viewer.

@@ -5,13 +5,13 @@
 #include <mutex>
 #include <string>
 
-#include "viewer/devices/haptic_device.hpp"
+#include "viewer/haptics/haptic_device.hpp"
 #include "viewer/haptics/triple_buffer.hpp"
 
 namespace palpate {
 
-/// What passes between the haptic thread and the thread that speaks with a device: the newest reading one
-/// way, the newest force the other. Neither side ever waits for the other.
+/// What passes between the haptic thread and the thread that speaks with a device: the newest
+/// reading one way, the newest force the other. Neither side ever waits for the other.
 class DeviceExchange {
  public:
   using Clock = std::chrono::steady_clock;

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "common/error.hpp"
-#include "common/wire.hpp"
+#include "common/base/error.hpp"
+#include "common/wire/wire.hpp"
 
 namespace palpate {
 namespace {
@@ -18,9 +18,13 @@ constexpr std::size_t longest_trouble = 500;
 }  // namespace
 
 DeviceServer::DeviceServer(HapticDevice& device, const DeviceServerOptions& options)
-    : device_(device), profile_(device.profile()), context_(1), socket_(makeDeviceRouter(context_)) {
+    : device_(device),
+      profile_(device.profile()),
+      context_(1),
+      socket_(makeDeviceRouter(context_)) {
   if (!(options.rate >= 1) || !(options.rate <= 1e5))
-    throw badInput("a device cannot be read {} times a second; give a rate from 1 to 100000", options.rate);
+    throw badInput("a device cannot be read {} times a second; give a rate from 1 to 100000",
+                   options.rate);
   endpoint_ = bindRouter(socket_, options.endpoint);
   thread_ = std::thread(&DeviceServer::run, this, options.rate);
 }
@@ -36,7 +40,8 @@ DeviceServer::State DeviceServer::state() const {
 }
 
 void DeviceServer::run(double rate) {
-  const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / rate));
+  const auto period =
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / rate));
   try {
     for (auto next = Clock::now(); !stopping_;) {
       turn();
@@ -91,9 +96,9 @@ void DeviceServer::handle(const IncomingDeviceMessage& incoming) {
 void DeviceServer::greet(const std::string& peer, const wire::DeviceGreeting& greeting) {
   wire::DeviceMessage answer;
   if (greeting.protocol() != device_protocol) {
-    answer.mutable_refused()->set_reason(
-        fmt::format("it speaks version {} of the protocol, you speak {}: use the same version of palpate",
-                    device_protocol, greeting.protocol()));
+    answer.mutable_refused()->set_reason(fmt::format(
+        "it speaks version {} of the protocol, you speak {}: use the same version of palpate",
+        device_protocol, greeting.protocol()));
   } else if (!holder_.empty() && holder_ != peer) {
     answer.mutable_refused()->set_reason("another simulator holds the device");
   } else {
@@ -108,7 +113,8 @@ void DeviceServer::greet(const std::string& peer, const wire::DeviceGreeting& gr
     hello.set_lives_in_scene(device_.livesInScene());
     holder_ = peer;
     last_heard_ = Clock::now();
-    last_force_ = 0;  // readings are numbered on: a force that was held back may not answer a newer one
+    last_force_ =
+        0;  // readings are numbered on: a force that was held back may not answer a newer one
     const std::lock_guard lock(mutex_);
     state_.held = true;
   }
@@ -156,7 +162,8 @@ void DeviceServer::sendReading(const DeviceReading& reading) {
   content.set_buttons(reading.buttons);
   content.set_lost(reading.status == DeviceStatus::lost);
   content.set_trouble(trouble_);
-  if (!sendDeviceMessage(socket_, holder_, message)) return;  // the client does not read: it will miss it
+  if (!sendDeviceMessage(socket_, holder_, message))
+    return;  // the client does not read: it will miss it
   const std::lock_guard lock(mutex_);
   ++state_.readings;
 }

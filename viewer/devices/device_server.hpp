@@ -11,7 +11,7 @@
 #include <zmq.hpp>
 
 #include "viewer/devices/device_wire.hpp"
-#include "viewer/devices/haptic_device.hpp"
+#include "viewer/haptics/haptic_device.hpp"
 
 namespace palpate {
 
@@ -22,11 +22,12 @@ struct DeviceServerOptions {
 
 /// Lends a device to one simulator on another machine (NetworkDevice).
 ///
-/// A thread of its own reads the device at `rate`, sends every reading to the client that holds it and writes
-/// the client's newest force. The client is not trusted: a force that is not finite is ignored, and a longer
-/// one than the device's limit is shortened. A force is valid for as long as it says, from when the reading
-/// that it answers was sent: one that the network held back is ignored when it arrives, and when no newer one
-/// came in time the force is zero. A client that is silent for a second loses the device to the next.
+/// A thread of its own reads the device at `rate`, sends every reading to the client that holds it
+/// and writes the client's newest force. The client is not trusted: a force that is not finite is
+/// ignored, and a longer one than the device's limit is shortened. A force is valid for as long as
+/// it says, from when the reading that it answers was sent: one that the network held back is
+/// ignored when it arrives, and when no newer one came in time the force is zero. A client that is
+/// silent for a second loses the device to the next.
 class DeviceServer {
  public:
   struct State {
@@ -39,13 +40,15 @@ class DeviceServer {
     std::string fault;           ///< why the thread ended, if it did
   };
 
-  /// The device must outlive this object and be used by nobody else. Error when it cannot listen there, and
-  /// (bad input) for options that make no sense.
+  /// The device must outlive this object and be used by nobody else. Error when it cannot listen
+  /// there, and (bad input) for options that make no sense.
   DeviceServer(HapticDevice& device, const DeviceServerOptions& options);
   /// Zero force is written last.
   ~DeviceServer();
 
-  const std::string& endpoint() const { return endpoint_; }  ///< with the port that the system chose
+  const std::string& endpoint() const {
+    return endpoint_;
+  }  ///< with the port that the system chose
   State state() const;
 
  private:
@@ -59,7 +62,8 @@ class DeviceServer {
   void follow(const wire::DeviceForce& force);
   void release();
   void sendReading(const DeviceReading& reading);
-  /// When that reading was sent; nothing when it was never sent, or longer ago than any force is valid.
+  /// When that reading was sent; nothing when it was never sent, or longer ago than any force is
+  /// valid.
   std::optional<Clock::time_point> sentAt(std::uint64_t reading) const;
 
   HapticDevice& device_;
@@ -73,7 +77,8 @@ class DeviceServer {
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
   bool pushing_ = false;  ///< force_ is in date
   std::uint64_t last_force_ = 0, sequence_ = 0;
-  std::deque<Clock::time_point> sent_;  ///< when the last readings were, the last of them number sequence_
+  std::deque<Clock::time_point>
+      sent_;  ///< when the last readings were, the last of them number sequence_
   std::string trouble_;
 
   mutable std::mutex mutex_;

@@ -3,8 +3,8 @@
 #include <cerrno>
 #include <cmath>
 
-#include "common/error.hpp"
-#include "common/wire.hpp"
+#include "common/base/error.hpp"
+#include "common/wire/wire.hpp"
 
 namespace palpate {
 namespace {
@@ -33,7 +33,8 @@ auto repeatWhenInterrupted(Call call) {
 }
 
 bool receiveFrame(zmq::socket_t& socket, zmq::message_t& frame) {
-  return repeatWhenInterrupted([&] { return socket.recv(frame, zmq::recv_flags::dontwait).has_value(); });
+  return repeatWhenInterrupted(
+      [&] { return socket.recv(frame, zmq::recv_flags::dontwait).has_value(); });
 }
 
 }  // namespace
@@ -52,7 +53,8 @@ zmq::socket_t makeDeviceDealer(zmq::context_t& context) {
   return socket;
 }
 
-bool sendDeviceMessage(zmq::socket_t& socket, std::string_view peer, const wire::DeviceMessage& message) {
+bool sendDeviceMessage(zmq::socket_t& socket, std::string_view peer,
+                       const wire::DeviceMessage& message) {
   const std::string bytes = message.SerializeAsString();
   try {
     return repeatWhenInterrupted([&] {
@@ -83,7 +85,8 @@ std::optional<IncomingDeviceMessage> receiveDeviceMessage(zmq::socket_t& socket,
         continue;
       }
       ++bodies;
-      intact = intact && incoming.message.ParseFromArray(frame.data(), static_cast<int>(frame.size()));
+      intact =
+          intact && incoming.message.ParseFromArray(frame.data(), static_cast<int>(frame.size()));
     }
   } catch (const zmq::error_t& error) {
     throw failure("ZeroMQ receive: {}", error.what());
@@ -94,9 +97,11 @@ std::optional<IncomingDeviceMessage> receiveDeviceMessage(zmq::socket_t& socket,
 
 std::optional<DeviceProfile> profileOf(const wire::DeviceHello& hello) {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
-  if (!positive(hello.max_force()) || !positive(hello.max_stiffness()) || !positive(hello.workspace_radius()))
+  if (!positive(hello.max_force()) || !positive(hello.max_stiffness()) ||
+      !positive(hello.workspace_radius()))
     return std::nullopt;
-  return DeviceProfile{"network", hello.max_force(), hello.max_stiffness(), hello.workspace_radius()};
+  return DeviceProfile{"network", hello.max_force(), hello.max_stiffness(),
+                       hello.workspace_radius()};
 }
 
 Eigen::Vector3d shortened(const Eigen::Vector3d& force, double max_force) {

@@ -8,7 +8,7 @@
 #include <zmq.hpp>
 
 #include "proto/device.pb.h"
-#include "viewer/devices/haptic_device.hpp"
+#include "viewer/haptics/haptic_device.hpp"
 
 /// Messages of proto/device.proto over ZeroMQ (docs/devices.md).
 namespace palpate {
@@ -24,14 +24,15 @@ struct IncomingDeviceMessage {
   wire::DeviceMessage message;  ///< BODY_NOT_SET when it made no sense: count it and drop it
 };
 
-/// ROUTER of a device, DEALER of its client: short queues, since only the newest matters, and heartbeats that
-/// notice a dead connection within two seconds.
+/// ROUTER of a device, DEALER of its client: short queues, since only the newest matters, and
+/// heartbeats that notice a dead connection within two seconds.
 zmq::socket_t makeDeviceRouter(zmq::context_t& context);
 zmq::socket_t makeDeviceDealer(zmq::context_t& context);
 
-/// Without waiting; false when the peer is gone or does not read: the message is dropped then. Error on any
-/// other ZeroMQ failure.
-bool sendDeviceMessage(zmq::socket_t& socket, std::string_view peer, const wire::DeviceMessage& message);
+/// Without waiting; false when the peer is gone or does not read: the message is dropped then.
+/// Error on any other ZeroMQ failure.
+bool sendDeviceMessage(zmq::socket_t& socket, std::string_view peer,
+                       const wire::DeviceMessage& message);
 /// Without waiting; nothing when there is none.
 std::optional<IncomingDeviceMessage> receiveDeviceMessage(zmq::socket_t& socket, bool router);
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/error.hpp"
-#include "common/text_file.hpp"
-#include "common/text_lines.hpp"
+#include "common/base/error.hpp"
+#include "common/base/text_file.hpp"
+#include "common/base/text_lines.hpp"
 
 namespace palpate {
 namespace {
@@ -22,7 +22,8 @@ std::vector<Eigen::Vector3d> velocitiesIn(const std::vector<HandWaypoint>& waypo
   for (std::size_t i = 1; i + 1 < waypoints.size(); ++i) {
     const double before = waypoints[i].time - waypoints[i - 1].time;
     const double after = waypoints[i + 1].time - waypoints[i].time;
-    const Eigen::Vector3d slope_before = (waypoints[i].position - waypoints[i - 1].position) / before;
+    const Eigen::Vector3d slope_before =
+        (waypoints[i].position - waypoints[i - 1].position) / before;
     const Eigen::Vector3d slope_after = (waypoints[i + 1].position - waypoints[i].position) / after;
     for (int axis = 0; axis < 3; ++axis)
       velocities[i][axis] = slopeBetween(slope_before[axis], slope_after[axis], before, after);
@@ -30,22 +31,27 @@ std::vector<Eigen::Vector3d> velocitiesIn(const std::vector<HandWaypoint>& waypo
   return velocities;
 }
 
-void check(const std::vector<HandWaypoint>& waypoints, HandPath::AtEnd at_end, const std::string& source) {
+void check(const std::vector<HandWaypoint>& waypoints, HandPath::AtEnd at_end,
+           const std::string& source) {
   if (waypoints.empty())
-    throw badInput("{}: there is no waypoint; give lines of TIME X Y Z in seconds and metres", source);
+    throw badInput("{}: there is no waypoint; give lines of TIME X Y Z in seconds and metres",
+                   source);
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     if (!std::isfinite(waypoints[i].time) || !waypoints[i].position.allFinite())
       throw badInput("{}: waypoint {} is not finite", source, i + 1);
     if (i > 0 && waypoints[i].time <= waypoints[i - 1].time)
-      throw badInput("{}: times must ascend: waypoint {} is at {} s, after one at {} s", source, i + 1,
-                     waypoints[i].time, waypoints[i - 1].time);
+      throw badInput("{}: times must ascend: waypoint {} is at {} s, after one at {} s", source,
+                     i + 1, waypoints[i].time, waypoints[i - 1].time);
   }
   if (at_end == HandPath::AtEnd::stays) return;
-  if (waypoints.size() < 2) throw badInput("{}: one waypoint cannot be repeated; remove \"repeat\"", source);
+  if (waypoints.size() < 2)
+    throw badInput("{}: one waypoint cannot be repeated; remove \"repeat\"", source);
   if (waypoints.back().position != waypoints.front().position)
     throw badInput(
-        "{}: a path that repeats must end where it begins: add a waypoint at ({}, {}, {}) to its end", source,
-        waypoints.front().position.x(), waypoints.front().position.y(), waypoints.front().position.z());
+        "{}: a path that repeats must end where it begins: add a waypoint at ({}, {}, {}) "
+        "to its end",
+        source, waypoints.front().position.x(), waypoints.front().position.y(),
+        waypoints.front().position.z());
 }
 
 /// Comments become blanks, so that numbers of lines stay.
@@ -65,7 +71,8 @@ HandWaypoint takeWaypoint(TextLines& lines) {
   waypoint.position.x() = lines.takeFinite("x in metres");
   waypoint.position.y() = lines.takeFinite("y in metres");
   waypoint.position.z() = lines.takeFinite("z in metres");
-  if (!lines.atEndOfLine()) waypoint.buttons = lines.take<std::uint32_t>("the buttons, a whole number");
+  if (!lines.atEndOfLine())
+    waypoint.buttons = lines.take<std::uint32_t>("the buttons, a whole number");
   lines.expectEndOfLine();
   return waypoint;
 }
@@ -82,7 +89,8 @@ HandTarget HandPath::at(double time) const noexcept {
   const auto resting = [](const HandWaypoint& waypoint) {
     return HandTarget{waypoint.position, Eigen::Vector3d::Zero(), waypoint.buttons};
   };
-  if (repeats() && time > beginning()) time = beginning() + std::fmod(time - beginning(), duration());
+  if (repeats() && time > beginning())
+    time = beginning() + std::fmod(time - beginning(), duration());
   if (!(time > beginning())) return resting(waypoints_.front());
   const auto next =
       std::upper_bound(waypoints_.begin(), waypoints_.end(), time,
@@ -113,7 +121,8 @@ HandPath readHandPath(const std::filesystem::path& file) {
     }
     const HandWaypoint waypoint = takeWaypoint(lines);
     if (!waypoints.empty() && waypoint.time <= waypoints.back().time)
-      throw lines.wrong("times must ascend: {} s follows {} s", waypoint.time, waypoints.back().time);
+      throw lines.wrong("times must ascend: {} s follows {} s", waypoint.time,
+                        waypoints.back().time);
     waypoints.push_back(waypoint);
   }
   return HandPath(std::move(waypoints), at_end, file.string());

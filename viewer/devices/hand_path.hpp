@@ -25,21 +25,22 @@ struct HandTarget {
 };
 
 /// A way through waypoints: position and velocity are continuous (C1), and between two waypoints no
-/// coordinate leaves the interval that they span, so a path that presses to a depth never presses deeper.
-/// It begins and ends at rest.
+/// coordinate leaves the interval that they span, so a path that presses to a depth never presses
+/// deeper. It begins and ends at rest.
 ///
-/// Cubic Hermite pieces; a slope is zero where a coordinate turns, else the harmonic mean of the slopes
-/// beside it, weighted for unequal steps (Fritsch and Butland 1984).
+/// Cubic Hermite pieces; a slope is zero where a coordinate turns, else the harmonic mean of the
+/// slopes beside it, weighted for unequal steps (Fritsch and Butland 1984).
 class HandPath {
  public:
   enum class AtEnd : std::uint8_t { stays, repeats };
 
-  /// Error (bad input) when there is no waypoint, times do not ascend, a number is not finite, or a path
-  /// that repeats does not end where it began. `source` names it in errors.
+  /// Error (bad input) when there is no waypoint, times do not ascend, a number is not finite, or a
+  /// path that repeats does not end where it began. `source` names it in errors.
   explicit HandPath(std::vector<HandWaypoint> waypoints, AtEnd at_end = AtEnd::stays,
                     const std::string& source = "path");
 
-  /// Real time. Before the first waypoint: its position; after the last: its position, or from the beginning.
+  /// Real time. Before the first waypoint: its position; after the last: its position, or from the
+  /// beginning.
   HandTarget at(double time) const noexcept;
   double beginning() const { return waypoints_.front().time; }              ///< s
   double duration() const { return waypoints_.back().time - beginning(); }  ///< s, once through
@@ -52,8 +53,8 @@ class HandPath {
   AtEnd at_end_;
 };
 
-/// Reads lines of "TIME X Y Z [BUTTONS]" (seconds, metres, a whole number); "#" begins a comment; the word
-/// "repeat" on the last line makes it go on forever. Error (bad input) with file and line.
+/// Reads lines of "TIME X Y Z [BUTTONS]" (seconds, metres, a whole number); "#" begins a comment;
+/// the word "repeat" on the last line makes it go on forever. Error (bad input) with file and line.
 HandPath readHandPath(const std::filesystem::path& file);
 
 /// How touchPath() explores a body.
@@ -61,13 +62,13 @@ struct TouchPathOptions {
   double clearance = 0.025;    ///< m outside of the surface, where it comes from and goes back to
   double depth = 0.35;         ///< of the workspace radius, pressed
   double largest_force = 1.5;  ///< N: it presses less deep where the force would be larger
-  double slide = 0.12;         ///< of the workspace radius, of the circle that it slides in while pressing
-  double speed = 0.15;         ///< m/s on the way from one active node to the next
+  double slide = 0.12;  ///< of the workspace radius, of the circle that it slides in while pressing
+  double speed = 0.15;  ///< m/s on the way from one active node to the next
 };
 
-/// The script of a hand that explores a body: for one active node after the other it approaches along the
-/// outward normal, presses, slides in a circle, comes back and goes on outside of the body, and all of it
-/// again, forever. A function of the model alone.
+/// The script of a hand that explores a body: for one active node after the other it approaches
+/// along the outward normal, presses, slides in a circle, comes back and goes on outside of the
+/// body, and all of it again, forever. A function of the model alone.
 HandPath touchPath(const HapticModel& model, const TouchPathOptions& options = {});
 
 }  // namespace palpate

@@ -5,7 +5,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -17,7 +17,8 @@ using Clock = DeviceExchange::Clock;
 
 constexpr auto period = 1ms;
 constexpr auto connect_limit = 2s;
-/// A service that does not answer for so long is given up and called anew; the device counts as lost then.
+/// A service that does not answer for so long is given up and called anew; the device counts as
+/// lost then.
 constexpr auto answer_limit = DeviceExchange::silence;
 /// For the last words to a service that is given up.
 constexpr auto farewell_limit = 20ms;
@@ -28,8 +29,9 @@ constexpr std::size_t longest_message = 1 << 20;
 constexpr const char* how_to_start =
     "start the Haply Hub, or the service alone: systemctl start haply-inverse-service.service";
 
-/// The web socket, with calls that return after a time, or when `stopping` becomes true, at the latest. After
-/// a call that did not succeed the connection is closed; read() says `farewell` before.
+/// The web socket, with calls that return after a time, or when `stopping` becomes true, at the
+/// latest. After a call that did not succeed the connection is closed; read() says `farewell`
+/// before.
 class Connection {
  public:
   explicit Connection(const std::atomic<bool>& stopping) : stopping_(stopping), socket_(io_) {}
@@ -65,7 +67,8 @@ class Connection {
         answer_limit);
   }
   void close() {
-    await([&](auto done) { socket_.async_close(beast::websocket::close_code::normal, done); }, 200ms);
+    await([&](auto done) { socket_.async_close(beast::websocket::close_code::normal, done); },
+          200ms);
   }
 
  private:
@@ -88,7 +91,8 @@ class Connection {
     if (done) return result;
     bool said = farewell.empty();
     if (!said)
-      socket_.async_write(asio::buffer(farewell), [&](beast::error_code, std::size_t) { said = true; });
+      socket_.async_write(asio::buffer(farewell),
+                          [&](beast::error_code, std::size_t) { said = true; });
     for (const auto last = Clock::now() + farewell_limit; !said && Clock::now() < last;) {
       io_.restart();
       io_.run_for(1ms);
@@ -136,7 +140,8 @@ void HaplyDevice::run() {
     try {
       serve();
     } catch (const std::exception& error) {
-      exchange_.setTrouble(fmt::format("ws://{}:{}: {}", options_.address, options_.port, error.what()));
+      exchange_.setTrouble(
+          fmt::format("ws://{}:{}: {}", options_.address, options_.port, error.what()));
     }
     const auto retry = Clock::now() + retry_interval;
     while (!stopping_ && Clock::now() < retry) std::this_thread::sleep_for(stop_check);
@@ -146,9 +151,10 @@ void HaplyDevice::run() {
 void HaplyDevice::serve() {
   const auto place = fmt::format("ws://{}:{}", options_.address, options_.port);
   Connection connection(stopping_);
-  if (const auto error = connection.open({asio::ip::make_address(options_.address), options_.port})) {
-    exchange_.setTrouble(
-        fmt::format("no Haply Inverse Service at {} ({}): {}", place, error.message(), how_to_start));
+  if (const auto error =
+          connection.open({asio::ip::make_address(options_.address), options_.port})) {
+    exchange_.setTrouble(fmt::format("no Haply Inverse Service at {} ({}): {}", place,
+                                     error.message(), how_to_start));
     return;
   }
   const Eigen::Vector3d center(options_.center[0], options_.center[1], options_.center[2]);
@@ -188,7 +194,8 @@ void HaplyDevice::serve() {
     // The service answers each of our messages, so this paces both.
     next = std::max(next + period, Clock::now());
     std::this_thread::sleep_until(next);
-    if (const auto error = connection.write(haplyForceMessage(id, exchange_.force()))) return sayGone(error);
+    if (const auto error = connection.write(haplyForceMessage(id, exchange_.force())))
+      return sayGone(error);
   }
   letGo(connection, id);
 }

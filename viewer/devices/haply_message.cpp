@@ -15,13 +15,10 @@ const json& member(const json& value, const char* key) {
   return found == value.end() ? none : *found;
 }
 
-/// From the axes of the service (x right, y forward, z up) to ours (x right, y up, z toward the operator).
-Eigen::Vector3d toOurAxes(const Eigen::Vector3d& v) {
-  return {v.x(), v.z(), -v.y()};
-}
-Eigen::Vector3d toServiceAxes(const Eigen::Vector3d& v) {
-  return {v.x(), -v.z(), v.y()};
-}
+/// From the axes of the service (x right, y forward, z up) to ours (x right, y up, z toward the
+/// operator).
+Eigen::Vector3d toOurAxes(const Eigen::Vector3d& v) { return {v.x(), v.z(), -v.y()}; }
+Eigen::Vector3d toServiceAxes(const Eigen::Vector3d& v) { return {v.x(), -v.z(), v.y()}; }
 
 bool readVector(const json& value, Eigen::Vector3d& vector) {
   const json &x = member(value, "x"), &y = member(value, "y"), &z = member(value, "z");
@@ -49,7 +46,8 @@ std::string troubleIn(const json& status, const std::string& id) {
   if (member(status, "power_supply") == false)
     return "Inverse3 " + id + " has no power supply and cannot push: plug it in";
   if (member(status, "calibrated") == false)
-    return "Inverse3 " + id + " is not calibrated: put its arm into the inkwell, or follow the Haply Hub";
+    return "Inverse3 " + id +
+           " is not calibrated: put its arm into the inkwell, or follow the Haply Hub";
   return {};
 }
 
@@ -86,7 +84,8 @@ HaplyState readHaplyState(std::string_view text, const std::string& id) {
 std::string haplyForceMessage(const std::string& id, const Eigen::Vector3d& force) {
   const Eigen::Vector3d f = toServiceAxes(force);
   const json values = {{"x", f.x()}, {"y", f.y()}, {"z", f.z()}};
-  const json device = {{"device_id", id}, {"commands", {{"set_cursor_force", {{"values", values}}}}}};
+  const json device = {{"device_id", id},
+                       {"commands", {{"set_cursor_force", {{"values", values}}}}}};
   return json{{"inverse3", json::array({device})}}.dump();
 }
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 
 namespace palpate {
 
@@ -11,8 +11,8 @@ MouseDevice::MouseDevice(const Eigen::Vector3d& start, const MouseDeviceOptions&
     : targets_(Target{start, 0}), profile_(profile), period_(options.period), position_(start) {
   if (!(options.period > 0) || !(options.time_constant > 0) || !std::isfinite(options.period) ||
       !std::isfinite(options.time_constant) || !start.allFinite())
-    throw badInput("mouse: period and time constant must be positive; they are {} s and {} s", options.period,
-                   options.time_constant);
+    throw badInput("mouse: period and time constant must be positive; they are {} s and {} s",
+                   options.period, options.time_constant);
   rate_ = 1 / options.time_constant;
   decay_ = std::exp(-rate_ * period_);
 }

@@ -3,25 +3,27 @@
 #include <atomic>
 #include <cstdint>
 
-#include "viewer/devices/haptic_device.hpp"
+#include "viewer/haptics/haptic_device.hpp"
 #include "viewer/haptics/triple_buffer.hpp"
 
 namespace palpate {
 
 struct MouseDeviceOptions {
-  double period = 1e-3;          ///< s, that passes with every read()
-  double time_constant = 0.015;  ///< s: about one event of a 60 Hz mouse, so that steps become one motion
+  double period = 1e-3;  ///< s, that passes with every read()
+  double time_constant =
+      0.015;  ///< s: about one event of a 60 Hz mouse, so that steps become one motion
 };
 
-/// A mouse or keys, as the picture turns them into a place in the scene. The tool follows that place like a
-/// critically damped spring, so that events at 60 Hz become a motion at the rate of the ticks: position and
-/// velocity are continuous, and it does not overshoot when the place stands still. It feels no force.
-/// Lives in the scene.
+/// A mouse or keys, as the picture turns them into a place in the scene. The tool follows that
+/// place like a critically damped spring, so that events at 60 Hz become a motion at the rate of
+/// the ticks: position and velocity are continuous, and it does not overshoot when the place stands
+/// still. It feels no force. Lives in the scene.
 class MouseDevice : public HapticDevice {
  public:
-  /// start: m, scene frame, where the tool is before the first event. Error (bad input) for options that are
-  /// not positive.
-  MouseDevice(const Eigen::Vector3d& start, const MouseDeviceOptions& options, const DeviceProfile& profile);
+  /// start: m, scene frame, where the tool is before the first event. Error (bad input) for options
+  /// that are not positive.
+  MouseDevice(const Eigen::Vector3d& start, const MouseDeviceOptions& options,
+              const DeviceProfile& profile);
 
   /// One thread only, that of the picture. position: m, scene frame; not finite: ignored.
   void moveTo(const Eigen::Vector3d& position, std::uint32_t buttons) noexcept;

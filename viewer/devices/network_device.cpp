@@ -2,9 +2,9 @@
 
 #include <cerrno>
 
-#include "common/error.hpp"
-#include "common/program.hpp"
-#include "common/wire.hpp"
+#include "common/base/error.hpp"
+#include "common/base/program.hpp"
+#include "common/wire/wire.hpp"
 
 namespace palpate {
 namespace {
@@ -31,8 +31,8 @@ NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
   } catch (const zmq::error_t& error) {
     throw badInput("cannot connect to {}: {}", options_.endpoint, error.what());
   }
-  connection_trouble_ =
-      fmt::format("no device answers at {}: start one there with palpate device --listen", options_.endpoint);
+  connection_trouble_ = fmt::format(
+      "no device answers at {}: start one there with palpate device --listen", options_.endpoint);
   tellTrouble();
   thread_ = std::thread(&NetworkDevice::run, this);
   std::unique_lock lock(mutex_);
@@ -76,8 +76,9 @@ void NetworkDevice::turn() {
   const auto now = Clock::now();
   if (connected_ && now - last_heard_ > DeviceExchange::silence) {
     connected_ = false;
-    connection_trouble_ = fmt::format("{} has been silent for more than {} ms; waiting for it to come back",
-                                      options_.endpoint, DeviceExchange::silence.count());
+    connection_trouble_ =
+        fmt::format("{} has been silent for more than {} ms; waiting for it to come back",
+                    options_.endpoint, DeviceExchange::silence.count());
   }
   if (!connected_ && now - last_greeting_ > greeting_interval) greet();
   if (connected_ && (last_reading_ != before || now - last_force_ > force_interval)) sendForce();
@@ -89,7 +90,8 @@ void NetworkDevice::handle(const wire::DeviceMessage& message) {
     case wire::DeviceMessage::kHello:
       return accept(message.hello());
     case wire::DeviceMessage::kRefused:
-      connection_trouble_ = fmt::format("{} refuses: {}", options_.endpoint, message.refused().reason());
+      connection_trouble_ =
+          fmt::format("{} refuses: {}", options_.endpoint, message.refused().reason());
       return;
     case wire::DeviceMessage::kReading: {
       if (!greeted_) return;  // its limits are not known
@@ -100,8 +102,8 @@ void NetworkDevice::handle(const wire::DeviceMessage& message) {
       connected_ = true;
       connection_trouble_.clear();
       device_trouble_ = reading.trouble();
-      exchange_.deliver(
-          {vectorOf(reading), reading.buttons(), reading.lost() ? DeviceStatus::lost : DeviceStatus::fresh});
+      exchange_.deliver({vectorOf(reading), reading.buttons(),
+                         reading.lost() ? DeviceStatus::lost : DeviceStatus::fresh});
       return;
     }
     default:
@@ -113,8 +115,8 @@ void NetworkDevice::accept(const wire::DeviceHello& hello) {
   const auto profile = profileOf(hello);
   if (hello.protocol() != device_protocol) {
     connection_trouble_ = fmt::format(
-        "{} speaks version {} of the protocol, not {}: use the same version of "
-        "palpate on both machines",
+        "{} speaks version {} of the protocol, not {}: "
+        "use the same version of palpate on both machines",
         options_.endpoint, hello.protocol(), device_protocol);
     return;
   }
@@ -126,8 +128,8 @@ void NetworkDevice::accept(const wire::DeviceHello& hello) {
     const std::lock_guard lock(mutex_);
     if (settled_ && hello.lives_in_scene() != lives_in_scene_) {
       connection_trouble_ = fmt::format(
-          "the device at {} answered after the start, and its positions are in another frame than was "
-          "expected: start again to use it",
+          "the device at {} answered after the start, "
+          "and its positions are in another frame than was expected: start again to use it",
           options_.endpoint);
       greeted_ = false;
       return;

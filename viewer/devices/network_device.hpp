@@ -10,7 +10,7 @@
 
 #include "viewer/devices/device_exchange.hpp"
 #include "viewer/devices/device_wire.hpp"
-#include "viewer/devices/haptic_device.hpp"
+#include "viewer/haptics/haptic_device.hpp"
 
 namespace palpate {
 
@@ -19,21 +19,22 @@ struct NetworkDeviceOptions {
   /// Limits to go by when no device answered within `wait`.
   DeviceProfile fallback = deviceProfiles().front();
   std::chrono::milliseconds wait{2000};
-  /// For how long a force stays valid at the far side, from the reading that it answers; then it renders
-  /// zero.
+  /// For how long a force stays valid at the far side, from the reading that it answers; then it
+  /// renders zero.
   std::chrono::milliseconds valid{50};
 };
 
-/// A device on another machine (docs/devices.md, DeviceServer). Its readings come at the rate of the device;
-/// every reading is answered with the newest force.
+/// A device on another machine (docs/devices.md, DeviceServer). Its readings come at the rate of
+/// the device; every reading is answered with the newest force.
 ///
-/// Lost when nothing came for 50 ms; it connects again by itself, and goes on. The far side lets go by itself
-/// when our forces stay away. NaN in a reading is passed on: the force guard judges it.
+/// Lost when nothing came for 50 ms; it connects again by itself, and goes on. The far side lets go
+/// by itself when our forces stay away. NaN in a reading is passed on: the force guard judges it.
 class NetworkDevice : public HapticDevice {
  public:
-  /// Waits up to options.wait for the device to say its limits; goes on without, and says so in trouble().
-  /// What profile() and livesInScene() said first holds: a device that comes later with less force gets no
-  /// more than it can, one that lives in the other frame is not used. Error (bad input) for a wrong endpoint.
+  /// Waits up to options.wait for the device to say its limits; goes on without, and says so in
+  /// trouble(). What profile() and livesInScene() said first holds: a device that comes later with
+  /// less force gets no more than it can, one that lives in the other frame is not used. Error (bad
+  /// input) for a wrong endpoint.
   explicit NetworkDevice(NetworkDeviceOptions options);
   ~NetworkDevice() override;
 

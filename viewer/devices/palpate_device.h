@@ -4,21 +4,22 @@
  *
  * C99 and C++. See docs/devices.md, and deploy/examples/device-plugin for a whole one.
  *
- * Units: metres, newtons, seconds. Frame: right-handed, x to the right, y up, z toward the operator, origin
- * in the middle of the workspace (or the frame of the scene, when limits say so).
+ * Units: metres, newtons, seconds. Frame: right-handed, x to the right, y up, z toward the
+ * operator, origin in the middle of the workspace (or the frame of the scene, when limits say so).
  *
- * Threads: Palpate makes one thread per open device; read() and write() are called by it alone, one after the
- * other, once per period, and may wait for the device (shortly: without a reading for 50 ms the device counts
- * as lost and is halted; halt(0) comes after the next write()). open(), limits(), close() and last_error()
- * are called while that thread does not run, or by it. halt() alone may be called by any thread at any time,
- * also while read() or write() waits.
+ * Threads: Palpate makes one thread per open device; read() and write() are called by it alone, one
+ * after the other, once per period, and may wait for the device (shortly: without a reading for 50
+ * ms the device counts as lost and is halted; halt(0) comes after the next write()). open(),
+ * limits(), close() and last_error() are called while that thread does not run, or by it. halt()
+ * alone may be called by any thread at any time, also while read() or write() waits.
  *
- * Lifetimes: the table and its strings hold as long as the library is loaded; an open device from open() to
- * close(); the text of last_error() until the next call for that device. Nothing may throw across this
- * boundary.
+ * Lifetimes: the table and its strings hold as long as the library is loaded; an open device from
+ * open() to close(); the text of last_error() until the next call for that device. Nothing may
+ * throw across this boundary.
  *
- * Sizes: every struct begins with its size in bytes. Who fills a struct writes no further than the size it
- * was given allows, so that later versions can append members. Nothing else about version 1 will change.
+ * Sizes: every struct begins with its size in bytes. Who fills a struct writes no further than the
+ * size it was given allows, so that later versions can append members. Nothing else about version 1
+ * will change.
  */
 #ifndef PALPATE_DEVICE_H
 #define PALPATE_DEVICE_H
@@ -44,8 +45,10 @@ typedef struct palpate_device palpate_device;
 /* What every call answers. */
 enum palpate_device_result {
   PALPATE_DEVICE_OK = 0,
-  PALPATE_DEVICE_FAILED = 1, /* last_error() says why; the device may be tried again at the next period */
-  PALPATE_DEVICE_LOST = 2    /* unplugged; it is tried again at every period, and used when it is back */
+  PALPATE_DEVICE_FAILED =
+      1, /* last_error() says why; the device may be tried again at the next period */
+  PALPATE_DEVICE_LOST =
+      2 /* unplugged; it is tried again at every period, and used when it is back */
 };
 
 typedef struct palpate_device_limits {
@@ -69,12 +72,13 @@ typedef struct palpate_device_plugin {
   uint32_t abi;     /* PALPATE_DEVICE_ABI */
   const char* name; /* for a person, UTF-8: "Phantom Touch by OpenHaptics" */
 
-  /* Writes the id of the device number `index` (from 0) and a 0 into `id`. FAILED: there are no more. */
+  /* Writes the id of the device number `index` (from 0) and a 0 into `id`. FAILED: there are no
+   * more. */
   int32_t (*enumerate)(uint32_t index, char* id, size_t capacity);
 
-  /* Opens the device of that id; an empty id takes the first. `options` is text for the plug-in alone, may be
-   * empty. NULL: it cannot be opened, and `error` says why (a sentence, at most `capacity` bytes with its 0).
-   * The force is zero until the first write(). */
+  /* Opens the device of that id; an empty id takes the first. `options` is text for the plug-in
+   * alone, may be empty. NULL: it cannot be opened, and `error` says why (a sentence, at most
+   * `capacity` bytes with its 0). The force is zero until the first write(). */
   palpate_device* (*open)(const char* id, const char* options, char* error, size_t capacity);
 
   /* Fills limits->... ; limits->size is set by the caller. */
@@ -86,8 +90,8 @@ typedef struct palpate_device_plugin {
   /* The force on the hand, N, from now until the next call. Always finite and within max_force. */
   int32_t (*write)(palpate_device* device, const double force[3]);
 
-  /* halted 1: the force becomes zero now and stays so, whatever is written, until it is called with 0. Any
-   * thread. */
+  /* halted 1: the force becomes zero now and stays so, whatever is written, until it is called with
+   * 0. Any thread. */
   void (*halt)(palpate_device* device, int32_t halted);
 
   /* Why the last call for this device failed, a sentence. */

@@ -10,7 +10,7 @@
 #include <mutex>
 #include <thread>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 #include "viewer/devices/device_exchange.hpp"
 #include "viewer/devices/palpate_device.h"
 
@@ -32,10 +32,12 @@ class Plugin {
     // A name without a slash would be searched for in the system's folders.
     const std::string path = std::filesystem::absolute(file).string();
     library_.reset(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL));
-    if (!library_) throw badInput("device plug-in {} cannot be loaded: {}", file.string(), lastDlError());
+    if (!library_)
+      throw badInput("device plug-in {} cannot be loaded: {}", file.string(), lastDlError());
     void* const symbol = dlsym(library_.get(), entry_point);
     if (symbol == nullptr)
-      throw badInput("{} is no device plug-in, or one for another version: {}", file.string(), lastDlError());
+      throw badInput("{} is no device plug-in, or one for another version: {}", file.string(),
+                     lastDlError());
     table_ = reinterpret_cast<palpate_device_plugin_function>(symbol)();
     check(file.string());
   }
@@ -53,20 +55,22 @@ class Plugin {
   }
 
   void check(const std::string& file) const {
-    if (table_ == nullptr) throw badInput("device plug-in {}: {}() gives no table", file, entry_point);
+    if (table_ == nullptr)
+      throw badInput("device plug-in {}: {}() gives no table", file, entry_point);
     if (table_->abi != PALPATE_DEVICE_ABI)
       throw badInput(
-          "device plug-in {} is built for version {} of palpate_device.h, this program for {}: build it "
-          "again with the header of this version",
+          "device plug-in {} is built for version {} of palpate_device.h, this program for {}: "
+          "build it again with the header of this version",
           file, table_->abi, PALPATE_DEVICE_ABI);
     if (table_->size < sizeof(palpate_device_plugin))
-      throw badInput("device plug-in {}: its table has {} bytes where version {} has {}: build it again",
-                     file, table_->size, PALPATE_DEVICE_ABI, sizeof(palpate_device_plugin));
+      throw badInput(
+          "device plug-in {}: its table has {} bytes where version {} has {}: build it again", file,
+          table_->size, PALPATE_DEVICE_ABI, sizeof(palpate_device_plugin));
     if (table_->name == nullptr || table_->enumerate == nullptr || table_->open == nullptr ||
         table_->limits == nullptr || table_->read == nullptr || table_->write == nullptr ||
         table_->halt == nullptr || table_->last_error == nullptr || table_->close == nullptr)
-      throw badInput("device plug-in {}: its table has a null entry; version {} needs them all", file,
-                     PALPATE_DEVICE_ABI);
+      throw badInput("device plug-in {}: its table has a null entry; version {} needs them all",
+                     file, PALPATE_DEVICE_ABI);
   }
 
   std::unique_ptr<void, Unload> library_;
@@ -85,7 +89,8 @@ class PluginDevice::Session {
   explicit Session(const PluginDeviceOptions& options)
       : file(options.library.string()), plugin_(options.library) {
     std::array<char, 512> reason{};
-    device_ = plugin_->open(options.id.c_str(), options.options.c_str(), reason.data(), reason.size());
+    device_ =
+        plugin_->open(options.id.c_str(), options.options.c_str(), reason.data(), reason.size());
     if (device_ == nullptr)
       throw failure("device plug-in {} cannot open {}: {}", file,
                     options.id.empty() ? "its first device" : "device \"" + options.id + "\"",
@@ -141,8 +146,8 @@ class PluginDevice::Session {
                     sentenceOf(plugin_->last_error(device_)));
     for (const double limit : {limits.max_force, limits.max_stiffness, limits.workspace_radius})
       if (!std::isfinite(limit) || limit <= 0)
-        throw failure("device plug-in {}: limits must be positive; they are {} N, {} N/m and {} m", file,
-                      limits.max_force, limits.max_stiffness, limits.workspace_radius);
+        throw failure("device plug-in {}: limits must be positive; they are {} N, {} N/m and {} m",
+                      file, limits.max_force, limits.max_stiffness, limits.workspace_radius);
     profile = {"plugin", limits.max_force, limits.max_stiffness, limits.workspace_radius};
     lives_in_scene = limits.lives_in_scene != 0;
     has_buttons = limits.has_buttons != 0;
@@ -174,7 +179,8 @@ class PluginDevice::Session {
   void tell(bool failed) {
     if (!failed && !failed_) return;
     failed_ = failed;
-    exchange.setTrouble(failed ? fmt::format("{}: {}", name, sentenceOf(plugin_->last_error(device_))) : "");
+    exchange.setTrouble(
+        failed ? fmt::format("{}: {}", name, sentenceOf(plugin_->last_error(device_))) : "");
   }
 
   Plugin plugin_;
@@ -206,33 +212,15 @@ PluginDevice::~PluginDevice() {
   thread_.detach();
 }
 
-DeviceReading PluginDevice::read() noexcept {
-  return session_->exchange.read();
-}
-void PluginDevice::write(const Eigen::Vector3d& force) noexcept {
-  session_->exchange.write(force);
-}
-void PluginDevice::halt() noexcept {
-  session_->halt();
-}
-void PluginDevice::resume() noexcept {
-  session_->exchange.resume();
-}
-DeviceProfile PluginDevice::profile() const {
-  return session_->profile;
-}
-bool PluginDevice::livesInScene() const {
-  return session_->lives_in_scene;
-}
-bool PluginDevice::hasButtons() const {
-  return session_->has_buttons;
-}
-std::string PluginDevice::name() const {
-  return session_->name;
-}
-std::string PluginDevice::trouble() const {
-  return session_->exchange.trouble();
-}
+DeviceReading PluginDevice::read() noexcept { return session_->exchange.read(); }
+void PluginDevice::write(const Eigen::Vector3d& force) noexcept { session_->exchange.write(force); }
+void PluginDevice::halt() noexcept { session_->halt(); }
+void PluginDevice::resume() noexcept { session_->exchange.resume(); }
+DeviceProfile PluginDevice::profile() const { return session_->profile; }
+bool PluginDevice::livesInScene() const { return session_->lives_in_scene; }
+bool PluginDevice::hasButtons() const { return session_->has_buttons; }
+std::string PluginDevice::name() const { return session_->name; }
+std::string PluginDevice::trouble() const { return session_->exchange.trouble(); }
 
 std::vector<std::string> devicesOfPlugin(const std::filesystem::path& library) {
   const Plugin plugin(library);

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "viewer/devices/haptic_device.hpp"
+#include "viewer/haptics/haptic_device.hpp"
 
 namespace palpate {
 
@@ -19,14 +19,15 @@ struct PluginDeviceOptions {
 
 /// A device of a plug-in (palpate_device.h): a shared library that is loaded at run time.
 ///
-/// The plug-in may wait for its device, so it has a thread of its own and the haptic thread sees the newest
-/// reading. A plug-in that hangs is lost after 50 ms, and halted by HapticDevice::halt(). One that still
-/// hangs two seconds after the end of this object is left behind, loaded.
+/// The plug-in may wait for its device, so it has a thread of its own and the haptic thread sees
+/// the newest reading. A plug-in that hangs is lost after 50 ms, and halted by
+/// HapticDevice::halt(). One that still hangs two seconds after the end of this object is left
+/// behind, loaded.
 class PluginDevice : public HapticDevice {
  public:
   /// Loads and opens. Error (bad input) that names the file when it is no library, exports no
-  /// palpate_device_plugin_v1, is of another version of the interface, or lacks a function; Error with the
-  /// plug-in's own words when the device cannot be opened.
+  /// palpate_device_plugin_v1, is of another version of the interface, or lacks a function; Error
+  /// with the plug-in's own words when the device cannot be opened.
   explicit PluginDevice(const PluginDeviceOptions& options);
   ~PluginDevice() override;
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -18,7 +18,9 @@ DeviceProfile profileOf(const RecordedRun& run) {
 }  // namespace
 
 ReplayDevice::ReplayDevice(Recording recording, double period, std::string source)
-    : recording_(std::move(recording)), source_(std::move(source)), profile_(profileOf(recording_.run)) {
+    : recording_(std::move(recording)),
+      source_(std::move(source)),
+      profile_(profileOf(recording_.run)) {
   if (recording_.size() == 0) throw badInput("{}: the recording has no tick to replay", source_);
   if (std::abs(recording_.rate * period - 1) > 1e-6)
     throw badInput("{}: recorded at {} Hz, and cannot be replayed at {} Hz: use --rate {}", source_,

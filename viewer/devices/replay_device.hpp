@@ -4,18 +4,19 @@
 #include <filesystem>
 #include <string>
 
-#include "viewer/devices/haptic_device.hpp"
+#include "viewer/haptics/haptic_device.hpp"
 #include "viewer/haptics/recording.hpp"
 
 namespace palpate {
 
-/// Gives the readings of a recorded run again: the n-th read() is the n-th tick of it, its status included.
-/// It feels nothing. After the last tick it is lost. Lives where the recorded device lived.
+/// Gives the readings of a recorded run again: the n-th read() is the n-th tick of it, its status
+/// included. It feels nothing. After the last tick it is lost. Lives where the recorded device
+/// lived.
 class ReplayDevice : public HapticDevice {
  public:
-  /// `source` names it in messages. Error (bad input) when there is no tick, or when the rate is not the one
-  /// that `period` (s, of the loop it is replayed in) means: the hand would move faster or slower than it
-  /// did.
+  /// `source` names it in messages. Error (bad input) when there is no tick, or when the rate is
+  /// not the one that `period` (s, of the loop it is replayed in) means: the hand would move faster
+  /// or slower than it did.
   ReplayDevice(Recording recording, double period, std::string source);
 
   DeviceReading read() noexcept override;

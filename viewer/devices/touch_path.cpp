@@ -2,14 +2,15 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 #include "viewer/devices/hand_path.hpp"
 #include "viewer/haptics/haptic_model.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr double approach_seconds = 0.5, press_seconds = 0.6, hold_seconds = 0.2, circle_seconds = 2.4;
+constexpr double approach_seconds = 0.5, press_seconds = 0.6, hold_seconds = 0.2,
+                 circle_seconds = 2.4;
 constexpr double shortest_move = 0.2;  ///< s
 constexpr int circle_pieces = 16;
 constexpr int depth_steps = 64;
@@ -59,9 +60,10 @@ std::vector<Site> sitesOf(const HapticModel& model, const TouchPathOptions& opti
     const auto v = static_cast<std::size_t>(vertex);
     const double reach = model.spaces()[s].lattice.radius();
     const Eigen::Vector3d& normal = surface.vertexNormals()[v];
-    sites.push_back({surface.vertices()[v], normal,
-                     bearableDepth(model.field(0, s), normal, options.depth * reach, options.largest_force),
-                     options.slide * reach});
+    sites.push_back(
+        {surface.vertices()[v], normal,
+         bearableDepth(model.field(0, s), normal, options.depth * reach, options.largest_force),
+         options.slide * reach});
   }
   if (sites.empty())
     throw badInput("{}: no active node lies on the surface that a hand can touch", model.file());
@@ -71,7 +73,8 @@ std::vector<Site> sitesOf(const HapticModel& model, const TouchPathOptions& opti
 /// Ways outside of a body.
 class Surroundings {
  public:
-  Surroundings(const TouchSurface& surface, double clearance) : surface_(surface), clearance_(clearance) {
+  Surroundings(const TouchSurface& surface, double clearance)
+      : surface_(surface), clearance_(clearance) {
     for (const Eigen::Vector3d& vertex : surface.vertices()) middle_ += vertex;
     middle_ /= static_cast<double>(surface.vertices().size());
     for (const Eigen::Vector3d& vertex : surface.vertices())
@@ -81,15 +84,18 @@ class Surroundings {
 
   Eigen::Vector3d before(const Site& site) const { return site.point + clearance_ * site.normal; }
 
-  /// From before one site to before another: straight, where that keeps off the body, else around it.
+  /// From before one site to before another: straight, where that keeps off the body, else around
+  /// it.
   void walk(const Site& from, const Site& to, double speed, PathWriter& path) const {
     if (!keepsOff(before(from), before(to))) {
       const Eigen::Vector3d leave = onSphere(from), arrive = onSphere(to);
-      const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(leave - middle_, arrive - middle_);
+      const Eigen::Quaterniond turn =
+          Eigen::Quaterniond::FromTwoVectors(leave - middle_, arrive - middle_);
       const double angle = Eigen::AngleAxisd(turn).angle();
       const int pieces = std::max(1, static_cast<int>(std::ceil(angle / arc_step)));
       for (int i = 0; i <= pieces; ++i) {
-        const auto part = Eigen::Quaterniond::Identity().slerp(static_cast<double>(i) / pieces, turn);
+        const auto part =
+            Eigen::Quaterniond::Identity().slerp(static_cast<double>(i) / pieces, turn);
         path.goAtSpeed(middle_ + part * (leave - middle_), speed);
       }
     }
@@ -110,7 +116,8 @@ class Surroundings {
   Eigen::Vector3d onSphere(const Site& site) const {
     const Eigen::Vector3d offset = site.point - middle_;
     const double along = offset.dot(site.normal);
-    const double distance = -along + std::sqrt(along * along - offset.squaredNorm() + radius_ * radius_);
+    const double distance =
+        -along + std::sqrt(along * along - offset.squaredNorm() + radius_ * radius_);
     return site.point + distance * site.normal;
   }
 
@@ -121,7 +128,8 @@ class Surroundings {
 };
 
 /// From before the site into the body, once around in it, and back.
-void explore(const TouchSurface& surface, const Site& site, const Eigen::Vector3d& before, PathWriter& path) {
+void explore(const TouchSurface& surface, const Site& site, const Eigen::Vector3d& before,
+             PathWriter& path) {
   const Eigen::Vector3d inward = -site.depth * site.normal;
   const Eigen::Vector3d across = site.normal.unitOrthogonal(), along = site.normal.cross(across);
   path.goTo(site.point, approach_seconds);

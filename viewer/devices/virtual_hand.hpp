@@ -4,16 +4,16 @@
 #include <cstdint>
 
 #include "viewer/devices/hand_path.hpp"
-#include "viewer/devices/haptic_device.hpp"
+#include "viewer/haptics/haptic_device.hpp"
 
 namespace palpate {
 
-/// A hand that holds a tool. The defaults are a loose grasp of a stylus: the identified mass, stiffness and
-/// damping of hands and fingers on a tool lie around them and vary several-fold with the grasp (Hajian and
-/// Howe 1997, Identification of the mechanical impedance at the human finger tip; Kuchenbecker, Park and
-/// Niemeyer 2003, Characterizing the human wrist for improved haptic interaction; Speich, Shao and Goldfarb
-/// 2005, Modeling the human hand as it interacts with a telemanipulation system). Damping ratio 0.52, natural
-/// frequency 8 Hz.
+/// A hand that holds a tool. The defaults are a loose grasp of a stylus: the identified mass,
+/// stiffness and damping of hands and fingers on a tool lie around them and vary several-fold with
+/// the grasp (Hajian and Howe 1997, Identification of the mechanical impedance at the human finger
+/// tip; Kuchenbecker, Park and Niemeyer 2003, Characterizing the human wrist for improved haptic
+/// interaction; Speich, Shao and Goldfarb 2005, Modeling the human hand as it interacts with a
+/// telemanipulation system). Damping ratio 0.52, natural frequency 8 Hz.
 struct VirtualHandOptions {
   double mass = 0.15;      ///< kg, of hand and tool
   double stiffness = 400;  ///< N/m, with which the hand holds the tool to its target
@@ -24,11 +24,13 @@ struct VirtualHandOptions {
 
 /// The default device: an operator who follows a path and gives way to the force,
 ///   m x'' = k (target - x) + b (target' - x') + F,
-/// integrated semi-implicitly (Euler) with fixed substeps. Knows no clock: every read() is one period later
-/// than the one before, so the same forces give the same positions to the last bit. Lives in the scene.
+/// integrated semi-implicitly (Euler) with fixed substeps. Knows no clock: every read() is one
+/// period later than the one before, so the same forces give the same positions to the last bit.
+/// Lives in the scene.
 class VirtualHand : public HapticDevice {
  public:
-  /// Error (bad input) for options that are not positive, or with which the integration is not stable.
+  /// Error (bad input) for options that are not positive, or with which the integration is not
+  /// stable.
   VirtualHand(HandPath path, const VirtualHandOptions& options, const DeviceProfile& profile);
 
   /// The first reading is the beginning of the path, at rest.

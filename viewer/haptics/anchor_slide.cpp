@@ -8,30 +8,29 @@ namespace palpate {
 namespace {
 
 constexpr int most_pieces = 3;
-/// Of the force. What a step of Newton's method leaves of an excess below this is some hundred times less,
-/// and is slid in the next tick: two evaluations of the spaces in most ticks, not four.
+/// Of the force. What a step of Newton's method leaves of an excess below this is some hundred
+/// times less, and is slid in the next tick: two evaluations of the spaces in most ticks, not four.
 constexpr double small_excess = 0.02;
 /// Barycentric: nearer to an edge than this is on it. Some 1e-14 m.
 constexpr double on_edge = 1e-12;
 
-std::size_t at(Eigen::Index index) {
-  return static_cast<std::size_t>(index);
-}
+std::size_t at(Eigen::Index index) { return static_cast<std::size_t>(index); }
 
 /// The way from a point of a triangle along which W falls most steeply.
 struct Descent {
   SurfacePoint from;
   double slope = 0;                                     ///< N, >= 0; 0: none
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit
-  Eigen::Vector3d rate = Eigen::Vector3d::Zero();       ///< 1/m, of the barycentric coordinates along it
+  Eigen::Vector3d rate = Eigen::Vector3d::Zero();  ///< 1/m, of the barycentric coordinates along it
   AnchorSlope energy;
 };
 
 /// Along the edge from one corner to another, when that is steeper than what `best` has.
-void alongEdge(const TouchSurface& surface, Eigen::Index from, Eigen::Index to, const Eigen::Vector3d& drive,
-               Descent& best) noexcept {
+void alongEdge(const TouchSurface& surface, Eigen::Index from, Eigen::Index to,
+               const Eigen::Vector3d& drive, Descent& best) noexcept {
   const Triangle& t = surface.triangles()[at(best.from.triangle)];
-  const Eigen::Vector3d edge = surface.vertices()[at(t[at(to)])] - surface.vertices()[at(t[at(from)])];
+  const Eigen::Vector3d edge =
+      surface.vertices()[at(t[at(to)])] - surface.vertices()[at(t[at(from)])];
   const double length = edge.norm(), slope = drive.dot(edge) / length;
   if (slope <= best.slope) return;
   best.slope = slope;
@@ -42,14 +41,16 @@ void alongEdge(const TouchSurface& surface, Eigen::Index from, Eigen::Index to, 
 }
 
 /// Within the triangle: freely, or where the drive points out of it along its edges.
-Descent descentWithin(const TouchSurface& surface, const SurfacePoint& from, BlendedForce& force) noexcept {
+Descent descentWithin(const TouchSurface& surface, const SurfacePoint& from,
+                      BlendedForce& force) noexcept {
   Descent descent;
   descent.from = from;
   descent.energy = force.slopeAlong(from.triangle);
   const Eigen::Vector3d drive = -descent.energy.tangent;
   const Eigen::Vector3d rate = surface.barycentricGradients(from.triangle).transpose() * drive;
   bool blocked = false;
-  for (Eigen::Index c = 0; c < 3; ++c) blocked = blocked || (from.barycentric[c] == 0 && rate[c] < 0);
+  for (Eigen::Index c = 0; c < 3; ++c)
+    blocked = blocked || (from.barycentric[c] == 0 && rate[c] < 0);
   if (!blocked) {
     descent.slope = drive.norm();
     if (descent.slope > 0) {
@@ -71,7 +72,8 @@ Descent descentWithin(const TouchSurface& surface, const SurfacePoint& from, Ble
 SurfacePoint seenFrom(const TouchSurface& surface, std::int32_t triangle,
                       const SurfacePoint& point) noexcept {
   SurfacePoint seen{triangle, Eigen::Vector3d::Zero()};
-  const Triangle &own = surface.triangles()[at(point.triangle)], &other = surface.triangles()[at(triangle)];
+  const Triangle &own = surface.triangles()[at(point.triangle)],
+                 &other = surface.triangles()[at(triangle)];
   for (Eigen::Index c = 0; c < 3; ++c)
     for (Eigen::Index d = 0; d < 3; ++d)
       if (own[at(c)] == other[at(d)]) seen.barycentric[d] = point.barycentric[c];
@@ -91,7 +93,8 @@ Descent steepestDescent(const TouchSurface& surface, const SurfacePoint& anchor,
     if (zeros == 1 && anchor.barycentric[c] == 0)
       consider(surface.neighbor(anchor.triangle, static_cast<int>(c)));
     if (zeros == 2 && anchor.barycentric[c] != 0)
-      for (const std::int32_t triangle : surface.trianglesAt(surface.triangles()[at(anchor.triangle)][at(c)]))
+      for (const std::int32_t triangle :
+           surface.trianglesAt(surface.triangles()[at(anchor.triangle)][at(c)]))
         consider(triangle);
   }
   return best;
@@ -114,7 +117,8 @@ SurfacePoint moved(const Descent& descent, double& length) noexcept {
   return to;
 }
 
-double wayAllowed(const SlideLimits& limits, const Eigen::Vector3d& force, const Eigen::Matrix3d& change) {
+double wayAllowed(const SlideLimits& limits, const Eigen::Vector3d& force,
+                  const Eigen::Matrix3d& change) {
   const double stiffness = change.norm();
   const double relaxed = stiffness > 0 ? limits.force_change * force.norm() / stiffness : 0;
   return std::min(limits.length, 2 * limits.motion + relaxed);
@@ -133,11 +137,12 @@ double slideAnchor(const HapticModel& model, std::size_t method, const Eigen::Ve
     const Descent descent = steepestDescent(surface, anchor, force);
     if (piece == 0) allowed = wayAllowed(limits, force.force(), descent.energy.change);
     const Eigen::Vector3d normal = surface.normal(anchor);
-    const double excess = descent.slope - limits.friction * std::max(0.0, force.force().dot(normal));
+    const double excess =
+        descent.slope - limits.friction * std::max(0.0, force.force().dot(normal));
     if (!(excess > 1e-9 * force.force().norm() && gone < allowed)) break;
 
-    // How fast the excess falls along the way. A flat direction gets a share of the largest stiffness, so
-    // that the way is bounded there too.
+    // How fast the excess falls along the way. A flat direction gets a share of the largest
+    // stiffness, so that the way is bounded there too.
     const Eigen::Vector3d& direction = descent.direction;
     const double falls = direction.dot(descent.energy.hessian * direction) +
                          limits.friction * normal.dot(descent.energy.change * direction);

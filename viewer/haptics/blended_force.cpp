@@ -4,7 +4,8 @@
 
 namespace palpate {
 
-void BlendedForce::evaluate(const HapticModel& model, std::size_t method, const SurfacePoint& anchor,
+void BlendedForce::evaluate(const HapticModel& model, std::size_t method,
+                            const SurfacePoint& anchor,
                             const Eigen::Vector3d& displacement) noexcept {
   model_ = &model;
   method_ = method;
@@ -44,7 +45,8 @@ AnchorSlope BlendedForce::slopeAlong(std::int32_t triangle) noexcept {
     of_weights += sample->force * gradient.transpose();
   }
   AnchorSlope slope;
-  const Eigen::Vector3d total = has_energies ? Eigen::Vector3d(sum_.force + of_energies) : sum_.force;
+  const Eigen::Vector3d total =
+      has_energies ? Eigen::Vector3d(sum_.force + of_energies) : sum_.force;
   slope.tangent = total - normal.dot(total) * normal;
   slope.change = of_weights - sum_.stiffness;
   slope.hessian = slope.change;

@@ -8,19 +8,21 @@
 
 namespace palpate {
 
-/// How the stored energy W(X) = sum w_i(X) E_i(tool - X) of a contact, and its force, change when the anchor
-/// X moves along one triangle.
+/// How the stored energy W(X) = sum w_i(X) E_i(tool - X) of a contact, and its force, change when
+/// the anchor X moves along one triangle.
 struct AnchorSlope {
   Eigen::Vector3d tangent = Eigen::Vector3d::Zero();  ///< N, dW/dX, in the plane of the triangle
-  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();  ///< N/m, d2W/dX2; its part in the plane means something
-  Eigen::Matrix3d change = Eigen::Matrix3d::Zero();   ///< N/m, dF/dX
+  Eigen::Matrix3d hessian =
+      Eigen::Matrix3d::Zero();  ///< N/m, d2W/dX2; its part in the plane means something
+  Eigen::Matrix3d change = Eigen::Matrix3d::Zero();  ///< N/m, dF/dX
 };
 
 /// The force of the spaces around an anchor. Every space is asked once per displacement.
 /// One thread; real time: nothing here allocates, locks, throws or logs.
 class BlendedForce {
  public:
-  /// anchor: in a touchable triangle. displacement: m. The model must outlive the use of this object.
+  /// anchor: in a touchable triangle. displacement: m. The model must outlive the use of this
+  /// object.
   void evaluate(const HapticModel& model, std::size_t method, const SurfacePoint& anchor,
                 const Eigen::Vector3d& displacement) noexcept;
 
@@ -30,8 +32,8 @@ class BlendedForce {
   /// Sums by weight; energy and bound are NaN where one space has none; inside: all are.
   const ForceSample& sum() const { return sum_; }
 
-  /// For a touchable triangle that the anchor lies in or at the edge of. Where a space has no energy the
-  /// tangent is that of the force alone.
+  /// For a touchable triangle that the anchor lies in or at the edge of. Where a space has no
+  /// energy the tangent is that of the force alone.
   AnchorSlope slopeAlong(std::int32_t triangle) noexcept;
 
  private:

@@ -8,8 +8,8 @@
 namespace palpate {
 namespace {
 
-/// m: a tool no deeper than this has not missed the way in. Rounding decides on which side it is, and whether
-/// it is pushed.
+/// m: a tool no deeper than this has not missed the way in. Rounding decides on which side it is,
+/// and whether it is pushed.
 constexpr double graze = 1e-6;
 
 bool sameSurface(const TouchSurface& a, const TouchSurface& b) noexcept {
@@ -67,8 +67,9 @@ void Contact::seek(const Eigen::Vector3d& tool, bool hold) noexcept {
 void Contact::seekEntry(const Eigen::Vector3d& tool, const NearestPoint& nearest) noexcept {
   const Crossing crossing = model_->surface().tree().entry(last_tool_, tool);
   // A tool that was on the surface may have passed it without crossing it, by rounding.
-  const SurfacePoint entry = crossing.triangle >= 0 ? SurfacePoint{crossing.triangle, crossing.barycentric}
-                                                    : SurfacePoint{nearest.triangle, nearest.barycentric};
+  const SurfacePoint entry = crossing.triangle >= 0
+                                 ? SurfacePoint{crossing.triangle, crossing.barycentric}
+                                 : SurfacePoint{nearest.triangle, nearest.barycentric};
   if (model_->surface().touchable(entry.triangle)) {
     const double gap = touch_.gap;
     begin(entry, Eigen::Vector3d::Zero());

@@ -13,56 +13,64 @@ struct ContactOptions {
   double friction = 0.2;         ///< Coulomb's coefficient, >= 0; unilateral only
   double grab_distance = 0.005;  ///< m; glued: the tool takes hold of a surface this near
   double most_slide = 0.002;     ///< m per tick that the anchor may slide at most
-  /// Of the force, per tick: what sliding may change it by beyond what the tool's own motion does. So the
-  /// force stays continuous where the anchor runs down from a ridge between two triangles. Smaller is softer,
-  /// and lags behind.
+  /// Of the force, per tick: what sliding may change it by beyond what the tool's own motion does.
+  /// So the force stays continuous where the anchor runs down from a ridge between two triangles.
+  /// Smaller is softer, and lags behind.
   double most_relaxation = 0.005;
 };
 
 /// What the tissue does to the tool.
 struct Touch {
   bool touching = false;
-  /// The raw force may differ from the last one by more than motion explains: contact began away from the
-  /// surface, ended with a force, or model or method were switched. The force guard fades such steps in.
+  /// The raw force may differ from the last one by more than motion explains: contact began away
+  /// from the surface, ended with a force, or model or method were switched. The force guard fades
+  /// such steps in.
   bool stepped = false;
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();      ///< N, on the tool, not limited yet
-  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< N/m, d force / d tool with the anchor held
-  double energy = 0;       ///< J, stored in the tissue; NaN where the method has none
-  double error_bound = 0;  ///< N; NaN where the method gives none
-  double coverage = 1;     ///< ForceSample::coverage, blended
-  bool inside = true;      ///< all blended spaces answer from inside of their workspaces
-  SurfacePoint anchor;     ///< the material point in contact
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< N, on the tool, not limited yet
+  Eigen::Matrix3d stiffness =
+      Eigen::Matrix3d::Zero();  ///< N/m, d force / d tool with the anchor held
+  double energy = 0;            ///< J, stored in the tissue; NaN where the method has none
+  double error_bound = 0;       ///< N; NaN where the method gives none
+  double coverage = 1;          ///< ForceSample::coverage, blended
+  bool inside = true;           ///< all blended spaces answer from inside of their workspaces
+  SurfacePoint anchor;          ///< the material point in contact
   Eigen::Vector3d anchor_position = Eigen::Vector3d::Zero();  ///< at rest, m
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();       ///< outward, of the surface at rest in the anchor
-  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< of the anchor, m: what the spaces are asked
+  Eigen::Vector3d normal =
+      Eigen::Vector3d::UnitZ();  ///< outward, of the surface at rest in the anchor
+  Eigen::Vector3d displacement =
+      Eigen::Vector3d::Zero();  ///< of the anchor, m: what the spaces are asked
   SpaceBlend blend;
   double gap = 0;  ///< m, when not touching: distance to the body, negative inside of it
 };
 
 /// A point tool on a soft body.
 ///
-/// The tool touches when it crosses a touchable triangle from outside; where it does, the *anchor*, is the
-/// material point that moves with it: the displacement is tool - anchor, and the force
+/// The tool touches when it crosses a touchable triangle from outside; where it does, the *anchor*,
+/// is the material point that moves with it: the displacement is tool - anchor, and the force
 ///   F = sum w_i(anchor) h_i(tool - anchor)
-/// over the spaces of the anchor's blend. The displacement, and with it the force, is zero at first: contact
-/// begins without a jump. While it lasts the deformed surface passes through the tool at the anchor, so the
-/// anchor *is* the closest point of the deformed surface, and only a free tool needs a search.
+/// over the spaces of the anchor's blend. The displacement, and with it the force, is zero at
+/// first: contact begins without a jump. While it lasts the deformed surface passes through the
+/// tool at the anchor, so the anchor *is* the closest point of the deformed surface, and only a
+/// free tool needs a search.
 ///
-/// Sliding. The stored energy of a contact is W(X) = sum w_i(X) E_i(tool - X), X the anchor. Moving it along
-/// the surface changes W by (F + sum E_i grad w_i) . dX; call the tangential part of that T. Friction holds
-/// the anchor while |T| <= friction * F.n, else it slides against T until that holds again, walking over the
-/// edges of triangles. So sliding never creates energy, and takes none without friction. A method that has no
-/// energy slides by the tangential force alone. The anchor cannot leave the touchable surface: at its rim it
-/// stays. In one tick it slides no further than most_slide, than twice the tool's motion and what changes the
-/// force by most_relaxation (anchor_slide.hpp); what is left is slid in the next ticks. Since the anchor
-/// moves continuously and the weights are continuous, so is the force.
+/// Sliding. The stored energy of a contact is W(X) = sum w_i(X) E_i(tool - X), X the anchor. Moving
+/// it along the surface changes W by (F + sum E_i grad w_i) . dX; call the tangential part of that
+/// T. Friction holds the anchor while |T| <= friction * F.n, else it slides against T until that
+/// holds again, walking over the edges of triangles. So sliding never creates energy, and takes
+/// none without friction. A method that has no energy slides by the tangential force alone. The
+/// anchor cannot leave the touchable surface: at its rim it stays. In one tick it slides no further
+/// than most_slide, than twice the tool's motion and what changes the force by most_relaxation
+/// (anchor_slide.hpp); what is left is slid in the next ticks. Since the anchor moves continuously
+/// and the weights are continuous, so is the force.
 ///
-/// Release: nothing pulls. When F.n becomes <= 0 (n outward) the contact ends with it. A tool that is inside
-/// the body then, or came in where nothing is touchable, feels nothing until it has been outside.
+/// Release: nothing pulls. When F.n becomes <= 0 (n outward) the contact ends with it. A tool that
+/// is inside the body then, or came in where nothing is touchable, feels nothing until it has been
+/// outside.
 ///
-/// Glued (the paper's mode): the tool takes hold of the nearest touchable point within grab_distance, and
-/// keeps it, pulling too, as long as `hold`; the displacement counts from where it was taken. After release()
-/// it takes hold again when `hold` was false or the tool farther than grab_distance in between.
+/// Glued (the paper's mode): the tool takes hold of the nearest touchable point within
+/// grab_distance, and keeps it, pulling too, as long as `hold`; the displacement counts from where
+/// it was taken. After release() it takes hold again when `hold` was false or the tool farther than
+/// grab_distance in between.
 ///
 /// One thread. update() and use() are real time: they do not allocate, lock, throw or log.
 class Contact {
@@ -75,8 +83,8 @@ class Contact {
   const Touch& touch() const noexcept { return touch_; }
   /// Ends the contact; the tool must come from outside again.
   void release() noexcept;
-  /// Goes on with another model or method. Contact is kept where the surfaces have the same triangles, vertex
-  /// for vertex, and the anchor is touchable in the new one.
+  /// Goes on with another model or method. Contact is kept where the surfaces have the same
+  /// triangles, vertex for vertex, and the anchor is touchable in the new one.
   void use(const HapticModel& model, std::size_t method) noexcept;
 
  private:
@@ -94,8 +102,10 @@ class Contact {
   Touch touch_;
   BlendedForce force_;
   SurfacePoint anchor_;
-  Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();     ///< of the tool from the anchor at zero force; glued
-  Eigen::Vector3d last_tool_ = Eigen::Vector3d::Zero();  ///< where the search for an entry goes on from
+  Eigen::Vector3d offset_ =
+      Eigen::Vector3d::Zero();  ///< of the tool from the anchor at zero force; glued
+  Eigen::Vector3d last_tool_ =
+      Eigen::Vector3d::Zero();  ///< where the search for an entry goes on from
   bool last_tool_known_ = false;
   bool ready_;                       ///< has been outside (unilateral), or may take hold (glued)
   bool step_follows_ = false;        ///< Touch::stepped of the next update

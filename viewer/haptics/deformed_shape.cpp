@@ -6,17 +6,17 @@
 namespace palpate {
 namespace {
 
-std::size_t at(std::int32_t index) {
-  return static_cast<std::size_t>(index);
-}
+std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
-double bumpAt(const Eigen::Vector3d& vertex, const Eigen::Vector3d& center, double radius) noexcept {
+double bumpAt(const Eigen::Vector3d& vertex, const Eigen::Vector3d& center,
+              double radius) noexcept {
   const double inside = std::max(0.0, 1 - (vertex - center).squaredNorm() / (radius * radius));
   return inside * inside;
 }
 
 /// Adds bumps so that the anchor moves by the displacement.
-void passThroughTool(const TouchSurface& surface, const Touch& touch, std::span<float> out) noexcept {
+void passThroughTool(const TouchSurface& surface, const Touch& touch,
+                     std::span<float> out) noexcept {
   const Triangle& t = surface.triangles()[at(touch.anchor.triangle)];
   Eigen::Vector3d missing = touch.displacement;
   double radius = 0, bump = 0;
@@ -28,9 +28,11 @@ void passThroughTool(const TouchSurface& surface, const Touch& touch, std::span<
   for (std::size_t c = 0; c < 3; ++c)
     bump += touch.anchor.barycentric[static_cast<Eigen::Index>(c)] *
             bumpAt(surface.vertices()[at(t[c])], touch.anchor_position, radius);
-  const Eigen::Vector3f height = (missing / bump).cast<float>();  // a corner always lies within the radius
+  const Eigen::Vector3f height =
+      (missing / bump).cast<float>();  // a corner always lies within the radius
   for (std::size_t v = 0; v < surface.vertices().size(); ++v) {
-    const auto share = static_cast<float>(bumpAt(surface.vertices()[v], touch.anchor_position, radius));
+    const auto share =
+        static_cast<float>(bumpAt(surface.vertices()[v], touch.anchor_position, radius));
     if (share > 0) Eigen::Map<Eigen::Vector3f>(out.data() + 3 * v) += share * height;
   }
 }
@@ -39,14 +41,16 @@ void passThroughTool(const TouchSurface& surface, const Touch& touch, std::span<
 
 DeformedShape::DeformedShape(std::size_t most_vertices) : scratch_(3 * most_vertices) {}
 
-void DeformedShape::evaluate(const HapticModel& model, const Touch& touch, std::span<float> out) noexcept {
+void DeformedShape::evaluate(const HapticModel& model, const Touch& touch,
+                             std::span<float> out) noexcept {
   std::ranges::fill(out, 0.0f);
   if (!touch.touching) return;
   blend(model, touch, out);
   passThroughTool(model.surface(), touch, out);
 }
 
-void DeformedShape::blend(const HapticModel& model, const Touch& touch, std::span<float> out) noexcept {
+void DeformedShape::blend(const HapticModel& model, const Touch& touch,
+                          std::span<float> out) noexcept {
   const std::span<float> one = std::span(scratch_).first(std::min(out.size(), scratch_.size()));
   for (std::size_t n = 0; n < at(touch.blend.size); ++n) {
     const auto weight = static_cast<float>(touch.blend.shares[n].weight);

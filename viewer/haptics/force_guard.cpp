@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -25,9 +25,7 @@ bool isUsable(const Eigen::Matrix3d& m) {
 }
 
 /// 0 at 0, 1 at 1, flat at both.
-double smoothStep(double t) {
-  return t * t * (3 - 2 * t);
-}
+double smoothStep(double t) { return t * t * (3 - 2 * t); }
 
 /// Shortens to `longest`, keeping the direction; the rounding of later sums included.
 bool shorten(Eigen::Vector3d& v, double longest) {
@@ -38,7 +36,8 @@ bool shorten(Eigen::Vector3d& v, double longest) {
 }
 
 void require(bool holds, const char* option, double value, const char* what) {
-  if (!holds) throw badInput("force guard: {} = {} is not {}; give a device profile", option, value, what);
+  if (!holds)
+    throw badInput("force guard: {} = {} is not {}; give a device profile", option, value, what);
 }
 
 void requirePositive(const char* option, double value) {
@@ -61,8 +60,8 @@ GuardOptions guardFor(const DeviceProfile& profile, double period) {
 }
 
 const char* guardWord(int bit) {
-  constexpr std::array<const char*, guard_count> words = {"ramped",  "damped", "clamped",    "slewed",
-                                                          "stalled", "lost",   "not_finite", "late"};
+  constexpr std::array<const char*, guard_count> words = {
+      "ramped", "damped", "clamped", "slewed", "stalled", "lost", "not_finite", "late"};
   return bit >= 0 && bit < guard_count ? words[static_cast<std::size_t>(bit)] : "";
 }
 
@@ -86,7 +85,8 @@ void ForceGuard::reset() noexcept {
   clamp_share_ = 1;
 }
 
-/// From the force that the hand feels now: a force that was clamped, slewed or faded goes on from there.
+/// From the force that the hand feels now: a force that was clamped, slewed or faded goes on from
+/// there.
 void ForceGuard::startRamp(const Eigen::Vector3d& raw) noexcept {
   offset_ = raw - given_;
   ramp_time_ = 0;
@@ -97,14 +97,15 @@ void ForceGuard::restartObserver() noexcept {
   passivity_ = std::clamp(passivity_, -options_.energy_credit, options_.energy_credit);
 }
 
-/// The work of the tick that has just ended, in which given_ was held. Both ends of it count for the share of
-/// the clamp, so that the way back gives what the way in took.
+/// The work of the tick that has just ended, in which given_ was held. Both ends of it count for
+/// the share of the clamp, so that the way back gives what the way in took.
 void ForceGuard::observe(const GuardInput& input, bool stepped) noexcept {
   const Touch& touch = input.touch;
   const double length = touch.force.norm();
   const double clamp_share = length > options_.max_force ? options_.max_force / length : 1;
   const double stored = touch.touching ? touch.energy : 0;
-  motion_ = usable_ ? Eigen::Vector3d(input.tool - tool_) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  motion_ =
+      usable_ ? Eigen::Vector3d(input.tool - tool_) : Eigen::Vector3d(Eigen::Vector3d::Zero());
   if (touching_ || touch.touching) {
     passivity_ -= given_.dot(motion_);
     const double change = 0.5 * (clamp_share_ + clamp_share) * (stored - stored_);

@@ -3,19 +3,20 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "common/device_profile.hpp"
+#include "common/scene/device_profile.hpp"
 #include "viewer/haptics/contact.hpp"
 
 namespace palpate {
 
 /// Limits of what a hand is given. There is no way to switch them off.
 struct GuardOptions {
-  double period = 1e-3;         ///< s, of the tick
-  double max_force = 3.3;       ///< N; default: of the smallest device
-  double max_slew = 330;        ///< N/s: the whole force in 10 ms
-  double ramp = 0.05;           ///< s in which a step of the raw force is faded in
-  double stall = 0.02;          ///< s without a fresh reading, after which the force goes to zero
-  double max_stiffness = 400;   ///< N/m, of the device: bounds the damping of the passivity controller
+  double period = 1e-3;    ///< s, of the tick
+  double max_force = 3.3;  ///< N; default: of the smallest device
+  double max_slew = 330;   ///< N/s: the whole force in 10 ms
+  double ramp = 0.05;      ///< s in which a step of the raw force is faded in
+  double stall = 0.02;     ///< s without a fresh reading, after which the force goes to zero
+  double max_stiffness =
+      400;  ///< N/m, of the device: bounds the damping of the passivity controller
   double energy_credit = 1e-4;  ///< J, dissipated or owed, that the observer remembers at most
 };
 /// Those of a device: max_force and max_stiffness of its profile, max_slew = max_force / 10 ms.
@@ -47,31 +48,35 @@ struct GuardInput {
 struct GuardedForce {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< N; finite, |force| <= max_force
   std::uint32_t guards = 0;                         ///< Guarded bits
-  /// J, of the passivity observer: what the hand put in less what is stored in the tissue. Negative: the
-  /// loop has created energy.
+  /// J, of the passivity observer: what the hand put in less what is stored in the tissue.
+  /// Negative: the loop has created energy.
   double passivity = 0;
 };
 
 /// From the force of a contact to the force of a device, tick by tick:
 ///   1. not finite, device gone, loop hung: the raw force counts as zero and a step;
-///   2. ramp: a step d of the raw force (Touch::stepped, or 1.) is faded in: F - d (1 - s(t)), s smooth from
+///   2. ramp: a step d of the raw force (Touch::stepped, or 1.) is faded in: F - d (1 - s(t)), s
+///   smooth from
 ///      0 to 1 in `ramp` seconds, so that the force goes on from where it was;
-///   3. passivity observer and controller (Hannaford and Ryu 2002): the work of the hand, - sum F . dx of the
-///      force it was given, less the energy stored in the tissue, may not be negative. What is missing is
-///      taken out by damping against the motion, no more of it than T |K| (K the local stiffness along the
-///      motion, T the period: twice the K T / 2 by which holding the force for a tick makes a spring active)
-///      and than T max_stiffness. What is stored counts by the share of the force that the clamp lets
-///      through, since no more than that comes back. A step, which may change what is stored at will, is no
-///      work; at a step, at the end of its ramp and at that of contact the observer forgets all but
-///      `energy_credit`;
+///   3. passivity observer and controller (Hannaford and Ryu 2002): the work of the hand, - sum F .
+///   dx of the
+///      force it was given, less the energy stored in the tissue, may not be negative. What is
+///      missing is taken out by damping against the motion, no more of it than T |K| (K the local
+///      stiffness along the motion, T the period: twice the K T / 2 by which holding the force for
+///      a tick makes a spring active) and than T max_stiffness. What is stored counts by the share
+///      of the force that the clamp lets through, since no more than that comes back. A step, which
+///      may change what is stored at will, is no work; at a step, at the end of its ramp and at
+///      that of contact the observer forgets all but `energy_credit`;
 ///   4. clamp to max_force, keeping the direction;
 ///   5. slew: no faster than max_slew;
 ///   6. no fresh reading for `stall` seconds: toward zero as fast as max_slew allows.
-/// A device that is lost, or a loop that hung, is given exactly zero at once. Numbers beyond 1e9 (N, m, J)
-/// are taken for not finite. Deterministic: a function of its inputs alone. One thread; real time.
+/// A device that is lost, or a loop that hung, is given exactly zero at once. Numbers beyond 1e9
+/// (N, m, J) are taken for not finite. Deterministic: a function of its inputs alone. One thread;
+/// real time.
 class ForceGuard {
  public:
-  /// Error when a number is not finite, the period, max_force or max_slew not positive, or another negative.
+  /// Error when a number is not finite, the period, max_force or max_slew not positive, or another
+  /// negative.
   explicit ForceGuard(const GuardOptions& options);
   GuardedForce limit(const GuardInput& input) noexcept;
   void reset() noexcept;

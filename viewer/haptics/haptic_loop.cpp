@@ -13,15 +13,15 @@
 #include <ctime>
 #include <system_error>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 
 namespace palpate {
 namespace {
 
 using namespace std::chrono_literals;
 
-// Of 1..99: above sound servers, below the kernel's own threads. The watchdog must get past a loop that
-// spins.
+// Of 1..99: above sound servers, below the kernel's own threads. The watchdog must get past a loop
+// that spins.
 constexpr int loop_priority = 80, watchdog_priority = loop_priority + 1;
 constexpr std::size_t stack_bytes = 256 * 1024;  // far more than a tick needs
 constexpr std::int64_t publish_ns = 100'000'000;
@@ -31,16 +31,10 @@ std::int64_t clockNs(clockid_t clock) noexcept {
   clock_gettime(clock, &now);
   return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
 }
-std::int64_t nowNs() noexcept {
-  return clockNs(CLOCK_MONOTONIC);
-}
-std::int64_t processorNs() noexcept {
-  return clockNs(CLOCK_THREAD_CPUTIME_ID);
-}
+std::int64_t nowNs() noexcept { return clockNs(CLOCK_MONOTONIC); }
+std::int64_t processorNs() noexcept { return clockNs(CLOCK_THREAD_CPUTIME_ID); }
 
-double seconds(std::int64_t ns) noexcept {
-  return 1e-9 * static_cast<double>(ns);
-}
+double seconds(std::int64_t ns) noexcept { return 1e-9 * static_cast<double>(ns); }
 
 void sleepUntil(std::int64_t ns) noexcept {
   const timespec until = {ns / 1'000'000'000, ns % 1'000'000'000};
@@ -57,8 +51,8 @@ void sleepUntil(std::int64_t ns) noexcept {
 
 void checkOptions(const LoopOptions& options, const TickOptions& tick) {
   if (!(std::abs(options.rate * tick.period - 1) < 1e-9))
-    throw badInput("a haptic loop of {} Hz cannot run ticks of {} s; give both the same rate", options.rate,
-                   tick.period);
+    throw badInput("a haptic loop of {} Hz cannot run ticks of {} s; give both the same rate",
+                   options.rate, tick.period);
   if (!(options.watchdog > 0))
     throw badInput("a watchdog of {} s is none; give it a positive time", options.watchdog);
 }
@@ -78,9 +72,7 @@ HapticLoop::HapticLoop(HapticTick& tick, HapticDevice& device, const LoopOptions
   published_.write(statistics_);
 }
 
-HapticLoop::~HapticLoop() {
-  stop();
-}
+HapticLoop::~HapticLoop() { stop(); }
 
 void HapticLoop::start() {
   if (started_) throw failure("this haptic loop was started before");
@@ -94,7 +86,8 @@ void HapticLoop::start() {
   } catch (const std::system_error& error) {
     stop();
     running_ = false;
-    throw failure("no thread for the haptic loop: {}; end other programs, or raise ulimit -u", error.what());
+    throw failure("no thread for the haptic loop: {}; end other programs, or raise ulimit -u",
+                  error.what());
   }
   std::unique_lock lock(waiting_);
   woken_.wait(lock, [this] { return prepared_; });
@@ -133,8 +126,9 @@ void HapticLoop::lockMemory() {
   memory_locked_ = mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
   if (!memory_locked_)
     trouble_ += fmt::format(
-        "Memory is not locked ({}), so a tick may wait for a page: allow it with ulimit -l, \"@realtime - "
-        "memlock unlimited\" in /etc/security/limits.conf, or LimitMEMLOCK=infinity of a systemd unit. ",
+        "Memory is not locked ({}), so a tick may wait for a page: allow it with ulimit -l, "
+        "\"@realtime - memlock unlimited\" in /etc/security/limits.conf, "
+        "or LimitMEMLOCK=infinity of a systemd unit. ",
         std::strerror(errno));
 }
 
@@ -143,15 +137,16 @@ void HapticLoop::askForPriority(pthread_t thread, const char* name, int wanted) 
   const int refused = pthread_setschedparam(thread, SCHED_FIFO, &priority);
   if (refused != 0)
     trouble_ += fmt::format(
-        "The {} thread has no real-time priority ({}), so other programs may delay it: allow it with "
-        "ulimit -r {}, \"@realtime - rtprio {}\" in /etc/security/limits.conf, or LimitRTPRIO={} of a "
-        "systemd unit. ",
+        "The {} thread has no real-time priority ({}), so other programs may delay it: "
+        "allow it with ulimit -r {}, \"@realtime - rtprio {}\" in /etc/security/limits.conf, "
+        "or LimitRTPRIO={} of a systemd unit. ",
         name, std::strerror(refused), watchdog_priority, watchdog_priority, watchdog_priority);
 }
 
 void HapticLoop::runLoop() {
   pthread_setname_np(pthread_self(), "haptic");
-  prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // the kernel's default delays each sleep by up to 50 us
+  prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL,
+        0UL);  // the kernel's default delays each sleep by up to 50 us
   if (options_.real_time) askForPriority(pthread_self(), "haptic", loop_priority);
   touchStack();
   {
@@ -208,7 +203,8 @@ bool HapticLoop::oneTick(std::int64_t begin_ns) {
   if (last_begin_ns_ != 0) statistics_.period.add(away);
   last_begin_ns_ = begin_ns;
   const bool halted = halted_.load(std::memory_order_acquire);
-  // Ticks that another loop ran before this one left a force behind; the device has held zero since.
+  // Ticks that another loop ran before this one left a force behind; the device has held zero
+  // since.
   const bool goes_on = statistics_.ticks == 0 && tick_.state().tick > 0;
   const bool late = halted || goes_on || (!options_.free_running && away > options_.watchdog);
 
@@ -255,13 +251,15 @@ void HapticLoop::publishStatistics() noexcept {
 
 void HapticLoop::watch() {
   const std::chrono::duration<double> limit(options_.watchdog);
-  const std::chrono::duration<double> interval = std::min<std::chrono::duration<double>>(limit / 4, 10ms);
+  const std::chrono::duration<double> interval =
+      std::min<std::chrono::duration<double>>(limit / 4, 10ms);
   auto changed = std::chrono::steady_clock::now();
   std::uint64_t seen = 0;
   std::unique_lock lock(waiting_);
   while (!stop_ && running()) {
     woken_.wait_for(lock, interval);
-    const bool halted = halted_.load(std::memory_order_acquire);  // first: the rest is newer than a resume
+    const bool halted =
+        halted_.load(std::memory_order_acquire);  // first: the rest is newer than a resume
     const auto now = std::chrono::steady_clock::now();
     const std::uint64_t done = ticks_done_.load(std::memory_order_acquire);
     if (done != seen) {

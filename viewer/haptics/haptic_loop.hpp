@@ -19,38 +19,39 @@
 namespace palpate {
 
 struct LoopOptions {
-  double rate = 1000;      ///< Hz
-  bool real_time = false;  ///< ask for SCHED_FIFO and mlockall; refusals are told in trouble()
-  bool free_running =
-      false;  ///< no clock: one tick after the other, as fast as possible (tests, palpate view --fast)
-  double watchdog = 0.1;    ///< s without a tick, after which the device is halted
-  std::uint64_t ticks = 0;  ///< stop after so many; 0: never
-  /// Fill the queue that takeRecorded() empties; it holds 8192 states. When it is full, states are lost and
-  /// counted; a free-running loop waits instead.
+  double rate = 1000;         ///< Hz
+  bool real_time = false;     ///< ask for SCHED_FIFO and mlockall; refusals are told in trouble()
+  bool free_running = false;  ///< no clock: one tick after the other, as fast as possible (tests,
+                              ///< palpate view --fast)
+  double watchdog = 0.1;      ///< s without a tick, after which the device is halted
+  std::uint64_t ticks = 0;    ///< stop after so many; 0: never
+  /// Fill the queue that takeRecorded() empties; it holds 8192 states. When it is full, states are
+  /// lost and counted; a free-running loop waits instead.
   bool record = false;
 };
 
 /// Runs a HapticTick at its rate on a thread of its own, and a watchdog beside it.
 ///
-/// Absolute-time sleeps (clock_nanosleep, CLOCK_MONOTONIC): the rate does not drift. A tick that ends after
-/// the next should have begun is a missed deadline; the loop then goes on from now, without catching up. It
-/// is the program's when the thread itself computed for longer than the period (its processor time), the
-/// operating system's otherwise.
+/// Absolute-time sleeps (clock_nanosleep, CLOCK_MONOTONIC): the rate does not drift. A tick that
+/// ends after the next should have begun is a missed deadline; the loop then goes on from now,
+/// without catching up. It is the program's when the thread itself computed for longer than the
+/// period (its processor time), the operating system's otherwise.
 ///
-/// When no tick ends for `watchdog` seconds the watchdog thread halts the device, counts, and the loop starts
-/// from zero force when it comes back (Guarded::late). So it does when it finds by itself that it was away
-/// for so long, and when it goes on with a tick that ran before.
+/// When no tick ends for `watchdog` seconds the watchdog thread halts the device, counts, and the
+/// loop starts from zero force when it comes back (Guarded::late). So it does when it finds by
+/// itself that it was away for so long, and when it goes on with a tick that ran before.
 ///
-/// While the device is lost the watchdog keeps it halted too: a device whose own thread hangs would go on
-/// with the last force. It is resumed after the first tick that is not lost, which is late and writes zero. A
-/// free-running loop has no watchdog. With real_time the watchdog has one priority more than the loop.
+/// While the device is lost the watchdog keeps it halted too: a device whose own thread hangs would
+/// go on with the last force. It is resumed after the first tick that is not lost, which is late
+/// and writes zero. A free-running loop has no watchdog. With real_time the watchdog has one
+/// priority more than the loop.
 ///
-/// Other threads: latest() from one thread (the picture), command() from one thread, takeRecorded() from one
-/// thread, the rest from the owner.
+/// Other threads: latest() from one thread (the picture), command() from one thread, takeRecorded()
+/// from one thread, the rest from the owner.
 class HapticLoop {
  public:
-  /// tick and device must outlive this object; the device is that of the tick. The rate is the tick's:
-  /// Error when it is not 1 / period, or the watchdog is not positive.
+  /// tick and device must outlive this object; the device is that of the tick. The rate is the
+  /// tick's: Error when it is not 1 / period, or the watchdog is not positive.
   HapticLoop(HapticTick& tick, HapticDevice& device, const LoopOptions& options);
   ~HapticLoop();  ///< stops
   HapticLoop(const HapticLoop&) = delete;
@@ -67,12 +68,14 @@ class HapticLoop {
   std::optional<HapticState> takeRecorded();
   /// Statistics so far, at most a tenth of a second old; exact after stop().
   LoopStatistics statistics() const;
-  /// What real time asked for and did not get, as sentences; empty when nothing. Complete after start().
+  /// What real time asked for and did not get, as sentences; empty when nothing. Complete after
+  /// start().
   std::string trouble() const { return trouble_; }
 
  private:
   static constexpr std::size_t recorded_states = 8192;
-  using RecordedQueue = boost::lockfree::spsc_queue<HapticState, boost::lockfree::capacity<recorded_states>>;
+  using RecordedQueue =
+      boost::lockfree::spsc_queue<HapticState, boost::lockfree::capacity<recorded_states>>;
   /// Of the thread in the loop, at its begin.
   struct Usage {
     std::uint64_t page_faults = 0, preemptions = 0;
@@ -112,7 +115,7 @@ class HapticLoop {
   std::atomic<bool> stop_ = false, running_ = false;
   std::atomic<std::uint64_t> ticks_done_ = 0, halts_ = 0;
   std::atomic<bool> halted_ =
-      false;                        ///< set by the watchdog after halt(), cleared by the loop after resume()
+      false;  ///< set by the watchdog after halt(), cleared by the loop after resume()
   std::atomic<bool> lost_ = false;  ///< the device, in the last tick
 
   // Between owner, loop and watchdog outside of the ticks.

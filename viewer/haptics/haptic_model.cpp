@@ -6,12 +6,14 @@
 #include <functional>
 #include <thread>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
+#include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
 namespace {
 
-/// Calls task(0), ..., task(count - 1), several at once; throws what the first of them to fail threw.
+/// Calls task(0), ..., task(count - 1), several at once; throws what the first of them to fail
+/// threw.
 void inParallel(std::size_t count, const std::function<void(std::size_t)>& task) {
   std::atomic<std::size_t> next = 0;
   std::atomic<bool> failed = false;
@@ -52,7 +54,8 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
     fields_[method][space] = makeForceField(methods_[method], spaces_[space]);
   });
   for (std::size_t s = 0; s < spaces_.size(); ++s)
-    shapes_.push_back(std::make_unique<DisplacementField>(spaces_[s], dataset.surfaceDisplacements(s)));
+    shapes_.push_back(
+        std::make_unique<DisplacementField>(spaces_[s], dataset.surfaceDisplacements(s)));
 }
 
 }  // namespace palpate

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "common/dataset.hpp"
-#include "viewer/displacement_field.hpp"
-#include "viewer/force_field.hpp"
+#include "common/dataset/dataset.hpp"
+#include "viewer/fields/displacement_field.hpp"
+#include "viewer/fields/force_field.hpp"
 #include "viewer/haptics/touch_surface.hpp"
 
 namespace palpate {
@@ -21,19 +21,22 @@ struct HapticModelOptions {
 /// Immutable: any thread may read.
 class HapticModel {
  public:
-  /// Error when the dataset has nothing to touch, or a method is unknown. Seconds for ten spaces of 515
-  /// points: spaces and methods are prepared side by side, on as many threads as there are cores.
+  /// Error when the dataset has nothing to touch, or a method is unknown. Seconds for ten spaces of
+  /// 515 points: spaces and methods are prepared side by side, on as many threads as there are
+  /// cores.
   explicit HapticModel(const Dataset& dataset, const HapticModelOptions& options = {});
 
   const std::string& name() const { return name_; }  ///< of the scene
   const std::string& file() const { return file_; }
   ContentId contentId() const { return content_; }
   ContactMode contactMode() const { return contact_; }  ///< what the scene asks for
-  double maxForce() const { return max_force_; }        ///< N, of the scene: nothing beyond it was solved
+  double maxForce() const { return max_force_; }  ///< N, of the scene: nothing beyond it was solved
   const TouchSurface& surface() const { return surface_; }
   const std::vector<SpaceTable>& spaces() const { return spaces_; }
   const std::vector<std::string>& methods() const { return methods_; }
-  const ForceField& field(std::size_t method, std::size_t space) const { return *fields_[method][space]; }
+  const ForceField& field(std::size_t method, std::size_t space) const {
+    return *fields_[method][space];
+  }
   /// Displacements of the surface's vertices.
   const DisplacementField& shape(std::size_t space) const { return *shapes_[space]; }
 

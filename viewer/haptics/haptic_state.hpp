@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "viewer/devices/haptic_device.hpp"
 #include "viewer/haptics/contact.hpp"
+#include "viewer/haptics/haptic_device.hpp"
 
 namespace palpate {
 
@@ -13,12 +13,14 @@ struct HapticState {
   std::uint64_t tick = 0;  ///< counted from 1
   double time = 0;         ///< s, tick * period: not the clock of the wall
   DeviceReading reading;
-  Eigen::Vector3d tool = Eigen::Vector3d::Zero();  ///< m, scene frame; the last that was known, always finite
+  Eigen::Vector3d tool =
+      Eigen::Vector3d::Zero();  ///< m, scene frame; the last that was known, always finite
   Touch touch;
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< N, scene frame: what was written to the device
-  std::uint32_t guards = 0;                         ///< Guarded bits
-  double passivity = 0;                             ///< J, GuardedForce
-  std::int32_t model = 0, method = 0;               ///< in use
+  Eigen::Vector3d force =
+      Eigen::Vector3d::Zero();         ///< N, scene frame: what was written to the device
+  std::uint32_t guards = 0;            ///< Guarded bits
+  double passivity = 0;                ///< J, GuardedForce
+  std::int32_t model = 0, method = 0;  ///< in use
 };
 
 /// What another thread asks of the haptic thread.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 #include "viewer/haptics/haptic_model.hpp"
 
 namespace palpate {
@@ -26,7 +26,8 @@ TickOptions limited(TickOptions options, const HapticDevice& device) {
 Eigen::Matrix3Xd touchableVertices(const TouchSurface& surface) {
   std::vector<Eigen::Vector3d> found;
   for (std::size_t v = 0; v < surface.vertices().size(); ++v)
-    if (!surface.sharesOf(static_cast<std::int32_t>(v)).empty()) found.push_back(surface.vertices()[v]);
+    if (!surface.sharesOf(static_cast<std::int32_t>(v)).empty())
+      found.push_back(surface.vertices()[v]);
   return Eigen::Map<const Eigen::Matrix3Xd>(found.empty() ? nullptr : found.front().data(), 3,
                                             static_cast<Eigen::Index>(found.size()));
 }
@@ -76,7 +77,8 @@ const HapticState& HapticTick::run(bool late) noexcept {
   input.touch = contact_.update(tool, (state_.reading.buttons & 1U) == 0);
   input.fresh = state_.reading.status == DeviceStatus::fresh;
   input.lost = lost;
-  input.late = late && !lost;  // while lost the device is halted; the tick in which it is back is late
+  input.late =
+      late && !lost;  // while lost the device is halted; the tick in which it is back is late
   const GuardedForce guarded = guard_.limit(input);
 
   state_.touch = input.touch;
@@ -96,7 +98,8 @@ void HapticTick::obey(const HapticCommand& command) noexcept {
   const HapticModel& model = *models_[static_cast<std::size_t>(command.model)];
   if (!exists(command.method, model.methods().size())) return;
   contact_.use(model, static_cast<std::size_t>(command.method));
-  state_.touch = {};  // of the model before; who draws it before the next run() must not ask this one
+  state_
+      .touch = {};  // of the model before; who draws it before the next run() must not ask this one
   state_.model = command.model;
   state_.method = command.method;
 }

@@ -2,16 +2,16 @@
 
 #include <vector>
 
-#include "viewer/devices/haptic_device.hpp"
 #include "viewer/haptics/contact.hpp"
 #include "viewer/haptics/force_guard.hpp"
+#include "viewer/haptics/haptic_device.hpp"
 #include "viewer/haptics/haptic_state.hpp"
 
 namespace palpate {
 
-/// From the frame of a device to that of the scene: tool = origin + scale * rotation * position. Forces go
-/// back by the transposed rotation alone: newtons stay newtons, only lengths are scaled (the hand then feels
-/// `scale` times the stiffness per metre of its own motion).
+/// From the frame of a device to that of the scene: tool = origin + scale * rotation * position.
+/// Forces go back by the transposed rotation alone: newtons stay newtons, only lengths are scaled
+/// (the hand then feels `scale` times the stiffness per metre of its own motion).
 struct WorkspaceMap {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   double scale = 1;
@@ -23,9 +23,9 @@ struct WorkspaceMap {
     return rotation.transpose() * force;
   }
 };
-/// The device's workspace around what is touchable: identity for devices that live in the scene; else the
-/// scale at which `profile`'s workspace holds the touchable vertices and the displacements around them, at
-/// least 1; the device's axes are the scene's.
+/// The device's workspace around what is touchable: identity for devices that live in the scene;
+/// else the scale at which `profile`'s workspace holds the touchable vertices and the displacements
+/// around them, at least 1; the device's axes are the scene's.
 WorkspaceMap workspaceFor(const HapticModel& model, const HapticDevice& device);
 
 struct TickOptions {
@@ -35,15 +35,17 @@ struct TickOptions {
   WorkspaceMap map;
 };
 
-/// One tick of the haptic loop: read, find contact, evaluate, guard, write. Knows no clock and no thread, so
-/// that the same readings give the same forces to the last bit.
-/// run() and obey() are real time: they do not allocate, lock, throw or log.
+/// One tick of the haptic loop: read, find contact, evaluate, guard, write. Knows no clock and no
+/// thread, so that the same readings give the same forces to the last bit. run() and obey() are
+/// real time: they do not allocate, lock, throw or log.
 class HapticTick {
  public:
   /// models: at least one, to be switched between; they and the device must outlive this object.
-  HapticTick(std::vector<const HapticModel*> models, HapticDevice& device, const TickOptions& options);
+  HapticTick(std::vector<const HapticModel*> models, HapticDevice& device,
+             const TickOptions& options);
 
-  /// late: the loop hung before this tick, or the device was halted; not told while the device is lost.
+  /// late: the loop hung before this tick, or the device was halted; not told while the device is
+  /// lost.
   const HapticState& run(bool late = false) noexcept;
   /// Commands that name what does not exist are ignored.
   void obey(const HapticCommand& command) noexcept;

@@ -21,14 +21,15 @@ double share(std::uint64_t part, std::uint64_t whole) {
 
 std::string row(const char* name, const TimeHistogram& times) {
   const auto us = [](double seconds) { return 1e6 * seconds; };
-  return fmt::format("{:<10}{:>11.1f}{:>11.1f}{:>11.1f}{:>11.1f}{:>11.1f}\n", name, us(times.mean()),
-                     us(times.quantile(0.5)), us(times.quantile(0.99)), us(times.quantile(0.999)),
-                     us(times.largest()));
+  return fmt::format("{:<10}{:>11.1f}{:>11.1f}{:>11.1f}{:>11.1f}{:>11.1f}\n", name,
+                     us(times.mean()), us(times.quantile(0.5)), us(times.quantile(0.99)),
+                     us(times.quantile(0.999)), us(times.largest()));
 }
 
 Json toJson(const TimeHistogram& times) {
   Json bins = Json::array();
-  for (const TimeHistogram::Bin& bin : times.bins()) bins.push_back({1e6 * bin.upper_edge, bin.count});
+  for (const TimeHistogram::Bin& bin : times.bins())
+    bins.push_back({1e6 * bin.upper_edge, bin.count});
   return {{"count", times.count()},
           {"mean", 1e6 * times.mean()},
           {"p50", 1e6 * times.quantile(0.5)},
@@ -42,7 +43,8 @@ Json toJson(const TimeHistogram& times) {
 
 void TimeHistogram::add(double seconds) noexcept {
   const double time = seconds > 0 ? seconds : 0;  // a clock that went back, or NaN
-  const double bin = time > smallest_time ? std::floor(bins_per_octave * std::log2(time / smallest_time)) : 0;
+  const double bin =
+      time > smallest_time ? std::floor(bins_per_octave * std::log2(time / smallest_time)) : 0;
   ++bins_[static_cast<std::size_t>(std::min(bin, static_cast<double>(bins_.size() - 1)))];
   ++count_;
   sum_ += time;
@@ -65,14 +67,13 @@ double TimeHistogram::quantile(double share) const {
   std::uint64_t below = 0;
   for (std::size_t bin = 0; bin + 1 < bins_.size(); ++bin) {
     below += bins_[bin];
-    if (below > 0 && static_cast<double>(below) >= wanted) return std::min(upperEdge(bin), largest_);
+    if (below > 0 && static_cast<double>(below) >= wanted)
+      return std::min(upperEdge(bin), largest_);
   }
   return largest_;
 }
 
-double TimeHistogram::mean() const {
-  return count_ == 0 ? 0 : sum_ / static_cast<double>(count_);
-}
+double TimeHistogram::mean() const { return count_ == 0 ? 0 : sum_ / static_cast<double>(count_); }
 
 std::vector<TimeHistogram::Bin> TimeHistogram::bins() const {
   std::vector<Bin> bins;
@@ -81,7 +82,8 @@ std::vector<TimeHistogram::Bin> TimeHistogram::bins() const {
   return bins;
 }
 
-void count(LoopStatistics& statistics, const HapticState& before, const HapticState& state) noexcept {
+void count(LoopStatistics& statistics, const HapticState& before,
+           const HapticState& state) noexcept {
   ++statistics.ticks;
   for (std::size_t bit = 0; bit < statistics.guards.size(); ++bit)
     if ((state.guards >> bit & 1U) != 0) ++statistics.guards[bit];
@@ -92,8 +94,9 @@ void count(LoopStatistics& statistics, const HapticState& before, const HapticSt
 
 void add(LoopStatistics& total, const LoopStatistics& part) noexcept {
   total.rate = part.rate;
-  for (TimeHistogram LoopStatistics::*times : {&LoopStatistics::period, &LoopStatistics::latency,
-                                               &LoopStatistics::compute, &LoopStatistics::processor})
+  for (TimeHistogram LoopStatistics::*times :
+       {&LoopStatistics::period, &LoopStatistics::latency, &LoopStatistics::compute,
+        &LoopStatistics::processor})
     (total.*times).add(part.*times);
   for (std::uint64_t LoopStatistics::*number :
        {&LoopStatistics::ticks, &LoopStatistics::missed_program, &LoopStatistics::missed_system,
@@ -115,9 +118,9 @@ std::string describe(const LoopStatistics& statistics) {
   text += row("processor", statistics.processor);
   text += fmt::format("missed deadlines: {} by the program, {} by the operating system\n",
                       statistics.missed_program, statistics.missed_system);
-  text +=
-      fmt::format("page faults {}, preemptions {}, halts by the watchdog {}, states not recorded {}\n",
-                  statistics.page_faults, statistics.preemptions, statistics.halts, statistics.not_recorded);
+  text += fmt::format(
+      "page faults {}, preemptions {}, halts by the watchdog {}, states not recorded {}\n",
+      statistics.page_faults, statistics.preemptions, statistics.halts, statistics.not_recorded);
   text += fmt::format("contacts {}, largest force {:.4g} N, largest step between ticks {:.4g} N\n",
                       statistics.contacts, statistics.largest_force, statistics.largest_step);
   for (int bit = 0; bit < guard_count; ++bit)

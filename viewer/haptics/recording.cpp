@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "common/error.hpp"
-#include "common/hdf5_reader.hpp"
-#include "common/hdf5_writer.hpp"
-#include "common/replaced_file.hpp"
+#include "common/base/error.hpp"
+#include "common/base/replaced_file.hpp"
+#include "common/dataset/hdf5_reader.hpp"
+#include "common/dataset/hdf5_writer.hpp"
 #include "viewer/haptics/haptic_model.hpp"
 
 namespace palpate {
@@ -107,7 +107,8 @@ void readList(const Reader& in, const char* path, std::size_t rows, std::vector<
   using Type = typename Stored<T>::Type;
   const std::vector<Type> values = in.read<Type>(path, shapeOf<T>(rows));
   list.resize(rows);
-  if (rows > 0) std::memcpy(static_cast<void*>(list.data()), values.data(), values.size() * sizeof(Type));
+  if (rows > 0)
+    std::memcpy(static_cast<void*>(list.data()), values.data(), values.size() * sizeof(Type));
 }
 
 /// A list of text as JSON; names of files may hold bytes that are not UTF-8.
@@ -128,31 +129,37 @@ std::vector<std::string> readTexts(const Reader& in, const char* attribute) {
 
 void writeRun(Writer& out, const RecordedRun& run) {
   const auto same = [](const std::string& text) { return text; };
-  out.setText("/", "datasets", listOf(run.models, [](const RecordedModel& model) { return model.file; }));
+  out.setText("/", "datasets",
+              listOf(run.models, [](const RecordedModel& model) { return model.file; }));
   out.setText("/", "content_ids",
               listOf(run.models, [](const RecordedModel& model) { return model.dataset.hex(); }));
-  out.setText("/", "models", listOf(run.models, [](const RecordedModel& model) { return model.name; }));
+  out.setText("/", "models",
+              listOf(run.models, [](const RecordedModel& model) { return model.name; }));
   out.setText("/", "methods", listOf(run.methods, same));
   out.setText("/", "device", run.device);
   out.setText("/", "profile", run.profile);
-  out.setText("/", "contact_mode", run.options.contact.mode == ContactMode::glued ? "glued" : "unilateral");
+  out.setText("/", "contact_mode",
+              run.options.contact.mode == ContactMode::glued ? "glued" : "unilateral");
   const std::int32_t scene_frame = run.scene_frame ? 1 : 0;
   out.setIntegers("/", "scene_frame", std::span(&scene_frame, 1));
   out.setNumber("/", "rate", 1 / run.options.period);
   forEachNumber(run, [&](const char* name, double value) { out.setNumber("/", name, value); });
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rotation = run.options.map.rotation;
   out.write("/workspace/rotation", {3, 3}, std::span<const double>(rotation.data(), 9), "1");
-  out.write("/workspace/origin", {3}, std::span<const double>(run.options.map.origin.data(), 3), "m");
+  out.write("/workspace/origin", {3}, std::span<const double>(run.options.map.origin.data(), 3),
+            "m");
 }
 
 void checkFormat(const Reader& in, const std::filesystem::path& file) {
   if (!in.hasAttribute("format") || in.text("format") != format_word)
-    throw badInput("{}: is an HDF5 file, but not a recording; {}", file.string(), recording_kind.origin);
+    throw badInput("{}: is an HDF5 file, but not a recording; {}", file.string(),
+                   recording_kind.origin);
   const std::vector<std::int32_t> version = in.integers("format_version");
   if (version.size() != 1) throw in.damaged("format_version", "is not one number");
   if (version[0] != format_version)
     throw badInput(
-        "{}: is a recording of format {}, this program reads format {}; use the program that made it",
+        "{}: is a recording of format {}, this program reads format {}; "
+        "use the program that made it",
         file.string(), version[0], format_version);
 }
 
@@ -209,7 +216,8 @@ template <class T, class Holds>
 void require(const Reader& in, const char* path, const std::vector<T>& list, const char* what,
              const Holds& holds) {
   const auto bad = std::find_if_not(list.begin(), list.end(), holds);
-  if (bad != list.end()) throw in.damaged(path, fmt::format("entry {} {}", bad - list.begin(), what));
+  if (bad != list.end())
+    throw in.damaged(path, fmt::format("entry {} {}", bad - list.begin(), what));
 }
 
 void checkValues(const Reader& in, const Recording& recording) {
@@ -227,7 +235,8 @@ void checkValues(const Reader& in, const Recording& recording) {
           [](std::uint8_t touching) { return touching <= 1; });
   require(in, "/force/rendered", recording.forces, "is not finite", is_finite);
   require(in, "/model", recording.models, "is no model", counts_in(recording.run.models.size()));
-  require(in, "/method", recording.methods, "is no method", counts_in(recording.run.methods.size()));
+  require(in, "/method", recording.methods, "is no method",
+          counts_in(recording.run.methods.size()));
 }
 
 }  // namespace
@@ -266,7 +275,8 @@ Recorder::Recorder(RecordedRun run) {
 void Recorder::add(const HapticState& state) {
   Recording& to = recording_;
   if (!to.times.empty() && !(state.time > to.times.back()))
-    throw failure("recording: the state of {} s comes after that of {} s", state.time, to.times.back());
+    throw failure("recording: the state of {} s comes after that of {} s", state.time,
+                  to.times.back());
   const Touch& touch = state.touch;
   const Eigen::Vector3d nowhere = Eigen::Vector3d::Zero();
   to.times.push_back(state.time);
@@ -292,7 +302,8 @@ void Recorder::save(const std::filesystem::path& file) const {
     throw badInput("{}: is a directory; give the recording a file name", file.string());
   replaceFile(file, [this](const std::filesystem::path& aside) {
     Writer out(aside);
-    for (const char* group : {"/device", "/tool", "/force", "/contact", "/workspace"}) out.makeGroup(group);
+    for (const char* group : {"/device", "/tool", "/force", "/contact", "/workspace"})
+      out.makeGroup(group);
     out.setText("/", "format", format_word);
     out.setIntegers("/", "format_version", std::span(&format_version, 1));
     writeRun(out, recording_.run);
@@ -312,7 +323,8 @@ Recording readRecording(const std::filesystem::path& file) {
   recording.rate = 1 / recording.run.options.period;
   recording.scene_frame = recording.run.scene_frame;
   const std::size_t rows = in.array("/time", hdf5::Element::float64, {hdf5::any_extent}).shape[0];
-  forEachList(recording, [&](const char* path, auto& list, const char*) { readList(in, path, rows, list); });
+  forEachList(recording,
+              [&](const char* path, auto& list, const char*) { readList(in, path, rows, list); });
   checkValues(in, recording);
   return recording;
 }

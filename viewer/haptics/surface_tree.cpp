@@ -13,9 +13,7 @@ constexpr std::int32_t leaf_size = 4;
 /// Halving 2^31 triangles down to a leaf takes 30 levels, and a level leaves one entry on a stack.
 constexpr std::size_t stack_size = 64;
 
-std::size_t at(std::int32_t index) {
-  return static_cast<std::size_t>(index);
-}
+std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 double angleAt(const Eigen::Vector3d& corner, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   const Eigen::Vector3d u = a - corner, v = b - corner;
@@ -44,7 +42,8 @@ Eigen::Vector3d nearestInTriangle(const std::array<Eigen::Vector3d, 3>& corners,
   return {va / sum, vb / sum, vc / sum};
 }
 
-Eigen::Vector3d combine(const std::array<Eigen::Vector3d, 3>& corners, const Eigen::Vector3d& barycentric) {
+Eigen::Vector3d combine(const std::array<Eigen::Vector3d, 3>& corners,
+                        const Eigen::Vector3d& barycentric) {
   return barycentric[0] * corners[0] + barycentric[1] * corners[1] + barycentric[2] * corners[2];
 }
 
@@ -53,9 +52,9 @@ double squaredDistance(const Eigen::Vector3d& center, const Eigen::Vector3d& hal
   return ((point - center).cwiseAbs() - half).cwiseMax(0.0).squaredNorm();
 }
 
-/// A segment in the coordinates of the watertight test of Woop, Benthin and Wald (2013): sheared so that it
-/// lies on the third axis. The coordinates of a vertex do not depend on the triangle it is seen from, so
-/// two triangles agree about the side on which their common edge is passed.
+/// A segment in the coordinates of the watertight test of Woop, Benthin and Wald (2013): sheared so
+/// that it lies on the third axis. The coordinates of a vertex do not depend on the triangle it is
+/// seen from, so two triangles agree about the side on which their common edge is passed.
 class ShearedSegment {
  public:
   ShearedSegment(const Eigen::Vector3d& from, const Eigen::Vector3d& to) noexcept
@@ -72,7 +71,8 @@ class ShearedSegment {
     reach_ = half_.cwiseAbs().array() + 1e-13 * (middle_.cwiseAbs() + half_.cwiseAbs()).sum();
   }
 
-  /// Whether the segment may meet a box: three axes and three cross products separate them or nothing does.
+  /// Whether the segment may meet a box: three axes and three cross products separate them or
+  /// nothing does.
   bool mayMeet(const Eigen::Vector3d& center, const Eigen::Vector3d& half) const noexcept {
     const Eigen::Vector3d m = middle_ - center, room = half + reach_;
     if ((m.cwiseAbs().array() > room.array()).any()) return false;
@@ -95,13 +95,16 @@ class ShearedSegment {
     if (sum <= 0) return;
     const double fraction = (u * a[z_] + v * b[z_] + w * c[z_]) / (sum * length_);
     if (!(fraction >= 0 && fraction <= 1)) return;
-    if (best.triangle >= 0 && std::pair(best.fraction, best.triangle) <= std::pair(fraction, triangle))
+    if (best.triangle >= 0 &&
+        std::pair(best.fraction, best.triangle) <= std::pair(fraction, triangle))
       return;
     best = {triangle, Eigen::Vector3d(u, v, w) / sum, fraction};
   }
 
  private:
-  double slack(const Eigen::Vector3d& half) const noexcept { return 1e-13 * half.sum() * reach_.sum(); }
+  double slack(const Eigen::Vector3d& half) const noexcept {
+    return 1e-13 * half.sum() * reach_.sum();
+  }
 
   Eigen::Vector3d from_, half_, middle_, reach_;
   Eigen::Index x_ = 0, y_ = 0, z_ = 0;
@@ -130,11 +133,13 @@ void SurfaceTree::setFaces(const std::vector<Eigen::Vector3d>& vertices,
     const Triangle& t = triangles[n];
     Face& face = faces_[n];
     for (std::size_t c = 0; c < 3; ++c) face.corners[c] = vertices[at(t[c])];
-    face.normal = (face.corners[1] - face.corners[0]).cross(face.corners[2] - face.corners[0]).normalized();
+    face.normal =
+        (face.corners[1] - face.corners[0]).cross(face.corners[2] - face.corners[0]).normalized();
     for (std::size_t c = 0; c < 3; ++c) {
       edge_normals.try_emplace(edgeOf(t, c), Eigen::Vector3d::Zero()).first->second += face.normal;
       vertex_normals[at(t[c])] +=
-          angleAt(face.corners[c], face.corners[(c + 1) % 3], face.corners[(c + 2) % 3]) * face.normal;
+          angleAt(face.corners[c], face.corners[(c + 1) % 3], face.corners[(c + 2) % 3]) *
+          face.normal;
     }
   }
   for (std::size_t n = 0; n < triangles.size(); ++n)
@@ -159,7 +164,8 @@ std::int32_t SurfaceTree::build(std::int32_t first, std::int32_t count) {
   Node node;
   node.center = box.center();
   // Rounding of the centre may not cut a corner off.
-  node.half = box.sizes() / 2 + Eigen::Vector3d::Constant(1e-15 * (1 + box.max().cwiseAbs().maxCoeff()));
+  node.half =
+      box.sizes() / 2 + Eigen::Vector3d::Constant(1e-15 * (1 + box.max().cwiseAbs().maxCoeff()));
   if (count <= leaf_size) {
     node.first = first;
     node.count = count;
@@ -170,8 +176,8 @@ std::int32_t SurfaceTree::build(std::int32_t first, std::int32_t count) {
   Eigen::Index axis = 0;
   centroids.sizes().maxCoeff(&axis);
   const std::int32_t left = count / 2;
-  std::nth_element(order_.begin() + first, order_.begin() + first + left, order_.begin() + first + count,
-                   [&](std::int32_t a, std::int32_t b) {
+  std::nth_element(order_.begin() + first, order_.begin() + first + left,
+                   order_.begin() + first + count, [&](std::int32_t a, std::int32_t b) {
                      return std::pair(centroidOf(a)[axis], a) < std::pair(centroidOf(b)[axis], b);
                    });
   build(first, left);

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "common/mesh.hpp"
+#include "common/mesh/mesh.hpp"
 
 namespace palpate {
 
@@ -16,7 +16,8 @@ struct NearestPoint {
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();      ///< >= 0, sum 1
   Eigen::Vector3d position = Eigen::Vector3d::Zero();         ///< m
   double distance = std::numeric_limits<double>::infinity();  ///< m, >= 0
-  bool outside = true;  ///< of the body, by the angle-weighted normal of the nearest face, edge or vertex
+  bool outside =
+      true;  ///< of the body, by the angle-weighted normal of the nearest face, edge or vertex
 };
 
 /// Where a segment enters a surface first.
@@ -27,34 +28,39 @@ struct Crossing {
 };
 
 /// A bounding-volume hierarchy over the triangles of a closed, outward-oriented surface at rest.
-/// Immutable: any thread may read. The queries are real time: they do not allocate, lock, throw or log.
+/// Immutable: any thread may read. The queries are real time: they do not allocate, lock, throw or
+/// log.
 class SurfaceTree {
  public:
   SurfaceTree() = default;
   /// Copies what it needs. vertices: metres.
   SurfaceTree(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Triangle>& triangles);
 
-  /// For any finite point. hint: a triangle that is likely near, as the last answer for a point that moves;
-  /// it makes the search shorter, and no other difference but the choice between equally near triangles.
+  /// For any finite point. hint: a triangle that is likely near, as the last answer for a point
+  /// that moves; it makes the search shorter, and no other difference but the choice between
+  /// equally near triangles.
   NearestPoint nearest(const Eigen::Vector3d& point, std::int32_t hint = -1) const noexcept;
-  /// The first triangle that the segment from `from` to `to` passes from outside to inside. A segment
-  /// through an edge or a vertex hits one of the triangles there: there are no cracks.
+  /// The first triangle that the segment from `from` to `to` passes from outside to inside. A
+  /// segment through an edge or a vertex hits one of the triangles there: there are no cracks.
   Crossing entry(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const noexcept;
 
  private:
   struct Node {
     Eigen::Vector3d center, half;  ///< of the box, m
-    std::int32_t first = 0;  ///< leaf: the first place in order_; else its right child, the left is next
+    std::int32_t first =
+        0;  ///< leaf: the first place in order_; else its right child, the left is next
     std::int32_t count = 0;  ///< triangles of a leaf; 0: not a leaf
   };
-  /// Of one triangle: where it lies, and the normals that tell inside from outside beside its features.
+  /// Of one triangle: where it lies, and the normals that tell inside from outside beside its
+  /// features.
   struct Face {
     std::array<Eigen::Vector3d, 3> corners;
     Eigen::Vector3d normal;
     std::array<Eigen::Vector3d, 3> edge_normals;    ///< of the edge opposite to each corner
     std::array<Eigen::Vector3d, 3> vertex_normals;  ///< angle-weighted
   };
-  void setFaces(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Triangle>& triangles);
+  void setFaces(const std::vector<Eigen::Vector3d>& vertices,
+                const std::vector<Triangle>& triangles);
   std::int32_t build(std::int32_t first, std::int32_t count);
 
   std::vector<Node> nodes_;

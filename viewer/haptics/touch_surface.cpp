@@ -8,14 +8,12 @@
 #include <queue>
 #include <utility>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 
 namespace palpate {
 namespace {
 
-std::size_t at(std::int32_t index) {
-  return static_cast<std::size_t>(index);
-}
+std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 struct WeightedEdge {
   std::int32_t to;
@@ -23,7 +21,8 @@ struct WeightedEdge {
 };
 using EdgeGraph = std::vector<std::vector<WeightedEdge>>;
 
-EdgeGraph edgeGraph(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Triangle>& triangles) {
+EdgeGraph edgeGraph(const std::vector<Eigen::Vector3d>& vertices,
+                    const std::vector<Triangle>& triangles) {
   EdgeGraph graph(vertices.size());
   for (const Triangle& t : triangles)
     for (std::size_t c = 0; c < 3; ++c) {
@@ -40,8 +39,8 @@ struct VertexDistance {
 };
 
 /// Dijkstra's: all vertices within `reach` of the sources along edges, nearest first.
-std::vector<VertexDistance> verticesWithin(const EdgeGraph& graph, const std::vector<std::int32_t>& sources,
-                                           double reach) {
+std::vector<VertexDistance> verticesWithin(const EdgeGraph& graph,
+                                           const std::vector<std::int32_t>& sources, double reach) {
   using Item = std::pair<double, std::int32_t>;
   std::priority_queue<Item, std::vector<Item>, std::greater<>> open;
   std::map<std::int32_t, double> known;
@@ -99,7 +98,8 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
   const std::vector<std::int32_t>& nodes = dataset.surfaceNodes();
   const auto vertexOf = [&nodes](std::int32_t node) {
     const auto place = std::ranges::lower_bound(nodes, node);
-    return place != nodes.end() && *place == node ? static_cast<std::int32_t>(place - nodes.begin()) : -1;
+    return place != nodes.end() && *place == node ? static_cast<std::int32_t>(place - nodes.begin())
+                                                  : -1;
   };
   for (const std::int32_t node : nodes) vertices_.push_back(dataset.mesh().nodes[at(node)]);
   for (const Triangle& t : dataset.mesh().surface)
@@ -139,9 +139,11 @@ void TouchSurface::setFaces() {
     const Eigen::Vector3d twice_area = edges[0].cross(edges[1]);
     face.normal = twice_area.normalized();
     for (std::size_t c = 0; c < 3; ++c) {
-      face.gradients.col(static_cast<Eigen::Index>(c)) = face.normal.cross(edges[c]) / twice_area.norm();
+      face.gradients.col(static_cast<Eigen::Index>(c)) =
+          face.normal.cross(edges[c]) / twice_area.norm();
       const Eigen::Vector3d &before = edges[(c + 1) % 3], &after = edges[(c + 2) % 3];
-      normals_[at(t[c])] += std::atan2(before.cross(after).norm(), -before.dot(after)) * face.normal;
+      normals_[at(t[c])] +=
+          std::atan2(before.cross(after).norm(), -before.dot(after)) * face.normal;
       longest_edges_[at(t[c])] = std::max({longest_edges_[at(t[c])], before.norm(), after.norm()});
     }
     faces_.push_back(face);
@@ -154,8 +156,8 @@ void TouchSurface::setNeighbors() {
   std::multimap<std::pair<std::int32_t, std::int32_t>, std::pair<std::int32_t, std::size_t>> edges;
   for (std::size_t n = 0; n < triangles_.size(); ++n)
     for (std::size_t c = 0; c < 3; ++c)
-      edges.insert(
-          {{triangles_[n][(c + 1) % 3], triangles_[n][(c + 2) % 3]}, {static_cast<std::int32_t>(n), c}});
+      edges.insert({{triangles_[n][(c + 1) % 3], triangles_[n][(c + 2) % 3]},
+                    {static_cast<std::int32_t>(n), c}});
   neighbors_.assign(triangles_.size(), {-1, -1, -1});
   while (!edges.empty()) {
     const auto [edge, place] = *edges.begin();
@@ -208,7 +210,8 @@ void TouchSurface::setTouchable() {
   std::vector<Triangle> touchable;
   for (std::size_t n = 0; n < triangles_.size(); ++n) {
     const Triangle& t = triangles_[n];
-    touchable_.push_back(std::ranges::all_of(t, [this](std::int32_t v) { return share_counts_[at(v)] > 0; }));
+    touchable_.push_back(
+        std::ranges::all_of(t, [this](std::int32_t v) { return share_counts_[at(v)] > 0; }));
     if (touchable_.back()) {
       touchable.push_back(t);
       touch_triangles_.push_back(static_cast<std::int32_t>(n));

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "common/dataset.hpp"
+#include "common/dataset/dataset.hpp"
 #include "viewer/haptics/surface_tree.hpp"
 
 namespace palpate {
@@ -27,13 +27,15 @@ struct SpaceWeight {
 inline constexpr std::size_t most_spaces_of_vertex = 3;
 inline constexpr std::size_t most_blended_spaces = 3 * most_spaces_of_vertex;
 
-/// The share of one space in the three corners of a triangle; in between it is interpolated linearly.
+/// The share of one space in the three corners of a triangle; in between it is interpolated
+/// linearly.
 struct CornerShares {
   std::int32_t space = -1;
   Eigen::Vector3d weights = Eigen::Vector3d::Zero();
 };
 
-/// The shares in a point of the surface; entries 0..size-1 are distinct spaces, their weights sum to 1.
+/// The shares in a point of the surface; entries 0..size-1 are distinct spaces, their weights sum
+/// to 1.
 struct SpaceBlend {
   std::array<SpaceWeight, most_blended_spaces> shares;
   std::int32_t size = 0;
@@ -41,24 +43,31 @@ struct SpaceBlend {
 
 /// The surface of a body at rest, and where on it there are forces to feel.
 ///
-/// Every vertex near active nodes has weights of up to three configuration spaces: an active node, or a node
-/// of its patch, 1 of its own (equal parts where patches overlap); another vertex within `reach` (shortest
-/// way d along surface edges to the patch) the weights (1 / d) (1 - d / reach)^2 of the nearest three, scaled
-/// to sum 1. A triangle whose three corners have weights is touchable. In it the weights are interpolated
-/// linearly: they are continuous over the touchable surface and sum to 1. So no force jumps where one active
-/// node takes over from another, which is what the paper's nearest vertex does.
+/// Every vertex near active nodes has weights of up to three configuration spaces: an active node,
+/// or a node of its patch, 1 of its own (equal parts where patches overlap); another vertex within
+/// `reach` (shortest way d along surface edges to the patch) the weights (1 / d) (1 - d / reach)^2
+/// of the nearest three, scaled to sum 1. A triangle whose three corners have weights is touchable.
+/// In it the weights are interpolated linearly: they are continuous over the touchable surface and
+/// sum to 1. So no force jumps where one active node takes over from another, which is what the
+/// paper's nearest vertex does.
 ///
 /// Vertices are numbered as Dataset::surfaceNodes(). Immutable: any thread may read.
 class TouchSurface {
  public:
-  /// reach: metres; 0: of each active node the longest surface edge at it (so its ring of triangles is
-  /// touchable), and at least its patch's extent. Error when nothing is touchable.
+  /// reach: metres; 0: of each active node the longest surface edge at it (so its ring of triangles
+  /// is touchable), and at least its patch's extent. Error when nothing is touchable.
   explicit TouchSurface(const Dataset& dataset, double reach = 0);
 
   const std::vector<Eigen::Vector3d>& vertices() const { return vertices_; }  ///< rest positions, m
-  const std::vector<Triangle>& triangles() const { return triangles_; }       ///< into vertices(), outward
-  const std::vector<Eigen::Vector3d>& vertexNormals() const { return normals_; }  ///< unit, angle-weighted
-  bool touchable(std::int32_t triangle) const { return touchable_[static_cast<std::size_t>(triangle)]; }
+  const std::vector<Triangle>& triangles() const {
+    return triangles_;
+  }  ///< into vertices(), outward
+  const std::vector<Eigen::Vector3d>& vertexNormals() const {
+    return normals_;
+  }  ///< unit, angle-weighted
+  bool touchable(std::int32_t triangle) const {
+    return touchable_[static_cast<std::size_t>(triangle)];
+  }
   /// The triangle beyond the edge opposite to a corner (0, 1, 2).
   std::int32_t neighbor(std::int32_t triangle, int corner) const;
   /// Shares of one vertex; empty where there is nothing to feel.
@@ -66,7 +75,9 @@ class TouchSurface {
   /// The vertex of a space's active node; -1: it lies on no vertex of the surface.
   std::int32_t activeVertex(std::size_t space) const { return active_vertices_[space]; }
   /// m, of the edges at a vertex.
-  double longestEdgeAt(std::int32_t vertex) const { return longest_edges_[static_cast<std::size_t>(vertex)]; }
+  double longestEdgeAt(std::int32_t vertex) const {
+    return longest_edges_[static_cast<std::size_t>(vertex)];
+  }
 
   // Real time, all of these: they do not allocate, lock, throw or log.
   std::span<const std::int32_t> trianglesAt(std::int32_t vertex) const noexcept;  ///< ascending
@@ -80,11 +91,13 @@ class TouchSurface {
   /// The spaces with a share in any corner, each once; empty where there is nothing to feel.
   std::span<const CornerShares> cornerSharesOf(std::int32_t triangle) const noexcept;
   Eigen::Vector3d position(const SurfacePoint& point) const noexcept;  ///< at rest, m
-  Eigen::Vector3d normal(const SurfacePoint& point) const noexcept;    ///< unit, vertex normals interpolated
+  Eigen::Vector3d normal(
+      const SurfacePoint& point) const noexcept;  ///< unit, vertex normals interpolated
   /// Shares at a point of a touchable triangle.
   SpaceBlend blendAt(const SurfacePoint& point) const noexcept;
   const SurfaceTree& tree() const noexcept { return tree_; }
-  /// The nearest point of touchable triangles. They are no closed surface: `outside` says nothing here.
+  /// The nearest point of touchable triangles. They are no closed surface: `outside` says nothing
+  /// here.
   NearestPoint nearestTouchable(const Eigen::Vector3d& point) const noexcept;
 
  private:
@@ -101,9 +114,10 @@ class TouchSurface {
   std::vector<Triangle> triangles_;
   std::vector<Face> faces_;                             ///< per triangle
   std::vector<std::array<std::int32_t, 3>> neighbors_;  ///< per triangle, by corner; -1: none
-  std::vector<std::int32_t> around_, around_begins_;    ///< triangles at the vertices, one after the other
-  std::vector<std::int32_t> active_vertices_;           ///< per space
-  std::vector<double> longest_edges_;                   ///< per vertex
+  std::vector<std::int32_t> around_,
+      around_begins_;                          ///< triangles at the vertices, one after the other
+  std::vector<std::int32_t> active_vertices_;  ///< per space
+  std::vector<double> longest_edges_;          ///< per vertex
   std::vector<std::array<SpaceWeight, most_spaces_of_vertex>> shares_;  ///< per vertex
   std::vector<std::int32_t> share_counts_;                              ///< per vertex
   std::vector<CornerShares> corner_shares_;  ///< of the triangles, one after the other

@@ -15,7 +15,8 @@ namespace {
 using Colour = std::array<float, 4>;
 constexpr Colour ambient = {0.42F, 0.42F, 0.44F, 1}, gloss = {0.16F, 0.16F, 0.16F, 1};
 constexpr Colour rim_colour = {0.16F, 0.18F, 0.24F, 1};
-constexpr Colour ghost_lines = {0.12F, 0.22F, 0.42F, 0.40F}, ghost_fill = {0.45F, 0.62F, 0.90F, 0.16F};
+constexpr Colour ghost_lines = {0.12F, 0.22F, 0.42F, 0.40F},
+                 ghost_fill = {0.45F, 0.62F, 0.90F, 0.16F};
 
 void drawElements(GLenum kind, std::span<const std::uint32_t> indices) {
   glDrawElements(kind, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, indices.data());
@@ -23,7 +24,8 @@ void drawElements(GLenum kind, std::span<const std::uint32_t> indices) {
 
 }  // namespace
 
-BodyView::BodyView(SurfaceShape shape) : shape_(std::move(shape)), node_((startCoin(), new SoCallback)) {
+BodyView::BodyView(SurfaceShape shape)
+    : shape_(std::move(shape)), node_((startCoin(), new SoCallback)) {
   node_->ref();
   node_->setCallback(render, this);
   ghost_edges_.reserve(shape_.edges().size());
@@ -39,8 +41,8 @@ void BodyView::render(void* view, SoAction* action) {
   if (!action->isOfType(SoGLRenderAction::getClassTypeId())) return;
   auto& self = *static_cast<BodyView*>(view);
   // Coin finds its state as it left it.
-  glPushAttrib(GL_ENABLE_BIT | GL_LIGHTING_BIT | GL_POLYGON_BIT | GL_LINE_BIT | GL_COLOR_BUFFER_BIT |
-               GL_DEPTH_BUFFER_BIT | GL_CURRENT_BIT);
+  glPushAttrib(GL_ENABLE_BIT | GL_LIGHTING_BIT | GL_POLYGON_BIT | GL_LINE_BIT |
+               GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_CURRENT_BIT);
   glPushClientAttrib(GL_CLIENT_VERTEX_ARRAY_BIT);
   glDisable(GL_TEXTURE_2D);
   glEnable(GL_DEPTH_TEST);

@@ -10,9 +10,9 @@ class SoCallback;
 
 namespace palpate {
 
-/// Draws a SurfaceShape: shaded, with a line around what can be touched and, where it is deformed, the shape
-/// at rest as a translucent ghost. A Coin node that draws vertex arrays: they change in every picture, for
-/// which Coin's own shapes would build their caches anew each time.
+/// Draws a SurfaceShape: shaded, with a line around what can be touched and, where it is deformed,
+/// the shape at rest as a translucent ghost. A Coin node that draws vertex arrays: they change in
+/// every picture, for which Coin's own shapes would build their caches anew each time.
 class BodyView {
  public:
   explicit BodyView(SurfaceShape shape);

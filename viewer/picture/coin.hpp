@@ -4,7 +4,8 @@
 
 namespace palpate {
 
-/// Coin's types must be there before its first node is made; every part of the scene graph begins with this.
+/// Coin's types must be there before its first node is made; every part of the scene graph begins
+/// with this.
 inline void startCoin() {
   if (!SoDB::isInitialized()) SoDB::init();
 }

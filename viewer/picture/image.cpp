@@ -8,14 +8,15 @@
 #include <fstream>
 #include <string>
 
-#include "common/error.hpp"
-#include "common/replaced_file.hpp"
+#include "common/base/error.hpp"
+#include "common/base/replaced_file.hpp"
 
 namespace palpate {
 namespace {
 
 void appendBytes(void* bytes, void* data, int size) {
-  static_cast<std::string*>(bytes)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
+  static_cast<std::string*>(bytes)->append(static_cast<const char*>(data),
+                                           static_cast<std::size_t>(size));
 }
 
 /// What errno says after a file could not be written.
@@ -29,16 +30,17 @@ void writePng(const Image& image, const std::filesystem::path& file) {
   std::string bytes;
   if (stbi_write_png_to_func(appendBytes, &bytes, image.width, image.height, 3, image.pixels.data(),
                              3 * image.width) == 0)
-    throw failure("{}: a picture of {} x {} pixels cannot be written as PNG", file.string(), image.width,
-                  image.height);
+    throw failure("{}: a picture of {} x {} pixels cannot be written as PNG", file.string(),
+                  image.width, image.height);
   replaceFile(file, [&](const std::filesystem::path& aside) {
     errno = 0;
     std::ofstream out(aside, std::ios::binary | std::ios::trunc);
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     out.close();
     if (!out)
-      throw failure("{}: cannot write the picture: {}; check the folder, its permissions and the space left",
-                    file.string(), causeOf(errno));
+      throw failure(
+          "{}: cannot write the picture: {}; check the folder, its permissions and the space left",
+          file.string(), causeOf(errno));
   });
 }
 
@@ -49,8 +51,8 @@ VideoFrames::VideoFrames(std::filesystem::path folder) : folder_(std::move(folde
     throw failure("{}: cannot make the folder for frames: {}", folder_.string(), refused.message());
   for (const auto& entry : std::filesystem::directory_iterator(folder_, refused))
     if (entry.path().filename().string().starts_with("frame-"))
-      throw badInput("{} holds frames already ({}); name another folder, or empty this one", folder_.string(),
-                     entry.path().filename().string());
+      throw badInput("{} holds frames already ({}); name another folder, or empty this one",
+                     folder_.string(), entry.path().filename().string());
   if (refused)
     throw failure("{}: cannot read the folder for frames: {}", folder_.string(), refused.message());
 }

@@ -13,21 +13,21 @@ struct Image {
 
   /// The three bytes of a pixel; x from the left, y from the top.
   const std::uint8_t* at(int x, int y) const {
-    return pixels.data() +
-           3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+    return pixels.data() + 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                                static_cast<std::size_t>(x));
   }
 };
 
-/// Writes a PNG file: aside as FILE.tmp, then renamed, so that FILE is the old one or whole. Error that names
-/// the file; nothing is left behind then.
+/// Writes a PNG file: aside as FILE.tmp, then renamed, so that FILE is the old one or whole. Error
+/// that names the file; nothing is left behind then.
 void writePng(const Image& image, const std::filesystem::path& file);
 
-/// The pictures of a run as numbered files: DIR/frame-000001.png, ... They become a film by any program that
-/// reads numbered pictures.
+/// The pictures of a run as numbered files: DIR/frame-000001.png, ... They become a film by any
+/// program that reads numbered pictures.
 class VideoFrames {
  public:
-  /// Makes the folder where it is missing. Error when that fails, or when it holds frames already: two runs
-  /// would mix.
+  /// Makes the folder where it is missing. Error when that fails, or when it holds frames already:
+  /// two runs would mix.
   explicit VideoFrames(std::filesystem::path folder);
   /// Error as writePng's.
   void add(const Image& image);

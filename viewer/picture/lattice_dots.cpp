@@ -2,15 +2,17 @@
 
 #include <cmath>
 
-#include "viewer/viridis.hpp"
+#include "viewer/plot/viridis.hpp"
 
 namespace palpate {
 namespace {
 
-/// Rounding must not drop the points of the plane half a spacing away on one side and keep the other's.
+/// Rounding must not drop the points of the plane half a spacing away on one side and keep the
+/// other's.
 constexpr double slack = 1 + 1e-9;
 
-bool keeps(const std::optional<LatticeCut>& cut, const Eigen::Vector3d& displacement, double spacing) {
+bool keeps(const std::optional<LatticeCut>& cut, const Eigen::Vector3d& displacement,
+           double spacing) {
   return !cut || std::abs(displacement[cut->axis] - cut->offset) <= 0.5 * spacing * slack;
 }
 
@@ -46,7 +48,8 @@ std::vector<CellError> cellErrors(const SpaceTable& space, const ForceField& fie
   std::vector<CellError> errors;
   for (std::int32_t n = 0; n < lattice.uniformSize(); ++n) {
     const Eigen::Vector3d middle = lattice.displacement(n) + half;
-    if (middle.norm() <= lattice.radius()) errors.push_back({middle, field.evaluate(middle).error_bound});
+    if (middle.norm() <= lattice.radius())
+      errors.push_back({middle, field.evaluate(middle).error_bound});
   }
   return errors;
 }

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "common/dataset.hpp"
-#include "viewer/force_field.hpp"
+#include "common/space/space_table.hpp"
+#include "viewer/fields/force_field.hpp"
 
 namespace palpate {
 
@@ -32,11 +32,12 @@ struct CellError {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m
   double error = 0;                                        ///< N; NaN: the method gives none there
 };
-/// Of all cells of the uniform lattice whose middle is in the ball. Evaluates the field in each: some
-/// milliseconds.
+/// Of all cells of the uniform lattice whose middle is in the ball. Evaluates the field in each:
+/// some milliseconds.
 std::vector<CellError> cellErrors(const SpaceTable& space, const ForceField& field);
 
-/// A logarithmic scale of errors: three decades below the largest error, rounded up to a power of ten.
+/// A logarithmic scale of errors: three decades below the largest error, rounded up to a power of
+/// ten.
 struct ErrorScale {
   double lowest = 1e-3, highest = 1;  ///< N
   explicit ErrorScale(const std::vector<CellError>& errors);

@@ -23,7 +23,8 @@ LatticeView::~LatticeView() {
   node_->unref();
 }
 
-void LatticeView::setDots(std::span<const LatticeDot> dots, const Eigen::Vector3d& origin, double size) {
+void LatticeView::setDots(std::span<const LatticeDot> dots, const Eigen::Vector3d& origin,
+                          double size) {
   places_.clear();
   colours_.clear();
   for (const LatticeDot& dot : dots) {

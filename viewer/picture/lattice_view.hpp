@@ -13,7 +13,8 @@ class SoSwitch;
 
 namespace palpate {
 
-/// Draws dots in front of everything drawn before it (the body), and in depth among themselves. A Coin node.
+/// Draws dots in front of everything drawn before it (the body), and in depth among themselves. A
+/// Coin node.
 class LatticeView {
  public:
   LatticeView();

@@ -73,7 +73,8 @@ Eigen::Vector3d OrbitCamera::project(const Eigen::Vector3d& point) const {
   return {local.x() * scale, local.y() * scale, depth};
 }
 
-Eigen::Vector3d OrbitCamera::moveInPlane(const Eigen::Vector3d& at, double right, double upward) const {
+Eigen::Vector3d OrbitCamera::moveInPlane(const Eigen::Vector3d& at, double right,
+                                         double upward) const {
   const double depth = std::max((position() - at).dot(back()), near());
   const double metres = 2 * std::tan(height_angle / 2) * depth;  // per height of the picture
   const Eigen::Matrix3d frame = axes();

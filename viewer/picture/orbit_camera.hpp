@@ -4,14 +4,15 @@
 
 namespace palpate {
 
-/// A perspective camera that goes around a point. Metres, scene frame; angles in radians; places on the
-/// screen in heights of the picture, (0, 0) its middle, x to the right, y upward.
+/// A perspective camera that goes around a point. Metres, scene frame; angles in radians; places on
+/// the screen in heights of the picture, (0, 0) its middle, x to the right, y upward.
 class OrbitCamera {
  public:
-  static constexpr double height_angle = 0.6;  ///< radians that the picture shows from bottom to top
+  static constexpr double height_angle =
+      0.6;  ///< radians that the picture shows from bottom to top
 
-  /// Looks at a sphere, from where `from` (any length but 0) points to, so that it fits. aspect: width over
-  /// height. `up` is the direction that stays upward; not parallel to `from`.
+  /// Looks at a sphere, from where `from` (any length but 0) points to, so that it fits. aspect:
+  /// width over height. `up` is the direction that stays upward; not parallel to `from`.
   void frame(const Eigen::Vector3d& centre, double radius, const Eigen::Vector3d& from,
              const Eigen::Vector3d& up, double aspect);
   /// The same sphere from the same side.
@@ -31,7 +32,8 @@ class OrbitCamera {
   double near() const;                           ///< m, clipping planes around the framed sphere
   double far() const;
 
-  /// Where a point is seen, and in `z` its distance from the plane of the camera (> 0: in front of it).
+  /// Where a point is seen, and in `z` its distance from the plane of the camera (> 0: in front of
+  /// it).
   Eigen::Vector3d project(const Eigen::Vector3d& point) const;
   /// How far in the scene a move on the screen is, in the plane parallel to it through `at`.
   Eigen::Vector3d moveInPlane(const Eigen::Vector3d& at, double right, double upward) const;

@@ -12,7 +12,7 @@
 #include <array>
 #include <cmath>
 
-#include "viewer/viridis.hpp"
+#include "viewer/plot/viridis.hpp"
 
 namespace palpate {
 namespace {
@@ -21,8 +21,9 @@ constexpr int side_width = 300, plot_height = 178;  // px
 constexpr ImU32 ink = IM_COL32(38, 42, 52, 255), faint = IM_COL32(38, 42, 52, 110);
 constexpr ImU32 red = IM_COL32(196, 30, 30, 255), blue = IM_COL32(24, 84, 170, 255);
 constexpr ImU32 paper = IM_COL32(255, 255, 255, 225), line_grey = IM_COL32(214, 219, 227, 255);
-constexpr std::array<ImU32, 4> curve_colours = {IM_COL32(214, 94, 0, 255), IM_COL32(0, 140, 100, 255),
-                                                IM_COL32(0, 104, 190, 255), IM_COL32(30, 30, 36, 255)};
+constexpr std::array<ImU32, 4> curve_colours = {
+    IM_COL32(214, 94, 0, 255), IM_COL32(0, 140, 100, 255), IM_COL32(0, 104, 190, 255),
+    IM_COL32(30, 30, 36, 255)};
 constexpr std::array<const char*, 4> curve_names = {"x", "y", "z", "|F|"};
 
 void setStyle() {
@@ -41,10 +42,10 @@ void setStyle() {
   style.Colors[ImGuiCol_CheckMark] = {0.09F, 0.33F, 0.66F, 1};
 }
 
-constexpr ImGuiWindowFlags fixed_panel = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
-                                         ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
-                                         ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBackground |
-                                         ImGuiWindowFlags_NoBringToFrontOnFocus;
+constexpr ImGuiWindowFlags fixed_panel =
+    ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+    ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBackground |
+    ImGuiWindowFlags_NoBringToFrontOnFocus;
 
 /// The part of the window that panels leave free, in ImGui's units.
 Viewport layout() {
@@ -61,7 +62,8 @@ void heading(const char* text) {
   ImGui::Dummy({0, 4});
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::TextDisabled("%s", text);
-  const float y = at.y + ImGui::GetTextLineHeight() + 2, right = at.x + ImGui::GetContentRegionAvail().x;
+  const float y = at.y + ImGui::GetTextLineHeight() + 2,
+              right = at.x + ImGui::GetContentRegionAvail().x;
   ImGui::GetWindowDrawList()->AddLine({at.x, y}, {right, y}, line_grey);
 }
 
@@ -77,7 +79,8 @@ std::string newtons(double force) {
 }
 
 std::string microseconds(double seconds) {
-  return seconds < 0.01 ? fmt::format("{:.0f} us", 1e6 * seconds) : fmt::format("{:.1f} ms", 1e3 * seconds);
+  return seconds < 0.01 ? fmt::format("{:.0f} us", 1e6 * seconds)
+                        : fmt::format("{:.1f} ms", 1e3 * seconds);
 }
 
 /// A combo over `names`; the number chosen, when another than `current` was.
@@ -88,7 +91,8 @@ std::optional<std::int32_t> choose(const char* label, const std::vector<std::str
   ImGui::SameLine(72);
   ImGui::SetNextItemWidth(-1);
   const auto now = static_cast<std::size_t>(current);
-  if (ImGui::BeginCombo(fmt::format("##{}", label).c_str(), now < names.size() ? names[now].c_str() : "")) {
+  if (ImGui::BeginCombo(fmt::format("##{}", label).c_str(),
+                        now < names.size() ? names[now].c_str() : "")) {
     for (std::size_t n = 0; n < names.size(); ++n)
       if (ImGui::Selectable(fmt::format("{}##{}", names[n], n).c_str(), n == now) && n != now)
         chosen = static_cast<std::int32_t>(n);
@@ -125,7 +129,8 @@ void latticeChoices(const PanelContents& contents, ViewChoices& view) {
   ImGui::Checkbox("cut", &view.cut);
   for (int axis = 0; axis < 3; ++axis) {
     ImGui::SameLine();
-    ImGui::RadioButton(std::array{"x", "y", "z"}[static_cast<std::size_t>(axis)], &view.plane.axis, axis);
+    ImGui::RadioButton(std::array{"x", "y", "z"}[static_cast<std::size_t>(axis)], &view.plane.axis,
+                       axis);
   }
   const auto reach = static_cast<float>(1e3 * contents.lattice_radius);
   auto offset = static_cast<float>(1e3 * view.plane.offset);
@@ -159,7 +164,8 @@ void numbers(const PanelContents& contents) {
   heading("Touch");
   row("force", newtons(state.force.norm()));
   row("of tissue", newtons(touch.force.norm()));
-  row("error", std::isfinite(touch.error_bound) ? "\xC2\xB1 " + newtons(touch.error_bound) : "unknown");
+  row("error",
+      std::isfinite(touch.error_bound) ? "\xC2\xB1 " + newtons(touch.error_bound) : "unknown");
   if (touch.touching)
     touchNumbers(touch);
   else
@@ -169,7 +175,8 @@ void numbers(const PanelContents& contents) {
     const SpaceWeight& share = touch.blend.shares[static_cast<std::size_t>(n)];
     const auto space = static_cast<std::size_t>(share.space);
     if (share.weight > 0.005 && space < contents.spaces.size())
-      row(n == 0 ? "spaces" : "", fmt::format("{:3.0f} % {}", 100 * share.weight, contents.spaces[space]));
+      row(n == 0 ? "spaces" : "",
+          fmt::format("{:3.0f} % {}", 100 * share.weight, contents.spaces[space]));
   }
 }
 
@@ -199,8 +206,10 @@ void loopNumbers(const PictureStatus& status) {
   ImGui::TextDisabled("%s", "");
   ImGui::SameLine(104);
   ImGui::TextDisabled("p50       p99.9");
-  row("period", fmt::format("{:<9} {}", microseconds(loop.period_p50), microseconds(loop.period_p999)));
-  row("compute", fmt::format("{:<9} {}", microseconds(loop.compute_p50), microseconds(loop.compute_p999)));
+  row("period",
+      fmt::format("{:<9} {}", microseconds(loop.period_p50), microseconds(loop.period_p999)));
+  row("compute",
+      fmt::format("{:<9} {}", microseconds(loop.compute_p50), microseconds(loop.compute_p999)));
   row("missed", fmt::format("{} own, {} system", loop.missed_program, loop.missed_system));
   if (loop.halts > 0) row("halts", fmt::format("{}", loop.halts));
 }
@@ -216,7 +225,8 @@ double roundStep(double highest, int most) {
 /// Where the curves of the plot go on the screen.
 struct PlotArea {
   ImVec2 from, to;
-  double end = 0, limit = 1;  ///< s at the right edge; N at the upper one, minus that at the lower one
+  double end = 0,
+         limit = 1;  ///< s at the right edge; N at the upper one, minus that at the lower one
   ImVec2 at(double time, double force) const {
     const double across = 1 - (end - time) / ForceHistory::span, up = 0.5 * (1 + force / limit);
     return {static_cast<float>(std::lerp(from.x, to.x, across)),
@@ -226,11 +236,13 @@ struct PlotArea {
 
 void plotGrid(ImDrawList& draw, const PlotArea& area) {
   const double step = roundStep(area.limit, 2);
-  for (double force = -std::floor(area.limit / step) * step; force <= area.limit * 1.001; force += step) {
+  for (double force = -std::floor(area.limit / step) * step; force <= area.limit * 1.001;
+       force += step) {
     const float y = area.at(area.end, force).y;
     draw.AddLine({area.from.x, y}, {area.to.x, y}, line_grey);
     const std::string text = fmt::format("{:g}", std::abs(force) < 1e-9 ? 0 : force);
-    draw.AddText({area.from.x - 8 - ImGui::CalcTextSize(text.c_str()).x, y - 7}, faint, text.c_str());
+    draw.AddText({area.from.x - 8 - ImGui::CalcTextSize(text.c_str()).x, y - 7}, faint,
+                 text.c_str());
   }
   for (int second = 0; second <= 5; ++second) {
     const float x = area.at(area.end - second, 0).x;
@@ -245,12 +257,13 @@ void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& hist
   for (std::size_t curve = 0; curve < curve_colours.size(); ++curve) {
     for (std::size_t n = 0; n < history.size(); ++n) {
       const ForceHistory::Sample& sample = history.at(n);
-      const float force = curve < 3 ? sample.force[static_cast<Eigen::Index>(curve)] : sample.force.norm();
+      const float force =
+          curve < 3 ? sample.force[static_cast<Eigen::Index>(curve)] : sample.force.norm();
       points[n] = area.at(sample.time, force);
     }
     // Whole widths: ImGui draws those with few triangles.
-    draw.AddPolyline(points.data(), static_cast<int>(points.size()), curve_colours[curve], ImDrawFlags_None,
-                     curve == 3 ? 2.0F : 1.0F);
+    draw.AddPolyline(points.data(), static_cast<int>(points.size()), curve_colours[curve],
+                     ImDrawFlags_None, curve == 3 ? 2.0F : 1.0F);
   }
 }
 
@@ -303,7 +316,8 @@ void colourBar(ImDrawList& draw, ImVec2 from, ImVec2 size) {
   constexpr int steps = 20;
   const auto colour = [](double place) {
     const std::array<double, 3> rgb = viridis(place);
-    return IM_COL32(static_cast<int>(rgb[0]), static_cast<int>(rgb[1]), static_cast<int>(rgb[2]), 255);
+    return IM_COL32(static_cast<int>(rgb[0]), static_cast<int>(rgb[1]), static_cast<int>(rgb[2]),
+                    255);
   };
   const float part = size.y / steps, bottom = from.y + size.y;
   for (int n = 0; n < steps; ++n) {
@@ -316,12 +330,14 @@ void colourBar(ImDrawList& draw, ImVec2 from, ImVec2 size) {
 constexpr float bar_height = 150, bar_width = 12;
 
 /// `labels` from bottom to top at equal distances.
-void legendBar(ImDrawList& draw, ImVec2 at, const char* title, const std::vector<std::string>& labels) {
+void legendBar(ImDrawList& draw, ImVec2 at, const char* title,
+               const std::vector<std::string>& labels) {
   draw.AddText(at, ink, title);
   const ImVec2 bar = {at.x, at.y + 22};
   colourBar(draw, bar, {bar_width, bar_height});
   for (std::size_t n = 0; n < labels.size(); ++n) {
-    const float y = bar.y + bar_height * (1 - static_cast<float>(n) / static_cast<float>(labels.size() - 1));
+    const float y =
+        bar.y + bar_height * (1 - static_cast<float>(n) / static_cast<float>(labels.size() - 1));
     draw.AddText({bar.x + bar_width + 7, y - 7}, ink, labels[n].c_str());
   }
 }
@@ -344,9 +360,9 @@ void latticeLegend(ImDrawList& draw, ImVec2 at, const PanelContents& contents) {
   }
   for (const Tag tag : {Tag::expandable, Tag::terminating, Tag::failed, Tag::unknown}) {
     const std::array<double, 3> rgb = colourOf(tag);
-    draw.AddRectFilled(
-        {at.x, at.y + 3}, {at.x + 9, at.y + 12},
-        IM_COL32(static_cast<int>(rgb[0]), static_cast<int>(rgb[1]), static_cast<int>(rgb[2]), 255));
+    draw.AddRectFilled({at.x, at.y + 3}, {at.x + 9, at.y + 12},
+                       IM_COL32(static_cast<int>(rgb[0]), static_cast<int>(rgb[1]),
+                                static_cast<int>(rgb[2]), 255));
     const std::string word(name(tag));
     draw.AddText({at.x + 16, at.y}, ink, word.c_str());
     at.y += 18;
@@ -358,8 +374,8 @@ float banner(ImDrawList& draw, ImVec2 at, float width, ImU32 colour, const std::
   const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, width - 20);
   draw.AddRectFilled(at, {at.x + size.x + 20, at.y + size.y + 12}, paper, 4);
   draw.AddRectFilled(at, {at.x + 4, at.y + size.y + 12}, colour, 2);
-  draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(), {at.x + 12, at.y + 6}, colour, text.c_str(), nullptr,
-               width - 20);
+  draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(), {at.x + 12, at.y + 6}, colour, text.c_str(),
+               nullptr, width - 20);
   return at.y + size.y + 18;
 }
 
@@ -382,7 +398,8 @@ constexpr const char* help_text =
 
 void overlays(const PanelContents& contents, const ViewChoices& view, const Viewport& viewport) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  const auto width = static_cast<float>(viewport.width), height = static_cast<float>(viewport.height);
+  const auto width = static_cast<float>(viewport.width),
+             height = static_cast<float>(viewport.height);
   draw.PushClipRect({0, 0}, {width, height});
   for (const ViewLabel& label : contents.labels) {
     const Eigen::Vector3d place = contents.camera.project(label.at);
@@ -394,11 +411,14 @@ void overlays(const PanelContents& contents, const ViewChoices& view, const View
     draw.AddText(at, ink, label.text.c_str());
   }
   displacementLegend(draw, {18, height - 222}, contents.full_colour);
-  if (view.lattice) latticeLegend(draw, {190, contents.errors ? height - 222 : height - 92}, contents);
+  if (view.lattice)
+    latticeLegend(draw, {190, contents.errors ? height - 222 : height - 92}, contents);
   float next = 14;
   const float room = width - 28;
-  if (!contents.status.trouble.empty()) next = banner(draw, {14, next}, room, red, contents.status.trouble);
-  if (!contents.status.notice.empty()) next = banner(draw, {14, next}, room, blue, contents.status.notice);
+  if (!contents.status.trouble.empty())
+    next = banner(draw, {14, next}, room, red, contents.status.trouble);
+  if (!contents.status.notice.empty())
+    next = banner(draw, {14, next}, room, blue, contents.status.notice);
   if (contents.status.paused) next = banner(draw, {14, next}, room, blue, "paused");
   if (view.help) next = banner(draw, {14, next}, room, ink, help_text);
   if (next == 14) draw.AddText({width - 60, 14}, faint, "H: help");
@@ -406,7 +426,8 @@ void overlays(const PanelContents& contents, const ViewChoices& view, const View
 }
 
 std::int32_t following(std::int32_t current, std::size_t count) {
-  return static_cast<std::int32_t>((static_cast<std::size_t>(current) + 1) % std::max<std::size_t>(count, 1));
+  return static_cast<std::int32_t>((static_cast<std::size_t>(current) + 1) %
+                                   std::max<std::size_t>(count, 1));
 }
 
 void keys(const PanelContents& contents, ViewChoices& view, PictureRequests& requests) {
@@ -473,8 +494,6 @@ void Panels::build(const PanelContents& contents, ViewChoices& view, PictureRequ
   ImGui::Render();
 }
 
-void Panels::render() {
-  ImGui_ImplOpenGL2_RenderDrawData(ImGui::GetDrawData());
-}
+void Panels::render() { ImGui_ImplOpenGL2_RenderDrawData(ImGui::GetDrawData()); }
 
 }  // namespace palpate

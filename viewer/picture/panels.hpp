@@ -9,7 +9,8 @@
 #include "viewer/picture/force_history.hpp"
 #include "viewer/picture/guard_lamps.hpp"
 #include "viewer/picture/lattice_dots.hpp"
-#include "viewer/picture/picture.hpp"
+#include "viewer/picture/picture_requests.hpp"
+#include "viewer/picture/picture_status.hpp"
 #include "viewer/picture/stage.hpp"
 
 struct GLFWwindow;
@@ -48,8 +49,8 @@ struct PanelContents {
   std::vector<ViewLabel> labels;
 };
 
-/// The panels beside and over the view (Dear ImGui), keys and buttons. Belongs to the thread of the Window,
-/// must go before it.
+/// The panels beside and over the view (Dear ImGui), keys and buttons. Belongs to the thread of the
+/// Window, must go before it.
 class Panels {
  public:
   explicit Panels(GLFWwindow* window);

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <map>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 #include "viewer/haptics/deformed_shape.hpp"
 #include "viewer/picture/panels.hpp"
 #include "viewer/picture/view_control.hpp"
@@ -45,8 +45,8 @@ std::vector<bool> touchableTriangles(const TouchSurface& surface) {
   return touchable;
 }
 
-/// From where the touchable surface is seen best: along its mean normal, else as a device stands (z toward
-/// the person, y up), and a little from above.
+/// From where the touchable surface is seen best: along its mean normal, else as a device stands (z
+/// toward the person, y up), and a little from above.
 Eigen::Vector3d bestView(const TouchSurface& surface) {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   for (std::size_t t = 0; t < surface.triangles().size(); ++t) {
@@ -60,7 +60,8 @@ Eigen::Vector3d bestView(const TouchSurface& surface) {
   if (normal.norm() > 0) normal.normalize();
   // From the side of the normal: an arrow toward the eye would be a dot.
   const Eigen::Vector3d right = Eigen::Vector3d::UnitY().cross(normal);
-  return 0.8 * normal + 0.75 * right + 0.35 * Eigen::Vector3d::UnitY() + 0.25 * Eigen::Vector3d::UnitZ();
+  return 0.8 * normal + 0.75 * right + 0.35 * Eigen::Vector3d::UnitY() +
+         0.25 * Eigen::Vector3d::UnitZ();
 }
 
 /// Where the active node of a space is at rest.
@@ -171,7 +172,8 @@ void Picture::Impl::use(std::int32_t number) {
 
 void Picture::Impl::frameAll() {
   const FramedSphere& sphere = shown[static_cast<std::size_t>(model)]->sphere;
-  stage->camera().frame(sphere.centre, sphere.radius, static_cast<double>(viewport.width) / viewport.height);
+  stage->camera().frame(sphere.centre, sphere.radius,
+                        static_cast<double>(viewport.width) / viewport.height);
 }
 
 MouseMotion Picture::Impl::mouse(const Viewport& part) const {
@@ -247,8 +249,9 @@ void Picture::Impl::showLattice(const HapticState& state) {
   const SpaceTable& table = now.spaces()[space];
   const std::optional<LatticeCut> cut = view.cut ? std::optional(view.plane) : std::nullopt;
   const std::vector<LatticeDot> dots =
-      view.errors ? errorDots(errorsOf(state), ErrorScale(errorsOf(state)), table.lattice.spacing(), cut)
-                  : tagDots(table, cut);
+      view.errors
+          ? errorDots(errorsOf(state), ErrorScale(errorsOf(state)), table.lattice.spacing(), cut)
+          : tagDots(table, cut);
   stage->lattice().setDots(dots, originOf(now, space), view.cut ? 7 : 4);
 }
 
@@ -307,9 +310,10 @@ PictureRequests Picture::Impl::draw(const HapticState& state, const PictureStatu
   use(std::clamp(state.model, 0, last));
   history.add(state.time, state.force);
   lamps.update(glfwGetTime(), state.guards, status.loop.guards);
-  if (!ImGui::GetIO().WantTextInput && std::ranges::count(window.keys(), GLFW_KEY_F) > 0) frameAll();
-  requests.mouse_target = control.apply(mouse(viewport), state.tool,
-                                        shown[static_cast<std::size_t>(model)]->sphere, stage->camera());
+  if (!ImGui::GetIO().WantTextInput && std::ranges::count(window.keys(), GLFW_KEY_F) > 0)
+    frameAll();
+  requests.mouse_target = control.apply(
+      mouse(viewport), state.tool, shown[static_cast<std::size_t>(model)]->sphere, stage->camera());
   requests.mouse_holds = requests.mouse_target.has_value();
   showBody(state.touch);
   showTool(state, status);
@@ -335,9 +339,7 @@ Picture::Picture(std::vector<const HapticModel*> models, const PictureOptions& o
 
 Picture::~Picture() = default;
 
-bool Picture::wantsClose() const {
-  return impl_->window.wantsClose();
-}
+bool Picture::wantsClose() const { return impl_->window.wantsClose(); }
 
 PictureRequests Picture::draw(const HapticState& state, const PictureStatus& status) {
   return impl_->draw(state, status);
@@ -349,8 +351,6 @@ Image Picture::grab() {
   return readPixels(impl_->viewport.window_width, impl_->viewport.window_height);
 }
 
-PictureCosts Picture::costs() const {
-  return impl_->costs;
-}
+PictureCosts Picture::costs() const { return impl_->costs; }
 
 }  // namespace palpate

@@ -1,14 +1,12 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <memory>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "viewer/haptics/haptic_model.hpp"
 #include "viewer/haptics/haptic_state.hpp"
 #include "viewer/picture/image.hpp"
+#include "viewer/picture/picture_requests.hpp"
 #include "viewer/picture/picture_status.hpp"
 
 namespace palpate {
@@ -23,21 +21,6 @@ struct PictureOptions {
   bool measure = false;
 };
 
-/// What the person at the picture asked for since the last one.
-struct PictureRequests {
-  struct Use {
-    std::int32_t model = 0, method = 0;
-  };
-  std::optional<Use> use;    ///< another dataset or method
-  bool release = false;      ///< let go
-  bool pause = false;        ///< stop, or go on: pressed once
-  bool reload = false;       ///< read the datasets again
-  bool quit = false;         ///< pressed the key for it; closing the window shows in wantsClose()
-  bool mouse_holds = false;  ///< Ctrl is held: the mouse moves the tool
-  /// m, scene frame: where the mouse has the tool; while mouse_holds.
-  std::optional<Eigen::Vector3d> mouse_target;
-};
-
 /// Processor time of the whole process in the parts of the last draw(), seconds. Only with
 /// PictureOptions::measure, and when no other thread works.
 struct PictureCosts {
@@ -48,15 +31,15 @@ struct PictureCosts {
   double swap = 0;
 };
 
-/// A window that shows a hand on a soft body: the deformed surface, tool and force; what is known of the
-/// configuration space; numbers, plots and controls beside it (H lists keys and mouse).
+/// A window that shows a hand on a soft body: the deformed surface, tool and force; what is known
+/// of the configuration space; numbers, plots and controls beside it (H lists keys and mouse).
 ///
-/// Threads: made, used and destroyed in the main thread of the process, one at a time (GLFW, OpenGL). It only
-/// reads the models and the states it is given; nothing else waits for it.
+/// Threads: made, used and destroyed in the main thread of the process, one at a time (GLFW,
+/// OpenGL). It only reads the models and the states it is given; nothing else waits for it.
 class Picture {
  public:
-  /// models: at least one, as HapticTick has them; must outlive this object. Error when there is no display,
-  /// or no OpenGL, with what to do.
+  /// models: at least one, as HapticTick has them; must outlive this object. Error when there is no
+  /// display, or no OpenGL, with what to do.
   explicit Picture(std::vector<const HapticModel*> models, const PictureOptions& options = {});
   ~Picture();
   Picture(const Picture&) = delete;

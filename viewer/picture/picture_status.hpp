@@ -8,8 +8,8 @@
 
 namespace palpate {
 
-/// The numbers of a LoopStatistics that fit beside a picture. Quantiles take a while: some times a second is
-/// enough.
+/// The numbers of a LoopStatistics that fit beside a picture. Quantiles take a while: some times a
+/// second is enough.
 struct LoopFigures {
   double rate = 0;                           ///< Hz asked for; 0: no loop runs
   double period_p50 = 0, period_p999 = 0;    ///< s

@@ -15,8 +15,8 @@ namespace palpate {
 namespace {
 
 constexpr double tool_share = 0.03;  ///< of the extent
-/// Around the view. Clearing is cheap; panels with a ground of their own, blended, would cost as much as the
-/// body where drawing is done in software.
+/// Around the view. Clearing is cheap; panels with a ground of their own, blended, would cost as
+/// much as the body where drawing is done in software.
 constexpr std::array<float, 3> panel_ground = {0.975F, 0.978F, 0.984F};
 constexpr std::array<float, 3> sky = {0.985F, 0.987F, 0.992F}, ground = {0.800F, 0.828F, 0.868F};
 
@@ -84,9 +84,7 @@ Stage::Stage(double extent)
   action_->setCacheContext(SoGLCacheContextElement::getUniqueCacheContext());
 }
 
-Stage::~Stage() {
-  root_->unref();
-}
+Stage::~Stage() { root_->unref(); }
 
 void Stage::setBody(BodyView* body) {
   bodies_->removeAllChildren();

@@ -21,8 +21,8 @@ struct Viewport {
   int x = 0, y = 0, width = 1, height = 1;
 };
 
-/// The scene graph: background, camera, lights, one body, the lattice and the tool. Belongs to the thread in
-/// which a Window is current, and must go before it.
+/// The scene graph: background, camera, lights, one body, the lattice and the tool. Belongs to the
+/// thread in which a Window is current, and must go before it.
 class Stage {
  public:
   /// extent: radius of what is shown, m; sizes of tool and lattice follow from it.
@@ -36,8 +36,8 @@ class Stage {
   ToolView& tool() { return tool_; }
   LatticeView& lattice() { return lattice_; }
   OrbitCamera& camera() { return camera_; }
-  /// Draws into the part of the window; the rest becomes the ground of the panels. OpenGL's state is as
-  /// before then.
+  /// Draws into the part of the window; the rest becomes the ground of the panels. OpenGL's state
+  /// is as before then.
   void render(const Viewport& viewport);
 
  private:

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "common/error.hpp"
-#include "viewer/viridis.hpp"
+#include "common/base/error.hpp"
+#include "viewer/plot/viridis.hpp"
 
 namespace palpate {
 namespace {
@@ -32,7 +32,8 @@ std::array<double, 3> greyed(const std::array<double, 3>& colour) {
 }  // namespace
 
 SurfaceShape::SurfaceShape(const std::vector<Eigen::Vector3d>& vertices,
-                           const std::vector<Triangle>& triangles, const std::vector<bool>& touchable)
+                           const std::vector<Triangle>& triangles,
+                           const std::vector<bool>& touchable)
     : lengths_(vertices.size()), colours_(vertices.size()), touchable_(vertices.size(), false) {
   if (touchable.size() != triangles.size())
     throw failure("a surface of {} triangles cannot be drawn with {} marks of what is touchable",
@@ -56,7 +57,8 @@ SurfaceShape::SurfaceShape(const std::vector<Eigen::Vector3d>& vertices,
   setColours(1);
 }
 
-void SurfaceShape::setEdges(const std::vector<Triangle>& triangles, const std::vector<bool>& touchable) {
+void SurfaceShape::setEdges(const std::vector<Triangle>& triangles,
+                            const std::vector<bool>& touchable) {
   std::map<Edge, int> touchable_sides;
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (std::size_t side = 0; side < 3; ++side) {
@@ -72,7 +74,8 @@ void SurfaceShape::setEdges(const std::vector<Triangle>& triangles, const std::v
 
 void SurfaceShape::setDisplacements(std::span<const float> displacements) {
   if (displacements.size() != rest_.size())
-    throw failure("{} displacements do not fit a surface of {} vertices", displacements.size(), size());
+    throw failure("{} displacements do not fit a surface of {} vertices", displacements.size(),
+                  size());
   float largest = 0;
   for (std::size_t vertex = 0; vertex < lengths_.size(); ++vertex) {
     const float* u = displacements.data() + 3 * vertex;
@@ -90,8 +93,8 @@ void SurfaceShape::setDisplacements(std::span<const float> displacements) {
 void SurfaceShape::setColours(double full) {
   const float scale = full > 0 ? static_cast<float>((levels - 1) / full) : 0;
   for (std::size_t vertex = 0; vertex < lengths_.size(); ++vertex) {
-    const auto level =
-        static_cast<std::size_t>(std::min(lengths_[vertex] * scale, static_cast<float>(levels - 1)));
+    const auto level = static_cast<std::size_t>(
+        std::min(lengths_[vertex] * scale, static_cast<float>(levels - 1)));
     colours_[vertex] = touchable_[vertex] ? vivid_[level] : grey_[level];
   }
 }
@@ -114,7 +117,8 @@ void SurfaceShape::setNormals() {
   }
   for (std::size_t n = 0; n < normals_.size(); n += 3) {
     float* normal = normals_.data() + n;
-    const float length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    const float length =
+        std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
     const float scale = length > 0 ? 1 / length : 0;
     for (std::size_t axis = 0; axis < 3; ++axis) normal[axis] *= scale;
   }

@@ -5,31 +5,41 @@
 #include <span>
 #include <vector>
 
-#include "common/mesh.hpp"
+#include "common/mesh/mesh.hpp"
 
 namespace palpate {
 
-/// A surface that is being deformed, as arrays that a graphics card takes: positions, smooth normals and
-/// colours of the vertices, in float32. Knows no graphics. One thread; setDisplacements and setColours do not
-/// allocate.
+/// A surface that is being deformed, as arrays that a graphics card takes: positions, smooth
+/// normals and colours of the vertices, in float32. Knows no graphics. One thread; setDisplacements
+/// and setColours do not allocate.
 class SurfaceShape {
  public:
-  /// vertices: at rest, metres. triangles: outward, into vertices. touchable: one per triangle; the vertices
-  /// of touchable triangles get full colours, the others grey ones. Error when the sizes do not fit.
+  /// vertices: at rest, metres. triangles: outward, into vertices. touchable: one per triangle; the
+  /// vertices of touchable triangles get full colours, the others grey ones. Error when the sizes
+  /// do not fit.
   SurfaceShape(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Triangle>& triangles,
                const std::vector<bool>& touchable);
 
-  /// [vertex][axis], metres. What is not finite counts as no displacement. Makes positions and normals.
+  /// [vertex][axis], metres. What is not finite counts as no displacement. Makes positions and
+  /// normals.
   void setDisplacements(std::span<const float> displacements);
   /// Colours by the length of the displacements: viridis from 0 to `full` metres.
   void setColours(double full);
 
   std::span<const float> rest() const { return rest_; }            ///< [vertex][axis], m
   std::span<const float> positions() const { return positions_; }  ///< [vertex][axis], m
-  std::span<const float> normals() const { return normals_; }      ///< [vertex][axis], unit, area-weighted
-  std::span<const std::uint32_t> colours() const { return colours_; }  ///< bytes red, green, blue, alpha
-  std::span<const std::uint32_t> corners() const { return corners_; }  ///< three vertices per triangle
-  std::span<const std::uint32_t> edges() const { return edges_; }      ///< two vertices per edge, each once
+  std::span<const float> normals() const {
+    return normals_;
+  }  ///< [vertex][axis], unit, area-weighted
+  std::span<const std::uint32_t> colours() const {
+    return colours_;
+  }  ///< bytes red, green, blue, alpha
+  std::span<const std::uint32_t> corners() const {
+    return corners_;
+  }  ///< three vertices per triangle
+  std::span<const std::uint32_t> edges() const {
+    return edges_;
+  }  ///< two vertices per edge, each once
   /// Edges between what can be touched and what cannot: two vertices each.
   std::span<const std::uint32_t> rim() const { return rim_; }
   double length(std::size_t vertex) const { return lengths_[vertex]; }  ///< of the displacement, m

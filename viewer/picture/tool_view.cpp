@@ -156,8 +156,6 @@ void ToolView::showAnchor(const Eigen::Vector3d& anchor) {
   anchor_ = anchor;
 }
 
-void ToolView::hideAnchor() {
-  show(anchor_switch_, false);
-}
+void ToolView::hideAnchor() { show(anchor_switch_, false); }
 
 }  // namespace palpate

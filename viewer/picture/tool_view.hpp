@@ -10,8 +10,8 @@ class SoTransform;
 
 namespace palpate {
 
-/// Draws the tool as a small sphere, the force on it as an arrow from its centre, and the anchor, at rest,
-/// with a line to the tool. A Coin node. Metres, scene frame.
+/// Draws the tool as a small sphere, the force on it as an arrow from its centre, and the anchor,
+/// at rest, with a line to the tool. A Coin node. Metres, scene frame.
 class ToolView {
  public:
   /// radius: of the sphere, m.

@@ -11,7 +11,8 @@ constexpr double depth_step = 0.02;  ///< of the radius of the scene, per notch
 
 }  // namespace
 
-std::optional<Eigen::Vector3d> ViewControl::apply(const MouseMotion& motion, const Eigen::Vector3d& tool,
+std::optional<Eigen::Vector3d> ViewControl::apply(const MouseMotion& motion,
+                                                  const Eigen::Vector3d& tool,
                                                   const FramedSphere& scene, OrbitCamera& camera) {
   if (!motion.control) {
     target_.reset();
@@ -36,7 +37,8 @@ void ViewControl::moveCamera(const MouseMotion& motion, OrbitCamera& camera) {
   if (motion.over_view && motion.wheel != 0) camera.zoom(std::pow(zoom_step, motion.wheel));
 }
 
-void ViewControl::moveTool(const MouseMotion& motion, const FramedSphere& scene, const OrbitCamera& camera) {
+void ViewControl::moveTool(const MouseMotion& motion, const FramedSphere& scene,
+                           const OrbitCamera& camera) {
   *target_ += camera.moveInPlane(*target_, motion.right, motion.upward);
   *target_ -= depth_step * scene.radius * motion.wheel * camera.axes().col(2);
 }

@@ -22,9 +22,9 @@ struct FramedSphere {
   double radius = 0.1;                               ///< m
 };
 
-/// Turns mouse motion into camera moves or, with Ctrl held, into moves of the tool: in the plane through it
-/// parallel to the screen, by the wheel in depth. The tool moves by as much as the mouse does, from where it
-/// is when Ctrl goes down: it never jumps to the mouse. One thread.
+/// Turns mouse motion into camera moves or, with Ctrl held, into moves of the tool: in the plane
+/// through it parallel to the screen, by the wheel in depth. The tool moves by as much as the mouse
+/// does, from where it is when Ctrl goes down: it never jumps to the mouse. One thread.
 class ViewControl {
  public:
   /// tool: where the tool is now. Where the mouse wants it, while Ctrl is held.

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -22,8 +22,9 @@ std::string lastTrouble() {
 
 Window::Window(const std::string& title, int width, int height, bool visible, bool vsync) {
   if (glfwInit() != GLFW_TRUE)
-    throw failure("no picture without a display ({}); use --headless, or run under xvfb-run, or set DISPLAY",
-                  lastTrouble());
+    throw failure(
+        "no picture without a display ({}); use --headless, or run under xvfb-run, or set DISPLAY",
+        lastTrouble());
   glfwWindowHint(GLFW_VISIBLE, visible ? GLFW_TRUE : GLFW_FALSE);
   glfwWindowHint(GLFW_DEPTH_BITS, 24);
   glfwWindowHint(GLFW_SAMPLES, 0);  // software rendering could not keep up
@@ -32,17 +33,19 @@ Window::Window(const std::string& title, int width, int height, bool visible, bo
     const std::string trouble = lastTrouble();
     glfwTerminate();
     throw failure(
-        "no window with OpenGL 2.1 on this display ({}); use --headless, or install libgl1-mesa-dri and set "
-        "LIBGL_ALWAYS_SOFTWARE=1 to draw in software",
+        "no window with OpenGL 2.1 on this display ({}); use --headless, "
+        "or install libgl1-mesa-dri and set LIBGL_ALWAYS_SOFTWARE=1 to draw in software",
         trouble);
   }
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(vsync ? 1 : 0);
   glfwSetWindowUserPointer(window_, this);
   // Panels call what was set before them.
-  glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int /*code*/, int action, int /*modifiers*/) {
-    if (action == GLFW_PRESS) static_cast<Window*>(glfwGetWindowUserPointer(window))->keys_.push_back(key);
-  });
+  glfwSetKeyCallback(
+      window_, [](GLFWwindow* window, int key, int /*code*/, int action, int /*modifiers*/) {
+        if (action == GLFW_PRESS)
+          static_cast<Window*>(glfwGetWindowUserPointer(window))->keys_.push_back(key);
+      });
 }
 
 Window::~Window() {
@@ -62,21 +65,18 @@ int Window::height() const {
   return height;
 }
 
-bool Window::wantsClose() const {
-  return glfwWindowShouldClose(window_) != GLFW_FALSE;
-}
+bool Window::wantsClose() const { return glfwWindowShouldClose(window_) != GLFW_FALSE; }
 
 void Window::poll() {
   keys_.clear();
   glfwPollEvents();
 }
 
-void Window::swap() {
-  glfwSwapBuffers(window_);
-}
+void Window::swap() { glfwSwapBuffers(window_); }
 
 Image readPixels(int width, int height) {
-  const std::size_t row = 3 * static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
+  const std::size_t row = 3 * static_cast<std::size_t>(width),
+                    rows = static_cast<std::size_t>(height);
   std::vector<std::uint8_t> upward(row * rows);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadBuffer(GL_BACK);

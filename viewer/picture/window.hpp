@@ -9,11 +9,12 @@ struct GLFWwindow;
 
 namespace palpate {
 
-/// A window with an OpenGL 2.1 context, current in the thread that made it. That must be the main thread of
-/// the process, which alone may use it (GLFW); one window at a time.
+/// A window with an OpenGL 2.1 context, current in the thread that made it. That must be the main
+/// thread of the process, which alone may use it (GLFW); one window at a time.
 class Window {
  public:
-  /// vsync: swap() waits for the screen. Error, with what to do, when there is no display or no OpenGL.
+  /// vsync: swap() waits for the screen. Error, with what to do, when there is no display or no
+  /// OpenGL.
   Window(const std::string& title, int width, int height, bool visible, bool vsync);
   ~Window();
   Window(const Window&) = delete;
@@ -33,7 +34,8 @@ class Window {
   std::vector<int> keys_;
 };
 
-/// What was drawn since the last swap() of the current window, width x height pixels from its lower left.
+/// What was drawn since the last swap() of the current window, width x height pixels from its lower
+/// left.
 Image readPixels(int width, int height);
 
 }  // namespace palpate

@@ -15,8 +15,8 @@ struct HolzapfelGasserOgdenEnergy {
   void addTerms(const Strain<T>& strain, const Invariants<T>& invariants, Sum& sum) const {
     sum.addLinear(invariants.first(), mu / 2);
     for (const T(&a)[3] : strain.fiber) {
-      // kappa j1 + (1 - 3 kappa) j4 is the invariant along H = kappa I + (1 - 3 kappa) a (x) a. Times a.a,
-      // which is 1 or 0: of a zero direction H is zero, and so is E.
+      // kappa j1 + (1 - 3 kappa) j4 is the invariant along H = kappa I + (1 - 3 kappa) a (x) a.
+      // Times a.a, which is 1 or 0: of a zero direction H is zero, and so is E.
       const T length = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
       T H[6];
       for (int v = 0; v < 6; ++v) {
@@ -28,7 +28,8 @@ struct HolzapfelGasserOgdenEnergy {
       const auto stretched = E > T{};
       const T x = k2 * E * E;
       const T growth = k1 * exponential(x);
-      const T f = k1 / (2 * k2) * exponentialMinusOne(x), df = growth * E, ddf = growth * (1 + 2 * x);
+      const T f = k1 / (2 * k2) * exponentialMinusOne(x), df = growth * E,
+              ddf = growth * (1 + 2 * x);
       const T zero{};
       sum.add(j, stretched ? f : zero, stretched ? df : zero, stretched ? ddf : zero);
     }
@@ -36,9 +37,9 @@ struct HolzapfelGasserOgdenEnergy {
 };
 
 /// W = mu/2 (j1 - 3) + k1/(2 k2) sum over the fibre families of (exp(k2 E^2) - 1),
-/// E = max(0, kappa (j1 - 3) + (1 - 3 kappa) (j4 - 1)), j4 = J^(-2/3) a.C a, a the direction at rest
-/// (Gasser, Ogden and Holzapfel 2006). Fibres bear no compression: D jumps where E = 0, and is the
-/// one of E < 0 there. Where exp overflows, W is infinite.
+/// E = max(0, kappa (j1 - 3) + (1 - 3 kappa) (j4 - 1)), j4 = J^(-2/3) a.C a, a the direction at
+/// rest (Gasser, Ogden and Holzapfel 2006). Fibres bear no compression: D jumps where E = 0, and is
+/// the one of E < 0 there. Where exp overflows, W is infinite.
 using HolzapfelGasserOgden = InvariantLaw<HolzapfelGasserOgdenEnergy>;
 
 }  // namespace palpate::PALPATE_KERNEL_NAMESPACE

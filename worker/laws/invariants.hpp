@@ -7,14 +7,15 @@
 /// An invariant I(C), homogeneous of degree m, made isochoric: j = J^(-2m/3) I, with N = dI/dC,
 ///
 ///   dj/dC   = J^(-2m/3) (N - m/3 I C^-1)
-///   d2j/dC2 = J^(-2m/3) (d2I/dC2 + m/3 I P + m^2/9 I C^-1 (x) C^-1 - m/3 (N (x) C^-1 + C^-1 (x) N))
+///   d2j/dC2 = J^(-2m/3) (d2I/dC2 + m/3 I P + m^2/9 I C^-1 (x) C^-1 - m/3 (N (x) C^-1 + C^-1 (x)
+///   N))
 ///
 /// where P = -dC^-1/dC, P_IKMN = (C^-1_IM C^-1_KN + C^-1_IN C^-1_KM)/2. Then
 ///
 ///   S = 2 sum of f' dj/dC,   D = 4 sum of (f'' dj/dC (x) dj/dC + f' d2j/dC2).
 ///
-/// A law says its terms once (addTerms), to a StressSum or to a TangentSum. See Holzapfel, Nonlinear Solid
-/// Mechanics, 2000, sections 6.4 and 6.6.
+/// A law says its terms once (addTerms), to a StressSum or to a TangentSum. See Holzapfel,
+/// Nonlinear Solid Mechanics, 2000, sections 6.4 and 6.6.
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 
 /// An isochoric invariant of degree 1 or 2 in C.
@@ -40,8 +41,8 @@ class Invariants {
 
   /// j2 = J^(-4/3) ((tr C)^2 - C:C)/2; 3 at rest. dI2/dC = I1 I - C.
   Invariant<2, T> second() const {
-    const T squares =
-        e_[0] * e_[0] + e_[1] * e_[1] + e_[2] * e_[2] + 0.5 * (e_[3] * e_[3] + e_[4] * e_[4] + e_[5] * e_[5]);
+    const T squares = e_[0] * e_[0] + e_[1] * e_[1] + e_[2] * e_[2] +
+                      0.5 * (e_[3] * e_[3] + e_[4] * e_[4] + e_[5] * e_[5]);
     const T tr = trace(), scale = scale_ * scale_;
     Invariant<2, T> j{scale * (3 + 4 * tr + 2 * (tr * tr - squares)), scale, {}};
     for (int v = 0; v < 3; ++v) j.normal[v] = scale * (2 + 2 * tr - 2 * e_[v]);
@@ -116,8 +117,8 @@ class TangentSum {
     for (int v = 0; v < 6; ++v)
       for (int w = v; w < 6; ++w) {
         const int I = voigt_row[v], K = voigt_column[v], M = voigt_row[w], N = voigt_column[w];
-        const T P =
-            0.5 * (Ci_[voigt_of[I][M]] * Ci_[voigt_of[K][N]] + Ci_[voigt_of[I][N]] * Ci_[voigt_of[K][M]]);
+        const T P = 0.5 * (Ci_[voigt_of[I][M]] * Ci_[voigt_of[K][N]] +
+                           Ci_[voigt_of[I][N]] * Ci_[voigt_of[K][M]]);
         T sum = dyads_[v][w] + product_ * P + with_inverse_[v] * Ci_[w] + with_inverse_[w] * Ci_[v];
         // d2 I2/dC2 = I (x) I less the symmetric identity.
         if (w < 3 && v != w) sum += second_;
@@ -145,7 +146,8 @@ class TangentSum {
 };
 
 /// The law of an energy that says its terms:
-/// `template <class T, class Sum> void addTerms(const Strain<T>&, const Invariants<T>&, Sum&) const`.
+/// `template <class T, class Sum> void addTerms(const Strain<T>&, const Invariants<T>&, Sum&)
+/// const`.
 template <class Energy>
 struct InvariantLaw : Energy {
   static constexpr bool small_strain = false;

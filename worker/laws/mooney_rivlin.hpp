@@ -17,9 +17,9 @@ struct MooneyRivlinEnergy {
 
 /// W = c10 (j1 - 3) + c01 (j2 - 3) (Mooney 1940, Rivlin 1948).
 ///
-/// Where J = 1 this is the paper's Eq. 7 (less its misprint, a factor 2 on c01). In a discrete solution J is
-/// 1 only on average; the isochoric form is the one that GetFEM, the paper's library, computes, and its rest
-/// state has no pressure.
+/// Where J = 1 this is the paper's Eq. 7 (less its misprint, a factor 2 on c01). In a discrete
+/// solution J is 1 only on average; the isochoric form is the one that GetFEM, the paper's library,
+/// computes, and its rest state has no pressure.
 using MooneyRivlin = InvariantLaw<MooneyRivlinEnergy>;
 
 }  // namespace palpate::PALPATE_KERNEL_NAMESPACE

@@ -11,9 +11,10 @@ struct PrincipalStrains {
   T direction[3][3];  ///< direction[i]: unit vector of value[i]
 };
 
-/// By cyclic Jacobi rotations: the directions are orthogonal to rounding also where values coincide. The
-/// number of sweeps is fixed. After four, what is left beside the diagonal is below 1e-17 of the largest
-/// entry (of three million random tensors, graded and nearly multiple ones among them); one to spare.
+/// By cyclic Jacobi rotations: the directions are orthogonal to rounding also where values
+/// coincide. The number of sweeps is fixed. After four, what is left beside the diagonal is below
+/// 1e-17 of the largest entry (of three million random tensors, graded and nearly multiple ones
+/// among them); one to spare.
 template <class T>
 PrincipalStrains<T> principalStrains(const T (&e)[6]) {
   constexpr int sweeps = 5;
@@ -48,21 +49,25 @@ PrincipalStrains<T> principalStrains(const T (&e)[6]) {
   return principal;
 }
 
-/// W = sum over terms of mu/alpha (l1^alpha + l2^alpha + l3^alpha - 3), l_i = J^(-1/3) lambda_i the isochoric
-/// principal stretches (Ogden 1972). The shear modulus at rest is the sum of mu alpha / 2.
+/// W = sum over terms of mu/alpha (l1^alpha + l2^alpha + l3^alpha - 3), l_i = J^(-1/3) lambda_i the
+/// isochoric principal stretches (Ogden 1972). The shear modulus at rest is the sum of mu alpha
+/// / 2.
 ///
-/// In principal directions as in Simo and Taylor 1991. With c_i, n_i the eigenvalues and eigenvectors of C,
-/// y_i = ln l_i, and the Kirchhoff stresses tau_i = b_i - mean of b, b_i = sum of mu l_i^alpha:
+/// In principal directions as in Simo and Taylor 1991. With c_i, n_i the eigenvalues and
+/// eigenvectors of C, y_i = ln l_i, and the Kirchhoff stresses tau_i = b_i - mean of b, b_i = sum
+/// of mu l_i^alpha:
 ///
 ///   S = sum of tau_i/c_i n_i (x) n_i
-///   D = sum over i, j of (dtau_i/dy_j / (c_i c_j) - [i = j] 2 tau_i/c_i^2) n_i (x) n_i (x) n_j (x) n_j
+///   D = sum over i, j of (dtau_i/dy_j / (c_i c_j) - [i = j] 2 tau_i/c_i^2) n_i (x) n_i (x) n_j (x)
+///   n_j
 ///     + sum over i < j of h_ij N_ij (x) N_ij,   N_ij = n_i (x) n_j + n_j (x) n_i
 ///   h_ij = (tau_i/c_i - tau_j/c_j)/(c_i - c_j)
 ///        = ((b_i - b_j)/(c_i - c_j) (c_i + c_j) - tau_i - tau_j)/(2 c_i c_j)
 ///
 /// and with d = y_i - y_j, without cancellation where stretches come together,
 ///
-///   (b_i - b_j)/(c_i - c_j) = sum of mu (l_i l_j)^(alpha/2) / sqrt(c_i c_j) sinh(alpha d/2)/sinh(d).
+///   (b_i - b_j)/(c_i - c_j) = sum of mu (l_i l_j)^(alpha/2) / sqrt(c_i c_j) sinh(alpha
+///   d/2)/sinh(d).
 struct Ogden {
   static constexpr bool small_strain = false;
   static constexpr bool needs_C_inverse = false;  // J is in the eigenvalues
@@ -77,7 +82,8 @@ struct Ogden {
     W = p.W;
     for (int v = 0; v < 6; ++v) {
       S[v] = T{};
-      for (int i = 0; i < 3; ++i) S[v] += p.tau[i] / p.c[i] * p.n[i][voigt_row[v]] * p.n[i][voigt_column[v]];
+      for (int i = 0; i < 3; ++i)
+        S[v] += p.tau[i] / p.c[i] * p.n[i][voigt_row[v]] * p.n[i][voigt_column[v]];
     }
   }
 
@@ -157,7 +163,8 @@ struct Ogden {
       quotient += mu[term] * exponential(alpha[term] / 2 * (p.y[i] + p.y[j])) * ratio;
     }
     const T product = p.c[i] * p.c[j];
-    return (quotient / squareRoot(product) * (p.c[i] + p.c[j]) - p.tau[i] - p.tau[j]) / (2 * product);
+    return (quotient / squareRoot(product) * (p.c[i] + p.c[j]) - p.tau[i] - p.tau[j]) /
+           (2 * product);
   }
 };
 

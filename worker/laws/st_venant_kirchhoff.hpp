@@ -4,8 +4,8 @@
 
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 
-/// W = lambda/2 (tr g)^2 + mu g:g, g the Green strain. Also modified St. Venant-Kirchhoff, where det F = 1 is
-/// added.
+/// W = lambda/2 (tr g)^2 + mu g:g, g the Green strain. Also modified St. Venant-Kirchhoff, where
+/// det F = 1 is added.
 struct StVenantKirchhoff {
   static constexpr bool small_strain = false;
   static constexpr bool needs_C_inverse = false;

@@ -1,14 +1,15 @@
 #pragma once
 
-/// What the laws share. T is double, or a pack of doubles in the element kernels (lane l belongs to element
-/// l of a batch), so nothing in this folder branches on values: `condition ? a : b` selects lane by lane, and
-/// what the C library computes is computed lane by lane.
+/// What the laws share. T is double, or a pack of doubles in the element kernels (lane l belongs to
+/// element l of a batch), so nothing in this folder branches on values: `condition ? a : b` selects
+/// lane by lane, and what the C library computes is computed lane by lane.
 ///
-/// Voigt order 11, 22, 33, 12, 23, 13 with engineering shear: strain e = (g11, g22, g33, 2 g12, 2 g23, 2
-/// g13), S = (S11, S22, S33, S12, S23, S13), D(i, j) = dS(i)/de(j), 6 x 6 symmetric, both triangles filled.
+/// Voigt order 11, 22, 33, 12, 23, 13 with engineering shear: strain e = (g11, g22, g33, 2 g12, 2
+/// g23, 2 g13), S = (S11, S22, S33, S12, S23, S13), D(i, j) = dS(i)/de(j), 6 x 6 symmetric, both
+/// triangles filled.
 ///
-/// Every translation unit that compiles the kernels for another CPU family includes this inside its own
-/// namespace.
+/// Every translation unit that compiles the kernels for another CPU family includes this inside its
+/// own namespace.
 #ifndef PALPATE_KERNEL_NAMESPACE
 #define PALPATE_KERNEL_NAMESPACE kernels_default
 #endif
@@ -26,7 +27,8 @@ struct Strain {
   T e[6];          ///< Voigt, engineering shear
   T C_inverse[6];  ///< tensor components in Voigt order, C = F^T F; read where Law::needs_C_inverse
   T J;             ///< det F; read where Law::needs_C_inverse
-  /// Unit directions of the fibre families at rest, zero where there is none; read where Law::needs_fibers.
+  /// Unit directions of the fibre families at rest, zero where there is none; read where
+  /// Law::needs_fibers.
   T fiber[2][3];
 };
 
@@ -65,13 +67,11 @@ T hyperbolicSine(const T& x) {
   return lanewise(x, [](double lane) { return __builtin_sinh(lane); });
 }
 /// J^(-2/3), also of a negative J.
-inline double inverseTwoThirds(double J) {
-  return 1 / __builtin_cbrt(J * J);
-}
-/// In all lanes at once, to two units in the last place; it is a tenth of an assembly when the C library does
-/// it. x = J^2; of y = x^(-1/3) the bits are about a constant less a third of those of x, which leaves an
-/// error of 0.035. Each correction, by the series of (1 - r)^(-1/3) where r = 1 - x y^3, takes it to its
-/// third power.
+inline double inverseTwoThirds(double J) { return 1 / __builtin_cbrt(J * J); }
+/// In all lanes at once, to two units in the last place; it is a tenth of an assembly when the C
+/// library does it. x = J^2; of y = x^(-1/3) the bits are about a constant less a third of those of
+/// x, which leaves an error of 0.035. Each correction, by the series of (1 - r)^(-1/3) where r = 1
+/// - x y^3, takes it to its third power.
 template <class T>
 T inverseTwoThirds(const T& J) {
   using Bits = decltype(J < T{});

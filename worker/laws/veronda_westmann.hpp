@@ -19,8 +19,8 @@ struct VerondaWestmannEnergy {
   }
 };
 
-/// W = c1 (exp(c2 (j1 - 3)) - 1) - c1 c2/2 (j2 - 3): skin (Veronda and Westmann 1970). Where exp overflows, W
-/// is infinite.
+/// W = c1 (exp(c2 (j1 - 3)) - 1) - c1 c2/2 (j2 - 3): skin (Veronda and Westmann 1970). Where exp
+/// overflows, W is infinite.
 using VerondaWestmann = InvariantLaw<VerondaWestmannEnergy>;
 
 }  // namespace palpate::PALPATE_KERNEL_NAMESPACE

@@ -12,7 +12,8 @@ struct YeohEnergy {
   void addTerms(const Strain<T>&, const Invariants<T>& invariants, Sum& sum) const {
     const Invariant<1, T> j1 = invariants.first();
     const T x = j1.value - 3;
-    sum.add(j1, x * (c10 + x * (c20 + x * c30)), c10 + x * (2 * c20 + x * 3 * c30), 2 * c20 + x * 6 * c30);
+    sum.add(j1, x * (c10 + x * (c20 + x * c30)), c10 + x * (2 * c20 + x * 3 * c30),
+            2 * c20 + x * 6 * c30);
   }
 };
 

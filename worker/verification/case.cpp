@@ -14,8 +14,8 @@ double Row::deviation() const {
 std::vector<Case> cases() {
   std::vector<Case> all;
   for (const auto subject :
-       {homogeneousCases, manufacturedCases, infSupCases, cookCases, punchCases, torsionCases, inflationCases,
-        elasticaCases, limitPointCases, reactionCases, contactStiffnessCases})
+       {homogeneousCases, manufacturedCases, infSupCases, cookCases, punchCases, torsionCases,
+        inflationCases, elasticaCases, limitPointCases, reactionCases, contactStiffnessCases})
     for (const Case& problem : subject()) all.push_back(problem);
   return all;
 }

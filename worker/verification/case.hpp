@@ -3,9 +3,10 @@
 #include <string>
 #include <vector>
 
-/// Verification problems: bodies whose solution is known on paper or published, solved with the same System
-/// and Newton as everything else. `palpate verify` prints them, tests/worker/verify_test.cpp holds them to
-/// their tolerance. docs/verification.md says what each is and where its reference comes from.
+/// Verification problems: bodies whose solution is known on paper or published, solved with the
+/// same System and Newton as everything else. `palpate verify` prints them,
+/// tests/worker/verify_test.cpp holds them to their tolerance. docs/verification.md says what each
+/// is and where its reference comes from.
 namespace palpate::verification {
 
 /// One number and what it should be.
@@ -31,8 +32,8 @@ struct Case {
 /// All cases in the order of docs/verification.md.
 std::vector<Case> cases();
 
-/// The rows of one case. A solve that does not converge, or another error, becomes one row that is not ok and
-/// says what happened.
+/// The rows of one case. A solve that does not converge, or another error, becomes one row that is
+/// not ok and says what happened.
 std::vector<Row> rowsOf(const Case& problem);
 
 /// The cases of one subject, one function per file of this folder.

@@ -1,12 +1,12 @@
-// Stiffness k(h) that three tools feel on a unit cube (bottom fixed, the middle of the top moved up, linear
-// law, nu = 0.3) against the element size h: of a single node proportional to h, without a limit (a point
-// load in three dimensions is singular); of patches of radius 1/8 convergent.
+// Stiffness k(h) that three tools feel on a unit cube (bottom fixed, the middle of the top moved
+// up, linear law, nu = 0.3) against the element size h: of a single node proportional to h, without
+// a limit (a point load in three dimensions is singular); of patches of radius 1/8 convergent.
 #include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "common/box_mesh.hpp"
+#include "worker/verification/box_mesh.hpp"
 #include "worker/verification/case.hpp"
 #include "worker/verification/rig.hpp"
 
@@ -37,7 +37,8 @@ double stiffness(const BodyModel& body) {
   return result.residual.tool[2] / up[2] / young;
 }
 
-/// The nodes of the top within `radius` of its middle as one rigid tool, on a mesh of h = 1/elements.
+/// The nodes of the top within `radius` of its middle as one rigid tool, on a mesh of h =
+/// 1/elements.
 double discStiffness(DisplacementSpace displacement, int elements, double radius) {
   BodyModel body = bodyOf(cubeMesh(1, elements), displacementOnly(displacement), linear());
   hold(body, "zmin", "xyz");
@@ -48,8 +49,8 @@ double discStiffness(DisplacementSpace displacement, int elements, double radius
   return stiffness(body);
 }
 
-/// The tool of a scene: it takes the nodes inside the body within the radius too, or weights those of the
-/// surface.
+/// The tool of a scene: it takes the nodes inside the body within the radius too, or weights those
+/// of the surface.
 double sceneStiffness(DisplacementSpace displacement, int elements, ToolKind kind) {
   Scene scene;
   scene.name = "contact stiffness";
@@ -75,20 +76,21 @@ Row disc(DisplacementSpace displacement, int elements, double reference) {
           discStiffness(displacement, elements, patch_radius), reference, 0.005, "m"};
 }
 
-/// k/E of the weighted average on a half-space. The normal load p(r) = 3/(pi a^2) (1 - (r/a)^2)^2 has the
-/// Hankel transform 48 J3(z)/z^3, z = k a, and the half-space the compliance 2 (1 - nu^2)/(E k) (Johnson,
-/// Contact Mechanics, 1985), so that E a/k = (1 - nu^2)/pi * integral of (48 J3/z^3)^2 dz, in gamma functions
-/// by Weber and Schafheitlin.
+/// k/E of the weighted average on a half-space. The normal load p(r) = 3/(pi a^2) (1 - (r/a)^2)^2
+/// has the Hankel transform 48 J3(z)/z^3, z = k a, and the half-space the compliance 2 (1 -
+/// nu^2)/(E k) (Johnson, Contact Mechanics, 1985), so that E a/k = (1 - nu^2)/pi * integral of (48
+/// J3/z^3)^2 dz, in gamma functions by Weber and Schafheitlin.
 double halfSpace() {
-  const double integral =
-      48 * 48 * std::tgamma(6) * std::tgamma(0.5) / (64 * std::pow(std::tgamma(3.5), 2) * std::tgamma(6.5));
+  const double integral = 48 * 48 * std::tgamma(6) * std::tgamma(0.5) /
+                          (64 * std::pow(std::tgamma(3.5), 2) * std::tgamma(6.5));
   return std::numbers::pi * patch_radius / ((1 - poisson * poisson) * integral);
 }
 
 /// The cube is a half-space to about 1 %, the rest is the mesh.
 Row weighted(DisplacementSpace displacement, int elements, double tolerance) {
   return {fmt::format("weighted average {}, h = 1/{}: k/E", word(displacement), elements),
-          sceneStiffness(displacement, elements, ToolKind::weighted_average), halfSpace(), tolerance, "m"};
+          sceneStiffness(displacement, elements, ToolKind::weighted_average), halfSpace(),
+          tolerance, "m"};
 }
 
 /// k of a mesh against k of one twice as fine.

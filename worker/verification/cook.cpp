@@ -1,5 +1,5 @@
-// Cook's membrane: a tapered plate, clamped at the left, sheared at the right edge; plane strain by one
-// layer of tetrahedra that keeps its thickness.
+// Cook's membrane: a tapered plate, clamped at the left, sheared at the right edge; plane strain by
+// one layer of tetrahedra that keeps its thickness.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -35,7 +35,8 @@ std::int32_t nodeAt(const Mesh& mesh, const Eigen::Vector3d& X) {
 }
 
 /// Upward displacement of the tip (48, 60) mm under `force` newtons per mm of thickness, mm.
-double tipDisplacement(const Discretization& discretization, const Material& material, double force, int n) {
+double tipDisplacement(const Discretization& discretization, const Material& material, double force,
+                       int n) {
   BodyModel body = bodyOf(cookMesh(n, thickness), discretization, material);
   hold(body, nodesInPlane(body.mesh, 0, 0), "xyz");
   hold(body, "first", "z");
@@ -48,9 +49,7 @@ double tipDisplacement(const Discretization& discretization, const Material& mat
 constexpr double mu = 80.1938 * newton_per_mm2;
 
 /// In plane strain with J = 1 both invariants are the same.
-Material sameInPlaneStrain() {
-  return mooneyRivlin(0.3 * mu / 2, 0.7 * mu / 2);
-}
+Material sameInPlaneStrain() { return mooneyRivlin(0.3 * mu / 2, 0.7 * mu / 2); }
 
 Material dealII() {
   constexpr double shear = 0.4225 * newton_per_mm2, poisson = 0.3;

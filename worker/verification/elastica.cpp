@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "common/box_mesh.hpp"
+#include "worker/verification/box_mesh.hpp"
 #include "worker/verification/case.hpp"
 #include "worker/verification/rig.hpp"
 
@@ -18,8 +18,8 @@ constexpr double second_moment = height * height * height * height / 12;
 /// A place of the centre line, arc length 1: along, down, angle, curvature.
 using Section = Eigen::Vector4d;
 
-/// The centre line at `stations` + 1 places, clamped at the first: angle'' = -load cos(angle), by Runge and
-/// Kutta, with the curvature at the clamp bisected for a tip without a moment.
+/// The centre line at `stations` + 1 places, clamped at the first: angle'' = -load cos(angle), by
+/// Runge and Kutta, with the curvature at the clamp bisected for a tip without a moment.
 std::vector<Section> elastica(double load, int stations) {
   constexpr int substeps = 20;
   const double ds = 1.0 / (stations * substeps);
@@ -46,12 +46,13 @@ std::vector<Section> elastica(double load, int stations) {
   return shot(low);
 }
 
-/// Bernoulli's hypothesis: sections stay plane and normal to the centre line. Newton starts here, because
-/// from a straight beam the bending of one step is a stretch thousands of times as stiff.
+/// Bernoulli's hypothesis: sections stay plane and normal to the centre line. Newton starts here,
+/// because from a straight beam the bending of one step is a stretch thousands of times as stiff.
 State bentAlong(const std::vector<Section>& line, const Mesh& mesh, State state) {
   for (std::size_t node = 0; node < mesh.nodes.size(); ++node) {
     const Eigen::Vector3d& X = mesh.nodes[node];
-    const auto station = static_cast<std::size_t>(std::lround(X[0] / length * double(line.size() - 1)));
+    const auto station =
+        static_cast<std::size_t>(std::lround(X[0] / length * double(line.size() - 1)));
     const double along = line[station][0], down = line[station][1], angle = line[station][2];
     const double off_centre = X[2] - height / 2;
     setDisplacement(state, static_cast<std::int32_t>(node),
@@ -67,14 +68,15 @@ struct Tip {
 
 /// `load` is P L^2/(E I).
 Tip bent(double load, int cells) {
-  BodyModel body =
-      bodyOf(boxMesh({length, height, height}, {cells, 1, 1}), p2_displacement, stVenantKirchhoff(young, 0));
+  BodyModel body = bodyOf(boxMesh({length, height, height}, {cells, 1, 1}), p2_displacement,
+                          stVenantKirchhoff(young, 0));
   hold(body, "xmin", "xyz");
   const double force = load * young * second_moment / (length * length);
   std::vector<Triangle> end;
   for (const Triangle& face : body.mesh.surface)
-    if (std::all_of(face.begin(), face.end(),
-                    [&](std::int32_t node) { return body.mesh.nodes[node][0] > length * (1 - 1e-9); }))
+    if (std::all_of(face.begin(), face.end(), [&](std::int32_t node) {
+          return body.mesh.nodes[node][0] > length * (1 - 1e-9);
+        }))
       end.push_back(face);
   addTraction(body, end, {0, 0, -force / (height * height)});
   Rig rig(body);
@@ -87,7 +89,8 @@ Tip bent(double load, int cells) {
   return {-mean[2] / length, -mean[0] / length};
 }
 
-void addRows(double load, int cells, const Tip& reference, double tolerance, std::vector<Row>& rows) {
+void addRows(double load, int cells, const Tip& reference, double tolerance,
+             std::vector<Row>& rows) {
   const Tip tip = bent(load, cells);
   const std::string name = fmt::format("P2, {} elements long, P L^2/(E I) = {}", cells, load);
   rows.push_back({name + ": v/L", tip.down, reference.down, tolerance});
@@ -103,8 +106,6 @@ std::vector<Row> rows() {
 
 }  // namespace
 
-std::vector<Case> elasticaCases() {
-  return {{"elastica", false, rows}};
-}
+std::vector<Case> elasticaCases() { return {{"elastica", false, rows}}; }
 
 }  // namespace palpate::verification

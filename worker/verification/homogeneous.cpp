@@ -1,5 +1,5 @@
-// A box with distorted elements, pulled or sheared so that its strain is the same everywhere: any element
-// must find that state and its stress to rounding (patch test).
+// A box with distorted elements, pulled or sheared so that its strain is the same everywhere: any
+// element must find that state and its stress to rounding (patch test).
 #include <fmt/format.h>
 
 #include <Eigen/LU>
@@ -8,7 +8,7 @@
 #include <functional>
 #include <random>
 
-#include "common/box_mesh.hpp"
+#include "worker/verification/box_mesh.hpp"
 #include "worker/verification/case.hpp"
 #include "worker/verification/rig.hpp"
 
@@ -28,7 +28,8 @@ struct Expected {
 struct Homogeneous {
   std::string name;
   Eigen::Matrix3d F;
-  std::vector<std::pair<std::string, std::string>> held;  ///< node group, axes; all where F puts them
+  std::vector<std::pair<std::string, std::string>>
+      held;  ///< node group, axes; all where F puts them
   std::vector<Expected> expected;
 };
 
@@ -45,15 +46,18 @@ Eigen::Matrix3d stretches(double x, double y, double z) {
 
 /// Pulled along x, free across: of an incompressible body, or of one with this lateral stretch.
 Homogeneous uniaxial(double l, double stress, double lateral) {
-  return {fmt::format("uniaxial {}", l), stretches(l, lateral, lateral), symmetry, {pullAlongX(stress)}};
+  return {fmt::format("uniaxial {}", l),
+          stretches(l, lateral, lateral),
+          symmetry,
+          {pullAlongX(stress)}};
 }
-Homogeneous uniaxial(double l, double stress) {
-  return uniaxial(l, stress, 1 / std::sqrt(l));
-}
+Homogeneous uniaxial(double l, double stress) { return uniaxial(l, stress, 1 / std::sqrt(l)); }
 
 Homogeneous equibiaxial(double l, double stress) {
-  Homogeneous state = {
-      fmt::format("equibiaxial {}", l), stretches(l, l, 1 / (l * l)), symmetry, {pullAlongX(stress)}};
+  Homogeneous state = {fmt::format("equibiaxial {}", l),
+                       stretches(l, l, 1 / (l * l)),
+                       symmetry,
+                       {pullAlongX(stress)}};
   state.held.push_back({"ymax", "y"});
   return state;
 }
@@ -88,7 +92,8 @@ Homogeneous simpleShear(double k, double mu, double c01) {
   };
   state.expected = {
       {" s12", [=](const Eigen::Matrix3d& P) { return cauchy(P, 0, 1); }, mu * k},
-      {" s11-s22", [=](const Eigen::Matrix3d& P) { return cauchy(P, 0, 0) - cauchy(P, 1, 1); }, mu * k * k},
+      {" s11-s22", [=](const Eigen::Matrix3d& P) { return cauchy(P, 0, 0) - cauchy(P, 1, 1); },
+       mu * k * k},
       {" s22-s33", [=](const Eigen::Matrix3d& P) { return cauchy(P, 1, 1) - cauchy(P, 2, 2); },
        0.0 - 2 * c01 * k * k}};
   return state;
@@ -113,33 +118,35 @@ double farthestFrom(const Eigen::Matrix3d& F, const Mesh& mesh, const State& sta
   double farthest = 0;
   for (std::size_t node = 0; node < mesh.nodes.size(); ++node) {
     const Eigen::Vector3d exact = (F - Eigen::Matrix3d::Identity()) * mesh.nodes[node];
-    farthest = std::max(farthest, (displacementOf(state, static_cast<std::int32_t>(node)) - exact).norm());
+    farthest =
+        std::max(farthest, (displacementOf(state, static_cast<std::int32_t>(node)) - exact).norm());
   }
   return farthest;
 }
 
 std::vector<Row> rowsOfStates(const std::string& material_name, const Material& material,
-                              const Discretization& discretization, const std::vector<Homogeneous>& states) {
+                              const Discretization& discretization,
+                              const std::vector<Homogeneous>& states) {
   std::vector<Row> rows;
   double farthest = 0;
   for (const Homogeneous& state : states) {
-    BodyModel body =
-        bodyOf(distortedBoxMesh(Eigen::Vector3d::Constant(edge), {3, 3, 3}), discretization, material);
+    BodyModel body = bodyOf(distortedBoxMesh(Eigen::Vector3d::Constant(edge), {3, 3, 3}),
+                            discretization, material);
     for (const auto& [group, axes] : state.held) hold(body, group, axes);
     Rig rig(body);
     const NewtonResult result = rig.equilibrium(disturbed(rig, state.F));
     const Eigen::Matrix3d P = meanStress(body, result.state);
     for (const Expected& expected : state.expected)
-      rows.push_back({fmt::format("{}, {}{}", material_name, state.name, expected.name), expected.measured(P),
-                      expected.stress, tolerance, "Pa"});
+      rows.push_back({fmt::format("{}, {}{}", material_name, state.name, expected.name),
+                      expected.measured(P), expected.stress, tolerance, "Pa"});
     farthest = std::max(farthest, farthestFrom(state.F, body.mesh, result.state));
   }
   rows.push_back({material_name + ", farthest node / edge", farthest / edge, 0, tolerance});
   return rows;
 }
 
-/// Nominal stresses of an incompressible isotropic body, W1 and W2 the derivatives of W by the invariants
-/// (Rivlin 1948).
+/// Nominal stresses of an incompressible isotropic body, W1 and W2 the derivatives of W by the
+/// invariants (Rivlin 1948).
 using Slopes = std::function<std::pair<double, double>(double I1)>;
 
 double uniaxialStress(double l, const Slopes& slopes) {
@@ -164,7 +171,8 @@ std::vector<Homogeneous> statesOf(const Slopes& slopes) {
   return states;
 }
 
-std::vector<Row> mooneyRivlinRows(const std::string& element, const Discretization& discretization) {
+std::vector<Row> mooneyRivlinRows(const std::string& element,
+                                  const Discretization& discretization) {
   const Material material = mooneyRivlin();
   std::vector<Homogeneous> states = statesOf([](double) { return std::pair{1300.0, 1280.0}; });
   states.push_back(simpleShear(0.5, shearModulus(material), material.c01));
@@ -182,8 +190,8 @@ std::vector<Row> neoHookeanRows() {
   compressible.bulk = bulk;
   const double stress =
       mu / 2 * (4.0 / 3 * std::cbrt(l) - 4.0 / 3 * std::pow(l, -5.0 / 3)) + bulk / 2 * (l - 1 / l);
-  for (const Row& row :
-       rowsOfStates("neo-Hookean, bulk", compressible, p2_displacement, {uniaxialStrain(l, stress)}))
+  for (const Row& row : rowsOfStates("neo-Hookean, bulk", compressible, p2_displacement,
+                                     {uniaxialStrain(l, stress)}))
     rows.push_back(row);
   return rows;
 }
@@ -194,10 +202,11 @@ std::vector<Row> yeohRows() {
   material.c10 = 2580;
   material.c20 = -300;
   material.c30 = 150;
-  return rowsOfStates("Yeoh", material, taylor_hood, statesOf([&](double I1) {
-                        const double x = I1 - 3;
-                        return std::pair{material.c10 + 2 * material.c20 * x + 3 * material.c30 * x * x, 0.0};
-                      }));
+  return rowsOfStates(
+      "Yeoh", material, taylor_hood, statesOf([&](double I1) {
+        const double x = I1 - 3;
+        return std::pair{material.c10 + 2 * material.c20 * x + 3 * material.c30 * x * x, 0.0};
+      }));
 }
 
 std::vector<Row> verondaWestmannRows() {
@@ -215,7 +224,8 @@ std::vector<Row> verondaWestmannRows() {
 std::vector<Row> ogdenRows() {
   Material material;
   material.law = LawName::ogden;
-  material.ogden = {{6300, 1.3}, {12, 5.0}, {-100, -2.0}};  // Ogden 1972, rubber, in units of 0.01 kg/cm^2
+  material.ogden = {
+      {6300, 1.3}, {12, 5.0}, {-100, -2.0}};  // Ogden 1972, rubber, in units of 0.01 kg/cm^2
   const auto stress = [&](double l, double e) {
     double sum = 0;
     for (const auto& [mu, alpha] : material.ogden)
@@ -251,7 +261,8 @@ std::vector<Row> stVenantKirchhoffRows() {
   std::vector<Homogeneous> states;
   for (const double l : {0.8, 1.2})
     states.push_back(uniaxial(l, young / 2 * l * (l * l - 1), std::sqrt(1 - nu * (l * l - 1))));
-  return rowsOfStates("St. Venant-Kirchhoff", stVenantKirchhoff(young, nu), p2_displacement, states);
+  return rowsOfStates("St. Venant-Kirchhoff", stVenantKirchhoff(young, nu), p2_displacement,
+                      states);
 }
 
 /// P = dW/dl of W(l), W = lambda/2 (tr g)^2 + mu g:g with the lateral stretch l^(-1/2).
@@ -265,9 +276,9 @@ std::vector<Row> modifiedStVenantKirchhoffRows() {
   Material material = stVenantKirchhoff(young, nu);
   material.law = LawName::modified_st_venant_kirchhoff;
   const double lambda = young * nu / ((1 + nu) * (1 - 2 * nu)), mu = young / (2 * (1 + nu));
-  std::vector<Row> rows = rowsOfStates(
-      "modified SVK, lambda kept", material, stabilized,
-      {uniaxial(0.8, modifiedStress(0.8, lambda, mu)), uniaxial(1.2, modifiedStress(1.2, lambda, mu))});
+  std::vector<Row> rows = rowsOfStates("modified SVK, lambda kept", material, stabilized,
+                                       {uniaxial(0.8, modifiedStress(0.8, lambda, mu)),
+                                        uniaxial(1.2, modifiedStress(1.2, lambda, mu))});
   material.poisson.reset();
   for (const Row& row : rowsOfStates("modified SVK, lambda = 0", material, stabilized,
                                      {uniaxial(0.8, modifiedStress(0.8, 0, young / 3)),
@@ -282,8 +293,10 @@ std::vector<Case> homogeneousCases() {
   return {
       {"homogeneous-mooney-rivlin-p1-stabilized", false,
        [] { return mooneyRivlinRows("P1-stabilized", stabilized); }},
-      {"homogeneous-mooney-rivlin-p2-p1", false, [] { return mooneyRivlinRows("P2/P1", taylor_hood); }},
-      {"homogeneous-mooney-rivlin-p1-p1", false, [] { return mooneyRivlinRows("P1/P1", equal_order); }},
+      {"homogeneous-mooney-rivlin-p2-p1", false,
+       [] { return mooneyRivlinRows("P2/P1", taylor_hood); }},
+      {"homogeneous-mooney-rivlin-p1-p1", false,
+       [] { return mooneyRivlinRows("P1/P1", equal_order); }},
       {"homogeneous-neo-hookean", false, neoHookeanRows},
       {"homogeneous-yeoh", false, yeohRows},
       {"homogeneous-ogden", false, ogdenRows},

@@ -1,14 +1,14 @@
-// The discrete inf-sup constant: the square root of the smallest eigenvalue of B A^-1 B^T q = beta^2 M q,
-// with A the H1 seminorm of displacements, M the mass of pressures, and B from the tangent of the system
-// itself. Unit cube, clamped at the bottom (Chapelle and Bathe 1993).
+// The discrete inf-sup constant: the square root of the smallest eigenvalue of B A^-1 B^T q =
+// beta^2 M q, with A the H1 seminorm of displacements, M the mass of pressures, and B from the
+// tangent of the system itself. Unit cube, clamped at the bottom (Chapelle and Bathe 1993).
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "common/box_mesh.hpp"
-#include "worker/kernel_family.hpp"
+#include "worker/elements/kernel_family.hpp"
+#include "worker/verification/box_mesh.hpp"
 #include "worker/verification/case.hpp"
 #include "worker/verification/quadrature.hpp"
 #include "worker/verification/rig.hpp"
@@ -21,9 +21,10 @@ struct InfSup {
   double beta;     ///< smallest of the others
 };
 
-/// B, one row per pressure: what is left of the integral of p div v per component of the nodes, zero where
-/// they are held.
-std::array<Eigen::MatrixXd, 3> coupling(const System& system, Eigen::Index nodes, Eigen::Index pressures) {
+/// B, one row per pressure: what is left of the integral of p div v per component of the nodes,
+/// zero where they are held.
+std::array<Eigen::MatrixXd, 3> coupling(const System& system, Eigen::Index nodes,
+                                        Eigen::Index pressures) {
   struct Place {
     Eigen::Index index = -1;
     int component = -1;  ///< 3: a pressure
@@ -33,7 +34,8 @@ std::array<Eigen::MatrixXd, 3> coupling(const System& system, Eigen::Index nodes
   for (Eigen::Index node = 0; node < nodes; ++node)
     for (int i = 0; i < 3; ++i)
       if (const double k = number.u[3 * node + i]; k > 0) place_of[std::lround(k) - 1] = {node, i};
-  for (Eigen::Index node = 0; node < pressures; ++node) place_of[std::lround(number.q[node]) - 1] = {node, 3};
+  for (Eigen::Index node = 0; node < pressures; ++node)
+    place_of[std::lround(number.q[node]) - 1] = {node, 3};
 
   Residual residual;
   Tangent tangent;
@@ -57,7 +59,8 @@ InfSup infSup(const Discretization& discretization, int n) {
   const auto nodes = static_cast<Eigen::Index>(body.mesh.nodes.size());
   const auto pressures = static_cast<Eigen::Index>(system.restState().q.size());
 
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(nodes, nodes), M = Eigen::MatrixXd::Zero(pressures, pressures);
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(nodes, nodes),
+                  M = Eigen::MatrixXd::Zero(pressures, pressures);
   integrate(body.mesh, [&](const IntegrationPoint& point) {
     for (int a = 0; a < point.nodes; ++a)
       for (int b = 0; b < point.nodes; ++b)
@@ -73,8 +76,10 @@ InfSup infSup(const Discretization& discretization, int n) {
   }
   const Eigen::LLT<Eigen::MatrixXd> cholesky(A);
   Eigen::MatrixXd S = Eigen::MatrixXd::Zero(pressures, pressures);
-  for (const Eigen::MatrixXd& B : coupling(system, nodes, pressures)) S += B * cholesky.solve(B.transpose());
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(S, M, Eigen::EigenvaluesOnly);
+  for (const Eigen::MatrixXd& B : coupling(system, nodes, pressures))
+    S += B * cholesky.solve(B.transpose());
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(S, M,
+                                                                        Eigen::EigenvaluesOnly);
   constexpr double zero = 1e-10;  // the largest eigenvalue is about 1
   InfSup result{0, 0};
   while (eigen.eigenvalues()[result.zero_modes] < zero) ++result.zero_modes;
@@ -83,8 +88,8 @@ InfSup infSup(const Discretization& discretization, int n) {
 }
 
 /// Published with three digits, on the same meshes.
-void addRows(const char* element, const Discretization& discretization, int n, int zero_modes, double beta,
-             std::vector<Row>& rows) {
+void addRows(const char* element, const Discretization& discretization, int n, int zero_modes,
+             double beta, std::vector<Row>& rows) {
   const InfSup found = infSup(discretization, n);
   rows.push_back({fmt::format("{}, n = {}: inf-sup constant", element, n), found.beta, beta, 0.01});
   rows.push_back({fmt::format("{}, n = {}: spurious pressure modes", element, n),

@@ -1,6 +1,6 @@
-// A hollow sphere and a tube in plane strain whose inner wall is pushed outwards. The pressure that this
-// takes is the work of the wall's reaction per volume of the hollow (Rivlin, Ogden; closed forms for
-// Mooney-Rivlin).
+// A hollow sphere and a tube in plane strain whose inner wall is pushed outwards. The pressure that
+// this takes is the work of the wall's reaction per volume of the hollow (Rivlin, Ogden; closed
+// forms for Mooney-Rivlin).
 #include <fmt/format.h>
 
 #include <cmath>
@@ -37,10 +37,12 @@ void holdSymmetryPlanes(BodyModel& body) {
   hold(body, nodesInPlane(body.mesh, 2, 0), "z");
 }
 
-/// The pressure that keeps the nodes of `wall` at `stretch` times where they were. `radial` has a 1 for each
-/// coordinate that grows: d = 3 of a sphere, 2 of a tube. `hollow`: the volume inside at rest, which grows by
-/// d stretch^(d-1) of itself per unit of stretch. Newton starts at r^d = R^d + const, where volumes stay.
-double pressure(BodyModel body, const std::string& wall, const Eigen::Vector3d& radial, double hollow) {
+/// The pressure that keeps the nodes of `wall` at `stretch` times where they were. `radial` has a 1
+/// for each coordinate that grows: d = 3 of a sphere, 2 of a tube. `hollow`: the volume inside at
+/// rest, which grows by d stretch^(d-1) of itself per unit of stretch. Newton starts at r^d = R^d +
+/// const, where volumes stay.
+double pressure(BodyModel body, const std::string& wall, const Eigen::Vector3d& radial,
+                double hollow) {
   const double d = radial.sum(), growth = (std::pow(stretch, d) - 1) * std::pow(inner, d);
   hold(body, wall, "xyz");
   Rig rig(body);
@@ -63,7 +65,8 @@ double pressure(BodyModel body, const std::string& wall, const Eigen::Vector3d& 
 }
 
 double spherePressure(const Discretization& discretization, int n) {
-  BodyModel octant = bodyOf(sphereOctantMesh(inner, outer, n), discretization, mooneyRivlin(c10, c01));
+  BodyModel octant =
+      bodyOf(sphereOctantMesh(inner, outer, n), discretization, mooneyRivlin(c10, c01));
   holdSymmetryPlanes(octant);
   return pressure(std::move(octant), "first", {1, 1, 1}, pi / 6 * inner * inner * inner);
 }
@@ -91,8 +94,10 @@ std::vector<Row> tubeRows() {
   return rowsOfMeshes("tube P2/P1", tubePressure, taylor_hood, 4, exactTube());
 }
 std::vector<Row> longRows() {
-  std::vector<Row> rows = rowsOfMeshes("sphere P2/P1", spherePressure, taylor_hood, 6, exactSphere());
-  for (const Row& row : rowsOfMeshes("sphere P1-stabilized", spherePressure, stabilized, 8, exactSphere()))
+  std::vector<Row> rows =
+      rowsOfMeshes("sphere P2/P1", spherePressure, taylor_hood, 6, exactSphere());
+  for (const Row& row :
+       rowsOfMeshes("sphere P1-stabilized", spherePressure, stabilized, 8, exactSphere()))
     rows.push_back(row);
   for (const Row& row : rowsOfMeshes("tube P2/P1", tubePressure, taylor_hood, 12, exactTube()))
     rows.push_back(row);

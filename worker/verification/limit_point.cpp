@@ -1,9 +1,10 @@
-// A St. Venant-Kirchhoff cube under a dead pressure reaches a limit point at stretch 1/sqrt(3), where its
-// tangent stops being positive definite; beyond the pressure E/(3 sqrt(3)) there is no equilibrium.
+// A St. Venant-Kirchhoff cube under a dead pressure reaches a limit point at stretch 1/sqrt(3),
+// where its tangent stops being positive definite; beyond the pressure E/(3 sqrt(3)) there is no
+// equilibrium.
 #include <algorithm>
 #include <cmath>
 
-#include "common/box_mesh.hpp"
+#include "worker/verification/box_mesh.hpp"
 #include "worker/verification/case.hpp"
 #include "worker/verification/rig.hpp"
 
@@ -21,14 +22,16 @@ BodyModel cube() {
   hold(body, "zmin", "z");
   std::vector<Triangle> pressed;
   for (const Triangle& face : body.mesh.surface)
-    if (std::all_of(face.begin(), face.end(),
-                    [&](std::int32_t node) { return body.mesh.nodes[node][0] > edge * (1 - 1e-9); }))
+    if (std::all_of(face.begin(), face.end(), [&](std::int32_t node) {
+          return body.mesh.nodes[node][0] > edge * (1 - 1e-9);
+        }))
       pressed.push_back(face);
   addTraction(body, pressed, {-1, 0, 0});
   return body;
 }
 
-/// Equilibria with the side xmax held at `stretch`, on both sides of the limit point, reached in steps.
+/// Equilibria with the side xmax held at `stretch`, on both sides of the limit point, reached in
+/// steps.
 State compressedTo(double stretch) {
   BodyModel body = cube();
   hold(body, "xmax", "x");
@@ -44,8 +47,8 @@ State compressedTo(double stretch) {
   return state;
 }
 
-/// Negative eigenvalues of the tangent with the side xmax free: where there are none, the state is stable
-/// under the load that keeps it.
+/// Negative eigenvalues of the tangent with the side xmax free: where there are none, the state is
+/// stable under the load that keeps it.
 int negativeUnderLoad(double stretch) {
   const State state = compressedTo(stretch);
   return Rig(cube()).negativeEigenvalues(state);
@@ -65,7 +68,8 @@ struct LastLoad {
   double pressure, stretch;
 };
 
-/// Raises the pressure from equilibrium to equilibrium, by ever smaller steps, as far as there is one.
+/// Raises the pressure from equilibrium to equilibrium, by ever smaller steps, as far as there is
+/// one.
 LastLoad lastLoad() {
   Rig rig(cube());
   double reached = 0, step = 1000;
@@ -86,7 +90,8 @@ LastLoad lastLoad() {
 
 std::vector<Row> rows() {
   const LastLoad last = lastLoad();
-  return {{"limit point, tangent no longer definite: stretch", stretchOfLimitPoint(), exact_stretch, 1e-5},
+  return {{"limit point, tangent no longer definite: stretch", stretchOfLimitPoint(), exact_stretch,
+           1e-5},
           {"limit point, last load with an equilibrium", last.pressure, exact_pressure, 1e-6, "Pa"},
           {"limit point, stretch at that load", last.stretch, exact_stretch, 1e-3},
           {"before it, at 0.60: negative eigenvalues", double(negativeUnderLoad(0.60)), 0, 0},
@@ -95,8 +100,6 @@ std::vector<Row> rows() {
 
 }  // namespace
 
-std::vector<Case> limitPointCases() {
-  return {{"st-venant-limit-point", false, rows}};
-}
+std::vector<Case> limitPointCases() { return {{"st-venant-limit-point", false, rows}}; }
 
 }  // namespace palpate::verification

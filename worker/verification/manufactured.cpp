@@ -1,11 +1,12 @@
-// A displacement is chosen, the load that makes it an equilibrium computed from the law, and the solution
-// compared with it: the L2 error must fall with the square of the element size (P1) or its cube (P2).
+// A displacement is chosen, the load that makes it an equilibrium computed from the law, and the
+// solution compared with it: the L2 error must fall with the square of the element size (P1) or its
+// cube (P2).
 #include <fmt/format.h>
 
 #include <Eigen/LU>
 #include <cmath>
 
-#include "common/box_mesh.hpp"
+#include "worker/verification/box_mesh.hpp"
 #include "worker/verification/case.hpp"
 #include "worker/verification/quadrature.hpp"
 #include "worker/verification/rig.hpp"
@@ -47,8 +48,8 @@ Eigen::Matrix3d neoHookeanStress(const Eigen::Matrix3d& F) {
          bulk / 2 * (J * J - 1) * F_inverse_T;
 }
 
-/// The load of the body force -Div P, on the nodes inside: integral of P : grad N, because N vanishes on the
-/// boundary. On the boundary, where everything is held, a load has no work to do.
+/// The load of the body force -Div P, on the nodes inside: integral of P : grad N, because N
+/// vanishes on the boundary. On the boundary, where everything is held, a load has no work to do.
 std::vector<double> loadOf(const Mesh& mesh, Stress stress) {
   std::vector<double> load(3 * mesh.nodes.size(), 0.0);
   integrate(mesh, [&](const IntegrationPoint& point) {
@@ -70,23 +71,25 @@ double l2Error(const Mesh& mesh, const State& state) {
   return std::sqrt(sum);
 }
 
-double solvedError(const Discretization& discretization, const Material& material, Stress stress, int n) {
+double solvedError(const Discretization& discretization, const Material& material, Stress stress,
+                   int n) {
   BodyModel body = bodyOf(cubeMesh(1, n), discretization, material);
   for (const char* side : {"xmin", "xmax", "ymin", "ymax", "zmin", "zmax"}) hold(body, side, "xyz");
   body.load = loadOf(body.mesh, stress);
   Rig rig(body);
   State start = rig.system().restState();
   for (std::size_t node = 0; node < body.mesh.nodes.size(); ++node)
-    setDisplacement(start, static_cast<std::int32_t>(node), exactDisplacement(body.mesh.nodes[node]));
+    setDisplacement(start, static_cast<std::int32_t>(node),
+                    exactDisplacement(body.mesh.nodes[node]));
   return l2Error(body.mesh, rig.equilibrium(start).state);
 }
 
-Row order(const char* name, const Discretization& discretization, const Material& material, Stress stress,
-          int n, double expected) {
+Row order(const char* name, const Discretization& discretization, const Material& material,
+          Stress stress, int n, double expected) {
   const double coarse = solvedError(discretization, material, stress, n);
   const double fine = solvedError(discretization, material, stress, 2 * n);
-  return {fmt::format("{}, n = {} to {}: order in L2", name, n, 2 * n), orderOf(coarse, fine), expected,
-          0.05};
+  return {fmt::format("{}, n = {} to {}: order in L2", name, n, 2 * n), orderOf(coarse, fine),
+          expected, 0.05};
 }
 
 Material compressibleNeoHookean() {
@@ -96,27 +99,28 @@ Material compressibleNeoHookean() {
 }
 
 std::vector<Row> quickRows() {
-  return {
-      order("St. Venant-Kirchhoff P1", p1_displacement, stVenantKirchhoff(young, poisson),
-            stVenantKirchhoffStress, 4, 2),
-      order("St. Venant-Kirchhoff P2", p2_displacement, stVenantKirchhoff(young, poisson),
-            stVenantKirchhoffStress, 3, 3),
-      order("compressible neo-Hookean P1", p1_displacement, compressibleNeoHookean(), neoHookeanStress, 4, 2),
-      order("compressible neo-Hookean P2", p2_displacement, compressibleNeoHookean(), neoHookeanStress, 3,
-            3)};
+  return {order("St. Venant-Kirchhoff P1", p1_displacement, stVenantKirchhoff(young, poisson),
+                stVenantKirchhoffStress, 4, 2),
+          order("St. Venant-Kirchhoff P2", p2_displacement, stVenantKirchhoff(young, poisson),
+                stVenantKirchhoffStress, 3, 3),
+          order("compressible neo-Hookean P1", p1_displacement, compressibleNeoHookean(),
+                neoHookeanStress, 4, 2),
+          order("compressible neo-Hookean P2", p2_displacement, compressibleNeoHookean(),
+                neoHookeanStress, 3, 3)};
 }
 
 std::vector<Row> longRows() {
-  return {
-      order("compressible neo-Hookean P1", p1_displacement, compressibleNeoHookean(), neoHookeanStress, 8, 2),
-      order("compressible neo-Hookean P2", p2_displacement, compressibleNeoHookean(), neoHookeanStress, 5,
-            3)};
+  return {order("compressible neo-Hookean P1", p1_displacement, compressibleNeoHookean(),
+                neoHookeanStress, 8, 2),
+          order("compressible neo-Hookean P2", p2_displacement, compressibleNeoHookean(),
+                neoHookeanStress, 5, 3)};
 }
 
 }  // namespace
 
 std::vector<Case> manufacturedCases() {
-  return {{"manufactured-solution", false, quickRows}, {"manufactured-solution-fine", true, longRows}};
+  return {{"manufactured-solution", false, quickRows},
+          {"manufactured-solution-fine", true, longRows}};
 }
 
 }  // namespace palpate::verification

@@ -8,8 +8,8 @@
 namespace palpate::verification {
 namespace {
 
-/// The prism over triangle (a, b, c), which must ascend, cut so that neighbours agree: every diagonal of a
-/// side face runs from its lower number below to its higher number above.
+/// The prism over triangle (a, b, c), which must ascend, cut so that neighbours agree: every
+/// diagonal of a side face runs from its lower number below to its higher number above.
 void cutPrism(const Triangle& below, std::int32_t above, std::vector<Tetrahedron>& tetrahedra) {
   const auto [a, b, c] = below;
   tetrahedra.push_back({a, b, c, c + above});
@@ -62,12 +62,14 @@ Grid discGrid(int n) {
   for (int ring = 1; ring <= n; ++ring) {
     for (int place = 0; place < 6 * ring; ++place) {
       const double angle = std::numbers::pi / 3 * place / ring;
-      grid.points.emplace_back(double(ring) / n * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+      grid.points.emplace_back(double(ring) / n *
+                               Eigen::Vector2d(std::cos(angle), std::sin(angle)));
     }
     for (int sector = 0; sector < 6; ++sector)
       for (int i = 0; i < ring; ++i) {
         const int outer = sector * ring + i, inner = sector * (ring - 1) + i;
-        grid.triangles.push_back({number(ring, outer), number(ring, outer + 1), number(ring - 1, inner)});
+        grid.triangles.push_back(
+            {number(ring, outer), number(ring, outer + 1), number(ring - 1, inner)});
         if (i < ring - 1)
           grid.triangles.push_back(
               {number(ring - 1, inner), number(ring, outer + 1), number(ring - 1, inner + 1)});

@@ -1,12 +1,12 @@
-// A quarter of an incompressible block under a pressure on the middle of its top, up to 69 % compression
-// (Reese, Wriggers, Reddy 2000; p/p0 = 80). The top cannot move sideways, so the load is dead and following
-// at once.
+// A quarter of an incompressible block under a pressure on the middle of its top, up to 69 %
+// compression (Reese, Wriggers, Reddy 2000; p/p0 = 80). The top cannot move sideways, so the load
+// is dead and following at once.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 
-#include "common/box_mesh.hpp"
+#include "worker/verification/box_mesh.hpp"
 #include "worker/verification/case.hpp"
 #include "worker/verification/rig.hpp"
 
@@ -15,8 +15,8 @@ namespace {
 
 constexpr double mu = 80.194e6, p0 = 4e6;  ///< Pa; lengths in metres, ratios are what matters
 
-/// The planes of symmetry are x = 1 and y = 0, so that the diagonals of the top run towards its middle,
-/// (1, 0, 1). `load` is p/p0.
+/// The planes of symmetry are x = 1 and y = 0, so that the diagonals of the top run towards its
+/// middle, (1, 0, 1). `load` is p/p0.
 BodyModel block(const Discretization& discretization, int n, double load) {
   BodyModel body = bodyOf(cubeMesh(1, n), discretization, neoHookean(mu));
   hold(body, "xmax", "x");
@@ -43,8 +43,8 @@ double depth(const Discretization& discretization, int n, double load, int steps
 
 Row row(const std::string& element, const Discretization& discretization, int n, double load,
         double reference, double tolerance) {
-  return {fmt::format("{}, n = {}, p/p0 = {}: depth", element, n, load), depth(discretization, n, load, 1),
-          reference, tolerance};
+  return {fmt::format("{}, n = {}, p/p0 = {}: depth", element, n, load),
+          depth(discretization, n, load, 1), reference, tolerance};
 }
 
 Row sameFromSteps(const std::string& element, const Discretization& discretization, int n) {

@@ -12,7 +12,8 @@ struct Rule {
   Eigen::VectorXd points, weights;  ///< on [0, 1]
 };
 
-/// Golub and Welsch 1969: the points are the eigenvalues of the Jacobi matrix of the Legendre polynomials.
+/// Golub and Welsch 1969: the points are the eigenvalues of the Jacobi matrix of the Legendre
+/// polynomials.
 Rule gaussLegendre(int n) {
   Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(n, n);
   for (int i = 1; i < n; ++i) jacobi(i, i - 1) = jacobi(i - 1, i) = i / std::sqrt(4.0 * i * i - 1);
@@ -34,8 +35,8 @@ std::vector<ReferencePoint> collapsedRule() {
         const double u = rule.points[i], v = rule.points[j], w = rule.points[k];
         const double x = u, y = v * (1 - u), z = w * (1 - u) * (1 - v);
         const double jacobian = 6 * (1 - u) * (1 - u) * (1 - v);
-        points.push_back(
-            {{1 - x - y - z, x, y, z}, jacobian * rule.weights[i] * rule.weights[j] * rule.weights[k]});
+        points.push_back({{1 - x - y - z, x, y, z},
+                          jacobian * rule.weights[i] * rule.weights[j] * rule.weights[k]});
       }
   return points;
 }
@@ -71,7 +72,8 @@ void integrate(const Mesh& mesh, const std::function<void(const IntegrationPoint
   for (std::size_t element = 0; element < mesh.tetrahedra.size(); ++element) {
     const Tetrahedron& tetrahedron = mesh.tetrahedra[element];
     Eigen::Matrix3d edges;
-    for (int a = 0; a < 3; ++a) edges.row(a) = mesh.nodes[tetrahedron[a + 1]] - mesh.nodes[tetrahedron[0]];
+    for (int a = 0; a < 3; ++a)
+      edges.row(a) = mesh.nodes[tetrahedron[a + 1]] - mesh.nodes[tetrahedron[0]];
     const Eigen::Matrix3d inverse = edges.inverse();
     const std::array<Eigen::Vector3d, 4> gradients = {-inverse.rowwise().sum(), inverse.col(0),
                                                       inverse.col(1), inverse.col(2)};

@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <functional>
 
-#include "common/mesh.hpp"
+#include "common/mesh/mesh.hpp"
 
 namespace palpate::verification {
 
-/// A point of integration in an element, with the element's shape functions there. Written for verification
-/// alone, apart from the element kernels that it checks.
+/// A point of integration in an element, with the element's shape functions there. Written for
+/// verification alone, apart from the element kernels that it checks.
 struct IntegrationPoint {
   double weight;      ///< m^3
   Eigen::Vector3d X;  ///< metres, at rest
@@ -21,8 +21,8 @@ struct IntegrationPoint {
   std::array<double, 4> vertex_N;            ///< the linear shape functions of the first four nodes
 };
 
-/// Calls `visit` at the points of a rule of degree 7 in every tetrahedron (Gauss-Legendre, collapsed from the
-/// cube), in a fixed order.
+/// Calls `visit` at the points of a rule of degree 7 in every tetrahedron (Gauss-Legendre,
+/// collapsed from the cube), in a fixed order.
 void integrate(const Mesh& mesh, const std::function<void(const IntegrationPoint&)>& visit);
 
 }  // namespace palpate::verification

@@ -1,15 +1,15 @@
-// What a tool feels: minus the gradient of the stored energy, with a symmetric derivative, and the Lagrange
-// multiplier of the paper.
+// What a tool feels: minus the gradient of the stored energy, with a symmetric derivative, and the
+// Lagrange multiplier of the paper.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
-#include "common/box_mesh.hpp"
-#include "common/error.hpp"
-#include "worker/kernel_family.hpp"
-#include "worker/transition.hpp"
+#include "common/base/error.hpp"
+#include "worker/elements/kernel_family.hpp"
+#include "worker/solver/transition.hpp"
+#include "worker/verification/box_mesh.hpp"
 #include "worker/verification/case.hpp"
 #include "worker/verification/rig.hpp"
 
@@ -53,8 +53,8 @@ class Configurations {
   Start rest_;
 };
 
-/// The tissue's force with the tool's displacement an unknown a and a = p a constraint with a multiplier l:
-/// r_f = 0, r_a + l = 0, a - p = 0.
+/// The tissue's force with the tool's displacement an unknown a and a = p a constraint with a
+/// multiplier l: r_f = 0, r_a + l = 0, a - p = 0.
 Eigen::Vector3d multiplier(const System& system) {
   const int n = system.unknowns();
   State state = system.restState();
@@ -98,19 +98,18 @@ std::vector<Row> rows() {
     differences.col(i) = (up.force - down.force) / (2 * h);
   }
   const double force = here.force.norm(), stiffness = here.stiffness.norm();
-  return {{"force + gradient of the energy, relative", (here.force + gradient).norm() / force, 0, 1e-6},
-          {"differences of the force, asymmetry, relative",
-           (differences - differences.transpose()).norm() / stiffness, 0, 1e-6},
-          {"stiffness against these differences, relative", (here.stiffness - differences).norm() / stiffness,
-           0, 1e-6},
-          {"force against the multiplier, relative",
-           (here.force - multiplier(configurations.system())).norm() / force, 0, 1e-8}};
+  return {
+      {"force + gradient of the energy, relative", (here.force + gradient).norm() / force, 0, 1e-6},
+      {"differences of the force, asymmetry, relative",
+       (differences - differences.transpose()).norm() / stiffness, 0, 1e-6},
+      {"stiffness against these differences, relative",
+       (here.stiffness - differences).norm() / stiffness, 0, 1e-6},
+      {"force against the multiplier, relative",
+       (here.force - multiplier(configurations.system())).norm() / force, 0, 1e-8}};
 }
 
 }  // namespace
 
-std::vector<Case> reactionCases() {
-  return {{"force-and-stiffness", false, rows}};
-}
+std::vector<Case> reactionCases() { return {{"force-and-stiffness", false, rows}}; }
 
 }  // namespace palpate::verification

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "common/error.hpp"
-#include "worker/kernel_family.hpp"
+#include "common/base/error.hpp"
+#include "worker/elements/kernel_family.hpp"
 
 namespace palpate::verification {
 
@@ -133,7 +133,8 @@ State numbering(const System& system) {
   State zero = system.restState();
   std::fill(zero.u.begin(), zero.u.end(), 0.0);
   std::fill(zero.q.begin(), zero.q.end(), 0.0);
-  const Eigen::VectorXd numbers = Eigen::VectorXd::LinSpaced(system.unknowns(), 1, system.unknowns());
+  const Eigen::VectorXd numbers =
+      Eigen::VectorXd::LinSpaced(system.unknowns(), 1, system.unknowns());
   return system.moved(zero, numbers, 1, Eigen::Vector3d::Zero());
 }
 

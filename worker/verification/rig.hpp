@@ -5,10 +5,10 @@
 #include <string_view>
 #include <vector>
 
-#include "worker/body_model.hpp"
-#include "worker/newton.hpp"
-#include "worker/system.hpp"
-#include "worker/tangent_solver.hpp"
+#include "worker/solver/body_model.hpp"
+#include "worker/solver/newton.hpp"
+#include "worker/solver/system.hpp"
+#include "worker/solver/tangent_solver.hpp"
 
 /// Bodies for verification problems, and what holds, loads and measures them.
 namespace palpate::verification {
@@ -29,17 +29,17 @@ Material mooneyRivlin(double c10 = 1300, double c01 = 1280);  ///< the paper's c
 Material neoHookean(double mu);
 Material stVenantKirchhoff(double young, double poisson);
 
-/// A body of one material on a linear mesh, which gets its mid-edge nodes here when the displacement is P2.
-/// Nothing is held or loaded.
+/// A body of one material on a linear mesh, which gets its mid-edge nodes here when the
+/// displacement is P2. Nothing is held or loaded.
 BodyModel bodyOf(Mesh mesh, const Discretization& discretization, const Material& material);
 
-/// Holds the components of `axes` ("x", "yz", ...) of these nodes, or of a node group of the mesh, where the
-/// state has them.
+/// Holds the components of `axes` ("x", "yz", ...) of these nodes, or of a node group of the mesh,
+/// where the state has them.
 void hold(BodyModel& body, const std::vector<std::int32_t>& nodes, std::string_view axes);
 void hold(BodyModel& body, const std::string& group, std::string_view axes);
 
-/// Sorted nodes, the mid-edge ones too, in the plane where coordinate `axis` is `value` (to 1e-9 of the
-/// body's size).
+/// Sorted nodes, the mid-edge ones too, in the plane where coordinate `axis` is `value` (to 1e-9 of
+/// the body's size).
 std::vector<std::int32_t> nodesInPlane(const Mesh& mesh, int axis, double value);
 
 /// Displacement of a node in a state, metres.
@@ -58,39 +58,42 @@ class Rig {
   const System& system() const { return system_; }
   void setLoadFactor(double factor) { system_.setLoadFactor(factor); }
 
-  /// The equilibrium that Newton finds from `start`, which has the held components, and the tool if there is
-  /// one, where they are to be. What happened is in NewtonResult::cause.
+  /// The equilibrium that Newton finds from `start`, which has the held components, and the tool if
+  /// there is one, where they are to be. What happened is in NewtonResult::cause.
   NewtonResult seek(State start, const Eigen::Vector3d& tool = Eigen::Vector3d::Zero());
   /// The same; Error when it does not converge.
   NewtonResult equilibrium(State start, const Eigen::Vector3d& tool = Eigen::Vector3d::Zero());
 
-  /// The equilibrium from rest with the loads in `steps` equal parts, each from the one before. Error when
-  /// one of them does not converge.
+  /// The equilibrium from rest with the loads in `steps` equal parts, each from the one before.
+  /// Error when one of them does not converge.
   NewtonResult loadInSteps(int steps);
 
   /// MUMPS's count of negative eigenvalues of the tangent at `state`.
   std::int32_t negativeEigenvalues(const State& state);
 
-  NewtonOptions options = {
-      .max_iterations = 200, .max_factorizations = 60, .max_halvings = 12, .absolute_tolerance = 1e-12};
+  NewtonOptions options = {.max_iterations = 200,
+                           .max_factorizations = 60,
+                           .max_halvings = 12,
+                           .absolute_tolerance = 1e-12};
 
  private:
   System system_;
   TangentSolver solver_;
 };
 
-/// What must be exerted on each node to keep `body` in this state, whoever does it, supports or loads: the
-/// derivative of the stored energy. Zero to the tolerance where the body is free.
+/// What must be exerted on each node to keep `body` in this state, whoever does it, supports or
+/// loads: the derivative of the stored energy. Zero to the tolerance where the body is free.
 NodalForces nodalForces(const BodyModel& body, const State& state);
 
 /// Mean of the nominal stress P = F S over the body, Pa: sum over the nodes of f X^T / volume.
 Eigen::Matrix3d meanStress(const BodyModel& body, const State& state);
 
-/// Which unknown is which: number k stands, plus one, at the component of the state that is unknown k; zero
-/// at those that are none.
+/// Which unknown is which: number k stands, plus one, at the component of the state that is unknown
+/// k; zero at those that are none.
 State numbering(const System& system);
 
-/// Observed order of convergence: log2 of the ratio of two errors, the second with half the element size.
+/// Observed order of convergence: log2 of the ratio of two errors, the second with half the element
+/// size.
 double orderOf(double coarse_error, double fine_error);
 
 }  // namespace palpate::verification

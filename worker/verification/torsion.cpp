@@ -1,5 +1,5 @@
-// A cylinder whose ends turn against each other and keep their distance. The axial force that this takes
-// (Poynting's effect) tells C10 from C01, the torque does not (Rivlin 1949).
+// A cylinder whose ends turn against each other and keep their distance. The axial force that this
+// takes (Poynting's effect) tells C10 from C01, the torque does not (Rivlin 1949).
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -16,8 +16,9 @@ constexpr double radius = 0.01, length = 0.01, twist = 50;  ///< m, m, rad/m
 constexpr double c10 = 1300, c01 = 1280;
 constexpr double pi = std::numbers::pi;
 constexpr double R4 = radius * radius * radius * radius;
-constexpr double exact_torque = pi * (c10 + c01) * twist * R4;                  ///< N m
-constexpr double exact_axial = -pi * twist * twist * R4 * (c10 + 2 * c01) / 2;  ///< N, negative: it presses
+constexpr double exact_torque = pi * (c10 + c01) * twist * R4;  ///< N m
+constexpr double exact_axial =
+    -pi * twist * twist * R4 * (c10 + 2 * c01) / 2;  ///< N, negative: it presses
 
 struct Reaction {
   double torque, axial;  ///< on the end z = length
@@ -51,14 +52,14 @@ std::vector<Row> rowsOfMeshes(int n) {
   const Reaction coarse = twisted(n), fine = twisted(2 * n);
   const auto extrapolated = [](double a, double b) { return (4 * b - a) / 3; };
   const std::string meshes = fmt::format("P2/P1, n = {} to {}", n, 2 * n);
-  return {
-      {meshes + ": torque, order", orderOf(coarse.torque - exact_torque, fine.torque - exact_torque), 2, 0.1},
-      {meshes + ": torque, extrapolated", extrapolated(coarse.torque, fine.torque), exact_torque, 0.005,
-       "N m"},
-      {meshes + ": axial force, order", orderOf(coarse.axial - exact_axial, fine.axial - exact_axial), 2,
-       0.1},
-      {meshes + ": axial force, extrapolated", extrapolated(coarse.axial, fine.axial), exact_axial, 0.005,
-       "N"}};
+  return {{meshes + ": torque, order",
+           orderOf(coarse.torque - exact_torque, fine.torque - exact_torque), 2, 0.1},
+          {meshes + ": torque, extrapolated", extrapolated(coarse.torque, fine.torque),
+           exact_torque, 0.005, "N m"},
+          {meshes + ": axial force, order",
+           orderOf(coarse.axial - exact_axial, fine.axial - exact_axial), 2, 0.1},
+          {meshes + ": axial force, extrapolated", extrapolated(coarse.axial, fine.axial),
+           exact_axial, 0.005, "N"}};
 }
 
 }  // namespace

@@ -1,12 +1,13 @@
-/* Prints the structures and constants of palpate.h as this compiler lays them out, one per line; compared
- * with abi.txt. Compiled as strict C99: the header must be. */
+/* Prints the structures and constants of palpate.h as this compiler lays them out, one per line;
+ * compared with abi.txt. Compiled as strict C99: the header must be. */
 #include <stdio.h>
 
 #include "palpate.h"
 
 #define STRUCT(name) printf("struct %s %zu\n", #name, sizeof(name))
-#define MEMBER(name, member) \
-  printf("member %s.%s %zu %zu\n", #name, #member, offsetof(name, member), sizeof(((name*)0)->member))
+#define MEMBER(name, member)                                               \
+  printf("member %s.%s %zu %zu\n", #name, #member, offsetof(name, member), \
+         sizeof(((name*)0)->member))
 #define CONSTANT(name) printf("constant %s %ld\n", #name, (long)(name))
 
 static void printConstants(void) {

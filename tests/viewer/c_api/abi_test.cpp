@@ -18,9 +18,11 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 const std::string only_append =
-    "The ABI of libpalpate is recorded in tests/viewer/c_api/abi.txt. What is recorded there may not change: "
-    "append members at the end of a structure, add functions and constants, and record them; anything else "
-    "breaks programs that were compiled before, and needs a new PALPATE_ABI_VERSION and soname.";
+    "The ABI of libpalpate is recorded in tests/viewer/c_api/abi.txt. "
+    "What is recorded there may not change: append members at the end of a structure, "
+    "add functions and constants, and record them; "
+    "anything else breaks programs that were compiled before, "
+    "and needs a new PALPATE_ABI_VERSION and soname.";
 
 std::vector<std::string> linesOf(const std::string& text) {
   std::vector<std::string> lines;
@@ -100,7 +102,8 @@ TEST(Abi, SaysItsVersion) {
 
 TEST(Abi, HeaderIsStrictC99AndCxx) {
   const std::string header = "'" PALPATE_SOURCE_DIR "/viewer/c_api/palpate.h'";
-  const std::string strict = " -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -fsyntax-only ";
+  const std::string strict =
+      " -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -fsyntax-only ";
   run("cc -x c -std=c99" + strict + header);
   run("c++ -x c++ -std=c++11 -Wno-pragma-once-outside-header" + strict + header);
 }
@@ -109,9 +112,10 @@ TEST(Abi, NeedsNothingOfThePictureTheSchedulerOrTheSolver) {
   const std::string libraries = run("ldd " PALPATE_LIBRARY).output;
   EXPECT_THAT(libraries, HasSubstr("libc.so"));
   EXPECT_THAT(libraries, Not(HasSubstr("not found")));
-  EXPECT_THAT(libraries,
-              Not(ContainsRegex("libCoin|libglfw|libGL|imgui|libX11|libmpi|open-rte|open-pal|libmpich|"
-                                "mumps|libzmq|libsqlite|libprotobuf")));
+  EXPECT_THAT(
+      libraries,
+      Not(ContainsRegex(
+          "libCoin|libglfw|libGL|imgui|libX11|libmpi|open-rte|open-pal|libmpich|mumps|libzmq|libsqlite|libprotobuf")));
 }
 
 }  // namespace

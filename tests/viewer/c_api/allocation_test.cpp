@@ -33,8 +33,8 @@ TEST_F(RealTime, QueriesDoNotAllocateInsideOutsideAndForNan) {
   int failures = 0;
   const long before = test::allocationCount();
   for (int n = 0; n < ticks; ++n) {
-    const double p[3] = {n == 500 ? std::numeric_limits<double>::quiet_NaN() : 5e-5 * n - 0.025, 1e-5 * n,
-                         -0.002};
+    const double p[3] = {n == 500 ? std::numeric_limits<double>::quiet_NaN() : 5e-5 * n - 0.025,
+                         1e-5 * n, -0.002};
     for (int space = 0; space < 2; ++space)
       for (int method = 0; method < 2; ++method)
         failures += palpate_query(dataset_.get(), space, method, p, &sample) == PALPATE_OK ? 0 : 1;
@@ -53,11 +53,12 @@ TEST_F(RealTime, ContactsAndGuardsDoNotAllocate) {
   for (int n = 0; n < ticks; ++n) {
     const auto tool = test::pressing(dataset_.get(), n, ticks);
     failures += palpate_contact_update(contact.get(), tool.data(), 1, &touch) == PALPATE_OK ? 0 : 1;
+    failures += palpate_guard_limit(guard.get(), tool.data(), &touch, PALPATE_READING_FRESH,
+                                    &force) == PALPATE_OK
+                    ? 0
+                    : 1;
     failures +=
-        palpate_guard_limit(guard.get(), tool.data(), &touch, PALPATE_READING_FRESH, &force) == PALPATE_OK
-            ? 0
-            : 1;
-    failures += palpate_contact_use(contact.get(), dataset_.get(), n / 10 % 2) == PALPATE_OK ? 0 : 1;
+        palpate_contact_use(contact.get(), dataset_.get(), n / 10 % 2) == PALPATE_OK ? 0 : 1;
     touching += touch.touching;
   }
   EXPECT_EQ(test::allocationCount(), before);
@@ -66,12 +67,14 @@ TEST_F(RealTime, ContactsAndGuardsDoNotAllocate) {
 }
 
 TEST_F(RealTime, ShapesDoNotAllocate) {
-  std::vector<float> shape(3 * static_cast<std::size_t>(test::describe(dataset_.get()).vertex_count));
+  std::vector<float> shape(3 *
+                           static_cast<std::size_t>(test::describe(dataset_.get()).vertex_count));
   int failures = 0;
   const long before = test::allocationCount();
   for (int n = 0; n < ticks; ++n) {
     const double p[3] = {1e-5 * n, 0.001, 0};
-    failures += palpate_displacements(dataset_.get(), 1, p, shape.data(), shape.size(), nullptr) == PALPATE_OK
+    failures += palpate_displacements(dataset_.get(), 1, p, shape.data(), shape.size(), nullptr) ==
+                        PALPATE_OK
                     ? 0
                     : 1;
   }
@@ -100,9 +103,9 @@ TEST_F(RealTime, NoMemoryIsAStatus) {
   EXPECT_EQ(contact, nullptr);
   EXPECT_EQ(guard, nullptr);
   EXPECT_NE(std::string(palpate_last_error()).find("not enough memory"), std::string::npos);
-  // The last tenth of the allocations prepares force fields; those before are HDF5's too, which has words of
-  // its own for want of memory. Threads share the fields between them, so this one may have been granted what
-  // it needed.
+  // The last tenth of the allocations prepares force fields; those before are HDF5's too, which has
+  // words of its own for want of memory. Threads share the fields between them, so this one may
+  // have been granted what it needed.
   for (long granted = needed - 1; granted > needed * 9 / 10; granted -= needed / 40 + 1) {
     dataset = dataset_.get();
     palpate_status status = PALPATE_OK;

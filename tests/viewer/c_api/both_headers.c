@@ -1,4 +1,5 @@
-/* A plug-in may use the library too: both headers in one file, and what they call alike stays apart. */
+/* A plug-in may use the library too: both headers in one file, and what they call alike stays
+ * apart. */
 #include <palpate.h>
 #include <palpate_device.h>
 
@@ -10,5 +11,6 @@ typedef struct {
 
 size_t bytesOfBoth(palpate_device* device, uint32_t flags);
 size_t bytesOfBoth(palpate_device* device, uint32_t flags) {
-  return device != NULL && flags == PALPATE_READING_LOST ? (size_t)PALPATE_DEVICE_LOST : sizeof(both);
+  return device != NULL && flags == PALPATE_READING_LOST ? (size_t)PALPATE_DEVICE_LOST
+                                                         : sizeof(both);
 }

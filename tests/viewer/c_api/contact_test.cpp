@@ -27,13 +27,15 @@ class CContact : public ::testing::Test {
  protected:
   palpate_touch update(palpate_contact* contact, const std::array<double, 3>& tool, int hold = 1) {
     auto touch = test::sized<palpate_touch>();
-    EXPECT_EQ(palpate_contact_update(contact, tool.data(), hold, &touch), PALPATE_OK) << palpate_last_error();
+    EXPECT_EQ(palpate_contact_update(contact, tool.data(), hold, &touch), PALPATE_OK)
+        << palpate_last_error();
     return touch;
   }
   /// The state after `ticks` of pressing.
   palpate_touch pressed(palpate_contact* contact, int ticks_done = ticks / 2) {
     palpate_touch touch{};
-    for (int n = 0; n <= ticks_done; ++n) touch = update(contact, test::pressing(dataset_.get(), n, ticks));
+    for (int n = 0; n <= ticks_done; ++n)
+      touch = update(contact, test::pressing(dataset_.get(), n, ticks));
     return touch;
   }
 
@@ -118,7 +120,8 @@ TEST_F(CContact, SwitchesDatasetAndMethodWhileTouching) {
   const palpate_touch before = pressed(contact.get());
   ASSERT_EQ(before.touching, 1);
   ASSERT_EQ(palpate_contact_use(contact.get(), second.get(), 1), PALPATE_OK);
-  const palpate_touch after = update(contact.get(), test::pressing(dataset_.get(), ticks / 2, ticks));
+  const palpate_touch after =
+      update(contact.get(), test::pressing(dataset_.get(), ticks / 2, ticks));
   EXPECT_EQ(after.touching, 1);
   EXPECT_TRUE(std::isnan(after.energy));  // tri-linear has none
   EXPECT_FALSE(std::isnan(before.energy));
@@ -143,7 +146,8 @@ TEST_F(CContact, DeformsTheSurfaceSoThatTheAnchorMeetsTheTool) {
   const palpate_touch touch = pressed(contact.get());
   const HapticModel model{Dataset(file_.path())};
   std::vector<float> shape(3 * model.surface().vertices().size(), 7), expected(shape.size());
-  ASSERT_EQ(palpate_touch_displacements(dataset_.get(), &touch, shape.data(), shape.size()), PALPATE_OK)
+  ASSERT_EQ(palpate_touch_displacements(dataset_.get(), &touch, shape.data(), shape.size()),
+            PALPATE_OK)
       << palpate_last_error();
 
   Contact reference(model);
@@ -156,13 +160,15 @@ TEST_F(CContact, DeformsTheSurfaceSoThatTheAnchorMeetsTheTool) {
 
   palpate_touch free = touch;
   free.touching = 0;
-  ASSERT_EQ(palpate_touch_displacements(dataset_.get(), &free, shape.data(), shape.size()), PALPATE_OK);
+  ASSERT_EQ(palpate_touch_displacements(dataset_.get(), &free, shape.data(), shape.size()),
+            PALPATE_OK);
   EXPECT_THAT(shape, Each(0.0F));
 }
 
 TEST_F(CContact, RefusesTouchesThatAreNone) {
   palpate_touch touch{};
-  std::vector<float> shape(3 * static_cast<std::size_t>(test::describe(dataset_.get()).vertex_count));
+  std::vector<float> shape(3 *
+                           static_cast<std::size_t>(test::describe(dataset_.get()).vertex_count));
   EXPECT_INVALID(palpate_touch_displacements(dataset_.get(), &touch, shape.data(), shape.size()),
                  "touch->size is 0");
   touch.size = sizeof touch;
@@ -179,7 +185,8 @@ TEST_F(CContact, RefusesTouchesThatAreNone) {
   EXPECT_INVALID(palpate_touch_displacements(dataset_.get(), &touch, shape.data(), shape.size()),
                  "no space 2");
   touch.share_spaces[0] = 0;
-  EXPECT_INVALID(palpate_touch_displacements(dataset_.get(), &touch, shape.data(), 3), "holds 3 numbers");
+  EXPECT_INVALID(palpate_touch_displacements(dataset_.get(), &touch, shape.data(), 3),
+                 "holds 3 numbers");
 }
 
 TEST_F(CContact, RefusesOptionsThatMakeNoSense) {
@@ -197,9 +204,11 @@ TEST_F(CContact, RefusesOptionsThatMakeNoSense) {
   EXPECT_THAT(complaint([](auto& o) { o.mode = 2; }), HasSubstr("mode is 2"));
   EXPECT_THAT(complaint([](auto& o) { o.method = 2; }), HasSubstr("no method 2"));
   EXPECT_THAT(complaint([](auto& o) { o.friction = -0.1; }), HasSubstr("friction is -0.1"));
-  EXPECT_THAT(complaint([](auto& o) { o.grab_distance = nan_value; }), HasSubstr("grab_distance is nan"));
+  EXPECT_THAT(complaint([](auto& o) { o.grab_distance = nan_value; }),
+              HasSubstr("grab_distance is nan"));
   EXPECT_THAT(complaint([](auto& o) { o.most_slide = 0; }), HasSubstr("most_slide is 0"));
-  EXPECT_THAT(complaint([](auto& o) { o.most_relaxation = -1; }), HasSubstr("most_relaxation is -1"));
+  EXPECT_THAT(complaint([](auto& o) { o.most_relaxation = -1; }),
+              HasSubstr("most_relaxation is -1"));
 
   auto touch = test::sized<palpate_touch>();
   const double tool[3] = {0, 0, 0};

@@ -4,7 +4,8 @@
 #include <cerrno>
 #include <cstddef>
 
-// Definitions in the program take the place of those of the C library for every library that is loaded.
+// Definitions in the program take the place of those of the C library for every library that is
+// loaded.
 
 namespace {
 std::atomic<long> allocations = 0;
@@ -25,26 +26,18 @@ thread_local long granted_to_thread = unlimited;
 
 namespace palpate::test {
 
-MemoryShortage::MemoryShortage(long granted) {
-  granted_to_thread = granted;
-}
-MemoryShortage::~MemoryShortage() {
-  granted_to_thread = unlimited;
-}
+MemoryShortage::MemoryShortage(long granted) { granted_to_thread = granted; }
+MemoryShortage::~MemoryShortage() { granted_to_thread = unlimited; }
 
 }  // namespace palpate::test
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 
-long palpate::test::allocationCount() {
-  return -1;
-}
+long palpate::test::allocationCount() { return -1; }
 
 #else
 
-long palpate::test::allocationCount() {
-  return allocations;
-}
+long palpate::test::allocationCount() { return allocations; }
 
 extern "C" {
 void* __libc_malloc(std::size_t size);                           // NOLINT: glibc's names
@@ -52,9 +45,7 @@ void* __libc_calloc(std::size_t count, std::size_t size);        // NOLINT
 void* __libc_realloc(void* memory, std::size_t size);            // NOLINT
 void* __libc_memalign(std::size_t alignment, std::size_t size);  // NOLINT
 
-void* malloc(std::size_t size) noexcept {
-  return grant() ? __libc_malloc(size) : nullptr;
-}
+void* malloc(std::size_t size) noexcept { return grant() ? __libc_malloc(size) : nullptr; }
 void* calloc(std::size_t count, std::size_t size) noexcept {
   return grant() ? __libc_calloc(count, size) : nullptr;
 }

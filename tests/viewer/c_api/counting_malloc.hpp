@@ -2,8 +2,9 @@
 
 namespace palpate::test {
 
-/// Calls of malloc, calloc, realloc and the aligned kinds in this process so far, by any library and thread.
-/// Negative where they cannot be counted (under a sanitizer, which has allocators of its own).
+/// Calls of malloc, calloc, realloc and the aligned kinds in this process so far, by any library
+/// and thread. Negative where they cannot be counted (under a sanitizer, which has allocators of
+/// its own).
 long allocationCount();
 
 /// While it lives, all allocations of this thread fail but the first `granted`.

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "tests/viewer/c_api/sample_file.hpp"
-#include "viewer/force_field.hpp"
+#include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
 namespace {
@@ -27,7 +27,8 @@ class CDataset : public ::testing::Test {
  protected:
   palpate_sample query(int space, int method, const std::array<double, 3>& displacement) {
     auto sample = test::sized<palpate_sample>();
-    EXPECT_EQ(palpate_query(dataset_.get(), space, method, displacement.data(), &sample), PALPATE_OK)
+    EXPECT_EQ(palpate_query(dataset_.get(), space, method, displacement.data(), &sample),
+              PALPATE_OK)
         << palpate_last_error();
     return sample;
   }
@@ -90,7 +91,8 @@ TEST_F(CDataset, CopiesItsSurface) {
       EXPECT_EQ(nodes[static_cast<std::size_t>(corners[3 * t + i])], triangles[t][i]);
 
   std::vector<std::uint8_t> touchable(triangles.size(), 9);
-  ASSERT_EQ(palpate_dataset_touchable(dataset_.get(), touchable.data(), touchable.size()), PALPATE_OK);
+  ASSERT_EQ(palpate_dataset_touchable(dataset_.get(), touchable.data(), touchable.size()),
+            PALPATE_OK);
   EXPECT_THAT(touchable, Each(::testing::Le(1)));
   EXPECT_THAT(touchable, ::testing::Contains(1));
 }
@@ -107,7 +109,8 @@ TEST_F(CDataset, AnswersAsTheForceFieldDoesToTheLastBit) {
         const ForceSample expected = field->evaluate({p[0], p[1], p[2]});
         const palpate_sample sample = query(static_cast<int>(space), static_cast<int>(method), p);
         for (int i = 0; i < 3; ++i) EXPECT_EQ(sample.force[i], expected.force[i]);
-        for (int i = 0; i < 9; ++i) EXPECT_EQ(sample.stiffness[i], expected.stiffness(i / 3, i % 3));
+        for (int i = 0; i < 9; ++i)
+          EXPECT_EQ(sample.stiffness[i], expected.stiffness(i / 3, i % 3));
         EXPECT_THAT(sample.energy, NanSensitiveDoubleEq(expected.energy));
         EXPECT_THAT(sample.error_bound, NanSensitiveDoubleEq(expected.error_bound));
         EXPECT_EQ(sample.coverage, expected.coverage);
@@ -124,7 +127,9 @@ TEST_F(CDataset, AnswersAfterItsFileIsGone) {
 
 TEST_F(CDataset, GivesFourThreadsTheSameAnswers) {
   constexpr int count = 2000;
-  const auto place = [](int n) { return std::array<double, 3>{1e-5 * n - 0.01, 5e-6 * n, -3e-6 * n}; };
+  const auto place = [](int n) {
+    return std::array<double, 3>{1e-5 * n - 0.01, 5e-6 * n, -3e-6 * n};
+  };
   std::vector<palpate_sample> expected;
   for (int n = 0; n < count; ++n) expected.push_back(query(n % 2, n / 2 % 2, place(n)));
 
@@ -138,7 +143,9 @@ TEST_F(CDataset, GivesFourThreadsTheSameAnswers) {
         const palpate_status status =
             palpate_query(dataset_.get(), n % 2, n / 2 % 2, place(n).data(), &sample);
         differences +=
-            status == PALPATE_OK && test::sameBits(sample, expected[static_cast<std::size_t>(n)]) ? 0 : 1;
+            status == PALPATE_OK && test::sameBits(sample, expected[static_cast<std::size_t>(n)])
+                ? 0
+                : 1;
       }
       different[t] = differences;
     });
@@ -159,14 +166,17 @@ TEST_F(CDataset, AnswersNanWithoutForceAndWithoutAnError) {
   for (const int method : {0, 1}) {
     const palpate_sample sample = query(0, method, {nan_value, 0.001, 0});
     EXPECT_THAT(sample.force, Each(0.0));
-    EXPECT_THAT(sample.stiffness, Each(::testing::Truly([](double k) { return std::isfinite(k); })));
+    EXPECT_THAT(sample.stiffness,
+                Each(::testing::Truly([](double k) { return std::isfinite(k); })));
     EXPECT_EQ(sample.inside, 0);
   }
-  std::vector<float> shape(3 * static_cast<std::size_t>(test::describe(dataset_.get()).vertex_count), 5);
+  std::vector<float> shape(
+      3 * static_cast<std::size_t>(test::describe(dataset_.get()).vertex_count), 5);
   const double displacement[3] = {0, nan_value, 0};
   std::int32_t inside = 1;
-  ASSERT_EQ(palpate_displacements(dataset_.get(), 0, displacement, shape.data(), shape.size(), &inside),
-            PALPATE_OK);
+  ASSERT_EQ(
+      palpate_displacements(dataset_.get(), 0, displacement, shape.data(), shape.size(), &inside),
+      PALPATE_OK);
   EXPECT_EQ(inside, 0);
   EXPECT_THAT(shape, Each(0.0F));
 }
@@ -179,7 +189,8 @@ TEST_F(CDataset, GivesTheShapeOfASolvedPoint) {
   std::vector<float> shape(row);
   const Eigen::Vector3d p = space.lattice.displacement(4);
   std::int32_t inside = 0;
-  ASSERT_EQ(palpate_displacements(dataset_.get(), 1, p.data(), shape.data(), row, &inside), PALPATE_OK);
+  ASSERT_EQ(palpate_displacements(dataset_.get(), 1, p.data(), shape.data(), row, &inside),
+            PALPATE_OK);
   EXPECT_EQ(inside, 1);
   for (std::size_t i = 0; i < row; ++i) EXPECT_NEAR(shape[i], solved[4 * row + i], 1e-8);
 }
@@ -194,8 +205,10 @@ TEST_F(CDataset, PreparesTheMethodsThatAreAskedFor) {
   std::int32_t method = -1;
   ASSERT_EQ(palpate_dataset_find_method(dataset.get(), "potential", &method), PALPATE_OK);
   EXPECT_EQ(method, 1);
-  EXPECT_EQ(palpate_dataset_find_method(dataset.get(), "trilinear", &method), PALPATE_INVALID_ARGUMENT);
-  EXPECT_THAT(palpate_last_error(), AllOf(HasSubstr("trilinear"), HasSubstr("tricubic, potential")));
+  EXPECT_EQ(palpate_dataset_find_method(dataset.get(), "trilinear", &method),
+            PALPATE_INVALID_ARGUMENT);
+  EXPECT_THAT(palpate_last_error(),
+              AllOf(HasSubstr("trilinear"), HasSubstr("tricubic, potential")));
   EXPECT_EQ(method, 1);
 }
 
@@ -270,7 +283,8 @@ TEST_F(CDataset, RefusesNullPointers) {
   EXPECT_INVALID(palpate_query(dataset_.get(), 0, 0, nullptr, &sample), "displacement is NULL");
   EXPECT_INVALID(palpate_query(dataset_.get(), 0, 0, p, nullptr), "sample is NULL");
   EXPECT_INVALID(palpate_displacements(nullptr, 0, p, shape, 3, nullptr), "dataset is NULL");
-  EXPECT_INVALID(palpate_displacements(dataset_.get(), 0, p, nullptr, 3, nullptr), "displacements is NULL");
+  EXPECT_INVALID(palpate_displacements(dataset_.get(), 0, p, nullptr, 3, nullptr),
+                 "displacements is NULL");
   EXPECT_INVALID(palpate_dataset_vertices(dataset_.get(), nullptr, 3), "vertices is NULL");
   palpate_dataset_close(nullptr);
 }
@@ -280,7 +294,8 @@ TEST_F(CDataset, RefusesNumbersThatNameNothing) {
   auto sample = test::sized<palpate_sample>();
   auto space = test::sized<palpate_space_info>();
   sample.force[0] = 42;
-  EXPECT_INVALID(palpate_query(dataset_.get(), 2, 0, p, &sample), "no space 2; they are numbered 0 to 1");
+  EXPECT_INVALID(palpate_query(dataset_.get(), 2, 0, p, &sample),
+                 "no space 2; they are numbered 0 to 1");
   EXPECT_INVALID(palpate_query(dataset_.get(), -1, 0, p, &sample), "no space -1");
   EXPECT_INVALID(palpate_query(dataset_.get(), 0, 2, p, &sample), "no method 2");
   EXPECT_EQ(sample.force[0], 42);

@@ -17,9 +17,7 @@ using ::testing::HasSubstr;
 
 constexpr const char* examples = PALPATE_SOURCE_DIR "/deploy/examples";
 
-std::string shellWord(const std::filesystem::path& path) {
-  return "'" + path.string() + "'";
-}
+std::string shellWord(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
 
 std::string run(const std::string& command) {
   const test::CommandResult result = test::runCommand(command);
@@ -27,8 +25,8 @@ std::string run(const std::string& command) {
   return result.output;
 }
 
-/// The sample as a body that pushes back equally in all directions: its "tip" is a corner, from which a tool
-/// slides off, and the sample's own body is soft to one side there.
+/// The sample as a body that pushes back equally in all directions: its "tip" is a corner, from
+/// which a tool slides off, and the sample's own body is soft to one side there.
 test::SampleDataset springs() {
   constexpr double stiffness = 50;  // N/m
   test::SampleDataset sample;
@@ -44,8 +42,8 @@ test::SampleDataset springs() {
   return sample;
 }
 
-/// The examples as a simulator's developer meets them: libpalpate is installed somewhere, the sources are not
-/// there.
+/// The examples as a simulator's developer meets them: libpalpate is installed somewhere, the
+/// sources are not there.
 class Examples : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -79,15 +77,17 @@ class Examples : public ::testing::Test {
     std::istringstream words(line);
     std::string word, name, force;
     std::array<std::string, 3> displacement, forces;
-    words >> word >> name >> displacement[0] >> displacement[1] >> displacement[2] >> force >> forces[0] >>
-        forces[1] >> forces[2];
+    words >> word >> name >> displacement[0] >> displacement[1] >> displacement[2] >> force >>
+        forces[0] >> forces[1] >> forces[2];
     ASSERT_EQ(force, "force") << output;
-    const auto answer = nlohmann::json::parse(
-        run(PALPATE_BIN_DIR "/palpate query " + shellWord(sample_->path()) + " --json --active " + name +
-            " --displacement " + displacement[0] + " " + displacement[1] + " " + displacement[2]));
+    const auto answer =
+        nlohmann::json::parse(run(PALPATE_BIN_DIR "/palpate query " + shellWord(sample_->path()) +
+                                  " --json --active " + name + " --displacement " +
+                                  displacement[0] + " " + displacement[1] + " " + displacement[2]));
     for (std::size_t i = 0; i < 3; ++i) {
       EXPECT_EQ(std::strtod(forces[i].c_str(), nullptr), answer["force"][i].get<double>()) << line;
-      EXPECT_EQ(std::strtod(displacement[i].c_str(), nullptr), answer["displacement"][i].get<double>());
+      EXPECT_EQ(std::strtod(displacement[i].c_str(), nullptr),
+                answer["displacement"][i].get<double>());
     }
     EXPECT_NE(answer["force"][0].get<double>(), 0);
   }
@@ -100,17 +100,20 @@ class Examples : public ::testing::Test {
 test::TemporaryDirectory* Examples::prefix_ = nullptr;
 
 TEST_F(Examples, InCBuildsWithPkgConfig) {
-  const std::string config = "PKG_CONFIG_PATH=" + shellWord(package_.parent_path()) + " pkg-config ";
+  const std::string config =
+      "PKG_CONFIG_PATH=" + shellWord(package_.parent_path()) + " pkg-config ";
   EXPECT_THAT(run(config + "--modversion palpate"), HasSubstr(PALPATE_PROJECT_VERSION));
-  run("cc -std=c99 -Wall -Wextra -Wpedantic -Werror " + shellWord(std::string(examples) + "/c/touch.c") +
-      " -o " + shellWord(build_ / "touch") + " $(" + config + "--cflags --libs palpate) -lm");
+  run("cc -std=c99 -Wall -Wextra -Wpedantic -Werror " +
+      shellWord(std::string(examples) + "/c/touch.c") + " -o " + shellWord(build_ / "touch") +
+      " $(" + config + "--cflags --libs palpate) -lm");
   expectForces(run("LD_LIBRARY_PATH=" + shellWord(library_.parent_path()) + " " +
                    shellWord(build_ / "touch") + " " + shellWord(sample_->path())));
 }
 
 TEST_F(Examples, InCBuildsWithCMake) {
   run("cmake -S " + shellWord(std::string(examples) + "/c") + " -B " + shellWord(build_.path()) +
-      " -DCMAKE_PREFIX_PATH=" + shellWord(prefix_->path()) + " && cmake --build " + shellWord(build_.path()));
+      " -DCMAKE_PREFIX_PATH=" + shellWord(prefix_->path()) + " && cmake --build " +
+      shellWord(build_.path()));
   expectForces(run(shellWord(build_ / "touch") + " " + shellWord(sample_->path()) + " 4"));
 }
 
@@ -128,22 +131,23 @@ TEST_F(Examples, InCSaysWhatIsWrongWithAFile) {
 TEST_F(Examples, InPythonRuns) {
   const std::string python =
       "PALPATE_LIBRARY=" + shellWord(library_) +
-      " PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=" + shellWord(std::string(examples) + "/python") + " python3 ";
-  expectForces(
-      run(python + shellWord(std::string(examples) + "/python/touch.py") + " " + shellWord(sample_->path())));
+      " PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=" + shellWord(std::string(examples) + "/python") +
+      " python3 ";
+  expectForces(run(python + shellWord(std::string(examples) + "/python/touch.py") + " " +
+                   shellWord(sample_->path())));
 
-  const std::string structures =
-      run(python +
-          "-c 'import palpate\n"
-          "for n, c in sorted(vars(palpate).items()):\n"
-          "  if isinstance(c, type) and issubclass(c, palpate._Sized) and c is not palpate._Sized:\n"
-          "    print(n, palpate.ctypes.sizeof(c))'");
+  const std::string structures = run(
+      python +
+      "-c 'import palpate\n"
+      "for n, c in sorted(vars(palpate).items()):\n"
+      "  if isinstance(c, type) and issubclass(c, palpate._Sized) and c is not palpate._Sized:\n"
+      "    print(n, palpate.ctypes.sizeof(c))'");
   EXPECT_EQ(structures, "ContactOptions " + std::to_string(sizeof(palpate_contact_options)) +
                             "\nDatasetInfo " + std::to_string(sizeof(palpate_dataset_info)) +
                             "\nGuardOptions " + std::to_string(sizeof(palpate_guard_options)) +
                             "\nGuardedForce " + std::to_string(sizeof(palpate_guarded_force)) +
-                            "\nOpenOptions " + std::to_string(sizeof(palpate_open_options)) + "\nProfile " +
-                            std::to_string(sizeof(palpate_profile)) + "\nSample " +
+                            "\nOpenOptions " + std::to_string(sizeof(palpate_open_options)) +
+                            "\nProfile " + std::to_string(sizeof(palpate_profile)) + "\nSample " +
                             std::to_string(sizeof(palpate_sample)) + "\nSpaceInfo " +
                             std::to_string(sizeof(palpate_space_info)) + "\nTouch " +
                             std::to_string(sizeof(palpate_touch)) + "\n");

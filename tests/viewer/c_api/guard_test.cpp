@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/device_profile.hpp"
+#include "common/scene/device_profile.hpp"
 #include "tests/viewer/c_api/sample_file.hpp"
 #include "viewer/haptics/force_guard.hpp"
 
@@ -32,7 +32,8 @@ palpate_guarded_force limit(palpate_guard* guard, const palpate_touch& touch,
                             std::uint32_t flags = PALPATE_READING_FRESH) {
   const double tool[3] = {0, 0, 0};
   auto force = test::sized<palpate_guarded_force>();
-  EXPECT_EQ(palpate_guard_limit(guard, tool, &touch, flags, &force), PALPATE_OK) << palpate_last_error();
+  EXPECT_EQ(palpate_guard_limit(guard, tool, &touch, flags, &force), PALPATE_OK)
+      << palpate_last_error();
   return force;
 }
 
@@ -141,7 +142,8 @@ TEST(CGuard, BeginsFromZeroAfterACallThatWasRefused) {
   const auto refuse = [&](const double* where, const palpate_touch* what, std::uint32_t flags,
                           palpate_guarded_force* guarded) {
     ASSERT_NEAR(settled(guard.get(), 2).force[0], 2, 1e-9);
-    EXPECT_EQ(palpate_guard_limit(guard.get(), where, what, flags, guarded), PALPATE_INVALID_ARGUMENT);
+    EXPECT_EQ(palpate_guard_limit(guard.get(), where, what, flags, guarded),
+              PALPATE_INVALID_ARGUMENT);
     const palpate_guarded_force next = limit(guard.get(), touch);
     EXPECT_LT(next.force[0], 0.05);
     EXPECT_TRUE(next.guards & PALPATE_GUARD_RAMPED);
@@ -196,13 +198,15 @@ TEST(CGuard, RefusesOptionsThatMakeNoSense) {
     return std::string(palpate_last_error());
   };
   EXPECT_THAT(complaint(&palpate_guard_options::period, 0), HasSubstr("period is 0"));
-  EXPECT_THAT(complaint(&palpate_guard_options::max_force, nan_value), HasSubstr("max_force is nan"));
+  EXPECT_THAT(complaint(&palpate_guard_options::max_force, nan_value),
+              HasSubstr("max_force is nan"));
   EXPECT_THAT(complaint(&palpate_guard_options::max_slew, std::numeric_limits<double>::infinity()),
               HasSubstr("max_slew is inf"));
   EXPECT_THAT(complaint(&palpate_guard_options::ramp, -1), HasSubstr("ramp is -1"));
   EXPECT_THAT(complaint(&palpate_guard_options::stall, 0), HasSubstr("stall is 0"));
   EXPECT_THAT(complaint(&palpate_guard_options::max_stiffness, 0), HasSubstr("max_stiffness is 0"));
-  EXPECT_THAT(complaint(&palpate_guard_options::energy_credit, -1), HasSubstr("energy_credit is -1"));
+  EXPECT_THAT(complaint(&palpate_guard_options::energy_credit, -1),
+              HasSubstr("energy_credit is -1"));
   EXPECT_INVALID(palpate_guard_create(nullptr, nullptr), "guard is NULL");
 }
 

@@ -30,9 +30,11 @@ struct CloseDataset {
 };
 using DatasetHandle = std::unique_ptr<palpate_dataset, CloseDataset>;
 
-inline DatasetHandle open(const std::filesystem::path& file, const palpate_open_options* options = nullptr) {
+inline DatasetHandle open(const std::filesystem::path& file,
+                          const palpate_open_options* options = nullptr) {
   palpate_dataset* dataset = nullptr;
-  EXPECT_EQ(palpate_dataset_open(file.c_str(), options, &dataset), PALPATE_OK) << palpate_last_error();
+  EXPECT_EQ(palpate_dataset_open(file.c_str(), options, &dataset), PALPATE_OK)
+      << palpate_last_error();
   return DatasetHandle(dataset);
 }
 
@@ -80,8 +82,8 @@ inline palpate_dataset_info describe(const palpate_dataset* dataset) {
   return info;
 }
 
-/// A tick of a tool that comes from +x, sinks into the cube beside its corner "tip", slides a little and
-/// goes: tick in 0..count-1.
+/// A tick of a tool that comes from +x, sinks into the cube beside its corner "tip", slides a
+/// little and goes: tick in 0..count-1.
 inline std::array<double, 3> pressing(const palpate_dataset* dataset, int tick, int count) {
   auto tip = sized<palpate_space_info>();
   EXPECT_EQ(palpate_dataset_space(dataset, 0, &tip), PALPATE_OK);

@@ -21,7 +21,8 @@ static int32_t enumerate(uint32_t index, char* id, size_t capacity) {
   return PALPATE_DEVICE_OK;
 }
 
-static palpate_device* open_device(const char* id, const char* options, char* error, size_t capacity) {
+static palpate_device* open_device(const char* id, const char* options, char* error,
+                                   size_t capacity) {
   (void)id, (void)options, (void)error, (void)capacity;
   return &the_device;
 }
@@ -37,8 +38,8 @@ static int32_t limits(palpate_device* device, palpate_device_limits* limits) {
 }
 
 #ifdef HANGS_PRESSING
-/* Once started comes from above a cube of 100 mm, presses 4 mm deep, and never answers again until it is
- * released. */
+/* Once started comes from above a cube of 100 mm, presses 4 mm deep, and never answers again until
+ * it is released. */
 static int32_t read_state(palpate_device* device, palpate_device_state* state) {
   const struct timespec moment = {0, 1000000};
   const int depth = 400, read = atomic_fetch_add(&device->reads, atomic_load(&device->started));
@@ -74,42 +75,26 @@ static void halt(palpate_device* device, int32_t halted) {
 
 /* What the hand feels, N, and what a test wants to know besides. */
 PALPATE_DEVICE_EXPORT double broken_device_force(void);
-double broken_device_force(void) {
-  return atomic_load(&the_device.halted) ? 0 : the_device.force;
-}
+double broken_device_force(void) { return atomic_load(&the_device.halted) ? 0 : the_device.force; }
 PALPATE_DEVICE_EXPORT double broken_device_force_at_hang(void);
-double broken_device_force_at_hang(void) {
-  return the_device.force_at_hang;
-}
+double broken_device_force_at_hang(void) { return the_device.force_at_hang; }
 PALPATE_DEVICE_EXPORT double broken_device_longest_resumed(void);
-double broken_device_longest_resumed(void) {
-  return the_device.longest_resumed;
-}
+double broken_device_longest_resumed(void) { return the_device.longest_resumed; }
 PALPATE_DEVICE_EXPORT int broken_device_hangs(void);
-int broken_device_hangs(void) {
-  return atomic_load(&the_device.hanging);
-}
+int broken_device_hangs(void) { return atomic_load(&the_device.hanging); }
 PALPATE_DEVICE_EXPORT int broken_device_is_halted(void);
-int broken_device_is_halted(void) {
-  return atomic_load(&the_device.halted);
-}
+int broken_device_is_halted(void) { return atomic_load(&the_device.halted); }
 PALPATE_DEVICE_EXPORT void broken_device_start(void);
-void broken_device_start(void) {
-  atomic_store(&the_device.started, 1);
-}
+void broken_device_start(void) { atomic_store(&the_device.started, 1); }
 PALPATE_DEVICE_EXPORT void broken_device_release(void);
-void broken_device_release(void) {
-  atomic_store(&the_device.released, 1);
-}
+void broken_device_release(void) { atomic_store(&the_device.released, 1); }
 
 static const char* last_error(palpate_device* device) {
   (void)device;
   return "the cable is out";
 }
 
-static void close_device(palpate_device* device) {
-  (void)device;
-}
+static void close_device(palpate_device* device) { (void)device; }
 
 static const palpate_device_plugin plugin = {
 #ifdef SHORT_TABLE
@@ -138,11 +123,7 @@ static const palpate_device_plugin plugin = {
 
 #ifdef NO_ENTRY
 PALPATE_DEVICE_EXPORT const palpate_device_plugin* another_function(void);
-const palpate_device_plugin* another_function(void) {
-  return &plugin;
-}
+const palpate_device_plugin* another_function(void) { return &plugin; }
 #else
-const palpate_device_plugin* palpate_device_plugin_v1(void) {
-  return &plugin;
-}
+const palpate_device_plugin* palpate_device_plugin_v1(void) { return &plugin; }
 #endif

@@ -68,7 +68,8 @@ TEST_F(DeviceChoice, TheDefaultPathPressesEachActiveNodeButNeverHarderThanAsked)
   }
 }
 
-/// Vertices of the ring around it may belong to its space alone too; there a hand would miss the rim.
+/// Vertices of the ring around it may belong to its space alone too; there a hand would miss the
+/// rim.
 TEST_F(DeviceChoice, TheDefaultPathComesDownOnTheActiveNodesThemselves) {
   const HandPath path = touchPath(model());
   for (std::size_t s = 0; s < model().spaces().size(); ++s) {
@@ -77,7 +78,8 @@ TEST_F(DeviceChoice, TheDefaultPathComesDownOnTheActiveNodesThemselves) {
     const auto meets = [&](const HandWaypoint& waypoint) {
       return (waypoint.position - node).norm() < 1e-12;
     };
-    EXPECT_TRUE(std::any_of(path.waypoints().begin(), path.waypoints().end(), meets)) << "space " << s;
+    EXPECT_TRUE(std::any_of(path.waypoints().begin(), path.waypoints().end(), meets))
+        << "space " << s;
   }
 }
 
@@ -92,16 +94,18 @@ TEST_F(DeviceChoice, OpensEachKindByItsWord) {
   EXPECT_EQ(openDevice("virtual:" + (directory / "hand.txt").string(), {})->name(), "virtual hand");
   EXPECT_EQ(openDevice("mouse", context())->name(), "mouse");
   EXPECT_THAT(openDevice("haply:049D", {})->name(), HasSubstr("049D"));
-  EXPECT_THAT(openDevice(std::string("plugin:") + CIRCLE_DEVICE + ":circle:radius=0.01", {})->name(),
-              HasSubstr("circle"));
+  EXPECT_THAT(
+      openDevice(std::string("plugin:") + CIRCLE_DEVICE + ":circle:radius=0.01", {})->name(),
+      HasSubstr("circle"));
   test::TrayDevice tray;
   const DeviceServer server(tray, {"tcp://127.0.0.1:*"});
   EXPECT_THAT(openDevice(server.endpoint(), {})->name(), HasSubstr("tray"));
 }
 
 TEST(DeviceWord, UnknownOnesAreRefusedWithAListAndTheNearest) {
-  expectBadInput([] { openDevice("virtal", {}); },
-                 {"virtal", "did you mean virtual?", "replay:FILE", "tcp://HOST:PORT", "plugin:LIB.so"});
+  expectBadInput(
+      [] { openDevice("virtal", {}); },
+      {"virtal", "did you mean virtual?", "replay:FILE", "tcp://HOST:PORT", "plugin:LIB.so"});
   expectBadInput([] { openDevice("", {}); }, {"there is no such device"});
   expectBadInput([] { openDevice("mouse:3", {}); }, {"mouse:3"});
 }
@@ -126,8 +130,8 @@ TEST(DeviceCommand, LendsADeviceUntilItIsInterrupted) {
   const std::string log = (directory / "log").string();
   // In the background of a shell SIGINT is ignored; SIGTERM means the same.
   const auto result = test::runCommand(
-      PALPATE_BIN_DIR "/palpate-viewer device --listen 'tcp://127.0.0.1:*' --device plugin:" CIRCLE_DEVICE
-                      " > " +
+      PALPATE_BIN_DIR
+      "/palpate-viewer device --listen 'tcp://127.0.0.1:*' --device plugin:" CIRCLE_DEVICE " > " +
       log + " 2>&1 & for i in $(seq 400); do grep -q 'can be had at' " + log +
       " && break; sleep 0.05; done; kill -TERM $!; wait $!; code=$?; cat " + log + "; exit $code");
   EXPECT_THAT(result.output, HasSubstr("circle can be had at tcp://127.0.0.1:"));

@@ -95,11 +95,14 @@ TEST_F(HandPathFile, IsReadWithCommentsButtonsAndRepeat) {
 }
 
 TEST_F(HandPathFile, ErrorsNameFileAndLine) {
-  expectBadInput([&] { readHandPath(write("0 0 0 0\n# x\n1 0 0\n")); }, {"hand.txt:3", "z in metres"});
-  expectBadInput([&] { readHandPath(write("0 0 0 0\n1 0 0 nan\n")); }, {"hand.txt:2", "not finite"});
+  expectBadInput([&] { readHandPath(write("0 0 0 0\n# x\n1 0 0\n")); },
+                 {"hand.txt:3", "z in metres"});
+  expectBadInput([&] { readHandPath(write("0 0 0 0\n1 0 0 nan\n")); },
+                 {"hand.txt:2", "not finite"});
   expectBadInput([&] { readHandPath(write("0 0 0 0\n1 0 0 0 -1\n")); }, {"hand.txt:2", "buttons"});
   expectBadInput([&] { readHandPath(write("1 0 0 0\n1 0 0 0\n")); }, {"hand.txt:2", "ascend"});
-  expectBadInput([&] { readHandPath(write("0 0 0 0\nrepeat\n1 0 0 0\n")); }, {"hand.txt:3", "repeat"});
+  expectBadInput([&] { readHandPath(write("0 0 0 0\nrepeat\n1 0 0 0\n")); },
+                 {"hand.txt:3", "repeat"});
   expectBadInput([&] { readHandPath(directory / "none.txt"); }, {"none.txt"});
   expectBadInput([&] { readHandPath(write("# nothing\n")); }, {"hand.txt", "no waypoint"});
 }

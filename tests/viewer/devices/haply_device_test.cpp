@@ -38,7 +38,8 @@ json inventory(const std::string& id = "049D") {
 /// The Haply Inverse Service on a free port: an inventory, then one answer for every message.
 class Service {
  public:
-  explicit Service(std::uint16_t port = 0) : acceptor_(io_, {asio::ip::address_v4::loopback(), port}) {
+  explicit Service(std::uint16_t port = 0)
+      : acceptor_(io_, {asio::ip::address_v4::loopback(), port}) {
     acceptor_.non_blocking(true);
     thread_ = std::thread(&Service::run, this);
   }
@@ -155,12 +156,14 @@ TEST(HaplyMessage, FindsADeviceByItsIdAndElseSaysWhichThereAre) {
 TEST(HaplyMessage, AnyTextIsAnsweredWithoutAnError) {
   const std::string whole = inventory().dump();
   for (std::size_t length = 0; length < whole.size(); ++length)
-    EXPECT_EQ(readHaplyState(whole.substr(0, length), "").kind, HaplyState::Kind::malformed) << length;
+    EXPECT_EQ(readHaplyState(whole.substr(0, length), "").kind, HaplyState::Kind::malformed)
+        << length;
   for (const char* text :
        {"[]", "7", "{\"inverse3\":[{\"device_id\":\"A\",\"state\":7}]}",
         "{\"inverse3\":[{\"device_id\":\"A\",\"state\":{\"cursor_position\":{\"x\":null}}}]}"})
     EXPECT_EQ(readHaplyState(text, "").kind, HaplyState::Kind::malformed) << text;
-  for (const char* text : {"{}", "{\"inverse3\":[]}", "{\"inverse3\":7}", "{\"inverse3\":[null,{}]}"})
+  for (const char* text :
+       {"{}", "{\"inverse3\":[]}", "{\"inverse3\":7}", "{\"inverse3\":[null,{}]}"})
     EXPECT_EQ(readHaplyState(text, "").kind, HaplyState::Kind::no_device) << text;
 }
 
@@ -216,7 +219,8 @@ TEST(HaplyDevice, GivesZeroForceToAServiceThatStopsAnswering) {
     return service.lastReceived() == json::parse(haplyForceMessage("049D", {1, 0, 0}));
   }));
   service.fallSilent();
-  // In the connection that was open: a service that is called anew and says nothing is not pushed at all.
+  // In the connection that was open: a service that is called anew and says nothing is not pushed
+  // at all.
   EXPECT_TRUE(eventually([&] {
     return service.lastReceived() == json::parse(haplyForceMessage("049D", {0, 0, 0}));
   }));

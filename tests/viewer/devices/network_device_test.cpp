@@ -27,7 +27,8 @@ class NetworkDeviceTest : public ::testing::Test {
   void serve() { server = std::make_unique<DeviceServer>(tray, DeviceServerOptions{endpoint}); }
   void connect() {
     endpoint = server->endpoint();
-    device = std::make_unique<NetworkDevice>(NetworkDeviceOptions{.endpoint = endpoint, .wait = 20s});
+    device =
+        std::make_unique<NetworkDevice>(NetworkDeviceOptions{.endpoint = endpoint, .wait = 20s});
   }
   void SetUp() override {
     serve();
@@ -78,7 +79,8 @@ TEST_F(NetworkDeviceTest, ForcesArriveAndAreShortenedToTheLimit) {
 }
 
 TEST_F(NetworkDeviceTest, NaNInAReadingIsPassedOn) {
-  tray.lay({Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()), 0, DeviceStatus::fresh});
+  tray.lay({Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()), 0,
+            DeviceStatus::fresh});
   EXPECT_TRUE(eventually([&] {
     const DeviceReading reading = tick();
     return reading.status == DeviceStatus::fresh && std::isnan(reading.position.y());
@@ -141,7 +143,8 @@ TEST(NetworkDevice, SaysHowToStartADeviceWhenNobodyAnswers) {
 }
 
 TEST(NetworkDevice, RefusesAnEndpointThatIsNone) {
-  test::expectBadInput([] { NetworkDevice({.endpoint = "tcp://nowhere"}); }, {"tcp://nowhere", "PORT"});
+  test::expectBadInput([] { NetworkDevice({.endpoint = "tcp://nowhere"}); },
+                       {"tcp://nowhere", "PORT"});
 }
 
 /// A far side that the test speaks for, word by word.
@@ -227,7 +230,8 @@ TEST(NetworkDevice, GivesALateDeviceNoMoreForceThanWasPromised) {
   far.expect(wire::DeviceMessage::kGreeting);
   device.write({100, 0, 0});
   far.sayHello(50);
-  EXPECT_NEAR(far.expect(wire::DeviceMessage::kForce).force().x(), device.profile().max_force, 1e-12);
+  EXPECT_NEAR(far.expect(wire::DeviceMessage::kForce).force().x(), device.profile().max_force,
+              1e-12);
 }
 
 /// A client that the test speaks for, word by word.
@@ -258,7 +262,9 @@ class NearSide {
       if (incoming->message.has_reading()) reading_ = incoming->message.reading().sequence();
     return reading_;
   }
-  void sendRaw(const std::string& bytes) { socket_.send(zmq::buffer(bytes), zmq::send_flags::none); }
+  void sendRaw(const std::string& bytes) {
+    socket_.send(zmq::buffer(bytes), zmq::send_flags::none);
+  }
   wire::DeviceMessage expect(wire::DeviceMessage::BodyCase kind) {
     wire::DeviceMessage found;
     EXPECT_TRUE(eventually([&] {
@@ -347,7 +353,8 @@ TEST(DeviceServer, FollowsOnlyTheClientThatHoldsTheDevice) {
   holder.expect(wire::DeviceMessage::kHello);
   other.push(1, 1, 0.5);
   other.greet();
-  EXPECT_THAT(other.expect(wire::DeviceMessage::kRefused).refused().reason(), HasSubstr("another simulator"));
+  EXPECT_THAT(other.expect(wire::DeviceMessage::kRefused).refused().reason(),
+              HasSubstr("another simulator"));
   EXPECT_EQ(server.state().forces, 0U);
 }
 

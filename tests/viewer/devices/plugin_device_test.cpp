@@ -57,14 +57,16 @@ TEST(PluginDevice, PassesOnWhyADeviceCannotBeOpened) {
 }
 
 TEST(PluginDevice, RefusesWhatIsNoPlugInAndNamesTheFile) {
-  expectBadInput([] { PluginDevice({"nowhere.so"}); }, {"nowhere.so", "cannot be loaded", "No such file"});
+  expectBadInput([] { PluginDevice({"nowhere.so"}); },
+                 {"nowhere.so", "cannot be loaded", "No such file"});
   expectBadInput([] { PluginDevice({PALPATE_SOURCE_DIR "/README.md"}); },
                  {"README.md", "invalid ELF header"});
   expectBadInput([] { PluginDevice(broken("NO_ENTRY")); },
                  {"plugin_NO_ENTRY.so", "palpate_device_plugin_v1"});
   expectBadInput([] { PluginDevice(broken("OLD_ABI")); }, {"plugin_OLD_ABI.so", "version 2"});
   expectBadInput([] { PluginDevice(broken("SHORT_TABLE")); }, {"plugin_SHORT_TABLE.so", "bytes"});
-  expectBadInput([] { PluginDevice(broken("NULL_ENTRY")); }, {"plugin_NULL_ENTRY.so", "null entry"});
+  expectBadInput([] { PluginDevice(broken("NULL_ENTRY")); },
+                 {"plugin_NULL_ENTRY.so", "null entry"});
 }
 
 TEST(PluginDevice, APlugInThatHangsIsLostAndDoesNotHangItsUser) {
@@ -117,8 +119,9 @@ TEST(PluginDevice, APlugInThatHangsPressingLetsGoAndIsResumedFromZero) {
 TEST(PluginDevice, SaysWhyTheDeviceIsLost) {
   PluginDevice device(broken("HANGS"));
   device.halt();
-  EXPECT_TRUE(eventually([&] { return device.trouble().find("the cable is out") != std::string::npos; }))
-      << device.trouble();
+  EXPECT_TRUE(eventually([&] {
+    return device.trouble().find("the cable is out") != std::string::npos;
+  })) << device.trouble();
 }
 
 }  // namespace

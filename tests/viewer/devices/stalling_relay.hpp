@@ -12,8 +12,8 @@
 
 namespace palpate::test {
 
-/// A connection to a server that can stall on its way there, as a network does: what is sent meanwhile is
-/// held and delivered later. The way back never stalls. For one client.
+/// A connection to a server that can stall on its way there, as a network does: what is sent
+/// meanwhile is held and delivered later. The way back never stalls. For one client.
 class StallingRelay {
  public:
   /// server: tcp://127.0.0.1:PORT
@@ -80,7 +80,8 @@ class StallingRelay {
     const std::size_t sent =
         between.empty() || most == 0
             ? 0
-            : to.write_some(boost::asio::buffer(between.data(), std::min(most, between.size())), error);
+            : to.write_some(boost::asio::buffer(between.data(), std::min(most, between.size())),
+                            error);
     between.erase(0, sent);
     return sent;
   }

@@ -4,7 +4,7 @@
 #include <mutex>
 #include <string>
 
-#include "viewer/devices/haptic_device.hpp"
+#include "viewer/haptics/haptic_device.hpp"
 
 namespace palpate::test {
 

@@ -9,13 +9,9 @@
 namespace palpate {
 namespace {
 
-const DeviceProfile& touchProfile() {
-  return deviceProfiles().front();
-}
+const DeviceProfile& touchProfile() { return deviceProfiles().front(); }
 
-HandPath resting() {
-  return HandPath({{0, {0.01, 0.02, 0.03}}});
-}
+HandPath resting() { return HandPath({{0, {0.01, 0.02, 0.03}}}); }
 
 TEST(VirtualHand, BeginsAtTheBeginningOfItsPath) {
   VirtualHand hand(resting(), {}, touchProfile());
@@ -47,15 +43,17 @@ TEST(VirtualHand, SwingsAsItsMassSpringAndDamperDo) {
   for (int i = 1; i <= 300; ++i) {
     const double t = i * options.period;
     const double expected =
-        1 / options.stiffness * (1 - std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t)));
+        1 / options.stiffness *
+        (1 - std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t)));
     EXPECT_NEAR(hand.read().position.x(), expected, 2e-6) << t;
     hand.write({1, 0, 0});
   }
 }
 
 TEST(VirtualHand, FollowsItsPathCloselyWithoutForce) {
-  VirtualHand hand(HandPath({{0, {0, 0, 0}}, {1, {0.05, 0, 0}}, {2, {0, 0, 0}}}, HandPath::AtEnd::repeats),
-                   {}, touchProfile());
+  VirtualHand hand(
+      HandPath({{0, {0, 0, 0}}, {1, {0.05, 0, 0}}, {2, {0, 0, 0}}}, HandPath::AtEnd::repeats), {},
+      touchProfile());
   for (int i = 0; i < 5000; ++i)
     EXPECT_NEAR(hand.read().position.x(), hand.path().at(i * 1e-3).position.x(), 5e-4) << i;
 }
@@ -88,8 +86,8 @@ TEST(VirtualHand, FeelsNothingWhileHalted) {
 
 TEST(VirtualHand, RefusesOptionsWithoutAStableMotion) {
   test::expectBadInput([] { VirtualHand(resting(), {.mass = 0}, touchProfile()); }, {"mass"});
-  test::expectBadInput([] { VirtualHand(resting(), {.mass = 1e-6, .substeps = 1}, touchProfile()); },
-                       {"too long"});
+  test::expectBadInput(
+      [] { VirtualHand(resting(), {.mass = 1e-6, .substeps = 1}, touchProfile()); }, {"too long"});
 }
 
 }  // namespace

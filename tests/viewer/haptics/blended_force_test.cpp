@@ -60,11 +60,13 @@ TEST_F(BlendedForceTest, KnowsHowEnergyAndForceChangeWhenTheAnchorMoves) {
   evaluateAt({0, 0, 0});
   const AnchorSlope slope = force.slopeAlong(triangle);
   EXPECT_NEAR(slope.tangent.z(), 0, 1e-15);
-  for (const Eigen::Vector3d& direction : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0.6, 0.8, 0)}) {
+  for (const Eigen::Vector3d& direction :
+       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0.6, 0.8, 0)}) {
     constexpr double h = 1e-6;
     evaluateAt(h * direction);
     const double after = force.sum().energy;
-    const Eigen::Vector3d force_after = force.force(), tangent_after = force.slopeAlong(triangle).tangent;
+    const Eigen::Vector3d force_after = force.force(),
+                          tangent_after = force.slopeAlong(triangle).tangent;
     evaluateAt(-h * direction);
     const Eigen::Vector3d tangent_before = force.slopeAlong(triangle).tangent;
     EXPECT_NEAR(slope.tangent.dot(direction), (after - force.sum().energy) / (2 * h), 1e-6);

@@ -20,7 +20,8 @@ const HapticModel& flatModel() {
   return model;
 }
 const HapticModel& gradedModel() {
-  static const HapticModel model = test::cubeModel([](const Eigen::Vector3d& x) { return 1 + 5 * x.x(); });
+  static const HapticModel model =
+      test::cubeModel([](const Eigen::Vector3d& x) { return 1 + 5 * x.x(); });
   return model;
 }
 const HapticModel& tenNodes() {
@@ -68,7 +69,8 @@ Work workAlong(const HapticModel& model, const ContactOptions& options, const Pa
 /// In from above, a loop under the surface, and out elsewhere.
 Eigen::Vector3d kneading(double t) {
   const double depth = 0.014 * std::sin(M_PI * t), angle = 2 * M_PI * t;
-  return {0.05 + 0.018 * std::cos(angle) + 0.004 * t, 0.05 + 0.015 * std::sin(angle), 0.1005 - depth};
+  return {0.05 + 0.018 * std::cos(angle) + 0.004 * t, 0.05 + 0.015 * std::sin(angle),
+          0.1005 - depth};
 }
 
 /// A smooth walk around and through a body.
@@ -198,8 +200,9 @@ TEST(Contact, TouchesOnTheSlowestWayIn) {
 }
 
 TEST(Contact, TouchesAtAnEdgeAndAtAVertex) {
-  for (const Eigen::Vector3d& x : {Eigen::Vector3d(0.05, 0.05, 0.1), Eigen::Vector3d(0.0375, 0.05, 0.1),
-                                   Eigen::Vector3d(0.05, 0.0375, 0.1), Eigen::Vector3d(0.0375, 0.0375, 0.1)})
+  for (const Eigen::Vector3d& x :
+       {Eigen::Vector3d(0.05, 0.05, 0.1), Eigen::Vector3d(0.0375, 0.05, 0.1),
+        Eigen::Vector3d(0.05, 0.0375, 0.1), Eigen::Vector3d(0.0375, 0.0375, 0.1)})
     for (const double step : {1e-3, 1e-4}) {
       Contact contact(flatModel());
       for (double z = 0.002; z > -0.005; z -= step) contact.update(x + Eigen::Vector3d(0, 0, z));
@@ -351,7 +354,8 @@ Sweep sweepOver(const HapticModel& model, double friction, double top) {
           const double step = (touch.force - last_force).norm(), force = last_force.norm();
           sweep.largest_share = std::max(sweep.largest_share, step / force);
           sweep.largest_excess =
-              std::max(sweep.largest_excess, (step - 3 * last_stiffness * (tool - last_tool).norm()) / force);
+              std::max(sweep.largest_excess,
+                       (step - 3 * last_stiffness * (tool - last_tool).norm()) / force);
           sweep.triangles += touch.anchor.triangle != last_triangle ? 1 : 0;
           ++sweep.ticks;
         }

@@ -10,8 +10,9 @@ struct CallCounts {
   long prints = 0;  ///< write(), fwrite()
 };
 
-/// Counts what the calling thread does between startCounting() and stopCounting(), in the C library itself: a
-/// program that links counted_calls.cpp has these functions replaced. One thread at a time.
+/// Counts what the calling thread does between startCounting() and stopCounting(), in the C library
+/// itself: a program that links counted_calls.cpp has these functions replaced. One thread at a
+/// time.
 void startCounting() noexcept;
 CallCounts stopCounting() noexcept;
 

@@ -27,7 +27,8 @@ class DeformedShapeTest : public testing::Test {
     for (std::size_t c = 0; c < 3; ++c)
       for (Eigen::Index a = 0; a < 3; ++a)
         sum[a] += point.barycentric[static_cast<Eigen::Index>(c)] *
-                  static_cast<double>(out[3 * static_cast<std::size_t>(t[c]) + static_cast<std::size_t>(a)]);
+                  static_cast<double>(
+                      out[3 * static_cast<std::size_t>(t[c]) + static_cast<std::size_t>(a)]);
     return sum;
   }
   const HapticModel& model = shared();
@@ -40,7 +41,8 @@ TEST_F(DeformedShapeTest, PassesThroughTheToolWhileSliding) {
   std::vector<float> last;
   for (int n = 0; n < 800; ++n) {
     const double along = 1e-4 * std::max(0, n - 150);
-    const Touch& touch = contact.update({0.02 + along, 0.03 + 0.5 * along, 0.1 - std::min(1e-4 * n, 0.012)});
+    const Touch& touch =
+        contact.update({0.02 + along, 0.03 + 0.5 * along, 0.1 - std::min(1e-4 * n, 0.012)});
     if (!touch.touching) continue;
     const std::vector<float> out = shapeOf(touch);
     EXPECT_LT((displacementAt(out, touch.anchor) - touch.displacement).norm(), 1e-8);

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -23,7 +23,8 @@ GuardOptions wideOptions() {
   return options;
 }
 
-GuardInput touching(const Eigen::Vector3d& force, const Eigen::Vector3d& tool = Eigen::Vector3d::Zero()) {
+GuardInput touching(const Eigen::Vector3d& force,
+                    const Eigen::Vector3d& tool = Eigen::Vector3d::Zero()) {
   GuardInput input;
   input.tool = tool;
   input.touch.touching = true;
@@ -190,7 +191,8 @@ TEST_P(GuardedReset, GivesExactlyZeroAtOnceThenARamp) {
 INSTANTIATE_TEST_SUITE_P(LostAndLate, GuardedReset, testing::Values(Guarded::lost, Guarded::late));
 
 TEST(ForceGuard, SmoothlyGoesToZeroAndBackWhenThePositionOrTheForceIsNotFinite) {
-  const double bad_numbers[] = {not_a_number, std::numeric_limits<double>::infinity(), 1e300, -1e12};
+  const double bad_numbers[] = {not_a_number, std::numeric_limits<double>::infinity(), 1e300,
+                                -1e12};
   for (const double bad : bad_numbers)
     for (const bool position : {true, false}) {
       ForceGuard guard({});
@@ -220,8 +222,8 @@ TEST(ForceGuard, HardlyMovesTheForceForOneBadReading) {
   for (int n = 0; n < 60; ++n) EXPECT_NEAR(guard.limit(touching({0, 0, 2})).force.z(), 2, 0.01);
 }
 
-/// A hand that presses a spring up and down between 0 and `depth`, as a sine, whole cycles. The work it gets
-/// out, J: of the spring held for a tick at a time, and of what the guard makes of it.
+/// A hand that presses a spring up and down between 0 and `depth`, as a sine, whole cycles. The
+/// work it gets out, J: of the spring held for a tick at a time, and of what the guard makes of it.
 struct Extracted {
   double held = 0, guarded = 0;
   double least_passivity = 0;
@@ -237,7 +239,8 @@ Extracted pressSpring(double stiffness, double depth, double hertz, const GuardO
   const int ticks = static_cast<int>(std::lround(10 / hertz / options.period));
   for (int n = 1; n <= ticks; ++n) {
     const double y =
-        0.5 * depth * (1 - std::cos(2 * std::numbers::pi * hertz * static_cast<double>(n) * options.period));
+        0.5 * depth *
+        (1 - std::cos(2 * std::numbers::pi * hertz * static_cast<double>(n) * options.period));
     extracted.held += raw.y() * (y - last);
     extracted.guarded += force.y() * (y - last);
     last = y;
@@ -279,7 +282,8 @@ TEST(PassivityController, LeavesAHandAloneThatLosesEnergy) {
   guard.limit(spring(100, 0));
   int damped = 0;
   for (int n = 1; n < 2000; ++n) {
-    const double y = 0.01 * (1 - std::cos(0.01 * n)), speed = 0.0001 * std::sin(0.01 * n) / options.period;
+    const double y = 0.01 * (1 - std::cos(0.01 * n)),
+                 speed = 0.0001 * std::sin(0.01 * n) / options.period;
     GuardInput input = spring(100, y);
     input.touch.force.y() -= 5 * speed;  // a damper of its own
     damped += has(guard.limit(input), Guarded::damped) ? 1 : 0;
@@ -340,7 +344,8 @@ TEST(PassivityController, RemembersNoMoreThanItsCredit) {
   for (int n = 1; n < 5000; ++n) {
     const double y = 0.001 * (1 - std::cos(0.05 * n));
     GuardInput input = spring(100, y);
-    input.touch.force.y() -= 100 * 0.00005 * std::sin(0.05 * n);  // friction-like: ever more is dissipated
+    input.touch.force.y() -=
+        100 * 0.00005 * std::sin(0.05 * n);  // friction-like: ever more is dissipated
     EXPECT_LE(guard.limit(input).passivity, options.energy_credit);
   }
   GuardInput free;
@@ -398,7 +403,8 @@ TEST(ForceGuard, KeepsItsLimitsWhateverComes) {
       if (input.lost || input.late)
         ASSERT_EQ(given.force, Eigen::Vector3d::Zero()) << n;
       else
-        ASSERT_LE((given.force - before).norm(), options.max_slew * options.period * (1 + 1e-9)) << n;
+        ASSERT_LE((given.force - before).norm(), options.max_slew * options.period * (1 + 1e-9))
+            << n;
       before = given.force;
     }
   }

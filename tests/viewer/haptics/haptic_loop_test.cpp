@@ -90,7 +90,8 @@ TEST_F(HapticLoopTest, StopsWhenAskedTo) {
 /// A pause: the device held zero, the guard remembers the force of before.
 TEST_F(HapticLoopTest, GoesOnWithATickThatRanBeforeFromZeroByARamp) {
   ScriptedHand pressing([](std::uint64_t n) {
-    return fresh({0.05, 0.05, 0.101 - 2.5e-4 * static_cast<double>(std::min<std::uint64_t>(n, 24))});
+    return fresh(
+        {0.05, 0.05, 0.101 - 2.5e-4 * static_cast<double>(std::min<std::uint64_t>(n, 24))});
   });
   HapticTick pressed(models(), pressing, tickOptions());
   HapticLoop before(pressed, pressing, loopOptions(200));
@@ -224,7 +225,8 @@ TEST_F(HapticLoopTest, KeepsALostDeviceHaltedAndResumesItAfterZero) {
   EXPECT_EQ(hand.resumes, hand.halts + 1);
   EXPECT_EQ(loop.statistics().halts, 0U);
   EXPECT_NE(hand.forces.at(398), Eigen::Vector3d::Zero());
-  for (std::size_t n = 399; n <= 419; ++n) EXPECT_EQ(hand.forces.at(n), Eigen::Vector3d::Zero()) << n;
+  for (std::size_t n = 399; n <= 419; ++n)
+    EXPECT_EQ(hand.forces.at(n), Eigen::Vector3d::Zero()) << n;
   EXPECT_GE(loop.statistics().guards[7], 1U);
 }
 
@@ -333,7 +335,9 @@ TEST_F(HapticLoopTest, GoesOnWhenRealTimeIsRefusedAndSaysWhatToDo) {
   runToTheEnd(loop);
   EXPECT_EQ(loop.statistics().ticks, 50U);
   const std::string trouble = loop.trouble();
-  const auto tells = [&trouble](const char* what) { return trouble.find(what) != std::string::npos; };
+  const auto tells = [&trouble](const char* what) {
+    return trouble.find(what) != std::string::npos;
+  };
   EXPECT_EQ(tells("priority"), tells("ulimit -r")) << trouble;
   EXPECT_EQ(tells("Memory"), tells("ulimit -l")) << trouble;
 

@@ -22,7 +22,8 @@ TEST(HapticModel, OutlivesTheDatasetAndItsFile) {
   for (std::size_t method = 0; method < 2; ++method) {
     EXPECT_EQ(model.field(method, 1).name(), model.methods()[method]);
     const Eigen::Vector3d p(0.015, 0, 0);  // a lattice point
-    EXPECT_LT((model.field(method, 1).evaluate(p).force + test::ConvexEnergy(2).gradient(p)).norm(), 1e-6);
+    EXPECT_LT((model.field(method, 1).evaluate(p).force + test::ConvexEnergy(2).gradient(p)).norm(),
+              1e-6);
   }
   EXPECT_EQ(model.shape(1).nodes(), model.surface().vertices().size());
 }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 #include "tests/viewer/haptics/scripted_hand.hpp"
 
 namespace palpate {
@@ -136,8 +136,9 @@ TEST_F(HapticTickTest, GivesZeroAfterTheLoopHung) {
 }
 
 TEST_F(HapticTickTest, NeverPushesHarderThanTheDeviceCan) {
-  ScriptedHand hand(
-      [](std::uint64_t tick) { return pressed(std::min(0.025, 1e-4 * static_cast<double>(tick) - 1e-3)); });
+  ScriptedHand hand([](std::uint64_t tick) {
+    return pressed(std::min(0.025, 1e-4 * static_cast<double>(tick) - 1e-3));
+  });
   hand.limits.max_force = 0.3;
   HapticTick tick({&model()}, hand, options());
   EXPECT_EQ(tick.options().guard.max_force, 0.3);
@@ -169,8 +170,9 @@ TEST_F(HapticTickTest, TurnsForcesBackIntoTheFrameOfTheDevice) {
 }
 
 TEST_F(HapticTickTest, SwitchesTheMethodWhileTouchingWithoutAKick) {
-  ScriptedHand hand(
-      [](std::uint64_t tick) { return pressed(std::min(0.0137, 1e-4 * static_cast<double>(tick) - 1e-3)); });
+  ScriptedHand hand([](std::uint64_t tick) {
+    return pressed(std::min(0.0137, 1e-4 * static_cast<double>(tick) - 1e-3));
+  });
   HapticTick tick({&model()}, hand, options());
   for (int n = 0; n < 300; ++n) tick.run();
   Eigen::Vector3d before = tick.state().force;
@@ -205,9 +207,10 @@ TEST_F(HapticTickTest, ForgetsTheTouchThatWasSeenWhenTheModelChanges) {
 TEST_F(HapticTickTest, IgnoresCommandsForWhatDoesNotExist) {
   ScriptedHand hand(pressing);
   HapticTick tick({&model()}, hand, options());
-  for (const HapticCommand& command :
-       {HapticCommand{HapticCommand::Kind::use, 1, 0}, HapticCommand{HapticCommand::Kind::use, -1, 0},
-        HapticCommand{HapticCommand::Kind::use, 0, 2}, HapticCommand{HapticCommand::Kind::use, 0, -1}})
+  for (const HapticCommand& command : {HapticCommand{HapticCommand::Kind::use, 1, 0},
+                                       HapticCommand{HapticCommand::Kind::use, -1, 0},
+                                       HapticCommand{HapticCommand::Kind::use, 0, 2},
+                                       HapticCommand{HapticCommand::Kind::use, 0, -1}})
     tick.obey(command);
   EXPECT_EQ(tick.run().model, 0);
   EXPECT_EQ(tick.state().method, 0);

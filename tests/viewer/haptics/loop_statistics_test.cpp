@@ -63,7 +63,8 @@ TEST(LoopStatistics, CountsGuardsContactsForcesAndSteps) {
   HapticState before, state;
   state.touch.touching = true;
   state.force = {0, 3, 4};
-  state.guards = static_cast<std::uint32_t>(Guarded::clamped) | static_cast<std::uint32_t>(Guarded::late);
+  state.guards =
+      static_cast<std::uint32_t>(Guarded::clamped) | static_cast<std::uint32_t>(Guarded::late);
   count(statistics, before, state);
   count(statistics, state, state);
   before = state;

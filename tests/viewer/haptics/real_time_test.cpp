@@ -1,5 +1,5 @@
-// What the haptic thread may not do, counted in the C library and refused by the kernel. A program of its
-// own, since it replaces malloc and pthread_mutex_lock.
+// What the haptic thread may not do, counted in the C library and refused by the kernel. A program
+// of its own, since it replaces malloc and pthread_mutex_lock.
 
 #include <gtest/gtest.h>
 #include <linux/filter.h>

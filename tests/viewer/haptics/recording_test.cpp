@@ -16,8 +16,8 @@
 #include <limits>
 #include <random>
 
-#include "common/error.hpp"
-#include "common/hdf5_writer.hpp"
+#include "common/base/error.hpp"
+#include "common/dataset/hdf5_writer.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -31,7 +31,8 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 RecordedRun someRun() {
   RecordedRun run;
-  run.models = {{"liver", "soft liver.h5", ContentId::of("soft")}, {"liver", "stiff.h5", ContentId::of("b")}};
+  run.models = {{"liver", "soft liver.h5", ContentId::of("soft")},
+                {"liver", "stiff.h5", ContentId::of("b")}};
   run.methods = {"potential", "trilinear"};
   run.device = "virtual hand";
   run.profile = "omega";
@@ -50,11 +51,14 @@ RecordedRun someRun() {
 
 HapticState someState(std::uint64_t tick, std::mt19937& random) {
   std::normal_distribution<double> number;
-  const auto vector = [&] { return Eigen::Vector3d(number(random), number(random), number(random)); };
+  const auto vector = [&] {
+    return Eigen::Vector3d(number(random), number(random), number(random));
+  };
   HapticState state;
   state.tick = tick;
   state.time = static_cast<double>(tick) * 2e-4;
-  state.reading = {vector(), static_cast<std::uint32_t>(random()), static_cast<DeviceStatus>(random() % 3)};
+  state.reading = {vector(), static_cast<std::uint32_t>(random()),
+                   static_cast<DeviceStatus>(random() % 3)};
   if (tick % 7 == 0) state.reading.position.y() = not_a_number;
   state.tool = vector();
   state.touch.touching = random() % 2 == 0;
@@ -86,8 +90,8 @@ std::string bytesOf(const std::filesystem::path& file) {
 template <class T>
 bool sameBits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() &&
-         (a.empty() || std::memcmp(static_cast<const void*>(a.data()), static_cast<const void*>(b.data()),
-                                   a.size() * sizeof(T)) == 0);
+         (a.empty() || std::memcmp(static_cast<const void*>(a.data()),
+                                   static_cast<const void*>(b.data()), a.size() * sizeof(T)) == 0);
 }
 
 TEST(Recording, ReadsBackToTheLastBit) {
@@ -166,11 +170,13 @@ TEST(Recording, TellsWhenTicksAreMissing) {
 
 TEST(Recording, IsNotReadFromForeignFiles) {
   const TemporaryDirectory folder;
-  test::expectBadInput([&] { readRecording(folder / "none.h5"); }, {"none.h5", "no such recording"});
+  test::expectBadInput([&] { readRecording(folder / "none.h5"); },
+                       {"none.h5", "no such recording"});
   std::ofstream(folder / "text.h5") << "hello";
   test::expectBadInput([&] { readRecording(folder / "text.h5"); }, {"text.h5", "not an HDF5 file"});
   test::SampleDataset().seal(folder / "dataset.h5");
-  test::expectBadInput([&] { readRecording(folder / "dataset.h5"); }, {"dataset.h5", "not a recording"});
+  test::expectBadInput([&] { readRecording(folder / "dataset.h5"); },
+                       {"dataset.h5", "not a recording"});
 }
 
 TEST(Recording, OfALaterFormatIsRefused) {
@@ -246,7 +252,8 @@ TEST(Recording, WithImpossibleValuesIsRefused) {
   const TemporaryDirectory folder;
   const auto fresh = [&] { someRecorder(3).save(folder / "run.h5"); };
   const auto refused = [&](const std::string& where) {
-    test::expectError(ExitCode::failed, [&] { readRecording(folder / "run.h5"); }, {"run.h5", where});
+    test::expectError(ExitCode::failed, [&] { readRecording(folder / "run.h5"); },
+                      {"run.h5", where});
   };
   fresh();
   rewrite<double>(folder / "run.h5", "/time", {1, 3, 2}, {3});
@@ -261,12 +268,15 @@ TEST(Recording, WithImpossibleValuesIsRefused) {
   rewrite<double>(folder / "run.h5", "/workspace/rotation", {1, 0, 0, 0, 2, 0, 0, 0, 1}, {3, 3});
   refused("/workspace/rotation");
   fresh();
-  rewrite<double>(folder / "run.h5", "/force/rendered", {1, 0, 0, 0, not_a_number, 0, 0, 0, 1}, {3, 3});
+  rewrite<double>(folder / "run.h5", "/force/rendered", {1, 0, 0, 0, not_a_number, 0, 0, 0, 1},
+                  {3, 3});
   refused("/force/rendered");
 }
 
-/// 0 when a save to a disk that takes no more than `limit` bytes of a file is an Error that names it.
-int saveToAFullDisk(const Recorder& recorder, const std::filesystem::path& file, std::size_t limit) {
+/// 0 when a save to a disk that takes no more than `limit` bytes of a file is an Error that names
+/// it.
+int saveToAFullDisk(const Recorder& recorder, const std::filesystem::path& file,
+                    std::size_t limit) {
   std::signal(SIGXFSZ, SIG_IGN);
   const rlimit size_limit = {limit, limit};
   if (setrlimit(RLIMIT_FSIZE, &size_limit) != 0) return 10;
@@ -291,7 +301,8 @@ TEST(Recording, LeavesTheOldFileAndNothingElseOnAFullDisk) {
     if (child == 0) _exit(saveToAFullDisk(recorder, file, limit));
     int status = -1;
     ASSERT_EQ(waitpid(child, &status, 0), child);
-    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << "limit " << limit << ", status " << status;
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0)
+        << "limit " << limit << ", status " << status;
     EXPECT_EQ(bytesOf(file), before);
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
   }
@@ -300,7 +311,8 @@ TEST(Recording, LeavesTheOldFileAndNothingElseOnAFullDisk) {
 TEST(Recording, IsNotSavedToADirectory) {
   const TemporaryDirectory folder;
   test::expectBadInput([&] { someRecorder(1).save(folder.path()); }, {"is a directory"});
-  test::expectError(ExitCode::failed, [&] { someRecorder(1).save(folder / "no" / "run.h5"); }, {"run.h5"});
+  test::expectError(ExitCode::failed, [&] { someRecorder(1).save(folder / "no" / "run.h5"); },
+                    {"run.h5"});
 }
 
 }  // namespace

@@ -11,13 +11,13 @@
 #include "tests/support/meshes.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/support/touchable_body.hpp"
-#include "viewer/devices/haptic_device.hpp"
+#include "viewer/haptics/haptic_device.hpp"
 #include "viewer/haptics/haptic_model.hpp"
 
 namespace palpate::test {
 
-/// A device whose readings are a function of the tick, counted from 1. Keeps the forces it is given, as many
-/// as it was told to make room for.
+/// A device whose readings are a function of the tick, counted from 1. Keeps the forces it is
+/// given, as many as it was told to make room for.
 class ScriptedHand : public HapticDevice {
  public:
   using Script = std::function<DeviceReading(std::uint64_t tick)>;
@@ -51,19 +51,21 @@ inline DeviceReading fresh(const Eigen::Vector3d& position) {
   return {position, 0, DeviceStatus::fresh};
 }
 
-/// Comes from 4 mm above the middle of the top of TouchedCube, presses 8 mm deep, slides in a circle of 15 mm
-/// and leaves, once a second.
+/// Comes from 4 mm above the middle of the top of TouchedCube, presses 8 mm deep, slides in a
+/// circle of 15 mm and leaves, once a second.
 inline Eigen::Vector3d pressAndSlide(double time) {
   const double turn = 2 * std::numbers::pi;
   return {0.05 + 0.015 * std::cos(0.7 * turn * time), 0.05 + 0.015 * std::sin(0.7 * turn * time),
           0.104 - 0.006 * (1 - std::cos(turn * time))};
 }
 inline ScriptedHand::Script pressingAndSliding(double period = 1e-3) {
-  return [period](std::uint64_t tick) { return fresh(pressAndSlide(period * static_cast<double>(tick))); };
+  return [period](std::uint64_t tick) {
+    return fresh(pressAndSlide(period * static_cast<double>(tick)));
+  };
 }
 
-/// A cube of 100 mm that can be touched around the middle of its top, where nine nodes are active, stiffer to
-/// one side; its bottom is fixed.
+/// A cube of 100 mm that can be touched around the middle of its top, where nine nodes are active,
+/// stiffer to one side; its bottom is fixed.
 class TouchedCube {
  public:
   TouchedCube() : model_(sealed(directory_ / "cube.h5")) {}
@@ -75,7 +77,8 @@ class TouchedCube {
     std::vector<TouchableBody::Active> active;
     for (const TouchableBody::Active& node :
          wholeSurface(cube, [](const Eigen::Vector3d& x) { return 1 + 5 * x.x(); }))
-      if ((cube.nodes[static_cast<std::size_t>(node.node)] - Eigen::Vector3d(0.05, 0.05, 0.1)).norm() < 0.04)
+      if ((cube.nodes[static_cast<std::size_t>(node.node)] - Eigen::Vector3d(0.05, 0.05, 0.1))
+              .norm() < 0.04)
         active.push_back(node);
     TouchableBody(cube, active).seal(file);
     return Dataset(file);

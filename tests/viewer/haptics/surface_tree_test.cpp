@@ -30,9 +30,7 @@ Eigen::AlignedBox3d around(const Mesh& mesh, double margin) {
   return {box.min() - margin * box.sizes(), box.max() + margin * box.sizes()};
 }
 
-SurfaceTree treeOf(const Mesh& mesh) {
-  return {mesh.nodes, mesh.surface};
-}
+SurfaceTree treeOf(const Mesh& mesh) { return {mesh.nodes, mesh.surface}; }
 
 /// From dense points of each triangle: never below the true distance, and little above it.
 double sampledDistance(const Mesh& mesh, const Eigen::Vector3d& point) {
@@ -53,8 +51,9 @@ bool isInside(const Mesh& mesh, const Eigen::Vector3d& point) {
   for (const Triangle& t : mesh.surface) {
     const Eigen::Vector3d a = mesh.nodes[t[0]] - point, b = mesh.nodes[t[1]] - point,
                           c = mesh.nodes[t[2]] - point;
-    angle += 2 * std::atan2(a.dot(b.cross(c)), a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() +
-                                                   b.dot(c) * a.norm() + c.dot(a) * b.norm());
+    angle +=
+        2 * std::atan2(a.dot(b.cross(c)), a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() +
+                                              b.dot(c) * a.norm() + c.dot(a) * b.norm());
   }
   return angle > 2 * M_PI;
 }
@@ -104,7 +103,8 @@ TEST(SurfaceTree, FindsTheSameFromAnyHint) {
   Random random;
   for (int n = 0; n < 3000; ++n) {
     const Eigen::Vector3d point = random.in(around(mesh, 0.3));
-    const auto hint = static_cast<std::int32_t>(random.uniform(0, static_cast<double>(mesh.surface.size())));
+    const auto hint =
+        static_cast<std::int32_t>(random.uniform(0, static_cast<double>(mesh.surface.size())));
     const NearestPoint with = tree.nearest(point, hint), without = tree.nearest(point);
     EXPECT_EQ(with.distance, without.distance);
     EXPECT_EQ(with.outside, without.outside);
@@ -118,7 +118,8 @@ TEST(SurfaceTree, TellsInsideFromOutsideBesideFacesEdgesAndVertices) {
     for (int n = 0; n < 3000; ++n) {
       Eigen::Vector3d point = random.in(around(mesh, 0.3));
       if (n % 2 == 0) {  // near a vertex
-        const auto t = static_cast<std::size_t>(random.uniform(0, static_cast<double>(mesh.surface.size())));
+        const auto t =
+            static_cast<std::size_t>(random.uniform(0, static_cast<double>(mesh.surface.size())));
         point = mesh.nodes[mesh.surface[t][0]] + 0.02 * (point - boundingBox(mesh).center());
       }
       EXPECT_EQ(tree.nearest(point).outside, !isInside(mesh, point)) << point.transpose();
@@ -182,12 +183,14 @@ TEST(SurfaceTree, HasNoCracksAtEdgesAndVertices) {
   const Mesh mesh = test::blobMesh();
   const SurfaceTree tree = treeOf(mesh);
   const Eigen::AlignedBox3d box = boundingBox(mesh);
-  const Eigen::Vector3d center = tree.nearest(box.center()).outside ? Eigen::Vector3d(0, 0, 0) : box.center();
+  const Eigen::Vector3d center =
+      tree.nearest(box.center()).outside ? Eigen::Vector3d(0, 0, 0) : box.center();
   ASSERT_TRUE(isInside(mesh, center));
   Random random;
   int leaks = 0;
   for (int n = 0; n < 100000; ++n) {
-    const auto t = static_cast<std::size_t>(random.uniform(0, static_cast<double>(mesh.surface.size())));
+    const auto t =
+        static_cast<std::size_t>(random.uniform(0, static_cast<double>(mesh.surface.size())));
     const Eigen::Vector3d &a = mesh.nodes[mesh.surface[t][0]], &b = mesh.nodes[mesh.surface[t][1]];
     const double share = n % 2 == 0 ? 0 : random.uniform(0, 1);
     const Eigen::Vector3d target = (1 - share) * a + share * b;

@@ -41,8 +41,8 @@ TEST_F(TouchSurfaceTest, LetsTheRingAroundAnActiveNodeBeTouched) {
   for (std::size_t n = 0; n < surface.triangles().size(); ++n) {
     const auto& corners = surface.triangles()[n];
     const bool has_active = std::ranges::any_of(corners, [&](std::int32_t v) {
-      return (surface.vertices()[static_cast<std::size_t>(v)] - Eigen::Vector3d(0.05, 0.05, 0.1)).norm() <
-             1e-9;
+      return (surface.vertices()[static_cast<std::size_t>(v)] - Eigen::Vector3d(0.05, 0.05, 0.1))
+                 .norm() < 1e-9;
     });
     if (has_active) {
       EXPECT_TRUE(surface.touchable(static_cast<std::int32_t>(n)));
@@ -56,8 +56,10 @@ TEST_F(TouchSurfaceTest, LetsTheRingAroundAnActiveNodeBeTouched) {
 TEST_F(TouchSurfaceTest, KnowsTheVerticesOfItsActiveNodes) {
   const Eigen::Vector3d first(0.05, 0.05, 0.1), second(0.1, 0.025, 0.05);
   const TouchSurface surface(sealed({cube, {{nodeAt(cube, first)}, {nodeAt(cube, second)}}}));
-  EXPECT_LT((surface.vertices()[static_cast<std::size_t>(surface.activeVertex(0))] - first).norm(), 1e-12);
-  EXPECT_LT((surface.vertices()[static_cast<std::size_t>(surface.activeVertex(1))] - second).norm(), 1e-12);
+  EXPECT_LT((surface.vertices()[static_cast<std::size_t>(surface.activeVertex(0))] - first).norm(),
+            1e-12);
+  EXPECT_LT((surface.vertices()[static_cast<std::size_t>(surface.activeVertex(1))] - second).norm(),
+            1e-12);
 }
 
 TEST_F(TouchSurfaceTest, ReachesAlongTheSurface) {
@@ -93,7 +95,8 @@ TEST_F(TouchSurfaceTest, WeighsTheNearestActiveNodesByDistance) {
     }
     if (is(0.025)) {
       ASSERT_EQ(shares.size(), 2u);
-      const double near = std::pow(1 - 0.025 / 0.09, 2) / 0.025, far = std::pow(1 - 0.075 / 0.09, 2) / 0.075;
+      const double near = std::pow(1 - 0.025 / 0.09, 2) / 0.025,
+                   far = std::pow(1 - 0.075 / 0.09, 2) / 0.075;
       EXPECT_NEAR(shares[0].weight, near / (near + far), 1e-9);
     }
   }
@@ -101,8 +104,9 @@ TEST_F(TouchSurfaceTest, WeighsTheNearestActiveNodesByDistance) {
 
 TEST_F(TouchSurfaceTest, BlendsContinuouslyAcrossEdgesWithWeightsThatSumToOne) {
   std::vector<test::TouchableBody::Active> active;
-  for (const Eigen::Vector3d& x : {Eigen::Vector3d(0.05, 0.05, 0.1), Eigen::Vector3d(0.1, 0.05, 0.05),
-                                   Eigen::Vector3d(0, 0, 0.1), Eigen::Vector3d(0.1, 0.1, 0.1)})
+  for (const Eigen::Vector3d& x :
+       {Eigen::Vector3d(0.05, 0.05, 0.1), Eigen::Vector3d(0.1, 0.05, 0.05),
+        Eigen::Vector3d(0, 0, 0.1), Eigen::Vector3d(0.1, 0.1, 0.1)})
     active.push_back({nodeAt(cube, x)});
   const TouchSurface surface(sealed({cube, active}), 0.2);
   int edges = 0;
@@ -143,7 +147,8 @@ TEST_F(TouchSurfaceTest, HasGradientsOfBarycentricCoordinates) {
         const Triangle& corners = surface.triangles()[static_cast<std::size_t>(t)];
         const Eigen::Vector3d edge =
             surface.vertices()[static_cast<std::size_t>(corners[static_cast<std::size_t>(d)])] -
-            surface.vertices()[static_cast<std::size_t>(corners[static_cast<std::size_t>((d + 1) % 3)])];
+            surface.vertices()[static_cast<std::size_t>(
+                corners[static_cast<std::size_t>((d + 1) % 3)])];
         const double expected = (c == d ? 1 : 0) - (c == (d + 1) % 3 ? 1 : 0);
         EXPECT_NEAR(surface.barycentricGradients(t).col(c).dot(edge), expected, 1e-12);
         EXPECT_NEAR(surface.barycentricGradients(t).col(c).dot(surface.faceNormal(t)), 0, 1e-10);
@@ -173,7 +178,8 @@ TEST_F(TouchSurfaceTest, FindsTheNearestTouchablePoint) {
   const NearestPoint nearest = surface.nearestTouchable({0.06, 0.05, 0.12});
   EXPECT_NEAR(nearest.distance, 0.02, 1e-12);
   EXPECT_TRUE(surface.touchable(nearest.triangle));
-  EXPECT_LT((surface.position({nearest.triangle, nearest.barycentric}) - nearest.position).norm(), 1e-15);
+  EXPECT_LT((surface.position({nearest.triangle, nearest.barycentric}) - nearest.position).norm(),
+            1e-15);
   EXPECT_TRUE(surface.touchable(surface.nearestTouchable({0.2, 0, 0}).triangle));
 }
 

@@ -29,16 +29,20 @@ inline HapticModel cubeModel(const std::function<double(const Eigen::Vector3d&)>
   return modelOf({mesh, active}, 0.2);
 }
 
-/// The blob with ten active nodes on its upper side, of factors from 0.8 to 1.25, all of it touchable.
+/// The blob with ten active nodes on its upper side, of factors from 0.8 to 1.25, all of it
+/// touchable.
 inline HapticModel tenNodeModel() {
   const Mesh mesh = blobMesh(6);
   std::vector<TouchableBody::Active> active;
   for (const Eigen::Vector2d& x :
-       {Eigen::Vector2d(0, 0), Eigen::Vector2d(0.03, 0), Eigen::Vector2d(-0.03, 0), Eigen::Vector2d(0, 0.025),
-        Eigen::Vector2d(0, -0.025), Eigen::Vector2d(0.05, 0.02), Eigen::Vector2d(-0.05, 0.02),
-        Eigen::Vector2d(0.05, -0.02), Eigen::Vector2d(-0.05, -0.02), Eigen::Vector2d(0.07, 0)}) {
+       {Eigen::Vector2d(0, 0), Eigen::Vector2d(0.03, 0), Eigen::Vector2d(-0.03, 0),
+        Eigen::Vector2d(0, 0.025), Eigen::Vector2d(0, -0.025), Eigen::Vector2d(0.05, 0.02),
+        Eigen::Vector2d(-0.05, 0.02), Eigen::Vector2d(0.05, -0.02), Eigen::Vector2d(-0.05, -0.02),
+        Eigen::Vector2d(0.07, 0)}) {
     const std::vector<std::int32_t>& top = mesh.node_groups.at("zmax");
-    const auto distance = [&](std::int32_t node) { return (mesh.nodes[node].head<2>() - x).norm(); };
+    const auto distance = [&](std::int32_t node) {
+      return (mesh.nodes[node].head<2>() - x).norm();
+    };
     const std::int32_t node = *std::ranges::min_element(top, {}, distance);
     if (std::ranges::none_of(active, [node](const auto& one) { return one.node == node; }))
       active.push_back({node, 0.8 + 0.05 * static_cast<double>(active.size())});

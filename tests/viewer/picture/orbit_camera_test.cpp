@@ -18,8 +18,9 @@ OrbitCamera framed(double aspect = 1.5) {
 TEST(OrbitCamera, FramesASphereFromTheSideAskedFor) {
   for (const double aspect : {0.5, 1.0, 2.0}) {
     const OrbitCamera camera = framed(aspect);
-    EXPECT_NEAR((camera.position() - centre).normalized().dot(Eigen::Vector3d(0.3, 0.2, 1).normalized()), 1,
-                1e-12);
+    EXPECT_NEAR(
+        (camera.position() - centre).normalized().dot(Eigen::Vector3d(0.3, 0.2, 1).normalized()), 1,
+        1e-12);
     EXPECT_NEAR(camera.project(centre).head<2>().norm(), 0, 1e-12);
     const Eigen::Matrix3d axes = camera.axes();
     EXPECT_NEAR((axes.transpose() * axes - Eigen::Matrix3d::Identity()).norm(), 0, 1e-12);
@@ -98,7 +99,8 @@ TEST(ViewControl, TurnsPansAndZoomsOnlyByDragsThatBeginInTheView) {
   EXPECT_GT((camera.position() - turned).norm(), 0.01) << "the drag goes on over a panel";
   control.apply({.wheel = 1, .over_view = true}, centre, scene, camera);
   EXPECT_LT(camera.distance(), (eye - centre).norm());
-  control.apply({.right = 0.1, .over_view = true, .left = true, .shift = true}, centre, scene, camera);
+  control.apply({.right = 0.1, .over_view = true, .left = true, .shift = true}, centre, scene,
+                camera);
   EXPECT_NEAR(camera.project(centre).x(), 0.1, 1e-9);
 }
 

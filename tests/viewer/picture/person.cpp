@@ -3,7 +3,7 @@
 #include <X11/Xlib.h>
 #include <X11/Xutil.h>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 
 namespace palpate::test {
 
@@ -32,7 +32,8 @@ void Person::Impl::find(const std::string& title) {
   if (children != nullptr) XFree(children);
 }
 
-Person::Person(const std::string& screen, const std::string& title) : impl_(std::make_unique<Impl>()) {
+Person::Person(const std::string& screen, const std::string& title)
+    : impl_(std::make_unique<Impl>()) {
   impl_->display = XOpenDisplay(screen.c_str());
   if (impl_->display == nullptr) throw failure("cannot open the display {}", screen);
   impl_->find(title);
@@ -49,7 +50,8 @@ void Person::closeWindow() {
   event.xclient.window = impl_->window;
   event.xclient.message_type = XInternAtom(impl_->display, "WM_PROTOCOLS", False);
   event.xclient.format = 32;
-  event.xclient.data.l[0] = static_cast<long>(XInternAtom(impl_->display, "WM_DELETE_WINDOW", False));
+  event.xclient.data.l[0] =
+      static_cast<long>(XInternAtom(impl_->display, "WM_DELETE_WINDOW", False));
   impl_->send(event, NoEventMask);
 }
 

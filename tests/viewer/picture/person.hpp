@@ -5,7 +5,8 @@
 
 namespace palpate::test {
 
-/// Another program on the same screen, that finds a window by its title and sends it what a person would do.
+/// Another program on the same screen, that finds a window by its title and sends it what a person
+/// would do.
 class Person {
  public:
   /// Error when there is no such window.

@@ -6,6 +6,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
+#include "viewer/fields/field_choice.hpp"
 #include "viewer/picture/force_history.hpp"
 #include "viewer/picture/guard_lamps.hpp"
 #include "viewer/picture/image.hpp"
@@ -16,7 +17,8 @@ namespace {
 
 Image chequered() {
   Image image{5, 3, std::vector<std::uint8_t>(45)};
-  for (std::size_t n = 0; n < image.pixels.size(); ++n) image.pixels[n] = static_cast<std::uint8_t>(5 * n);
+  for (std::size_t n = 0; n < image.pixels.size(); ++n)
+    image.pixels[n] = static_cast<std::uint8_t>(5 * n);
   return image;
 }
 
@@ -39,7 +41,8 @@ TEST(Image, ThatCannotBeWrittenNamesTheFileAndLeavesNothing) {
   test::expectError(ExitCode::failed, [&] { writePng(chequered(), directory / "no" / "a.png"); },
                     {"no/a.png", "No such file"});
   std::filesystem::create_directories(directory / "b.png" / "full");
-  test::expectError(ExitCode::failed, [&] { writePng(chequered(), directory / "b.png"); }, {"b.png"});
+  test::expectError(ExitCode::failed, [&] { writePng(chequered(), directory / "b.png"); },
+                    {"b.png"});
   EXPECT_FALSE(std::filesystem::exists(directory / "b.png.tmp"));
 }
 
@@ -56,7 +59,8 @@ TEST(VideoFrames, AreNumberedFromOneAndNeverMixedWithAnotherRun) {
 
 TEST(ForceHistory, KeepsFiveSecondsAndBeginsAnewWhenTimeDoes) {
   ForceHistory history;
-  for (int n = 0; n <= 600; ++n) history.add(n / 60.0, Eigen::Vector3d(0, n == 100 ? 9 : n * 1e-3, 0));
+  for (int n = 0; n <= 600; ++n)
+    history.add(n / 60.0, Eigen::Vector3d(0, n == 100 ? 9 : n * 1e-3, 0));
   EXPECT_NEAR(history.at(0).time, 5, 1e-9);
   EXPECT_NEAR(history.latest().time, 10, 1e-9);
   EXPECT_NEAR(history.largest(), 0.6, 1e-6) << "the 9 N are too long ago";
@@ -73,7 +77,8 @@ TEST(ForceHistory, ForgetsTheOldestWhenPicturesComeTooFast) {
   for (int n = 0; n < 5000; ++n) history.add(1e-3 * n, Eigen::Vector3d::UnitX());
   EXPECT_LE(history.size(), 1024U);
   EXPECT_NEAR(history.latest().time, 4.999, 1e-9);
-  for (std::size_t n = 1; n < history.size(); ++n) EXPECT_GT(history.at(n).time, history.at(n - 1).time);
+  for (std::size_t n = 1; n < history.size(); ++n)
+    EXPECT_GT(history.at(n).time, history.at(n - 1).time);
 }
 
 TEST(GuardLamps, StayLitForHalfASecondAndNoticeWhatActedBetweenPictures) {
@@ -121,7 +126,8 @@ TEST(LatticeDots, ShowTheErrorBoundOfCellMiddles) {
   EXPECT_EQ(scale.place(scale.lowest), 0);
   EXPECT_EQ(scale.place(10 * scale.highest), 1);
   EXPECT_NEAR(scale.place(scale.highest / 10), 2.0 / 3, 1e-12);
-  EXPECT_LE(errorDots(errors, scale, space.lattice.spacing(), LatticeCut{0, 0.005}).size(), errors.size());
+  EXPECT_LE(errorDots(errors, scale, space.lattice.spacing(), LatticeCut{0, 0.005}).size(),
+            errors.size());
   EXPECT_EQ(errorDots(errors, scale, space.lattice.spacing(), std::nullopt).size(), errors.size());
 }
 

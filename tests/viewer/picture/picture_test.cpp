@@ -17,17 +17,12 @@ namespace {
 using Pixel = const std::uint8_t*;
 using Colour = std::function<bool(Pixel)>;
 
-bool isRed(Pixel p) {
-  return p[0] > 110 && p[1] < 0.45 * p[0] && p[2] < 0.45 * p[0];
-}
-bool isPurple(Pixel p) {
-  return p[2] > p[1] + 25 && p[0] > p[1] + 10 && p[2] < 170;
-}
-bool isYellow(Pixel p) {
-  return p[0] > p[2] + 60 && p[1] > p[2] + 60;
-}
+bool isRed(Pixel p) { return p[0] > 110 && p[1] < 0.45 * p[0] && p[2] < 0.45 * p[0]; }
+bool isPurple(Pixel p) { return p[2] > p[1] + 25 && p[0] > p[1] + 10 && p[2] < 170; }
+bool isYellow(Pixel p) { return p[0] > p[2] + 60 && p[1] > p[2] + 60; }
 
-/// How many pixels of the view, beside the panels and the legends, have a colour; and where, on average.
+/// How many pixels of the view, beside the panels and the legends, have a colour; and where, on
+/// average.
 struct Spot {
   int count = 0;
   double x = 0, y = 0;
@@ -98,9 +93,12 @@ TEST_F(PictureTest, ShowsTheBodyAndColoursWhatIsPressed) {
 
 TEST_F(PictureTest, ShowsTheGhostOnlyWhereTheBodyIsDeformed) {
   const HapticState rest = pressed(0), press = pressed(0.012);
-  EXPECT_EQ(differences(pictureOf(rest, {.ghost = true}), pictureOf(rest, {.ghost = false}), 980, 622), 0);
-  EXPECT_GT(differences(pictureOf(press, {.ghost = true}), pictureOf(press, {.ghost = false}), 980, 622),
-            500);
+  EXPECT_EQ(
+      differences(pictureOf(rest, {.ghost = true}), pictureOf(rest, {.ghost = false}), 980, 622),
+      0);
+  EXPECT_GT(
+      differences(pictureOf(press, {.ghost = true}), pictureOf(press, {.ghost = false}), 980, 622),
+      500);
 }
 
 TEST_F(PictureTest, ShowsAnArrowWhenThereIsAForce) {
@@ -188,7 +186,8 @@ TEST(Picture, WithoutADisplaySaysWhatToDo) {
 class StageTest : public ::testing::Test {
  protected:
   StageTest() : window("Stage", 400, 400, true, false), stage(0.1) {
-    stage.camera().frame(Eigen::Vector3d::Zero(), 0.1, Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY(), 1);
+    stage.camera().frame(Eigen::Vector3d::Zero(), 0.1, Eigen::Vector3d::UnitZ(),
+                         Eigen::Vector3d::UnitY(), 1);
   }
   Image render() {
     stage.render({400, 400, 0, 0, 400, 400});
@@ -203,8 +202,9 @@ class StageTest : public ::testing::Test {
 TEST_F(StageTest, PointsTheArrowAlongTheForce) {
   stage.tool().setTool(Eigen::Vector3d::Zero());
   EXPECT_EQ(find(render(), isRed, 400, 400).count, 0);
-  for (const Eigen::Vector3d& arrow : {Eigen::Vector3d(0.06, 0, 0), Eigen::Vector3d(-0.06, 0, 0),
-                                       Eigen::Vector3d(0, 0.06, 0), Eigen::Vector3d(0.03, -0.04, 0)}) {
+  for (const Eigen::Vector3d& arrow :
+       {Eigen::Vector3d(0.06, 0, 0), Eigen::Vector3d(-0.06, 0, 0), Eigen::Vector3d(0, 0.06, 0),
+        Eigen::Vector3d(0.03, -0.04, 0)}) {
     stage.tool().setArrow(arrow);
     const Spot spot = find(render(), isRed, 400, 400);
     ASSERT_GT(spot.count, 50);
@@ -219,8 +219,10 @@ TEST_F(StageTest, DrawsDotsWhereTheyAreInTheirColours) {
                                         {{-0.03, 0.02, 0}, colourOf(Tag::expandable)}};
   stage.lattice().setDots(dots, {0, 0.01, 0}, 6);
   const auto at = [&](const Image& image, const LatticeDot& dot) {
-    const Eigen::Vector3d place = stage.camera().project(dot.displacement + Eigen::Vector3d(0, 0.01, 0));
-    Pixel p = image.at(static_cast<int>(200 + 400 * place.x()), static_cast<int>(200 - 400 * place.y()));
+    const Eigen::Vector3d place =
+        stage.camera().project(dot.displacement + Eigen::Vector3d(0, 0.01, 0));
+    Pixel p =
+        image.at(static_cast<int>(200 + 400 * place.x()), static_cast<int>(200 - 400 * place.y()));
     return std::array<double, 3>{static_cast<double>(p[0]), static_cast<double>(p[1]),
                                  static_cast<double>(p[2])};
   };

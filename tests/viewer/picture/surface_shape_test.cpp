@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "tests/support/expect_error.hpp"
-#include "viewer/viridis.hpp"
+#include "viewer/plot/viridis.hpp"
 
 namespace palpate {
 namespace {
@@ -44,8 +44,9 @@ TEST(SurfaceShape, HasTheNormalsOfTheDeformedSurface) {
   shape.setDisplacements(u);
   const Eigen::Vector3f expected = Eigen::Vector3f(-0.3F, 0, 1).normalized();
   for (std::size_t n = 0; n < shape.size(); ++n) {
-    EXPECT_NEAR((Eigen::Map<const Eigen::Vector3f>(shape.normals().data() + 3 * n) - expected).norm(), 0,
-                1e-5);
+    EXPECT_NEAR(
+        (Eigen::Map<const Eigen::Vector3f>(shape.normals().data() + 3 * n) - expected).norm(), 0,
+        1e-5);
     EXPECT_FLOAT_EQ(shape.positions()[3 * n + 2], u[3 * n + 2]);
   }
 }
@@ -66,7 +67,9 @@ TEST(SurfaceShape, ColoursLengthsByViridisWhereItCanBeTouchedAndGreysTheRest) {
     EXPECT_NEAR(at(5)[i], end[i], 1);
     EXPECT_NEAR(at(1)[i], none[i], 1);
   }
-  const auto saturation = [](Bytes c) { return std::max({c[0], c[1], c[2]}) - std::min({c[0], c[1], c[2]}); };
+  const auto saturation = [](Bytes c) {
+    return std::max({c[0], c[1], c[2]}) - std::min({c[0], c[1], c[2]});
+  };
   EXPECT_GT(saturation(at(0)), 2 * saturation(at(4)));
 }
 
@@ -88,7 +91,8 @@ TEST(SurfaceShape, TakesWhatIsNotFiniteForAtRest) {
 
 TEST(SurfaceShape, RefusesSizesThatDoNotFit) {
   SurfaceShape shape = Square().shape();
-  test::expectError(ExitCode::failed, [&] { shape.setDisplacements(std::vector<float>(7)); }, {"7", "25"});
+  test::expectError(ExitCode::failed, [&] { shape.setDisplacements(std::vector<float>(7)); },
+                    {"7", "25"});
 }
 
 TEST(Viridis, EndsInDarkBlueAndYellowAndGrowsLighter) {

@@ -8,12 +8,13 @@
 
 #include <string>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 
 namespace palpate::test {
 
-/// An Xvfb of its own, on a display that it chooses, with OpenGL in software: the environment of this process
-/// points to it while the object lives. Xvfb ends with the object, or with this process.
+/// An Xvfb of its own, on a display that it chooses, with OpenGL in software: the environment of
+/// this process points to it while the object lives. Xvfb ends with the object, or with this
+/// process.
 class VirtualScreen {
  public:
   VirtualScreen() {
@@ -43,8 +44,8 @@ class VirtualScreen {
     close(ends[0]);
     prctl(PR_SET_PDEATHSIG, SIGTERM);  // a test that crashes leaves nothing behind
     const std::string out = std::to_string(ends[1]);
-    execlp("Xvfb", "Xvfb", "-displayfd", out.c_str(), "-screen", "0", "1600x1000x24", "-nolisten", "tcp",
-           "-noreset", static_cast<char*>(nullptr));
+    execlp("Xvfb", "Xvfb", "-displayfd", out.c_str(), "-screen", "0", "1600x1000x24", "-nolisten",
+           "tcp", "-noreset", static_cast<char*>(nullptr));
     _exit(127);
   }
   /// Empty when the pipe ends without one.

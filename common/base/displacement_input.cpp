@@ -1,0 +1,65 @@
+#include "common/base/displacement_input.hpp"
+
+#include <charconv>
+#include <cmath>
+
+#include "common/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+Eigen::Vector3d parse(const std::vector<std::string>& words, const std::string& where) {
+  if (words.size() != 3)
+    throw badInput("{}: write three numbers, X Y Z in metres, not {}", where, words.size());
+  Eigen::Vector3d displacement;
+  for (int i = 0; i < 3; ++i) {
+    const std::string& word = words[i];
+    const char* begin = word.data() + (word.starts_with('+') ? 1 : 0);
+    const char* end = word.data() + word.size();
+    const auto [stop, error] = std::from_chars(begin, end, displacement[i]);
+    if (error != std::errc() || stop != end || !std::isfinite(displacement[i]))
+      throw badInput("{}: \"{}\" is not a finite number", where, word);
+  }
+  return displacement;
+}
+
+std::vector<std::string> wordsIn(const std::string& line) {
+  constexpr const char* separators = " \t\r,";
+  std::vector<std::string> words;
+  for (std::size_t at = 0; (at = line.find_first_not_of(separators, at)) != std::string::npos;) {
+    const std::size_t end = std::min(line.find_first_of(separators, at), line.size());
+    words.push_back(line.substr(at, end - at));
+    at = end;
+  }
+  return words;
+}
+
+}  // namespace
+
+CLI::Option* addDisplacementOption(CLI::App& app, std::vector<std::string>& words) {
+  return app
+      .add_option(
+          "--displacement", words,
+          "Displacement of the active node, metres; or - to read one per line from standard input")
+      ->required()
+      ->expected(1, 3)
+      ->allow_extra_args(false)
+      ->type_name("X Y Z");
+}
+
+void forEachDisplacement(const std::vector<std::string>& words, std::istream& input,
+                         const std::function<void(const Eigen::Vector3d&)>& visit) {
+  if (words != std::vector<std::string>{"-"}) {
+    visit(parse(words, "--displacement"));
+    return;
+  }
+  std::string line;
+  for (int number = 1; std::getline(input, line); ++number) {
+    const std::vector<std::string> numbers = wordsIn(line);
+    if (numbers.empty() || numbers.front().starts_with('#')) continue;
+    visit(parse(numbers, fmt::format("standard input, line {}", number)));
+  }
+  if (input.bad()) throw failure("standard input could not be read");
+}
+
+}  // namespace palpate

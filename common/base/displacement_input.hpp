@@ -1,0 +1,23 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <Eigen/Core>
+#include <functional>
+#include <istream>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+/// The option `--displacement X Y Z` (metres), or `--displacement -` to read one "X Y Z" per line
+/// from standard input, as `solve` and `query` take it. Negative numbers are numbers here, not
+/// options.
+CLI::Option* addDisplacementOption(CLI::App& app, std::vector<std::string>& words);
+
+/// Calls `visit` for the displacement in `words`, or for every line of `input`, where blanks or
+/// commas stand between the numbers; empty lines and lines that start with # are passed over. Error
+/// (bad input) for what is not three finite numbers, naming the line.
+void forEachDisplacement(const std::vector<std::string>& words, std::istream& input,
+                         const std::function<void(const Eigen::Vector3d&)>& visit);
+
+}  // namespace palpate

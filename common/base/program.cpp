@@ -1,0 +1,135 @@
+#include "common/base/program.hpp"
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cctype>
+#include <cerrno>
+#include <csignal>
+#include <cstdint>
+#include <cstring>
+#include <ctime>
+#include <string>
+#include <vector>
+
+namespace palpate {
+namespace {
+
+/// Signals so close together (ms) have one cause.
+constexpr std::int64_t same_interrupt = 1000;
+
+std::atomic<std::int64_t> first_interrupt = 0;  ///< CLOCK_MONOTONIC, ms; 0: none yet
+static_assert(decltype(first_interrupt)::is_always_lock_free, "a signal handler uses it");
+
+void onInterrupt(int) {
+  timespec time{};
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  const std::int64_t now = 1000 * std::int64_t{time.tv_sec} + time.tv_nsec / 1000000;
+  std::int64_t first = 0;
+  if (!first_interrupt.compare_exchange_strong(first, now) && now - first > same_interrupt)
+    _exit(static_cast<int>(ExitCode::interrupted));
+}
+
+void logToStderr(int verbosity) {
+  auto logger = spdlog::stderr_color_mt("palpate");
+  logger->set_pattern("%Y-%m-%d %H:%M:%S %^%l%$ %v");
+  spdlog::set_default_logger(logger);
+  spdlog::set_level(verbosity < 0   ? spdlog::level::warn
+                    : verbosity > 0 ? spdlog::level::debug
+                                    : spdlog::level::info);
+}
+
+ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) {
+  try {
+    return run();
+  } catch (const Error& error) {
+    fmt::print(stderr, "palpate {}: {}\n", verb, error.what());
+    return error.exitCode();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "palpate {}: unexpected: {}\n", verb, error.what());
+    return ExitCode::failed;
+  }
+}
+
+/// Every --help says what the program's exit codes mean, in the verb's own words where it has some.
+void sayExitCodes(CLI::App& verb) {
+  const std::string own = verb.get_footer();
+  if (own.find("Exit codes:") != std::string::npos) return;
+  verb.footer(own + (own.empty() ? "" : "\n") +
+              "Exit codes: 0 done, 1 failed, 2 wrong usage or scene, 130 interrupted.");
+}
+
+int refuseUsage(const CLI::App& app, const CLI::ParseError& error) {
+  const auto chosen = app.get_subcommands();
+  const std::string command = "palpate" + (chosen.empty() ? "" : " " + chosen.front()->get_name());
+  fmt::print(stderr, "{}: {}; {} --help tells all\n", command, error.what(), command);
+  return static_cast<int>(ExitCode::usage);
+}
+
+/// "-.5" is an option to CLI11, "-0.5" a number.
+std::vector<std::string> withLeadingZeros(int argc, char** argv) {
+  std::vector<std::string> arguments(argv, argv + argc);
+  for (std::string& argument : arguments)
+    if (argument.size() > 2 && argument.starts_with("-.") &&
+        std::isdigit(static_cast<unsigned char>(argument[2])))
+      argument.insert(1, "0");
+  return arguments;
+}
+
+}  // namespace
+
+const char* version() { return PALPATE_VERSION; }
+
+bool interrupted() { return first_interrupt != 0; }
+
+void catchInterrupts() {
+  struct sigaction action {};
+  action.sa_handler = onInterrupt;
+  sigemptyset(&action.sa_mask);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {};
+    // Whoever started it with nohup wants it to outlive the terminal.
+    if (sigaction(signal, nullptr, &before) == 0 && signal == SIGHUP &&
+        before.sa_handler == SIG_IGN)
+      continue;
+    if (sigaction(signal, &action, nullptr) != 0)
+      throw failure("signal {} cannot be caught: {}", signal, std::strerror(errno));
+  }
+}
+
+int runProgram(int argc, char** argv, const char* description, std::span<const Verb> verbs) {
+  CLI::App app{description, "palpate"};
+  app.set_version_flag("--version", std::string("palpate ") + version());
+  app.require_subcommand(1);
+
+  bool quiet = false, verbose = false;
+  std::string chosen;
+  std::function<ExitCode()> run;
+  for (const Verb& verb : verbs) {
+    CLI::App* sub = app.add_subcommand(verb.name, verb.summary);
+    sub->add_flag("-q,--quiet", quiet, "Only warnings and errors");
+    sub->add_flag("-v,--verbose", verbose, "Say more");
+    auto prepared = verb.prepare(*sub);
+    sayExitCodes(*sub);
+    sub->callback([&chosen, &run, prepared, name = verb.name] {
+      chosen = name;
+      run = prepared;
+    });
+  }
+  try {
+    std::vector<std::string> arguments = withLeadingZeros(argc, argv);
+    std::vector<char*> pointers;
+    for (std::string& argument : arguments) pointers.push_back(argument.data());
+    app.parse(argc, pointers.data());
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() != 0) return refuseUsage(app, error);
+    app.exit(error);  // --help or --version, which it prints
+    return static_cast<int>(ExitCode::done);
+  }
+  logToStderr(verbose ? 1 : quiet ? -1 : 0);
+  return static_cast<int>(runVerb(chosen, run));
+}
+
+}  // namespace palpate

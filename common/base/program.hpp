@@ -1,0 +1,36 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <span>
+
+#include "common/base/error.hpp"
+
+namespace palpate {
+
+/// A verb of one of the programs, for instance `check`. `prepare` declares its options on `app` and
+/// returns what runs after they were parsed; options live in a std::shared_ptr captured by that
+/// function.
+struct Verb {
+  const char* name;
+  const char* summary;  ///< one line, for --help
+  std::function<ExitCode()> (*prepare)(CLI::App& app);
+};
+
+/// The main() of palpate-scheduler, palpate-worker and palpate-viewer: parses, runs the verb, and
+/// turns every exception into one line on stderr ("palpate VERB: what happened") and an exit code.
+/// Unknown options end with code 2. Also reads the common options --version, -q/--quiet and
+/// -v/--verbose. Logs go to stderr.
+int runProgram(int argc, char** argv, const char* description, std::span<const Verb> verbs);
+
+/// The program's version, "0.1.0".
+const char* version();
+
+/// True once SIGINT, SIGTERM or SIGHUP (unless that was ignored) came in, after catchInterrupts().
+/// A second signal ends the process at once with code 130, unless it follows the first within a
+/// second: timeout(1) signals a process and then its group, and Ctrl-C in a terminal reaches
+/// children that are told to end by their parent too.
+bool interrupted();
+void catchInterrupts();
+
+}  // namespace palpate

@@ -1,0 +1,128 @@
+#pragma once
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "common/base/error.hpp"
+
+namespace palpate {
+
+/// The text of a mesh file line by line, and a line word by word. Blank lines are skipped; errors
+/// carry file and line.
+class TextLines {
+ public:
+  TextLines(std::string text, std::string source)
+      : text_(std::move(text)), source_(std::move(source)) {}
+
+  /// Goes to the next line that is not blank; false at the end of the text.
+  bool advance() {
+    while (at_ < text_.size()) {
+      const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+      rest_ = std::string_view(text_).substr(at_, end - at_);
+      at_ = end + 1;
+      ++number_;
+      skipBlanks();
+      while (!rest_.empty() && isBlank(rest_.back())) rest_.remove_suffix(1);
+      if (!rest_.empty()) return true;
+    }
+    rest_ = {};
+    return false;
+  }
+
+  /// Goes behind the next blank line, or to the end of the text.
+  void skipToBlankLine() {
+    rest_ = {};
+    while (at_ < text_.size()) {
+      const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+      const bool blank = text_.find_first_not_of(" \t\r", at_) >= end;
+      at_ = end + 1;
+      ++number_;
+      if (blank) return;
+    }
+  }
+
+  /// advance(), or an error that the file is truncated inside `section`.
+  void advanceIn(std::string_view section) {
+    if (!advance())
+      throw badInput("{}:{}: the file is truncated: it ends inside {}", source_, number_, section);
+  }
+
+  std::string_view rest() const { return rest_; }
+  std::size_t number() const { return number_; }
+  bool atEndOfLine() const { return rest_.empty(); }
+
+  /// The next number of the line; `what` names it in errors.
+  template <class Number>
+  Number take(const char* what) {
+    const std::string_view token = takeWord();
+    if (token.empty()) throw wrong("the line ends where {} is expected", what);
+    const std::string_view digits = token.front() == '+' ? token.substr(1) : token;
+    Number value{};
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc() || end != digits.data() + digits.size())
+      throw wrong("\"{}\" where {} is expected", token, what);
+    return value;
+  }
+
+  double takeFinite(const char* what) {
+    const auto value = take<double>(what);
+    if (!std::isfinite(value)) throw wrong("{} that is not finite", what);
+    return value;
+  }
+
+  /// The next word of the line; empty at its end.
+  std::string_view takeWord() {
+    const std::string_view word = rest_.substr(0, rest_.find_first_of(" \t\r"));
+    rest_.remove_prefix(word.size());
+    skipBlanks();
+    return word;
+  }
+
+  /// A count that is announced. It is not believed before its items were seen: only reserveFor()
+  /// may use it.
+  std::size_t takeCount(const char* what) {
+    const auto count = take<std::int64_t>(what);
+    if (count < 0 || count > std::numeric_limits<std::int32_t>::max())
+      throw wrong("{} is {}, which cannot be", what, count);
+    return static_cast<std::size_t>(count);
+  }
+
+  /// No more than the text can hold, whatever is announced: the shortest item that is counted, a
+  /// point, takes six characters.
+  std::size_t reserveFor(std::size_t announced) const {
+    return std::min(announced, text_.size() / 6);
+  }
+
+  void expectEndOfLine() const {
+    if (!rest_.empty()) throw wrong("\"{}\" at the end of the line is too much", rest_);
+  }
+
+  template <class... Args>
+  Error wrong(fmt::format_string<Args...> format, Args&&... args) const {
+    return badInput("{}:{}: {}", source_, number_,
+                    fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  const std::string& source() const { return source_; }
+
+ private:
+  static bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+  void skipBlanks() {
+    while (!rest_.empty() && isBlank(rest_.front())) rest_.remove_prefix(1);
+  }
+
+  std::string text_;
+  std::string source_;
+  std::size_t at_ = 0;
+  std::size_t number_ = 0;
+  std::string_view rest_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/problem/problem.hpp"
+#include "common/space/space_table.hpp"
+
+namespace palpate {
+
+/// Factorising for more points would hold sealing up; who wants their weights solves them
+/// (solveRbfWeights).
+inline constexpr std::size_t most_stored_rbf_points = 2000;
+
+/// Gives the nodal fields of a solved point while a dataset is sealed. Throws Error when they
+/// cannot be read.
+using FieldsSource = std::function<NodalFields(std::size_t space, std::int32_t point)>;
+
+/// Writes a sealed dataset: aside as FILE.tmp, closed, re-opened and checked against the hashes,
+/// fsynced, renamed over FILE, directory fsynced. At any kill FILE is the old one, the new one or
+/// absent, never a part. The bytes are a function of the arguments alone (no time stamps). Layout:
+/// docs/dataset.md.
+///
+/// `spaces` has one table per problem.active, in that order and with those patches, each on the
+/// lattice of problem.scene (and what was added to it), with one record per point of it and without
+/// faultOf; else Error, and nothing is written. `fields` is asked for every solved point once, in
+/// order of space and point, and must give what its record names; scene.storage says what is kept
+/// of it. Of probes no fields are kept. Error on any HDF5 or system failure; FILE.tmp is then
+/// removed. One thread at a time (HDF5 is not thread-safe).
+void sealDataset(const std::filesystem::path& file, const Problem& problem,
+                 const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
+                 const FieldsSource& fields);
+
+/// A sealed dataset, opened for reading. Everything but the nodal fields is in memory after
+/// construction, verified; those are read, and verified, when asked for. One thread at a time (HDF5
+/// is not thread-safe); the tables may be read by any thread.
+class Dataset {
+ public:
+  /// Opens and verifies `file`. Error when it is missing, truncated, not a Palpate dataset, of
+  /// another major version, or when an array that is read does not match its hash; the message
+  /// names file and array.
+  explicit Dataset(const std::filesystem::path& file);
+  ~Dataset();
+  Dataset(Dataset&&) noexcept;
+  Dataset& operator=(Dataset&&) noexcept;
+
+  const std::filesystem::path& file() const;
+  ContentId contentId() const;  ///< over all arrays and the scene: equal for equal results
+  ContentId buildId() const;    ///< problemId of the problem it answers
+  const std::string& kernelFamily() const;
+  const std::string& sceneToml() const;  ///< resolved scene
+  const Scene& scene() const;
+  const Mesh& mesh() const;  ///< quadratic with P2 displacement; groups are not stored
+  const std::vector<std::int32_t>& fixedNodes() const;  ///< sorted
+  const std::vector<SpaceTable>& spaces() const;
+  /// The vertices on the surface, sorted: what is seen.
+  const std::vector<std::int32_t>& surfaceNodes() const;
+  /// The nodes whose displacements are kept, sorted: those of the surface, or all.
+  const std::vector<std::int32_t>& storedNodes() const;
+
+  /// Number of the space of the active node `name`; Error (bad input) that lists the names there
+  /// are.
+  std::size_t spaceNamed(const std::string& name) const;
+  /// What is kept of the nodal fields of a solved point: three displacements per stored node, and
+  /// pressures when all nodes are stored.
+  NodalFields fields(std::size_t space, std::int32_t point) const;
+  /// Displacements of the surface nodes in every point of a space, metres: [point][surface
+  /// node][axis], NaN in points that are not solved.
+  std::vector<float> surfaceDisplacements(std::size_t space) const;
+  /// Reads and verifies every array, the nodal fields too. Error names the first damaged one.
+  void verifyAll() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace palpate

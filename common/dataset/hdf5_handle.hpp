@@ -1,0 +1,89 @@
+#pragma once
+
+#include <hdf5.h>
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/base/content_id.hpp"
+#include "common/base/error.hpp"
+
+/// What datasets and recordings need of the HDF5 C API. Not thread-safe, as the library is not. For
+/// common/dataset*.cpp and viewer/haptics/recording.cpp only.
+namespace palpate::hdf5 {
+
+/// Turns off HDF5's own printing to stderr; called by every Reader and Writer.
+void silenceErrorStack();
+
+/// The innermost sentence of HDF5's error stack ("file write failed: ... No space left on device"),
+/// or "unknown".
+std::string lastError();
+
+/// Returns what an HDF5 call returned. A negative value becomes an Error "FILE: WHAT: HDF5's
+/// reason".
+template <class Result>
+Result checked(Result result, std::string_view file, std::string_view what) {
+  if (result < 0) throw failure("{}: {}: {}", file, what, lastError());
+  return result;
+}
+
+/// Owns one HDF5 identifier.
+class Handle {
+ public:
+  using Close = herr_t (*)(hid_t);
+  Handle() = default;
+  Handle(hid_t id, Close closer) : id_(id), close_(closer) {}
+  Handle(Handle&& other) noexcept
+      : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(close_, other.close_);
+    return *this;
+  }
+  ~Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  hid_t get() const { return id_; }
+  /// Closes now and returns the status, which for a file tells whether its last bytes could be
+  /// written.
+  herr_t close() { return id_ < 0 ? 0 : close_(std::exchange(id_, H5I_INVALID_HID)); }
+
+ private:
+  hid_t id_ = H5I_INVALID_HID;
+  Close close_ = nullptr;
+};
+
+/// The element types a dataset uses; all little-endian.
+enum class Element : std::uint8_t { uint8, int16, int32, float32, float64 };
+std::string_view name(Element element);
+std::size_t sizeOf(Element element);
+hid_t typeOf(Element element);  ///< a library constant, not to be closed
+
+template <class T>
+constexpr Element elementOf() {
+  if constexpr (std::is_same_v<T, std::uint8_t>) return Element::uint8;
+  if constexpr (std::is_same_v<T, std::int16_t>) return Element::int16;
+  if constexpr (std::is_same_v<T, std::int32_t>) return Element::int32;
+  if constexpr (std::is_same_v<T, float>) return Element::float32;
+  if constexpr (std::is_same_v<T, double>) return Element::float64;
+}
+
+using Shape = std::vector<hsize_t>;  ///< extents, slowest first; empty for a scalar
+std::size_t countOf(const Shape& shape);
+std::string describe(const Shape& shape);  ///< "515 x 3"; "scalar"
+
+/// One array of a file and the hash of its bytes.
+struct ArrayInfo {
+  std::string path;  ///< "/lattice/ijk"
+  Element element = Element::uint8;
+  Shape shape;
+  ContentId hash;  ///< BLAKE2b-256 of the values, row-major, little-endian
+};
+
+/// Name of the attribute that holds an array's hash as 64 hexadecimal digits.
+inline constexpr const char* hash_attribute = "blake2b";
+
+}  // namespace palpate::hdf5

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/dataset/hdf5_handle.hpp"
+
+namespace palpate::hdf5 {
+
+inline constexpr hsize_t any_extent = ~hsize_t{0};  ///< in an expected Shape
+
+/// Words for messages about one kind of file.
+struct FileKind {
+  std::string_view noun = "dataset";
+  std::string_view origin = "palpate build makes one";
+  std::string_view remedy = "copy the dataset again or seal it again with palpate build";
+};
+
+/// Reads what Writer wrote and trusts nothing: types, shapes and hashes are checked before values
+/// are used. Only arrays of the five plain types, stored in the file itself, are accepted. Every
+/// Error names the file and the array.
+class Reader {
+ public:
+  /// Error (bad input) when `file` is missing, no file or no HDF5 file; Error when it is cut or its
+  /// structure damaged.
+  explicit Reader(const std::filesystem::path& file, const FileKind& kind = {});
+
+  bool hasAttribute(const char* attribute) const;  ///< of the root group
+  std::string text(const char* attribute) const;   ///< of the root group, fixed-length string
+  std::vector<std::int32_t> integers(const char* attribute) const;
+  double number(const char* attribute) const;
+
+  /// Looks at every array of the file. To be called once, before any of the calls below.
+  void findArrays();
+  const std::vector<ArrayInfo>& arrays() const { return arrays_; }  ///< sorted by path
+  const ArrayInfo& array(const std::string& path) const;            ///< Error when it is not there
+  const ArrayInfo& array(const std::string& path, Element element,
+                         const Shape& expected) const;                ///< and checked
+  std::vector<std::string> groupsIn(const std::string& group) const;  ///< sorted
+
+  /// A whole array, checked against its hash.
+  template <class T>
+  std::vector<T> read(const std::string& path, const Shape& expected) const {
+    const ArrayInfo& info = array(path, elementOf<T>(), expected);
+    std::vector<T> values(countOf(info.shape));
+    readBytes(info, std::as_writable_bytes(std::span<T>(values)));
+    return values;
+  }
+  /// Rows `first`, first + 1, ... of an array that was checked with array(), as many as fill
+  /// `values`. Not compared with a hash.
+  template <class T>
+  void readRows(const ArrayInfo& info, std::size_t first, std::span<T> values) const {
+    readRowBytes(info, first, std::as_writable_bytes(values));
+  }
+  /// Reads all of it and compares with its hash.
+  void verify(const ArrayInfo& info) const;
+
+  /// Error "FILE: WHERE: WHY", for what callers find wrong with what they read.
+  Error damaged(std::string_view where, std::string_view why) const;
+
+ private:
+  void readRowBytes(const ArrayInfo& info, std::size_t first, std::span<std::byte> bytes) const;
+  void readBytes(const ArrayInfo& info, std::span<std::byte> bytes) const;
+  ArrayInfo inspect(const std::string& path) const;
+  std::string text(hid_t object, const char* attribute, std::string_view where) const;
+  template <class Result>
+  Result check(Result result, std::string_view what) const {
+    return checked(result, name_, what);
+  }
+
+  std::string name_;
+  FileKind kind_;
+  Handle file_;
+  hsize_t file_size_ = 0;
+  std::vector<ArrayInfo> arrays_;
+};
+
+}  // namespace palpate::hdf5

@@ -1,0 +1,146 @@
+// The front command: `palpate VERB ...` becomes the program that knows the verb.
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/base/nearest_word.hpp"
+#include "common/base/program.hpp"
+
+namespace palpate {
+namespace {
+
+struct Route {
+  std::string_view verb;
+  const char* program;
+};
+
+constexpr std::array<Route, 14> routes = {{{"check", "palpate-worker"},
+                                           {"build", "palpate-scheduler"},
+                                           {"query", "palpate-viewer"},
+                                           {"solve", "palpate-worker"},
+                                           {"serve", "palpate-scheduler"},
+                                           {"work", "palpate-worker"},
+                                           {"status", "palpate-scheduler"},
+                                           {"stop", "palpate-scheduler"},
+                                           {"explain", "palpate-scheduler"},
+                                           {"verify", "palpate-worker"},
+                                           {"report", "palpate-viewer"},
+                                           {"doctor", "palpate-viewer"},
+                                           {"view", "palpate-viewer"},
+                                           {"device", "palpate-viewer"}}};
+
+constexpr const char* overview =
+    R"(Feel a nonlinear soft body at 1 kHz: Palpate computes, ahead of the touch, the equilibrium of the body for a
+lattice of positions of one displaced surface node, and answers with forces interpolated from them.
+
+Usage: palpate VERB [ARGUMENTS]        palpate VERB --help tells all of a verb
+
+From a scene to forces
+  check    Validate a scene; print sizes, mesh quality, warnings and what it will cost. Computes nothing
+  build    Compute the dataset of a scene with workers on this machine; interrupted, it goes on where it was
+  query    Force, stiffness and error bound at any displacement, from a dataset
+  view     Feel and see it: the haptic client, with a virtual hand when there is no device
+  solve    One exact solution, without scheduler and dataset
+
+On several machines
+  serve    Run the scheduler of a scene; workers come and go as they like
+  work     Run workers for it, here or anywhere
+  status   How far it is: tags, rate, time left, workers, failures by cause
+  stop     Let it finish what is running, and end it; serve goes on later
+  explain  How a lattice point was reached, or why it failed
+
+With a haptic device elsewhere
+  device   Lend a haptic device of this machine to a simulator on another
+
+Whether to trust it
+  verify   Solve problems whose solution is known; print computed, reference and deviation
+  report   Speed against error of every method of interpolation, from a dataset; with --html a page
+  doctor   Can this machine run the haptic client: timer, real-time limits, display, devices
+
+In five minutes, with a tetrahedral mesh organ.msh from Gmsh (here in millimetres) and this as organ.toml:
+  mesh = "organ.msh"
+  length_unit = "mm"
+  [material]
+  law = "mooney-rivlin"
+  c10 = 1300                                  # Pa
+  c01 = 1280
+  [fixed]
+  below = { axis = "x", fraction = 0.15 }     # held: the first 15 % along x
+  [[active]]
+  name = "tip"
+  near = [58, 134, 2.5]                       # touched: the surface node nearest to this
+  radius = 15                                 # and what lies within 15 mm of it
+  [workspace]
+  radius = 100
+  spacing = 20
+say
+  palpate check organ.toml
+  palpate build organ.toml -o organ.h5
+  palpate query organ.h5 --active tip --displacement 0.01 0 0       # metres in, newtons out
+)";
+
+const Route* routeOf(std::string_view verb) {
+  for (const Route& route : routes)
+    if (route.verb == verb) return &route;
+  return nullptr;
+}
+
+int refuseVerb(std::string_view verb) {
+  std::vector<std::string_view> verbs;
+  for (const Route& route : routes) verbs.push_back(route.verb);
+  const std::string_view nearest = nearestWord(verb, verbs);
+  if (nearest.empty())
+    fmt::print(stderr, "palpate: there is no verb \"{}\"; there is {}\n", verb, listed(verbs));
+  else
+    fmt::print(stderr, "palpate: there is no verb \"{}\"; did you mean \"{}\"?\n", verb, nearest);
+  return static_cast<int>(ExitCode::usage);
+}
+
+/// Replaces this process by the program beside it. Returns only when that fails.
+int become(const Route& route, std::vector<std::string> arguments) {
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (error) {
+    fmt::print(stderr, "palpate: cannot find where it is installed: /proc/self/exe: {}\n",
+               error.message());
+    return static_cast<int>(ExitCode::failed);
+  }
+  const std::string program = self.parent_path() / route.program;
+  arguments.insert(arguments.begin(), program);
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+  execv(program.c_str(), argv.data());
+  fmt::print(stderr, "palpate {}: cannot start {}: {}\n", route.verb, program,
+             std::strerror(errno));
+  return static_cast<int>(ExitCode::failed);
+}
+
+int run(std::vector<std::string> arguments) {
+  const bool asks_for_help = arguments.empty() || arguments[0] == "help" ||
+                             arguments[0] == "--help" || arguments[0] == "-h";
+  if (asks_for_help && arguments.size() < 2) {
+    fmt::print("{}", overview);
+    return static_cast<int>(ExitCode::done);
+  }
+  if (asks_for_help) arguments = {arguments[1], "--help"};
+  if (arguments[0] == "--version") {
+    fmt::print("palpate {}\n", version());
+    return static_cast<int>(ExitCode::done);
+  }
+  const Route* route = routeOf(arguments[0]);
+  return route ? become(*route, std::move(arguments)) : refuseVerb(arguments[0]);
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) { return palpate::run({argv + 1, argv + argc}); }

@@ -1,0 +1,113 @@
+#include "common/interpolation/branch_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+/// The cells that refinement left whole.
+class Leaves {
+ public:
+  explicit Leaves(const SpaceTable& space)
+      : splits_(space.splits), divisions_(space.lattice.divisions()) {}
+
+  std::int32_t edge(std::int32_t level) const { return divisions_ >> level; }
+  std::int32_t deepest() const { return splits_.empty() ? 0 : splits_.back().level + 1; }
+  bool isLeaf(const LatticeCell& cell) const {
+    return !isSplit(cell) && (cell.level == 0 || isSplit(parentOf(cell)));
+  }
+
+ private:
+  static bool before(const LatticeCell& a, const LatticeCell& b) {
+    return a.level != b.level ? a.level < b.level : a.lowest < b.lowest;
+  }
+  bool isSplit(const LatticeCell& cell) const {
+    return std::binary_search(splits_.begin(), splits_.end(), cell, before);
+  }
+  LatticeCell parentOf(LatticeCell cell) const {
+    --cell.level;
+    const std::int32_t side = edge(cell.level);
+    for (std::int32_t& coordinate : cell.lowest) coordinate -= (coordinate % side + side) % side;
+    return cell;
+  }
+
+  const std::vector<LatticeCell>& splits_;
+  std::int32_t divisions_;
+};
+
+bool isMultiple(const LatticePoint& point, std::int32_t of) {
+  return std::all_of(point.begin(), point.end(), [of](std::int32_t x) { return x % of == 0; });
+}
+
+/// Whether one of the four cells around the edge that starts at `lower` along `axis` is a leaf.
+bool bordersLeaf(const Leaves& leaves, const LatticePoint& lower, std::size_t axis,
+                 std::int32_t level) {
+  for (int around = 0; around < 4; ++around) {
+    LatticeCell cell{lower, level};
+    if ((around & 1) != 0) cell.lowest[(axis + 1) % 3] -= leaves.edge(level);
+    if ((around & 2) != 0) cell.lowest[(axis + 2) % 3] -= leaves.edge(level);
+    if (leaves.isLeaf(cell)) return true;
+  }
+  return false;
+}
+
+/// The edges of leaf cells between solved points for which `selects` their check.
+template <class Select>
+std::vector<LatticeEdge> selectEdges(const SpaceTable& space, Select selects) {
+  const Lattice& lattice = space.lattice;
+  const Leaves leaves(space);
+  std::vector<LatticeEdge> found;
+  for (std::int32_t n = 0; n < lattice.size(); ++n) {
+    if (!isSolved(space.points[n].tag)) continue;
+    for (std::int32_t level = 0; level <= leaves.deepest(); ++level) {
+      if (!isMultiple(lattice.point(n), leaves.edge(level))) continue;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        LatticePoint upper = lattice.point(n);
+        upper[axis] += leaves.edge(level);
+        const auto other = lattice.indexOf(upper);
+        if (!other || !isSolved(space.points[*other].tag) ||
+            !bordersLeaf(leaves, lattice.point(n), axis, level))
+          continue;
+        if (selects(checkEdge(space.points[n].equilibrium, space.points[*other].equilibrium,
+                              lattice.displacement(*other) - lattice.displacement(n))))
+          found.push_back({std::min(n, *other), std::max(n, *other)});
+      }
+    }
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+}  // namespace
+
+bool EdgeCheck::consistent() const {
+  // The constants only keep round-off and perfectly linear edges out.
+  return force_mismatch <= 2e-3 + 0.1 * change + bend &&
+         energy_mismatch <= 5e-4 + 0.02 * change + 0.25 * bend;
+}
+
+bool EdgeCheck::suspect() const {
+  return !consistent() || force_mismatch > 0.05 + 0.5 * change ||
+         energy_mismatch > 0.01 + 0.08 * change;
+}
+
+EdgeCheck checkEdge(const Equilibrium& a, const Equilibrium& b, const Eigen::Vector3d& step) {
+  const Eigen::Vector3d at_a = a.stiffness * step, at_b = b.stiffness * step, bend = at_b - at_a;
+  const double work = 0.5 * (a.force + b.force).dot(step) - bend.dot(step) / 12;
+  return {.force_mismatch = (b.force - a.force - 0.5 * (at_a + at_b)).norm(),
+          .energy_mismatch = std::abs(b.energy - a.energy + work) / step.norm(),
+          .change = 0.5 * (at_a.norm() + at_b.norm()),
+          .bend = bend.norm()};
+}
+
+std::vector<LatticeEdge> inconsistentEdges(const SpaceTable& space) {
+  return selectEdges(space, [](const EdgeCheck& check) { return !check.consistent(); });
+}
+
+std::vector<LatticeEdge> suspectEdges(const SpaceTable& space) {
+  return selectEdges(space, [](const EdgeCheck& check) { return check.suspect(); });
+}
+
+}  // namespace palpate

@@ -1,0 +1,225 @@
+#include "common/interpolation/cell_tree.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::int32_t no_cell = std::numeric_limits<std::int32_t>::max();
+// Relative to the radius. A cell that reaches less deep into the ball is left out, so that
+// round-off does not decide about cells that touch the sphere from outside; find() then looks at a
+// position pulled in farther.
+constexpr double shallow = 1e-10, pull = 1e-9;
+
+LatticePoint cornerOf(const LatticeCell& cell, std::size_t corner, std::int32_t edge) {
+  LatticePoint point = cell.lowest;
+  for (std::size_t axis = 0; axis < 3; ++axis) point[axis] += (corner >> axis & 1) != 0 ? edge : 0;
+  return point;
+}
+
+bool isSplit(const SpaceTable& space, const LatticeCell& cell) {
+  const auto before = [](const LatticeCell& a, const LatticeCell& b) {
+    return a.level != b.level ? a.level < b.level : a.lowest < b.lowest;
+  };
+  return std::binary_search(space.splits.begin(), space.splits.end(), cell, before);
+}
+
+}  // namespace
+
+CellTree::CellTree(const SpaceTable& space)
+    : radius_(space.lattice.radius()),
+      spacing_(space.lattice.spacing()),
+      divisions_(space.lattice.divisions()),
+      extent_(static_cast<std::int32_t>(std::ceil(radius_ / spacing_ * (1 - shallow)))) {
+  if (std::none_of(space.points.begin(), space.points.end(),
+                   [](const PointRecord& point) { return isSolved(point.tag); }))
+    throw failure("active node {}: no lattice point was solved, so there is nothing to interpolate",
+                  space.patch.name);
+  const auto side = 2 * static_cast<std::size_t>(extent_);
+  nodes_.assign(side * side * side, no_cell);
+  std::size_t place = 0;
+  for (std::int32_t i = -extent_; i < extent_; ++i)
+    for (std::int32_t j = -extent_; j < extent_; ++j)
+      for (std::int32_t k = -extent_; k < extent_; ++k)
+        addCell(space, {{i * divisions_, j * divisions_, k * divisions_}, 0}, place++);
+  makeSlots(space);
+  markUnsupported();
+}
+
+bool CellTree::reachesIntoBall(const LatticeCell& cell) const {
+  const std::int32_t edge = divisions_ >> cell.level;
+  double squared = 0;
+  for (const std::int32_t low : cell.lowest) {
+    const double distance = std::max({low, -(low + edge), 0});
+    squared += distance * distance;
+  }
+  const double limit = radius_ / spacing_ * divisions_ * (1 - shallow);
+  return squared < limit * limit;
+}
+
+void CellTree::addCell(const SpaceTable& space, const LatticeCell& cell, std::size_t place) {
+  if (!reachesIntoBall(cell)) return;
+  const std::int32_t half = divisions_ >> (cell.level + 1);
+  if (half == 0 || !isSplit(space, cell)) {
+    nodes_[place] = static_cast<std::int32_t>(leaves_.size());
+    leaves_.push_back(cell);
+    edge_.push_back(spacing_ / (1 << cell.level));
+    return;
+  }
+  const std::size_t children = nodes_.size();
+  nodes_[place] = ~static_cast<std::int32_t>(children);
+  nodes_.resize(children + 8, no_cell);
+  for (std::size_t c = 0; c < 8; ++c)
+    addCell(space, {cornerOf(cell, c, half), cell.level + 1}, children + c);
+}
+
+void CellTree::makeSlots(const SpaceTable& space) {
+  std::vector<LatticePoint> points;
+  const auto eachCorner = [this](auto visit) {
+    for (std::size_t leaf = 0; leaf < leaves_.size(); ++leaf)
+      for (std::size_t c = 0; c < 8; ++c)
+        visit(leaf, c, cornerOf(leaves_[leaf], c, divisions_ >> leaves_[leaf].level));
+  };
+  eachCorner([&](std::size_t, std::size_t, const LatticePoint& point) { points.push_back(point); });
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+
+  const std::vector<bool> interpolated = interpolatedPoints(space);
+  for (const LatticePoint& point : points) {
+    CellSlot slot;
+    slot.point = point;
+    const auto number = space.lattice.indexOf(point);
+    if (number && interpolated[static_cast<std::size_t>(*number)]) {
+      slot.kind = SlotKind::solved;
+      slot.number = *number;
+    }
+    hang(slot);
+    if (slot.kind == SlotKind::hanging)
+      hanging_.push_back(static_cast<std::int32_t>(slots_.size()));
+    slots_.push_back(slot);
+  }
+  corners_.resize(leaves_.size());
+  eachCorner([&](std::size_t leaf, std::size_t c, const LatticePoint& point) {
+    corners_[leaf][c] = static_cast<std::int32_t>(
+        std::lower_bound(points.begin(), points.end(), point) - points.begin());
+  });
+  const auto level = [this](std::int32_t slot) {
+    return leaves_[static_cast<std::size_t>(slots_[static_cast<std::size_t>(slot)].leaf)].level;
+  };
+  std::stable_sort(hanging_.begin(), hanging_.end(),
+                   [&](std::int32_t a, std::int32_t b) { return level(a) < level(b); });
+}
+
+/// Hangs a slot in the coarsest of the up to eight leaves around it if it is no corner of that one.
+void CellTree::hang(CellSlot& slot) const {
+  std::int32_t coarsest = -1;
+  for (std::size_t c = 0; c < 8; ++c) {
+    std::array<std::int64_t, 3> beside;  // a place in the octant, a quarter of a coordinate away
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      beside[axis] = 4 * std::int64_t{slot.point[axis]} + ((c >> axis & 1) != 0 ? 1 : -1);
+    const std::int32_t leaf = leafAt(beside);
+    if (leaf >= 0 && (coarsest < 0 || leaves_[static_cast<std::size_t>(leaf)].level <
+                                          leaves_[static_cast<std::size_t>(coarsest)].level))
+      coarsest = leaf;
+  }
+  const LatticeCell& cell = leaves_[static_cast<std::size_t>(coarsest)];
+  const double edge = divisions_ >> cell.level;
+  Eigen::Vector3d local;
+  bool corner = true;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    local[static_cast<Eigen::Index>(axis)] = (slot.point[axis] - cell.lowest[axis]) / edge;
+    corner = corner &&
+             (slot.point[axis] == cell.lowest[axis] || local[static_cast<Eigen::Index>(axis)] == 1);
+  }
+  if (corner) return;
+  slot.kind = SlotKind::hanging;
+  slot.number = -1;
+  slot.leaf = coarsest;
+  slot.local = local;
+}
+
+/// The leaf around a place given in quarters of a coordinate; -1 when there is none.
+std::int32_t CellTree::leafAt(const std::array<std::int64_t, 3>& quarters) const {
+  return descend(Eigen::Vector3d(static_cast<double>(quarters[0]), static_cast<double>(quarters[1]),
+                                 static_cast<double>(quarters[2])) /
+                 (4.0 * divisions_))
+      .leaf;
+}
+
+void CellTree::markUnsupported() {
+  std::vector<bool> supported(slots_.size());
+  for (std::size_t s = 0; s < slots_.size(); ++s) supported[s] = slots_[s].kind == SlotKind::solved;
+  const auto any = [&](std::int32_t leaf) {
+    const LeafCorners& c = corners(leaf);
+    return std::any_of(c.begin(), c.end(), [&](std::int32_t slot) {
+      return supported[static_cast<std::size_t>(slot)];
+    });
+  };
+  fillHanging(*this, supported,
+              [&](std::int32_t leaf, const Eigen::Vector3d&) { return any(leaf); });
+  for (std::size_t leaf = 0; leaf < leaves_.size(); ++leaf)
+    unsupported_.push_back(!any(static_cast<std::int32_t>(leaf)));
+}
+
+Eigen::Vector3d CellTree::displacement(std::int32_t slot) const {
+  const LatticePoint& p = slots_[static_cast<std::size_t>(slot)].point;
+  return spacing_ / divisions_ * Eigen::Vector3d(p[0], p[1], p[2]);
+}
+
+LeafPlace CellTree::descend(const Eigen::Vector3d& in_spacings) const noexcept {
+  LeafPlace place;
+  std::size_t node = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double x = in_spacings[axis] + extent_;
+    if (!(x >= 0 && x < 2.0 * extent_)) return place;
+    const auto root = static_cast<std::size_t>(x);
+    node = node * 2 * static_cast<std::size_t>(extent_) + root;
+    place.local[axis] = x - static_cast<double>(root);
+  }
+  while (nodes_[node] < 0) {
+    std::size_t child = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool upper = place.local[axis] >= 0.5;
+      child |= static_cast<std::size_t>(upper) << axis;
+      place.local[axis] = 2 * place.local[axis] - (upper ? 1 : 0);
+    }
+    node = static_cast<std::size_t>(~nodes_[node]) + child;
+  }
+  if (nodes_[node] != no_cell) place.leaf = nodes_[node];
+  return place;
+}
+
+LeafPlace CellTree::find(const Eigen::Vector3d& displacement) const noexcept {
+  const double length = displacement.norm();
+  if (!(length <= radius_ * (1 + pull))) return {};
+  LeafPlace place = descend(displacement / spacing_);
+  if (place.leaf >= 0) return place;
+  LeafPlace pulled =
+      descend(displacement * ((1 - pull) * std::min(1.0, radius_ / length) / spacing_));
+  if (pulled.leaf < 0) return pulled;
+  const LatticePoint& low = leaves_[static_cast<std::size_t>(pulled.leaf)].lowest;
+  const Eigen::Vector3d from = displacement - unit() * Eigen::Vector3d(low[0], low[1], low[2]);
+  pulled.local = (from / edge(pulled.leaf)).cwiseMax(0).cwiseMin(1);
+  return pulled;
+}
+
+Eigen::Vector3d nearestInBall(const Eigen::Vector3d& displacement, double radius) noexcept {
+  const double largest = displacement.cwiseAbs().maxCoeff();
+  if (!(displacement.array().isNaN().any() || std::isinf(largest))) {
+    const double length = displacement.stableNorm();
+    if (length <= radius) return displacement;
+    return displacement / largest * (radius / (displacement / largest).norm());
+  }
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::isnan(displacement[axis])) return Eigen::Vector3d::Zero();
+    if (std::isinf(displacement[axis])) direction[axis] = displacement[axis] > 0 ? 1 : -1;
+  }
+  return direction * (radius / direction.norm());
+}
+
+}  // namespace palpate

@@ -1,0 +1,314 @@
+#include "common/interpolation/energy_jets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace palpate {
+namespace {
+
+// Of ghosts: the nearest solved points, up to so many times the distance of the first. Fewer lose
+// accuracy at the rim, more gain none.
+constexpr double ghost_reach = 2.2;
+constexpr std::size_t ghost_sources = 16;
+
+std::size_t at(const Orders& orders) {
+  const int index = orders[0] + 3 * orders[1] + 9 * orders[2];
+  return static_cast<std::size_t>(index);
+}
+
+LatticePoint difference(const LatticePoint& a, const LatticePoint& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+/// Chooses sources and fits.
+class Fitter {
+ public:
+  Fitter(const CellTree& tree, const SpaceTable& space,
+         const std::vector<LatticeEdge>& inconsistent)
+      : tree_(tree),
+        space_(space),
+        interpolated_(interpolatedPoints(space)),
+        fits_(space.lattice.unit()),
+        inconsistent_(inconsistent) {
+    const std::int32_t divisions = space.lattice.divisions();
+    around_.resize(tree.slots().size());
+    edge_.assign(tree.slots().size(), 0);
+    for (std::size_t leaf = 0; leaf < tree.leaves().size(); ++leaf)
+      for (const std::int32_t slot : tree.corners(static_cast<std::int32_t>(leaf))) {
+        around_[static_cast<std::size_t>(slot)].push_back(static_cast<std::int32_t>(leaf));
+        std::int32_t& edge = edge_[static_cast<std::size_t>(slot)];
+        edge = std::max(edge, divisions >> tree.leaves()[leaf].level);
+      }
+    for (std::int32_t n = 0; n < space.lattice.size(); ++n)
+      if (interpolated_[static_cast<std::size_t>(n)]) solved_.push_back(n);
+  }
+
+  LocalPolynomial fit(std::size_t slot) {
+    const CellSlot& s = tree_.slots()[slot];
+    if (s.kind == SlotKind::ghost) return extrapolate(slot);
+    if (s.kind == SlotKind::hanging) return {};
+    return fits_.complete(space_.points[s.number].equilibrium, neighbours(slot), edge_[slot]);
+  }
+
+  /// From the nearest solved points.
+  LocalPolynomial extrapolate(std::size_t slot) const {
+    std::vector<Candidate> candidates;
+    for (const std::int32_t number : solved_)
+      candidates.push_back(candidate(tree_.slots()[slot].point, number));
+    const Candidate nearest = *std::min_element(candidates.begin(), candidates.end());
+    std::erase_if(candidates, [&](const Candidate& c) {
+      return static_cast<double>(c.distance) >
+             ghost_reach * ghost_reach * static_cast<double>(nearest.distance);
+    });
+    const auto sources = choose(std::move(candidates), -1, ghost_sources);
+    const auto edge =
+        static_cast<std::int32_t>(std::ceil(std::sqrt(static_cast<double>(nearest.distance))));
+    for (int degree = degreeFor(sources.size());; --degree) {
+      LocalPolynomial polynomial = fits_.extrapolate(sources, edge, degree);
+      if (degree == 2 || isModest(polynomial.at(Eigen::Vector3d::Zero()), nearest, sources))
+        return polynomial;
+    }
+  }
+
+ private:
+  bool joined(std::int32_t a, std::int32_t b) const {
+    return !inconsistent_.empty() &&
+           std::binary_search(inconsistent_.begin(), inconsistent_.end(),
+                              LatticeEdge{std::min(a, b), std::max(a, b)});
+  }
+
+  struct Candidate {
+    std::int64_t distance;
+    LatticePoint offset;
+    std::int32_t number;
+    auto operator<=>(const Candidate&) const = default;
+  };
+
+  /// The nearest candidates that no inconsistent edge joins to those before them, nor to `own`.
+  std::vector<FitSource> choose(std::vector<Candidate> candidates, std::int32_t own,
+                                std::size_t most) const {
+    std::sort(candidates.begin(), candidates.end());
+    std::vector<std::int32_t> taken;
+    if (own >= 0) taken.push_back(own);
+    std::vector<FitSource> sources;
+    for (const Candidate& c : candidates) {
+      if (sources.size() == most) break;
+      if (std::any_of(taken.begin(), taken.end(),
+                      [&](std::int32_t t) { return joined(t, c.number); }))
+        continue;
+      taken.push_back(c.number);
+      sources.push_back({c.offset, &space_.points[c.number].equilibrium});
+    }
+    return sources;
+  }
+
+  /// The solved corners of the leaves around a solved slot, hanging ones too.
+  std::vector<FitSource> neighbours(std::size_t slot) const {
+    const CellSlot& center = tree_.slots()[slot];
+    std::set<std::int32_t> numbers;
+    for (const std::int32_t leaf : around_[slot])
+      for (const std::int32_t corner : tree_.corners(leaf)) {
+        const auto number =
+            space_.lattice.indexOf(tree_.slots()[static_cast<std::size_t>(corner)].point);
+        if (number && *number != center.number && interpolated_[static_cast<std::size_t>(*number)])
+          numbers.insert(*number);
+      }
+    std::vector<Candidate> candidates;
+    for (const std::int32_t number : numbers) candidates.push_back(candidate(center.point, number));
+    return choose(std::move(candidates), center.number, numbers.size());
+  }
+
+  Candidate candidate(const LatticePoint& center, std::int32_t number) const {
+    const LatticePoint offset = difference(space_.lattice.point(number), center);
+    return {squaredNorm(offset), offset, number};
+  }
+
+  static int degreeFor(std::size_t sources) {
+    if (sources < 2) return 2;
+    if (sources < 4) return 3;
+    return sources < 8 ? 4 : 5;
+  }
+
+  /// Whether the force at a ghost differs from that of the nearest source by no more than what the
+  /// stiffness there and the differences to the other sources suggest.
+  bool isModest(const Equilibrium& ghost, const Candidate& nearest,
+                const std::vector<FitSource>& sources) const {
+    const Equilibrium& base = space_.points[nearest.number].equilibrium;
+    const Eigen::Vector3d step =
+        -tree_.unit() * Eigen::Vector3d(nearest.offset[0], nearest.offset[1], nearest.offset[2]);
+    double usual = (base.stiffness * step).norm();
+    for (const FitSource& source : sources)
+      usual = std::max(usual, (source.data->force - base.force).norm());
+    return (ghost.force - base.force).norm() <= 2 * usual;
+  }
+
+  const CellTree& tree_;
+  const SpaceTable& space_;
+  const std::vector<bool> interpolated_;
+  LocalFits fits_;
+  const std::vector<LatticeEdge>& inconsistent_;
+  std::vector<std::vector<std::int32_t>> around_;  ///< leaves, per slot
+  std::vector<std::int32_t> edge_;                 ///< largest of the leaves around, coordinates
+  std::vector<std::int32_t> solved_;
+};
+
+EnergyJet jetOf(const LocalPolynomial& polynomial, double spacing) {
+  EnergyJet jet{};
+  for (std::size_t t = 0; t < LocalPolynomial::terms; ++t) {
+    const Orders& o = LocalPolynomial::orders(t);
+    if (o[0] > 2 || o[1] > 2 || o[2] > 2) continue;
+    jet[at(o)] = polynomial.derivatives[static_cast<Eigen::Index>(t)] *
+                 std::pow(spacing / polynomial.scale, o[0] + o[1] + o[2]);
+  }
+  return jet;
+}
+
+/// Quintic Hermite basis on [0, 1] and its derivatives: [derivative][end 0..1][order 0..2].
+template <std::size_t n_derivatives>
+using Basis = std::array<std::array<std::array<double, 3>, 2>, n_derivatives>;
+
+/// f: value 1 at the end, g: slope 1, k: curvature 1; the upper end mirrors the lower one, odd
+/// orders change sign.
+Basis<3> quinticHermite(double t) {
+  const double s = 1 - t;
+  Basis<3> basis;
+  const auto set = [&basis](std::size_t derivative, double f0, double f1, double g0, double g1,
+                            double k0, double k1) {
+    basis[derivative] = {{{f0, g0, k0}, {f1, g1, k1}}};
+  };
+  const auto f = [](double x) { return 1 + x * x * x * (-10 + x * (15 - 6 * x)); };
+  const auto g = [](double x) { return x + x * x * x * (-6 + x * (8 - 3 * x)); };
+  const auto k = [](double x) { return 0.5 * x * x * (1 + x * (-3 + x * (3 - x))); };
+  const auto df = [](double x) { return x * x * (-30 + x * (60 - 30 * x)); };
+  const auto dg = [](double x) { return 1 + x * x * (-18 + x * (32 - 15 * x)); };
+  const auto dk = [](double x) { return x * (1 + x * (-4.5 + x * (6 - 2.5 * x))); };
+  const auto ddf = [](double x) { return x * (-60 + x * (180 - 120 * x)); };
+  const auto ddg = [](double x) { return x * (-36 + x * (96 - 60 * x)); };
+  const auto ddk = [](double x) { return 1 + x * (-9 + x * (18 - 10 * x)); };
+  set(0, f(t), f(s), g(t), -g(s), k(t), k(s));
+  set(1, df(t), -df(s), dg(t), dg(s), dk(t), -dk(s));
+  set(2, ddf(t), ddf(s), ddg(t), -ddg(s), ddk(t), ddk(s));
+  return basis;
+}
+
+/// All 27 derivatives of a leaf's interpolant: what a hanging corner takes over.
+EnergyJet jetInLeaf(const CellTree& tree, const std::vector<EnergyJet>& jets, std::int32_t leaf,
+                    const Eigen::Vector3d& local) {
+  const double scale = tree.edge(leaf) / tree.spacing();
+  const std::array<Basis<3>, 3> basis = {quinticHermite(local.x()), quinticHermite(local.y()),
+                                         quinticHermite(local.z())};
+  EnergyJet result{};
+  for (int a = 0; a < 27; ++a) {
+    const std::array<std::size_t, 3> wanted = {static_cast<std::size_t>(a % 3),
+                                               static_cast<std::size_t>(a / 3 % 3),
+                                               static_cast<std::size_t>(a / 9)};
+    double sum = 0;
+    for (std::size_t c = 0; c < 8; ++c) {
+      const EnergyJet& jet = jets[static_cast<std::size_t>(tree.corners(leaf)[c])];
+      for (std::size_t b = 0; b < 27; ++b) {
+        const std::size_t order = b % 3 + b / 3 % 3 + b / 9;
+        sum += jet[b] * std::pow(scale, order) * basis[0][wanted[0]][c & 1][b % 3] *
+               basis[1][wanted[1]][c >> 1 & 1][b / 3 % 3] * basis[2][wanted[2]][c >> 2][b / 9];
+      }
+    }
+    result[static_cast<std::size_t>(a)] =
+        sum / std::pow(scale, static_cast<double>(wanted[0] + wanted[1] + wanted[2]));
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
+                                             const std::vector<LatticeEdge>& inconsistent) {
+  Fitter fitter(tree, space, inconsistent);
+  std::vector<LocalPolynomial> polynomials(tree.slots().size());
+  for (std::size_t slot = 0; slot < polynomials.size(); ++slot)
+    polynomials[slot] = fitter.fit(slot);
+  return polynomials;
+}
+
+std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
+                                              const std::vector<LatticeEdge>& inconsistent) {
+  const Fitter fitter(tree, space, inconsistent);
+  std::vector<LocalPolynomial> polynomials(tree.slots().size());
+  for (std::size_t slot = 0; slot < polynomials.size(); ++slot)
+    if (tree.slots()[slot].kind == SlotKind::ghost) polynomials[slot] = fitter.extrapolate(slot);
+  return polynomials;
+}
+
+std::vector<EnergyJet> energyJets(const CellTree& tree,
+                                  const std::vector<LocalPolynomial>& polynomials) {
+  std::vector<EnergyJet> jets;
+  for (const LocalPolynomial& polynomial : polynomials)
+    jets.push_back(jetOf(polynomial, tree.spacing()));
+  fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
+    return jetInLeaf(tree, jets, leaf, local);
+  });
+  return jets;
+}
+
+/// Sums over z, then y, then x, so that the longest sums run over neighbours in memory.
+EnergySample evaluateEnergy(const std::array<const EnergyJet*, 8>& corners,
+                            const Eigen::Vector3d& local, double edge, double spacing) noexcept {
+  using Plane = Eigen::Array<double, 9, 1>;  // orders a + 3 b at a corner
+  using Line = Eigen::Array3d;               // orders a
+  Basis<3> x = quinticHermite(local.x()), y = quinticHermite(local.y()),
+           z = quinticHermite(local.z());
+  if (edge != spacing) {
+    const double scale = edge / spacing;
+    for (Basis<3>* basis : {&x, &y, &z})
+      for (auto& derivative : *basis)
+        for (auto& end : derivative) {
+          end[1] *= scale;
+          end[2] *= scale * scale;
+        }
+  }
+  double d[3][3][3] =
+      {};  // derivative [f along z][e along y][d along x] of the interpolant, d + e + f <= 2
+  for (std::size_t x_end = 0; x_end < 2; ++x_end) {
+    Line lines[3][3];  // [derivative f along z][e along y]
+    for (auto& row : lines)
+      for (Line& line : row) line.setZero();
+    for (std::size_t y_end = 0; y_end < 2; ++y_end) {
+      const double* low = corners[x_end + 2 * y_end]->data();
+      const double* high = corners[x_end + 2 * y_end + 4]->data();
+      const Eigen::Map<const Plane> l0(low), l1(low + 9), l2(low + 18), h0(high), h1(high + 9),
+          h2(high + 18);
+      for (std::size_t f = 0; f < 3; ++f) {
+        const auto& b = z[f];
+        const Plane plane =
+            b[0][0] * l0 + b[0][1] * l1 + b[0][2] * l2 + b[1][0] * h0 + b[1][1] * h1 + b[1][2] * h2;
+        for (std::size_t e = 0; e + f < 3; ++e)
+          lines[f][e] += y[e][y_end][0] * plane.segment<3>(0) +
+                         y[e][y_end][1] * plane.segment<3>(3) +
+                         y[e][y_end][2] * plane.segment<3>(6);
+      }
+    }
+    for (std::size_t f = 0; f < 3; ++f)
+      for (std::size_t e = 0; e + f < 3; ++e)
+        for (std::size_t order = 0; order + e + f < 3; ++order)
+          d[f][e][order] += x[order][x_end][0] * lines[f][e][0] +
+                            x[order][x_end][1] * lines[f][e][1] +
+                            x[order][x_end][2] * lines[f][e][2];
+  }
+  EnergySample sample;
+  sample.energy = d[0][0][0];
+  sample.force = -Eigen::Vector3d(d[0][0][1], d[0][1][0], d[1][0][0]) / edge;
+  sample.stiffness << d[0][0][2], d[0][1][1], d[1][0][1],  //
+      d[0][1][1], d[0][2][0], d[1][1][0],                  //
+      d[1][0][1], d[1][1][0], d[2][0][0];
+  sample.stiffness /= -edge * edge;
+  return sample;
+}
+
+EnergySample evaluateEnergy(const CellTree& tree, const std::vector<EnergyJet>& jets,
+                            const LeafPlace& place) noexcept {
+  std::array<const EnergyJet*, 8> corners;
+  const LeafCorners& slots = tree.corners(place.leaf);
+  for (std::size_t c = 0; c < 8; ++c) corners[c] = &jets[static_cast<std::size_t>(slots[c])];
+  return evaluateEnergy(corners, place.local, tree.edge(place.leaf), tree.spacing());
+}
+
+}  // namespace palpate

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "common/interpolation/branch_check.hpp"
+#include "common/interpolation/cell_tree.hpp"
+#include "common/interpolation/local_fit.hpp"
+
+namespace palpate {
+
+/// Derivative d^(a+b+c) E / dx^a dy^b dz^c, a, b, c <= 2, of the energy at a slot, times
+/// spacing^(a+b+c), J, at [a + 3 b + 9 c].
+using EnergyJet = std::array<double, 27>;
+
+/// Energy and its derivatives; force = -gradient, stiffness = -Hessian.
+struct EnergySample {
+  double energy = 0;                                    ///< J
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();      ///< N
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< N/m, symmetric
+};
+
+/// What the solved points around every slot say about the energy near it. Of solved slots exact up
+/// to the second order, the higher derivatives from a least-squares fit to the solved corners of
+/// the leaves around. Of ghosts a fit to the nearest solved points. Zero for hanging slots. Points
+/// that an inconsistent edge joins to the slot or to a nearer source are left out.
+std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
+                                             const std::vector<LatticeEdge>& inconsistent);
+/// The same for the ghosts alone, zero for solved slots.
+std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
+                                              const std::vector<LatticeEdge>& inconsistent);
+
+/// The jets of all slots from their polynomials (slotPolynomials), hanging ones from their coarser
+/// leaf.
+std::vector<EnergyJet> energyJets(const CellTree& tree,
+                                  const std::vector<LocalPolynomial>& polynomials);
+
+/// The tensor product quintic Hermite polynomial of the jets at the corners of a leaf with edges
+/// `edge` metres, in a lattice of `spacing` metres. Real time.
+EnergySample evaluateEnergy(const std::array<const EnergyJet*, 8>& corners,
+                            const Eigen::Vector3d& local, double edge, double spacing) noexcept;
+EnergySample evaluateEnergy(const CellTree& tree, const std::vector<EnergyJet>& jets,
+                            const LeafPlace& place) noexcept;
+
+}  // namespace palpate

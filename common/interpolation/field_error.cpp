@@ -1,0 +1,131 @@
+#include "common/interpolation/field_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+// Measured at 18000 exact solutions (liver-493, Mooney-Rivlin, three active nodes, balls of 60 and
+// 100 mm, spacings from 10 to 33 mm, the rim and the neighbourhood of jumps between branches
+// included), so that the bound holds at 99 % of them and is then 6 to 10 times the error in the
+// median.
+constexpr double share_of_spread = 0.75;  ///< of the disagreement in a leaf of solved corners
+constexpr double share_at_ghosts = 2.5;   ///< added, times the weight of the ghosts
+constexpr double at_suspect_edges = 3;    ///< factor
+
+using Forces = Eigen::Matrix<double, 3, LocalPolynomial::terms>;
+
+/// Forces of a polynomial at one offset, in units of its scale, from its derivatives.
+Forces forcesAt(const Eigen::Vector3d& offset) {
+  Forces forces;
+  for (Eigen::Index t = 0; t < LocalPolynomial::terms; ++t) {
+    LocalPolynomial unit;
+    unit.derivatives[t] = 1;
+    forces.col(t) = unit.at(offset).force;
+  }
+  return forces;
+}
+
+/// Forces of local polynomials at the nodes of leaves. Offsets repeat, in units of the polynomial's
+/// scale.
+class NodeForces {
+ public:
+  Eigen::Vector3d at(const LocalPolynomial& polynomial, const Eigen::Vector3d& offset) {
+    const Eigen::Vector3d x = offset / polynomial.scale;
+    const std::array<std::int64_t, 3> key = {std::llround(x[0] * 1e6), std::llround(x[1] * 1e6),
+                                             std::llround(x[2] * 1e6)};
+    auto known = known_.find(key);
+    if (known == known_.end()) known = known_.emplace(key, forcesAt(x)).first;
+    return known->second * polynomial.derivatives / polynomial.scale;
+  }
+
+ private:
+  std::map<std::array<std::int64_t, 3>, Forces> known_;
+};
+
+Eigen::Vector3d placeOf(std::size_t node) {
+  const int n = static_cast<int>(node), i = n % 3, j = n / 3 % 3, k = n / 9;
+  return 0.5 * Eigen::Vector3d(i, j, k);
+}
+
+bool hasSuspectEdge(const CellTree& tree, std::int32_t leaf,
+                    const std::vector<LatticeEdge>& suspect) {
+  const auto numberAt = [&](std::size_t corner) {
+    return tree.slots()[static_cast<std::size_t>(tree.corners(leaf)[corner])].number;
+  };
+  for (std::size_t c = 0; c < 8; ++c)
+    for (const std::size_t axis : {1, 2, 4}) {
+      const std::int32_t a = numberAt(c), b = numberAt(c | axis);
+      if ((c & axis) == 0 && std::binary_search(suspect.begin(), suspect.end(),
+                                                LatticeEdge{std::min(a, b), std::max(a, b)}))
+        return true;
+    }
+  return false;
+}
+
+}  // namespace
+
+FieldError::FieldError(const CellTree& tree, const std::vector<LocalPolynomial>& polynomials,
+                       const std::vector<EnergyJet>& jets, const std::vector<LatticeEdge>& suspect)
+    : nodes_(tree.leaves().size()) {
+  std::vector<std::int32_t> order(nodes_.size());  // coarse leaves first: fine ones hang on them
+  for (std::size_t leaf = 0; leaf < order.size(); ++leaf)
+    order[leaf] = static_cast<std::int32_t>(leaf);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::int32_t a, std::int32_t b) { return tree.edge(a) > tree.edge(b); });
+  NodeForces node_forces;
+  for (const std::int32_t leaf : order) {
+    const double factor = hasSuspectEdge(tree, leaf, suspect) ? at_suspect_edges : 1;
+    for (std::size_t node = 0; node < 27; ++node) {
+      const Eigen::Vector3d local = placeOf(node);
+      const Eigen::Vector3d force = evaluateEnergy(tree, jets, {leaf, local}).force;
+      const std::array<double, 8> weights = trilinearWeights(local);
+      double spread = 0, sum = 0, ghosts = 0, hanging = 0, inherited = 0;
+      int known = 0;
+      for (std::size_t c = 0; c < 8; ++c) {
+        const auto s = static_cast<std::size_t>(tree.corners(leaf)[c]);
+        const CellSlot& slot = tree.slots()[s];
+        if (slot.kind == SlotKind::hanging) {
+          hanging += weights[c];
+          if (weights[c] > 0) inherited += weights[c] * bound(slot.leaf, slot.local);
+          continue;
+        }
+        const Eigen::Vector3d corner(c & 1, c >> 1 & 1, c >> 2);
+        const double difference =
+            (node_forces.at(polynomials[s], (local - corner) * tree.edge(leaf)) - force).norm();
+        spread += weights[c] * difference;
+        sum += difference;
+        ++known;
+        if (slot.kind == SlotKind::ghost) ghosts += weights[c];
+      }
+      if (known > 0) spread += hanging * sum / known;
+      nodes_[static_cast<std::size_t>(leaf)][node] = static_cast<float>(
+          factor * (share_of_spread + share_at_ghosts * ghosts) * spread + inherited);
+    }
+  }
+}
+
+double FieldError::bound(std::int32_t leaf, const Eigen::Vector3d& local) const noexcept {
+  const Nodes& nodes = nodes_[static_cast<std::size_t>(leaf)];
+  std::size_t lowest = 0, stride = 1;
+  Eigen::Vector3d within;
+  for (Eigen::Index axis = 0; axis < 3; ++axis, stride *= 3) {
+    const bool upper = local[axis] >= 0.5;
+    lowest += upper ? stride : 0;
+    within[axis] = 2 * local[axis] - (upper ? 1 : 0);
+  }
+  const std::array<double, 8> weights = trilinearWeights(within);
+  double sum = 0;
+  for (std::size_t c = 0; c < 8; ++c)
+    sum +=
+        weights[c] * static_cast<double>(nodes[lowest + (c & 1) + 3 * (c >> 1 & 1) + 9 * (c >> 2)]);
+  return sum;
+}
+
+double FieldError::worst(std::int32_t leaf) const {
+  const Nodes& nodes = nodes_[static_cast<std::size_t>(leaf)];
+  return static_cast<double>(*std::max_element(nodes.begin(), nodes.end()));
+}
+
+}  // namespace palpate

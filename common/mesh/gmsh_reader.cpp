@@ -1,0 +1,485 @@
+#include "common/mesh/gmsh_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "common/base/error.hpp"
+#include "common/base/text_file.hpp"
+#include "common/base/text_lines.hpp"
+#include "common/base/units.hpp"
+
+namespace palpate {
+namespace {
+
+/// Gmsh's element types: dimension and number of nodes.
+struct ElementType {
+  int dimension;
+  int nodes;
+};
+
+/// Types 1 to 31 in Gmsh's numbering (its manual, "Low order elements" and "High-order elements").
+constexpr std::array<ElementType, 32> element_types = {
+    {{-1, 0}, {1, 2},  {2, 3},  {2, 4},  {3, 4}, {3, 8}, {3, 6},  {3, 5},  {1, 3},  {2, 6}, {2, 9},
+     {3, 10}, {3, 27}, {3, 18}, {3, 14}, {0, 1}, {2, 8}, {3, 20}, {3, 15}, {3, 13}, {2, 9}, {2, 10},
+     {2, 12}, {2, 15}, {2, 15}, {2, 21}, {1, 4}, {1, 5}, {1, 6},  {3, 20}, {3, 35}, {3, 56}}};
+constexpr int tetrahedron_4 = 4, tetrahedron_10 = 11;
+/// Where Gmsh's 10-node tetrahedron has the nodes that we, like VTK, order by tetrahedron_edges.
+constexpr std::array<int, 10> gmsh_order = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
+
+constexpr std::array<const char*, 4> dimension_words = {"point", "curve", "surface", "volume"};
+
+/// (dimension, tag) of a physical group or of an entity: Gmsh counts each dimension on its own.
+using Key = std::pair<int, std::int64_t>;
+
+/// 0-based numbers of the nodes, or tetrahedra, that the file names by tags of its own.
+class Tags {
+ public:
+  void add(std::int64_t tag) { tags_.emplace_back(tag, static_cast<std::int32_t>(tags_.size())); }
+  std::size_t size() const { return tags_.size(); }
+
+  /// Call after the last add. The first tag that was given twice, if one was.
+  std::optional<std::int64_t> sort() {
+    std::sort(tags_.begin(), tags_.end());
+    for (std::size_t i = 1; i < tags_.size(); ++i)
+      if (tags_[i].first == tags_[i - 1].first) return tags_[i].first;
+    return std::nullopt;
+  }
+
+  std::optional<std::int32_t> find(std::int64_t tag) const {
+    const auto at = std::lower_bound(tags_.begin(), tags_.end(), std::pair{tag, std::int32_t{0}});
+    if (at == tags_.end() || at->first != tag) return std::nullopt;
+    return at->second;
+  }
+
+ private:
+  std::vector<std::pair<std::int64_t, std::int32_t>> tags_;
+};
+
+class Reader {
+ public:
+  Reader(TextLines lines, double metres_per_unit)
+      : lines_(std::move(lines)), metres_per_unit_(metres_per_unit) {}
+
+  Mesh read() {
+    readFormat();
+    while (lines_.advance()) readSection();
+    if (!have_nodes_)
+      throw badInput("{}: there is no $Nodes section: the file is truncated", lines_.source());
+    if (!have_elements_)
+      throw badInput("{}: there is no $Elements section: the file is truncated", lines_.source());
+    if (!entity_blocks_) dropRepeatedTetrahedra();
+    nameGroups();
+    finishMesh(mesh_, lines_.source());
+    return std::move(mesh_);
+  }
+
+ private:
+  void readFormat() {
+    if (!lines_.advance()) throw badInput("{}: the file is empty", lines_.source());
+    if (lines_.rest() != "$MeshFormat")
+      throw lines_.wrong(
+          "this is not a Gmsh .msh file of version 2.2 or 4.1: its first line is not $MeshFormat");
+    lines_.advanceIn("$MeshFormat");
+    const auto version = lines_.take<double>("the version");
+    const auto binary = lines_.take<int>("the file type");
+    if (version != 2.2 && version != 4.1)
+      throw lines_.wrong(
+          "Gmsh format version {} is not read; convert with: "
+          "gmsh {} -save -format msh41 -o NEW.msh",
+          version, lines_.source());
+    if (binary != 0)
+      throw lines_.wrong(
+          "the file is binary; convert with: gmsh {} -save -format msh41 -o NEW.msh (no -bin)",
+          lines_.source());
+    entity_blocks_ = version == 4.1;
+    endSection("$MeshFormat");
+  }
+
+  void readSection() {
+    const std::string section(lines_.rest());
+    if (section == "$PhysicalNames") {
+      readPhysicalNames();
+    } else if (section == "$Entities") {
+      readEntities();
+    } else if (section == "$Nodes") {
+      if (have_nodes_) throw lines_.wrong("a second $Nodes section");
+      entity_blocks_ ? readNodeBlocks() : readNodes();
+      finishNodes();
+    } else if (section == "$Elements") {
+      if (!have_nodes_) throw lines_.wrong("$Elements before $Nodes");
+      if (have_elements_) throw lines_.wrong("a second $Elements section");
+      entity_blocks_ ? readElementBlocks() : readElements();
+      have_elements_ = true;
+    } else if (section == "$ElementData") {
+      if (!have_elements_) throw lines_.wrong("$ElementData before $Elements");
+      if (const auto twice = tetrahedron_tags_.sort())
+        throw lines_.wrong("$ElementData cannot be assigned: two tetrahedra have the number {}",
+                           *twice);
+      readElementData();
+      return;
+    } else if (section == "$PartitionedEntities") {
+      throw lines_.wrong(
+          "the mesh is partitioned; save it without partitions (gmsh: Mesh > Unpartition)");
+    } else if (section.starts_with("$") && !section.starts_with("$End")) {
+      skipSection(section);
+      return;
+    } else {
+      throw lines_.wrong("\"{}\" where a section is expected", section);
+    }
+    endSection(section);
+  }
+
+  void endSection(const std::string& section) {
+    lines_.advanceIn(section);
+    if (lines_.rest() != "$End" + section.substr(1))
+      throw lines_.wrong(
+          "\"{}\" where $End{} is expected: more lines than were announced, "
+          "or the file is truncated",
+          lines_.rest(), section.substr(1));
+  }
+
+  void skipSection(const std::string& section) {
+    const std::string end = "$End" + section.substr(1);
+    do lines_.advanceIn(section);
+    while (lines_.rest() != end);
+  }
+
+  void readPhysicalNames() {
+    lines_.advanceIn("$PhysicalNames");
+    const std::size_t count = lines_.takeCount("the number of physical names");
+    for (std::size_t i = 0; i < count; ++i) {
+      lines_.advanceIn("$PhysicalNames");
+      const Key key = {takeDimension(),
+                       lines_.take<std::int64_t>("the number of a physical group")};
+      const std::string_view quoted = lines_.rest();
+      if (quoted.size() < 3 || quoted.front() != '"' || quoted.back() != '"')
+        throw lines_.wrong("a name in quotes is expected after the number of the physical group");
+      physical_names_[key] = quoted.substr(1, quoted.size() - 2);
+    }
+  }
+
+  int takeDimension() {
+    const auto dimension = lines_.take<int>("a dimension");
+    if (dimension < 0 || dimension > 3)
+      throw lines_.wrong("dimension {} where 0 to 3 is expected", dimension);
+    return dimension;
+  }
+
+  void readEntities() {
+    if (!entity_blocks_) throw lines_.wrong("$Entities in a file of version 2.2");
+    lines_.advanceIn("$Entities");
+    std::array<std::size_t, 4> counts;
+    for (std::size_t& count : counts) count = lines_.takeCount("the number of entities");
+    for (int dimension = 0; dimension < 4; ++dimension)
+      for (std::size_t i = 0; i < counts[dimension]; ++i) {
+        lines_.advanceIn("$Entities");
+        const Key entity = {dimension, lines_.take<std::int64_t>("the tag of an entity")};
+        const int extents = dimension == 0 ? 3 : 6;  // its position, or its bounding box
+        for (int n = 0; n < extents; ++n) lines_.take<double>("the extent of an entity");
+        const std::size_t n_physical =
+            lines_.takeCount("the number of physical groups of an entity");
+        for (std::size_t n = 0; n < n_physical; ++n)
+          physical_of_entity_[entity].insert(
+              std::abs(lines_.take<std::int64_t>("the number of a physical group")));
+      }
+  }
+
+  void addNode() {
+    const double x = lines_.takeFinite("a coordinate"), y = lines_.takeFinite("a coordinate"),
+                 z = lines_.takeFinite("a coordinate");
+    mesh_.nodes.emplace_back(toMetres(x, metres_per_unit_), toMetres(y, metres_per_unit_),
+                             toMetres(z, metres_per_unit_));
+  }
+
+  void readNodes() {
+    lines_.advanceIn("$Nodes");
+    const std::size_t count = lines_.takeCount("the number of nodes");
+    lines_.expectEndOfLine();
+    mesh_.nodes.reserve(lines_.reserveFor(count));
+    for (std::size_t i = 0; i < count; ++i) {
+      lines_.advanceIn("$Nodes");
+      node_tags_.add(lines_.take<std::int64_t>("the number of a node"));
+      addNode();
+      lines_.expectEndOfLine();
+    }
+  }
+
+  void readNodeBlocks() {
+    lines_.advanceIn("$Nodes");
+    const std::size_t n_blocks = lines_.takeCount("the number of entity blocks");
+    const std::size_t n_nodes = lines_.takeCount("the number of nodes");
+    mesh_.nodes.reserve(lines_.reserveFor(n_nodes));
+    for (std::size_t block = 0; block < n_blocks; ++block) {
+      lines_.advanceIn("$Nodes");
+      takeDimension();
+      lines_.take<std::int64_t>("the tag of an entity");
+      const bool parametric = lines_.take<int>("0 or 1 for parametric") != 0;
+      const std::size_t count = lines_.takeCount("the number of nodes of a block");
+      lines_.expectEndOfLine();
+      for (std::size_t i = 0; i < count; ++i) {
+        lines_.advanceIn("$Nodes");
+        node_tags_.add(lines_.take<std::int64_t>("the tag of a node"));
+        lines_.expectEndOfLine();
+      }
+      for (std::size_t i = 0; i < count; ++i) {
+        lines_.advanceIn("$Nodes");
+        addNode();
+        if (!parametric)
+          lines_.expectEndOfLine();  // else coordinates on the entity follow: of no use here
+      }
+    }
+    if (mesh_.nodes.size() != n_nodes)
+      throw lines_.wrong("{} nodes were announced, the blocks hold {}", n_nodes,
+                         mesh_.nodes.size());
+  }
+
+  void finishNodes() {
+    if (const auto twice = node_tags_.sort())
+      throw lines_.wrong("node {} is defined twice", *twice);
+    have_nodes_ = true;
+  }
+
+  std::int32_t takeNode() {
+    const auto tag = lines_.take<std::int64_t>("a node");
+    const auto node = node_tags_.find(tag);
+    if (!node) throw lines_.wrong("an element uses node {}, which is not in $Nodes", tag);
+    return *node;
+  }
+
+  ElementType takeElementType(int& type) {
+    type = lines_.take<int>("an element type");
+    if (type < 1 || type >= static_cast<int>(element_types.size()))
+      throw lines_.wrong("element type {} is not known", type);
+    const ElementType& found = element_types[type];
+    if (found.dimension == 3 && type != tetrahedron_4 && type != tetrahedron_10)
+      throw lines_.wrong(
+          "an element of Gmsh's type {} with {} nodes: "
+          "volume elements must be tetrahedra of 4 or 10 nodes (mesh without recombination, "
+          "and with -order 1 or 2)",
+          type, found.nodes);
+    return found;
+  }
+
+  /// The nodes of an element of the line, into the mesh and into what `group` has.
+  void addElement(std::int64_t tag, int type, const Key& group) {
+    const int count = element_types[type].nodes;
+    std::array<std::int32_t, 10> first_ten{};
+    std::vector<std::int32_t>& group_nodes = nodes_of_[group];
+    for (int i = 0; i < count; ++i) {
+      const std::int32_t node = takeNode();
+      if (i < 10) first_ten[i] = node;
+      group_nodes.push_back(node);
+    }
+    lines_.expectEndOfLine();
+    if (element_types[type].dimension == 3) addTetrahedron(tag, type, first_ten, group);
+  }
+
+  /// Of ten nodes the corners: mid-edge nodes are added where the scene wants them, so they must be
+  /// in the middle.
+  void addTetrahedron(std::int64_t tag, int type, const std::array<std::int32_t, 10>& nodes,
+                      const Key& group) {
+    if (type == tetrahedron_10) {
+      std::array<std::int32_t, 10> ordered;
+      for (int i = 0; i < 10; ++i) ordered[i] = nodes[gmsh_order[i]];
+      if (const std::string edge = curvedEdge(mesh_.nodes, ordered); !edge.empty())
+        throw lines_.wrong("element {}: {} (gmsh: -setnumber Mesh.SecondOrderLinear 1)", tag, edge);
+    }
+    tetrahedra_of_[group].push_back(static_cast<std::int32_t>(mesh_.tetrahedra.size()));
+    mesh_.tetrahedra.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
+    group_of_tetrahedron_.push_back(group.second);
+    tetrahedron_tags_.add(tag);
+  }
+
+  void readElements() {
+    lines_.advanceIn("$Elements");
+    const std::size_t count = lines_.takeCount("the number of elements");
+    lines_.expectEndOfLine();
+    mesh_.tetrahedra.reserve(lines_.reserveFor(count));
+    for (std::size_t i = 0; i < count; ++i) {
+      lines_.advanceIn("$Elements");
+      const auto tag = lines_.take<std::int64_t>("the number of an element");
+      int type = 0;
+      const int dimension = takeElementType(type).dimension;
+      const std::size_t n_tags = lines_.takeCount("the number of tags");
+      std::int64_t physical = 0;  // no group
+      for (std::size_t n = 0; n < n_tags; ++n) {
+        const auto group = lines_.take<std::int64_t>("a tag");
+        if (n == 0) physical = std::abs(group);  // negative where the orientation was turned
+      }
+      addElement(tag, type, {dimension, physical});
+    }
+  }
+
+  void readElementBlocks() {
+    lines_.advanceIn("$Elements");
+    const std::size_t n_blocks = lines_.takeCount("the number of entity blocks");
+    const std::size_t n_elements = lines_.takeCount("the number of elements");
+    mesh_.tetrahedra.reserve(lines_.reserveFor(n_elements));
+    std::size_t read = 0;
+    for (std::size_t block = 0; block < n_blocks; ++block) {
+      lines_.advanceIn("$Elements");
+      const Key entity = {takeDimension(), lines_.take<std::int64_t>("the tag of an entity")};
+      int type = 0;
+      if (takeElementType(type).dimension != entity.first)
+        throw lines_.wrong("element type {} in a block of dimension {}", type, entity.first);
+      const std::size_t count = lines_.takeCount("the number of elements of a block");
+      lines_.expectEndOfLine();
+      for (std::size_t i = 0; i < count; ++i, ++read) {
+        lines_.advanceIn("$Elements");
+        const auto tag = lines_.take<std::int64_t>("the tag of an element");
+        addElement(tag, type, entity);
+      }
+    }
+    if (read != n_elements)
+      throw lines_.wrong("{} elements were announced, the blocks hold {}", n_elements, read);
+  }
+
+  /// One vector per tetrahedron, under the first string tag. Data of other components are skipped,
+  /// and so are later time steps of the same name.
+  void readElementData() {
+    const std::string section = "$ElementData";
+    const auto tags = [&](const char* what) {
+      lines_.advanceIn(section);
+      std::vector<std::string> words;
+      for (std::size_t left = lines_.takeCount(what); left > 0; --left) {
+        lines_.advanceIn(section);
+        words.emplace_back(lines_.rest());
+      }
+      return words;
+    };
+    const std::vector<std::string> names = tags("the number of string tags");
+    tags("the number of real tags");
+    lines_.advanceIn(section);
+    std::array<std::size_t, 3> integers{};  // time step, components, elements
+    const std::size_t n_integers = lines_.takeCount("the number of integer tags");
+    for (std::size_t i = 0; i < n_integers; ++i) {
+      lines_.advanceIn(section);
+      const std::size_t value = lines_.takeCount("an integer tag");
+      if (i < integers.size()) integers[i] = value;
+    }
+    const std::string name = names.empty() ? "" : unquoted(names[0]);
+    if (name.empty() || integers[1] != 3 || mesh_.element_vectors.contains(name))
+      return skipSection(section);
+    std::vector<Eigen::Vector3d>& vectors = mesh_.element_vectors[name];
+    vectors.assign(mesh_.tetrahedra.size(), Eigen::Vector3d::Zero());
+    for (std::size_t i = 0; i < integers[2]; ++i) {
+      lines_.advanceIn(section);
+      const auto element =
+          tetrahedron_tags_.find(lines_.take<std::int64_t>("the number of an element"));
+      Eigen::Vector3d vector;
+      for (double& component : vector) component = lines_.takeFinite("a component");
+      lines_.expectEndOfLine();
+      if (element) vectors[*element] = vector;
+    }
+    endSection(section);
+  }
+
+  static std::string unquoted(const std::string& text) {
+    const bool quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';
+    return quoted ? text.substr(1, text.size() - 2) : text;
+  }
+
+  /// Version 2.2 writes a tetrahedron once per physical group that it is in. The same one twice in
+  /// one group is an error of the mesh, and finishMesh says so.
+  void dropRepeatedTetrahedra() {
+    std::vector<std::tuple<Tetrahedron, std::int64_t, std::int32_t>> order;
+    order.reserve(mesh_.tetrahedra.size());
+    for (std::size_t e = 0; e < mesh_.tetrahedra.size(); ++e) {
+      Tetrahedron sorted = mesh_.tetrahedra[e];
+      std::sort(sorted.begin(), sorted.end());
+      order.emplace_back(sorted, group_of_tetrahedron_[e], static_cast<std::int32_t>(e));
+    }
+    std::sort(order.begin(), order.end());
+    std::vector<std::int32_t> same_as(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const auto& [nodes, group, element] = order[i];
+      const bool repeated =
+          i > 0 && nodes == std::get<0>(order[i - 1]) && group != std::get<1>(order[i - 1]);
+      same_as[element] = repeated ? same_as[std::get<2>(order[i - 1])] : element;
+    }
+    keepOnly(same_as);
+  }
+
+  /// Keeps the tetrahedra e with same_as[e] == e; what the others are in, they are in.
+  void keepOnly(const std::vector<std::int32_t>& same_as) {
+    std::vector<std::int32_t> number(same_as.size());
+    std::int32_t kept = 0;
+    for (std::size_t e = 0; e < same_as.size(); ++e)
+      if (same_as[e] == static_cast<std::int32_t>(e)) {
+        mesh_.tetrahedra[kept] = mesh_.tetrahedra[e];
+        number[e] = kept++;
+      }
+    mesh_.tetrahedra.resize(kept);
+    for (auto& [group, elements] : tetrahedra_of_)
+      for (std::int32_t& element : elements) element = number[same_as[element]];
+    for (auto& [name, vectors] : mesh_.element_vectors) {
+      std::vector<Eigen::Vector3d> left(kept, Eigen::Vector3d::Zero());
+      for (std::size_t e = 0; e < same_as.size(); ++e)
+        if (Eigen::Vector3d& vector = left[number[same_as[e]]]; vector.isZero(0))
+          vector = vectors[e];
+      vectors = std::move(left);
+    }
+  }
+
+  void nameGroups() {
+    for (const auto& [key, nodes] : nodes_of_) {
+      const auto& [dimension, tag] = key;
+      if (!entity_blocks_) {
+        if (tag != 0) addToGroup(key, key);
+        continue;
+      }
+      const auto physical = physical_of_entity_.find(key);
+      if (physical == physical_of_entity_.end()) continue;
+      for (const std::int64_t number : physical->second) addToGroup({dimension, number}, key);
+    }
+    for (auto& [name, elements] : mesh_.element_groups) {
+      std::sort(elements.begin(), elements.end());
+      elements.erase(std::unique(elements.begin(), elements.end()), elements.end());
+    }
+  }
+
+  /// Adds the nodes and tetrahedra that were read under `from`.
+  void addToGroup(const Key& group, const Key& from) {
+    const auto named = physical_names_.find(group);
+    const std::string name = named != physical_names_.end()
+                                 ? named->second
+                                 : fmt::format("{} {}", dimension_words[group.first], group.second);
+    const std::vector<std::int32_t>& nodes = nodes_of_.at(from);
+    std::vector<std::int32_t>& all = mesh_.node_groups[name];
+    all.insert(all.end(), nodes.begin(), nodes.end());
+    if (group.first < 3) return;
+    const std::vector<std::int32_t>& elements = tetrahedra_of_.at(from);
+    std::vector<std::int32_t>& all_elements = mesh_.element_groups[name];
+    all_elements.insert(all_elements.end(), elements.begin(), elements.end());
+  }
+
+  TextLines lines_;
+  double metres_per_unit_;
+  bool entity_blocks_ = false;  ///< version 4.1
+  bool have_nodes_ = false, have_elements_ = false;
+  Mesh mesh_;
+  Tags node_tags_, tetrahedron_tags_;
+  std::map<Key, std::string> physical_names_;
+  std::map<Key, std::set<std::int64_t>> physical_of_entity_;
+  std::map<Key, std::vector<std::int32_t>>
+      nodes_of_;  ///< of entities in version 4.1, of physical groups in 2.2
+  std::map<Key, std::vector<std::int32_t>> tetrahedra_of_;  ///< likewise
+  std::vector<std::int64_t> group_of_tetrahedron_;
+};
+
+}  // namespace
+
+Mesh readGmsh(const std::filesystem::path& file, double metres_per_unit) {
+  return parseGmsh(readText(file, "mesh"), file.string(), metres_per_unit);
+}
+
+Mesh parseGmsh(std::string text, const std::string& source, double metres_per_unit) {
+  return Reader(TextLines(std::move(text), source), metres_per_unit).read();
+}
+
+}  // namespace palpate

@@ -1,0 +1,333 @@
+#include "common/mesh/mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+#include "common/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+/// Below this a tetrahedron is flat for every practical purpose: its stiffness is round-off.
+constexpr double degenerate_shape = 1e-6;
+
+/// Faces of a positively oriented tetrahedron, normals outward.
+constexpr std::array<std::array<int, 3>, 4> faces_of_tetrahedron = {
+    {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+
+void refuseBrokenNumbers(const Mesh& mesh, const std::string& source) {
+  if (mesh.tetrahedra.empty())
+    throw badInput(
+        "{}: no tetrahedra in it; mesh the volume (gmsh -3), and if there are physical groups, "
+        "name the volume in one, because Gmsh then saves only what is in a group",
+        source);
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
+    if (!mesh.nodes[n].allFinite())
+      throw badInput("{}: node {} (counted from 0) has a coordinate that is not finite", source, n);
+  const auto n_nodes = static_cast<std::int32_t>(mesh.nodes.size());
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
+    Tetrahedron nodes = mesh.tetrahedra[e];
+    std::sort(nodes.begin(), nodes.end());
+    if (nodes.front() < 0 || nodes.back() >= n_nodes)
+      throw badInput(
+          "{}: tetrahedron {} (counted from 0) uses a node that does not exist (there are {})",
+          source, e, n_nodes);
+    if (std::adjacent_find(nodes.begin(), nodes.end()) != nodes.end())
+      throw badInput("{}: {} uses a node twice", source, placeOf(mesh, e));
+  }
+}
+
+void dropOrphans(Mesh& mesh) {
+  constexpr std::int32_t unused = -1;
+  std::vector<std::int32_t> new_number(mesh.nodes.size(), unused);
+  for (const Tetrahedron& tetrahedron : mesh.tetrahedra)
+    for (const std::int32_t node : tetrahedron) new_number[node] = 0;
+  std::int32_t kept = 0;
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
+    if (new_number[n] != unused) {
+      mesh.nodes[kept] = mesh.nodes[n];
+      new_number[n] = kept++;
+    }
+  mesh.dropped_nodes += static_cast<std::int32_t>(mesh.nodes.size()) - kept;
+  mesh.nodes.resize(kept);
+  for (Tetrahedron& tetrahedron : mesh.tetrahedra)
+    for (std::int32_t& node : tetrahedron) node = new_number[node];
+  for (auto& [name, nodes] : mesh.node_groups) {
+    for (std::int32_t& node : nodes) node = new_number[node];
+    std::erase(nodes, unused);
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  }
+}
+
+void refuseBrokenGroups(const Mesh& mesh, const std::string& source) {
+  const auto n_nodes = static_cast<std::int32_t>(mesh.nodes.size());
+  for (const auto& [name, nodes] : mesh.node_groups)
+    for (const std::int32_t node : nodes)
+      if (node < 0 || node >= n_nodes)
+        throw badInput("{}: group \"{}\" uses a node that does not exist ({} of {})", source, name,
+                       node, n_nodes);
+  const auto n_elements = static_cast<std::int32_t>(mesh.tetrahedra.size());
+  for (const auto& [name, elements] : mesh.element_groups)
+    for (const std::int32_t element : elements)
+      if (element < 0 || element >= n_elements)
+        throw badInput("{}: group \"{}\" uses a tetrahedron that does not exist ({} of {})", source,
+                       name, element, n_elements);
+}
+
+void orient(Mesh& mesh, const std::string& source) {
+  std::size_t negative = 0, first_negative = 0, first_positive = 0;
+  for (std::size_t e = mesh.tetrahedra.size(); e-- > 0;) {
+    if (const double shape = shapeOf(mesh, e); !(shape >= degenerate_shape))
+      throw badInput(
+          "{}: {} is degenerate: its shape measure is {:.2g} (1 is regular, 0 flat); re-mesh, "
+          "or let gmsh optimise (-optimize_netgen)",
+          source, placeOf(mesh, e), shape);
+    if (sixVolume(mesh, e) < 0) {
+      ++negative;
+      first_negative = e;
+    } else {
+      first_positive = e;
+    }
+  }
+  if (negative == 0) return;
+  if (negative < mesh.tetrahedra.size()) {
+    const bool mostly_positive = 2 * negative <= mesh.tetrahedra.size();
+    throw badInput(
+        "{}: {} is inverted ({} of {} tetrahedra have negative volume): "
+        "the mesh folds over itself; re-mesh",
+        source, placeOf(mesh, mostly_positive ? first_negative : first_positive), negative,
+        mesh.tetrahedra.size());
+  }
+  for (Tetrahedron& tetrahedron : mesh.tetrahedra) std::swap(tetrahedron[2], tetrahedron[3]);
+  mesh.reoriented_tetrahedra = static_cast<std::int32_t>(mesh.tetrahedra.size());
+}
+
+struct Face {
+  Triangle sorted;  ///< the same for all tetrahedra that share it
+  std::size_t element;
+  int local;
+  bool even;  ///< parity of the permutation that sorts it: differs between the two sides
+};
+
+std::vector<Face> sortedFaces(const Mesh& mesh) {
+  std::vector<Face> faces;
+  faces.reserve(4 * mesh.tetrahedra.size());
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
+    for (int f = 0; f < 4; ++f) {
+      Triangle t;
+      for (int i = 0; i < 3; ++i) t[i] = mesh.tetrahedra[e][faces_of_tetrahedron[f][i]];
+      bool even = true;
+      for (const auto& [i, j] : {std::pair{0, 1}, {1, 2}, {0, 1}})
+        if (t[i] > t[j]) {
+          std::swap(t[i], t[j]);
+          even = !even;
+        }
+      faces.push_back({t, e, f, even});
+    }
+  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
+    return std::tie(a.sorted, a.element) < std::tie(b.sorted, b.element);
+  });
+  return faces;
+}
+
+void deriveSurface(Mesh& mesh, const std::string& source) {
+  const std::vector<Face> faces = sortedFaces(mesh);
+  std::vector<std::pair<std::size_t, int>> outer;
+  for (std::size_t first = 0, next; first < faces.size(); first = next) {
+    next = first + 1;
+    while (next < faces.size() && faces[next].sorted == faces[first].sorted) ++next;
+    const std::size_t count = next - first;
+    if (count > 2)
+      throw badInput(
+          "{}: {} tetrahedra share one face, among them {}; a face can have two sides only", source,
+          count, placeOf(mesh, faces[first].element));
+    if (count == 2 && faces[first].even == faces[first + 1].even)
+      throw badInput(
+          "{}: {} and tetrahedron {} lie on the same side of the face they share: they overlap, "
+          "or one is there twice",
+          source, placeOf(mesh, faces[first].element), faces[first + 1].element);
+    if (count == 1) outer.emplace_back(faces[first].element, faces[first].local);
+  }
+  std::sort(outer.begin(), outer.end());
+  mesh.surface.clear();
+  for (const auto& [element, local] : outer) {
+    const Tetrahedron& nodes = mesh.tetrahedra[element];
+    const auto& corners = faces_of_tetrahedron[local];
+    mesh.surface.push_back({nodes[corners[0]], nodes[corners[1]], nodes[corners[2]]});
+  }
+}
+
+/// Lengths of the distinct edges, metres.
+std::vector<double> edgeLengths(const Mesh& mesh) {
+  std::vector<std::array<std::int32_t, 2>> edges;
+  edges.reserve(6 * mesh.tetrahedra.size());
+  for (const Tetrahedron& t : mesh.tetrahedra)
+    for (const auto& [a, b] : tetrahedron_edges)
+      edges.push_back({std::min(t[a], t[b]), std::max(t[a], t[b])});
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  std::vector<double> lengths;
+  lengths.reserve(edges.size());
+  for (const auto& [a, b] : edges) lengths.push_back((mesh.nodes[a] - mesh.nodes[b]).norm());
+  return lengths;
+}
+
+}  // namespace
+
+Eigen::AlignedBox3d boundingBox(const Mesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& node : mesh.nodes) box.extend(node);
+  return box;
+}
+
+std::string placeText(const Eigen::Vector3d& x) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
+}
+
+std::string placeOf(const Mesh& mesh, std::size_t element) {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (const std::int32_t node : mesh.tetrahedra[element]) center += mesh.nodes[node] / 4;
+  return fmt::format("tetrahedron {} (counted from 0, centre at {:.6g} {:.6g} {:.6g} m)", element,
+                     center[0], center[1], center[2]);
+}
+
+double sixVolume(const Mesh& mesh, std::size_t element) {
+  const Tetrahedron& t = mesh.tetrahedra[element];
+  const Eigen::Vector3d& a = mesh.nodes[t[0]];
+  return (mesh.nodes[t[1]] - a).cross(mesh.nodes[t[2]] - a).dot(mesh.nodes[t[3]] - a);
+}
+
+double shapeOf(const Mesh& mesh, std::size_t element) {
+  const Tetrahedron& t = mesh.tetrahedra[element];
+  double squared_edges = 0;
+  for (const auto& [a, b] : tetrahedron_edges)
+    squared_edges += (mesh.nodes[t[a]] - mesh.nodes[t[b]]).squaredNorm();
+  if (squared_edges == 0) return 0;
+  return 12 * std::pow(std::abs(sixVolume(mesh, element)) / 2, 2.0 / 3.0) / squared_edges;
+}
+
+std::vector<std::int32_t> surfaceNodes(const Mesh& mesh) {
+  std::vector<std::int32_t> nodes;
+  nodes.reserve(3 * mesh.surface.size());
+  for (const Triangle& triangle : mesh.surface)
+    nodes.insert(nodes.end(), triangle.begin(), triangle.end());
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+std::vector<std::int32_t> pieceOfNode(const Mesh& mesh) {
+  std::vector<std::int32_t> parent(mesh.vertices());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto rootOf = [&parent](std::int32_t node) {
+    while (parent[node] != node) node = parent[node] = parent[parent[node]];
+    return node;
+  };
+  for (const Tetrahedron& t : mesh.tetrahedra)
+    for (int i = 1; i < 4; ++i) {
+      const std::int32_t a = rootOf(t[0]), b = rootOf(t[i]);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  std::vector<std::int32_t> piece(mesh.vertices());
+  std::int32_t pieces = 0;
+  for (std::size_t n = 0; n < piece.size(); ++n) {
+    const std::int32_t root = rootOf(static_cast<std::int32_t>(n));
+    piece[n] = root == static_cast<std::int32_t>(n) ? pieces++ : piece[root];
+  }
+  for (const Edge& edge : mesh.edges) piece.push_back(piece[edge[0]]);
+  return piece;
+}
+
+std::string curvedEdge(const std::vector<Eigen::Vector3d>& nodes,
+                       const std::array<std::int32_t, 10>& tetrahedron) {
+  constexpr double tolerance = 1e-6;
+  for (std::size_t e = 0; e < tetrahedron_edges.size(); ++e) {
+    const Eigen::Vector3d &a = nodes[tetrahedron[tetrahedron_edges[e][0]]],
+                          &b = nodes[tetrahedron[tetrahedron_edges[e][1]]];
+    const double off = (nodes[tetrahedron[4 + e]] - 0.5 * (a + b)).norm() / (b - a).norm();
+    if (!(off <= tolerance))
+      return fmt::format(
+          "the node of its edge at {:.6g} {:.6g} {:.6g} m is off the middle by {:.2g} of the "
+          "edge's length; curved edges are not supported",
+          a[0] / 2 + b[0] / 2, a[1] / 2 + b[1] / 2, a[2] / 2 + b[2] / 2, off);
+  }
+  return {};
+}
+
+std::int32_t midEdgeNode(const Mesh& mesh, std::int32_t a, std::int32_t b) {
+  const Edge edge = {std::min(a, b), std::max(a, b)};
+  const auto found = std::lower_bound(mesh.edges.begin(), mesh.edges.end(), edge);
+  if (found == mesh.edges.end() || *found != edge) return -1;
+  return mesh.vertices() + static_cast<std::int32_t>(found - mesh.edges.begin());
+}
+
+void addMidEdgeNodes(Mesh& mesh) {
+  std::map<Edge, std::int32_t> number_of;
+  for (const Tetrahedron& tetrahedron : mesh.tetrahedra)
+    for (const auto& [a, b] : tetrahedron_edges)
+      number_of.emplace(
+          Edge{std::min(tetrahedron[a], tetrahedron[b]), std::max(tetrahedron[a], tetrahedron[b])},
+          0);
+  for (auto& [edge, node] : number_of) {
+    node = static_cast<std::int32_t>(mesh.nodes.size());
+    mesh.edges.push_back(edge);
+    mesh.nodes.emplace_back(0.5 * (mesh.nodes[edge[0]] + mesh.nodes[edge[1]]));
+  }
+  for (const Tetrahedron& tetrahedron : mesh.tetrahedra) {
+    auto& middle = mesh.mid_edge_nodes.emplace_back();
+    for (std::size_t e = 0; e < tetrahedron_edges.size(); ++e) {
+      const auto [a, b] =
+          std::minmax(tetrahedron[tetrahedron_edges[e][0]], tetrahedron[tetrahedron_edges[e][1]]);
+      middle[e] = number_of.at({a, b});
+    }
+  }
+  for (auto& [name, nodes] : mesh.node_groups) {
+    const std::vector<std::int32_t> vertices = nodes;
+    for (const auto& [edge, node] : number_of)
+      if (std::binary_search(vertices.begin(), vertices.end(), edge[0]) &&
+          std::binary_search(vertices.begin(), vertices.end(), edge[1]))
+        nodes.push_back(node);  // numbers ascend with the edges, so the group stays sorted
+  }
+}
+
+MeshQuality measure(const Mesh& mesh) {
+  MeshQuality quality;
+  quality.worst_shape = std::numeric_limits<double>::infinity();
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
+    quality.volume += sixVolume(mesh, e) / 6;
+    const double shape = shapeOf(mesh, e);
+    quality.mean_shape += shape / static_cast<double>(mesh.tetrahedra.size());
+    if (shape < quality.worst_shape) {
+      quality.worst_shape = shape;
+      quality.worst_element = static_cast<std::int32_t>(e);
+    }
+  }
+  quality.lowest = quality.highest = mesh.nodes.front();
+  for (const Eigen::Vector3d& node : mesh.nodes) {
+    quality.lowest = quality.lowest.cwiseMin(node);
+    quality.highest = quality.highest.cwiseMax(node);
+  }
+  const std::vector<double> edges = edgeLengths(mesh);
+  const auto [shortest, longest] = std::minmax_element(edges.begin(), edges.end());
+  quality.shortest_edge = *shortest;
+  quality.longest_edge = *longest;
+  quality.mean_edge =
+      std::accumulate(edges.begin(), edges.end(), 0.0) / static_cast<double>(edges.size());
+  const std::vector<std::int32_t> piece_of = pieceOfNode(mesh);
+  quality.pieces = *std::max_element(piece_of.begin(), piece_of.end()) + 1;
+  return quality;
+}
+
+void finishMesh(Mesh& mesh, const std::string& source) {
+  refuseBrokenNumbers(mesh, source);
+  refuseBrokenGroups(mesh, source);
+  dropOrphans(mesh);
+  orient(mesh, source);
+  deriveSurface(mesh, source);
+}
+
+}  // namespace palpate

@@ -1,0 +1,235 @@
+#include "common/problem/problem.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+#include "common/base/error.hpp"
+#include "common/base/units.hpp"
+#include "common/mesh/gmsh_reader.hpp"
+#include "common/mesh/vtk_reader.hpp"
+#include "common/problem/body_regions.hpp"
+#include "common/problem/fixed_selection.hpp"
+#include "common/problem/patch_selection.hpp"
+#include "common/problem/surface_selection.hpp"
+#include "common/space/lattice.hpp"
+
+namespace palpate {
+namespace {
+
+/// Extents between which a body is taken for meant, and that of an organ, metres.
+constexpr double smallest_body = 1e-3, largest_body = 10, usual_body = 0.2;
+
+void refuseMistakenUnit(const Mesh& mesh, double metres_per_unit) {
+  const double size = boundingBox(mesh).sizes().maxCoeff();
+  if (size >= smallest_body && size <= largest_body) return;
+  const auto used = std::min_element(
+      length_units.begin(), length_units.end(), [&](const LengthUnit& a, const LengthUnit& b) {
+        return std::abs(a.metres - metres_per_unit) < std::abs(b.metres - metres_per_unit);
+      });
+  const auto strangeness = [&](const LengthUnit& unit) {
+    return std::abs(std::log(size / used->metres * unit.metres / usual_body));
+  };
+  const auto best = std::min_element(
+      length_units.begin(), length_units.end(),
+      [&](const LengthUnit& a, const LengthUnit& b) { return strangeness(a) < strangeness(b); });
+  const double best_size = size / used->metres * best->metres;
+  const std::string finding =
+      fmt::format("the mesh is {:.4g} m {}", size, size > largest_body ? "wide" : "wide only");
+  if (best == used || best_size < smallest_body || best_size > largest_body)
+    throw badInput(
+        "{}, and no length_unit (m, cm, mm) makes it a body of 1 mm to 10 m: scale the mesh",
+        finding);
+  throw badInput(
+      "{}: its numbers look like {} taken for {}; "
+      "write length_unit = \"{}\" in the scene (then it is {:.4g} m, "
+      "and the scene's own lengths are in {} too)",
+      finding, best->name, used->name, best->word, best_size, best->word);
+}
+
+/// True when the nodes lie on one line, so that the body can turn around it.
+bool onOneLine(const NodeSet& nodes, const Mesh& mesh, double size) {
+  const Eigen::Vector3d& a = mesh.nodes[nodes.front()];
+  const auto distance = [&](std::int32_t n) { return (mesh.nodes[n] - a).norm(); };
+  const std::int32_t far =
+      *std::max_element(nodes.begin(), nodes.end(),
+                        [&](std::int32_t m, std::int32_t n) { return distance(m) < distance(n); });
+  const Eigen::Vector3d along = (mesh.nodes[far] - a).stableNormalized();
+  return std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t n) {
+    return (mesh.nodes[n] - a).cross(along).norm() <= 1e-6 * size;
+  });
+}
+
+void refuseLoosePieces(const Problem& problem) {
+  const Mesh& mesh = problem.mesh;
+  const std::vector<std::int32_t> piece_of = pieceOfNode(mesh);
+  std::vector<NodeSet> all(*std::max_element(piece_of.begin(), piece_of.end()) + 1),
+      held(all.size());
+  for (std::size_t n = 0; n < piece_of.size(); ++n)
+    all[piece_of[n]].push_back(static_cast<std::int32_t>(n));
+  for (const std::int32_t node : problem.fixed) held[piece_of[node]].push_back(node);
+  const double size = boundingBox(mesh).diagonal().norm();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (held[i].empty())
+      throw badInput(
+          "the mesh consists of {} pieces that share no node, "
+          "and the one of {} nodes around node {} at {} has no fixed node: "
+          "nothing holds it (merge coincident nodes, remove the piece, or fix it)",
+          all.size(), all[i].size(), all[i].front(), placeText(mesh.nodes[all[i].front()]));
+    if (onOneLine(held[i], mesh, size))
+      throw badInput(
+          "[fixed] holds {} node(s) on one line (node {} at {}): the body can turn around it; "
+          "fix at least three nodes that are not on a line",
+          held[i].size(), held[i].front(), placeText(mesh.nodes[held[i].front()]));
+  }
+}
+
+/// NodeSet that are there, sorted, each once.
+bool isNodeSet(const NodeSet& nodes, std::size_t n_nodes) {
+  return std::adjacent_find(nodes.begin(), nodes.end(), std::greater_equal<>()) == nodes.end() &&
+         (nodes.empty() ||
+          (nodes.front() >= 0 && static_cast<std::size_t>(nodes.back()) < n_nodes));
+}
+
+void checkFixed(const Problem& problem) {
+  const std::size_t n_nodes = problem.mesh.nodes.size();
+  if (problem.fixed.empty()) throw badInput("[fixed] selects no node: the body would fly away");
+  if (!isNodeSet(problem.fixed, n_nodes))
+    throw badInput("the fixed nodes are not a sorted set of nodes of the mesh");
+  if (problem.fixed.size() == n_nodes)
+    throw badInput("[fixed] selects all {} nodes: nothing is left to move", n_nodes);
+}
+
+/// Rigid patches have no weights; weighted ones have one per node, with the sum 1.
+void checkWeights(const ActivePatch& patch, ToolKind tool) {
+  const bool weighted = tool == ToolKind::weighted_average;
+  const double sum = std::accumulate(patch.weights.begin(), patch.weights.end(), 0.0);
+  if (patch.weights.size() != (weighted ? patch.nodes.size() : 0) ||
+      (weighted && !(std::abs(sum - 1) < 1e-9)))
+    throw badInput("active \"{}\": {} weights with the sum {} for {} nodes", patch.name,
+                   patch.weights.size(), sum, patch.nodes.size());
+}
+
+void checkRegions(const Problem& problem) {
+  const std::size_t n_elements = problem.mesh.tetrahedra.size(),
+                    n_regions = problem.scene.regions.size();
+  if (problem.region_of.size() != n_elements ||
+      std::any_of(problem.region_of.begin(), problem.region_of.end(),
+                  [&](auto r) { return r >= n_regions; }))
+    throw badInput("the regions of the {} tetrahedra are not those of the scene", n_elements);
+  if (problem.fibers.size() != (hasFibers(problem.scene.regions) ? n_elements : 0))
+    throw badInput("{} fibres for {} tetrahedra", problem.fibers.size(), n_elements);
+  for (const auto& fibers : problem.fibers)
+    for (const Eigen::Vector3d& fiber : fibers)
+      if (!fiber.isZero(0) && !(std::abs(fiber.squaredNorm() - 1) < 1e-12))
+        throw badInput("a fibre of length {} is not a direction", fiber.norm());
+}
+
+void checkPatch(const Problem& problem, std::size_t number, const NodeSet& surface) {
+  const ActivePatch& patch = problem.active[number];
+  checkWeights(patch, problem.scene.active[number].tool);
+  const std::size_t n_nodes = problem.mesh.nodes.size();
+  if (!isNodeSet(patch.nodes, n_nodes) || !contains(patch.nodes, patch.node) ||
+      !contains(surface, patch.node))
+    throw badInput("active \"{}\": its nodes are not a sorted set of nodes around a surface node",
+                   patch.name);
+  if (contains(problem.fixed, patch.node))
+    throw badInput(
+        "active \"{}\": node {} at {} is one of the {} fixed nodes; move it, or fix less",
+        patch.name, patch.node, placeText(problem.mesh.nodes[patch.node]), problem.fixed.size());
+  for (const std::int32_t node : patch.nodes)
+    if (contains(problem.fixed, node))
+      throw badInput("active \"{}\": node {} of its patch is fixed", patch.name, node);
+  if (patch.weights.empty() && problem.fixed.size() + patch.nodes.size() == n_nodes)
+    throw badInput(
+        "active \"{}\": its patch of {} nodes and the {} fixed nodes are the whole body: "
+        "nothing is left to solve for; make radius smaller",
+        patch.name, patch.nodes.size(), problem.fixed.size());
+}
+
+Mesh readMesh(const Scene& scene) {
+  if (scene.mesh.extension() == ".msh") return readGmsh(scene.mesh, scene.metres_per_unit);
+  if (scene.mesh.extension() == ".vtk") return readVtk(scene.mesh, scene.metres_per_unit);
+  throw badInput(
+      "mesh {}: its format is not read; there is Gmsh .msh, version 2.2 or 4.1, "
+      "and legacy VTK .vtk",
+      scene.mesh.string());
+}
+
+}  // namespace
+
+void checkProblem(const Problem& problem) {
+  checkFixed(problem);
+  const NodeSet surface = surfaceNodes(problem.mesh);
+  if (problem.active.size() != problem.scene.active.size())
+    throw badInput("{} patches for the {} active nodes of the scene", problem.active.size(),
+                   problem.scene.active.size());
+  for (std::size_t i = 0; i < problem.active.size(); ++i) {
+    if (problem.active[i].name != problem.scene.active[i].name)
+      throw badInput("patch {} is \"{}\" instead of the scene's \"{}\"", i, problem.active[i].name,
+                     problem.scene.active[i].name);
+    checkPatch(problem, i, surface);
+  }
+  checkRegions(problem);
+  refuseLoosePieces(problem);
+  Lattice::check(problem.scene.workspace.radius, problem.scene.workspace.spacing);
+  const double radius = problem.scene.workspace.radius,
+               diagonal = boundingBox(problem.mesh).diagonal().norm();
+  if (radius > 3 * diagonal)
+    throw badInput(
+        "workspace.radius = {:.4g} m is more than 3 times the diagonal of the mesh's bounding "
+        "box ({:.4g} m); is its unit that of length_unit?",
+        radius, diagonal);
+}
+
+std::size_t pressureNodes(const Problem& problem) {
+  return pressureNodes(problem.scene.discretization.pressure, problem.mesh);
+}
+
+std::size_t pressureNodes(PressureSpace pressure, const Mesh& mesh) {
+  switch (pressure) {
+    case PressureSpace::none:
+      return 0;
+    case PressureSpace::p1:
+    case PressureSpace::p1_stabilized:
+      return static_cast<std::size_t>(mesh.vertices());
+    case PressureSpace::p2:
+      return mesh.nodes.size();
+  }
+  return 0;
+}
+
+Lattice uniformLattice(const Scene& scene) {
+  const bool divided = scene.accuracy.adaptive() || scene.accuracy.probes > 0;
+  return {scene.workspace.radius, scene.workspace.spacing, divided ? lattice_divisions : 1};
+}
+
+Problem resolve(Scene scene, Mesh mesh) {
+  refuseMistakenUnit(mesh, scene.metres_per_unit);
+  if (scene.discretization.displacement == DisplacementSpace::p2) addMidEdgeNodes(mesh);
+  Problem problem;
+  problem.region_of = selectRegions(scene.regions, mesh);
+  problem.fibers = selectFibers(scene.regions, problem.region_of, mesh);
+  problem.fixed = selectFixed(scene.fixed, mesh);
+  scene.active = expandSurfaces(scene.active, mesh, problem.fixed);
+  for (const ActiveSelection& active : scene.active)
+    problem.active.push_back(selectPatch(active, mesh, problem.fixed));
+  problem.scene = std::move(scene);
+  problem.mesh = std::move(mesh);
+  checkProblem(problem);
+  return problem;
+}
+
+Problem loadProblem(const std::filesystem::path& scene_file) {
+  Scene scene = readScene(scene_file);
+  Mesh mesh = readMesh(scene);
+  try {
+    return resolve(std::move(scene), std::move(mesh));
+  } catch (const Error& error) {
+    throw Error(error.exitCode(), fmt::format("{}: {}", scene_file.string(), error.what()));
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,138 @@
+// The problem as bytes, and its name.
+
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <span>
+
+#include "common/base/error.hpp"
+#include "common/problem/problem.hpp"
+#include "proto/palpate.pb.h"
+
+namespace palpate {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "arrays travel as they are in memory");
+
+template <class Array>
+std::string bytesOfArray(const Array& values) {
+  return std::string(bytesOf(std::span<const typename Array::value_type>(values)));
+}
+
+template <class T>
+std::vector<T> arrayFrom(const std::string& bytes, const char* what) {
+  if (bytes.size() % sizeof(T) != 0)
+    throw badInput("{} have {} bytes, not a multiple of {}", what, bytes.size(), sizeof(T));
+  std::vector<T> values(bytes.size() / sizeof(T));
+  std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
+  return values;
+}
+
+static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double) &&
+              sizeof(Tetrahedron) == 4 * sizeof(std::int32_t));
+
+wire::Problem toMessage(const Problem& problem) {
+  wire::Problem message;
+  message.set_scene_toml(resolvedToml(problem.scene));
+  const auto n_vertices = static_cast<std::size_t>(problem.mesh.vertices());
+  message.set_nodes(bytesOfArray(std::span(problem.mesh.nodes).first(n_vertices)));
+  message.set_tetrahedra(bytesOfArray(problem.mesh.tetrahedra));
+  message.set_fixed(bytesOfArray(problem.fixed));
+  for (const ActivePatch& patch : problem.active) {
+    wire::ActivePatch& active = *message.add_active();
+    active.set_name(patch.name);
+    active.set_node(patch.node);
+    active.set_nodes(bytesOfArray(patch.nodes));
+    active.set_weights(bytesOfArray(patch.weights));
+  }
+  for (const auto& [name, nodes] : problem.mesh.node_groups) {
+    wire::NodeGroup& group = *message.add_node_groups();
+    group.set_name(name);
+    const auto end = std::lower_bound(nodes.begin(), nodes.end(), problem.mesh.vertices());
+    group.set_nodes(bytesOfArray(std::span(nodes.begin(), end)));
+  }
+  if (problem.scene.regions.size() > 1) message.set_region_of(bytesOfArray(problem.region_of));
+  message.set_fibers(bytesOfArray(problem.fibers));
+  return message;
+}
+
+Problem fromMessage(const wire::Problem& message) {
+  Problem problem;
+  problem.scene = parseScene(message.scene_toml(), "its scene");
+  problem.mesh.nodes = arrayFrom<Eigen::Vector3d>(message.nodes(), "its nodes");
+  problem.mesh.tetrahedra = arrayFrom<Tetrahedron>(message.tetrahedra(), "its tetrahedra");
+  for (const wire::NodeGroup& group : message.node_groups())
+    problem.mesh.node_groups[group.name()] =
+        arrayFrom<std::int32_t>(group.nodes(), "the nodes of a group");
+  finishMesh(problem.mesh, "its mesh");
+  if (problem.mesh.dropped_nodes != 0 || problem.mesh.reoriented_tetrahedra != 0)
+    throw badInput("its mesh has orphan nodes or inverted elements");
+  problem.fixed = arrayFrom<std::int32_t>(message.fixed(), "its fixed nodes");
+  if (problem.scene.discretization.displacement == DisplacementSpace::p2)
+    addMidEdgeNodes(problem.mesh);
+  problem.region_of = arrayFrom<std::uint16_t>(message.region_of(), "its regions");
+  if (problem.scene.regions.size() == 1 && problem.region_of.empty())
+    problem.region_of.assign(problem.mesh.tetrahedra.size(), 0);
+  problem.fibers = arrayFrom<std::array<Eigen::Vector3d, 2>>(message.fibers(), "its fibres");
+  for (const wire::ActivePatch& active : message.active())
+    problem.active.push_back({active.name(), active.node(),
+                              arrayFrom<std::int32_t>(active.nodes(), "the nodes of a patch"),
+                              arrayFrom<double>(active.weights(), "the weights of a patch")});
+  return problem;
+}
+
+}  // namespace
+
+std::string encodeProblem(const Problem& problem) {
+  const wire::Problem message = toMessage(problem);
+  std::string bytes;
+  {
+    google::protobuf::io::StringOutputStream stream(&bytes);
+    google::protobuf::io::CodedOutputStream coded(&stream);
+    coded.SetSerializationDeterministic(true);
+    if (!message.SerializeToCodedStream(&coded))
+      throw failure("the problem is too large for a Protobuf message (2 GB)");
+  }
+  return bytes;
+}
+
+Problem decodeProblem(std::string_view bytes) {
+  wire::Problem message;
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()) ||
+      !message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
+    throw failure("a problem of {} bytes is damaged: it is not a Protobuf message", bytes.size());
+  try {
+    Problem problem = fromMessage(message);
+    checkProblem(problem);
+    if (encodeProblem(problem) != bytes)
+      throw failure("it is not written as this version of Palpate writes it");
+    return problem;
+  } catch (const Error& error) {
+    throw failure("a problem of {} bytes is damaged: {}", bytes.size(), error.what());
+  }
+}
+
+ContentId problemId(const Problem& problem) {
+  Problem bare = problem;
+  bare.scene.name = "any";
+  bare.scene.mesh = "any";
+  bare.scene.fixed = {};
+  bare.scene.active = {};
+  bare.scene.device.reset();
+  bare.scene.storage = {};
+  bare.scene.contact = {};
+  bare.mesh.node_groups.clear();
+  if (!bare.scene.accuracy.adaptive()) bare.scene.accuracy = {.probes = bare.scene.accuracy.probes};
+  for (std::size_t r = 0; r < bare.scene.regions.size(); ++r) {
+    Region& region = bare.scene.regions[r];
+    if (!region.group.empty()) region.group = std::to_string(r);
+    if (!region.material.fiber_field.empty()) region.material.fiber_field = "any";
+  }
+  return ContentId::of(encodeProblem(bare));
+}
+
+}  // namespace palpate

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace palpate {
+
+/// Strain energy W of the tissue. Words of the scene file: "linear", "st-venant-kirchhoff",
+/// "modified-st-venant-kirchhoff", "mooney-rivlin", "neo-hookean", "yeoh", "ogden",
+/// "veronda-westmann", "holzapfel-gasser-ogden".
+enum class LawName : std::uint8_t {
+  linear,
+  st_venant_kirchhoff,
+  modified_st_venant_kirchhoff,
+  mooney_rivlin,
+  neo_hookean,
+  yeoh,
+  ogden,
+  veronda_westmann,
+  holzapfel_gasser_ogden
+};
+/// "P1" (four nodes a tetrahedron) or "P2" (ten, straight edges).
+enum class DisplacementSpace : std::uint8_t { p1, p2 };
+/// "none"; "P1": with P1 displacement the paper's equal order, which violates inf-sup, with P2
+/// displacement Taylor-Hood; "P1-stabilized" (P1 displacement, polynomial pressure projection);
+/// "P2" (P2 displacement, the paper's quadratic equal order, which violates inf-sup).
+enum class PressureSpace : std::uint8_t { none, p1, p1_stabilized, p2 };
+/// "ln-det-F" (default, a barrier: no element can invert) or "det-F-1" (the paper's and GetFEM's).
+enum class Constraint : std::uint8_t { ln_det_F, det_F_minus_1 };
+
+/// What moves a patch of nodes: "rigid", all of them by the tool's displacement (a single node is
+/// the smallest rigid patch), or "weighted-average", which prescribes the mean of their
+/// displacements only.
+enum class ToolKind : std::uint8_t { rigid, weighted_average };
+
+/// Words of the scene file for the enumerators.
+std::string_view word(LawName law);
+std::string_view word(PressureSpace pressure);
+std::string_view word(DisplacementSpace displacement);
+std::string_view word(Constraint constraint);
+std::string_view word(ToolKind tool);
+
+/// All words, in the order of the enumerators.
+std::span<const std::string_view> lawWords();
+std::span<const std::string_view> displacementWords();
+std::span<const std::string_view> pressureWords();
+std::span<const std::string_view> constraintWords();
+std::span<const std::string_view> toolWords();
+
+}  // namespace palpate

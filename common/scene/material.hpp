@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/scene/formulation.hpp"
+
+namespace palpate {
+
+/// A term of Ogden's energy, mu/alpha (l1^alpha + l2^alpha + l3^alpha - 3); mu alpha > 0.
+struct OgdenTerm {
+  double mu = 0;     ///< Pa
+  double alpha = 0;  ///< -
+  bool operator==(const OgdenTerm&) const = default;
+};
+
+/// A material, as [material] or [[region]] gives it. Keys that the law does not take are refused.
+/// The energies are in docs/numerics.md and worker/laws/laws.hpp; all but the first two laws are
+/// isochoric energies, to be used with det F = 1 or, with `bulk`, with a volumetric energy beside
+/// them.
+struct Material {
+  LawName law = LawName::mooney_rivlin;
+  double young = 0;                    ///< Pa, > 0; linear and the two St. Venant-Kirchhoff laws
+  std::optional<double> poisson = {};  ///< -1 to 0.5; needed by linear and st-venant-kirchhoff,
+                                       ///< optional for the modified law
+  double c10 = 0;                      ///< Pa, > 0; mooney-rivlin, yeoh
+  double c01 = 0;                      ///< Pa, >= 0; mooney-rivlin
+  double c20 = 0, c30 = 0;             ///< Pa; yeoh; c30 >= 0
+  double mu = 0;  ///< Pa, > 0; neo-hookean, holzapfel-gasser-ogden (its ground matrix)
+  std::vector<OgdenTerm> ogden = {};  ///< 1 to 3 terms
+  double c1 = 0, c2 = 0;              ///< veronda-westmann: Pa and -, both > 0
+  double k1 = 0, k2 = 0;              ///< holzapfel-gasser-ogden: Pa and -, both > 0
+  double dispersion = 0;  ///< holzapfel-gasser-ogden: kappa of Gasser et al. 2006, 0 to 1/3
+  std::vector<Eigen::Vector3d> fibers =
+      {};  ///< holzapfel-gasser-ogden: 1 or 2 unit directions at rest, or none
+  std::string fiber_field =
+      {};  ///< instead of `fibers`: element vectors of this name in the mesh (Mesh)
+  /// Pa, > 0. Given: compressible, with the volumetric energy U of docs/numerics.md; not taken by
+  /// linear and the St. Venant-Kirchhoff laws. Absent: exactly incompressible.
+  std::optional<double> bulk = {};
+  std::optional<double> density = {};  ///< kg/m^3, > 0; needed when there is gravity
+  bool operator==(const Material&) const = default;
+};
+
+/// Whether the material is used with det F = 1 exactly, and so needs a pressure.
+bool isIncompressible(const Material& material);
+/// Whether the material has a pressure when there is a pressure space: exactly or nearly
+/// incompressible.
+bool isMixed(const Material& material);
+/// Shear modulus at rest, Pa: what pressures and residuals are scaled by.
+double shearModulus(const Material& material);
+
+}  // namespace palpate

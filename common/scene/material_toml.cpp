@@ -1,0 +1,282 @@
+#include "common/scene/material_toml.hpp"
+
+#include <fmt/ranges.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "common/base/nearest_word.hpp"
+#include "common/scene/toml_section.hpp"
+#include "common/scene/toml_text.hpp"
+
+namespace palpate {
+namespace {
+
+enum class Sign { positive, not_negative, any };
+
+/// A key that is one number.
+struct NumberKey {
+  std::string_view key;
+  double Material::*member;
+  Sign sign;
+  std::string_view unit, meaning;
+};
+
+constexpr NumberKey young = {"young", &Material::young, Sign::positive, "Pa",
+                             "Young's modulus, Pa"};
+constexpr NumberKey c10 = {"c10", &Material::c10, Sign::positive, "Pa",
+                           "the factor of I1 - 3 in the energy, Pa"};
+constexpr NumberKey c01 = {"c01", &Material::c01, Sign::not_negative, "Pa",
+                           "the second Mooney-Rivlin constant, Pa (0: neo-Hookean)"};
+constexpr NumberKey c20 = {"c20", &Material::c20, Sign::any, "Pa",
+                           "the factor of (I1 - 3)^2 in the energy, Pa"};
+constexpr NumberKey c30 = {"c30", &Material::c30, Sign::not_negative, "Pa",
+                           "the factor of (I1 - 3)^3 in the energy, Pa"};
+constexpr NumberKey mu = {"mu", &Material::mu, Sign::positive, "Pa", "the shear modulus, Pa"};
+constexpr NumberKey c1 = {"c1", &Material::c1, Sign::positive, "Pa",
+                          "the factor of the exponential in the energy, Pa"};
+constexpr NumberKey c2 = {"c2", &Material::c2, Sign::positive, "",
+                          "the factor of I1 - 3 in the exponent, a number"};
+constexpr NumberKey k1 = {"k1", &Material::k1, Sign::positive, "Pa",
+                          "the stiffness of the fibres, Pa"};
+constexpr NumberKey k2 = {"k2", &Material::k2, Sign::positive, "",
+                          "the factor in the exponent of the fibres, a number"};
+constexpr std::array young_numbers = {young};
+constexpr std::array mooney_rivlin_numbers = {c10, c01};
+constexpr std::array neo_hookean_numbers = {mu};
+constexpr std::array yeoh_numbers = {c10, c20, c30};
+constexpr std::array veronda_westmann_numbers = {c1, c2};
+constexpr std::array holzapfel_numbers = {mu, k1, k2};
+
+std::span<const NumberKey> numbersOf(LawName law) {
+  switch (law) {
+    case LawName::linear:
+    case LawName::st_venant_kirchhoff:
+    case LawName::modified_st_venant_kirchhoff:
+      return young_numbers;
+    case LawName::mooney_rivlin:
+      return mooney_rivlin_numbers;
+    case LawName::neo_hookean:
+      return neo_hookean_numbers;
+    case LawName::yeoh:
+      return yeoh_numbers;
+    case LawName::ogden:
+      return {};
+    case LawName::veronda_westmann:
+      return veronda_westmann_numbers;
+    case LawName::holzapfel_gasser_ogden:
+      return holzapfel_numbers;
+  }
+  return {};
+}
+
+bool takesYoung(LawName law) {
+  return law == LawName::linear || law == LawName::st_venant_kirchhoff ||
+         law == LawName::modified_st_venant_kirchhoff;
+}
+
+/// The keys that a law needs, and those that it may have beside them.
+struct Keys {
+  std::vector<std::string_view> needed, optional;
+};
+
+Keys keysOf(LawName law) {
+  Keys keys;
+  for (const NumberKey& number : numbersOf(law)) keys.needed.push_back(number.key);
+  if (takesYoung(law))
+    (law == LawName::modified_st_venant_kirchhoff ? keys.optional : keys.needed)
+        .emplace_back("poisson");
+  if (law == LawName::ogden) keys.needed = {"mu", "alpha"};
+  if (law == LawName::holzapfel_gasser_ogden) {
+    keys.needed.emplace_back("fiber");
+    keys.optional.emplace_back("dispersion");
+  }
+  if (!takesYoung(law)) keys.optional.emplace_back("bulk");
+  keys.optional.emplace_back("density");
+  return keys;
+}
+
+/// "a", "a and b", "a, b and c".
+std::string joined(const std::vector<std::string_view>& words) {
+  if (words.size() == 1) return std::string(words[0]);
+  return fmt::format("{} and {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
+}
+
+void refuseKeysOfOtherLaws(const TomlSection& section, LawName law) {
+  const Keys keys = keysOf(law);
+  const auto taken = [&](std::string_view key) {
+    return key == "law" || key == "group" ||
+           std::find(keys.needed.begin(), keys.needed.end(), key) != keys.needed.end() ||
+           std::find(keys.optional.begin(), keys.optional.end(), key) != keys.optional.end();
+  };
+  for (const std::string_view key : materialKeys())
+    if (section.has(key) && !taken(key))
+      throw section.wrong(key, "law \"{}\" does not take it; it takes {}, and if wanted {}",
+                          word(law), joined(keys.needed), joined(keys.optional));
+}
+
+double numberOf(const TomlSection& section, const NumberKey& number) {
+  const double value = section.number(number.key, section.require(number.key, number.meaning));
+  if (number.sign == Sign::positive && !(value > 0))
+    throw section.wrong(number.key, "{} must be greater than 0", value);
+  if (number.sign == Sign::not_negative && value < 0)
+    throw section.wrong(number.key, "{} must not be negative", value);
+  return value;
+}
+
+double poissonOf(const TomlSection& section) {
+  const double poisson = section.number(
+      "poisson", section.require("poisson", "Poisson's ratio, greater than -1 and less than 0.5"));
+  if (!(poisson > -1 && poisson < 0.5))
+    throw section.wrong("poisson",
+                        "{} must be greater than -1 and less than 0.5 (an incompressible tissue "
+                        "has a law of its own: modified-st-venant-kirchhoff, "
+                        "mooney-rivlin and others)",
+                        poisson);
+  return poisson;
+}
+
+std::vector<OgdenTerm> ogdenTerms(const TomlSection& section) {
+  const auto mus = section.numbers(
+      "mu", section.require("mu", "a list of 1 to 3 moduli, Pa, one for each term"));
+  const auto alphas = section.numbers(
+      "alpha", section.require("alpha", "a list of exponents, one for each term of mu"));
+  if (mus.empty() || mus.size() > 3)
+    throw section.wrong("mu", "{} terms where 1 to 3 are possible", mus.size());
+  if (alphas.size() != mus.size())
+    throw section.wrong("alpha", "{} exponents for the {} moduli of mu", alphas.size(), mus.size());
+  std::vector<OgdenTerm> terms;
+  for (std::size_t i = 0; i < mus.size(); ++i) {
+    terms.push_back({mus[i], alphas[i]});
+    if (!(mus[i] * alphas[i] > 0))
+      throw section.wrong("mu", "term {}: mu * alpha = {} * {} must be greater than 0", i + 1,
+                          mus[i], alphas[i]);
+  }
+  return terms;
+}
+
+/// Unit vectors are left as they are, so that what was normalised once stays the same bits.
+Eigen::Vector3d directionOf(const TomlSection& section, const toml::node& node) {
+  Eigen::Vector3d direction = section.vector("fiber", node);
+  if (direction.isZero(0)) throw section.wrong("fiber", "[0, 0, 0] has no direction");
+  if (std::abs(direction.squaredNorm() - 1) < 1e-14) return direction;
+  return direction.stableNormalized();
+}
+
+void readFibers(const TomlSection& section, Material& material) {
+  const toml::node& node = section.require(
+      "fiber", "a direction [x, y, z], two of them, or the name of element vectors of the mesh");
+  if (node.is_string()) {
+    material.fiber_field = section.text("fiber", node);
+    return;
+  }
+  const toml::array* array = node.as_array();
+  if (array == nullptr || array->empty())
+    throw section.wrong("fiber",
+                        "write [x, y, z], [[x, y, z], [x, y, z]], or the name of element vectors");
+  if (!array->get(0)->is_array()) {
+    material.fibers = {directionOf(section, node)};
+    return;
+  }
+  if (array->size() > 2)
+    throw section.wrong("fiber", "{} directions where 1 or 2 are possible", array->size());
+  for (const toml::node& direction : *array)
+    material.fibers.push_back(directionOf(section, direction));
+}
+
+double dispersionOf(const TomlSection& section, const toml::node& node) {
+  const double dispersion = section.number("dispersion", node);
+  if (!(dispersion >= 0 && dispersion <= 1.0 / 3))
+    throw section.wrong("dispersion", "{} must lie between 0 (aligned) and 1/3 (in all directions)",
+                        dispersion);
+  return dispersion;
+}
+
+std::string fibersToml(const Material& m) {
+  if (!m.fiber_field.empty()) return quotedToml(m.fiber_field);
+  std::vector<std::string> directions;
+  for (const Eigen::Vector3d& fiber : m.fibers) directions.push_back(decimalToml(fiber));
+  return fmt::format("[{}]", fmt::join(directions, ", "));
+}
+
+std::string listToml(const std::vector<OgdenTerm>& terms, double OgdenTerm::*member) {
+  std::vector<std::string> values;
+  for (const OgdenTerm& term : terms) values.push_back(decimalToml(term.*member));
+  return fmt::format("[{}]", fmt::join(values, ", "));
+}
+
+/// A key, its value as TOML, and the unit ("" for a pure number).
+struct Entry {
+  std::string_view key;
+  std::string value;
+  std::string_view unit;
+};
+
+std::vector<Entry> entriesOf(const Material& m) {
+  std::vector<Entry> entries;
+  for (const NumberKey& number : numbersOf(m.law))
+    entries.push_back({number.key, decimalToml(m.*number.member), number.unit});
+  if (takesYoung(m.law) && m.poisson) entries.push_back({"poisson", decimalToml(*m.poisson), ""});
+  if (m.law == LawName::ogden) {
+    entries.push_back({"mu", listToml(m.ogden, &OgdenTerm::mu), "Pa"});
+    entries.push_back({"alpha", listToml(m.ogden, &OgdenTerm::alpha), ""});
+  }
+  if (m.law == LawName::holzapfel_gasser_ogden) {
+    entries.push_back({"dispersion", decimalToml(m.dispersion), ""});
+    entries.push_back({"fiber", fibersToml(m), ""});
+  }
+  if (m.bulk) entries.push_back({"bulk", decimalToml(*m.bulk), "Pa"});
+  if (m.density) entries.push_back({"density", decimalToml(*m.density), "kg/m^3"});
+  return entries;
+}
+
+}  // namespace
+
+std::span<const std::string_view> materialKeys() {
+  static constexpr std::array<std::string_view, 18> keys = {
+      "law", "young", "poisson", "c10", "c01",  "c20",     "c30",        "mu",    "alpha",
+      "c1",  "c2",    "k1",      "k2",  "bulk", "density", "dispersion", "fiber", "group"};
+  return keys;
+}
+
+Material readMaterial(const TomlSection& section) {
+  Material m;
+  const toml::node& law =
+      section.require("law", fmt::format("write one of {}", listed(lawWords())));
+  m.law = static_cast<LawName>(section.choice("law", law, lawWords()));
+  refuseKeysOfOtherLaws(section, m.law);
+  for (const NumberKey& number : numbersOf(m.law)) m.*number.member = numberOf(section, number);
+  if (takesYoung(m.law) &&
+      (m.law != LawName::modified_st_venant_kirchhoff || section.has("poisson")))
+    m.poisson = poissonOf(section);
+  if (m.law == LawName::ogden) m.ogden = ogdenTerms(section);
+  if (m.law == LawName::holzapfel_gasser_ogden) {
+    readFibers(section, m);
+    if (const toml::node* node = section.find("dispersion"))
+      m.dispersion = dispersionOf(section, *node);
+  }
+  if (section.has("bulk")) m.bulk = section.positive("bulk", "");
+  if (section.has("density")) m.density = section.positive("density", "");
+  return m;
+}
+
+std::string materialToml(const Material& material) {
+  std::string text = fmt::format("law = \"{}\"\n", word(material.law));
+  for (const Entry& entry : entriesOf(material))
+    text += entry.unit.empty() ? fmt::format("{} = {}\n", entry.key, entry.value)
+                               : fmt::format("{} = {}  # {}\n", entry.key, entry.value, entry.unit);
+  return text;
+}
+
+std::string inWords(const Material& material) {
+  std::string text(word(material.law));
+  for (const auto& [key, value, unit] : entriesOf(material)) {
+    const std::size_t end = value.ends_with(".0") ? value.size() - 2 : value.size();
+    text += fmt::format(", {} = {}{}{}", key, value.substr(0, end), unit.empty() ? "" : " ", unit);
+  }
+  return text;
+}
+
+}  // namespace palpate

@@ -1,0 +1,123 @@
+// The scene as it stands in messages and datasets; read again by scene.cpp.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "common/scene/material_toml.hpp"
+#include "common/scene/scene.hpp"
+#include "common/scene/toml_text.hpp"
+
+namespace palpate {
+namespace {
+
+/// `key = [item, ...]`, one item per line; nothing for no items.
+std::string listOf(const char* key, const std::vector<std::string>& items) {
+  if (items.empty()) return {};
+  std::string text = fmt::format("{} = [\n", key);
+  for (const std::string& item : items) text += "  " + item + ",\n";
+  return text + "]\n";
+}
+
+std::string regionToml(const Region& region) {
+  if (region.group.empty()) return "\n[material]\n" + materialToml(region.material);
+  return fmt::format("\n[[region]]\ngroup = {}\n", quotedToml(region.group)) +
+         materialToml(region.material);
+}
+
+std::string boxToml(const Box& box) {
+  return fmt::format("{{ lowest = {}, highest = {} }}", decimalToml(box.lowest),
+                     decimalToml(box.highest));
+}
+
+std::string sphereToml(const Sphere& sphere) {
+  return fmt::format("{{ center = {}, radius = {} }}", decimalToml(sphere.center),
+                     decimalToml(sphere.radius));
+}
+
+std::string fixedToml(const FixedSelection& fixed) {
+  std::vector<std::string> below, above, boxes, spheres, groups, nodes;
+  for (const HalfSpace& half : fixed.half_spaces)
+    (half.below ? below : above)
+        .push_back(fmt::format("{{ axis = \"{}\", {} = {} }}", "xyz"[half.axis],
+                               half.at ? "at" : "fraction",
+                               decimalToml(half.at ? *half.at : *half.fraction)));
+  for (const Box& box : fixed.boxes) boxes.push_back(boxToml(box));
+  for (const Sphere& sphere : fixed.spheres) spheres.push_back(sphereToml(sphere));
+  for (const std::string& group : fixed.groups) groups.push_back(quotedToml(group));
+  std::string text = "\n[fixed]\n" + listOf("below", below) + listOf("above", above) +
+                     listOf("box", boxes) + listOf("sphere", spheres) + listOf("group", groups);
+  if (!fixed.nodes.empty()) text += fmt::format("nodes = [{}]\n", fmt::join(fixed.nodes, ", "));
+  return text;
+}
+
+std::string surfaceToml(const SurfaceSelection& surface) {
+  if (surface.all) return "\"all\"";
+  std::vector<std::string> boxes, spheres, groups, keys;
+  for (const Box& box : surface.boxes) boxes.push_back(boxToml(box));
+  for (const Sphere& sphere : surface.spheres) spheres.push_back(sphereToml(sphere));
+  for (const std::string& group : surface.groups) groups.push_back(quotedToml(group));
+  if (!boxes.empty()) keys.push_back(fmt::format("box = [{}]", fmt::join(boxes, ", ")));
+  if (!spheres.empty()) keys.push_back(fmt::format("sphere = [{}]", fmt::join(spheres, ", ")));
+  if (!groups.empty()) keys.push_back(fmt::format("group = [{}]", fmt::join(groups, ", ")));
+  return fmt::format("{{ {} }}", fmt::join(keys, ", "));
+}
+
+std::string activeToml(const ActiveSelection& active) {
+  const std::string place = active.surface ? "surface = " + surfaceToml(*active.surface)
+                            : active.near ? fmt::format("near = {}  # m", decimalToml(*active.near))
+                                          : fmt::format("node = {}", *active.node);
+  std::string text = fmt::format("\n[[active]]\nname = {}\n{}\nradius = {}  # m\n",
+                                 quotedToml(active.name), place, decimalToml(active.radius));
+  if (active.tool != ToolKind::rigid) text += fmt::format("tool = \"{}\"\n", word(active.tool));
+  return text;
+}
+
+/// Nothing for a scene that asks for nothing: it keeps the id that it had before there was accuracy
+/// to ask for.
+std::string accuracyToml(const Accuracy& accuracy) {
+  if (accuracy == Accuracy{}) return {};
+  const std::string error =
+      accuracy.adaptive() ? fmt::format("force_error = {}\n", decimalToml(accuracy.force_error))
+                          : "";
+  return fmt::format("\n[accuracy]\n{}force_floor = {}  # N\nlevels = {}\nprobes = {}\n", error,
+                     decimalToml(accuracy.force_floor), accuracy.levels, accuracy.probes);
+}
+
+std::string storageToml(const Storage& storage) {
+  if (storage == Storage{}) return {};
+  return fmt::format("\n[storage]\ndisplacement = \"{}\"\nprecision = \"{}\"\n",
+                     storage.displacement == StoredNodes::all ? "all" : "surface",
+                     storage.precision == StoredPrecision::int16 ? "int16" : "float32");
+}
+
+}  // namespace
+
+std::string resolvedToml(const Scene& scene) {
+  std::string text =
+      fmt::format("name = {}\nmesh = {}\nlength_unit = \"m\"\n", quotedToml(scene.name),
+                  quotedToml(scene.mesh.filename().string()));
+  if (scene.contact == ContactMode::glued) text += "contact = \"glued\"\n";
+  for (const Region& region : scene.regions) text += regionToml(region);
+  const Discretization& d = scene.discretization;
+  text += fmt::format(
+      "\n[discretization]\ndisplacement = \"{}\"\npressure = \"{}\"\nconstraint = \"{}\"\n",
+      word(d.displacement), word(d.pressure), word(d.constraint));
+  if (!scene.gravity.isZero(0))
+    text += fmt::format("\n[gravity]\nacceleration = {}  # m/s^2\n", decimalToml(scene.gravity));
+  text += fixedToml(scene.fixed);
+  for (const ActiveSelection& active : scene.active) text += activeToml(active);
+  const Workspace& w = scene.workspace;
+  text += fmt::format(
+      "\n"
+      "[workspace]\n"
+      "radius = {}  # m\n"
+      "spacing = {}  # m\n"
+      "max_force = {}  # N\n"
+      "reject_inverted = {}\n",
+      decimalToml(w.radius), decimalToml(w.spacing), decimalToml(w.max_force), w.reject_inverted);
+  if (scene.device)
+    text += fmt::format("\n[device]\nprofile = \"{}\"\n", scene.device->profile.name);
+  return text + accuracyToml(scene.accuracy) + storageToml(scene.storage);
+}
+
+}  // namespace palpate

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+/// The tool's contact: the active node and the nodes that it moves together.
+struct ActivePatch {
+  std::string name;
+  std::int32_t node = -1;           ///< the active node
+  std::vector<std::int32_t> nodes;  ///< sorted, contains `node`, disjoint from the fixed nodes
+  /// Empty: a rigid tool. Else a weighted-average tool: one weight per node, sum 1, proportional to
+  /// the integral over the surface of the node's shape function times the bump (1 -
+  /// (r/radius)^2)^2. With P2 displacement some may be negative: a quadratic shape function is, in
+  /// places.
+  std::vector<double> weights = {};
+};
+
+}  // namespace palpate

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/content_id.hpp"
+#include "common/space/failure.hpp"
+
+namespace palpate {
+
+/// The bulky part of a configuration: float32, as stored, sent and started from.
+struct NodalFields {
+  std::vector<float> displacement;  ///< nNodes x 3, row per node, metres
+  std::vector<float> pressure;      ///< pressureNodes(problem), Pa; empty without a pressure space
+
+  /// displacement bytes, then pressure bytes, little-endian.
+  std::string encode() const;
+  /// Inverse of encode for a mesh of n_nodes, n_pressures of which have a pressure; Error when the
+  /// size is another or a value is not finite.
+  static NodalFields decode(std::string_view bytes, std::size_t n_nodes, std::size_t n_pressures);
+  /// ContentId::of(encode()).
+  ContentId id() const;
+};
+
+/// The small part of an accepted configuration.
+struct Equilibrium {
+  Eigen::Vector3d force =
+      Eigen::Vector3d::Zero();  ///< N, exerted by the tissue on the tool, = -dE/dp
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< N/m, dh/dp of that force (negative
+                                                        ///< definite near rest); symmetric
+  double energy = 0;     ///< J, stored energy relative to the rest state
+  double min_det_F = 1;  ///< smallest over the elements
+};
+
+/// How much work an answer took. Everything but `seconds` is reproducible.
+struct Cost {
+  std::int32_t newton_iterations = 0;
+  std::int32_t factorizations = 0;
+  std::int32_t steps = 0;  ///< accepted continuation steps
+  double seconds = 0;      ///< wall time on the worker; never part of a dataset
+
+  Cost& operator+=(const Cost& other) {
+    newton_iterations += other.newton_iterations;
+    factorizations += other.factorizations;
+    steps += other.steps;
+    seconds += other.seconds;
+    return *this;
+  }
+};
+
+/// The end of a transition: an equilibrium, or a failure.
+struct Outcome {
+  bool converged = false;
+  Equilibrium equilibrium;  ///< valid when converged
+  double residual = 0;      ///< N, norm at the end when converged
+  Failure failure;          ///< valid when not converged
+  Cost cost;
+  NodalFields fields;  ///< of the equilibrium; empty when not converged
+};
+
+}  // namespace palpate

@@ -1,0 +1,153 @@
+#include "common/space/lattice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "common/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double max_points = 1e7;  // 4/3 pi ratio^3, which counts them to a part in a thousand
+/// "14.3 mm" means 100/7 mm = 14.2857 mm, "6.667 mm" means 100/15 mm.
+constexpr double spacing_tolerance = 2e-3;
+
+/// radius / spacing, an integer where the two were meant to divide.
+double ratioOf(double radius, double spacing) {
+  if (!(std::isfinite(spacing) && spacing > 0))
+    throw badInput("workspace.spacing = {} m: must be greater than 0", spacing);
+  if (!(std::isfinite(radius) && radius >= spacing))
+    throw badInput(
+        "workspace.radius = {} m is smaller than workspace.spacing = {} m: "
+        "the lattice would be the origin alone",
+        radius, spacing);
+  const double ratio = radius / spacing;
+  const double whole = std::round(ratio);
+  return std::abs(ratio - whole) <= spacing_tolerance * whole ? whole : ratio;
+}
+
+/// Calls visit(point, squared norm) for the lattice points of the ball, in lexicographic order.
+template <class Visit>
+void forEachPointOfBall(std::int32_t extent, std::int64_t limit, Visit visit) {
+  for (std::int32_t i = -extent; i <= extent; ++i)
+    for (std::int32_t j = -extent; j <= extent; ++j)
+      for (std::int32_t k = -extent; k <= extent; ++k)
+        if (const std::int64_t norm = squaredNorm({i, j, k}); norm <= limit)
+          visit(LatticePoint{i, j, k}, static_cast<std::size_t>(norm));
+}
+
+/// The lattice points of the ball by (squared norm, i, j, k): a counting sort, since there may be
+/// millions.
+std::vector<LatticePoint> pointsOfBall(std::int32_t extent, std::int64_t limit) {
+  std::vector<std::size_t> next(static_cast<std::size_t>(limit) + 2,
+                                0);  // place of the next point of a norm
+  forEachPointOfBall(extent, limit,
+                     [&](const LatticePoint&, std::size_t norm) { ++next[norm + 1]; });
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<LatticePoint> points(next.back());
+  forEachPointOfBall(extent, limit,
+                     [&](const LatticePoint& p, std::size_t norm) { points[next[norm]++] = p; });
+  return points;
+}
+
+}  // namespace
+
+std::int64_t squaredNorm(const LatticePoint& p) {
+  return std::int64_t{p[0]} * p[0] + std::int64_t{p[1]} * p[1] + std::int64_t{p[2]} * p[2];
+}
+
+void Lattice::check(double radius, double spacing) {
+  const double ratio = ratioOf(radius, spacing);
+  const double expected = 4.0 / 3.0 * M_PI * ratio * ratio * ratio;
+  if (expected > max_points)
+    throw badInput(
+        "workspace.radius / workspace.spacing = {:.4g} makes about {:.3g} lattice points, "
+        "more than {:.0e}: choose a larger spacing",
+        ratio, expected, max_points);
+}
+
+Lattice::Lattice(double radius, double spacing, std::int32_t divisions)
+    : radius_(radius), divisions_(divisions) {
+  check(radius, spacing);
+  const double ratio = ratioOf(radius, spacing);
+  spacing_ = radius / ratio;
+  extent_ = static_cast<std::int32_t>(std::floor(ratio));
+  const auto limit = static_cast<std::int64_t>(std::floor(ratio * ratio * (1 + 1e-12)));
+
+  points_ = pointsOfBall(extent_, limit);
+  uniform_size_ = size();
+  for (LatticePoint& point : points_)
+    for (std::int32_t& coordinate : point) coordinate *= divisions;
+  const std::size_t side = 2 * static_cast<std::size_t>(extent_) + 1;
+  index_of_.assign(side * side * side, -1);
+  for (std::int32_t n = 0; n < size(); ++n) index_of_[*placeInCube(points_[n])] = n;
+}
+
+std::optional<std::size_t> Lattice::placeInCube(const LatticePoint& point) const {
+  std::size_t place = 0;
+  for (const std::int32_t coordinate : point) {
+    const std::int32_t in_spacings = coordinate / divisions_;
+    if (in_spacings * divisions_ != coordinate || std::abs(in_spacings) > extent_)
+      return std::nullopt;
+    place = place * (2 * static_cast<std::size_t>(extent_) + 1) +
+            static_cast<std::size_t>(in_spacings + extent_);
+  }
+  return place;
+}
+
+std::optional<std::int32_t> Lattice::indexOf(const LatticePoint& point) const {
+  if (const auto place = placeInCube(point)) {
+    if (index_of_[*place] < 0) return std::nullopt;
+    return index_of_[*place];
+  }
+  const auto found = added_.find(point);
+  if (found == added_.end()) return std::nullopt;
+  return found->second;
+}
+
+Eigen::Vector3d Lattice::displacementOf(const LatticePoint& p) const {
+  return unit() * Eigen::Vector3d(p[0], p[1], p[2]);
+}
+
+void Lattice::add(const LatticePoint& point) {
+  if (indexOf(point))
+    throw failure("lattice point ({}, {}, {}) is added twice", point[0], point[1], point[2]);
+  if (const auto place = placeInCube(point))
+    index_of_[*place] = size();
+  else
+    added_.emplace(point, size());
+  points_.push_back(point);
+}
+
+std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
+  struct Candidate {
+    int step;
+    std::int64_t norm;
+    LatticePoint point;
+    std::int32_t index;
+  };
+  const LatticePoint& center = points_[index];
+  std::vector<Candidate> candidates;
+  for (int i = -1; i <= 1; ++i)
+    for (int j = -1; j <= 1; ++j)
+      for (int k = -1; k <= 1; ++k) {
+        const int step = i * i + j * j + k * k;
+        if (step == 0) continue;
+        const LatticePoint p = {center[0] + i * divisions_, center[1] + j * divisions_,
+                                center[2] + k * divisions_};
+        const auto number = indexOf(p);
+        if (number && *number < uniform_size_)
+          candidates.push_back({step, squaredNorm(p), p, *number});
+      }
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return std::tie(a.step, a.norm, a.point) < std::tie(b.step, b.norm, b.point);
+  });
+  std::vector<std::int32_t> neighbours;
+  neighbours.reserve(candidates.size());
+  for (const Candidate& candidate : candidates) neighbours.push_back(candidate.index);
+  return neighbours;
+}
+
+}  // namespace palpate

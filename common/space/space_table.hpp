@@ -1,0 +1,78 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/space/active_patch.hpp"
+#include "common/space/configuration.hpp"
+#include "common/space/lattice.hpp"
+#include "common/space/rbf_weights_table.hpp"
+#include "common/space/tag.hpp"
+
+namespace palpate {
+
+/// One recorded transition that failed: point `target` could not be reached from `parent`.
+struct FailedAttempt {
+  std::int32_t target = -1;  ///< lattice numbers
+  std::int32_t parent = -1;
+  Failure failure;
+};
+
+/// What is known of one lattice point; the rows of a configuration space.
+struct PointRecord {
+  Tag tag = Tag::unknown;
+  Cause cause =
+      Cause::none;  ///< when failed: of the attempt that got furthest, unreachable without one
+  std::int32_t parent =
+      -1;  ///< lattice number it was solved from; the origin is its own parent; -1 when not solved
+  Equilibrium equilibrium;  ///< valid when expandable or terminating
+  double residual = 0;      ///< N
+  Cost cost;                ///< `seconds` is not stored
+  /// Of its NodalFields, all nodes in float32, which transitions from it start with; all zero when
+  /// not solved. A dataset may keep less of them (Storage).
+  ContentId fields;
+};
+
+/// An exact solution at a position off the lattice. No interpolation may use it: it is there to
+/// measure interpolations.
+struct Probe {
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< metres
+  PointRecord record;  ///< its parent is a lattice point; never unknown in a complete build
+};
+
+/// One configuration space without the bulky fields. points[n] belongs to lattice number n.
+struct SpaceTable {
+  ActivePatch patch;
+  Lattice lattice;
+  std::vector<LatticeCell> splits;  ///< cells that were split into eight, sorted by (level, lowest)
+  std::vector<PointRecord> points;
+  std::vector<FailedAttempt>
+      attempts;  ///< sorted by (target, order in which they were tried); no probes
+  std::vector<Probe> probes;
+  /// inconsistentEdges of this space (branch_check.hpp), as they were when the dataset was sealed;
+  /// sealDataset finds them itself.
+  std::vector<LatticeEdge> inconsistent_edges;
+  /// Weights of r, r with tail, r^3, r^3 with tail, of these points, from a dataset; sealDataset
+  /// solves them itself. Empty where no point is solved, or more than most_stored_rbf_points.
+  std::vector<RbfWeights> rbf;
+};
+
+/// Largest force of a terminating point that cells are interpolated with, in largest forces of the
+/// expandable points. Beyond it an element beside the tool is being crushed: the force is tens to
+/// thousands of times what a device renders, and a polynomial that meets it is wrong in the whole
+/// cell.
+inline constexpr double largest_force_share = 3;
+
+/// By lattice number, whether cells are interpolated with the point: it is solved and, if it is
+/// terminating, within largest_force_share. The others are continued from their neighbours, as if
+/// they had failed.
+std::vector<bool> interpolatedPoints(const SpaceTable& space);
+
+/// What of `space` contradicts itself, as a clause for errors ("probe 3 lies outside of the
+/// workspace"); empty when nothing does. Looked at are numbers that name points, cells and edges,
+/// and positions.
+std::string faultOf(const SpaceTable& space);
+
+}  // namespace palpate

@@ -1,0 +1,244 @@
+#include "common/wire/wire.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+#include "common/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+/// A signal must not tear a message of several frames apart.
+template <class Call>
+auto repeatWhenInterrupted(Call call) {
+  for (;;) {
+    try {
+      return call();
+    } catch (const zmq::error_t& error) {
+      if (error.num() != EINTR) throw;
+    }
+  }
+}
+
+bool sendFrame(zmq::socket_t& socket, std::string_view bytes, bool more) {
+  const auto flags =
+      zmq::send_flags::dontwait | (more ? zmq::send_flags::sndmore : zmq::send_flags::none);
+  return repeatWhenInterrupted([&] {
+    return socket.send(zmq::const_buffer(bytes.data(), bytes.size()), flags).has_value();
+  });
+}
+
+bool receiveFrame(zmq::socket_t& socket, zmq::message_t& frame) {
+  return repeatWhenInterrupted(
+      [&] { return socket.recv(frame, zmq::recv_flags::dontwait).has_value(); });
+}
+
+/// Doubles as raw bytes; nothing when the length is wrong or a value is not finite.
+template <int rows, int columns>
+bool readMatrix(const std::string& bytes, Eigen::Matrix<double, rows, columns>& matrix) {
+  Eigen::Matrix<double, rows, columns, columns == 1 ? Eigen::ColMajor : Eigen::RowMajor> values;
+  if (bytes.size() != sizeof(double) * rows * columns) return false;
+  std::memcpy(values.data(), bytes.data(), bytes.size());
+  matrix = values;
+  return matrix.allFinite();
+}
+
+}  // namespace
+
+Sent sendMessage(zmq::socket_t& socket, std::string_view peer, const wire::Message& message,
+                 std::string_view payload) {
+  // Once the first frame was accepted, libzmq accepts the rest of the message too.
+  try {
+    if (!peer.empty() && !sendFrame(socket, peer, true)) return Sent::full;
+    if (!sendFrame(socket, message.SerializeAsString(), !payload.empty())) return Sent::full;
+    for (std::size_t at = 0; at < payload.size(); at += payload_frame_bytes) {
+      const bool more = at + payload_frame_bytes < payload.size();
+      if (!sendFrame(socket, payload.substr(at, payload_frame_bytes), more))
+        throw failure("ZeroMQ took the first frames of a message and then refused the next");
+    }
+  } catch (const zmq::error_t& error) {
+    if (error.num() == EHOSTUNREACH) return Sent::unroutable;
+    throw failure("ZeroMQ send: {}", error.what());
+  }
+  return Sent::yes;
+}
+
+std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router) {
+  Incoming incoming;
+  bool intact = true;
+  int frame_number = router ? 0 : 1;
+  zmq::message_t frame;
+  try {
+    do {
+      if (!receiveFrame(socket, frame)) return std::nullopt;
+      if (frame_number == 0) {
+        incoming.peer = frame.to_string();
+      } else if (frame_number == 1) {
+        intact = incoming.message.ParseFromArray(frame.data(), static_cast<int>(frame.size()));
+      } else if (incoming.payload.size() + frame.size() <= max_payload_bytes) {
+        incoming.payload.append(frame.data<char>(), frame.size());
+      } else {
+        intact = false;
+      }
+      ++frame_number;
+    } while (frame.more());
+  } catch (const zmq::error_t& error) {
+    throw failure("ZeroMQ receive: {}", error.what());
+  }
+  if (!intact) incoming.message.Clear();
+  return incoming;
+}
+
+namespace {
+
+zmq::socket_t makeSocket(zmq::context_t& context, zmq::socket_type type) {
+  zmq::socket_t socket(context, type);
+  socket.set(zmq::sockopt::linger, 0);
+  socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(4) << 20);
+  socket.set(zmq::sockopt::handshake_ivl, 10000);
+  socket.set(zmq::sockopt::tcp_keepalive, 1);
+  socket.set(zmq::sockopt::tcp_keepalive_idle, 60);
+  socket.set(zmq::sockopt::tcp_keepalive_intvl, 10);
+  socket.set(zmq::sockopt::tcp_keepalive_cnt, 6);
+  return socket;
+}
+
+}  // namespace
+
+zmq::socket_t makeRouter(zmq::context_t& context) {
+  zmq::socket_t socket = makeSocket(context, zmq::socket_type::router);
+  socket.set(zmq::sockopt::router_mandatory, true);
+  socket.set(zmq::sockopt::router_handover, true);
+  socket.set(zmq::sockopt::backlog, 4096);
+  socket.set(zmq::sockopt::sndhwm, 4096);
+  socket.set(zmq::sockopt::rcvhwm, 4096);
+  return socket;
+}
+
+zmq::socket_t makeDealer(zmq::context_t& context) {
+  zmq::socket_t socket = makeSocket(context, zmq::socket_type::dealer);
+  socket.set(zmq::sockopt::immediate, true);
+  socket.set(zmq::sockopt::reconnect_ivl, 200);
+  socket.set(zmq::sockopt::reconnect_ivl_max, 8000);
+  socket.set(zmq::sockopt::connect_timeout, 5000);
+  return socket;
+}
+
+namespace {
+
+/// A host and behind it a port; * is any free one, for those who listen.
+bool hasPort(std::string_view endpoint) {
+  const std::string_view address = endpoint.substr(std::string_view("tcp://").size());
+  const std::size_t colon = address.rfind(':');
+  if (colon == std::string_view::npos || colon == 0) return false;
+  const std::string_view text = address.substr(colon + 1);
+  int port = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  return text == "*" ||
+         (error == std::errc() && end == text.data() + text.size() && port > 0 && port <= 65535);
+}
+
+}  // namespace
+
+void checkEndpoint(const std::string& endpoint) {
+  if (!endpoint.starts_with("tcp://") && !endpoint.starts_with("ipc://"))
+    throw badInput("endpoint \"{}\": write tcp://HOST:PORT or ipc://PATH", endpoint);
+  if (endpoint.starts_with("tcp://") && !hasPort(endpoint))
+    throw badInput("endpoint \"{}\": write tcp://HOST:PORT with a port from 1 to 65535", endpoint);
+}
+
+std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint) {
+  checkEndpoint(endpoint);
+  try {
+    socket.bind(endpoint);
+  } catch (const zmq::error_t& error) {
+    if (error.num() == EADDRINUSE)
+      throw failure(
+          "{} is in use by another program: stop it (palpate stop {}) or choose another port",
+          endpoint, endpoint);
+    throw failure("cannot listen on {}: {}", endpoint, error.what());
+  }
+  return socket.get(zmq::sockopt::last_endpoint);
+}
+
+wire::Point toWire(const LatticePoint& point) {
+  wire::Point message;
+  message.set_i(point[0]);
+  message.set_j(point[1]);
+  message.set_k(point[2]);
+  return message;
+}
+
+LatticePoint fromWire(const wire::Point& point) { return {point.i(), point.j(), point.k()}; }
+
+void toWire(const Outcome& outcome, const std::string& fields_bytes, wire::Result& result) {
+  wire::Cost& cost = *result.mutable_cost();
+  cost.set_newton_iterations(outcome.cost.newton_iterations);
+  cost.set_factorizations(outcome.cost.factorizations);
+  cost.set_steps(outcome.cost.steps);
+  cost.set_seconds(outcome.cost.seconds);
+  if (!outcome.converged) {
+    wire::Failure& failure = *result.mutable_failure();
+    failure.set_cause(static_cast<std::uint32_t>(outcome.failure.cause));
+    failure.set_step_reached(outcome.failure.step_reached);
+    failure.set_residual(outcome.failure.residual);
+    failure.set_element(outcome.failure.element);
+    failure.set_element_det_f(outcome.failure.element_det_F);
+    failure.set_negative_pivots(outcome.failure.negative_pivots);
+    failure.set_expected_negative_pivots(outcome.failure.expected_negative_pivots);
+    failure.set_mumps_infog1(outcome.failure.mumps_infog1);
+    failure.set_mumps_infog2(outcome.failure.mumps_infog2);
+    return;
+  }
+  const Equilibrium& equilibrium = outcome.equilibrium;
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> stiffness = equilibrium.stiffness;
+  wire::Equilibrium& message = *result.mutable_equilibrium();
+  message.set_force(equilibrium.force.data(), 3 * sizeof(double));
+  message.set_stiffness(stiffness.data(), 9 * sizeof(double));
+  message.set_energy(equilibrium.energy);
+  message.set_min_det_f(equilibrium.min_det_F);
+  message.set_residual(outcome.residual);
+  result.set_fields_id(std::string(ContentId::of(fields_bytes).bytes()));
+  result.set_payload_bytes(static_cast<std::uint32_t>(fields_bytes.size()));
+}
+
+std::optional<Outcome> fromWire(const wire::Result& result) {
+  Outcome outcome;
+  const wire::Cost& cost = result.cost();
+  outcome.cost = {cost.newton_iterations(), cost.factorizations(), cost.steps(), cost.seconds()};
+  if (result.has_equilibrium()) {
+    const wire::Equilibrium& message = result.equilibrium();
+    outcome.converged = true;
+    Equilibrium& equilibrium = outcome.equilibrium;
+    if (!readMatrix<3, 1>(message.force(), equilibrium.force)) return std::nullopt;
+    if (!readMatrix<3, 3>(message.stiffness(), equilibrium.stiffness)) return std::nullopt;
+    equilibrium.energy = message.energy();
+    equilibrium.min_det_F = message.min_det_f();
+    outcome.residual = message.residual();
+    if (!std::isfinite(equilibrium.energy) || !std::isfinite(equilibrium.min_det_F))
+      return std::nullopt;
+    if (result.fields_id().size() != 32 || result.payload_bytes() == 0) return std::nullopt;
+    return outcome;
+  }
+  if (!result.has_failure()) return std::nullopt;
+  const wire::Failure& message = result.failure();
+  // The causes after worker_lost are of points: nobody finds them by trying.
+  if (message.cause() == 0 || message.cause() > static_cast<std::uint32_t>(Cause::worker_lost))
+    return std::nullopt;
+  outcome.failure = {static_cast<Cause>(message.cause()),
+                     message.step_reached(),
+                     message.residual(),
+                     message.element(),
+                     message.element_det_f(),
+                     message.negative_pivots(),
+                     message.expected_negative_pivots(),
+                     message.mumps_infog1(),
+                     message.mumps_infog2()};
+  return outcome;
+}
+
+}  // namespace palpate

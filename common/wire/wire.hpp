@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <zmq.hpp>
+
+#include "common/space/configuration.hpp"
+#include "common/space/lattice.hpp"
+#include "proto/palpate.pb.h"
+
+/// Messages of proto/palpate.proto over ZeroMQ ROUTER and DEALER sockets. docs/wire.md tells who
+/// says what when.
+namespace palpate {
+
+/// Raised with every incompatible change; Hello carries it and the scheduler refuses another one.
+inline constexpr std::uint32_t protocol_version = 1;
+
+/// Payload frames are at most this long: libzmq's heartbeat takes one large frame on a slow link
+/// for silence.
+inline constexpr std::size_t payload_frame_bytes = 64 * 1024;
+
+/// A payload longer than this is refused on receipt (a mesh of 10 million nodes does not fit;
+/// nothing we make comes near).
+inline constexpr std::size_t max_payload_bytes = 512u << 20;
+
+/// Where `serve` listens and `status`, `stop`, `work` connect when nothing is said.
+inline constexpr const char* default_endpoint = "tcp://127.0.0.1:7411";
+
+/// A message as it came in.
+struct Incoming {
+  std::string peer;  ///< routing id on a ROUTER, empty on a DEALER
+  wire::Message message;
+  std::string payload;  ///< the concatenated payload frames
+};
+
+/// What became of a message we wanted to send. `unroutable`: the peer is gone. `full`: it does not
+/// read; drop it or try again, but never block.
+enum class Sent : std::uint8_t { yes, unroutable, full };
+
+/// Sends without blocking. `peer` is the routing id on a ROUTER, empty on a DEALER. Error on any
+/// other ZeroMQ failure.
+[[nodiscard]] Sent sendMessage(zmq::socket_t& socket, std::string_view peer,
+                               const wire::Message& message, std::string_view payload = {});
+
+/// The next message without blocking. Nothing when there is none. A message that does not parse,
+/// has an empty body, or has too large a payload is returned with message.body_case() ==
+/// BODY_NOT_SET: count it and drop it.
+std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router);
+
+/// Sockets with the options that were measured to be needed (docs/wire.md, "Sockets").
+zmq::socket_t makeRouter(zmq::context_t& context);
+zmq::socket_t makeDealer(zmq::context_t& context);
+
+/// Refuses everything but ipc://PATH and tcp://HOST:PORT (PORT may be * to listen on a free one).
+/// Error (bad input).
+void checkEndpoint(const std::string& endpoint);
+
+/// Binds, and turns "address already in use" and the like into an Error that names the endpoint and
+/// what to do. Returns the endpoint with the port that the system chose (for tcp://127.0.0.1:*).
+std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint);
+
+/// Struct <-> message. The from... functions check meaning (sizes, finite numbers, known cause);
+/// nothing when it is not valid.
+wire::Point toWire(const LatticePoint& point);
+LatticePoint fromWire(const wire::Point& point);
+/// Fills outcome, cost, fields_id and payload_bytes of `result`.
+void toWire(const Outcome& outcome, const std::string& fields_bytes, wire::Result& result);
+/// Everything but `fields`, which the payload holds.
+std::optional<Outcome> fromWire(const wire::Result& result);
+
+}  // namespace palpate

@@ -1,0 +1,146 @@
+#include "scheduler/plan/frontier.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/base/error.hpp"
+
+namespace palpate {
+
+Ending endingOf(const Outcome& outcome) {
+  if (outcome.converged) return {true, outcome.equilibrium.force.norm(), Cause::none, 1};
+  return {false, 0, outcome.failure.cause, outcome.failure.step_reached};
+}
+
+Frontier::Frontier(Lattice lattice, double max_force, int max_attempts)
+    : lattice_(std::move(lattice)),
+      max_force_(max_force),
+      max_attempts_(max_attempts),
+      points_(lattice_.size()),
+      unsettled_(lattice_.size()) {
+  for (std::int32_t n = 1; n < lattice_.size(); ++n) advance(n);
+  open(0, 0);
+}
+
+std::vector<Transition> Frontier::takeReady() { return std::exchange(ready_, {}); }
+
+bool Frontier::isOpen(const Transition& transition) const {
+  if (transition.target < 0 || transition.target >= lattice_.size()) return false;
+  const Point& point = points_[transition.target];
+  return point.phase == Phase::open && point.blocker == transition.parent;
+}
+
+void Frontier::record(const Transition& transition, const Ending& ending) {
+  if (!isOpen(transition))
+    throw failure("transition to point {} from point {} is recorded but was not asked for",
+                  transition.target, transition.parent);
+  Point& point = points_[transition.target];
+  --open_;
+  if (ending.converged) {
+    point.phase = Phase::reached;
+    point.tag = tagOf(ending.force);
+    point.parent = transition.parent;
+    point.round_reached = round_;
+    ++solved_;
+    settle(transition.target);
+  } else {
+    point.attempts.push_back({transition.parent, ending.cause, ending.step_reached});
+    advance(transition.target);
+  }
+  releaseWaiting();
+  if (unsettled_ == 0) beginRounds();
+}
+
+Tag Frontier::tag(std::int32_t point) const {
+  const Point& p = points_[point];
+  return complete_ && p.phase == Phase::unreached ? Tag::failed : p.tag;
+}
+
+Cause Frontier::cause(std::int32_t point) const {
+  const Point& p = points_[point];
+  if (p.phase == Phase::reached) return Cause::none;
+  if (p.attempts.empty()) return complete_ ? Cause::unreachable : Cause::none;
+  return std::max_element(
+             p.attempts.begin(), p.attempts.end(),
+             [](const Attempt& a, const Attempt& b) { return a.step_reached < b.step_reached; })
+      ->cause;
+}
+
+void Frontier::open(std::int32_t target, std::int32_t parent) {
+  points_[target].phase = Phase::open;
+  points_[target].blocker = parent;
+  ready_.push_back({target, parent});
+  ++open_;
+}
+
+void Frontier::settle(std::int32_t point) {
+  --unsettled_;
+  if (round_ == 0) newly_settled_.push_back(point);
+}
+
+void Frontier::giveUp(std::int32_t point) {
+  points_[point].phase = Phase::unreached;
+  settle(point);
+}
+
+void Frontier::advance(std::int32_t point) {
+  const std::size_t budget = round_ == 0 ? (max_attempts_ + 1) / 2 : max_attempts_;
+  if (points_[point].attempts.size() >= budget) return giveUp(point);
+  if (round_ == 0)
+    advanceInRoundZero(point);
+  else
+    advanceInLaterRound(point);
+}
+
+void Frontier::advanceInRoundZero(std::int32_t point) {
+  const std::int64_t norm = squaredNorm(lattice_.point(point));
+  for (const std::int32_t candidate : lattice_.neighbours(point)) {
+    if (squaredNorm(lattice_.point(candidate)) >= norm) continue;
+    const Point& c = points_[candidate];
+    if (c.phase == Phase::waiting || c.phase == Phase::open) {
+      points_[point].phase = Phase::waiting;
+      points_[point].blocker = candidate;
+      return;
+    }
+    if (c.tag == Tag::expandable && !tried(point, candidate)) return open(point, candidate);
+  }
+  giveUp(point);
+}
+
+void Frontier::advanceInLaterRound(std::int32_t point) {
+  for (const std::int32_t candidate : lattice_.neighbours(point)) {
+    const Point& c = points_[candidate];
+    if (c.tag == Tag::expandable && c.round_reached < round_ && !tried(point, candidate))
+      return open(point, candidate);
+  }
+  giveUp(point);
+}
+
+void Frontier::releaseWaiting() {
+  while (!newly_settled_.empty()) {
+    const std::int32_t settled = newly_settled_.back();
+    newly_settled_.pop_back();
+    for (const std::int32_t neighbour : lattice_.neighbours(settled)) {
+      const Point& n = points_[neighbour];
+      if (n.phase == Phase::waiting && n.blocker == settled) advance(neighbour);
+    }
+  }
+}
+
+void Frontier::beginRounds() {
+  ++round_;
+  for (std::int32_t n = 0; n < lattice_.size(); ++n) {
+    if (points_[n].phase != Phase::unreached) continue;
+    ++unsettled_;
+    advance(n);
+  }
+  complete_ = open_ == 0;
+}
+
+bool Frontier::tried(std::int32_t target, std::int32_t parent) const {
+  const auto& attempts = points_[target].attempts;
+  return std::any_of(attempts.begin(), attempts.end(),
+                     [&](const Attempt& a) { return a.parent == parent; });
+}
+
+}  // namespace palpate

@@ -1,0 +1,146 @@
+#include "scheduler/plan/leases.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace palpate {
+
+void Leases::add(const TransitionKey& key) {
+  const auto [where, fresh] = entries_.try_emplace(key);
+  assert(fresh);
+  putBack(key, where->second);
+}
+
+std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t workers) {
+  if (waiting_count_ == 0) return std::nullopt;
+  const std::size_t share = 2 * std::max<std::size_t>(workers, 1);
+  const std::size_t limit =
+      std::clamp<std::size_t>((waiting_count_ + share - 1) / share, 1, max_targets_per_job);
+
+  const auto [parent, space] = waiting_.begin()->first;
+  const std::set<std::int32_t> targets = waiting_.begin()->second;
+  Handout handout{++last_job_, space, parent, {}};
+  auto& job = by_worker_[worker][handout.job];
+  for (const std::int32_t target : targets) {
+    const TransitionKey key{space, target, parent};
+    Entry& entry = entries_.at(key);
+    const bool alone = entry.losses >= losses_before_alone;
+    if (alone && !job.empty()) break;
+    takeFromWaiting(key);
+    entry.worker = worker;
+    entry.job = handout.job;
+    ++entry.attempt;
+    ++leased_count_;
+    job.push_back(key);
+    handout.targets.push_back({target, entry.attempt});
+    if (alone || job.size() == limit) break;
+  }
+  return handout;
+}
+
+void Leases::finish(const TransitionKey& key) {
+  const auto found = entries_.find(key);
+  if (found == entries_.end()) return;
+  const Entry& entry = found->second;
+  if (!entry.worker.empty()) {
+    LeasesOfWorker& jobs = by_worker_.at(entry.worker);
+    auto& open = jobs.at(entry.job);
+    std::erase(open, key);
+    if (open.empty()) jobs.erase(entry.job);
+    --leased_count_;
+  } else {
+    takeFromWaiting(key);
+  }
+  entries_.erase(found);
+}
+
+void Leases::giveBack(const std::string& worker) {
+  for (const auto& [job, keys] : endLeases(worker))
+    for (const TransitionKey& key : keys) putBack(key, entries_.at(key));
+}
+
+std::vector<TransitionKey> Leases::workerDied(const std::string& worker,
+                                              std::optional<TransitionKey> solving) {
+  const LeasesOfWorker jobs = endLeases(worker);
+  std::optional<TransitionKey> next_in_order;
+  if (!jobs.empty()) next_in_order = jobs.begin()->second.front();
+  bool alone = false;
+  if (next_in_order) alone = entries_.at(*next_in_order).losses >= losses_before_alone;
+
+  std::vector<TransitionKey> given_up;
+  for (const auto& [job, keys] : jobs)
+    for (const TransitionKey& key : keys) {
+      Entry& entry = entries_.at(key);
+      const bool named = solving == key;
+      if (named || key == next_in_order) ++entry.losses;
+      if (named || (alone && key == next_in_order)) ++entry.deaths;
+      if (entry.deaths >= deaths_before_giving_up)
+        given_up.push_back(key);
+      else
+        putBack(key, entry);
+    }
+  return given_up;
+}
+
+std::size_t Leases::leasedTo(const std::string& worker) const {
+  const auto found = by_worker_.find(worker);
+  if (found == by_worker_.end()) return 0;
+  std::size_t count = 0;
+  for (const auto& [job, keys] : found->second) count += keys.size();
+  return count;
+}
+
+std::size_t Leases::jobsOf(const std::string& worker) const {
+  const auto found = by_worker_.find(worker);
+  return found == by_worker_.end() ? 0 : found->second.size();
+}
+
+const std::vector<TransitionKey>* Leases::openOf(const std::string& worker,
+                                                 std::uint64_t job) const {
+  const auto jobs = by_worker_.find(worker);
+  if (jobs == by_worker_.end()) return nullptr;
+  const auto keys = jobs->second.find(job);
+  return keys == jobs->second.end() || keys->second.empty() ? nullptr : &keys->second;
+}
+
+std::optional<std::uint32_t> Leases::spaceOf(const std::string& worker, std::uint64_t job) const {
+  const std::vector<TransitionKey>* open = openOf(worker, job);
+  if (open == nullptr) return std::nullopt;
+  return open->front().space;
+}
+
+std::optional<TransitionKey> Leases::leasedTransition(const std::string& worker, std::uint64_t job,
+                                                      std::int32_t target) const {
+  if (const std::vector<TransitionKey>* open = openOf(worker, job))
+    for (const TransitionKey& key : *open)
+      if (key.target == target) return key;
+  return std::nullopt;
+}
+
+void Leases::putBack(const TransitionKey& key, Entry& entry) {
+  entry.worker.clear();
+  waiting_[{key.parent, key.space}].insert(key.target);
+  ++waiting_count_;
+}
+
+void Leases::takeFromWaiting(const TransitionKey& key) {
+  const auto group = waiting_.find({key.parent, key.space});
+  if (group == waiting_.end() || group->second.erase(key.target) == 0) return;
+  if (group->second.empty()) waiting_.erase(group);
+  --waiting_count_;
+}
+
+Leases::LeasesOfWorker Leases::endLeases(const std::string& worker) {
+  const auto found = by_worker_.find(worker);
+  if (found == by_worker_.end()) return {};
+  LeasesOfWorker jobs = std::move(found->second);
+  by_worker_.erase(found);
+  for (const auto& [job, keys] : jobs)
+    for (const TransitionKey& key : keys) {
+      entries_.at(key).worker.clear();
+      --leased_count_;
+    }
+  return jobs;
+}
+
+}  // namespace palpate

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "scheduler/plan/frontier.hpp"
+
+namespace palpate {
+
+/// One transition of one configuration space: the key of a result within a build.
+struct TransitionKey {
+  std::uint32_t space = 0;
+  std::int32_t target = -1;  ///< lattice numbers
+  std::int32_t parent = -1;
+  auto operator<=>(const TransitionKey&) const = default;
+};
+
+/// A start configuration and the targets to reach from it, on their way to one worker.
+struct Handout {
+  struct Target {
+    std::int32_t point = -1;
+    std::uint32_t attempt =
+        0;  ///< number of this hand-out of the transition, from 1: the fencing token
+  };
+  std::uint64_t job = 0;
+  std::uint32_t space = 0;
+  std::int32_t parent = -1;
+  std::vector<Target> targets;
+};
+
+/// A job carries at most as many targets as a point has neighbours.
+inline constexpr std::size_t max_targets_per_job = 26;
+
+/// A transition in whose hand-outs this many workers died is handed out alone, so that the next
+/// death names it.
+inline constexpr int losses_before_alone = 2;
+
+/// A transition that was being solved when this many workers died is not handed out again. Five,
+/// because workers also die for reasons that have nothing to do with what they solve, and giving up
+/// changes the dataset.
+inline constexpr int deaths_before_giving_up = 5;
+
+/// Ready transitions and who is solving them. A transition is waiting, then leased to one worker,
+/// then finished; a lost worker's leases wait again under the next attempt number. Grouping into
+/// jobs depends on timing; results must not.
+///
+/// Workers are named by any string. One thread at a time.
+class Leases {
+ public:
+  /// Job numbers start after `first_job`, so that those of an earlier run of the scheduler are not
+  /// taken for ours.
+  explicit Leases(std::uint64_t first_job = 0) : last_job_(first_job) {}
+
+  /// A transition became ready. It must not be known already.
+  void add(const TransitionKey& key);
+  /// The next job for `worker`: targets around one start, nearest to the origin first, and few
+  /// enough that `workers` workers all get some. Nothing when nothing waits.
+  std::optional<Handout> handOut(const std::string& worker, std::size_t workers);
+  /// True until finished.
+  bool knows(const TransitionKey& key) const { return entries_.contains(key); }
+  /// The transition has an outcome, whoever found it. Unknown keys are ignored.
+  void finish(const TransitionKey& key);
+
+  /// Ends the leases of a worker that lives (it said goodbye, or it never got the job); they wait
+  /// again.
+  void giveBack(const std::string& worker);
+  /// Ends the leases of a worker that died, while solving `solving` when that is known. Returns the
+  /// transitions that are given up: they are neither waiting nor leased any more, but known until
+  /// finish().
+  std::vector<TransitionKey> workerDied(const std::string& worker,
+                                        std::optional<TransitionKey> solving);
+
+  std::size_t waiting() const { return waiting_count_; }
+  std::size_t leased() const { return leased_count_; }
+  /// Targets and jobs leased to one worker.
+  std::size_t leasedTo(const std::string& worker) const;
+  std::size_t jobsOf(const std::string& worker) const;
+  /// The space of that job of that worker; nothing when none of its transitions is open.
+  std::optional<std::uint32_t> spaceOf(const std::string& worker, std::uint64_t job) const;
+  /// The open transition to `target` in that job of that worker; nothing when there is none.
+  std::optional<TransitionKey> leasedTransition(const std::string& worker, std::uint64_t job,
+                                                std::int32_t target) const;
+
+ private:
+  struct Entry {
+    std::uint32_t attempt = 0;
+    int losses = 0;
+    int deaths = 0;
+    std::string worker;  ///< empty: not leased
+    std::uint64_t job = 0;
+  };
+  using Start =
+      std::pair<std::int32_t,
+                std::uint32_t>;  ///< (parent, space): parents are numbered from the origin outward
+  using LeasesOfWorker =
+      std::map<std::uint64_t, std::vector<TransitionKey>>;  ///< job -> open transitions, in order
+
+  void putBack(const TransitionKey& key, Entry& entry);
+  void takeFromWaiting(const TransitionKey& key);
+  const std::vector<TransitionKey>* openOf(const std::string& worker, std::uint64_t job) const;
+  LeasesOfWorker endLeases(const std::string& worker);
+
+  std::map<TransitionKey, Entry> entries_;
+  std::map<Start, std::set<std::int32_t>> waiting_;
+  std::map<std::string, LeasesOfWorker> by_worker_;
+  std::size_t waiting_count_ = 0;
+  std::size_t leased_count_ = 0;
+  std::uint64_t last_job_;
+};
+
+}  // namespace palpate

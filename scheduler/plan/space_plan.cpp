@@ -1,0 +1,281 @@
+#include "scheduler/plan/space_plan.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "common/base/error.hpp"
+#include "common/interpolation/branch_check.hpp"
+#include "scheduler/plan/refinement.hpp"
+
+namespace palpate {
+namespace {
+
+/// Farther points are no parents: the transition would not be one of neighbours.
+constexpr double farthest_parent = 2;  // spacings
+
+/// Relative: below it two equilibria are the same one, solved to the tolerance of Newton's method.
+constexpr double same_energy = 1e-7;
+
+std::int64_t squaredDistance(const LatticePoint& a, const LatticePoint& b) {
+  return squaredNorm({a[0] - b[0], a[1] - b[1], a[2] - b[2]});
+}
+
+}  // namespace
+
+std::string_view name(Stage stage) {
+  constexpr std::array<std::string_view, 5> names = {"lattice", "branches", "cells", "probes",
+                                                     "complete"};
+  return names.at(static_cast<std::size_t>(stage));
+}
+
+SpacePlan::SpacePlan(const Problem& problem, std::uint32_t space)
+    : problem_(&problem),
+      space_(space),
+      frontier_(uniformLattice(problem.scene), problem.scene.workspace.max_force),
+      positions_(frontier_.lattice()),
+      records_(static_cast<std::size_t>(positions_.size())),
+      may_grow_(problem.scene.accuracy.adaptive()) {}
+
+std::vector<Transition> SpacePlan::takeReady() {
+  std::vector<Transition> ready = frontier_.takeReady();
+  ready.insert(ready.end(), ready_.begin(), ready_.end());
+  ready_.clear();
+  return ready;
+}
+
+bool SpacePlan::isOpen(const Transition& transition) const {
+  if (stage_ == Stage::lattice) return frontier_.isOpen(transition);
+  const auto found = pursuits_.find(transition.target);
+  return found != pursuits_.end() &&
+         found->second.parents[found->second.tried] == transition.parent;
+}
+
+std::int32_t SpacePlan::stepsOf(const Transition& transition) const {
+  return stage_ == Stage::branches && isOpen(transition) ? steps_of_retry : 1;
+}
+
+std::int32_t SpacePlan::open() const {
+  return stage_ == Stage::lattice ? frontier_.open() : static_cast<std::int32_t>(pursuits_.size());
+}
+
+const std::vector<FailedAttempt>& SpacePlan::attempts(std::int32_t number) const {
+  static const std::vector<FailedAttempt> none;
+  const auto found = attempts_.find(number);
+  return found == attempts_.end() ? none : found->second;
+}
+
+void SpacePlan::record(const Transition& transition, const Outcome& outcome,
+                       const ContentId& fields) {
+  if (!isOpen(transition))
+    throw failure(
+        "space {}: transition to point {} from point {} is recorded but was not asked for", space_,
+        transition.target, transition.parent);
+  tried_.insert(transition);
+  if (!outcome.converged)
+    attempts_[transition.target].push_back({transition.target, transition.parent, outcome.failure});
+  if (stage_ == Stage::lattice) {
+    if (outcome.converged)
+      records_[transition.target] = recordOf(transition.parent, outcome, fields);
+    frontier_.record(transition, endingOf(outcome));
+  } else {
+    recordInPursuit(transition, outcome, fields);
+  }
+  while (!complete() && open() == 0) advanceStage();
+}
+
+PointRecord SpacePlan::recordOf(std::int32_t parent, const Outcome& outcome,
+                                const ContentId& fields) const {
+  PointRecord record;
+  record.tag = tagOf(outcome.equilibrium.force.norm());
+  record.parent = parent;
+  record.equilibrium = outcome.equilibrium;
+  record.residual = outcome.residual;
+  record.cost = outcome.cost;
+  record.fields = fields;
+  return record;
+}
+
+void SpacePlan::recordInPursuit(const Transition& transition, const Outcome& outcome,
+                                const ContentId& fields) {
+  const auto found = pursuits_.find(transition.target);
+  Pursuit& pursuit = found->second;
+  ++pursuit.tried;
+  if (outcome.converged) {
+    PointRecord record = recordOf(transition.parent, outcome, fields);
+    if (pursuit.every_parent)
+      alternatives_[transition.target].push_back(std::move(record));
+    else
+      records_[transition.target] = std::move(record);
+  }
+  const bool over =
+      (outcome.converged && !pursuit.every_parent) || pursuit.tried == pursuit.parents.size();
+  if (!over) return open(transition.target, pursuit);
+  if (!isSolved(records_[transition.target].tag)) giveUp(transition.target);
+  pursuits_.erase(found);
+}
+
+void SpacePlan::pursue(std::int32_t target, std::vector<std::int32_t> parents, bool every_parent) {
+  if (parents.empty()) return giveUp(target);
+  open(target, pursuits_[target] = {std::move(parents), 0, every_parent});
+}
+
+void SpacePlan::open(std::int32_t target, const Pursuit& pursuit) {
+  ready_.push_back({target, pursuit.parents[pursuit.tried]});
+}
+
+void SpacePlan::giveUp(std::int32_t target) {
+  PointRecord& record = records_[target];
+  record.tag = Tag::failed;
+  record.cause = Cause::unreachable;
+  const std::vector<FailedAttempt>& tries = attempts(target);
+  if (tries.empty()) return;
+  record.cause = std::max_element(tries.begin(), tries.end(), [](const auto& a, const auto& b) {
+                   return a.failure.step_reached < b.failure.step_reached;
+                 })->failure.cause;
+}
+
+std::int32_t SpacePlan::addPosition(const LatticePoint& position) {
+  positions_.add(position);
+  records_.emplace_back();
+  return positions_.size() - 1;
+}
+
+/// The expandable points around, nearest first, then nearest to the origin, then by number.
+std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) const {
+  using Candidate = std::tuple<std::int64_t, std::int64_t, std::int32_t>;
+  const double reach = farthest_parent * positions_.divisions();
+  std::vector<Candidate> candidates;
+  const std::int32_t end = first_probe_ < 0 ? size() : first_probe_;
+  for (std::int32_t n = 0; n < end; ++n) {
+    if (records_[n].tag != Tag::expandable) continue;
+    const std::int64_t distance = squaredDistance(positions_.point(n), position);
+    if (static_cast<double>(distance) <= reach * reach)
+      candidates.emplace_back(distance, squaredNorm(positions_.point(n)), n);
+  }
+  const std::size_t count = std::min<std::size_t>(candidates.size(), max_attempts_per_point);
+  std::partial_sort(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(count),
+                    candidates.end());
+  std::vector<std::int32_t> parents;
+  for (std::size_t n = 0; n < count; ++n) parents.push_back(std::get<2>(candidates[n]));
+  return parents;
+}
+
+/// From a stage with nothing open to the next one, which may have nothing to do.
+void SpacePlan::advanceStage() {
+  switch (stage_) {
+    case Stage::lattice:
+      if (!frontier_.complete())
+        throw failure("space {}: nothing is open in an incomplete lattice", space_);
+      for (std::int32_t n = 0; n < frontier_.size(); ++n)
+        if (frontier_.tag(n) == Tag::failed) giveUp(n);
+      stage_ = Stage::branches;
+      return beginBranches();
+    case Stage::branches:
+      if (keepLeastEnergy() && branch_round_ < max_branch_rounds) return beginBranches();
+      stage_ = Stage::cells;
+      return beginCells();
+    case Stage::cells:
+      branch_round_ = 0;
+      stage_ = may_grow_ ? Stage::branches : Stage::probes;
+      return may_grow_ ? beginBranches() : beginProbes();
+    case Stage::probes:
+      stage_ = Stage::complete;
+      return;
+    case Stage::complete:
+      return;
+  }
+}
+
+void SpacePlan::beginBranches() {
+  ++branch_round_;
+  std::map<std::int32_t, std::vector<std::int32_t>> retries;
+  const auto retry = [&](std::int32_t target, std::int32_t parent) {
+    if (records_[parent].tag == Tag::expandable && !tried_.contains({target, parent}))
+      retries[target].push_back(parent);
+  };
+  for (const LatticeEdge& edge : inconsistentEdges(table())) {
+    retry(edge.a, edge.b);
+    retry(edge.b, edge.a);
+  }
+  for (auto& [target, parents] : retries) pursue(target, std::move(parents), true);
+}
+
+/// Whether some point has another configuration now.
+bool SpacePlan::keepLeastEnergy() {
+  bool changed = false;
+  for (auto& [target, found] : std::exchange(alternatives_, {}))
+    for (PointRecord& alternative : found) {
+      const double energy = records_[target].equilibrium.energy;
+      if (alternative.equilibrium.energy >= energy - same_energy * std::abs(energy)) continue;
+      records_[target] = std::move(alternative);
+      changed = true;
+    }
+  return changed;
+}
+
+void SpacePlan::beginCells() {
+  may_grow_ = may_grow_ && isSolved(records_.front().tag);
+  if (!may_grow_) return;
+  const Refinement refinement = nextRefinement(table(), problem_->scene);
+  splits_.insert(splits_.end(), refinement.splits.begin(), refinement.splits.end());
+  std::sort(splits_.begin(), splits_.end(), [](const LatticeCell& a, const LatticeCell& b) {
+    return std::tie(a.level, a.lowest) < std::tie(b.level, b.lowest);
+  });
+  may_grow_ = !refinement.empty();
+  std::vector<std::pair<std::int32_t, std::vector<std::int32_t>>> targets;
+  for (const LatticePoint& position : refinement.points) {
+    std::vector<std::int32_t> parents = parentsNear(position);
+    targets.emplace_back(addPosition(position), std::move(parents));
+  }
+  for (auto& [target, parents] : targets) pursue(target, std::move(parents), false);
+}
+
+void SpacePlan::beginProbes() {
+  const std::vector<LatticePoint> positions =
+      probePositions(positions_, problem_->scene.accuracy.probes);
+  first_probe_ = size();
+  for (const LatticePoint& position : positions) {
+    const std::int32_t target = addPosition(position);
+    pursue(target, parentsNear(position), false);
+  }
+}
+
+SpaceTable SpacePlan::table() const {
+  SpaceTable table;
+  table.patch = problem_->active[space_];
+  table.lattice = uniformLattice(problem_->scene);
+  table.splits = splits_;
+  const std::int32_t end = first_probe_ < 0 ? size() : first_probe_;
+  for (std::int32_t n = table.lattice.size(); n < end; ++n) table.lattice.add(positions_.point(n));
+  table.points.assign(records_.begin(), records_.begin() + end);
+  for (std::int32_t n = end; n < size(); ++n)
+    table.probes.push_back({positions_.displacement(n), records_[n]});
+  for (const auto& [target, tries] : attempts_)
+    if (target < end) table.attempts.insert(table.attempts.end(), tries.begin(), tries.end());
+  return table;
+}
+
+std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t count) {
+  // Fractions of the powers of 1/g, g^4 = g + 1: the sequence that fills a cube most evenly
+  // (Roberts 2018).
+  constexpr double g = 1.2207440846057596;
+  constexpr std::array<double, 3> strides = {1 / g, 1 / (g * g), 1 / (g * g * g)};
+  const double reach = lattice.radius() / lattice.unit();
+  std::vector<LatticePoint> positions;
+  for (std::int64_t n = 1; static_cast<std::int32_t>(positions.size()) < count; ++n) {
+    LatticePoint position{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double turns = 0.5 + static_cast<double>(n) * strides[axis];
+      const double coordinate = reach * (2 * (turns - std::floor(turns)) - 1);
+      // Odd: corners of cells, which are larger than one coordinate, are even.
+      position[axis] = 2 * static_cast<std::int32_t>(std::floor(coordinate / 2)) + 1;
+    }
+    if (static_cast<double>(squaredNorm(position)) <= reach * reach) positions.push_back(position);
+  }
+  return positions;
+}
+
+}  // namespace palpate

@@ -1,0 +1,126 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "common/problem/problem.hpp"
+#include "common/space/configuration.hpp"
+#include "common/space/space_table.hpp"
+#include "scheduler/plan/frontier.hpp"
+
+namespace palpate {
+
+/// What a plan is working on. A stage begins when the one before it has nothing open.
+enum class Stage : std::uint8_t {
+  lattice,   ///< the uniform lattice, by the frontier
+  branches,  ///< ends of inconsistent edges, from the other end
+  cells,     ///< points that refinement asked for
+  probes,    ///< held-out positions
+  complete,
+};
+
+/// "lattice", "branches", "cells", "probes" or "complete".
+std::string_view name(Stage stage);
+
+/// A continuation in equal steps follows a branch where one long step may jump to another.
+inline constexpr std::int32_t steps_of_retry = 4;
+/// Points are solved anew at most so often because an edge was inconsistent.
+inline constexpr int max_branch_rounds = 8;
+
+/// Where one active node's build has to go, from the scene and the recorded outcomes alone: no
+/// clock, no workers, no order of arrival. So the whole configuration space is a function of what
+/// the transitions give, and a restart that records the known outcomes again is exactly where the
+/// last run was.
+///
+/// - lattice: the uniform lattice (Frontier).
+/// - branches: each end of an inconsistent edge (inconsistentEdges) is solved again from the other
+/// end, in
+///   steps_of_retry steps. Of all equilibria found for a point the one of least energy is kept: the
+///   state that a hand coming from rest ends in. Repeated while that changes something.
+/// - cells: an adaptive scene asks nextRefinement for points; each is tried from the nearest
+/// expandable
+///   points, one after the other, at most max_attempts_per_point; then branches again, and so on
+///   until the accuracy is reached or nothing can improve it.
+/// - probes: scene.accuracy.probes held-out positions of the ball (probePositions), tried like
+/// those.
+///
+/// Points are numbered as in the lattice; probes follow. Copyable, one thread at a time.
+class SpacePlan {
+ public:
+  SpacePlan(const Problem& problem, std::uint32_t space);
+
+  /// The transitions that became ready since the last call. Each stays open until it is recorded.
+  std::vector<Transition> takeReady();
+  bool isOpen(const Transition& transition) const;
+  /// Steps that a worker divides this open transition into, 1 as a rule.
+  std::int32_t stepsOf(const Transition& transition) const;
+  /// Records the outcome of an open transition; `fields` names its nodal fields when it converged.
+  /// Error when it is not open.
+  void record(const Transition& transition, const Outcome& outcome, const ContentId& fields);
+
+  Stage stage() const { return stage_; }
+  bool complete() const { return stage_ == Stage::complete; }
+  std::int32_t open() const;  ///< transitions that are ready and not recorded
+  /// More points may still be asked for.
+  bool mayGrow() const { return may_grow_; }
+
+  /// All positions: points of the lattice, then probes.
+  const Lattice& positions() const { return positions_; }
+  std::int32_t size() const { return positions_.size(); }
+  /// Of a point or probe; tag failed as soon as nothing more will be tried.
+  const PointRecord& record(std::int32_t number) const { return records_[number]; }
+  /// Attempts that failed, in the order of trying.
+  const std::vector<FailedAttempt>& attempts(std::int32_t number) const;
+  /// expandable or terminating: the tag of a converged configuration whose |force| (N) is this.
+  Tag tagOf(double force) const { return frontier_.tagOf(force); }
+
+  /// The rows of the dataset, as far as they are known.
+  SpaceTable table() const;
+
+ private:
+  /// A target and the points to try it from.
+  struct Pursuit {
+    std::vector<std::int32_t> parents;
+    std::size_t tried = 0;
+    bool every_parent = false;  ///< else until one succeeds
+  };
+
+  PointRecord recordOf(std::int32_t parent, const Outcome& outcome, const ContentId& fields) const;
+  void recordInPursuit(const Transition& transition, const Outcome& outcome,
+                       const ContentId& fields);
+  void pursue(std::int32_t target, std::vector<std::int32_t> parents, bool every_parent);
+  void open(std::int32_t target, const Pursuit& pursuit);
+  void giveUp(std::int32_t target);
+  std::int32_t addPosition(const LatticePoint& position);
+  std::vector<std::int32_t> parentsNear(const LatticePoint& position) const;
+
+  void advanceStage();
+  void beginBranches();
+  bool keepLeastEnergy();
+  void beginCells();
+  void beginProbes();
+
+  const Problem* problem_;
+  std::uint32_t space_;
+  Frontier frontier_;
+  Lattice positions_;
+  std::int32_t first_probe_ = -1;  ///< -1 before there are probes
+  std::vector<LatticeCell> splits_;
+  std::vector<PointRecord> records_;
+  std::map<std::int32_t, std::vector<FailedAttempt>> attempts_;
+  std::map<std::int32_t, std::vector<PointRecord>> alternatives_;  ///< of this round of branches
+  std::set<Transition> tried_;                                     ///< recorded, however it ended
+  std::map<std::int32_t, Pursuit> pursuits_;                       ///< by target
+  std::vector<Transition> ready_;
+  Stage stage_ = Stage::lattice;
+  int branch_round_ = 0;
+  bool may_grow_;
+};
+
+/// `count` positions of the workspace ball for probes: a low-discrepancy sequence (Roberts' R3),
+/// never on a point that a lattice could have. Coordinates as in `lattice`, which needs divisions.
+std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t count);
+
+}  // namespace palpate

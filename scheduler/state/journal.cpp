@@ -1,0 +1,163 @@
+#include "scheduler/state/journal.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <zlib.h>
+
+#include <cerrno>
+#include <cstring>
+#include <span>
+
+#include "common/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::string_view magic = "PJR1";
+
+std::string errnoText() { return std::strerror(errno); }
+
+void put32(std::string& bytes, std::uint32_t value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+std::uint32_t get32(const char* bytes) {
+  std::uint32_t value;
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+std::uint32_t crcOf(std::initializer_list<std::string_view> pieces) {
+  uLong crc = crc32_z(0, nullptr, 0);
+  for (const std::string_view piece : pieces)
+    crc = crc32_z(crc, reinterpret_cast<const Bytef*>(piece.data()), piece.size());
+  return static_cast<std::uint32_t>(crc);
+}
+
+/// Reads up to `length` bytes at `offset`; fewer at the end of the file.
+std::string readAt(const std::filesystem::path& path, std::uint64_t offset, std::uint64_t length) {
+  const FileDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file) throw failure("{}: cannot open: {}", path.string(), errnoText());
+  std::string bytes(length, '\0');
+  std::size_t got = 0;
+  while (got < length) {
+    const ssize_t n =
+        pread(file.get(), bytes.data() + got, length - got, static_cast<off_t>(offset + got));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) throw failure("{}: cannot read: {}", path.string(), errnoText());
+    if (n == 0) break;
+    got += static_cast<std::size_t>(n);
+  }
+  bytes.resize(got);
+  return bytes;
+}
+
+}  // namespace
+
+void syncDirectory(const std::filesystem::path& directory) {
+  const FileDescriptor handle(open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!handle || fsync(handle.get()) != 0)
+    throw failure("{}: cannot sync: {}", directory.string(), errnoText());
+}
+
+Journal::Journal(std::filesystem::path directory, JournalEnd committed, std::uint64_t segment_bytes)
+    : directory_(std::move(directory)), segment_bytes_(segment_bytes), end_(committed) {
+  openSegment(committed.offset == 0);
+  struct stat info {};
+  if (fstat(file_.get(), &info) != 0)
+    throw failure("{}: cannot look at: {}", segmentPath(end_.segment).string(), errnoText());
+  if (static_cast<std::uint64_t>(info.st_size) < committed.offset)
+    throw failure(
+        "{}: has {} bytes, but {} were committed: the state directory is damaged; "
+        "restore it from a copy, or remove it to compute everything again",
+        segmentPath(end_.segment).string(), info.st_size, committed.offset);
+  if (ftruncate(file_.get(), static_cast<off_t>(committed.offset)) != 0)
+    throw failure("{}: cannot truncate: {}", segmentPath(end_.segment).string(), errnoText());
+  for (std::uint32_t later = end_.segment + 1; std::filesystem::remove(segmentPath(later));
+       ++later) {
+  }
+  syncDirectory(directory_);
+}
+
+JournalPosition Journal::append(std::string_view header, std::string_view payload) {
+  if (end_.offset >= segment_bytes_) {
+    sync();
+    ++end_.segment;
+    end_.offset = 0;
+    openSegment(true);
+    syncDirectory(directory_);
+  }
+  std::string lengths;
+  put32(lengths, static_cast<std::uint32_t>(header.size()));
+  put32(lengths, static_cast<std::uint32_t>(payload.size()));
+  std::string record(magic);
+  record += lengths;
+  put32(record, crcOf({lengths, header, payload}));
+  record += header;
+  record += payload;
+  writeAll(record);
+  const JournalPosition position{end_.segment, end_.offset, record.size()};
+  end_.offset += record.size();
+  return position;
+}
+
+void Journal::sync() {
+  if (fdatasync(file_.get()) != 0)
+    throw failure(
+        "{}: fdatasync: {}: the disk does not keep what is written; "
+        "nothing since the last acknowledgement counts",
+        segmentPath(end_.segment).string(), errnoText());
+}
+
+JournalRecord Journal::read(const JournalPosition& position) const {
+  const std::filesystem::path path = segmentPath(position.segment);
+  const auto damaged = [&](const char* what) {
+    return failure(
+        "{}: record at byte {} is damaged ({}): restore the state directory from a copy, "
+        "or remove it to compute everything again",
+        path.string(), position.offset, what);
+  };
+  const std::string bytes = readAt(path, position.offset, position.length);
+  if (bytes.size() != position.length || bytes.size() < record_overhead) throw damaged("cut off");
+  if (!bytes.starts_with(magic)) throw damaged("no record begins here");
+  const std::string_view all = bytes;
+  const std::uint64_t header_bytes = get32(bytes.data() + 4),
+                      payload_bytes = get32(bytes.data() + 8);
+  if (record_overhead + header_bytes + payload_bytes != position.length)
+    throw damaged("wrong length");
+  if (get32(bytes.data() + 12) != crcOf({all.substr(4, 8), all.substr(record_overhead)}))
+    throw damaged("wrong checksum");
+  return {bytes.substr(record_overhead, header_bytes),
+          bytes.substr(record_overhead + header_bytes)};
+}
+
+std::filesystem::path Journal::segmentPath(std::uint32_t segment) const {
+  return directory_ / fmt::format("segment-{:06}.dat", segment);
+}
+
+void Journal::openSegment(bool create) {
+  const std::filesystem::path path = segmentPath(end_.segment);
+  file_ = FileDescriptor(open(path.c_str(), O_RDWR | O_CLOEXEC | (create ? O_CREAT : 0), 0644));
+  if (!file_ && errno == ENOENT)
+    throw failure(
+        "{}: is missing: the state directory is damaged; restore it from a copy, "
+        "or remove it to compute everything again",
+        path.string());
+  if (!file_) throw failure("{}: cannot open: {}", path.string(), errnoText());
+}
+
+void Journal::writeAll(std::string_view bytes) {
+  std::size_t written = 0;
+  while (written < bytes.size()) {
+    const ssize_t n = pwrite(file_.get(), bytes.data() + written, bytes.size() - written,
+                             static_cast<off_t>(end_.offset + written));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0)
+      throw failure(
+          "{}: cannot write: {}: make room and start again; everything acknowledged is kept",
+          segmentPath(end_.segment).string(), n < 0 ? errnoText() : "nothing was written");
+    written += static_cast<std::size_t>(n);
+  }
+}
+
+}  // namespace palpate

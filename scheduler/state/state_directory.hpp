@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "scheduler/state/file_descriptor.hpp"
+
+namespace palpate {
+
+/// The folder that holds one build: state.db, segment-NNNNNN.dat, lock and
+/// endpoint. Holding this object means being
+/// its only scheduler.
+class StateDirectory {
+ public:
+  /// Makes the folder when it is not there, refuses network file systems (SQLite's WAL and flock do
+  /// not work on them), and takes the lock. Error "in use by process N" when another scheduler
+  /// holds it.
+  explicit StateDirectory(const std::filesystem::path& path);
+
+  /// Writes where the scheduler listens into the folder, all at once, so that `status` and `stop`
+  /// find it there. What an earlier run wrote is gone since construction.
+  void announce(const std::string& endpoint) const;
+  /// The endpoint that the scheduler now holding `directory` announced; nothing when none holds it.
+  static std::optional<std::string> liveEndpoint(const std::filesystem::path& directory);
+
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path database() const { return databaseIn(path_); }
+  static std::filesystem::path databaseIn(const std::filesystem::path& directory) {
+    return directory / "state.db";
+  }
+
+ private:
+  std::filesystem::path path_;
+  FileDescriptor lock_;
+};
+
+/// The name of a network file system by its statfs number, nullptr for a local one.
+const char* networkFileSystem(long type);
+
+}  // namespace palpate

@@ -1,0 +1,466 @@
+#include "common/dataset/dataset.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <iterator>
+
+#include "common/interpolation/branch_check.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/sample_dataset.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+/// Read by the leak sanitizer: HDF5 1.10.8 itself loses memory when it refuses a file with damaged
+/// structure.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
+
+namespace palpate {
+namespace {
+
+using test::expectBadInput;
+using test::expectError;
+using test::SampleDataset;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+std::string bytesIn(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+void writeBytes(const std::filesystem::path& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
+}
+
+void expectSame(const Failure& a, const Failure& b) {
+  EXPECT_EQ(a.cause, b.cause);
+  EXPECT_EQ(a.step_reached, b.step_reached);
+  EXPECT_EQ(a.residual, b.residual);
+  EXPECT_EQ(a.element, b.element);
+  EXPECT_EQ(a.element_det_F, b.element_det_F);
+  EXPECT_EQ(a.negative_pivots, b.negative_pivots);
+  EXPECT_EQ(a.expected_negative_pivots, b.expected_negative_pivots);
+  EXPECT_EQ(a.mumps_infog1, b.mumps_infog1);
+  EXPECT_EQ(a.mumps_infog2, b.mumps_infog2);
+}
+
+void expectSame(const PointRecord& a, const PointRecord& b) {
+  EXPECT_EQ(a.tag, b.tag);
+  EXPECT_EQ(a.cause, b.cause);
+  EXPECT_EQ(a.parent, b.parent);
+  EXPECT_EQ(a.equilibrium.force, b.equilibrium.force);
+  EXPECT_EQ(a.equilibrium.stiffness, b.equilibrium.stiffness);
+  EXPECT_EQ(a.equilibrium.energy, b.equilibrium.energy);
+  EXPECT_EQ(a.equilibrium.min_det_F, b.equilibrium.min_det_F);
+  EXPECT_EQ(a.residual, b.residual);
+  EXPECT_EQ(a.cost.newton_iterations, b.cost.newton_iterations);
+  EXPECT_EQ(a.cost.factorizations, b.cost.factorizations);
+  EXPECT_EQ(a.cost.steps, b.cost.steps);
+  EXPECT_EQ(a.fields, b.fields);
+}
+
+void expectSame(const SpaceTable& read, const SpaceTable& written) {
+  EXPECT_EQ(read.patch.name, written.patch.name);
+  EXPECT_EQ(read.patch.node, written.patch.node);
+  EXPECT_EQ(read.patch.nodes, written.patch.nodes);
+  ASSERT_EQ(read.lattice.size(), written.lattice.size());
+  for (std::int32_t n = 0; n < read.lattice.size(); ++n)
+    EXPECT_EQ(read.lattice.point(n), written.lattice.point(n));
+  EXPECT_EQ(read.lattice.uniformSize(), written.lattice.uniformSize());
+  EXPECT_EQ(read.splits, written.splits);
+  ASSERT_EQ(read.points.size(), written.points.size());
+  for (std::size_t n = 0; n < read.points.size(); ++n)
+    expectSame(read.points[n], written.points[n]);
+  ASSERT_EQ(read.probes.size(), written.probes.size());
+  for (std::size_t n = 0; n < read.probes.size(); ++n) {
+    EXPECT_EQ(read.probes[n].displacement, written.probes[n].displacement);
+    expectSame(read.probes[n].record, written.probes[n].record);
+  }
+  ASSERT_EQ(read.attempts.size(), written.attempts.size());
+  for (std::size_t n = 0; n < read.attempts.size(); ++n) {
+    EXPECT_EQ(read.attempts[n].target, written.attempts[n].target);
+    EXPECT_EQ(read.attempts[n].parent, written.attempts[n].parent);
+    expectSame(read.attempts[n].failure, written.attempts[n].failure);
+  }
+  EXPECT_EQ(read.inconsistent_edges, inconsistentEdges(written));
+  ASSERT_EQ(read.rbf.size(), 4u);
+  for (const RbfKernel kernel : {RbfKernel::linear, RbfKernel::cubic}) {
+    const std::vector<RbfWeights> solved = solveRbfWeights(written, kernel);
+    for (std::size_t tail = 0; tail < 2; ++tail) {
+      const RbfWeights& stored = read.rbf[(kernel == RbfKernel::cubic ? 2 : 0) + tail];
+      EXPECT_EQ(stored.kernel, kernel);
+      EXPECT_EQ(stored.has_tail, tail == 1);
+      EXPECT_EQ(stored.weights, solved[tail].weights);
+      EXPECT_EQ(stored.tail, solved[tail].tail);
+      EXPECT_EQ(stored.residual, solved[tail].residual);
+      EXPECT_EQ(stored.condition, solved[tail].condition);
+    }
+  }
+}
+
+/// The displacements of `nodes` in `fields`.
+std::vector<float> displacementsOf(const std::vector<std::int32_t>& nodes,
+                                   const NodalFields& fields) {
+  std::vector<float> values;
+  for (const std::int32_t node : nodes)
+    for (int axis = 0; axis < 3; ++axis) values.push_back(fields.displacement[3 * node + axis]);
+  return values;
+}
+
+/// A sealed sample and room for damaged copies of it.
+class SealedDataset : public ::testing::Test {
+ protected:
+  SealedDataset() { sample.seal(file); }
+
+  /// Opens and reads everything, as a client and `verifyAll` would.
+  static void readAll(const std::filesystem::path& path) { Dataset(path).verifyAll(); }
+
+  /// Where `values` lie in the file; they must lie there exactly once.
+  std::size_t placeOf(const std::string& bytes, std::string_view values) const {
+    const std::size_t at = bytes.find(values);
+    EXPECT_NE(at, std::string::npos);
+    EXPECT_EQ(bytes.find(values, at + 1), std::string::npos);
+    return at;
+  }
+
+  test::TemporaryDirectory directory;
+  SampleDataset sample;
+  std::filesystem::path file = directory / "sample.h5";
+  std::filesystem::path aside = directory / "sample.h5.tmp";
+  std::filesystem::path copy = directory / "copy.h5";
+};
+
+TEST_F(SealedDataset, GivesBackEveryRecord) {
+  const Dataset dataset(file);
+  ASSERT_EQ(dataset.spaces().size(), 2u);
+  for (std::size_t s = 0; s < 2; ++s) expectSame(dataset.spaces()[s], sample.spaces[s]);
+}
+
+TEST_F(SealedDataset, GivesBackRefinedLatticesProbesAndInconsistentEdges) {
+  sample.refine();
+  sample.seal(file);
+  const Dataset dataset(file);
+  for (std::size_t s = 0; s < 2; ++s) expectSame(dataset.spaces()[s], sample.spaces[s]);
+  const SpaceTable& edge = dataset.spaces()[1];
+  EXPECT_EQ(edge.lattice.divisions(), 1024);
+  EXPECT_GT(edge.lattice.size(), 33 + 20);
+  EXPECT_FALSE(edge.inconsistent_edges.empty());
+  EXPECT_EQ(dataset.scene().accuracy.force_error, 0.03);
+  EXPECT_EQ(dataset.fields(1, edge.lattice.size() - 1).displacement,
+            displacementsOf(dataset.storedNodes(), sample.fields(1, edge.lattice.size() - 1)));
+}
+
+TEST_F(SealedDataset, GivesBackQuadraticMeshesAndWeightedPatches) {
+  for (const PressureSpace pressure : {PressureSpace::none, PressureSpace::p1, PressureSpace::p2}) {
+    SampleDataset quadratic(pressure, DisplacementSpace::p2);
+    quadratic.problem.scene.storage.displacement = StoredNodes::all;
+    quadratic.seal(file);
+    const Dataset dataset(file);
+    EXPECT_EQ(dataset.mesh().nodes, quadratic.problem.mesh.nodes);
+    EXPECT_EQ(dataset.mesh().edges, quadratic.problem.mesh.edges);
+    EXPECT_EQ(dataset.mesh().mid_edge_nodes, quadratic.problem.mesh.mid_edge_nodes);
+    EXPECT_EQ(dataset.spaces()[0].patch.weights, quadratic.problem.active[0].weights);
+    EXPECT_EQ(dataset.spaces()[1].patch.nodes, quadratic.problem.active[1].nodes);
+    EXPECT_EQ(dataset.spaces()[1].patch.weights, quadratic.problem.active[1].weights);
+    const NodalFields fields = dataset.fields(1, 3);
+    EXPECT_EQ(fields.displacement, quadratic.fields(1, 3).displacement);
+    EXPECT_EQ(fields.pressure.size(), pressureNodes(quadratic.problem));
+    EXPECT_EQ(fields.pressure, quadratic.fields(1, 3).pressure);
+  }
+}
+
+TEST_F(SealedDataset, RefusesFieldsWithPressuresOfAnotherSpace) {
+  SampleDataset quadratic(PressureSpace::p1, DisplacementSpace::p2);
+  quadratic.problem.scene.discretization.pressure = PressureSpace::p2;
+  expectError(ExitCode::failed, [&] { quadratic.seal(copy); }, {"copy.h5", "nodal fields"});
+}
+
+TEST_F(SealedDataset, GivesBackMeshLatticeSceneAndNames) {
+  const Dataset dataset(file);
+  EXPECT_EQ(dataset.mesh().nodes, sample.problem.mesh.nodes);
+  EXPECT_EQ(dataset.mesh().tetrahedra, sample.problem.mesh.tetrahedra);
+  EXPECT_EQ(dataset.mesh().surface, sample.problem.mesh.surface);
+  EXPECT_EQ(dataset.fixedNodes(), sample.problem.fixed);
+  EXPECT_EQ(dataset.spaces()[0].lattice.size(), sample.lattice.size());
+  EXPECT_EQ(dataset.spaces()[0].lattice.spacing(), sample.lattice.spacing());
+  EXPECT_EQ(dataset.sceneToml(), resolvedToml(sample.problem.scene));
+  EXPECT_EQ(dataset.scene().active.size(), 2u);
+  EXPECT_EQ(dataset.kernelFamily(), "portable");
+  EXPECT_EQ(dataset.buildId(), problemId(sample.problem));
+  EXPECT_NO_THROW(dataset.verifyAll());
+}
+
+TEST_F(SealedDataset, GivesBackTheSurfaceOfSolvedPoints) {
+  const Dataset dataset(file);
+  EXPECT_EQ(dataset.surfaceNodes(), surfaceNodes(sample.problem.mesh));
+  EXPECT_EQ(dataset.storedNodes(), dataset.surfaceNodes());
+  EXPECT_EQ(dataset.surfaceNodes().size(), 26u) << "the middle of the cube is not seen";
+  for (std::size_t s = 0; s < 2; ++s) {
+    const std::vector<float> all = dataset.surfaceDisplacements(s);
+    ASSERT_EQ(all.size(), 33 * 26 * 3u);
+    for (const std::int32_t point : {0, 1, 20, 31}) {
+      const auto expected = displacementsOf(dataset.surfaceNodes(), sample.fields(s, point));
+      EXPECT_EQ(dataset.fields(s, point).displacement, expected);
+      EXPECT_TRUE(dataset.fields(s, point).pressure.empty());
+      EXPECT_TRUE(std::equal(expected.begin(), expected.end(), all.begin() + point * 26 * 3));
+    }
+  }
+  EXPECT_TRUE(std::isnan(dataset.surfaceDisplacements(0)[7 * 26 * 3]));
+  expectBadInput([&] { dataset.fields(0, 7); }, {"sample.h5", "tip", "failed"});
+}
+
+TEST_F(SealedDataset, KeepsAllNodesAndPressuresWhenAsked) {
+  sample.problem.scene.storage.displacement = StoredNodes::all;
+  sample.seal(copy);
+  const Dataset all(copy), surface(file);
+  EXPECT_EQ(all.storedNodes().size(), 27u);
+  EXPECT_EQ(all.fields(1, 9).displacement, sample.fields(1, 9).displacement);
+  EXPECT_EQ(all.fields(1, 9).pressure, sample.fields(1, 9).pressure);
+  EXPECT_EQ(all.surfaceDisplacements(1), surface.surfaceDisplacements(1));
+  EXPECT_EQ(all.buildId(), surface.buildId());
+}
+
+TEST_F(SealedDataset, QuantizesWithinItsBound) {
+  for (const StoredNodes nodes : {StoredNodes::surface, StoredNodes::all}) {
+    sample.problem.scene.storage = {nodes, StoredPrecision::int16};
+    sample.seal(copy);
+    const Dataset dataset(copy);
+    EXPECT_NO_THROW(dataset.verifyAll());
+    for (const std::int32_t point : {0, 1, 20, 31}) {
+      const auto exact = displacementsOf(dataset.storedNodes(), sample.fields(0, point));
+      const auto stored = dataset.fields(0, point).displacement;
+      ASSERT_EQ(stored.size(), exact.size());
+      const float largest = *std::max_element(exact.begin(), exact.end());
+      for (std::size_t i = 0; i < exact.size(); ++i)
+        EXPECT_LE(std::abs(stored[i] - exact[i]), 0.51 / 32767 * largest) << i;
+    }
+    EXPECT_TRUE(std::isnan(dataset.surfaceDisplacements(0)[7 * 26 * 3]));
+  }
+}
+
+TEST_F(SealedDataset, HasNoWeightsWhereNothingIsSolved) {
+  for (PointRecord& point : sample.spaces[1].points) {
+    point = {};
+    point.tag = Tag::failed;
+    point.cause = Cause::unreachable;
+  }
+  sample.seal(copy);
+  const Dataset dataset(copy);
+  EXPECT_EQ(dataset.spaces()[0].rbf.size(), 4u);
+  EXPECT_TRUE(dataset.spaces()[1].rbf.empty());
+  for (const float value : dataset.surfaceDisplacements(1)) EXPECT_TRUE(std::isnan(value));
+}
+
+TEST_F(SealedDataset, NamesTheActiveNodesThereAre) {
+  const Dataset dataset(file);
+  EXPECT_EQ(dataset.spaceNamed("tip"), 0u);
+  EXPECT_EQ(dataset.spaceNamed("edge-2"), 1u);
+  expectBadInput([&] { dataset.spaceNamed("top"); }, {"\"top\"", "tip, edge-2"});
+}
+
+TEST_F(SealedDataset, WithoutPressureSpaceHasNoPressures) {
+  SampleDataset plain(PressureSpace::none);
+  plain.seal(copy);
+  const Dataset dataset(copy);
+  EXPECT_NO_THROW(dataset.verifyAll());
+  EXPECT_TRUE(dataset.fields(1, 3).pressure.empty());
+  EXPECT_EQ(dataset.fields(1, 3).displacement,
+            displacementsOf(dataset.storedNodes(), plain.fields(1, 3)));
+}
+
+TEST_F(SealedDataset, HasTheSameBytesForTheSameArguments) {
+  SampleDataset().seal(copy);
+  EXPECT_TRUE(bytesIn(file) == bytesIn(copy));
+}
+
+TEST_F(SealedDataset, ContentHashFollowsResultsAndNotTheMachine) {
+  const ContentId original = Dataset(file).contentId();
+  sample.kernel_family = "avx2";
+  sample.seal(copy);
+  EXPECT_EQ(Dataset(copy).contentId(), original);
+  sample.spaces[1].points[5].equilibrium.force.x() += 1e-12;
+  sample.seal(copy);
+  EXPECT_NE(Dataset(copy).contentId(), original);
+}
+
+TEST_F(SealedDataset, KeepsAVeryLongScene) {
+  sample.problem.scene.fixed.nodes.assign(40000, 26);
+  sample.seal(copy);
+  EXPECT_EQ(Dataset(copy).sceneToml(), resolvedToml(sample.problem.scene));
+  EXPECT_GT(Dataset(copy).sceneToml().size(), 150000u);
+}
+
+TEST_F(SealedDataset, IsRefusedWhenCutAtAnyLength) {
+  const std::string whole = bytesIn(file);
+  const std::size_t step = whole.size() / 150;
+  for (std::size_t length = 0; length < whole.size(); length += length < 600 ? 37 : step) {
+    writeBytes(copy, whole.substr(0, length));
+    EXPECT_THROW(readAll(copy), Error) << length << " of " << whole.size() << " bytes";
+  }
+  writeBytes(copy, whole.substr(0, whole.size() - 1));
+  expectError(ExitCode::failed, [&] { readAll(copy); }, {"copy.h5", "truncated"});
+}
+
+TEST_F(SealedDataset, NeverAnswersWronglyWhenAByteIsDamaged) {
+  const std::string whole = bytesIn(file);
+  const ContentId original = Dataset(file).contentId();
+  int refused = 0, unharmed = 0;
+  for (std::size_t at = 0; at < whole.size(); at += 101) {
+    std::string bytes = whole;
+    bytes[at] = static_cast<char>(bytes[at] ^ 0x10);
+    writeBytes(copy, bytes);
+    try {
+      const Dataset dataset(copy);
+      dataset.verifyAll();
+      EXPECT_EQ(dataset.contentId(), original) << "byte " << at;
+      ++unharmed;  // unused room between HDF5's structures, or generator and kernel_family
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 20 * unharmed / 10);
+}
+
+TEST_F(SealedDataset, NamesTheDamagedTable) {
+  std::string bytes = bytesIn(file);
+  const double energy = sample.spaces[0].points[9].equilibrium.energy;
+  sample.spaces[0].points[9].equilibrium.energy = 0.1234567890123;
+  sample.seal(copy);
+  bytes = bytesIn(copy);
+  const double marker = 0.1234567890123;
+  bytes.replace(placeOf(bytes, {reinterpret_cast<const char*>(&marker), 8}), 8,
+                reinterpret_cast<const char*>(&energy), 8);
+  writeBytes(copy, bytes);
+  expectError(ExitCode::failed, [&] { readAll(copy); }, {"copy.h5", "/points/energy", "blake2b"});
+}
+
+TEST_F(SealedDataset, NamesWhatIsNoDataset) {
+  expectBadInput([&] { Dataset(directory / "none.h5"); }, {"none.h5", "no such"});
+  expectBadInput([&] { Dataset(directory.path()); }, {directory.path().string(), "not a file"});
+  writeBytes(copy, "name = \"liver\"\n");
+  expectBadInput([&] { Dataset{copy}; }, {"copy.h5", "not an HDF5 file"});
+  writeBytes(copy, "");
+  expectBadInput([&] { Dataset{copy}; }, {"copy.h5", "not an HDF5 file"});
+}
+
+TEST_F(SealedDataset, IsReplacedWholeAndIgnoresWhatAKilledSealingLeft) {
+  const std::string before = bytesIn(file);
+  writeBytes(aside, before.substr(0, before.size() / 2));
+  EXPECT_NO_THROW(readAll(file));
+  sample.spaces[1].points[5].equilibrium.energy += 1;
+  sample.seal(file);
+  EXPECT_FALSE(std::filesystem::exists(aside));
+  EXPECT_EQ(Dataset(file).spaces()[1].points[5].equilibrium.energy,
+            sample.spaces[1].points[5].equilibrium.energy);
+}
+
+TEST_F(SealedDataset, StaysWhenTheNextOneCannotBeSealed) {
+  const std::string before = bytesIn(file);
+  const FieldsSource broken = [this](std::size_t space, std::int32_t point) {
+    return point == 30 ? throw failure("journal segment 3 is damaged")
+                       : sample.fields(space, point);
+  };
+  expectError(ExitCode::failed,
+              [&] { sealDataset(file, sample.problem, sample.spaces, "portable", broken); },
+              {"segment 3"});
+  sample.spaces[1].points[4].fields = ContentId::of("another result");
+  expectError(ExitCode::failed, [&] { sample.seal(file); }, {"edge-2", "lattice point 4"});
+  EXPECT_TRUE(bytesIn(file) == before);
+  EXPECT_FALSE(std::filesystem::exists(aside));
+}
+
+TEST_F(SealedDataset, IsNotSealedFromArgumentsThatDoNotFitTogether) {
+  const auto seal = [&](const std::vector<SpaceTable>& spaces) {
+    sealDataset(
+        directory / "no.h5", sample.problem, spaces, "portable",
+        [this](std::size_t space, std::int32_t point) { return sample.fields(space, point); });
+  };
+  const std::vector<SpaceTable> exchanged = {sample.spaces[1], sample.spaces[0]},
+                                one = {sample.spaces[0]};
+  std::vector<SpaceTable> shorter = sample.spaces, finer = sample.spaces;
+  finer[0].lattice = Lattice(0.02, 0.005);
+  shorter[1].points.pop_back();
+  expectError(ExitCode::failed, [&] { seal(finer); }, {"no.h5", "lattice"});
+  expectError(ExitCode::failed, [&] { seal(one); }, {"1 spaces", "2 active"});
+  expectError(ExitCode::failed, [&] { seal(exchanged); }, {"space 0", "edge-2", "tip"});
+  expectError(ExitCode::failed, [&] { seal(shorter); }, {"edge-2", "32 points", "33"});
+  EXPECT_FALSE(std::filesystem::exists(directory / "no.h5"));
+}
+
+TEST_F(SealedDataset, IsNotSealedFromTablesThatContradictThemselves) {
+  sample.refine();
+  const auto refused = [&](auto&& spoil, const std::string& fault) {
+    SampleDataset spoiled = sample;
+    spoil(spoiled.spaces[1]);
+    EXPECT_THAT(faultOf(spoiled.spaces[1]), HasSubstr(fault));
+    expectError(ExitCode::failed, [&] { spoiled.seal(directory / "no.h5"); },
+                {"no.h5", "edge-2", fault});
+  };
+  EXPECT_EQ(faultOf(sample.spaces[1]), "");
+  const std::int32_t size = sample.spaces[1].lattice.size();
+  refused([](SpaceTable& t) { std::swap(t.splits[0], t.splits[1]); }, "not sorted");
+  refused([](SpaceTable& t) { t.splits.erase(t.splits.begin()); }, "in a cell that is not split");
+  refused([](SpaceTable& t) { t.splits[1].lowest[0] += 1; }, "no cell of the lattice");
+  refused([](SpaceTable& t) { t.splits[0].lowest[2] = 1024 * 5; }, "no cell of the lattice");
+  refused([](SpaceTable& t) { t.splits[1].level = 10; }, "level 10, which has no halves");
+  refused([](SpaceTable& t) { t.probes[0].displacement[1] = NAN; }, "probe 0 lies outside");
+  refused([](SpaceTable& t) { t.probes[1].displacement[1] = 0.0201; }, "probe 1 lies outside");
+  refused([&](SpaceTable& t) { t.probes[1].record.parent = size; }, "probe 1 has parent");
+  refused([&](SpaceTable& t) { t.points[4].parent = size; }, "point 4 has parent");
+  refused(
+      [](SpaceTable& t) {
+        t.attempts = {{3, -1, {}}};
+      },
+      "an attempt went from point -1 to point 3");
+  refused(
+      [](SpaceTable& t) {
+        t.lattice.add({4097, 0, 0});
+        t.points.push_back(t.points[3]);
+      },
+      "far outside");
+  EXPECT_FALSE(std::filesystem::exists(directory / "no.h5"));
+}
+
+TEST_F(SealedDataset, StaysWhenTheDiskIsFull) {
+  const std::string before = bytesIn(file);
+  // A file size limit makes write() fail as a full disk does; in a child, because it is for the
+  // whole process.
+  for (std::size_t limit = 0; limit < before.size(); limit += before.size() / 12) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      std::signal(SIGXFSZ, SIG_IGN);
+      const rlimit size_limit = {limit, limit};
+      if (setrlimit(RLIMIT_FSIZE, &size_limit) != 0) std::exit(10);
+      try {
+        sample.seal(file);
+        std::exit(11);
+      } catch (const Error& error) {
+        std::exit(std::string(error.what()).find("sample.h5") == std::string::npos ? 12 : 0);
+      }
+    }
+    int status = -1;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0)
+        << "limit " << limit << ", status " << status;
+    EXPECT_FALSE(std::filesystem::exists(aside));
+    EXPECT_TRUE(bytesIn(file) == before);
+  }
+}
+
+TEST_F(SealedDataset, IsNotSealedIntoADirectoryOrToNowhere) {
+  expectBadInput([&] { sample.seal(directory.path()); }, {directory.path().string(), "directory"});
+  expectError(ExitCode::failed, [&] { sample.seal(directory / "no" / "such" / "x.h5"); },
+              {"x.h5", "No such file"});
+}
+
+}  // namespace
+}  // namespace palpate

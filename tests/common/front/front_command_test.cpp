@@ -1,0 +1,88 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "common/scene/scene.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace palpate {
+namespace {
+
+using test::CommandResult;
+using ::testing::HasSubstr;
+
+/// A copy of the front command beside programs that only print how they were called.
+class FrontCommand : public ::testing::Test {
+ protected:
+  FrontCommand() {
+    std::filesystem::copy_file(std::string(PALPATE_BIN_DIR) + "/palpate", directory / "palpate");
+    for (const char* program : {"palpate-worker", "palpate-scheduler"}) {
+      std::ofstream(directory / program) << "#!/bin/sh\necho \"$(basename $0):$*\"\nexit 3\n";
+      std::filesystem::permissions(directory / program, std::filesystem::perms::owner_all);
+    }
+  }
+  CommandResult palpate(const std::string& arguments) {
+    return test::runCommand((directory / "palpate").string() + " " + arguments);
+  }
+  test::TemporaryDirectory directory;
+};
+
+TEST_F(FrontCommand, StartsTheProgramBesideItAndReturnsItsExitCode) {
+  const CommandResult result = palpate("build 'a b.toml' -j 2");
+  EXPECT_EQ(result.output, "palpate-scheduler:build a b.toml -j 2\n");
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_EQ(palpate("check x").output, "palpate-worker:check x\n");
+}
+
+TEST_F(FrontCommand, WorksThroughALinkElsewhere) {
+  const test::TemporaryDirectory elsewhere;
+  std::filesystem::create_symlink(directory / "palpate", elsewhere / "palpate");
+  EXPECT_EQ(test::runCommand((elsewhere / "palpate").string() + " work").output,
+            "palpate-worker:work\n");
+}
+
+TEST_F(FrontCommand, SaysWhichProgramIsMissing) {
+  const CommandResult result = palpate("query x.h5");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.output, HasSubstr("palpate-viewer"));
+}
+
+TEST_F(FrontCommand, OverviewNamesEveryVerbAndIsWhatNoArgumentPrints) {
+  const CommandResult result = palpate("--help");
+  EXPECT_EQ(result.exit_code, 0);
+  for (const char* verb :
+       {"build", "serve", "status", "stop", "explain", "work", "solve", "check", "query", "verify"})
+    EXPECT_THAT(result.output, HasSubstr(std::string("\n  ") + verb + " "));
+  EXPECT_EQ(palpate("").output, result.output);
+  EXPECT_EQ(palpate("help").output, result.output);
+}
+
+TEST_F(FrontCommand, SceneInTheOverviewIsRead) {
+  const std::string text = palpate("--help").output;
+  const std::size_t begin = text.find("  mesh = ");
+  ASSERT_NE(begin, std::string::npos);
+  EXPECT_NO_THROW(parseScene(text.substr(begin, text.find("\nsay\n") - begin), "overview"));
+}
+
+TEST_F(FrontCommand, HelpVerbAsksTheProgram) {
+  EXPECT_EQ(palpate("help solve").output, "palpate-worker:solve --help\n");
+}
+
+TEST_F(FrontCommand, PrintsItsVersion) {
+  EXPECT_THAT(palpate("--version").output, ::testing::StartsWith("palpate 0."));
+}
+
+TEST_F(FrontCommand, RefusesAnUnknownVerbNamingTheNearest) {
+  const CommandResult near = palpate("biuld x.toml");
+  EXPECT_EQ(near.exit_code, 2);
+  EXPECT_THAT(near.output, HasSubstr("did you mean \"build\""));
+  const CommandResult far = palpate("frobnicate");
+  EXPECT_EQ(far.exit_code, 2);
+  EXPECT_THAT(far.output, HasSubstr("view or device"));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,48 @@
+#include "common/mesh/bump_integrals.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "tests/support/meshes.hpp"
+
+namespace palpate {
+namespace {
+
+double sumOf(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+/// Over a disk of the radius R the integral of the bump is pi R^2 / 3.
+TEST(BumpIntegrals, SumUpToTheIntegralOfTheBumpOnAnyMesh) {
+  for (const int cells : {1, 2, 7})
+    for (const bool quadratic : {false, true})
+      for (const double radius : {0.003, 0.09}) {
+        Mesh mesh = test::cubeMesh(0.2, cells);
+        if (quadratic) addMidEdgeNodes(mesh);
+        const double exact = std::acos(-1.0) * radius * radius / 3;
+        EXPECT_NEAR(sumOf(bumpIntegrals(mesh, {0.1, 0.1, 0.2}, radius)), exact, 1e-6 * exact)
+            << cells << " cells, quadratic: " << quadratic << ", radius " << radius;
+      }
+}
+
+/// Far wider than the triangle the bump is 1 on it: a third of the area for each vertex of a linear
+/// one, nothing for the vertices and a third for the middles of a quadratic one.
+TEST(BumpIntegrals, AreThoseOfTheShapeFunctionsUnderAFlatBump) {
+  Mesh mesh = test::tetrahedronMesh(1e-4);
+  mesh.surface = {{0, 1, 2}};
+  const double area = 0.5e-8;
+  const std::vector<double> linear = bumpIntegrals(mesh, {0, 0, 0}, 10);
+  for (int n = 0; n < 3; ++n) EXPECT_NEAR(linear[n], area / 3, 1e-9 * area);
+  EXPECT_EQ(linear[3], 0);
+  addMidEdgeNodes(mesh);
+  const std::vector<double> quadratic = bumpIntegrals(mesh, {0, 0, 0}, 10);
+  for (int n = 0; n < 3; ++n) {
+    EXPECT_NEAR(quadratic[n], 0, 1e-9 * area);
+    EXPECT_NEAR(quadratic[midEdgeNode(mesh, n, (n + 1) % 3)], area / 3, 1e-9 * area);
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,580 @@
+#include "common/scene/scene.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace palpate {
+namespace {
+
+using test::expectBadInput;
+using ::testing::HasSubstr;
+
+constexpr const char* liver = R"(name = "liver"
+mesh = "liver.msh"
+length_unit = "m"
+
+[material]
+law = "mooney-rivlin"
+c10 = 1300.0
+c01 = 1280.0
+
+[discretization]
+displacement = "P1"
+pressure = "P1-stabilized"
+constraint = "ln-det-F"
+
+[fixed]
+below = { axis = "x", fraction = 0.15 }
+
+[[active]]
+name = "tip"
+near = [0.0582, 0.1344, 0.0025]
+radius = 0.0
+
+[workspace]
+radius = 0.10
+spacing = 0.02
+max_force = 8.5
+reject_inverted = true
+)";
+
+constexpr const char* everything = R"(mesh = "meshes/organ.msh"
+length_unit = "mm"
+contact = "glued"
+[material]
+law = "modified-st-venant-kirchhoff"
+young = 15480
+poisson = 0.49
+[discretization]
+pressure = "P1"
+constraint = "det-F-1"
+[fixed]
+below = [{ axis = "x", fraction = 0.1 }, { axis = "z", at = -30 }]
+above = { axis = "y", at = 77.7 }
+box = { lowest = [-1, -2, -3], highest = [1, 2, 3] }
+sphere = { center = [0.1, 0.2, 0.3], radius = 14.3 }
+group = ["the \"base\"", 'back\slash']
+nodes = [3, 1, 4]
+[[active]]
+name = "tip"
+near = [58, 134, 2.5]
+radius = 15
+[[active]]
+name = "rim_2"
+node = 17
+[[active]]
+name = "skin"
+surface = "all"
+radius = 12
+[[active]]
+name = "window"
+surface = { box = [{ lowest = [-1, -2, -3], highest = [1, 2, 3] }, { lowest = [0, 0, 0], highest = [0, 0, 0] }], sphere = { center = [0.1, 0.2, 0.3], radius = 14.3 }, group = ["the \"lobe\"", "b"] }
+[workspace]
+radius = 100
+spacing = 14.3
+max_force = 3
+reject_inverted = false
+[device]
+profile = "premium-3.0"
+[accuracy]
+force_error = 0.03
+force_floor = 0.02
+levels = 4
+probes = 200
+[storage]
+displacement = "all"
+precision = "int16"
+)";
+
+constexpr const char* composed = R"(mesh = "organ.msh"
+length_unit = "mm"
+[material]
+law = "mooney-rivlin"
+c10 = 1300
+c01 = 0
+bulk = 1.3e6
+density = 1060
+[[region]]
+group = "vessel"
+law = "holzapfel-gasser-ogden"
+mu = 3000
+k1 = 2300
+k2 = 0.84
+dispersion = 0.226
+fiber = [[1, 2, 3], [0, 0, -7e-200]]
+density = 1070
+[[region]]
+group = "muscle \"left\""
+law = "holzapfel-gasser-ogden"
+mu = 500
+k1 = 900
+k2 = 4
+fiber = "direction"
+density = 1050
+[[region]]
+group = "fat"
+law = "yeoh"
+c10 = 500
+c20 = -20
+c30 = 3
+density = 920
+[[region]]
+group = "skin"
+law = "ogden"
+mu = [630, 1.2, -10]
+alpha = [1.3, 5, -2]
+density = 1100
+[[region]]
+group = "liver"
+law = "veronda-westmann"
+c1 = 800
+c2 = 2.5
+density = 1060
+[[region]]
+group = "gel"
+law = "neo-hookean"
+mu = 2000
+density = 1000
+[[region]]
+group = "bone"
+law = "st-venant-kirchhoff"
+young = 1e9
+poisson = 0.3
+density = 1900
+[discretization]
+displacement = "P2"
+[gravity]
+acceleration = [0, 0.5, -9.81]
+[fixed]
+below = { axis = "x", fraction = 0.1 }
+[[active]]
+name = "tip"
+near = [58, 134, 2.5]
+radius = 15
+tool = "weighted-average"
+)";
+
+Scene parse(const std::string& text) { return parseScene(text, "scene.toml"); }
+
+/// The liver scene with `what` replaced is refused with all of `words`.
+void refuses(const std::string& what, const std::string& instead,
+             std::initializer_list<std::string> words) {
+  std::string text = liver;
+  ASSERT_NE(text.find(what), std::string::npos) << what;
+  text.replace(text.find(what), what.size(), instead);
+  expectBadInput([&] { parse(text); }, words);
+}
+
+TEST(Scene, ReadsTheSceneOfTheContract) {
+  const Scene scene = parse(liver);
+  EXPECT_EQ(scene.name, "liver");
+  EXPECT_EQ(scene.mesh, "liver.msh");
+  EXPECT_EQ(scene.regions[0].material.law, LawName::mooney_rivlin);
+  EXPECT_EQ(scene.regions[0].material.c01, 1280);
+  EXPECT_EQ(scene.fixed.half_spaces.at(0).fraction, 0.15);
+  EXPECT_EQ(scene.active.at(0).near, Eigen::Vector3d(0.0582, 0.1344, 0.0025));
+  EXPECT_EQ(scene.workspace.max_force, 8.5);
+  EXPECT_TRUE(scene.workspace.reject_inverted);
+}
+
+TEST(Scene, ConvertsEveryLengthToMetresExactly) {
+  const Scene scene = parse(everything);
+  EXPECT_EQ(scene.name, "scene");
+  EXPECT_EQ(scene.metres_per_unit, 0.001);
+  EXPECT_EQ(scene.active.at(0).near, Eigen::Vector3d(0.058, 0.134, 0.0025));
+  EXPECT_EQ(scene.active.at(0).radius, 0.015);
+  EXPECT_EQ(scene.workspace.radius, 0.1);
+  EXPECT_EQ(scene.workspace.spacing, 0.0143);
+  EXPECT_EQ(scene.fixed.half_spaces.at(1).at, -0.03);
+  EXPECT_EQ(scene.fixed.boxes.at(0).highest, Eigen::Vector3d(0.001, 0.002, 0.003));
+  EXPECT_EQ(scene.fixed.spheres.at(0).radius, 0.0143);
+  EXPECT_EQ(scene.fixed.half_spaces.at(0).fraction, 0.1);
+  EXPECT_EQ(scene.regions[0].material.young, 15480);
+}
+
+TEST(Scene, FillsInDefaultsThatFollowTheLaw) {
+  const std::string rest = "\n[fixed]\nnodes = [0]\n[[active]]\nname = \"a\"\nnode = 1\n";
+  const Scene rubber =
+      parse("mesh = \"m.msh\"\n[material]\nlaw = \"mooney-rivlin\"\nc10 = 1\nc01 = 0" + rest);
+  EXPECT_EQ(rubber.discretization.pressure, PressureSpace::p1_stabilized);
+  EXPECT_EQ(rubber.discretization.constraint, Constraint::ln_det_F);
+  EXPECT_EQ(rubber.workspace.spacing, 0.02);
+  const Scene linear =
+      parse("mesh = \"m.msh\"\n[material]\nlaw = \"linear\"\nyoung = 1\npoisson = 0.3" + rest);
+  EXPECT_EQ(linear.discretization.pressure, PressureSpace::none);
+  const Scene modified = parse(
+      "mesh = \"m.msh\"\n[material]\nlaw = \"modified-st-venant-kirchhoff\"\nyoung = 1" + rest);
+  EXPECT_FALSE(modified.regions[0].material.poisson.has_value());
+}
+
+TEST(Scene, ResolvedTextIsReadBackAsTheSameScene) {
+  for (const char* text : {liver, everything, composed}) {
+    Scene scene = parse(text);
+    const std::string resolved = resolvedToml(scene);
+    const Scene again = parse(resolved);
+    EXPECT_EQ(resolvedToml(again), resolved);
+    scene.mesh = scene.mesh.filename();
+    scene.metres_per_unit = 1;
+    EXPECT_TRUE(again == scene) << resolved;
+  }
+}
+
+TEST(Scene, ResolvedNumbersRoundTripExactly) {
+  Scene scene = parse(liver);
+  for (const double number :
+       {0.1 + 0.2, 1.0 / 3, 5e-324, 1.7976931348623157e308, 1e22, 123456789012345680.0, 1e16}) {
+    scene.regions[0].material.c10 = number;
+    scene.active[0].near = Eigen::Vector3d(-number, number, -0.0);
+    const Scene again = parse(resolvedToml(scene));
+    EXPECT_EQ(again.regions[0].material.c10, number);
+    EXPECT_EQ(again.active[0].near, scene.active[0].near);
+  }
+}
+
+TEST(Scene, RefusesUnknownKeysSuggestingTheNearest) {
+  refuses("spacing", "spcing", {"scene.toml:25", "workspace.spcing", "did you mean \"spacing\""});
+  refuses("[fixed]", "[fxied]", {"\"fxied\"", "did you mean \"fixed\""});
+  refuses("near = ", "nearest = ", {"scene.toml:20", "active.nearest"});
+  refuses("fraction", "fracton",
+          {"scene.toml:16", "fixed.below.fracton", "did you mean \"fraction\""});
+  refuses("max_force", "colour",
+          {"workspace.colour", "there is radius, spacing, max_force or reject_inverted"});
+}
+
+TEST(Scene, RefusesUnknownWordsSuggestingTheNearest) {
+  refuses("mooney-rivlin", "mony-rivlin",
+          {"scene.toml:6", "material.law", "did you mean \"mooney-rivlin\""});
+  refuses("mooney-rivlin", "hooke", {"there is linear, st-venant-kirchhoff"});
+  refuses("\"m\"", "\"inch\"", {"scene.toml:3", "length_unit", "m, cm or mm"});
+  refuses("\"P1\"", "\"P3\"", {"discretization.displacement", "\"P3\""});
+  refuses("axis = \"x\"", "axis = \"w\"", {"fixed.below.axis", "\"w\""});
+}
+
+TEST(Scene, RefusesWrongTypes) {
+  refuses("1300.0", "\"much\"", {"scene.toml:7", "material.c10", "a number is expected, not text"});
+  refuses("reject_inverted = true", "reject_inverted = 1",
+          {"true or false is expected, not a number"});
+  refuses("[0.0582, 0.1344, 0.0025]", "[0.0582, 0.1344]", {"active.near", "[x, y, z]"});
+  refuses("[[active]]", "[active]", {"[[active]]", "double brackets"});
+  refuses("\"liver.msh\"", "7", {"scene.toml:2", "mesh", "text in quotes"});
+  refuses("near = [0.0582, 0.1344, 0.0025]", "node = 1.5", {"active.node", "integer"});
+}
+
+TEST(Scene, RefusesImpossibleValues) {
+  refuses("spacing = 0.02", "spacing = 0",
+          {"scene.toml:25", "workspace.spacing", "greater than 0"});
+  refuses("spacing = 0.02", "spacing = -1", {"workspace.spacing", "greater than 0"});
+  refuses("radius = 0.10", "radius = 0.01",
+          {"scene.toml:24", "workspace.radius", "smaller than the spacing"});
+  refuses("c10 = 1300.0", "c10 = inf", {"material.c10", "finite"});
+  refuses("c01 = 1280.0", "c01 = -1.0", {"material.c01", "negative"});
+  refuses("fraction = 0.15", "fraction = 1.5", {"fixed.below.fraction"});
+  refuses("fraction = 0.15", "fraction = 0.15, at = 0", {"either fraction", "or at"});
+  refuses("radius = 0.0\n", "radius = -0.1\n", {"active.radius", "negative"});
+  refuses("\"tip\"", "\"tip of it\"", {"active.name", "letters"});
+  refuses("near = ", "node = 3\nnear = ", {"either near", "or node"});
+}
+
+TEST(Scene, ReadsSurfacesWithTheSelectorsOfFixed) {
+  const Scene scene = parse(everything);
+  EXPECT_TRUE(scene.active.at(2).surface.value().all);
+  EXPECT_EQ(scene.active.at(2).radius, 0.012);
+  const SurfaceSelection& window = scene.active.at(3).surface.value();
+  EXPECT_FALSE(window.all);
+  EXPECT_EQ(window.boxes.at(0), scene.fixed.boxes.at(0));
+  EXPECT_EQ(window.spheres, scene.fixed.spheres);
+  EXPECT_EQ(window.groups, (std::vector<std::string>{"the \"lobe\"", "b"}));
+}
+
+TEST(Scene, RefusesSurfacesThatSayNothingOrTooMuch) {
+  const std::string near = "near = [0.0582, 0.1344, 0.0025]";
+  refuses(near, near + "\nsurface = \"all\"", {"active.near", "or node", "or surface"});
+  refuses(near, "surface = \"some\"",
+          {"scene.toml:20", "active.surface", "write \"all\", or a table"});
+  refuses(near, "surface = 3", {"active.surface", "write \"all\", or a table"});
+  refuses(near, "surface = {}", {"active.surface", "give box, sphere or group"});
+  refuses(near, "surface = { grop = \"a\" }", {"active.surface.grop", "did you mean \"group\""});
+  refuses(near, "surface = { below = { axis = \"x\", at = 0 } }",
+          {"active.surface.below", "box, sphere or group"});
+}
+
+TEST(Scene, KeepsWithinItsDevice) {
+  const auto with = [](const std::string& workspace, const std::string& device) {
+    std::string text = liver;
+    text = text.substr(0, text.find("[workspace]")) + workspace + "[device]\nprofile = \"" +
+           device + "\"\n";
+    return parse(text);
+  };
+  const Scene none = with("", "falcon");
+  EXPECT_EQ(none.workspace.radius, 0.04);
+  EXPECT_EQ(none.workspace.max_force, 8);
+  EXPECT_EQ(none.device->profile.max_stiffness, 3000);
+  EXPECT_FALSE(none.device->wanted_radius || none.device->wanted_max_force);
+  const Scene larger = with("[workspace]\nradius = 0.1\nmax_force = 3\n", "touch");
+  EXPECT_EQ(larger.workspace.radius, 0.075);
+  EXPECT_EQ(larger.workspace.max_force, 3);
+  EXPECT_EQ(larger.device->wanted_radius, 0.1);
+  EXPECT_FALSE(larger.device->wanted_max_force);
+  const Scene again = parse(resolvedToml(larger));
+  EXPECT_TRUE(again == larger) << "what was wanted is forgotten";
+  EXPECT_FALSE(again.device->wanted_radius);
+  EXPECT_EQ(again.workspace.radius, 0.075);
+}
+
+TEST(Scene, KnowsEveryDeviceOfTheTable) {
+  for (const DeviceProfile& profile : deviceProfiles()) {
+    const Scene scene =
+        parse(fmt::format("mesh = \"m.msh\"\n"
+                          "[material]\n"
+                          "law = \"mooney-rivlin\"\n"
+                          "c10 = 1\n"
+                          "c01 = 0\n"
+                          "[fixed]\n"
+                          "nodes = [0]\n"
+                          "[[active]]\n"
+                          "name = \"a\"\n"
+                          "node = 1\n"
+                          "[device]\n"
+                          "profile = \"{}\"\n",
+                          profile.name));
+    EXPECT_EQ(scene.workspace.radius, profile.workspace_radius);
+    EXPECT_EQ(scene.workspace.max_force, profile.max_force);
+  }
+  refuses("[workspace]", "[device]\nprofile = \"tuch\"\n[workspace]",
+          {"device.profile", "did you mean \"touch\""});
+  refuses("[workspace]", "[device]\n[workspace]", {"device.profile", "missing"});
+  refuses("[workspace]\nradius = 0.10\nspacing = 0.02",
+          "[device]\nprofile = \"falcon\"\n[workspace]\nradius = 0.10\nspacing = 0.05",
+          {"workspace.radius", "the device's", "smaller than the spacing"});
+}
+
+TEST(Scene, StoresTheSurfaceInFloatsUnlessAskedOtherwise) {
+  EXPECT_EQ(parse(liver).storage, Storage{});
+  EXPECT_EQ(parse(everything).storage, (Storage{StoredNodes::all, StoredPrecision::int16}));
+  refuses("[workspace]", "[storage]\ndisplacement = \"visible\"\n[workspace]",
+          {"storage.displacement", "surface or all"});
+  refuses("[workspace]", "[storage]\nprecision = \"int8\"\n[workspace]",
+          {"storage.precision", "int16"});
+}
+
+TEST(Scene, TouchesWithoutPullingUnlessItIsGlued) {
+  EXPECT_EQ(parse(liver).contact, ContactMode::unilateral);
+  EXPECT_EQ(parse(everything).contact, ContactMode::glued);
+  refuses("name = ", "contact = \"sticky\"\nname = ", {"contact", "unilateral or glued"});
+}
+
+TEST(Scene, IsUniformUntilItAsksForAccuracy) {
+  EXPECT_FALSE(parse(liver).accuracy.adaptive());
+  EXPECT_THAT(resolvedToml(parse(liver)), ::testing::Not(HasSubstr("accuracy")));
+  EXPECT_EQ(parse(everything).accuracy, (Accuracy{0.03, 0.02, 4, 200}));
+  const Scene probed = parse(std::string(liver) + "[accuracy]\nprobes = 7\n");
+  EXPECT_EQ(probed.accuracy, (Accuracy{.probes = 7}));
+  EXPECT_EQ(parse(resolvedToml(probed)).accuracy, probed.accuracy);
+}
+
+TEST(Scene, RefusesAnImpossibleAccuracy) {
+  const auto refused = [](const std::string& line, std::initializer_list<std::string> words) {
+    expectBadInput([&] { parse(std::string(liver) + "[accuracy]\n" + line + "\n"); }, words);
+  };
+  for (const char* number : {"0", "1", "-0.1", "3", "nan"})
+    refused(fmt::format("force_error = {}", number), {"scene.toml:29", "accuracy.force_error"});
+  refused("force_floor = 0", {"accuracy.force_floor", "greater than 0"});
+  refused("levels = 7", {"accuracy.levels", "0 to 6"});
+  refused("levels = 1.5", {"accuracy.levels", "an integer is expected, not a number"});
+  refused("probes = -1", {"accuracy.probes", "0 to 100000"});
+  refused("force_eror = 0.1", {"accuracy.force_eror", "did you mean \"force_error\""});
+}
+
+TEST(Scene, RefusesKeysThatTheLawDoesNotTake) {
+  refuses("c01 = 1280.0", "c01 = 1280.0\nyoung = 3",
+          {"scene.toml:9", "material.young", "takes c10 and c01"});
+  refuses("\"mooney-rivlin\"", "\"linear\"", {"material.c10", "takes young and poisson"});
+}
+
+/// The liver with the material `keys` in place of its own, and its pressure left to the law.
+std::string withMaterial(const std::string& keys) {
+  std::string text = liver;
+  text.replace(text.find("law ="), text.find("[discretization]") - text.find("law ="), keys + "\n");
+  return text.replace(text.find("pressure = \"P1-stabilized\"\n"), 27, "");
+}
+
+TEST(Scene, SaysWhichKeysALawTakes) {
+  const auto refused = [](const std::string& keys, std::initializer_list<std::string> words) {
+    expectBadInput([&] { parse(withMaterial(keys)); }, words);
+  };
+  refused("law = \"linear\"\nyoung = 1\npoisson = 0\nbulk = 3",
+          {"scene.toml:9", "material.bulk", "takes young and poisson, and if wanted density"});
+  refused("law = \"modified-st-venant-kirchhoff\"\nyoung = 1\nbulk = 3",
+          {"material.bulk", "takes young, and if wanted poisson and density"});
+  refused("law = \"neo-hookean\"\nmu = 1\nfiber = [1, 0, 0]",
+          {"material.fiber", "takes mu, and if wanted bulk and density"});
+  refused("law = \"yeoh\"\nc10 = 1\nc01 = 1", {"material.c01", "takes c10, c20 and c30"});
+  refused("law = \"ogden\"\nmu = [1]\nalpha = [2]\nk1 = 1", {"material.k1", "takes mu and alpha"});
+  refused("law = \"veronda-westmann\"\nc1 = 1\nc2 = 1\nmu = 3", {"material.mu", "takes c1 and c2"});
+  refused(
+      "law = \"holzapfel-gasser-ogden\"\nmu = 1\nalpha = [1]",
+      {"material.alpha", "takes mu, k1, k2 and fiber, and if wanted dispersion, bulk and density"});
+  refused("law = \"neo-hookean\"\nmu = 1\ngroup = \"g\"", {"material.group", "[[region]]"});
+}
+
+TEST(Scene, RefusesImpossibleMaterials) {
+  const auto refused = [](const std::string& keys, std::initializer_list<std::string> words) {
+    expectBadInput([&] { parse(withMaterial(keys)); }, words);
+  };
+  const std::string ogden = "law = \"ogden\"\n",
+                    fibred = "law = \"holzapfel-gasser-ogden\"\nmu = 1\nk1 = 1\nk2 = 1\n";
+  refused("law = \"neo-hookean\"\nmu = 0", {"scene.toml:7", "material.mu", "greater than 0"});
+  refused("law = \"neo-hookean\"\nmu = 1\nbulk = 0", {"material.bulk", "greater than 0"});
+  refused("law = \"neo-hookean\"\nmu = 1\ndensity = -1", {"material.density", "greater than 0"});
+  refused("law = \"neo-hookean\"\nmu = [1]", {"material.mu", "a number is expected, not a list"});
+  refused("law = \"yeoh\"\nc10 = 1\nc20 = 0\nc30 = -1", {"material.c30", "negative"});
+  refused(ogden + "mu = 1\nalpha = [2]",
+          {"material.mu", "a list of numbers is expected, not a number"});
+  refused(ogden + "mu = []\nalpha = []", {"material.mu", "0 terms where 1 to 3"});
+  refused(ogden + "mu = [1, 1, 1, 1]\nalpha = [1, 1, 1, 1]",
+          {"material.mu", "4 terms where 1 to 3"});
+  refused(ogden + "mu = [1, 2]\nalpha = [1]", {"material.alpha", "1 exponents for the 2 moduli"});
+  refused(ogden + "mu = [1, 2]\nalpha = [1, -1]", {"material.mu", "term 2", "greater than 0"});
+  refused(fibred, {"material.fiber", "missing"});
+  refused(fibred + "fiber = []", {"material.fiber", "write [x, y, z]"});
+  refused(fibred + "fiber = [0, 0, 0]", {"material.fiber", "no direction"});
+  refused(fibred + "fiber = [0, 1]", {"material.fiber", "three numbers"});
+  refused(fibred + "fiber = [[0, 0, 1], [0, 1, 0], [1, 0, 0]]", {"material.fiber", "3 directions"});
+  refused(fibred + "fiber = [0, 0, 1]\ndispersion = 0.34", {"material.dispersion", "1/3"});
+}
+
+TEST(Scene, NormalisesFibresOnce) {
+  const Scene scene = parse(composed);
+  const Material& vessel = scene.regions.at(1).material;
+  EXPECT_NEAR((vessel.fibers.at(0) - Eigen::Vector3d(1, 2, 3) / std::sqrt(14)).norm(), 0, 1e-15);
+  EXPECT_EQ(vessel.fibers.at(1), Eigen::Vector3d(0, 0, -1));
+  EXPECT_EQ(scene.regions.at(2).material.fiber_field, "direction");
+  EXPECT_EQ(scene.regions.at(2).material.dispersion, 0);
+}
+
+TEST(Scene, ReadsRegionsWithOrWithoutAMaterialForTheRest) {
+  const Scene scene = parse(composed);
+  ASSERT_EQ(scene.regions.size(), 8u);
+  EXPECT_EQ(scene.regions[0].group, "");
+  EXPECT_EQ(scene.regions[0].material.bulk, 1.3e6);
+  EXPECT_EQ(scene.regions[4].material.ogden.at(2).alpha, -2);
+  std::string text = composed;
+  text.erase(text.find("[material]"), text.find("[[region]]") - text.find("[material]"));
+  EXPECT_EQ(parse(text).regions.size(), 7u);
+  EXPECT_EQ(parse(text).regions.at(0).group, "vessel");
+}
+
+TEST(Scene, RefusesRegionsThatAreNotDistinctGroups) {
+  const auto refused = [](const std::string& what, const std::string& instead,
+                          std::initializer_list<std::string> words) {
+    std::string text = composed;
+    text.replace(text.find(what), what.size(), instead);
+    expectBadInput([&] { parse(text); }, words);
+  };
+  refused("\"fat\"", "\"vessel\"", {"region.group", "two regions", "\"vessel\""});
+  refused("group = \"fat\"\n", "", {"region.group", "missing"});
+  refused("[[region]]\ngroup = \"vessel\"", "[region]\ngroup = \"vessel\"", {"not TOML"});
+  expectBadInput([] { parse("mesh = \"m.msh\"\n[region]\nlaw = \"yeoh\"\n"); },
+                 {"[[region]]", "double brackets"});
+}
+
+TEST(Scene, TakesGravityAsItIsAndThenNeedsEveryDensity) {
+  EXPECT_EQ(parse(composed).gravity, Eigen::Vector3d(0, 0.5, -9.81));
+  std::string text = composed;
+  text.erase(text.find("density = 920"), 13);
+  expectBadInput([&] { parse(text); }, {"gravity.acceleration", "density", "\"fat\""});
+}
+
+TEST(Scene, GivesEveryDisplacementItsStablePressure) {
+  const Scene quadratic = parse(composed);
+  EXPECT_EQ(quadratic.discretization.displacement, DisplacementSpace::p2);
+  EXPECT_EQ(quadratic.discretization.pressure, PressureSpace::p1);
+  EXPECT_TRUE(isInfSupStable(quadratic.discretization));
+  const std::string nearly = withMaterial("law = \"neo-hookean\"\nmu = 1\nbulk = 1000");
+  EXPECT_EQ(parse(nearly).discretization.pressure, PressureSpace::p1_stabilized);
+  std::string penalty = nearly;
+  penalty.insert(penalty.find("constraint"), "pressure = \"none\"\n");
+  EXPECT_EQ(parse(penalty).discretization.pressure, PressureSpace::none);
+}
+
+TEST(Scene, RefusesAWeightedToolWithoutARadius) {
+  EXPECT_EQ(parse(composed).active.at(0).tool, ToolKind::weighted_average);
+  EXPECT_EQ(parse(liver).active.at(0).tool, ToolKind::rigid);
+  refuses("radius = 0.0\n", "radius = 0.0\ntool = \"weighted-average\"\n",
+          {"active.tool", "radius greater than 0"});
+  refuses("radius = 0.0\n", "radius = 0.0\ntool = \"mean\"\n",
+          {"active.tool", "rigid or weighted-average"});
+}
+
+TEST(Scene, RefusesAPressureThatDoesNotGoWithTheLaw) {
+  refuses("\"P1-stabilized\"", "\"none\"",
+          {"discretization.pressure", "incompressible", "needs a pressure"});
+  refuses("\"P1-stabilized\"", "\"P2\"", {"discretization.pressure", "higher order"});
+  refuses("displacement = \"P1\"", "displacement = \"P2\"",
+          {"discretization.pressure", "P1 displacement"});
+  refuses("law = \"mooney-rivlin\"\nc10 = 1300.0\nc01 = 1280.0",
+          "law = \"linear\"\nyoung = 1\npoisson = 0.3",
+          {"discretization.pressure", "compressible", "none"});
+}
+
+TEST(Scene, RefusesWhatIsMissing) {
+  refuses("mesh = \"liver.msh\"", "", {"\"mesh\" is missing"});
+  refuses("c10 = 1300.0", "", {"scene.toml:5", "material.c10", "missing"});
+  expectBadInput([] { parse(""); }, {"scene.toml", "missing"});
+}
+
+TEST(Scene, RefusesTwoActiveNodesOfOneName) {
+  expectBadInput([] { parse(std::string(liver) + "[[active]]\nname = \"tip\"\nnode = 3\n"); },
+                 {"scene.toml:29", "two active nodes", "tip"});
+}
+
+TEST(Scene, RefusesWhatIsNotTomlNamingTheLine) {
+  refuses("c10 = 1300.0", "c10 = = 2", {"scene.toml:7", "not TOML"});
+}
+
+TEST(Scene, SurvivesACutAtEveryByte) {
+  for (const std::string text : {liver, everything, composed})
+    for (std::size_t length = 0; length < text.size(); ++length) {
+      try {
+        const Scene scene = parse(text.substr(0, length));
+        EXPECT_EQ(resolvedToml(parse(resolvedToml(scene))), resolvedToml(scene));
+      } catch (const Error& error) {
+        EXPECT_THAT(error.what(), HasSubstr("scene.toml"));
+      }
+    }
+}
+
+TEST(Scene, FindsTheMeshBesideTheSceneFile) {
+  const test::TemporaryDirectory directory;
+  std::ofstream(directory / "organ.toml") << everything;
+  const Scene scene = readScene(directory / "organ.toml");
+  EXPECT_EQ(scene.mesh, directory / "meshes" / "organ.msh");
+  EXPECT_EQ(scene.name, "organ");
+  expectBadInput([&] { readScene(directory / "none.toml"); }, {"none.toml", "No such file"});
+}
+
+/// The example of docs/scene.md, and every other block of TOML in it.
+TEST(Scene, TheExamplesOfTheManualAreRead) {
+  std::ifstream in(std::string(PALPATE_SOURCE_DIR) + "/docs/scene.md");
+  std::stringstream page;
+  page << in.rdbuf();
+  std::string text = page.str();
+  int examples = 0;
+  for (std::size_t at = text.find("```toml\n"); at != std::string::npos;
+       at = text.find("```toml\n", at + 1), ++examples) {
+    const std::size_t begin = at + 8;
+    EXPECT_NO_THROW(
+        parseScene(text.substr(begin, text.find("```", begin) - begin), "docs/scene.md"));
+  }
+  EXPECT_GE(examples, 2);
+}
+
+}  // namespace
+}  // namespace palpate

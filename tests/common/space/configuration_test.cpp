@@ -1,0 +1,66 @@
+#include "common/space/configuration.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/space/tag.hpp"
+#include "tests/support/expect_error.hpp"
+
+namespace palpate {
+namespace {
+
+using test::expectError;
+
+TEST(NodalFields, RoundTripWithAndWithoutPressure) {
+  const NodalFields displaced = {{1, 2, 3, -4, 5e-9F, 6}, {}};
+  const NodalFields mixed = {displaced.displacement, {7.5F, -8}};
+  for (const NodalFields& fields : {displaced, mixed}) {
+    const NodalFields again = NodalFields::decode(fields.encode(), 2, fields.pressure.size());
+    EXPECT_EQ(again.displacement, fields.displacement);
+    EXPECT_EQ(again.pressure, fields.pressure);
+    EXPECT_EQ(again.id(), fields.id());
+  }
+  EXPECT_NE(displaced.id(), mixed.id());
+}
+
+TEST(NodalFields, RefuseEveryOtherLength) {
+  const std::string bytes = NodalFields{{1, 2, 3, 4, 5, 6}, {7, 8}}.encode();
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    expectError(ExitCode::failed, [&] { NodalFields::decode(bytes.substr(0, length), 2, 2); },
+                {"2 nodes"});
+  }
+}
+
+TEST(NodalFields, RefuseValuesThatAreNotFinite) {
+  const std::string in_displacement = NodalFields{{1, NAN, 3}, {}}.encode();
+  const std::string in_pressure = NodalFields{{1, 2, 3}, {INFINITY}}.encode();
+  expectError(ExitCode::failed, [&] { NodalFields::decode(in_displacement, 1, 0); },
+              {"not finite"});
+  expectError(ExitCode::failed, [&] { NodalFields::decode(in_pressure, 1, 1); }, {"not finite"});
+}
+
+TEST(Tag, WordsAreThePapersFour) {
+  for (const auto& [tag, word] : {std::pair{Tag::unknown, "unknown"},
+                                  {Tag::expandable, "expandable"},
+                                  {Tag::terminating, "terminating"},
+                                  {Tag::failed, "failed"}}) {
+    EXPECT_EQ(name(tag), word);
+    EXPECT_EQ(tagNamed(word), tag);
+  }
+  EXPECT_FALSE(tagNamed("leased"));
+}
+
+TEST(Cause, EveryWordNamesItsCause) {
+  for (int value = 0; value <= static_cast<int>(Cause::unreachable); ++value) {
+    const auto cause = static_cast<Cause>(value);
+    EXPECT_EQ(causeNamed(name(cause)), cause);
+    Failure failure;
+    failure.cause = cause;
+    EXPECT_TRUE(cause == Cause::none || describe(failure).starts_with(name(cause)));
+  }
+  EXPECT_FALSE(causeNamed("bad luck"));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,282 @@
+#include "scheduler/plan/frontier.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <random>
+
+#include "tests/support/expect_error.hpp"
+
+namespace palpate {
+namespace {
+
+using Physics = std::function<Ending(Transition)>;
+
+constexpr double max_force = 8;
+
+Ending reached(double force) { return {true, force, Cause::none, 1}; }
+Ending stuck(double step, Cause cause = Cause::step_budget) { return {false, 0, cause, step}; }
+
+std::uint64_t mix(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+  return x ^ (x >> 31);
+}
+
+/// A body of which nothing is known but that the same transition always ends the same way:
+/// `failing` percent do not converge and `strong` percent of the points are beyond max_force.
+Physics randomPhysics(std::uint64_t seed, unsigned failing, unsigned strong) {
+  return [=](Transition t) {
+    const std::uint64_t way = mix(seed * 1000003 + static_cast<std::uint64_t>(t.target) * 65537 +
+                                  static_cast<std::uint64_t>(t.parent));
+    const std::uint64_t point = mix(seed + 17 * static_cast<std::uint64_t>(t.target));
+    if (t.target != 0 && way % 100 < failing)
+      return stuck(static_cast<double>(way >> 8 & 7) / 8, static_cast<Cause>(1 + (way >> 16) % 7));
+    return reached(t.target != 0 && point % 100 < strong ? 2 * max_force : 1);
+  };
+}
+
+/// Everything that reaches a dataset.
+struct Answer {
+  std::vector<Tag> tags;
+  std::vector<std::int32_t> parents;
+  std::vector<Cause> causes;
+  std::vector<std::vector<std::int32_t>> attempts;
+  bool operator==(const Answer&) const = default;
+};
+
+Answer answerOf(const Frontier& frontier) {
+  Answer answer;
+  for (std::int32_t n = 0; n < frontier.size(); ++n) {
+    answer.tags.push_back(frontier.tag(n));
+    answer.parents.push_back(frontier.parent(n));
+    answer.causes.push_back(frontier.cause(n));
+    answer.attempts.emplace_back();
+    for (const auto& attempt : frontier.attempts(n))
+      answer.attempts.back().push_back(attempt.parent);
+  }
+  return answer;
+}
+
+/// The rules once more, written the slow and plain way: points in order of their norm, one round
+/// after the other.
+Answer referenceAnswer(const Lattice& lattice, const Physics& physics, std::size_t budget) {
+  const auto size = static_cast<std::size_t>(lattice.size());
+  Answer a{std::vector<Tag>(size, Tag::unknown), std::vector<std::int32_t>(size, -1),
+           std::vector<Cause>(size, Cause::none), std::vector<std::vector<std::int32_t>>(size)};
+  std::vector<double> furthest(size, -1);
+  const auto tryFrom = [&](std::int32_t x, std::int32_t parent) {
+    const Ending ending = physics({x, parent});
+    if (ending.converged) {
+      a.tags[x] = ending.force > max_force ? Tag::terminating : Tag::expandable;
+      a.parents[x] = parent;
+      a.causes[x] = Cause::none;
+      return true;
+    }
+    a.attempts[x].push_back(parent);
+    if (ending.step_reached > furthest[x]) {
+      furthest[x] = ending.step_reached;
+      a.causes[x] = ending.cause;
+    }
+    return false;
+  };
+  const auto walk = [&](std::int32_t x, const std::vector<Tag>& tags, bool only_nearer) {
+    for (const std::int32_t c : lattice.neighbours(x)) {
+      if (only_nearer && squaredNorm(lattice.point(c)) >= squaredNorm(lattice.point(x))) continue;
+      if (tags[c] != Tag::expandable ||
+          std::count(a.attempts[x].begin(), a.attempts[x].end(), c) > 0)
+        continue;
+      if (a.attempts[x].size() >= (only_nearer ? (budget + 1) / 2 : budget) || tryFrom(x, c))
+        return;
+    }
+  };
+  tryFrom(0, 0);
+  for (std::int32_t x = 1; x < lattice.size(); ++x) walk(x, a.tags, true);
+  for (std::vector<Tag> before, now = a.tags; before != now; now = a.tags) {
+    before = a.tags;
+    std::size_t tries = 0, tries_before = 0;
+    for (const auto& list : a.attempts) tries_before += list.size();
+    for (std::int32_t x = 0; x < lattice.size(); ++x)
+      if (before[x] == Tag::unknown) walk(x, before, false);
+    for (const auto& list : a.attempts) tries += list.size();
+    if (tries == tries_before && before == a.tags) break;
+  }
+  for (std::size_t x = 0; x < size; ++x) {
+    if (a.tags[x] != Tag::unknown) continue;
+    a.tags[x] = Tag::failed;
+    if (a.attempts[x].empty()) a.causes[x] = Cause::unreachable;
+  }
+  return a;
+}
+
+/// Solves with up to `in_flight` transitions at a time, which end in random order; now and then the
+/// scheduler restarts, forgets what is in flight and replays what was recorded, in random order
+/// too.
+Answer solve(const Lattice& lattice, const Physics& physics, std::size_t in_flight, unsigned seed,
+             bool restarts, int budget = max_attempts_per_point) {
+  std::mt19937 random(seed);
+  std::vector<Transition> recorded;
+  Frontier frontier(lattice, max_force, budget);
+  std::vector<Transition> ready = frontier.takeReady();
+  const auto pick = [&](std::size_t size) { return random() % size; };
+  while (!frontier.complete()) {
+    const std::size_t n = pick(std::min(ready.size(), in_flight));
+    const Transition done = ready[n];
+    ready.erase(ready.begin() + static_cast<std::ptrdiff_t>(n));
+    frontier.record(done, physics(done));
+    recorded.push_back(done);
+    if (restarts && random() % 40 == 0) {
+      frontier = Frontier(lattice, max_force, budget);
+      ready.clear();
+      std::vector<Transition> left = recorded;
+      while (!left.empty()) {
+        const auto known = std::find_if(left.begin(), left.end(),
+                                        [&](const Transition& t) { return frontier.isOpen(t); });
+        if (known == left.end())
+          throw failure("a recorded transition is not asked for after a restart");
+        frontier.record(*known, physics(*known));
+        std::swap(*known, left.back());
+        left.pop_back();
+      }
+      for (const Transition& t : frontier.takeReady())
+        if (frontier.isOpen(t)) ready.push_back(t);
+    }
+    for (const Transition& t : frontier.takeReady()) ready.push_back(t);
+    if (random() % 3 == 0) std::shuffle(ready.begin(), ready.end(), random);
+  }
+  return answerOf(frontier);
+}
+
+TEST(Frontier, BeginsWithTheOriginAloneAndThenOffersItsNeighbours) {
+  const Lattice lattice(3, 1);
+  Frontier frontier(lattice, max_force);
+  EXPECT_EQ(frontier.takeReady(), (std::vector<Transition>{{0, 0}}));
+  EXPECT_TRUE(frontier.takeReady().empty());
+  frontier.record({0, 0}, reached(0));
+  const auto ready = frontier.takeReady();
+  EXPECT_EQ(ready.size(), 6u) << "the axis neighbours; a diagonal one waits for its nearer "
+                                 "neighbour, which is closer to it";
+  for (const Transition& t : ready) EXPECT_EQ(t.parent, 0);
+}
+
+TEST(Frontier, GivesTheSameAnswerForEveryOrderOfCompletion) {
+  const Lattice lattice(4, 1);
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    const Physics physics = randomPhysics(seed, 10 * (seed % 8), 5 * (seed % 5));
+    const Answer expected = referenceAnswer(lattice, physics, max_attempts_per_point);
+    EXPECT_EQ(solve(lattice, physics, 1, seed, false), expected) << "one at a time, seed " << seed;
+    EXPECT_EQ(solve(lattice, physics, 7, seed + 1, false), expected)
+        << "a few at a time, seed " << seed;
+    EXPECT_EQ(solve(lattice, physics, 1000, seed + 2, false), expected)
+        << "all at a time, seed " << seed;
+    EXPECT_EQ(solve(lattice, physics, 20, seed + 3, true), expected)
+        << "with restarts, seed " << seed;
+  }
+}
+
+TEST(Frontier, KeepsToItsBudgetWhateverItIs) {
+  const Lattice lattice(3, 1);
+  for (const int budget : {1, 2, 5, 26})
+    for (unsigned seed = 0; seed < 10; ++seed) {
+      const Physics physics = randomPhysics(seed, 80, 0);
+      const Answer answer = solve(lattice, physics, 9, seed, true, budget);
+      EXPECT_EQ(answer, referenceAnswer(lattice, physics, static_cast<std::size_t>(budget)));
+      for (const auto& attempts : answer.attempts)
+        EXPECT_LE(attempts.size(), static_cast<std::size_t>(budget));
+    }
+}
+
+TEST(Frontier, ReachesEverythingWhenNothingFails) {
+  const Lattice lattice(5, 1);
+  const Answer answer = solve(lattice, randomPhysics(1, 0, 0), 4, 1, false);
+  EXPECT_EQ(std::count(answer.tags.begin(), answer.tags.end(), Tag::expandable), lattice.size());
+  for (std::int32_t n = 1; n < lattice.size(); ++n)
+    EXPECT_LT(squaredNorm(lattice.point(answer.parents[n])), squaredNorm(lattice.point(n)));
+}
+
+TEST(Frontier, DoesNotExpandBeyondAShellOfTooLargeForces) {
+  const Lattice lattice(4, 1);
+  const Physics shell = [&](Transition t) {
+    return reached(squaredNorm(lattice.point(t.target)) >= 4 ? max_force + 1 : 1);
+  };
+  const Answer answer = solve(lattice, shell, 8, 3, true);
+  for (std::int32_t n = 0; n < lattice.size(); ++n) {
+    const auto neighbours = lattice.neighbours(n);
+    const bool reachable = std::any_of(neighbours.begin(), neighbours.end(), [&](std::int32_t m) {
+      return squaredNorm(lattice.point(m)) < 4;
+    });
+    const bool inside = squaredNorm(lattice.point(n)) < 4;
+    EXPECT_EQ(answer.tags[n], inside      ? Tag::expandable
+                              : reachable ? Tag::terminating
+                                          : Tag::failed)
+        << n;
+    EXPECT_EQ(answer.causes[n], inside || reachable ? Cause::none : Cause::unreachable) << n;
+  }
+}
+
+TEST(Frontier, GoesAroundAWallAndReachesTheSideBehindItLater) {
+  const Lattice lattice(5, 1);
+  // Nothing crosses from x = 1 to x = 2 except at y >= 3.
+  const Physics wall = [&](Transition t) {
+    const LatticePoint &to = lattice.point(t.target), &from = lattice.point(t.parent);
+    const bool crosses = std::max(to[0], from[0]) == 2 && std::min(to[0], from[0]) == 1;
+    return crosses && std::max(to[1], from[1]) < 3 ? stuck(0.5) : reached(1);
+  };
+  const Answer answer = solve(lattice, wall, 16, 5, true);
+  EXPECT_EQ(answer, referenceAnswer(lattice, wall, max_attempts_per_point));
+  const std::int32_t behind = *lattice.indexOf({2, 2, 0});
+  EXPECT_EQ(answer.tags[behind], Tag::expandable);
+  EXPECT_GE(lattice.point(answer.parents[behind])[0], 2)
+      << "it is reached from its own side of the wall";
+  EXPECT_FALSE(answer.attempts[behind].empty());
+}
+
+TEST(Frontier, LeavesAHoleThatEveryNeighbourFailedToReach) {
+  const Lattice lattice(4, 1);
+  const std::int32_t hole = *lattice.indexOf({1, 1, 0});
+  const Physics physics = [&](Transition t) {
+    if (t.target != hole) return reached(1);
+    return t.parent == 0 ? stuck(0.9, Cause::wrong_inertia) : stuck(0.4);
+  };
+  const Answer answer = solve(lattice, physics, 4, 5, false);
+  EXPECT_EQ(answer.tags[hole], Tag::failed);
+  EXPECT_EQ(answer.causes[hole], Cause::wrong_inertia) << "of the attempt that got furthest";
+  EXPECT_EQ(answer.attempts[hole].size(), static_cast<std::size_t>(max_attempts_per_point));
+  EXPECT_EQ(std::count(answer.tags.begin(), answer.tags.end(), Tag::expandable),
+            lattice.size() - 1);
+}
+
+TEST(Frontier, EndsAtOnceWhenTheOriginFails) {
+  const Lattice lattice(3, 1);
+  Frontier frontier(lattice, max_force);
+  EXPECT_EQ(frontier.tag(1), Tag::unknown) << "nothing is unreachable before the end";
+  EXPECT_EQ(frontier.cause(1), Cause::none);
+  frontier.record({0, 0}, stuck(0, Cause::factorization_failed));
+  EXPECT_TRUE(frontier.complete());
+  EXPECT_EQ(frontier.tag(0), Tag::failed);
+  EXPECT_EQ(frontier.cause(0), Cause::factorization_failed);
+  for (std::int32_t n = 1; n < lattice.size(); ++n) {
+    EXPECT_EQ(frontier.tag(n), Tag::failed);
+    EXPECT_EQ(frontier.cause(n), Cause::unreachable);
+  }
+}
+
+TEST(Frontier, RefusesWhatWasNotAskedFor) {
+  const Lattice lattice(3, 1);
+  Frontier frontier(lattice, max_force);
+  test::expectError(ExitCode::failed,
+                    [&] {
+                      frontier.record({3, 0}, reached(1));
+                    },
+                    {"point 3", "not asked for"});
+  frontier.record({0, 0}, reached(0));
+  test::expectError(ExitCode::failed,
+                    [&] {
+                      frontier.record({0, 0}, reached(0));
+                    },
+                    {"not asked for"});
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,144 @@
+#include "scheduler/plan/leases.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+using testing::ElementsAre;
+
+struct LeasesTest : testing::Test {
+  Leases leases;
+
+  void addTargets(std::int32_t parent, std::int32_t first, std::int32_t count,
+                  std::uint32_t space = 0) {
+    for (std::int32_t n = 0; n < count; ++n) leases.add({space, first + n, parent});
+  }
+  Handout handOut(const std::string& worker, std::size_t workers = 1) {
+    return leases.handOut(worker, workers).value();
+  }
+  static std::vector<std::int32_t> points(const Handout& handout) {
+    std::vector<std::int32_t> points;
+    for (const auto& target : handout.targets) points.push_back(target.point);
+    return points;
+  }
+};
+
+TEST_F(LeasesTest, AJobHoldsTargetsAroundTheStartNearestToTheOrigin) {
+  addTargets(5, 20, 2);
+  addTargets(3, 10, 2);
+  const Handout job = handOut("a");
+  EXPECT_EQ(job.parent, 3);
+  EXPECT_THAT(points(job), ElementsAre(10, 11));
+  EXPECT_EQ(handOut("a").parent, 5);
+  EXPECT_EQ(handOut("a").parent, 5);
+  EXPECT_FALSE(leases.handOut("a", 1));
+}
+
+TEST_F(LeasesTest, WorkIsSplitSoThatEveryWorkerGetsSome) {
+  addTargets(0, 1, 26);
+  EXPECT_EQ(handOut("a", 2).targets.size(), 7u);
+  EXPECT_EQ(handOut("b", 2).targets.size(), 5u);
+  addTargets(1, 100, 1000);
+  EXPECT_EQ(handOut("a", 2).targets.size(), 14u) << "what is left around start 0";
+  EXPECT_EQ(handOut("b", 2).targets.size(), max_targets_per_job);
+}
+
+TEST_F(LeasesTest, SpacesDoNotMix) {
+  addTargets(0, 1, 3, 0);
+  addTargets(0, 1, 3, 1);
+  EXPECT_EQ(handOut("a").space, 0u);
+  EXPECT_EQ(handOut("a").space, 1u);
+}
+
+TEST_F(LeasesTest, JobNumbersGoOnAfterTheFirst) {
+  Leases later(7ull << 32);
+  later.add({0, 0, 0});
+  EXPECT_EQ(later.handOut("a", 1)->job, (7ull << 32) + 1);
+}
+
+TEST_F(LeasesTest, ALostWorkersTargetsAreHandedOutUnderTheNextAttempt) {
+  addTargets(0, 1, 1);
+  EXPECT_EQ(handOut("a").targets[0].attempt, 1u);
+  EXPECT_TRUE(leases.workerDied("a", std::nullopt).empty());
+  EXPECT_EQ(leases.waiting(), 1u);
+  EXPECT_EQ(handOut("b").targets[0].attempt, 2u);
+}
+
+TEST_F(LeasesTest, AFinishedTargetIsNotHandedOutAgainWhoeverHadIt) {
+  addTargets(0, 1, 2);
+  handOut("a");
+  handOut("a");
+  leases.finish({0, 1, 0});
+  EXPECT_EQ(leases.leasedTo("a"), 1u);
+  leases.giveBack("a");
+  EXPECT_EQ(leases.waiting(), 1u);
+  leases.finish({0, 2, 0});
+  EXPECT_EQ(leases.waiting(), 0u);
+  EXPECT_EQ(leases.leased(), 0u);
+  EXPECT_FALSE(leases.knows({0, 2, 0}));
+}
+
+TEST_F(LeasesTest, ATargetLostTwiceIsHandedOutAlone) {
+  addTargets(0, 1, 3);
+  for (const char* worker : {"a", "b"}) {
+    EXPECT_EQ(handOut(worker).targets.size(), 2u);
+    leases.workerDied(worker, TransitionKey{0, 2, 0});
+    leases.giveBack(worker);
+  }
+  // Target 1 was next in order at both deaths and target 2 was named.
+  EXPECT_THAT(points(handOut("c")), ElementsAre(1));
+  EXPECT_THAT(points(handOut("c")), ElementsAre(2));
+  EXPECT_THAT(points(handOut("c")), ElementsAre(3));
+}
+
+TEST_F(LeasesTest, ATargetThatKillsFiveWorkersIsGivenUp) {
+  addTargets(0, 1, 1);
+  for (int death = 1; death < deaths_before_giving_up; ++death) {
+    handOut("a");
+    EXPECT_TRUE(leases.workerDied("a", TransitionKey{0, 1, 0}).empty());
+  }
+  handOut("a");
+  EXPECT_THAT(leases.workerDied("a", TransitionKey{0, 1, 0}), ElementsAre(TransitionKey{0, 1, 0}));
+  EXPECT_EQ(leases.waiting(), 0u);
+  EXPECT_TRUE(leases.knows({0, 1, 0}));
+}
+
+TEST_F(LeasesTest, AKillerThatNoHeartbeatNamesIsFoundOnceItIsAlone) {
+  addTargets(0, 1, 4);
+  std::vector<TransitionKey> given_up;
+  int deaths = 0;
+  while (given_up.empty() && deaths < 100) {
+    const Handout job = handOut("a");
+    if (job.targets.front().point != 1) {
+      for (const auto& target : job.targets) leases.finish({0, target.point, 0});
+      continue;
+    }
+    given_up = leases.workerDied("a", std::nullopt);
+    ++deaths;
+  }
+  EXPECT_THAT(given_up, ElementsAre(TransitionKey{0, 1, 0}));
+  EXPECT_EQ(deaths, losses_before_alone + deaths_before_giving_up);
+}
+
+TEST_F(LeasesTest, AGoodbyeBlamesNobody) {
+  addTargets(0, 1, 1);
+  for (int n = 0; n < 20; ++n) {
+    EXPECT_EQ(handOut("a").targets[0].attempt, static_cast<std::uint32_t>(n + 1));
+    leases.giveBack("a");
+  }
+  EXPECT_EQ(leases.waiting(), 1u);
+}
+
+TEST_F(LeasesTest, KnowsWhichTransitionAHeartbeatNames) {
+  addTargets(4, 9, 1, 2);
+  const Handout job = handOut("a");
+  EXPECT_EQ(leases.leasedTransition("a", job.job, 9), (TransitionKey{2, 9, 4}));
+  EXPECT_FALSE(leases.leasedTransition("a", job.job, 8));
+  EXPECT_FALSE(leases.leasedTransition("a", job.job + 1, 9));
+  EXPECT_FALSE(leases.leasedTransition("b", job.job, 9));
+}
+
+}  // namespace
+}  // namespace palpate

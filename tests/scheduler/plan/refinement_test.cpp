@@ -1,0 +1,168 @@
+#include "scheduler/plan/refinement.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "common/interpolation/branch_check.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/sample_dataset.hpp"
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Smooth, with a ridge across the x axis that a coarse lattice does not resolve.
+class RidgeEnergy : public test::AnalyticEnergy {
+ public:
+  double energy(const Vector3d& p) const override {
+    return 30 * p.squaredNorm() + 0.02 * std::exp(-square(p.x() / width));
+  }
+  Vector3d gradient(const Vector3d& p) const override {
+    Vector3d g = 60 * p;
+    g.x() += -0.04 * p.x() / square(width) * std::exp(-square(p.x() / width));
+    return g;
+  }
+  Eigen::Matrix3d hessian(const Vector3d& p) const override {
+    Eigen::Matrix3d h = 60 * Eigen::Matrix3d::Identity();
+    const double t = square(p.x() / width);
+    h(0, 0) += 0.04 / square(width) * (2 * t - 1) * std::exp(-t);
+    return h;
+  }
+
+ private:
+  static constexpr double width = 0.02;
+  static double square(double x) { return x * x; }
+};
+
+Scene adaptiveScene(double force_error) {
+  Scene scene;
+  scene.workspace.radius = 0.06;
+  scene.workspace.spacing = 0.03;
+  scene.accuracy.force_error = force_error;
+  return scene;
+}
+
+SpaceTable solvedStart(const Scene& scene, const test::AnalyticEnergy& energy) {
+  return test::solvedSpace(uniformLattice(scene), energy);
+}
+
+/// Does what is to be done.
+SpaceTable refined(const SpaceTable& space, const Refinement& next,
+                   const test::AnalyticEnergy& energy) {
+  Lattice lattice = space.lattice;
+  for (const LatticePoint& point : next.points) lattice.add(point);
+  SpaceTable result = test::solvedSpace(lattice, energy);
+  result.splits = space.splits;
+  result.splits.insert(result.splits.end(), next.splits.begin(), next.splits.end());
+  std::sort(result.splits.begin(), result.splits.end(),
+            [](const LatticeCell& a, const LatticeCell& b) {
+              return a.level != b.level ? a.level < b.level : a.lowest < b.lowest;
+            });
+  return result;
+}
+
+TEST(Refinement, LeavesAnAccurateSpaceAlone) {
+  const Scene scene = adaptiveScene(0.03);
+  const Refinement next =
+      nextRefinement(solvedStart(scene, test::PolynomialEnergy(3, 0.06)), scene);
+  EXPECT_TRUE(next.empty());
+  EXPECT_LE(next.worst_ratio, 1);
+  EXPECT_EQ(next.kept, 1);
+}
+
+TEST(Refinement, DoesNotHalveCellsThatAJumpBetweenBranchesCrosses) {
+  const Scene scene = adaptiveScene(0.03);
+  SpaceTable space = solvedStart(scene, test::PolynomialEnergy(3, 0.06));
+  // Beyond the plane x = 0 another branch: forces of tens of newtons, which no stiffness explains.
+  for (std::int32_t n = 0; n < space.lattice.size(); ++n)
+    if (space.lattice.point(n)[0] > 0) space.points[n].equilibrium.force += Vector3d(40, -30, 20);
+  ASSERT_FALSE(inconsistentEdges(space).empty());
+  const Refinement next = nextRefinement(space, scene);
+  EXPECT_LT(next.kept, 1);
+  for (const LatticeCell& cell : next.splits) EXPECT_NE(cell.lowest[0], 0) << "crossed by the jump";
+}
+
+TEST(Refinement, EndsWithTheAccuracyKept) {
+  const Scene scene = adaptiveScene(0.03);
+  const RidgeEnergy energy;
+  SpaceTable space = solvedStart(scene, energy);
+  const double kept_before = nextRefinement(space, scene).kept;
+  int rounds = 0;
+  for (Refinement next = nextRefinement(space, scene); !next.empty();
+       next = nextRefinement(space, scene)) {
+    space = refined(space, next, energy);
+    ASSERT_LT(++rounds, 12);
+  }
+  EXPECT_LT(kept_before, 0.9);
+  EXPECT_GE(nextRefinement(space, scene).kept, 0.998);
+  EXPECT_LT(space.lattice.size(), 1000)
+      << "a uniform lattice of the finest spacing has 16 times as many";
+}
+
+TEST(Refinement, IsAFunctionOfItsArguments) {
+  const Scene scene = adaptiveScene(0.03);
+  const SpaceTable space = solvedStart(scene, RidgeEnergy());
+  const Refinement one = nextRefinement(space, scene), other = nextRefinement(space, scene);
+  EXPECT_EQ(one.points, other.points);
+  EXPECT_EQ(one.splits, other.splits);
+  EXPECT_EQ(one.worst_ratio, other.worst_ratio);
+}
+
+TEST(Refinement, AsksForNewPointsOnly) {
+  const Scene scene = adaptiveScene(0.03);
+  const RidgeEnergy energy;
+  SpaceTable space = solvedStart(scene, energy);
+  for (int round = 0; round < 3; ++round) {
+    const Refinement next = nextRefinement(space, scene);
+    for (const LatticePoint& point : next.points) EXPECT_FALSE(space.lattice.indexOf(point));
+    space = refined(space, next, energy);
+  }
+}
+
+TEST(Refinement, SplitsNoMoreThanAllowed) {
+  Scene scene = adaptiveScene(1e-5);
+  scene.accuracy.force_floor = 1e-6;
+  scene.accuracy.levels = 1;
+  const RidgeEnergy energy;
+  SpaceTable space = solvedStart(scene, energy);
+  int rounds = 0;
+  for (Refinement next = nextRefinement(space, scene); !next.empty();
+       next = nextRefinement(space, scene)) {
+    for (const LatticeCell& cell : next.splits) EXPECT_EQ(cell.level, 0);
+    space = refined(space, next, energy);
+    ASSERT_LT(++rounds, 8);
+  }
+  EXPECT_GT(nextRefinement(space, scene).worst_ratio, 1)
+      << "says that the accuracy was not reached";
+}
+
+TEST(Refinement, LeavesTerminatingCellsAlone) {
+  const Scene scene = adaptiveScene(0.001);
+  SpaceTable space = solvedStart(scene, RidgeEnergy());
+  for (PointRecord& point : space.points) point.tag = Tag::terminating;
+  EXPECT_TRUE(nextRefinement(space, scene).empty());
+}
+
+TEST(Refinement, WorksWithOneConfigurationOnly) {
+  const Scene scene = adaptiveScene(0.03);
+  SpaceTable space = solvedStart(scene, RidgeEnergy());
+  for (std::int32_t n = 1; n < space.lattice.size(); ++n) space.points[n].tag = Tag::failed;
+  EXPECT_NO_THROW(nextRefinement(space, scene));
+}
+
+TEST(Refinement, RefusesWhatIsNotAdaptive) {
+  const Scene scene = adaptiveScene(0.03);
+  SpaceTable space = solvedStart(scene, RidgeEnergy());
+  Scene uniform = scene;
+  uniform.accuracy.force_error = 0;
+  test::expectError(ExitCode::failed, [&] { nextRefinement(space, uniform); },
+                    {"accuracy.force_error"});
+  space.lattice = Lattice(0.06, 0.03);
+  test::expectError(ExitCode::failed, [&] { nextRefinement(space, scene); },
+                    {"1 divisions", "1024"});
+}
+
+}  // namespace
+}  // namespace palpate

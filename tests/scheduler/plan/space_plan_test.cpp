@@ -1,0 +1,256 @@
+#include "scheduler/plan/space_plan.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <random>
+
+#include "common/interpolation/branch_check.hpp"
+#include "tests/scheduler/build_world.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/sample_dataset.hpp"
+
+namespace palpate {
+namespace {
+
+using testing::IsEmpty;
+
+/// What a worker answers to a transition, a function of nothing else.
+using Solver = std::function<Outcome(const SpacePlan&, const Transition&)>;
+
+Outcome equilibriumOf(const test::AnalyticEnergy& energy, const Eigen::Vector3d& p) {
+  Outcome outcome;
+  outcome.converged = true;
+  outcome.equilibrium.force = -energy.gradient(p);
+  outcome.equilibrium.stiffness = -energy.hessian(p);
+  outcome.equilibrium.energy = energy.energy(p);
+  return outcome;
+}
+
+Outcome smooth(const SpacePlan& plan, const Transition& transition) {
+  return equilibriumOf(test::StiffeningEnergy(), plan.positions().displacement(transition.target));
+}
+
+Outcome failed(double step_reached = 0.5) {
+  Outcome outcome;
+  outcome.failure.cause = Cause::step_budget;
+  outcome.failure.step_reached = step_reached;
+  return outcome;
+}
+
+/// Records everything a plan asks for; of what is ready always the transition that `choose` takes.
+void finish(SpacePlan& plan, const Solver& solver, std::mt19937* random = nullptr) {
+  std::vector<Transition> ready = plan.takeReady();
+  while (!ready.empty()) {
+    const std::size_t n = random == nullptr ? 0 : (*random)() % ready.size();
+    const Transition transition = ready[n];
+    ready.erase(ready.begin() + static_cast<std::ptrdiff_t>(n));
+    const Outcome outcome = solver(plan, transition);
+    plan.record(transition, outcome, ContentId::of(std::to_string(outcome.equilibrium.energy)));
+    for (const Transition& next : plan.takeReady()) ready.push_back(next);
+  }
+  EXPECT_TRUE(plan.complete());
+}
+
+struct SpacePlanTest : testing::Test {
+  Problem problem = test::cubeProblem();
+
+  SpacePlanTest() {
+    problem.scene.workspace = {0.04, 0.02, 1e6, true};
+    problem.scene.accuracy = {};
+  }
+  SpaceTable finished(const Solver& solver, std::mt19937* random = nullptr) {
+    SpacePlan plan(problem, 0);
+    finish(plan, solver, random);
+    return plan.table();
+  }
+};
+
+void expectEqual(const SpaceTable& a, const SpaceTable& b) {
+  ASSERT_EQ(a.points.size(), b.points.size());
+  EXPECT_EQ(a.splits, b.splits);
+  for (std::size_t n = 0; n < a.points.size(); ++n) {
+    EXPECT_EQ(a.lattice.point(static_cast<std::int32_t>(n)),
+              b.lattice.point(static_cast<std::int32_t>(n)));
+    EXPECT_EQ(a.points[n].tag, b.points[n].tag);
+    EXPECT_EQ(a.points[n].parent, b.points[n].parent);
+    EXPECT_EQ(a.points[n].equilibrium.energy, b.points[n].equilibrium.energy);
+  }
+  ASSERT_EQ(a.attempts.size(), b.attempts.size());
+  for (std::size_t n = 0; n < a.attempts.size(); ++n) {
+    EXPECT_EQ(a.attempts[n].target, b.attempts[n].target);
+    EXPECT_EQ(a.attempts[n].parent, b.attempts[n].parent);
+  }
+  ASSERT_EQ(a.probes.size(), b.probes.size());
+  for (std::size_t n = 0; n < a.probes.size(); ++n)
+    EXPECT_EQ(a.probes[n].record.parent, b.probes[n].record.parent);
+}
+
+TEST_F(SpacePlanTest, AUniformSceneIsItsLatticeAndNothingElse) {
+  const SpaceTable table = finished(smooth);
+  EXPECT_EQ(table.points.size(), 33u);
+  EXPECT_EQ(table.lattice.divisions(), 1);
+  EXPECT_THAT(table.splits, IsEmpty());
+  EXPECT_THAT(table.probes, IsEmpty());
+  for (const PointRecord& point : table.points) EXPECT_EQ(point.tag, Tag::expandable);
+}
+
+TEST_F(SpacePlanTest, ProbesAreSolvedFromTheNearestPointAndAreNoLatticePoints) {
+  problem.scene.accuracy.probes = 50;
+  const SpaceTable table = finished(smooth);
+  EXPECT_EQ(table.points.size(), 33u);
+  EXPECT_EQ(table.lattice.size(), 33);
+  ASSERT_EQ(table.probes.size(), 50u);
+  for (const Probe& probe : table.probes) {
+    EXPECT_LE(probe.displacement.norm(), 0.04);
+    EXPECT_EQ(probe.record.tag, Tag::expandable);
+    EXPECT_LE((table.lattice.displacement(probe.record.parent) - probe.displacement).norm(), 0.02);
+    EXPECT_EQ(probe.record.equilibrium.energy, test::StiffeningEnergy().energy(probe.displacement));
+  }
+}
+
+TEST_F(SpacePlanTest, AProbeThatCannotBeSolvedSaysWhy) {
+  problem.scene.accuracy.probes = 3;
+  const SpaceTable table = finished([](const SpacePlan& plan, const Transition& transition) {
+    return transition.target < 33 ? smooth(plan, transition) : failed();
+  });
+  ASSERT_EQ(table.probes.size(), 3u);
+  for (const Probe& probe : table.probes) {
+    EXPECT_EQ(probe.record.tag, Tag::failed);
+    EXPECT_EQ(probe.record.cause, Cause::step_budget);
+  }
+  EXPECT_THAT(table.attempts, IsEmpty()) << "those of probes are not of points";
+}
+
+TEST_F(SpacePlanTest, ProbesFillTheBallEvenlyAndNeverLieOnAPlaneOfCells) {
+  const Lattice lattice(0.1, 0.02, lattice_divisions);
+  const std::vector<LatticePoint> positions = probePositions(lattice, 2000);
+  ASSERT_EQ(positions.size(), 2000u);
+  int upper = 0, inner = 0;
+  for (const LatticePoint& position : positions) {
+    for (const std::int32_t coordinate : position) EXPECT_NE(coordinate % 2, 0);
+    const double distance = lattice.displacementOf(position).norm();
+    EXPECT_LE(distance, 0.1);
+    upper += position[2] > 0 ? 1 : 0;
+    inner += distance < 0.05 ? 1 : 0;
+  }
+  EXPECT_NEAR(upper, 1000, 20);
+  EXPECT_NEAR(inner, 250, 20) << "an eighth of the volume";
+}
+
+/// Point `target` lands on a branch of higher energy when it is reached from its first parent.
+Solver withJumpAt(const LatticePoint& target) {
+  auto first = std::make_shared<std::int32_t>(-1);
+  return [target, first](const SpacePlan& plan, const Transition& transition) {
+    Outcome outcome = smooth(plan, transition);
+    if (plan.positions().point(transition.target) != target) return outcome;
+    if (*first < 0) *first = transition.parent;
+    if (transition.parent == *first) {
+      outcome.equilibrium.energy += 1;
+      outcome.equilibrium.force += Eigen::Vector3d(20, -30, 10);
+    }
+    return outcome;
+  };
+}
+
+TEST_F(SpacePlanTest, APointOnAnotherBranchIsSolvedFromItsNeighboursAndTheLeastEnergyIsKept) {
+  const LatticePoint odd = {0, 1, 1};
+  SpacePlan plan(problem, 0);
+  const std::int32_t number = *plan.positions().indexOf(odd);
+  bool in_steps = false;
+  finish(plan, [&, solve = withJumpAt(odd)](const SpacePlan& at, const Transition& transition) {
+    if (at.stage() == Stage::branches) in_steps = at.stepsOf(transition) == steps_of_retry;
+    return solve(at, transition);
+  });
+  EXPECT_TRUE(in_steps);
+  EXPECT_EQ(plan.record(number).equilibrium.energy,
+            test::StiffeningEnergy().energy(plan.positions().displacement(number)));
+  EXPECT_THAT(inconsistentEdges(plan.table()), IsEmpty());
+}
+
+TEST_F(SpacePlanTest, AJumpThatEveryParentGivesStays) {
+  const LatticePoint odd = {0, 1, 1};
+  const SpaceTable table = finished([&](const SpacePlan& plan, const Transition& transition) {
+    Outcome outcome = smooth(plan, transition);
+    if (plan.positions().point(transition.target) == odd)
+      outcome.equilibrium.force += Eigen::Vector3d(20, -30, 10);
+    return outcome;
+  });
+  EXPECT_FALSE(inconsistentEdges(table).empty());
+}
+
+/// A narrow bump in the energy: coarse cells cannot follow it.
+class BumpyEnergy : public test::AnalyticEnergy {
+ public:
+  double energy(const Eigen::Vector3d& p) const override {
+    return base_.energy(p) + height * std::exp(-squaredDistance(p));
+  }
+  Eigen::Vector3d gradient(const Eigen::Vector3d& p) const override {
+    return base_.gradient(p) -
+           2 / (width * width) * height * std::exp(-squaredDistance(p)) * (p - center());
+  }
+  Eigen::Matrix3d hessian(const Eigen::Vector3d& p) const override {
+    const double factor = height * std::exp(-squaredDistance(p)), w2 = width * width;
+    const Eigen::Vector3d d = p - center();
+    return base_.hessian(p) +
+           factor * (4 / (w2 * w2) * d * d.transpose() - 2 / w2 * Eigen::Matrix3d::Identity());
+  }
+
+ private:
+  static constexpr double height = 0.02, width = 0.012;
+  static Eigen::Vector3d center() { return {0.015, 0.01, 0.005}; }
+  static double squaredDistance(const Eigen::Vector3d& p) {
+    return (p - center()).squaredNorm() / (width * width);
+  }
+  test::StiffeningEnergy base_;
+};
+
+Outcome bumpy(const SpacePlan& plan, const Transition& transition) {
+  // From some parents it fails, so that attempts matter too.
+  if ((transition.target * 31 + transition.parent * 17) % 11 == 0 && transition.target != 0)
+    return failed();
+  return equilibriumOf(BumpyEnergy(), plan.positions().displacement(transition.target));
+}
+
+TEST_F(SpacePlanTest, AnAdaptiveSceneRefinesWhereTheErrorIsLargeAndNowhereElse) {
+  problem.scene.accuracy = {.force_error = 0.03, .force_floor = 0.01, .levels = 2, .probes = 5};
+  const SpaceTable table = finished(bumpy);
+  EXPECT_GT(table.points.size(), 33u);
+  ASSERT_FALSE(table.splits.empty());
+  EXPECT_TRUE(
+      std::is_sorted(table.splits.begin(), table.splits.end(), [](const auto& a, const auto& b) {
+        return std::tie(a.level, a.lowest) < std::tie(b.level, b.lowest);
+      }));
+  EXPECT_LT(table.points.size(), 2000u) << "the ball at the finest level has more";
+  EXPECT_EQ(table.probes.size(), 5u);
+}
+
+TEST_F(SpacePlanTest, TheOrderInWhichResultsArriveChangesNothing) {
+  problem.scene.accuracy = {.force_error = 0.03, .force_floor = 0.01, .levels = 2, .probes = 5};
+  const SpaceTable table = finished(bumpy);
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    std::mt19937 random(seed);
+    expectEqual(table, finished(bumpy, &random));
+  }
+}
+
+TEST_F(SpacePlanTest, AnOriginThatCannotBeSolvedEndsThePlan) {
+  problem.scene.accuracy = {.force_error = 0.03, .force_floor = 0.01, .levels = 2, .probes = 5};
+  const SpaceTable table = finished([](const SpacePlan&, const Transition&) { return failed(); });
+  for (const PointRecord& point : table.points) EXPECT_EQ(point.tag, Tag::failed);
+  for (const Probe& probe : table.probes) EXPECT_EQ(probe.record.cause, Cause::unreachable);
+}
+
+TEST_F(SpacePlanTest, RefusesWhatNobodyAskedFor) {
+  SpacePlan plan(problem, 0);
+  test::expectError(ExitCode::failed,
+                    [&] {
+                      plan.record({5, 1}, failed(), {});
+                    },
+                    {"point 5", "not asked for"});
+}
+
+}  // namespace
+}  // namespace palpate

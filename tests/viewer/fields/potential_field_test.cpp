@@ -1,0 +1,234 @@
+#include "viewer/fields/potential_field.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "tests/support/random_loops.hpp"
+#include "tests/support/sample_dataset.hpp"
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double radius = 0.06, spacing = 0.02;
+
+/// Cells of three sizes, two failed points, the rim as it is.
+SpaceTable refinedSpace() {
+  const std::vector<LatticeCell> splits = {{{0, 0, 0}, 0}, {{1024, 0, 0}, 0}, {{512, 512, 512}, 1}};
+  Lattice lattice(radius, spacing, 1024);
+  for (const LatticeCell& cell : splits) {
+    const std::int32_t half = 512 >> cell.level;
+    for (int n = 0; n < 27; ++n) {
+      const LatticePoint point = {cell.lowest[0] + half * (n % 3),
+                                  cell.lowest[1] + half * (n / 3 % 3),
+                                  cell.lowest[2] + half * (n / 9)};
+      if (!lattice.indexOf(point)) lattice.add(point);
+    }
+  }
+  SpaceTable space = test::solvedSpace(lattice, test::StiffeningEnergy());
+  space.splits = splits;
+  for (const LatticePoint& hole : {LatticePoint{-1024, 0, 0}, LatticePoint{1024, 512, 512}}) {
+    PointRecord& point = space.points[*lattice.indexOf(hole)];
+    point = {};
+    point.tag = Tag::failed;
+  }
+  return space;
+}
+
+Vector3d inBall(std::mt19937& random) {
+  std::uniform_real_distribution<double> coordinate(-radius, radius);
+  for (;;) {
+    const double x = coordinate(random), y = coordinate(random), z = coordinate(random);
+    if (Vector3d(x, y, z).norm() < 0.999 * radius) return {x, y, z};
+  }
+}
+
+TEST(PotentialField, IsContinuousAcrossRefinedCellsTheRimAndFailedPoints) {
+  const PotentialField field(refinedSpace());
+  std::mt19937 random(4);
+  for (int n = 0; n < 6000; ++n) {
+    Vector3d low = inBall(random), high;
+    const int axis = n % 3;
+    const double grid = n % 2 == 0 ? spacing : spacing / 4;
+    const double face = grid * std::round(low[axis] / grid);
+    high = low;
+    low[axis] = face - 1e-12;
+    high[axis] = face + 1e-12;
+    const ForceSample below = field.evaluate(low), above = field.evaluate(high);
+    EXPECT_LE((below.force - above.force).norm(), 1e-7) << low.transpose();
+    EXPECT_LE((below.stiffness - above.stiffness).norm(), 1e-5) << low.transpose();
+  }
+}
+
+TEST(PotentialField, IsContinuousOverTheSphere) {
+  const PotentialField field(refinedSpace());
+  std::mt19937 random(6);
+  for (int n = 0; n < 1000; ++n) {
+    const Vector3d direction = inBall(random).normalized();
+    const ForceSample in = field.evaluate(direction * (radius - 1e-12)),
+                      out = field.evaluate(direction * (radius + 1e-12));
+    EXPECT_TRUE(in.inside);
+    EXPECT_LE((in.force - out.force).norm(), 1e-7);
+  }
+}
+
+TEST(PotentialField, AnswersInTheWholeBallWithABoundThatHolds) {
+  const PotentialField field(refinedSpace());
+  const test::StiffeningEnergy energy;
+  std::mt19937 random(8);
+  int held = 0;
+  for (int n = 0; n < 1000; ++n) {
+    const Vector3d p = inBall(random);
+    const ForceSample sample = field.evaluate(p);
+    EXPECT_TRUE(sample.inside);
+    EXPECT_TRUE(std::isfinite(sample.error_bound));
+    held += (sample.force + energy.gradient(p)).norm() <= sample.error_bound + 1e-12 ? 1 : 0;
+  }
+  EXPECT_GE(held, 990);
+}
+
+/// Two branches that meet at x = 10 mm, between lattice planes: the forces differ by `force_jump`
+/// along y, the energies by what grows from there with y, and by `lost` over all.
+class JumpingEnergy : public test::AnalyticEnergy {
+ public:
+  JumpingEnergy(double force_jump, double lost) : force_jump_(force_jump), lost_(lost) {}
+  double energy(const Vector3d& p) const override {
+    return smooth_.energy(p) - (jumped(p) ? force_jump_ * p.y() + lost_ : 0);
+  }
+  Vector3d gradient(const Vector3d& p) const override {
+    return smooth_.gradient(p) - (jumped(p) ? Vector3d(0, force_jump_, 0) : Vector3d::Zero());
+  }
+  Eigen::Matrix3d hessian(const Vector3d& p) const override { return smooth_.hessian(p); }
+
+ private:
+  static bool jumped(const Vector3d& p) { return p.x() > 0.01; }
+  test::StiffeningEnergy smooth_;
+  double force_jump_, lost_;
+};
+
+SpaceTable jumpingSpace() {
+  return test::solvedSpace(Lattice(radius, spacing), JumpingEnergy(5, 0.02));
+}
+
+/// The lattice of refinedSpace, with the jump through cells of two sizes.
+SpaceTable refinedJumpingSpace() {
+  SpaceTable space = refinedSpace();
+  const SpaceTable jumping = test::solvedSpace(space.lattice, JumpingEnergy(5, 0.02));
+  for (std::size_t n = 0; n < space.points.size(); ++n)
+    if (isSolved(space.points[n].tag)) space.points[n] = jumping.points[n];
+  return space;
+}
+
+TEST(PotentialField, ReturnsTheEnergyOfLoopsThroughAJump) {
+  std::mt19937 random(12);
+  for (const SpaceTable& space : {jumpingSpace(), refinedJumpingSpace()}) {
+    const PotentialField field(space);
+    double exchanged = 0, net = 0;
+    int through = 0;
+    for (int n = 0; n < 60; ++n) {
+      const test::LoopEnergy energy = loopEnergy(field, test::RandomLoop(random, 0.95 * radius));
+      exchanged += energy.exchanged;
+      net += std::abs(energy.net);
+      through += energy.covered ? 0 : 1;
+    }
+    EXPECT_GT(through, 30);
+    EXPECT_LE(net, 1e-9 * exchanged);
+  }
+}
+
+TEST(PotentialField, HasAnEnergyInTheWholeBallWhoseDerivativeIsTheForce) {
+  std::mt19937 random(14);
+  constexpr double step = 1e-6;
+  for (const SpaceTable& space : {jumpingSpace(), refinedJumpingSpace()}) {
+    const PotentialField field(space);
+    for (int n = 0; n < 1000; ++n) {
+      const Vector3d p = inBall(random), d = step * inBall(random).normalized();
+      const ForceSample sample = field.evaluate(p);
+      EXPECT_TRUE(std::isfinite(sample.energy));
+      EXPECT_LE((sample.stiffness - sample.stiffness.transpose()).norm(),
+                1e-9 * sample.stiffness.norm());
+      const double work = field.evaluate(p - 0.5 * d).energy - field.evaluate(p + 0.5 * d).energy;
+      EXPECT_NEAR(work, sample.force.dot(d), 1e-6 * step * (1 + sample.force.norm()))
+          << p.transpose();
+    }
+  }
+}
+
+TEST(PotentialField, IsContinuousAcrossCellsThatAJumpCrosses) {
+  std::mt19937 random(16);
+  for (const SpaceTable& space : {jumpingSpace(), refinedJumpingSpace()}) {
+    const PotentialField field(space);
+    for (int n = 0; n < 3000; ++n) {
+      Vector3d low = inBall(random), high;
+      const int axis = n % 3;
+      const double grid = n % 2 == 0 ? spacing : spacing / 4;
+      const double face = grid * std::round(low[axis] / grid);
+      high = low;
+      low[axis] = face - 1e-12;
+      high[axis] = face + 1e-12;
+      const ForceSample below = field.evaluate(low), above = field.evaluate(high);
+      EXPECT_LE((below.force - above.force).norm(), 1e-7) << low.transpose();
+      EXPECT_LE((below.stiffness - above.stiffness).norm(), 1e-5) << low.transpose();
+    }
+  }
+}
+
+TEST(PotentialField, KeepsToTheStoredForcesBesideAJumpAndSaysThatItIsUnsure) {
+  const SpaceTable space = jumpingSpace();
+  const PotentialField field(space);
+  for (std::int32_t n = 0; n < space.lattice.size(); ++n)
+    EXPECT_LE(
+        (field.evaluate(space.lattice.displacement(n)).force - space.points[n].equilibrium.force)
+            .norm(),
+        1e-8);
+  const JumpingEnergy exact(5, 0.02);
+  std::mt19937 random(18);
+  int held = 0;
+  for (int n = 0; n < 1000; ++n) {
+    const Vector3d p = inBall(random);
+    const ForceSample sample = field.evaluate(p);
+    held += (sample.force + exact.gradient(p)).norm() <= sample.error_bound ? 1 : 0;
+    if (p.x() > 0.001 && p.x() < 0.019) {
+      EXPECT_LT(sample.coverage, 1e-12);
+      EXPECT_GE(sample.error_bound, 5);
+    }
+  }
+  EXPECT_GE(held, 980);
+}
+
+/// A conservative force cannot be that of both branches where the energy jumps between them; it
+/// stays within what the forces at the lattice points and half of the largest jump of the energy
+/// over an edge allow.
+TEST(PotentialField, DoesNotOvershootTheForcesAndHalfOfTheLossOfEnergyOverAnEdge) {
+  constexpr double force_jump = 5;
+  std::mt19937 random(20);
+  for (const double lost : {0.0, 0.02, 0.1}) {
+    const SpaceTable space =
+        test::solvedSpace(Lattice(radius, spacing), JumpingEnergy(force_jump, lost));
+    const PotentialField field(space);
+    double largest_force = 0, largest = 0;
+    for (const PointRecord& point : space.points)
+      largest_force = std::max(largest_force, point.equilibrium.force.norm());
+    for (int n = 0; n < 5000; ++n)
+      largest = std::max(largest, field.evaluate(inBall(random)).force.norm());
+    EXPECT_LE(largest, largest_force + 0.5 * (lost + force_jump * radius) / spacing);
+  }
+}
+
+TEST(PotentialField, ContinuesALoneConfiguration) {
+  SpaceTable space = test::solvedSpace(Lattice(radius, spacing), test::StiffeningEnergy());
+  for (std::int32_t n = 1; n < space.lattice.size(); ++n) space.points[n].tag = Tag::failed;
+  const PotentialField field(space);
+  const Equilibrium& origin = space.points[0].equilibrium;
+  const Vector3d p(0.004, -0.002, 0.001);
+  const ForceSample sample = field.evaluate(p);
+  EXPECT_TRUE(sample.inside);
+  EXPECT_LE((sample.force - origin.force - origin.stiffness * p).norm(), 1e-9);
+  EXPECT_FALSE(field.evaluate({0.03, 0.03, 0.03}).inside) << "all corners failed";
+}
+
+}  // namespace
+}  // namespace palpate

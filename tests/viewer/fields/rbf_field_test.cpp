@@ -1,0 +1,265 @@
+#include "viewer/fields/rbf_field.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <random>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/support/sample_dataset.hpp"
+#include "viewer/fields/field_choice.hpp"
+#include "viewer/fields/potential_rbf_field.hpp"
+
+namespace palpate {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using test::AnalyticEnergy;
+using test::PolynomialEnergy;
+using test::solvedSpace;
+using test::StiffeningEnergy;
+
+constexpr double radius = 0.02;
+
+/// Points of the ball of `reach` metres, from a fixed seed.
+std::vector<Vector3d> pointsWithin(double reach, std::size_t count = 200) {
+  std::mt19937 random(17);
+  const auto coordinate = [&] {
+    return reach * (static_cast<double>(random()) / 2147483648.0 - 1);
+  };
+  std::vector<Vector3d> points;
+  while (points.size() < count) {
+    const double x = coordinate(), y = coordinate(), z = coordinate();
+    if (Vector3d(x, y, z).norm() < reach) points.emplace_back(x, y, z);
+  }
+  return points;
+}
+
+double largestError(const ForceField& field, const AnalyticEnergy& energy, double reach) {
+  double largest = 0;
+  for (const Vector3d& p : pointsWithin(reach))
+    largest = std::max(largest, (field.evaluate(p).force + energy.gradient(p)).norm());
+  return largest;
+}
+
+/// A uniform lattice, some of whose points failed, with points of half and a quarter of the spacing
+/// on one side.
+SpaceTable refinedSpace(const AnalyticEnergy& energy) {
+  Lattice lattice(radius, 0.005, 1024);
+  for (const int step : {512, 256})
+    for (int i = step; i <= 4 * step; i += step)
+      for (int j = -2 * step; j <= 2 * step; j += step)
+        for (int k = -2 * step; k <= 2 * step; k += step)
+          if (!lattice.indexOf({i, j, k})) lattice.add({i, j, k});
+  SpaceTable space = solvedSpace(lattice, energy);
+  for (const std::int32_t hole : {5, 40, 41, 100}) {
+    space.points[hole] = {};
+    space.points[hole].tag = Tag::failed;
+    space.points[hole].equilibrium.force.setConstant(1e9);  // must not be looked at
+  }
+  return space;
+}
+
+class EveryRbfField : public ::testing::TestWithParam<const char*> {
+ protected:
+  std::unique_ptr<ForceField> fieldOf(const SpaceTable& space) const {
+    return makeForceField(GetParam(), space);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(ForceField, EveryRbfField,
+                         ::testing::Values("rbf-linear", "rbf-linear-tail", "rbf-cubic",
+                                           "rbf-cubic-tail", "potential-rbf"),
+                         [](const auto& method) {
+                           std::string name = method.param;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+TEST_P(EveryRbfField, ReturnsTheStoredForcesAtSolvedPoints) {
+  const SpaceTable space = refinedSpace(StiffeningEnergy());
+  const auto field = fieldOf(space);
+  EXPECT_EQ(field->name(), GetParam());
+  for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
+    if (!isSolved(space.points[n].tag)) continue;
+    const Vector3d& force = space.points[n].equilibrium.force;
+    EXPECT_LE((field->evaluate(space.lattice.displacement(n)).force - force).norm(), 1e-8);
+  }
+}
+
+TEST_P(EveryRbfField, StiffnessIsTheDerivativeOfItsForce) {
+  const auto field = fieldOf(refinedSpace(StiffeningEnergy()));
+  const double step = 1e-7;
+  for (const Vector3d& p : pointsWithin(0.0199)) {
+    Matrix3d differences;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vector3d d = step * Vector3d::Unit(axis);
+      differences.col(axis) =
+          (field->evaluate(p + d).force - field->evaluate(p - d).force) / (2 * step);
+    }
+    EXPECT_LE((field->evaluate(p).stiffness - differences).norm(), 1e-5 * differences.norm());
+  }
+}
+
+TEST_P(EveryRbfField, AnswersTheWholeBall) {
+  const auto field = fieldOf(refinedSpace(StiffeningEnergy()));
+  const StiffeningEnergy energy;
+  for (const Vector3d& p : pointsWithin(radius, 1000)) {
+    const ForceSample sample = field->evaluate(p);
+    EXPECT_TRUE(sample.inside);
+    EXPECT_LE((sample.force + energy.gradient(p)).norm(),
+              0.1 * energy.gradient({radius, 0, 0}).norm());
+  }
+}
+
+TEST_P(EveryRbfField, ForceIsContinuousEverywhere) {
+  const auto field = fieldOf(refinedSpace(StiffeningEnergy()));
+  const Vector3d direction = Vector3d(1, 2, -0.5).normalized();
+  for (const Vector3d& start : pointsWithin(0.01, 5)) {
+    Vector3d before = field->evaluate(start - 0.03 * direction).force;
+    for (int n = 1; n <= 20000; ++n) {
+      const Vector3d force = field->evaluate(start + (n * 3e-6 - 0.03) * direction).force;
+      EXPECT_LE((force - before).norm(),
+                3e-6 * 300);  // 300 N/m is more than the stiffness anywhere
+      before = force;
+    }
+  }
+}
+
+TEST_P(EveryRbfField, OutsideOfTheBallGivesTheForceOnItsSurface) {
+  const auto field = fieldOf(solvedSpace(Lattice(radius, 0.01), StiffeningEnergy()));
+  const Vector3d direction = Vector3d(1, 2, -0.5).normalized();
+  const ForceSample surface = field->evaluate(radius * (1 - 1e-12) * direction);
+  for (const double length : {0.0201, 0.5, 1e150}) {
+    const ForceSample sample = field->evaluate(length * direction);
+    EXPECT_FALSE(sample.inside);
+    EXPECT_LE((sample.force - surface.force).norm(), 1e-8);
+    EXPECT_TRUE(sample.stiffness.allFinite());
+  }
+}
+
+TEST_P(EveryRbfField, IsFiniteForAnyDisplacement) {
+  const auto field = fieldOf(solvedSpace(Lattice(radius, 0.005), StiffeningEnergy()));
+  const double infinity = std::numeric_limits<double>::infinity(), nan = std::nan("");
+  for (const Vector3d& p : {Vector3d(-1e300, 1e300, 0), Vector3d(1e308, 1e308, 1e308),
+                            Vector3d(nan, 0, 0), Vector3d(0, infinity, -infinity)}) {
+    const ForceSample sample = field->evaluate(p);
+    EXPECT_FALSE(sample.inside);
+    EXPECT_TRUE(sample.force.allFinite() && sample.stiffness.allFinite()) << p.transpose();
+    EXPECT_LT(sample.force.norm(), 100);
+  }
+}
+
+TEST_P(EveryRbfField, GetsMoreAccurateWithTheSpacing) {
+  const StiffeningEnergy energy;
+  const double coarse =
+      largestError(*fieldOf(solvedSpace(Lattice(radius, 0.005), energy)), energy, 0.01);
+  const double fine =
+      largestError(*fieldOf(solvedSpace(Lattice(radius, 0.0025), energy)), energy, 0.01);
+  EXPECT_LT(fine, coarse / 4);
+}
+
+TEST(RbfField, RefusesASinglePointWithoutATail) {
+  SpaceTable space = solvedSpace(Lattice(radius, 0.01), StiffeningEnergy());
+  for (std::int32_t n = 1; n < space.lattice.size(); ++n) space.points[n].tag = Tag::failed;
+  test::expectError(ExitCode::failed, [&] { makeForceField("rbf-cubic", space); },
+                    {"tip", "rbf-cubic", "1 solved point"});
+  EXPECT_TRUE(makeForceField("rbf-cubic-tail", space)->evaluate({0.01, 0, 0}).force.allFinite());
+}
+
+TEST(RbfField, IsTheSameInEveryCpuFamily) {
+  const SpaceTable space = refinedSpace(StiffeningEnergy());
+  for (const RbfKernel kernel : {RbfKernel::linear, RbfKernel::cubic})
+    for (const bool has_tail : {false, true}) {
+      const RbfField baseline(space, kernel, has_tail, *supportedRbfKernels().back());
+      for (const RbfKernels* kernels : supportedRbfKernels()) {
+        const RbfField field(space, kernel, has_tail, *kernels);
+        for (const Vector3d& p : pointsWithin(radius)) {
+          const ForceSample expected = baseline.evaluate(p), sample = field.evaluate(p);
+          EXPECT_LE((sample.force - expected.force).norm(), 1e-9 * (1 + expected.force.norm()));
+        }
+      }
+    }
+}
+
+TEST(PotentialRbfField, ReproducesCubicEnergiesEverywhere) {
+  const PolynomialEnergy cubic(3, radius);
+  for (const SpaceTable& space : {solvedSpace(Lattice(radius, 0.01), cubic), refinedSpace(cubic)}) {
+    const PotentialRbfField field(space);
+    for (const Vector3d& p : pointsWithin(radius)) {
+      const ForceSample sample = field.evaluate(p);
+      EXPECT_NEAR(sample.energy, cubic.energy(p), 1e-8 * (1 + std::abs(cubic.energy(p))));
+      EXPECT_LE((sample.force + cubic.gradient(p)).norm(), 1e-7 * cubic.gradient(p).norm());
+      EXPECT_LE((sample.stiffness + cubic.hessian(p)).norm(), 1e-6 * cubic.hessian(p).norm());
+    }
+  }
+}
+
+TEST(PotentialRbfField, HasManyPatchesOnlyWherePointsAreMany) {
+  EXPECT_EQ(PotentialRbfField(solvedSpace(Lattice(radius, 0.01), StiffeningEnergy())).patches(),
+            1u);
+  const std::size_t uniform =
+      PotentialRbfField(solvedSpace(Lattice(radius, 0.005), StiffeningEnergy())).patches();
+  EXPECT_GT(uniform, 20u);
+  EXPECT_GT(PotentialRbfField(refinedSpace(StiffeningEnergy())).patches(), uniform);
+}
+
+TEST(PotentialRbfField, ForceIsMinusTheGradientOfItsEnergy) {
+  const PotentialRbfField field(refinedSpace(StiffeningEnergy()));
+  const double step = 1e-6;
+  for (const Vector3d& p : pointsWithin(0.0199)) {
+    Vector3d differences;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vector3d d = step * Vector3d::Unit(axis);
+      differences[axis] =
+          (field.evaluate(p - d).energy - field.evaluate(p + d).energy) / (2 * step);
+    }
+    const ForceSample sample = field.evaluate(p);
+    EXPECT_LE((sample.force - differences).norm(), 1e-6 * sample.force.norm() + 1e-8);
+    EXPECT_LE((sample.stiffness - sample.stiffness.transpose()).norm(),
+              1e-12 * sample.stiffness.norm());
+  }
+}
+
+TEST(PotentialRbfField, ReturnsNoWorkFromAClosedLoop) {
+  const PotentialRbfField field(refinedSpace(StiffeningEnergy()));
+  const int steps = 20000;
+  const Vector3d u = Vector3d(1, 2, 0.5).normalized(),
+                 v = u.cross(Vector3d(0, 0.3, 1)).normalized();
+  double work = 0, total = 0;
+  for (int n = 0; n < steps; ++n) {
+    const double angle = 2 * M_PI * (n + 0.5) / steps;
+    const Vector3d p = 0.015 * (std::cos(angle) * u + std::sin(angle) * v);
+    const Vector3d step = 0.015 * 2 * M_PI / steps * (-std::sin(angle) * u + std::cos(angle) * v);
+    work += field.evaluate(p).force.dot(step);
+    total += std::abs(field.evaluate(p).force.dot(step));
+  }
+  EXPECT_LT(std::abs(work) / total, 1e-9);
+}
+
+TEST(PotentialRbfField, StiffnessIsContinuousBetweenPatches) {
+  const PotentialRbfField field(refinedSpace(StiffeningEnergy()));
+  const Vector3d direction = Vector3d(1, 0.2, -0.5).normalized();
+  Matrix3d before = field.evaluate(-0.0199 * direction).stiffness;
+  for (int n = 1; n < 20000; ++n) {
+    const Matrix3d stiffness = field.evaluate((n * 1.99e-6 - 0.0199) * direction).stiffness;
+    EXPECT_LE((stiffness - before).norm(), 1e-3 * before.norm());
+    before = stiffness;
+  }
+}
+
+TEST(PotentialRbfField, OfASinglePointIsItsSecondOrderModel) {
+  const StiffeningEnergy energy;
+  SpaceTable space = solvedSpace(Lattice(radius, 0.01), energy);
+  for (std::int32_t n = 1; n < space.lattice.size(); ++n) space.points[n].tag = Tag::failed;
+  const Equilibrium& rest = space.points[0].equilibrium;
+  const Vector3d p(0.004, -0.003, 0.001);
+  const ForceSample sample = PotentialRbfField(space).evaluate(p);
+  EXPECT_LE((sample.force - rest.force - rest.stiffness * p).norm(), 1e-12);
+  EXPECT_NEAR(sample.energy, rest.energy - rest.force.dot(p) - 0.5 * p.dot(rest.stiffness * p),
+              1e-15);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,95 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+#include "common/base/error.hpp"
+#include "tests/support/sample_dataset.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "viewer/fields/field_choice.hpp"
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Standard output of a program run by the distribution's Python, which has SciPy as package
+/// python3-scipy.
+std::string outputOf(const std::string& arguments, int& status) {
+  const std::string command = "/usr/bin/python3 " + arguments;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) throw failure("cannot run {}", command);
+  std::string output;
+  for (int c; (c = std::fgetc(pipe)) != EOF;) output += static_cast<char>(c);
+  status = pclose(pipe);
+  return output;
+}
+
+constexpr const char* program = R"(
+import sys, warnings
+import numpy as np
+from scipy.interpolate import RBFInterpolator
+warnings.simplefilter("ignore")  # a degree below the recommended one is what we want
+points, queries = np.loadtxt(sys.argv[1]), np.loadtxt(sys.argv[2])
+rbf = RBFInterpolator(points[:, :3], points[:, 3:], kernel=sys.argv[3], degree=int(sys.argv[4]))
+np.savetxt(sys.stdout, rbf(queries), fmt="%.17g")
+)";
+
+struct Case {
+  const char* method;
+  const char* kernel;  ///< SciPy's name
+  int degree;          ///< of its tail
+};
+
+class BesideScipy : public ::testing::TestWithParam<Case> {};
+INSTANTIATE_TEST_SUITE_P(
+    RbfField, BesideScipy,
+    ::testing::Values(Case{"rbf-linear", "linear", -1}, Case{"rbf-linear-tail", "linear", 0},
+                      Case{"rbf-cubic", "cubic", -1}, Case{"rbf-cubic-tail", "cubic", 1}),
+    [](const auto& each) {
+      return std::string(each.param.kernel) + (each.param.degree < 0 ? "" : "_tail");
+    });
+
+TEST_P(BesideScipy, ForcesAreThoseOfItsRbfInterpolator) {
+  int status = 0;
+  outputOf("-c 'import scipy.interpolate' 2> /dev/null", status);
+  if (status != 0)
+    GTEST_SKIP() << "NOT COMPARED WITH SCIPY: /usr/bin/python3 has no scipy; install python3-scipy";
+
+  const SpaceTable space = test::solvedSpace(Lattice(0.02, 0.005), test::StiffeningEnergy());
+  const test::TemporaryDirectory directory;
+  std::ofstream points(directory / "points.txt"), queries(directory / "queries.txt");
+  for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
+    const Vector3d p = space.lattice.displacement(n), &f = space.points[n].equilibrium.force;
+    points << fmt::format("{:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", p.x(), p.y(), p.z(),
+                          f.x(), f.y(), f.z());
+  }
+  std::vector<Vector3d> places;
+  for (int n = 0; n < 100; ++n)
+    places.emplace_back(0.019 * std::sin(1.0 * n) *
+                        Vector3d(std::cos(3.0 * n), std::sin(3.0 * n), 0.3));
+  for (const Vector3d& p : places)
+    queries << fmt::format("{:.17g} {:.17g} {:.17g}\n", p.x(), p.y(), p.z());
+  points.close();
+  queries.close();
+  std::ofstream(directory / "rbf.py") << program;
+
+  const std::string output = outputOf(
+      fmt::format("{} {} {} {} {}", (directory / "rbf.py").string(),
+                  (directory / "points.txt").string(), (directory / "queries.txt").string(),
+                  GetParam().kernel, GetParam().degree),
+      status);
+  ASSERT_EQ(status, 0);
+  std::istringstream forces(output);
+  const auto field = makeForceField(GetParam().method, space);
+  for (const Vector3d& p : places) {
+    Vector3d expected;
+    ASSERT_TRUE(forces >> expected.x() >> expected.y() >> expected.z());
+    EXPECT_LE((field->evaluate(p).force - expected).norm(), 1e-9 * (1 + expected.norm()));
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,300 @@
+#include "viewer/report/report_command.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "common/base/text_file.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/sample_dataset.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "viewer/fields/field_choice.hpp"
+#include "viewer/report/report_text.hpp"
+
+namespace palpate {
+namespace {
+
+using test::expectBadInput;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// A sealed sample dataset with probes, and reports of it.
+class ReportCommand : public ::testing::Test {
+ protected:
+  ReportCommand() {
+    options.report.datasets = {directory / "sample.h5"};
+    options.report.seconds_per_timing = 0;
+    options.report.looped_nodes = 0;
+  }
+
+  nlohmann::json json() {
+    options.json = true;
+    return nlohmann::json::parse(text());
+  }
+
+  std::string text() {
+    sample.seal(options.report.datasets.front());
+    std::ostringstream output;
+    EXPECT_EQ(report(options, output), ExitCode::done);
+    return output.str();
+  }
+
+  std::string page() {
+    options.html = directory / "report.html";
+    text();
+    return readText(options.html, "page");
+  }
+
+  /// Makes every lattice point but the first `kept` unreachable.
+  void failBeyond(std::size_t kept) {
+    for (SpaceTable& space : sample.spaces)
+      for (std::size_t n = kept; n < space.points.size(); ++n) {
+        space.points[n] = {};
+        space.points[n].tag = Tag::failed;
+        space.points[n].cause = Cause::unreachable;
+      }
+    sample.spaces.front().attempts.clear();
+  }
+
+  test::TemporaryDirectory directory;
+  test::SampleDataset sample;
+  ReportCommandOptions options;
+};
+
+/// The same, with probes and refined cells.
+class RefinedReport : public ReportCommand {
+ protected:
+  RefinedReport() { sample.refine(); }
+};
+
+TEST_F(RefinedReport, MeasuresEveryMethodWithTheProbes) {
+  const nlohmann::json report = json();
+  EXPECT_EQ(report["references"]["kind"], "probes");
+  EXPECT_EQ(report["references"]["count"], 3);
+  EXPECT_EQ(report["target"]["of_scene"], true);
+  EXPECT_EQ(report["methods"].get<std::vector<std::string>>(), forceFieldMethods());
+  const nlohmann::json& measured =
+      report["lattices"][report["measured_lattice"].get<std::size_t>()];
+  EXPECT_EQ(measured["factor"], 0);
+  for (const std::string& method : forceFieldMethods()) {
+    const nlohmann::json& measures = measured["methods"][method];
+    EXPECT_EQ(measures["problem"], nullptr) << method;
+    EXPECT_EQ(measures["whole_ball"]["count"], 3) << method;
+    EXPECT_GT(measures["whole_ball"]["error"]["maximum"], 0) << method;
+    EXPECT_GT(measures["nanoseconds_per_query"], 0) << method;
+  }
+}
+
+TEST_F(RefinedReport, MeasuresTheWorkAroundClosedLoops) {
+  options.report.methods = {"potential", "trilinear"};
+  options.report.looped_nodes = 1;
+  const nlohmann::json report = json();
+  for (const nlohmann::json& lattice : report["lattices"])
+    EXPECT_GT(lattice["methods"]["trilinear"]["loop_work"].get<double>(), 1e-6);
+}
+
+TEST_F(RefinedReport, ErrorsAreThoseOfTheFieldAtTheProbes) {
+  const nlohmann::json report = json();
+  double sum = 0;
+  int count = 0;
+  for (const SpaceTable& space : sample.spaces) {
+    const auto field = makeForceField("trilinear", space);
+    for (const Probe& probe : space.probes) {
+      if (!isSolved(probe.record.tag)) continue;
+      sum += (field->evaluate(probe.displacement).force - probe.record.equilibrium.force).norm();
+      ++count;
+    }
+  }
+  const nlohmann::json& measured =
+      report["lattices"][report["measured_lattice"].get<std::size_t>()];
+  EXPECT_NEAR(measured["methods"]["trilinear"]["whole_ball"]["error"]["mean"].get<double>(),
+              sum / count, 1e-9 * sum);
+}
+
+TEST_F(RefinedReport, ShowsTheLatticeBeforeItWasRefinedToo) {
+  std::vector<int> factors;
+  const nlohmann::json report = json();
+  for (const nlohmann::json& lattice : report["lattices"]) factors.push_back(lattice["factor"]);
+  EXPECT_THAT(factors, ::testing::ElementsAre(2, 1, 0));
+}
+
+TEST_F(RefinedReport, CountsFailuresByCauseAndJumps) {
+  const nlohmann::json report = json();
+  EXPECT_EQ(report["failures"]["wrong_inertia"]["points"], 1);
+  EXPECT_EQ(report["failures"]["wrong_inertia"]["attempts"], 1);
+  EXPECT_EQ(report["failures"]["factorization_failed"]["attempts"], 1);
+  EXPECT_EQ(report["failures"]["step_budget"]["probes"], 1);
+  EXPECT_EQ(report["nodes"][0]["points"]["terminating"], 1);
+  EXPECT_GT(report["nodes"][1]["inconsistent_edges"], 0);
+}
+
+TEST_F(RefinedReport, PageNeedsNothingFromElsewhere) {
+  sample.problem.scene.name = "<script>alert(1)</script>";
+  const std::string html = page();
+  for (const char* reference :
+       {"http:", "https:", "<script", "<link", "<img", "@import", "url(", "src="})
+    EXPECT_THAT(html, Not(HasSubstr(reference)));
+  EXPECT_THAT(html, Not(::testing::ContainsRegex("[^a-z]nan[^a-z]")));
+  for (const std::string& method : forceFieldMethods()) EXPECT_THAT(html, HasSubstr(method));
+  for (const char* id : {"frontier", "loops", "bounds", "nodes", "maps", "curves", "failures",
+                         "sizes", "provenance"})
+    EXPECT_THAT(html, HasSubstr(fmt::format("id=\"{}\"", id)));
+  EXPECT_LT(html.size(), 2'000'000U);
+}
+
+TEST_F(RefinedReport, TableFitsATerminal) {
+  std::istringstream lines(text());
+  for (std::string line; std::getline(lines, line);) {
+    const bool names_a_file = line.find(directory.path().string()) != std::string::npos;
+    EXPECT_TRUE(names_a_file || line.size() <= 100) << line;
+  }
+}
+
+TEST_F(RefinedReport, ComparesOnlyTheMethodsAskedFor) {
+  options.report.methods = {"trilinear", "potential", "trilinear"};
+  EXPECT_EQ(json()["methods"].size(), 2U);
+  options.report.methods = {"potential", "cubic"};
+  expectBadInput([&] { text(); }, {"cubic", "potential", "trilinear"});
+}
+
+TEST_F(RefinedReport, MeasuresTheDefaultMethodOnNodesThatAreNotCompared) {
+  options.report.compared_nodes = 1;
+  const nlohmann::json report = json();
+  EXPECT_EQ(report["compared_nodes"], 1);
+  EXPECT_EQ(report["nodes"][0]["methods"].size(), forceFieldMethods().size());
+  EXPECT_EQ(report["nodes"][1]["methods"].size(), 1U);
+  EXPECT_EQ(report["nodes"][1]["methods"]["potential"]["count"], 2);
+}
+
+TEST_F(RefinedReport, WhoseProbesAllFailedUsesLeftOutPoints) {
+  for (SpaceTable& space : sample.spaces)
+    for (Probe& probe : space.probes) {
+      probe.record = {};
+      probe.record.tag = Tag::failed;
+      probe.record.cause = Cause::step_budget;
+    }
+  const nlohmann::json report = json();
+  EXPECT_EQ(report["references"]["kind"], "left-out lattice points");
+  options.json = false;
+  EXPECT_THAT(text(),
+              AllOf(HasSubstr("There are no solved probes"), HasSubstr("[accuracy] probes = 200")));
+}
+
+TEST_F(ReportCommand, WithoutProbesUsesLeftOutPointsAndSaysHowToGetProbes) {
+  const nlohmann::json report = json();
+  EXPECT_EQ(report["references"]["kind"], "left-out lattice points");
+  EXPECT_EQ(report["references"]["count"], (33 - 7) * 2 - 2);  // one failed, one terminating
+  const nlohmann::json& measured =
+      report["lattices"][report["measured_lattice"].get<std::size_t>()];
+  EXPECT_EQ(measured["factor"], 2);
+  EXPECT_EQ(measured["configurations_per_node"].get<double>(), 6.5);  // one of 7 unknown
+  options.json = false;
+  EXPECT_THAT(text(), HasSubstr("[accuracy] probes = 200"));
+  EXPECT_THAT(page(), HasSubstr("[accuracy] probes = 200"));
+}
+
+TEST_F(ReportCommand, OfASingleConfigurationSaysThatNothingCanBeMeasured) {
+  failBeyond(1);
+  const nlohmann::json report = json();
+  EXPECT_EQ(report["references"]["kind"], "none");
+  EXPECT_EQ(report["measured_lattice"], nullptr);
+  EXPECT_EQ(report["failures"]["unreachable"]["points"], 64);
+  options.json = false;
+  EXPECT_THAT(text(), AllOf(HasSubstr("There are no solved probes, and no coarser lattice"),
+                            HasSubstr("unreachable")));
+  EXPECT_THAT(page(), HasSubstr("nothing to measure"));
+}
+
+TEST_F(ReportCommand, OfNoConfigurationAtAllSaysWhyNoMethodCanBeMade) {
+  failBeyond(0);
+  EXPECT_THAT(text(), HasSubstr("tip: "));
+  const nlohmann::json report = json();
+  for (const auto& [name, method] : report["lattices"][0]["methods"].items())
+    EXPECT_TRUE(method["problem"].is_string()) << name;
+  EXPECT_THAT(page(), HasSubstr("</html>"));
+}
+
+TEST_F(ReportCommand, TakesSeveralDatasetsOfOneScene) {
+  test::SampleDataset dense;
+  dense.problem.scene.workspace.spacing = 0.005;
+  dense.problem.scene.name = "dense";
+  dense.lattice = uniformLattice(dense.problem.scene);
+  for (std::size_t s = 0; s < dense.spaces.size(); ++s) {
+    dense.spaces[s] = test::solvedSpace(dense.lattice, test::StiffeningEnergy());
+    dense.spaces[s].patch = dense.problem.active[s];
+    for (std::int32_t n = 0; n < dense.lattice.size(); ++n)
+      dense.spaces[s].points[n].fields = dense.fields(s, n).id();
+  }
+  options.report.datasets.push_back(directory / "dense.h5");
+  dense.seal(options.report.datasets.back());
+  const nlohmann::json report = json();
+  EXPECT_EQ(report["datasets"].size(), 2U);
+  // 33 points of the first, 257 of the second; every 3rd and 4th of the second; its every 2nd is
+  // the first
+  EXPECT_EQ(report["lattices"].back()["configurations_per_node"].get<double>(), 257);
+  const nlohmann::json& measured =
+      report["lattices"][report["measured_lattice"].get<std::size_t>()];
+  EXPECT_EQ(measured["label"], "sample.h5");
+  EXPECT_GT(measured["methods"]["potential"]["whole_ball"]["count"], 0);
+}
+
+TEST_F(ReportCommand, RefusesDatasetsOfOtherScenes) {
+  test::SampleDataset other;
+  other.problem.scene.regions[0].material.c10 = 1301;
+  options.report.datasets.push_back(directory / "other.h5");
+  other.seal(options.report.datasets.back());
+  expectBadInput([&] { text(); }, {"sample.h5", "other.h5", "material"});
+}
+
+TEST_F(ReportCommand, RefusesFilesThatAreNoDatasets) {
+  std::ostringstream output;
+  expectBadInput([&] { report(options, output); }, {"sample.h5", "no such dataset"});
+  std::ofstream(options.report.datasets.front()) << "something else";
+  expectBadInput([&] { report(options, output); }, {"sample.h5", "not an HDF5 file"});
+}
+
+TEST_F(ReportCommand, LeavesNoPartOfAPageThatCannotBeWritten) {
+  options.html = directory / "missing" / "report.html";
+  sample.seal(options.report.datasets.front());
+  std::ostringstream output;
+  test::expectError(ExitCode::failed, [&] { report(options, output); },
+                    {"report.html", "cannot be written"});
+  options.html = directory.path();
+  test::expectError(ExitCode::failed, [&] { report(options, output); }, {"cannot be written"});
+}
+
+TEST_F(RefinedReport, ProgramPrintsTheTableAndWritesThePage) {
+  sample.seal(options.report.datasets.front());
+  const std::string file = options.report.datasets.front().string(),
+                    html = (directory / "page.html").string();
+  const test::CommandResult result = test::runCommand(
+      fmt::format("{}/palpate report -q '{}' --methods potential,trilinear --html '{}'",
+                  PALPATE_BIN_DIR, file, html));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output,
+              AllOf(HasSubstr("potential"), HasSubstr("trilinear"), Not(HasSubstr("hermite"))));
+  EXPECT_TRUE(std::filesystem::exists(html));
+}
+
+TEST(ReportText, FormatsNumbersBriefly) {
+  EXPECT_EQ(formatNumber(0), "0");
+  EXPECT_EQ(formatNumber(0.012345), "0.012");
+  EXPECT_EQ(formatNumber(0.00012345), "1.2e-04");
+  EXPECT_EQ(formatNumber(123.4, 3), "123");
+  EXPECT_EQ(formatNumber(std::nan("")), "-");
+  EXPECT_EQ(formatShare(0.99999), ">99.9 %");
+  EXPECT_EQ(formatShare(1), "100.0 %");
+  EXPECT_EQ(formatCount(925), "925");
+  EXPECT_EQ(formatCount(12.34), "12.3");
+  EXPECT_EQ(formatBytes(999), "999 B");
+  EXPECT_EQ(formatBytes(12345), "12.3 kB");
+  EXPECT_EQ(formatBytes(999.9e3), "1 MB");
+}
+
+}  // namespace
+}  // namespace palpate

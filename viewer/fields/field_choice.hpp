@@ -1,0 +1,19 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "viewer/fields/force_field.hpp"
+
+namespace palpate {
+
+/// The words for makeForceField, the default first.
+const std::vector<std::string>& forceFieldMethods();
+
+/// Error (bad input) for an unknown method, listing the known; Error when the space has no solved
+/// point.
+std::unique_ptr<ForceField> makeForceField(std::string_view method, const SpaceTable& space);
+
+}  // namespace palpate

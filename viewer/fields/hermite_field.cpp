@@ -1,0 +1,159 @@
+#include "viewer/fields/hermite_field.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "viewer/fields/slot_differences.hpp"
+
+namespace palpate {
+namespace {
+
+using Node = HermiteField::Node;
+using Column = Eigen::Vector4d;
+
+std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
+
+/// Cubic Hermite basis of a leaf along one axis, and its slope per metre: [derivative][2 * end +
+/// order].
+using Basis = std::array<std::array<double, 4>, 2>;
+
+/// local: 0..1; edge: metres.
+Basis cubicHermite(double local, double edge) {
+  const double t = local, s = 1 - local;
+  Basis basis;
+  basis[0] = {s * s * (1 + 2 * t), edge * t * s * s, t * t * (1 + 2 * s), -edge * s * t * t};
+  basis[1] = {-6 * t * s / edge, s * (1 - 3 * t), 6 * t * s / edge, t * (1 - 3 * s)};
+  return basis;
+}
+
+Column combine(const std::array<double, 4>& basis, const Column& low, const Column& low_slope,
+               const Column& high, const Column& high_slope) {
+  return basis[0] * low + basis[1] * low_slope + basis[2] * high + basis[3] * high_slope;
+}
+
+/// The interpolant and its first derivatives at a place: columns value, d/dx, d/dy, d/dz.
+struct Jet {
+  Column value, dx, dy, dz;
+};
+
+Jet evaluateLeaf(const LeafCorners& corners, const std::vector<Node>& nodes,
+                 const Eigen::Vector3d& local, double edge) {
+  const Basis x = cubicHermite(local.x(), edge), y = cubicHermite(local.y(), edge),
+              z = cubicHermite(local.z(), edge);
+  // Along x first: [derivative of x][order of y], then along y, then along z.
+  Column value[4], dx[4], dy[4];  // [2 * z end + order of z]
+  for (std::size_t z_end = 0; z_end < 2; ++z_end)
+    for (std::size_t z_order = 0; z_order < 2; ++z_order) {
+      Column lines[4], slopes[4];  // [2 * y end + order of y]
+      for (std::size_t y_end = 0; y_end < 2; ++y_end) {
+        const Node& low = nodes[at(corners[2 * y_end + 4 * z_end])];
+        const Node& high = nodes[at(corners[2 * y_end + 4 * z_end + 1])];
+        for (std::size_t y_order = 0; y_order < 2; ++y_order) {
+          const auto column = static_cast<Eigen::Index>(2 * y_order + 4 * z_order);
+          lines[2 * y_end + y_order] = combine(x[0], low.col(column), low.col(column + 1),
+                                               high.col(column), high.col(column + 1));
+          slopes[2 * y_end + y_order] = combine(x[1], low.col(column), low.col(column + 1),
+                                                high.col(column), high.col(column + 1));
+        }
+      }
+      const std::size_t at_z = 2 * z_end + z_order;
+      value[at_z] = combine(y[0], lines[0], lines[1], lines[2], lines[3]);
+      dx[at_z] = combine(y[0], slopes[0], slopes[1], slopes[2], slopes[3]);
+      dy[at_z] = combine(y[1], lines[0], lines[1], lines[2], lines[3]);
+    }
+  return {combine(z[0], value[0], value[1], value[2], value[3]),
+          combine(z[0], dx[0], dx[1], dx[2], dx[3]), combine(z[0], dy[0], dy[1], dy[2], dy[3]),
+          combine(z[1], value[0], value[1], value[2], value[3])};
+}
+
+/// All eight derivatives of the interpolant at a place. Not for real time.
+Node evaluateNode(const LeafCorners& corners, const std::vector<Node>& nodes,
+                  const Eigen::Vector3d& local, double edge) {
+  const Basis bases[3] = {cubicHermite(local.x(), edge), cubicHermite(local.y(), edge),
+                          cubicHermite(local.z(), edge)};
+  Node result = Node::Zero();
+  for (std::size_t derivative = 0; derivative < 8; ++derivative)
+    for (std::size_t corner = 0; corner < 8; ++corner)
+      for (std::size_t order = 0; order < 8; ++order) {
+        double factor = 1;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          factor *=
+              bases[axis][derivative >> axis & 1][2 * (corner >> axis & 1) + (order >> axis & 1)];
+        result.col(static_cast<Eigen::Index>(derivative)) +=
+            factor * nodes[at(corners[corner])].col(static_cast<Eigen::Index>(order));
+      }
+  return result;
+}
+
+/// Sets derivative `orders` (a bit per axis) of the slots of a level: the mean of the differences,
+/// along each of its axes, of the derivative without that axis.
+void difference(const SlotDifferences& differences, std::int32_t level, unsigned orders,
+                std::vector<Node>& nodes) {
+  for (const std::int32_t slot : differences.slots(level)) {
+    Column sum = Column::Zero();
+    int count = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((orders >> axis & 1) == 0 || differences.stencil(slot, axis).slots[0] < 0) continue;
+      const auto lower = static_cast<Eigen::Index>(orders & ~(1U << axis));
+      sum += differences.derivative(
+          slot, axis, [&](std::int32_t s) -> Column { return nodes[at(s)].col(lower); });
+      ++count;
+    }
+    nodes[at(slot)].col(orders) = count > 0 ? Column(sum / count) : Column::Zero();
+  }
+}
+
+std::vector<Node> makeNodes(const CellData& data, HermiteField::Slopes slopes) {
+  const bool exact = slopes == HermiteField::Slopes::exact;
+  std::vector<Node> nodes(data.equilibria.size(), Node::Zero());
+  for (std::size_t s = 0; s < nodes.size(); ++s) {
+    const Equilibrium& equilibrium = data.equilibria[s];
+    nodes[s].col(0).head<3>() = equilibrium.force;
+    if (exact)
+      for (int axis = 0; axis < 3; ++axis)
+        nodes[s].col(1 << axis).head<3>() = equilibrium.stiffness.col(axis);
+  }
+  const SlotDifferences differences(
+      data, exact ? SlotDifferences::Ghosts::if_needed : SlotDifferences::Ghosts::any);
+  for (std::int32_t level = 0; level < differences.levels(); ++level) {
+    if (!exact)
+      for (const unsigned orders : {1U, 2U, 4U}) difference(differences, level, orders, nodes);
+    for (const unsigned orders : {3U, 5U, 6U, 7U}) difference(differences, level, orders, nodes);
+    for (const std::int32_t slot : differences.hanging(level)) {
+      const CellSlot& hanging = data.tree.slots()[at(slot)];
+      nodes[at(slot)] = evaluateNode(data.tree.corners(hanging.leaf), nodes, hanging.local,
+                                     data.tree.edge(hanging.leaf));
+    }
+  }
+  return nodes;
+}
+
+/// Lowers the support of slots whose differences use ghosts.
+CellData withStencilSupport(CellData data) {
+  const SlotDifferences differences(data, SlotDifferences::Ghosts::any);
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<double> before = data.support;
+    for (std::size_t s = 0; s < before.size(); ++s) {
+      const auto& stencil = differences.stencil(static_cast<std::int32_t>(s), axis);
+      for (const std::int32_t other : stencil.slots)
+        if (other >= 0) data.support[s] = std::min(data.support[s], before[at(other)]);
+    }
+  }
+  return data;
+}
+
+}  // namespace
+
+HermiteField::HermiteField(const CellData& data, Slopes slopes)
+    : CellField(slopes == Slopes::exact ? data : withStencilSupport(data)),
+      slopes_(slopes),
+      nodes_(makeNodes(data, slopes)) {}
+
+void HermiteField::interpolate(std::int32_t leaf, const Eigen::Vector3d& local,
+                               ForceSample& sample) const noexcept {
+  const Jet jet = evaluateLeaf(tree().corners(leaf), nodes_, local, tree().edge(leaf));
+  sample.force = jet.value.head<3>();
+  sample.stiffness << jet.dx.head<3>(), jet.dy.head<3>(), jet.dz.head<3>();
+}
+
+}  // namespace palpate

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+
+#include "common/scene/device_profile.hpp"
+
+namespace palpate {
+
+enum class DeviceStatus : std::uint8_t {
+  fresh,     ///< the reading is of this tick
+  repeated,  ///< nothing new came since the last tick; the last reading again
+  lost       ///< unplugged, or silent for too long; the position means nothing
+};
+
+/// One reading of a device. Nothing in it can be trusted: a device may send NaN.
+struct DeviceReading {
+  Eigen::Vector3d position =
+      Eigen::Vector3d::Zero();  ///< m, in the frame of the device (HapticDevice)
+  std::uint32_t buttons = 0;    ///< bit n: button n is down; bit 0 lets go (contact.hpp)
+  DeviceStatus status = DeviceStatus::lost;
+};
+
+/// A haptic device: something that says where the hand is, and may push it.
+///
+/// Frame: metres and newtons, right-handed, x to the right, y up, z toward the operator, origin in
+/// the middle of the workspace. A device that lives in the scene instead (virtual hand, mouse,
+/// replay) says so and is not mapped.
+///
+/// Threads: read() and write() belong to the haptic thread, which calls them once per tick, in this
+/// order; they do not allocate, lock, wait, throw or log. A device that must wait for something has
+/// a thread of its own and exchanges readings and forces with it (triple_buffer.hpp). All else may
+/// be called from any thread.
+class HapticDevice {
+ public:
+  virtual ~HapticDevice() = default;
+  virtual DeviceReading read() noexcept = 0;
+  /// Holds until the next call. Always finite and within profile().max_force. N.
+  virtual void write(const Eigen::Vector3d& force) noexcept = 0;
+
+  /// The force is zero from now on, whatever is written, until resume(). The watchdog calls this
+  /// from its own thread while the haptic thread hangs.
+  virtual void halt() noexcept = 0;
+  virtual void resume() noexcept = 0;
+
+  /// Limits of its force, stiffness and workspace.
+  virtual DeviceProfile profile() const = 0;
+  virtual bool livesInScene() const { return false; }
+  virtual bool hasButtons() const { return false; }
+  virtual std::string name() const = 0;
+  /// What is wrong, as a sentence for a person ("no service at ws://localhost:10001: ..."); empty
+  /// when nothing is.
+  virtual std::string trouble() const { return {}; }
+};
+
+}  // namespace palpate

@@ -1,0 +1,263 @@
+#include "viewer/plot/svg_plot.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace palpate {
+namespace {
+
+constexpr double left = 62, right = 14, top = 30, bottom = 46;  ///< margins
+constexpr double padding = 0.04;                                ///< of the range, beyond the data
+constexpr double mark_size = 4.2;
+
+/// Where values lie on the page.
+class Scale {
+ public:
+  Scale(const PlotAxis& axis, double lowest, double highest, double from, double to)
+      : logarithmic_(axis.logarithmic), lowest_(lowest), highest_(highest), from_(from), to_(to) {}
+
+  double operator()(double value) const {
+    return from_ +
+           (to_ - from_) * (inner(value) - inner(lowest_)) / (inner(highest_) - inner(lowest_));
+  }
+  bool shows(double value) const { return std::isfinite(value) && (!logarithmic_ || value > 0); }
+  std::vector<double> ticks() const {
+    return logarithmic_ ? logarithmicTicks(lowest_, highest_) : linearTicks(lowest_, highest_);
+  }
+
+ private:
+  double inner(double value) const { return logarithmic_ ? std::log10(value) : value; }
+  bool logarithmic_;
+  double lowest_, highest_, from_, to_;
+};
+
+Scale scaleOf(const Plot& plot, const PlotAxis& axis, std::vector<double> PlotSeries::*values,
+              double from, double to) {
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  for (const PlotSeries& series : plot.series)
+    for (const double value : series.*values) {
+      if (!std::isfinite(value) || (axis.logarithmic && value <= 0)) continue;
+      lowest = std::min(lowest, value);
+      highest = std::max(highest, value);
+    }
+  if (lowest > highest) lowest = 1, highest = 10;
+  if (axis.logarithmic) {
+    const double pad =
+        std::max(padding * std::log10(highest / lowest), highest == lowest ? 0.5 : 0.0);
+    lowest *= std::pow(10, -pad);
+    highest *= std::pow(10, pad);
+  } else {
+    const double pad =
+        highest > lowest ? padding * (highest - lowest) : std::max(0.5 * std::abs(highest), 0.5);
+    lowest -= pad;
+    highest += pad;
+  }
+  return {axis, axis.lowest.value_or(lowest), axis.highest.value_or(highest), from, to};
+}
+
+std::string frame(const Plot& plot, const Scale& x, const Scale& y) {
+  const double base = plot.height - bottom, end = plot.width - right;
+  std::string svg;
+  for (const double tick : x.ticks())
+    svg += fmt::format(
+        "<line class=\"grid\" x1=\"{0:.1f}\" y1=\"{1}\" x2=\"{0:.1f}\" y2=\"{2}\"/><text "
+        "class=\"tick\" x=\"{0:.1f}\" y=\"{3}\" text-anchor=\"middle\">{4}</text>\n",
+        x(tick), top, base, base + 16, tickLabel(tick));
+  for (const double tick : y.ticks())
+    svg += fmt::format(
+        "<line class=\"grid\" x1=\"{0}\" y1=\"{1:.1f}\" x2=\"{2}\" y2=\"{1:.1f}\"/><text "
+        "class=\"tick\" x=\"{3}\" y=\"{4:.1f}\" text-anchor=\"end\">{5}</text>\n",
+        left, y(tick), end, left - 6, y(tick) + 4, tickLabel(tick));
+  svg += fmt::format("<path class=\"axis\" d=\"M{} {}V{}H{}\"/>\n", left, top, base, end);
+  svg +=
+      fmt::format("<text class=\"title\" x=\"{}\" y=\"18\">{}</text>\n", left, escaped(plot.title));
+  svg +=
+      fmt::format("<text class=\"label\" x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
+                  0.5 * (left + end), plot.height - 8, escaped(plot.x.label));
+  svg += fmt::format(
+      "<text class=\"label\" transform=\"translate(15 {:.1f}) "
+      "rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
+      0.5 * (top + base), escaped(plot.y.label));
+  return svg;
+}
+
+std::string lineOf(const PlotSeries& series, const Scale& x, const Scale& y) {
+  std::string path;
+  bool broken = true;
+  for (std::size_t n = 0; n < series.x.size(); ++n) {
+    if (!x.shows(series.x[n]) || !y.shows(series.y[n])) {
+      broken = true;
+      continue;
+    }
+    path += fmt::format("{}{:.1f} {:.1f}", broken ? 'M' : 'L', x(series.x[n]), y(series.y[n]));
+    broken = false;
+  }
+  if (path.empty()) return "";
+  const std::string dash =
+      series.style.dash.empty() ? "" : fmt::format(" stroke-dasharray=\"{}\"", series.style.dash);
+  return fmt::format("<path class=\"curve\" d=\"{}\" stroke=\"{}\" stroke-width=\"{}\"{}/>\n", path,
+                     series.style.colour, series.style.width, dash);
+}
+
+std::string marksOf(const PlotSeries& series, const Scale& x, const Scale& y) {
+  std::string svg;
+  for (std::size_t n = 0; n < series.x.size(); ++n) {
+    if (!x.shows(series.x[n]) || !y.shows(series.y[n])) continue;
+    const std::string mark = markerAt(x(series.x[n]), y(series.y[n]), series.style, mark_size);
+    svg += n < series.notes.size()
+               ? fmt::format("<g><title>{}</title>{}</g>\n", escaped(series.notes[n]), mark)
+               : mark + '\n';
+  }
+  return svg;
+}
+
+}  // namespace
+
+SeriesStyle seriesStyle(std::size_t n) {
+  // Okabe and Ito's palette without its yellow, which is too light on white; two more at the end.
+  static const std::array<const char*, 10> colours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                                      "#e69f00", "#56b4e9", "#000000", "#7a5195",
+                                                      "#8c6d31", "#7f7f7f"};
+  static const std::array<const char*, 10> dashes = {"",    "",    "",    "",    "",
+                                                     "6 3", "6 3", "2 3", "2 3", "6 3"};
+  n %= colours.size();
+  return {colours[n], dashes[n], static_cast<int>(n % 6), n == 0 ? 2.6 : 1.7};
+}
+
+std::string markerAt(double x, double y, const SeriesStyle& style, double size) {
+  const double s = size;
+  const auto polygon = [&](const std::string& path) {
+    return fmt::format("<path d=\"{}\" fill=\"{}\"/>", path, style.colour);
+  };
+  switch (style.marker) {
+    case 0:
+      return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"{}\"/>", x, y, s,
+                         style.colour);
+    case 1:
+      return polygon(fmt::format("M{:.1f} {:.1f}h{:.1f}v{:.1f}h{:.1f}z", x - 0.9 * s, y - 0.9 * s,
+                                 1.8 * s, 1.8 * s, -1.8 * s));
+    case 2:
+      return polygon(fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}h{:.1f}z", x, y - 1.2 * s, 1.1 * s,
+                                 2 * s, -2.2 * s));
+    case 3:
+      return polygon(fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}l{:.1f} {:.1f}l{:.1f} {:.1f}z", x,
+                                 y - 1.3 * s, 1.3 * s, 1.3 * s, -1.3 * s, 1.3 * s, -1.3 * s,
+                                 -1.3 * s));
+    case 4:
+      return fmt::format(
+          "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"#fff\" stroke=\"{}\" "
+          "stroke-width=\"2\"/>",
+          x, y, 0.85 * s, style.colour);
+    default:
+      return polygon(fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}h{:.1f}z", x, y + 1.2 * s, 1.1 * s,
+                                 -2 * s, -2.2 * s));
+  }
+}
+
+std::string svgOf(const Plot& plot) {
+  const Scale x = scaleOf(plot, plot.x, &PlotSeries::x, left, plot.width - right);
+  const Scale y = scaleOf(plot, plot.y, &PlotSeries::y, plot.height - bottom, top);
+  std::string svg = fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">\n",
+                                plot.width, plot.height, escaped(plot.title));
+  svg += frame(plot, x, y);
+  // The first series lies on top.
+  for (std::size_t n = plot.series.size(); n-- > 0;) {
+    if (plot.series[n].line) svg += lineOf(plot.series[n], x, y);
+    if (plot.series[n].marks) svg += marksOf(plot.series[n], x, y);
+  }
+  return svg + "</svg>\n";
+}
+
+std::string legendOf(const std::vector<PlotSeries>& series) {
+  std::string html = "<p class=\"legend\">";
+  for (const PlotSeries& one : series) {
+    html += "<span><svg viewBox=\"0 0 34 12\" width=\"34\" height=\"12\" aria-hidden=\"true\">";
+    if (one.line)
+      html += fmt::format(
+          "<path d=\"M1 6H33\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" "
+          "stroke-dasharray=\"{}\"/>",
+          one.style.colour, one.style.width, one.style.dash.empty() ? "none" : one.style.dash);
+    if (one.marks) html += markerAt(17, 6, one.style, mark_size);
+    html += fmt::format("</svg> {}</span> ", escaped(one.label));
+  }
+  return html + "</p>\n";
+}
+
+std::vector<double> linearTicks(double lowest, double highest, int count) {
+  const double rough = (highest - lowest) / std::max(count, 1);
+  if (!(rough > 0) || !std::isfinite(rough)) return {lowest};
+  const double power = std::pow(10, std::floor(std::log10(rough)));
+  double step = 10 * power;
+  for (const double factor : {5.0, 2.0, 1.0})
+    if (factor * power >= rough * (1 - 1e-9)) step = factor * power;
+  std::vector<double> ticks;
+  for (double n = std::ceil(lowest / step - 1e-9); n * step <= highest + 1e-9 * step; ++n)
+    ticks.push_back(n == 0 ? 0 : n * step);
+  return ticks;
+}
+
+std::vector<double> logarithmicTicks(double lowest, double highest) {
+  if (!(lowest > 0) || !(highest > lowest) || !std::isfinite(highest)) return {lowest};
+  static const std::array<std::vector<int>, 3> digits = {
+      {{1}, {1, 2, 5}, {1, 2, 3, 4, 5, 6, 7, 8, 9}}};
+  const int first = static_cast<int>(std::floor(std::log10(lowest)));
+  const int last = static_cast<int>(std::ceil(std::log10(highest)));
+  const int every = std::max(1, (last - first + 7) / 8);  // decades
+  std::vector<double> ticks;
+  for (const std::vector<int>& leading : digits) {
+    ticks.clear();
+    for (int decade = first; decade <= last; ++decade)
+      for (const int digit : leading) {
+        const double value = digit * std::pow(10, decade);
+        if (decade % every == 0 && value >= lowest * (1 - 1e-9) && value <= highest * (1 + 1e-9))
+          ticks.push_back(value);
+      }
+    if (ticks.size() >= 3) break;
+  }
+  return ticks;
+}
+
+std::string tickLabel(double value) {
+  const double magnitude = std::abs(value);
+  if (value == 0 || (magnitude >= 9.99e-4 && magnitude < 99999))
+    return fmt::format("{:.6g}", value);
+  static const std::array<const char*, 10> raised = {"⁰", "¹", "²", "³", "⁴",
+                                                     "⁵", "⁶", "⁷", "⁸", "⁹"};
+  const int exponent = static_cast<int>(std::floor(std::log10(magnitude) + 1e-9));
+  const double leading = value / std::pow(10, exponent);
+  std::string label = std::abs(leading - 1) < 1e-6 ? "10" : fmt::format("{:.3g}·10", leading);
+  if (exponent < 0) label += "⁻";
+  for (const char digit : std::to_string(std::abs(exponent)))
+    label += raised[static_cast<std::size_t>(digit - '0')];
+  return label;
+}
+
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      case '\'':
+        result += "&#39;";
+        break;
+      default:
+        result += c;
+    }
+  return result;
+}
+
+}  // namespace palpate

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace palpate {
+
+/// One axis of a plot. Without limits it fits the data.
+struct PlotAxis {
+  std::string label;
+  bool logarithmic = false;  ///< values that are not above zero are then left out
+  std::optional<double> lowest, highest;
+};
+
+/// How a curve looks. Colours of seriesStyle can be told apart by colour-blind readers, and shapes
+/// and dashes differ too.
+struct SeriesStyle {
+  std::string colour = "#000000";  ///< as in SVG
+  std::string dash;                ///< stroke-dasharray; empty: solid
+  int marker = 0;    ///< 0 to 5: disc, square, triangle, diamond, ring, triangle downward
+  double width = 2;  ///< of the line, px
+};
+
+/// The style of curve number `n`; repeats after ten.
+SeriesStyle seriesStyle(std::size_t n);
+
+struct PlotSeries {
+  std::string label;
+  std::vector<double> x, y;  ///< of equal length; where one is not finite the line is broken
+  std::vector<std::string> notes{};  ///< text shown over each mark; may be empty
+  SeriesStyle style;
+  bool line = true, marks = true;
+};
+
+struct Plot {
+  std::string title;
+  PlotAxis x, y;
+  std::vector<PlotSeries> series;
+  double width = 480, height = 340;  ///< user units; text is 12 of them
+};
+
+/// An <svg> element with nothing that it needs from elsewhere. It scales to the width it is given.
+std::string svgOf(const Plot& plot);
+
+/// HTML: a small drawing of line and mark for each series, and its label.
+std::string legendOf(const std::vector<PlotSeries>& series);
+
+/// The marker alone, as SVG, at (x, y).
+std::string markerAt(double x, double y, const SeriesStyle& style, double size);
+
+/// Round numbers within [lowest, highest], about `count` of them: multiples of 1, 2 or 5 times a
+/// power of ten.
+std::vector<double> linearTicks(double lowest, double highest, int count = 5);
+
+/// The same for a logarithmic axis: powers of ten; between them 2 and 5, then all digits, where
+/// there would be fewer than three.
+std::vector<double> logarithmicTicks(double lowest, double highest);
+
+/// "0.02", "300", "10⁻⁵": a tick in the fewest characters.
+std::string tickLabel(double value);
+
+/// Text as it may stand in HTML, SVG and their attributes.
+std::string escaped(std::string_view text);
+
+}  // namespace palpate

@@ -1,0 +1,94 @@
+#include "viewer/report/error_measures.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+double meanOf(std::span<const double> values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+void measureBounds(std::span<const ForceComparison> comparisons, ErrorMeasures& measures) {
+  std::size_t holds = 0;
+  std::vector<double> ratios;
+  for (const ForceComparison& at : comparisons) {
+    if (!std::isfinite(at.error_bound)) continue;
+    const double error = (at.interpolated - at.exact).norm();
+    ++measures.bounds;
+    holds += error <= at.error_bound ? 1 : 0;
+    if (error > 0) ratios.push_back(at.error_bound / error);
+  }
+  if (measures.bounds > 0)
+    measures.bound_holds = static_cast<double>(holds) / static_cast<double>(measures.bounds);
+  measures.bound_over_error = spreadOf(std::move(ratios)).median;
+}
+
+}  // namespace
+
+double percentile(std::span<const double> sorted, double share) {
+  const double place = share * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  if (below + 1 >= sorted.size()) return sorted.back();
+  return std::lerp(sorted[below], sorted[below + 1], place - static_cast<double>(below));
+}
+
+Spread spreadOf(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  double squares = 0;
+  for (const double value : values) squares += value * value;
+  return {.mean = meanOf(values),
+          .rms = std::sqrt(squares / static_cast<double>(values.size())),
+          .median = percentile(values, 0.5),
+          .percentile_95 = percentile(values, 0.95),
+          .percentile_99 = percentile(values, 0.99),
+          .maximum = values.back()};
+}
+
+ErrorMeasures measureErrors(std::span<const ForceComparison> comparisons,
+                            const AccuracyTarget& target) {
+  ErrorMeasures measures;
+  measures.count = comparisons.size();
+  if (comparisons.empty()) return measures;
+  std::vector<double> errors, relative, components, relative_components;
+  double forces = 0;
+  std::size_t allowed = 0, covered = 0;
+  for (const ForceComparison& at : comparisons) {
+    const Eigen::Vector3d difference = at.interpolated - at.exact;
+    const double error = difference.norm(), force = at.exact.norm();
+    errors.push_back(error);
+    relative.push_back(error / std::max(force, relative_error_floor));
+    for (int i = 0; i < 3; ++i) {
+      components.push_back(std::abs(difference[i]));
+      relative_components.push_back(std::abs(difference[i]) /
+                                    std::max(std::abs(at.exact[i]), relative_error_floor));
+    }
+    forces += force;
+    allowed += error <= std::max(target.force_error * force, target.force_floor) ? 1 : 0;
+    covered += at.covered ? 1 : 0;
+  }
+  const auto count = static_cast<double>(comparisons.size());
+  measures.mean_component = meanOf(components);
+  measures.mean_relative_component = meanOf(relative_components);
+  if (forces > 0) measures.relative_to_mean_force = count * meanOf(errors) / forces;
+  measures.error = spreadOf(std::move(errors));
+  measures.relative = spreadOf(std::move(relative));
+  measures.within_target = static_cast<double>(allowed) / count;
+  measures.covered = static_cast<double>(covered) / count;
+  measureBounds(comparisons, measures);
+  return measures;
+}
+
+ErrorMeasures measureCoveredErrors(std::span<const ForceComparison> comparisons,
+                                   const AccuracyTarget& target) {
+  std::vector<ForceComparison> covered;
+  std::copy_if(comparisons.begin(), comparisons.end(), std::back_inserter(covered),
+               [](const ForceComparison& at) { return at.covered; });
+  return measureErrors(covered, target);
+}
+
+}  // namespace palpate

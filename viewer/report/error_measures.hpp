@@ -1,0 +1,71 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace palpate {
+
+/// An exact force and what a method of interpolation says at the same displacement.
+struct ForceComparison {
+  Eigen::Vector3d exact = Eigen::Vector3d::Zero();         ///< N
+  Eigen::Vector3d interpolated = Eigen::Vector3d::Zero();  ///< N
+  double error_bound =
+      std::numeric_limits<double>::quiet_NaN();  ///< N, the method's own; NaN: it gives none
+  bool covered = false;                          ///< every corner of the cell there is solved
+};
+
+/// Which errors are allowed: at most force_error of |exact force|, or force_floor where that is
+/// more.
+struct AccuracyTarget {
+  double force_error = 0.03;
+  double force_floor = 0.01;  ///< N
+};
+
+/// Forces below it count as this much in relative errors, which would else divide by zero (N):
+/// about the friction of a haptic device, below which a hand feels nothing.
+inline constexpr double relative_error_floor = 0.05;
+
+/// Where numbers lie. All NaN when there is none.
+struct Spread {
+  double mean = std::numeric_limits<double>::quiet_NaN();
+  double rms = mean, median = mean, percentile_95 = mean, percentile_99 = mean, maximum = mean;
+};
+
+/// How far a method is from exact solutions. Every share is 0..1. NaN where nothing could be
+/// measured.
+struct ErrorMeasures {
+  std::size_t count = 0;
+  Spread error;  ///< |interpolated - exact|, N
+  /// Eq. 13 of the paper: mean over points and components of |interpolated_i - exact_i|, N.
+  double mean_component = std::numeric_limits<double>::quiet_NaN();
+  /// Eq. 14 of the paper, corrected: the same of |interpolated_i - exact_i| / max(|exact_i|,
+  /// relative_error_floor). The paper divides by exact_i, which is zero on every symmetric path.
+  double mean_relative_component = mean_component;
+  Spread relative;  ///< |interpolated - exact| / max(|exact|, relative_error_floor)
+  double relative_to_mean_force =
+      mean_component;  ///< sum of |interpolated - exact| / sum of |exact|
+  double within_target =
+      mean_component;      ///< share of points whose error is allowed, see AccuracyTarget
+  std::size_t bounds = 0;  ///< points for which the method gave an error bound
+  double bound_holds = mean_component;       ///< share of those with |error| <= bound
+  double bound_over_error = mean_component;  ///< median over those with an error above zero
+  double covered = mean_component;           ///< share of points
+};
+
+ErrorMeasures measureErrors(std::span<const ForceComparison> comparisons,
+                            const AccuracyTarget& target);
+
+/// The same over the covered points alone; covered is then 1.
+ErrorMeasures measureCoveredErrors(std::span<const ForceComparison> comparisons,
+                                   const AccuracyTarget& target);
+
+Spread spreadOf(std::vector<double> values);
+
+/// `share` of the values lie below it: linear between order statistics (the definition NumPy uses).
+/// `sorted` must not be empty.
+double percentile(std::span<const double> sorted, double share);
+
+}  // namespace palpate

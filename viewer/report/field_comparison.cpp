@@ -1,0 +1,139 @@
+#include "viewer/report/field_comparison.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <random>
+#include <thread>
+
+#include "common/base/error.hpp"
+#include "viewer/fields/field_choice.hpp"
+#include "viewer/report/loop_work.hpp"
+
+namespace palpate {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int timed_positions = 4096, batch = 256;
+
+double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
+
+/// The field, or nothing and the reason in `problem`.
+std::unique_ptr<ForceField> tryToMake(const std::string& method, const SpaceTable& space,
+                                      std::string& problem) {
+  try {
+    return makeForceField(method, space);
+  } catch (const std::bad_alloc&) {
+    problem = "not enough memory";
+  } catch (const Error& error) {
+    problem = error.what();
+  }
+  return nullptr;
+}
+
+/// Methods whose samples tell what is covered: they interpolate in cells.
+constexpr std::array<std::string_view, 2> cell_methods = {"trilinear", "potential"};
+
+void markCovered(MethodComparison& result, const ForceField& cells,
+                 const std::vector<Reference>& references) {
+  for (std::size_t n = 0; n < result.comparisons.size(); ++n)
+    result.comparisons[n].covered = isCovered(cells.evaluate(references[n].displacement));
+}
+
+std::vector<Eigen::Vector3d> positionsInBall(double radius) {
+  std::mt19937 random(7);
+  const auto coordinate = [&] {
+    return radius * (static_cast<double>(random()) / 2147483648.0 - 1);
+  };
+  std::vector<Eigen::Vector3d> positions;
+  while (positions.size() < timed_positions) {
+    const double x = coordinate(), y = coordinate(), z = coordinate();
+    if (const Eigen::Vector3d p(x, y, z); p.norm() <= radius) positions.push_back(p);
+  }
+  return positions;
+}
+
+double medianQuery(const ForceField& field, double radius, double budget) {
+  const std::vector<Eigen::Vector3d> positions = positionsInBall(radius);
+  std::vector<double> times;
+  double sum = 0;
+  std::size_t next = 0;
+  const Clock::time_point begin = Clock::now();
+  do {
+    const Clock::time_point start = Clock::now();
+    for (int n = 0; n < batch; ++n) sum += field.evaluate(positions[next + n]).force.x();
+    times.push_back(seconds(Clock::now() - start) / batch * 1e9);
+    next = (next + batch) % timed_positions;
+  } while (seconds(Clock::now() - begin) < budget);
+  [[maybe_unused]] const volatile double used = sum;
+  return spreadOf(std::move(times)).median;
+}
+
+}  // namespace
+
+bool isCovered(const ForceSample& sample) noexcept {
+  return sample.inside && sample.coverage > 1 - 1e-9;
+}
+
+std::vector<MethodComparison> compareMethods(const SpaceTable& space,
+                                             const std::vector<std::string>& methods,
+                                             const std::vector<Reference>& references,
+                                             bool with_loops) {
+  std::vector<MethodComparison> results(methods.size());
+  std::unique_ptr<ForceField> cells;
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    auto field = tryToMake(methods[m], space, results[m].problem);
+    if (!field) continue;
+    if (with_loops) results[m].loop_work = loopWork(*field, space.lattice.radius());
+    for (const Reference& reference : references) {
+      const ForceSample sample = field->evaluate(reference.displacement);
+      results[m].comparisons.push_back({reference.force, sample.force, sample.error_bound, false});
+    }
+    const bool knows_cells =
+        std::find(cell_methods.begin(), cell_methods.end(), methods[m]) != cell_methods.end();
+    if (knows_cells && !cells) cells = std::move(field);
+  }
+  std::string problem;
+  if (!cells && !references.empty())
+    cells = tryToMake(std::string(cell_methods.front()), space, problem);
+  if (cells)
+    for (MethodComparison& result : results) markCovered(result, *cells, references);
+  return results;
+}
+
+MethodTiming timeMethod(const SpaceTable& space, const std::string& method, double budget) {
+  std::string problem;
+  const Clock::time_point start = Clock::now();
+  const auto field = tryToMake(method, space, problem);
+  if (!field) return {};
+  const double prepared = seconds(Clock::now() - start);
+  return {medianQuery(*field, space.lattice.radius(), budget), prepared};
+}
+
+void runInParallel(std::size_t count, const std::function<void(std::size_t)>& run) {
+  std::atomic<std::size_t> next = 0;
+  std::exception_ptr failed;
+  std::mutex failing;
+  const auto work = [&] {
+    try {
+      for (std::size_t n = next++; n < count; n = next++) run(n);
+    } catch (...) {
+      next = count;
+      const std::lock_guard lock(failing);
+      if (!failed) failed = std::current_exception();
+    }
+  };
+  std::vector<std::thread> threads;
+  const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
+  for (std::size_t n = 1; n < std::min(cores, count); ++n) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
+  if (failed) std::rethrow_exception(failed);
+}
+
+}  // namespace palpate

@@ -1,0 +1,66 @@
+#include "viewer/report/report_command.hpp"
+
+#include <cerrno>
+#include <fstream>
+#include <iostream>
+#include <memory>
+
+#include "common/base/error.hpp"
+#include "viewer/fields/field_choice.hpp"
+#include "viewer/report/report_json.hpp"
+#include "viewer/report/report_page.hpp"
+#include "viewer/report/report_text.hpp"
+
+namespace palpate {
+namespace {
+
+/// Writes aside and renames, so that the page is whole or not there.
+void writePage(const std::filesystem::path& file, const std::string& page) {
+  const std::filesystem::path aside = file.string() + ".tmp";
+  std::ofstream out(aside, std::ios::binary);
+  out << page;
+  out.close();
+  std::error_code error;
+  if (out) {
+    std::filesystem::rename(aside, file, error);
+    if (!error) return;
+  }
+  const std::string reason = error ? error.message() : std::generic_category().message(errno);
+  std::filesystem::remove(aside, error);
+  throw failure("{}: the page cannot be written: {}", file.string(), reason);
+}
+
+}  // namespace
+
+ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
+  const Report report = makeReport(options.report);
+  if (!options.html.empty()) writePage(options.html, reportPage(report));
+  output << (options.json ? reportJson(report) : reportText(report)) << std::flush;
+  if (!output) throw failure("cannot write the report to standard output");
+  return ExitCode::done;
+}
+
+Verb reportVerb() {
+  return {"report", "How accurate and how fast the methods of interpolation are on a dataset",
+          [](CLI::App& app) {
+            auto options = std::make_shared<ReportCommandOptions>();
+            app.add_option("DATASET", options->report.datasets,
+                           "Sealed dataset, OUT.h5; more of the same scene with other spacings "
+                           "or accuracies add points to the curves")
+                ->required()
+                ->type_name("FILE");
+            app.add_option("--methods", options->report.methods,
+                           fmt::format("Only these, separated by commas; there are {}",
+                                       fmt::join(forceFieldMethods(), ", ")))
+                ->delimiter(',')
+                ->type_name("LIST");
+            app.add_option("--html", options->html,
+                           "Write a self-contained page with plots to FILE too")
+                ->type_name("FILE");
+            app.add_flag("--json", options->json,
+                         "One JSON object instead of the table (docs/commands.md)");
+            return std::function<ExitCode()>([options] { return report(*options, std::cout); });
+          }};
+}
+
+}  // namespace palpate

@@ -1,0 +1,123 @@
+#include "viewer/report/report_json.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "common/space/failure.hpp"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json toJson(const Spread& spread) {
+  return {{"mean", number(spread.mean)},
+          {"rms", number(spread.rms)},
+          {"median", number(spread.median)},
+          {"percentile_95", number(spread.percentile_95)},
+          {"percentile_99", number(spread.percentile_99)},
+          {"maximum", number(spread.maximum)}};
+}
+
+Json toJson(const ErrorMeasures& measures) {
+  return {{"count", measures.count},
+          {"error", toJson(measures.error)},
+          {"relative", toJson(measures.relative)},
+          {"mean_component", number(measures.mean_component)},
+          {"mean_relative_component", number(measures.mean_relative_component)},
+          {"relative_to_mean_force", number(measures.relative_to_mean_force)},
+          {"within_target", number(measures.within_target)},
+          {"covered", number(measures.covered)},
+          {"bounds", measures.bounds},
+          {"bound_holds", number(measures.bound_holds)},
+          {"bound_over_error", number(measures.bound_over_error)}};
+}
+
+Json datasetJson(const Dataset& dataset, const DatasetFacts& facts) {
+  const SpaceTable& space = dataset.spaces().front();
+  Json sizes = Json::object();
+  for (const auto& [kind, size] : facts.sizes)
+    sizes[kind] = {{"stored", size.stored}, {"unpacked", size.unpacked}};
+  return {{"file", facts.file.string()},
+          {"content_hash", dataset.contentId().hex()},
+          {"build_id", dataset.buildId().hex()},
+          {"kernel_family", dataset.kernelFamily()},
+          {"radius", space.lattice.radius()},
+          {"spacing", space.lattice.spacing()},
+          {"lattice_points", facts.lattice_points},
+          {"configurations", facts.configurations},
+          {"probes", facts.probes},
+          {"solved_probes", facts.solved_probes},
+          {"terminating_probes", facts.terminating_probes},
+          {"bytes", facts.bytes},
+          {"bytes_per_configuration", facts.configurations == 0
+                                          ? Json(nullptr)
+                                          : Json(static_cast<double>(facts.bytes) /
+                                                 static_cast<double>(facts.configurations))},
+          {"arrays", sizes}};
+}
+
+Json latticeJson(const Report& report, const LatticeMeasures& lattice) {
+  Json methods = Json::object();
+  for (std::size_t m = 0; m < report.methods.size(); ++m) {
+    const MethodMeasures& method = lattice.methods[m];
+    methods[report.methods[m]] = {
+        {"problem", method.problem.empty() ? Json(nullptr) : Json(method.problem)},
+        {"loop_work", number(method.loop_work)},
+        {"nanoseconds_per_query", number(method.nanoseconds)},
+        {"seconds_to_prepare", number(method.seconds_to_prepare)},
+        {"whole_ball", toJson(method.all)},
+        {"covered_points", toJson(method.covered)}};
+  }
+  return {{"label", lattice.label},
+          {"dataset", lattice.dataset},
+          {"factor", lattice.factor},
+          {"spacing", lattice.spacing},
+          {"configurations_per_node", lattice.configurations},
+          {"factorizations_per_node", lattice.factorizations},
+          {"methods", methods}};
+}
+
+Json nodeJson(const Report& report, const NodeMeasures& node) {
+  Json methods = Json::object();
+  for (std::size_t m = 0; m < report.methods.size(); ++m)
+    if (node.methods[m].count > 0) methods[report.methods[m]] = toJson(node.methods[m]);
+  Json tags = Json::object();
+  for (std::size_t tag = 0; tag < node.tags.size(); ++tag)
+    tags[std::string(name(static_cast<Tag>(tag)))] = node.tags[tag];
+  return {{"name", node.name},
+          {"points", tags},
+          {"inconsistent_edges", node.jumps},
+          {"references", node.references},
+          {"largest_force", node.largest_force},
+          {"methods", methods}};
+}
+
+}  // namespace
+
+std::string reportJson(const Report& report) {
+  Json json;
+  json["scene"] = report.open.front().scene().name;
+  for (std::size_t d = 0; d < report.open.size(); ++d)
+    json["datasets"].push_back(datasetJson(report.open[d], report.datasets[d]));
+  json["references"] = {{"kind", name(report.references)}, {"count", report.reference_count}};
+  json["target"] = {{"force_error", report.target.force_error},
+                    {"force_floor", report.target.force_floor},
+                    {"of_scene", report.target_of_scene}};
+  json["relative_error_floor"] = relative_error_floor;
+  json["methods"] = report.methods;
+  json["compared_nodes"] = report.compared;
+  json["measured_lattice"] = report.measured ? Json(*report.measured) : Json(nullptr);
+  for (const LatticeMeasures& lattice : report.lattices)
+    json["lattices"].push_back(latticeJson(report, lattice));
+  for (const NodeMeasures& node : report.nodes) json["nodes"].push_back(nodeJson(report, node));
+  json["failures"] = Json::object();
+  for (const auto& [cause, count] : report.failures)
+    json["failures"][std::string(name(cause))] = {
+        {"points", count.points}, {"attempts", count.attempts}, {"probes", count.probes}};
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace palpate

@@ -1,0 +1,133 @@
+#pragma once
+
+#include "worker/elements/element_kernels.hpp"
+#include "worker/laws/laws.hpp"
+
+/// What a material answers to a deformation, at one point of each element of a batch. Included by
+/// every translation unit that compiles the kernels, inside its own namespace.
+namespace palpate::PALPATE_KERNEL_NAMESPACE {
+
+#define PALPATE_INLINE inline __attribute__((always_inline))
+
+struct Deformation {
+  Pack F[3]
+        [3];  ///< the identity for the small-strain law, whose stress does not turn with the body
+  Strain<Pack> strain;
+};
+
+/// A function g of J = det F and its derivatives with respect to ln J: g' = J dg/dJ, g'' = J
+/// dg'/dJ.
+struct VolumeFunction {
+  Pack value, first, second;
+};
+
+struct Response {
+  Pack energy;                ///< per volume at rest, volumetric part included, Pa
+  Pack S[6];                  ///< second Piola-Kirchhoff stress, Pa
+  Pack D[6][6];               ///< dS/dgamma, Pa; where it was asked for
+  VolumeFunction constraint;  ///< c(J); where there is a pressure
+};
+
+PALPATE_INLINE VolumeFunction constraintOf(Constraint constraint, Pack J) {
+  if (constraint == Constraint::det_F_minus_1) return {J - 1.0, J, J};
+  return {lanewise(J, [](double lane) { return __builtin_log(lane); }), Pack{} + 1.0, Pack{}};
+}
+
+PALPATE_INLINE VolumeFunction penaltyOf(double bulk, Pack J) {
+  const auto [U, dU, ddU] = volumetricEnergy(bulk, J);
+  // U has a logarithm, but not its derivatives: an inverted element must not have forces either.
+  const Pack nothing = 0.0 * U;
+  return {U, J * dU + nothing, J * dU + J * J * ddU};
+}
+
+PALPATE_INLINE void invertC(Strain<Pack>& strain) {
+  Pack C[6];
+  for (int v = 0; v < 6; ++v) C[v] = v < 3 ? 2.0 * strain.e[v] + 1.0 : strain.e[v];
+  const Pack inverse_det = 1.0 / (strain.J * strain.J);
+  strain.C_inverse[0] = (C[1] * C[2] - C[4] * C[4]) * inverse_det;
+  strain.C_inverse[1] = (C[0] * C[2] - C[5] * C[5]) * inverse_det;
+  strain.C_inverse[2] = (C[0] * C[1] - C[3] * C[3]) * inverse_det;
+  strain.C_inverse[3] = (C[5] * C[4] - C[3] * C[2]) * inverse_det;
+  strain.C_inverse[4] = (C[3] * C[5] - C[0] * C[4]) * inverse_det;
+  strain.C_inverse[5] = (C[3] * C[4] - C[5] * C[1]) * inverse_det;
+}
+
+/// Adds g(J): with dJ/dgamma = J C^-1, its stress is g' C^-1.
+template <bool with_tangent>
+PALPATE_INLINE void addVolumetric(const VolumeFunction& g, const Pack (&Ci)[6],
+                                  Response& response) {
+  response.energy += g.value;
+  for (int v = 0; v < 6; ++v) response.S[v] += g.first * Ci[v];
+  if constexpr (with_tangent)
+    for (int v = 0; v < 6; ++v)
+      for (int w = v; w < 6; ++w) {
+        const int I = voigt_row[v], K = voigt_column[v], M = voigt_row[w], N = voigt_column[w];
+        response.D[v][w] +=
+            g.second * Ci[v] * Ci[w] - g.first * (Ci[voigt_of[I][M]] * Ci[voigt_of[K][N]] +
+                                                  Ci[voigt_of[I][N]] * Ci[voigt_of[K][M]]);
+        response.D[w][v] = response.D[v][w];
+      }
+}
+
+/// mixed: the law is isochoric, or made so, and has a pressure or a volumetric energy beside it.
+template <bool with_tangent, bool mixed, class Law>
+PALPATE_INLINE void respondAs(const Law& law, const ElementParameters& parameters,
+                              const BatchGeometry& geometry, Pack p, Strain<Pack>& strain,
+                              Response& response) {
+  if constexpr (Law::needs_fibers)
+    for (int family = 0; family < 2; ++family)
+      for (int I = 0; I < 3; ++I) strain.fiber[family][I] = geometry.fiber[family][I];
+  if constexpr (mixed || Law::needs_C_inverse) invertC(strain);
+  law.evaluate(strain, response.energy, response.S);
+  if constexpr (with_tangent) law.tangent(strain, response.D);
+  if constexpr (mixed) {
+    if (parameters.pressure == PressureSpace::none) {
+      addVolumetric<with_tangent>(penaltyOf(parameters.bulk, strain.J), strain.C_inverse, response);
+    } else {
+      const VolumeFunction& c = response.constraint = constraintOf(parameters.constraint, strain.J);
+      addVolumetric<with_tangent>({-p * c.value, -p * c.first, -p * c.second}, strain.C_inverse,
+                                  response);
+    }
+  }
+}
+
+/// The response of the parameters' law at pressure p (Pa; ignored without one). Fills in what the
+/// law needs of `strain` beyond e and J.
+template <bool with_tangent>
+void respond(const ElementParameters& m, const BatchGeometry& geometry, Pack p,
+             Strain<Pack>& __restrict strain, Response& __restrict response) {
+  const auto displacementOnly = [&](const auto& law) {
+    respondAs<with_tangent, false>(law, m, geometry, p, strain, response);
+  };
+  const auto mixed = [&](const auto& law) {
+    respondAs<with_tangent, true>(law, m, geometry, p, strain, response);
+  };
+  switch (m.law) {
+    case LawName::linear:
+      return displacementOnly(Linear{{m.lambda, m.mu}});
+    case LawName::st_venant_kirchhoff:
+      return displacementOnly(StVenantKirchhoff{m.lambda, m.mu});
+    case LawName::modified_st_venant_kirchhoff:
+      return mixed(StVenantKirchhoff{m.lambda, m.mu});
+    case LawName::mooney_rivlin:
+      return mixed(MooneyRivlin{{m.c10, m.c01}});
+    case LawName::neo_hookean:
+      return mixed(NeoHookean{{m.mu}});
+    case LawName::yeoh:
+      return mixed(Yeoh{{m.c10, m.c20, m.c30}});
+    case LawName::ogden: {
+      Ogden law{{}, {}, m.ogden_terms};
+      for (int term = 0; term < m.ogden_terms; ++term) {
+        law.mu[term] = m.ogden_mu[term];
+        law.alpha[term] = m.ogden_alpha[term];
+      }
+      return mixed(law);
+    }
+    case LawName::veronda_westmann:
+      return mixed(VerondaWestmann{{m.c1, m.c2}});
+    case LawName::holzapfel_gasser_ogden:
+      return mixed(HolzapfelGasserOgden{{m.mu, m.k1, m.k2, m.dispersion}});
+  }
+}
+
+}  // namespace palpate::PALPATE_KERNEL_NAMESPACE

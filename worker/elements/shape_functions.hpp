@@ -1,0 +1,76 @@
+#pragma once
+
+#include "worker/elements/quadrature.hpp"
+
+/// The spaces on a straight-sided tetrahedron, as polynomials of its barycentric coordinates x.
+///
+/// A node is the middle of its two ends (P2) or is its end (P1), and its shape function N_a depends
+/// on the coordinates of its ends only. So
+///
+///   grad N_a = sum over its ends e of  slope(a, e, x) grad x_end(a, e)
+///
+/// with the same grad x everywhere in the element.
+///
+/// Included by every translation unit that compiles the kernels, inside its own namespace.
+#ifndef PALPATE_KERNEL_NAMESPACE
+#define PALPATE_KERNEL_NAMESPACE kernels_default
+#endif
+
+namespace palpate::PALPATE_KERNEL_NAMESPACE {
+
+/// N_a = x_a.
+struct P1 {
+  static constexpr int nodes = 4, ends = 1;
+  static constexpr int end[nodes][ends] = {{0}, {1}, {2}, {3}};
+  static constexpr double value(int a, const double (&x)[4]) { return x[a]; }
+  static constexpr double slope(int, int, const double (&)[4]) { return 1; }
+
+  /// F is constant in the element.
+  static constexpr const auto& rule = centroid_rule;
+};
+
+/// N_a = x_a (2 x_a - 1) at the vertices, 4 x_i x_j in the middle of edge ij; edges in the order of
+/// tetrahedron_edges (common/mesh/mesh.hpp).
+struct P2 {
+  static constexpr int nodes = 10, ends = 2;
+  static constexpr int end[nodes][ends] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {0, 1},
+                                           {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
+  static constexpr double value(int a, const double (&x)[4]) {
+    return a < 4 ? x[a] * (2 * x[a] - 1) : 4 * x[end[a][0]] * x[end[a][1]];
+  }
+  /// Both ends of a vertex are itself; each has half of its slope 4 x_a - 1.
+  static constexpr double slope(int a, int e, const double (&x)[4]) {
+    return a < 4 ? 2 * x[a] - 0.5 : 4 * x[end[a][1 - e]];
+  }
+
+  static constexpr const auto& rule = degree_5_rule;
+};
+
+/// No field at all.
+struct NoSpace {
+  static constexpr int nodes = 0;
+  static constexpr double value(int, const double (&)[4]) { return 0; }
+};
+
+/// Means over the element of N_a N_b, and of that less the means of N_a and N_b: what a quadratic
+/// form of the field, or of its deviation from its mean, is made of.
+template <class Space>
+struct QuadraticMeans {
+  double product[Space::nodes][Space::nodes] = {};
+  double deviation[Space::nodes][Space::nodes] = {};
+
+  constexpr QuadraticMeans() {
+    double mean[Space::nodes] = {};
+    for (int n = 0; n < degree_5_rule.points; ++n)
+      for (int a = 0; a < Space::nodes; ++a) {
+        const double(&x)[4] = degree_5_rule.point[n];
+        mean[a] += degree_5_rule.weight[n] * Space::value(a, x);
+        for (int b = 0; b < Space::nodes; ++b)
+          product[a][b] += degree_5_rule.weight[n] * Space::value(a, x) * Space::value(b, x);
+      }
+    for (int a = 0; a < Space::nodes; ++a)
+      for (int b = 0; b < Space::nodes; ++b) deviation[a][b] = product[a][b] - mean[a] * mean[b];
+  }
+};
+
+}  // namespace palpate::PALPATE_KERNEL_NAMESPACE

@@ -1,0 +1,109 @@
+#include "worker/link/job_loop.hpp"
+
+#include <exception>
+#include <memory>
+
+#include "common/wire/wire.hpp"
+#include "worker/solver/transition.hpp"
+
+namespace palpate {
+namespace {
+
+/// The solver of one problem, with what a result has to say about where it comes from.
+class ProblemSolver {
+ public:
+  ProblemSolver(std::shared_ptr<const Problem> problem, const ElementKernels& kernels)
+      : problem_(std::move(problem)),
+        lattice_(uniformLattice(problem_->scene)),
+        build_(problemId(*problem_)),
+        solver_(*problem_, kernels) {}
+
+  const std::shared_ptr<const Problem>& problem() const { return problem_; }
+
+  void solve(const ReadyJob& ready, Mailbox& mailbox) {
+    const wire::Job& job = ready.job;
+    solver_.chooseTool(job.space());
+    Failure start_failure;
+    const auto start =
+        ready.start ? solver_.startFrom(*ready.start, displacementOf(job.start()), start_failure)
+                    : solver_.startAtRest(start_failure);
+    for (int n = 0; n < job.targets_size(); ++n) {
+      const wire::Target& target = job.targets(n);
+      if (!mailbox.begin(job.id(), target.point())) return;
+      Outcome outcome;
+      if (start) {
+        outcome = reach(*start, displacementOf(target.point()), target.steps());
+      } else {
+        outcome.failure = start_failure;
+      }
+      FinishedTarget finished;
+      finished.last_of_job = n + 1 == job.targets_size();
+      describe(job, target, finished.result);
+      if (outcome.converged) finished.fields = outcome.fields.encode();
+      toWire(outcome, finished.fields, finished.result);
+      mailbox.finish(std::move(finished));
+    }
+  }
+
+ private:
+  /// In `steps` equal transitions, 0 meaning 1; the outcome has the cost of all, and what it
+  /// reached of all.
+  Outcome reach(const Start& start, const Eigen::Vector3d& target, std::uint32_t steps) {
+    if (steps <= 1) return solver_.reach(start, target).outcome;
+    const Eigen::Vector3d origin = start.state.displacement;
+    Start at = start;
+    Cost total;
+    for (std::uint32_t n = 1;; ++n) {
+      const Eigen::Vector3d next = n == steps ? target : origin + (target - origin) * n / steps;
+      Reached reached = solver_.reach(at, next);
+      total += reached.outcome.cost;
+      if (n < steps && reached.outcome.converged) {
+        at = std::move(reached.end);
+        continue;
+      }
+      reached.outcome.cost = total;
+      Failure& failure = reached.outcome.failure;
+      if (!reached.outcome.converged) failure.step_reached = (n - 1 + failure.step_reached) / steps;
+      return std::move(reached.outcome);
+    }
+  }
+
+  Eigen::Vector3d displacementOf(const wire::Point& point) const {
+    return lattice_.displacementOf(fromWire(point));
+  }
+
+  void describe(const wire::Job& job, const wire::Target& target, wire::Result& result) const {
+    result.set_build(std::string(build_.bytes()));
+    result.set_space(job.space());
+    *result.mutable_target() = target.point();
+    *result.mutable_parent() = job.start();
+    result.set_job(job.id());
+    result.set_attempt(target.attempt());
+    result.set_kernel_family(arithmetic(solver_.system().kernels()));
+  }
+
+  std::shared_ptr<const Problem> problem_;
+  Lattice lattice_;
+  ContentId build_;
+  TransitionSolver solver_;
+};
+
+}  // namespace
+
+void solveJobs(Mailbox& mailbox, const ElementKernels& kernels) {
+  try {
+    std::unique_ptr<ProblemSolver> solver;
+    while (const auto ready = mailbox.next()) {
+      if (!solver || solver->problem() != ready->problem) {
+        solver.reset();  // one MUMPS instance at a time
+        solver = std::make_unique<ProblemSolver>(ready->problem, kernels);
+      }
+      solver->solve(*ready, mailbox);
+    }
+    mailbox.solverEnds("");
+  } catch (const std::exception& error) {
+    mailbox.solverEnds(error.what());
+  }
+}
+
+}  // namespace palpate

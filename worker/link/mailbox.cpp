@@ -1,0 +1,106 @@
+#include "worker/link/mailbox.hpp"
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "common/base/error.hpp"
+
+namespace palpate {
+
+Mailbox::Mailbox() : event_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  if (event_ < 0) throw failure("eventfd: {}", std::strerror(errno));
+}
+
+Mailbox::~Mailbox() { ::close(event_); }
+
+void Mailbox::wakeNetwork() {
+  const std::uint64_t one = 1;
+  // EAGAIN means the counter is full, so the reader wakes up anyway.
+  if (write(event_, &one, sizeof one) < 0 && errno != EAGAIN)
+    throw failure("eventfd write: {}", std::strerror(errno));
+}
+
+void Mailbox::put(ReadyJob job) {
+  const std::lock_guard lock(mutex_);
+  jobs_.push_back(std::move(job));
+  changed_.notify_one();
+}
+
+void Mailbox::forgetJobs() {
+  const std::lock_guard lock(mutex_);
+  jobs_.clear();
+  forget_current_ = progress_.solving;
+}
+
+void Mailbox::close() {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+  changed_.notify_one();
+}
+
+std::vector<FinishedTarget> Mailbox::takeFinished() {
+  std::uint64_t count = 0;
+  if (read(event_, &count, sizeof count) < 0 && errno != EAGAIN)
+    throw failure("eventfd read: {}", std::strerror(errno));
+  const std::lock_guard lock(mutex_);
+  return std::exchange(finished_, {});
+}
+
+std::optional<std::string> Mailbox::solverError() {
+  const std::lock_guard lock(mutex_);
+  return error_;
+}
+
+bool Mailbox::solverEnded() {
+  const std::lock_guard lock(mutex_);
+  return ended_;
+}
+
+Progress Mailbox::progress() {
+  const std::lock_guard lock(mutex_);
+  return progress_;
+}
+
+std::optional<ReadyJob> Mailbox::next() {
+  std::unique_lock lock(mutex_);
+  progress_.solving = false;
+  forget_current_ = false;
+  changed_.wait(lock, [this] { return closed_ || !jobs_.empty(); });
+  if (jobs_.empty()) return std::nullopt;
+  ReadyJob job = std::move(jobs_.front());
+  jobs_.pop_front();
+  progress_.solving = true;
+  progress_.job = job.job.id();
+  progress_.target = job.job.start();
+  return job;
+}
+
+bool Mailbox::begin(std::uint64_t job, const wire::Point& target) {
+  const std::lock_guard lock(mutex_);
+  progress_ = {true, job, target};
+  return !forget_current_;
+}
+
+void Mailbox::finish(FinishedTarget target) {
+  {
+    const std::lock_guard lock(mutex_);
+    finished_.push_back(std::move(target));
+  }
+  wakeNetwork();
+}
+
+void Mailbox::solverEnds(const std::string& error) {
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+    progress_.solving = false;
+    if (!error.empty()) error_ = error;
+  }
+  wakeNetwork();
+}
+
+}  // namespace palpate

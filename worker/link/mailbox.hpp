@@ -1,0 +1,85 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/problem/problem.hpp"
+#include "common/space/configuration.hpp"
+#include "proto/palpate.pb.h"
+
+namespace palpate {
+
+/// A job that is ready to be solved: everything it refers to has arrived.
+struct ReadyJob {
+  std::shared_ptr<const Problem> problem;
+  wire::Job job;
+  std::shared_ptr<const NodalFields> start;  ///< null: the rest state
+};
+
+/// A solved target on its way to the scheduler.
+struct FinishedTarget {
+  wire::Result result;
+  std::string fields;  ///< payload of `result`; empty for a failure
+  bool last_of_job = false;
+};
+
+/// What the solver is doing now, for heartbeats.
+struct Progress {
+  bool solving = false;
+  std::uint64_t job = 0;
+  wire::Point target;
+};
+
+/// Hands jobs from the network thread to the solver thread, and results back. Every call may be
+/// made from either thread.
+class Mailbox {
+ public:
+  Mailbox();
+  ~Mailbox();
+  Mailbox(const Mailbox&) = delete;
+  Mailbox& operator=(const Mailbox&) = delete;
+
+  // Network side.
+  void put(ReadyJob job);
+  /// Forgets the jobs that wait, and the rest of the one being solved; the target in work is
+  /// finished and reported.
+  void forgetJobs();
+  /// No more jobs: next() returns nothing once the job in work is done (or its present target,
+  /// after forgetJobs()).
+  void close();
+  std::vector<FinishedTarget> takeFinished();
+  /// The reason when the solver gave up with an exception.
+  std::optional<std::string> solverError();
+  bool solverEnded();
+  Progress progress();
+  /// Readable while there is something to take; for poll().
+  int wakeUpDescriptor() const { return event_; }
+
+  // Solver side.
+  /// Waits for a job. Nothing: closed, end the thread.
+  std::optional<ReadyJob> next();
+  /// Call before each target. False: the job was forgotten, go on with next().
+  [[nodiscard]] bool begin(std::uint64_t job, const wire::Point& target);
+  void finish(FinishedTarget target);
+  /// Last call of the solver thread; `error` empty when it ended well.
+  void solverEnds(const std::string& error);
+
+ private:
+  void wakeNetwork();
+
+  const int event_;  ///< eventfd
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<ReadyJob> jobs_;
+  std::vector<FinishedTarget> finished_;
+  Progress progress_;
+  bool forget_current_ = false, closed_ = false, ended_ = false;
+  std::optional<std::string> error_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,75 @@
+#include "worker/solver/body_model.hpp"
+
+#include <Eigen/Geometry>
+
+#include "common/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+std::int32_t middleOf(const Mesh& mesh, std::int32_t a, std::int32_t b) {
+  const std::int32_t middle = midEdgeNode(mesh, a, b);
+  if (middle < 0) throw failure("nodes {} and {} share no edge", a, b);
+  return middle;
+}
+
+void addLoad(BodyModel& model, std::int32_t node, const Eigen::Vector3d& force) {
+  model.load.resize(3 * model.mesh.nodes.size(), 0.0);
+  for (int i = 0; i < 3; ++i) model.load[3 * static_cast<std::size_t>(node) + i] += force[i];
+}
+
+bool isQuadratic(const BodyModel& model) {
+  return model.discretization.displacement == DisplacementSpace::p2;
+}
+
+}  // namespace
+
+BodyModel bodyModel(const Problem& problem) {
+  BodyModel model;
+  model.mesh = problem.mesh;
+  model.discretization = problem.scene.discretization;
+  for (const Region& region : problem.scene.regions) model.materials.push_back(region.material);
+  model.region_of = problem.region_of;
+  model.fibers = problem.fibers;
+  model.fixed.assign(3 * problem.mesh.nodes.size(), 0);
+  for (const std::int32_t node : problem.fixed)
+    for (int i = 0; i < 3; ++i) model.fixed[3 * static_cast<std::size_t>(node) + i] = 1;
+  for (const ActivePatch& patch : problem.active)
+    model.tools.push_back({patch.nodes, patch.weights});
+  if (!problem.scene.gravity.isZero()) addGravity(model, problem.scene.gravity);
+  return model;
+}
+
+void addTraction(BodyModel& model, const std::vector<Triangle>& faces,
+                 const Eigen::Vector3d& traction) {
+  const Mesh& mesh = model.mesh;
+  for (const Triangle& face : faces) {
+    const Eigen::Vector3d a = mesh.nodes[face[0]], b = mesh.nodes[face[1]], c = mesh.nodes[face[2]];
+    // The integral of the linear shape function of a vertex is a third of the area; of the
+    // quadratic ones that of a vertex is zero, and that of a mid-edge node a third of the area.
+    const Eigen::Vector3d third = traction * ((b - a).cross(c - a).norm() / 2) / 3;
+    for (int corner = 0; corner < 3; ++corner)
+      addLoad(
+          model,
+          isQuadratic(model) ? middleOf(mesh, face[corner], face[(corner + 1) % 3]) : face[corner],
+          third);
+  }
+}
+
+void addGravity(BodyModel& model, const Eigen::Vector3d& acceleration) {
+  const Mesh& mesh = model.mesh;
+  for (std::size_t element = 0; element < mesh.tetrahedra.size(); ++element) {
+    const auto& density = model.materials[model.region_of[element]].density;
+    if (!density) throw badInput("gravity needs the density of every material");
+    const Eigen::Vector3d weight = acceleration * (*density * sixVolume(mesh, element) / 6);
+    // Integrals of the shape functions over the volume: 1/4; quadratic ones -1/20 at vertices, 1/5
+    // else.
+    for (const std::int32_t node : mesh.tetrahedra[element])
+      addLoad(model, node,
+              isQuadratic(model) ? Eigen::Vector3d(-weight / 20) : Eigen::Vector3d(weight / 4));
+    if (isQuadratic(model))
+      for (const std::int32_t node : mesh.mid_edge_nodes[element]) addLoad(model, node, weight / 5);
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,127 @@
+#include "worker/solver/limit_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+constexpr int max_corrections = 6;
+constexpr int easy_corrections = 3;
+constexpr double absolute_tolerance = 1e-8, relative_tolerance = 1e-7;
+/// Arc lengths, in units of the way to the target at first.
+constexpr double first_length = 1.0 / 16, smallest_length = 1.0 / 65536;
+
+/// The curve of equilibria (x, s), followed one arc length at a time.
+class Curve {
+ public:
+  Curve(const System& system, TangentSolver& solver, State start, const Eigen::Vector3d& target)
+      : system_(system),
+        solver_(solver),
+        origin_(start.displacement),
+        way_(target - start.displacement),
+        state_(std::move(start)) {}
+
+  double s() const { return s_; }
+  bool turnedBack() const { return s_direction_ < 0; }
+  int factorizations() const { return factorizations_; }
+  std::int32_t negativePivots() const { return negative_pivots_; }
+
+  bool begin() {
+    if (!linearize(state_)) return false;
+    weight_ = along_.norm();
+    s_direction_ = 1;
+    x_direction_ = Eigen::VectorXd::Zero(along_.size());
+    turn();
+    return true;
+  }
+
+  /// Goes on by `length`. The number of corrections it took; 0 when that failed and nothing
+  /// changed.
+  int advance(double length) {
+    double s = s_ + length * s_direction_;
+    State state = system_.moved(state_, x_direction_, length, origin_ + s * way_);
+    for (int correction = 1; correction <= max_corrections; ++correction) {
+      if (!linearize(state)) return 0;
+      if (residual_.norm <=
+          absolute_tolerance * system_.forceScale() + relative_tolerance * residual_.tool.norm()) {
+        state_ = std::move(state);
+        s_ = s;
+        turn();
+        return correction;
+      }
+      const double ds = -x_direction_.dot(correction_) /
+                        (x_direction_.dot(along_) + weight_ * weight_ * s_direction_);
+      s += ds;
+      state = system_.moved(state, correction_ + ds * along_, 1, origin_ + s * way_);
+    }
+    return 0;
+  }
+
+ private:
+  /// Newton's correction at fixed s, and dx/ds.
+  bool linearize(const State& state) {
+    system_.assemble(state, residual_, tangent_);
+    if (!std::isfinite(residual_.norm)) return false;
+    ++factorizations_;
+    const Factorization factorization = solver_.factorize(tangent_);
+    negative_pivots_ = factorization.negative_pivots;
+    Eigen::MatrixXd columns(residual_.free.size(), 2);
+    columns << -residual_.free, -(tangent_.tool_coupling * way_);
+    if (!factorization.ok || !solver_.solve(columns) || !columns.allFinite()) return false;
+    correction_ = columns.col(0);
+    along_ = columns.col(1);
+    return true;
+  }
+
+  /// The direction of the curve here, continued from the one before.
+  void turn() {
+    const double length = std::hypot(along_.norm(), weight_) / weight_;
+    const double same =
+        x_direction_.dot(along_) + weight_ * weight_ * s_direction_ < 0 ? -1.0 : 1.0;
+    x_direction_ = same / length * along_;
+    s_direction_ = same / length;
+  }
+
+  const System& system_;
+  TangentSolver& solver_;
+  const Eigen::Vector3d origin_, way_;
+  State state_;
+  double s_ = 0, s_direction_ = 0, weight_ = 1;
+  Eigen::VectorXd x_direction_, correction_, along_;
+  Residual residual_;
+  Tangent tangent_;
+  int factorizations_ = 0;
+  std::int32_t negative_pivots_ = 0;
+};
+
+}  // namespace
+
+std::optional<LimitPoint> findLimitPoint(const System& system, TangentSolver& solver,
+                                         const State& start, const Eigen::Vector3d& target,
+                                         int max_factorizations) {
+  Curve curve(system, solver, start, target);
+  if (!curve.begin()) return std::nullopt;
+  const std::int32_t stable_pivots = curve.negativePivots();
+  LimitPoint limit;
+  double length = first_length;
+  while (length >= smallest_length && curve.factorizations() < max_factorizations &&
+         curve.s() < 1) {
+    const int corrections = curve.advance(length);
+    if (corrections == 0) {
+      length /= 2;
+      continue;
+    }
+    if (corrections <= easy_corrections) length *= 1.5;
+    limit.at = std::max(limit.at, curve.s());
+    if (curve.turnedBack() && curve.s() < limit.at && curve.negativePivots() != stable_pivots) {
+      limit.followed_to = curve.s();
+      limit.negative_pivots = curve.negativePivots();
+      return limit;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace palpate

@@ -1,0 +1,147 @@
+#include "worker/solver/linear_solver.hpp"
+
+#include <cblas.h>
+#include <dmumps_c.h>
+#include <smumps_c.h>
+
+#include <algorithm>
+
+#include "common/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr int initialize = -1, terminate = -2, analyse = 1, factorise = 2, substitute = 3;
+constexpr int use_comm_world = -987654;
+/// SCOTCH orders about as well but differently in every process, so its factors differ in the last
+/// bits.
+constexpr int ordering_pord = 4;
+constexpr int workspace_percent = 50;  ///< ICNTL(14); avoids nearly all retries
+constexpr int workspace_retries = 4;
+
+}  // namespace
+
+class LinearSolver::Arithmetic {
+ public:
+  virtual ~Arithmetic() = default;
+  virtual Factorization factorize(const std::vector<double>& values) = 0;
+  virtual bool solve(Eigen::Ref<Eigen::MatrixXd>& right_hand_sides) = 0;
+  virtual int infog(int number) const = 0;
+  virtual double factorFlops() const = 0;
+};
+
+namespace {
+
+/// Structure, real type and entry point of one of MUMPS's arithmetics.
+template <class Structure, class Real, void (*call)(Structure*)>
+class Mumps : public LinearSolver::Arithmetic {
+ public:
+  Mumps(const Pattern& pattern, bool singular)
+      : row_(pattern.row.begin(), pattern.row.end()),
+        column_(pattern.column.begin(), pattern.column.end()),
+        values_(pattern.row.size()) {
+    data_.par = 1;
+    data_.sym = 2;
+    data_.comm_fortran = use_comm_world;
+    if (run(initialize) < 0) throw failure("MUMPS could not start: INFOG(1) = {}", infog(1));
+    for (const int stream : {1, 2, 3}) control(stream) = -1;
+    control(4) = 0;
+    control(7) = ordering_pord;
+    control(8) = 0;  // the unknowns are scaled already (System::pressureScale)
+    control(12) = 1;
+    control(13) = 1;  // count negative pivots exactly
+    control(14) = workspace_percent;
+    control(24) = singular ? 1 : 0;
+    data_.n = pattern.n;
+    data_.nnz = static_cast<MUMPS_INT8>(row_.size());
+    data_.irn = row_.data();
+    data_.jcn = column_.data();
+    data_.a = values_.data();
+    if (run(analyse) >= 0) return;
+    const int infog1 = infog(1), infog2 = infog(2);
+    run(terminate);
+    throw failure("MUMPS analysis of {} unknowns failed: INFOG(1) = {}, INFOG(2) = {}", pattern.n,
+                  infog1, infog2);
+  }
+  ~Mumps() override { run(terminate); }
+  Mumps(const Mumps&) = delete;
+  Mumps& operator=(const Mumps&) = delete;
+
+  Factorization factorize(const std::vector<double>& values) override {
+    Factorization result;
+    for (int attempt = 0; attempt <= workspace_retries; ++attempt) {
+      std::transform(values.begin(), values.end(), values_.begin(),
+                     [](double value) { return static_cast<Real>(value); });
+      result.infog1 = run(factorise);
+      result.infog2 = infog(2);
+      if (result.infog1 != -8 && result.infog1 != -9) break;
+      control(14) *= 2;
+    }
+    result.ok = result.infog1 >= 0;
+    result.negative_pivots = infog(12);
+    return result;
+  }
+
+  bool solve(Eigen::Ref<Eigen::MatrixXd>& right_hand_sides) override {
+    // Columns of size one: small residuals would leave the range of single precision.
+    Eigen::RowVectorXd scale = right_hand_sides.cwiseAbs().colwise().maxCoeff();
+    scale = (scale.array() > 0).select(scale, 1.0);
+    columns_ = (right_hand_sides.array().rowwise() / scale.array()).template cast<Real>();
+    data_.rhs = columns_.data();
+    data_.nrhs = static_cast<MUMPS_INT>(columns_.cols());
+    data_.lrhs = static_cast<MUMPS_INT>(columns_.rows());
+    if (run(substitute) < 0) return false;
+    right_hand_sides = columns_.template cast<double>().array().rowwise() * scale.array();
+    return true;
+  }
+
+  int infog(int number) const override { return data_.infog[number - 1]; }
+  double factorFlops() const override { return static_cast<double>(data_.rinfog[2]); }
+
+ private:
+  MUMPS_INT& control(int number) { return data_.icntl[number - 1]; }
+  int run(int job) {
+    data_.job = job;
+    call(&data_);
+    return infog(1);
+  }
+
+  Structure data_{};
+  std::vector<MUMPS_INT> row_, column_;
+  std::vector<Real> values_;
+  Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic> columns_;
+};
+
+using SingleMumps = Mumps<SMUMPS_STRUC_C, float, smumps_c>;
+using DoubleMumps = Mumps<DMUMPS_STRUC_C, double, dmumps_c>;
+
+}  // namespace
+
+LinearSolver::LinearSolver(const Pattern& pattern, Precision precision, bool singular) {
+  openblas_set_num_threads(1);
+  if (precision == Precision::single_precision) {
+    mumps_ = std::make_unique<SingleMumps>(pattern, singular);
+  } else {
+    mumps_ = std::make_unique<DoubleMumps>(pattern, singular);
+  }
+}
+
+LinearSolver::~LinearSolver() = default;
+
+Factorization LinearSolver::factorize(const std::vector<double>& values) {
+  return mumps_->factorize(values);
+}
+
+bool LinearSolver::solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) {
+  return mumps_->solve(right_hand_sides);
+}
+
+double LinearSolver::factorEntries() const {
+  // Negative values are millions (MUMPS manual, INFOG(29)).
+  const int entries = mumps_->infog(29);
+  return entries >= 0 ? entries : -1e6 * entries;
+}
+
+double LinearSolver::factorFlops() const { return mumps_->factorFlops(); }
+
+}  // namespace palpate

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "common/space/failure.hpp"
+#include "worker/solver/system.hpp"
+#include "worker/solver/tangent_solver.hpp"
+
+namespace palpate {
+
+struct NewtonOptions {
+  int max_iterations = 40;
+  int max_factorizations = 6;
+  int max_halvings = 6;  ///< of a step by the line search
+  /// A tangent is kept while the residual falls to less than this in each iteration ...
+  double slow_contraction = 0.5;
+  /// ... or when at that rate it is done after no more iterations than a new tangent is worth.
+  int iterations_worth_a_tangent = 8;
+  /// Converged when the residual norm is at most absolute * (System::forceScale() + totalLoad()) +
+  /// relative * |force on the tool|. Leaves the force right to about 1e-9 relative.
+  double absolute_tolerance = 1e-10;
+  double relative_tolerance = 1e-9;
+};
+
+/// Where Newton ended, converged or not.
+struct NewtonResult {
+  Cause cause = Cause::none;  ///< none: converged
+  State state;
+  Residual residual;            ///< at `state`
+  int iterations = 0;           ///< corrections of the state
+  int factorizations = 0;       ///< the solver holds the last one, when there was any
+  Factorization factorization;  ///< the last one
+};
+
+/// Solves the equations for the tool at `displacement` (metres), from `start`, which has the tool
+/// there already.
+///
+/// A quasi-Newton method: the tangent is factorised where it starts, and its inverse corrected
+/// after every step by Broyden's rank-one update (Kelley, Iterative Methods for Linear and
+/// Nonlinear Equations, 1995, Sec. 7.3); when that converges slowly the tangent is taken anew. The
+/// first step with a new tangent is Newton's, with a line search that halves it until the norm of
+/// the residual decreases. It watches the residual and not the energy because with a pressure the
+/// solution is a saddle point.
+NewtonResult findEquilibrium(const System& system, TangentSolver& solver, State start,
+                             const Eigen::Vector3d& displacement, const NewtonOptions& options);
+
+}  // namespace palpate

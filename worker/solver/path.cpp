@@ -1,0 +1,69 @@
+#include "worker/solver/path.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+/// How far beside the middle of a transition a detour leads, in lengths of the transition.
+constexpr std::array<double, 3> detour_widths = {0.5, 1.0, 2.0};
+constexpr int detours_around = 6;
+
+std::optional<Reached> reachAround(TransitionSolver& solver, const Start& from,
+                                   const Eigen::Vector3d& target, Cost& cost) {
+  const Eigen::Vector3d way = target - from.state.displacement;
+  const Eigen::Vector3d middle = from.state.displacement + 0.5 * way;
+  const Eigen::Vector3d across = way.unitOrthogonal() * way.norm();
+  for (const double width : detour_widths)
+    for (int n = 0; n < detours_around; ++n) {
+      const Eigen::AngleAxisd turned(2 * M_PI * n / detours_around, way.normalized());
+      const Reached beside = solver.reach(from, middle + width * (turned * across));
+      cost += beside.outcome.cost;
+      if (!beside.outcome.converged) continue;
+      Reached reached = solver.reach(beside.end, target);
+      cost += reached.outcome.cost;
+      if (reached.outcome.converged) return reached;
+    }
+  return std::nullopt;
+}
+
+}  // namespace
+
+WalkedPath walk(TransitionSolver& solver, const Start& start, const Eigen::Vector3d& target,
+                int transitions) {
+  WalkedPath path;
+  Cost total;
+  const Eigen::Vector3d origin = start.state.displacement;
+  const Start* at = &start;
+  for (int n = 1; n <= transitions; ++n) {
+    const Eigen::Vector3d next =
+        n == transitions ? target : origin + (target - origin) * n / transitions;
+    Reached reached = solver.reach(*at, next);
+    total += reached.outcome.cost;
+    if (!reached.outcome.converged)
+      if (auto around = reachAround(solver, *at, next, total)) {
+        reached = std::move(*around);
+        ++path.detours;
+      }
+    if (!reached.outcome.converged) {
+      solver.explainByLimitPoint(*at, next, reached);
+      reached.outcome.failure.step_reached =
+          (n - 1 + reached.outcome.failure.step_reached) / transitions;
+      path.outcome = std::move(reached.outcome);
+      break;
+    }
+    path.min_det_F = std::min(path.min_det_F, reached.outcome.equilibrium.min_det_F);
+    path.end = std::move(reached.end);
+    path.outcome = std::move(reached.outcome);
+    at = &path.end;
+  }
+  path.outcome.cost = total;
+  return path;
+}
+
+}  // namespace palpate

@@ -1,0 +1,105 @@
+#include "worker/solver/tangent_solver.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+namespace palpate {
+namespace {
+
+constexpr int max_refinements = 30;
+constexpr double slowest_contraction = 0.5;
+
+bool pressureBlockIsZero(const Discretization& discretization) {
+  return discretization.pressure == PressureSpace::p1 ||
+         discretization.pressure == PressureSpace::p2;
+}
+
+}  // namespace
+
+TangentSolver::TangentSolver(const System& system)
+    : system_(system),
+      solver_(system.pattern(),
+              pressureBlockIsZero(system.model().discretization) ? Precision::double_precision
+                                                                 : Precision::single_precision,
+              !isInfSupStable(system.model().discretization)) {}
+
+Factorization TangentSolver::factorize(const Tangent& tangent) {
+  Factorization result = solver_.factorize(tangent.values);
+  border_ = tangent.border;
+  if (!result.ok || border_.cols() == 0) return result;
+  inverse_border_ = border_;
+  result.ok = solver_.solve(inverse_border_);
+  const Eigen::Matrix3d complement = border_.transpose() * inverse_border_;
+  if (!result.ok || !complement.allFinite()) {
+    result.ok = false;
+    return result;
+  }
+  complement_.compute(complement);
+  // Sylvester: the inertia of [K B; B^T 0] is that of K and of -B^T K^-1 B together.
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(complement, Eigen::EigenvaluesOnly);
+  result.negative_pivots += static_cast<std::int32_t>((eigen.eigenvalues().array() > 0).count());
+  return result;
+}
+
+bool TangentSolver::solve(Eigen::Ref<Eigen::MatrixXd> columns) {
+  const Eigen::Index n = system_.unknowns();
+  Eigen::MatrixXd inner = columns.topRows(n);
+  if (!solver_.solve(inner)) return false;
+  if (border_.cols() > 0) {
+    const Eigen::MatrixXd multiplier =
+        complement_.solve(border_.transpose() * inner - columns.bottomRows(columns.rows() - n));
+    inner -= inverse_border_ * multiplier;
+    columns.bottomRows(columns.rows() - n) = multiplier;
+  }
+  columns.topRows(n) = inner;
+  return true;
+}
+
+Eigen::MatrixXd TangentSolver::multiply(const Tangent& tangent, const Eigen::MatrixXd& x) const {
+  const Pattern& pattern = system_.pattern();
+  Eigen::MatrixXd y = Eigen::MatrixXd::Zero(x.rows(), x.cols());
+  for (Eigen::Index k = 0; k < x.cols(); ++k) {
+    const double* in = x.col(k).data();
+    double* out = y.col(k).data();
+    for (std::size_t entry = 0; entry < tangent.values.size(); ++entry) {
+      const std::int32_t row = pattern.row[entry] - 1, column = pattern.column[entry] - 1;
+      const double value = tangent.values[entry];
+      out[row] += value * in[column];
+      if (row != column) out[column] += value * in[row];
+    }
+  }
+  if (tangent.border.cols() > 0) {
+    const Eigen::Index n = pattern.n;
+    y.topRows(n) += tangent.border * x.bottomRows(x.rows() - n);
+    y.bottomRows(x.rows() - n) += tangent.border.transpose() * x.topRows(n);
+  }
+  return y;
+}
+
+std::optional<TangentSolver::Refined> TangentSolver::solveWith(
+    const Tangent& tangent, const Eigen::MatrixXd& right_hand_sides, double tolerance) {
+  Refined refined;
+  refined.solution = Eigen::MatrixXd::Zero(right_hand_sides.rows(), right_hand_sides.cols());
+  refined.residual = -right_hand_sides;
+  // A weighted tool's right-hand sides are displacements, what the refinement leaves are forces.
+  const double stiffness = system_.forceScale() / system_.meanEdge();
+  const Eigen::RowVectorXd size = right_hand_sides.colwise().norm().cwiseMax(stiffness);
+  Eigen::MatrixXd correction;
+  double before = size.norm();
+  for (int refinement = 0; refinement < max_refinements; ++refinement) {
+    correction = -refined.residual;
+    if (!solve(correction)) return std::nullopt;
+    refined.solution += correction;
+    refined.residual = multiply(tangent, refined.solution) - right_hand_sides;
+    if (!refined.residual.allFinite()) return std::nullopt;
+    const double now = refined.residual.norm();
+    refined.contraction = std::max(refined.contraction, now / before);
+    if ((refined.residual.colwise().norm().array() <= tolerance * size.array()).all())
+      return refined;
+    if (!(now <= slowest_contraction * before)) return std::nullopt;
+    before = now;
+  }
+  return std::nullopt;
+}
+
+}  // namespace palpate

@@ -1,0 +1,290 @@
+#include "worker/solver/transition.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "worker/solver/local_relaxation.hpp"
+
+namespace palpate {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Relative residual of du/dp. The stiffness, in which it enters squared, is then right to about
+/// 1e-10.
+constexpr double sensitivity_tolerance = 1e-5;
+constexpr double loose_sensitivity_tolerance = 1e-2;
+/// Of the relaxation near the tool, times System::forceScale().
+constexpr double relaxation_tolerance = 1e-3;
+constexpr double smallest_approach = 1.0 / 16;
+constexpr double smallest_load_step = 1.0 / 64;
+
+/// A twentieth of the body, as far as dense matrices are cheap.
+std::size_t nodesNearTool(const Mesh& mesh) {
+  return std::clamp<std::size_t>(mesh.nodes.size() / 20, 16, 80);
+}
+
+Failure failureOf(Cause cause, const NewtonResult& newton) {
+  Failure failure;
+  failure.cause = cause;
+  failure.residual = newton.residual.norm;
+  failure.element = newton.residual.worst_element;
+  failure.element_det_F = newton.residual.min_det_F;
+  failure.negative_pivots = newton.factorization.negative_pivots;
+  failure.mumps_infog1 = newton.factorization.infog1;
+  failure.mumps_infog2 = newton.factorization.infog2;
+  return failure;
+}
+
+}  // namespace
+
+/// du/dp and what follows from it.
+struct TransitionSolver::Sensitivity {
+  Eigen::MatrixXd columns;
+  Eigen::Matrix3d tool_stiffness;  ///< d(tool force)/dp, N/m
+};
+
+TransitionSolver::TransitionSolver(const Problem& problem, const ElementKernels& kernels,
+                                   TransitionOptions options)
+    : problem_(problem), options_(options), system_(problem, kernels), solver_(system_) {
+  chooseTool(0);
+}
+
+void TransitionSolver::chooseTool(std::size_t space) {
+  if (system_.tool() == space && !near_tool_.unknowns.empty()) return;
+  system_.chooseTool(space);
+  space_ = space;
+  const bool rigid = problem_.active.at(space).weights.empty();
+  near_tool_ = rigid ? system_.neighborhood(nodesNearTool(problem_.mesh)) : Neighborhood{};
+}
+
+std::optional<Start> TransitionSolver::startAtRest(Failure& failure) {
+  if (!solveRest(failure)) return std::nullopt;
+  return linearize(system_.restState(), failure);
+}
+
+std::optional<Start> TransitionSolver::startFrom(const NodalFields& fields,
+                                                 const Eigen::Vector3d& displacement,
+                                                 Failure& failure) {
+  if (!solveRest(failure)) return std::nullopt;
+  State state = system_.restState();
+  std::copy(fields.displacement.begin(), fields.displacement.end(), state.u.begin());
+  for (std::size_t node = 0; node < state.q.size(); ++node)
+    state.q[node] = fields.pressure.at(node) / system_.pressureScale();
+  // Also puts a rigid tool, which float32 moved by half a unit in the last place, back where it
+  // was.
+  const Eigen::VectorXd nowhere = Eigen::VectorXd::Zero(system_.unknowns() + system_.multipliers());
+  state = system_.moved(state, nowhere, 0, displacement);
+  return linearize(std::move(state), failure);
+}
+
+bool TransitionSolver::solveRest(Failure& failure) {
+  if (at_rest_) return true;
+  if (problem_.scene.gravity.isZero()) return at_rest_ = true;
+  system_.releaseTool();
+  State state = system_.restState();
+  double at = 0, step = 1;
+  while (at < 1) {
+    const double next = std::min(1.0, at + step);
+    system_.setLoadFactor(next);
+    NewtonResult newton =
+        findEquilibrium(system_, solver_, state, Eigen::Vector3d::Zero(), options_.newton);
+    const auto expected = system_.expectedNegativePivots();
+    // Without a factorisation the load was too small to move anything, and nothing was counted.
+    const bool unstable = newton.cause == Cause::none && newton.factorizations > 0 && expected &&
+                          newton.factorization.negative_pivots != *expected;
+    if (unstable) newton.cause = Cause::wrong_inertia;
+    if (newton.cause == Cause::none) {
+      state = std::move(newton.state);
+      at = next;
+      continue;
+    }
+    step = (next - at) / 2;
+    if (step < smallest_load_step) {
+      failure = failureOf(newton.cause, newton);
+      if (unstable) failure.expected_negative_pivots = *expected;
+      return false;
+    }
+  }
+  system_.setRest(state);
+  system_.chooseTool(space_);
+  return at_rest_ = true;
+}
+
+std::optional<Start> TransitionSolver::linearize(State state, Failure& failure) {
+  NewtonResult here;
+  Tangent tangent;
+  system_.assemble(state, here.residual, tangent);
+  if (!std::isfinite(here.residual.norm)) {
+    failure =
+        failureOf(here.residual.min_det_F <= 0 ? Cause::inverted_element : Cause::not_finite, here);
+    return std::nullopt;
+  }
+  here.factorization = solver_.factorize(tangent);
+  std::optional<TangentSolver::Refined> refined;
+  if (here.factorization.ok)
+    refined = solver_.solveWith(tangent, -tangent.tool_coupling, sensitivity_tolerance);
+  if (!refined) {
+    failure = failureOf(Cause::factorization_failed, here);
+    return std::nullopt;
+  }
+  return Start{std::move(state), std::move(refined->solution)};
+}
+
+/// The state with the tool at `displacement` that the predictor and the relaxation near the tool
+/// lead to. What lies farther away follows the predictor, in as many parts as the relaxation needs.
+State TransitionSolver::approach(const Start& from, const Eigen::Vector3d& displacement) {
+  const Eigen::Vector3d way = displacement - from.state.displacement;
+  const Eigen::VectorXd predictor = from.sensitivity * way;
+  State state = from.state;
+  double at = 0, next = 1;
+  while (next - at >= smallest_approach) {
+    State trial = system_.moved(state, predictor, next - at,
+                                next == 1 ? displacement : from.state.displacement + next * way);
+    if (relaxNearTool(system_, near_tool_, trial, relaxation_tolerance * system_.forceScale())) {
+      if (next == 1) return trial;
+      state = std::move(trial);
+      at = std::exchange(next, 1);
+    } else {
+      next = (at + next) / 2;
+    }
+  }
+  return system_.moved(state, predictor, 1 - at, displacement);
+}
+
+std::optional<TransitionSolver::Sensitivity> TransitionSolver::solveSensitivity(
+    NewtonResult& newton, const Tangent& tangent, bool last, Cost& cost) {
+  const double tolerance = last ? sensitivity_tolerance : loose_sensitivity_tolerance;
+  std::optional<TangentSolver::Refined> refined;
+  if (newton.factorizations > 0)
+    refined = solver_.solveWith(tangent, -tangent.tool_coupling, tolerance);
+  if (!refined) {
+    newton.factorization = solver_.factorize(tangent);
+    ++cost.factorizations;
+    if (newton.factorization.ok)
+      refined = solver_.solveWith(tangent, -tangent.tool_coupling, tolerance);
+    if (!refined) return std::nullopt;
+  }
+  // S^T K S + 2 S^T C with K S = -C + R: errors of S enter squared.
+  const Eigen::Matrix3d K = tangent.tool + tangent.tool_coupling.transpose() * refined->solution +
+                            refined->solution.transpose() * refined->residual;
+  return Sensitivity{std::move(refined->solution), 0.5 * (K + K.transpose())};
+}
+
+bool TransitionSolver::accept(NewtonResult& newton, bool last, Reached& reached, Failure& failure) {
+  Tangent tangent;
+  system_.assemble(newton.state, newton.residual, tangent);
+  system_.lookAtNodes(newton.state, newton.residual);
+  if (problem_.scene.workspace.reject_inverted && !(newton.residual.min_det_F > 0)) {
+    failure = failureOf(Cause::inverted_element, newton);
+    return false;
+  }
+  auto sensitivity = solveSensitivity(newton, tangent, last, reached.outcome.cost);
+  if (!sensitivity) {
+    failure = failureOf(Cause::factorization_failed, newton);
+    return false;
+  }
+  if (auto expected = system_.expectedNegativePivots();
+      expected && newton.factorization.negative_pivots != *expected + system_.multipliers()) {
+    failure = failureOf(Cause::wrong_inertia, newton);
+    failure.expected_negative_pivots = *expected + system_.multipliers();
+    return false;
+  }
+  Equilibrium equilibrium;
+  // Subtracted from zero, so that a zero is plain 0 and not -0.
+  equilibrium.force = Eigen::Vector3d::Zero() - newton.residual.tool;
+  equilibrium.stiffness = Eigen::Matrix3d::Zero() - sensitivity->tool_stiffness;
+  equilibrium.energy = newton.residual.energy;
+  equilibrium.min_det_F = newton.residual.min_det_F;
+  if (!equilibrium.stiffness.allFinite() || !equilibrium.force.allFinite() ||
+      !std::isfinite(equilibrium.energy)) {
+    failure = failureOf(Cause::not_finite, newton);
+    return false;
+  }
+  reached.outcome.equilibrium = equilibrium;
+  reached.outcome.residual = newton.residual.norm;
+  ++reached.outcome.cost.steps;
+  reached.end = {std::move(newton.state), std::move(sensitivity->columns)};
+  return true;
+}
+
+Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& target) {
+  const auto began = Clock::now();
+  Reached reached;
+  Outcome& outcome = reached.outcome;
+  const Eigen::Vector3d origin = start.state.displacement, whole = target - origin;
+  NewtonOptions loose = options_.newton;
+  loose.absolute_tolerance = options_.loose_absolute_tolerance;
+  loose.relative_tolerance = options_.loose_relative_tolerance;
+  const Start* from = &start;
+  double at = 0, step = 1;
+  while (at < 1) {
+    const double next = std::min(1.0, at + step);
+    const bool last = next == 1;
+    const Eigen::Vector3d displacement = last ? target : Eigen::Vector3d(origin + next * whole);
+    NewtonOptions newton_options = last ? options_.newton : loose;
+    newton_options.max_factorizations =
+        std::min(newton_options.max_factorizations,
+                 options_.max_factorizations - outcome.cost.factorizations);
+    NewtonResult newton = findEquilibrium(system_, solver_, approach(*from, displacement),
+                                          displacement, newton_options);
+    outcome.cost.newton_iterations += newton.iterations;
+    outcome.cost.factorizations += newton.factorizations;
+
+    Failure failure;
+    bool accepted = false;
+    if (newton.cause == Cause::none) {
+      accepted = accept(newton, last, reached, failure);
+    } else {
+      failure = failureOf(newton.cause, newton);
+    }
+    if (accepted) {
+      from = &reached.end;
+      at = next;
+      if (newton.factorizations <= 1) step *= 2;
+      failure = failureOf(Cause::step_budget, newton);
+    } else {
+      step = (next - at) / 2;
+    }
+    const bool too_small = step < options_.smallest_step;
+    const bool too_costly = outcome.cost.factorizations >= options_.max_factorizations;
+    if (at < 1 && (too_small || too_costly)) {
+      outcome.failure = failure;
+      outcome.failure.step_reached = at;
+      if (!too_small) outcome.failure.cause = Cause::step_budget;
+      break;
+    }
+  }
+  outcome.converged = at >= 1;
+  if (outcome.converged) outcome.fields = fieldsOf(reached.end.state);
+  outcome.cost.seconds = std::chrono::duration<double>(Clock::now() - began).count();
+  return reached;
+}
+
+void TransitionSolver::explainByLimitPoint(const Start& start, const Eigen::Vector3d& target,
+                                           Reached& failed) {
+  const auto expected = system_.expectedNegativePivots();
+  if (!expected) return;  // spurious modes: an inertia that changed would prove nothing
+  const double reached = failed.outcome.failure.step_reached;
+  const State& from = reached > 0 ? failed.end.state : start.state;
+  const auto limit = findLimitPoint(system_, solver_, from, target);
+  if (!limit) return;
+  Failure& failure = failed.outcome.failure;
+  failure.cause = Cause::limit_point;
+  failure.step_reached = reached + (1 - reached) * limit->at;
+  failure.negative_pivots = limit->negative_pivots;
+  failure.expected_negative_pivots = *expected + system_.multipliers();
+}
+
+NodalFields TransitionSolver::fieldsOf(const State& state) const {
+  NodalFields fields;
+  fields.displacement.assign(state.u.begin(), state.u.end());
+  fields.pressure.reserve(state.q.size());
+  for (const double q : state.q)
+    fields.pressure.push_back(static_cast<float>(q * system_.pressureScale()));
+  return fields;
+}
+
+}  // namespace palpate

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "common/problem/problem.hpp"
+#include "common/space/configuration.hpp"
+#include "worker/elements/kernel_family.hpp"
+#include "worker/solver/limit_point.hpp"
+#include "worker/solver/newton.hpp"
+#include "worker/solver/system.hpp"
+#include "worker/solver/tangent_solver.hpp"
+
+namespace palpate {
+
+struct TransitionOptions {
+  NewtonOptions newton;
+  /// For the steps on the way, which nobody stores.
+  double loose_absolute_tolerance = 1e-6, loose_relative_tolerance = 1e-5;
+  double smallest_step = 1.0 / 16;  ///< fraction of the transition
+  /// A lattice transition takes one or two factorisations; one that fails may cost about five times
+  /// that, no more.
+  int max_factorizations = 8;
+};
+
+/// A configuration that transitions start from: where it is, and its tangent predictor.
+struct Start {
+  State state;
+  Eigen::MatrixXd sensitivity;  ///< d(unknowns, multipliers)/dp, rows x 3
+};
+
+/// An outcome, and when it converged, the configuration to go on from (in double precision).
+struct Reached {
+  Outcome outcome;
+  Start end;
+};
+
+/// Solves the configurations of one problem. One per process (it owns the LinearSolver), one
+/// thread.
+class TransitionSolver {
+ public:
+  /// `problem` must outlive it. Analyses the sparsity pattern, once for all spaces. Error when that
+  /// fails.
+  TransitionSolver(const Problem& problem, const ElementKernels& kernels,
+                   TransitionOptions options = {});
+
+  const System& system() const { return system_; }
+  /// Of the active patches; the first one is chosen at the beginning.
+  void chooseTool(std::size_t space);
+
+  /// The rest state (under gravity the equilibrium that it leads to, solved here once), or the
+  /// configuration with these nodal fields at `displacement`, made ready to start from: one
+  /// factorisation, shared by all targets around it. Nothing when that fails; `failure` then says
+  /// why.
+  std::optional<Start> startAtRest(Failure& failure);
+  std::optional<Start> startFrom(const NodalFields& fields, const Eigen::Vector3d& displacement,
+                                 Failure& failure);
+
+  /// Moves the tool from `start` to `target` (metres), in steps: tangent predictor, relaxation near
+  /// the tool, Newton, check, and half the step when it failed. A state is accepted when it is
+  /// finite, min det F > 0 (if the scene says so) and the tangent has the right inertia.
+  ///
+  /// The inertia is that of the last tangent that Newton factorised; the tangent at the solution
+  /// has the same when the sensitivities, which are solved for it with those factors, contract
+  /// fast, and is factorised itself when they do not.
+  ///
+  /// Outcome::cost counts what this transition took, the factorisation of `start` excepted (it is
+  /// shared).
+  Reached reach(const Start& start, const Eigen::Vector3d& target);
+
+  /// After a transition failed: whether a limit point is why, sought from where `failed` got to.
+  /// When it is, `failed` says so: Cause::limit_point, and step_reached where it lies. Costs many
+  /// times a transition. Not looked for where the inertia says nothing
+  /// (System::expectedNegativePivots).
+  void explainByLimitPoint(const Start& start, const Eigen::Vector3d& target, Reached& failed);
+
+ private:
+  struct Sensitivity;
+
+  bool solveRest(Failure& failure);
+  std::optional<Start> linearize(State state, Failure& failure);
+  State approach(const Start& from, const Eigen::Vector3d& displacement);
+  bool accept(NewtonResult& newton, bool last, Reached& reached, Failure& failure);
+  std::optional<Sensitivity> solveSensitivity(NewtonResult& newton, const Tangent& tangent,
+                                              bool last, Cost& cost);
+  NodalFields fieldsOf(const State& state) const;
+
+  const Problem& problem_;
+  TransitionOptions options_;
+  System system_;
+  TangentSolver solver_;
+  std::size_t space_ = 0;
+  Neighborhood near_tool_;  ///< of a rigid tool, else empty
+  bool at_rest_ = false;    ///< the system knows its rest state
+};
+
+}  // namespace palpate
