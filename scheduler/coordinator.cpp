@@ -134,7 +134,7 @@ void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time 
     return refuse(fmt::format(
         "this build is computed with the {} kernels, the worker would use {}, "
         "and the last bits would depend on who solved what: use machines with {} in this build, "
-        "or see PALPATE_KERNELS and OPENBLAS_CORETYPE in docs/numerics.md",
+        "or see PALPATE_KERNELS and OPENBLAS_CORETYPE in docs/solver.md",
         kernel_family_, hello.kernel_family(), kernel_family_));
 
   if (const auto before = workerOf(peer);

@@ -1,65 +1,272 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <regex>
 #include <set>
 #include <string>
+#include <vector>
 
-#include "tests/support/command.hpp"
+#include "tests/support/source_tree.hpp"
+
+// The rules of the house. Nothing is listed here: folders and files are read from the tree, and
+// what a folder may include from the CMakeLists.txt that links it.
 
 namespace palpate {
 namespace {
 
-namespace fs = std::filesystem;
+using test::folderOf;
+using test::sourceTree;
+using test::topOf;
 
-/// What each folder may include. The three programs never include each other; tests and deploy may
-/// see everything.
-const std::map<std::string, std::set<std::string>> allowed = {
-    {"proto", {"proto"}},
-    {"common", {"common", "proto"}},
-    {"scheduler", {"scheduler", "common", "proto"}},
-    {"worker", {"worker", "common", "proto"}},
-    {"viewer", {"viewer", "common", "proto"}}};
+using Names = std::set<std::string>;
+using Graph = std::map<std::string, Names>;  ///< from each node to those that it needs
 
-/// "FILE includes FOLDER/..." for every include that the folder of the file may not have.
-std::vector<std::string> forbiddenIncludes(const fs::path& root) {
-  static const std::regex include(
-      R"re(^\s*#\s*include\s*["<](proto|common|scheduler|worker|viewer|tests|deploy)/)re");
-  std::vector<std::string> found;
-  for (const auto& [folder, may_include] : allowed)
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
-      if (!entry.is_regular_file()) continue;
-      std::ifstream in(entry.path());
-      std::smatch match;
-      for (std::string line; std::getline(in, line);)
-        if (std::regex_search(line, match, include) && !may_include.contains(match[1]))
-          found.push_back(fs::relative(entry.path(), root).string() + " includes " +
-                          match[1].str());
+/// Folders whose code is checked: those of the programs. Tests may see everything.
+bool isProduct(const std::string& file) {
+  return !file.starts_with("tests/") && !file.starts_with("deploy/");
+}
+
+std::vector<std::string> productCode() {
+  std::vector<std::string> result;
+  for (const std::string& file : sourceTree().files)
+    if (isProduct(file) && test::isCode(file)) result.push_back(file);
+  return result;
+}
+
+// ---- What CMake says -------------------------------------------------------------------------
+
+struct Command {
+  std::string folder;  ///< of its CMakeLists.txt
+  std::string name;
+  std::vector<std::string> words;
+};
+
+std::vector<Command> cmakeCommands() {
+  static const std::regex comment("#[^\n]*"), command(R"((\w+)\s*\(([^()]*)\))"), word(R"(\S+)");
+  const auto all = [](const std::string& text, const std::regex& what) {
+    return std::vector<std::smatch>(std::sregex_iterator(text.begin(), text.end(), what), {});
+  };
+  std::vector<Command> result;
+  for (const std::string& file : sourceTree().files) {
+    if (!isProduct(file) || !file.ends_with("/CMakeLists.txt")) continue;
+    const std::string text = std::regex_replace(sourceTree().text(file), comment, "");
+    for (const std::smatch& match : all(text, command)) {
+      const std::string arguments = match[2];
+      Command read{folderOf(file), match[1], {}};
+      for (const std::smatch& found : all(arguments, word)) read.words.push_back(found.str());
+      result.push_back(std::move(read));
     }
+  }
+  return result;
+}
+
+/// palpate_common_mesh: the library of common/mesh.
+std::string libraryOf(std::string folder) {
+  std::replace(folder.begin(), folder.end(), '/', '_');
+  return "palpate_" + folder;
+}
+
+/// Every folder that is a library or a program of its own, and the folders it is linked with.
+Graph linkedFolders() {
+  const std::vector<Command> commands = cmakeCommands();
+  Graph links;
+  std::map<std::string, std::string> folder_of_target;
+  for (const Command& command : commands) {
+    if (command.words.empty()) continue;
+    std::string folder = command.folder;
+    if (command.name == "palpate_room") {
+      folder = command.words[0];
+    } else if (command.name == "add_executable" || command.name == "add_library") {
+      if (command.words[1] == "ALIAS") continue;
+      for (const std::string& source : command.words)
+        if (source.ends_with(".cpp"))
+          folder = folderOf((std::filesystem::path(folder) / source).string());
+      folder_of_target[command.words[0]] = folder;
+    } else {
+      continue;
+    }
+    folder_of_target[libraryOf(folder)] = folder;
+    links[folder];
+  }
+  for (const Command& command : commands) {
+    if (command.name != "palpate_room" && command.name != "target_link_libraries") continue;
+    const std::string& target = command.words[0];
+    const bool is_room = command.name == "palpate_room";
+    const auto owner = folder_of_target.find(is_room ? libraryOf(target) : target);
+    if (owner == folder_of_target.end()) continue;
+    for (const std::string& word : command.words) {
+      const auto used = folder_of_target.find(links.contains(word) ? libraryOf(word) : word);
+      if (used != folder_of_target.end() && used->second != owner->second)
+        links[owner->second].insert(used->second);
+    }
+  }
+  return links;
+}
+
+void addReachable(const Graph& graph, const std::string& from, Names& reached) {
+  for (const std::string& next : graph.at(from))
+    if (reached.insert(next).second && graph.contains(next)) addReachable(graph, next, reached);
+}
+
+// ---- What the sources say --------------------------------------------------------------------
+
+struct Include {
+  std::string from, to;  ///< files
+};
+
+/// Includes of our own headers; "proto/palpate.pb.h" stands for the file it is made of.
+std::vector<Include> includes() {
+  static const std::regex directive(R"re(^\s*#\s*include\s*["<]([^">]+)[">])re");
+  std::vector<Include> result;
+  for (const std::string& file : productCode())
+    for (const std::string& line : sourceTree().lines(file)) {
+      std::smatch match;
+      if (!std::regex_search(line, match, directive)) continue;
+      const std::string to =
+          std::regex_replace(match[1].str(), std::regex(R"(\.pb\.h$)"), ".proto");
+      const std::string beside = (std::filesystem::path(folderOf(file)) / to).string();
+      if (sourceTree().holds(to))
+        result.push_back({file, to});
+      else if (sourceTree().holds(beside))
+        result.push_back({file, beside});
+      else if (isProduct(to) && sourceTree().folders.contains(topOf(to)))
+        ADD_FAILURE() << file << " includes " << to << ", which is not there";
+    }
+  return result;
+}
+
+/// foo of foo.hpp and foo.cpp: one noun.
+std::string unitOf(const std::string& file) {
+  return (std::filesystem::path(folderOf(file)) / std::filesystem::path(file).stem()).string();
+}
+
+template <class Part>
+Graph includeGraph(Part part) {
+  Graph graph;
+  for (const auto& [from, to] : includes()) {
+    graph[part(to)];
+    if (part(from) != part(to)) graph[part(from)].insert(part(to));
+  }
+  return graph;
+}
+
+/// One line for each node that can be reached from itself: "a: a needs b, b needs a" is two.
+std::vector<std::string> circles(const Graph& graph) {
+  std::vector<std::string> found;
+  for (const auto& [node, needs] : graph) {
+    Names reached;
+    addReachable(graph, node, reached);
+    if (!reached.contains(node)) continue;
+    Names around;
+    for (const std::string& next : needs) {
+      Names beyond = {next};
+      addReachable(graph, next, beyond);
+      if (beyond.contains(node)) around.insert(next);
+    }
+    found.push_back(node + " needs itself by way of " + ::testing::PrintToString(around));
+  }
   return found;
 }
 
-TEST(Architecture, IncludesOnlyPointDown) {
-  EXPECT_THAT(forbiddenIncludes(PALPATE_SOURCE_DIR), ::testing::IsEmpty());
+// ---- The rules -------------------------------------------------------------------------------
+
+TEST(Architecture, EveryFolderWithCodeIsALibraryOrAProgram) {
+  const Graph links = linkedFolders();
+  Names homeless;
+  for (const std::string& file : productCode())
+    if (!links.contains(folderOf(file))) homeless.insert(folderOf(file));
+  EXPECT_THAT(homeless, ::testing::IsEmpty()) << "a room of its own: palpate_room(FOLDER USES ...)";
+  EXPECT_GE(links.size(), 10U) << "the CMakeLists.txt are not understood";
 }
 
-TEST(Architecture, NoProgramLinksOpenMpi) {
-  int programs = 0;
-  for (const fs::directory_entry& entry : fs::directory_iterator(PALPATE_BIN_DIR)) {
-    if (!entry.path().filename().string().starts_with("palpate")) continue;
-    const test::CommandResult libraries = test::runCommand("ldd '" + entry.path().string() + "'");
-    EXPECT_EQ(libraries.exit_code, 0) << libraries.output;
-    EXPECT_THAT(libraries.output, ::testing::HasSubstr("libc.so")) << entry.path();
-    EXPECT_THAT(
-        libraries.output,
-        ::testing::Not(::testing::ContainsRegex("libmpi|openmpi|open-rte|open-pal|libmpich")))
-        << entry.path();
-    ++programs;
+TEST(Architecture, IncludesOnlyPointDown) {
+  const Graph links = linkedFolders();
+  const std::vector<Include> all = includes();
+  EXPECT_GE(all.size(), 100U);
+  Names wrong;
+  for (const auto& [from, to] : all) {
+    const std::string folder = folderOf(from);
+    Names allowed = {folder};
+    if (links.contains(folder)) addReachable(links, folder, allowed);
+    if (!allowed.contains(folderOf(to)))
+      wrong.insert(from + " includes " + to + ", but " + folder + " does not use " + folderOf(to));
   }
-  EXPECT_GE(programs, 1) << "nothing is built in " << PALPATE_BIN_DIR;
+  EXPECT_THAT(wrong, ::testing::IsEmpty());
+}
+
+TEST(Architecture, NoProgramUsesAnother) {
+  Names wrong;
+  for (const auto& [folder, uses] : linkedFolders())
+    for (const std::string& used : uses)
+      if (topOf(used) != topOf(folder) && topOf(used) != "common" && topOf(used) != "proto")
+        wrong.insert(folder + " uses " + used);
+  EXPECT_THAT(wrong, ::testing::IsEmpty()) << "what two programs need belongs to common";
+}
+
+TEST(Architecture, NoFoldersIncludeEachOther) {
+  EXPECT_THAT(circles(includeGraph(folderOf)), ::testing::IsEmpty());
+}
+
+TEST(Architecture, NoFilesIncludeEachOther) {
+  EXPECT_THAT(circles(includeGraph(unitOf)), ::testing::IsEmpty());
+}
+
+TEST(Architecture, ClangTidyReadsEveryHeader) {
+  const std::string settings = sourceTree().text(".clang-tidy");
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(settings, match, std::regex("HeaderFilterRegex: *'([^']+)'")));
+  const std::regex filter(match[1].str());
+  Names left_out;
+  for (const std::string& file : sourceTree().files)
+    if (file.ends_with(".hpp") && !std::regex_search("/clone/" + file, filter))
+      left_out.insert(folderOf(file));
+  EXPECT_THAT(left_out, ::testing::IsEmpty()) << "HeaderFilterRegex of .clang-tidy";
+}
+
+/// Which lines quote a raw string, or a part of one: they are as wide as what they quote.
+class RawStrings {
+ public:
+  /// Lines in the order of the file.
+  bool quotedIn(const std::string& line) {
+    static const std::regex opens(R"re(R"([^()\s\\]*)\()re");
+    bool quoted = !end_.empty();
+    auto at = line.begin();
+    for (std::smatch match;;) {
+      if (!end_.empty()) {
+        const auto closed = std::search(at, line.end(), end_.begin(), end_.end());
+        if (closed == line.end()) return true;
+        at = closed + static_cast<std::ptrdiff_t>(end_.size());
+        end_.clear();
+      }
+      if (!std::regex_search(at, line.end(), match, opens)) return quoted;
+      quoted = true;
+      end_ = ")" + match[1].str() + "\"";
+      at = match[0].second;
+    }
+  }
+
+ private:
+  std::string end_;  ///< of the raw string that is open: )delimiter"
+};
+
+TEST(Architecture, NoLineOfCodeIsWiderThan100Columns) {
+  static const std::regex unbreakable(R"(\S{60,})");  // clang-format has no place to break it
+  std::vector<std::string> wide;
+  for (const std::string& file : sourceTree().files) {
+    if (!test::isCode(file)) continue;
+    RawStrings raw_strings;
+    int number = 0;
+    for (const std::string& line : sourceTree().lines(file)) {
+      ++number;
+      if (!raw_strings.quotedIn(line) && test::columns(line) > 100 &&
+          !std::regex_search(line, unbreakable))
+        wide.push_back(file + ":" + std::to_string(number));
+    }
+  }
+  EXPECT_THAT(wide, ::testing::IsEmpty());
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace palpate {
 /// (branch_check.hpp) make the same disagreement worth more; a hanging corner brings the bound that
 /// the coarser leaf has there.
 ///
-/// The factors were measured: see field_error.cpp and docs/numerics.md.
+/// The factors were measured: see field_error.cpp and docs/measurements.md.
 /// Immutable after construction: any thread may read.
 class FieldError {
  public:

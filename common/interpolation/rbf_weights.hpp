@@ -8,7 +8,7 @@
 namespace palpate {
 
 /// More solved points than this are refused: the matrix of 5000 takes 0.2 GB, and the time grows
-/// with the third power (docs/numerics.md).
+/// with the third power (docs/measurements.md).
 inline constexpr std::size_t most_rbf_points = 5000;
 
 /// Weights without and with a tail, in this order, from one dense factorisation. The same bits on

@@ -17,7 +17,7 @@ struct OgdenTerm {
 };
 
 /// A material, as [material] or [[region]] gives it. Keys that the law does not take are refused.
-/// The energies are in docs/numerics.md and worker/laws/laws.hpp; all but the first two laws are
+/// The energies are in docs/solver.md and worker/laws/laws.hpp; all but the first two laws are
 /// isochoric energies, to be used with det F = 1 or, with `bulk`, with a volumetric energy beside
 /// them.
 struct Material {
@@ -37,7 +37,7 @@ struct Material {
       {};  ///< holzapfel-gasser-ogden: 1 or 2 unit directions at rest, or none
   std::string fiber_field =
       {};  ///< instead of `fibers`: element vectors of this name in the mesh (Mesh)
-  /// Pa, > 0. Given: compressible, with the volumetric energy U of docs/numerics.md; not taken by
+  /// Pa, > 0. Given: compressible, with the volumetric energy U of docs/solver.md; not taken by
   /// linear and the St. Venant-Kirchhoff laws. Absent: exactly incompressible.
   std::optional<double> bulk = {};
   std::optional<double> density = {};  ///< kg/m^3, > 0; needed when there is gravity

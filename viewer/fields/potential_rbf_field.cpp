@@ -6,7 +6,7 @@
 namespace palpate {
 namespace {
 
-// Measured on livers (docs/numerics.md). More points in a patch cost time with little gain in
+// Measured on livers (docs/measurements.md). More points in a patch cost time with little gain in
 // accuracy.
 constexpr double root_edge = 2;  ///< spacings; of the largest cells of the octree
 constexpr double reach = 1.1;    ///< radius of a patch, in half diagonals of its cell

@@ -8,7 +8,7 @@
 /// lane l of a pack belongs to tetrahedron l of the batch). The same source is compiled once per
 /// CPU family (kernel_family.hpp).
 ///
-/// What is discretised is the Lagrangian of docs/numerics.md, per element, by the quadrature rule
+/// What is discretised is the Lagrangian of docs/solver.md, per element, by the quadrature rule
 /// of its displacement space,
 ///
 ///   L = integral of  W(F) - p c(det F) - p^2/(2 bulk)  dX  -  V alpha/(2 mu) <(p - <p>)^2>

@@ -5,8 +5,8 @@
 
 /// Verification problems: bodies whose solution is known on paper or published, solved with the
 /// same System and Newton as everything else. `palpate verify` prints them,
-/// tests/worker/verify_test.cpp holds them to their tolerance. docs/verification.md says what each
-/// is and where its reference comes from.
+/// tests/worker/verification/verify_test.cpp holds them to their tolerance. docs/verification.md
+/// says what each is and where its reference comes from.
 namespace palpate::verification {
 
 /// One number and what it should be.

@@ -430,7 +430,7 @@ Material youngMaterial(LawName law, double poisson) {
   return test::youngScene(law, poisson).regions[0].material;
 }
 
-/// Homogeneous states are exact on any mesh (closed forms: docs/numerics.md). The body is stretched
+/// Homogeneous states are exact on any mesh (closed forms: docs/solver.md). The body is stretched
 /// along x with its sides free of stress; the resultant on the end face over its area is the
 /// nominal stress.
 class HomogeneousState : public ::testing::Test {

@@ -1,0 +1,194 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cctype>
+#include <filesystem>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/support/source_tree.hpp"
+
+// What is written about the code, held against the tree.
+
+namespace palpate {
+namespace {
+
+using test::folderOf;
+using test::sourceTree;
+using test::topOf;
+
+std::vector<std::string> pages() {
+  std::vector<std::string> result;
+  for (const std::string& file : sourceTree().files)
+    if (file.ends_with(".md")) result.push_back(file);
+  return result;
+}
+
+/// A line of a page that is not in a fenced block.
+struct Line {
+  std::string where;  ///< FILE:LINE
+  std::string text;
+};
+
+std::vector<Line> proseOf(const std::string& page) {
+  std::vector<Line> result;
+  bool fenced = false;
+  int number = 0;
+  for (const std::string& line : sourceTree().lines(page)) {
+    ++number;
+    if (line.starts_with("```"))
+      fenced = !fenced;
+    else if (!fenced)
+      result.push_back({page + ":" + std::to_string(number), line});
+  }
+  return result;
+}
+
+std::vector<std::string> allMatches(const std::string& text, const std::regex& what) {
+  std::vector<std::string> result;
+  for (std::sregex_iterator match(text.begin(), text.end(), what), end; match != end; ++match)
+    result.push_back((*match)[1]);
+  return result;
+}
+
+/// The anchors that GitHub makes of the headings: lower case, hyphens for spaces, without other
+/// signs.
+std::set<std::string> anchorsOf(const std::string& page) {
+  std::set<std::string> anchors;
+  std::map<std::string, int> seen;
+  for (const Line& line : proseOf(page)) {
+    std::smatch heading;
+    if (!std::regex_match(line.text, heading, std::regex(R"(#{1,6} +(.*?) *)"))) continue;
+    std::string anchor;
+    for (const char c : heading[1].str())
+      if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_')
+        anchor += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+      else if (c == ' ')
+        anchor += '-';
+    const int times = seen[anchor]++;
+    anchors.insert(times == 0 ? anchor : anchor + "-" + std::to_string(times));
+  }
+  return anchors;
+}
+
+/// Nothing, or what is wrong with a link that stands on `page`.
+std::string faultOf(const std::string& link, const std::string& page) {
+  const std::size_t hash = link.find('#');
+  const std::string path = link.substr(0, hash);
+  const std::string target =
+      path.empty() ? page
+                   : (std::filesystem::path(folderOf(page)) / path).lexically_normal().string();
+  if (!sourceTree().holds(target)) return "there is no " + target;
+  if (hash == std::string::npos) return {};
+  const std::string anchor = link.substr(hash + 1);
+  return anchorsOf(target).contains(anchor) ? "" : "no heading of " + target + " is #" + anchor;
+}
+
+TEST(Docs, EveryRelativeLinkLeadsSomewhere) {
+  static const std::regex link(R"(\]\(([^)\s]+)\))");
+  std::vector<std::string> broken;
+  int links = 0;
+  for (const std::string& page : pages())
+    for (const Line& line : proseOf(page))
+      for (const std::string& to : allMatches(line.text, link)) {
+        if (to.find("://") != std::string::npos) continue;
+        ++links;
+        const std::string fault = faultOf(to, page);
+        if (!fault.empty()) broken.push_back(line.where + ": " + fault);
+      }
+  EXPECT_THAT(broken, ::testing::IsEmpty());
+  EXPECT_GE(links, 50);
+}
+
+/// Whether a word between backticks names a file or folder of ours: it begins with a folder of the
+/// root, or is the name of a C++ or Protobuf file. NAME stands for any.
+bool namesAFile(const std::string& word) {
+  if (word.find("NAME") != std::string::npos) return false;
+  static const std::regex path(R"([A-Za-z0-9_.-]+(/[A-Za-z0-9_.-]+)+/?)"),
+      source(R"([\w/]+\.(hpp|cpp|proto))");
+  return (std::regex_match(word, path) && sourceTree().folders.contains(topOf(word))) ||
+         std::regex_match(word, source);
+}
+
+/// `worker/laws/laws.hpp`, `worker/laws/` and `worker/laws/laws` (.hpp and .cpp) are there; so is
+/// `laws.hpp` in any folder.
+bool isThere(std::string word) {
+  if (word.ends_with('/')) word.pop_back();
+  if (sourceTree().holds(word) || sourceTree().holds(word + ".hpp")) return true;
+  for (const std::string& file : sourceTree().files)
+    if (file.ends_with("/" + word)) return true;
+  return false;
+}
+
+TEST(Docs, EveryFileNamedInTextIsThere) {
+  static const std::regex code("`([^`]+)`"), word(R"(([^\s,;:()]+))");
+  std::vector<std::string> missing;
+  int named = 0;
+  for (const std::string& page : pages())
+    for (const Line& line : proseOf(page))
+      for (const std::string& span : allMatches(line.text, code))
+        for (const std::string& name : allMatches(span, word)) {
+          if (!namesAFile(name)) continue;
+          ++named;
+          if (!isThere(name)) missing.push_back(line.where + ": there is no " + name);
+        }
+  EXPECT_THAT(missing, ::testing::IsEmpty());
+  EXPECT_GE(named, 50);
+}
+
+TEST(Docs, EveryPageNamedInCodeIsThere) {
+  static const std::regex page(R"(\b(docs/[\w/-]+\.md))");
+  std::vector<std::string> missing;
+  for (const std::string& file : sourceTree().files) {
+    if (file.ends_with(".md") || !(test::isCode(file) || file.ends_with(".proto"))) continue;
+    for (const std::string& name : allMatches(sourceTree().text(file), page))
+      if (!sourceTree().holds(name)) missing.push_back(file + ": there is no " + name);
+  }
+  EXPECT_THAT(missing, ::testing::IsEmpty());
+}
+
+/// A test folder that mirrors one of the programs is explained by that one's README.
+bool isMirror(const std::string& folder) {
+  return folder.starts_with("tests/") && sourceTree().folders.contains(folder.substr(6));
+}
+
+/// A folder with code of ours, or with folders that have some.
+bool holdsCode(const std::string& folder) {
+  for (const std::string& file : sourceTree().files)
+    if (file.starts_with(folder + "/") && (test::isCode(file) || file.ends_with(".proto")))
+      return true;
+  return false;
+}
+
+TEST(Docs, EveryFolderWithCodeSaysInFifteenLinesWhatItHolds) {
+  std::vector<std::string> wrong;
+  for (const std::string& folder : sourceTree().folders) {
+    const std::string above = folderOf(folder);
+    if (folder.empty() || !holdsCode(folder) || isMirror(folder) || above == "deploy/examples")
+      continue;
+    const std::string readme = folder + "/README.md";
+    if (!sourceTree().holds(readme))
+      wrong.push_back(folder + " has no README.md");
+    else if (sourceTree().lines(readme).size() > 15)
+      wrong.push_back(readme + " has more than 15 lines");
+  }
+  EXPECT_THAT(wrong, ::testing::IsEmpty());
+}
+
+TEST(Docs, NoLineOfProseIsWiderThan120Columns) {
+  std::vector<std::string> wide;
+  for (const std::string& page : pages())
+    for (const Line& line : proseOf(page)) {
+      // Rows of tables, indented code and what has no space to break at are as wide as they are.
+      const bool breaks = line.text.find(' ', 0) < 118 && !line.text.starts_with("|") &&
+                          !line.text.starts_with("    ") && !line.text.starts_with("![");
+      if (breaks && test::columns(line.text) > 120) wide.push_back(line.where);
+    }
+  EXPECT_THAT(wide, ::testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace palpate
