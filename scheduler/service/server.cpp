@@ -1,4 +1,4 @@
-#include "scheduler/server.hpp"
+#include "scheduler/service/server.hpp"
 
 #include <algorithm>
 #include <array>
