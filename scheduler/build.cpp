@@ -38,6 +38,7 @@ bool isSealed(const std::filesystem::path& file, const Problem& problem, bool fo
   try {
     const Dataset dataset(file);
     if (dataset.buildId() == build) {
+      // A damaged file is no finished work: it would be found out only when somebody touches it.
       dataset.verifyAll();
       return dataset.scene().storage == problem.scene.storage;
     }

@@ -27,6 +27,7 @@ std::string accuracyOf(const std::vector<SpaceTable>& spaces, const Scene& scene
   std::size_t counted = 0, keeping = 0;
   const std::string* worst_name = nullptr;
   for (const SpaceTable& space : spaces) {
+    // Nothing can be refined around an origin that failed, and nothing estimated.
     if (!isSolved(space.points.front().tag)) continue;
     const Refinement state = nextRefinement(space, scene);
     ++counted;

@@ -68,6 +68,7 @@ void Frontier::giveUp(std::int32_t point) {
 }
 
 void Frontier::advance(std::int32_t point) {
+  // Half is kept for other sides: in round 0 all parents lie on one, and tend to fail together.
   const std::size_t budget = round_ == 0 ? (max_attempts_ + 1) / 2 : max_attempts_;
   if (points_[point].failed_parents.size() >= budget) return giveUp(point);
   if (round_ == 0)
@@ -94,6 +95,7 @@ void Frontier::advanceInRoundZero(std::int32_t point) {
 void Frontier::advanceInLaterRound(std::int32_t point) {
   for (const std::int32_t candidate : lattice_.neighbours(point)) {
     const Point& c = points_[candidate];
+    // Reached in this round does not count yet: which comes first would depend on timing.
     if (c.tag == Tag::expandable && c.round_reached < round_ && !tried(point, candidate))
       return makeReady(point, candidate);
   }

@@ -26,6 +26,7 @@ std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t wo
   for (const std::int32_t target : targets) {
     const TransitionKey key{space, target, parent};
     Entry& entry = entries_.at(key);
+    // A suspect is handed out alone, so that the next death names it.
     const bool alone = entry.losses >= losses_before_alone;
     if (alone && !job.empty()) break;
     takeFromWaiting(key);
@@ -43,6 +44,7 @@ void Leases::finish(const TransitionKey& key) {
   const auto found = entries_.find(key);
   PALPATE_ASSERT(found != entries_.end(), "what has an outcome was handed out, or still waits");
   const Entry& entry = found->second;
+  // A late answer of a lost worker ends the lease of whoever has it now.
   if (!entry.worker.empty()) {
     LeasesOfWorker& jobs = by_worker_.at(entry.worker);
     auto& open = jobs.at(entry.job);

@@ -88,6 +88,7 @@ void SpacePlan::record(const Transition& transition, const Outcome& outcome,
         "space {}: transition to point {} from point {} is recorded but was not asked for", space_,
         transition.target, transition.parent);
   tried_.insert(transition);
+  // Also of points that are solved already: that a retry failed says something about the branch.
   if (!outcome.converged)
     attempts_[transition.target].push_back({transition.target, transition.parent, outcome.failure});
   PointRecord found;
@@ -152,6 +153,7 @@ std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) c
   using Candidate = std::tuple<std::int64_t, std::int64_t, std::int32_t>;
   const double reach = farthest_parent * positions_.divisions();
   std::vector<Candidate> candidates;
+  // Probes are no parents: the space must not depend on what it is measured with.
   const std::int32_t end = first_probe_ < 0 ? size() : first_probe_;
   for (std::int32_t n = 0; n < end; ++n) {
     if (points_[n].tag != Tag::expandable) continue;
@@ -181,6 +183,7 @@ void SpacePlan::advanceStage() {
       stage_ = Stage::cells;
       return beginCells();
     case Stage::cells:
+      // New points may lie on other branches than the old ones around them.
       branch_round_ = 0;
       stage_ = may_grow_ ? Stage::branches : Stage::probes;
       return may_grow_ ? beginBranches() : beginProbes();
@@ -212,6 +215,7 @@ bool SpacePlan::keepLeastEnergy() {
   for (auto& [target, found] : std::exchange(alternatives_, {}))
     for (PointRecord& alternative : found) {
       const double energy = points_[target].equilibrium.energy;
+      // Ties stay: the point would change back and forth between two roundings of one equilibrium.
       if (alternative.equilibrium.energy >= energy - same_energy * std::abs(energy)) continue;
       points_[target] = std::move(alternative);
       changed = true;
@@ -220,6 +224,7 @@ bool SpacePlan::keepLeastEnergy() {
 }
 
 void SpacePlan::beginCells() {
+  // Without a solved origin there is nothing to refine around.
   may_grow_ = may_grow_ && isSolved(points_.front().tag);
   if (!may_grow_) return;
   const Refinement refinement = nextRefinement(table(), problem_->scene);
@@ -228,6 +233,7 @@ void SpacePlan::beginCells() {
     return std::tie(a.level, a.lowest) < std::tie(b.level, b.lowest);
   });
   may_grow_ = !refinement.empty();
+  // All parents are chosen before the first new point is there, so that their order is no matter.
   std::vector<std::pair<std::int32_t, std::vector<std::int32_t>>> targets;
   for (const LatticePoint& position : refinement.points) {
     std::vector<std::int32_t> parents = parentsNear(position);

@@ -186,6 +186,7 @@ void Coordinator::result(Worker& worker, const Incoming& incoming, Time now) {
     enqueue({*key, message, *fromWire(message), {}}, incoming.payload, now);
     waiting = group_.find(*key);
   } else if (const auto recorded = store_->find(*key)) {
+    // Its acknowledgement was lost, or a worker taken for dead finished after all.
     duplicate(worker, recorded->header, message);
     return acknowledge(worker.peer, message);
   } else {
@@ -231,6 +232,7 @@ bool Coordinator::groupIsDue(Time now) const {
 
 void Coordinator::commitGroup(Time now) {
   if (group_.size() == 0) return;
+  // Plans move on only after this: what they ask for next may rest on what is in the group.
   const ResultGroup::Members durable = group_.commit();
   for (const auto& [key, member] : durable) {
     for (const std::string& peer : member.senders) acknowledge(peer, member.result.header);
@@ -386,6 +388,7 @@ void Coordinator::giveUp(const TransitionKey& key, Time now) {
       key.space, point[0], point[1], point[2], deaths_before_giving_up);
   Outcome outcome;
   outcome.failure.cause = Cause::worker_lost;
+  // Recorded as if a worker had said so: a restart must not try it five times again.
   wire::Result header;
   header.set_build(std::string(build_.bytes()));
   header.set_space(key.space);

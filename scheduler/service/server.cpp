@@ -37,6 +37,7 @@ void Server::turn(Coordinator& coordinator, std::chrono::milliseconds longest) {
     if (!incoming) break;
     coordinator.receive(*incoming, Clock::now());
   }
+  // After all messages that are there, so that their results share a group.
   coordinator.advance(Clock::now());
   sendAll(coordinator);
 }

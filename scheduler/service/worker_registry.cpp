@@ -40,6 +40,7 @@ std::string WorkerRegistry::objectionTo(const wire::Hello& hello) const {
     return fmt::format(
         "this scheduler speaks protocol {}, the worker protocol {}: install the same Palpate on both",
         protocol_version, hello.protocol());
+  // Versions may differ in the last bits of a solve, which two machines must not.
   if (hello.version() != version())
     return fmt::format(
         "this scheduler is palpate {}, the worker palpate {}: "
@@ -69,13 +70,17 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
             .host = hello.host(),
             .pid = hello.pid(),
             .kernel_family = hello.kernel_family(),
+            .credit = 0,
             .heard = now,
+            .solving = {},
+            .idle_since = {},
             .results = worker.results};
   id_of_peer_[peer] = worker.id;
   return worker;
 }
 
 void WorkerRegistry::remove(const Worker& worker, const char* state, Time now) {
+  // The tables would otherwise show it at work until it comes back.
   departed_.push_back(rowOf(worker, state, now));
   id_of_peer_.erase(worker.peer);
   workers_.erase(workers_.find(worker.id));

@@ -145,6 +145,8 @@ JobStore::JobStore(const StateDirectory& directory, const Problem& problem,
                    const std::string& problem_bytes)
     : max_force_(problem.scene.workspace.max_force),
       database_(directory.database(), Database::Access::read_write_create) {
+  // FULL: in WAL mode a commit is otherwise synced only at the next checkpoint, and an acknowledged
+  // result could vanish with the power.
   database_.execute(
       "PRAGMA page_size = 8192; PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
   if (pragma(database_, "schema_version") == 0) create(problem, problem_bytes);
@@ -288,6 +290,7 @@ std::vector<StoredResult> JobStore::results() { return readResults(database_); }
 
 StoredTables::StoredTables(const std::filesystem::path& directory)
     : database_(existingDatabase(directory), Database::Access::read_only) {
+  // Left open: everything is read as of now, whatever the scheduler writes meanwhile.
   database_.execute("BEGIN");
   checkVersion(database_);
   build_ = readBuild(database_);

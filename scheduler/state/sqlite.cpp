@@ -16,6 +16,7 @@ Database::Database(const std::filesystem::path& file, Access access) : file_(fil
     sqlite3_close(handle_);
     throw failure("{}: cannot open: {}", file.string(), reason);
   }
+  // Readers beside us hold the lock for moments only, while they open or fold back the log.
   if (sqlite3_busy_timeout(handle_, 5000) != SQLITE_OK) fail("busy timeout");
 }
 

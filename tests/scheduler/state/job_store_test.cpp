@@ -282,8 +282,8 @@ TEST(StateDirectory, LetsOnlyOneSchedulerIn) {
 
 TEST(StateDirectory, DoesNotMakeTheFoldersOfAMistypedName) {
   test::TemporaryDirectory directory;
-  test::expectBadInput([&] { StateDirectory(directory / "typo/state/"); },
-                       {(directory / "typo").string() + " to make it in", "--state"});
+  test::expectError(ExitCode::failed, [&] { StateDirectory(directory / "typo/state/"); },
+                    {(directory / "typo").string() + " to make it in", "--state"});
   EXPECT_FALSE(std::filesystem::exists(directory / "typo"));
 }
 
