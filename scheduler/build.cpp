@@ -1,9 +1,8 @@
 #include "scheduler/build.hpp"
 
-#include <algorithm>
-#include <map>
 #include <utility>
 
+#include "common/base/assertion.hpp"
 #include "scheduler/state/replay.hpp"
 
 namespace palpate {
@@ -18,16 +17,15 @@ Build::Build(Problem problem, const std::filesystem::path& state, CoordinatorSet
                    settings) {}
 
 std::vector<SpaceTable> Build::seal(const std::filesystem::path& file) {
+  PALPATE_ASSERT(coordinator_.complete(), "a dataset holds every point of its scene");
   const std::vector<SpacePlan>& plans = coordinator_.plans();
   std::vector<SpaceTable> tables = spaceTables(plans);
-  std::map<std::pair<std::size_t, std::int32_t>, JournalPosition> where;
-  for (const StoredResult& result : store_.results())
-    if (result.outcome.converged &&
-        plans[result.key.space].record(result.key.target).parent == result.key.parent)
-      where[{result.key.space, result.key.target}] = result.where;
   const auto fields = [&](std::size_t space, std::int32_t point) {
-    return NodalFields::decode(journal_.read(where.at({space, point})).payload,
-                               problem_.mesh.nodes.size(), pressureNodes(problem_));
+    const auto kept =
+        store_.find({static_cast<std::uint32_t>(space), point, plans[space].point(point).parent});
+    PALPATE_ASSERT(kept, "a plan moves on with recorded results only");
+    return NodalFields::decode(journal_.read(kept->where).payload, problem_.mesh.nodes.size(),
+                               pressureNodes(problem_));
   };
   sealDataset(file, problem_, tables, store_.build().kernel_family, fields);
   return tables;
@@ -40,6 +38,7 @@ bool isSealed(const std::filesystem::path& file, const Problem& problem, bool fo
   try {
     const Dataset dataset(file);
     if (dataset.buildId() == build) {
+      // A damaged file is no finished work: it would be found out only when somebody touches it.
       dataset.verifyAll();
       return dataset.scene().storage == problem.scene.storage;
     }
@@ -53,7 +52,5 @@ bool isSealed(const std::filesystem::path& file, const Problem& problem, bool fo
     throw badInput("{}: {}: give another -o, or --force to replace it", file.string(), what);
   return false;
 }
-
-std::filesystem::path defaultDatasetFile(const Scene& scene) { return scene.name + ".h5"; }
 
 }  // namespace palpate

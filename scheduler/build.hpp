@@ -8,7 +8,7 @@
 #include "common/dataset/dataset.hpp"
 #include "common/problem/problem.hpp"
 #include "common/space/lattice.hpp"
-#include "scheduler/coordinator.hpp"
+#include "scheduler/service/coordinator.hpp"
 #include "scheduler/state/job_store.hpp"
 #include "scheduler/state/journal.hpp"
 #include "scheduler/state/state_directory.hpp"
@@ -46,8 +46,5 @@ class Build {
 /// it is that but stores something else (Storage) than asked for. Error (bad input) when it is
 /// anything else, unless `force`.
 bool isSealed(const std::filesystem::path& file, const Problem& problem, bool force);
-
-/// "NAME.h5" in the current directory, for a scene without -o.
-std::filesystem::path defaultDatasetFile(const Scene& scene);
 
 }  // namespace palpate

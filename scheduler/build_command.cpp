@@ -1,17 +1,10 @@
-#include "scheduler/build_command.hpp"
-
 #include <spdlog/spdlog.h>
 
-#include <filesystem>
 #include <memory>
 #include <thread>
 
-#include "common/base/replaced_file.hpp"
-#include "scheduler/build.hpp"
-#include "scheduler/build_summary.hpp"
-#include "scheduler/progress.hpp"
-#include "scheduler/server.hpp"
-#include "scheduler/status.hpp"
+#include "scheduler/build_order.hpp"
+#include "scheduler/verbs.hpp"
 #include "scheduler/worker_pool.hpp"
 
 namespace palpate {
@@ -27,14 +20,10 @@ constexpr int deaths_without_progress = 20;
 constexpr int deaths_at_the_start = 3;
 /// How long workers may take to finish what they hold.
 constexpr milliseconds drain_limit{15000};
-constexpr milliseconds longest_turn{50};
 
 struct BuildOptions {
-  std::string scene;
-  std::string out;
-  std::string state;
-  int workers = 0;
-  bool force = false;
+  BuildOrder order;
+  int workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
 
 /// Replaces workers that end before the work does, within bounds.
@@ -63,17 +52,7 @@ class Replacement {
   bool joined_ = false;
 };
 
-void waitForWorkersToLeave(Server& server, Coordinator& coordinator, WorkerPool& pool) {
-  for (const auto deadline = Clock::now() + drain_limit;
-       pool.running() > 0 && Clock::now() < deadline; pool.reap())
-    server.turn(coordinator, longest_turn);
-  pool.terminate(milliseconds(2000));
-}
-
-/// True when complete, false when it was stopped.
-bool compute(Build& build, int workers) {
-  Coordinator& coordinator = build.coordinator();
-  if (coordinator.complete()) return true;
+ExitCode compute(Build& build, int workers) {
   zmq::context_t context;
   Server server(context, "tcp://127.0.0.1:*");
   build.directory().announce(server.endpoint());
@@ -81,79 +60,29 @@ bool compute(Build& build, int workers) {
                    "-j", "1", "--quiet"});
   for (int n = 0; n < workers; ++n) pool.start();
 
-  Progress progress;
+  Coordinator& coordinator = build.coordinator();
   Replacement replacement;
-  while (!coordinator.complete() && !coordinator.stopping()) {
+  serveUntilDone(server, coordinator, [&] { replacement.replace(pool, coordinator); });
+  for (const auto deadline = Clock::now() + drain_limit;
+       pool.running() > 0 && Clock::now() < deadline; pool.reap())
     server.turn(coordinator, longest_turn);
-    replacement.replace(pool, coordinator);
-    progress.show(coordinator);
-    if (interrupted()) coordinator.stop(Clock::now());
-  }
-  waitForWorkersToLeave(server, coordinator, pool);
-  progress.end();
-  return coordinator.complete();
-}
-
-ExitCode finish(const std::vector<SpaceTable>& spaces, const Scene& scene,
-                const std::filesystem::path& out, const std::string& how) {
-  fmt::print("{}\n{}: {}\nnext: palpate query '{}' --active {} --displacement {:.3g} 0 0\n",
-             summaryOf(spaces, scene), out.string(), how, out.string(), spaces.front().patch.name,
-             scene.workspace.spacing / 2);
-  return exitCodeOf(spaces);
-}
-
-ExitCode run(const BuildOptions& options) {
-  Problem problem = loadProblem(options.scene);
-  if (const std::string warning = infSupWarning(problem.scene.discretization); !warning.empty())
-    spdlog::warn(warning);
-  const std::filesystem::path out =
-      options.out.empty() ? defaultDatasetFile(problem.scene) : std::filesystem::path(options.out);
-  const std::filesystem::path state =
-      options.state.empty() ? out.string() + ".state" : options.state;
-  if (isSealed(out, problem, options.force))
-    return finish(Dataset(out).spaces(), problem.scene, out,
-                  "is already the dataset of this scene; nothing to do");
-
-  catchInterrupts();
-  const auto began = Clock::now();
-  Build build(std::move(problem), state);
-  refuseUnwritable(out, "-o");
-  if (build.found() > 0 && !build.coordinator().complete())
-    spdlog::info("going on: {} results are recorded in {}", build.found(), state.string());
-  const int workers = options.workers > 0
-                          ? options.workers
-                          : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  if (!compute(build, workers)) {
-    fmt::print(stderr,
-               "stopped; everything finished is kept in {}. The same command goes on from there.\n",
-               state.string());
-    return ExitCode::interrupted;
-  }
-  const std::vector<SpaceTable> spaces = build.seal(out);
-  const double seconds = std::chrono::duration<double>(Clock::now() - began).count();
-  return finish(spaces, build.problem().scene, out,
-                fmt::format("sealed after {:.1f} s with {} worker{}", seconds, workers,
-                            workers == 1 ? "" : "s"));
+  pool.terminate(milliseconds(2000));
+  return ExitCode::interrupted;
 }
 
 std::function<ExitCode()> prepare(CLI::App& app) {
   auto options = std::make_shared<BuildOptions>();
-  app.add_option("SCENE", options->scene, "The scene, a TOML file (docs/scene.md)")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("-o,--output", options->out,
-                 "Dataset to make [the scene's name with .h5, in the current directory]");
+  addOptions(app, options->order);
   app.add_option("-j,--workers", options->workers,
                  "Worker processes, one core each [number of cores]")
       ->check(CLI::Range(1, 4096));
-  app.add_option("--state", options->state,
-                 "Directory for unfinished work, on a local disk [OUTPUT.state]");
-  app.add_flag("--force", options->force, "Replace OUTPUT when it holds something else");
   app.footer(
       "Interrupt it whenever you like: the same command goes on where it was.\n"
       "Exit codes: 0 done, 1 failed, 2 bad scene or usage, 3 done but some points failed, "
       "130 interrupted.");
-  return [options] { return run(*options); };
+  return [options] {
+    return carryOut(options->order, [&](Build& build) { return compute(build, options->workers); });
+  };
 }
 
 }  // namespace

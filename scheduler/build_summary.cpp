@@ -1,58 +1,16 @@
 #include "scheduler/build_summary.hpp"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <utility>
 
 #include "scheduler/plan/refinement.hpp"
+#include "scheduler/plan/space_plan.hpp"
+#include "scheduler/service/status.hpp"
+#include "scheduler/status_text.hpp"
 
 namespace palpate {
 namespace {
-
-constexpr std::size_t most_rows = 24;
-
-struct Row {
-  std::string name;
-  std::size_t points = 0;
-  std::array<std::size_t, 4> count{};  ///< by tag
-  std::size_t& of(Tag tag) { return count.at(static_cast<std::size_t>(tag)); }
-};
-
-Row rowOf(const SpaceTable& space) {
-  Row row{space.patch.name, space.points.size(), {}};
-  for (const PointRecord& point : space.points) ++row.of(point.tag);
-  return row;
-}
-
-std::vector<Row> rowsOf(const std::vector<SpaceTable>& spaces) {
-  std::vector<Row> rows;
-  for (const SpaceTable& space : spaces) rows.push_back(rowOf(space));
-  if (rows.size() <= most_rows) return rows;
-  Row sum{fmt::format("all {}", rows.size()), 0, {}};
-  for (const Row& row : rows) {
-    sum.points += row.points;
-    for (std::size_t tag = 0; tag < row.count.size(); ++tag) sum.count[tag] += row.count[tag];
-  }
-  std::stable_sort(rows.begin(), rows.end(),
-                   [](Row a, Row b) { return a.of(Tag::failed) > b.of(Tag::failed); });
-  std::erase_if(rows, [](Row& row) { return row.of(Tag::failed) == 0; });
-  if (rows.size() > most_rows) rows.resize(most_rows);
-  rows.push_back(sum);
-  return rows;
-}
-
-std::string causesOf(const std::vector<SpaceTable>& spaces) {
-  std::map<std::string_view, int> causes;
-  for (const SpaceTable& space : spaces)
-    for (const PointRecord& point : space.points)
-      if (point.tag == Tag::failed) ++causes[name(point.cause)];
-  std::string text;
-  const char* before = "failed: ";
-  for (const auto& [cause, count] : causes)
-    text += fmt::format("{}{} {}", std::exchange(before, ", "), count, cause);
-  return causes.empty() ? text : text + '\n';
-}
 
 std::string probesOf(const std::vector<SpaceTable>& spaces) {
   std::size_t probes = 0, solved = 0;
@@ -69,6 +27,7 @@ std::string accuracyOf(const std::vector<SpaceTable>& spaces, const Scene& scene
   std::size_t counted = 0, keeping = 0;
   const std::string* worst_name = nullptr;
   for (const SpaceTable& space : spaces) {
+    // Nothing can be refined around an origin that failed, and nothing estimated.
     if (!isSolved(space.points.front().tag)) continue;
     const Refinement state = nextRefinement(space, scene);
     ++counted;
@@ -95,13 +54,19 @@ std::string accuracyOf(const std::vector<SpaceTable>& spaces, const Scene& scene
 }  // namespace
 
 std::string summaryOf(const std::vector<SpaceTable>& spaces, const Scene& scene) {
-  std::string text = fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", "active node",
-                                 "points", "expandable", "terminating", "failed", "unknown");
-  for (Row& row : rowsOf(spaces))
-    text += fmt::format("{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n", row.name, row.points,
-                        row.of(Tag::expandable), row.of(Tag::terminating), row.of(Tag::failed),
-                        row.of(Tag::unknown));
-  return text + causesOf(spaces) + probesOf(spaces) + accuracyOf(spaces, scene);
+  std::vector<wire::SpaceStatus> rows;
+  std::map<std::string, std::int32_t> causes;
+  for (const SpaceTable& space : spaces) {
+    wire::SpaceStatus& row = rows.emplace_back();
+    row.set_name(space.patch.name);
+    row.set_stage(std::string(name(Stage::complete)));
+    for (const PointRecord& point : space.points) {
+      addPoint(row, point.tag);
+      if (point.tag == Tag::failed) ++causes[std::string(name(point.cause))];
+    }
+  }
+  return pointTable(std::move(rows), false) + causesLine("failed", causes) + probesOf(spaces) +
+         accuracyOf(spaces, scene);
 }
 
 ExitCode exitCodeOf(const std::vector<SpaceTable>& spaces) {

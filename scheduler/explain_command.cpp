@@ -1,14 +1,13 @@
-#include "scheduler/explain_command.hpp"
-
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 
 #include "common/dataset/dataset.hpp"
 #include "common/problem/problem.hpp"
 #include "scheduler/explanation.hpp"
+#include "scheduler/service/status.hpp"
 #include "scheduler/state/job_store.hpp"
 #include "scheduler/state/replay.hpp"
+#include "scheduler/verbs.hpp"
 
 namespace palpate {
 namespace {
@@ -19,15 +18,6 @@ struct ExplainOptions {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in spacings
   bool json = false;
 };
-
-const SpaceTable& spaceNamed(const std::vector<SpaceTable>& spaces, const std::string& wanted) {
-  const auto found = std::find_if(spaces.begin(), spaces.end(),
-                                  [&](const SpaceTable& s) { return s.patch.name == wanted; });
-  if (found != spaces.end()) return *found;
-  std::string known;
-  for (const SpaceTable& space : spaces) known += (known.empty() ? "" : ", ") + space.patch.name;
-  throw badInput("--active {}: there is no active node of that name; there are: {}", wanted, known);
-}
 
 wire::Explanation explainFromDataset(const ExplainOptions& options) {
   const Dataset dataset(options.where);
@@ -52,7 +42,8 @@ ExitCode run(const ExplainOptions& options) {
 std::function<ExitCode()> prepare(CLI::App& app) {
   auto options = std::make_shared<ExplainOptions>();
   app.add_option("WHERE", options->where, "Dataset, OUT.h5, or a state directory")->required();
-  app.add_option("--active", options->active, "Name of the active node")->required();
+  app.add_option("--active", options->active,
+                 "Name of the active node; may be left out where there is one");
   app.add_option("I", options->point[0],
                  "Lattice coordinates of the point: its displacement is spacing * (I, J, K); "
                  "refined points have fractions")

@@ -1,7 +1,5 @@
 #include "scheduler/explanation.hpp"
 
-#include <google/protobuf/util/json_util.h>
-
 #include <cmath>
 
 #include "common/base/error.hpp"
@@ -76,6 +74,17 @@ std::string textOf(const wire::Explanation& e) {
 
 }  // namespace
 
+const SpaceTable& spaceNamed(const std::vector<SpaceTable>& spaces, const std::string& wanted) {
+  if (wanted.empty() && spaces.size() == 1) return spaces.front();
+  std::string known;
+  for (const SpaceTable& space : spaces) {
+    if (space.patch.name == wanted) return space;
+    known += (known.empty() ? "" : ", ") + space.patch.name;
+  }
+  if (wanted.empty()) throw badInput("--active is needed: the active nodes are {}", known);
+  throw badInput("--active {}: there is no active node of that name; there are: {}", wanted, known);
+}
+
 wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spacings) {
   const Lattice& lattice = space.lattice;
   const std::int32_t number = numberOf(lattice, in_spacings);
@@ -105,17 +114,6 @@ wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spa
   }
   explanation.set_text(textOf(explanation));
   return explanation;
-}
-
-std::string toJson(const wire::Explanation& explanation) {
-  google::protobuf::util::JsonPrintOptions options;
-  options.always_print_primitive_fields = true;
-  options.preserve_proto_field_names = true;
-  std::string json;
-  if (const auto result = google::protobuf::util::MessageToJsonString(explanation, &json, options);
-      !result.ok())
-    throw failure("the explanation cannot be written as JSON: {}", result.ToString());
-  return json;
 }
 
 }  // namespace palpate

@@ -1,17 +1,20 @@
 #pragma once
 
-#include "common/space/lattice.hpp"
+#include <string>
+#include <vector>
+
 #include "common/space/space_table.hpp"
 #include "proto/palpate.pb.h"
 
 namespace palpate {
 
+/// The space of the active node with that name; without a name the only one. Error (bad input) that
+/// lists the names when there is no such one.
+const SpaceTable& spaceNamed(const std::vector<SpaceTable>& spaces, const std::string& wanted);
+
 /// How a lattice point of one space, given in spacings, was reached: the chain of parents back to
 /// the origin; or why it was not: every attempt. `text` says it for people. Error (bad input),
 /// naming the bounds, when the point is not in the lattice.
 wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spacings);
-
-/// As JSON with the field names of wire::Explanation.
-std::string toJson(const wire::Explanation& explanation);
 
 }  // namespace palpate

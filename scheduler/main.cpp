@@ -1,11 +1,6 @@
 #include <array>
 
-#include "common/base/program.hpp"
-#include "scheduler/build_command.hpp"
-#include "scheduler/explain_command.hpp"
-#include "scheduler/serve_command.hpp"
-#include "scheduler/status_command.hpp"
-#include "scheduler/stop_command.hpp"
+#include "scheduler/verbs.hpp"
 
 int main(int argc, char** argv) {
   using namespace palpate;

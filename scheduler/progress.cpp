@@ -2,29 +2,23 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <string>
-
-#include "scheduler/status.hpp"
+#include "scheduler/status_text.hpp"
 
 namespace palpate {
 namespace {
 
 constexpr std::chrono::milliseconds redraw_every{200};
-constexpr std::chrono::seconds line_every{5};
-constexpr std::size_t bar_width = 28;
+/// Into a file: a night of work is a thousand lines.
+constexpr std::chrono::milliseconds line_every{30000};
 
-std::string barOf(const wire::Status& status) {
-  std::int64_t points = 0, known = 0;
-  for (const wire::SpaceStatus& space : status.spaces()) {
-    points += space.points();
-    known += space.points() - space.unknown();
-  }
-  const std::size_t filled =
-      points > 0 ? bar_width * static_cast<std::size_t>(known) / static_cast<std::size_t>(points)
-                 : 0;
-  return '[' + std::string(filled, '#') + std::string(bar_width - filled, ' ') + ']';
+/// Asked anew for every line: windows are resized.
+std::size_t columnsOf(int terminal) {
+  constexpr std::size_t usual = 80;
+  struct winsize size {};
+  return ioctl(terminal, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : usual;
 }
 
 }  // namespace
@@ -41,11 +35,10 @@ Progress::Progress()
 void Progress::show(const Coordinator& coordinator) {
   const auto now = std::chrono::steady_clock::now();
   if (!wanted_ || now < next_) return;
-  next_ = now + (terminal_ ? std::chrono::milliseconds(redraw_every)
-                           : std::chrono::milliseconds(line_every));
+  next_ = now + (terminal_ ? redraw_every : line_every);
   const wire::Status status = coordinator.status(now);
   if (terminal_)
-    fmt::print(stderr, "\r{} {}\x1b[K", barOf(status), progressLine(status));
+    fmt::print(stderr, "\r{}\x1b[K", progressBar(status, columnsOf(STDERR_FILENO)));
   else
     fmt::print(stderr, "{}\n", progressLine(status));
   drawn_ = terminal_;

@@ -2,12 +2,12 @@
 
 #include <chrono>
 
-#include "scheduler/coordinator.hpp"
+#include "scheduler/service/coordinator.hpp"
 
 namespace palpate {
 
-/// Shows on stderr how far a build is: a bar that redraws itself on a terminal, else a line every
-/// few seconds. Nothing when only warnings are wanted (--quiet).
+/// Shows on stderr how far a build is: a bar that redraws itself in one row of a terminal, else a
+/// line every half minute. Nothing when only warnings are wanted (--quiet).
 class Progress {
  public:
   Progress();

@@ -1,5 +1,3 @@
-#include "scheduler/status_command.hpp"
-
 #include <unistd.h>
 
 #include <chrono>
@@ -9,9 +7,11 @@
 #include "common/problem/problem.hpp"
 #include "common/wire/wire.hpp"
 #include "scheduler/request.hpp"
+#include "scheduler/service/status.hpp"
 #include "scheduler/state/job_store.hpp"
 #include "scheduler/state/replay.hpp"
-#include "scheduler/status.hpp"
+#include "scheduler/status_text.hpp"
+#include "scheduler/verbs.hpp"
 
 namespace palpate {
 namespace {
@@ -29,25 +29,17 @@ wire::Status storedStatus(const std::filesystem::path& directory) {
   StoredTables tables(directory);
   const Problem problem = decodeProblem(tables.build().problem);
   const Replay replayed = replay(problem, tables.results());
-  std::vector<std::string> names;
-  for (const ActivePatch& patch : problem.active) names.push_back(patch.name);
-
-  wire::Status status;
-  status.set_scene(tables.build().scene_name);
+  std::vector<ServerRow> servers = tables.servers();
+  // What the tables last said; no scheduler runs that they could be idle or busy for.
+  for (ServerRow& row : servers)
+    if (row.state != "lost") row.state = "left";
+  wire::Status status = statusOf(problem, replayed.plans, servers, tables.counters());
   status.set_build(tables.build().build.hex());
   status.set_state(tables.build().complete ? "complete" : "stopped");
-  addPlans(status, replayed.plans, names);
-  for (ServerRow row : tables.servers()) {
-    // What the tables last said; no scheduler runs that it could be idle or busy for.
-    if (row.state != "lost") row.state = "left";
-    addWorker(status, row);
-  }
-  for (const auto& [name, value] : tables.counters())
-    (*status.mutable_counters())[name] = static_cast<std::int32_t>(value);
   return status;
 }
 
-wire::Status statusOf(const std::string& where) {
+wire::Status statusOfBuild(const std::string& where) {
   const std::string endpoint = endpointOf(where);
   if (endpoint.empty()) return storedStatus(where);
   wire::Message question;
@@ -62,7 +54,7 @@ ExitCode showStatus(const StatusOptions& options) {
   catchInterrupts();
   const bool redraw = options.watch && !options.json && isatty(STDOUT_FILENO) == 1;
   for (;;) {
-    const wire::Status status = statusOf(options.where);
+    const wire::Status status = statusOfBuild(options.where);
     fmt::print("{}{}", redraw ? "\x1b[H\x1b[2J" : "",
                options.json ? toJson(status) + '\n' : describe(status));
     std::fflush(stdout);

@@ -1,9 +1,8 @@
-#include "scheduler/stop_command.hpp"
-
 #include <memory>
 
 #include "common/wire/wire.hpp"
 #include "scheduler/request.hpp"
+#include "scheduler/verbs.hpp"
 
 namespace palpate {
 namespace {

@@ -7,11 +7,6 @@
 
 namespace palpate {
 
-Ending endingOf(const Outcome& outcome) {
-  if (outcome.converged) return {true, outcome.equilibrium.force.norm(), Cause::none, 1};
-  return {false, 0, outcome.failure.cause, outcome.failure.step_reached};
-}
-
 Frontier::Frontier(Lattice lattice, double max_force, int max_attempts)
     : lattice_(std::move(lattice)),
       max_force_(max_force),
@@ -19,7 +14,7 @@ Frontier::Frontier(Lattice lattice, double max_force, int max_attempts)
       points_(lattice_.size()),
       unsettled_(lattice_.size()) {
   for (std::int32_t n = 1; n < lattice_.size(); ++n) advance(n);
-  open(0, 0);
+  makeReady(0, 0);
 }
 
 std::vector<Transition> Frontier::takeReady() { return std::exchange(ready_, {}); }
@@ -30,25 +25,23 @@ bool Frontier::isOpen(const Transition& transition) const {
   return point.phase == Phase::open && point.blocker == transition.parent;
 }
 
-void Frontier::record(const Transition& transition, const Ending& ending) {
+void Frontier::record(const Transition& transition, std::optional<double> force) {
   if (!isOpen(transition))
     throw failure("transition to point {} from point {} is recorded but was not asked for",
                   transition.target, transition.parent);
   Point& point = points_[transition.target];
-  --open_;
-  if (ending.converged) {
+  --open_count_;
+  if (force) {
     point.phase = Phase::reached;
-    point.tag = tagOf(ending.force);
-    point.parent = transition.parent;
+    point.tag = tagOf(*force, max_force_);
     point.round_reached = round_;
-    ++solved_;
     settle(transition.target);
   } else {
-    point.attempts.push_back({transition.parent, ending.cause, ending.step_reached});
+    point.failed_parents.push_back(transition.parent);
     advance(transition.target);
   }
   releaseWaiting();
-  if (unsettled_ == 0) beginRounds();
+  if (unsettled_ == 0) beginRound();
 }
 
 Tag Frontier::tag(std::int32_t point) const {
@@ -56,25 +49,16 @@ Tag Frontier::tag(std::int32_t point) const {
   return complete_ && p.phase == Phase::unreached ? Tag::failed : p.tag;
 }
 
-Cause Frontier::cause(std::int32_t point) const {
-  const Point& p = points_[point];
-  if (p.phase == Phase::reached) return Cause::none;
-  if (p.attempts.empty()) return complete_ ? Cause::unreachable : Cause::none;
-  return std::max_element(
-             p.attempts.begin(), p.attempts.end(),
-             [](const Attempt& a, const Attempt& b) { return a.step_reached < b.step_reached; })
-      ->cause;
-}
-
-void Frontier::open(std::int32_t target, std::int32_t parent) {
+void Frontier::makeReady(std::int32_t target, std::int32_t parent) {
   points_[target].phase = Phase::open;
   points_[target].blocker = parent;
   ready_.push_back({target, parent});
-  ++open_;
+  ++open_count_;
 }
 
 void Frontier::settle(std::int32_t point) {
   --unsettled_;
+  // Later rounds look only at what was expandable when they began, so that nobody waits in them.
   if (round_ == 0) newly_settled_.push_back(point);
 }
 
@@ -84,8 +68,9 @@ void Frontier::giveUp(std::int32_t point) {
 }
 
 void Frontier::advance(std::int32_t point) {
+  // Half is kept for other sides: in round 0 all parents lie on one, and tend to fail together.
   const std::size_t budget = round_ == 0 ? (max_attempts_ + 1) / 2 : max_attempts_;
-  if (points_[point].attempts.size() >= budget) return giveUp(point);
+  if (points_[point].failed_parents.size() >= budget) return giveUp(point);
   if (round_ == 0)
     advanceInRoundZero(point);
   else
@@ -102,7 +87,7 @@ void Frontier::advanceInRoundZero(std::int32_t point) {
       points_[point].blocker = candidate;
       return;
     }
-    if (c.tag == Tag::expandable && !tried(point, candidate)) return open(point, candidate);
+    if (c.tag == Tag::expandable && !tried(point, candidate)) return makeReady(point, candidate);
   }
   giveUp(point);
 }
@@ -110,12 +95,14 @@ void Frontier::advanceInRoundZero(std::int32_t point) {
 void Frontier::advanceInLaterRound(std::int32_t point) {
   for (const std::int32_t candidate : lattice_.neighbours(point)) {
     const Point& c = points_[candidate];
+    // Reached in this round does not count yet: which comes first would depend on timing.
     if (c.tag == Tag::expandable && c.round_reached < round_ && !tried(point, candidate))
-      return open(point, candidate);
+      return makeReady(point, candidate);
   }
   giveUp(point);
 }
 
+/// With a stack and not by recursion: a chain of waiting points may cross the whole lattice.
 void Frontier::releaseWaiting() {
   while (!newly_settled_.empty()) {
     const std::int32_t settled = newly_settled_.back();
@@ -127,20 +114,19 @@ void Frontier::releaseWaiting() {
   }
 }
 
-void Frontier::beginRounds() {
+void Frontier::beginRound() {
   ++round_;
   for (std::int32_t n = 0; n < lattice_.size(); ++n) {
     if (points_[n].phase != Phase::unreached) continue;
     ++unsettled_;
     advance(n);
   }
-  complete_ = open_ == 0;
+  complete_ = open_count_ == 0;
 }
 
 bool Frontier::tried(std::int32_t target, std::int32_t parent) const {
-  const auto& attempts = points_[target].attempts;
-  return std::any_of(attempts.begin(), attempts.end(),
-                     [&](const Attempt& a) { return a.parent == parent; });
+  const std::vector<std::int32_t>& parents = points_[target].failed_parents;
+  return std::find(parents.begin(), parents.end(), parent) != parents.end();
 }
 
 }  // namespace palpate

@@ -1,10 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
-#include "common/space/configuration.hpp"
-#include "common/space/failure.hpp"
 #include "common/space/lattice.hpp"
 #include "common/space/tag.hpp"
 
@@ -18,48 +17,36 @@ struct Transition {
   auto operator<=>(const Transition&) const = default;
 };
 
-/// How a transition ended, as far as the frontier cares.
-struct Ending {
-  bool converged = false;
-  double force = 0;           ///< N, |force|, when converged
-  Cause cause = Cause::none;  ///< when not converged
-  double step_reached = 0;    ///< when not converged, 0..1
-};
-Ending endingOf(const Outcome& outcome);
+/// expandable or terminating: the tag of a converged configuration with this |force| in a scene
+/// with this workspace.max_force, both N.
+constexpr Tag tagOf(double force, double max_force) {
+  return force <= max_force ? Tag::expandable : Tag::terminating;
+}
 
 /// How often a point is tried before it is given up; half of it (rounded up) in round 0, where all
 /// parents lie on one side of the point and tend to fail together, the rest from any side. A point
 /// has 26 neighbours, and a failing transition costs ten converging ones.
 inline constexpr int max_attempts_per_point = 8;
 
-/// Decides which transitions of one configuration space are ready, from the lattice and the
-/// recorded endings alone: no clock, no workers, no order of arrival. So tags, parents and attempts
-/// are a function of what the transitions give, and a restart that records the known endings again
-/// is exactly where the last run was.
+/// Decides which transitions of one uniform lattice are ready, from the lattice and the recorded
+/// endings alone: no clock, no workers, no order of arrival. So tags, parents and attempts are a
+/// function of what the transitions give, and a restart that records the known endings again is
+/// exactly where the last run was.
 ///
 /// - The origin is solved first.
 /// - Round 0: the candidates of point x are its neighbours with a smaller squared norm, in the
-/// order of
-///   Lattice::neighbours. They are walked in order. An expandable one is tried; a point that is not
-///   settled yet makes x wait; a terminating or unreached one, or one that was tried, is passed.
-///   When none is left, or half of the attempts are spent, x is settled as unreached.
+/// order
+///   of Lattice::neighbours. They are walked in order. An expandable one is tried; a point that is
+///   not settled yet makes x wait; a terminating or unreached one, or one that was tried, is
+///   passed. When none is left, or half of the attempts are spent, x is settled as unreached.
 /// - Round r >= 1 begins when every point is settled. The candidates of an unreached point are all
-/// its
-///   neighbours that were expandable when the round began and that it has not tried. They are tried
-///   one after the other until one succeeds or the attempts are spent.
-/// - It is over when a round has nothing to try. Then unreached points are failed; those without an
-/// attempt
-///   because they have no expandable neighbour (Cause::unreachable).
+///   its neighbours that were expandable when the round began and that it has not tried. They are
+///   tried one after the other until one succeeds or the attempts are spent.
+/// - It is over when a round has nothing to try. Then unreached points are failed.
 ///
 /// Copyable value, one thread at a time.
 class Frontier {
  public:
-  struct Attempt {
-    std::int32_t parent = -1;
-    Cause cause = Cause::none;
-    double step_reached = 0;
-  };
-
   /// Points whose |force| exceeds `max_force` (N) are terminating.
   Frontier(Lattice lattice, double max_force, int max_attempts = max_attempts_per_point);
 
@@ -67,47 +54,38 @@ class Frontier {
   std::vector<Transition> takeReady();
   /// True for a transition that is ready and not recorded.
   bool isOpen(const Transition& transition) const;
-  /// Records the ending of an open transition. Error when it is not open.
-  void record(const Transition& transition, const Ending& ending);
+  /// How an open transition ended: the |force| (N) of its equilibrium, nothing when it failed.
+  /// Error when it is not open.
+  void record(const Transition& transition, std::optional<double> force);
 
   bool complete() const { return complete_; }
-  /// expandable or terminating: the tag of a converged configuration whose |force| (N) is this.
-  Tag tagOf(double force) const { return force <= max_force_ ? Tag::expandable : Tag::terminating; }
   /// expandable or terminating as soon as that is recorded; failed only when complete.
   Tag tag(std::int32_t point) const;
-  /// The point it was solved from, -1 when it was not.
-  std::int32_t parent(std::int32_t point) const { return points_[point].parent; }
-  /// The tries that failed, in order; also of points that were reached later.
-  const std::vector<Attempt>& attempts(std::int32_t point) const { return points_[point].attempts; }
-  /// Of an unreached point: the cause of the attempt that got furthest, the first of equals.
-  /// Without attempts: Cause::unreachable when complete, Cause::none before.
-  Cause cause(std::int32_t point) const;
 
   const Lattice& lattice() const { return lattice_; }
   std::int32_t size() const { return lattice_.size(); }
-  std::int32_t solved() const { return solved_; }  ///< points that are expandable or terminating
-  std::int32_t open() const { return open_; }      ///< transitions that are ready and not recorded
-  int round() const { return round_; }
+  /// Transitions that are ready and not recorded.
+  std::int32_t openCount() const { return open_count_; }
 
  private:
+  /// waiting -> open -> reached, or -> unreached, which a later round may open again.
   enum class Phase : std::uint8_t { waiting, open, reached, unreached };
   struct Point {
     Phase phase = Phase::waiting;
     Tag tag = Tag::unknown;
     std::int32_t round_reached = 0;
-    std::int32_t parent = -1;   ///< reached from
     std::int32_t blocker = -1;  ///< open: the parent being tried; waiting: the point it waits for
-    std::vector<Attempt> attempts;
+    std::vector<std::int32_t> failed_parents;  ///< in the order of trying
   };
 
-  void open(std::int32_t target, std::int32_t parent);
+  void makeReady(std::int32_t target, std::int32_t parent);
   void settle(std::int32_t point);
   void advance(std::int32_t point);
   void advanceInRoundZero(std::int32_t point);
   void advanceInLaterRound(std::int32_t point);
   void giveUp(std::int32_t point);
   void releaseWaiting();
-  void beginRounds();
+  void beginRound();
   bool tried(std::int32_t target, std::int32_t parent) const;
 
   Lattice lattice_;
@@ -115,11 +93,10 @@ class Frontier {
   std::size_t max_attempts_;
   std::vector<Point> points_;
   std::vector<Transition> ready_;
-  std::vector<std::int32_t>
-      newly_settled_;  ///< in round 0: whose waiting neighbours are to be looked at
+  /// In round 0: those whose waiting neighbours are to be looked at.
+  std::vector<std::int32_t> newly_settled_;
   std::int32_t unsettled_ = 0;
-  std::int32_t solved_ = 0;
-  std::int32_t open_ = 0;
+  std::int32_t open_count_ = 0;
   int round_ = 0;
   bool complete_ = false;
 };

@@ -1,19 +1,21 @@
 #include "scheduler/plan/leases.hpp"
 
 #include <algorithm>
-#include <cassert>
+
+#include "common/base/assertion.hpp"
 
 namespace palpate {
 
 void Leases::add(const TransitionKey& key) {
   const auto [where, fresh] = entries_.try_emplace(key);
-  assert(fresh);
+  PALPATE_ASSERT(fresh, "a transition becomes ready once");
   putBack(key, where->second);
 }
 
 std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t workers) {
   if (waiting_count_ == 0) return std::nullopt;
   const std::size_t share = 2 * std::max<std::size_t>(workers, 1);
+  // Half of an even share, so that the last jobs of a stage are small and end together.
   const std::size_t limit =
       std::clamp<std::size_t>((waiting_count_ + share - 1) / share, 1, max_targets_per_job);
 
@@ -24,13 +26,13 @@ std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t wo
   for (const std::int32_t target : targets) {
     const TransitionKey key{space, target, parent};
     Entry& entry = entries_.at(key);
+    // A suspect is handed out alone, so that the next death names it.
     const bool alone = entry.losses >= losses_before_alone;
     if (alone && !job.empty()) break;
     takeFromWaiting(key);
     entry.worker = worker;
     entry.job = handout.job;
     ++entry.attempt;
-    ++leased_count_;
     job.push_back(key);
     handout.targets.push_back({target, entry.attempt});
     if (alone || job.size() == limit) break;
@@ -40,14 +42,14 @@ std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t wo
 
 void Leases::finish(const TransitionKey& key) {
   const auto found = entries_.find(key);
-  if (found == entries_.end()) return;
+  PALPATE_ASSERT(found != entries_.end(), "what has an outcome was handed out, or still waits");
   const Entry& entry = found->second;
+  // A late answer of a lost worker ends the lease of whoever has it now.
   if (!entry.worker.empty()) {
     LeasesOfWorker& jobs = by_worker_.at(entry.worker);
     auto& open = jobs.at(entry.job);
     std::erase(open, key);
     if (open.empty()) jobs.erase(entry.job);
-    --leased_count_;
   } else {
     takeFromWaiting(key);
   }
@@ -62,6 +64,8 @@ void Leases::giveBack(const std::string& worker) {
 std::vector<TransitionKey> Leases::workerDied(const std::string& worker,
                                               std::optional<TransitionKey> solving) {
   const LeasesOfWorker jobs = endLeases(worker);
+  // The last heartbeat may be older than the solve that killed it: the next in order is as suspect
+  // as the one it named.
   std::optional<TransitionKey> next_in_order;
   if (!jobs.empty()) next_in_order = jobs.begin()->second.front();
   bool alone = false;
@@ -95,26 +99,13 @@ std::size_t Leases::jobsOf(const std::string& worker) const {
   return found == by_worker_.end() ? 0 : found->second.size();
 }
 
-const std::vector<TransitionKey>* Leases::openOf(const std::string& worker,
+const std::vector<TransitionKey>& Leases::openOf(const std::string& worker,
                                                  std::uint64_t job) const {
+  static const std::vector<TransitionKey> none;
   const auto jobs = by_worker_.find(worker);
-  if (jobs == by_worker_.end()) return nullptr;
+  if (jobs == by_worker_.end()) return none;
   const auto keys = jobs->second.find(job);
-  return keys == jobs->second.end() || keys->second.empty() ? nullptr : &keys->second;
-}
-
-std::optional<std::uint32_t> Leases::spaceOf(const std::string& worker, std::uint64_t job) const {
-  const std::vector<TransitionKey>* open = openOf(worker, job);
-  if (open == nullptr) return std::nullopt;
-  return open->front().space;
-}
-
-std::optional<TransitionKey> Leases::leasedTransition(const std::string& worker, std::uint64_t job,
-                                                      std::int32_t target) const {
-  if (const std::vector<TransitionKey>* open = openOf(worker, job))
-    for (const TransitionKey& key : *open)
-      if (key.target == target) return key;
-  return std::nullopt;
+  return keys == jobs->second.end() ? none : keys->second;
 }
 
 void Leases::putBack(const TransitionKey& key, Entry& entry) {
@@ -136,10 +127,7 @@ Leases::LeasesOfWorker Leases::endLeases(const std::string& worker) {
   LeasesOfWorker jobs = std::move(found->second);
   by_worker_.erase(found);
   for (const auto& [job, keys] : jobs)
-    for (const TransitionKey& key : keys) {
-      entries_.at(key).worker.clear();
-      --leased_count_;
-    }
+    for (const TransitionKey& key : keys) entries_.at(key).worker.clear();
   return jobs;
 }
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "scheduler/plan/frontier.hpp"
@@ -24,8 +24,8 @@ struct TransitionKey {
 struct Handout {
   struct Target {
     std::int32_t point = -1;
-    std::uint32_t attempt =
-        0;  ///< number of this hand-out of the transition, from 1: the fencing token
+    /// Number of this hand-out of the transition, from 1: the fencing token.
+    std::uint32_t attempt = 0;
   };
   std::uint64_t job = 0;
   std::uint32_t space = 0;
@@ -61,30 +61,26 @@ class Leases {
   /// The next job for `worker`: targets around one start, nearest to the origin first, and few
   /// enough that `workers` workers all get some. Nothing when nothing waits.
   std::optional<Handout> handOut(const std::string& worker, std::size_t workers);
-  /// True until finished.
-  bool knows(const TransitionKey& key) const { return entries_.contains(key); }
-  /// The transition has an outcome, whoever found it. Unknown keys are ignored.
+  /// The transition has an outcome, whoever found it.
   void finish(const TransitionKey& key);
 
   /// Ends the leases of a worker that lives (it said goodbye, or it never got the job); they wait
   /// again.
   void giveBack(const std::string& worker);
   /// Ends the leases of a worker that died, while solving `solving` when that is known. Returns the
-  /// transitions that are given up: they are neither waiting nor leased any more, but known until
-  /// finish().
+  /// transitions that are given up: they are neither waiting nor leased any more, but to be
+  /// finished.
   std::vector<TransitionKey> workerDied(const std::string& worker,
                                         std::optional<TransitionKey> solving);
 
   std::size_t waiting() const { return waiting_count_; }
-  std::size_t leased() const { return leased_count_; }
+  /// Everything that was added is finished.
+  bool empty() const { return entries_.empty(); }
   /// Targets and jobs leased to one worker.
   std::size_t leasedTo(const std::string& worker) const;
   std::size_t jobsOf(const std::string& worker) const;
-  /// The space of that job of that worker; nothing when none of its transitions is open.
-  std::optional<std::uint32_t> spaceOf(const std::string& worker, std::uint64_t job) const;
-  /// The open transition to `target` in that job of that worker; nothing when there is none.
-  std::optional<TransitionKey> leasedTransition(const std::string& worker, std::uint64_t job,
-                                                std::int32_t target) const;
+  /// The open transitions of that job of that worker, all of one space; empty when there are none.
+  const std::vector<TransitionKey>& openOf(const std::string& worker, std::uint64_t job) const;
 
  private:
   struct Entry {
@@ -94,22 +90,19 @@ class Leases {
     std::string worker;  ///< empty: not leased
     std::uint64_t job = 0;
   };
-  using Start =
-      std::pair<std::int32_t,
-                std::uint32_t>;  ///< (parent, space): parents are numbered from the origin outward
-  using LeasesOfWorker =
-      std::map<std::uint64_t, std::vector<TransitionKey>>;  ///< job -> open transitions, in order
+  /// (parent, space): parents are numbered from the origin outward.
+  using Start = std::pair<std::int32_t, std::uint32_t>;
+  /// Job -> open transitions, in order.
+  using LeasesOfWorker = std::map<std::uint64_t, std::vector<TransitionKey>>;
 
   void putBack(const TransitionKey& key, Entry& entry);
   void takeFromWaiting(const TransitionKey& key);
-  const std::vector<TransitionKey>* openOf(const std::string& worker, std::uint64_t job) const;
   LeasesOfWorker endLeases(const std::string& worker);
 
   std::map<TransitionKey, Entry> entries_;
   std::map<Start, std::set<std::int32_t>> waiting_;
   std::map<std::string, LeasesOfWorker> by_worker_;
   std::size_t waiting_count_ = 0;
-  std::size_t leased_count_ = 0;
   std::uint64_t last_job_;
 };
 

@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/interpolation/branch_check.hpp"
 #include "scheduler/plan/refinement.hpp"
@@ -13,8 +14,8 @@
 namespace palpate {
 namespace {
 
-/// Farther points are no parents: the transition would not be one of neighbours.
-constexpr double farthest_parent = 2;  // spacings
+/// In spacings. Farther points are no parents: the transition would not be one of neighbours.
+constexpr double farthest_parent = 2;
 
 /// Relative: below it two equilibria are the same one, solved to the tolerance of Newton's method.
 constexpr double same_energy = 1e-7;
@@ -31,12 +32,24 @@ std::string_view name(Stage stage) {
   return names.at(static_cast<std::size_t>(stage));
 }
 
+PointRecord solvedPoint(std::int32_t parent, const Outcome& outcome, const ContentId& fields,
+                        double max_force) {
+  PointRecord point;
+  point.tag = tagOf(outcome.equilibrium.force.norm(), max_force);
+  point.parent = parent;
+  point.equilibrium = outcome.equilibrium;
+  point.residual = outcome.residual;
+  point.cost = outcome.cost;
+  point.fields = fields;
+  return point;
+}
+
 SpacePlan::SpacePlan(const Problem& problem, std::uint32_t space)
     : problem_(&problem),
       space_(space),
       frontier_(uniformLattice(problem.scene), problem.scene.workspace.max_force),
       positions_(frontier_.lattice()),
-      records_(static_cast<std::size_t>(positions_.size())),
+      points_(static_cast<std::size_t>(positions_.size())),
       may_grow_(problem.scene.accuracy.adaptive()) {}
 
 std::vector<Transition> SpacePlan::takeReady() {
@@ -57,8 +70,9 @@ std::int32_t SpacePlan::stepsOf(const Transition& transition) const {
   return stage_ == Stage::branches && isOpen(transition) ? steps_of_retry : 1;
 }
 
-std::int32_t SpacePlan::open() const {
-  return stage_ == Stage::lattice ? frontier_.open() : static_cast<std::int32_t>(pursuits_.size());
+std::int32_t SpacePlan::openCount() const {
+  return stage_ == Stage::lattice ? frontier_.openCount()
+                                  : static_cast<std::int32_t>(pursuits_.size());
 }
 
 const std::vector<FailedAttempt>& SpacePlan::attempts(std::int32_t number) const {
@@ -74,72 +88,63 @@ void SpacePlan::record(const Transition& transition, const Outcome& outcome,
         "space {}: transition to point {} from point {} is recorded but was not asked for", space_,
         transition.target, transition.parent);
   tried_.insert(transition);
+  // Also of points that are solved already: that a retry failed says something about the branch.
   if (!outcome.converged)
     attempts_[transition.target].push_back({transition.target, transition.parent, outcome.failure});
+  PointRecord found;
+  if (outcome.converged)
+    found = solvedPoint(transition.parent, outcome, fields, problem_->scene.workspace.max_force);
   if (stage_ == Stage::lattice) {
-    if (outcome.converged)
-      records_[transition.target] = recordOf(transition.parent, outcome, fields);
-    frontier_.record(transition, endingOf(outcome));
+    if (outcome.converged) points_[transition.target] = std::move(found);
+    frontier_.record(transition, outcome.converged ? std::optional(outcome.equilibrium.force.norm())
+                                                   : std::nullopt);
   } else {
-    recordInPursuit(transition, outcome, fields);
+    recordInPursuit(transition, outcome.converged, std::move(found));
   }
-  while (!complete() && open() == 0) advanceStage();
+  while (!complete() && openCount() == 0) advanceStage();
 }
 
-PointRecord SpacePlan::recordOf(std::int32_t parent, const Outcome& outcome,
-                                const ContentId& fields) const {
-  PointRecord record;
-  record.tag = tagOf(outcome.equilibrium.force.norm());
-  record.parent = parent;
-  record.equilibrium = outcome.equilibrium;
-  record.residual = outcome.residual;
-  record.cost = outcome.cost;
-  record.fields = fields;
-  return record;
-}
-
-void SpacePlan::recordInPursuit(const Transition& transition, const Outcome& outcome,
-                                const ContentId& fields) {
-  const auto found = pursuits_.find(transition.target);
-  Pursuit& pursuit = found->second;
+void SpacePlan::recordInPursuit(const Transition& transition, bool converged, PointRecord found) {
+  const auto place = pursuits_.find(transition.target);
+  Pursuit& pursuit = place->second;
   ++pursuit.tried;
-  if (outcome.converged) {
-    PointRecord record = recordOf(transition.parent, outcome, fields);
-    if (pursuit.every_parent)
-      alternatives_[transition.target].push_back(std::move(record));
-    else
-      records_[transition.target] = std::move(record);
-  }
-  const bool over =
-      (outcome.converged && !pursuit.every_parent) || pursuit.tried == pursuit.parents.size();
-  if (!over) return open(transition.target, pursuit);
-  if (!isSolved(records_[transition.target].tag)) giveUp(transition.target);
-  pursuits_.erase(found);
+  if (converged && pursuit.every_parent)
+    alternatives_[transition.target].push_back(std::move(found));
+  else if (converged)
+    points_[transition.target] = std::move(found);
+  const bool over = (converged && !pursuit.every_parent) || pursuit.tried == pursuit.parents.size();
+  if (!over) return makeReady(transition.target, pursuit);
+  if (!isSolved(points_[transition.target].tag)) giveUp(transition.target);
+  pursuits_.erase(place);
 }
 
 void SpacePlan::pursue(std::int32_t target, std::vector<std::int32_t> parents, bool every_parent) {
+  PALPATE_ASSERT(!pursuits_.contains(target), "a point is pursued once in a stage");
   if (parents.empty()) return giveUp(target);
-  open(target, pursuits_[target] = {std::move(parents), 0, every_parent});
+  makeReady(target, pursuits_[target] = {std::move(parents), 0, every_parent});
 }
 
-void SpacePlan::open(std::int32_t target, const Pursuit& pursuit) {
+void SpacePlan::makeReady(std::int32_t target, const Pursuit& pursuit) {
   ready_.push_back({target, pursuit.parents[pursuit.tried]});
 }
 
+/// Where a point becomes failed. Its cause is that of the attempt that got furthest, the first of
+/// equals: that one says most about what is in the way.
 void SpacePlan::giveUp(std::int32_t target) {
-  PointRecord& record = records_[target];
-  record.tag = Tag::failed;
-  record.cause = Cause::unreachable;
+  PointRecord& point = points_[target];
+  PALPATE_ASSERT(!isSolved(point.tag), "a point that was reached keeps its equilibrium");
+  point.tag = Tag::failed;
+  point.cause = Cause::unreachable;
   const std::vector<FailedAttempt>& tries = attempts(target);
   if (tries.empty()) return;
-  record.cause = std::max_element(tries.begin(), tries.end(), [](const auto& a, const auto& b) {
-                   return a.failure.step_reached < b.failure.step_reached;
-                 })->failure.cause;
+  point.cause = std::max_element(tries.begin(), tries.end(), [](const auto& a, const auto& b) {
+                  return a.failure.step_reached < b.failure.step_reached;
+                })->failure.cause;
 }
 
 std::int32_t SpacePlan::addPosition(const LatticePoint& position) {
   positions_.add(position);
-  records_.emplace_back();
+  points_.emplace_back();
   return positions_.size() - 1;
 }
 
@@ -148,9 +153,10 @@ std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) c
   using Candidate = std::tuple<std::int64_t, std::int64_t, std::int32_t>;
   const double reach = farthest_parent * positions_.divisions();
   std::vector<Candidate> candidates;
+  // Probes are no parents: the space must not depend on what it is measured with.
   const std::int32_t end = first_probe_ < 0 ? size() : first_probe_;
   for (std::int32_t n = 0; n < end; ++n) {
-    if (records_[n].tag != Tag::expandable) continue;
+    if (points_[n].tag != Tag::expandable) continue;
     const std::int64_t distance = squaredDistance(positions_.point(n), position);
     if (static_cast<double>(distance) <= reach * reach)
       candidates.emplace_back(distance, squaredNorm(positions_.point(n)), n);
@@ -167,8 +173,7 @@ std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) c
 void SpacePlan::advanceStage() {
   switch (stage_) {
     case Stage::lattice:
-      if (!frontier_.complete())
-        throw failure("space {}: nothing is open in an incomplete lattice", space_);
+      PALPATE_ASSERT(frontier_.complete(), "a lattice with nothing to solve is solved");
       for (std::int32_t n = 0; n < frontier_.size(); ++n)
         if (frontier_.tag(n) == Tag::failed) giveUp(n);
       stage_ = Stage::branches;
@@ -178,6 +183,7 @@ void SpacePlan::advanceStage() {
       stage_ = Stage::cells;
       return beginCells();
     case Stage::cells:
+      // New points may lie on other branches than the old ones around them.
       branch_round_ = 0;
       stage_ = may_grow_ ? Stage::branches : Stage::probes;
       return may_grow_ ? beginBranches() : beginProbes();
@@ -193,7 +199,7 @@ void SpacePlan::beginBranches() {
   ++branch_round_;
   std::map<std::int32_t, std::vector<std::int32_t>> retries;
   const auto retry = [&](std::int32_t target, std::int32_t parent) {
-    if (records_[parent].tag == Tag::expandable && !tried_.contains({target, parent}))
+    if (points_[parent].tag == Tag::expandable && !tried_.contains({target, parent}))
       retries[target].push_back(parent);
   };
   for (const LatticeEdge& edge : inconsistentEdges(table())) {
@@ -208,16 +214,18 @@ bool SpacePlan::keepLeastEnergy() {
   bool changed = false;
   for (auto& [target, found] : std::exchange(alternatives_, {}))
     for (PointRecord& alternative : found) {
-      const double energy = records_[target].equilibrium.energy;
+      const double energy = points_[target].equilibrium.energy;
+      // Ties stay: the point would change back and forth between two roundings of one equilibrium.
       if (alternative.equilibrium.energy >= energy - same_energy * std::abs(energy)) continue;
-      records_[target] = std::move(alternative);
+      points_[target] = std::move(alternative);
       changed = true;
     }
   return changed;
 }
 
 void SpacePlan::beginCells() {
-  may_grow_ = may_grow_ && isSolved(records_.front().tag);
+  // Without a solved origin there is nothing to refine around.
+  may_grow_ = may_grow_ && isSolved(points_.front().tag);
   if (!may_grow_) return;
   const Refinement refinement = nextRefinement(table(), problem_->scene);
   splits_.insert(splits_.end(), refinement.splits.begin(), refinement.splits.end());
@@ -225,6 +233,7 @@ void SpacePlan::beginCells() {
     return std::tie(a.level, a.lowest) < std::tie(b.level, b.lowest);
   });
   may_grow_ = !refinement.empty();
+  // All parents are chosen before the first new point is there, so that their order is no matter.
   std::vector<std::pair<std::int32_t, std::vector<std::int32_t>>> targets;
   for (const LatticePoint& position : refinement.points) {
     std::vector<std::int32_t> parents = parentsNear(position);
@@ -250,9 +259,9 @@ SpaceTable SpacePlan::table() const {
   table.splits = splits_;
   const std::int32_t end = first_probe_ < 0 ? size() : first_probe_;
   for (std::int32_t n = table.lattice.size(); n < end; ++n) table.lattice.add(positions_.point(n));
-  table.points.assign(records_.begin(), records_.begin() + end);
+  table.points.assign(points_.begin(), points_.begin() + end);
   for (std::int32_t n = end; n < size(); ++n)
-    table.probes.push_back({positions_.displacement(n), records_[n]});
+    table.probes.push_back({positions_.displacement(n), points_[n]});
   for (const auto& [target, tries] : attempts_)
     if (target < end) table.attempts.insert(table.attempts.end(), tries.begin(), tries.end());
   return table;

@@ -29,6 +29,11 @@ inline constexpr std::int32_t steps_of_retry = 4;
 /// Points are solved anew at most so often because an edge was inconsistent.
 inline constexpr int max_branch_rounds = 8;
 
+/// The row of a point that was solved from `parent`; `fields` names its nodal fields. `max_force`
+/// of the scene's workspace, N.
+PointRecord solvedPoint(std::int32_t parent, const Outcome& outcome, const ContentId& fields,
+                        double max_force);
+
 /// Where one active node's build has to go, from the scene and the recorded outcomes alone: no
 /// clock, no workers, no order of arrival. So the whole configuration space is a function of what
 /// the transitions give, and a restart that records the known outcomes again is exactly where the
@@ -36,15 +41,13 @@ inline constexpr int max_branch_rounds = 8;
 ///
 /// - lattice: the uniform lattice (Frontier).
 /// - branches: each end of an inconsistent edge (inconsistentEdges) is solved again from the other
-/// end, in
-///   steps_of_retry steps. Of all equilibria found for a point the one of least energy is kept: the
-///   state that a hand coming from rest ends in. Repeated while that changes something.
+///   end, in steps_of_retry steps. Of all equilibria found for a point the one of least energy is
+///   kept: the state that a hand coming from rest ends in. Repeated while that changes something.
 /// - cells: an adaptive scene asks nextRefinement for points; each is tried from the nearest
-/// expandable
-///   points, one after the other, at most max_attempts_per_point; then branches again, and so on
-///   until the accuracy is reached or nothing can improve it.
+///   expandable points, one after the other, at most max_attempts_per_point; then branches again,
+///   and so on until the accuracy is reached or nothing can improve it.
 /// - probes: scene.accuracy.probes held-out positions of the ball (probePositions), tried like
-/// those.
+///   those.
 ///
 /// Points are numbered as in the lattice; probes follow. Copyable, one thread at a time.
 class SpacePlan {
@@ -62,19 +65,18 @@ class SpacePlan {
 
   Stage stage() const { return stage_; }
   bool complete() const { return stage_ == Stage::complete; }
-  std::int32_t open() const;  ///< transitions that are ready and not recorded
+  /// Transitions that are ready and not recorded.
+  std::int32_t openCount() const;
   /// More points may still be asked for.
   bool mayGrow() const { return may_grow_; }
 
   /// All positions: points of the lattice, then probes.
   const Lattice& positions() const { return positions_; }
   std::int32_t size() const { return positions_.size(); }
-  /// Of a point or probe; tag failed as soon as nothing more will be tried.
-  const PointRecord& record(std::int32_t number) const { return records_[number]; }
+  /// What is known of a point or probe; failed as soon as nothing more will be tried.
+  const PointRecord& point(std::int32_t number) const { return points_[number]; }
   /// Attempts that failed, in the order of trying.
   const std::vector<FailedAttempt>& attempts(std::int32_t number) const;
-  /// expandable or terminating: the tag of a converged configuration whose |force| (N) is this.
-  Tag tagOf(double force) const { return frontier_.tagOf(force); }
 
   /// The rows of the dataset, as far as they are known.
   SpaceTable table() const;
@@ -87,11 +89,9 @@ class SpacePlan {
     bool every_parent = false;  ///< else until one succeeds
   };
 
-  PointRecord recordOf(std::int32_t parent, const Outcome& outcome, const ContentId& fields) const;
-  void recordInPursuit(const Transition& transition, const Outcome& outcome,
-                       const ContentId& fields);
+  void recordInPursuit(const Transition& transition, bool converged, PointRecord found);
   void pursue(std::int32_t target, std::vector<std::int32_t> parents, bool every_parent);
-  void open(std::int32_t target, const Pursuit& pursuit);
+  void makeReady(std::int32_t target, const Pursuit& pursuit);
   void giveUp(std::int32_t target);
   std::int32_t addPosition(const LatticePoint& position);
   std::vector<std::int32_t> parentsNear(const LatticePoint& position) const;
@@ -108,11 +108,12 @@ class SpacePlan {
   Lattice positions_;
   std::int32_t first_probe_ = -1;  ///< -1 before there are probes
   std::vector<LatticeCell> splits_;
-  std::vector<PointRecord> records_;
+  std::vector<PointRecord> points_;
   std::map<std::int32_t, std::vector<FailedAttempt>> attempts_;
-  std::map<std::int32_t, std::vector<PointRecord>> alternatives_;  ///< of this round of branches
-  std::set<Transition> tried_;                                     ///< recorded, however it ended
-  std::map<std::int32_t, Pursuit> pursuits_;                       ///< by target
+  /// Other equilibria of points, found in this round of branches.
+  std::map<std::int32_t, std::vector<PointRecord>> alternatives_;
+  std::set<Transition> tried_;                ///< recorded, however it ended
+  std::map<std::int32_t, Pursuit> pursuits_;  ///< by target; what is open after the lattice
   std::vector<Transition> ready_;
   Stage stage_ = Stage::lattice;
   int branch_round_ = 0;

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,10 +10,10 @@
 
 #include "common/problem/problem.hpp"
 #include "common/space/configuration.hpp"
-#include "common/space/lattice.hpp"
+#include "common/space/space_table.hpp"
 #include "proto/palpate.pb.h"
-#include "scheduler/plan/frontier.hpp"
 #include "scheduler/plan/leases.hpp"
+#include "scheduler/plan/space_plan.hpp"
 #include "scheduler/state/journal.hpp"
 #include "scheduler/state/sqlite.hpp"
 #include "scheduler/state/state_directory.hpp"
@@ -50,30 +49,23 @@ struct ServerRow {
   std::string kernel_family;
   std::string state;        ///< "idle", "busy", "lost" or "left"
   double heard_before = 0;  ///< s since the last message
-  double heard_at = 0;      ///< Unix time of it; filled on reading
   std::int64_t results = 0;
 };
 
-struct FailedPoint {
-  LatticePoint position;
-  Cause cause = Cause::none;
-};
-/// The failed points of one space by number.
-using FailedPoints = std::map<std::int32_t, FailedPoint>;
-
-/// The tables of a build (SQLite, docs/state.md): servers, configurations, attempts, counters. One
-/// writer, which owns the StateDirectory; readers open StoredTables beside it at any time.
+/// The tables of a build (SQLite, docs/state.md): results, the configurations they make, servers,
+/// counters. One writer, which owns the StateDirectory; readers open StoredTables beside it at any
+/// time.
 ///
-/// record() is the only way a result gets in, and it is all or nothing: rows, counters and the
-/// journal's end in one transaction that has reached the disk when it returns. Errors of the
-/// database are fatal for the scheduler.
+/// record() is the only way a result gets in, and it is all or nothing: rows and the journal's end
+/// in one transaction that has reached the disk when it returns. Errors of the database are fatal
+/// for the scheduler. One thread.
 class JobStore {
  public:
-  static constexpr int schema_version = 2;
+  static constexpr int schema_version = 3;
 
   /// Opens the tables in `directory`, or makes them with every point of the uniform lattice
-  /// unknown. Error (bad input) when they belong to another build, naming its scene, or to a newer
-  /// version of Palpate.
+  /// unknown. Tables of an older version are made anew from the results in them. Error (bad input)
+  /// when they belong to another build, naming its scene, or to a newer version of Palpate.
   JobStore(const StateDirectory& directory, const Problem& problem,
            const std::string& problem_bytes);
 
@@ -81,15 +73,11 @@ class JobStore {
   JournalEnd committed();
   const StoredBuild& build() const { return build_; }
 
-  /// Records results that `journal_end` covers and that the journal has synced. The first converged
-  /// one of a point becomes its row, with the tag that `tags` (parallel to results) gives; failed
-  /// ones, and those that converged for a point that has its row, become attempts. Error when a key
-  /// is recorded already.
-  void record(std::span<const StoredResult> results, std::span<const Tag> tags,
-              JournalEnd journal_end);
-  void setKernelFamily(const std::string& family);
-  /// The end of the build: the points of each space that could not be reached.
-  void complete(std::span<const FailedPoints> failed);
+  /// Records results that `journal_end` covers and that the journal has synced; those that
+  /// converged become the configurations of their points. Error when a key is recorded already.
+  void record(std::span<const StoredResult> results, JournalEnd journal_end);
+  /// The end of the build: every point as its plan leaves it. `plans`: one per active node.
+  void complete(std::span<const SpacePlan> plans);
 
   void writeServers(std::span<const ServerRow> servers);
   void writeCounters(const std::map<std::string, std::int64_t>& counters);
@@ -97,27 +85,36 @@ class JobStore {
 
   /// The result with this key; nothing when it is not recorded.
   std::optional<StoredResult> find(const TransitionKey& key);
-  /// Every result: first those that made a row of a point, by (space, point), then the others by
-  /// (space, target, order of trying).
+  /// Every result, in the order of recording.
   std::vector<StoredResult> results();
 
  private:
-  void create(const Problem& problem, const std::string& problem_bytes);
-  void upgrade();
-  void insertAttempt(const StoredResult& result);
-  bool makeRow(const StoredResult& result, Tag tag);
+  /// Compiled once, since they run for every result.
+  struct Prepared {
+    explicit Prepared(Database& database);
+    Statement put_meta, write_point, insert_result, find_result;
+  };
 
+  void create(const Problem& problem, const std::string& problem_bytes);
+  void upgrade(const Problem& problem);
+  void makeTables(const Problem& problem);
+  void putJournalEnd(JournalEnd end);
+  void insert(const StoredResult& result);
+  void writePoint(std::size_t space, std::int32_t number, const LatticePoint& position,
+                  const PointRecord& point);
+
+  double max_force_;  ///< N, beyond which a point is terminating
   Database database_;
+  std::optional<Prepared> prepared_;  ///< once the tables are there
   StoredBuild build_;
 };
 
 /// The tables of a state directory, read-only, also while a scheduler writes them: a snapshot of
-/// the moment of construction.
+/// the moment of construction. Those of older versions are read too.
 class StoredTables {
  public:
-  /// Error (bad input) when `directory` is not a state directory of this version.
+  /// Error (bad input) when `directory` is not a state directory, or that of a newer version.
   explicit StoredTables(const std::filesystem::path& directory);
-  ~StoredTables();
 
   const StoredBuild& build() const { return build_; }
   std::vector<StoredResult> results();

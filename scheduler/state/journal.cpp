@@ -62,6 +62,7 @@ void syncDirectory(const std::filesystem::path& directory) {
 
 Journal::Journal(std::filesystem::path directory, JournalEnd committed, std::uint64_t segment_bytes)
     : directory_(std::move(directory)), segment_bytes_(segment_bytes), end_(committed) {
+  // A segment without a committed record may not have been made before the crash.
   openSegment(committed.offset == 0);
   struct stat info {};
   if (fstat(file_.get(), &info) != 0)
@@ -71,6 +72,7 @@ Journal::Journal(std::filesystem::path directory, JournalEnd committed, std::uin
         "{}: has {} bytes, but {} were committed: the state directory is damaged; "
         "restore it from a copy, or remove it to compute everything again",
         segmentPath(end_.segment).string(), info.st_size, committed.offset);
+  // What lies behind was never acknowledged, and may be half a record.
   if (ftruncate(file_.get(), static_cast<off_t>(committed.offset)) != 0)
     throw failure("{}: cannot truncate: {}", segmentPath(end_.segment).string(), errnoText());
   for (std::uint32_t later = end_.segment + 1; std::filesystem::remove(segmentPath(later));
@@ -102,6 +104,7 @@ JournalPosition Journal::append(std::string_view header, std::string_view payloa
 }
 
 void Journal::sync() {
+  // Never tried again: after a failed sync the kernel may take the lost pages for written.
   if (fdatasync(file_.get()) != 0)
     throw failure(
         "{}: fdatasync: {}: the disk does not keep what is written; "

@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -17,12 +18,14 @@ Replay replay(const Problem& problem, const std::vector<StoredResult>& results) 
         const TransitionKey key{space, transition.target, transition.parent};
         const auto found = known.find(key);
         if (found == known.end()) {
-          replayed.open.push_back(key);
+          replayed.missing.push_back(key);
           continue;
         }
         plan.record(transition, found->second->outcome, fieldsOf(found->second->header));
         known.erase(found);
       }
+    PALPATE_ASSERT(plan.complete() || plan.openCount() > 0,
+                   "a plan that asks for nothing has nothing left to do");
   }
   if (known.empty()) return replayed;
   const TransitionKey& key = known.begin()->first;

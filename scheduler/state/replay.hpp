@@ -11,8 +11,8 @@ namespace palpate {
 
 /// Where the recorded results leave a build.
 struct Replay {
-  std::vector<SpacePlan> plans;     ///< one per active node of the problem
-  std::vector<TransitionKey> open;  ///< ready, and not recorded
+  std::vector<SpacePlan> plans;        ///< one per active node of the problem
+  std::vector<TransitionKey> missing;  ///< ready, and not recorded
 };
 
 /// Records every result in fresh plans. Error when one of them was never asked for: the tables are

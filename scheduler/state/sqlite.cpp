@@ -3,9 +3,7 @@
 #include <spdlog/spdlog.h>
 #include <sqlite3.h>
 
-#include <cmath>
-#include <limits>
-
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -18,6 +16,7 @@ Database::Database(const std::filesystem::path& file, Access access) : file_(fil
     sqlite3_close(handle_);
     throw failure("{}: cannot open: {}", file.string(), reason);
   }
+  // Readers beside us hold the lock for moments only, while they open or fold back the log.
   if (sqlite3_busy_timeout(handle_, 5000) != SQLITE_OK) fail("busy timeout");
 }
 
@@ -49,33 +48,27 @@ Statement::Statement(Database& database, const std::string& sql) : database_(&da
 
 Statement::~Statement() { sqlite3_finalize(handle_); }
 
-Statement& Statement::bind(int index, std::int64_t value) {
-  if (sqlite3_bind_int64(handle_, index, value) != SQLITE_OK) database_->fail("bind");
-  return *this;
+void Statement::putInteger(int index, std::int64_t value) {
+  check(sqlite3_bind_int64(handle_, index, value), "bind");
 }
 
-Statement& Statement::bind(int index, double value) {
-  if (sqlite3_bind_double(handle_, index, value) != SQLITE_OK) database_->fail("bind");
-  return *this;
+void Statement::put(int index, double value) {
+  check(sqlite3_bind_double(handle_, index, value), "bind");
 }
 
-Statement& Statement::bindText(int index, std::string_view value) {
-  if (sqlite3_bind_text(handle_, index, value.data(), static_cast<int>(value.size()),
-                        SQLITE_TRANSIENT) != SQLITE_OK)
-    database_->fail("bind");
-  return *this;
+void Statement::put(int index, std::string_view text) {
+  check(sqlite3_bind_text(handle_, index, text.data(), static_cast<int>(text.size()),
+                          SQLITE_TRANSIENT),
+        "bind");
 }
 
-Statement& Statement::bindBlob(int index, std::string_view value) {
-  if (sqlite3_bind_blob64(handle_, index, value.data(), value.size(), SQLITE_TRANSIENT) !=
-      SQLITE_OK)
-    database_->fail("bind");
-  return *this;
+void Statement::put(int index, Blob blob) {
+  check(sqlite3_bind_blob64(handle_, index, blob.bytes.data(), blob.bytes.size(), SQLITE_TRANSIENT),
+        "bind");
 }
 
-Statement& Statement::bindNull(int index) {
-  if (sqlite3_bind_null(handle_, index) != SQLITE_OK) database_->fail("bind");
-  return *this;
+void Statement::check(int code, const char* doing) const {
+  if (code != SQLITE_OK) database_->fail(doing);
 }
 
 bool Statement::step() {
@@ -84,31 +77,19 @@ bool Statement::step() {
   return code == SQLITE_ROW;
 }
 
-void Statement::run() {
-  if (step())
-    throw failure("{}: a row where none was expected ({})", database_->file().string(),
-                  sqlite3_sql(handle_));
+void Statement::finish() {
+  const bool row = step();
+  PALPATE_ASSERT(!row, "only statements without rows are run");
   reset();
 }
 
-void Statement::reset() {
-  if (sqlite3_reset(handle_) != SQLITE_OK) database_->fail("reset");
-}
-
-bool Statement::isNull(int column) const {
-  return sqlite3_column_type(handle_, column) == SQLITE_NULL;
-}
+void Statement::reset() { check(sqlite3_reset(handle_), "reset"); }
 
 std::int64_t Statement::integer(int column) const { return sqlite3_column_int64(handle_, column); }
 
-double Statement::real(int column) const {
-  return isNull(column) ? std::numeric_limits<double>::quiet_NaN()
-                        : sqlite3_column_double(handle_, column);
-}
+double Statement::real(int column) const { return sqlite3_column_double(handle_, column); }
 
-std::string Statement::text(int column) const { return blob(column); }
-
-std::string Statement::blob(int column) const {
+std::string Statement::text(int column) const {
   const void* bytes = sqlite3_column_blob(handle_, column);
   const int size = sqlite3_column_bytes(handle_, column);
   return bytes == nullptr

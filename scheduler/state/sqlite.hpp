@@ -1,8 +1,8 @@
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -34,8 +34,13 @@ class Database {
   sqlite3* handle_ = nullptr;
 };
 
-/// One prepared statement. Bind with the 1-based index of the ?, then step(); columns are 0-based.
-/// `reset` before the next use.
+/// Bytes of a BLOB, where a string would be TEXT.
+struct Blob {
+  std::string_view bytes;
+};
+
+/// One prepared statement: bind or run it as often as wanted, reset() between. Values belong to the
+/// ? of the SQL in order and are copied; columns are counted from 0. Must go before the Database.
 class Statement {
  public:
   Statement(Database& database, const std::string& sql);
@@ -43,25 +48,38 @@ class Statement {
   Statement(const Statement&) = delete;
   Statement& operator=(const Statement&) = delete;
 
-  Statement& bind(int index, std::int64_t value);
-  Statement& bind(int index, double value);  ///< NaN becomes NULL
-  Statement& bindText(int index, std::string_view value);
-  Statement& bindBlob(int index, std::string_view value);
-  Statement& bindNull(int index);
-
+  /// Integers, doubles (NaN becomes NULL), strings and Blobs, as many as there are ?.
+  template <class... Values>
+  Statement& bind(const Values&... values) {
+    int index = 0;
+    (put(++index, values), ...);
+    return *this;
+  }
   /// True when a row is there.
   bool step();
-  /// step() for a statement without rows, then reset.
-  void run();
+  /// bind, step and reset of a statement without rows.
+  template <class... Values>
+  void run(const Values&... values) {
+    bind(values...).finish();
+  }
   void reset();
 
-  bool isNull(int column) const;
   std::int64_t integer(int column) const;
-  double real(int column) const;  ///< NULL is NaN
-  std::string text(int column) const;
-  std::string blob(int column) const;
+  double real(int column) const;
+  std::string text(int column) const;  ///< or the bytes of a BLOB
 
  private:
+  template <std::integral Integer>
+  void put(int index, Integer value) {
+    putInteger(index, static_cast<std::int64_t>(value));
+  }
+  void put(int index, double value);
+  void put(int index, std::string_view text);
+  void put(int index, Blob blob);
+  void putInteger(int index, std::int64_t value);
+  void check(int code, const char* doing) const;
+  void finish();
+
   Database* database_;
   sqlite3_stmt* handle_ = nullptr;
 };

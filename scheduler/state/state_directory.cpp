@@ -80,7 +80,12 @@ const char* networkFileSystem(long type) {
 
 StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) {
   std::error_code error;
-  std::filesystem::create_directories(path, error);
+  std::filesystem::create_directory(path, error);
+  if (error == std::errc::no_such_file_or_directory)
+    throw failure(
+        "{}: cannot make this state directory: there is no folder {} to make it in: "
+        "make that first, or give another --state",
+        path.string(), (path / ".").lexically_normal().parent_path().parent_path().string());
   if (error)
     throw failure("{}: cannot make this state directory: {}", path.string(), error.message());
   refuseNetworkFileSystem(path);

@@ -8,14 +8,13 @@
 
 namespace palpate {
 
-/// The folder that holds one build: state.db, segment-NNNNNN.dat, lock and
-/// endpoint. Holding this object means being
-/// its only scheduler.
+/// The folder that holds one build: state.db, segment-NNNNNN.dat, lock and endpoint. Holding this
+/// object means being its only scheduler.
 class StateDirectory {
  public:
-  /// Makes the folder when it is not there, refuses network file systems (SQLite's WAL and flock do
-  /// not work on them), and takes the lock. Error "in use by process N" when another scheduler
-  /// holds it.
+  /// Makes the folder when it is not there (but not those above it, which would hide a mistyped
+  /// name), refuses network file systems (SQLite's WAL and flock do not work on them), and takes
+  /// the lock. Error "in use by process N" when another scheduler holds it.
   explicit StateDirectory(const std::filesystem::path& path);
 
   /// Writes where the scheduler listens into the folder, all at once, so that `status` and `stop`

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "scheduler/build_summary.hpp"
-#include "scheduler/status.hpp"
+#include "scheduler/status_text.hpp"
 #include "tests/scheduler/build_world.hpp"
 
 namespace palpate {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scheduler/status.hpp"
+#include "scheduler/service/status.hpp"
 #include "tests/support/expect_error.hpp"
 
 namespace palpate {
@@ -84,22 +84,14 @@ TEST_F(ExplanationTest, NamesTheBoundsOfTheLattice) {
       {"(1, 1, 0)", "not in the lattice", "<= 1"});
 }
 
-TEST(Status, SurvivesJson) {
-  wire::Status status;
-  status.set_scene("a \"quoted\"\nname");
-  status.set_eta_seconds(12.5);
-  (*status.mutable_failed_attempts())["step_budget"] = 3;
-  const wire::Status back = statusFromJson(toJson(status));
-  EXPECT_EQ(back.scene(), status.scene());
-  EXPECT_EQ(back.eta_seconds(), 12.5);
-  EXPECT_EQ(back.failed_attempts().at("step_budget"), 3);
-  test::expectError(ExitCode::failed, [] { statusFromJson("<html>"); }, {"not a status"});
-}
-
-TEST(Status, WritesDurationsForPeople) {
-  EXPECT_EQ(durationText(7.4), "7 s");
-  EXPECT_EQ(durationText(720), "12 min");
-  EXPECT_EQ(durationText(12000), "3 h 20 min");
+TEST_F(ExplanationTest, TheOnlyActiveNodeNeedsNoName) {
+  std::vector<SpaceTable> spaces = {space};
+  EXPECT_EQ(&spaceNamed(spaces, ""), &spaces[0]);
+  spaces.push_back(space);
+  spaces[1].patch.name = "corner";
+  EXPECT_EQ(&spaceNamed(spaces, "corner"), &spaces[1]);
+  test::expectBadInput([&] { spaceNamed(spaces, ""); }, {"--active", "tip, corner"});
+  test::expectBadInput([&] { spaceNamed(spaces, "toe"); }, {"toe", "tip, corner"});
 }
 
 }  // namespace

@@ -70,11 +70,15 @@ struct SystemTest : testing::Test {
 };
 
 TEST_F(SystemTest, RefusesAFolderThatIsNotThereBeforeAnythingIsComputed) {
-  auto build = start("palpate-scheduler", {"build", "cube.toml", "-o", "nowhere2/out.h5", "--state",
-                                           "elsewhere/s", "-j", "1"});
-  EXPECT_EQ(build->wait(), 1);
-  EXPECT_THAT(build->output(), HasSubstr("nothing can be written into nowhere2"));
-  EXPECT_EQ(journaled("elsewhere/s"), 0u);
+  for (const std::vector<std::string>& where : {std::vector<std::string>{"-o", "nowhere/out.h5"},
+                                                {"-o", "out.h5", "--state", "nowhere/state"}}) {
+    std::vector<std::string> arguments = {"build", "cube.toml", "-j", "1"};
+    arguments.insert(arguments.end(), where.begin(), where.end());
+    auto build = start("palpate-scheduler", arguments);
+    EXPECT_EQ(build->wait(), 1);
+    EXPECT_THAT(build->output(), testing::ContainsRegex("into nowhere:|no folder nowhere "));
+    EXPECT_FALSE(std::filesystem::exists(directory / "nowhere"));
+  }
 }
 
 TEST_F(SystemTest, DoesNotTakeADamagedDatasetForFinishedWork) {

@@ -11,12 +11,10 @@
 namespace palpate {
 namespace {
 
-using Physics = std::function<Ending(Transition)>;
+/// The force of the equilibrium that a transition ends in, nothing when it fails.
+using Physics = std::function<std::optional<double>(Transition)>;
 
 constexpr double max_force = 8;
-
-Ending reached(double force) { return {true, force, Cause::none, 1}; }
-Ending stuck(double step, Cause cause = Cause::step_budget) { return {false, 0, cause, step}; }
 
 std::uint64_t mix(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
@@ -31,9 +29,8 @@ Physics randomPhysics(std::uint64_t seed, unsigned failing, unsigned strong) {
     const std::uint64_t way = mix(seed * 1000003 + static_cast<std::uint64_t>(t.target) * 65537 +
                                   static_cast<std::uint64_t>(t.parent));
     const std::uint64_t point = mix(seed + 17 * static_cast<std::uint64_t>(t.target));
-    if (t.target != 0 && way % 100 < failing)
-      return stuck(static_cast<double>(way >> 8 & 7) / 8, static_cast<Cause>(1 + (way >> 16) % 7));
-    return reached(t.target != 0 && point % 100 < strong ? 2 * max_force : 1);
+    if (t.target != 0 && way % 100 < failing) return std::optional<double>();
+    return std::optional(t.target != 0 && point % 100 < strong ? 2 * max_force : 1);
   };
 }
 
@@ -41,21 +38,22 @@ Physics randomPhysics(std::uint64_t seed, unsigned failing, unsigned strong) {
 struct Answer {
   std::vector<Tag> tags;
   std::vector<std::int32_t> parents;
-  std::vector<Cause> causes;
   std::vector<std::vector<std::int32_t>> attempts;
   bool operator==(const Answer&) const = default;
 };
 
-Answer answerOf(const Frontier& frontier) {
-  Answer answer;
-  for (std::int32_t n = 0; n < frontier.size(); ++n) {
-    answer.tags.push_back(frontier.tag(n));
-    answer.parents.push_back(frontier.parent(n));
-    answer.causes.push_back(frontier.cause(n));
-    answer.attempts.emplace_back();
-    for (const auto& attempt : frontier.attempts(n))
-      answer.attempts.back().push_back(attempt.parent);
-  }
+/// `recorded`: all transitions, those of a point in the order in which they were tried.
+Answer answerOf(const Frontier& frontier, const std::vector<Transition>& recorded,
+                const Physics& physics) {
+  const auto size = static_cast<std::size_t>(frontier.size());
+  Answer answer{
+      {}, std::vector<std::int32_t>(size, -1), std::vector<std::vector<std::int32_t>>(size)};
+  for (std::int32_t n = 0; n < frontier.size(); ++n) answer.tags.push_back(frontier.tag(n));
+  for (const Transition& t : recorded)
+    if (physics(t))
+      answer.parents[t.target] = t.parent;
+    else
+      answer.attempts[t.target].push_back(t.parent);
   return answer;
 }
 
@@ -64,22 +62,16 @@ Answer answerOf(const Frontier& frontier) {
 Answer referenceAnswer(const Lattice& lattice, const Physics& physics, std::size_t budget) {
   const auto size = static_cast<std::size_t>(lattice.size());
   Answer a{std::vector<Tag>(size, Tag::unknown), std::vector<std::int32_t>(size, -1),
-           std::vector<Cause>(size, Cause::none), std::vector<std::vector<std::int32_t>>(size)};
-  std::vector<double> furthest(size, -1);
+           std::vector<std::vector<std::int32_t>>(size)};
   const auto tryFrom = [&](std::int32_t x, std::int32_t parent) {
-    const Ending ending = physics({x, parent});
-    if (ending.converged) {
-      a.tags[x] = ending.force > max_force ? Tag::terminating : Tag::expandable;
-      a.parents[x] = parent;
-      a.causes[x] = Cause::none;
-      return true;
+    const std::optional<double> force = physics({x, parent});
+    if (!force) {
+      a.attempts[x].push_back(parent);
+      return false;
     }
-    a.attempts[x].push_back(parent);
-    if (ending.step_reached > furthest[x]) {
-      furthest[x] = ending.step_reached;
-      a.causes[x] = ending.cause;
-    }
-    return false;
+    a.tags[x] = *force > max_force ? Tag::terminating : Tag::expandable;
+    a.parents[x] = parent;
+    return true;
   };
   const auto walk = [&](std::int32_t x, const std::vector<Tag>& tags, bool only_nearer) {
     for (const std::int32_t c : lattice.neighbours(x)) {
@@ -102,11 +94,7 @@ Answer referenceAnswer(const Lattice& lattice, const Physics& physics, std::size
     for (const auto& list : a.attempts) tries += list.size();
     if (tries == tries_before && before == a.tags) break;
   }
-  for (std::size_t x = 0; x < size; ++x) {
-    if (a.tags[x] != Tag::unknown) continue;
-    a.tags[x] = Tag::failed;
-    if (a.attempts[x].empty()) a.causes[x] = Cause::unreachable;
-  }
+  std::replace(a.tags.begin(), a.tags.end(), Tag::unknown, Tag::failed);
   return a;
 }
 
@@ -145,7 +133,7 @@ Answer solve(const Lattice& lattice, const Physics& physics, std::size_t in_flig
     for (const Transition& t : frontier.takeReady()) ready.push_back(t);
     if (random() % 3 == 0) std::shuffle(ready.begin(), ready.end(), random);
   }
-  return answerOf(frontier);
+  return answerOf(frontier, recorded, physics);
 }
 
 TEST(Frontier, BeginsWithTheOriginAloneAndThenOffersItsNeighbours) {
@@ -153,7 +141,7 @@ TEST(Frontier, BeginsWithTheOriginAloneAndThenOffersItsNeighbours) {
   Frontier frontier(lattice, max_force);
   EXPECT_EQ(frontier.takeReady(), (std::vector<Transition>{{0, 0}}));
   EXPECT_TRUE(frontier.takeReady().empty());
-  frontier.record({0, 0}, reached(0));
+  frontier.record({0, 0}, 0);
   const auto ready = frontier.takeReady();
   EXPECT_EQ(ready.size(), 6u) << "the axis neighbours; a diagonal one waits for its nearer "
                                  "neighbour, which is closer to it";
@@ -198,7 +186,7 @@ TEST(Frontier, ReachesEverythingWhenNothingFails) {
 TEST(Frontier, DoesNotExpandBeyondAShellOfTooLargeForces) {
   const Lattice lattice(4, 1);
   const Physics shell = [&](Transition t) {
-    return reached(squaredNorm(lattice.point(t.target)) >= 4 ? max_force + 1 : 1);
+    return std::optional(squaredNorm(lattice.point(t.target)) >= 4 ? max_force + 1 : 1);
   };
   const Answer answer = solve(lattice, shell, 8, 3, true);
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
@@ -211,7 +199,6 @@ TEST(Frontier, DoesNotExpandBeyondAShellOfTooLargeForces) {
                               : reachable ? Tag::terminating
                                           : Tag::failed)
         << n;
-    EXPECT_EQ(answer.causes[n], inside || reachable ? Cause::none : Cause::unreachable) << n;
   }
 }
 
@@ -221,7 +208,7 @@ TEST(Frontier, GoesAroundAWallAndReachesTheSideBehindItLater) {
   const Physics wall = [&](Transition t) {
     const LatticePoint &to = lattice.point(t.target), &from = lattice.point(t.parent);
     const bool crosses = std::max(to[0], from[0]) == 2 && std::min(to[0], from[0]) == 1;
-    return crosses && std::max(to[1], from[1]) < 3 ? stuck(0.5) : reached(1);
+    return crosses && std::max(to[1], from[1]) < 3 ? std::nullopt : std::optional(1.0);
   };
   const Answer answer = solve(lattice, wall, 16, 5, true);
   EXPECT_EQ(answer, referenceAnswer(lattice, wall, max_attempts_per_point));
@@ -236,12 +223,10 @@ TEST(Frontier, LeavesAHoleThatEveryNeighbourFailedToReach) {
   const Lattice lattice(4, 1);
   const std::int32_t hole = *lattice.indexOf({1, 1, 0});
   const Physics physics = [&](Transition t) {
-    if (t.target != hole) return reached(1);
-    return t.parent == 0 ? stuck(0.9, Cause::wrong_inertia) : stuck(0.4);
+    return t.target == hole ? std::nullopt : std::optional(1.0);
   };
   const Answer answer = solve(lattice, physics, 4, 5, false);
   EXPECT_EQ(answer.tags[hole], Tag::failed);
-  EXPECT_EQ(answer.causes[hole], Cause::wrong_inertia) << "of the attempt that got furthest";
   EXPECT_EQ(answer.attempts[hole].size(), static_cast<std::size_t>(max_attempts_per_point));
   EXPECT_EQ(std::count(answer.tags.begin(), answer.tags.end(), Tag::expandable),
             lattice.size() - 1);
@@ -251,15 +236,9 @@ TEST(Frontier, EndsAtOnceWhenTheOriginFails) {
   const Lattice lattice(3, 1);
   Frontier frontier(lattice, max_force);
   EXPECT_EQ(frontier.tag(1), Tag::unknown) << "nothing is unreachable before the end";
-  EXPECT_EQ(frontier.cause(1), Cause::none);
-  frontier.record({0, 0}, stuck(0, Cause::factorization_failed));
+  frontier.record({0, 0}, std::nullopt);
   EXPECT_TRUE(frontier.complete());
-  EXPECT_EQ(frontier.tag(0), Tag::failed);
-  EXPECT_EQ(frontier.cause(0), Cause::factorization_failed);
-  for (std::int32_t n = 1; n < lattice.size(); ++n) {
-    EXPECT_EQ(frontier.tag(n), Tag::failed);
-    EXPECT_EQ(frontier.cause(n), Cause::unreachable);
-  }
+  for (std::int32_t n = 0; n < lattice.size(); ++n) EXPECT_EQ(frontier.tag(n), Tag::failed);
 }
 
 TEST(Frontier, RefusesWhatWasNotAskedFor) {
@@ -267,15 +246,11 @@ TEST(Frontier, RefusesWhatWasNotAskedFor) {
   Frontier frontier(lattice, max_force);
   test::expectError(ExitCode::failed,
                     [&] {
-                      frontier.record({3, 0}, reached(1));
+                      frontier.record({3, 0}, 1);
                     },
                     {"point 3", "not asked for"});
-  frontier.record({0, 0}, reached(0));
-  test::expectError(ExitCode::failed,
-                    [&] {
-                      frontier.record({0, 0}, reached(0));
-                    },
-                    {"not asked for"});
+  frontier.record({0, 0}, 0);
+  test::expectError(ExitCode::failed, [&] { frontier.record({0, 0}, 0); }, {"not asked for"});
 }
 
 }  // namespace

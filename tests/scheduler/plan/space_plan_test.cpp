@@ -165,7 +165,7 @@ TEST_F(SpacePlanTest, APointOnAnotherBranchIsSolvedFromItsNeighboursAndTheLeastE
     return solve(at, transition);
   });
   EXPECT_TRUE(in_steps);
-  EXPECT_EQ(plan.record(number).equilibrium.energy,
+  EXPECT_EQ(plan.point(number).equilibrium.energy,
             test::StiffeningEnergy().energy(plan.positions().displacement(number)));
   EXPECT_THAT(inconsistentEdges(plan.table()), IsEmpty());
 }
@@ -241,6 +241,19 @@ TEST_F(SpacePlanTest, AnOriginThatCannotBeSolvedEndsThePlan) {
   const SpaceTable table = finished([](const SpacePlan&, const Transition&) { return failed(); });
   for (const PointRecord& point : table.points) EXPECT_EQ(point.tag, Tag::failed);
   for (const Probe& probe : table.probes) EXPECT_EQ(probe.record.cause, Cause::unreachable);
+}
+
+TEST_F(SpacePlanTest, AFailedPointHasTheCauseOfTheAttemptThatGotFurthest) {
+  const LatticePoint hole = {1, 1, 0};
+  const SpaceTable table = finished([&](const SpacePlan& plan, const Transition& transition) {
+    if (plan.positions().point(transition.target) != hole) return smooth(plan, transition);
+    Outcome outcome = failed(transition.parent == 0 ? 0.9 : 0.4);
+    if (transition.parent == 0) outcome.failure.cause = Cause::wrong_inertia;
+    return outcome;
+  });
+  const PointRecord& point = table.points[*table.lattice.indexOf(hole)];
+  EXPECT_EQ(point.tag, Tag::failed);
+  EXPECT_EQ(point.cause, Cause::wrong_inertia);
 }
 
 TEST_F(SpacePlanTest, RefusesWhatNobodyAskedFor) {

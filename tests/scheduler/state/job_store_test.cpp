@@ -53,8 +53,7 @@ TEST_F(JobStoreTest, GivesBackResultsToTheLastBitAfterReopening) {
     const StateDirectory held(state);
     JobStore store = open(held);
     const std::vector<StoredResult> results = {origin};
-    store.record(results, std::vector<Tag>{Tag::expandable}, {2, 777});
-    store.setKernelFamily("baseline");
+    store.record(results, {2, 777});
   }
   const StateDirectory held(state);
   JobStore store = open(held);
@@ -82,7 +81,7 @@ TEST_F(JobStoreTest, KeepsTheOrderInWhichAPointWasTried) {
     toWire(failed, "", results.back().header);
     results.back().outcome = failed;
   }
-  store.record(results, std::vector<Tag>(3, Tag::unknown), {1, 1});
+  store.record(results, {1, 150});
   std::vector<std::int32_t> parents;
   for (const StoredResult& stored : store.results()) parents.push_back(stored.key.parent);
   EXPECT_THAT(parents, testing::ElementsAre(7, 3, 5));
@@ -96,8 +95,8 @@ TEST_F(JobStoreTest, KeepsAnotherEquilibriumOfASolvedPointBesideIt) {
   ASSERT_TRUE(first.outcome.converged);
   second.key.parent = 3;
   *second.header.mutable_parent() = toWire(lattice.point(3));
-  store.record(std::vector<StoredResult>{first}, std::vector<Tag>{Tag::expandable}, {1, 1});
-  store.record(std::vector<StoredResult>{second}, std::vector<Tag>{Tag::expandable}, {1, 2});
+  store.record(std::vector<StoredResult>{first}, {1, 150});
+  store.record(std::vector<StoredResult>{second}, {1, 150});
   const std::vector<StoredResult> results = store.results();
   ASSERT_EQ(results.size(), 2u);
   EXPECT_EQ(results[0].key, first.key);
@@ -112,7 +111,7 @@ TEST_F(JobStoreTest, TakesPointsThatAreNotInTheUniformLattice) {
   StoredResult refined = result(0, 7, 0);
   refined.key.target = 1234;
   *refined.header.mutable_target() = toWire({512, 0, -512});
-  store.record(std::vector<StoredResult>{refined}, std::vector<Tag>{Tag::expandable}, {1, 1});
+  store.record(std::vector<StoredResult>{refined}, {1, 150});
   ASSERT_TRUE(store.find(refined.key));
   EXPECT_EQ(store.results().at(0).key, refined.key);
 }
@@ -123,34 +122,111 @@ TEST_F(JobStoreTest, RecordsAGroupWhollyOrNotAtAll) {
   const std::vector<StoredResult> twice = {result(0, 0, 0), result(0, 0, 0)};
   test::expectError(ExitCode::failed,
                     [&] {
-                      store.record(twice, std::vector<Tag>(2, Tag::expandable), {1, 500});
+                      store.record(twice, {1, 500});
                     },
                     {"point 0 of space 0", "twice"});
   EXPECT_TRUE(store.results().empty());
   EXPECT_EQ(store.committed(), JournalEnd());
 }
 
-TEST_F(JobStoreTest, MarksTheFailedPointsAtTheEnd) {
+TEST_F(JobStoreTest, ShowsEveryPointAsItsPlanLeavesItAtTheEnd) {
   const StateDirectory held(state);
   JobStore store = open(held);
-  store.complete(std::vector<FailedPoints>{{{4, {lattice.point(4), Cause::wrong_inertia}}}, {}});
+  SpacePlan plan(problem, 0);
+  plan.takeReady();
+  Outcome failed;
+  failed.failure.cause = Cause::wrong_inertia;
+  plan.record({0, 0}, failed, {});
+  store.complete(std::vector<SpacePlan>{plan});
   EXPECT_TRUE(store.build().complete);
   Database database(held.database(), Database::Access::read_only);
-  Statement query(database, "SELECT space, point, cause FROM configurations WHERE tag = 'failed'");
+  Statement query(database,
+                  "SELECT cause, COUNT(*) FROM configurations WHERE tag = 'failed' GROUP BY cause "
+                  "ORDER BY cause DESC");
   ASSERT_TRUE(query.step());
-  EXPECT_EQ(query.integer(1), 4);
-  EXPECT_EQ(query.text(2), "wrong_inertia");
-  EXPECT_FALSE(query.step());
+  EXPECT_EQ(query.text(0), "wrong_inertia");
+  EXPECT_EQ(query.integer(1), 1);
+  ASSERT_TRUE(query.step());
+  EXPECT_EQ(query.text(0), "unreachable");
+  EXPECT_EQ(query.integer(1), lattice.size() - 1);
 }
 
-TEST_F(JobStoreTest, ADirectoryOfTheFirstVersionIsNotCompleteAnyMore) {
-  {
-    const StateDirectory held(state);
-    open(held).complete(std::vector<FailedPoints>(2));
-  }
-  alter("PRAGMA user_version = 1");
+TEST_F(JobStoreTest, ShowsPeopleWhatAPointIsAndWhereItCameFrom) {
   const StateDirectory held(state);
-  EXPECT_FALSE(open(held).build().complete) << "branches and probes may be left to solve";
+  JobStore store = open(held);
+  const StoredResult solved = result(0, 0, 0);
+  store.record(std::vector<StoredResult>{solved}, {1, 150});
+  Database database(held.database(), Database::Access::read_only);
+  Statement query(database,
+                  "SELECT i, tag, parent, force, factorizations, cause FROM configurations "
+                  "WHERE space = 0 AND point IN (0, 1) ORDER BY point");
+  ASSERT_TRUE(query.step());
+  EXPECT_EQ(query.text(1), "expandable");
+  EXPECT_EQ(query.integer(2), 0);
+  EXPECT_EQ(query.real(3), solved.outcome.equilibrium.force.norm());
+  EXPECT_EQ(query.integer(4), solved.outcome.cost.factorizations);
+  EXPECT_EQ(query.text(5), "none");
+  ASSERT_TRUE(query.step());
+  EXPECT_EQ(query.text(1), "unknown");
+  EXPECT_EQ(query.integer(2), -1);
+}
+
+/// The tables of version 2 as far as they are read: the first equilibrium of a point lay in the row
+/// of the point, everything else in attempts.
+struct OldJobStoreTest : JobStoreTest {
+  StoredResult first = result(0, 20, 7), second = first;
+
+  OldJobStoreTest() {
+    EXPECT_TRUE(first.outcome.converged);
+    second.key.parent = 3;
+    *second.header.mutable_parent() = toWire(lattice.point(3));
+    {
+      const StateDirectory held(state);
+      open(held).record(std::vector<StoredResult>{first, second}, {1, 150});
+    }
+    alter(R"sql(
+      CREATE TABLE attempts (space, target, number, parent, header, segment, offset, length);
+      INSERT INTO attempts SELECT space, target, 0, parent, header, segment, offset, length
+        FROM results WHERE parent = 3;
+      ALTER TABLE configurations ADD COLUMN header BLOB;
+      ALTER TABLE configurations ADD COLUMN segment INTEGER;
+      ALTER TABLE configurations ADD COLUMN offset INTEGER;
+      ALTER TABLE configurations ADD COLUMN length INTEGER;
+      UPDATE configurations SET parent = 7, header = r.header, segment = r.segment,
+        offset = r.offset, length = r.length FROM results AS r
+        WHERE configurations.space = r.space AND point = r.target AND r.parent = 7;
+      DROP TABLE results;
+      INSERT OR REPLACE INTO meta VALUES ('complete', 1);
+      PRAGMA user_version = 2)sql");
+  }
+  static void expectBoth(std::vector<StoredResult> results) {
+    ASSERT_EQ(results.size(), 2u);
+    EXPECT_EQ(results[0].key, (TransitionKey{0, 20, 7}));
+    EXPECT_EQ(results[1].key, (TransitionKey{0, 20, 3}));
+    EXPECT_EQ(results[1].where, (JournalPosition{1, 100, 50}));
+  }
+};
+
+TEST_F(OldJobStoreTest, KeepsEveryResultAndFindsOutAgainWhetherItIsComplete) {
+  const StateDirectory held(state);
+  JobStore store = open(held);
+  expectBoth(store.results());
+  EXPECT_TRUE(store.find(second.key));
+  EXPECT_FALSE(store.build().complete) << "branches and probes may be left to solve";
+  EXPECT_EQ(store.committed(), (JournalEnd{1, 150}));
+  EXPECT_EQ(store.build().kernel_family, "baseline");
+}
+
+TEST_F(OldJobStoreTest, IsUpgradedOnce) {
+  { open(StateDirectory(state)); }
+  const StateDirectory held(state);
+  JobStore store = open(held);
+  expectBoth(store.results());
+}
+
+TEST_F(OldJobStoreTest, CanBeReadWithoutBeingChanged) {
+  expectBoth(StoredTables(state).results());
+  EXPECT_TRUE(StoredTables(state).build().complete);
 }
 
 TEST_F(JobStoreTest, RefusesTheDirectoryOfAnotherScene) {
@@ -183,7 +259,7 @@ TEST_F(JobStoreTest, CanBeReadWhileASchedulerWrites) {
   store.writeCounters({{"runs", 2}});
   StoredTables tables(state);
   const std::vector<StoredResult> results = {result(0, 0, 0)};
-  store.record(results, std::vector<Tag>{Tag::expandable}, {1, 10});
+  store.record(results, {1, 150});
   EXPECT_TRUE(tables.results().empty()) << "a snapshot of the moment it was opened";
   EXPECT_EQ(StoredTables(state).results().size(), 1u);
   ASSERT_EQ(tables.servers().size(), 1u);
@@ -202,6 +278,13 @@ TEST(StateDirectory, LetsOnlyOneSchedulerIn) {
   const StateDirectory first(directory / "state");
   test::expectError(ExitCode::failed, [&] { StateDirectory(directory / "state"); },
                     {"in use by process", std::to_string(getpid())});
+}
+
+TEST(StateDirectory, DoesNotMakeTheFoldersOfAMistypedName) {
+  test::TemporaryDirectory directory;
+  test::expectError(ExitCode::failed, [&] { StateDirectory(directory / "typo/state/"); },
+                    {(directory / "typo").string() + " to make it in", "--state"});
+  EXPECT_FALSE(std::filesystem::exists(directory / "typo"));
 }
 
 TEST(StateDirectory, TellsWhereItsSchedulerListensAsLongAsItLives) {
@@ -243,7 +326,7 @@ TEST(Recovery, AKillBetweenJournalAndTransactionLosesNothingAcknowledged) {
     std::vector<StoredResult> first = {origin(0)};
     first[0].where = journal.append(first[0].header.SerializeAsString(), fields);
     journal.sync();
-    store.record(first, std::vector<Tag>{Tag::expandable}, journal.end());
+    store.record(first, journal.end());
     journal.append(origin(1).header.SerializeAsString(), fields);
     journal.sync();
     kill(getpid(), SIGKILL);

@@ -1,4 +1,4 @@
-#include "scheduler/server.hpp"
+#include "scheduler/service/server.hpp"
 
 #include <algorithm>
 #include <array>
@@ -37,6 +37,7 @@ void Server::turn(Coordinator& coordinator, std::chrono::milliseconds longest) {
     if (!incoming) break;
     coordinator.receive(*incoming, Clock::now());
   }
+  // After all messages that are there, so that their results share a group.
   coordinator.advance(Clock::now());
   sendAll(coordinator);
 }

@@ -2,11 +2,9 @@
 
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -14,9 +12,12 @@
 #include "common/wire/wire.hpp"
 #include "scheduler/plan/leases.hpp"
 #include "scheduler/plan/space_plan.hpp"
-#include "scheduler/result_check.hpp"
+#include "scheduler/service/pace.hpp"
+#include "scheduler/service/result_check.hpp"
+#include "scheduler/service/worker_registry.hpp"
 #include "scheduler/state/job_store.hpp"
 #include "scheduler/state/journal.hpp"
+#include "scheduler/state/result_group.hpp"
 
 namespace palpate {
 
@@ -43,12 +44,12 @@ struct CoordinatorSettings {
   std::size_t group_results = 64;
 };
 
-/// What every message means: takes messages and the time, keeps plans, leases, journal and tables
-/// in step, and leaves messages to be sent. No sockets, no clock of its own, one thread.
+/// What every message means: takes messages and the time, keeps plans, leases, registry and the
+/// group of results in step, and leaves messages to be sent. No sockets, no clock of its own, one
+/// thread.
 ///
-/// A result is acknowledged after journal append, sync and transaction, in that order
-/// (docs/state.md). Only then does the plan move on. Construction replays what is recorded, so a
-/// restart goes on where the last run was.
+/// A result is acknowledged after ResultGroup::commit (docs/state.md). Only then does the plan move
+/// on. Construction replays what is recorded, so a restart goes on where the last run was.
 ///
 /// Errors of journal or tables leave as exceptions; the object must not be used afterwards, and
 /// nothing was acknowledged that is not on disk.
@@ -80,7 +81,7 @@ class Coordinator {
   /// Every space is complete and recorded.
   bool complete() const;
   /// Workers that said hello and neither left nor were lost.
-  std::size_t workers() const { return workers_.size(); }
+  std::size_t workers() const { return registry_.size(); }
   /// No worker said anything for three heartbeats: after Drain they have all left.
   bool deserted(Time now) const;
   /// Results that earlier runs left.
@@ -88,66 +89,46 @@ class Coordinator {
   /// Results recorded since construction.
   std::int64_t recorded() const { return recorded_; }
 
+  /// What people are told (docs/commands.md).
   wire::Status status(Time now) const;
+  /// One per active node.
   const std::vector<SpacePlan>& plans() const { return plans_; }
 
  private:
-  struct Worker {
-    std::string peer;
-    std::string host;
-    std::uint32_t pid = 0;
-    std::string kernel_family;
-    std::uint32_t credit = 0;
-    Time heard;
-    std::optional<TransitionKey> solving;  ///< as its last heartbeat said
-    std::optional<Time> idle_since;        ///< its heartbeats say so, while it holds leases
-    std::int64_t results = 0;
-  };
-  using Workers = std::map<std::string, Worker>;  ///< by the id in Hello
-  struct Pending {
-    StoredResult result;
-    std::string payload;
-    std::set<std::string> peers;  ///< to be acknowledged
-  };
-
-  /// Which transition these words name; nothing when the space or a point does not exist.
-  std::optional<TransitionKey> keyOf(std::uint32_t space, const wire::Point& target,
-                                     const wire::Point& parent) const;
-  /// The recorded configuration of a point.
-  std::optional<StoredResult> configuration(std::uint32_t space, std::int32_t point) const;
-  void addReady(std::uint32_t space);
-  void recordInPlan(const StoredResult& result);
-
+  // Messages of workers.
   void hello(const std::string& peer, const wire::Hello& hello, Time now);
   void request(Worker& worker, const wire::Request& request);
-  void sendProblem(const std::string& peer);
-  void sendFields(const std::string& peer, const wire::FieldsRequest& request);
-  void heartbeat(const std::string& id, Worker& worker, const wire::Heartbeat& heartbeat, Time now);
-  void result(const std::string& peer, Worker& worker, const Incoming& incoming, Time now);
-  void duplicate(const std::string& peer, const wire::Result& first, const wire::Result& second);
+  void sendProblem(const Worker& worker);
+  void sendFields(const Worker& worker, const wire::FieldsRequest& request);
+  void result(Worker& worker, const Incoming& incoming, Time now);
+  void heartbeat(Worker& worker, const wire::Heartbeat& heartbeat, Time now);
+  void goodbye(Worker& worker, const wire::Goodbye& goodbye, Time now);
   void badMessage(const std::string& peer, const std::string& why);
 
-  void enqueue(StoredResult result, std::string payload, const std::string& peer, Time now);
+  // From a result to the plan.
+  std::optional<TransitionKey> keyOf(std::uint32_t space, const wire::Point& target,
+                                     const wire::Point& parent) const;
+  void duplicate(const Worker& worker, const wire::Result& first, const wire::Result& second);
+  void enqueue(StoredResult result, std::string payload, Time now);
   bool groupIsDue(Time now) const;
   void commitGroup(Time now);
+  void recordInPlan(const StoredResult& result);
+  void finishIfComplete(Time now);
+
+  // From the plan to workers.
   void handOutJobs();
   void sendJob(const std::string& peer, const Handout& handout);
+  void takeBackFromTheIdle(Time now);
   void loseSilentWorkers(Time now);
-  void workerDied(const std::string& id, Time now, const char* why);
-  void removeWorker(Workers::iterator worker, const char* state, Time now);
+  void workerDied(const Worker& worker, Time now, const char* why);
   void giveUp(const TransitionKey& key, Time now);
-  void finishIfComplete(Time now);
-  void writeServers(Time now);
-  void noteProgress(Time now);
-  void drain(const std::string& peer);
-  std::string startId(std::uint32_t space, std::int32_t parent, std::int32_t target);
 
+  void writeServers(Time now);
   wire::Message& send(const std::string& peer,
                       std::shared_ptr<const std::string> payload = nullptr);
-  void sayUnknown(const std::string& peer);
   void acknowledge(const std::string& peer, const wire::Result& result);
-  Workers::iterator workerOf(const std::string& peer);
-  ServerRow rowOf(const std::string& id, const Worker& worker, const char* state, Time now) const;
+  void drain(const std::string& peer);
+  void drainAll();
 
   const Problem* problem_;
   std::shared_ptr<const std::string> problem_bytes_;
@@ -158,23 +139,18 @@ class Coordinator {
   CoordinatorSettings settings_;
   std::string incarnation_;  ///< 16 random bytes
 
-  std::vector<SpacePlan> plans_;  ///< one per space
+  std::vector<SpacePlan> plans_;
   Leases leases_;
-  Workers workers_;
-  std::map<std::string, std::string> id_of_peer_;
-  std::map<TransitionKey, Pending> group_;
-  std::optional<Time> group_since_;
+  WorkerRegistry registry_;
+  ResultGroup group_;
   std::vector<Outgoing> outbox_;
 
-  std::string kernel_family_;
   std::map<std::string, std::int64_t> counters_;
-  std::vector<ServerRow> departed_;  ///< since servers were last written
   Time started_;
   Time servers_written_;
-  std::deque<std::pair<Time, std::int64_t>>
-      progress_;  ///< (when, converged_ then) of the last two minutes
+  Pace pace_;
   std::size_t found_ = 0;
-  std::int64_t converged_ = 0;
+  std::int64_t converged_ = 0;  ///< of recorded_
   std::int64_t recorded_ = 0;
   bool stopping_ = false;
 };

@@ -1,4 +1,4 @@
-#include "scheduler/coordinator.hpp"
+#include "scheduler/service/coordinator.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -264,6 +264,24 @@ TEST_F(CoordinatorTest, DropsResultsThatMakeNoSense) {
   EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u) << "the right one is still welcome";
 }
 
+/// The bound of known causes once stood before limit_point: such results were dropped, never
+/// acknowledged, and sent again for ever.
+TEST_F(CoordinatorTest, RecordsAndAcknowledgesAResultThatEndedAtALimitPoint) {
+  world.join("a", 2);
+  Outcome turned_back;
+  turned_back.failure.cause = Cause::limit_point;
+  turned_back.failure.step_reached = 0.4;
+  world.send("a", originResult([&](wire::Result& r) {
+               r.clear_fields_id();
+               toWire(turned_back, "", r);
+               r.clear_payload_bytes();
+             }));
+  world.pass(25ms);
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u);
+  EXPECT_EQ(world.counter("bad_messages"), 0);
+  EXPECT_EQ(world.coordinator().plans()[0].point(0).cause, Cause::limit_point);
+}
+
 TEST_F(CoordinatorTest, CountsMessagesThatAreNotForIt) {
   world.send("stranger", Message());
   world.join("a", 0);
@@ -375,14 +393,14 @@ TEST_F(CoordinatorTest, ATargetThatKillsItsWorkersFailsAndTheBuildGoesOn) {
       }
   }
   world.pass(25ms);
-  EXPECT_EQ(world.coordinator().plans()[0].record(0).cause, Cause::worker_lost);
+  EXPECT_EQ(world.coordinator().plans()[0].point(0).cause, Cause::worker_lost);
   EXPECT_EQ(world.counter("lost_workers"), 5);
   world.join("a", 2);
   for (const wire::Job& job : world.takeJobs("other")) world.deliver("other", job);
   world.request("other", 1);
   world.finish({"a", "other"});
-  EXPECT_EQ(world.coordinator().plans()[0].record(0).tag, Tag::failed);
-  EXPECT_EQ(world.coordinator().plans()[1].record(0).tag, Tag::expandable);
+  EXPECT_EQ(world.coordinator().plans()[0].point(0).tag, Tag::failed);
+  EXPECT_EQ(world.coordinator().plans()[1].point(0).tag, Tag::expandable);
 }
 
 TEST_F(CoordinatorTest, StopsWithoutHandingOutMoreAndGoesOnLater) {

@@ -1,9 +1,9 @@
-#include "scheduler/server.hpp"
+#include "scheduler/service/server.hpp"
 
 #include <gtest/gtest.h>
 
 #include "scheduler/build.hpp"
-#include "scheduler/status.hpp"
+#include "scheduler/service/status.hpp"
 #include "tests/scheduler/build_world.hpp"
 #include "tests/support/expect_error.hpp"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <zmq.hpp>
 
-#include "scheduler/coordinator.hpp"
+#include "scheduler/service/coordinator.hpp"
 
 namespace palpate {
 

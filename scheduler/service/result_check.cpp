@@ -1,4 +1,4 @@
-#include "scheduler/result_check.hpp"
+#include "scheduler/service/result_check.hpp"
 
 #include <cmath>
 
@@ -11,6 +11,7 @@ namespace {
 
 /// The part of a result that must be the same bits whoever computes it.
 std::string reproducibleBytes(wire::Result result) {
+  // Who asked for it and how long it took depends on timing, everything else on the scene.
   result.clear_job();
   result.clear_attempt();
   if (result.has_cost()) result.mutable_cost()->clear_seconds();
@@ -34,6 +35,7 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const std::stri
   if (result.payload_bytes() != payload.size())
     return "a result whose payload has another length than it says";
   if (result.kernel_family() != kernel_family) return "a result of another kernel family";
+  // A failure has no payload to check; its step is shown to people and ranks its cause.
   if (!outcome->converged) {
     const double reached = outcome->failure.step_reached;
     return std::isfinite(reached) && reached >= 0 && reached <= 1

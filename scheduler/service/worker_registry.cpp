@@ -1,0 +1,107 @@
+#include "scheduler/service/worker_registry.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/base/assertion.hpp"
+#include "common/base/program.hpp"
+#include "common/wire/wire.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t longest_id = 64;
+
+std::string hexOf(const std::string& bytes) {
+  std::string hex;
+  for (const char c : bytes) hex += fmt::format("{:02x}", static_cast<unsigned char>(c));
+  return hex;
+}
+
+ServerRow rowOf(const Worker& worker, const char* state, Worker::Time now) {
+  return {.worker = hexOf(worker.id),
+          .host = worker.host,
+          .pid = worker.pid,
+          .kernel_family = worker.kernel_family,
+          .state = state,
+          .heard_before = std::chrono::duration<double>(now - worker.heard).count(),
+          .results = worker.results};
+}
+
+}  // namespace
+
+void Worker::addCredit(std::uint64_t jobs) {
+  credit = static_cast<std::uint32_t>(std::min<std::uint64_t>(most_credit, credit + jobs));
+}
+
+std::string WorkerRegistry::objectionTo(const wire::Hello& hello) const {
+  if (hello.protocol() != protocol_version)
+    return fmt::format(
+        "this scheduler speaks protocol {}, the worker protocol {}: install the same Palpate on both",
+        protocol_version, hello.protocol());
+  // Versions may differ in the last bits of a solve, which two machines must not.
+  if (hello.version() != version())
+    return fmt::format(
+        "this scheduler is palpate {}, the worker palpate {}: "
+        "results of two versions may differ, so install the same on both",
+        version(), hello.version());
+  if (hello.worker().empty() || hello.worker().size() > longest_id)
+    return "its id is missing or too long";
+  if (hello.kernel_family().empty()) return "it does not say which kernel family it uses";
+  if (!kernel_family_.empty() && hello.kernel_family() != kernel_family_)
+    return fmt::format(
+        "this build is computed with the {} kernels, the worker would use {}, "
+        "and the last bits would depend on who solved what: use machines with {} in this build, "
+        "or see PALPATE_KERNELS and OPENBLAS_CORETYPE in docs/numerics.md",
+        kernel_family_, hello.kernel_family(), kernel_family_);
+  return "";
+}
+
+Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello, Time now) {
+  const Worker* before = ofPeer(peer);
+  PALPATE_ASSERT(before == nullptr || before->id == hello.worker(),
+                 "a peer is one worker: the one it was has been removed");
+  kernel_family_ = hello.kernel_family();
+  Worker& worker = workers_[hello.worker()];
+  id_of_peer_.erase(worker.peer);
+  worker = {.id = hello.worker(),
+            .peer = peer,
+            .host = hello.host(),
+            .pid = hello.pid(),
+            .kernel_family = hello.kernel_family(),
+            .credit = 0,
+            .heard = now,
+            .solving = {},
+            .idle_since = {},
+            .results = worker.results};
+  id_of_peer_[peer] = worker.id;
+  return worker;
+}
+
+void WorkerRegistry::remove(const Worker& worker, const char* state, Time now) {
+  // The tables would otherwise show it at work until it comes back.
+  departed_.push_back(rowOf(worker, state, now));
+  id_of_peer_.erase(worker.peer);
+  workers_.erase(workers_.find(worker.id));
+}
+
+Worker* WorkerRegistry::ofPeer(const std::string& peer) {
+  const auto id = id_of_peer_.find(peer);
+  return id == id_of_peer_.end() ? nullptr : &workers_.at(id->second);
+}
+
+Worker* WorkerRegistry::ofProcess(std::uint32_t pid) {
+  const auto found = std::find_if(workers_.begin(), workers_.end(),
+                                  [&](const auto& entry) { return entry.second.pid == pid; });
+  return found == workers_.end() ? nullptr : &found->second;
+}
+
+std::vector<ServerRow> WorkerRegistry::rows(const Leases& leases, Time now) const {
+  std::vector<ServerRow> rows;
+  for (const auto& [id, worker] : workers_)
+    rows.push_back(rowOf(worker, leases.leasedTo(id) > 0 ? "busy" : "idle", now));
+  return rows;
+}
+
+}  // namespace palpate

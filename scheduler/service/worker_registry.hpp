@@ -1,0 +1,85 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "proto/palpate.pb.h"
+#include "scheduler/plan/leases.hpp"
+#include "scheduler/state/job_store.hpp"
+
+namespace palpate {
+
+/// One worker process, from its Hello until it leaves or is lost.
+struct Worker {
+  using Time = std::chrono::steady_clock::time_point;
+
+  std::string id;    ///< of its Hello, 1 to 64 bytes: the same over reconnections
+  std::string peer;  ///< where messages to it go
+  std::string host;
+  std::uint32_t pid = 0;
+  std::string kernel_family;
+  std::uint32_t credit = 0;  ///< jobs it can take now
+  Time heard;                ///< when its last message came
+  /// As its last heartbeat said; nothing when it solves none of what it was given.
+  std::optional<TransitionKey> solving;
+  /// Since when its heartbeats say that it solves nothing, although it holds leases.
+  std::optional<Time> idle_since;
+  std::int64_t results = 0;  ///< recorded ones, of this run
+
+  /// Room for `jobs` more, but never for more than most_credit: what a worker hoards, others lack.
+  void addCredit(std::uint64_t jobs);
+  static constexpr std::uint32_t most_credit = 64;
+};
+
+/// Who is there: the workers that said Hello and neither left nor were lost, by id and by peer.
+/// What they hold is for Leases to know. One thread; references to workers last until they are
+/// removed.
+class WorkerRegistry {
+ public:
+  using Time = Worker::Time;
+  using Workers = std::map<std::string, Worker>;  ///< by id
+
+  /// `kernel_family` of the results that are recorded; empty when there are none: then the first
+  /// worker decides.
+  explicit WorkerRegistry(std::string kernel_family) : kernel_family_(std::move(kernel_family)) {}
+
+  /// The kernels that every worker of this build uses; empty before the first.
+  const std::string& kernelFamily() const { return kernel_family_; }
+
+  /// Why this worker may not join, as a clause that says what to do; empty when it may. All workers
+  /// must give the same bits: same protocol, version and kernels.
+  std::string objectionTo(const wire::Hello& hello) const;
+  /// Adds a worker without objection, or begins anew with one that is known: no credit, nothing in
+  /// work. The peer must not be that of another worker.
+  Worker& admit(const std::string& peer, const wire::Hello& hello, Time now);
+  /// It is gone: "left" or "lost", as the tables will say.
+  void remove(const Worker& worker, const char* state, Time now);
+
+  /// Null when there is none.
+  Worker* ofPeer(const std::string& peer);
+  /// The first with this process number on any host; null when there is none.
+  Worker* ofProcess(std::uint32_t pid);
+  Worker& at(const std::string& id) { return workers_.at(id); }
+  std::size_t size() const { return workers_.size(); }
+  Workers::iterator begin() { return workers_.begin(); }
+  Workers::iterator end() { return workers_.end(); }
+  Workers::const_iterator begin() const { return workers_.begin(); }
+  Workers::const_iterator end() const { return workers_.end(); }
+
+  /// Rows of the table of servers: who is there now, busy when `leases` says so.
+  std::vector<ServerRow> rows(const Leases& leases, Time now) const;
+  /// Those of who went since the last call.
+  std::vector<ServerRow> takeDeparted() { return std::exchange(departed_, {}); }
+
+ private:
+  std::string kernel_family_;
+  Workers workers_;
+  std::map<std::string, std::string> id_of_peer_;
+  std::vector<ServerRow> departed_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "common/base/program.hpp"
+
+namespace palpate {
+
+/// `palpate build`: a scheduler and its own local workers, from a scene to a sealed dataset.
+extern const Verb build_verb;
+/// `palpate serve`: a scheduler for workers that connect from anywhere.
+extern const Verb serve_verb;
+/// `palpate status`: how far a build is, asked of its scheduler or read from its directory.
+extern const Verb status_verb;
+/// `palpate stop`: ends a scheduler in such a way that it can go on.
+extern const Verb stop_verb;
+/// `palpate explain`: how one lattice point was reached, or why it was not.
+extern const Verb explain_verb;
+
+}  // namespace palpate

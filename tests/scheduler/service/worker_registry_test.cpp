@@ -1,0 +1,92 @@
+#include "scheduler/service/worker_registry.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/scheduler/build_world.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct WorkerRegistryTest : testing::Test {
+  WorkerRegistry registry{""};
+  Leases leases;
+  const Worker::Time now = std::chrono::steady_clock::now();
+
+  static wire::Hello hello(const std::string& id, std::uint32_t pid = 1) {
+    return test::helloOf(id, pid).hello();
+  }
+  Worker& admit(const std::string& peer, const std::string& id, std::uint32_t pid = 1) {
+    return registry.admit(peer, hello(id, pid), now);
+  }
+};
+
+TEST_F(WorkerRegistryTest, TheFirstWorkerDecidesTheKernels) {
+  wire::Hello other = hello("b");
+  other.set_kernel_family("avx512");
+  EXPECT_EQ(registry.objectionTo(other), "");
+  admit("p", "a");
+  EXPECT_EQ(registry.kernelFamily(), "baseline");
+  EXPECT_THAT(registry.objectionTo(other), testing::HasSubstr("baseline"));
+}
+
+TEST_F(WorkerRegistryTest, AWorkerWithoutAnIdOrKernelsMayNotJoin) {
+  wire::Hello nameless = hello("");
+  EXPECT_THAT(registry.objectionTo(nameless), testing::HasSubstr("id"));
+  EXPECT_THAT(registry.objectionTo(hello(std::string(65, 'x'))), testing::HasSubstr("id"));
+  wire::Hello without = hello("a");
+  without.clear_kernel_family();
+  EXPECT_THAT(registry.objectionTo(without), testing::HasSubstr("kernel family"));
+}
+
+TEST_F(WorkerRegistryTest, AWorkerThatComesBackKeepsItsResultsAndNothingElse) {
+  Worker& worker = admit("before", "a");
+  worker.addCredit(3);
+  worker.results = 7;
+  worker.solving = TransitionKey{0, 1, 0};
+  const Worker& again = admit("after", "a");
+  EXPECT_EQ(registry.size(), 1u);
+  EXPECT_EQ(again.results, 7);
+  EXPECT_EQ(again.credit, 0u);
+  EXPECT_FALSE(again.solving);
+  EXPECT_EQ(registry.ofPeer("before"), nullptr);
+  EXPECT_EQ(registry.ofPeer("after"), &again);
+}
+
+TEST_F(WorkerRegistryTest, APeerIsOneWorker) {
+  admit("p", "a");
+  EXPECT_THROW(admit("p", "b"), std::logic_error);
+}
+
+TEST_F(WorkerRegistryTest, CreditIsBounded) {
+  Worker& worker = admit("p", "a");
+  worker.addCredit(0xffffffff);
+  EXPECT_EQ(worker.credit, Worker::most_credit);
+  worker.addCredit(0xffffffff);
+  EXPECT_EQ(worker.credit, Worker::most_credit);
+}
+
+TEST_F(WorkerRegistryTest, ItsRowsTellWhoIsBusyAndWhoWent) {
+  admit("p", "a", 1);
+  admit("q", "b", 2);
+  leases.add({0, 0, 0});
+  leases.handOut("b", 2);
+  const auto rows = registry.rows(leases, now + 3s);
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].worker, "61");
+  EXPECT_EQ(rows[0].state, "idle");
+  EXPECT_EQ(rows[0].heard_before, 3);
+  EXPECT_EQ(rows[1].state, "busy");
+  registry.remove(*registry.ofProcess(2), "lost", now);
+  EXPECT_EQ(registry.ofProcess(2), nullptr);
+  EXPECT_EQ(registry.ofPeer("q"), nullptr);
+  const auto departed = registry.takeDeparted();
+  ASSERT_EQ(departed.size(), 1u);
+  EXPECT_EQ(departed[0].state, "lost");
+  EXPECT_TRUE(registry.takeDeparted().empty());
+}
+
+}  // namespace
+}  // namespace palpate
