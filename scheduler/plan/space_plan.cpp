@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 #include "common/base/error.hpp"
@@ -221,9 +220,7 @@ void SpacePlan::beginCells() {
   if (!may_grow_) return;
   const Refinement refinement = nextRefinement(table(), problem_->scene);
   splits_.insert(splits_.end(), refinement.splits.begin(), refinement.splits.end());
-  std::sort(splits_.begin(), splits_.end(), [](const LatticeCell& a, const LatticeCell& b) {
-    return std::tie(a.level, a.lowest) < std::tie(b.level, b.lowest);
-  });
+  std::sort(splits_.begin(), splits_.end(), coarserFirst);
   may_grow_ = !refinement.empty();
   std::vector<std::pair<std::int32_t, std::vector<std::int32_t>>> targets;
   for (const LatticePoint& position : refinement.points) {
