@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 namespace {
 
@@ -16,23 +18,11 @@ class Leaves {
   std::int32_t edge(std::int32_t level) const { return divisions_ >> level; }
   std::int32_t deepest() const { return splits_.empty() ? 0 : splits_.back().level + 1; }
   bool isLeaf(const LatticeCell& cell) const {
-    return !isSplit(cell) && (cell.level == 0 || isSplit(parentOf(cell)));
+    return !isSplit(splits_, cell) &&
+           (cell.level == 0 || isSplit(splits_, parentOf(cell, divisions_)));
   }
 
  private:
-  static bool before(const LatticeCell& a, const LatticeCell& b) {
-    return a.level != b.level ? a.level < b.level : a.lowest < b.lowest;
-  }
-  bool isSplit(const LatticeCell& cell) const {
-    return std::binary_search(splits_.begin(), splits_.end(), cell, before);
-  }
-  LatticeCell parentOf(LatticeCell cell) const {
-    --cell.level;
-    const std::int32_t side = edge(cell.level);
-    for (std::int32_t& coordinate : cell.lowest) coordinate -= (coordinate % side + side) % side;
-    return cell;
-  }
-
   const std::vector<LatticeCell>& splits_;
   std::int32_t divisions_;
 };
@@ -57,6 +47,8 @@ bool bordersLeaf(const Leaves& leaves, const LatticePoint& lower, std::size_t ax
 template <class Select>
 std::vector<LatticeEdge> selectEdges(const SpaceTable& space, Select selects) {
   const Lattice& lattice = space.lattice;
+  PALPATE_ASSERT(space.points.size() == static_cast<std::size_t>(lattice.size()),
+                 "points[n] belongs to lattice number n");
   const Leaves leaves(space);
   std::vector<LatticeEdge> found;
   for (std::int32_t n = 0; n < lattice.size(); ++n) {

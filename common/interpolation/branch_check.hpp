@@ -12,10 +12,10 @@ namespace palpate {
 /// changes of force over the whole step at either stiffness; their mean length is `change`, the
 /// length of their difference `bend`.
 struct EdgeCheck {
-  double force_mismatch =
-      0;  ///< N, |F_b - F_a - (K_a + K_b) / 2 step|: error of the trapezoidal rule
-  double energy_mismatch =
-      0;              ///< N, that of the corrected trapezoidal rule for E_b - E_a, by |step|
+  /// N, |F_b - F_a - (K_a + K_b) / 2 step|: error of the trapezoidal rule.
+  double force_mismatch = 0;
+  /// N, that of the corrected trapezoidal rule for E_b - E_a, by |step|.
+  double energy_mismatch = 0;
   double change = 0;  ///< N
   double bend = 0;    ///< N
 
@@ -28,6 +28,7 @@ struct EdgeCheck {
   /// another way; not worth giving up order.
   bool suspect() const;
 };
+/// Of the step from a to b.
 EdgeCheck checkEdge(const Equilibrium& a, const Equilibrium& b, const Eigen::Vector3d& step);
 
 /// The edges whose two ends lie on different branches of solutions, or with a fold between: no

@@ -5,27 +5,21 @@
 #include <limits>
 
 #include "common/base/error.hpp"
+#include "common/base/index.hpp"
 
 namespace palpate {
 namespace {
 
 constexpr std::int32_t no_cell = std::numeric_limits<std::int32_t>::max();
-// Relative to the radius. A cell that reaches less deep into the ball is left out, so that
-// round-off does not decide about cells that touch the sphere from outside; find() then looks at a
-// position pulled in farther.
-constexpr double shallow = 1e-10, pull = 1e-9;
+// Relative to the radius. Where only cells lie that were left out because they touch the ball
+// (shallow_reach), find() looks at a position pulled in farther than they reach.
+constexpr double pull = 1e-9;
+static_assert(pull > shallow_reach);
 
 LatticePoint cornerOf(const LatticeCell& cell, std::size_t corner, std::int32_t edge) {
   LatticePoint point = cell.lowest;
   for (std::size_t axis = 0; axis < 3; ++axis) point[axis] += (corner >> axis & 1) != 0 ? edge : 0;
   return point;
-}
-
-bool isSplit(const SpaceTable& space, const LatticeCell& cell) {
-  const auto before = [](const LatticeCell& a, const LatticeCell& b) {
-    return a.level != b.level ? a.level < b.level : a.lowest < b.lowest;
-  };
-  return std::binary_search(space.splits.begin(), space.splits.end(), cell, before);
 }
 
 }  // namespace
@@ -34,11 +28,13 @@ CellTree::CellTree(const SpaceTable& space)
     : radius_(space.lattice.radius()),
       spacing_(space.lattice.spacing()),
       divisions_(space.lattice.divisions()),
-      extent_(static_cast<std::int32_t>(std::ceil(radius_ / spacing_ * (1 - shallow)))) {
+      extent_(cellsPerRadius(space.lattice)) {
   if (std::none_of(space.points.begin(), space.points.end(),
                    [](const PointRecord& point) { return isSolved(point.tag); }))
     throw failure("active node {}: no lattice point was solved, so there is nothing to interpolate",
                   space.patch.name);
+  PALPATE_ASSERT(space.points.size() == at(space.lattice.size()),
+                 "points[n] belongs to lattice number n");
   const auto side = 2 * static_cast<std::size_t>(extent_);
   nodes_.assign(side * side * side, no_cell);
   std::size_t place = 0;
@@ -50,21 +46,10 @@ CellTree::CellTree(const SpaceTable& space)
   markUnsupported();
 }
 
-bool CellTree::reachesIntoBall(const LatticeCell& cell) const {
-  const std::int32_t edge = divisions_ >> cell.level;
-  double squared = 0;
-  for (const std::int32_t low : cell.lowest) {
-    const double distance = std::max({low, -(low + edge), 0});
-    squared += distance * distance;
-  }
-  const double limit = radius_ / spacing_ * divisions_ * (1 - shallow);
-  return squared < limit * limit;
-}
-
 void CellTree::addCell(const SpaceTable& space, const LatticeCell& cell, std::size_t place) {
-  if (!reachesIntoBall(cell)) return;
+  if (!reachesIntoBall(space.lattice, cell)) return;
   const std::int32_t half = divisions_ >> (cell.level + 1);
-  if (half == 0 || !isSplit(space, cell)) {
+  if (half == 0 || !isSplit(space.splits, cell)) {
     nodes_[place] = static_cast<std::int32_t>(leaves_.size());
     leaves_.push_back(cell);
     edge_.push_back(spacing_ / (1 << cell.level));
@@ -93,7 +78,7 @@ void CellTree::makeSlots(const SpaceTable& space) {
     CellSlot slot;
     slot.point = point;
     const auto number = space.lattice.indexOf(point);
-    if (number && interpolated[static_cast<std::size_t>(*number)]) {
+    if (number && interpolated[at(*number)]) {
       slot.kind = SlotKind::solved;
       slot.number = *number;
     }
@@ -107,9 +92,7 @@ void CellTree::makeSlots(const SpaceTable& space) {
     corners_[leaf][c] = static_cast<std::int32_t>(
         std::lower_bound(points.begin(), points.end(), point) - points.begin());
   });
-  const auto level = [this](std::int32_t slot) {
-    return leaves_[static_cast<std::size_t>(slots_[static_cast<std::size_t>(slot)].leaf)].level;
-  };
+  const auto level = [this](std::int32_t slot) { return leaves_[at(slots_[at(slot)].leaf)].level; };
   std::stable_sort(hanging_.begin(), hanging_.end(),
                    [&](std::int32_t a, std::int32_t b) { return level(a) < level(b); });
 }
@@ -122,11 +105,10 @@ void CellTree::hang(CellSlot& slot) const {
     for (std::size_t axis = 0; axis < 3; ++axis)
       beside[axis] = 4 * std::int64_t{slot.point[axis]} + ((c >> axis & 1) != 0 ? 1 : -1);
     const std::int32_t leaf = leafAt(beside);
-    if (leaf >= 0 && (coarsest < 0 || leaves_[static_cast<std::size_t>(leaf)].level <
-                                          leaves_[static_cast<std::size_t>(coarsest)].level))
+    if (leaf >= 0 && (coarsest < 0 || leaves_[at(leaf)].level < leaves_[at(coarsest)].level))
       coarsest = leaf;
   }
-  const LatticeCell& cell = leaves_[static_cast<std::size_t>(coarsest)];
+  const LatticeCell& cell = leaves_[at(coarsest)];
   const double edge = divisions_ >> cell.level;
   Eigen::Vector3d local;
   bool corner = true;
@@ -155,9 +137,7 @@ void CellTree::markUnsupported() {
   for (std::size_t s = 0; s < slots_.size(); ++s) supported[s] = slots_[s].kind == SlotKind::solved;
   const auto any = [&](std::int32_t leaf) {
     const LeafCorners& c = corners(leaf);
-    return std::any_of(c.begin(), c.end(), [&](std::int32_t slot) {
-      return supported[static_cast<std::size_t>(slot)];
-    });
+    return std::any_of(c.begin(), c.end(), [&](std::int32_t slot) { return supported[at(slot)]; });
   };
   fillHanging(*this, supported,
               [&](std::int32_t leaf, const Eigen::Vector3d&) { return any(leaf); });
@@ -166,7 +146,7 @@ void CellTree::markUnsupported() {
 }
 
 Eigen::Vector3d CellTree::displacement(std::int32_t slot) const {
-  const LatticePoint& p = slots_[static_cast<std::size_t>(slot)].point;
+  const LatticePoint& p = slots_[at(slot)].point;
   return spacing_ / divisions_ * Eigen::Vector3d(p[0], p[1], p[2]);
 }
 
@@ -187,7 +167,7 @@ LeafPlace CellTree::descend(const Eigen::Vector3d& in_spacings) const noexcept {
       child |= static_cast<std::size_t>(upper) << axis;
       place.local[axis] = 2 * place.local[axis] - (upper ? 1 : 0);
     }
-    node = static_cast<std::size_t>(~nodes_[node]) + child;
+    node = at(~nodes_[node]) + child;
   }
   if (nodes_[node] != no_cell) place.leaf = nodes_[node];
   return place;
@@ -201,7 +181,7 @@ LeafPlace CellTree::find(const Eigen::Vector3d& displacement) const noexcept {
   LeafPlace pulled =
       descend(displacement * ((1 - pull) * std::min(1.0, radius_ / length) / spacing_));
   if (pulled.leaf < 0) return pulled;
-  const LatticePoint& low = leaves_[static_cast<std::size_t>(pulled.leaf)].lowest;
+  const LatticePoint& low = leaves_[at(pulled.leaf)].lowest;
   const Eigen::Vector3d from = displacement - unit() * Eigen::Vector3d(low[0], low[1], low[2]);
   pulled.local = (from / edge(pulled.leaf)).cwiseMax(0).cwiseMin(1);
   return pulled;

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
 #include "common/space/lattice.hpp"
 #include "common/space/space_table.hpp"
 
@@ -12,12 +14,15 @@ namespace palpate {
 
 /// Where the nodal data of a corner come from.
 enum class SlotKind : std::uint8_t {
-  solved,   ///< a lattice point that holds an equilibrium (and is one of interpolatedPoints)
-  ghost,    ///< nothing is solved there (outside of the ball, failed, crushed): extrapolated from
-            ///< solved points
-  hanging,  ///< on the boundary of a coarser leaf and no corner of it: what that leaf interpolates
-            ///< there, whether or not the position is solved, so that interpolants agree on the
-            ///< common boundary
+  /// A lattice point that holds an equilibrium (and is one of interpolatedPoints).
+  solved,
+  /// Nothing is solved there (outside of the ball, failed, crushed): extrapolated from solved
+  /// points.
+  ghost,
+  /// On the boundary of a coarser leaf and no corner of it: what that leaf interpolates there,
+  /// whether
+  /// or not the position is solved, so that interpolants agree on the common boundary.
+  hanging,
 };
 
 /// A position at which leaves meet. Data that belong to slots, not to leaves, make interpolants
@@ -45,8 +50,8 @@ struct LeafPlace {
 ///   1. takes those of the solved slots from the space,
 ///   2. fills those of the ghosts (slot_equilibria.hpp),
 ///   3. fills those of the hanging slots in the order of hangingSlots(), each by evaluating itself
-///   in the
-///      slot's coarser leaf, whose corners are complete by then (fillHanging),
+///   in
+///      the slot's coarser leaf, whose corners are complete by then (fillHanging),
 /// and is then as continuous over the whole ball as it is between two cells of the uniform lattice,
 /// if its restriction to a face depends on the data of the face's corners alone and is reproduced
 /// from what it says at four points of the face (true of tensor products of Hermite polynomials).
@@ -58,11 +63,10 @@ class CellTree {
 
   /// Ordered by place in the cube of root cells, children of a split cell together. Never empty.
   const std::vector<LatticeCell>& leaves() const { return leaves_; }
-  const LeafCorners& corners(std::int32_t leaf) const {
-    return corners_[static_cast<std::size_t>(leaf)];
-  }
+  /// Of a leaf, by its place in leaves().
+  const LeafCorners& corners(std::int32_t leaf) const { return corners_[at(leaf)]; }
   /// Length of a leaf's edges, metres.
-  double edge(std::int32_t leaf) const { return edge_[static_cast<std::size_t>(leaf)]; }
+  double edge(std::int32_t leaf) const { return edge_[at(leaf)]; }
   /// Sorted by coordinates.
   const std::vector<CellSlot>& slots() const { return slots_; }
   /// Displacement of a slot, metres.
@@ -73,7 +77,7 @@ class CellTree {
   double spacing() const { return spacing_; }            ///< edge of the root cells, metres
   double unit() const { return spacing_ / divisions_; }  ///< metres per lattice coordinate
   /// Whether all corners of a leaf are ghosts, or hang in leaves of which that is true.
-  bool unsupported(std::int32_t leaf) const { return unsupported_[static_cast<std::size_t>(leaf)]; }
+  bool unsupported(std::int32_t leaf) const { return unsupported_[at(leaf)]; }
 
   /// The leaf around a displacement of the closed ball (1e-9 of the radius outside of it counts as
   /// on it), in a time that depends on the number of levels only. Leaf -1 for all others, NaN among
@@ -82,7 +86,6 @@ class CellTree {
 
  private:
   void addCell(const SpaceTable& space, const LatticeCell& cell, std::size_t place);
-  bool reachesIntoBall(const LatticeCell& cell) const;
   void makeSlots(const SpaceTable& space);
   void hang(CellSlot& slot) const;
   void markUnsupported();
@@ -93,8 +96,9 @@ class CellTree {
   double spacing_;
   std::int32_t divisions_;
   std::int32_t extent_;  ///< root cells on each side of the origin, per axis
-  std::vector<std::int32_t>
-      nodes_;  ///< the cube of roots, then eighths: a leaf; no_cell; ~ first of 8
+  /// The cube of root cells, x slowest, then eighths, eight together: the number of a leaf, no_cell
+  /// where nothing reaches into the ball, or ~ the place of the first eighth.
+  std::vector<std::int32_t> nodes_;
   std::vector<LatticeCell> leaves_;
   std::vector<double> edge_;
   std::vector<LeafCorners> corners_;
@@ -121,9 +125,10 @@ inline std::array<double, 8> trilinearWeights(const Eigen::Vector3d& local) noex
 /// `evaluate` reads `values` at the corners of the leaf.
 template <class Values, class Evaluate>
 void fillHanging(const CellTree& tree, Values& values, Evaluate evaluate) {
+  PALPATE_ASSERT(values.size() == tree.slots().size(), "there is one value per slot");
   for (const std::int32_t s : tree.hangingSlots()) {
-    const CellSlot& slot = tree.slots()[static_cast<std::size_t>(s)];
-    values[static_cast<std::size_t>(s)] = evaluate(slot.leaf, slot.local);
+    const CellSlot& slot = tree.slots()[at(s)];
+    values[at(s)] = evaluate(slot.leaf, slot.local);
   }
 }
 

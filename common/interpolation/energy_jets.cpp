@@ -4,6 +4,9 @@
 #include <cmath>
 #include <set>
 
+#include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
+
 namespace palpate {
 namespace {
 
@@ -12,9 +15,8 @@ namespace {
 constexpr double ghost_reach = 2.2;
 constexpr std::size_t ghost_sources = 16;
 
-std::size_t at(const Orders& orders) {
-  const int index = orders[0] + 3 * orders[1] + 9 * orders[2];
-  return static_cast<std::size_t>(index);
+std::size_t placeInJet(const Orders& orders) {
+  return at(orders[0] + 3 * orders[1] + 9 * orders[2]);
 }
 
 LatticePoint difference(const LatticePoint& a, const LatticePoint& b) {
@@ -31,17 +33,19 @@ class Fitter {
         interpolated_(interpolatedPoints(space)),
         fits_(space.lattice.unit()),
         inconsistent_(inconsistent) {
+    PALPATE_ASSERT(std::is_sorted(inconsistent.begin(), inconsistent.end()),
+                   "inconsistentEdges sorts them, joined() searches them");
     const std::int32_t divisions = space.lattice.divisions();
     around_.resize(tree.slots().size());
     edge_.assign(tree.slots().size(), 0);
     for (std::size_t leaf = 0; leaf < tree.leaves().size(); ++leaf)
       for (const std::int32_t slot : tree.corners(static_cast<std::int32_t>(leaf))) {
-        around_[static_cast<std::size_t>(slot)].push_back(static_cast<std::int32_t>(leaf));
-        std::int32_t& edge = edge_[static_cast<std::size_t>(slot)];
+        around_[at(slot)].push_back(static_cast<std::int32_t>(leaf));
+        std::int32_t& edge = edge_[at(slot)];
         edge = std::max(edge, divisions >> tree.leaves()[leaf].level);
       }
     for (std::int32_t n = 0; n < space.lattice.size(); ++n)
-      if (interpolated_[static_cast<std::size_t>(n)]) solved_.push_back(n);
+      if (interpolated_[at(n)]) solved_.push_back(n);
   }
 
   LocalPolynomial fit(std::size_t slot) {
@@ -109,9 +113,8 @@ class Fitter {
     std::set<std::int32_t> numbers;
     for (const std::int32_t leaf : around_[slot])
       for (const std::int32_t corner : tree_.corners(leaf)) {
-        const auto number =
-            space_.lattice.indexOf(tree_.slots()[static_cast<std::size_t>(corner)].point);
-        if (number && *number != center.number && interpolated_[static_cast<std::size_t>(*number)])
+        const auto number = space_.lattice.indexOf(tree_.slots()[at(corner)].point);
+        if (number && *number != center.number && interpolated_[at(*number)])
           numbers.insert(*number);
       }
     std::vector<Candidate> candidates;
@@ -158,8 +161,8 @@ EnergyJet jetOf(const LocalPolynomial& polynomial, double spacing) {
   for (std::size_t t = 0; t < LocalPolynomial::terms; ++t) {
     const Orders& o = LocalPolynomial::orders(t);
     if (o[0] > 2 || o[1] > 2 || o[2] > 2) continue;
-    jet[at(o)] = polynomial.derivatives[static_cast<Eigen::Index>(t)] *
-                 std::pow(spacing / polynomial.scale, o[0] + o[1] + o[2]);
+    jet[placeInJet(o)] = polynomial.derivatives[static_cast<Eigen::Index>(t)] *
+                         std::pow(spacing / polynomial.scale, o[0] + o[1] + o[2]);
   }
   return jet;
 }
@@ -199,21 +202,18 @@ EnergyJet jetInLeaf(const CellTree& tree, const std::vector<EnergyJet>& jets, st
   const std::array<Basis<3>, 3> basis = {quinticHermite(local.x()), quinticHermite(local.y()),
                                          quinticHermite(local.z())};
   EnergyJet result{};
-  for (int a = 0; a < 27; ++a) {
-    const std::array<std::size_t, 3> wanted = {static_cast<std::size_t>(a % 3),
-                                               static_cast<std::size_t>(a / 3 % 3),
-                                               static_cast<std::size_t>(a / 9)};
+  for (std::size_t a = 0; a < 27; ++a) {
+    const std::array<std::size_t, 3> wanted = {a % 3, a / 3 % 3, a / 9};
     double sum = 0;
     for (std::size_t c = 0; c < 8; ++c) {
-      const EnergyJet& jet = jets[static_cast<std::size_t>(tree.corners(leaf)[c])];
+      const EnergyJet& jet = jets[at(tree.corners(leaf)[c])];
       for (std::size_t b = 0; b < 27; ++b) {
         const std::size_t order = b % 3 + b / 3 % 3 + b / 9;
         sum += jet[b] * std::pow(scale, order) * basis[0][wanted[0]][c & 1][b % 3] *
                basis[1][wanted[1]][c >> 1 & 1][b / 3 % 3] * basis[2][wanted[2]][c >> 2][b / 9];
       }
     }
-    result[static_cast<std::size_t>(a)] =
-        sum / std::pow(scale, static_cast<double>(wanted[0] + wanted[1] + wanted[2]));
+    result[a] = sum / std::pow(scale, static_cast<double>(wanted[0] + wanted[1] + wanted[2]));
   }
   return result;
 }
@@ -240,6 +240,7 @@ std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceT
 
 std::vector<EnergyJet> energyJets(const CellTree& tree,
                                   const std::vector<LocalPolynomial>& polynomials) {
+  PALPATE_ASSERT(polynomials.size() == tree.slots().size(), "slotPolynomials made one per slot");
   std::vector<EnergyJet> jets;
   for (const LocalPolynomial& polynomial : polynomials)
     jets.push_back(jetOf(polynomial, tree.spacing()));
@@ -250,14 +251,16 @@ std::vector<EnergyJet> energyJets(const CellTree& tree,
 }
 
 /// Sums over z, then y, then x, so that the longest sums run over neighbours in memory.
-EnergySample evaluateEnergy(const std::array<const EnergyJet*, 8>& corners,
-                            const Eigen::Vector3d& local, double edge, double spacing) noexcept {
+EnergySample evaluateEnergy(const CellTree& tree, const std::vector<EnergyJet>& jets,
+                            const LeafPlace& place) noexcept {
   using Plane = Eigen::Array<double, 9, 1>;  // orders a + 3 b at a corner
   using Line = Eigen::Array3d;               // orders a
-  Basis<3> x = quinticHermite(local.x()), y = quinticHermite(local.y()),
-           z = quinticHermite(local.z());
-  if (edge != spacing) {
-    const double scale = edge / spacing;
+  const LeafCorners& corners = tree.corners(place.leaf);
+  const double edge = tree.edge(place.leaf);
+  Basis<3> x = quinticHermite(place.local.x()), y = quinticHermite(place.local.y()),
+           z = quinticHermite(place.local.z());
+  if (edge != tree.spacing()) {
+    const double scale = edge / tree.spacing();
     for (Basis<3>* basis : {&x, &y, &z})
       for (auto& derivative : *basis)
         for (auto& end : derivative) {
@@ -265,15 +268,15 @@ EnergySample evaluateEnergy(const std::array<const EnergyJet*, 8>& corners,
           end[2] *= scale * scale;
         }
   }
-  double d[3][3][3] =
-      {};  // derivative [f along z][e along y][d along x] of the interpolant, d + e + f <= 2
+  // Derivative [f along z][e along y][d along x] of the interpolant, d + e + f <= 2.
+  double d[3][3][3] = {};
   for (std::size_t x_end = 0; x_end < 2; ++x_end) {
     Line lines[3][3];  // [derivative f along z][e along y]
     for (auto& row : lines)
       for (Line& line : row) line.setZero();
     for (std::size_t y_end = 0; y_end < 2; ++y_end) {
-      const double* low = corners[x_end + 2 * y_end]->data();
-      const double* high = corners[x_end + 2 * y_end + 4]->data();
+      const double* low = jets[at(corners[x_end + 2 * y_end])].data();
+      const double* high = jets[at(corners[x_end + 2 * y_end + 4])].data();
       const Eigen::Map<const Plane> l0(low), l1(low + 9), l2(low + 18), h0(high), h1(high + 9),
           h2(high + 18);
       for (std::size_t f = 0; f < 3; ++f) {
@@ -301,14 +304,6 @@ EnergySample evaluateEnergy(const std::array<const EnergyJet*, 8>& corners,
       d[1][0][1], d[1][1][0], d[2][0][0];
   sample.stiffness /= -edge * edge;
   return sample;
-}
-
-EnergySample evaluateEnergy(const CellTree& tree, const std::vector<EnergyJet>& jets,
-                            const LeafPlace& place) noexcept {
-  std::array<const EnergyJet*, 8> corners;
-  const LeafCorners& slots = tree.corners(place.leaf);
-  for (std::size_t c = 0; c < 8; ++c) corners[c] = &jets[static_cast<std::size_t>(slots[c])];
-  return evaluateEnergy(corners, place.local, tree.edge(place.leaf), tree.spacing());
 }
 
 }  // namespace palpate

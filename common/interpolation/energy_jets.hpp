@@ -26,6 +26,7 @@ struct EnergySample {
 /// that an inconsistent edge joins to the slot or to a nearer source are left out.
 std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
                                              const std::vector<LatticeEdge>& inconsistent);
+
 /// The same for the ghosts alone, zero for solved slots.
 std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
                                               const std::vector<LatticeEdge>& inconsistent);
@@ -35,10 +36,8 @@ std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceT
 std::vector<EnergyJet> energyJets(const CellTree& tree,
                                   const std::vector<LocalPolynomial>& polynomials);
 
-/// The tensor product quintic Hermite polynomial of the jets at the corners of a leaf with edges
-/// `edge` metres, in a lattice of `spacing` metres. Real time.
-EnergySample evaluateEnergy(const std::array<const EnergyJet*, 8>& corners,
-                            const Eigen::Vector3d& local, double edge, double spacing) noexcept;
+/// The tensor product quintic Hermite polynomial of the jets at the corners of a leaf, at a place
+/// in it. Real time: does not allocate, lock, throw or log.
 EnergySample evaluateEnergy(const CellTree& tree, const std::vector<EnergyJet>& jets,
                             const LeafPlace& place) noexcept;
 

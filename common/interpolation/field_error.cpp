@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
+
 namespace palpate {
 namespace {
 
@@ -52,7 +55,7 @@ Eigen::Vector3d placeOf(std::size_t node) {
 bool hasSuspectEdge(const CellTree& tree, std::int32_t leaf,
                     const std::vector<LatticeEdge>& suspect) {
   const auto numberAt = [&](std::size_t corner) {
-    return tree.slots()[static_cast<std::size_t>(tree.corners(leaf)[corner])].number;
+    return tree.slots()[at(tree.corners(leaf)[corner])].number;
   };
   for (std::size_t c = 0; c < 8; ++c)
     for (const std::size_t axis : {1, 2, 4}) {
@@ -69,6 +72,8 @@ bool hasSuspectEdge(const CellTree& tree, std::int32_t leaf,
 FieldError::FieldError(const CellTree& tree, const std::vector<LocalPolynomial>& polynomials,
                        const std::vector<EnergyJet>& jets, const std::vector<LatticeEdge>& suspect)
     : nodes_(tree.leaves().size()) {
+  PALPATE_ASSERT(polynomials.size() == tree.slots().size() && jets.size() == tree.slots().size(),
+                 "slotPolynomials and energyJets made them of the same tree");
   std::vector<std::int32_t> order(nodes_.size());  // coarse leaves first: fine ones hang on them
   for (std::size_t leaf = 0; leaf < order.size(); ++leaf)
     order[leaf] = static_cast<std::int32_t>(leaf);
@@ -84,7 +89,7 @@ FieldError::FieldError(const CellTree& tree, const std::vector<LocalPolynomial>&
       double spread = 0, sum = 0, ghosts = 0, hanging = 0, inherited = 0;
       int known = 0;
       for (std::size_t c = 0; c < 8; ++c) {
-        const auto s = static_cast<std::size_t>(tree.corners(leaf)[c]);
+        const auto s = at(tree.corners(leaf)[c]);
         const CellSlot& slot = tree.slots()[s];
         if (slot.kind == SlotKind::hanging) {
           hanging += weights[c];
@@ -100,14 +105,14 @@ FieldError::FieldError(const CellTree& tree, const std::vector<LocalPolynomial>&
         if (slot.kind == SlotKind::ghost) ghosts += weights[c];
       }
       if (known > 0) spread += hanging * sum / known;
-      nodes_[static_cast<std::size_t>(leaf)][node] = static_cast<float>(
+      nodes_[at(leaf)][node] = static_cast<float>(
           factor * (share_of_spread + share_at_ghosts * ghosts) * spread + inherited);
     }
   }
 }
 
 double FieldError::bound(std::int32_t leaf, const Eigen::Vector3d& local) const noexcept {
-  const Nodes& nodes = nodes_[static_cast<std::size_t>(leaf)];
+  const Nodes& nodes = nodes_[at(leaf)];
   std::size_t lowest = 0, stride = 1;
   Eigen::Vector3d within;
   for (Eigen::Index axis = 0; axis < 3; ++axis, stride *= 3) {
@@ -121,11 +126,6 @@ double FieldError::bound(std::int32_t leaf, const Eigen::Vector3d& local) const 
     sum +=
         weights[c] * static_cast<double>(nodes[lowest + (c & 1) + 3 * (c >> 1 & 1) + 9 * (c >> 2)]);
   return sum;
-}
-
-double FieldError::worst(std::int32_t leaf) const {
-  const Nodes& nodes = nodes_[static_cast<std::size_t>(leaf)];
-  return static_cast<double>(*std::max_element(nodes.begin(), nodes.end()));
 }
 
 }  // namespace palpate

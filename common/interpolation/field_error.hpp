@@ -27,8 +27,6 @@ class FieldError {
   /// N, on |force error|: sampled at the 27 nodes of a grid over the leaf, tri-linear between them.
   /// Real time.
   double bound(std::int32_t leaf, const Eigen::Vector3d& local) const noexcept;
-  /// The largest value of bound in a leaf.
-  double worst(std::int32_t leaf) const;
 
  private:
   using Nodes = std::array<float, 27>;  ///< node (i, j, k), 0..2 along the axes, at [i + 3 j + 9 k]

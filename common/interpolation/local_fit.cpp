@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
+
 namespace palpate {
 namespace {
 
@@ -51,7 +54,7 @@ double termAt(const Orders& term, const Orders& wanted, const Powers& powers) {
   double product = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const int n = term[axis] - wanted[axis] + 2;
-    product *= powers[axis][static_cast<std::size_t>(n)];
+    product *= powers[axis][at(n)];
   }
   return product;
 }
@@ -70,8 +73,7 @@ Eigen::Matrix<double, n_data, 1> dataOf(const Equilibrium& e, double scale) {
 // mm; factors of ten in either direction change them by some 10 %, but for a fifth degree without
 // penalty, which doubles those at the rim. What all sources together leave open (a direction in
 // which none lies) tends to zero.
-constexpr double distance_power =
-    4;  // of the weight of a source: its data are told so much less accurately
+constexpr double distance_power = 4;  // of a source's weight: so much less do its data tell
 constexpr std::array<double, 6> penalty_extrapolating = {0, 0, 0, 1e-6, 1e-2, 1e-1},
                                 penalty_completing = {0, 0, 0, 1e-6, 1e-4, 1e-1};
 
@@ -99,8 +101,7 @@ struct WeightedSystem {
           matrix(row, t) = weight * termAt(term(t), data_orders[d], powers);
       }
     }
-    for (int t = 0; t < unknowns; ++t)
-      matrix(weights.size() + t, t) = penalty[static_cast<std::size_t>(total(term(t)))];
+    for (int t = 0; t < unknowns; ++t) matrix(weights.size() + t, t) = penalty[at(total(term(t)))];
   }
 
   Eigen::MatrixXd matrix;
@@ -143,6 +144,8 @@ const LocalFits::Factors& LocalFits::completing(const std::vector<FitSource>& so
 
 LocalPolynomial LocalFits::extrapolate(const std::vector<FitSource>& sources, std::int32_t edge,
                                        int degree) const {
+  PALPATE_ASSERT(!sources.empty() && 2 <= degree && degree <= LocalPolynomial::degree,
+                 "sources are the nearest solved points, of which there is one at least");
   LocalPolynomial result;
   result.scale = unit_ * edge;
   const WeightedSystem system(sources, edge, 0, degree, penalty_extrapolating);

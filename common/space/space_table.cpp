@@ -9,19 +9,6 @@
 namespace palpate {
 namespace {
 
-/// Order of SpaceTable::splits.
-bool isBefore(const LatticeCell& a, const LatticeCell& b) {
-  return a.level != b.level ? a.level < b.level : a.lowest < b.lowest;
-}
-
-/// The cell of the next coarser level around `cell`.
-LatticeCell parentOf(const LatticeCell& cell, std::int32_t divisions) {
-  LatticeCell parent = {cell.lowest, cell.level - 1};
-  const std::int32_t edge = divisions >> parent.level;
-  for (std::int32_t& coordinate : parent.lowest) coordinate -= ((coordinate % edge) + edge) % edge;
-  return parent;
-}
-
 /// Coordinates beyond those of the cubes that reach into the ball.
 bool isFarOutside(const LatticePoint& point, const Lattice& lattice) {
   const std::int64_t limit =
@@ -33,7 +20,9 @@ bool isFarOutside(const LatticePoint& point, const Lattice& lattice) {
 
 std::string faultOfSplits(const SpaceTable& space) {
   const std::int32_t divisions = space.lattice.divisions();
-  const auto notBefore = [](const LatticeCell& a, const LatticeCell& b) { return !isBefore(a, b); };
+  const auto notBefore = [](const LatticeCell& a, const LatticeCell& b) {
+    return !coarserFirst(a, b);
+  };
   if (std::adjacent_find(space.splits.begin(), space.splits.end(), notBefore) != space.splits.end())
     return "splits are not sorted by level and lowest";
   for (std::size_t i = 0; i < space.splits.size(); ++i) {
@@ -46,8 +35,7 @@ std::string faultOfSplits(const SpaceTable& space) {
                     [edge](std::int32_t coordinate) { return coordinate % edge == 0; });
     if (!aligned || isFarOutside(cell.lowest, space.lattice))
       return fmt::format("split {} is no cell of the lattice", i);
-    if (cell.level > 0 && !std::binary_search(space.splits.begin(), space.splits.end(),
-                                              parentOf(cell, divisions), isBefore))
+    if (cell.level > 0 && !isSplit(space.splits, parentOf(cell, divisions)))
       return fmt::format("split {} lies in a cell that is not split", i);
   }
   return {};

@@ -8,7 +8,7 @@
 #include "common/space/active_patch.hpp"
 #include "common/space/configuration.hpp"
 #include "common/space/lattice.hpp"
-#include "common/space/rbf_weights_table.hpp"
+#include "common/space/lattice_cell.hpp"
 #include "common/space/tag.hpp"
 
 namespace palpate {
@@ -23,10 +23,10 @@ struct FailedAttempt {
 /// What is known of one lattice point; the rows of a configuration space.
 struct PointRecord {
   Tag tag = Tag::unknown;
-  Cause cause =
-      Cause::none;  ///< when failed: of the attempt that got furthest, unreachable without one
-  std::int32_t parent =
-      -1;  ///< lattice number it was solved from; the origin is its own parent; -1 when not solved
+  /// When failed: of the attempt that got furthest, unreachable without one.
+  Cause cause = Cause::none;
+  /// Lattice number it was solved from; the origin is its own parent; -1 when not solved.
+  std::int32_t parent = -1;
   Equilibrium equilibrium;  ///< valid when expandable or terminating
   double residual = 0;      ///< N
   Cost cost;                ///< `seconds` is not stored
@@ -46,17 +46,14 @@ struct Probe {
 struct SpaceTable {
   ActivePatch patch;
   Lattice lattice;
-  std::vector<LatticeCell> splits;  ///< cells that were split into eight, sorted by (level, lowest)
+  std::vector<LatticeCell> splits;  ///< cells that were split into eight, by coarserFirst
   std::vector<PointRecord> points;
-  std::vector<FailedAttempt>
-      attempts;  ///< sorted by (target, order in which they were tried); no probes
+  /// Sorted by (target, order in which they were tried); no probes.
+  std::vector<FailedAttempt> attempts;
   std::vector<Probe> probes;
   /// inconsistentEdges of this space (branch_check.hpp), as they were when the dataset was sealed;
   /// sealDataset finds them itself.
   std::vector<LatticeEdge> inconsistent_edges;
-  /// Weights of r, r with tail, r^3, r^3 with tail, of these points, from a dataset; sealDataset
-  /// solves them itself. Empty where no point is solved, or more than most_stored_rbf_points.
-  std::vector<RbfWeights> rbf;
 };
 
 /// Largest force of a terminating point that cells are interpolated with, in largest forces of the

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <set>
-#include <tuple>
 
 #include "common/base/error.hpp"
 #include "common/interpolation/field_error.hpp"
@@ -21,10 +20,6 @@ constexpr int samples = 5;
 /// 1000 exact solutions (liver-493, Mooney-Rivlin, 60 mm); 0.25 takes 108 for 100 %, 0.15 stops
 /// at 98.8 %.
 constexpr double likely_share = 0.2;
-
-bool before(const LatticeCell& a, const LatticeCell& b) {
-  return a.level != b.level ? a.level < b.level : a.lowest < b.lowest;
-}
 
 /// Share of the ball in which the likely error must keep the accuracy: the rest are spots, next to
 /// jumps between branches, that swallow points without end.
@@ -66,7 +61,7 @@ class Inspection {
           (space_.lattice.divisions() >> cell.level) > 1)
         result.splits.push_back(cell);
     }
-    std::sort(result.splits.begin(), result.splits.end(), before);
+    std::sort(result.splits.begin(), result.splits.end(), coarserFirst);
     addNewCorners(result.splits, points);
     result.points.assign(points.begin(), points.end());
     std::sort(result.points.begin(), result.points.end(),
@@ -142,7 +137,7 @@ class Inspection {
     if (splits.empty()) return;
     SpaceTable after = space_;
     after.splits.insert(after.splits.end(), splits.begin(), splits.end());
-    std::sort(after.splits.begin(), after.splits.end(), before);
+    std::sort(after.splits.begin(), after.splits.end(), coarserFirst);
     const CellTree tree(after);
     for (std::size_t s = 0; s < tree.slots().size(); ++s) {
       const CellSlot& corner = tree.slots()[s];

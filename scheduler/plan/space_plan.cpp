@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 #include "common/base/assertion.hpp"
@@ -229,9 +228,7 @@ void SpacePlan::beginCells() {
   if (!may_grow_) return;
   const Refinement refinement = nextRefinement(table(), problem_->scene);
   splits_.insert(splits_.end(), refinement.splits.begin(), refinement.splits.end());
-  std::sort(splits_.begin(), splits_.end(), [](const LatticeCell& a, const LatticeCell& b) {
-    return std::tie(a.level, a.lowest) < std::tie(b.level, b.lowest);
-  });
+  std::sort(splits_.begin(), splits_.end(), coarserFirst);
   may_grow_ = !refinement.empty();
   // All parents are chosen before the first new point is there, so that their order is no matter.
   std::vector<std::pair<std::int32_t, std::vector<std::int32_t>>> targets;

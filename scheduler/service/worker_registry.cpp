@@ -53,7 +53,7 @@ std::string WorkerRegistry::objectionTo(const wire::Hello& hello) const {
     return fmt::format(
         "this build is computed with the {} kernels, the worker would use {}, "
         "and the last bits would depend on who solved what: use machines with {} in this build, "
-        "or see PALPATE_KERNELS and OPENBLAS_CORETYPE in docs/numerics.md",
+        "or see PALPATE_KERNELS and OPENBLAS_CORETYPE in docs/solver.md",
         kernel_family_, hello.kernel_family(), kernel_family_);
   return "";
 }

@@ -4,8 +4,8 @@
 //
 //   path_ns       a hand's path, 1 kHz samples of a smooth curve through many cells
 //   scattered_ns  random displacements, as little locality as there is in one space
-//   cold_ns       random displacements, each after the caches were emptied: the first touch of a
-//   space prepare_ms    the constructor
+//   cold_ns       random displacements, each after the caches were emptied: the first touch
+//   prepare_ms    the constructor
 //
 //   force_field_bench [SECONDS_PER_NUMBER]
 
@@ -26,12 +26,12 @@ namespace palpate {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Query =
-    std::function<double(const Eigen::Vector3d&)>;  // what it returns only keeps the work alive
+/// What it returns only keeps the work alive.
+using Query = std::function<double(const Eigen::Vector3d&)>;
 
 constexpr double radius = 0.1;
 // Global radial functions take memory with the square and time with the cube of the points.
-constexpr std::int32_t most_rbf_points = 1500;
+constexpr std::int32_t most_radial_points = 1500;
 
 double nanoseconds(Clock::duration duration) {
   return std::chrono::duration<double, std::nano>(duration).count();
@@ -109,38 +109,35 @@ std::string methodResult(const std::string& method, const SpaceTable& space, dou
       hotTime(query, scattered(10000), seconds), coldTime(query), 1e-6 * prepared);
 }
 
-std::string shapeResult(const SpaceTable& space, bool tangents, double seconds) {
+std::string shapeResult(const SpaceTable& space, double seconds) {
   constexpr std::size_t nodes = 2228;
   const std::vector<float> rows(space.points.size() * 3 * nodes, 1e-3f);
-  const std::vector<float> slopes(tangents ? 3 * rows.size() : 0, 0.5f);
-  const DisplacementField field(space, rows, slopes);
+  const DisplacementField field(space, rows);
   std::vector<float> shape(3 * nodes);
   const Query query = [&](const Eigen::Vector3d& p) {
     field.evaluate(p, shape);
     return static_cast<double>(shape[0]);
   };
   return fmt::format(
-      "{{\"nodes\":{},\"tangents\":{},\"configurations\":{},\"path_us\":{:.2f},\"scattered_us\":{:."
-      "2f},"
+      "{{\"nodes\":{},\"configurations\":{},\"path_us\":{:.2f},\"scattered_us\":{:.2f},"
       "\"cold_us\":{:.2f}}}",
-      nodes, tangents, space.lattice.size(), 1e-3 * hotTime(query, path(1000), seconds),
+      nodes, space.lattice.size(), 1e-3 * hotTime(query, path(1000), seconds),
       1e-3 * hotTime(query, scattered(1000), seconds), 1e-3 * coldTime(query));
 }
 
 int runBenchmark(double seconds) {
-  std::vector<std::string> forces, shapes;
+  std::vector<std::string> forces;
   for (const double spacing : {radius / 3, radius / 5, radius / 7, radius / 10}) {
     const SpaceTable space = test::solvedSpace(Lattice(radius, spacing), test::StiffeningEnergy());
     for (const std::string& method : forceFieldMethods())
-      if (space.lattice.size() <= most_rbf_points || method.find("rbf") == std::string::npos)
+      if (space.lattice.size() <= most_radial_points || method.find("rbf") == std::string::npos)
         forces.push_back(methodResult(method, space, seconds));
   }
   const SpaceTable space = test::solvedSpace(Lattice(radius, radius / 5), test::StiffeningEnergy());
-  for (const bool tangents : {false, true}) shapes.push_back(shapeResult(space, tangents, seconds));
   fmt::print(
-      "{{\"benchmark\":\"force_field\",\"forces\":[\n{}],\n\"displacements\":[\n{}],\n\"checksum\":"
-      "{}}}\n",
-      fmt::join(forces, ",\n"), fmt::join(shapes, ",\n"), checksum);
+      "{{\"benchmark\":\"force_field\",\"forces\":[\n{}],\n\"displacements\":{},\n"
+      "\"checksum\":{}}}\n",
+      fmt::join(forces, ",\n"), shapeResult(space, seconds), checksum);
   return 0;
 }
 

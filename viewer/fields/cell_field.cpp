@@ -4,12 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "common/base/index.hpp"
 #include "viewer/fields/slot_equilibria.hpp"
 
 namespace palpate {
 namespace {
-
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 /// Tri-linear interpolant of nodal values in a leaf.
 template <class Value>

@@ -12,6 +12,7 @@
 namespace palpate {
 
 /// What methods that interpolate in leaves are made of: a cell tree and what its slots stand on.
+/// Holds no reference to the space. Immutable after construction: any thread may read.
 struct CellData {
   /// Error when no point of the space is solved.
   explicit CellData(const SpaceTable& space);
@@ -21,9 +22,8 @@ struct CellData {
   std::vector<LatticeEdge> suspect;       ///< suspectEdges of the space
   std::vector<Equilibrium> equilibria;    ///< slotEquilibria
   std::vector<double> support;            ///< slotCoverage
-  std::vector<std::int32_t>
-      numbers;  ///< per slot: lattice number, of hanging ones too; -1 when it has none
-
+  /// Per slot: lattice number, of hanging ones too; -1 when it has none.
+  std::vector<std::int32_t> numbers;
   std::int32_t divisions;  ///< lattice coordinates per spacing
 
   /// The slot at lattice coordinates; -1 when there is none.
@@ -76,8 +76,8 @@ class CellField : public ForceField {
   Limit limit_;
   std::vector<Eigen::Vector4d> nodes_;  ///< per slot: force, N, and support
   std::vector<double> flags_;           ///< per slot
-  std::vector<double>
-      spread_;  ///< per leaf: largest difference of corner forces, N; -1: no corner flagged
+  /// Per leaf: largest difference of corner forces, N; -1: no corner flagged.
+  std::vector<double> spread_;
 };
 
 }  // namespace palpate

@@ -5,6 +5,8 @@
 #include <limits>
 #include <map>
 
+#include "common/base/index.hpp"
+
 namespace palpate {
 namespace {
 
@@ -15,8 +17,6 @@ namespace {
 constexpr double allowed_share = 0.1;
 // A sweep leaves at most some 6/7 of the distance to the minimum.
 constexpr int sweeps = 100;
-
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 /// An edge of a leaf between slots that do not hang.
 struct Edge {

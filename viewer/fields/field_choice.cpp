@@ -3,16 +3,14 @@
 #include "common/base/error.hpp"
 #include "viewer/fields/hermite_field.hpp"
 #include "viewer/fields/potential_field.hpp"
-#include "viewer/fields/potential_rbf_field.hpp"
 #include "viewer/fields/rbf_field.hpp"
 #include "viewer/fields/trilinear_field.hpp"
 
 namespace palpate {
 
 const std::vector<std::string>& forceFieldMethods() {
-  static const std::vector<std::string> methods = {"potential", "trilinear",      "tricubic",
-                                                   "hermite",   "rbf-linear",     "rbf-linear-tail",
-                                                   "rbf-cubic", "rbf-cubic-tail", "potential-rbf"};
+  static const std::vector<std::string> methods = {"potential", "trilinear",  "tricubic",
+                                                   "hermite",   "rbf-linear", "rbf-cubic"};
   return methods;
 }
 
@@ -23,12 +21,8 @@ std::unique_ptr<ForceField> makeForceField(std::string_view method, const SpaceT
     return std::make_unique<HermiteField>(space, HermiteField::Slopes::differences);
   if (method == "hermite")
     return std::make_unique<HermiteField>(space, HermiteField::Slopes::exact);
-  if (method == "rbf-linear") return std::make_unique<RbfField>(space, RbfKernel::linear, false);
-  if (method == "rbf-linear-tail")
-    return std::make_unique<RbfField>(space, RbfKernel::linear, true);
-  if (method == "rbf-cubic") return std::make_unique<RbfField>(space, RbfKernel::cubic, false);
-  if (method == "rbf-cubic-tail") return std::make_unique<RbfField>(space, RbfKernel::cubic, true);
-  if (method == "potential-rbf") return std::make_unique<PotentialRbfField>(space);
+  if (method == "rbf-linear") return std::make_unique<RbfField>(space, RbfKernel::linear);
+  if (method == "rbf-cubic") return std::make_unique<RbfField>(space, RbfKernel::cubic);
   throw badInput("there is no method \"{}\"; there are: {}", method,
                  fmt::join(forceFieldMethods(), ", "));
 }

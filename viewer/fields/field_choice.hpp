@@ -12,8 +12,9 @@ namespace palpate {
 /// The words for makeForceField, the default first.
 const std::vector<std::string>& forceFieldMethods();
 
-/// Error (bad input) for an unknown method, listing the known; Error when the space has no solved
-/// point.
+/// The field that interpolates `space` by a method. Error (bad input) for an unknown method,
+/// listing the known; Error when the space has no solved point, or when radial functions cannot be
+/// had of its points (rbf_field.hpp). Any thread.
 std::unique_ptr<ForceField> makeForceField(std::string_view method, const SpaceTable& space);
 
 }  // namespace palpate

@@ -11,11 +11,11 @@ namespace palpate {
 /// What a force field says about one displacement. force and stiffness are always finite.
 struct ForceSample {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< N, of the tissue on the tool
-  Eigen::Matrix3d stiffness =
-      Eigen::Matrix3d::Zero();  ///< N/m, d force / d displacement of exactly this interpolant
+  /// N/m, [a, b] = d force_a / d displacement_b of exactly this interpolant.
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
   double energy = std::numeric_limits<double>::quiet_NaN();  ///< J; NaN when the method has none
-  double error_bound =
-      std::numeric_limits<double>::quiet_NaN();  ///< N, on |force|; NaN when the method gives none
+  /// N, on |force|; NaN when the method gives none.
+  double error_bound = std::numeric_limits<double>::quiet_NaN();
   /// Share of the answer that stands on solved corners of the cell around, whose edges are all
   /// consistent (branch_check.hpp), by tri-linear weights: 1 where all eight are, 0 where
   /// everything is extrapolated.

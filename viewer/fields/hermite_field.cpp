@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "common/base/index.hpp"
 #include "viewer/fields/slot_differences.hpp"
 
 namespace palpate {
@@ -10,8 +11,6 @@ namespace {
 
 using Node = HermiteField::Node;
 using Column = Eigen::Vector4d;
-
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 /// Cubic Hermite basis of a leaf along one axis, and its slope per metre: [derivative][2 * end +
 /// order].

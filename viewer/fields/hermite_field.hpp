@@ -16,16 +16,17 @@ class HermiteField : public CellField {
  public:
   /// Where the first derivatives of the force come from.
   enum class Slopes {
-    exact,  ///< "hermite": the stiffnesses; mixed derivatives are one difference of them. Error
-            ///< spacing^4, spacing^3 next to points that are not solved
-    differences,  ///< "tricubic": differences of the forces, so that a cell needs the 4 x 4 x 4
-                  ///< points around it (Lekien and Marsden 2005). Error spacing^3. Ghosts supply
-                  ///< points that are not solved; coverage counts corners whose differences use one
-                  ///< as not solved
+    /// "hermite": the stiffnesses; mixed derivatives are one difference of them. Error spacing^4,
+    /// spacing^3 next to points that are not solved.
+    exact,
+    /// "tricubic": differences of the forces, so that a cell needs the 4 x 4 x 4 points around it
+    /// (Lekien and Marsden 2005). Error spacing^3. Ghosts supply points that are not solved;
+    /// coverage counts corners whose differences use one as not solved.
+    differences,
   };
 
+  /// Error when no point of the space is solved.
   HermiteField(const SpaceTable& space, Slopes slopes) : HermiteField(CellData(space), slopes) {}
-  HermiteField(const CellData& data, Slopes slopes);
   std::string_view name() const override {
     return slopes_ == Slopes::exact ? "hermite" : "tricubic";
   }
@@ -39,6 +40,8 @@ class HermiteField : public CellField {
                    ForceSample& sample) const noexcept override;
 
  private:
+  HermiteField(const CellData& data, Slopes slopes);
+
   Slopes slopes_;
   std::vector<Node> nodes_;  ///< per slot
 };

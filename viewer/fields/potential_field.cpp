@@ -1,5 +1,6 @@
 #include "viewer/fields/potential_field.hpp"
 
+#include "common/base/assertion.hpp"
 #include "viewer/fields/energy_corrections.hpp"
 
 namespace palpate {
@@ -8,6 +9,7 @@ namespace {
 std::vector<LocalPolynomial> correctedPolynomials(const CellData& data, const SpaceTable& space) {
   std::vector<LocalPolynomial> polynomials = slotPolynomials(data.tree, space, data.inconsistent);
   const std::vector<double> corrections = energyCorrections(data);
+  PALPATE_ASSERT(corrections.size() == polynomials.size(), "both are per slot of the same tree");
   for (std::size_t s = 0; s < polynomials.size(); ++s)
     polynomials[s].derivatives[0] += corrections[s];
   return polynomials;

@@ -8,9 +8,9 @@
 
 namespace palpate {
 
-/// Interpolates the stored energy E(p) and differentiates it: force = -grad E, stiffness =
-/// -Hessian. Therefore conservative by construction (a closed loop returns no energy) in the whole
-/// ball, with an energy everywhere in it and a symmetric stiffness.
+/// Interpolates the stored energy E(p) and differentiates it: force = -grad E and
+/// stiffness = -Hessian. Therefore conservative by construction (a closed loop returns no energy)
+/// in the whole ball, with an energy everywhere in it and a symmetric stiffness.
 ///
 /// In a leaf E is the tensor product quintic Hermite polynomial of the 27 derivatives at its 8
 /// corners (energy_jets.hpp). They belong to positions, the same for every leaf around, so E has
@@ -27,6 +27,7 @@ namespace palpate {
 /// spacing. The error bound is that of field_error.hpp.
 class PotentialField : public CellField {
  public:
+  /// Error when no point of the space is solved.
   explicit PotentialField(const SpaceTable& space) : PotentialField(CellData(space), space) {}
   std::string_view name() const override { return "potential"; }
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <limits>
 
+#include "common/base/index.hpp"
+
 namespace palpate {
 namespace {
-
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 bool isSolvedSlot(const CellTree& tree, std::int32_t slot) {
   return tree.slots()[at(slot)].kind == SlotKind::solved;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/index.hpp"
 #include "viewer/fields/cell_field.hpp"
 
 namespace palpate {
@@ -26,15 +27,12 @@ class SlotDifferences {
   /// `data` must outlive it.
   SlotDifferences(const CellData& data, Ghosts ghosts);
 
+  /// Of the tree: 1 when no cell is split.
   std::int32_t levels() const { return static_cast<std::int32_t>(slots_.size()); }
   /// Those that do not hang and have this level.
-  const std::vector<std::int32_t>& slots(std::int32_t level) const {
-    return slots_[static_cast<std::size_t>(level)];
-  }
+  const std::vector<std::int32_t>& slots(std::int32_t level) const { return slots_[at(level)]; }
   /// Those that hang in a leaf of this level, in an order in which they can be filled.
-  const std::vector<std::int32_t>& hanging(std::int32_t level) const {
-    return hanging_[static_cast<std::size_t>(level)];
-  }
+  const std::vector<std::int32_t>& hanging(std::int32_t level) const { return hanging_[at(level)]; }
 
   /// The slots that the derivative of a slot along an axis uses beside itself; -1 for none. Never
   /// the end of an inconsistent edge to it.
@@ -42,8 +40,9 @@ class SlotDifferences {
     std::array<std::int32_t, 2> slots = {-1, -1};
     std::array<double, 2> distances = {0, 0};  ///< metres, signed
   };
+  /// Of a slot that does not hang, along axis 0, 1 or 2.
   const Stencil& stencil(std::int32_t slot, int axis) const {
-    return stencils_[static_cast<std::size_t>(slot)][static_cast<std::size_t>(axis)];
+    return stencils_[at(slot)][at(axis)];
   }
 
   /// d value / d axis at a slot: of the parabola through it and two others (error distance^2), of

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/index.hpp"
 #include "common/interpolation/energy_jets.hpp"
 
 namespace palpate {
@@ -32,8 +33,7 @@ std::vector<double> slotCoverage(const CellTree& tree,
   fillHanging(tree, coverage, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
     const std::array<double, 8> weights = trilinearWeights(local);
     double sum = 0;
-    for (std::size_t c = 0; c < 8; ++c)
-      sum += weights[c] * coverage[static_cast<std::size_t>(tree.corners(leaf)[c])];
+    for (std::size_t c = 0; c < 8; ++c) sum += weights[c] * coverage[at(tree.corners(leaf)[c])];
     return sum;
   });
   return coverage;

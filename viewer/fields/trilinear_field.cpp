@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "common/base/index.hpp"
+
 namespace palpate {
 namespace {
-
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 std::vector<Eigen::Matrix3d> stiffnesses(const CellData& data) {
   std::vector<Eigen::Matrix3d> values;

@@ -16,8 +16,8 @@ namespace palpate {
 /// show.
 class TrilinearField : public CellField {
  public:
+  /// Error when no point of the space is solved.
   explicit TrilinearField(const SpaceTable& space) : TrilinearField(CellData(space)) {}
-  explicit TrilinearField(const CellData& data);
   std::string_view name() const override { return "trilinear"; }
 
  protected:
@@ -25,6 +25,8 @@ class TrilinearField : public CellField {
                    ForceSample& sample) const noexcept override;
 
  private:
+  explicit TrilinearField(const CellData& data);
+
   std::vector<double> error_bound_;  ///< per leaf, N
 };
 

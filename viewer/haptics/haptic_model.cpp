@@ -1,41 +1,10 @@
 #include "viewer/haptics/haptic_model.hpp"
 
-#include <algorithm>
-#include <atomic>
-#include <exception>
-#include <functional>
-#include <thread>
-
 #include "common/base/error.hpp"
+#include "common/base/parallel.hpp"
 #include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
-namespace {
-
-/// Calls task(0), ..., task(count - 1), several at once; throws what the first of them to fail
-/// threw.
-void inParallel(std::size_t count, const std::function<void(std::size_t)>& task) {
-  std::atomic<std::size_t> next = 0;
-  std::atomic<bool> failed = false;
-  std::exception_ptr error;
-  const auto work = [&] {
-    for (std::size_t n = next++; n < count && !failed; n = next++) try {
-        task(n);
-      } catch (...) {
-        if (!failed.exchange(true)) error = std::current_exception();
-      }
-  };
-  {
-    std::vector<std::jthread> threads;
-    const std::size_t wanted =
-        std::min<std::size_t>(count, std::max(1U, std::thread::hardware_concurrency()));
-    while (threads.size() + 1 < wanted) threads.emplace_back(work);
-    work();
-  }
-  if (error) std::rethrow_exception(error);
-}
-
-}  // namespace
 
 HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& options)
     : name_(dataset.scene().name),

@@ -2,13 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
-#include <exception>
 #include <memory>
-#include <mutex>
 #include <random>
-#include <thread>
 
 #include "common/base/error.hpp"
 #include "viewer/fields/field_choice.hpp"
@@ -113,27 +109,6 @@ MethodTiming timeMethod(const SpaceTable& space, const std::string& method, doub
   if (!field) return {};
   const double prepared = seconds(Clock::now() - start);
   return {medianQuery(*field, space.lattice.radius(), budget), prepared};
-}
-
-void runInParallel(std::size_t count, const std::function<void(std::size_t)>& run) {
-  std::atomic<std::size_t> next = 0;
-  std::exception_ptr failed;
-  std::mutex failing;
-  const auto work = [&] {
-    try {
-      for (std::size_t n = next++; n < count; n = next++) run(n);
-    } catch (...) {
-      next = count;
-      const std::lock_guard lock(failing);
-      if (!failed) failed = std::current_exception();
-    }
-  };
-  std::vector<std::thread> threads;
-  const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
-  for (std::size_t n = 1; n < std::min(cores, count); ++n) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
-  if (failed) std::rethrow_exception(failed);
 }
 
 }  // namespace palpate

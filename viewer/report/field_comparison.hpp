@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -40,9 +39,5 @@ MethodTiming timeMethod(const SpaceTable& space, const std::string& method, doub
 
 /// Whether a sample stands on eight solved corners on one branch, and on nothing else.
 bool isCovered(const ForceSample& sample) noexcept;
-
-/// Calls run(0) to run(count - 1), each once, on as many threads as there are cores. The first
-/// exception of a run is thrown again, after all threads have ended.
-void runInParallel(std::size_t count, const std::function<void(std::size_t)>& run);
 
 }  // namespace palpate

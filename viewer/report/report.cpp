@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "common/base/error.hpp"
+#include "common/base/parallel.hpp"
 #include "viewer/fields/field_choice.hpp"
 #include "viewer/report/field_comparison.hpp"
 #include "viewer/report/thinned_space.hpp"
@@ -301,7 +302,7 @@ class Reporter {
     spdlog::info("{}: comparing {} methods on {} active nodes", lattice.label,
                  report_.methods.size(), compared_.size());
     std::vector<NodeComparison> nodes(compared_.size());
-    runInParallel(compared_.size(), [&](std::size_t n) {
+    inParallel(compared_.size(), [&](std::size_t n) {
       std::optional<SpaceTable> storage;
       const SpaceTable& table = tableOf(report_, lattice, compared_[n], storage);
       nodes[n] =
@@ -353,7 +354,7 @@ class Reporter {
     if (compared_.size() < spaces())
       spdlog::info("{}: measuring {} on the other active nodes", lattice.label,
                    report_.methods.front());
-    runInParallel(spaces(), [&](std::size_t s) {
+    inParallel(spaces(), [&](std::size_t s) {
       NodeMeasures& node = report_.nodes[s];
       if (node.compared) return;
       std::optional<SpaceTable> storage;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/parallel.hpp"
 #include "common/base/program.hpp"
 #include "common/space/failure.hpp"
 #include "viewer/plot/svg_plot.hpp"
@@ -426,7 +427,7 @@ std::string picturesSection(const Report& report) {
   const bool is_cut = nodes.size() > pictured_nodes;
   if (is_cut) nodes.resize(pictured_nodes);
   std::vector<NodePictures> pictures(nodes.size());
-  runInParallel(nodes.size(), [&](std::size_t n) {
+  inParallel(nodes.size(), [&](std::size_t n) {
     pictures[n] = takePictures(report, shownLattice(report), nodes[n]->space);
   });
   std::vector<double> values;

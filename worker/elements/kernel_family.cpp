@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "common/base/cpu_family.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -15,11 +16,8 @@ extern const ElementKernels kernels_of_avx512;
 
 std::vector<const ElementKernels*> supportedKernels() {
   std::vector<const ElementKernels*> supported;
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512vl"))
-    supported.push_back(&kernels_of_avx512);
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-    supported.push_back(&kernels_of_avx2);
+  if (cpuFamily() >= CpuFamily::avx512) supported.push_back(&kernels_of_avx512);
+  if (cpuFamily() >= CpuFamily::avx2) supported.push_back(&kernels_of_avx2);
   supported.push_back(&kernels_of_baseline);
   return supported;
 }

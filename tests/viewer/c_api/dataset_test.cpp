@@ -239,7 +239,7 @@ TEST_F(CDataset, RefusesOptionsThatMakeNoSense) {
   options.methods = methods;
   options.method_count = 2;
   EXPECT_THAT(complaint(PALPATE_INVALID_ARGUMENT, file_.path(), &options),
-              AllOf(HasSubstr("quadrilinear"), HasSubstr("potential-rbf")));
+              AllOf(HasSubstr("quadrilinear"), HasSubstr("rbf-cubic")));
   methods[1] = nullptr;
   EXPECT_THAT(complaint(PALPATE_INVALID_ARGUMENT, file_.path(), &options), HasSubstr("methods"));
   options.methods = nullptr;

@@ -2,14 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <random>
 
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "viewer/fields/field_choice.hpp"
-#include "viewer/fields/potential_rbf_field.hpp"
 
 namespace palpate {
 namespace {
@@ -17,7 +15,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using test::AnalyticEnergy;
-using test::PolynomialEnergy;
 using test::solvedSpace;
 using test::StiffeningEnergy;
 
@@ -68,9 +65,7 @@ class EveryRbfField : public ::testing::TestWithParam<const char*> {
     return makeForceField(GetParam(), space);
   }
 };
-INSTANTIATE_TEST_SUITE_P(ForceField, EveryRbfField,
-                         ::testing::Values("rbf-linear", "rbf-linear-tail", "rbf-cubic",
-                                           "rbf-cubic-tail", "potential-rbf"),
+INSTANTIATE_TEST_SUITE_P(ForceField, EveryRbfField, ::testing::Values("rbf-linear", "rbf-cubic"),
                          [](const auto& method) {
                            std::string name = method.param;
                            std::replace(name.begin(), name.end(), '-', '_');
@@ -160,105 +155,11 @@ TEST_P(EveryRbfField, GetsMoreAccurateWithTheSpacing) {
   EXPECT_LT(fine, coarse / 4);
 }
 
-TEST(RbfField, RefusesASinglePointWithoutATail) {
+TEST(RbfField, RefusesASinglePoint) {
   SpaceTable space = solvedSpace(Lattice(radius, 0.01), StiffeningEnergy());
   for (std::int32_t n = 1; n < space.lattice.size(); ++n) space.points[n].tag = Tag::failed;
   test::expectError(ExitCode::failed, [&] { makeForceField("rbf-cubic", space); },
                     {"tip", "rbf-cubic", "1 solved point"});
-  EXPECT_TRUE(makeForceField("rbf-cubic-tail", space)->evaluate({0.01, 0, 0}).force.allFinite());
-}
-
-TEST(RbfField, IsTheSameInEveryCpuFamily) {
-  const SpaceTable space = refinedSpace(StiffeningEnergy());
-  for (const RbfKernel kernel : {RbfKernel::linear, RbfKernel::cubic})
-    for (const bool has_tail : {false, true}) {
-      const RbfField baseline(space, kernel, has_tail, *supportedRbfKernels().back());
-      for (const RbfKernels* kernels : supportedRbfKernels()) {
-        const RbfField field(space, kernel, has_tail, *kernels);
-        for (const Vector3d& p : pointsWithin(radius)) {
-          const ForceSample expected = baseline.evaluate(p), sample = field.evaluate(p);
-          EXPECT_LE((sample.force - expected.force).norm(), 1e-9 * (1 + expected.force.norm()));
-        }
-      }
-    }
-}
-
-TEST(PotentialRbfField, ReproducesCubicEnergiesEverywhere) {
-  const PolynomialEnergy cubic(3, radius);
-  for (const SpaceTable& space : {solvedSpace(Lattice(radius, 0.01), cubic), refinedSpace(cubic)}) {
-    const PotentialRbfField field(space);
-    for (const Vector3d& p : pointsWithin(radius)) {
-      const ForceSample sample = field.evaluate(p);
-      EXPECT_NEAR(sample.energy, cubic.energy(p), 1e-8 * (1 + std::abs(cubic.energy(p))));
-      EXPECT_LE((sample.force + cubic.gradient(p)).norm(), 1e-7 * cubic.gradient(p).norm());
-      EXPECT_LE((sample.stiffness + cubic.hessian(p)).norm(), 1e-6 * cubic.hessian(p).norm());
-    }
-  }
-}
-
-TEST(PotentialRbfField, HasManyPatchesOnlyWherePointsAreMany) {
-  EXPECT_EQ(PotentialRbfField(solvedSpace(Lattice(radius, 0.01), StiffeningEnergy())).patches(),
-            1u);
-  const std::size_t uniform =
-      PotentialRbfField(solvedSpace(Lattice(radius, 0.005), StiffeningEnergy())).patches();
-  EXPECT_GT(uniform, 20u);
-  EXPECT_GT(PotentialRbfField(refinedSpace(StiffeningEnergy())).patches(), uniform);
-}
-
-TEST(PotentialRbfField, ForceIsMinusTheGradientOfItsEnergy) {
-  const PotentialRbfField field(refinedSpace(StiffeningEnergy()));
-  const double step = 1e-6;
-  for (const Vector3d& p : pointsWithin(0.0199)) {
-    Vector3d differences;
-    for (int axis = 0; axis < 3; ++axis) {
-      const Vector3d d = step * Vector3d::Unit(axis);
-      differences[axis] =
-          (field.evaluate(p - d).energy - field.evaluate(p + d).energy) / (2 * step);
-    }
-    const ForceSample sample = field.evaluate(p);
-    EXPECT_LE((sample.force - differences).norm(), 1e-6 * sample.force.norm() + 1e-8);
-    EXPECT_LE((sample.stiffness - sample.stiffness.transpose()).norm(),
-              1e-12 * sample.stiffness.norm());
-  }
-}
-
-TEST(PotentialRbfField, ReturnsNoWorkFromAClosedLoop) {
-  const PotentialRbfField field(refinedSpace(StiffeningEnergy()));
-  const int steps = 20000;
-  const Vector3d u = Vector3d(1, 2, 0.5).normalized(),
-                 v = u.cross(Vector3d(0, 0.3, 1)).normalized();
-  double work = 0, total = 0;
-  for (int n = 0; n < steps; ++n) {
-    const double angle = 2 * M_PI * (n + 0.5) / steps;
-    const Vector3d p = 0.015 * (std::cos(angle) * u + std::sin(angle) * v);
-    const Vector3d step = 0.015 * 2 * M_PI / steps * (-std::sin(angle) * u + std::cos(angle) * v);
-    work += field.evaluate(p).force.dot(step);
-    total += std::abs(field.evaluate(p).force.dot(step));
-  }
-  EXPECT_LT(std::abs(work) / total, 1e-9);
-}
-
-TEST(PotentialRbfField, StiffnessIsContinuousBetweenPatches) {
-  const PotentialRbfField field(refinedSpace(StiffeningEnergy()));
-  const Vector3d direction = Vector3d(1, 0.2, -0.5).normalized();
-  Matrix3d before = field.evaluate(-0.0199 * direction).stiffness;
-  for (int n = 1; n < 20000; ++n) {
-    const Matrix3d stiffness = field.evaluate((n * 1.99e-6 - 0.0199) * direction).stiffness;
-    EXPECT_LE((stiffness - before).norm(), 1e-3 * before.norm());
-    before = stiffness;
-  }
-}
-
-TEST(PotentialRbfField, OfASinglePointIsItsSecondOrderModel) {
-  const StiffeningEnergy energy;
-  SpaceTable space = solvedSpace(Lattice(radius, 0.01), energy);
-  for (std::int32_t n = 1; n < space.lattice.size(); ++n) space.points[n].tag = Tag::failed;
-  const Equilibrium& rest = space.points[0].equilibrium;
-  const Vector3d p(0.004, -0.003, 0.001);
-  const ForceSample sample = PotentialRbfField(space).evaluate(p);
-  EXPECT_LE((sample.force - rest.force - rest.stiffness * p).norm(), 1e-12);
-  EXPECT_NEAR(sample.energy, rest.energy - rest.force.dot(p) - 0.5 * p.dot(rest.stiffness * p),
-              1e-15);
 }
 
 }  // namespace

@@ -1,0 +1,21 @@
+#pragma once
+
+namespace palpate {
+
+/// The instruction sets that hot loops are compiled for, slowest first. Results of two families
+/// agree to the rounding, not to the bit.
+enum class CpuFamily {
+  baseline,  ///< x86-64
+  avx2,      ///< AVX2 and FMA
+  avx512,    ///< AVX-512 F, DQ and VL
+};
+
+/// The fastest family that this machine runs. Any thread.
+CpuFamily cpuFamily();
+
+}  // namespace palpate
+
+/// Before a function: it is compiled once per CpuFamily, and the machine's own version is called.
+/// For loops whose last bits need not be the same everywhere; elsewhere cpuFamily() chooses, so
+/// that the choice can be recorded. Functions that it inlines are compiled with it.
+#define PALPATE_PER_CPU_FAMILY [[gnu::target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")]]
