@@ -14,6 +14,7 @@ double largestForce(const SpaceTable& space) {
   return largest;
 }
 
+/// Its name is that of `space`.
 palpate_space_info infoOf(const Dataset& dataset, const SpaceTable& space) {
   palpate_space_info info{};
   info.size = sizeof info;
@@ -47,10 +48,7 @@ LoadedDataset::LoadedDataset(const Dataset& dataset, const HapticModelOptions& o
   info_.vertex_count = static_cast<std::int32_t>(model_.surface().vertices().size());
   info_.triangle_count = static_cast<std::int32_t>(model_.surface().triangles().size());
   info_.max_force = model_.maxForce();
-  for (std::size_t s = 0; s < model_.spaces().size(); ++s) {
-    spaces_.push_back(infoOf(dataset, dataset.spaces()[s]));
-    spaces_[s].name = model_.spaces()[s].patch.name.c_str();
-  }
+  for (const SpaceTable& space : model_.spaces()) spaces_.push_back(infoOf(dataset, space));
 }
 
 }  // namespace palpate

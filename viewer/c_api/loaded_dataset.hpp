@@ -19,7 +19,6 @@ class LoadedDataset {
   const HapticModel& model() const { return model_; }
   const palpate_dataset_info& info() const { return info_; }  ///< its texts belong to this object
   const std::vector<palpate_space_info>& spaces() const { return spaces_; }
-  std::int32_t vertexCount() const { return info_.vertex_count; }
 
  private:
   HapticModel model_;

@@ -46,9 +46,7 @@
 extern "C" {
 #endif
 
-/* ---- version and errors
- * ----------------------------------------------------------------------------------
- */
+/* ---- version and errors ---- */
 
 /* Of this header. Functions and members are only ever added while it stays the same; it is the
  * number in libpalpate.so.N. */
@@ -57,9 +55,10 @@ extern "C" {
 /* Values are part of the ABI: only append. */
 typedef enum palpate_status {
   PALPATE_OK = 0,
-  PALPATE_INVALID_ARGUMENT =
-      1, /* NULL, wrong size, no such number or name, value out of range, small buffer */
-  PALPATE_BAD_FILE = 2, /* missing, unreadable, no dataset, damaged, or with nothing to touch */
+  /* NULL, wrong size, no such number or name, value out of range, small buffer */
+  PALPATE_INVALID_ARGUMENT = 1,
+  /* missing, unreadable, no dataset, damaged, or with nothing to touch */
+  PALPATE_BAD_FILE = 2,
   PALPATE_OUT_OF_MEMORY = 3,
   PALPATE_FAILED = 4 /* anything else; worth a report */
 } palpate_status;
@@ -75,9 +74,7 @@ PALPATE_API int32_t palpate_abi_version(void);
  * Calls that succeed leave it. Valid until the next failure on this thread. Real time. */
 PALPATE_API const char* palpate_last_error(void);
 
-/* ---- dataset
- * ---------------------------------------------------------------------------------------------
- */
+/* ---- dataset ---- */
 
 typedef struct palpate_dataset palpate_dataset;
 
@@ -133,7 +130,7 @@ PALPATE_API palpate_status palpate_dataset_open(const char* file,
 /* Gives the handle back; NULL is ignored. No other thread may be using it; contacts may. */
 PALPATE_API void palpate_dataset_close(palpate_dataset* dataset);
 
-/* Any thread, real time. */
+/* Fills in *info. Any thread, real time. */
 PALPATE_API palpate_status palpate_dataset_describe(const palpate_dataset* dataset,
                                                     palpate_dataset_info* info);
 
@@ -149,26 +146,25 @@ PALPATE_API palpate_status palpate_dataset_find_space(const palpate_dataset* dat
  * when there is none. Any thread, real time. */
 PALPATE_API const char* palpate_dataset_method(const palpate_dataset* dataset, int32_t method);
 /* Number of a prepared method. PALPATE_INVALID_ARGUMENT, listing those prepared, when it is none.
- * Any thread.
- */
+ * Any thread. */
 PALPATE_API palpate_status palpate_dataset_find_method(const palpate_dataset* dataset,
                                                        const char* name, int32_t* method);
 
 /* The surface at rest, copied into buffers of the caller. `capacity` counts numbers, not bytes;
  * more than needed is left as it was; less is PALPATE_INVALID_ARGUMENT and nothing is written. Any
- * thread, real time. vertices   3 vertex_count: x, y, z of every vertex, m triangles  3
- * triangle_count: vertex numbers, counterclockwise seen from outside touchable  triangle_count: 1
- * where a contact feels forces, else 0 */
+ * thread, real time. */
+
+/* vertices: 3 vertex_count numbers, x, y, z of every vertex, m. */
 PALPATE_API palpate_status palpate_dataset_vertices(const palpate_dataset* dataset,
                                                     double* vertices, size_t capacity);
+/* triangles: 3 triangle_count vertex numbers, counterclockwise seen from outside. */
 PALPATE_API palpate_status palpate_dataset_triangles(const palpate_dataset* dataset,
                                                      int32_t* triangles, size_t capacity);
+/* touchable: triangle_count numbers, 1 where a contact feels forces, else 0. */
 PALPATE_API palpate_status palpate_dataset_touchable(const palpate_dataset* dataset,
                                                      uint8_t* touchable, size_t capacity);
 
-/* ---- query
- * -----------------------------------------------------------------------------------------------
- */
+/* ---- query ---- */
 
 /* The answer to one displacement. Force and stiffness are always finite. */
 typedef struct palpate_sample {
@@ -176,10 +172,10 @@ typedef struct palpate_sample {
   double force[3];     /* N */
   double stiffness[9]; /* N/m, row major: the exact derivative of this method's force */
   double energy;       /* J, stored in the tissue; NaN when the method has none */
-  double error_bound; /* N, on the error of the force, estimated to hold at 99 % of places; NaN: not
-                         known */
-  double coverage;    /* 0..1, share of the answer that stands on solved equilibria of one branch */
-  int32_t inside; /* 1: in the workspace ball, with something solved around. 0: an extrapolation */
+  /* N, on the error of the force, estimated to hold at 99 % of places; NaN: not known */
+  double error_bound;
+  double coverage;  /* 0..1, share of the answer that stands on solved equilibria of one branch */
+  int32_t inside;   /* 1: in the workspace ball, with something solved around. 0: extrapolated */
   int32_t reserved; /* 0 */
 } palpate_sample;
 
@@ -200,12 +196,9 @@ PALPATE_API palpate_status palpate_displacements(const palpate_dataset* dataset,
                                                  const double displacement[3], float* displacements,
                                                  size_t capacity, int32_t* inside);
 
-/* ---- contact
- * ---------------------------------------------------------------------------------------------
- */
+/* ---- contact ---- */
 
-/* A point tool on the body: finds where it touches, blends the spaces there, slides with friction.
- */
+/* A point tool on the body: finds where it touches, blends spaces there, slides with friction. */
 typedef struct palpate_contact palpate_contact;
 
 /* Values are part of the ABI: only append. */
@@ -219,10 +212,10 @@ typedef struct palpate_contact_options {
   int32_t mode;    /* palpate_contact_mode; default: what the scene asks for */
   int32_t method;  /* number of a prepared method; default 0 */
   double friction; /* Coulomb's coefficient, >= 0; unilateral only; default 0.2 */
-  double
-      grab_distance; /* m, >= 0; glued: the tool takes hold of a surface this near; default 0.005 */
-  double most_slide; /* m per update, > 0, that the point of contact may slide at most; default
-                        0.002 */
+  /* m, >= 0; glued: the tool takes hold of a surface this near; default 0.005 */
+  double grab_distance;
+  /* m per update, > 0, that the point of contact may slide at most; default 0.002 */
+  double most_slide;
   /* 0..1 of the force per update, > 0: what sliding may change it by beyond what the tool's motion
    * does, where the point of contact runs down from a ridge. Smaller is softer, and lags behind;
    * default 0.005. */
@@ -296,9 +289,7 @@ PALPATE_API palpate_status palpate_touch_displacements(const palpate_dataset* da
                                                        const palpate_touch* touch,
                                                        float* displacements, size_t capacity);
 
-/* ---- devices and the guard
- * -------------------------------------------------------------------------------
- */
+/* ---- devices and the guard ---- */
 
 /* What a haptic device can do. */
 typedef struct palpate_profile {
@@ -324,8 +315,8 @@ typedef struct palpate_guard_options {
   double max_force; /* N, > 0; default 3.3, of the smallest device */
   double max_slew;  /* N/s, > 0; default: max_force in 10 ms */
   double ramp;      /* s, > 0, in which a step of the force is faded in; default 0.05 */
-  double
-      stall; /* s, > 0, without a fresh reading, after which the force goes to zero; default 0.02 */
+  /* s, > 0, without a fresh reading, after which the force goes to zero; default 0.02 */
+  double stall;
   double max_stiffness; /* N/m, > 0, of the device: bounds the damping; default 400 */
   double energy_credit; /* J, >= 0, of dissipated energy that is remembered at most; default 1e-4 */
 } palpate_guard_options;
@@ -347,9 +338,9 @@ typedef struct palpate_guard_options {
 
 typedef struct palpate_guarded_force {
   size_t size;
-  double force[3];   /* N, finite, |force| <= max_force: what to send to the device */
-  double passivity;  /* J, put in by the hand less stored in the tissue; negative: the loop created
-                        energy */
+  double force[3]; /* N, finite, |force| <= max_force: what to send to the device */
+  /* J, put in by the hand less stored in the tissue; negative: the loop created energy */
+  double passivity;
   uint32_t guards;   /* PALPATE_GUARD_... bits */
   uint32_t reserved; /* 0 */
 } palpate_guarded_force;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <functional>
 #include <mutex>
 
 #include "viewer/c_api/arguments.hpp"
@@ -40,18 +41,23 @@ HapticModelOptions modelOptions(const palpate_open_options& given) {
   return options;
 }
 
-/// Number of `name` among `count` names; -1 when it is none of them, which is recorded with all of
-/// them.
-template <class NameOf>
-std::int32_t find(const char* function, const char* what, std::string_view name, std::int32_t count,
-                  NameOf nameOf) {
-  std::string names;
-  for (std::int32_t n = 0; n < count; ++n) {
-    if (name == nameOf(n)) return n;
-    names += fmt::format("{}{}", n > 0 ? ", " : "", nameOf(n));
+/// Number of the element with a name; when there is none that is recorded with all names.
+template <class Elements, class NameOf>
+palpate_status find(const char* function, const char* what, std::string_view name,
+                    const Elements& elements, NameOf nameOf, std::int32_t* number) noexcept {
+  const auto found = std::find_if(elements.begin(), elements.end(),
+                                  [&](const auto& element) { return nameOf(element) == name; });
+  if (found != elements.end()) {
+    *number = static_cast<std::int32_t>(found - elements.begin());
+    return PALPATE_OK;
   }
-  invalid("{}: there is no {} \"{}\"; there are: {}", function, what, name, names);
-  return -1;
+  std::string names;
+  const palpate_status status = withoutExceptions(function, [&] {
+    for (const auto& element : elements)
+      names += (names.empty() ? "" : ", ") + std::string(nameOf(element));
+  });
+  if (status != PALPATE_OK) return status;
+  return invalid("{}: there is no {} \"{}\"; there are: {}", function, what, name, names);
 }
 
 }  // namespace
@@ -100,20 +106,12 @@ palpate_status palpate_dataset_space(const palpate_dataset* dataset, std::int32_
 
 palpate_status palpate_dataset_find_space(const palpate_dataset* dataset, const char* name,
                                           std::int32_t* space) {
-  const char* const function = __func__;
-  if (!isThere(function, "dataset", dataset) || !isThere(function, "name", name) ||
-      !isThere(function, "space", space))
+  if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "name", name) ||
+      !isThere(__func__, "space", space))
     return PALPATE_INVALID_ARGUMENT;
-  std::int32_t found = -1;
-  const palpate_status status = withoutExceptions(function, [&] {
-    const auto& spaces = dataset->loaded->spaces();
-    found = find(function, "active node", name, static_cast<std::int32_t>(spaces.size()),
-                 [&](std::int32_t n) { return spaces[static_cast<std::size_t>(n)].name; });
-  });
-  if (status != PALPATE_OK) return status;
-  if (found < 0) return PALPATE_INVALID_ARGUMENT;
-  *space = found;
-  return PALPATE_OK;
+  return find(
+      __func__, "active node", name, dataset->loaded->model().spaces(),
+      [](const SpaceTable& table) -> std::string_view { return table.patch.name; }, space);
 }
 
 const char* palpate_dataset_method(const palpate_dataset* dataset, std::int32_t method) {
@@ -125,21 +123,11 @@ const char* palpate_dataset_method(const palpate_dataset* dataset, std::int32_t 
 
 palpate_status palpate_dataset_find_method(const palpate_dataset* dataset, const char* name,
                                            std::int32_t* method) {
-  const char* const function = __func__;
-  if (!isThere(function, "dataset", dataset) || !isThere(function, "name", name) ||
-      !isThere(function, "method", method))
+  if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "name", name) ||
+      !isThere(__func__, "method", method))
     return PALPATE_INVALID_ARGUMENT;
-  std::int32_t found = -1;
-  const palpate_status status = withoutExceptions(function, [&] {
-    const auto& methods = dataset->loaded->model().methods();
-    found = find(
-        function, "prepared method", name, static_cast<std::int32_t>(methods.size()),
-        [&](std::int32_t n) -> std::string_view { return methods[static_cast<std::size_t>(n)]; });
-  });
-  if (status != PALPATE_OK) return status;
-  if (found < 0) return PALPATE_INVALID_ARGUMENT;
-  *method = found;
-  return PALPATE_OK;
+  return find(__func__, "prepared method", name, dataset->loaded->model().methods(),
+              std::identity(), method);
 }
 
 palpate_status palpate_dataset_vertices(const palpate_dataset* dataset, double* vertices,

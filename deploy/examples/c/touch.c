@@ -5,6 +5,7 @@
  *
  * Build, once libpalpate is installed:
  *   cc -std=c99 touch.c -o touch $(pkg-config --cflags --libs palpate) -lm
+ *   LD_LIBRARY_PATH=PREFIX/lib ./touch DATASET.h5
  * or with the CMakeLists.txt beside this file:
  *   cmake -B build -DCMAKE_PREFIX_PATH=PREFIX && cmake --build build
  *

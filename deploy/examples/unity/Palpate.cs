@@ -1,4 +1,4 @@
-// A sketch, not compiled here: libpalpate for Unity (or any C#), with the layouts of palpate.h.
+// libpalpate for Unity (or any C#), with the layouts of palpate.h: a sketch to begin with. The tests compile and run it with Mono.
 //
 // Put libpalpate.so.0 with the libraries that `ldd` names beside it into Assets/Plugins/x86_64, as libpalpate.so. Unity is
 // left-handed with y up: turn positions and forces by one convention at the border (here: z is negated), and keep metres.
@@ -89,6 +89,7 @@ public sealed class GuardHandle : Handle {
   protected override bool ReleaseHandle() { Native.palpate_guard_destroy(handle); return true; }
 }
 
+/// `ref` also where the library only reads: Mono crashes on `in` beside a handle that is given out.
 public static class Native {
   private const string Library = "palpate";
   [DllImport(Library)] public static extern int palpate_abi_version();
@@ -102,20 +103,20 @@ public static class Native {
   [DllImport(Library)] public static extern Status palpate_dataset_triangles(
       DatasetHandle dataset, [Out] int[] triangles, UIntPtr capacity);
   [DllImport(Library)] public static extern Status palpate_query(
-      DatasetHandle dataset, int space, int method, in Vector3d displacement, ref Sample sample);
+      DatasetHandle dataset, int space, int method, ref Vector3d displacement, ref Sample sample);
   [DllImport(Library)] public static extern Status palpate_contact_create(
       DatasetHandle dataset, IntPtr options, out ContactHandle contact);
   [DllImport(Library)] public static extern void palpate_contact_destroy(IntPtr contact);
   [DllImport(Library)] public static extern Status palpate_contact_update(
-      ContactHandle contact, in Vector3d tool, int hold, ref Touch touch);
+      ContactHandle contact, ref Vector3d tool, int hold, ref Touch touch);
   [DllImport(Library)] public static extern Status palpate_touch_displacements(
-      DatasetHandle dataset, in Touch touch, [Out] float[] displacements, UIntPtr capacity);
+      DatasetHandle dataset, ref Touch touch, [Out] float[] displacements, UIntPtr capacity);
   [DllImport(Library)] public static extern Status palpate_guard_defaults(
       [MarshalAs(UnmanagedType.LPUTF8Str)] string device, double period, ref GuardOptions options);
-  [DllImport(Library)] public static extern Status palpate_guard_create(in GuardOptions options, out GuardHandle guard);
+  [DllImport(Library)] public static extern Status palpate_guard_create(ref GuardOptions options, out GuardHandle guard);
   [DllImport(Library)] public static extern void palpate_guard_destroy(IntPtr guard);
   [DllImport(Library)] public static extern Status palpate_guard_limit(
-      GuardHandle guard, in Vector3d tool, in Touch touch, Reading flags, ref GuardedForce force);
+      GuardHandle guard, ref Vector3d tool, ref Touch touch, Reading flags, ref GuardedForce force);
 
   /// Errors are per thread: ask on the thread of the call that failed.
   public static void Check(Status status) {
@@ -150,7 +151,7 @@ public sealed class HapticLoop : IDisposable {
     Native.Check(Native.palpate_contact_create(dataset, IntPtr.Zero, out contact));
     var limits = GuardOptions.Create();
     Native.Check(Native.palpate_guard_defaults(profile, Period, ref limits));
-    Native.Check(Native.palpate_guard_create(limits, out guard));
+    Native.Check(Native.palpate_guard_create(ref limits, out guard));
     thread = new Thread(Run) { IsBackground = true, Priority = ThreadPriority.Highest };
     thread.Start();
   }
@@ -160,7 +161,7 @@ public sealed class HapticLoop : IDisposable {
   /// Displacements of the surface for a mesh, metres, frame of the scene; called from Update().
   public void Deform(float[] displacements) {
     Touch touch = LastTouch;
-    Native.Check(Native.palpate_touch_displacements(dataset, touch, displacements, (UIntPtr)displacements.Length));
+    Native.Check(Native.palpate_touch_displacements(dataset, ref touch, displacements, (UIntPtr)displacements.Length));
   }
 
   private void Run() {
@@ -168,7 +169,7 @@ public sealed class HapticLoop : IDisposable {
     var touch = Touch.Create();
     var force = GuardedForce.Create();
     double due = 0;
-    Vector3d tool = default;
+    var tool = new Vector3d();
     while (running) {
       due += Period;
       Reading flags = Reading.None;
@@ -182,16 +183,16 @@ public sealed class HapticLoop : IDisposable {
         flags |= Reading.Fresh;
       }
       if (device.Lost) flags |= Reading.Lost;
-      bool done = Native.palpate_contact_update(contact, tool, 1, ref touch) == Status.Ok &&
-                  Native.palpate_guard_limit(guard, tool, touch, flags, ref force) == Status.Ok;
-      device.Write(done ? force.Force : default);
+      bool done = Native.palpate_contact_update(contact, ref tool, 1, ref touch) == Status.Ok &&
+                  Native.palpate_guard_limit(guard, ref tool, ref touch, flags, ref force) == Status.Ok;
+      device.Write(done ? force.Force : new Vector3d());
       if (Monitor.TryEnter(seenLock)) {  // a picture may miss a tick, a tick never waits
         seen = touch;
         Monitor.Exit(seenLock);
       }
       while (running && clock.Elapsed.TotalSeconds < due) Thread.Yield();
     }
-    device.Write(default);
+    device.Write(new Vector3d());
   }
 
   public void Dispose() {

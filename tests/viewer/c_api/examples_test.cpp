@@ -7,6 +7,7 @@
 #include <sstream>
 #include <string>
 
+#include "common/base/text_file.hpp"
 #include "tests/support/command.hpp"
 #include "tests/viewer/c_api/sample_file.hpp"
 
@@ -106,8 +107,20 @@ TEST_F(Examples, InCBuildsWithPkgConfig) {
   run("cc -std=c99 -Wall -Wextra -Wpedantic -Werror " +
       shellWord(std::string(examples) + "/c/touch.c") + " -o " + shellWord(build_ / "touch") +
       " $(" + config + "--cflags --libs palpate) -lm");
-  expectForces(run("LD_LIBRARY_PATH=" + shellWord(library_.parent_path()) + " " +
-                   shellWord(build_ / "touch") + " " + shellWord(sample_->path())));
+}
+
+TEST_F(Examples, InCBuildsAndRunsAsTheManualSays) {
+  const std::string manual = readText(PALPATE_SOURCE_DIR "/docs/client.md", "manual");
+  const std::size_t line = manual.find("\ncc -std=c99 touch.c"),
+                    fence = manual.rfind("```sh\n", line);
+  ASSERT_NE(line, std::string::npos);
+  std::string lines = manual.substr(fence + 6, manual.find("```", line) - fence - 6);
+  for (const auto& [word, path] :
+       {std::pair("PREFIX", prefix_->path()), std::pair("liver.h5", sample_->path())})
+    for (std::size_t at = lines.find(word); at != std::string::npos; at = lines.find(word))
+      lines.replace(at, std::string_view(word).size(), path.string());
+  expectForces(run("cd " + shellWord(build_.path()) + " && cp " +
+                   shellWord(std::string(examples) + "/c/touch.c") + " . && " + lines));
 }
 
 TEST_F(Examples, InCBuildsWithCMake) {
@@ -158,10 +171,30 @@ TEST_F(Examples, InPythonRuns) {
   EXPECT_THAT(failed.output, HasSubstr("/absent.h5: there is no such dataset"));
 }
 
+TEST_F(Examples, ForUnityRunsUnderMono) {
+  const std::filesystem::path program = build_ / "unity_sketch.exe";
+  run("mcs -unsafe -out:" + shellWord(program) + " " +
+      shellWord(PALPATE_SOURCE_DIR "/tests/viewer/c_api/unity_sketch.cs") + " " +
+      shellWord(std::string(examples) + "/unity/Palpate.cs"));
+  const std::string output = run("LD_LIBRARY_PATH=" + shellWord(library_.parent_path()) + " mono " +
+                                 shellWord(program) + " " + shellWord(sample_->path()));
+  expectForces(output);
+  for (const auto& [name, size] :
+       {std::pair("DatasetInfo", sizeof(palpate_dataset_info)),
+        std::pair("GuardOptions", sizeof(palpate_guard_options)),
+        std::pair("GuardedForce", sizeof(palpate_guarded_force)),
+        std::pair("Sample", sizeof(palpate_sample)), std::pair("Touch", sizeof(palpate_touch))})
+    EXPECT_THAT(output, HasSubstr(fmt::format("size {} {}\n", name, size)));
+}
+
 TEST_F(Examples, ComeWithTheLibraryAndNothingElseDoes) {
   for (const char* file : {"c/touch.c", "c/CMakeLists.txt", "python/palpate.py", "python/touch.py",
                            "sofa/PalpateForceFeedback.h", "unity/Palpate.cs"})
     EXPECT_TRUE(std::filesystem::exists(*prefix_ / "share/doc/palpate/examples" / file)) << file;
+  const auto program =
+      std::filesystem::status(*prefix_ / "share/doc/palpate/examples/python/touch.py");
+  EXPECT_NE(program.permissions() & std::filesystem::perms::owner_exec,
+            std::filesystem::perms::none);
   EXPECT_TRUE(std::filesystem::exists(*prefix_ / "include/palpate.h"));
   EXPECT_FALSE(std::filesystem::exists(*prefix_ / "bin"));
 }
