@@ -258,8 +258,8 @@ void HapticLoop::watch() {
   std::unique_lock lock(waiting_);
   while (!stop_ && running()) {
     woken_.wait_for(lock, interval);
-    const bool halted =
-        halted_.load(std::memory_order_acquire);  // first: the rest is newer than a resume
+    // First: the rest is newer than a resume
+    const bool halted = halted_.load(std::memory_order_acquire);
     const auto now = std::chrono::steady_clock::now();
     const std::uint64_t done = ticks_done_.load(std::memory_order_acquire);
     if (done != seen) {
