@@ -40,7 +40,8 @@ class Picture {
  public:
   /// models: at least one, as HapticTick has them; must outlive this object. Error when there is no
   /// display, or no OpenGL, with what to do.
-  explicit Picture(std::vector<const HapticModel*> models, const PictureOptions& options = {});
+  explicit Picture(const std::vector<const HapticModel*>& models,
+                   const PictureOptions& options = {});
   ~Picture();
   Picture(const Picture&) = delete;
   Picture& operator=(const Picture&) = delete;

@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "viewer/fields/relative_error.hpp"
+
 namespace palpate {
 
 /// An exact force and what a method of interpolation says at the same displacement.
@@ -20,13 +22,9 @@ struct ForceComparison {
 /// Which errors are allowed: at most force_error of |exact force|, or force_floor where that is
 /// more.
 struct AccuracyTarget {
-  double force_error = 0.03;
+  double force_error = usual_force_error;
   double force_floor = 0.01;  ///< N
 };
-
-/// Forces below it count as this much in relative errors, which would else divide by zero (N):
-/// about the friction of a haptic device, below which a hand feels nothing.
-inline constexpr double relative_error_floor = 0.05;
 
 /// Where numbers lie. All NaN when there is none.
 struct Spread {
