@@ -8,6 +8,7 @@
 #include <chrono>
 #include <future>
 
+#include "common/base/assertion.hpp"
 #include "common/dataset/dataset.hpp"
 
 namespace palpate {
@@ -31,6 +32,7 @@ void prepareFirstMethod(HapticModel& model) {
 LoadedModels::LoadedModels(std::vector<std::filesystem::path> files,
                            const HapticModelOptions& options)
     : files_(std::move(files)) {
+  PALPATE_ASSERT(!files_.empty(), "the command line asks for one dataset at least");
   HapticModelOptions unprepared = options;
   unprepared.prepare = false;
   for (const std::filesystem::path& file : files_) {

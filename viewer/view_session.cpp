@@ -10,6 +10,7 @@
 #include <ostream>
 #include <thread>
 
+#include "common/base/assertion.hpp"
 #include "common/base/replaced_file.hpp"
 #include "viewer/devices/device_choice.hpp"
 
@@ -139,6 +140,7 @@ void ViewSession::runStepped() {
 }
 
 void ViewSession::startLoop() {
+  PALPATE_ASSERT(!loop_, "one loop drives the device");
   LoopOptions loop_options;
   loop_options.rate = options_.rate;
   loop_options.real_time = options_.real_time;
@@ -200,6 +202,7 @@ void ViewSession::look() {
 }
 
 PictureRequests ViewSession::drawFrame(const HapticState& state) {
+  PALPATE_ASSERT(picture_, "a run without a picture draws none");
   status_.device = device_->name();
   status_.max_force = tick_->options().guard.max_force;
   status_.paused = !loop_ && !stepped();

@@ -13,6 +13,7 @@
 #include <ctime>
 #include <system_error>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -75,7 +76,7 @@ HapticLoop::HapticLoop(HapticTick& tick, HapticDevice& device, const LoopOptions
 HapticLoop::~HapticLoop() { stop(); }
 
 void HapticLoop::start() {
-  if (started_) throw failure("this haptic loop was started before");
+  PALPATE_ASSERT(!started_, "a loop that has ended is not started again: its statistics are whole");
   started_ = true;
   if (options_.real_time) lockMemory();
   running_ = true;

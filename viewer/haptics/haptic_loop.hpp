@@ -56,7 +56,7 @@ class HapticLoop {
   ~HapticLoop();  ///< stops
   HapticLoop(const HapticLoop&) = delete;
   HapticLoop& operator=(const HapticLoop&) = delete;
-  void start();  ///< Error when no thread can be had, or it was started before
+  void start();  ///< Error when no thread can be had; once only
   void stop();   ///< zero force is written last; the statistics are complete then
   /// From start() until the last tick: stop(), or LoopOptions::ticks.
   bool running() const noexcept { return running_.load(std::memory_order_acquire); }

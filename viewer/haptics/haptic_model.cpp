@@ -6,6 +6,7 @@
 #include <functional>
 #include <thread>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "viewer/fields/field_choice.hpp"
 
@@ -54,13 +55,18 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
   for (std::size_t s = 0; s < spaces_.size(); ++s)
     shapes_.push_back(
         std::make_unique<DisplacementField>(spaces_[s], dataset.surfaceDisplacements(s)));
+  for (const auto& shape : shapes_)
+    PALPATE_ASSERT(shape->nodes() == surface_.vertices().size(),
+                   "a dataset stores displacements of the nodes of its surface");
 }
 
 void HapticModel::prepare(std::size_t method) {
+  PALPATE_ASSERT(method < methods_.size(), "methods are known when a model is made");
   inParallel(spaces_.size(), [&](std::size_t space) { make(method, space); });
 }
 
 void HapticModel::prepare(std::size_t method, const std::stop_token& stop) {
+  PALPATE_ASSERT(method < methods_.size(), "methods are known when a model is made");
   for (std::size_t space = 0; space < spaces_.size() && !stop.stop_requested(); ++space)
     make(method, space);
 }

@@ -4,14 +4,14 @@
 #include <limits>
 
 #include "common/base/assertion.hpp"
-#include "common/base/error.hpp"
 #include "viewer/haptics/haptic_model.hpp"
 
 namespace palpate {
 namespace {
 
 const HapticModel& firstOf(const std::vector<const HapticModel*>& models) {
-  if (models.empty()) throw failure("a haptic tick needs a model");
+  PALPATE_ASSERT(!models.empty(), "a tick touches something");
+  PALPATE_ASSERT(models.front()->isPrepared(0), "the contact begins with the first method");
   return *models.front();
 }
 
@@ -59,7 +59,6 @@ HapticTick::HapticTick(std::vector<const HapticModel*> models, HapticDevice& dev
       options_(limited(options, device)),
       contact_(firstOf(models_), options.contact),
       guard_(options_.guard) {
-  PALPATE_ASSERT(models_.front()->isPrepared(0), "the contact begins with the first method");
   state_.tool = options_.map.origin;
 }
 

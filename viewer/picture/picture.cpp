@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/error.hpp"
+#include "common/base/assertion.hpp"
 #include "viewer/picture/panels.hpp"
 #include "viewer/picture/shown_lattice.hpp"
 #include "viewer/picture/shown_model.hpp"
@@ -207,7 +207,7 @@ PictureRequests Picture::Impl::draw(const HapticState& state, const PictureStatu
 }
 
 Picture::Picture(const std::vector<const HapticModel*>& models, const PictureOptions& options) {
-  if (models.empty()) throw failure("a picture needs a dataset to show");
+  PALPATE_ASSERT(!models.empty(), "a picture shows something");
   impl_ = std::make_unique<Impl>(models, options);
 }
 
@@ -220,7 +220,7 @@ PictureRequests Picture::draw(const HapticState& state, const PictureStatus& sta
 }
 
 Image Picture::grab() {
-  if (!impl_->drawn) throw failure("no picture was drawn yet that could be kept");
+  PALPATE_ASSERT(impl_->drawn, "what is kept is the picture that was drawn last");
   impl_->render();
   return readPixels(impl_->viewport.window_width, impl_->viewport.window_height);
 }

@@ -50,7 +50,7 @@ class Picture {
   bool wantsClose() const;
   /// One picture: takes in events, draws, shows it.
   PictureRequests draw(const HapticState& state, const PictureStatus& status);
-  /// The pixels of the last picture; drawn once more for it. Error when nothing was drawn yet.
+  /// The pixels of the last picture, drawn once more for it; there must be one.
   Image grab();
   PictureCosts costs() const;
 

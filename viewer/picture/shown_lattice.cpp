@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 namespace {
 
@@ -19,6 +21,7 @@ void ShownLattice::show(const ShownModel& shown, const HapticState& state,
     if (share.weight > most) space_ = static_cast<std::size_t>(share.space);
     most = std::max(most, share.weight);
   }
+  PALPATE_ASSERT(space_ < shown.model().spaces().size(), "the touch is of the model shown");
   view.show(choices.lattice);
   if (!choices.lattice) return;
   const Key wanted{model_,

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "common/base/error.hpp"
+#include "common/base/assertion.hpp"
 #include "viewer/plot/viridis.hpp"
 
 namespace palpate {
@@ -36,9 +36,7 @@ SurfaceShape::SurfaceShape(const std::vector<Eigen::Vector3d>& vertices,
                            const std::vector<Triangle>& triangles,
                            const std::vector<bool>& touchable)
     : lengths_(vertices.size()), colours_(vertices.size()), touchable_(vertices.size(), false) {
-  if (touchable.size() != triangles.size())
-    throw failure("a surface of {} triangles cannot be drawn with {} marks of what is touchable",
-                  triangles.size(), touchable.size());
+  PALPATE_ASSERT(touchable.size() == triangles.size(), "each triangle can be touched, or not");
   for (const Eigen::Vector3d& vertex : vertices)
     for (int axis = 0; axis < 3; ++axis) rest_.push_back(static_cast<float>(vertex[axis]));
   for (std::size_t t = 0; t < triangles.size(); ++t)
@@ -74,9 +72,7 @@ void SurfaceShape::setEdges(const std::vector<Triangle>& triangles,
 }
 
 void SurfaceShape::setDisplacements(std::span<const float> displacements) {
-  if (displacements.size() != rest_.size())
-    throw failure("{} displacements do not fit a surface of {} vertices", displacements.size(),
-                  size());
+  PALPATE_ASSERT(displacements.size() == rest_.size(), "every vertex has a displacement");
   largest_ = 0;
   for (std::size_t vertex = 0; vertex < size(); ++vertex) {
     Eigen::Vector3f u(displacements.data() + 3 * vertex);

@@ -15,8 +15,7 @@ namespace palpate {
 class SurfaceShape {
  public:
   /// vertices: at rest, metres. triangles: outward, into vertices. touchable: one per triangle; the
-  /// vertices of touchable triangles get full colours, the others grey ones. Error when the sizes
-  /// do not fit.
+  /// vertices of touchable triangles get full colours, the others grey ones.
   SurfaceShape(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Triangle>& triangles,
                const std::vector<bool>& touchable);
 

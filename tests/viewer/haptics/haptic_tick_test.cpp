@@ -243,7 +243,7 @@ TEST_F(HapticTickTest, EndsContactOnCommandByARamp) {
 
 TEST_F(HapticTickTest, NeedsAModel) {
   ScriptedHand hand(pressing);
-  EXPECT_THROW(HapticTick({}, hand, options()), Error);
+  EXPECT_THROW(HapticTick({}, hand, options()), std::logic_error);
 }
 
 TEST_F(HapticTickTest, ScalesTheWorkspaceOfADeviceAroundWhatCanBeTouched) {
