@@ -31,7 +31,7 @@ std::string describeJson(const Eigen::Vector3d& displacement, const ForceSample&
   answer["force"] = toJson(sample.force);
   for (int row = 0; row < 3; ++row)
     answer["stiffness"].push_back(toJson(sample.stiffness.row(row)));
-  answer["energy"] = numberOrNull(sample.energy);
+  answer["energy"] = numberOrNull(sample.energy + 0.0);
   answer["error_bound"] = numberOrNull(sample.error_bound);
   answer["coverage"] = sample.coverage;
   answer["inside"] = sample.inside;
