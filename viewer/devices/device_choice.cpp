@@ -1,5 +1,6 @@
 #include "viewer/devices/device_choice.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -89,8 +90,10 @@ Error unknown(const std::string& text, std::string_view kind) {
   std::array<std::string_view, openers.size()> kinds{};
   for (std::size_t i = 0; i < openers.size(); ++i) kinds[i] = openers[i].kind;
   const std::string_view near = nearestWord(kind, kinds);
-  return badInput("--device {}: there is no such device{}; it can be {}", text,
-                  near.empty() ? "" : fmt::format(" (did you mean {}?)", near), deviceHelp());
+  std::string hint = near.empty() ? "" : fmt::format(" (did you mean {}?)", near);
+  if (std::ranges::find(deviceWords(), kind) != deviceWords().end())
+    hint = fmt::format(" (for the limits of one: --profile {})", kind);
+  return badInput("--device {}: there is no such device{}; it can be {}", text, hint, deviceHelp());
 }
 
 const Opener& openerOf(const std::string& text, const Word& word) {

@@ -115,7 +115,8 @@ TEST(DeviceWord, CanBeJudgedWithoutOpeningTheDevice) {
   for (const char* good : {"virtual", "mouse", "virtual:none.txt", "replay:none.h5", "haply",
                            "plugin:none.so", "tcp://127.0.0.1:1"})
     EXPECT_NO_THROW(checkDeviceWord(good)) << good;
-  expectBadInput([] { checkDeviceWord("falcon"); }, {"falcon", "there is no such device"});
+  expectBadInput([] { checkDeviceWord("falcon"); },
+                 {"there is no such device", "--profile falcon"});
   expectBadInput([] { checkDeviceWord("replay"); }, {"replay:FILE"});
   expectBadInput([] { checkDeviceWord("tcp://host"); }, {"tcp://host"});
 }
