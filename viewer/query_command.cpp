@@ -20,6 +20,10 @@ auto plain(const Eigen::MatrixBase<Derived>& values) {
 
 nlohmann::ordered_json toJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
+nlohmann::ordered_json numberOrNull(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nullptr;
+}
+
 std::string describeJson(const Eigen::Vector3d& displacement, const ForceSample& sample,
                          std::string_view method) {
   nlohmann::ordered_json answer;
@@ -27,8 +31,8 @@ std::string describeJson(const Eigen::Vector3d& displacement, const ForceSample&
   answer["force"] = toJson(sample.force);
   for (int row = 0; row < 3; ++row)
     answer["stiffness"].push_back(toJson(sample.stiffness.row(row)));
-  answer["error_bound"] = nullptr;
-  if (std::isfinite(sample.error_bound)) answer["error_bound"] = sample.error_bound;
+  answer["energy"] = numberOrNull(sample.energy + 0.0);
+  answer["error_bound"] = numberOrNull(sample.error_bound);
   answer["coverage"] = sample.coverage;
   answer["inside"] = sample.inside;
   answer["method"] = method;

@@ -12,8 +12,8 @@ namespace palpate {
 struct QueryOptions {
   std::filesystem::path dataset;
   std::string active;  ///< may be empty when the dataset has one active node only
-  std::vector<std::string>
-      displacement;  ///< three numbers, metres; or "-": one displacement per line of the input
+  /// Three numbers, metres; or "-": one displacement per line of the input.
+  std::vector<std::string> displacement;
   std::string method = "potential";
   bool json = false;
 };

@@ -13,7 +13,9 @@ namespace {
 
 constexpr double most_ticks_per_second = 10000;
 
+/// Before anything is opened, so that no other trouble hides a wrong word.
 void check(const ViewOptions& options) {
+  checkDeviceWord(options.device);
   if (!(options.rate >= 100 && options.rate <= most_ticks_per_second))
     throw badInput("--rate {}: between 100 and {} ticks per second", options.rate,
                    most_ticks_per_second);

@@ -19,8 +19,8 @@ struct ViewOptions {
   double friction = 0.2;
   double reach = 0;    ///< m, TouchSurface
   double rate = 1000;  ///< Hz
-  double duration =
-      0;  ///< s of haptic time; 0: until the window is closed, the device ends or a signal comes
+  /// s of haptic time; 0: until the window is closed, the device ends or a signal comes
+  double duration = 0;
   bool headless = false;
   bool fast = false;  ///< no clock: tick after tick
   bool real_time = false;

@@ -1,10 +1,16 @@
 #pragma once
 
+#include <chrono>
 #include <iosfwd>
 #include <memory>
+#include <optional>
+#include <string>
 
-#include "common/base/error.hpp"
 #include "common/base/program.hpp"
+#include "viewer/haptics/haptic_loop.hpp"
+#include "viewer/haptics/recording.hpp"
+#include "viewer/loaded_models.hpp"
+#include "viewer/picture/picture.hpp"
 #include "viewer/view_options.hpp"
 
 namespace palpate {
@@ -16,7 +22,6 @@ class ViewSession {
   /// Loads the datasets, opens the window and then the device. Errors of each name what could not
   /// be had.
   explicit ViewSession(const ViewOptions& options);
-  ~ViewSession();
 
   /// Until the window is closed, the duration is over, a replay has ended, or a signal came. The
   /// device is given zero, recording and picture are written, and what the loop measured goes to
@@ -24,8 +29,42 @@ class ViewSession {
   ExitCode run(std::ostream& output);
 
  private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  /// Ticks and pictures take turns, without a clock: nobody can steer such a run.
+  bool stepped() const { return options_.fast && !options_.headless; }
+  bool over() const { return interrupted() || (picture_ && picture_->wantsClose()) || quit_; }
+  std::unique_ptr<LoadedModels> load() const;
+  void openPicture();
+  DeviceProfile wantedProfile() const;
+  DeviceProfile limits() const;
+  void makeTick();
+  void announce() const;
+
+  void runStepped();
+  void runLoop();
+  void startLoop();
+  void endLoop();
+  void drainRecording();
+  void look();
+  PictureRequests drawFrame(const HapticState& state);
+  void obey(const PictureRequests& requests);
+  void reload();
+  void saveRecording() const;
+  void finish(std::ostream& output);
+
+  const ViewOptions options_;
+  std::unique_ptr<LoadedModels> loaded_;
+  std::optional<VideoFrames> video_;
+  std::unique_ptr<Picture> picture_;  ///< none when headless
+  std::unique_ptr<HapticDevice> device_;
+  std::unique_ptr<HapticTick> tick_;
+  std::optional<Recorder> recorder_;
+  std::unique_ptr<HapticLoop> loop_;  ///< none while paused, and when stepped
+  LoopStatistics statistics_;         ///< of the loops that ended; of the ticks when stepped
+  std::uint64_t ticks_ = 0;           ///< to make; 0: no end
+  PictureStatus status_;
+  std::string said_;  ///< the trouble that was logged last
+  std::chrono::steady_clock::time_point looked_;
+  bool quit_ = false;
 };
 
 }  // namespace palpate

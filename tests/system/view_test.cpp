@@ -136,6 +136,13 @@ TEST_F(ViewTest, SaysWhatToDoWithoutADisplay) {
   EXPECT_THAT(run->output(), HasSubstr("--headless"));
 }
 
+TEST_F(ViewTest, TellsAWrongDeviceBeforeTheDisplayIsAskedFor) {
+  auto run = start({"cube.h5", "--device", "falcon"});
+  EXPECT_EQ(run->wait(), 2);
+  EXPECT_THAT(run->output(), HasSubstr("no such device"));
+  EXPECT_THAT(run->output(), testing::Not(HasSubstr("--headless")));
+}
+
 TEST_F(ViewTest, WritesTheSamePicturesInEveryRunWithoutAClock) {
   const test::VirtualScreen screen;
   for (const std::string name : {"first", "second"}) {

@@ -65,13 +65,18 @@ TEST_F(QueryCommand, AnswersInJsonWithNumbersThatRoundTrip) {
     const int read = std::sscanf(
         answer.c_str(),
         "{\"displacement\":[%lf,%lf,%lf],\"force\":[%lf,%lf,%lf],\"stiffness\":[[%lf,%lf,%lf],[%lf,"
-        "%lf,%lf],[%lf,%lf,%lf]],\"error_bound\":",
+        "%lf,%lf],[%lf,%lf,%lf]],\"energy\":",
         &p[0], &p[1], &p[2], &f[0], &f[1], &f[2], &k[0], &k[1], &k[2], &k[3], &k[4], &k[5], &k[6],
         &k[7], &k[8]);
     ASSERT_EQ(read, 15) << answer;
     EXPECT_EQ(p[1], -0.002);
     EXPECT_EQ(Eigen::Map<Eigen::Vector3d>(f), sampled.force);
     EXPECT_EQ((Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(k)), sampled.stiffness);
+    const std::size_t energy = answer.find("\"energy\":") + 9;
+    if (std::isfinite(sampled.energy))
+      EXPECT_EQ(std::stod(answer.substr(energy)), sampled.energy) << answer;
+    else
+      EXPECT_EQ(answer.substr(energy, 5), "null,") << answer;
     EXPECT_EQ(std::isfinite(sampled.error_bound),
               answer.find("\"error_bound\":null,") == std::string::npos)
         << answer;

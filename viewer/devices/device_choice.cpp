@@ -1,10 +1,12 @@
 #include "viewer/devices/device_choice.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 
 #include "common/base/error.hpp"
 #include "common/base/nearest_word.hpp"
+#include "common/wire/wire.hpp"
 #include "viewer/devices/haply_device.hpp"
 #include "viewer/devices/mouse_device.hpp"
 #include "viewer/devices/network_device.hpp"
@@ -54,7 +56,6 @@ Device openMouse(const Word&, const DeviceContext& context) {
 }
 
 Device openReplay(const Word& word, const DeviceContext& context) {
-  if (word.rest.empty()) throw badInput("--device replay: name the recording: replay:FILE");
   return std::make_unique<ReplayDevice>(readRecording(word.rest), context.period, word.rest);
 }
 
@@ -65,30 +66,48 @@ Device openHaply(const Word& word, const DeviceContext&) {
 }
 
 Device openPlugin(const Word& word, const DeviceContext& context) {
-  if (word.rest.empty())
-    throw badInput("--device plugin: name the library: plugin:LIB.so or plugin:LIB.so:ID");
   const Word library = split(word.rest), device = split(library.rest);
   return std::make_unique<PluginDevice>(PluginDeviceOptions{
       std::string(library.kind), std::string(device.kind), device.rest, context.period});
 }
 
+enum class Rest { none, optional, needed };  // of the word, behind the colon
+
 struct Opener {
   std::string_view kind;
   Device (*open)(const Word& word, const DeviceContext& context);
-  bool takes_rest;
+  Rest rest;
+  const char* missing = "";  // what to say where a needed rest is missing
 };
-constexpr std::array<Opener, 5> openers = {{{"virtual", openVirtual, true},
-                                            {"mouse", openMouse, false},
-                                            {"replay", openReplay, true},
-                                            {"haply", openHaply, true},
-                                            {"plugin", openPlugin, true}}};
+constexpr std::array<Opener, 5> openers = {
+    {{"virtual", openVirtual, Rest::optional},
+     {"mouse", openMouse, Rest::none},
+     {"replay", openReplay, Rest::needed, "name the recording: replay:FILE"},
+     {"haply", openHaply, Rest::optional},
+     {"plugin", openPlugin, Rest::needed, "name the library: plugin:LIB.so or plugin:LIB.so:ID"}}};
 
 Error unknown(const std::string& text, std::string_view kind) {
   std::array<std::string_view, openers.size()> kinds{};
   for (std::size_t i = 0; i < openers.size(); ++i) kinds[i] = openers[i].kind;
   const std::string_view near = nearestWord(kind, kinds);
-  return badInput("--device {}: there is no such device{}; it can be {}", text,
-                  near.empty() ? "" : fmt::format(" (did you mean {}?)", near), deviceHelp());
+  std::string hint = near.empty() ? "" : fmt::format(" (did you mean {}?)", near);
+  if (std::ranges::find(deviceWords(), kind) != deviceWords().end())
+    hint = fmt::format(" (for the limits of one: --profile {})", kind);
+  return badInput("--device {}: there is no such device{}; it can be {}", text, hint, deviceHelp());
+}
+
+const Opener& openerOf(const std::string& text, const Word& word) {
+  for (const Opener& opener : openers) {
+    if (opener.kind != word.kind || (opener.rest == Rest::none && !word.rest.empty())) continue;
+    if (opener.rest == Rest::needed && word.rest.empty())
+      throw badInput("--device {}: {}", word.kind, opener.missing);
+    return opener;
+  }
+  throw unknown(text, word.kind);
+}
+
+bool isEndpoint(const std::string& text) {
+  return text.starts_with("tcp://") || text.starts_with("ipc://");
 }
 
 }  // namespace
@@ -98,15 +117,19 @@ const char* deviceHelp() {
          "haply:ID or plugin:LIB.so[:ID]";
 }
 
+void checkDeviceWord(const std::string& text) {
+  if (isEndpoint(text))
+    checkEndpoint(text);
+  else
+    openerOf(text, split(text));
+}
+
 std::unique_ptr<HapticDevice> openDevice(const std::string& text, const DeviceContext& context) {
-  if (text.starts_with("tcp://") || text.starts_with("ipc://"))
+  if (isEndpoint(text))
     return std::make_unique<NetworkDevice>(
         NetworkDeviceOptions{.endpoint = text, .fallback = context.profile});
   const Word word = split(text);
-  for (const Opener& opener : openers)
-    if (opener.kind == word.kind && (opener.takes_rest || word.rest.empty()))
-      return opener.open(word, context);
-  throw unknown(text, word.kind);
+  return openerOf(text, word).open(word, context);
 }
 
 }  // namespace palpate

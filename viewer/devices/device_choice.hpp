@@ -26,6 +26,10 @@ inline constexpr const char* default_device = "virtual";
 /// The text of --help for --device.
 const char* deviceHelp();
 
+/// Error (bad input) for a word that no device has, which lists them, or that lacks a part. Opens
+/// nothing: whether the device is there shows in openDevice().
+void checkDeviceWord(const std::string& word);
+
 /// A device by its word:
 ///   virtual             a scripted hand that explores what can be touched (touchPath)
 ///   virtual:FILE        one that follows the path in FILE (readHandPath)
@@ -34,7 +38,7 @@ const char* deviceHelp();
 ///   tcp://HOST:PORT     a device that `palpate device` lends (also ipc://PATH)
 ///   haply, haply:ID     a Haply Inverse3 through its service on this machine
 ///   plugin:LIB[:ID[:OPTIONS]]  a device of a plug-in (palpate_device.h); LIB without a colon
-/// Error (bad input) for another word, which lists them; else what the device's constructor throws.
+/// Error (bad input) as of checkDeviceWord(); else what the device's constructor throws.
 std::unique_ptr<HapticDevice> openDevice(const std::string& word, const DeviceContext& context);
 
 }  // namespace palpate

@@ -113,8 +113,8 @@ void DeviceServer::greet(const std::string& peer, const wire::DeviceGreeting& gr
     hello.set_lives_in_scene(device_.livesInScene());
     holder_ = peer;
     last_heard_ = Clock::now();
-    last_force_ =
-        0;  // readings are numbered on: a force that was held back may not answer a newer one
+    // Readings are numbered on: a force that was held back may not answer a newer one
+    last_force_ = 0;
     const std::lock_guard lock(mutex_);
     state_.held = true;
   }

@@ -81,6 +81,18 @@ std::string sentenceOf(const char* text) {
   return text == nullptr || *text == '\0' ? "it gives no reason" : text;
 }
 
+/// Of the devices that a plug-in finds, for a person.
+std::string idsOf(const Plugin& plugin) {
+  std::string ids;
+  std::array<char, 256> id{};
+  for (std::uint32_t i = 0;
+       i < most_devices && plugin->enumerate(i, id.data(), id.size()) == PALPATE_DEVICE_OK; ++i) {
+    id.back() = '\0';
+    ids += fmt::format("{}{}", i > 0 ? ", " : "", id.data());
+  }
+  return ids.empty() ? "none" : ids;
+}
+
 }  // namespace
 
 /// An open device with its thread.
@@ -92,9 +104,9 @@ class PluginDevice::Session {
     device_ =
         plugin_->open(options.id.c_str(), options.options.c_str(), reason.data(), reason.size());
     if (device_ == nullptr)
-      throw failure("device plug-in {} cannot open {}: {}", file,
+      throw failure("device plug-in {} cannot open {}: {}; devices that it finds: {}", file,
                     options.id.empty() ? "its first device" : "device \"" + options.id + "\"",
-                    sentenceOf(reason.data()));
+                    sentenceOf(reason.data()), idsOf(plugin_));
     try {
       takeLimits();
       name = options.id.empty() ? plugin_->name : std::string(plugin_->name) + " " + options.id;
@@ -221,17 +233,5 @@ bool PluginDevice::livesInScene() const { return session_->lives_in_scene; }
 bool PluginDevice::hasButtons() const { return session_->has_buttons; }
 std::string PluginDevice::name() const { return session_->name; }
 std::string PluginDevice::trouble() const { return session_->exchange.trouble(); }
-
-std::vector<std::string> devicesOfPlugin(const std::filesystem::path& library) {
-  const Plugin plugin(library);
-  std::vector<std::string> ids;
-  std::array<char, 256> id{};
-  for (std::uint32_t i = 0;
-       i < most_devices && plugin->enumerate(i, id.data(), id.size()) == PALPATE_DEVICE_OK; ++i) {
-    id.back() = '\0';
-    ids.emplace_back(id.data());
-  }
-  return ids;
-}
 
 }  // namespace palpate

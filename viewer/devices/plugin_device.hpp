@@ -47,7 +47,4 @@ class PluginDevice : public HapticDevice {
   std::thread thread_;
 };
 
-/// Ids of the devices that a plug-in finds. Error as PluginDevice().
-std::vector<std::string> devicesOfPlugin(const std::filesystem::path& library);
-
 }  // namespace palpate

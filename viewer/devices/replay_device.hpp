@@ -29,8 +29,8 @@ class ReplayDevice : public HapticDevice {
   std::string name() const override { return "replay of " + source_; }
   std::string trouble() const override;
 
+  std::uint64_t readings() const override { return recording_.size(); }
   bool ended() const noexcept { return next_.load(std::memory_order_relaxed) >= recording_.size(); }
-  const Recording& recording() const { return recording_; }
 
  private:
   const Recording recording_;

@@ -12,8 +12,8 @@ namespace palpate {
 /// the anchor X moves along one triangle.
 struct AnchorSlope {
   Eigen::Vector3d tangent = Eigen::Vector3d::Zero();  ///< N, dW/dX, in the plane of the triangle
-  Eigen::Matrix3d hessian =
-      Eigen::Matrix3d::Zero();  ///< N/m, d2W/dX2; its part in the plane means something
+  /// N/m, d2W/dX2; its part in the plane means something
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d change = Eigen::Matrix3d::Zero();  ///< N/m, dF/dX
 };
 

@@ -27,18 +27,18 @@ struct Touch {
   /// such steps in.
   bool stepped = false;
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< N, on the tool, not limited yet
-  Eigen::Matrix3d stiffness =
-      Eigen::Matrix3d::Zero();  ///< N/m, d force / d tool with the anchor held
-  double energy = 0;            ///< J, stored in the tissue; NaN where the method has none
-  double error_bound = 0;       ///< N; NaN where the method gives none
-  double coverage = 1;          ///< ForceSample::coverage, blended
-  bool inside = true;           ///< all blended spaces answer from inside of their workspaces
-  SurfacePoint anchor;          ///< the material point in contact
+  /// N/m, d force / d tool with the anchor held
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
+  double energy = 0;       ///< J, stored in the tissue; NaN where the method has none
+  double error_bound = 0;  ///< N; NaN where the method gives none
+  double coverage = 1;     ///< ForceSample::coverage, blended
+  bool inside = true;      ///< all blended spaces answer from inside of their workspaces
+  SurfacePoint anchor;     ///< the material point in contact
   Eigen::Vector3d anchor_position = Eigen::Vector3d::Zero();  ///< at rest, m
-  Eigen::Vector3d normal =
-      Eigen::Vector3d::UnitZ();  ///< outward, of the surface at rest in the anchor
-  Eigen::Vector3d displacement =
-      Eigen::Vector3d::Zero();  ///< of the anchor, m: what the spaces are asked
+  /// outward, of the surface at rest in the anchor
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  /// of the anchor, m: what the spaces are asked
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
   SpaceBlend blend;
   double gap = 0;  ///< m, when not touching: distance to the body, negative inside of it
 };
@@ -102,10 +102,10 @@ class Contact {
   Touch touch_;
   BlendedForce force_;
   SurfacePoint anchor_;
-  Eigen::Vector3d offset_ =
-      Eigen::Vector3d::Zero();  ///< of the tool from the anchor at zero force; glued
-  Eigen::Vector3d last_tool_ =
-      Eigen::Vector3d::Zero();  ///< where the search for an entry goes on from
+  /// of the tool from the anchor at zero force; glued
+  Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();
+  /// where the search for an entry goes on from
+  Eigen::Vector3d last_tool_ = Eigen::Vector3d::Zero();
   bool last_tool_known_ = false;
   bool ready_;                       ///< has been outside (unilateral), or may take hold (glued)
   bool step_follows_ = false;        ///< Touch::stepped of the next update

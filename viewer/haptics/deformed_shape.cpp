@@ -28,8 +28,8 @@ void passThroughTool(const TouchSurface& surface, const Touch& touch,
   for (std::size_t c = 0; c < 3; ++c)
     bump += touch.anchor.barycentric[static_cast<Eigen::Index>(c)] *
             bumpAt(surface.vertices()[at(t[c])], touch.anchor_position, radius);
-  const Eigen::Vector3f height =
-      (missing / bump).cast<float>();  // a corner always lies within the radius
+  // A corner always lies within the radius
+  const Eigen::Vector3f height = (missing / bump).cast<float>();
   for (std::size_t v = 0; v < surface.vertices().size(); ++v) {
     const auto share =
         static_cast<float>(bumpAt(surface.vertices()[v], touch.anchor_position, radius));

@@ -15,8 +15,8 @@ struct GuardOptions {
   double max_slew = 330;   ///< N/s: the whole force in 10 ms
   double ramp = 0.05;      ///< s in which a step of the raw force is faded in
   double stall = 0.02;     ///< s without a fresh reading, after which the force goes to zero
-  double max_stiffness =
-      400;  ///< N/m, of the device: bounds the damping of the passivity controller
+  /// N/m, of the device: bounds the damping of the passivity controller
+  double max_stiffness = 400;
   double energy_credit = 1e-4;  ///< J, dissipated or owed, that the observer remembers at most
 };
 /// Those of a device: max_force and max_stiffness of its profile, max_slew = max_force / 10 ms.

@@ -16,9 +16,9 @@ enum class DeviceStatus : std::uint8_t {
 
 /// One reading of a device. Nothing in it can be trusted: a device may send NaN.
 struct DeviceReading {
-  Eigen::Vector3d position =
-      Eigen::Vector3d::Zero();  ///< m, in the frame of the device (HapticDevice)
-  std::uint32_t buttons = 0;    ///< bit n: button n is down; bit 0 lets go (contact.hpp)
+  /// m, in the frame of the device (HapticDevice)
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  std::uint32_t buttons = 0;  ///< bit n: button n is down; bit 0 lets go (contact.hpp)
   DeviceStatus status = DeviceStatus::lost;
 };
 
@@ -44,8 +44,14 @@ class HapticDevice {
   virtual void halt() noexcept = 0;
   virtual void resume() noexcept = 0;
 
+  /// Where the mouse of the picture has the tool, m, scene frame; not finite: ignored. Called by
+  /// the picture's thread alone, and heard by the device that is this mouse alone.
+  virtual void moveTo(const Eigen::Vector3d& /*position*/) noexcept {}
+
   /// Limits of its force, stiffness and workspace.
   virtual DeviceProfile profile() const = 0;
+  /// How many readings it has to give, after which it is lost; 0: no end.
+  virtual std::uint64_t readings() const { return 0; }
   virtual bool livesInScene() const { return false; }
   virtual bool hasButtons() const { return false; }
   virtual std::string name() const = 0;

@@ -13,6 +13,7 @@
 #include <ctime>
 #include <system_error>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -75,7 +76,7 @@ HapticLoop::HapticLoop(HapticTick& tick, HapticDevice& device, const LoopOptions
 HapticLoop::~HapticLoop() { stop(); }
 
 void HapticLoop::start() {
-  if (started_) throw failure("this haptic loop was started before");
+  PALPATE_ASSERT(!started_, "a loop that has ended is not started again: its statistics are whole");
   started_ = true;
   if (options_.real_time) lockMemory();
   running_ = true;
@@ -258,8 +259,8 @@ void HapticLoop::watch() {
   std::unique_lock lock(waiting_);
   while (!stop_ && running()) {
     woken_.wait_for(lock, interval);
-    const bool halted =
-        halted_.load(std::memory_order_acquire);  // first: the rest is newer than a resume
+    // First: the rest is newer than a resume
+    const bool halted = halted_.load(std::memory_order_acquire);
     const auto now = std::chrono::steady_clock::now();
     const std::uint64_t done = ticks_done_.load(std::memory_order_acquire);
     if (done != seen) {

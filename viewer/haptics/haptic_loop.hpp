@@ -56,7 +56,7 @@ class HapticLoop {
   ~HapticLoop();  ///< stops
   HapticLoop(const HapticLoop&) = delete;
   HapticLoop& operator=(const HapticLoop&) = delete;
-  void start();  ///< Error when no thread can be had, or it was started before
+  void start();  ///< Error when no thread can be had; once only
   void stop();   ///< zero force is written last; the statistics are complete then
   /// From start() until the last tick: stop(), or LoopOptions::ticks.
   bool running() const noexcept { return running_.load(std::memory_order_acquire); }
@@ -114,8 +114,8 @@ class HapticLoop {
   // Between the loop's thread, the watchdog and the owner.
   std::atomic<bool> stop_ = false, running_ = false;
   std::atomic<std::uint64_t> ticks_done_ = 0, halts_ = 0;
-  std::atomic<bool> halted_ =
-      false;  ///< set by the watchdog after halt(), cleared by the loop after resume()
+  /// set by the watchdog after halt(), cleared by the loop after resume()
+  std::atomic<bool> halted_ = false;
   std::atomic<bool> lost_ = false;  ///< the device, in the last tick
 
   // Between owner, loop and watchdog outside of the ticks.

@@ -1,5 +1,6 @@
 #include "viewer/haptics/haptic_model.hpp"
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/parallel.hpp"
 #include "viewer/fields/field_choice.hpp"
@@ -14,17 +15,42 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
       max_force_(dataset.scene().workspace.max_force),
       surface_(dataset, options.reach),
       spaces_(dataset.spaces()),
-      methods_(options.methods) {
+      methods_(options.methods),
+      fields_(options.methods.size()) {
   if (methods_.empty()) throw badInput("{}: no method to interpolate forces by was given", file_);
-  fields_.resize(methods_.size());
-  for (auto& of_method : fields_) of_method.resize(spaces_.size());
-  inParallel(methods_.size() * spaces_.size(), [&](std::size_t n) {
-    const std::size_t method = n / spaces_.size(), space = n % spaces_.size();
-    fields_[method][space] = makeForceField(methods_[method], spaces_[space]);
-  });
+  for (MethodFields& of_method : fields_) of_method.of_space.resize(spaces_.size());
+  for (std::size_t method = 0; options.prepare && method < methods_.size(); ++method)
+    prepare(method);
   for (std::size_t s = 0; s < spaces_.size(); ++s)
     shapes_.push_back(
         std::make_unique<DisplacementField>(spaces_[s], dataset.surfaceDisplacements(s)));
+  for (const auto& shape : shapes_)
+    PALPATE_ASSERT(shape->nodes() == surface_.vertices().size(),
+                   "a dataset stores displacements of the nodes of its surface");
+}
+
+void HapticModel::prepare(std::size_t method) {
+  PALPATE_ASSERT(method < methods_.size(), "methods are known when a model is made");
+  inParallel(spaces_.size(), [&](std::size_t space) { make(method, space); });
+}
+
+void HapticModel::prepare(std::size_t method, const std::stop_token& stop) {
+  PALPATE_ASSERT(method < methods_.size(), "methods are known when a model is made");
+  for (std::size_t space = 0; space < spaces_.size() && !stop.stop_requested(); ++space)
+    make(method, space);
+}
+
+void HapticModel::make(std::size_t method, std::size_t space) {
+  MethodFields& fields = fields_[method];
+  if (fields.of_space[space]) return;
+  fields.of_space[space] = makeForceField(methods_[method], spaces_[space]);
+  fields.made.fetch_add(1, std::memory_order_release);
+}
+
+double HapticModel::preparedShare(std::size_t method) const noexcept {
+  if (method >= fields_.size()) return 0;
+  return static_cast<double>(fields_[method].made.load(std::memory_order_relaxed)) /
+         static_cast<double>(spaces_.size());
 }
 
 }  // namespace palpate

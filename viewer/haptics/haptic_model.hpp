@@ -1,6 +1,8 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -15,16 +17,34 @@ struct HapticModelOptions {
   /// Prepared for switching between them while touching; the first is the one to start with.
   std::vector<std::string> methods = {"potential", "trilinear"};
   double reach = 0;  ///< m, TouchSurface
+  /// In the constructor, all of them; else each by HapticModel::prepare().
+  bool prepare = true;
 };
 
-/// All of one dataset that a hand needs, prepared and in memory: the file may be replaced or go.
-/// Immutable: any thread may read.
+/// All of one dataset that a hand needs, in memory: the file may be replaced or go.
+///
+/// Threads: any may read. Methods can be prepared while others read: one becomes visible when it is
+/// whole, and stays as it is from then on.
 class HapticModel {
  public:
-  /// Error when the dataset has nothing to touch, or a method is unknown. Seconds for ten spaces of
-  /// 515 points: spaces and methods are prepared side by side, on as many threads as there are
-  /// cores.
+  /// Error when the dataset has nothing to touch, or a method is unknown.
   explicit HapticModel(const Dataset& dataset, const HapticModelOptions& options = {});
+
+  /// Makes the fields of one method for all spaces, side by side on all cores: some 70 ms of
+  /// processor time for a space of 515 points and `potential`. Does nothing for a method that is
+  /// prepared. Not twice at once for a method. Error for an unknown method.
+  void prepare(std::size_t method);
+  /// The same in this thread alone, until it is done or `stop` is requested; the next call goes on
+  /// from there.
+  void prepare(std::size_t method, const std::stop_token& stop);
+  /// How much of a method is prepared, 0 to 1; 0 for one that is not in methods(). Any thread;
+  /// waits for nothing.
+  double preparedShare(std::size_t method) const noexcept;
+  /// Whether field() may be asked for a method. Any thread, real time.
+  bool isPrepared(std::size_t method) const noexcept {
+    return method < fields_.size() &&
+           fields_[method].made.load(std::memory_order_acquire) == spaces_.size();
+  }
 
   const std::string& name() const { return name_; }  ///< of the scene
   const std::string& file() const { return file_; }
@@ -34,13 +54,22 @@ class HapticModel {
   const TouchSurface& surface() const { return surface_; }
   const std::vector<SpaceTable>& spaces() const { return spaces_; }
   const std::vector<std::string>& methods() const { return methods_; }
-  const ForceField& field(std::size_t method, std::size_t space) const {
-    return *fields_[method][space];
+  /// Only of a method that isPrepared(). Real time.
+  const ForceField& field(std::size_t method, std::size_t space) const noexcept {
+    return *fields_[method].of_space[space];
   }
   /// Displacements of the surface's vertices.
   const DisplacementField& shape(std::size_t space) const { return *shapes_[space]; }
 
  private:
+  /// One method in all spaces. Threads write different elements, each before it counts it in
+  /// `made`.
+  struct MethodFields {
+    std::vector<std::unique_ptr<const ForceField>> of_space;
+    std::atomic<std::size_t> made = 0;
+  };
+  void make(std::size_t method, std::size_t space);
+
   std::string name_, file_;
   ContentId content_;
   ContactMode contact_;
@@ -48,8 +77,8 @@ class HapticModel {
   TouchSurface surface_;
   std::vector<SpaceTable> spaces_;
   std::vector<std::string> methods_;
-  std::vector<std::vector<std::unique_ptr<ForceField>>> fields_;  ///< [method][space]
-  std::vector<std::unique_ptr<DisplacementField>> shapes_;        ///< [space]
+  std::vector<MethodFields> fields_;
+  std::vector<std::unique_ptr<DisplacementField>> shapes_;  ///< [space]
 };
 
 }  // namespace palpate

@@ -13,11 +13,11 @@ struct HapticState {
   std::uint64_t tick = 0;  ///< counted from 1
   double time = 0;         ///< s, tick * period: not the clock of the wall
   DeviceReading reading;
-  Eigen::Vector3d tool =
-      Eigen::Vector3d::Zero();  ///< m, scene frame; the last that was known, always finite
+  /// m, scene frame; the last that was known, always finite
+  Eigen::Vector3d tool = Eigen::Vector3d::Zero();
   Touch touch;
-  Eigen::Vector3d force =
-      Eigen::Vector3d::Zero();         ///< N, scene frame: what was written to the device
+  /// N, scene frame: what was written to the device
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
   std::uint32_t guards = 0;            ///< Guarded bits
   double passivity = 0;                ///< J, GuardedForce
   std::int32_t model = 0, method = 0;  ///< in use

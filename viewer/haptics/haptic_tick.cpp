@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <limits>
 
-#include "common/base/error.hpp"
+#include "common/base/assertion.hpp"
 #include "viewer/haptics/haptic_model.hpp"
 
 namespace palpate {
 namespace {
 
 const HapticModel& firstOf(const std::vector<const HapticModel*>& models) {
-  if (models.empty()) throw failure("a haptic tick needs a model");
+  PALPATE_ASSERT(!models.empty(), "a tick touches something");
+  PALPATE_ASSERT(models.front()->isPrepared(0), "the contact begins with the first method");
   return *models.front();
 }
 
@@ -77,8 +78,8 @@ const HapticState& HapticTick::run(bool late) noexcept {
   input.touch = contact_.update(tool, (state_.reading.buttons & 1U) == 0);
   input.fresh = state_.reading.status == DeviceStatus::fresh;
   input.lost = lost;
-  input.late =
-      late && !lost;  // while lost the device is halted; the tick in which it is back is late
+  // While lost the device is halted; the tick in which it is back is late.
+  input.late = late && !lost;
   const GuardedForce guarded = guard_.limit(input);
 
   state_.touch = input.touch;
@@ -91,15 +92,12 @@ const HapticState& HapticTick::run(bool late) noexcept {
 
 void HapticTick::obey(const HapticCommand& command) noexcept {
   if (command.kind == HapticCommand::Kind::release) return contact_.release();
-  const auto exists = [](std::int32_t number, std::size_t size) {
-    return number >= 0 && static_cast<std::size_t>(number) < size;
-  };
-  if (!exists(command.model, models_.size())) return;
-  const HapticModel& model = *models_[static_cast<std::size_t>(command.model)];
-  if (!exists(command.method, model.methods().size())) return;
-  contact_.use(model, static_cast<std::size_t>(command.method));
-  state_
-      .touch = {};  // of the model before; who draws it before the next run() must not ask this one
+  const auto number = static_cast<std::size_t>(command.model);  // huge where it is negative
+  const auto method = static_cast<std::size_t>(command.method);
+  if (number >= models_.size() || !models_[number]->isPrepared(method)) return;
+  contact_.use(*models_[number], method);
+  // The touch was of the model before: who draws it before the next run() must not ask this one.
+  state_.touch = {};
   state_.model = command.model;
   state_.method = command.method;
 }

@@ -40,14 +40,15 @@ struct TickOptions {
 /// real time: they do not allocate, lock, throw or log.
 class HapticTick {
  public:
-  /// models: at least one, to be switched between; they and the device must outlive this object.
+  /// models: at least one, to be switched between, the first method of the first prepared; they and
+  /// the device must outlive this object.
   HapticTick(std::vector<const HapticModel*> models, HapticDevice& device,
              const TickOptions& options);
 
   /// late: the loop hung before this tick, or the device was halted; not told while the device is
   /// lost.
   const HapticState& run(bool late = false) noexcept;
-  /// Commands that name what does not exist are ignored.
+  /// Commands that name what does not exist, or a method that is not prepared, are ignored.
   void obey(const HapticCommand& command) noexcept;
   const HapticState& state() const noexcept { return state_; }
   const TickOptions& options() const noexcept { return options_; }

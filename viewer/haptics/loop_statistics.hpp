@@ -16,8 +16,8 @@ class TimeHistogram {
   void add(double seconds) noexcept;
   void add(const TimeHistogram& other) noexcept;
   std::uint64_t count() const { return count_; }
-  double quantile(
-      double share) const;  ///< s, upper edge of the bin, at most largest(); 0 when empty
+  /// s, upper edge of the bin, at most largest(); 0 when empty
+  double quantile(double share) const;
   double largest() const { return largest_; }  ///< s, exact
   double mean() const;                         ///< s
   struct Bin {
@@ -42,8 +42,8 @@ struct LoopStatistics {
   TimeHistogram compute;    ///< s that a tick takes
   TimeHistogram processor;  ///< s of processor time that a tick takes
   std::uint64_t ticks = 0;
-  std::uint64_t missed_program =
-      0;  ///< deadlines missed because the tick computed for more than the period
+  /// deadlines missed because the tick computed for more than the period
+  std::uint64_t missed_program = 0;
   std::uint64_t missed_system = 0;  ///< all other missed deadlines: woken late, or interrupted
   std::uint64_t halts = 0;          ///< times that the watchdog halted the device
   std::uint64_t page_faults = 0, preemptions = 0;      ///< of the thread in the loop (getrusage)

@@ -16,8 +16,8 @@ struct NearestPoint {
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();      ///< >= 0, sum 1
   Eigen::Vector3d position = Eigen::Vector3d::Zero();         ///< m
   double distance = std::numeric_limits<double>::infinity();  ///< m, >= 0
-  bool outside =
-      true;  ///< of the body, by the angle-weighted normal of the nearest face, edge or vertex
+  /// of the body, by the angle-weighted normal of the nearest face, edge or vertex
+  bool outside = true;
 };
 
 /// Where a segment enters a surface first.
@@ -47,8 +47,8 @@ class SurfaceTree {
  private:
   struct Node {
     Eigen::Vector3d center, half;  ///< of the box, m
-    std::int32_t first =
-        0;  ///< leaf: the first place in order_; else its right child, the left is next
+    /// leaf: the first place in order_; else its right child, the left is next
+    std::int32_t first = 0;
     std::int32_t count = 0;  ///< triangles of a leaf; 0: not a leaf
   };
   /// Of one triangle: where it lies, and the normals that tell inside from outside beside its

@@ -8,6 +8,7 @@
 #include <queue>
 #include <utility>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -104,6 +105,9 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
   for (const std::int32_t node : nodes) vertices_.push_back(dataset.mesh().nodes[at(node)]);
   for (const Triangle& t : dataset.mesh().surface)
     triangles_.push_back({vertexOf(t[0]), vertexOf(t[1]), vertexOf(t[2])});
+  for (const Triangle& t : triangles_)
+    PALPATE_ASSERT(*std::ranges::min_element(t) >= 0,
+                   "a dataset lists every node of its surface: its shapes are stored by them");
   setFaces();
   setNeighbors();
 

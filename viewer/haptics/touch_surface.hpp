@@ -91,8 +91,8 @@ class TouchSurface {
   /// The spaces with a share in any corner, each once; empty where there is nothing to feel.
   std::span<const CornerShares> cornerSharesOf(std::int32_t triangle) const noexcept;
   Eigen::Vector3d position(const SurfacePoint& point) const noexcept;  ///< at rest, m
-  Eigen::Vector3d normal(
-      const SurfacePoint& point) const noexcept;  ///< unit, vertex normals interpolated
+  /// unit, vertex normals interpolated
+  Eigen::Vector3d normal(const SurfacePoint& point) const noexcept;
   /// Shares at a point of a touchable triangle.
   SpaceBlend blendAt(const SurfacePoint& point) const noexcept;
   const SurfaceTree& tree() const noexcept { return tree_; }

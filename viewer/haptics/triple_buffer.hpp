@@ -33,8 +33,6 @@ class TripleBuffer {
       reading_ = shared_.exchange(reading_, std::memory_order_acq_rel) & index;
     return slots_[reading_];
   }
-  /// Reading thread only: whether read() would give a value that it has not given yet.
-  bool hasNew() const noexcept { return (shared_.load(std::memory_order_relaxed) & fresh) != 0; }
 
  private:
   static constexpr std::uint32_t fresh = 4, index = 3;

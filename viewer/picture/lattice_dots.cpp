@@ -1,5 +1,6 @@
 #include "viewer/picture/lattice_dots.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "viewer/plot/viridis.hpp"
@@ -48,31 +49,25 @@ std::vector<CellError> cellErrors(const SpaceTable& space, const ForceField& fie
   std::vector<CellError> errors;
   for (std::int32_t n = 0; n < lattice.uniformSize(); ++n) {
     const Eigen::Vector3d middle = lattice.displacement(n) + half;
-    if (middle.norm() <= lattice.radius())
-      errors.push_back({middle, field.evaluate(middle).error_bound});
+    if (middle.norm() > lattice.radius()) continue;
+    const ForceSample sample = field.evaluate(middle);
+    errors.push_back(
+        {middle, sample.error_bound / std::max(sample.force.norm(), relative_error_floor)});
   }
   return errors;
 }
 
-ErrorScale::ErrorScale(const std::vector<CellError>& errors) {
-  double largest = 0;
-  for (const CellError& cell : errors)
-    if (std::isfinite(cell.error)) largest = std::max(largest, cell.error);
-  if (largest > 0) highest = std::pow(10, std::ceil(std::log10(largest) - 1e-9));
-  lowest = 1e-3 * highest;
+double errorPlace(double relative) {
+  if (!(relative > lowest_error)) return 0;
+  return std::min(std::log(relative / lowest_error) / std::log(highest_error / lowest_error), 1.0);
 }
 
-double ErrorScale::place(double error) const {
-  if (!(error > lowest)) return 0;
-  return std::min(std::log10(error / lowest) / std::log10(highest / lowest), 1.0);
-}
-
-std::vector<LatticeDot> errorDots(const std::vector<CellError>& errors, const ErrorScale& scale,
-                                  double spacing, const std::optional<LatticeCut>& cut) {
+std::vector<LatticeDot> errorDots(const std::vector<CellError>& errors, double spacing,
+                                  const std::optional<LatticeCut>& cut) {
   std::vector<LatticeDot> dots;
   for (const CellError& cell : errors)
-    if (std::isfinite(cell.error) && keeps(cut, cell.displacement, spacing))
-      dots.push_back({cell.displacement, viridis(scale.place(cell.error))});
+    if (std::isfinite(cell.relative) && keeps(cut, cell.displacement, spacing))
+      dots.push_back({cell.displacement, viridis(errorPlace(cell.relative))});
   return dots;
 }
 

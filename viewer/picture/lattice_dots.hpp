@@ -7,6 +7,7 @@
 
 #include "common/space/space_table.hpp"
 #include "viewer/fields/force_field.hpp"
+#include "viewer/fields/relative_error.hpp"
 
 namespace palpate {
 
@@ -27,24 +28,25 @@ std::array<double, 3> colourOf(Tag tag);
 /// The points of a space, all or those in a cut, coloured by tag.
 std::vector<LatticeDot> tagDots(const SpaceTable& space, const std::optional<LatticeCut>& cut);
 
-/// The error bound in the middle of one cell.
+/// The error bound in the middle of one cell, as a share of the force there.
 struct CellError {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m
-  double error = 0;                                        ///< N; NaN: the method gives none there
+  /// bound / max(|force|, relative_error_floor); NaN: the method gives no bound there.
+  double relative = 0;
 };
 /// Of all cells of the uniform lattice whose middle is in the ball. Evaluates the field in each:
 /// some milliseconds.
 std::vector<CellError> cellErrors(const SpaceTable& space, const ForceField& field);
 
-/// A logarithmic scale of errors: three decades below the largest error, rounded up to a power of
-/// ten.
-struct ErrorScale {
-  double lowest = 1e-3, highest = 1;  ///< N
-  explicit ErrorScale(const std::vector<CellError>& errors);
-  double place(double error) const;  ///< 0 to 1 within the scale
-};
+/// The ends of the colours of errors, ten times below and above usual_force_error. They are fixed:
+/// no outlier changes what a colour means.
+inline constexpr double lowest_error = 0.1 * usual_force_error;
+inline constexpr double highest_error = 10 * usual_force_error;
+/// Where a relative error lies among the colours, 0 to 1, by its logarithm.
+double errorPlace(double relative);
+
 /// Coloured by viridis; what has no bound is left out.
-std::vector<LatticeDot> errorDots(const std::vector<CellError>& errors, const ErrorScale& scale,
-                                  double spacing, const std::optional<LatticeCut>& cut);
+std::vector<LatticeDot> errorDots(const std::vector<CellError>& errors, double spacing,
+                                  const std::optional<LatticeCut>& cut);
 
 }  // namespace palpate

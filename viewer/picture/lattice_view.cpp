@@ -3,7 +3,6 @@
 #include <GL/gl.h>
 #include <Inventor/actions/SoGLRenderAction.h>
 #include <Inventor/nodes/SoCallback.h>
-#include <Inventor/nodes/SoSwitch.h>
 
 #include <cmath>
 
@@ -36,10 +35,7 @@ void LatticeView::setDots(std::span<const LatticeDot> dots, const Eigen::Vector3
   size_ = static_cast<float>(size);
 }
 
-void LatticeView::show(bool shown) {
-  const int child = shown ? SO_SWITCH_ALL : SO_SWITCH_NONE;
-  if (node_->whichChild.getValue() != child) node_->whichChild.setValue(child);
-}
+void LatticeView::show(bool shown) { palpate::show(node_, shown); }
 
 void LatticeView::render(void* view, SoAction* action) {
   if (!action->isOfType(SoGLRenderAction::getClassTypeId())) return;

@@ -8,8 +8,8 @@ namespace palpate {
 /// the screen in heights of the picture, (0, 0) its middle, x to the right, y upward.
 class OrbitCamera {
  public:
-  static constexpr double height_angle =
-      0.6;  ///< radians that the picture shows from bottom to top
+  /// radians that the picture shows from bottom to top
+  static constexpr double height_angle = 0.6;
 
   /// Looks at a sphere, from where `from` (any length but 0) points to, so that it fits. aspect:
   /// width over height. `up` is the direction that stays upward; not parallel to `from`.

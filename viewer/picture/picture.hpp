@@ -40,7 +40,8 @@ class Picture {
  public:
   /// models: at least one, as HapticTick has them; must outlive this object. Error when there is no
   /// display, or no OpenGL, with what to do.
-  explicit Picture(std::vector<const HapticModel*> models, const PictureOptions& options = {});
+  explicit Picture(const std::vector<const HapticModel*>& models,
+                   const PictureOptions& options = {});
   ~Picture();
   Picture(const Picture&) = delete;
   Picture& operator=(const Picture&) = delete;
@@ -49,7 +50,7 @@ class Picture {
   bool wantsClose() const;
   /// One picture: takes in events, draws, shows it.
   PictureRequests draw(const HapticState& state, const PictureStatus& status);
-  /// The pixels of the last picture; drawn once more for it. Error when nothing was drawn yet.
+  /// The pixels of the last picture, drawn once more for it; there must be one.
   Image grab();
   PictureCosts costs() const;
 

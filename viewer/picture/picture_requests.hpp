@@ -11,13 +11,12 @@ struct PictureRequests {
   struct Use {
     std::int32_t model = 0, method = 0;
   };
-  std::optional<Use> use;    ///< another dataset or method
-  bool release = false;      ///< let go
-  bool pause = false;        ///< stop, or go on: pressed once
-  bool reload = false;       ///< read the datasets again
-  bool quit = false;         ///< pressed the key for it; closing the window shows in wantsClose()
-  bool mouse_holds = false;  ///< Ctrl is held: the mouse moves the tool
-  /// m, scene frame: where the mouse has the tool; while mouse_holds.
+  std::optional<Use> use;  ///< another dataset or method
+  bool release = false;    ///< let go
+  bool pause = false;      ///< stop, or go on: pressed once
+  bool reload = false;     ///< read the datasets again
+  bool quit = false;       ///< pressed the key for it; closing the window shows in wantsClose()
+  /// m, scene frame: where the mouse has the tool, while Ctrl is held.
   std::optional<Eigen::Vector3d> mouse_target;
 };
 

@@ -7,9 +7,10 @@
 #include <Inventor/nodes/SoDirectionalLight.h>
 #include <Inventor/nodes/SoPerspectiveCamera.h>
 #include <Inventor/nodes/SoSeparator.h>
-#include <Inventor/nodes/SoSwitch.h>
 
 #include <array>
+
+#include "viewer/picture/coin.hpp"
 
 namespace palpate {
 namespace {
@@ -45,10 +46,6 @@ void drawBackground(void* /*nothing*/, SoAction* action) {
     glPopMatrix();
   }
   glPopAttrib();
-}
-
-SbVec3f coin(const Eigen::Vector3d& v) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
 SbRotation rotationTo(const Eigen::Matrix3d& axes) {

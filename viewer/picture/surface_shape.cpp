@@ -1,12 +1,13 @@
 #include "viewer/picture/surface_shape.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <map>
 
-#include "common/base/error.hpp"
+#include "common/base/assertion.hpp"
 #include "viewer/plot/viridis.hpp"
 
 namespace palpate {
@@ -35,9 +36,7 @@ SurfaceShape::SurfaceShape(const std::vector<Eigen::Vector3d>& vertices,
                            const std::vector<Triangle>& triangles,
                            const std::vector<bool>& touchable)
     : lengths_(vertices.size()), colours_(vertices.size()), touchable_(vertices.size(), false) {
-  if (touchable.size() != triangles.size())
-    throw failure("a surface of {} triangles cannot be drawn with {} marks of what is touchable",
-                  triangles.size(), touchable.size());
+  PALPATE_ASSERT(touchable.size() == triangles.size(), "each triangle can be touched, or not");
   for (const Eigen::Vector3d& vertex : vertices)
     for (int axis = 0; axis < 3; ++axis) rest_.push_back(static_cast<float>(vertex[axis]));
   for (std::size_t t = 0; t < triangles.size(); ++t)
@@ -73,20 +72,16 @@ void SurfaceShape::setEdges(const std::vector<Triangle>& triangles,
 }
 
 void SurfaceShape::setDisplacements(std::span<const float> displacements) {
-  if (displacements.size() != rest_.size())
-    throw failure("{} displacements do not fit a surface of {} vertices", displacements.size(),
-                  size());
-  float largest = 0;
-  for (std::size_t vertex = 0; vertex < lengths_.size(); ++vertex) {
-    const float* u = displacements.data() + 3 * vertex;
-    const float squared = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-    const bool finite = std::isfinite(squared);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      positions_[3 * vertex + axis] = rest_[3 * vertex + axis] + (finite ? u[axis] : 0);
-    lengths_[vertex] = finite ? std::sqrt(squared) : 0;
-    largest = std::max(largest, lengths_[vertex]);
+  PALPATE_ASSERT(displacements.size() == rest_.size(), "every vertex has a displacement");
+  largest_ = 0;
+  for (std::size_t vertex = 0; vertex < size(); ++vertex) {
+    Eigen::Vector3f u(displacements.data() + 3 * vertex);
+    if (!std::isfinite(u.squaredNorm())) u.setZero();
+    Eigen::Map<Eigen::Vector3f>(positions_.data() + 3 * vertex) =
+        Eigen::Map<const Eigen::Vector3f>(rest_.data() + 3 * vertex) + u;
+    lengths_[vertex] = u.norm();
+    largest_ = std::max(largest_, double{lengths_[vertex]});
   }
-  largest_ = largest;
   setNormals();
 }
 
@@ -100,28 +95,19 @@ void SurfaceShape::setColours(double full) {
 }
 
 void SurfaceShape::setNormals() {
-  std::fill(normals_.begin(), normals_.end(), 0.0F);
+  const auto position = [this](std::uint32_t vertex) {
+    return Eigen::Map<const Eigen::Vector3f>(positions_.data() + 3 * std::size_t{vertex});
+  };
+  Eigen::Map<Eigen::Matrix3Xf> normals(normals_.data(), 3, static_cast<Eigen::Index>(size()));
+  normals.setZero();
   for (std::size_t t = 0; t < corners_.size(); t += 3) {
-    const float* a = positions_.data() + 3 * corners_[t];
-    const float* b = positions_.data() + 3 * corners_[t + 1];
-    const float* c = positions_.data() + 3 * corners_[t + 2];
-    const std::array<float, 3> p = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    const std::array<float, 3> q = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    const Eigen::Vector3f a = position(corners_[t]);
     // Twice the area long, which weights the sum.
-    const std::array<float, 3> cross = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2],
-                                        p[0] * q[1] - p[1] * q[0]};
-    for (std::size_t corner = t; corner < t + 3; ++corner) {
-      float* normal = normals_.data() + 3 * corners_[corner];
-      for (std::size_t axis = 0; axis < 3; ++axis) normal[axis] += cross[axis];
-    }
+    const Eigen::Vector3f cross =
+        (position(corners_[t + 1]) - a).cross(position(corners_[t + 2]) - a);
+    for (std::size_t corner = t; corner < t + 3; ++corner) normals.col(corners_[corner]) += cross;
   }
-  for (std::size_t n = 0; n < normals_.size(); n += 3) {
-    float* normal = normals_.data() + n;
-    const float length =
-        std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-    const float scale = length > 0 ? 1 / length : 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) normal[axis] *= scale;
-  }
+  for (auto normal : normals.colwise()) normal.normalize();
 }
 
 }  // namespace palpate

@@ -15,8 +15,7 @@ namespace palpate {
 class SurfaceShape {
  public:
   /// vertices: at rest, metres. triangles: outward, into vertices. touchable: one per triangle; the
-  /// vertices of touchable triangles get full colours, the others grey ones. Error when the sizes
-  /// do not fit.
+  /// vertices of touchable triangles get full colours, the others grey ones.
   SurfaceShape(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Triangle>& triangles,
                const std::vector<bool>& touchable);
 
@@ -28,18 +27,14 @@ class SurfaceShape {
 
   std::span<const float> rest() const { return rest_; }            ///< [vertex][axis], m
   std::span<const float> positions() const { return positions_; }  ///< [vertex][axis], m
-  std::span<const float> normals() const {
-    return normals_;
-  }  ///< [vertex][axis], unit, area-weighted
-  std::span<const std::uint32_t> colours() const {
-    return colours_;
-  }  ///< bytes red, green, blue, alpha
-  std::span<const std::uint32_t> corners() const {
-    return corners_;
-  }  ///< three vertices per triangle
-  std::span<const std::uint32_t> edges() const {
-    return edges_;
-  }  ///< two vertices per edge, each once
+  /// [vertex][axis], unit, weighted by area.
+  std::span<const float> normals() const { return normals_; }
+  /// Bytes red, green, blue, alpha.
+  std::span<const std::uint32_t> colours() const { return colours_; }
+  /// Three vertices per triangle.
+  std::span<const std::uint32_t> corners() const { return corners_; }
+  /// Two vertices per edge, each once.
+  std::span<const std::uint32_t> edges() const { return edges_; }
   /// Edges between what can be touched and what cannot: two vertices each.
   std::span<const std::uint32_t> rim() const { return rim_; }
   double length(std::size_t vertex) const { return lengths_[vertex]; }  ///< of the displacement, m

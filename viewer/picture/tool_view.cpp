@@ -9,7 +9,6 @@
 #include <Inventor/nodes/SoMaterial.h>
 #include <Inventor/nodes/SoSeparator.h>
 #include <Inventor/nodes/SoSphere.h>
-#include <Inventor/nodes/SoSwitch.h>
 #include <Inventor/nodes/SoTransform.h>
 
 #include <algorithm>
@@ -21,10 +20,6 @@ namespace {
 
 // In radii of the sphere.
 constexpr double shaft_radius = 0.34, head_radius = 0.85, head_length = 2.2, anchor_radius = 0.42;
-
-SbVec3f coin(const Eigen::Vector3d& v) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
-}
 
 SoMaterial* material(float red, float green, float blue) {
   auto* made = new SoMaterial;
@@ -40,11 +35,6 @@ SoSwitch* switchOver(SoNode* content) {
   made->addChild(content);
   made->whichChild.setValue(SO_SWITCH_NONE);
   return made;
-}
-
-void show(SoSwitch* which, bool shown) {
-  const int child = shown ? SO_SWITCH_ALL : SO_SWITCH_NONE;
-  if (which->whichChild.getValue() != child) which->whichChild.setValue(child);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "common/base/assertion.hpp"
+#include "viewer/plot/round_numbers.hpp"
 
 namespace palpate {
 namespace {
@@ -193,10 +194,7 @@ std::string legendOf(const std::vector<PlotSeries>& series) {
 std::vector<double> linearTicks(double lowest, double highest, int count) {
   const double rough = (highest - lowest) / std::max(count, 1);
   if (!(rough > 0) || !std::isfinite(rough)) return {lowest};
-  const double power = std::pow(10, std::floor(std::log10(rough)));
-  double step = 10 * power;
-  for (const double factor : {5.0, 2.0, 1.0})
-    if (factor * power >= rough * (1 - 1e-9)) step = factor * power;
+  const double step = roundUp(rough);
   std::vector<double> ticks;
   for (double n = std::ceil(lowest / step - 1e-9); n * step <= highest + 1e-9 * step; ++n)
     ticks.push_back(n == 0 ? 0 : n * step);

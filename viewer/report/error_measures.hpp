@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "viewer/fields/relative_error.hpp"
+
 namespace palpate {
 
 /// What a measure is before it is measured, and where it cannot be.
@@ -22,13 +24,9 @@ struct ForceComparison {
 /// Which errors are allowed: at most force_error of |exact force|, or force_floor where that is
 /// more.
 struct AccuracyTarget {
-  double force_error = 0.03;
+  double force_error = usual_force_error;
   double force_floor = 0.01;  ///< N
 };
-
-/// Forces below it count as this much in relative errors, which would else divide by zero (N):
-/// about the friction of a haptic device, below which a hand feels nothing.
-inline constexpr double relative_error_floor = 0.05;
 
 /// Where numbers lie. All NaN when there is none.
 struct Spread {

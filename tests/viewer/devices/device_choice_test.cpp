@@ -110,6 +110,17 @@ TEST(DeviceWord, UnknownOnesAreRefusedWithAListAndTheNearest) {
   expectBadInput([] { openDevice("mouse:3", {}); }, {"mouse:3"});
 }
 
+/// Before anything else is opened: a window, say, whose trouble would hide that of the word.
+TEST(DeviceWord, CanBeJudgedWithoutOpeningTheDevice) {
+  for (const char* good : {"virtual", "mouse", "virtual:none.txt", "replay:none.h5", "haply",
+                           "plugin:none.so", "tcp://127.0.0.1:1"})
+    EXPECT_NO_THROW(checkDeviceWord(good)) << good;
+  expectBadInput([] { checkDeviceWord("falcon"); },
+                 {"there is no such device", "--profile falcon"});
+  expectBadInput([] { checkDeviceWord("replay"); }, {"replay:FILE"});
+  expectBadInput([] { checkDeviceWord("tcp://host"); }, {"tcp://host"});
+}
+
 TEST(DeviceWord, MissingPartsAreAskedFor) {
   expectBadInput([] { openDevice("virtual", {}); }, {"virtual:FILE"});
   expectBadInput([] { openDevice("mouse", {}); }, {"mouse"});

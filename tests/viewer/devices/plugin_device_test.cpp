@@ -17,7 +17,6 @@ namespace {
 using test::eventually;
 using test::expectBadInput;
 using test::expectError;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 PluginDeviceOptions circle(const std::string& id = "", const std::string& options = "") {
@@ -27,8 +26,12 @@ PluginDeviceOptions broken(const std::string& fault) {
   return {std::filesystem::path(BROKEN_PLUGINS) / ("plugin_" + fault + ".so"), "", "", 1e-3};
 }
 
-TEST(PluginDevice, SaysItsDevicesAndTheirLimits) {
-  EXPECT_THAT(devicesOfPlugin(CIRCLE_DEVICE), ElementsAre("circle"));
+TEST(PluginDevice, NamesTheDevicesThereAreWhenItHasNotTheOneAskedFor) {
+  expectError(ExitCode::failed, [] { PluginDevice(circle("square")); },
+              {"square", "devices that it finds: circle"});
+}
+
+TEST(PluginDevice, SaysTheLimitsOfItsDevice) {
   const PluginDevice device(circle("circle"));
   EXPECT_EQ(device.profile().max_force, 5);
   EXPECT_EQ(device.profile().max_stiffness, 1000);

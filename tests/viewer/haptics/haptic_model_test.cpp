@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "tests/support/expect_error.hpp"
 #include "tests/viewer/haptics/touched_model.hpp"
 
@@ -26,6 +28,38 @@ TEST(HapticModel, OutlivesTheDatasetAndItsFile) {
               1e-6);
   }
   EXPECT_EQ(model.shape(1).nodes(), model.surface().vertices().size());
+}
+
+TEST(HapticModel, PreparesAMethodWhileAnotherIsRead) {
+  const test::TemporaryDirectory directory;
+  test::TouchableBody(test::cubeMesh(0.1, 4), {{112}, {113, 2}}).seal(directory / "body.h5");
+  const Dataset dataset(directory / "body.h5");
+  HapticModel model(dataset, {.methods = {"trilinear", "potential"}, .prepare = false});
+  EXPECT_FALSE(model.isPrepared(0));
+  EXPECT_EQ(model.preparedShare(0), 0);
+  model.prepare(0);
+  ASSERT_TRUE(model.isPrepared(0));
+  EXPECT_FALSE(model.isPrepared(1));
+
+  const std::jthread background([&](const std::stop_token& stop) { model.prepare(1, stop); });
+  const Eigen::Vector3d p(0.004, 0.002, -0.003);
+  const Eigen::Vector3d before = model.field(0, 1).evaluate(p).force;
+  while (!model.isPrepared(1)) EXPECT_EQ(model.field(0, 1).evaluate(p).force, before);
+  EXPECT_EQ(model.preparedShare(1), 1);
+  EXPECT_EQ(model.field(1, 1).evaluate(p).force,
+            HapticModel(dataset).field(0, 1).evaluate(p).force);
+}
+
+TEST(HapticModel, GoesOnWithAPreparationThatWasStopped) {
+  const test::TemporaryDirectory directory;
+  test::TouchableBody(test::cubeMesh(0.1, 4), {{112}, {113, 2}}).seal(directory / "body.h5");
+  HapticModel model(Dataset(directory / "body.h5"), {.prepare = false});
+  std::stop_source stopped;
+  stopped.request_stop();
+  model.prepare(0, stopped.get_token());
+  EXPECT_EQ(model.preparedShare(0), 0);
+  model.prepare(0, std::stop_token());
+  EXPECT_TRUE(model.isPrepared(0));
 }
 
 TEST(HapticModel, RefusesUnknownMethodsAndNone) {

@@ -216,6 +216,19 @@ TEST_F(HapticTickTest, IgnoresCommandsForWhatDoesNotExist) {
   EXPECT_EQ(tick.state().method, 0);
 }
 
+TEST_F(HapticTickTest, KeepsItsMethodWhenTheOtherIsNotPreparedYet) {
+  HapticModel half(cube->dataset(), {.prepare = false});
+  half.prepare(0);
+  ScriptedHand hand(pressing);
+  HapticTick tick({&half}, hand, options());
+  for (int n = 0; n < 100; ++n) tick.run();
+  tick.obey({HapticCommand::Kind::use, 0, 1});
+  EXPECT_EQ(tick.run().method, 0);
+  half.prepare(1);
+  tick.obey({HapticCommand::Kind::use, 0, 1});
+  EXPECT_EQ(tick.run().method, 1);
+}
+
 TEST_F(HapticTickTest, EndsContactOnCommandByARamp) {
   ScriptedHand hand(pressing);
   HapticTick tick({&model()}, hand, options());
@@ -230,7 +243,7 @@ TEST_F(HapticTickTest, EndsContactOnCommandByARamp) {
 
 TEST_F(HapticTickTest, NeedsAModel) {
   ScriptedHand hand(pressing);
-  EXPECT_THROW(HapticTick({}, hand, options()), Error);
+  EXPECT_THROW(HapticTick({}, hand, options()), std::logic_error);
 }
 
 TEST_F(HapticTickTest, ScalesTheWorkspaceOfADeviceAroundWhatCanBeTouched) {

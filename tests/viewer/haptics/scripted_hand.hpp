@@ -68,7 +68,8 @@ inline ScriptedHand::Script pressingAndSliding(double period = 1e-3) {
 /// stiffer to one side; its bottom is fixed.
 class TouchedCube {
  public:
-  TouchedCube() : model_(sealed(directory_ / "cube.h5")) {}
+  TouchedCube() : dataset_(sealed(directory_ / "cube.h5")), model_(dataset_) {}
+  const Dataset& dataset() const { return dataset_; }
   const HapticModel& model() const { return model_; }
 
  private:
@@ -84,6 +85,7 @@ class TouchedCube {
     return Dataset(file);
   }
   TemporaryDirectory directory_;
+  Dataset dataset_;
   HapticModel model_;
 };
 

@@ -120,15 +120,25 @@ TEST(LatticeDots, ShowTheErrorBoundOfCellMiddles) {
   ASSERT_FALSE(errors.empty());
   for (const CellError& cell : errors) {
     EXPECT_LE(cell.displacement.norm(), space.lattice.radius());
-    EXPECT_EQ(cell.error, field->evaluate(cell.displacement).error_bound);
+    const ForceSample answer = field->evaluate(cell.displacement);
+    EXPECT_EQ(cell.relative,
+              answer.error_bound / std::max(answer.force.norm(), relative_error_floor));
   }
-  const ErrorScale scale(errors);
-  EXPECT_EQ(scale.place(scale.lowest), 0);
-  EXPECT_EQ(scale.place(10 * scale.highest), 1);
-  EXPECT_NEAR(scale.place(scale.highest / 10), 2.0 / 3, 1e-12);
-  EXPECT_LE(errorDots(errors, scale, space.lattice.spacing(), LatticeCut{0, 0.005}).size(),
-            errors.size());
-  EXPECT_EQ(errorDots(errors, scale, space.lattice.spacing(), std::nullopt).size(), errors.size());
+  const double spacing = space.lattice.spacing();
+  EXPECT_LE(errorDots(errors, spacing, LatticeCut{0, 0.005}).size(), errors.size());
+  EXPECT_EQ(errorDots(errors, spacing, std::nullopt).size(), errors.size());
+}
+
+/// The scale once followed the largest error: an outlier of 1000 N made all others one colour.
+TEST(LatticeDots, ShowErrorsInColoursThatNoOutlierChanges) {
+  EXPECT_EQ(errorPlace(0), 0);
+  EXPECT_EQ(errorPlace(lowest_error), 0);
+  EXPECT_NEAR(errorPlace(usual_force_error), 0.5, 1e-12);
+  EXPECT_GT(errorPlace(noticeable_force_error), 0.6);
+  EXPECT_EQ(errorPlace(2000), 1);
+  const std::vector<CellError> errors = {{{0, 0, 0}, 0.03}},
+                               more = {{{0, 0, 0}, 0.03}, {{0.1, 0, 0}, 2000}};
+  EXPECT_EQ(errorDots(errors, 0.01, {})[0].colour, errorDots(more, 0.01, {})[0].colour);
 }
 
 }  // namespace

@@ -174,6 +174,36 @@ TEST_F(PictureTest, PassesOnWhatThePersonAsksForByKeys) {
   EXPECT_FALSE(method.release || method.pause || method.quit);
 }
 
+TEST_F(PictureTest, OffersAMethodWhenItIsPrepared) {
+  const test::TemporaryDirectory directory;
+  test::TouchableBody(test::cubeMesh(0.1, 4), {{112}, {113, 2}}).seal(directory / "body.h5");
+  HapticModel half(Dataset(directory / "body.h5"), {.prepare = false});
+  half.prepare(0);
+  Picture picture({&half}, {.vsync = false});
+  test::Person person(screen.name(), "Palpate");
+  HapticState state;
+  picture.draw(state, {});
+  const Image before = picture.grab();
+  person.press("m");
+  EXPECT_FALSE(picture.draw(state, {}).use);
+  half.prepare(1);
+  person.press("m");
+  EXPECT_TRUE(picture.draw(state, {}).use);
+  EXPECT_GT(differences(before, picture.grab(), 1280, 200), 100) << "it said what was missing";
+}
+
+/// Of all colours of the scale, the middle belongs to 3 %.
+TEST_F(PictureTest, ShowsTheLatticeByErrorInFixedColours) {
+  Picture picture({&model}, {.vsync = false, .lattice = true});
+  test::Person person(screen.name(), "Palpate");
+  const HapticState state = pressed(0);
+  picture.draw(state, {});
+  const Image tags = picture.grab();
+  person.press("e");
+  picture.draw(state, {});
+  EXPECT_GT(differences(tags, picture.grab(), 980, 622), 1000);
+}
+
 TEST(Picture, WithoutADisplaySaysWhatToDo) {
   unsetenv("DISPLAY");
   unsetenv("WAYLAND_DISPLAY");

@@ -1,0 +1,80 @@
+#include "viewer/loaded_models.hpp"
+
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <future>
+
+#include "common/base/assertion.hpp"
+#include "common/dataset/dataset.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto tell_every = 1s;
+constexpr int least_priority = 19;  // nice
+
+void prepareFirstMethod(HapticModel& model) {
+  auto prepared = std::async(std::launch::async, [&] { model.prepare(0); });
+  while (prepared.wait_for(tell_every) != std::future_status::ready)
+    spdlog::info("{}: preparing {}, {:.0f} % of {} active nodes", model.file(), model.methods()[0],
+                 100 * model.preparedShare(0), model.spaces().size());
+  prepared.get();
+}
+
+}  // namespace
+
+LoadedModels::LoadedModels(std::vector<std::filesystem::path> files,
+                           const HapticModelOptions& options)
+    : files_(std::move(files)) {
+  PALPATE_ASSERT(!files_.empty(), "the command line asks for one dataset at least");
+  HapticModelOptions unprepared = options;
+  unprepared.prepare = false;
+  for (const std::filesystem::path& file : files_) {
+    identities_.push_back(identityOf(file));
+    const Dataset dataset(file);
+    models_.push_back(std::make_unique<HapticModel>(dataset, unprepared));
+    if (!device_ && dataset.scene().device) device_ = dataset.scene().device->profile;
+    prepareFirstMethod(*models_.back());
+  }
+}
+
+void LoadedModels::prepareTheRest() {
+  preparation_ = std::jthread([this](const std::stop_token& stop) {
+    // Of this thread alone, on Linux.
+    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), least_priority);
+    for (const auto& model : models_)
+      for (std::size_t method = 1; method < model->methods().size(); ++method) try {
+          model->prepare(method, stop);
+        } catch (const std::exception& error) {
+          spdlog::warn("{}: no method {}: {}", model->file(), model->methods()[method],
+                       error.what());
+        }
+  });
+}
+
+std::vector<const HapticModel*> LoadedModels::pointers() const {
+  std::vector<const HapticModel*> all;
+  for (const auto& model : models_) all.push_back(model.get());
+  return all;
+}
+
+std::optional<std::filesystem::path> LoadedModels::replaced() const {
+  for (std::size_t n = 0; n < files_.size(); ++n)
+    if (identityOf(files_[n]) != identities_[n]) return files_[n];
+  return std::nullopt;
+}
+
+LoadedModels::FileIdentity LoadedModels::identityOf(const std::filesystem::path& file) {
+  struct stat found {};
+  if (stat(file.c_str(), &found) != 0) return {};
+  return {static_cast<std::int64_t>(found.st_ino), found.st_size, found.st_mtim.tv_sec,
+          found.st_mtim.tv_nsec};
+}
+
+}  // namespace palpate

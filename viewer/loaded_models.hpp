@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/scene/device_profile.hpp"
+#include "viewer/haptics/haptic_model.hpp"
+
+namespace palpate {
+
+/// The datasets of a run as the haptic loop needs them. Belongs to one thread; the models are for
+/// all (HapticModel).
+class LoadedModels {
+ public:
+  /// Reads the files and prepares the first method of each, with a line of the log per second that
+  /// it takes. Error as of Dataset and HapticModel.
+  LoadedModels(std::vector<std::filesystem::path> files, const HapticModelOptions& options);
+
+  /// Prepares the other methods in a thread of its own, which gives way to every other.
+  void prepareTheRest();
+
+  const HapticModel& first() const { return *models_.front(); }
+  /// As HapticTick and Picture take them; valid as long as this object.
+  std::vector<const HapticModel*> pointers() const;
+  /// Of the first scene that names a device.
+  const std::optional<DeviceProfile>& device() const { return device_; }
+  /// The first file that is another now than the one that was read: replaced, rewritten or gone.
+  std::optional<std::filesystem::path> replaced() const;
+
+ private:
+  /// Which bytes a path names: inode, size, time of the last change. All zero: there is none.
+  using FileIdentity = std::array<std::int64_t, 4>;
+  static FileIdentity identityOf(const std::filesystem::path& file);
+
+  std::vector<std::filesystem::path> files_;
+  std::vector<FileIdentity> identities_;
+  std::vector<std::unique_ptr<HapticModel>> models_;
+  std::optional<DeviceProfile> device_;
+  std::jthread preparation_;  ///< the last member: it ends before the models go
+};
+
+}  // namespace palpate

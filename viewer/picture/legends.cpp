@@ -1,0 +1,88 @@
+#include "viewer/picture/legends.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "viewer/fields/relative_error.hpp"
+#include "viewer/picture/lattice_dots.hpp"
+#include "viewer/picture/panel_style.hpp"
+#include "viewer/plot/viridis.hpp"
+
+namespace palpate {
+namespace {
+
+// px
+constexpr float title_height = 22, bar_height = 150, bar_width = 12, label_gap = 7, half_line = 7;
+constexpr float note_gap = 14, text_height = 18;
+static_assert(bar_legend_height == title_height + bar_height + note_gap + text_height);
+constexpr float tag_size = 9, tag_top = 3, tag_text_offset = 16;
+static_assert(tag_legend_height == 4 * text_height);
+
+ImU32 packed(const std::array<double, 3>& rgb) {
+  return IM_COL32(static_cast<int>(rgb[0]), static_cast<int>(rgb[1]), static_cast<int>(rgb[2]),
+                  255);
+}
+
+/// A bar of viridis from bottom to top, `size` large.
+void colourBar(ImDrawList& draw, ImVec2 from, ImVec2 size) {
+  constexpr int steps = 20;
+  const float part = size.y / steps, bottom = from.y + size.y;
+  for (int n = 0; n < steps; ++n) {
+    const ImU32 low = packed(viridis(static_cast<double>(n) / steps));
+    const ImU32 high = packed(viridis((n + 1.0) / steps));
+    const float y = bottom - part * static_cast<float>(n);
+    draw.AddRectFilledMultiColor({from.x, y - part}, {from.x + size.x, y}, high, high, low, low);
+  }
+}
+
+struct BarLabel {
+  double place;  ///< 0: at the bottom of the bar, 1: at its top
+  std::string text;
+  bool limit = false;  ///< drawn as a line across the bar
+};
+
+void legendBar(ImDrawList& draw, ImVec2 at, const char* title,
+               const std::vector<BarLabel>& labels) {
+  draw.AddText(at, ink, title);
+  const ImVec2 bar = {at.x, at.y + title_height};
+  colourBar(draw, bar, {bar_width, bar_height});
+  for (const BarLabel& label : labels) {
+    const float y = bar.y + bar_height * (1 - static_cast<float>(label.place));
+    draw.AddText({bar.x + bar_width + label_gap, y - half_line}, ink, label.text.c_str());
+    if (label.limit) draw.AddLine({bar.x - 2, y}, {bar.x + bar_width + 4, y}, ink, 2);
+  }
+}
+
+}  // namespace
+
+void displacementLegend(ImDrawList& draw, ImVec2 at, double full) {
+  std::vector<BarLabel> labels;
+  for (int n = 0; n <= 4; ++n) labels.push_back({0.25 * n, fmt::format("{:g}", 250 * full * n)});
+  legendBar(draw, at, "displacement, mm", labels);
+  draw.AddText({at.x, at.y + title_height + bar_height + note_gap}, faint, "grey: nothing to feel");
+}
+
+void tagLegend(ImDrawList& draw, ImVec2 at) {
+  for (const Tag tag : {Tag::expandable, Tag::terminating, Tag::failed, Tag::unknown}) {
+    draw.AddRectFilled({at.x, at.y + tag_top}, {at.x + tag_size, at.y + tag_top + tag_size},
+                       packed(colourOf(tag)));
+    const std::string word(name(tag));
+    draw.AddText({at.x + tag_text_offset, at.y}, ink, word.c_str());
+    at.y += text_height;
+  }
+}
+
+void errorLegend(ImDrawList& draw, ImVec2 at) {
+  const auto label = [](double error, const char* meaning) {
+    return BarLabel{errorPlace(error), fmt::format("{:g}{}", 100 * error, meaning),
+                    *meaning != '\0'};
+  };
+  legendBar(draw, at, "error bound, % of the force",
+            {label(lowest_error, ""), label(0.01, ""), label(usual_force_error, "  usual target"),
+             label(noticeable_force_error, "  a hand notices"), label(highest_error, "")});
+}
+
+}  // namespace palpate

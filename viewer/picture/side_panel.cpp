@@ -1,0 +1,203 @@
+#include "viewer/picture/side_panel.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "viewer/picture/panel_style.hpp"
+
+namespace palpate {
+namespace {
+
+// px; columns from the left of the panel.
+constexpr float value_column = 104, choice_column = 72, heading_gap = 4;
+constexpr int lamp_columns = 3, lamp_corners = 12;
+constexpr float lamp_radius = 5, lamp_text_offset = 16;
+constexpr ImU32 lamp_lit = IM_COL32(240, 130, 0, 255), lamp_dark = IM_COL32(208, 213, 221, 255);
+constexpr double smallest_share = 0.005;  // of a space whose name is worth a line
+
+void heading(const char* text) {
+  ImGui::Dummy({0, heading_gap});
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImGui::TextDisabled("%s", text);
+  const float y = at.y + ImGui::GetTextLineHeight() + 2,
+              right = at.x + ImGui::GetContentRegionAvail().x;
+  ImGui::GetWindowDrawList()->AddLine({at.x, y}, {right, y}, line_grey);
+}
+
+/// A name, and a value that begins where all values do.
+void row(const char* label, const std::string& value) {
+  ImGui::TextUnformatted(label);
+  ImGui::SameLine(value_column);
+  ImGui::TextUnformatted(value.c_str());
+}
+
+std::string newtons(double force) {
+  return std::isfinite(force) ? fmt::format("{:.3f} N", force) : "none";
+}
+
+std::string microseconds(double seconds) {
+  return seconds < 0.01 ? fmt::format("{:.0f} us", 1e6 * seconds)
+                        : fmt::format("{:.1f} ms", 1e3 * seconds);
+}
+
+/// A combo over `choices`; the number chosen, when another than `current` was. What is still being
+/// prepared stands below it, and cannot be chosen.
+std::optional<std::int32_t> choose(const char* label, const std::vector<Choice>& choices,
+                                   std::int32_t current) {
+  std::optional<std::int32_t> chosen;
+  ImGui::TextUnformatted(label);
+  ImGui::SameLine(choice_column);
+  ImGui::SetNextItemWidth(-1);
+  const auto now = static_cast<std::size_t>(current);
+  if (ImGui::BeginCombo(fmt::format("##{}", label).c_str(),
+                        now < choices.size() ? choices[now].name.c_str() : "")) {
+    for (std::size_t n = 0; n < choices.size(); ++n) {
+      const ImGuiSelectableFlags flags =
+          choices[n].prepared < 1 ? ImGuiSelectableFlags_Disabled : ImGuiSelectableFlags_None;
+      const std::string entry = fmt::format("{}##{}", choices[n].name, n);
+      if (ImGui::Selectable(entry.c_str(), n == now, flags) && n != now)
+        chosen = static_cast<std::int32_t>(n);
+    }
+    ImGui::EndCombo();
+  }
+  for (const Choice& choice : choices)
+    if (choice.prepared < 1)
+      ImGui::TextDisabled("preparing %s: %.0f %%", choice.name.c_str(), 100 * choice.prepared);
+  return chosen;
+}
+
+void choices(const PanelContents& contents, ViewChoices& view, PictureRequests& requests) {
+  const HapticState& state = contents.state;
+  if (const auto model = choose("dataset", contents.models, state.model))
+    requests.use = {*model, state.method};
+  if (const auto method = choose("method", contents.methods, state.method))
+    requests.use = {state.model, *method};
+  const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
+  if (ImGui::Button("Release", {width, 0})) requests.release = true;
+  ImGui::SameLine();
+  if (ImGui::Button(contents.status.paused ? "Go on" : "Pause", {width, 0})) requests.pause = true;
+  ImGui::SameLine();
+  if (ImGui::Button("Reload", {width, 0})) requests.reload = true;
+  ImGui::Checkbox("ghost", &view.ghost);
+  ImGui::SameLine();
+  ImGui::Checkbox("lattice", &view.lattice);
+  ImGui::SameLine();
+  ImGui::Checkbox("help", &view.help);
+}
+
+void latticeChoices(const PanelContents& contents, ViewChoices& view) {
+  if (!view.lattice) return;
+  heading(fmt::format("Lattice of \"{}\"", contents.lattice_name).c_str());
+  if (ImGui::RadioButton("by tag", !view.errors)) view.errors = false;
+  ImGui::SameLine();
+  if (ImGui::RadioButton("by error", view.errors)) view.errors = true;
+  ImGui::Checkbox("cut", &view.cut);
+  for (int axis = 0; axis < 3; ++axis) {
+    ImGui::SameLine();
+    ImGui::RadioButton(std::array{"x", "y", "z"}[static_cast<std::size_t>(axis)], &view.plane.axis,
+                       axis);
+  }
+  const auto reach = static_cast<float>(1e3 * contents.lattice_radius);
+  auto offset = static_cast<float>(1e3 * view.plane.offset);
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::SliderFloat("##offset", &offset, -reach, reach, "at %.1f mm")) {
+    view.plane.offset = 1e-3 * offset;
+    view.cut = true;
+  }
+}
+
+std::string stiffnessText(const Eigen::Matrix3d& stiffness) {
+  if (!stiffness.allFinite()) return "none";
+  // Of the tissue: minus the derivative of the force on the tool.
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(-0.5 * (stiffness + stiffness.transpose()), Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d& k = solver.eigenvalues();
+  return fmt::format("{:.0f}, {:.0f}, {:.0f} N/m", k[2], k[1], k[0]);
+}
+
+void touchNumbers(const Touch& touch) {
+  const Eigen::Vector3d u = 1e3 * touch.displacement;
+  row("pressed", fmt::format("{:.1f} mm", u.norm()));
+  row("", fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", u.x(), u.y(), u.z()));
+  row("stiffness", stiffnessText(touch.stiffness));
+  row("coverage", fmt::format("{:.0f} %{}", 100 * touch.coverage, touch.inside ? "" : ", outside"));
+}
+
+void numbers(const PanelContents& contents) {
+  const HapticState& state = contents.state;
+  const Touch& touch = state.touch;
+  heading("Touch");
+  row("force", newtons(state.force.norm()));
+  row("of tissue", newtons(touch.force.norm()));
+  row("error",
+      std::isfinite(touch.error_bound) ? "\xC2\xB1 " + newtons(touch.error_bound) : "unknown");
+  if (touch.touching)
+    touchNumbers(touch);
+  else
+    row("gap", fmt::format("{:.1f} mm", 1e3 * touch.gap));
+  row("passivity", fmt::format("{:.2f} mJ", 1e3 * state.passivity));
+  for (std::int32_t n = 0; touch.touching && n < touch.blend.size; ++n) {
+    const SpaceWeight& share = touch.blend.shares[static_cast<std::size_t>(n)];
+    const auto space = static_cast<std::size_t>(share.space);
+    if (share.weight > smallest_share && space < contents.spaces.size())
+      row(n == 0 ? "spaces" : "",
+          fmt::format("{:3.0f} % {}", 100 * share.weight, contents.spaces[space]));
+  }
+}
+
+void lampField(const GuardLamps& lamps) {
+  heading("Guards");
+  const ImVec2 origin = ImGui::GetCursorScreenPos();
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const float column = ImGui::GetContentRegionAvail().x / lamp_columns;
+  const float line = ImGui::GetTextLineHeight() + ImGui::GetStyle().ItemSpacing.y;
+  for (int bit = 0; bit < guard_count; ++bit) {
+    const ImVec2 at = {origin.x + column * static_cast<float>(bit % lamp_columns),
+                       origin.y + line * static_cast<float>(bit / lamp_columns)};
+    const bool lit = lamps.lit(bit);
+    draw.AddCircleFilled({at.x + lamp_radius + 1, at.y + lamp_radius + 2}, lamp_radius,
+                         lit ? lamp_lit : lamp_dark, lamp_corners);
+    draw.AddText({at.x + lamp_text_offset, at.y}, lit ? ink : faint, guardWord(bit));
+  }
+  constexpr int lines = (guard_count + lamp_columns - 1) / lamp_columns;
+  ImGui::Dummy({0, line * lines - heading_gap});
+}
+
+void loopNumbers(const PictureStatus& status) {
+  const LoopFigures& loop = status.loop;
+  heading("Loop");
+  row("device", status.device.empty() ? "none" : status.device);
+  if (loop.rate <= 0) return;
+  row("rate", fmt::format("{:.0f} Hz{}", loop.rate, status.recording ? ", recording" : ""));
+  ImGui::TextDisabled("%s", "");
+  ImGui::SameLine(value_column);
+  ImGui::TextDisabled("p50       p99.9");
+  row("period",
+      fmt::format("{:<9} {}", microseconds(loop.period_p50), microseconds(loop.period_p999)));
+  row("compute",
+      fmt::format("{:<9} {}", microseconds(loop.compute_p50), microseconds(loop.compute_p999)));
+  row("missed", fmt::format("{} own, {} system", loop.missed_program, loop.missed_system));
+  if (loop.halts > 0) row("halts", fmt::format("{}", loop.halts));
+}
+
+}  // namespace
+
+void buildSidePanel(const PanelContents& contents, const Viewport& view, ViewChoices& chosen,
+                    PictureRequests& requests) {
+  ImGui::SetNextWindowPos({static_cast<float>(view.width), 0});
+  ImGui::SetNextWindowSize(
+      {static_cast<float>(view.window_width - view.width), static_cast<float>(view.window_height)});
+  ImGui::Begin("##side", nullptr, fixed_panel);
+  choices(contents, chosen, requests);
+  numbers(contents);
+  lampField(contents.lamps);
+  loopNumbers(contents.status);
+  latticeChoices(contents, chosen);
+  ImGui::End();
+}
+
+}  // namespace palpate

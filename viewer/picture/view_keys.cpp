@@ -1,0 +1,60 @@
+#include "viewer/picture/view_keys.hpp"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <optional>
+
+namespace palpate {
+namespace {
+
+/// The next one that can be chosen, round and round; none when there is no other.
+std::optional<std::int32_t> following(const std::vector<Choice>& choices, std::int32_t current) {
+  for (std::size_t step = 1; step < choices.size(); ++step) {
+    const std::size_t next = (static_cast<std::size_t>(current) + step) % choices.size();
+    if (choices[next].prepared == 1) return static_cast<std::int32_t>(next);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+const char* const key_help =
+    "left drag          turn\n"
+    "right, shift drag  move\n"
+    "wheel              nearer, farther\n"
+    "Ctrl + mouse       moves the tool\n"
+    "Ctrl + wheel       tool deeper, higher\n"
+    "\n"
+    "F      show everything\n"
+    "G, L   ghost, lattice\n"
+    "E      lattice by error, by tag\n"
+    "M      next method\n"
+    "D      next dataset\n"
+    "R      release\n"
+    "Space  pause, go on\n"
+    "F5     reload\n"
+    "H      this help\n"
+    "Q      quit";
+
+void obeyKeys(const PanelContents& contents, ViewChoices& view, PictureRequests& requests) {
+  const HapticState& state = contents.state;
+  const auto pressed = [&](int key) { return std::ranges::count(contents.keys, key) > 0; };
+  if (ImGui::GetIO().WantTextInput) return;
+  if (pressed(GLFW_KEY_G)) view.ghost = !view.ghost;
+  if (pressed(GLFW_KEY_L)) view.lattice = !view.lattice;
+  if (pressed(GLFW_KEY_E)) view.errors = !view.errors;
+  if (pressed(GLFW_KEY_H)) view.help = !view.help;
+  if (pressed(GLFW_KEY_R)) requests.release = true;
+  if (pressed(GLFW_KEY_SPACE)) requests.pause = true;
+  if (pressed(GLFW_KEY_F5)) requests.reload = true;
+  if (pressed(GLFW_KEY_Q)) requests.quit = true;
+  const auto method = following(contents.methods, state.method);
+  if (pressed(GLFW_KEY_M) && method) requests.use = {state.model, *method};
+  const auto model = following(contents.models, state.model);
+  if (pressed(GLFW_KEY_D) && model) requests.use = {*model, state.method};
+}
+
+}  // namespace palpate
