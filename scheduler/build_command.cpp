@@ -70,7 +70,7 @@ ExitCode compute(Build& build, int workers) {
   return ExitCode::interrupted;
 }
 
-std::function<ExitCode()> prepare(CLI::App& app) {
+std::function<ExitCode()> prepareBuild(CLI::App& app) {
   auto options = std::make_shared<BuildOptions>();
   addOptions(app, options->order);
   app.add_option("-j,--workers", options->workers,
@@ -88,6 +88,6 @@ std::function<ExitCode()> prepare(CLI::App& app) {
 }  // namespace
 
 const Verb build_verb = {"build", "Compute the dataset of a scene with workers on this machine",
-                         prepare};
+                         prepareBuild};
 
 }  // namespace palpate

@@ -39,7 +39,7 @@ ExitCode run(const ExplainOptions& options) {
   return ExitCode::done;
 }
 
-std::function<ExitCode()> prepare(CLI::App& app) {
+std::function<ExitCode()> prepareExplain(CLI::App& app) {
   auto options = std::make_shared<ExplainOptions>();
   app.add_option("WHERE", options->where, "Dataset, OUT.h5, or a state directory")->required();
   app.add_option("--active", options->active,
@@ -56,6 +56,6 @@ std::function<ExitCode()> prepare(CLI::App& app) {
 
 }  // namespace
 
-const Verb explain_verb = {"explain", "How a lattice point was reached, or why it failed", prepare};
+const Verb explain_verb = {"explain", "How a lattice point was reached, or why it failed", prepareExplain};
 
 }  // namespace palpate

@@ -50,7 +50,7 @@ ExitCode run(const ServeOptions& options) {
   return carryOut(options.order, [&](Build& build) { return compute(build, options.endpoint); });
 }
 
-std::function<ExitCode()> prepare(CLI::App& app) {
+std::function<ExitCode()> prepareServe(CLI::App& app) {
   auto options = std::make_shared<ServeOptions>();
   addOptions(app, options->order);
   app.get_option("--state")->required()->description(
@@ -69,6 +69,6 @@ std::function<ExitCode()> prepare(CLI::App& app) {
 }  // namespace
 
 const Verb serve_verb = {
-    "serve", "Compute the dataset of a scene with workers that connect from anywhere", prepare};
+    "serve", "Compute the dataset of a scene with workers that connect from anywhere", prepareServe};
 
 }  // namespace palpate

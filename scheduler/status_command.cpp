@@ -65,7 +65,7 @@ ExitCode showStatus(const StatusOptions& options) {
   }
 }
 
-std::function<ExitCode()> prepare(CLI::App& app) {
+std::function<ExitCode()> prepareStatus(CLI::App& app) {
   auto options = std::make_shared<StatusOptions>();
   app.add_option("WHERE", options->where, "Scheduler, tcp://HOST:PORT, or a state directory")
       ->capture_default_str();
@@ -78,6 +78,6 @@ std::function<ExitCode()> prepare(CLI::App& app) {
 }  // namespace
 
 const Verb status_verb = {
-    "status", "How far a build is: points, rate, time left, workers, failures", prepare};
+    "status", "How far a build is: points, rate, time left, workers, failures", prepareStatus};
 
 }  // namespace palpate

@@ -18,7 +18,7 @@ ExitCode stop(const std::string& where) {
   return ExitCode::done;
 }
 
-std::function<ExitCode()> prepare(CLI::App& app) {
+std::function<ExitCode()> prepareStop(CLI::App& app) {
   auto where = std::make_shared<std::string>(default_endpoint);
   app.add_option("WHERE", *where, "Scheduler, tcp://HOST:PORT, or its state directory")
       ->capture_default_str();
@@ -29,6 +29,6 @@ std::function<ExitCode()> prepare(CLI::App& app) {
 
 const Verb stop_verb = {
     "stop", "Let a scheduler's workers finish what they hold and end it; it can go on later",
-    prepare};
+    prepareStop};
 
 }  // namespace palpate
