@@ -118,29 +118,29 @@ std::vector<T> cut(const std::vector<T>& all, const Rows& rows) {
   return {at(rows.first), at(rows.end)};
 }
 
-Tag tagOf(const Reader& in, const std::string& path, std::uint8_t value) {
-  if (value > static_cast<std::uint8_t>(Tag::failed))
-    throw in.damaged(path, fmt::format("holds {}", value));
-  return static_cast<Tag>(value);
-}
-
-Cause causeOf(const Reader& in, const std::string& path, std::uint8_t value) {
-  if (value > static_cast<std::uint8_t>(Cause::unreachable))
-    throw in.damaged(path, fmt::format("holds {}, a cause this program does not know", value));
-  return static_cast<Cause>(value);
+/// The tag or the cause of each row.
+template <class T>
+std::vector<T> readCodes(const Reader& in, const std::string& path, const Shape& shape,
+                         std::optional<T> (*known)(std::uint32_t)) {
+  std::vector<T> codes;
+  for (const std::uint8_t value : in.read<std::uint8_t>(path, shape)) {
+    const std::optional<T> code = known(value);
+    if (!code)
+      throw in.damaged(path, fmt::format("holds {}, which this program does not know", value));
+    codes.push_back(*code);
+  }
+  return codes;
 }
 
 /// What /points and /probes have in common.
 std::vector<PointRecord> readRecords(const Reader& in, const std::string& group,
                                      std::size_t n_rows) {
-  const auto bytes = [&](const char* array) {
-    return in.read<std::uint8_t>(group + array, {n_rows});
-  };
   const auto integers = [&](const char* array) {
     return in.read<std::int32_t>(group + array, {n_rows});
   };
   const auto numbers = [&](const char* array) { return in.read<double>(group + array, {n_rows}); };
-  const auto tag = bytes("tag"), cause = bytes("cause");
+  const std::vector<Tag> tag = readCodes(in, group + "tag", {n_rows}, tagOf);
+  const std::vector<Cause> cause = readCodes(in, group + "cause", {n_rows}, causeOf);
   const auto parent = integers("parent"), iterations = integers("newton_iterations");
   const auto factorizations = integers("factorizations"), steps = integers("steps");
   const auto force = in.read<double>(group + "force", {n_rows, 3});
@@ -151,8 +151,8 @@ std::vector<PointRecord> readRecords(const Reader& in, const std::string& group,
   std::vector<PointRecord> records(n_rows);
   for (std::size_t n = 0; n < n_rows; ++n) {
     PointRecord& record = records[n];
-    record.tag = tagOf(in, group + "tag", tag[n]);
-    record.cause = causeOf(in, group + "cause", cause[n]);
+    record.tag = tag[n];
+    record.cause = cause[n];
     record.parent = parent[n];
     record.cost = {iterations[n], factorizations[n], steps[n], 0};
     if (!isSolved(record.tag)) continue;
@@ -171,8 +171,7 @@ std::vector<PointRecord> readRecords(const Reader& in, const std::string& group,
 }
 
 std::vector<FailedAttempt> readAttempts(const Reader& in) {
-  const std::string cause_path = "/attempts/cause";
-  const auto cause = in.read<std::uint8_t>(cause_path, {any_extent});
+  const std::vector<Cause> cause = readCodes(in, "/attempts/cause", {any_extent}, causeOf);
   const Shape shape = {cause.size()};
   const auto integers = [&](const char* array) {
     return in.read<std::int32_t>(std::string("/attempts/") + array, shape);
@@ -191,8 +190,8 @@ std::vector<FailedAttempt> readAttempts(const Reader& in) {
   for (std::size_t n = 0; n < cause.size(); ++n)
     attempts.push_back(
         {target[n], parent[n],
-         Failure{causeOf(in, cause_path, cause[n]), step_reached[n], residual[n], element[n],
-                 element_det_F[n], pivots[n], expected_pivots[n], infog1[n], infog2[n]}});
+         Failure{cause[n], step_reached[n], residual[n], element[n], element_det_F[n], pivots[n],
+                 expected_pivots[n], infog1[n], infog2[n]}});
   return attempts;
 }
 

@@ -226,10 +226,9 @@ std::optional<Outcome> fromWire(const wire::Result& result) {
   }
   if (!result.has_failure()) return std::nullopt;
   const wire::Failure& message = result.failure();
-  // The causes after worker_lost are of points: nobody finds them by trying.
-  if (message.cause() == 0 || message.cause() > static_cast<std::uint32_t>(Cause::worker_lost))
-    return std::nullopt;
-  outcome.failure = {static_cast<Cause>(message.cause()),
+  const std::optional<Cause> cause = causeOf(message.cause());
+  if (!cause || !stopsTransitions(*cause)) return std::nullopt;
+  outcome.failure = {*cause,
                      message.step_reached(),
                      message.residual(),
                      message.element(),
