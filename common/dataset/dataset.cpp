@@ -24,16 +24,18 @@ void refuseOtherFormats(const Reader& in, const std::string& file) {
                    file, layout::format);
   const std::vector<std::int32_t> version = in.integers("format_version");
   if (version.size() != 2) throw in.damaged("format_version", "is not (major, minor)");
-  if (version[0] > 0 && version[0] < layout::major_version)
+  if (version[0] > 0 && version[0] < layout::oldest_major_version)
     throw badInput(
         "{}: has format version {}.{}, which is no longer read; "
         "seal it again with `palpate build SCENE.toml --force`, "
         "which takes what was computed from the state directory",
         file, version[0], version[1]);
-  if (version[0] != layout::major_version)
+  if (version[0] < 1 || version[0] > layout::major_version)
     throw badInput(
-        "{}: has format version {}.{}, this program reads {}.x; use the program that made it: {}",
-        file, version[0], version[1], layout::major_version, in.text("generator"));
+        "{}: has format version {}.{}, this program reads {}.x to {}.x; "
+        "use the program that made it: {}",
+        file, version[0], version[1], layout::oldest_major_version, layout::major_version,
+        in.text("generator"));
 }
 
 ContentId idIn(const Reader& in, const char* attribute) {
@@ -208,7 +210,6 @@ class SpacesReader {
     readLattices(spaces);
     readRefinements(spaces);
     readProbes(spaces);
-    readRbf(spaces);
     const auto attempts = readAttempts(in_);
     const auto attempts_of = rows("first_attempt", attempts.size());
     for (std::size_t s = 0; s < n_spaces_; ++s) {
@@ -332,48 +333,6 @@ class SpacesReader {
       for (std::size_t n = probes_of[s].first; n < probes_of[s].end; ++n)
         spaces[s].probes.push_back(
             {Eigen::Map<const Eigen::Vector3d>(&position[3 * n]), records[n]});
-  }
-
-  void readRbf(std::vector<SpaceTable>& spaces) const {
-    const std::vector<Rows> points_of = pointRows();
-    const auto condition = in_.read<double>("/rbf/condition", {n_spaces_, 4});
-    const auto residual = in_.read<double>("/rbf/residual", {n_spaces_, 4});
-    for (std::size_t kind = 0; kind < layout::rbf_paths.size(); ++kind) {
-      const std::string path = layout::rbf_paths[kind];
-      const std::size_t n_tail = layout::rbf_tail_rows[kind];
-      const auto weights = in_.read<double>(path, {points_of.back().end, 3});
-      std::vector<double> tails;
-      if (n_tail > 0) tails = in_.read<double>(path + "_polynomial", {n_spaces_, n_tail, 3});
-      for (std::size_t s = 0; s < n_spaces_; ++s) {
-        if (std::isnan(residual[4 * s + kind])) continue;
-        RbfWeights& rbf = spaces[s].rbf.emplace_back();
-        rbf.kernel = kind < 2 ? RbfKernel::linear : RbfKernel::cubic;
-        rbf.has_tail = n_tail > 0;
-        rbf.condition = condition[4 * s + kind];
-        rbf.residual = residual[4 * s + kind];
-        rbf.weights = weightsOf(spaces[s], std::span(weights).subspan(3 * points_of[s].first));
-        rbf.tail = Eigen::Map<const decltype(rbf.tail)>(
-            tails.data() + 3 * n_tail * (n_tail > 0 ? s : 0), static_cast<Eigen::Index>(n_tail), 3);
-        if (rbf.accurate() && !(rbf.weights.allFinite() && rbf.tail.allFinite()))
-          throw in_.damaged(
-              path, fmt::format("{} has weights that are not finite", spaces[s].patch.name));
-      }
-    }
-    for (const SpaceTable& space : spaces)
-      if (!space.rbf.empty() && space.rbf.size() != layout::rbf_paths.size())
-        throw in_.damaged("/rbf/residual",
-                          fmt::format("{} has some weights only", space.patch.name));
-  }
-
-  /// The rows of solved points.
-  static decltype(RbfWeights::weights) weightsOf(const SpaceTable& space,
-                                                 std::span<const double> rows) {
-    std::vector<double> solved;
-    for (std::size_t n = 0; n < space.points.size(); ++n)
-      if (isSolved(space.points[n].tag))
-        solved.insert(solved.end(), &rows[3 * n], &rows[3 * n] + 3);
-    return Eigen::Map<const decltype(RbfWeights::weights)>(
-        solved.data(), static_cast<Eigen::Index>(solved.size() / 3), 3);
   }
 
   const Reader& in_;

@@ -13,10 +13,6 @@
 
 namespace palpate {
 
-/// Factorising for more points would hold sealing up; who wants their weights solves them
-/// (solveRbfWeights).
-inline constexpr std::size_t most_stored_rbf_points = 2000;
-
 /// Gives the nodal fields of a solved point while a dataset is sealed. Throws Error when they
 /// cannot be read.
 using FieldsSource = std::function<NodalFields(std::size_t space, std::int32_t point)>;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -16,8 +15,9 @@
 namespace palpate::layout {
 
 inline constexpr std::string_view format = "palpate-dataset";
-/// Readers refuse another major version and ignore what a newer minor version added.
-inline constexpr std::int32_t major_version = 2;
+/// Readers refuse major versions that are not among these and ignore arrays that they do not know:
+/// what a newer minor version added, and /rbf, which version 2 had.
+inline constexpr std::int32_t oldest_major_version = 2, major_version = 3;
 inline constexpr std::int32_t minor_version = 0;
 inline constexpr std::string_view units = "SI: m, N, Pa, J, N/m";
 
@@ -25,12 +25,6 @@ inline constexpr std::string_view units = "SI: m, N, Pa, J, N/m";
 /// TYPE SHAPE HASH\n" per array, sorted by path, for instance "/points/ijk int32 515x3 0a1b...\n";
 /// the shape of a scalar is "scalar".
 ContentId contentHash(const std::string& scene_toml, std::vector<hdf5::ArrayInfo> arrays);
-
-/// Arrays of RBF weights in /rbf, in the order of SpaceTable::rbf.
-inline constexpr std::array<const char*, 4> rbf_paths = {"/rbf/linear", "/rbf/linear_tail",
-                                                         "/rbf/cubic", "/rbf/cubic_tail"};
-/// Rows of the tails.
-inline constexpr std::array<std::size_t, 4> rbf_tail_rows = {0, 1, 0, 4};
 
 /// What of the nodal fields is stored (Storage): the nodes that have displacements, sorted, and the
 /// number of pressures.

@@ -10,7 +10,6 @@
 #include "common/dataset/dataset_layout.hpp"
 #include "common/dataset/hdf5_writer.hpp"
 #include "common/interpolation/branch_check.hpp"
-#include "common/interpolation/rbf_weights.hpp"
 
 namespace palpate {
 namespace {
@@ -173,19 +172,6 @@ class SealWriter {
     };
     writeRows<double>("/probes/position", {3}, "m", &SpaceTable::probes, position);
     writeRecords("/probes/", &SpaceTable::probes);
-  }
-
-  void writeRbf() {
-    out_.makeGroup("/rbf");
-    std::vector<double> condition, residual;
-    for (const SpaceTable& space : spaces_)
-      for (std::size_t k = 0; k < layout::rbf_paths.size(); ++k) {
-        condition.push_back(space.rbf.empty() ? no_number : space.rbf[k].condition);
-        residual.push_back(space.rbf.empty() ? no_number : space.rbf[k].residual);
-      }
-    out_.write("/rbf/condition", {spaces_.size(), 4}, spanOf(condition), "1");
-    out_.write("/rbf/residual", {spaces_.size(), 4}, spanOf(residual), "1");
-    for (std::size_t k = 0; k < layout::rbf_paths.size(); ++k) writeRbf(k);
   }
 
   void writeFields(const FieldsSource& fields) {
@@ -370,29 +356,6 @@ class SealWriter {
     writeRows<double>(group + "stiffness", {3, 3}, "N/m", records, stiffness);
   }
 
-  /// One row of weights per point, NaN where there are none, and the tail of every space.
-  void writeRbf(std::size_t kind) {
-    std::vector<double> weights, tails;
-    for (const SpaceTable& space : spaces_) {
-      const RbfWeights* const rbf = space.rbf.empty() ? nullptr : &space.rbf[kind];
-      Eigen::Index row = 0;
-      for (const PointRecord& point : space.points) {
-        const bool has = rbf != nullptr && isSolved(point.tag);
-        for (Eigen::Index axis = 0; axis < 3; ++axis)
-          weights.push_back(has ? rbf->weights(row, axis) : no_number);
-        row += has ? 1 : 0;
-      }
-      for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(layout::rbf_tail_rows[kind]); ++i)
-        for (Eigen::Index axis = 0; axis < 3; ++axis)
-          tails.push_back(rbf != nullptr ? rbf->tail(i, axis) : no_number);
-    }
-    const std::string path = layout::rbf_paths[kind];
-    out_.write(path, {weights.size() / 3, 3}, spanOf(weights), "N");
-    if (!tails.empty())
-      out_.write(path + "_polynomial", {spaces_.size(), layout::rbf_tail_rows[kind], 3},
-                 spanOf(tails), "N");
-  }
-
   void writeAttempts() {
     out_.makeGroup("/attempts");
     const auto integers = [&](const char* array, auto value) {
@@ -452,17 +415,7 @@ void checkArguments(const std::string& file, const Problem& problem,
 
 /// With what is derived from the points and stored beside them.
 std::vector<SpaceTable> withDerived(std::vector<SpaceTable> spaces) {
-  for (SpaceTable& space : spaces) {
-    space.inconsistent_edges = inconsistentEdges(space);
-    space.rbf.clear();
-    const auto n_solved =
-        std::count_if(space.points.begin(), space.points.end(),
-                      [](const PointRecord& point) { return isSolved(point.tag); });
-    if (n_solved == 0 || static_cast<std::size_t>(n_solved) > most_stored_rbf_points) continue;
-    for (const RbfKernel kernel : {RbfKernel::linear, RbfKernel::cubic})
-      for (RbfWeights& weights : solveRbfWeights(space, kernel))
-        space.rbf.push_back(std::move(weights));
-  }
+  for (SpaceTable& space : spaces) space.inconsistent_edges = inconsistentEdges(space);
   return spaces;
 }
 
@@ -474,7 +427,6 @@ ContentId writeDataset(const std::filesystem::path& file, const Problem& problem
   writer.writeSpaces();
   writer.writePoints();
   writer.writeProbes();
-  writer.writeRbf();
   writer.writeFields(fields);
   return writer.finish(kernel_family);
 }

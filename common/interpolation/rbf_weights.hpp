@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "common/space/rbf_weights_table.hpp"
 #include "common/space/space_table.hpp"
 
 namespace palpate {

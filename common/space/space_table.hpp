@@ -8,7 +8,6 @@
 #include "common/space/active_patch.hpp"
 #include "common/space/configuration.hpp"
 #include "common/space/lattice.hpp"
-#include "common/space/rbf_weights_table.hpp"
 #include "common/space/tag.hpp"
 
 namespace palpate {
@@ -54,9 +53,6 @@ struct SpaceTable {
   /// inconsistentEdges of this space (branch_check.hpp), as they were when the dataset was sealed;
   /// sealDataset finds them itself.
   std::vector<LatticeEdge> inconsistent_edges;
-  /// Weights of r, r with tail, r^3, r^3 with tail, of these points, from a dataset; sealDataset
-  /// solves them itself. Empty where no point is solved, or more than most_stored_rbf_points.
-  std::vector<RbfWeights> rbf;
 };
 
 /// Largest force of a terminating point that cells are interpolated with, in largest forces of the

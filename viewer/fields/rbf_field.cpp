@@ -10,13 +10,6 @@ std::string_view nameOf(RbfKernel kernel, bool has_tail) {
   return has_tail ? "rbf-cubic-tail" : "rbf-cubic";
 }
 
-/// Those of the dataset, where it has them.
-RbfWeights rbfWeights(const SpaceTable& space, RbfKernel kernel, bool has_tail) {
-  for (const RbfWeights& stored : space.rbf)
-    if (stored.kernel == kernel && stored.has_tail == has_tail) return stored;
-  return solveRbfWeights(space, kernel)[has_tail ? 1 : 0];
-}
-
 /// In units of the spacing.
 std::vector<RbfBlock> blocksOf(const SpaceTable& space, const RbfWeights& weights) {
   std::vector<RbfBlock> blocks(static_cast<std::size_t>(weights.weights.rows() + 7) / rbf_lanes);
@@ -40,7 +33,7 @@ std::vector<RbfBlock> blocksOf(const SpaceTable& space, const RbfWeights& weight
 RbfField::RbfField(const SpaceTable& space, RbfKernel kernel, bool has_tail,
                    const RbfKernels& kernels)
     : CellField(CellData(space)),
-      weights_(rbfWeights(space, kernel, has_tail)),
+      weights_(solveRbfWeights(space, kernel)[has_tail ? 1 : 0]),
       sums_(kernel == RbfKernel::linear ? kernels.linear : kernels.cubic),
       blocks_(blocksOf(space, weights_)) {
   if (!weights_.accurate())

@@ -158,8 +158,8 @@ TEST_F(ChangedDataset, IsReadAsLongAsNothingChanged) {
 TEST_F(ChangedDataset, IsRefusedWhenOthersMadeOrChangedIt) {
   EXPECT_THAT(errorAfter("for key in list(f.attrs): del f.attrs[key]"),
               HasSubstr("not a Palpate dataset"));
-  EXPECT_THAT(errorAfter("f.attrs['format_version'] = np.array([3, 0], 'int32')"),
-              HasSubstr("format version 3.0"));
+  EXPECT_THAT(errorAfter("f.attrs['format_version'] = np.array([4, 0], 'int32')"),
+              HasSubstr("format version 4.0, this program reads 2.x to 3.x"));
   EXPECT_THAT(
       errorAfter("f.attrs['format_version'] = np.array([1, 1], 'int32')"),
       HasSubstr("format version 1.1, which is no longer read; seal it again with `palpate build"));
@@ -235,8 +235,14 @@ TEST_F(ChangedDataset, OfARefinedSpaceIsRefusedForImpossibleCells) {
 }
 
 TEST_F(ChangedDataset, OfANewerMinorVersionIsReadWithoutItsNewArrays) {
-  EXPECT_EQ(errorAfterForging("f.attrs['format_version'] = np.array([2, 7], "
+  EXPECT_EQ(errorAfterForging("f.attrs['format_version'] = np.array([3, 7], "
                               "'int32')\nf['rest/error'] = np.zeros((2, 3))"),
+            "no error");
+}
+
+TEST_F(ChangedDataset, OfVersion2IsReadWithoutItsRadialFunctions) {
+  EXPECT_EQ(errorAfterForging("f.attrs['format_version'] = np.array([2, 0], "
+                              "'int32')\nf['rbf/linear'] = np.zeros((66, 3))"),
             "no error");
 }
 
