@@ -2,78 +2,100 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <limits>
 
 namespace palpate {
 namespace {
 
-constexpr std::array<std::string_view, 11> words = {
-    "none",          "iteration_limit",      "line_search_stalled", "inverted_element",
-    "wrong_inertia", "factorization_failed", "not_finite",          "step_budget",
-    "worker_lost",   "unreachable",          "limit_point"};
-
-}  // namespace
-
-std::string_view name(Cause cause) { return words.at(static_cast<std::size_t>(cause)); }
-
-std::optional<Cause> causeNamed(std::string_view word) {
-  for (std::size_t i = 0; i < words.size(); ++i)
-    if (words[i] == word) return static_cast<Cause>(i);
-  return std::nullopt;
-}
-
-std::string describe(const Failure& f) {
-  const std::string where = fmt::format("at {:.1f} % of the transition", 100 * f.step_reached);
+/// What `f` means, and what usually helps.
+std::string meaningOf(const Failure& f) {
   switch (f.cause) {
     case Cause::none:
-      return "no failure";
+      break;
     case Cause::iteration_limit:
-      return fmt::format("iteration_limit {}: Newton was still descending, residual {:.3g} N",
-                         where, f.residual);
+      return fmt::format("Newton was still descending, residual {:.3g} N", f.residual);
     case Cause::line_search_stalled:
-      return fmt::format(
-          "line_search_stalled {}: residual {:.3g} N does not go down; "
-          "element {} has det F = {:.3g}",
-          where, f.residual, f.element, f.element_det_F);
+      return fmt::format("residual {:.3g} N does not go down; element {} has det F = {:.3g}",
+                         f.residual, f.element, f.element_det_F);
     case Cause::inverted_element:
       return fmt::format(
-          "inverted_element {}: element {} has det F = {:.3g}; "
-          "ln-det-F or a larger patch radius usually helps",
-          where, f.element, f.element_det_F);
+          "element {} has det F = {:.3g}; ln-det-F or a larger patch radius usually helps",
+          f.element, f.element_det_F);
     case Cause::wrong_inertia:
-      return fmt::format(
-          "wrong_inertia {}: {} negative pivots instead of {}, "
-          "a fold or another branch lies between",
-          where, f.negative_pivots, f.expected_negative_pivots);
+      return fmt::format("{} negative pivots instead of {}, a fold or another branch lies between",
+                         f.negative_pivots, f.expected_negative_pivots);
     case Cause::factorization_failed:
       if (f.mumps_infog1 >= 0)
-        return fmt::format(
-            "factorization_failed {}: the solution with the factors cannot be refined, "
-            "the tangent is nearly singular",
-            where);
-      return fmt::format("factorization_failed {}: MUMPS INFOG(1) = {}, INFOG(2) = {}", where,
-                         f.mumps_infog1, f.mumps_infog2);
+        return "the solution with the factors cannot be refined, the tangent is nearly singular";
+      return fmt::format("MUMPS INFOG(1) = {}, INFOG(2) = {}", f.mumps_infog1, f.mumps_infog2);
     case Cause::not_finite:
-      return fmt::format("not_finite {}: NaN or infinity appeared", where);
+      return "NaN or infinity appeared";
     case Cause::step_budget:
       return fmt::format(
-          "step_budget {}: smaller steps did not get further; residual {:.3g} N, "
-          "element {} has det F = {:.3g}",
-          where, f.residual, f.element, f.element_det_F);
+          "smaller steps did not get further; residual {:.3g} N, element {} has det F = {:.3g}",
+          f.residual, f.element, f.element_det_F);
     case Cause::worker_lost:
-      return "worker_lost: every worker that tried this transition died; "
+      return "every worker that tried this transition died; "
              "see the workers' logs (memory limit?)";
     case Cause::unreachable:
-      return "unreachable: no neighbour can be expanded: "
+      return "no neighbour can be expanded: "
              "it lies behind points that are terminating or failed; nothing was tried";
     case Cause::limit_point:
       return fmt::format(
-          "limit_point {}: the equilibrium path turns back there, "
-          "{} negative pivots instead of {} beyond the turn; a patch (radius) "
-          "carries further than a single node",
-          where, f.negative_pivots, f.expected_negative_pivots);
+          "the equilibrium path turns back there, "
+          "{} negative pivots instead of {} beyond the turn; "
+          "a patch (radius) carries further than a single node",
+          f.negative_pivots, f.expected_negative_pivots);
   }
-  return "unknown cause";
+  return {};
+}
+
+}  // namespace
+
+// A switch, so that the compiler refuses a cause without a word.
+std::string_view name(Cause cause) {
+  switch (cause) {
+    case Cause::none:
+      return "none";
+    case Cause::iteration_limit:
+      return "iteration_limit";
+    case Cause::line_search_stalled:
+      return "line_search_stalled";
+    case Cause::inverted_element:
+      return "inverted_element";
+    case Cause::wrong_inertia:
+      return "wrong_inertia";
+    case Cause::factorization_failed:
+      return "factorization_failed";
+    case Cause::not_finite:
+      return "not_finite";
+    case Cause::step_budget:
+      return "step_budget";
+    case Cause::worker_lost:
+      return "worker_lost";
+    case Cause::unreachable:
+      return "unreachable";
+    case Cause::limit_point:
+      return "limit_point";
+  }
+  return {};
+}
+
+std::optional<Cause> causeOf(std::uint32_t value) {
+  if (value > std::numeric_limits<std::uint8_t>::max()) return std::nullopt;
+  const auto cause = static_cast<Cause>(value);
+  return name(cause).empty() ? std::nullopt : std::optional(cause);
+}
+
+bool stopsTransitions(Cause cause) { return cause != Cause::none && cause != Cause::unreachable; }
+
+std::string describe(const Failure& failure) {
+  if (failure.cause == Cause::none) return "no failure";
+  // Where it stopped is known of those that a worker came back from.
+  const bool has_place = stopsTransitions(failure.cause) && failure.cause != Cause::worker_lost;
+  const std::string where =
+      has_place ? fmt::format(" at {:.1f} % of the transition", 100 * failure.step_reached) : "";
+  return fmt::format("{}{}: {}", name(failure.cause), where, meaningOf(failure));
 }
 
 }  // namespace palpate

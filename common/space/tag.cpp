@@ -4,16 +4,16 @@
 
 namespace palpate {
 namespace {
+
 constexpr std::array<std::string_view, 4> words = {"unknown", "expandable", "terminating",
                                                    "failed"};
-}
+
+}  // namespace
 
 std::string_view name(Tag tag) { return words.at(static_cast<std::size_t>(tag)); }
 
-std::optional<Tag> tagNamed(std::string_view word) {
-  for (std::size_t i = 0; i < words.size(); ++i)
-    if (words[i] == word) return static_cast<Tag>(i);
-  return std::nullopt;
+std::optional<Tag> tagOf(std::uint32_t value) {
+  return value < words.size() ? std::optional(static_cast<Tag>(value)) : std::nullopt;
 }
 
 }  // namespace palpate

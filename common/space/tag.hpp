@@ -19,6 +19,7 @@ constexpr bool isSolved(Tag tag) { return tag == Tag::expandable || tag == Tag::
 
 /// "unknown", "expandable", "terminating" or "failed".
 std::string_view name(Tag tag);
-std::optional<Tag> tagNamed(std::string_view word);
+/// The tag with this value in a file; nothing when there is none.
+std::optional<Tag> tagOf(std::uint32_t value);
 
 }  // namespace palpate

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -182,6 +183,7 @@ void toWire(const Outcome& outcome, const std::string& fields_bytes, wire::Resul
   cost.set_steps(outcome.cost.steps);
   cost.set_seconds(outcome.cost.seconds);
   if (!outcome.converged) {
+    PALPATE_ASSERT(stopsTransitions(outcome.failure.cause), "fromWire takes no other");
     wire::Failure& failure = *result.mutable_failure();
     failure.set_cause(static_cast<std::uint32_t>(outcome.failure.cause));
     failure.set_step_reached(outcome.failure.step_reached);
@@ -194,6 +196,7 @@ void toWire(const Outcome& outcome, const std::string& fields_bytes, wire::Resul
     failure.set_mumps_infog2(outcome.failure.mumps_infog2);
     return;
   }
+  PALPATE_ASSERT(!fields_bytes.empty(), "an equilibrium has nodal fields");
   const Equilibrium& equilibrium = outcome.equilibrium;
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> stiffness = equilibrium.stiffness;
   wire::Equilibrium& message = *result.mutable_equilibrium();
@@ -226,10 +229,9 @@ std::optional<Outcome> fromWire(const wire::Result& result) {
   }
   if (!result.has_failure()) return std::nullopt;
   const wire::Failure& message = result.failure();
-  // The causes after worker_lost are of points: nobody finds them by trying.
-  if (message.cause() == 0 || message.cause() > static_cast<std::uint32_t>(Cause::worker_lost))
-    return std::nullopt;
-  outcome.failure = {static_cast<Cause>(message.cause()),
+  const std::optional<Cause> cause = causeOf(message.cause());
+  if (!cause || !stopsTransitions(*cause)) return std::nullopt;
+  outcome.failure = {*cause,
                      message.step_reached(),
                      message.residual(),
                      message.element(),

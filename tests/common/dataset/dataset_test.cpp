@@ -13,6 +13,7 @@
 #include <iterator>
 
 #include "common/interpolation/branch_check.hpp"
+#include "tests/support/causes.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -129,6 +130,18 @@ TEST_F(SealedDataset, GivesBackEveryRecord) {
   const Dataset dataset(file);
   ASSERT_EQ(dataset.spaces().size(), 2u);
   for (std::size_t s = 0; s < 2; ++s) expectSame(dataset.spaces()[s], sample.spaces[s]);
+}
+
+TEST_F(SealedDataset, GivesBackEveryCause) {
+  const auto failed = std::find_if(sample.spaces[0].points.begin(), sample.spaces[0].points.end(),
+                                   [](const PointRecord& p) { return p.tag == Tag::failed; });
+  sample.spaces[0].attempts.clear();
+  for (const Cause cause : test::allCauses()) {
+    failed->cause = cause;
+    sample.spaces[0].attempts.push_back({7, 0, {.cause = cause}});
+    sample.seal(file);
+    expectSame(Dataset(file).spaces()[0], sample.spaces[0]);
+  }
 }
 
 TEST_F(SealedDataset, GivesBackRefinedLatticesProbesAndInconsistentEdges) {

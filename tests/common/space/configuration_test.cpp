@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "common/space/tag.hpp"
+#include "tests/support/causes.hpp"
 #include "tests/support/expect_error.hpp"
 
 namespace palpate {
@@ -46,20 +48,24 @@ TEST(Tag, WordsAreThePapersFour) {
                                   {Tag::terminating, "terminating"},
                                   {Tag::failed, "failed"}}) {
     EXPECT_EQ(name(tag), word);
-    EXPECT_EQ(tagNamed(word), tag);
+    EXPECT_EQ(tagOf(static_cast<std::uint32_t>(tag)), tag);
   }
-  EXPECT_FALSE(tagNamed("leased"));
+  EXPECT_FALSE(tagOf(4));
 }
 
-TEST(Cause, EveryWordNamesItsCause) {
-  for (int value = 0; value <= static_cast<int>(Cause::unreachable); ++value) {
-    const auto cause = static_cast<Cause>(value);
-    EXPECT_EQ(causeNamed(name(cause)), cause);
-    Failure failure;
-    failure.cause = cause;
-    EXPECT_TRUE(cause == Cause::none || describe(failure).starts_with(name(cause)));
+TEST(Cause, EveryOneHasAWordOfItsOwnAndADescriptionThatBeginsWithIt) {
+  std::set<std::string_view> words;
+  for (const Cause cause : test::allCauses()) {
+    EXPECT_TRUE(words.insert(name(cause)).second) << name(cause);
+    const std::string text = describe(Failure{.cause = cause});
+    EXPECT_TRUE(cause == Cause::none || text.starts_with(name(cause))) << text;
+    EXPECT_FALSE(text.ends_with(": ")) << text;
   }
-  EXPECT_FALSE(causeNamed("bad luck"));
+  EXPECT_EQ(causeOf(10), Cause::limit_point);
+}
+
+TEST(Cause, OfAnUnknownValueIsNone) {
+  for (const std::uint32_t value : {200u, 256u, 266u, ~0u}) EXPECT_FALSE(causeOf(value)) << value;
 }
 
 }  // namespace

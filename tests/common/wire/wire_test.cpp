@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/causes.hpp"
 #include "tests/support/expect_error.hpp"
 
 namespace palpate {
@@ -20,6 +21,29 @@ TEST(Endpoint, IsRefusedSayingHowToWriteOne) {
        {"", "localhost:7411", "http://localhost:7411", "tcp://", "tcp://localhost", "tcp://:7411",
         "tcp://localhost:", "tcp://localhost:99999", "tcp://localhost:7411x"})
     expectBadInput([&] { checkEndpoint(bad); }, {"tcp://HOST:PORT"});
+}
+
+TEST(WireResult, CarriesFailuresOfEveryCauseThatStopsTransitions) {
+  for (const Cause cause : test::allCauses()) {
+    if (!stopsTransitions(cause)) continue;
+    Outcome outcome;
+    outcome.failure = {cause, 0.75, 2e-3, 11, 0.125, 28, 27, -9, 4096};
+    wire::Result result;
+    toWire(outcome, "", result);
+    const auto again = fromWire(result);
+    ASSERT_TRUE(again) << name(cause);
+    EXPECT_EQ(again->failure.cause, cause);
+    EXPECT_EQ(describe(again->failure), describe(outcome.failure));
+  }
+}
+
+TEST(WireResult, OfAnotherCauseIsNone) {
+  for (const std::uint32_t value :
+       {0u, static_cast<std::uint32_t>(Cause::unreachable), 200u, 257u}) {
+    wire::Result result;
+    result.mutable_failure()->set_cause(value);
+    EXPECT_FALSE(fromWire(result)) << value;
+  }
 }
 
 }  // namespace
