@@ -181,7 +181,7 @@ void ViewSession::Parts::announce() const {
   spdlog::info(
       "{}: {} active node(s), {} of {} surface triangles can be touched, method {}, contact {}",
       model.file(), model.spaces().size(), touchable, triangles, options.method,
-      used.contact.mode == ContactMode::glued ? "glued" : "unilateral");
+      word(used.contact.mode));
   spdlog::info("{} at {:g} Hz: at most {:g} N and {:g} N/s, workspace scale {:.3g}", device->name(),
                options.rate, used.guard.max_force, used.guard.max_slew, used.map.scale);
   const double felt = used.map.scale * largestStiffness(model);
