@@ -9,6 +9,7 @@
 
 #include "common/dataset/dataset_layout.hpp"
 #include "common/dataset/hdf5_reader.hpp"
+#include "common/problem/stored_fields.hpp"
 
 namespace palpate {
 namespace {
@@ -387,8 +388,8 @@ class FieldsReader {
  public:
   FieldsReader(const Reader& in, const Scene& scene, const Mesh& mesh, std::size_t n_rows)
       : in_(&in),
-        n_values_(3 * layout::storedNodes(scene, mesh).size()),
-        n_pressures_(layout::storedPressures(scene, mesh)),
+        n_values_(3 * palpate::storedNodes(scene, mesh).size()),
+        n_pressures_(storedPressures(scene, mesh)),
         quantized_(scene.storage.precision == StoredPrecision::int16) {
     in.array(path, quantized_ ? hdf5::Element::int16 : hdf5::Element::float32,
              {n_rows, n_values_ / 3, 3});
@@ -468,7 +469,7 @@ struct Dataset::Impl {
     kernel_family = in.text("kernel_family");
     if (layout::contentHash(scene_toml, in.arrays()) != content_id)
       throw in.damaged("content_hash", "does not match the scene and the hashes of the arrays");
-    if (surface != palpate::surfaceNodes(mesh) || stored != layout::storedNodes(scene, mesh))
+    if (surface != palpate::surfaceNodes(mesh) || stored != palpate::storedNodes(scene, mesh))
       throw in.damaged("/mesh/surface_nodes or stored_nodes",
                        "are not those of the surface and the scene");
     const SpacesReader reader(in, scene, mesh);

@@ -8,8 +8,6 @@
 #include <vector>
 
 #include "common/dataset/hdf5_handle.hpp"
-#include "common/mesh/mesh.hpp"
-#include "common/scene/scene.hpp"
 
 /// Names and numbers of the dataset format, shared by its writer and its reader. docs/dataset.md is
 /// the page about it.
@@ -31,11 +29,6 @@ inline constexpr std::array<const char*, 4> rbf_paths = {"/rbf/linear", "/rbf/li
                                                          "/rbf/cubic", "/rbf/cubic_tail"};
 /// Rows of the tails.
 inline constexpr std::array<std::size_t, 4> rbf_tail_rows = {0, 1, 0, 4};
-
-/// What of the nodal fields is stored (Storage): the nodes that have displacements, sorted, and the
-/// number of pressures.
-std::vector<std::int32_t> storedNodes(const Scene& scene, const Mesh& mesh);
-std::size_t storedPressures(const Scene& scene, const Mesh& mesh);
 
 /// Displacements as 16-bit integers: step * values, the largest in magnitude being 32767.
 struct Quantized {

@@ -11,6 +11,7 @@
 #include "common/dataset/hdf5_writer.hpp"
 #include "common/interpolation/branch_check.hpp"
 #include "common/interpolation/rbf_weights.hpp"
+#include "common/problem/stored_fields.hpp"
 
 namespace palpate {
 namespace {
@@ -33,13 +34,13 @@ const PointRecord& recordOf(const Probe& probe) { return probe.record; }
 class FieldsWriter {
  public:
   FieldsWriter(hdf5::Writer& out, const Problem& problem, hsize_t n_rows)
-      : out_(out), stored_(layout::storedNodes(problem.scene, problem.mesh)) {
+      : out_(out), stored_(storedNodes(problem.scene, problem.mesh)) {
     const Shape shape = {n_rows, stored_.size(), 3};
     if (problem.scene.storage.precision == StoredPrecision::int16)
       integers_.emplace(out, displacement_path, shape, "1");
     else
       floats_.emplace(out, displacement_path, shape, "m");
-    const hsize_t n_pressures = layout::storedPressures(problem.scene, problem.mesh);
+    const hsize_t n_pressures = storedPressures(problem.scene, problem.mesh);
     if (n_pressures > 0)
       pressures_.emplace(out, "/points/pressure", Shape{n_rows, n_pressures}, "Pa");
   }
@@ -119,7 +120,7 @@ class SealWriter {
     if (!mesh.edges.empty()) writeTuples("/mesh/edges", mesh.edges);
     writeList("/mesh/fixed_nodes", problem_.fixed);
     writeList("/mesh/surface_nodes", surfaceNodes(mesh));
-    writeList("/mesh/stored_nodes", layout::storedNodes(problem_.scene, mesh));
+    writeList("/mesh/stored_nodes", storedNodes(problem_.scene, mesh));
   }
 
   void writeSpaces() {

@@ -10,10 +10,8 @@ namespace palpate {
 namespace {
 
 constexpr std::int32_t no_cell = std::numeric_limits<std::int32_t>::max();
-// Relative to the radius. A cell that reaches less deep into the ball is left out, so that
-// round-off does not decide about cells that touch the sphere from outside; find() then looks at a
-// position pulled in farther.
-constexpr double shallow = 1e-10, pull = 1e-9;
+// Of the radius: positions are pulled in by more than a cell must reach into the ball.
+constexpr double pull = 1e-9;
 
 LatticePoint cornerOf(const LatticeCell& cell, std::size_t corner, std::int32_t edge) {
   LatticePoint point = cell.lowest;
@@ -34,7 +32,7 @@ CellTree::CellTree(const SpaceTable& space)
     : radius_(space.lattice.radius()),
       spacing_(space.lattice.spacing()),
       divisions_(space.lattice.divisions()),
-      extent_(static_cast<std::int32_t>(std::ceil(radius_ / spacing_ * (1 - shallow)))) {
+      extent_(rootExtent(space.lattice)) {
   if (std::none_of(space.points.begin(), space.points.end(),
                    [](const PointRecord& point) { return isSolved(point.tag); }))
     throw failure("active node {}: no lattice point was solved, so there is nothing to interpolate",
@@ -50,19 +48,8 @@ CellTree::CellTree(const SpaceTable& space)
   markUnsupported();
 }
 
-bool CellTree::reachesIntoBall(const LatticeCell& cell) const {
-  const std::int32_t edge = divisions_ >> cell.level;
-  double squared = 0;
-  for (const std::int32_t low : cell.lowest) {
-    const double distance = std::max({low, -(low + edge), 0});
-    squared += distance * distance;
-  }
-  const double limit = radius_ / spacing_ * divisions_ * (1 - shallow);
-  return squared < limit * limit;
-}
-
 void CellTree::addCell(const SpaceTable& space, const LatticeCell& cell, std::size_t place) {
-  if (!reachesIntoBall(cell)) return;
+  if (!reachesIntoBall(cell, space.lattice)) return;
   const std::int32_t half = divisions_ >> (cell.level + 1);
   if (half == 0 || !isSplit(space, cell)) {
     nodes_[place] = static_cast<std::int32_t>(leaves_.size());

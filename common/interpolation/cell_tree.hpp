@@ -82,7 +82,6 @@ class CellTree {
 
  private:
   void addCell(const SpaceTable& space, const LatticeCell& cell, std::size_t place);
-  bool reachesIntoBall(const LatticeCell& cell) const;
   void makeSlots(const SpaceTable& space);
   void hang(CellSlot& slot) const;
   void markUnsupported();

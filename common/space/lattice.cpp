@@ -13,6 +13,8 @@ namespace {
 constexpr double max_points = 1e7;  // 4/3 pi ratio^3, which counts them to a part in a thousand
 /// "14.3 mm" means 100/7 mm = 14.2857 mm, "6.667 mm" means 100/15 mm.
 constexpr double spacing_tolerance = 2e-3;
+/// Of the radius: a cell that reaches less deep into the ball is left out.
+constexpr double shallow = 1e-10;
 
 /// radius / spacing, an integer where the two were meant to divide.
 double ratioOf(double radius, double spacing) {
@@ -148,6 +150,31 @@ std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
   neighbours.reserve(candidates.size());
   for (const Candidate& candidate : candidates) neighbours.push_back(candidate.index);
   return neighbours;
+}
+
+bool reachesIntoBall(const LatticeCell& cell, const Lattice& lattice) {
+  const std::int32_t edge = lattice.divisions() >> cell.level;
+  double squared = 0;
+  for (const std::int32_t low : cell.lowest) {
+    const double distance = std::max({low, -(low + edge), 0});
+    squared += distance * distance;
+  }
+  const double limit = lattice.radius() / lattice.spacing() * lattice.divisions() * (1 - shallow);
+  return squared < limit * limit;
+}
+
+std::int32_t rootExtent(const Lattice& lattice) {
+  return static_cast<std::int32_t>(std::ceil(lattice.radius() / lattice.spacing() * (1 - shallow)));
+}
+
+std::int64_t rootCells(const Lattice& lattice) {
+  const std::int32_t extent = rootExtent(lattice), edge = lattice.divisions();
+  std::int64_t count = 0;
+  for (std::int32_t i = -extent; i < extent; ++i)
+    for (std::int32_t j = -extent; j < extent; ++j)
+      for (std::int32_t k = -extent; k < extent; ++k)
+        count += reachesIntoBall({{i * edge, j * edge, k * edge}, 0}, lattice) ? 1 : 0;
+  return count;
 }
 
 }  // namespace palpate

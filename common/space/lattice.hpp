@@ -90,4 +90,15 @@ class Lattice {
   std::map<LatticePoint, std::int32_t> added_;  ///< those that are not in the cube
 };
 
+/// Whether a cell reaches into the workspace ball of `lattice`. By less than 1e-10 of the radius
+/// does not count, so that round-off does not decide about cells that touch the sphere from
+/// outside.
+bool reachesIntoBall(const LatticeCell& cell, const Lattice& lattice);
+
+/// How many cells of level 0 reach from the origin to the end of the ball, along each axis.
+std::int32_t rootExtent(const Lattice& lattice);
+
+/// Number of cells of level 0 that reach into the ball.
+std::int64_t rootCells(const Lattice& lattice);
+
 }  // namespace palpate

@@ -19,6 +19,16 @@ TEST(Lattice, HasThePapersNumbersOfPointsAndTheOrigin) {
   EXPECT_EQ(Lattice(0.1, 0.1 / 15).size(), 14147);
 }
 
+TEST(Lattice, KnowsTheCellsThatReachIntoTheBall) {
+  EXPECT_EQ(rootCells(Lattice(0.1, 0.1)), 8);
+  EXPECT_EQ(rootCells(Lattice(0.04, 0.02)), 64);
+  EXPECT_EQ(rootCells(Lattice(0.06, 0.02, 1024)), 184);
+  const Lattice lattice(0.04, 0.02, 2);
+  EXPECT_TRUE(reachesIntoBall({{2, 2, 2}, 0}, lattice));
+  EXPECT_FALSE(reachesIntoBall({{3, 3, 3}, 1}, lattice)) << "its half in the corner";
+  EXPECT_FALSE(reachesIntoBall({{4, 0, 0}, 0}, lattice)) << "only touches the ball";
+}
+
 TEST(Lattice, TakesARoundedSpacingForTheExactFraction) {
   const Lattice lattice(0.1, 0.0143);
   EXPECT_EQ(lattice.size(), 1419);
