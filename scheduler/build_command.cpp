@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "common/base/replaced_file.hpp"
+#include "common/problem/problem_warnings.hpp"
 #include "scheduler/build.hpp"
 #include "scheduler/build_summary.hpp"
 #include "scheduler/progress.hpp"
@@ -104,8 +105,7 @@ ExitCode finish(const std::vector<SpaceTable>& spaces, const Scene& scene,
 
 ExitCode run(const BuildOptions& options) {
   Problem problem = loadProblem(options.scene);
-  if (const std::string warning = infSupWarning(problem.scene.discretization); !warning.empty())
-    spdlog::warn(warning);
+  logWarnings(problem);
   const std::filesystem::path out =
       options.out.empty() ? defaultDatasetFile(problem.scene) : std::filesystem::path(options.out);
   const std::filesystem::path state =

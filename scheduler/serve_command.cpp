@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "common/base/replaced_file.hpp"
+#include "common/problem/problem_warnings.hpp"
 #include "common/wire/wire.hpp"
 #include "scheduler/build.hpp"
 #include "scheduler/build_summary.hpp"
@@ -58,8 +59,7 @@ ExitCode run(const ServeOptions& options) {
         "or say --insecure on a network you trust",
         options.endpoint);
   Problem problem = loadProblem(options.scene);
-  if (const std::string warning = infSupWarning(problem.scene.discretization); !warning.empty())
-    spdlog::warn(warning);
+  logWarnings(problem);
   const std::filesystem::path out =
       options.out.empty() ? defaultDatasetFile(problem.scene) : std::filesystem::path(options.out);
   if (isSealed(out, problem, options.force))
