@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "common/base/replaced_file.hpp"
+#include "common/problem/problem_warnings.hpp"
 #include "scheduler/build_summary.hpp"
 #include "scheduler/progress.hpp"
 
@@ -36,8 +37,7 @@ void addOptions(CLI::App& app, BuildOrder& order) {
 
 ExitCode carryOut(const BuildOrder& order, const std::function<ExitCode(Build&)>& compute) {
   Problem problem = loadProblem(order.scene);
-  if (const std::string warning = infSupWarning(problem.scene.discretization); !warning.empty())
-    spdlog::warn(warning);
+  logWarnings(problem);
   const std::filesystem::path out = order.out.empty() ? problem.scene.name + ".h5" : order.out;
   const std::string state = order.state.empty() ? out.string() + ".state" : order.state;
   if (isSealed(out, problem, order.force))

@@ -128,6 +128,7 @@ class Query {
     if (!output_) throw failure("cannot write the answer to standard output");
   }
   bool allInside() const { return outside_ == 0; }
+  double workspaceRadius() const { return space_.lattice.radius(); }
 
  private:
   Dataset dataset_;
@@ -142,7 +143,7 @@ class Query {
 
 ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& output) {
   Query query(options, output);
-  forEachDisplacement(options.displacement, input,
+  forEachDisplacement(options.displacement, input, query.workspaceRadius(),
                       [&](const Eigen::Vector3d& displacement) { query.answer(displacement); });
   return query.allInside() ? ExitCode::done : ExitCode::partly_failed;
 }

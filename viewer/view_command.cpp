@@ -36,9 +36,9 @@ void check(const ViewOptions& options) {
     throw badInput("--headless draws no picture: leave it out for --screenshot and --record-video");
 }
 
-std::optional<ContactMode> contactNamed(const std::string& word) {
-  if (word.empty()) return {};
-  return word == "glued" ? ContactMode::glued : ContactMode::unilateral;
+std::optional<ContactMode> contactNamed(const std::string& name) {
+  if (name.empty()) return {};
+  return name == word(ContactMode::glued) ? ContactMode::glued : ContactMode::unilateral;
 }
 
 }  // namespace
@@ -68,8 +68,9 @@ Verb viewVerb() {
         app.add_option("--method", options->method, "Interpolation to begin with")
             ->check(CLI::IsMember(forceFieldMethods()))
             ->capture_default_str();
-        app.add_option("--contact", *contact, "unilateral or glued; default: what the scene says")
-            ->check(CLI::IsMember({"unilateral", "glued"}));
+        app.add_option("--contact", *contact, "How the tool touches; default: what the scene says")
+            ->check(CLI::IsMember(
+                std::vector<std::string>(contactWords().begin(), contactWords().end())));
         app.add_option("--friction", options->friction,
                        "Coulomb's coefficient of unilateral contact")
             ->capture_default_str();

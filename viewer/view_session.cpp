@@ -109,7 +109,7 @@ void ViewSession::announce() const {
   spdlog::info(
       "{}: {} active node(s), {} of {} surface triangles can be touched, method {}, contact {}",
       model.file(), model.spaces().size(), touchable, triangles, options_.method,
-      used.contact.mode == ContactMode::glued ? "glued" : "unilateral");
+      word(used.contact.mode));
   spdlog::info("{} at {:g} Hz: at most {:g} N and {:g} N/s, workspace scale {:.3g}",
                device_->name(), options_.rate, used.guard.max_force, used.guard.max_slew,
                used.map.scale);

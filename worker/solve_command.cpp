@@ -1,7 +1,6 @@
 #include "worker/solve_command.hpp"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -14,6 +13,7 @@
 
 #include "common/base/displacement_input.hpp"
 #include "common/problem/problem.hpp"
+#include "common/problem/problem_warnings.hpp"
 #include "common/space/lattice.hpp"
 #include "worker/solver/path.hpp"
 
@@ -111,13 +111,13 @@ void printText(const Eigen::Vector3d& displacement, const Outcome& outcome) {
 
 ExitCode solve(const SolveOptions& options) {
   const Problem problem = loadProblem(options.scene);
-  if (const std::string warning = infSupWarning(problem.scene.discretization); !warning.empty())
-    spdlog::warn(warning);
+  logWarnings(problem);
   const std::size_t space = spaceNamed(problem, options.active);
   TransitionSolver solver(problem, chooseKernels());
   solver.chooseTool(space);
   bool all_converged = true;
-  forEachDisplacement(options.displacement, std::cin, [&](const Eigen::Vector3d& displacement) {
+  const double radius = problem.scene.workspace.radius;
+  forEachDisplacement(options.displacement, std::cin, radius, [&](const auto& displacement) {
     refuseMistakenUnit(problem, displacement);
     const Outcome outcome = solveAt(solver, problem, options.steps, displacement);
     all_converged &= outcome.converged;

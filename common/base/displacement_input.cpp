@@ -1,5 +1,7 @@
 #include "common/base/displacement_input.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <charconv>
 #include <cmath>
 
@@ -22,6 +24,9 @@ Eigen::Vector3d parse(const std::vector<std::string>& words, const std::string& 
   }
   return displacement;
 }
+
+/// Nobody asks for places this many radii away on purpose.
+constexpr double far_beyond = 3;
 
 std::vector<std::string> wordsIn(const std::string& line) {
   constexpr const char* separators = " \t\r,";
@@ -48,18 +53,35 @@ CLI::Option* addDisplacementOption(CLI::App& app, std::vector<std::string>& word
 }
 
 void forEachDisplacement(const std::vector<std::string>& words, std::istream& input,
+                         double workspace_radius,
                          const std::function<void(const Eigen::Vector3d&)>& visit) {
+  bool warned = false;
+  const auto answer = [&](const Eigen::Vector3d& p) {
+    if (!warned && looksLikeMillimetres(p, workspace_radius)) {
+      spdlog::warn(
+          "displacement ({:g}, {:g}, {:g}): metres are expected, and the workspace has a radius of "
+          "{:.4g} m; this looks like millimetres, which would be ({:g}, {:g}, {:g})",
+          p[0], p[1], p[2], workspace_radius, 1e-3 * p[0], 1e-3 * p[1], 1e-3 * p[2]);
+      warned = true;
+    }
+    visit(p);
+  };
   if (words != std::vector<std::string>{"-"}) {
-    visit(parse(words, "--displacement"));
+    answer(parse(words, "--displacement"));
     return;
   }
   std::string line;
   for (int number = 1; std::getline(input, line); ++number) {
     const std::vector<std::string> numbers = wordsIn(line);
     if (numbers.empty() || numbers.front().starts_with('#')) continue;
-    visit(parse(numbers, fmt::format("standard input, line {}", number)));
+    answer(parse(numbers, fmt::format("standard input, line {}", number)));
   }
   if (input.bad()) throw failure("standard input could not be read");
+}
+
+bool looksLikeMillimetres(const Eigen::Vector3d& displacement, double workspace_radius) {
+  const double length = displacement.stableNorm();
+  return length > far_beyond * workspace_radius && 1e-3 * length <= workspace_radius;
 }
 
 }  // namespace palpate

@@ -1,9 +1,6 @@
 #include "common/dataset/dataset_layout.hpp"
 
 #include <algorithm>
-#include <numeric>
-
-#include "common/problem/problem.hpp"
 
 namespace palpate::layout {
 
@@ -18,18 +15,6 @@ ContentId contentHash(const std::string& scene_toml, std::vector<hdf5::ArrayInfo
                         array.hash.hex());
   }
   return ContentId::of(text);
-}
-
-std::vector<std::int32_t> storedNodes(const Scene& scene, const Mesh& mesh) {
-  if (scene.storage.displacement == StoredNodes::surface) return surfaceNodes(mesh);
-  std::vector<std::int32_t> nodes(mesh.nodes.size());
-  std::iota(nodes.begin(), nodes.end(), 0);
-  return nodes;
-}
-
-std::size_t storedPressures(const Scene& scene, const Mesh& mesh) {
-  if (scene.storage.displacement == StoredNodes::surface) return 0;
-  return pressureNodes(scene.discretization.pressure, mesh);
 }
 
 }  // namespace palpate::layout

@@ -6,8 +6,6 @@
 #include <vector>
 
 #include "common/dataset/hdf5_handle.hpp"
-#include "common/mesh/mesh.hpp"
-#include "common/scene/scene.hpp"
 
 /// Names and numbers of the dataset format, shared by its writer and its reader. docs/dataset.md is
 /// the page about it.
@@ -30,10 +28,5 @@ inline constexpr const char *format_attribute = "format", *version_attribute = "
 /// TYPE SHAPE HASH\n" per array, sorted by path, for instance "/points/ijk int32 515x3 0a1b...\n";
 /// the shape of a scalar is "scalar".
 ContentId contentHash(const std::string& scene_toml, std::vector<hdf5::ArrayInfo> arrays);
-
-/// What of the nodal fields is stored (Storage): the nodes that have displacements, sorted, and the
-/// number of pressures.
-std::vector<std::int32_t> storedNodes(const Scene& scene, const Mesh& mesh);
-std::size_t storedPressures(const Scene& scene, const Mesh& mesh);
 
 }  // namespace palpate::layout

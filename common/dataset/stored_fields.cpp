@@ -6,6 +6,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/dataset/dataset_layout.hpp"
+#include "common/problem/storage.hpp"
 
 namespace palpate {
 namespace {
@@ -57,13 +58,13 @@ ContentId rowHash(std::span<const Number> displacement, const float* step,
 }  // namespace
 
 FieldsWriter::FieldsWriter(hdf5::Writer& out, const Problem& problem, std::size_t n_rows)
-    : out_(out), stored_(layout::storedNodes(problem.scene, problem.mesh)) {
+    : out_(out), stored_(storedNodes(problem.scene, problem.mesh)) {
   const hdf5::Shape shape = {n_rows, stored_.size(), 3};
   if (problem.scene.storage.precision == StoredPrecision::int16)
     integers_.emplace(out, displacement_path, shape, "1");
   else
     floats_.emplace(out, displacement_path, shape, "m");
-  const hsize_t n_pressures = layout::storedPressures(problem.scene, problem.mesh);
+  const hsize_t n_pressures = storedPressures(problem.scene, problem.mesh);
   if (n_pressures > 0)
     pressures_.emplace(out, pressure_path, hdf5::Shape{n_rows, n_pressures}, "Pa");
 }
@@ -112,8 +113,8 @@ FieldsReader::FieldsReader(const hdf5::Reader& in, const Scene& scene, const Mes
                            const std::vector<SpaceTable>& spaces)
     : in_(in),
       spaces_(spaces),
-      n_values_(3 * layout::storedNodes(scene, mesh).size()),
-      n_pressures_(layout::storedPressures(scene, mesh)),
+      n_values_(3 * storedNodes(scene, mesh).size()),
+      n_pressures_(storedPressures(scene, mesh)),
       quantized_(scene.storage.precision == StoredPrecision::int16) {
   std::size_t n_rows = 0;
   for (const SpaceTable& space : spaces) {

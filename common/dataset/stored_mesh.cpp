@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/dataset/dataset_layout.hpp"
+#include "common/problem/storage.hpp"
 
 namespace palpate {
 namespace {
@@ -71,7 +72,7 @@ void writeMesh(hdf5::Writer& out, const Problem& problem) {
   if (!mesh.edges.empty()) out.writeList(edges_path, mesh.edges, "1");
   out.writeList(fixed_path, problem.fixed, "1");
   out.writeList(visible_path, surfaceNodes(mesh), "1");
-  out.writeList(stored_path, layout::storedNodes(problem.scene, mesh), "1");
+  out.writeList(stored_path, storedNodes(problem.scene, mesh), "1");
 }
 
 StoredMesh readMesh(const Reader& in, const Scene& scene) {
@@ -85,7 +86,7 @@ StoredMesh readMesh(const Reader& in, const Scene& scene) {
   mesh.surface = readElements<3>(in, surface_path, mesh.vertices());
   read.fixed = readNodes(in, fixed_path, mesh.nodes.size());
   read.surface = readDerived(in, visible_path, surfaceNodes(mesh));
-  read.stored = readDerived(in, stored_path, layout::storedNodes(scene, mesh));
+  read.stored = readDerived(in, stored_path, storedNodes(scene, mesh));
   return read;
 }
 

@@ -12,7 +12,7 @@ struct StoredMesh {
   Mesh mesh;                          ///< without groups; quadratic with P2 displacement
   std::vector<std::int32_t> fixed;    ///< sorted
   std::vector<std::int32_t> surface;  ///< surfaceNodes(mesh)
-  std::vector<std::int32_t> stored;   ///< layout::storedNodes of the scene
+  std::vector<std::int32_t> stored;   ///< storedNodes of the scene
 };
 
 /// Writes the group /mesh.

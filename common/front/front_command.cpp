@@ -44,7 +44,7 @@ lattice of positions of one displaced surface node, and answers with forces inte
 Usage: palpate VERB [ARGUMENTS]        palpate VERB --help tells all of a verb
 
 From a scene to forces
-  check    Validate a scene; print sizes, mesh quality, warnings and what it will cost. Computes nothing
+  check    Validate a scene; print sizes, mesh quality, doubts and what a build will cost
   build    Compute the dataset of a scene with workers on this machine; interrupted, it goes on where it was
   query    Force, stiffness and error bound at any displacement, from a dataset
   view     Feel and see it: the haptic client, with a virtual hand when there is no device

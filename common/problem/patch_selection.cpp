@@ -2,6 +2,7 @@
 
 #include <numeric>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/mesh/bump_integrals.hpp"
 
@@ -87,6 +88,8 @@ ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, cons
                         selection.radius * selection.radius * on_the_sphere;
     if (node == patch.node || (within && !contains(fixed, node))) patch.nodes.push_back(node);
   }
+  PALPATE_ASSERT(contains(patch.nodes, patch.node),
+                 "the tool moves what displacements are named by");
   if (weighted) patch.weights = weightsOf(patch, mesh, selection.radius);
   return patch;
 }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <numeric>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/units.hpp"
 #include "common/mesh/gmsh_reader.hpp"
@@ -86,7 +87,7 @@ void refuseLoosePieces(const Problem& problem) {
   }
 }
 
-/// NodeSet that are there, sorted, each once.
+/// Nodes of the mesh, sorted, each once: what came over the wire may be anything.
 bool isNodeSet(const NodeSet& nodes, std::size_t n_nodes) {
   return std::adjacent_find(nodes.begin(), nodes.end(), std::greater_equal<>()) == nodes.end() &&
          (nodes.empty() ||
@@ -219,6 +220,9 @@ Problem resolve(Scene scene, Mesh mesh) {
   scene.active = expandSurfaces(scene.active, mesh, problem.fixed);
   for (const ActiveSelection& active : scene.active)
     problem.active.push_back(selectPatch(active, mesh, problem.fixed));
+  PALPATE_ASSERT(std::none_of(scene.active.begin(), scene.active.end(),
+                              [](const ActiveSelection& active) { return active.surface; }),
+                 "what travels and what a dataset holds names every active node");
   problem.scene = std::move(scene);
   problem.mesh = std::move(mesh);
   checkProblem(problem);

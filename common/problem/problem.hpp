@@ -44,23 +44,23 @@ Lattice uniformLattice(const Scene& scene);
 /// Resolves the selectors of a scene on its mesh, which finishMesh has finished. Error (bad input),
 /// naming the scene's key, when
 /// - the mesh is larger than 10 m or smaller than 1 mm (a unit mistaken: the message says which
-/// length_unit
-///   would be plausible);
+///   length_unit would be plausible);
 /// - a selector selects nothing, or nothing but fixed nodes where they cannot be active, or a group
-/// or node does not exist;
+///   or node does not exist;
 /// - the fixed set is empty, contains every node, or lies on one line in a piece of the mesh;
 /// - a tetrahedron is in no region or in two, or a region has no group or no tetrahedron;
 /// - a material wants fibres from element vectors that the mesh does not have, or that are zero;
 /// - an active node is fixed or not on the surface, `near` is farther from the surface than the
-/// body is wide,
-///   or a rigid patch and the fixed nodes are the whole body, or a weighted one has less than three
-///   nodes;
+///   body is wide, or a rigid patch and the fixed nodes are the whole body, or a weighted one has
+///   less than three nodes;
 /// - the mesh has a piece, not connected to the others by a shared node, without fixed nodes;
 /// - the workspace radius exceeds 3 bounding-box diagonals.
-/// An active `surface` is replaced by its nodes: in the scene too, as if they had been written one
-/// by one. Distances "within a radius" allow 5e-13 of it for round-off. With P2 displacement the
-/// mesh gets its mid-edge nodes first (`mesh` has none). fixed_selection.hpp,
-/// surface_selection.hpp, patch_selection.hpp and body_regions.hpp say what is selected.
+///
+/// What is only doubtful is left to warningsOf (problem_warnings.hpp). An active `surface` is
+/// replaced by its nodes: in the scene too, as if they had been written one by one. Distances
+/// "within a radius" allow 5e-13 of it for round-off. With P2 displacement the mesh gets its
+/// mid-edge nodes first (`mesh` has none). fixed_selection.hpp, surface_selection.hpp,
+/// patch_selection.hpp and body_regions.hpp say what is selected.
 Problem resolve(Scene scene, Mesh mesh);
 
 /// readScene + read the mesh (by file ending) + resolve.

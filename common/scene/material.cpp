@@ -34,4 +34,14 @@ double shearModulus(const Material& m) {
   return 0;
 }
 
+double youngModulus(const Material& material) {
+  return material.young > 0 ? material.young : 3 * shearModulus(material);
+}
+
+bool isNearlyIncompressible(const Material& material) {
+  constexpr double poisson = 0.49, bulk_over_shear = 2 * (1 + poisson) / (3 * (1 - 2 * poisson));
+  if (material.bulk) return *material.bulk > bulk_over_shear * shearModulus(material);
+  return !isIncompressible(material) && *material.poisson > poisson;
+}
+
 }  // namespace palpate

@@ -22,21 +22,21 @@ struct OgdenTerm {
 /// them.
 struct Material {
   LawName law = LawName::mooney_rivlin;
-  double young = 0;                    ///< Pa, > 0; linear and the two St. Venant-Kirchhoff laws
-  std::optional<double> poisson = {};  ///< -1 to 0.5; needed by linear and st-venant-kirchhoff,
-                                       ///< optional for the modified law
-  double c10 = 0;                      ///< Pa, > 0; mooney-rivlin, yeoh
-  double c01 = 0;                      ///< Pa, >= 0; mooney-rivlin
-  double c20 = 0, c30 = 0;             ///< Pa; yeoh; c30 >= 0
-  double mu = 0;  ///< Pa, > 0; neo-hookean, holzapfel-gasser-ogden (its ground matrix)
+  double young = 0;  ///< Pa, > 0; linear and the two St. Venant-Kirchhoff laws
+  /// -1 to 0.5; needed by linear and st-venant-kirchhoff, optional for the modified law.
+  std::optional<double> poisson = {};
+  double c10 = 0;           ///< Pa, > 0; mooney-rivlin, yeoh
+  double c01 = 0;           ///< Pa, >= 0; mooney-rivlin
+  double c20 = 0, c30 = 0;  ///< Pa; yeoh; c30 >= 0
+  double mu = 0;            ///< Pa, > 0; neo-hookean, holzapfel-gasser-ogden (its ground matrix)
   std::vector<OgdenTerm> ogden = {};  ///< 1 to 3 terms
   double c1 = 0, c2 = 0;              ///< veronda-westmann: Pa and -, both > 0
   double k1 = 0, k2 = 0;              ///< holzapfel-gasser-ogden: Pa and -, both > 0
   double dispersion = 0;  ///< holzapfel-gasser-ogden: kappa of Gasser et al. 2006, 0 to 1/3
-  std::vector<Eigen::Vector3d> fibers =
-      {};  ///< holzapfel-gasser-ogden: 1 or 2 unit directions at rest, or none
-  std::string fiber_field =
-      {};  ///< instead of `fibers`: element vectors of this name in the mesh (Mesh)
+  /// holzapfel-gasser-ogden: 1 or 2 unit directions at rest, or none.
+  std::vector<Eigen::Vector3d> fibers = {};
+  /// Instead of `fibers`: element vectors of this name in the mesh (Mesh).
+  std::string fiber_field = {};
   /// Pa, > 0. Given: compressible, with the volumetric energy U of docs/solver.md; not taken by
   /// linear and the St. Venant-Kirchhoff laws. Absent: exactly incompressible.
   std::optional<double> bulk = {};
@@ -51,5 +51,12 @@ bool isIncompressible(const Material& material);
 bool isMixed(const Material& material);
 /// Shear modulus at rest, Pa: what pressures and residuals are scaled by.
 double shearModulus(const Material& material);
+/// Young's modulus at rest, Pa: of laws that name none that of an incompressible body, 3 times the
+/// shear modulus. Fibres are not counted.
+double youngModulus(const Material& material);
+/// Whether the volume resists so much more than the shape (Poisson's ratio > 0.49) that linear
+/// tetrahedra without a pressure lock. Exactly incompressible materials, which have a pressure, do
+/// not count.
+bool isNearlyIncompressible(const Material& material);
 
 }  // namespace palpate

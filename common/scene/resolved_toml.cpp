@@ -86,8 +86,7 @@ std::string accuracyToml(const Accuracy& accuracy) {
 std::string storageToml(const Storage& storage) {
   if (storage == Storage{}) return {};
   return fmt::format("\n[storage]\ndisplacement = \"{}\"\nprecision = \"{}\"\n",
-                     storage.displacement == StoredNodes::all ? "all" : "surface",
-                     storage.precision == StoredPrecision::int16 ? "int16" : "float32");
+                     word(storage.displacement), word(storage.precision));
 }
 
 }  // namespace
@@ -96,7 +95,8 @@ std::string resolvedToml(const Scene& scene) {
   std::string text =
       fmt::format("name = {}\nmesh = {}\nlength_unit = \"m\"\n", quotedToml(scene.name),
                   quotedToml(scene.mesh.filename().string()));
-  if (scene.contact == ContactMode::glued) text += "contact = \"glued\"\n";
+  if (scene.contact != ContactMode{})
+    text += fmt::format("contact = \"{}\"\n", word(scene.contact));
   for (const Region& region : scene.regions) text += regionToml(region);
   const Discretization& d = scene.discretization;
   text += fmt::format(

@@ -17,7 +17,6 @@ constexpr std::array<std::string_view, length_units.size()> unit_words = {
 constexpr std::array<std::string_view, 3> axis_words = {"x", "y", "z"};
 constexpr std::array<std::string_view, 2> stored_words = {"surface", "all"};
 constexpr std::array<std::string_view, 2> precision_words = {"float32", "int16"};
-constexpr std::array<std::string_view, 2> contact_words = {"unilateral", "glued"};
 constexpr std::int32_t max_levels = 6, max_probes = 100000;
 
 std::vector<Region> readRegions(const TomlSection& root) {
@@ -350,7 +349,7 @@ Scene readTables(const toml::table& table, const std::string& source) {
   if (const toml::node* node = root.find("storage"))
     scene.storage = readStorage(root.inner("storage", *node, {"displacement", "precision"}));
   if (const toml::node* node = root.find("contact"))
-    scene.contact = static_cast<ContactMode>(root.choice("contact", *node, contact_words));
+    scene.contact = static_cast<ContactMode>(root.choice("contact", *node, contactWords()));
   return scene;
 }
 
@@ -363,13 +362,12 @@ bool isInfSupStable(const Discretization& discretization) {
   return !equal_order;
 }
 
-std::string infSupWarning(const Discretization& discretization) {
-  if (isInfSupStable(discretization)) return {};
-  return fmt::format(
-      "pressure = \"{0}\" with {0} displacement violates inf-sup: too stiff, "
-      "pressures oscillate; for comparison only, {1} is stable",
-      word(discretization.pressure),
-      discretization.displacement == DisplacementSpace::p1 ? "P1-stabilized" : "pressure = \"P1\"");
+std::string_view word(StoredNodes nodes) {
+  return stored_words.at(static_cast<std::size_t>(nodes));
+}
+
+std::string_view word(StoredPrecision precision) {
+  return precision_words.at(static_cast<std::size_t>(precision));
 }
 
 Scene parseScene(const std::string& text, const std::string& source) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/scene/contact_mode.hpp"
 #include "common/scene/device_profile.hpp"
 #include "common/scene/formulation.hpp"
 #include "common/scene/material.hpp"
@@ -32,24 +33,32 @@ struct Discretization {
   bool operator==(const Discretization&) const = default;
 };
 
+/// Whether pressure and displacement satisfy the inf-sup condition (or there is no pressure).
+bool isInfSupStable(const Discretization& discretization);
+
 /// Axis-aligned half space: nodes with coordinate below (or above) a plane, given as `fraction` of
-/// the bounding box or as `at` in metres. below: x < xmin + fraction (xmax - xmin); above: x > xmax
-/// - fraction (xmax - xmin).
+/// the bounding box or as `at` in metres.
+/// - below: x < xmin + fraction (xmax - xmin)
+/// - above: x > xmax - fraction (xmax - xmin)
 struct HalfSpace {
   int axis = 0;  ///< 0 x, 1 y, 2 z
   bool below = true;
   std::optional<double> fraction, at;
   bool operator==(const HalfSpace&) const = default;
 };
+
+/// Closed; metres.
 struct Box {
   Eigen::Vector3d lowest, highest;
   bool operator==(const Box&) const = default;
-};  ///< metres, closed
+};
+
+/// Closed; metres.
 struct Sphere {
   Eigen::Vector3d center;
   double radius;
   bool operator==(const Sphere&) const = default;
-};  ///< metres, closed
+};
 
 /// [fixed]: the union of everything given. `below`, `above`, `box`, `sphere` may be one table or an
 /// array of tables; `group` a name or an array of names; `nodes` an array of 0-based node numbers.
@@ -61,11 +70,6 @@ struct FixedSelection {
   std::vector<std::int32_t> nodes;
   bool operator==(const FixedSelection&) const = default;
 };
-
-/// Whether pressure and displacement satisfy the inf-sup condition (or there is no pressure).
-bool isInfSupStable(const Discretization& discretization);
-/// The line that everyone who solves such a scene is warned with when they do not; else empty.
-std::string infSupWarning(const Discretization& discretization);
 
 /// Places on the surface of the body: all of it, or the union of those given, which are like those
 /// of [fixed].
@@ -85,8 +89,8 @@ struct ActiveSelection {
   std::optional<std::int32_t> node = {};     ///< 0-based; must lie on the surface
   double radius = 0;  ///< metres: every node within it (<=) is in the patch, fixed ones excepted
   ToolKind tool = ToolKind::rigid;  ///< weighted_average needs a radius > 0
-  std::optional<SurfaceSelection> surface =
-      {};  ///< every vertex of the surface in it that is not fixed
+  /// Every vertex of the surface in it that is not fixed.
+  std::optional<SurfaceSelection> surface = {};
   bool operator==(const ActiveSelection&) const = default;
 };
 
@@ -95,8 +99,8 @@ struct Workspace {
   double radius = 0.1;     ///< m, r_G
   double spacing = 0.02;   ///< m
   double max_force = 8.5;  ///< N; beyond it a configuration is terminating
-  bool reject_inverted =
-      true;  ///< a converged state with min det F <= 0 is failed, cause inverted_element
+  /// A converged state with min det F <= 0 is failed, cause inverted_element.
+  bool reject_inverted = true;
   bool operator==(const Workspace&) const = default;
 };
 
@@ -123,36 +127,34 @@ struct Accuracy {
   bool operator==(const Accuracy&) const = default;
 };
 
+/// "surface" or "all".
 enum class StoredNodes : std::uint8_t { surface, all };
+/// "float32" or "int16".
 enum class StoredPrecision : std::uint8_t { float32, int16 };
+/// Words of the scene file.
+std::string_view word(StoredNodes nodes);
+std::string_view word(StoredPrecision precision);
 
 /// [storage]: what the dataset keeps of the nodal fields. It changes no configuration, and no id.
 /// Like [accuracy], it is left out of a resolved scene that says nothing.
 struct Storage {
-  StoredNodes displacement =
-      StoredNodes::surface;  ///< "surface": of its vertices; "all": pressures too
-  StoredPrecision precision =
-      StoredPrecision::float32;  ///< of displacements; docs/dataset.md has the bound
+  /// "surface": of its vertices; "all": pressures too.
+  StoredNodes displacement = StoredNodes::surface;
+  /// "float32" or "int16", of displacements; docs/dataset.md has the bound.
+  StoredPrecision precision = StoredPrecision::float32;
   bool operator==(const Storage&) const = default;
-};
-
-/// `contact`, the key: how a tool touches the body in the haptic client. It changes no
-/// configuration and no id, and is left out of a resolved scene that says nothing.
-enum class ContactMode : std::uint8_t {
-  unilateral,  ///< the tissue pushes the tool away and never pulls; the tool slides with friction
-  glued        ///< the tool holds the surface and can pull it too (the paper's mode)
 };
 
 /// One scene file, validated, in SI units, every default filled in.
 struct Scene {
   std::string name;
   std::filesystem::path mesh;  ///< absolute, or as in the file when read from text
-  double metres_per_unit =
-      1;  ///< of the *mesh file*; every length in this struct is metres already
+  /// Of the *mesh file*; every length in this struct is metres already.
+  double metres_per_unit = 1;
   std::vector<Region> regions = {Region{}};  ///< [material] first, if given, then each [[region]]
   Discretization discretization;
-  Eigen::Vector3d gravity = {0, 0,
-                             0};  ///< m/s^2; [gravity] acceleration = [x, y, z], in no length_unit
+  /// m/s^2; [gravity] acceleration = [x, y, z], in no length_unit.
+  Eigen::Vector3d gravity = {0, 0, 0};
   FixedSelection fixed;
   std::vector<ActiveSelection> active;
   Workspace workspace;
@@ -165,10 +167,9 @@ struct Scene {
 
 /// Reads a scene file. Error (bad input) for a missing file, TOML syntax, an unknown key, a wrong
 /// type or an impossible value, naming file, line and key, with the nearest known key when one is
-/// close. length_unit
-/// ("m", "cm" or "mm") applies to every length in the scene and to the mesh (toMetres in
-/// units.hpp). A scene without `name` is called like its file. docs/scene.md describes every key
-/// for users.
+/// close. length_unit ("m", "cm" or "mm") applies to every length in the scene and to the mesh
+/// (toMetres in units.hpp). A scene without `name` is called like its file. docs/scene.md describes
+/// every key for users.
 Scene readScene(const std::filesystem::path& file);
 
 /// The same from text; `source` names it in errors. A relative mesh path stays relative.

@@ -31,6 +31,7 @@ class TomlSection {
   /// Refuses keys that are not among `keys`. `name` is what errors put before a key: "fixed.below".
   TomlSection(const TomlContext& context, const toml::table& table, std::string name, Words keys);
 
+  /// The value of `key`, or null.
   const toml::node* find(std::string_view key) const { return table_.get(key); }
   bool has(std::string_view key) const { return find(key) != nullptr; }
   /// `meaning` says what is missing.
@@ -42,14 +43,20 @@ class TomlSection {
     return objection(key, fmt::format(format, std::forward<Args>(args)...));
   }
 
-  double number(std::string_view key, const toml::node& node) const;  ///< finite
+  /// A finite number.
+  double number(std::string_view key, const toml::node& node) const;
+  /// The number > 0 of a key that must be there.
   double positive(std::string_view key, std::string_view meaning) const;
+  /// A length as it is written, in metres.
   double metres(double length) const;
-  double positiveLength(std::string_view key, std::string_view meaning) const;  ///< metres
-  Eigen::Vector3d vector(std::string_view key, const toml::node& node) const;   ///< as written
-  Eigen::Vector3d point(std::string_view key,
-                        const toml::node& node) const;  ///< three lengths, metres
+  /// The length > 0 of a key that must be there, in metres.
+  double positiveLength(std::string_view key, std::string_view meaning) const;
+  /// Three numbers as they are written.
+  Eigen::Vector3d vector(std::string_view key, const toml::node& node) const;
+  /// Three lengths, in metres.
+  Eigen::Vector3d point(std::string_view key, const toml::node& node) const;
   std::vector<double> numbers(std::string_view key, const toml::node& node) const;
+  /// An integer >= 0 that fits.
   std::int32_t nodeNumber(std::string_view key, const toml::node& node) const;
   /// An integer in lowest..highest.
   std::int32_t integer(std::string_view key, const toml::node& node, std::int32_t lowest,
@@ -62,6 +69,7 @@ class TomlSection {
   /// `key` as a list: nothing when it is absent, its elements when it is an array, else itself
   /// alone.
   std::vector<const toml::node*> oneOrMany(std::string_view key) const;
+  /// The table that `key` holds, in which these keys may stand.
   TomlSection inner(std::string_view key, const toml::node& node, Words keys) const;
   TomlSection inner(std::string_view key, const toml::node& node,
                     std::initializer_list<std::string_view> keys) const {

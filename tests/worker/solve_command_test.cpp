@@ -30,6 +30,18 @@ TEST_F(SolveCommand, WarnsOfEqualOrderInOneLine) {
   EXPECT_THAT(solve("--displacement 0.001 0 0").output, ::testing::HasSubstr("violates inf-sup"));
 }
 
+TEST_F(SolveCommand, SaysThatADisplacementLooksLikeMillimetres) {
+  const CommandResult result = solve("--displacement 4 -2 0");
+  EXPECT_EQ(result.exit_code, 2) << result.output;
+  EXPECT_THAT(result.output,
+              HasSubstr("looks like millimetres, which would be (0.004, -0.002, 0)"));
+}
+
+TEST_F(SolveCommand, WarnsOfWhatIsDoubtfulAboutTheProblem) {
+  scene.active[0].radius = 0;
+  EXPECT_THAT(solve("--displacement 0.001 0 0").output, HasSubstr("single node (radius = 0)"));
+}
+
 TEST_F(SolveCommand, AnswersInOneJsonObjectPerLine) {
   const CommandResult result = solve("--json --displacement 0.004 -.002 0");
   ASSERT_EQ(result.exit_code, 0) << result.output;

@@ -90,8 +90,7 @@ void writeRun(Writer& out, const RecordedRun& run) {
   out.setText("/", "methods", jsonOf(run.methods));
   out.setText("/", "device", run.device);
   out.setText("/", "profile", run.profile);
-  out.setText("/", "contact_mode",
-              run.options.contact.mode == ContactMode::glued ? "glued" : "unilateral");
+  out.setText("/", "contact_mode", word(run.options.contact.mode));
   const std::int32_t scene_frame = run.scene_frame ? 1 : 0;
   out.setIntegers("/", "scene_frame", std::span(&scene_frame, 1));
   out.setNumber("/", "rate", 1 / run.options.period);
@@ -147,14 +146,15 @@ RecordedRun readRun(const Reader& in) {
   run.methods = readTexts(in, "methods");
   run.device = in.text("device");
   run.profile = in.text("profile");
-  const std::string mode = in.text("contact_mode");
-  if (mode != "glued" && mode != "unilateral") throw in.damaged("contact_mode", "is no known mode");
+  const auto modes = contactWords();
+  const auto mode = std::find(modes.begin(), modes.end(), in.text("contact_mode"));
+  if (mode == modes.end()) throw in.damaged("contact_mode", "is no known mode");
   const std::vector<std::int32_t> scene_frame = in.integers("scene_frame");
   if (scene_frame.size() != 1 || (scene_frame[0] != 0 && scene_frame[0] != 1))
     throw in.damaged("scene_frame", "is neither 0 nor 1");
   run.scene_frame = scene_frame[0] == 1;
   run.options.map = readMap(in);
-  run.options.contact.mode = mode == "glued" ? ContactMode::glued : ContactMode::unilateral;
+  run.options.contact.mode = static_cast<ContactMode>(mode - modes.begin());
   forEachNumber(run, [&](const char* name, double& value) {
     value = in.number(name);
     if (!std::isfinite(value) || value < 0) throw in.damaged(name, "is not a number >= 0");

@@ -12,12 +12,14 @@ namespace {
 
 using test::expectBadInput;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::vector<Eigen::Vector3d> read(const std::vector<std::string>& words,
                                   const std::string& lines = "") {
   std::istringstream input(lines);
   std::vector<Eigen::Vector3d> read;
-  forEachDisplacement(words, input, [&](const Eigen::Vector3d& p) { read.push_back(p); });
+  forEachDisplacement(words, input, 0.1, [&](const Eigen::Vector3d& p) { read.push_back(p); });
   return read;
 }
 
@@ -51,6 +53,23 @@ TEST(DisplacementInput, NamesWhatIsNotANumberAndItsLine) {
                    {"standard input, line 3"});
   expectBadInput([] { read({"0", "0", "nan"}); }, {"--displacement", "\"nan\"", "finite"});
   expectBadInput([] { read({"0", "0"}); }, {"--displacement", "three numbers", "metres"});
+}
+
+TEST(DisplacementInput, KnowsMillimetresGivenForMetres) {
+  EXPECT_TRUE(looksLikeMillimetres({13, 7, -21}, 0.1));
+  EXPECT_TRUE(looksLikeMillimetres({0, 0.5, 0}, 0.1));
+  EXPECT_FALSE(looksLikeMillimetres({0.013, 0.007, -0.021}, 0.1));
+  EXPECT_FALSE(looksLikeMillimetres({0.2, 0, 0}, 0.1)) << "beyond the rim, as one may ask";
+  EXPECT_FALSE(looksLikeMillimetres({1300, 0, 0}, 0.1)) << "nor is it that in millimetres";
+}
+
+TEST(DisplacementInput, WarnsOfMillimetresOnceAndGoesOn) {
+  testing::internal::CaptureStdout();  // where spdlog logs as long as no program says otherwise
+  EXPECT_EQ(read({"-"}, "0 0 0.01\n13 7 -21\n14 7 -21\n").size(), 3u);
+  const std::string logged = testing::internal::GetCapturedStdout();
+  EXPECT_THAT(logged, HasSubstr("(13, 7, -21): metres are expected"));
+  EXPECT_THAT(logged, HasSubstr("looks like millimetres, which would be (0.013, 0.007, -0.021)"));
+  EXPECT_THAT(logged, Not(HasSubstr("14")));
 }
 
 TEST(DisplacementInput, OptionTakesNegativeNumbersAndLeavesTheFollowingArgument) {

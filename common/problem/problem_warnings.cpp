@@ -1,0 +1,212 @@
+#include "common/problem/problem_warnings.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "common/base/assertion.hpp"
+
+namespace palpate {
+namespace {
+
+/// Young's moduli of soft tissue, Pa: from brain and fat to cartilage.
+constexpr double softest_tissue = 100, stiffest_tissue = 1e6;
+/// Tissue stretched to more than this times its length is far beyond what it, or max_force, allows.
+constexpr double largest_stretch = 3;
+
+/// `"a", "b" and 398 more`.
+std::string listOf(const std::vector<std::string>& names) {
+  const std::size_t shown = names.size() <= listed_names + 1 ? names.size() : listed_names;
+  std::string text = fmt::format(
+      "\"{}\"",
+      fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown), "\", \""));
+  if (shown < names.size()) text += fmt::format(" and {} more", names.size() - shown);
+  return text;
+}
+
+/// Collects the warnings of one problem.
+class Doubts {
+ public:
+  explicit Doubts(const Problem& problem)
+      : problem_(problem), scene_(problem.scene), quality_(measure(problem.mesh)) {
+    doubtMaterials();
+    doubtDiscretization();
+    doubtShapes();
+    doubtPlaces();
+    doubtWorkspace();
+    doubtSingleNodes();
+    doubtTwins();
+  }
+
+  std::vector<std::string> take() { return std::move(warnings_); }
+
+ private:
+  template <class... Args>
+  void warn(fmt::format_string<Args...> format, Args&&... args) {
+    warnings_.push_back(fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  void doubtMaterials() {
+    struct Unit {
+      const char* word;
+      double pascals;
+    };
+    constexpr std::array<Unit, 3> units = {{{"kPa", 1e3}, {"MPa", 1e6}, {"GPa", 1e9}}};
+    const auto isTissue = [](double young) {
+      return young >= softest_tissue && young <= stiffest_tissue;
+    };
+    for (const Region& region : scene_.regions) {
+      const double young = youngModulus(region.material);
+      if (isTissue(young)) continue;
+      const auto meant = std::find_if(units.begin(), units.end(), [&](const Unit& unit) {
+        return isTissue(young * unit.pascals);
+      });
+      warn("{}: Young's modulus at rest is {:.3g} Pa, {} than soft tissue (0.1 to 1000 kPa); {}",
+           region.group.empty() ? "material" : fmt::format("region \"{}\"", region.group), young,
+           young < softest_tissue ? "softer" : "stiffer",
+           meant == units.end()
+               ? std::string("moduli are in Pa")
+               : fmt::format("its numbers look like {}, but moduli are in Pa", meant->word));
+    }
+  }
+
+  void doubtDiscretization() {
+    const Discretization& d = scene_.discretization;
+    const bool linear = d.displacement == DisplacementSpace::p1;
+    if (!isInfSupStable(d))
+      warn(
+          "pressure = \"{0}\" with {0} displacement violates inf-sup: too stiff, "
+          "pressures oscillate; for comparison only, {1} is stable",
+          word(d.pressure), linear ? "P1-stabilized" : "pressure = \"P1\"");
+    for (const Region& region : scene_.regions) {
+      const Material& material = region.material;
+      const bool has_pressure = d.pressure != PressureSpace::none && isMixed(material);
+      if (!linear || has_pressure || !isNearlyIncompressible(material)) continue;
+      const std::string number = material.bulk ? fmt::format("bulk = {:.4g} Pa", *material.bulk)
+                                               : fmt::format("poisson = {}", *material.poisson);
+      warn(
+          "law \"{}\" with {} is nearly incompressible, "
+          "and P1 displacement without a pressure locks: much too stiff; {}",
+          word(material.law), number,
+          isMixed(material) ? "leave out pressure = \"none\""
+                            : "take displacement = \"P2\", or a law that has a pressure");
+    }
+  }
+
+  void doubtShapes() {
+    if (const std::int64_t flat = nearlyFlat(problem_.mesh); flat > 0)
+      warn(
+          "{} of {} tetrahedra are nearly flat (shape < {}, "
+          "the worst is element {} with {:.3g}): they invert first; "
+          "re-mesh or optimise (gmsh -optimize_netgen)",
+          flat, problem_.mesh.tetrahedra.size(), near_flat_shape, quality_.worst_element,
+          quality_.worst_shape);
+  }
+
+  void doubtPlaces() {
+    for (std::size_t i = 0; i < problem_.active.size(); ++i) {
+      const auto& near = scene_.active[i].near;
+      if (!near) continue;
+      const Eigen::Vector3d& node = problem_.mesh.nodes[problem_.active[i].node];
+      if (const double distance = (node - *near).norm(); distance > quality_.mean_edge)
+        warn(
+            "active \"{}\": near = {} is {:.4g} m away from the nearest surface node at {}, "
+            "more than an edge ({:.4g} m): is it inside the body, or in another unit or frame?",
+            problem_.active[i].name, placeText(*near), distance, placeText(node),
+            quality_.mean_edge);
+    }
+  }
+
+  double distanceToFixed(const ActivePatch& patch) const {
+    const std::vector<Eigen::Vector3d>& nodes = problem_.mesh.nodes;
+    PALPATE_ASSERT(!problem_.fixed.empty(), "checkProblem refuses a body that nothing holds");
+    double squared = (nodes[problem_.fixed.front()] - nodes[patch.node]).squaredNorm();
+    for (const std::int32_t node : problem_.fixed)
+      squared = std::min(squared, (nodes[node] - nodes[patch.node]).squaredNorm());
+    return std::sqrt(squared);
+  }
+
+  /// Of many active nodes some lie beside the fixed ones: only where most do the workspace is
+  /// meant.
+  void doubtWorkspace() {
+    const double radius = scene_.workspace.radius;
+    const double diagonal = (quality_.highest - quality_.lowest).norm();
+    if (radius > diagonal) {
+      warn(
+          "workspace.radius = {:.4g} m is more than the body's diagonal of {:.4g} m: "
+          "few of those configurations will be reached",
+          radius, diagonal);
+      return;
+    }
+    std::vector<double> distances;
+    for (const ActivePatch& patch : problem_.active) distances.push_back(distanceToFixed(patch));
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    if (radius > (largest_stretch - 1) * *middle)
+      warn(
+          "workspace.radius = {:.4g} m, and the nearest fixed node is {:.4g} m away from {}: "
+          "tissue between them would be stretched to {:.2g} times its length, "
+          "most of those configurations will not be reached",
+          radius, *middle, distances.size() == 1 ? "the active node" : "half of the active nodes",
+          1 + radius / *middle);
+  }
+
+  void doubtSingleNodes() {
+    std::vector<std::string> single, lonely;
+    for (std::size_t i = 0; i < problem_.active.size(); ++i) {
+      const ActivePatch& patch = problem_.active[i];
+      if (scene_.active[i].radius == 0)
+        single.push_back(patch.name);
+      else if (patch.nodes.size() == 1)
+        lonely.push_back(patch.name);
+    }
+    if (!single.empty())
+      warn(
+          "active {}: a single node (radius = 0), "
+          "whose force has no limit as the mesh gets finer, so it depends on the mesh; "
+          "give the radius of the contact",
+          listOf(single));
+    if (!lonely.empty())
+      warn(
+          "active {}: no other node lies within the radius (edges are {:.4g} m on average), "
+          "so it is a single node and its force depends on the mesh",
+          listOf(lonely), quality_.mean_edge);
+  }
+
+  void doubtTwins() {
+    std::map<std::int32_t, std::string> name_of;
+    std::vector<std::string> twins;
+    for (const ActivePatch& patch : problem_.active) {
+      const auto [first, is_new] = name_of.emplace(patch.node, patch.name);
+      if (!is_new) twins.push_back(fmt::format("{}\" and \"{}", first->second, patch.name));
+    }
+    if (!twins.empty()) warn("active {}: are the same node", listOf(twins));
+  }
+
+  const Problem& problem_;
+  const Scene& scene_;
+  const MeshQuality quality_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+std::vector<std::string> warningsOf(const Problem& problem) { return Doubts(problem).take(); }
+
+void logWarnings(const Problem& problem) {
+  for (const std::string& warning : warningsOf(problem)) spdlog::warn(warning);
+}
+
+std::int64_t nearlyFlat(const Mesh& mesh) {
+  std::int64_t count = 0;
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
+    count += shapeOf(mesh, e) < near_flat_shape ? 1 : 0;
+  return count;
+}
+
+}  // namespace palpate

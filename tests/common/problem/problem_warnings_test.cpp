@@ -1,0 +1,124 @@
+#include "common/problem/problem_warnings.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/meshes.hpp"
+#include "tests/support/problems.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// The blob of 20 cm, its side xmin fixed, a patch of 4 cm at the other end.
+class ProblemWarnings : public ::testing::Test {
+ protected:
+  std::vector<std::string> warnings() {
+    return warningsOf(test::clampedProblem(scene, mesh, near, patch_radius));
+  }
+  Material& material() { return scene.regions[0].material; }
+
+  Scene scene = test::mooneyRivlinScene();
+  Mesh mesh = test::blobMesh();
+  Eigen::Vector3d near = {0.1, 0, 0.02};
+  double patch_radius = 0.04;
+};
+
+TEST_F(ProblemWarnings, AreNoneForSoundScenes) { EXPECT_THAT(warnings(), IsEmpty()); }
+
+TEST_F(ProblemWarnings, NameTheUnitThatModuliLookLike) {
+  material().c10 = 1.3;
+  material().c01 = 1.28;
+  EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("is 15.5 Pa, softer"), HasSubstr("kPa,"))));
+  material() = {.law = LawName::neo_hookean, .mu = 5e-3};
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("look like MPa, but moduli are in Pa")));
+  material().mu = 5e-6;
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("look like GPa")));
+}
+
+TEST_F(ProblemWarnings, DoubtTissueOfBone) {
+  scene = test::youngScene(LawName::linear);
+  material().young = 2e9;
+  EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("2e+09 Pa, stiffer than soft tissue"),
+                                            HasSubstr("moduli are in Pa"))));
+}
+
+TEST_F(ProblemWarnings, KnowTheModulusOfEveryLaw) {
+  const std::vector<Material> materials = {
+      {.law = LawName::linear, .young = 15, .poisson = 0.3},
+      {.law = LawName::st_venant_kirchhoff, .young = 15, .poisson = 0.3},
+      {.law = LawName::modified_st_venant_kirchhoff, .young = 15},
+      {.law = LawName::mooney_rivlin, .c10 = 1.3, .c01 = 1.2},
+      {.law = LawName::neo_hookean, .mu = 5},
+      {.law = LawName::yeoh, .c10 = 2.5, .c20 = 1, .c30 = 0},
+      {.law = LawName::ogden, .ogden = {{5, 2}}},
+      {.law = LawName::veronda_westmann, .c1 = 2, .c2 = 2.5},
+      {.law = LawName::holzapfel_gasser_ogden, .mu = 5, .k1 = 2, .k2 = 1}};
+  for (const Material& soft : materials)
+    EXPECT_NEAR(youngModulus(soft), 15, 1e-9) << word(soft.law);
+}
+
+TEST_F(ProblemWarnings, SayThatLinearTetrahedraLock) {
+  for (const LawName law : {LawName::linear, LawName::st_venant_kirchhoff}) {
+    scene = test::youngScene(law, 0.495);
+    EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("poisson = 0.495"), HasSubstr("locks"))));
+    scene.discretization.displacement = DisplacementSpace::p2;
+    EXPECT_THAT(warnings(), IsEmpty());
+    scene = test::youngScene(law, 0.48);
+    EXPECT_THAT(warnings(), IsEmpty());
+  }
+  scene = test::mooneyRivlinScene();
+  material().bulk = 1e6;
+  EXPECT_THAT(warnings(), IsEmpty()) << "it has a pressure";
+  scene.discretization.pressure = PressureSpace::none;
+  EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("bulk = 1e+06 Pa"), HasSubstr("locks"))));
+}
+
+TEST_F(ProblemWarnings, NameWhatViolatesInfSup) {
+  scene.discretization.pressure = PressureSpace::p1;
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("inf-sup")));
+  scene.discretization = {DisplacementSpace::p2, PressureSpace::p2};
+  EXPECT_THAT(warnings(),
+              ElementsAre(HasSubstr("pressure = \"P2\" with P2 displacement violates inf-sup")));
+  scene.discretization.pressure = PressureSpace::p1;
+  EXPECT_THAT(warnings(), IsEmpty());
+}
+
+TEST_F(ProblemWarnings, TellAnActiveNodeFarFromWhereItWasWanted) {
+  near = {0.2, 0, 0.02};
+  EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("near = (0.2, 0, 0.02)"),
+                                            HasSubstr("more than an edge"))));
+}
+
+TEST_F(ProblemWarnings, TellAWorkspaceThatStretchesTheTissueTooFar) {
+  scene.workspace.radius = 0.24;
+  near = {0.1, 0, 0.02};
+  EXPECT_THAT(warnings(), IsEmpty());
+  near = {-0.05, 0, 0.06};
+  patch_radius = 0.03;
+  EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("workspace.radius = 0.24 m"),
+                                            HasSubstr("times its length"))));
+  scene.workspace.radius = 0.5;
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("body's diagonal")));
+}
+
+TEST_F(ProblemWarnings, TellSingleNodesUnderTheTool) {
+  patch_radius = 0;
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("single node (radius = 0)")));
+  patch_radius = 1e-4;
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("no other node")));
+}
+
+TEST_F(ProblemWarnings, TellNearlyFlatElements) {
+  mesh = test::cubeMesh(0.1, 2);
+  mesh.nodes[13][2] += 0.049;  // the middle node, almost to the top
+  patch_radius = 0.06;
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("nearly flat")));
+}
+
+}  // namespace
+}  // namespace palpate

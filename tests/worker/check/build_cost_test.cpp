@@ -1,0 +1,99 @@
+#include "worker/check/build_cost.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/meshes.hpp"
+#include "tests/support/problems.hpp"
+
+namespace palpate {
+namespace {
+
+/// The cube of 27 nodes touched at one place; its lattice has a radius of two spacings: the origin
+/// and 6 points up to one spacing, 26 beyond.
+class BuildCosts : public ::testing::Test {
+ protected:
+  BuildCosts() {
+    scene.workspace.radius = 0.04;
+    scene.workspace.spacing = 0.02;
+  }
+  BuildCost cost(const std::vector<Way>& ways) {
+    problem = test::clampedProblem(scene, test::cubeMesh(0.1, 2), {0.1, 0.05, 0.05}, 0.06);
+    return buildCost(problem, {.ways = ways});
+  }
+  static Way way(std::vector<WayStep> steps, WayEnd end = WayEnd::rim) { return {steps, end}; }
+
+  Scene scene = test::mooneyRivlinScene();
+  Problem problem;
+};
+
+TEST_F(BuildCosts, WeighTheWaysByThePointsAtTheirDistance) {
+  const double one = cost({way({{1, true}, {1, true}})}).least.seconds;
+  EXPECT_EQ(problem.active.size(), 1u);
+  EXPECT_NEAR(cost({way({{1, true}, {11, true}})}).least.seconds - one, one * 10 * 26 / 33, 1e-9);
+  EXPECT_NEAR(cost({way({{2, true}, {2, true}}), way({{4, true}, {4, true}})}).least.seconds,
+              3 * one, 1e-9);
+}
+
+TEST_F(BuildCosts, CountNothingWhereTheWaysHaveEnded) {
+  const BuildCost all = cost({way({{1, true}, {1, true}})});
+  EXPECT_EQ(all.reached, 1);
+  EXPECT_DOUBLE_EQ(all.usual_reach, 0.04);
+  const BuildCost half = cost({way({{1, true}, {1, true}}), way({{1, true}}, WayEnd::max_force)});
+  EXPECT_NEAR(half.reached, (7 + 13) / 33.0, 1e-12);
+  EXPECT_NEAR(half.least.seconds, all.least.seconds * (7 + 13) / 33, 1e-9);
+  const BuildCost none =
+      cost({way({{1, true}}, WayEnd::max_force), way({{1, true}}, WayEnd::max_force)});
+  EXPECT_DOUBLE_EQ(none.usual_reach, 0.02);
+}
+
+TEST_F(BuildCosts, TakeFailuresForDearerAndNotForTheEnd) {
+  const BuildCost solved = cost({way({{1, true}, {1, true}})});
+  const BuildCost failed = cost({way({{1, true}, {1, false}}, WayEnd::failed)});
+  EXPECT_NEAR(failed.least.seconds, solved.least.seconds * (7 + 2 * 26) / 33, 1e-9);
+  EXPECT_NEAR(failed.reached, (7 + 13) / 33.0, 1e-12) << "every second from another side";
+}
+
+TEST_F(BuildCosts, TakeWhatNoWayGotToForWhatLiesBeforeIt) {
+  const BuildCost all = cost({way({{1, true}, {1, true}})});
+  const BuildCost cut = cost({way({{1, true}}, WayEnd::cut)});
+  EXPECT_EQ(cut.least.seconds, all.least.seconds);
+  EXPECT_EQ(cut.reached, 1);
+}
+
+TEST_F(BuildCosts, OfAnAdaptiveBuildLieBetweenBounds) {
+  const BuildCost uniform = cost({way({{1, true}, {1, true}})});
+  EXPECT_EQ(uniform.most.configurations, uniform.least.configurations);
+  scene.accuracy = {.force_error = 0.03, .levels = 1, .probes = 10};
+  const BuildCost adaptive = cost({way({{1, true}, {1, true}})});
+  EXPECT_EQ(adaptive.least.configurations, 33 + 10);
+  EXPECT_EQ(adaptive.most.configurations, 33 + 10 + 8 * 64) << "64 cells reach into the ball";
+  EXPECT_NEAR(adaptive.most.seconds, uniform.least.seconds * (43 + 8 * 64) / 33, 1e-9);
+}
+
+TEST_F(BuildCosts, AreNothingWithoutAWay) {
+  EXPECT_EQ(cost({}).least.seconds, 0);
+  EXPECT_EQ(cost({}).reached, 0);
+}
+
+/// Solves in earnest.
+TEST_F(BuildCosts, AreMeasuredWithinTheirLimits) {
+  scene.workspace.max_force = 1000;
+  cost({});
+  const MeasuredWays few = measureWays(problem, {.seconds = 60, .transitions = 5});
+  EXPECT_EQ(few.transitions, 5);
+  EXPECT_EQ(few.ways.back().end, WayEnd::cut);
+  for (const Way& way : few.ways)
+    for (const WayStep& step : way.steps) EXPECT_GT(step.seconds, 0);
+  EXPECT_EQ(measureWays(problem, {.seconds = 0}).transitions, 1);
+}
+
+TEST_F(BuildCosts, AreMeasuredOnlyUpToTheForceLimit) {
+  scene.workspace.max_force = 1e-3;
+  cost({});
+  const MeasuredWays ways = measureWays(problem, {.seconds = 60, .transitions = 5});
+  EXPECT_EQ(ways.ways.size(), 5u);
+  for (const Way& way : ways.ways) EXPECT_EQ(way.end, WayEnd::max_force);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,95 @@
+#include "worker/check/build_cost.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "common/base/assertion.hpp"
+#include "common/problem/storage.hpp"
+#include "common/space/lattice_cell.hpp"
+
+namespace palpate {
+namespace {
+
+/// A point that one neighbour does not lead to is tried from others, and every second is reached.
+constexpr double tries_after_failure = 2, reached_after_failure = 0.5;
+/// Workers wait too: for transitions to become ready, for messages, and for the disk.
+constexpr double waiting = 1.2;
+
+/// What is known of the lattice points between n and n + 1 spacings from rest.
+struct Shell {
+  double points = 0;
+  double seconds = 0;  ///< each, on average: nothing for those that are not tried
+  double reached = 0;  ///< share
+};
+
+std::vector<Shell> shellsOf(const Lattice& lattice) {
+  std::vector<Shell> shells;
+  for (std::int32_t n = 0; n < lattice.size(); ++n) {
+    const double spacings = lattice.displacement(n).norm() / lattice.spacing();
+    const auto shell = static_cast<std::size_t>(std::max(0.0, std::ceil(spacings - 1e-9) - 1));
+    if (shell >= shells.size()) shells.resize(shell + 1);
+    ++shells[shell].points;
+  }
+  return shells;
+}
+
+/// As survival is estimated from patients of whom some leave the study (Kaplan and Meier): each
+/// shell has the share of ways that end in it among those that got to it, whatever becomes of the
+/// ways that were cut before. A shell that no way got to costs what the one before it does.
+void fill(std::vector<Shell>& shells, const std::vector<Way>& ways) {
+  double going_on = ways.empty() ? 0 : 1;  // share of the ways
+  double seconds_each = 0;
+  for (std::size_t n = 0; n < shells.size(); ++n) {
+    double tried = 0, failed = 0, too_strong = 0, seconds = 0;
+    for (const Way& way : ways) {
+      if (n >= way.steps.size()) continue;
+      const WayStep& step = way.steps[n];
+      const bool last = n + 1 == way.steps.size();
+      ++tried;
+      seconds += step.seconds * (step.reached ? 1 : tries_after_failure);
+      failed += step.reached ? 0 : 1 - reached_after_failure;
+      too_strong += last && way.end == WayEnd::max_force ? 1 : 0;
+    }
+    if (tried > 0) seconds_each = seconds / tried;
+    shells[n].seconds = going_on * seconds_each;
+    shells[n].reached = tried > 0 ? going_on * (1 - failed / tried) : going_on;
+    if (tried > 0) going_on *= 1 - (failed + too_strong) / tried;
+  }
+}
+
+}  // namespace
+
+BuildCost buildCost(const Problem& problem, const MeasuredWays& measured) {
+  const Lattice lattice = uniformLattice(problem.scene);
+  PALPATE_ASSERT(lattice.size() > 0, "the lattice of a valid scene has the origin at least");
+  std::vector<Shell> shells = shellsOf(lattice);
+  fill(shells, measured.ways);
+  BuildCost cost;
+  double seconds = 0, reached = 0;
+  for (std::size_t n = 0; n < shells.size(); ++n) {
+    const Shell& shell = shells[n];
+    seconds += shell.points * shell.seconds;
+    reached += shell.points * shell.reached;
+    if (shell.reached >= 0.5)
+      cost.usual_reach = std::min(lattice.radius(), static_cast<double>(n + 1) * lattice.spacing());
+  }
+  cost.reached = reached / lattice.size();
+
+  const Accuracy& accuracy = problem.scene.accuracy;
+  const auto n_spaces = static_cast<double>(problem.active.size());
+  const double seconds_each = waiting * seconds / lattice.size();
+  const auto bytes_each = static_cast<double>(storedBytes(problem.scene, problem.mesh));
+  const auto estimate = [&](double points_of_space) {
+    const double points = n_spaces * points_of_space;
+    const double configurations = points + n_spaces * accuracy.probes;
+    return Estimate{configurations, configurations * seconds_each, points * bytes_each};
+  };
+  cost.least = cost.most = estimate(lattice.size());
+  if (accuracy.adaptive())
+    cost.most = estimate(lattice.size() +
+                         static_cast<double>(cellsInBall(lattice)) * std::pow(8, accuracy.levels));
+  return cost;
+}
+
+}  // namespace palpate

@@ -1,0 +1,106 @@
+#include "worker/check/check_json.hpp"
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace palpate {
+namespace {
+
+nlohmann::ordered_json vectorJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
+
+nlohmann::ordered_json meshJson(const SceneReport& report) {
+  const Mesh& mesh = report.problem->mesh;
+  const MeshQuality& quality = report.quality;
+  nlohmann::ordered_json groups = nlohmann::ordered_json::object();
+  for (const auto& [name, nodes] : mesh.node_groups) groups[name] = nodes.size();
+  return {{"file", report.problem->scene.mesh.string()},
+          {"nodes", mesh.vertices()},
+          {"mid_edge_nodes", mesh.edges.size()},
+          {"tetrahedra", mesh.tetrahedra.size()},
+          {"surface_triangles", mesh.surface.size()},
+          {"surface_nodes", surfaceNodes(mesh).size()},
+          {"pieces", quality.pieces},
+          {"groups", groups},
+          {"dropped_nodes", mesh.dropped_nodes},
+          {"reoriented_tetrahedra", mesh.reoriented_tetrahedra},
+          {"lowest", vectorJson(quality.lowest)},
+          {"highest", vectorJson(quality.highest)},
+          {"volume", quality.volume},
+          {"edge",
+           {{"shortest", quality.shortest_edge},
+            {"mean", quality.mean_edge},
+            {"longest", quality.longest_edge}}},
+          {"shape",
+           {{"worst", quality.worst_shape},
+            {"mean", quality.mean_shape},
+            {"worst_element", quality.worst_element}}},
+          {"nearly_flat", report.nearly_flat}};
+}
+
+nlohmann::ordered_json deviceJson(const Scene& scene) {
+  if (!scene.device) return nullptr;
+  const Device& device = *scene.device;
+  const auto orNull = [](const std::optional<double>& value) {
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+  };
+  return {{"profile", device.profile.name},
+          {"max_force", device.profile.max_force},
+          {"max_stiffness", device.profile.max_stiffness},
+          {"workspace_radius", device.profile.workspace_radius},
+          {"radius_cut_from", orNull(device.wanted_radius)},
+          {"max_force_cut_from", orNull(device.wanted_max_force)}};
+}
+
+nlohmann::ordered_json toJson(const SceneReport& report) {
+  const Scene& scene = report.problem->scene;
+  nlohmann::ordered_json active = nlohmann::ordered_json::array();
+  for (const SceneReport::Space& space : report.spaces)
+    active.push_back({{"name", space.patch->name},
+                      {"node", space.patch->node},
+                      {"position", vectorJson(report.problem->mesh.nodes[space.patch->node])},
+                      {"tool", space.tool},
+                      {"patch_nodes", space.patch->nodes.size()},
+                      {"unknowns", space.unknowns}});
+  nlohmann::ordered_json regions = nlohmann::ordered_json::array();
+  for (std::size_t r = 0; r < scene.regions.size(); ++r)
+    regions.push_back({{"group", scene.regions[r].group},
+                       {"law", word(scene.regions[r].material.law)},
+                       {"tetrahedra", report.tetrahedra_in[r]}});
+  const Estimate &least = report.cost.least, &most = report.cost.most;
+  return {{"scene", scene.name},
+          {"problem", problemId(*report.problem).hex()},
+          {"metres_per_unit", scene.metres_per_unit},
+          {"mesh", meshJson(report)},
+          {"regions", regions},
+          {"gravity", vectorJson(scene.gravity)},
+          {"displacement", word(scene.discretization.displacement)},
+          {"pressure", word(scene.discretization.pressure)},
+          {"constraint", word(scene.discretization.constraint)},
+          {"fixed_nodes", report.problem->fixed.size()},
+          {"active", active},
+          {"lattice",
+           {{"radius", report.lattice.radius()},
+            {"spacing", report.lattice.spacing()},
+            {"points", report.lattice.size()}}},
+          {"device", deviceJson(scene)},
+          {"adaptive", scene.accuracy.adaptive()},
+          {"configurations", least.configurations},
+          {"core_seconds", least.seconds},
+          {"dataset_bytes", least.bytes},
+          {"most_configurations", most.configurations},
+          {"most_core_seconds", most.seconds},
+          {"most_dataset_bytes", most.bytes},
+          {"measured",
+           {{"transitions", report.measured.transitions},
+            {"ways", report.measured.ways.size()},
+            {"seconds", report.measured.seconds},
+            {"reached", report.cost.reached},
+            {"arithmetic", report.arithmetic}}},
+          {"warnings", report.warnings}};
+}
+
+}  // namespace
+
+std::string sceneReportJson(const SceneReport& report) { return toJson(report).dump(); }
+
+}  // namespace palpate

@@ -1,0 +1,162 @@
+#include "worker/check/check_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+
+#include "common/problem/problem_warnings.hpp"
+#include "common/scene/material_toml.hpp"
+
+namespace palpate {
+namespace {
+
+std::string duration(double seconds) {
+  if (seconds < 100) return fmt::format("{:.2g} s", seconds);
+  if (seconds < 100 * 60) return fmt::format("{:.0f} min", seconds / 60);
+  return fmt::format("{:.1f} h", seconds / 3600);
+}
+
+std::string text(const Eigen::Vector3d& v) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g})", v[0], v[1], v[2]);
+}
+
+void printMesh(const SceneReport& report) {
+  const Mesh& mesh = report.problem->mesh;
+  const MeshQuality& quality = report.quality;
+  const std::string middles =
+      mesh.edges.empty() ? "" : fmt::format(" and {} mid-edge nodes", mesh.edges.size());
+  fmt::print(
+      "mesh       {}: {} nodes{}, {} tetrahedra, {} surface triangles with {} nodes, {} piece(s)\n",
+      report.problem->scene.mesh.filename().string(), mesh.vertices(), middles,
+      mesh.tetrahedra.size(), mesh.surface.size(), surfaceNodes(mesh).size(), quality.pieces);
+  fmt::print("           from {} to {} m, {:.4g} litres\n", text(quality.lowest),
+             text(quality.highest), 1000 * quality.volume);
+  fmt::print(
+      "           edges {:.4g} to {:.4g} m, mean {:.4g}; shape (1 regular, 0 flat) mean {:.3g}, "
+      "worst {:.3g} in element {}\n",
+      quality.shortest_edge, quality.longest_edge, quality.mean_edge, quality.mean_shape,
+      quality.worst_shape, quality.worst_element);
+  if (mesh.dropped_nodes > 0)
+    fmt::print(
+        "           note: {} node(s) that are no corner of a tetrahedron were dropped, "
+        "later ones count down\n",
+        mesh.dropped_nodes);
+  if (mesh.reoriented_tetrahedra > 0)
+    fmt::print("           note: the file counts its tetrahedra left-handed; all were turned\n");
+  for (const auto& [name, nodes] : mesh.node_groups)
+    fmt::print("group      \"{}\": {} nodes\n", name, nodes.size());
+  for (const auto& [name, elements] : mesh.element_groups)
+    fmt::print("group      \"{}\": {} tetrahedra\n", name, elements.size());
+}
+
+/// The scene's lengths in metres, for the one who wrote them in another unit.
+void printConversion(const Scene& scene) {
+  if (scene.metres_per_unit == 1) return;
+  fmt::print(
+      "unit       1 in the files = {} m; in metres: workspace.radius = {:.6g}, "
+      "workspace.spacing = {:.6g}\n",
+      scene.metres_per_unit, scene.workspace.radius, scene.workspace.spacing);
+  for (const ActiveSelection& active :
+       std::span(scene.active).first(std::min(scene.active.size(), listed_names))) {
+    const std::string near = active.near ? fmt::format("near = {}, ", text(*active.near)) : "";
+    fmt::print("           active \"{}\": {}radius = {:.6g}\n", active.name, near, active.radius);
+  }
+}
+
+void printBody(const SceneReport& report) {
+  const Scene& scene = report.problem->scene;
+  for (std::size_t r = 0; r < scene.regions.size(); ++r) {
+    const auto& [group, material] = scene.regions[r];
+    if (scene.regions.size() == 1 && group.empty())
+      fmt::print("material   {}\n", inWords(material));
+    else
+      fmt::print("material   {} ({} tetrahedra): {}\n",
+                 group.empty() ? "rest" : fmt::format("\"{}\"", group), report.tetrahedra_in[r],
+                 inWords(material));
+  }
+  const Discretization& d = scene.discretization;
+  fmt::print("solved as  displacement {}, pressure {}", word(d.displacement), word(d.pressure));
+  if (d.pressure != PressureSpace::none) fmt::print(", constraint {}", word(d.constraint));
+  fmt::print("\n");
+  if (!scene.gravity.isZero(0)) fmt::print("gravity    {} m/s^2\n", text(scene.gravity));
+}
+
+void printActives(const SceneReport& report) {
+  const std::size_t n_spaces = report.spaces.size();
+  const std::size_t shown = n_spaces <= 2 * listed_names ? n_spaces : listed_names;
+  for (const SceneReport::Space& space : std::span(report.spaces).first(shown))
+    fmt::print("active     \"{}\": node {} at {} m, {} patch of {} node(s), {} unknowns\n",
+               space.patch->name, space.patch->node,
+               text(report.problem->mesh.nodes[space.patch->node]), space.tool,
+               space.patch->nodes.size(), space.unknowns);
+  if (shown < n_spaces)
+    fmt::print("           and {} more, \"{}\" the last: {} active nodes\n", n_spaces - shown,
+               report.spaces.back().patch->name, n_spaces);
+}
+
+void printDevice(const Scene& scene) {
+  if (!scene.device) return;
+  const DeviceProfile& profile = scene.device->profile;
+  fmt::print("device     {}: reaches {:.4g} m, {:.4g} N, {:.4g} N/m\n", profile.name,
+             profile.workspace_radius, profile.max_force, profile.max_stiffness);
+  if (const auto radius = scene.device->wanted_radius)
+    fmt::print("           workspace.radius cut from {:.4g} to {:.4g} m\n", *radius,
+               scene.workspace.radius);
+  if (const auto force = scene.device->wanted_max_force)
+    fmt::print("           workspace.max_force cut from {:.4g} to {:.4g} N\n", *force,
+               scene.workspace.max_force);
+}
+
+void printAccuracy(const Accuracy& accuracy) {
+  if (accuracy.adaptive())
+    fmt::print("accuracy   force to {:.3g} % or {:.3g} N: cells are halved up to {} times\n",
+               100 * accuracy.force_error, accuracy.force_floor, accuracy.levels);
+  if (accuracy.probes > 0) fmt::print("probes     {} in each space\n", accuracy.probes);
+}
+
+void printCost(const SceneReport& report) {
+  const MeasuredWays& measured = report.measured;
+  if (!measured.no_rest.empty()) return;
+  const Estimate &least = report.cost.least, &most = report.cost.most;
+  if (!report.problem->scene.accuracy.adaptive())
+    fmt::print("cost       about {} on one core, {} on the {} of this machine; dataset {:.3g} MB\n",
+               duration(least.seconds), duration(least.seconds / report.cores), report.cores,
+               least.bytes / 1e6);
+  else
+    fmt::print(
+        "cost       an estimate, since cells are split where the forces turn out to need it: "
+        "between {} (no cell is split) and {} (all are, to the last level) on one core, "
+        "{} and {} on the {} of this machine; dataset {:.3g} to {:.3g} MB\n",
+        duration(least.seconds), duration(most.seconds), duration(least.seconds / report.cores),
+        duration(most.seconds / report.cores), report.cores, least.bytes / 1e6, most.bytes / 1e6);
+  fmt::print(
+      "           from {} transitions on {} ways from rest, solved in {} with {}; "
+      "about {:.0f} % of the lattice points are reached\n",
+      measured.transitions, measured.ways.size(), duration(measured.seconds), report.arithmetic,
+      100 * report.cost.reached);
+}
+
+}  // namespace
+
+void printSceneReport(const SceneReport& report) {
+  const Scene& scene = report.problem->scene;
+  fmt::print("scene      {}\n", scene.name);
+  printMesh(report);
+  printConversion(scene);
+  printBody(report);
+  fmt::print("fixed      {} nodes\n", report.problem->fixed.size());
+  printActives(report);
+  printDevice(scene);
+  fmt::print(
+      "lattice    radius {:.4g} m, spacing {:.4g} m: {} points in each of {} space(s), "
+      "{}{} configurations\n",
+      report.lattice.radius(), report.lattice.spacing(), report.lattice.size(),
+      report.spaces.size(), scene.accuracy.adaptive() ? "at least " : "",
+      report.cost.least.configurations);
+  printAccuracy(scene.accuracy);
+  printCost(report);
+  for (const std::string& warning : report.warnings) fmt::print("warning    {}\n", warning);
+}
+
+}  // namespace palpate

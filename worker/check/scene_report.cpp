@@ -1,0 +1,73 @@
+#include "worker/check/scene_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "common/base/assertion.hpp"
+#include "common/problem/problem_warnings.hpp"
+#include "worker/elements/kernel_family.hpp"
+
+namespace palpate {
+namespace {
+
+/// Ways that are too few say nothing of where most of them end.
+constexpr std::size_t fewest_telling_ways = 4;
+
+std::vector<SceneReport::Space> spacesOf(const Problem& problem) {
+  const std::size_t n_nodes = problem.mesh.nodes.size(), n_pressures = pressureNodes(problem);
+  std::vector<SceneReport::Space> spaces;
+  for (const ActivePatch& patch : problem.active) {
+    const bool rigid = patch.weights.empty();
+    const std::size_t moved = rigid ? patch.nodes.size() : 0;
+    spaces.push_back({&patch, word(rigid ? ToolKind::rigid : ToolKind::weighted_average),
+                      3 * (n_nodes - problem.fixed.size() - moved) + n_pressures});
+  }
+  return spaces;
+}
+
+/// What only solving shows.
+void warnOfWays(SceneReport& report) {
+  const std::vector<Way>& ways = report.measured.ways;
+  if (!report.measured.no_rest.empty()) {
+    report.warnings.push_back("the body finds no rest state, so no configuration can be solved: " +
+                              report.measured.no_rest);
+    return;
+  }
+  if (report.cost.reached >= 0.5 || ways.size() < fewest_telling_ways) return;
+  const auto ended = [&](WayEnd end) {
+    return std::count_if(ways.begin(), ways.end(), [&](const Way& way) { return way.end == end; });
+  };
+  const Workspace& workspace = report.problem->scene.workspace;
+  report.warnings.push_back(fmt::format(
+      "workspace.radius = {:.4g} m: only about {:.0f} % of the lattice points will be reached; "
+      "of {} ways from rest {} exceed workspace.max_force = {:.4g} N and {} cannot be solved, "
+      "half of them before {:.3g} m: make the radius smaller",
+      workspace.radius, 100 * report.cost.reached, ways.size(), ended(WayEnd::max_force),
+      workspace.max_force, ended(WayEnd::failed), report.cost.usual_reach + workspace.spacing));
+}
+
+}  // namespace
+
+SceneReport reportOf(const Problem& problem) {
+  SceneReport report;
+  report.problem = &problem;
+  report.quality = measure(problem.mesh);
+  report.nearly_flat = nearlyFlat(problem.mesh);
+  report.lattice = uniformLattice(problem.scene);
+  report.spaces = spacesOf(problem);
+  PALPATE_ASSERT(problem.region_of.size() == problem.mesh.tetrahedra.size(),
+                 "resolve() puts every tetrahedron in a region of the scene");
+  report.tetrahedra_in.resize(problem.scene.regions.size());
+  for (const std::uint16_t region : problem.region_of) ++report.tetrahedra_in[region];
+  report.measured = measureWays(problem);
+  report.cost = buildCost(problem, report.measured);
+  report.cores = std::max(1u, std::thread::hardware_concurrency());
+  report.arithmetic = arithmetic(chooseKernels());
+  report.warnings = warningsOf(problem);
+  warnOfWays(report);
+  return report;
+}
+
+}  // namespace palpate

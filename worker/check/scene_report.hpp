@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/mesh/mesh.hpp"
+#include "common/problem/problem.hpp"
+#include "worker/check/build_cost.hpp"
+#include "worker/check/measured_ways.hpp"
+
+namespace palpate {
+
+/// Everything that `palpate check` says of a problem: its writers only format.
+struct SceneReport {
+  /// One configuration space, as far as it is known without solving.
+  struct Space {
+    const ActivePatch* patch;
+    std::string_view tool;  ///< "rigid" or "weighted-average"
+    std::size_t unknowns;   ///< displacement components and pressures to solve for
+  };
+
+  const Problem* problem;
+  MeshQuality quality;
+  std::int64_t nearly_flat = 0;  ///< tetrahedra
+  Lattice lattice;
+  std::vector<Space> spaces;
+  std::vector<std::int64_t> tetrahedra_in;  ///< per region
+  MeasuredWays measured;
+  BuildCost cost;
+  unsigned cores = 1;      ///< of this machine, which is how many workers a build starts
+  std::string arithmetic;  ///< kernels that solve, "avx2/Haswell"
+  std::vector<std::string> warnings;
+};
+
+/// Looks at a problem, which must outlive the report, and solves a little of it (measureWays).
+SceneReport reportOf(const Problem& problem);
+
+}  // namespace palpate
