@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <thread>
 
 #include "common/base/error.hpp"
@@ -40,7 +39,7 @@ void WorkerPool::start() {
   arguments.push_back(nullptr);
   const pid_t parent = getpid();
   const pid_t child = fork();
-  if (child < 0) throw failure("cannot start a worker process: {}", std::strerror(errno));
+  if (child < 0) throw failure("cannot start a worker process: {}", errnoText());
   if (child == 0) becomeWorker(parent, arguments.data());
   running_.push_back(child);
 }
@@ -51,7 +50,7 @@ std::vector<WorkerPool::Ended> WorkerPool::reap() {
     int status = 0;
     const pid_t done = waitpid(pid, &status, WNOHANG);
     if (done == 0 || (done < 0 && errno == EINTR)) return false;
-    ended.push_back({pid, done > 0 ? describeStatus(status) : std::string(std::strerror(errno))});
+    ended.push_back({pid, done > 0 ? describeStatus(status) : std::string(errnoText())});
     return true;
   });
   return ended;

@@ -66,7 +66,7 @@ Finding realTimePriority() {
 Finding lockedMemory() {
   rlimit limit{};
   if (getrlimit(RLIMIT_MEMLOCK, &limit) != 0)
-    return {Verdict::note, "locked memory", fmt::format("unknown: {}", std::strerror(errno))};
+    return {Verdict::note, "locked memory", fmt::format("unknown: {}", errnoText())};
   if (limit.rlim_cur == RLIM_INFINITY) return {Verdict::good, "locked memory", "no limit"};
   constexpr rlim_t enough = 1U << 30;
   const std::string found = fmt::format("at most {} MiB", limit.rlim_cur >> 20);
@@ -112,7 +112,7 @@ Finding timer() {
 Finding kernel() {
   utsname name{};
   if (uname(&name) != 0)
-    return {Verdict::note, "kernel", fmt::format("unknown: {}", std::strerror(errno))};
+    return {Verdict::note, "kernel", fmt::format("unknown: {}", errnoText())};
   const bool preemptible = firstLine("/sys/kernel/realtime") == "1";
   return {Verdict::good, "kernel",
           fmt::format("{} {}{}", name.sysname, name.release, preemptible ? ", PREEMPT_RT" : "")};
@@ -162,7 +162,7 @@ void findUsbDevices(std::vector<Finding>& findings) {
         findings.push_back({Verdict::good, "device", found});
       else
         findings.push_back(
-            {Verdict::bad, "device", found + fmt::format(", {}", std::strerror(errno)),
+            {Verdict::bad, "device", found + fmt::format(", {}", errnoText()),
              fmt::format("a udev rule: SUBSYSTEM==\"usb\", ATTR{{idVendor}}==\"{}\", "
                          "MODE=\"0660\", GROUP=\"plugdev\"; never run as root for it",
                          vendor)});

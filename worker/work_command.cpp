@@ -74,7 +74,7 @@ pid_t startChild(const WorkOptions& options) {
                     drain = std::to_string(options.drain_s);
   const pid_t parent = getpid();
   const pid_t child = fork();
-  if (child < 0) throw failure("fork: {}", std::strerror(errno));
+  if (child < 0) throw failure("fork: {}", errnoText());
   if (child > 0) return child;
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(1);
@@ -106,7 +106,7 @@ ExitCode superviseWorkers(const WorkOptions& options) {
     }
     int status = 0;
     const pid_t pid = waitpid(-1, &status, WNOHANG);
-    if (pid < 0 && errno != EINTR) throw failure("waitpid: {}", std::strerror(errno));
+    if (pid < 0 && errno != EINTR) throw failure("waitpid: {}", errnoText());
     if (pid <= 0) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       continue;

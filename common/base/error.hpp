@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
+#include <cstring>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -23,6 +25,9 @@ class Error : public std::runtime_error {
  private:
   ExitCode code_;
 };
+
+/// What errno says, in words. Before anything else is called: that may change it.
+inline std::string errnoText() { return std::strerror(errno); }
 
 /// The scene, the mesh or the command line is wrong; the process ends with exit code 2.
 template <class... Args>

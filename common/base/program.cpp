@@ -6,10 +6,8 @@
 
 #include <atomic>
 #include <cctype>
-#include <cerrno>
 #include <csignal>
 #include <cstdint>
-#include <cstring>
 #include <ctime>
 #include <string>
 #include <vector>
@@ -95,7 +93,7 @@ void catchInterrupts() {
         before.sa_handler == SIG_IGN)
       continue;
     if (sigaction(signal, &action, nullptr) != 0)
-      throw failure("signal {} cannot be caught: {}", signal, std::strerror(errno));
+      throw failure("signal {} cannot be caught: {}", signal, errnoText());
   }
 }
 

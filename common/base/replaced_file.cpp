@@ -46,7 +46,7 @@ void refuseUnwritable(const std::filesystem::path& file, const char* option) {
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   if (access(folder.c_str(), W_OK | X_OK) != 0)
     throw failure("{}: nothing can be written into {}: {}: give another {}", file.string(),
-                  folder.string(), std::strerror(errno), option);
+                  folder.string(), errnoText(), option);
 }
 
 }  // namespace palpate

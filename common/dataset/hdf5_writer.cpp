@@ -22,7 +22,7 @@ T noValue() {
 
 Writer::Writer(const std::filesystem::path& file)
     : name_(file.string()), disk_(file, std::ios::binary | std::ios::trunc) {
-  if (!disk_) throw failure("{}: cannot be created: {}", name_, std::strerror(errno));
+  if (!disk_) throw failure("{}: cannot be created: {}", name_, errnoText());
   silenceErrorStack();
   const Handle access(check(H5Pcreate(H5P_FILE_ACCESS), "file access properties"), H5Pclose);
   check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110),
@@ -122,7 +122,7 @@ void Writer::close() {
   const std::string_view bytes = image_.finish(file_, name_);
   disk_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   disk_.close();
-  if (!disk_) throw failure("{}: cannot be written: {}", name_, std::strerror(errno));
+  if (!disk_) throw failure("{}: cannot be written: {}", name_, errnoText());
 }
 
 template <class T>

@@ -4,8 +4,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -120,7 +118,7 @@ int become(const Route& route, std::vector<std::string> arguments) {
   argv.push_back(nullptr);
   execv(program.c_str(), argv.data());
   fmt::print(stderr, "palpate {}: cannot start {}: {}\n", route.verb, program,
-             std::strerror(errno));
+             errnoText());
   return static_cast<int>(ExitCode::failed);
 }
 

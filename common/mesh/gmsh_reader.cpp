@@ -60,9 +60,9 @@ class Tags {
   std::vector<std::pair<std::int64_t, std::int32_t>> tags_;
 };
 
-class Reader {
+class GmshText {
  public:
-  Reader(TextLines lines, double metres_per_unit)
+  GmshText(TextLines lines, double metres_per_unit)
       : lines_(std::move(lines)), metres_per_unit_(metres_per_unit) {}
 
   Mesh read() {
@@ -479,7 +479,7 @@ Mesh readGmsh(const std::filesystem::path& file, double metres_per_unit) {
 }
 
 Mesh parseGmsh(std::string text, const std::string& source, double metres_per_unit) {
-  return Reader(TextLines(std::move(text), source), metres_per_unit).read();
+  return GmshText(TextLines(std::move(text), source), metres_per_unit).read();
 }
 
 }  // namespace palpate

@@ -14,9 +14,9 @@ constexpr int vtk_tetra = 10, vtk_quadratic_tetra = 24;
 /// Vertices, lines, triangles, quadrilaterals, strips and polygons, and their quadratic forms.
 constexpr int flat_cells[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 21, 22, 23, 28, 30, 34, 36};
 
-class Reader {
+class VtkText {
  public:
-  Reader(TextLines lines, double metres_per_unit)
+  VtkText(TextLines lines, double metres_per_unit)
       : lines_(std::move(lines)), metres_per_unit_(metres_per_unit) {}
 
   Mesh read() {
@@ -269,7 +269,7 @@ Mesh readVtk(const std::filesystem::path& file, double metres_per_unit) {
 }
 
 Mesh parseVtk(std::string text, const std::string& source, double metres_per_unit) {
-  return Reader(TextLines(std::move(text), source), metres_per_unit).read();
+  return VtkText(TextLines(std::move(text), source), metres_per_unit).read();
 }
 
 }  // namespace palpate

@@ -16,14 +16,6 @@ using LatticePoint = std::array<std::int32_t, 3>;
 /// i^2 + j^2 + k^2.
 std::int64_t squaredNorm(const LatticePoint& point);
 
-/// A cube of the octree over a lattice. Its edge is divisions >> level coordinates: one spacing at
-/// level 0, half of it at level 1, and so on. At level 0 `lowest` is a multiple of the divisions.
-struct LatticeCell {
-  LatticePoint lowest = {0, 0, 0};  ///< the corner with the smallest coordinates
-  std::int32_t level = 0;
-  auto operator<=>(const LatticeCell&) const = default;
-};
-
 /// Two lattice points that are joined by an edge of a leaf cell.
 struct LatticeEdge {
   std::int32_t a = -1, b = -1;  ///< lattice numbers, a < b

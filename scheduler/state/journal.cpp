@@ -15,8 +15,6 @@ namespace {
 
 constexpr std::string_view magic = "PJR1";
 
-std::string errnoText() { return std::strerror(errno); }
-
 void put32(std::string& bytes, std::uint32_t value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }

@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <string>
 #include <thread>
@@ -15,8 +14,6 @@
 
 namespace palpate {
 namespace {
-
-std::string errnoText() { return std::strerror(errno); }
 
 void refuseNetworkFileSystem(const std::filesystem::path& path) {
   struct statfs info {};

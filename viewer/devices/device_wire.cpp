@@ -1,6 +1,5 @@
 #include "viewer/devices/device_wire.hpp"
 
-#include <cerrno>
 #include <cmath>
 
 #include "common/base/error.hpp"

@@ -24,7 +24,7 @@ constexpr auto answer_limit = DeviceExchange::silence;
 constexpr auto farewell_limit = 20ms;
 constexpr auto retry_interval = 500ms;
 constexpr auto stop_check = 20ms;
-constexpr std::size_t longest_message = 1 << 20;
+constexpr std::size_t longest_frame = 1 << 20;
 
 constexpr const char* how_to_start =
     "start the Haply Hub, or the service alone: systemctl start haply-inverse-service.service";
@@ -40,7 +40,7 @@ class Connection {
     auto error = await([&](auto done) { lowest().async_connect(endpoint, done); }, connect_limit);
     if (error) return error;
     lowest().socket().set_option(asio::ip::tcp::no_delay(true), error);
-    socket_.read_message_max(longest_message);
+    socket_.read_message_max(longest_frame);
     socket_.text(true);
     return await(
         [&](auto done) {

@@ -7,7 +7,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <ctime>
@@ -130,7 +129,7 @@ void HapticLoop::lockMemory() {
         "Memory is not locked ({}), so a tick may wait for a page: allow it with ulimit -l, "
         "\"@realtime - memlock unlimited\" in /etc/security/limits.conf, "
         "or LimitMEMLOCK=infinity of a systemd unit. ",
-        std::strerror(errno));
+        errnoText());
 }
 
 void HapticLoop::askForPriority(pthread_t thread, const char* name, int wanted) {

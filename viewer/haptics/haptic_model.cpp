@@ -21,12 +21,13 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
   for (MethodFields& of_method : fields_) of_method.of_space.resize(spaces_.size());
   for (std::size_t method = 0; options.prepare && method < methods_.size(); ++method)
     prepare(method);
-  for (std::size_t s = 0; s < spaces_.size(); ++s)
-    shapes_.push_back(
-        std::make_unique<DisplacementField>(spaces_[s], dataset.surfaceDisplacements(s)));
-  for (const auto& shape : shapes_)
-    PALPATE_ASSERT(shape->nodes() == surface_.vertices().size(),
+  for (std::size_t s = 0; s < spaces_.size(); ++s) {
+    const std::vector<float> displacements = dataset.surfaceDisplacements(s);
+    PALPATE_ASSERT(displacements.size() ==
+                       3 * spaces_[s].points.size() * surface_.vertices().size(),
                    "a dataset stores displacements of the nodes of its surface");
+    shapes_.push_back(std::make_unique<DisplacementField>(spaces_[s], displacements));
+  }
 }
 
 void HapticModel::prepare(std::size_t method) {

@@ -11,7 +11,6 @@
 namespace palpate {
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 constexpr double smallest_time = 16e-9;  // s, lower edge of the first bin
 
@@ -26,8 +25,8 @@ std::string row(const char* name, const TimeHistogram& times) {
                      us(times.quantile(0.999)), us(times.largest()));
 }
 
-Json toJson(const TimeHistogram& times) {
-  Json bins = Json::array();
+nlohmann::ordered_json toJson(const TimeHistogram& times) {
+  nlohmann::ordered_json bins = nlohmann::ordered_json::array();
   for (const TimeHistogram::Bin& bin : times.bins())
     bins.push_back({1e6 * bin.upper_edge, bin.count});
   return {{"count", times.count()},
@@ -131,10 +130,10 @@ std::string describe(const LoopStatistics& statistics) {
 }
 
 std::string describeJson(const LoopStatistics& statistics) {
-  Json guards = Json::object();
+  nlohmann::ordered_json guards = nlohmann::ordered_json::object();
   for (int bit = 0; bit < guard_count; ++bit)
     guards[guardWord(bit)] = statistics.guards[static_cast<std::size_t>(bit)];
-  const Json json = {{"rate", statistics.rate},
+  const nlohmann::ordered_json json = {{"rate", statistics.rate},
                      {"ticks", statistics.ticks},
                      {"period_us", toJson(statistics.period)},
                      {"latency_us", toJson(statistics.latency)},

@@ -15,7 +15,7 @@ namespace palpate {
 namespace {
 
 // px
-constexpr float title_height = 22, bar_height = 150, bar_width = 12, label_gap = 7, half_line = 7;
+constexpr float title_height = 22, bar_height = 150, bar_width = 12, word_gap = 7, half_word = 7;
 constexpr float note_gap = 14, text_height = 18;
 static_assert(bar_legend_height == title_height + bar_height + note_gap + text_height);
 constexpr float tag_size = 9, tag_top = 3, tag_text_offset = 16;
@@ -51,7 +51,7 @@ void legendBar(ImDrawList& draw, ImVec2 at, const char* title,
   colourBar(draw, bar, {bar_width, bar_height});
   for (const BarLabel& label : labels) {
     const float y = bar.y + bar_height * (1 - static_cast<float>(label.place));
-    draw.AddText({bar.x + bar_width + label_gap, y - half_line}, ink, label.text.c_str());
+    draw.AddText({bar.x + bar_width + word_gap, y - half_word}, ink, label.text.c_str());
     if (label.limit) draw.AddLine({bar.x - 2, y}, {bar.x + bar_width + 4, y}, ink, 2);
   }
 }

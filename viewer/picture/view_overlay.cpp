@@ -15,7 +15,7 @@ namespace {
 constexpr float margin = 14, help_width = 60;
 constexpr float legend_margin = 18, legend_ground = 8;
 constexpr float lattice_legend_left = 190, lattice_legend_right = 400;
-constexpr float label_offset = 12, label_padding_x = 5, label_padding_y = 3, half_line = 7;
+constexpr float label_offset = 12, label_padding_x = 5, label_padding_y = 3, half_label = 7;
 constexpr float banner_stripe = 4, banner_left = 12, banner_right = 8, banner_padding = 6,
                 banner_gap = 6;
 
@@ -24,7 +24,7 @@ void drawLabel(ImDrawList& draw, const ViewLabel& label, const OrbitCamera& came
   const Eigen::Vector3d place = camera.project(label.at);
   if (!(place.z() > 0)) return;
   const ImVec2 at = {size.x / 2 + size.y * static_cast<float>(place.x()) + label_offset,
-                     size.y / 2 - size.y * static_cast<float>(place.y()) - half_line};
+                     size.y / 2 - size.y * static_cast<float>(place.y()) - half_label};
   const ImVec2 text = ImGui::CalcTextSize(label.text.c_str());
   draw.AddRectFilled({at.x - label_padding_x, at.y - label_padding_y},
                      {at.x + text.x + label_padding_x, at.y + text.y + label_padding_y}, paper, 3);

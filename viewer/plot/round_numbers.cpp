@@ -1,6 +1,7 @@
 #include "viewer/plot/round_numbers.hpp"
 
 #include <cmath>
+#include <initializer_list>
 
 namespace palpate {
 

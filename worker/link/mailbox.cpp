@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
 #include "common/base/error.hpp"
@@ -12,7 +11,7 @@
 namespace palpate {
 
 Mailbox::Mailbox() : event_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
-  if (event_ < 0) throw failure("eventfd: {}", std::strerror(errno));
+  if (event_ < 0) throw failure("eventfd: {}", errnoText());
 }
 
 Mailbox::~Mailbox() { ::close(event_); }
@@ -21,7 +20,7 @@ void Mailbox::wakeNetwork() {
   const std::uint64_t one = 1;
   // EAGAIN means the counter is full, so the reader wakes up anyway.
   if (write(event_, &one, sizeof one) < 0 && errno != EAGAIN)
-    throw failure("eventfd write: {}", std::strerror(errno));
+    throw failure("eventfd write: {}", errnoText());
 }
 
 void Mailbox::put(ReadyJob job) {
@@ -45,7 +44,7 @@ void Mailbox::close() {
 std::vector<FinishedTarget> Mailbox::takeFinished() {
   std::uint64_t count = 0;
   if (read(event_, &count, sizeof count) < 0 && errno != EAGAIN)
-    throw failure("eventfd read: {}", std::strerror(errno));
+    throw failure("eventfd read: {}", errnoText());
   const std::lock_guard lock(mutex_);
   return std::exchange(finished_, {});
 }
