@@ -1,11 +1,10 @@
 #include "worker/elements/kernel_family.hpp"
 
-#include <cblas.h>
-
 #include <cstdlib>
 #include <string_view>
 
 #include "common/base/error.hpp"
+#include "worker/elements/blas_kernels.hpp"
 
 namespace palpate {
 
@@ -37,7 +36,7 @@ const ElementKernels& chooseKernels() {
 }
 
 std::string arithmetic(const ElementKernels& kernels) {
-  return std::string(kernels.family) + "/" + openblas_get_corename();
+  return std::string(kernels.family) + "/" + blasKernels();
 }
 
 }  // namespace palpate
