@@ -5,8 +5,8 @@
 
 /// Verification problems: bodies whose solution is known on paper or published, solved with the
 /// same System and Newton as everything else. `palpate verify` prints them,
-/// tests/worker/verify_test.cpp holds them to their tolerance. docs/verification.md says what each
-/// is and where its reference comes from.
+/// tests/worker/verification/verify_test.cpp holds them to their tolerance. docs/verification.md
+/// says what each is and where its reference comes from.
 namespace palpate::verification {
 
 /// One number and what it should be.
@@ -21,6 +21,19 @@ struct Row {
   double deviation() const;
   bool ok() const { return deviation() <= tolerance; }
 };
+
+/// These rows one after another.
+std::vector<Row> joined(const std::vector<std::vector<Row>>& parts);
+
+/// Observed order of convergence: log2 of the ratio of two errors, the second with half the element
+/// size.
+double orderOf(double coarse_error, double fine_error);
+
+/// How a number that two meshes give, the second with half the element size, tends to what is
+/// exact: its order, which should be 2, and its extrapolation by that order. `unit` is that of the
+/// number.
+std::vector<Row> rowsOfSecondOrder(const std::string& name, double coarse, double fine,
+                                   double exact, const char* unit);
 
 /// One problem: some rows that are computed together.
 struct Case {
