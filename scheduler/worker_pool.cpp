@@ -71,12 +71,4 @@ void WorkerPool::terminate(std::chrono::milliseconds grace) {
   running_.clear();
 }
 
-std::filesystem::path programBeside(const std::string& name) {
-  std::filesystem::path program =
-      std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;
-  if (access(program.c_str(), X_OK) != 0)
-    throw failure("{}: not found; is Palpate completely installed?", program.string());
-  return program;
-}
-
 }  // namespace palpate

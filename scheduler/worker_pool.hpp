@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <cstddef>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -39,8 +38,5 @@ class WorkerPool {
   std::vector<std::string> command_;
   std::vector<pid_t> running_;
 };
-
-/// A program beside the running one, for instance "palpate-worker". Error when it is not there.
-std::filesystem::path programBeside(const std::string& name);
 
 }  // namespace palpate

@@ -1,13 +1,16 @@
 #include "viewer/doctor.hpp"
 
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <pthread.h>
 #include <sched.h>
+#include <spawn.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/utsname.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,6 +21,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "common/base/program.hpp"
 
@@ -202,6 +206,47 @@ void findLibraries(std::vector<Finding>& findings) {
   }
 }
 
+/// What a program that is installed beside this one prints; nothing when it fails.
+std::optional<std::string> outputOf(std::string program, std::string argument) {
+  std::array<int, 2> pipe{};
+  if (pipe2(pipe.data(), O_CLOEXEC) != 0) return std::nullopt;
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, pipe[1], STDOUT_FILENO);
+  const std::array<char*, 3> arguments = {program.data(), argument.data(), nullptr};
+  pid_t child = 0;
+  const bool started =
+      posix_spawn(&child, program.c_str(), &actions, nullptr, arguments.data(), environ) == 0;
+  posix_spawn_file_actions_destroy(&actions);
+  close(pipe[1]);
+  std::string output;
+  std::array<char, 256> part{};
+  for (ssize_t size = 0; started && (size = read(pipe[0], part.data(), part.size())) > 0;)
+    output.append(part.data(), static_cast<std::size_t>(size));
+  close(pipe[0]);
+  int status = 0;
+  if (!started || waitpid(child, &status, 0) != child || status != 0) return std::nullopt;
+  return output;
+}
+
+/// Asked of the worker: a client has no OpenBLAS.
+Finding solverKernels() {
+  constexpr const char* topic = "solver kernels";
+  std::string worker;
+  try {
+    worker = programBeside("palpate-worker").string();
+  } catch (const Error& error) {
+    return {Verdict::note, topic, error.what(), "only a machine that solves needs it"};
+  }
+  const auto lines = outputOf(worker, "kernels");
+  if (!lines)
+    return {Verdict::bad, topic, fmt::format("{} kernels failed", worker), "run it to see why"};
+  const std::size_t end = lines->find('\n');
+  std::string advice = lines->substr(std::min(end + 1, lines->size()));
+  if (!advice.empty()) advice.pop_back();
+  return {advice.empty() ? Verdict::good : Verdict::note, topic, lines->substr(0, end), advice};
+}
+
 const char* word(Verdict verdict) {
   constexpr std::array<const char*, 3> words = {"ok", "note", "BAD"};
   return words[static_cast<std::size_t>(verdict)];
@@ -210,8 +255,9 @@ const char* word(Verdict verdict) {
 }  // namespace
 
 std::vector<Finding> examineMachine() {
-  std::vector<Finding> findings = {kernel(),         timer(),   realTimePriority(), lockedMemory(),
-                                   processorClock(), display(), haplyService()};
+  std::vector<Finding> findings = {kernel(),       timer(),          realTimePriority(),
+                                   lockedMemory(), processorClock(), display(),
+                                   haplyService(), solverKernels()};
   findUsbDevices(findings);
   findLibraries(findings);
   return findings;

@@ -7,16 +7,20 @@ namespace palpate {
 
 /// One thing that the doctor looked at.
 struct Finding {
-  enum class Verdict { good, note, bad } verdict = Verdict::good;  ///< bad: something will not work
-  std::string topic;                                               ///< "real-time priority"
-  std::string found;                                               ///< what is so
+  enum class Verdict {
+    good,
+    note,  ///< it works, and could work better
+    bad,   ///< something will not work
+  } verdict = Verdict::good;
+  std::string topic;        ///< "real-time priority"
+  std::string found;        ///< what is so
   std::string advice = {};  ///< what to do about it; empty when there is nothing to do
 };
 
 /// Whether this machine can run the haptic client: real-time limits, timer, memory locking,
 /// processor clock, display, known haptic devices on USB and who may open them, the Haply service,
-/// vendors' libraries. Changes nothing, opens no device. Takes a second, in which it measures how
-/// late the timer wakes a thread.
+/// vendors' libraries; and which kernels solve on it, as palpate-worker says. Changes nothing,
+/// opens no device. Takes a second, in which it measures how late the timer wakes a thread.
 std::vector<Finding> examineMachine();
 
 /// For a person, one or two lines per finding; and one JSON object per line.

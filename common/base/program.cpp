@@ -80,6 +80,14 @@ std::vector<std::string> withLeadingZeros(int argc, char** argv) {
 
 const char* version() { return PALPATE_VERSION; }
 
+std::filesystem::path programBeside(const std::string& name) {
+  std::filesystem::path program =
+      std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;
+  if (access(program.c_str(), X_OK) != 0)
+    throw failure("{}: not found; is Palpate completely installed?", program.string());
+  return program;
+}
+
 bool interrupted() { return first_interrupt != 0; }
 
 void catchInterrupts() {

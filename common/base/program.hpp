@@ -1,8 +1,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <functional>
 #include <span>
+#include <string>
 
 #include "common/base/error.hpp"
 
@@ -25,6 +27,10 @@ int runProgram(int argc, char** argv, const char* description, std::span<const V
 
 /// The program's version, "0.1.0".
 const char* version();
+
+/// The program of this name that is installed beside the running one, for instance "palpate-worker".
+/// Error when it is not there.
+std::filesystem::path programBeside(const std::string& name);
 
 /// True once SIGINT, SIGTERM or SIGHUP (unless that was ignored) came in, after catchInterrupts().
 /// A second signal ends the process at once with code 130, unless it follows the first within a

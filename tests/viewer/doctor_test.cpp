@@ -8,9 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "tests/support/command.hpp"
+
 namespace palpate {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
 Finding findingOf(const std::string& topic) {
@@ -34,6 +37,17 @@ TEST(Doctor, SaysWhatToDoWithoutADisplay) {
   setenv("DISPLAY", ":7", 1);
   EXPECT_EQ(findingOf("display").found, "DISPLAY=:7");
   unsetenv("DISPLAY");
+}
+
+TEST(Doctor, AsksTheWorkerWhichKernelsSolve) {
+  const auto result = test::runCommand(PALPATE_BIN_DIR "/palpate-viewer doctor");
+  EXPECT_THAT(result.output, ContainsRegex("solver kernels +[a-z0-9]+/[A-Za-z0-9]+\n"));
+  const auto slow =
+      test::runCommand("OPENBLAS_CORETYPE=Prescott " PALPATE_BIN_DIR "/palpate-viewer doctor");
+  EXPECT_THAT(slow.output, HasSubstr("/Prescott\n"));
+  if (__builtin_cpu_supports("avx2")) {
+    EXPECT_THAT(slow.output, HasSubstr("unset it"));
+  }
 }
 
 TEST(Doctor, PrintsAnAdviceUnderWhatNeedsOne) {

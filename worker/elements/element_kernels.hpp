@@ -44,17 +44,17 @@ struct alignas(64) BatchGeometry {
   /// Node numbers, as many as the displacement has. A batch that is not full repeats its last
   /// tetrahedron with volume 0.
   std::int32_t node[10][lanes];
-  Pack gradient[3][3];  ///< gradient[b][I] = dx_b/dX_I of the barycentric coordinates of the first
-                        ///< three vertices, 1/m; the fourth is minus their sum
-  Pack volume;          ///< m^3
-  Pack fiber[2][3];     ///< unit directions at rest, zero where there is none; for laws with fibres
+  /// gradient[b][I] = dx_b/dX_I of the barycentric coordinates of the first three vertices, 1/m;
+  /// the fourth is minus their sum.
+  Pack gradient[3][3];
+  Pack volume;       ///< m^3
+  Pack fiber[2][3];  ///< unit directions at rest, zero where there is none; for laws with fibres
 };
 
 /// A material and how it is discretised. Numbers that the law does not have stay zero.
 struct ElementParameters {
   DisplacementSpace displacement = DisplacementSpace::p1;
-  PressureSpace pressure =
-      PressureSpace::none;  ///< of this material: none also where others have one
+  PressureSpace pressure = PressureSpace::none;  ///< none also where other materials have one
   Constraint constraint = Constraint::ln_det_F;
   double pressure_scale = 1;  ///< Pa per unit of q
   double stabilization = 0;   ///< alpha / mu, 1/Pa
@@ -70,10 +70,10 @@ struct ElementParameters {
 };
 
 struct alignas(64) BatchResult {
-  Pack energy;                         ///< L of each tetrahedron, J
-  Pack det_F;                          ///< the smallest of the quadrature points
-  Pack residual[most_local_unknowns];  ///< dL/d(unknown): N for displacements, scale * m^3 for
-                                       ///< pressures
+  Pack energy;  ///< L of each tetrahedron, J
+  Pack det_F;   ///< the smallest of the quadrature points
+  /// dL/d(unknown): N for displacements, scale * m^3 for pressures.
+  Pack residual[most_local_unknowns];
 };
 struct alignas(64) BatchTangent {
   Pack entry[localEntries(most_local_unknowns)];  ///< second derivatives of L
@@ -81,9 +81,9 @@ struct alignas(64) BatchTangent {
 
 /// The two kernels of one CPU family. u: nNodes x 3 displacements, metres; q: scaled pressures by
 /// node (ignored without a pressure). With ln det F or a volumetric energy, an element with det F
-/// <= 0 at a quadrature point gets NaN or infinity.
+/// <= 0 at a quadrature point gets NaN or infinity. They keep nothing and may run on any thread.
 struct ElementKernels {
-  const char* family;
+  const char* family;  ///< "avx512", "avx2" or "baseline"
   void (*residual)(const ElementParameters&, const BatchGeometry&, const double* u, const double* q,
                    BatchResult&);
   void (*tangent)(const ElementParameters&, const BatchGeometry&, const double* u, const double* q,

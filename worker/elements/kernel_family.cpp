@@ -1,12 +1,11 @@
 #include "worker/elements/kernel_family.hpp"
 
-#include <cblas.h>
-
 #include <cstdlib>
 #include <string_view>
 
 #include "common/base/cpu_family.hpp"
 #include "common/base/error.hpp"
+#include "worker/elements/blas_kernels.hpp"
 
 namespace palpate {
 
@@ -35,7 +34,7 @@ const ElementKernels& chooseKernels() {
 }
 
 std::string arithmetic(const ElementKernels& kernels) {
-  return std::string(kernels.family) + "/" + openblas_get_corename();
+  return std::string(kernels.family) + "/" + blasKernels();
 }
 
 }  // namespace palpate

@@ -13,9 +13,9 @@ namespace palpate {
 /// not to the bit, so a dataset records its family.
 const ElementKernels& chooseKernels();
 
-/// What the bits of a result depend on: the element kernels and the kernels that OpenBLAS chose for
-/// this CPU, for instance "avx512/SkylakeX". The environment variable OPENBLAS_CORETYPE chooses the
-/// latter.
+/// What the bits of a result depend on: these element kernels and the kernels that OpenBLAS runs
+/// (blas_kernels.hpp), for instance "avx512/SkylakeX". The scheduler admits one such word to a
+/// build and a dataset records it.
 std::string arithmetic(const ElementKernels& kernels);
 
 /// All that this CPU runs, fastest first.

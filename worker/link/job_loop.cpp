@@ -1,10 +1,12 @@
 #include "worker/link/job_loop.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <memory>
 
+#include "common/base/assertion.hpp"
 #include "common/wire/wire.hpp"
-#include "worker/solver/transition.hpp"
+#include "worker/solver/path.hpp"
 
 namespace palpate {
 namespace {
@@ -22,6 +24,8 @@ class ProblemSolver {
 
   void solve(const ReadyJob& ready, Mailbox& mailbox) {
     const wire::Job& job = ready.job;
+    PALPATE_ASSERT(ready.start || job.start_id().empty(),
+                   "a job is handed over when its start configuration is here");
     solver_.chooseTool(job.space());
     Failure start_failure;
     const auto start =
@@ -32,7 +36,9 @@ class ProblemSolver {
       if (!mailbox.begin(job.id(), target.point())) return;
       Outcome outcome;
       if (start) {
-        outcome = reach(*start, displacementOf(target.point()), target.steps());
+        const int transitions = static_cast<int>(std::max(1U, target.steps()));
+        outcome = walk(solver_, *start, displacementOf(target.point()), transitions, Rescue::none)
+                      .outcome;
       } else {
         outcome.failure = start_failure;
       }
@@ -46,28 +52,6 @@ class ProblemSolver {
   }
 
  private:
-  /// In `steps` equal transitions, 0 meaning 1; the outcome has the cost of all, and what it
-  /// reached of all.
-  Outcome reach(const Start& start, const Eigen::Vector3d& target, std::uint32_t steps) {
-    if (steps <= 1) return solver_.reach(start, target).outcome;
-    const Eigen::Vector3d origin = start.state.displacement;
-    Start at = start;
-    Cost total;
-    for (std::uint32_t n = 1;; ++n) {
-      const Eigen::Vector3d next = n == steps ? target : origin + (target - origin) * n / steps;
-      Reached reached = solver_.reach(at, next);
-      total += reached.outcome.cost;
-      if (n < steps && reached.outcome.converged) {
-        at = std::move(reached.end);
-        continue;
-      }
-      reached.outcome.cost = total;
-      Failure& failure = reached.outcome.failure;
-      if (!reached.outcome.converged) failure.step_reached = (n - 1 + failure.step_reached) / steps;
-      return std::move(reached.outcome);
-    }
-  }
-
   Eigen::Vector3d displacementOf(const wire::Point& point) const {
     return lattice_.displacementOf(fromWire(point));
   }

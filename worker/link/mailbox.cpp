@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -54,11 +55,6 @@ std::optional<std::string> Mailbox::solverError() {
   return error_;
 }
 
-bool Mailbox::solverEnded() {
-  const std::lock_guard lock(mutex_);
-  return ended_;
-}
-
 Progress Mailbox::progress() {
   const std::lock_guard lock(mutex_);
   return progress_;
@@ -80,6 +76,7 @@ std::optional<ReadyJob> Mailbox::next() {
 
 bool Mailbox::begin(std::uint64_t job, const wire::Point& target) {
   const std::lock_guard lock(mutex_);
+  PALPATE_ASSERT(progress_.solving && progress_.job == job, "targets are of the job last taken");
   progress_ = {true, job, target};
   return !forget_current_;
 }
@@ -95,7 +92,6 @@ void Mailbox::finish(FinishedTarget target) {
 void Mailbox::solverEnds(const std::string& error) {
   {
     const std::lock_guard lock(mutex_);
-    ended_ = true;
     progress_.solving = false;
     if (!error.empty()) error_ = error;
   }

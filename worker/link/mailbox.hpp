@@ -45,6 +45,7 @@ class Mailbox {
   Mailbox& operator=(const Mailbox&) = delete;
 
   // Network side.
+  /// Behind the jobs that wait already.
   void put(ReadyJob job);
   /// Forgets the jobs that wait, and the rest of the one being solved; the target in work is
   /// finished and reported.
@@ -52,10 +53,10 @@ class Mailbox {
   /// No more jobs: next() returns nothing once the job in work is done (or its present target,
   /// after forgetJobs()).
   void close();
+  /// What finish() left since the last call, in its order.
   std::vector<FinishedTarget> takeFinished();
   /// The reason when the solver gave up with an exception.
   std::optional<std::string> solverError();
-  bool solverEnded();
   Progress progress();
   /// Readable while there is something to take; for poll().
   int wakeUpDescriptor() const { return event_; }
@@ -65,6 +66,7 @@ class Mailbox {
   std::optional<ReadyJob> next();
   /// Call before each target. False: the job was forgotten, go on with next().
   [[nodiscard]] bool begin(std::uint64_t job, const wire::Point& target);
+  /// Leaves a target for the network thread and wakes it.
   void finish(FinishedTarget target);
   /// Last call of the solver thread; `error` empty when it ended well.
   void solverEnds(const std::string& error);
@@ -78,7 +80,7 @@ class Mailbox {
   std::deque<ReadyJob> jobs_;
   std::vector<FinishedTarget> finished_;
   Progress progress_;
-  bool forget_current_ = false, closed_ = false, ended_ = false;
+  bool forget_current_ = false, closed_ = false;
   std::optional<std::string> error_;
 };
 

@@ -24,6 +24,10 @@ bool isQuadratic(const BodyModel& model) {
 
 }  // namespace
 
+PressureSpace pressureSpaceOf(const BodyModel& model, std::size_t region) {
+  return isMixed(model.materials[region]) ? model.discretization.pressure : PressureSpace::none;
+}
+
 BodyModel bodyModel(const Problem& problem) {
   BodyModel model;
   model.mesh = problem.mesh;

@@ -1,18 +1,22 @@
 #include "worker/solver/linear_solver.hpp"
 
-#include <cblas.h>
 #include <dmumps_c.h>
 #include <smumps_c.h>
 
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "worker/elements/blas_kernels.hpp"
 
 namespace palpate {
 namespace {
 
+/// JOB, as the MUMPS manual numbers its phases.
 constexpr int initialize = -1, terminate = -2, analyse = 1, factorise = 2, substitute = 3;
 constexpr int use_comm_world = -987654;
+/// INFOG(1): its real or its integer workspace is too small.
+constexpr int short_of_reals = -8, short_of_integers = -9;
 /// SCOTCH orders about as well but differently in every process, so its factors differ in the last
 /// bits.
 constexpr int ordering_pord = 4;
@@ -36,7 +40,7 @@ namespace {
 template <class Structure, class Real, void (*call)(Structure*)>
 class Mumps : public LinearSolver::Arithmetic {
  public:
-  Mumps(const Pattern& pattern, bool singular)
+  Mumps(const SparsityPattern& pattern, bool singular)
       : row_(pattern.row.begin(), pattern.row.end()),
         column_(pattern.column.begin(), pattern.column.end()),
         values_(pattern.row.size()) {
@@ -68,13 +72,15 @@ class Mumps : public LinearSolver::Arithmetic {
   Mumps& operator=(const Mumps&) = delete;
 
   Factorization factorize(const std::vector<double>& values) override {
+    PALPATE_ASSERT(values.size() == values_.size(),
+                   "MUMPS reads a value for every entry it analysed");
     Factorization result;
     for (int attempt = 0; attempt <= workspace_retries; ++attempt) {
       std::transform(values.begin(), values.end(), values_.begin(),
                      [](double value) { return static_cast<Real>(value); });
       result.infog1 = run(factorise);
       result.infog2 = infog(2);
-      if (result.infog1 != -8 && result.infog1 != -9) break;
+      if (result.infog1 != short_of_reals && result.infog1 != short_of_integers) break;
       control(14) *= 2;
     }
     result.ok = result.infog1 >= 0;
@@ -83,6 +89,7 @@ class Mumps : public LinearSolver::Arithmetic {
   }
 
   bool solve(Eigen::Ref<Eigen::MatrixXd>& right_hand_sides) override {
+    PALPATE_ASSERT(right_hand_sides.rows() == data_.n, "MUMPS writes n rows of each column");
     // Columns of size one: small residuals would leave the range of single precision.
     Eigen::RowVectorXd scale = right_hand_sides.cwiseAbs().colwise().maxCoeff();
     scale = (scale.array() > 0).select(scale, 1.0);
@@ -117,8 +124,8 @@ using DoubleMumps = Mumps<DMUMPS_STRUC_C, double, dmumps_c>;
 
 }  // namespace
 
-LinearSolver::LinearSolver(const Pattern& pattern, Precision precision, bool singular) {
-  openblas_set_num_threads(1);
+LinearSolver::LinearSolver(const SparsityPattern& pattern, Precision precision, bool singular) {
+  prepareBlas();
   if (precision == Precision::single_precision) {
     mumps_ = std::make_unique<SingleMumps>(pattern, singular);
   } else {

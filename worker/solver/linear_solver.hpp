@@ -5,15 +5,15 @@
 #include <memory>
 #include <vector>
 
-#include "worker/solver/system.hpp"
+#include "worker/solver/sparsity_pattern.hpp"
 
 namespace palpate {
 
 /// What MUMPS said about a factorisation.
 struct Factorization {
   bool ok = false;
-  std::int32_t negative_pivots = 0;  ///< INFOG(12)
-  std::int32_t infog1 = 0, infog2 = 0;
+  std::int32_t negative_pivots = 0;     ///< INFOG(12)
+  std::int32_t infog1 = 0, infog2 = 0;  ///< INFOG(1) and (2); negative: an error
 };
 
 /// Arithmetic of the factors. Single precision takes two thirds of the time and half of the memory;
@@ -28,10 +28,11 @@ enum class Precision : std::uint8_t { single_precision, double_precision };
 /// thread. BLAS is held to one thread.
 class LinearSolver {
  public:
-  /// Error when the analysis fails. `pattern` is copied. `singular`: the matrix may have a null
+  /// Error when the analysis fails, or OpenBLAS computes wrong products (prepareBlas). `pattern` is
+  /// copied. `singular`: the matrix may have a null
   /// space (the spurious pressure modes of P1/P1); pivots that vanish are then detected and their
   /// unknowns kept at zero.
-  LinearSolver(const Pattern& pattern, Precision precision, bool singular);
+  LinearSolver(const SparsityPattern& pattern, Precision precision, bool singular);
   ~LinearSolver();
   LinearSolver(const LinearSolver&) = delete;
   LinearSolver& operator=(const LinearSolver&) = delete;

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 namespace {
 
@@ -48,6 +50,8 @@ class Newton {
       : system_(system), solver_(solver), displacement_(displacement), options_(options) {}
 
   NewtonResult solveFrom(State start) {
+    PALPATE_ASSERT(start.displacement == displacement_,
+                   "Newton moves everything but the tool, whose place the caller chose");
     now_.state = std::move(start);
     system_.assemble(now_.state, now_.residual);
     if (!std::isfinite(now_.residual.norm)) now_.cause = causeOfNotFinite(now_.residual);

@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 namespace {
 
@@ -35,7 +37,8 @@ std::optional<Reached> reachAround(TransitionSolver& solver, const Start& from,
 }  // namespace
 
 WalkedPath walk(TransitionSolver& solver, const Start& start, const Eigen::Vector3d& target,
-                int transitions) {
+                int transitions, Rescue rescue) {
+  PALPATE_ASSERT(transitions >= 1, "a walk of no transition would have no outcome");
   WalkedPath path;
   Cost total;
   const Eigen::Vector3d origin = start.state.displacement;
@@ -45,21 +48,22 @@ WalkedPath walk(TransitionSolver& solver, const Start& start, const Eigen::Vecto
         n == transitions ? target : origin + (target - origin) * n / transitions;
     Reached reached = solver.reach(*at, next);
     total += reached.outcome.cost;
-    if (!reached.outcome.converged)
+    if (!reached.outcome.converged && rescue == Rescue::detours) {
       if (auto around = reachAround(solver, *at, next, total)) {
         reached = std::move(*around);
         ++path.detours;
+      } else {
+        solver.explainByLimitPoint(*at, next, reached);
       }
-    if (!reached.outcome.converged) {
-      solver.explainByLimitPoint(*at, next, reached);
-      reached.outcome.failure.step_reached =
-          (n - 1 + reached.outcome.failure.step_reached) / transitions;
-      path.outcome = std::move(reached.outcome);
+    }
+    path.outcome = std::move(reached.outcome);
+    if (!path.outcome.converged) {
+      double& step_reached = path.outcome.failure.step_reached;
+      step_reached = (n - 1 + step_reached) / transitions;
       break;
     }
-    path.min_det_F = std::min(path.min_det_F, reached.outcome.equilibrium.min_det_F);
+    path.min_det_F = std::min(path.min_det_F, path.outcome.equilibrium.min_det_F);
     path.end = std::move(reached.end);
-    path.outcome = std::move(reached.outcome);
     at = &path.end;
   }
   path.outcome.cost = total;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
+#include <cstdint>
 
 #include "worker/solver/transition.hpp"
 
@@ -9,23 +9,31 @@ namespace palpate {
 
 /// How a path went.
 struct WalkedPath {
-  Outcome
-      outcome;  ///< of its end, with the cost of all of it; step_reached is a fraction of the path
-  Start end;    ///< when converged
+  /// Of its end, with the cost of all of it; step_reached is a fraction of the whole path.
+  Outcome outcome;
+  Start end;             ///< when converged
   int detours = 0;       ///< transitions that were made by way of a point beside the path
   double min_det_F = 1;  ///< smallest of its configurations
 };
 
-/// Walks from `start` straight to `target` in `transitions` equal transitions. One that fails is
-/// tried by way of points beside the path: a limit point that stops the straight way is passed on
-/// either side, as the lattice passes it by other parents. What is reached is as valid as any
-/// configuration (it has the inertia of a stable one), on a branch that a hand which was pushed
-/// past the limit point would find itself on.
+/// What a walk does about a transition that fails.
+enum class Rescue : std::uint8_t {
+  none,  ///< it ends there
+  /// Tries points beside the path, in 3 widths and 6 directions, and when none helps looks for a
+  /// limit point (up to 120 factorisations).
+  detours,
+};
+
+/// Walks from `start` straight to `target` in `transitions` equal transitions.
 ///
-/// `target` in metres, transitions >= 1. A failure is an answer (WalkedPath::outcome); for a limit
-/// point it is looked for as well, which costs up to 120 factorisations. One thread, that of
-/// `solver`.
+/// A limit point that stops the straight way is passed by detours on either side, as the lattice
+/// passes it by other parents. What is reached is as valid as any configuration (it has the inertia
+/// of a stable one), on a branch that a hand which was pushed past the limit point would find
+/// itself on.
+///
+/// `target` in metres, transitions >= 1. A failure is an answer (WalkedPath::outcome). One thread,
+/// that of `solver`.
 WalkedPath walk(TransitionSolver& solver, const Start& start, const Eigen::Vector3d& target,
-                int transitions);
+                int transitions, Rescue rescue = Rescue::detours);
 
 }  // namespace palpate

@@ -3,10 +3,14 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 namespace {
 
+/// Enough for sensitivity tolerances at the slowest contraction; usual are two to five.
 constexpr int max_refinements = 30;
+/// Of the residual in one refinement. Slower, a factorisation costs less than what is still to do.
 constexpr double slowest_contraction = 0.5;
 
 bool pressureBlockIsZero(const Discretization& discretization) {
@@ -43,6 +47,8 @@ Factorization TangentSolver::factorize(const Tangent& tangent) {
 
 bool TangentSolver::solve(Eigen::Ref<Eigen::MatrixXd> columns) {
   const Eigen::Index n = system_.unknowns();
+  PALPATE_ASSERT(columns.rows() == n + border_.cols(),
+                 "the factors are of a tangent with the tool that is chosen now");
   Eigen::MatrixXd inner = columns.topRows(n);
   if (!solver_.solve(inner)) return false;
   if (border_.cols() > 0) {
@@ -56,7 +62,7 @@ bool TangentSolver::solve(Eigen::Ref<Eigen::MatrixXd> columns) {
 }
 
 Eigen::MatrixXd TangentSolver::multiply(const Tangent& tangent, const Eigen::MatrixXd& x) const {
-  const Pattern& pattern = system_.pattern();
+  const SparsityPattern& pattern = system_.pattern();
   Eigen::MatrixXd y = Eigen::MatrixXd::Zero(x.rows(), x.cols());
   for (Eigen::Index k = 0; k < x.cols(); ++k) {
     const double* in = x.col(k).data();

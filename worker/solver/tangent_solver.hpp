@@ -50,9 +50,9 @@ class TangentSolver {
 
   const System& system_;
   LinearSolver solver_;
-  Eigen::MatrixXd border_,
-      inverse_border_;  ///< of the tangent last factorised: border and K^-1 border
-  Eigen::PartialPivLU<Eigen::Matrix3d> complement_;  ///< border^T K^-1 border
+  // Of the tangent last factorised: its border, K^-1 border, and border^T K^-1 border.
+  Eigen::MatrixXd border_, inverse_border_;
+  Eigen::PartialPivLU<Eigen::Matrix3d> complement_;
 };
 
 }  // namespace palpate

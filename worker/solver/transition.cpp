@@ -5,7 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include "common/base/assertion.hpp"
 #include "worker/solver/local_relaxation.hpp"
+#include "worker/solver/nodal_det_f.hpp"
 
 namespace palpate {
 namespace {
@@ -15,9 +17,12 @@ using Clock = std::chrono::steady_clock;
 /// Relative residual of du/dp. The stiffness, in which it enters squared, is then right to about
 /// 1e-10.
 constexpr double sensitivity_tolerance = 1e-5;
+/// On the way, where du/dp only predicts.
 constexpr double loose_sensitivity_tolerance = 1e-2;
-/// Of the relaxation near the tool, times System::forceScale().
+/// Of the relaxation near the tool, times System::forceScale(). Newton follows, so it need not be
+/// accurate.
 constexpr double relaxation_tolerance = 1e-3;
+/// Parts that the way of a step is relaxed in at most, and that gravity is applied in.
 constexpr double smallest_approach = 1.0 / 16;
 constexpr double smallest_load_step = 1.0 / 64;
 
@@ -46,6 +51,17 @@ struct TransitionSolver::Sensitivity {
   Eigen::Matrix3d tool_stiffness;  ///< d(tool force)/dp, N/m
 };
 
+/// One step of a transition: the configuration that was accepted, or why none was.
+struct TransitionSolver::Step {
+  /// Cause::none: accepted. The numbers are those of where Newton ended, either way.
+  Failure failure;
+  Cost cost;
+  bool easy = false;  ///< Newton took one tangent or none, so the next step may be longer
+  // Of an accepted one:
+  Equilibrium equilibrium;
+  Start end;
+};
+
 TransitionSolver::TransitionSolver(const Problem& problem, const ElementKernels& kernels,
                                    TransitionOptions options)
     : problem_(problem), options_(options), system_(problem, kernels), solver_(system_) {
@@ -70,9 +86,12 @@ std::optional<Start> TransitionSolver::startFrom(const NodalFields& fields,
                                                  Failure& failure) {
   if (!solveRest(failure)) return std::nullopt;
   State state = system_.restState();
+  PALPATE_ASSERT(
+      fields.displacement.size() == state.u.size() && fields.pressure.size() == state.q.size(),
+      "fields were decoded for the mesh of this problem");
   std::copy(fields.displacement.begin(), fields.displacement.end(), state.u.begin());
   for (std::size_t node = 0; node < state.q.size(); ++node)
-    state.q[node] = fields.pressure.at(node) / system_.pressureScale();
+    state.q[node] = fields.pressure[node] / system_.pressureScale();
   // Also puts a rigid tool, which float32 moved by half a unit in the last place, back where it
   // was.
   const Eigen::VectorXd nowhere = Eigen::VectorXd::Zero(system_.unknowns() + system_.multipliers());
@@ -155,14 +174,14 @@ State TransitionSolver::approach(const Start& from, const Eigen::Vector3d& displ
 }
 
 std::optional<TransitionSolver::Sensitivity> TransitionSolver::solveSensitivity(
-    NewtonResult& newton, const Tangent& tangent, bool last, Cost& cost) {
+    NewtonResult& newton, const Tangent& tangent, bool last) {
   const double tolerance = last ? sensitivity_tolerance : loose_sensitivity_tolerance;
   std::optional<TangentSolver::Refined> refined;
   if (newton.factorizations > 0)
     refined = solver_.solveWith(tangent, -tangent.tool_coupling, tolerance);
   if (!refined) {
     newton.factorization = solver_.factorize(tangent);
-    ++cost.factorizations;
+    ++newton.factorizations;
     if (newton.factorization.ok)
       refined = solver_.solveWith(tangent, -tangent.tool_coupling, tolerance);
     if (!refined) return std::nullopt;
@@ -173,41 +192,58 @@ std::optional<TransitionSolver::Sensitivity> TransitionSolver::solveSensitivity(
   return Sensitivity{std::move(refined->solution), 0.5 * (K + K.transpose())};
 }
 
-bool TransitionSolver::accept(NewtonResult& newton, bool last, Reached& reached, Failure& failure) {
+/// Whether the state that Newton converged to may be stored. When it may (Cause::none), `step` gets
+/// its equilibrium and its end.
+Cause TransitionSolver::judge(NewtonResult& newton, bool last, Step& step) {
   Tangent tangent;
   system_.assemble(newton.state, newton.residual, tangent);
-  system_.lookAtNodes(newton.state, newton.residual);
-  if (problem_.scene.workspace.reject_inverted && !(newton.residual.min_det_F > 0)) {
-    failure = failureOf(Cause::inverted_element, newton);
-    return false;
+  if (const SmallestDetF at_nodes = smallestDetFAtNodes(system_.model().mesh, newton.state.u);
+      at_nodes.det_F < newton.residual.min_det_F) {
+    newton.residual.min_det_F = at_nodes.det_F;
+    newton.residual.worst_element = at_nodes.element;
   }
-  auto sensitivity = solveSensitivity(newton, tangent, last, reached.outcome.cost);
-  if (!sensitivity) {
-    failure = failureOf(Cause::factorization_failed, newton);
-    return false;
-  }
-  if (auto expected = system_.expectedNegativePivots();
-      expected && newton.factorization.negative_pivots != *expected + system_.multipliers()) {
-    failure = failureOf(Cause::wrong_inertia, newton);
-    failure.expected_negative_pivots = *expected + system_.multipliers();
-    return false;
-  }
-  Equilibrium equilibrium;
+  if (problem_.scene.workspace.reject_inverted && !(newton.residual.min_det_F > 0))
+    return Cause::inverted_element;
+  auto sensitivity = solveSensitivity(newton, tangent, last);
+  if (!sensitivity) return Cause::factorization_failed;
+  if (const auto expected = expectedNegativePivots();
+      expected && newton.factorization.negative_pivots != *expected)
+    return Cause::wrong_inertia;
   // Subtracted from zero, so that a zero is plain 0 and not -0.
-  equilibrium.force = Eigen::Vector3d::Zero() - newton.residual.tool;
-  equilibrium.stiffness = Eigen::Matrix3d::Zero() - sensitivity->tool_stiffness;
-  equilibrium.energy = newton.residual.energy;
-  equilibrium.min_det_F = newton.residual.min_det_F;
-  if (!equilibrium.stiffness.allFinite() || !equilibrium.force.allFinite() ||
-      !std::isfinite(equilibrium.energy)) {
-    failure = failureOf(Cause::not_finite, newton);
-    return false;
+  step.equilibrium.force = Eigen::Vector3d::Zero() - newton.residual.tool;
+  step.equilibrium.stiffness = Eigen::Matrix3d::Zero() - sensitivity->tool_stiffness;
+  step.equilibrium.energy = newton.residual.energy;
+  step.equilibrium.min_det_F = newton.residual.min_det_F;
+  if (!step.equilibrium.stiffness.allFinite() || !step.equilibrium.force.allFinite() ||
+      !std::isfinite(step.equilibrium.energy))
+    return Cause::not_finite;
+  step.end = {std::move(newton.state), std::move(sensitivity->columns)};
+  return Cause::none;
+}
+
+/// From `from` to the tool at `displacement`, in one piece, with at most so many factorisations by
+/// Newton. `last`: where the transition ends, to full precision.
+TransitionSolver::Step TransitionSolver::step(const Start& from,
+                                              const Eigen::Vector3d& displacement, bool last,
+                                              int factorizations) {
+  NewtonOptions options = options_.newton;
+  options.max_factorizations = std::min(options.max_factorizations, factorizations);
+  if (!last) {
+    options.absolute_tolerance = options_.loose_absolute_tolerance;
+    options.relative_tolerance = options_.loose_relative_tolerance;
   }
-  reached.outcome.equilibrium = equilibrium;
-  reached.outcome.residual = newton.residual.norm;
-  ++reached.outcome.cost.steps;
-  reached.end = {std::move(newton.state), std::move(sensitivity->columns)};
-  return true;
+  NewtonResult newton =
+      findEquilibrium(system_, solver_, approach(from, displacement), displacement, options);
+  Step step;
+  step.easy = newton.factorizations <= 1;
+  const Cause cause = newton.cause == Cause::none ? judge(newton, last, step) : newton.cause;
+  step.failure = failureOf(cause, newton);
+  if (cause == Cause::wrong_inertia)
+    step.failure.expected_negative_pivots = expectedNegativePivots().value_or(0);
+  step.cost.newton_iterations = newton.iterations;
+  step.cost.factorizations = newton.factorizations;
+  if (cause == Cause::none) step.cost.steps = 1;
+  return step;
 }
 
 Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& target) {
@@ -215,57 +251,57 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
   Reached reached;
   Outcome& outcome = reached.outcome;
   const Eigen::Vector3d origin = start.state.displacement, whole = target - origin;
-  NewtonOptions loose = options_.newton;
-  loose.absolute_tolerance = options_.loose_absolute_tolerance;
-  loose.relative_tolerance = options_.loose_relative_tolerance;
   const Start* from = &start;
-  double at = 0, step = 1;
+  double at = 0, length = 1;  // fractions of the whole
   while (at < 1) {
-    const double next = std::min(1.0, at + step);
+    const double next = std::min(1.0, at + length);
     const bool last = next == 1;
-    const Eigen::Vector3d displacement = last ? target : Eigen::Vector3d(origin + next * whole);
-    NewtonOptions newton_options = last ? options_.newton : loose;
-    newton_options.max_factorizations =
-        std::min(newton_options.max_factorizations,
-                 options_.max_factorizations - outcome.cost.factorizations);
-    NewtonResult newton = findEquilibrium(system_, solver_, approach(*from, displacement),
-                                          displacement, newton_options);
-    outcome.cost.newton_iterations += newton.iterations;
-    outcome.cost.factorizations += newton.factorizations;
-
-    Failure failure;
-    bool accepted = false;
-    if (newton.cause == Cause::none) {
-      accepted = accept(newton, last, reached, failure);
-    } else {
-      failure = failureOf(newton.cause, newton);
-    }
-    if (accepted) {
+    Step tried = step(*from, last ? target : Eigen::Vector3d(origin + next * whole), last,
+                      options_.max_factorizations - outcome.cost.factorizations);
+    outcome.cost += tried.cost;
+    if (tried.failure.cause == Cause::none) {
+      outcome.equilibrium = tried.equilibrium;
+      outcome.residual = tried.failure.residual;
+      reached.end = std::move(tried.end);
       from = &reached.end;
       at = next;
-      if (newton.factorizations <= 1) step *= 2;
-      failure = failureOf(Cause::step_budget, newton);
+      if (tried.easy) length *= 2;
     } else {
-      step = (next - at) / 2;
+      length = (next - at) / 2;
     }
-    const bool too_small = step < options_.smallest_step;
+    const bool too_small = length < options_.smallest_step;
     const bool too_costly = outcome.cost.factorizations >= options_.max_factorizations;
     if (at < 1 && (too_small || too_costly)) {
-      outcome.failure = failure;
+      outcome.failure = tried.failure;
       outcome.failure.step_reached = at;
       if (!too_small) outcome.failure.cause = Cause::step_budget;
       break;
     }
   }
   outcome.converged = at >= 1;
-  if (outcome.converged) outcome.fields = fieldsOf(reached.end.state);
+  if (outcome.converged) {
+    const Equilibrium& end = outcome.equilibrium;
+    PALPATE_ASSERT(end.force.allFinite() && end.stiffness.allFinite() && std::isfinite(end.energy),
+                   "fields of forces are interpolated from these numbers");
+    PALPATE_ASSERT(!problem_.scene.workspace.reject_inverted || end.min_det_F > 0,
+                   "the scene wants no inverted element in its dataset");
+    PALPATE_ASSERT(reached.end.state.displacement == target,
+                   "the configuration is stored under the lattice point of its target");
+    outcome.fields = fieldsOf(reached.end.state);
+  }
   outcome.cost.seconds = std::chrono::duration<double>(Clock::now() - began).count();
   return reached;
 }
 
+std::optional<std::int32_t> TransitionSolver::expectedNegativePivots() const {
+  const auto expected = system_.expectedNegativePivots();
+  if (!expected) return std::nullopt;
+  return *expected + system_.multipliers();
+}
+
 void TransitionSolver::explainByLimitPoint(const Start& start, const Eigen::Vector3d& target,
                                            Reached& failed) {
-  const auto expected = system_.expectedNegativePivots();
+  const auto expected = expectedNegativePivots();
   if (!expected) return;  // spurious modes: an inertia that changed would prove nothing
   const double reached = failed.outcome.failure.step_reached;
   const State& from = reached > 0 ? failed.end.state : start.state;
@@ -275,7 +311,7 @@ void TransitionSolver::explainByLimitPoint(const Start& start, const Eigen::Vect
   failure.cause = Cause::limit_point;
   failure.step_reached = reached + (1 - reached) * limit->at;
   failure.negative_pivots = limit->negative_pivots;
-  failure.expected_negative_pivots = *expected + system_.multipliers();
+  failure.expected_negative_pivots = *expected;
 }
 
 NodalFields TransitionSolver::fieldsOf(const State& state) const {

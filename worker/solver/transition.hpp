@@ -15,7 +15,7 @@ namespace palpate {
 
 struct TransitionOptions {
   NewtonOptions newton;
-  /// For the steps on the way, which nobody stores.
+  /// Of NewtonOptions, for the steps on the way, which nobody stores.
   double loose_absolute_tolerance = 1e-6, loose_relative_tolerance = 1e-5;
   double smallest_step = 1.0 / 16;  ///< fraction of the transition
   /// A lattice transition takes one or two factorisations; one that fails may cost about five times
@@ -76,13 +76,17 @@ class TransitionSolver {
 
  private:
   struct Sensitivity;
+  struct Step;
 
   bool solveRest(Failure& failure);
   std::optional<Start> linearize(State state, Failure& failure);
   State approach(const Start& from, const Eigen::Vector3d& displacement);
-  bool accept(NewtonResult& newton, bool last, Reached& reached, Failure& failure);
+  Step step(const Start& from, const Eigen::Vector3d& displacement, bool last, int factorizations);
+  Cause judge(NewtonResult& newton, bool last, Step& step);
   std::optional<Sensitivity> solveSensitivity(NewtonResult& newton, const Tangent& tangent,
-                                              bool last, Cost& cost);
+                                              bool last);
+  /// As System's, with the multipliers of a weighted tool.
+  std::optional<std::int32_t> expectedNegativePivots() const;
   NodalFields fieldsOf(const State& state) const;
 
   const Problem& problem_;

@@ -11,6 +11,22 @@ double Row::deviation() const {
   return reference == 0 ? difference : difference / std::abs(reference);
 }
 
+std::vector<Row> joined(const std::vector<std::vector<Row>>& parts) {
+  std::vector<Row> all;
+  for (const std::vector<Row>& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+double orderOf(double coarse_error, double fine_error) {
+  return std::log2(coarse_error / fine_error);
+}
+
+std::vector<Row> rowsOfSecondOrder(const std::string& name, double coarse, double fine,
+                                   double exact, const char* unit) {
+  return {{name + ", order", orderOf(coarse - exact, fine - exact), 2, 0.1},
+          {name + ", extrapolated", (4 * fine - coarse) / 3, exact, 0.005, unit}};
+}
+
 std::vector<Case> cases() {
   std::vector<Case> all;
   for (const auto subject :

@@ -22,6 +22,19 @@ struct Row {
   bool ok() const { return deviation() <= tolerance; }
 };
 
+/// These rows one after another.
+std::vector<Row> joined(const std::vector<std::vector<Row>>& parts);
+
+/// Observed order of convergence: log2 of the ratio of two errors, the second with half the element
+/// size.
+double orderOf(double coarse_error, double fine_error);
+
+/// How a number that two meshes give, the second with half the element size, tends to what is
+/// exact: its order, which should be 2, and its extrapolation by that order. `unit` is that of the
+/// number.
+std::vector<Row> rowsOfSecondOrder(const std::string& name, double coarse, double fine,
+                                   double exact, const char* unit);
+
 /// One problem: some rows that are computed together.
 struct Case {
   const char* name;  ///< lower case, words joined by hyphens

@@ -2,7 +2,7 @@
 // one layer of tetrahedra that keeps its thickness.
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cmath>
 
 #include "worker/verification/case.hpp"
 #include "worker/verification/meshes.hpp"
@@ -13,18 +13,6 @@ namespace {
 
 constexpr double mm = 1e-3, newton_per_mm2 = 1e6;
 constexpr double thickness = 1 * mm;
-
-/// The triangles of the right edge, x = 48 mm.
-std::vector<Triangle> rightEdge(const Mesh& mesh) {
-  std::vector<Triangle> faces;
-  for (const Triangle& face : mesh.surface) {
-    const bool on_edge = std::all_of(face.begin(), face.end(), [&](std::int32_t node) {
-      return std::abs(mesh.nodes[node][0] - 48 * mm) < 1e-9;
-    });
-    if (on_edge) faces.push_back(face);
-  }
-  return faces;
-}
 
 std::int32_t nodeAt(const Mesh& mesh, const Eigen::Vector3d& X) {
   std::int32_t nearest = 0;
@@ -41,7 +29,9 @@ double tipDisplacement(const Discretization& discretization, const Material& mat
   hold(body, nodesInPlane(body.mesh, 0, 0), "xyz");
   hold(body, "first", "z");
   hold(body, "last", "z");
-  addTraction(body, rightEdge(body.mesh), {0, force / 16 * newton_per_mm2, 0});
+  const auto right_edge = facesWhere(
+      body.mesh, [](const Eigen::Vector3d& X) { return std::abs(X[0] - 48 * mm) < 1e-9; });
+  addTraction(body, right_edge, {0, force / 16 * newton_per_mm2, 0});
   const NewtonResult result = Rig(body).loadInSteps(4);
   return displacementOf(result.state, nodeAt(body.mesh, {48 * mm, 60 * mm, 0}))[1] / mm;
 }

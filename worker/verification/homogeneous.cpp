@@ -25,16 +25,17 @@ struct Expected {
   double stress;  ///< Pa
 };
 
+/// A node group and the axes along which it is held.
+using Held = std::pair<std::string, std::string>;
+
 struct Homogeneous {
   std::string name;
   Eigen::Matrix3d F;
-  std::vector<std::pair<std::string, std::string>>
-      held;  ///< node group, axes; all where F puts them
+  std::vector<Held> held;  ///< where F puts them
   std::vector<Expected> expected;
 };
 
-const std::vector<std::pair<std::string, std::string>> symmetry = {
-    {"xmin", "x"}, {"ymin", "y"}, {"zmin", "z"}, {"xmax", "x"}};
+const std::vector<Held> symmetry = {{"xmin", "x"}, {"ymin", "y"}, {"zmin", "z"}, {"xmax", "x"}};
 
 Expected pullAlongX(double stress) {
   return {"", [](const Eigen::Matrix3d& P) { return P(0, 0); }, stress};
@@ -44,39 +45,34 @@ Eigen::Matrix3d stretches(double x, double y, double z) {
   return Eigen::Vector3d(x, y, z).asDiagonal();
 }
 
+/// Pulled along x, with these stretches across, which are kept on `more` sides.
+Homogeneous pulled(const char* name, double l, double y, double z, double stress,
+                   const std::vector<Held>& more) {
+  Homogeneous state = {
+      fmt::format("{} {}", name, l), stretches(l, y, z), symmetry, {pullAlongX(stress)}};
+  state.held.insert(state.held.end(), more.begin(), more.end());
+  return state;
+}
+
 /// Pulled along x, free across: of an incompressible body, or of one with this lateral stretch.
 Homogeneous uniaxial(double l, double stress, double lateral) {
-  return {fmt::format("uniaxial {}", l),
-          stretches(l, lateral, lateral),
-          symmetry,
-          {pullAlongX(stress)}};
+  return pulled("uniaxial", l, lateral, lateral, stress, {});
 }
 Homogeneous uniaxial(double l, double stress) { return uniaxial(l, stress, 1 / std::sqrt(l)); }
 
+/// Pulled along x and y alike, free along z.
 Homogeneous equibiaxial(double l, double stress) {
-  Homogeneous state = {fmt::format("equibiaxial {}", l),
-                       stretches(l, l, 1 / (l * l)),
-                       symmetry,
-                       {pullAlongX(stress)}};
-  state.held.push_back({"ymax", "y"});
-  return state;
+  return pulled("equibiaxial", l, l, 1 / (l * l), stress, {{"ymax", "y"}});
 }
 
 /// Pulled along x, kept along y, free along z.
 Homogeneous pureShear(double l, double stress) {
-  Homogeneous state = {
-      fmt::format("pure shear {}", l), stretches(l, 1, 1 / l), symmetry, {pullAlongX(stress)}};
-  state.held.push_back({"ymax", "y"});
-  return state;
+  return pulled("pure shear", l, 1, 1 / l, stress, {{"ymax", "y"}});
 }
 
 /// Pulled along x, kept across.
 Homogeneous uniaxialStrain(double l, double stress) {
-  Homogeneous state = {
-      fmt::format("uniaxial strain {}", l), stretches(l, 1, 1), symmetry, {pullAlongX(stress)}};
-  state.held.push_back({"ymax", "y"});
-  state.held.push_back({"zmax", "z"});
-  return state;
+  return pulled("uniaxial strain", l, 1, 1, stress, {{"ymax", "y"}, {"zmax", "z"}});
 }
 
 /// Sheared by k in the plane of x and y, no stress along z. J = 1, so the Cauchy stress is P F^T.
@@ -183,17 +179,15 @@ std::vector<Row> neoHookeanRows() {
   constexpr double mu = 5160;
   std::vector<Homogeneous> states = statesOf([](double) { return std::pair{mu / 2, 0.0}; });
   states.push_back(simpleShear(0.5, mu, 0));
-  std::vector<Row> rows = rowsOfStates("neo-Hookean", neoHookean(mu), taylor_hood, states);
   // P = dW/dl of W(l) = mu/2 (l^(-2/3) (l^2 + 2) - 3) + U(l).
   Material compressible = neoHookean(mu);
   constexpr double bulk = 20000, l = 0.8;
   compressible.bulk = bulk;
   const double stress =
       mu / 2 * (4.0 / 3 * std::cbrt(l) - 4.0 / 3 * std::pow(l, -5.0 / 3)) + bulk / 2 * (l - 1 / l);
-  for (const Row& row : rowsOfStates("neo-Hookean, bulk", compressible, p2_displacement,
-                                     {uniaxialStrain(l, stress)}))
-    rows.push_back(row);
-  return rows;
+  return joined({rowsOfStates("neo-Hookean", neoHookean(mu), taylor_hood, states),
+                 rowsOfStates("neo-Hookean, bulk", compressible, p2_displacement,
+                              {uniaxialStrain(l, stress)})});
 }
 
 std::vector<Row> yeohRows() {
@@ -273,18 +267,18 @@ double modifiedStress(double l, double lambda, double mu) {
 
 std::vector<Row> modifiedStVenantKirchhoffRows() {
   constexpr double young = 15480, nu = 0.49;
-  Material material = stVenantKirchhoff(young, nu);
-  material.law = LawName::modified_st_venant_kirchhoff;
-  const double lambda = young * nu / ((1 + nu) * (1 - 2 * nu)), mu = young / (2 * (1 + nu));
-  std::vector<Row> rows = rowsOfStates("modified SVK, lambda kept", material, stabilized,
-                                       {uniaxial(0.8, modifiedStress(0.8, lambda, mu)),
-                                        uniaxial(1.2, modifiedStress(1.2, lambda, mu))});
-  material.poisson.reset();
-  for (const Row& row : rowsOfStates("modified SVK, lambda = 0", material, stabilized,
-                                     {uniaxial(0.8, modifiedStress(0.8, 0, young / 3)),
-                                      uniaxial(1.2, modifiedStress(1.2, 0, young / 3))}))
-    rows.push_back(row);
-  return rows;
+  Material kept = stVenantKirchhoff(young, nu);
+  kept.law = LawName::modified_st_venant_kirchhoff;
+  Material dropped = kept;
+  dropped.poisson.reset();
+  const auto rowsWith = [](const char* name, const Material& material, double lambda, double mu) {
+    return rowsOfStates(name, material, stabilized,
+                        {uniaxial(0.8, modifiedStress(0.8, lambda, mu)),
+                         uniaxial(1.2, modifiedStress(1.2, lambda, mu))});
+  };
+  return joined({rowsWith("modified SVK, lambda kept", kept, young * nu / ((1 + nu) * (1 - 2 * nu)),
+                          young / (2 * (1 + nu))),
+                 rowsWith("modified SVK, lambda = 0", dropped, 0, young / 3)});
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ std::array<Eigen::MatrixXd, 3> coupling(const System& system, Eigen::Index nodes
   system.assemble(system.restState(), residual, tangent);
   std::array<Eigen::MatrixXd, 3> B;
   B.fill(Eigen::MatrixXd::Zero(pressures, nodes));
-  const Pattern& pattern = system.pattern();
+  const SparsityPattern& pattern = system.pattern();
   for (std::size_t entry = 0; entry < pattern.row.size(); ++entry) {
     Place a = place_of[pattern.row[entry] - 1], b = place_of[pattern.column[entry] - 1];
     if (b.component == 3) std::swap(a, b);
@@ -88,31 +88,24 @@ InfSup infSup(const Discretization& discretization, int n) {
 }
 
 /// Published with three digits, on the same meshes.
-void addRows(const char* element, const Discretization& discretization, int n, int zero_modes,
-             double beta, std::vector<Row>& rows) {
+std::vector<Row> rowsOf(const char* element, const Discretization& discretization, int n,
+                        int zero_modes, double beta) {
   const InfSup found = infSup(discretization, n);
-  rows.push_back({fmt::format("{}, n = {}: inf-sup constant", element, n), found.beta, beta, 0.01});
-  rows.push_back({fmt::format("{}, n = {}: spurious pressure modes", element, n),
-                  static_cast<double>(found.zero_modes), static_cast<double>(zero_modes), 0});
+  return {{fmt::format("{}, n = {}: inf-sup constant", element, n), found.beta, beta, 0.01},
+          {fmt::format("{}, n = {}: spurious pressure modes", element, n),
+           static_cast<double>(found.zero_modes), static_cast<double>(zero_modes), 0}};
+}
+std::vector<Row> stable(int n, double beta) { return rowsOf("P2/P1", taylor_hood, n, 0, beta); }
+std::vector<Row> unstable(int n, double beta) {
+  return rowsOf("P1/P1 (unstable)", equal_order, n, 3, beta);
 }
 
 std::vector<Row> quickRows() {
-  std::vector<Row> rows;
-  addRows("P2/P1", taylor_hood, 2, 0, 0.565, rows);
-  addRows("P2/P1", taylor_hood, 3, 0, 0.562, rows);
-  addRows("P2/P1", taylor_hood, 4, 0, 0.561, rows);
-  addRows("P1/P1 (unstable)", equal_order, 2, 3, 0.148, rows);
-  addRows("P1/P1 (unstable)", equal_order, 3, 3, 0.113, rows);
-  addRows("P1/P1 (unstable)", equal_order, 4, 3, 0.084, rows);
-  return rows;
+  return joined({stable(2, 0.565), stable(3, 0.562), stable(4, 0.561), unstable(2, 0.148),
+                 unstable(3, 0.113), unstable(4, 0.084)});
 }
 
-std::vector<Row> longRows() {
-  std::vector<Row> rows;
-  addRows("P2/P1", taylor_hood, 6, 0, 0.561, rows);
-  addRows("P1/P1 (unstable)", equal_order, 6, 3, 0.059, rows);
-  return rows;
-}
+std::vector<Row> longRows() { return joined({stable(6, 0.561), unstable(6, 0.059)}); }
 
 }  // namespace
 

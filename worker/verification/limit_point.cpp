@@ -1,7 +1,6 @@
 // A St. Venant-Kirchhoff cube under a dead pressure reaches a limit point at stretch 1/sqrt(3),
 // where its tangent stops being positive definite; beyond the pressure E/(3 sqrt(3)) there is no
 // equilibrium.
-#include <algorithm>
 #include <cmath>
 
 #include "worker/verification/box_mesh.hpp"
@@ -20,12 +19,8 @@ BodyModel cube() {
   hold(body, "xmin", "x");
   hold(body, "ymin", "y");
   hold(body, "zmin", "z");
-  std::vector<Triangle> pressed;
-  for (const Triangle& face : body.mesh.surface)
-    if (std::all_of(face.begin(), face.end(), [&](std::int32_t node) {
-          return body.mesh.nodes[node][0] > edge * (1 - 1e-9);
-        }))
-      pressed.push_back(face);
+  const auto pressed =
+      facesWhere(body.mesh, [](const Eigen::Vector3d& X) { return X[0] > edge * (1 - 1e-9); });
   addTraction(body, pressed, {-1, 0, 0});
   return body;
 }

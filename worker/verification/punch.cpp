@@ -3,7 +3,6 @@
 // is dead and following at once.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 
 #include "worker/verification/box_mesh.hpp"
@@ -23,13 +22,9 @@ BodyModel block(const Discretization& discretization, int n, double load) {
   hold(body, "ymin", "y");
   hold(body, "zmin", "z");
   hold(body, "zmax", "xy");
-  std::vector<Triangle> pressed;
-  for (const Triangle& face : body.mesh.surface)
-    if (std::all_of(face.begin(), face.end(), [&](std::int32_t node) {
-          const Eigen::Vector3d& X = body.mesh.nodes[node];
-          return X[2] > 1 - 1e-9 && X[0] > 0.5 - 1e-9 && X[1] < 0.5 + 1e-9;
-        }))
-      pressed.push_back(face);
+  const auto pressed = facesWhere(body.mesh, [](const Eigen::Vector3d& X) {
+    return X[2] > 1 - 1e-9 && X[0] > 0.5 - 1e-9 && X[1] < 0.5 + 1e-9;
+  });
   addTraction(body, pressed, {0, 0, -load * p0});
   return body;
 }

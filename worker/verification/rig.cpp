@@ -67,12 +67,31 @@ std::vector<std::int32_t> nodesInPlane(const Mesh& mesh, int axis, double value)
   return nodes;
 }
 
+std::vector<Triangle> facesWhere(const Mesh& mesh,
+                                 const std::function<bool(const Eigen::Vector3d& X)>& chosen) {
+  std::vector<Triangle> faces;
+  for (const Triangle& face : mesh.surface)
+    if (std::all_of(face.begin(), face.end(),
+                    [&](std::int32_t node) { return chosen(mesh.nodes[node]); }))
+      faces.push_back(face);
+  return faces;
+}
+
 Eigen::Vector3d displacementOf(const State& state, std::int32_t node) {
   return Eigen::Map<const Eigen::Vector3d>(&state.u[3 * static_cast<std::size_t>(node)]);
 }
 
 void setDisplacement(State& state, std::int32_t node, const Eigen::Vector3d& u) {
   Eigen::Map<Eigen::Vector3d>(&state.u[3 * static_cast<std::size_t>(node)]) = u;
+}
+
+State displaced(const System& system,
+                const std::function<Eigen::Vector3d(const Eigen::Vector3d& X)>& u) {
+  State state = system.restState();
+  const std::vector<Eigen::Vector3d>& nodes = system.model().mesh.nodes;
+  for (std::size_t node = 0; node < nodes.size(); ++node)
+    setDisplacement(state, static_cast<std::int32_t>(node), u(nodes[node]));
+  return state;
 }
 
 Rig::Rig(const BodyModel& body) : system_(body, chooseKernels()), solver_(system_) {}
@@ -136,10 +155,6 @@ State numbering(const System& system) {
   const Eigen::VectorXd numbers =
       Eigen::VectorXd::LinSpaced(system.unknowns(), 1, system.unknowns());
   return system.moved(zero, numbers, 1, Eigen::Vector3d::Zero());
-}
-
-double orderOf(double coarse_error, double fine_error) {
-  return std::log2(coarse_error / fine_error);
 }
 
 }  // namespace palpate::verification

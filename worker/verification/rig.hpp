@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -42,9 +43,17 @@ void hold(BodyModel& body, const std::string& group, std::string_view axes);
 /// the body's size).
 std::vector<std::int32_t> nodesInPlane(const Mesh& mesh, int axis, double value);
 
+/// The triangles of the surface whose nodes are all where `chosen` says (of their rest positions).
+std::vector<Triangle> facesWhere(const Mesh& mesh,
+                                 const std::function<bool(const Eigen::Vector3d& X)>& chosen);
+
 /// Displacement of a node in a state, metres.
 Eigen::Vector3d displacementOf(const State& state, std::int32_t node);
 void setDisplacement(State& state, std::int32_t node, const Eigen::Vector3d& u);
+
+/// The rest state of `system` with every node displaced by u(X), metres.
+State displaced(const System& system,
+                const std::function<Eigen::Vector3d(const Eigen::Vector3d& X)>& u);
 
 /// One force per node, newtons.
 using NodalForces = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
@@ -91,9 +100,5 @@ Eigen::Matrix3d meanStress(const BodyModel& body, const State& state);
 /// Which unknown is which: number k stands, plus one, at the component of the state that is unknown
 /// k; zero at those that are none.
 State numbering(const System& system);
-
-/// Observed order of convergence: log2 of the ratio of two errors, the second with half the element
-/// size.
-double orderOf(double coarse_error, double fine_error);
 
 }  // namespace palpate::verification

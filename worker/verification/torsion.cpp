@@ -17,13 +17,14 @@ constexpr double c10 = 1300, c01 = 1280;
 constexpr double pi = std::numbers::pi;
 constexpr double R4 = radius * radius * radius * radius;
 constexpr double exact_torque = pi * (c10 + c01) * twist * R4;  ///< N m
-constexpr double exact_axial =
-    -pi * twist * twist * R4 * (c10 + 2 * c01) / 2;  ///< N, negative: it presses
+/// N, negative: it presses.
+constexpr double exact_axial = -pi * twist * twist * R4 * (c10 + 2 * c01) / 2;
 
 struct Reaction {
   double torque, axial;  ///< on the end z = length
 };
 
+/// Where a point of the bar is put.
 Eigen::Vector3d turned(const Eigen::Vector3d& X) {
   return Eigen::AngleAxisd(twist * X[2], Eigen::Vector3d::UnitZ()) * X;
 }
@@ -33,11 +34,8 @@ Reaction twisted(int n) {
   hold(body, "first", "xyz");
   hold(body, "last", "xyz");
   Rig rig(body);
-  State start = rig.system().restState();
-  for (std::size_t node = 0; node < body.mesh.nodes.size(); ++node)
-    setDisplacement(start, static_cast<std::int32_t>(node),
-                    turned(body.mesh.nodes[node]) - body.mesh.nodes[node]);
-  const NewtonResult result = rig.equilibrium(start);
+  const NewtonResult result = rig.equilibrium(displaced(
+      rig.system(), [](const Eigen::Vector3d& X) { return Eigen::Vector3d(turned(X) - X); }));
   const NodalForces forces = nodalForces(body, result.state);
   Reaction reaction{0, 0};
   for (const std::int32_t node : body.mesh.node_groups.at("last")) {
@@ -50,16 +48,10 @@ Reaction twisted(int n) {
 
 std::vector<Row> rowsOfMeshes(int n) {
   const Reaction coarse = twisted(n), fine = twisted(2 * n);
-  const auto extrapolated = [](double a, double b) { return (4 * b - a) / 3; };
   const std::string meshes = fmt::format("P2/P1, n = {} to {}", n, 2 * n);
-  return {{meshes + ": torque, order",
-           orderOf(coarse.torque - exact_torque, fine.torque - exact_torque), 2, 0.1},
-          {meshes + ": torque, extrapolated", extrapolated(coarse.torque, fine.torque),
-           exact_torque, 0.005, "N m"},
-          {meshes + ": axial force, order",
-           orderOf(coarse.axial - exact_axial, fine.axial - exact_axial), 2, 0.1},
-          {meshes + ": axial force, extrapolated", extrapolated(coarse.axial, fine.axial),
-           exact_axial, 0.005, "N"}};
+  return joined(
+      {rowsOfSecondOrder(meshes + ": torque", coarse.torque, fine.torque, exact_torque, "N m"),
+       rowsOfSecondOrder(meshes + ": axial force", coarse.axial, fine.axial, exact_axial, "N")});
 }
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace palpate {
 namespace {
 
 /// [2 1 0; 1 -3 1; 0 1 4]: one negative eigenvalue.
-Pattern tridiagonal() { return {3, {1, 1, 2, 2, 3}, {1, 2, 2, 3, 3}}; }
+SparsityPattern tridiagonal() { return patternOf({{0, 1}, {1, 2}, {2}}); }
 const std::vector<double> indefinite = {2, 1, -3, 1, 4};
 
 TEST(LinearSolver, SolvesSeveralRightHandSidesAndCountsNegativePivots) {

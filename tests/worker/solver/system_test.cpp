@@ -350,26 +350,6 @@ TEST_F(SystemTest, AnInvertedElementIsNamedAndHasNoLogarithm) {
   }
 }
 
-TEST_F(SystemTest, LooksAtTheNodesOfAQuadraticElementForItsSmallestDetF) {
-  prepare({"",
-           {DisplacementSpace::p2, PressureSpace::p1, Constraint::ln_det_F},
-           test::materialOf(LawName::mooney_rivlin)});
-  // A middle pulled along its edge by h makes the slope there 1 - 4 h / length at the end it comes
-  // near to.
-  const Mesh& mesh = system_->model().mesh;
-  const std::int32_t element = 5, a = mesh.tetrahedra[element][0], b = mesh.tetrahedra[element][1];
-  State state = system_->restState();
-  const std::int32_t middle = mesh.mid_edge_nodes[element][0];
-  for (int i = 0; i < 3; ++i) state.u[3 * middle + i] = 0.2 * (mesh.nodes[b] - mesh.nodes[a])[i];
-  Residual residual = residualAt(state);
-  const double at_points = residual.min_det_F;
-  system_->lookAtNodes(state, residual);
-  EXPECT_GT(at_points, 0.2);
-  EXPECT_NEAR(residual.min_det_F, 0.2, 1e-12);
-  const Tetrahedron& worst = mesh.tetrahedra[residual.worst_element];
-  EXPECT_EQ(std::count(worst.begin(), worst.end(), b), 1);
-}
-
 TEST_F(SystemTest, MeasuresFromTheRestThatItWasGiven) {
   const Formulation formulation = oneFormulationPerElement()[1];
   for (const std::size_t tool : {0, 1}) {

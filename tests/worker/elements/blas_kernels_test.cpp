@@ -1,0 +1,59 @@
+#include "worker/elements/blas_kernels.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/support/command.hpp"
+#include "worker/elements/kernel_family.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// What `palpate-worker kernels` prints in this environment.
+std::string kernelsWith(const std::string& environment) {
+  const auto result =
+      test::runCommand("env " + environment + " " PALPATE_BIN_DIR "/palpate-worker kernels");
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  return result.output;
+}
+
+const std::string unset = "-u OPENBLAS_CORETYPE -u PALPATE_OPENBLAS_TRIED";
+
+TEST(BlasKernels, AWorkerRunsTheFastestOfItsCpuThatComputeRight) {
+  const std::string chosen = kernelsWith(unset);
+  EXPECT_THAT(chosen, StartsWith(std::string(supportedKernels().front()->family) + "/"));
+  EXPECT_EQ(chosen.find('\n') + 1, chosen.size()) << "slow: " << chosen;
+  if (supportedKernels().front()->family != std::string("baseline")) {
+    EXPECT_THAT(chosen, ::testing::Not(HasSubstr("Prescott")));
+  }
+}
+
+TEST(BlasKernels, AUsersChoiceStaysAndIsToldToBeSlow) {
+  const std::string chosen = kernelsWith("-u PALPATE_OPENBLAS_TRIED OPENBLAS_CORETYPE=Prescott");
+  EXPECT_THAT(chosen, HasSubstr("/Prescott\n"));
+  if (supportedKernels().front()->family != std::string("baseline")) {
+    EXPECT_THAT(chosen, HasSubstr("OPENBLAS_CORETYPE=Prescott chose them"));
+  }
+}
+
+TEST(BlasKernels, AreTriedOneAfterTheOtherAndNotForEver) {
+  // As if all but the last had been tried; and more than there are.
+  EXPECT_THAT(kernelsWith("OPENBLAS_CORETYPE=Prescott PALPATE_OPENBLAS_TRIED=3"),
+              HasSubstr("/Prescott\n"));
+  EXPECT_THAT(kernelsWith("OPENBLAS_CORETYPE=Prescott PALPATE_OPENBLAS_TRIED=9"),
+              HasSubstr("/Prescott\n"));
+}
+
+TEST(BlasKernels, ArePartOfTheWordThatADatasetRecords) {
+  EXPECT_THAT(arithmetic(chooseKernels()), EndsWith("/" + blasKernels()));
+  EXPECT_NO_THROW(prepareBlas());
+}
+
+}  // namespace
+}  // namespace palpate

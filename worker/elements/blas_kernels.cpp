@@ -1,0 +1,164 @@
+#include "worker/elements/blas_kernels.hpp"
+
+#include <cblas.h>
+#include <strings.h>
+#include <unistd.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "worker/elements/kernel_family.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr const char* core_type = "OPENBLAS_CORETYPE";
+/// Set with it by chooseBlasKernels: how many of fastestFirst() were tried. Without it, a value of
+/// core_type is the user's.
+constexpr const char* tried_variable = "PALPATE_OPENBLAS_TRIED";
+
+/// Of a CPU that runs these element kernels, by the names of OpenBLAS.
+std::vector<std::string> fastestFirst() {
+  const std::string_view family = supportedKernels().front()->family;
+  std::vector<std::string> all = {"Prescott"};
+  if (family != "baseline") all.insert(all.begin(), "Haswell");
+  if (family == "avx512") all.insert(all.begin(), "SkylakeX");
+  return all;
+}
+
+/// 0 without AVX2, 1 with, 2 with AVX-512. A name that is not listed is newer than this list.
+int levelOf(std::string_view kernels) {
+  constexpr std::array with_avx2 = {"Haswell", "Zen", "Excavator"};
+  constexpr std::array older = {"Katmai",   "Coppermine", "Northwood",    "Banias",
+                                "Prescott", "Core2",      "Penryn",       "Dunnington",
+                                "Nehalem",  "Atom",       "Nano",         "Sandybridge",
+                                "Athlon",   "Opteron",    "Opteron_SSE3", "Barcelona",
+                                "Bobcat",   "Bulldozer",  "Piledriver",   "Steamroller"};
+  const auto isOneOf = [&](const auto& names) {
+    return std::any_of(names.begin(), names.end(), [&](std::string_view name) {
+      return name.size() == kernels.size() &&
+             strncasecmp(name.data(), kernels.data(), name.size()) == 0;
+    });
+  };
+  return isOneOf(older) ? 0 : isOneOf(with_avx2) ? 1 : 2;
+}
+
+bool choosesWhenLoaded() {
+  return std::string_view(openblas_get_config()).find("DYNAMIC_ARCH") != std::string_view::npos;
+}
+
+/// Entries in [-1, 1] that repeat nowhere.
+template <class Matrix>
+Matrix sample(Eigen::Index rows, Eigen::Index columns) {
+  return Matrix::NullaryExpr(rows, columns, [](Eigen::Index i, Eigen::Index j) {
+    return static_cast<typename Matrix::Scalar>(std::sin(1.0 + 3.7 * double(i) + 11.3 * double(j)));
+  });
+}
+
+/// Products and substitutions, what MUMPS spends its time in, against Eigen's own in double.
+template <class Matrix, auto gemm, auto trsm>
+bool computesRight(int n) {
+  const int columns = n + 3, inner = 2 * n + 1;
+  const double tolerance = 8.0 * inner * std::numeric_limits<typename Matrix::Scalar>::epsilon();
+  const auto isSmall = [&](const Eigen::MatrixXd& difference) {
+    return difference.allFinite() && difference.cwiseAbs().maxCoeff() <= tolerance;
+  };
+  for (const CBLAS_TRANSPOSE a : {CblasNoTrans, CblasTrans})
+    for (const CBLAS_TRANSPOSE b : {CblasNoTrans, CblasTrans}) {
+      const Matrix A = a == CblasTrans ? sample<Matrix>(inner, n) : sample<Matrix>(n, inner);
+      const Matrix B =
+          b == CblasTrans ? sample<Matrix>(columns, inner) : sample<Matrix>(inner, columns);
+      Matrix C = Matrix::Zero(n, columns);
+      gemm(CblasColMajor, a, b, n, columns, inner, 1, A.data(), static_cast<int>(A.rows()),
+           B.data(), static_cast<int>(B.rows()), 0, C.data(), n);
+      Eigen::MatrixXd left = A.template cast<double>(), right = B.template cast<double>();
+      if (a == CblasTrans) left.transposeInPlace();
+      if (b == CblasTrans) right.transposeInPlace();
+      if (!isSmall(C.template cast<double>() - left * right)) return false;
+    }
+  for (const CBLAS_TRANSPOSE l : {CblasNoTrans, CblasTrans}) {
+    // Dominated by its diagonal, so that what is lost is rounding and not conditioning.
+    Matrix L = sample<Matrix>(n, n) / static_cast<typename Matrix::Scalar>(n);
+    L.diagonal().setConstant(2);
+    L.template triangularView<Eigen::StrictlyUpper>().setZero();
+    const Matrix B = sample<Matrix>(n, columns);
+    Matrix X = B;
+    trsm(CblasColMajor, CblasLeft, CblasLower, l, CblasNonUnit, n, columns, 1, L.data(), n,
+         X.data(), n);
+    Eigen::MatrixXd matrix = L.template cast<double>();
+    if (l == CblasTrans) matrix.transposeInPlace();
+    if (!isSmall(matrix * X.template cast<double>() - B.template cast<double>())) return false;
+  }
+  return true;
+}
+
+/// Small matrices have kernels of their own; the others fill blocks and leave edges.
+bool blasComputesRight() {
+  static const bool right = [] {
+    openblas_set_num_threads(1);
+    for (const int n : {5, 48, 97})
+      if (!computesRight<Eigen::MatrixXf, cblas_sgemm, cblas_strsm>(n) ||
+          !computesRight<Eigen::MatrixXd, cblas_dgemm, cblas_dtrsm>(n))
+        return false;
+    return true;
+  }();
+  return right;
+}
+
+}  // namespace
+
+void chooseBlasKernels(char** argv) {
+  const char* tried = std::getenv(tried_variable);
+  if (!choosesWhenLoaded() || (tried == nullptr && std::getenv(core_type) != nullptr)) return;
+  const std::vector<std::string> wanted = fastestFirst();
+  const auto next = static_cast<std::size_t>(tried == nullptr ? 0 : std::atoi(tried));
+  const std::string& meant = wanted[std::min(next == 0 ? 0 : next - 1, wanted.size() - 1)];
+  if (levelOf(blasKernels()) >= levelOf(meant) && blasComputesRight()) return;
+  // Wrong to the last: prepareBlas says so when something is to be computed.
+  if (next >= wanted.size()) return;
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (error) return;
+  setenv(core_type, wanted[next].c_str(), 1);
+  setenv(tried_variable, std::to_string(next + 1).c_str(), 1);
+  execv(program.c_str(), argv);
+  // Not replaced, so this process goes on with the kernels it has, and nobody chose them.
+  unsetenv(core_type);
+  unsetenv(tried_variable);
+}
+
+std::string blasKernels() { return openblas_get_corename(); }
+
+std::string whyBlasIsSlow() {
+  const std::string fastest = fastestFirst().front();
+  if (levelOf(blasKernels()) >= levelOf(fastest)) return "";
+  if (!choosesWhenLoaded())
+    return fmt::format("this OpenBLAS is built for {} alone: install one with DYNAMIC_ARCH",
+                       blasKernels());
+  if (const char* chosen = std::getenv(core_type);
+      chosen != nullptr && !std::getenv(tried_variable))
+    return fmt::format(
+        "{}={} chose them, this CPU runs {}: unset it, unless an older dataset is to be reproduced",
+        core_type, chosen, fastest);
+  return fmt::format("this OpenBLAS has no kernels like {} that compute right here: update it",
+                     fastest);
+}
+
+void prepareBlas() {
+  openblas_set_num_threads(1);
+  if (!blasComputesRight())
+    throw failure(
+        "OpenBLAS computes wrong products with its {} kernels on this CPU: choose others with {}, "
+        "or update it",
+        blasKernels(), core_type);
+}
+
+}  // namespace palpate

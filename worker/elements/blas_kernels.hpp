@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+
+/// Which of its kernels OpenBLAS runs in this process. It chooses them while it is loaded, by the
+/// model number of the CPU; a release that does not know a newer model takes those of 2004
+/// ("Prescott"), and a factorisation then takes 1.4 times as long. The environment variable
+/// OPENBLAS_CORETYPE, read at that moment, overrules it.
+namespace palpate {
+
+/// Call first thing in main(). When OpenBLAS chose slower kernels than this CPU runs, or kernels
+/// that compute wrong products here, starts the program anew, in the same process and with the same
+/// arguments, with OPENBLAS_CORETYPE set to the fastest that are right; returns in the process that
+/// is to go on. A value that the user set stays.
+void chooseBlasKernels(char** argv);
+
+/// What OpenBLAS calls them: "SkylakeX".
+std::string blasKernels();
+
+/// Why they are slower than this CPU allows, and what to do; empty when they are not.
+std::string whyBlasIsSlow();
+
+/// For what is to compute with OpenBLAS in this process, on any thread: holds it to one thread.
+/// Error when its products are wrong, which is checked once.
+void prepareBlas();
+
+}  // namespace palpate

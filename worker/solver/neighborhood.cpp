@@ -1,0 +1,70 @@
+#include "worker/solver/neighborhood.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+/// Nearest first, without those of the tool itself; of nodes as far away, lower numbers first.
+std::vector<std::int32_t> nearestNodes(const Mesh& mesh,
+                                       const std::vector<std::int32_t>& tool_nodes,
+                                       std::size_t count) {
+  std::vector<std::pair<double, std::int32_t>> by_distance;
+  for (std::int32_t node = 0; node < static_cast<std::int32_t>(mesh.nodes.size()); ++node) {
+    double distance = std::numeric_limits<double>::infinity();
+    for (const std::int32_t held : tool_nodes)
+      distance = std::min(distance, (mesh.nodes[node] - mesh.nodes[held]).squaredNorm());
+    if (distance > 0) by_distance.emplace_back(distance, node);
+  }
+  count = std::min(count, by_distance.size());
+  std::partial_sort(by_distance.begin(), by_distance.begin() + static_cast<std::ptrdiff_t>(count),
+                    by_distance.end());
+  std::vector<std::int32_t> nodes;
+  for (std::size_t n = 0; n < count; ++n) nodes.push_back(by_distance[n].second);
+  return nodes;
+}
+
+/// The entries of `pattern` in whose row and column both are one of `unknowns`, which ascend.
+std::vector<Neighborhood::Entry> entriesAmong(const std::vector<std::int32_t>& unknowns,
+                                              const SparsityPattern& pattern) {
+  std::vector<Neighborhood::Entry> entries;
+  const auto size = static_cast<std::int32_t>(unknowns.size());
+  for (std::int32_t row = 0; row < size; ++row) {
+    std::int32_t column = row;
+    const std::int32_t end = pattern.row_begin[unknowns[row] + 1];
+    for (std::int32_t number = pattern.row_begin[unknowns[row]]; number < end; ++number) {
+      const std::int32_t unknown = pattern.column[number] - 1;
+      while (column < size && unknowns[column] < unknown) ++column;
+      if (column < size && unknowns[column] == unknown) entries.push_back({number, row, column});
+    }
+  }
+  return entries;
+}
+
+void sortUnique(std::vector<std::int32_t>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+}  // namespace
+
+Neighborhood neighborhoodOf(const std::vector<std::int32_t>& tool_nodes, std::size_t count,
+                            const Mesh& mesh, const Unknowns& unknowns,
+                            const ElementBatches& batches, const SparsityPattern& pattern) {
+  Neighborhood near;
+  for (const std::int32_t node : nearestNodes(mesh, tool_nodes, count)) {
+    for (int component = 0; component <= pressure_component; ++component)
+      if (const std::int32_t unknown = unknowns.at({node, component}); unknown >= 0)
+        near.unknowns.push_back(unknown);
+    near.batches.insert(near.batches.end(), batches.of_node[node].begin(),
+                        batches.of_node[node].end());
+  }
+  sortUnique(near.unknowns);
+  sortUnique(near.batches);
+  near.entries = entriesAmong(near.unknowns, pattern);
+  return near;
+}
+
+}  // namespace palpate

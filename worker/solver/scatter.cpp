@@ -1,0 +1,146 @@
+#include "worker/solver/scatter.hpp"
+
+#include <algorithm>
+
+#include "common/base/assertion.hpp"
+
+namespace palpate {
+namespace {
+
+// Both buffers end with what belongs to the tool, then a sink for what belongs to nobody.
+constexpr std::int32_t tool_rows = 3;
+/// K_aa from diagonal local entries, one per direction.
+constexpr std::int32_t tool_diagonal = 3;
+/// K_aa from local entries above the diagonal, to be added with its transpose.
+constexpr std::int32_t tool_off_diagonal = 9;
+
+}  // namespace
+
+SparsityPattern patternOf(const Unknowns& unknowns, const ElementBatches& batches) {
+  std::vector<std::vector<std::int32_t>> columns(unknowns.count());
+  for (const ElementBatch& batch : batches.all)
+    for (int lane = 0; lane < lanes; ++lane)
+      for (int row = 0; row < batch.unknowns; ++row)
+        for (int column = row; column < batch.unknowns; ++column) {
+          const std::int32_t a = unknowns.at(batch.placeOf(row, lane));
+          const std::int32_t b = unknowns.at(batch.placeOf(column, lane));
+          if (a >= 0 && b >= 0) columns[std::min(a, b)].push_back(std::max(a, b));
+        }
+  return patternOf(std::move(columns));
+}
+
+Scatter::Scatter(const Unknowns& unknowns, const SparsityPattern& pattern,
+                 const ElementBatches& batches)
+    : unknowns_(unknowns),
+      pattern_(pattern),
+      batches_(batches),
+      held_(unknowns.count(), 0),
+      rows_(unknowns.count() + tool_rows + 1),
+      entries_(pattern.row.size() + 3 * static_cast<std::size_t>(unknowns.count()) + tool_diagonal +
+               tool_off_diagonal + 1) {
+  PALPATE_ASSERT(pattern.n == unknowns.count(), "the matrix has a row for every unknown");
+  std::size_t rows = 0, entries = 0;
+  for (const ElementBatch& batch : batches.all) {
+    first_row_slot_.push_back(rows);
+    first_entry_slot_.push_back(entries);
+    rows += static_cast<std::size_t>(batch.unknowns) * lanes;
+    entries += static_cast<std::size_t>(localEntries(batch.unknowns)) * lanes;
+  }
+  row_slots_.resize(rows);
+  entry_slots_.resize(entries);
+  for (std::size_t batch = 0; batch < batches.all.size(); ++batch)
+    findSlots(static_cast<std::int32_t>(batch));
+}
+
+std::int32_t Scatter::rowSlot(const Place& place) const {
+  const std::int32_t unknown = unknowns_.at(place);
+  if (unknown < 0) return unknowns_.count() + tool_rows;
+  return held_[unknown] ? unknowns_.count() + place.component : unknown;
+}
+
+std::int32_t Scatter::entrySlot(const Place& place_a, const Place& place_b) const {
+  const auto coupling_begin = static_cast<std::int32_t>(pattern_.row.size());
+  const std::int32_t tool_begin = coupling_begin + 3 * unknowns_.count();
+  const std::int32_t sink = tool_begin + tool_diagonal + tool_off_diagonal;
+  const std::int32_t a = unknowns_.at(place_a), b = unknowns_.at(place_b);
+  const int i = place_a.component, j = place_b.component;
+  if (a < 0 || b < 0) return sink;
+  if (held_[a] && held_[b]) return a == b ? tool_begin + i : tool_begin + tool_diagonal + 3 * i + j;
+  if (held_[a]) return coupling_begin + 3 * b + i;
+  if (held_[b]) return coupling_begin + 3 * a + j;
+  return pattern_.entryOf(a, b);
+}
+
+void Scatter::findSlots(std::int32_t number) {
+  const ElementBatch& batch = batches_.all[number];
+  for (int lane = 0; lane < lanes; ++lane) {
+    // Left-over lanes go to the sink: their volume is zero, but a NaN times zero would not be.
+    const bool left_over = batch.element[lane] < 0;
+    std::size_t row_slot = first_row_slot_[number] + lane,
+                entry_slot = first_entry_slot_[number] + lane;
+    for (int row = 0; row < batch.unknowns; ++row, row_slot += lanes) {
+      const Place a = batch.placeOf(row, lane);
+      row_slots_[row_slot] = left_over ? static_cast<std::int32_t>(rows_.size()) - 1 : rowSlot(a);
+      for (int column = row; column < batch.unknowns; ++column, entry_slot += lanes)
+        entry_slots_[entry_slot] = left_over ? static_cast<std::int32_t>(entries_.size()) - 1
+                                             : entrySlot(a, batch.placeOf(column, lane));
+    }
+  }
+}
+
+void Scatter::hold(const std::vector<std::int32_t>& nodes, bool by_tool) {
+  std::vector<std::int32_t> changed;
+  for (const std::int32_t node : nodes) {
+    for (int i = 0; i < 3; ++i) {
+      const std::int32_t unknown = unknowns_.at({node, i});
+      PALPATE_ASSERT(unknown >= 0, "a problem whose tool holds a fixed node is refused");
+      held_[unknown] = by_tool ? 1 : 0;
+    }
+    changed.insert(changed.end(), batches_.of_node[node].begin(), batches_.of_node[node].end());
+  }
+  std::sort(changed.begin(), changed.end());
+  changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+  for (const std::int32_t batch : changed) findSlots(batch);
+}
+
+void Scatter::clearRows() { std::fill(rows_.begin(), rows_.end(), 0.0); }
+
+void Scatter::clearEntries() { std::fill(entries_.begin(), entries_.end(), 0.0); }
+
+void Scatter::add(std::int32_t batch, const BatchResult& result) {
+  const std::int32_t* slot = &row_slots_[first_row_slot_[batch]];
+  for (int row = 0; row < batches_.all[batch].unknowns; ++row)
+    for (int lane = 0; lane < lanes; ++lane) rows_[*slot++] += result.residual[row][lane];
+}
+
+void Scatter::add(std::int32_t batch, const BatchTangent& tangent) {
+  const std::int32_t* slot = &entry_slots_[first_entry_slot_[batch]];
+  const int entries = localEntries(batches_.all[batch].unknowns);
+  for (int entry = 0; entry < entries; ++entry)
+    for (int lane = 0; lane < lanes; ++lane) entries_[*slot++] += tangent.entry[entry][lane];
+}
+
+Eigen::Vector3d Scatter::toolRows() const {
+  return Eigen::Map<const Eigen::Vector3d>(rows_.data() + unknowns_.count());
+}
+
+std::vector<double> Scatter::entries() const {
+  return {entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(pattern_.row.size())};
+}
+
+Eigen::MatrixX3d Scatter::toolCoupling() const {
+  return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(
+      entries_.data() + pattern_.row.size(), unknowns_.count(), 3);
+}
+
+Eigen::Matrix3d Scatter::toolEntries() const {
+  const double* tool =
+      entries_.data() + pattern_.row.size() + 3 * static_cast<std::size_t>(unknowns_.count());
+  const Eigen::Matrix3d off_diagonal =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(tool + tool_diagonal);
+  Eigen::Matrix3d sum = off_diagonal + off_diagonal.transpose();
+  sum.diagonal() += Eigen::Map<const Eigen::Vector3d>(tool);
+  return sum;
+}
+
+}  // namespace palpate

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "worker/solver/element_batches.hpp"
+#include "worker/solver/sparsity_pattern.hpp"
+#include "worker/solver/unknowns.hpp"
+
+namespace palpate {
+
+/// Every entry that an unknown of an element, or two of them, have in the matrix of the body.
+SparsityPattern patternOf(const Unknowns& unknowns, const ElementBatches& batches);
+
+/// Adds the equations of elements up to those of the body. What falls on a displacement that a
+/// rigid tool holds goes to the tool's three equations, and its coupling to the others beside the
+/// matrix; what falls on a fixed one goes nowhere.
+///
+/// The sums of one assembly live here: clear, add, read. Slots are looked up once, when the tool
+/// changes. One thread.
+class Scatter {
+ public:
+  /// Keeps references to all three. Nothing is held.
+  Scatter(const Unknowns& unknowns, const SparsityPattern& pattern, const ElementBatches& batches);
+
+  /// The displacements of these nodes, none of them fixed, are the tool's from now on, or not any
+  /// more.
+  void hold(const std::vector<std::int32_t>& nodes, bool by_tool);
+  bool isHeld(std::int32_t unknown) const { return held_[unknown] != 0; }
+
+  void clearRows();
+  void clearEntries();
+  void add(const Place& place, double force) { rows_[rowSlot(place)] += force; }
+  void add(std::int32_t batch, const BatchResult& result);
+  void add(std::int32_t batch, const BatchTangent& tangent);
+
+  // The sums: the residual by unknown, zero where the tool holds one, and of the tool; the tangent
+  // by entry of the pattern, d(residual)/dp and of the tool alone.
+  Eigen::Map<const Eigen::VectorXd> rows() const { return {rows_.data(), unknowns_.count()}; }
+  Eigen::Vector3d toolRows() const;
+  double entry(std::int32_t number) const { return entries_[number]; }
+  std::vector<double> entries() const;
+  Eigen::MatrixX3d toolCoupling() const;
+  Eigen::Matrix3d toolEntries() const;
+
+ private:
+  std::int32_t rowSlot(const Place& place) const;
+  std::int32_t entrySlot(const Place& a, const Place& b) const;
+  void findSlots(std::int32_t batch);
+
+  const Unknowns& unknowns_;
+  const SparsityPattern& pattern_;
+  const ElementBatches& batches_;
+  std::vector<std::uint8_t> held_;  ///< per unknown, 1 where the rigid tool holds it
+  std::vector<std::size_t> first_row_slot_, first_entry_slot_;  ///< per batch, into the next two
+  std::vector<std::int32_t> row_slots_;    ///< batch x local unknown x lane, into rows_
+  std::vector<std::int32_t> entry_slots_;  ///< batch x local entry x lane, into entries_
+  std::vector<double> rows_;               ///< unknowns, tool, sink
+  std::vector<double> entries_;            ///< pattern, coupling, tool, sink
+};
+
+}  // namespace palpate
