@@ -16,7 +16,7 @@ namespace {
 
 // px
 constexpr float title_height = 22, bar_height = 150, bar_width = 12, word_gap = 7, half_word = 7;
-constexpr float note_gap = 14, text_height = 18;
+constexpr float note_gap = 14, text_height = 18, ground = 3;
 static_assert(bar_legend_height == title_height + bar_height + note_gap + text_height);
 constexpr float tag_size = 9, tag_top = 3, tag_text_offset = 16;
 static_assert(tag_legend_height == 4 * text_height);
@@ -38,39 +38,47 @@ void colourBar(ImDrawList& draw, ImVec2 from, ImVec2 size) {
   }
 }
 
+/// on_dots: on a light ground, or the dots of the lattice would hide it.
+void word(ImDrawList& draw, ImVec2 at, const std::string& text, bool on_dots, ImU32 colour = ink) {
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  if (on_dots)
+    draw.AddRectFilled({at.x - ground, at.y}, {at.x + size.x + ground, at.y + size.y}, paper);
+  draw.AddText(at, colour, text.c_str());
+}
+
 struct BarLabel {
   double place;  ///< 0: at the bottom of the bar, 1: at its top
   std::string text;
   bool limit = false;  ///< drawn as a line across the bar
 };
 
-void legendBar(ImDrawList& draw, ImVec2 at, const char* title,
-               const std::vector<BarLabel>& labels) {
-  draw.AddText(at, ink, title);
+void legendBar(ImDrawList& draw, ImVec2 at, const char* title, const std::vector<BarLabel>& labels,
+               bool on_dots) {
+  word(draw, at, title, on_dots);
   const ImVec2 bar = {at.x, at.y + title_height};
   colourBar(draw, bar, {bar_width, bar_height});
   for (const BarLabel& label : labels) {
     const float y = bar.y + bar_height * (1 - static_cast<float>(label.place));
-    draw.AddText({bar.x + bar_width + word_gap, y - half_word}, ink, label.text.c_str());
+    word(draw, {bar.x + bar_width + word_gap, y - half_word}, label.text, on_dots);
     if (label.limit) draw.AddLine({bar.x - 2, y}, {bar.x + bar_width + 4, y}, ink, 2);
   }
 }
 
 }  // namespace
 
-void displacementLegend(ImDrawList& draw, ImVec2 at, double full) {
+void displacementLegend(ImDrawList& draw, ImVec2 at, double full, bool on_dots) {
   std::vector<BarLabel> labels;
   for (int n = 0; n <= 4; ++n) labels.push_back({0.25 * n, fmt::format("{:g}", 250 * full * n)});
-  legendBar(draw, at, "displacement, mm", labels);
-  draw.AddText({at.x, at.y + title_height + bar_height + note_gap}, faint, "grey: nothing to feel");
+  legendBar(draw, at, "displacement, mm", labels, on_dots);
+  word(draw, {at.x, at.y + title_height + bar_height + note_gap}, "grey: nothing to feel", on_dots,
+       faint);
 }
 
 void tagLegend(ImDrawList& draw, ImVec2 at) {
   for (const Tag tag : {Tag::expandable, Tag::terminating, Tag::failed, Tag::unknown}) {
     draw.AddRectFilled({at.x, at.y + tag_top}, {at.x + tag_size, at.y + tag_top + tag_size},
                        packed(colourOf(tag)));
-    const std::string word(name(tag));
-    draw.AddText({at.x + tag_text_offset, at.y}, ink, word.c_str());
+    word(draw, {at.x + tag_text_offset, at.y}, std::string(name(tag)), true);
     at.y += text_height;
   }
 }
@@ -82,7 +90,8 @@ void errorLegend(ImDrawList& draw, ImVec2 at) {
   };
   legendBar(draw, at, "error bound, % of the force",
             {label(lowest_error, ""), label(0.01, ""), label(usual_force_error, "  usual target"),
-             label(noticeable_force_error, "  a hand notices"), label(highest_error, "")});
+             label(noticeable_force_error, "  a hand notices"), label(highest_error, "")},
+            true);
 }
 
 }  // namespace palpate

@@ -10,7 +10,8 @@ inline constexpr float bar_legend_height = 204;
 inline constexpr float tag_legend_height = 72;
 
 /// What the colours of the surface mean, `at` its upper left. full: m, at the end of the colours.
-void displacementLegend(ImDrawList& draw, ImVec2 at, double full);
+/// on_dots: it lies over the lattice.
+void displacementLegend(ImDrawList& draw, ImVec2 at, double full, bool on_dots);
 /// What the colours of the lattice by tag mean.
 void tagLegend(ImDrawList& draw, ImVec2 at);
 /// What the colours of the lattice by error mean (errorPlace), with the limits of usual_force_error

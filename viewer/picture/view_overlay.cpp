@@ -13,8 +13,7 @@ namespace {
 
 // px
 constexpr float margin = 14, help_width = 60;
-constexpr float legend_margin = 18, legend_ground = 8;
-constexpr float lattice_legend_left = 190, lattice_legend_right = 400;
+constexpr float legend_margin = 18, lattice_legend_left = 190;
 constexpr float label_offset = 12, label_padding_x = 5, label_padding_y = 3, half_label = 7;
 constexpr float banner_stripe = 4, banner_left = 12, banner_right = 8, banner_padding = 6,
                 banner_gap = 6;
@@ -34,10 +33,7 @@ void drawLabel(ImDrawList& draw, const ViewLabel& label, const OrbitCamera& came
 void drawLegends(ImDrawList& draw, const PanelContents& contents, const ViewChoices& choices,
                  float bottom) {
   const float bars = bottom - legend_margin - bar_legend_height;
-  if (choices.lattice)  // its dots would hide the words
-    draw.AddRectFilled({legend_ground, bars - legend_ground},
-                       {lattice_legend_right, bottom - legend_ground}, paper, 4);
-  displacementLegend(draw, {legend_margin, bars}, contents.full_colour);
+  displacementLegend(draw, {legend_margin, bars}, contents.full_colour, choices.lattice);
   if (!choices.lattice) return;
   if (choices.errors)
     errorLegend(draw, {lattice_legend_left, bars});
