@@ -7,11 +7,13 @@
 #include <cmath>
 #include <limits>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 namespace {
 
-constexpr double left = 62, right = 14, top = 30, bottom = 46;  ///< margins
-constexpr double padding = 0.04;                                ///< of the range, beyond the data
+constexpr double left = 62, right = 14, top = 30, bottom = 46;  // margins
+constexpr double padding = 0.04;                                // of the range, beyond the data
 constexpr double mark_size = 4.2;
 
 /// Where values lie on the page.
@@ -56,7 +58,7 @@ Scale scaleOf(const Plot& plot, const PlotAxis& axis, std::vector<double> PlotSe
     lowest -= pad;
     highest += pad;
   }
-  return {axis, axis.lowest.value_or(lowest), axis.highest.value_or(highest), from, to};
+  return {axis, lowest, highest, from, to};
 }
 
 std::string frame(const Plot& plot, const Scale& x, const Scale& y) {
@@ -164,8 +166,9 @@ std::string svgOf(const Plot& plot) {
   std::string svg = fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">\n",
                                 plot.width, plot.height, escaped(plot.title));
   svg += frame(plot, x, y);
-  // The first series lies on top.
   for (std::size_t n = plot.series.size(); n-- > 0;) {
+    PALPATE_ASSERT(plot.series[n].x.size() == plot.series[n].y.size(),
+                   "a mark has a place on both axes");
     if (plot.series[n].line) svg += lineOf(plot.series[n], x, y);
     if (plot.series[n].marks) svg += marksOf(plot.series[n], x, y);
   }

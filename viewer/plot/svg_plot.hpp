@@ -1,40 +1,40 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace palpate {
 
-/// One axis of a plot. Without limits it fits the data.
+/// One axis of a plot; it fits the data.
 struct PlotAxis {
   std::string label;
   bool logarithmic = false;  ///< values that are not above zero are then left out
-  std::optional<double> lowest, highest;
 };
 
 /// How a curve looks. Colours of seriesStyle can be told apart by colour-blind readers, and shapes
 /// and dashes differ too.
 struct SeriesStyle {
   std::string colour = "#000000";  ///< as in SVG
-  std::string dash;                ///< stroke-dasharray; empty: solid
-  int marker = 0;    ///< 0 to 5: disc, square, triangle, diamond, ring, triangle downward
-  double width = 2;  ///< of the line, px
+  std::string dash{};              ///< stroke-dasharray; empty: solid
+  int marker = 0;                  ///< 0..5: disc, square, triangle, diamond, ring, triangle down
+  double width = 2;                ///< of the line, px
 };
 
 /// The style of curve number `n`; repeats after ten.
 SeriesStyle seriesStyle(std::size_t n);
 
+/// A curve, or marks, or both.
 struct PlotSeries {
-  std::string label;
-  std::vector<double> x, y;  ///< of equal length; where one is not finite the line is broken
+  std::string label{};
+  std::vector<double> x{}, y{};  ///< of equal length; where one is not finite the line is broken
   std::vector<std::string> notes{};  ///< text shown over each mark; may be empty
-  SeriesStyle style;
+  SeriesStyle style{};
   bool line = true, marks = true;
 };
 
+/// Series on common axes, the first on top.
 struct Plot {
   std::string title;
   PlotAxis x, y;

@@ -8,13 +8,15 @@
 
 namespace palpate {
 
+/// What a measure is before it is measured, and where it cannot be.
+inline constexpr double not_measured = std::numeric_limits<double>::quiet_NaN();
+
 /// An exact force and what a method of interpolation says at the same displacement.
 struct ForceComparison {
   Eigen::Vector3d exact = Eigen::Vector3d::Zero();         ///< N
   Eigen::Vector3d interpolated = Eigen::Vector3d::Zero();  ///< N
-  double error_bound =
-      std::numeric_limits<double>::quiet_NaN();  ///< N, the method's own; NaN: it gives none
-  bool covered = false;                          ///< every corner of the cell there is solved
+  double error_bound = not_measured;  ///< N, the method's own; NaN: it gives none
+  bool covered = false;               ///< every corner of the cell there is solved
 };
 
 /// Which errors are allowed: at most force_error of |exact force|, or force_floor where that is
@@ -30,8 +32,8 @@ inline constexpr double relative_error_floor = 0.05;
 
 /// Where numbers lie. All NaN when there is none.
 struct Spread {
-  double mean = std::numeric_limits<double>::quiet_NaN();
-  double rms = mean, median = mean, percentile_95 = mean, percentile_99 = mean, maximum = mean;
+  double mean = not_measured, rms = not_measured, median = not_measured;
+  double percentile_95 = not_measured, percentile_99 = not_measured, maximum = not_measured;
 };
 
 /// How far a method is from exact solutions. Every share is 0..1. NaN where nothing could be
@@ -40,21 +42,20 @@ struct ErrorMeasures {
   std::size_t count = 0;
   Spread error;  ///< |interpolated - exact|, N
   /// Eq. 13 of the paper: mean over points and components of |interpolated_i - exact_i|, N.
-  double mean_component = std::numeric_limits<double>::quiet_NaN();
+  double mean_component = not_measured;
   /// Eq. 14 of the paper, corrected: the same of |interpolated_i - exact_i| / max(|exact_i|,
   /// relative_error_floor). The paper divides by exact_i, which is zero on every symmetric path.
-  double mean_relative_component = mean_component;
+  double mean_relative_component = not_measured;
   Spread relative;  ///< |interpolated - exact| / max(|exact|, relative_error_floor)
-  double relative_to_mean_force =
-      mean_component;  ///< sum of |interpolated - exact| / sum of |exact|
-  double within_target =
-      mean_component;      ///< share of points whose error is allowed, see AccuracyTarget
-  std::size_t bounds = 0;  ///< points for which the method gave an error bound
-  double bound_holds = mean_component;       ///< share of those with |error| <= bound
-  double bound_over_error = mean_component;  ///< median over those with an error above zero
-  double covered = mean_component;           ///< share of points
+  double relative_to_mean_force = not_measured;  ///< sum of |interpolated - exact| / of |exact|
+  double within_target = not_measured;           ///< share of points that keep the AccuracyTarget
+  std::size_t bounds = 0;                  ///< points for which the method gave an error bound
+  double bound_holds = not_measured;       ///< share of those with |error| <= bound
+  double bound_over_error = not_measured;  ///< median over those with an error above zero
+  double covered = not_measured;           ///< share of points
 };
 
+/// Of points that count alike; all NaN when there is none.
 ErrorMeasures measureErrors(std::span<const ForceComparison> comparisons,
                             const AccuracyTarget& target);
 
@@ -62,6 +63,7 @@ ErrorMeasures measureErrors(std::span<const ForceComparison> comparisons,
 ErrorMeasures measureCoveredErrors(std::span<const ForceComparison> comparisons,
                                    const AccuracyTarget& target);
 
+/// In any order; all NaN when there is none.
 Spread spreadOf(std::vector<double> values);
 
 /// `share` of the values lie below it: linear between order statistics (the definition NumPy uses).

@@ -2,13 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
-#include <exception>
 #include <memory>
-#include <mutex>
 #include <random>
-#include <thread>
 
 #include "common/base/error.hpp"
 #include "viewer/fields/field_choice.hpp"
@@ -23,27 +19,8 @@ constexpr int timed_positions = 4096, batch = 256;
 
 double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
-/// The field, or nothing and the reason in `problem`.
-std::unique_ptr<ForceField> tryToMake(const std::string& method, const SpaceTable& space,
-                                      std::string& problem) {
-  try {
-    return makeForceField(method, space);
-  } catch (const std::bad_alloc&) {
-    problem = "not enough memory";
-  } catch (const Error& error) {
-    problem = error.what();
-  }
-  return nullptr;
-}
-
 /// Methods whose samples tell what is covered: they interpolate in cells.
 constexpr std::array<std::string_view, 2> cell_methods = {"trilinear", "potential"};
-
-void markCovered(MethodComparison& result, const ForceField& cells,
-                 const std::vector<Reference>& references) {
-  for (std::size_t n = 0; n < result.comparisons.size(); ++n)
-    result.comparisons[n].covered = isCovered(cells.evaluate(references[n].displacement));
-}
 
 std::vector<Eigen::Vector3d> positionsInBall(double radius) {
   std::mt19937 random(7);
@@ -80,60 +57,52 @@ bool isCovered(const ForceSample& sample) noexcept {
   return sample.inside && sample.coverage > 1 - 1e-9;
 }
 
+MadeField tryToMake(const std::string& method, const SpaceTable& space) {
+  try {
+    return {makeForceField(method, space), ""};
+  } catch (const std::bad_alloc&) {
+    return {nullptr, "not enough memory"};
+  } catch (const Error& error) {
+    return {nullptr, error.what()};
+  }
+}
+
 std::vector<MethodComparison> compareMethods(const SpaceTable& space,
                                              const std::vector<std::string>& methods,
-                                             const std::vector<Reference>& references,
+                                             const std::vector<HeldOutSolution>& held_out,
                                              bool with_loops) {
   std::vector<MethodComparison> results(methods.size());
   std::unique_ptr<ForceField> cells;
   for (std::size_t m = 0; m < methods.size(); ++m) {
-    auto field = tryToMake(methods[m], space, results[m].problem);
-    if (!field) continue;
-    if (with_loops) results[m].loop_work = loopWork(*field, space.lattice.radius());
-    for (const Reference& reference : references) {
-      const ForceSample sample = field->evaluate(reference.displacement);
-      results[m].comparisons.push_back({reference.force, sample.force, sample.error_bound, false});
+    MadeField made = tryToMake(methods[m], space);
+    results[m].problem = made.problem;
+    if (!made.field) continue;
+    if (with_loops) results[m].loop_work = loopWork(*made.field, space.lattice.radius());
+    for (const HeldOutSolution& solution : held_out) {
+      const ForceSample sample = made.field->evaluate(solution.displacement);
+      results[m].comparisons.push_back({solution.force, sample.force, sample.error_bound, false});
     }
     const bool knows_cells =
         std::find(cell_methods.begin(), cell_methods.end(), methods[m]) != cell_methods.end();
-    if (knows_cells && !cells) cells = std::move(field);
+    if (knows_cells && !cells) cells = std::move(made.field);
   }
-  std::string problem;
-  if (!cells && !references.empty())
-    cells = tryToMake(std::string(cell_methods.front()), space, problem);
-  if (cells)
-    for (MethodComparison& result : results) markCovered(result, *cells, references);
+  if (!cells && !held_out.empty())
+    cells = tryToMake(std::string(cell_methods.front()), space).field;
+  if (!cells) return results;
+  for (std::size_t n = 0; n < held_out.size(); ++n) {
+    const bool covered = isCovered(cells->evaluate(held_out[n].displacement));
+    for (MethodComparison& result : results)
+      if (!result.comparisons.empty()) result.comparisons[n].covered = covered;
+  }
   return results;
 }
 
 MethodTiming timeMethod(const SpaceTable& space, const std::string& method, double budget) {
-  std::string problem;
   const Clock::time_point start = Clock::now();
-  const auto field = tryToMake(method, space, problem);
-  if (!field) return {};
+  const MadeField made = tryToMake(method, space);
   const double prepared = seconds(Clock::now() - start);
-  return {medianQuery(*field, space.lattice.radius(), budget), prepared};
-}
-
-void runInParallel(std::size_t count, const std::function<void(std::size_t)>& run) {
-  std::atomic<std::size_t> next = 0;
-  std::exception_ptr failed;
-  std::mutex failing;
-  const auto work = [&] {
-    try {
-      for (std::size_t n = next++; n < count; n = next++) run(n);
-    } catch (...) {
-      next = count;
-      const std::lock_guard lock(failing);
-      if (!failed) failed = std::current_exception();
-    }
-  };
-  std::vector<std::thread> threads;
-  const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
-  for (std::size_t n = 1; n < std::min(cores, count); ++n) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
-  if (failed) std::rethrow_exception(failed);
+  if (!made.field) return {};
+  return {medianQuery(*made.field, space.lattice.radius(), budget), prepared};
 }
 
 }  // namespace palpate

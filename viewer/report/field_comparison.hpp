@@ -1,37 +1,42 @@
 #pragma once
 
-#include <functional>
-#include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "common/space/space_table.hpp"
 #include "viewer/fields/force_field.hpp"
 #include "viewer/report/error_measures.hpp"
-#include "viewer/report/references.hpp"
+#include "viewer/report/held_out.hpp"
 
 namespace palpate {
 
-/// One method at the references of one active node.
+/// A field, or why it could not be made.
+struct MadeField {
+  std::unique_ptr<ForceField> field;  ///< null when it could not
+  std::string problem;                ///< empty when it could
+};
+MadeField tryToMake(const std::string& method, const SpaceTable& space);
+
+/// One method at the held-out solutions of one active node.
 struct MethodComparison {
-  std::string problem;  ///< why the method could not be made; empty when it could
-  std::vector<ForceComparison> comparisons;  ///< one per reference; empty when it could not
-  double loop_work =
-      std::numeric_limits<double>::quiet_NaN();  ///< see loop_work.hpp; NaN: not measured
+  std::string problem;                       ///< why the method could not be made, else empty
+  std::vector<ForceComparison> comparisons;  ///< one per solution; empty when it could not
+  double loop_work = not_measured;           ///< see loop_work.hpp
 };
 
-/// Makes every method of `space` and asks it at every reference. Whether a reference is covered is
-/// decided once, by a method that interpolates in cells, so that "covered" is the same set for all.
-/// The work around closed loops takes longer than all the rest, so it is measured only
+/// Makes every method of `space` and asks it at every held-out solution. Whether a solution is
+/// covered is decided once, by a method that interpolates in cells, so that "covered" is the same
+/// set for all. The work around closed loops takes longer than all the rest, so it is measured only
 /// `with_loops`.
 std::vector<MethodComparison> compareMethods(const SpaceTable& space,
                                              const std::vector<std::string>& methods,
-                                             const std::vector<Reference>& references,
+                                             const std::vector<HeldOutSolution>& held_out,
                                              bool with_loops);
 
 struct MethodTiming {
-  double nanoseconds = std::numeric_limits<double>::quiet_NaN();         ///< per query
-  double seconds_to_prepare = std::numeric_limits<double>::quiet_NaN();  ///< to make the field
+  double nanoseconds = not_measured;         ///< per query
+  double seconds_to_prepare = not_measured;  ///< to make the field
 };
 
 /// Times queries at random positions of the ball, for about `seconds`: the median over batches, all
@@ -40,9 +45,5 @@ MethodTiming timeMethod(const SpaceTable& space, const std::string& method, doub
 
 /// Whether a sample stands on eight solved corners on one branch, and on nothing else.
 bool isCovered(const ForceSample& sample) noexcept;
-
-/// Calls run(0) to run(count - 1), each once, on as many threads as there are cores. The first
-/// exception of a run is thrown again, after all threads have ended.
-void runInParallel(std::size_t count, const std::function<void(std::size_t)>& run);
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "common/base/error.hpp"
+#include "common/base/replaced_file.hpp"
 #include "viewer/fields/field_choice.hpp"
 #include "viewer/report/report_json.hpp"
 #include "viewer/report/report_page.hpp"
@@ -14,26 +15,26 @@
 namespace palpate {
 namespace {
 
-/// Writes aside and renames, so that the page is whole or not there.
+constexpr std::size_t pictured_nodes = 6;
+
 void writePage(const std::filesystem::path& file, const std::string& page) {
-  const std::filesystem::path aside = file.string() + ".tmp";
-  std::ofstream out(aside, std::ios::binary);
-  out << page;
-  out.close();
-  std::error_code error;
-  if (out) {
-    std::filesystem::rename(aside, file, error);
-    if (!error) return;
-  }
-  const std::string reason = error ? error.message() : std::generic_category().message(errno);
-  std::filesystem::remove(aside, error);
-  throw failure("{}: the page cannot be written: {}", file.string(), reason);
+  replaceFile(file, [&](const std::filesystem::path& aside) {
+    std::ofstream out(aside, std::ios::binary);
+    out << page;
+    out.close();
+    if (!out)
+      throw failure("{}: the page cannot be written: {}", file.string(),
+                    std::generic_category().message(errno));
+  });
 }
 
 }  // namespace
 
 ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
-  const Report report = makeReport(options.report);
+  if (!options.html.empty()) refuseUnwritable(options.html, "--html");
+  ReportOptions wanted = options.report;
+  wanted.pictured_nodes = options.html.empty() ? 0 : pictured_nodes;
+  const Report report = makeReport(wanted);
   if (!options.html.empty()) writePage(options.html, reportPage(report));
   output << (options.json ? reportJson(report) : reportText(report)) << std::flush;
   if (!output) throw failure("cannot write the report to standard output");

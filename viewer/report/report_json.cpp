@@ -90,7 +90,7 @@ Json nodeJson(const Report& report, const NodeMeasures& node) {
   return {{"name", node.name},
           {"points", tags},
           {"inconsistent_edges", node.jumps},
-          {"references", node.references},
+          {"references", node.held_out},
           {"largest_force", node.largest_force},
           {"methods", methods}};
 }
@@ -102,7 +102,7 @@ std::string reportJson(const Report& report) {
   json["scene"] = report.open.front().scene().name;
   for (std::size_t d = 0; d < report.open.size(); ++d)
     json["datasets"].push_back(datasetJson(report.open[d], report.datasets[d]));
-  json["references"] = {{"kind", name(report.references)}, {"count", report.reference_count}};
+  json["references"] = {{"kind", name(report.held_out_kind)}, {"count", report.held_out_count}};
   json["target"] = {{"force_error", report.target.force_error},
                     {"force_floor", report.target.force_floor},
                     {"of_scene", report.target_of_scene}};

@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// The report as one HTML page with its plots inside: no script, nothing from the network. Samples
-/// the fields of a few active nodes for the pictures (a second or two).
+/// The report as one HTML page with its plots inside: no script, nothing from the network. Pictures
+/// are of Report::pictures.
 std::string reportPage(const Report& report);
 
 }  // namespace palpate

@@ -1,5 +1,6 @@
 #include "viewer/report/thinned_space.hpp"
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/interpolation/branch_check.hpp"
 
@@ -18,16 +19,14 @@ SpaceTable thinned(const SpaceTable& space, std::int32_t factor) {
   coarse.patch = space.patch;
   coarse.probes = space.probes;
   coarse.lattice = Lattice(dense.radius(), std::min(factor * dense.spacing(), dense.radius()));
-  std::vector<std::int32_t> number(space.points.size(),
-                                   -1);  // of a dense point in the coarse lattice
+  // Of each dense point in the coarse lattice.
+  std::vector<std::int32_t> number(space.points.size(), -1);
   const std::int32_t step = factor * dense.divisions();
   for (std::int32_t n = 0; n < coarse.lattice.size(); ++n) {
     LatticePoint point = coarse.lattice.point(n);
     for (std::int32_t& coordinate : point) coordinate *= step;
     const auto found = dense.indexOf(point);
-    if (!found)
-      throw failure("{}: lattice point ({}, {}, {}) is missing", space.patch.name, point[0],
-                    point[1], point[2]);
+    PALPATE_ASSERT(found, "a lattice has every multiple of its spacing within the radius");
     number[*found] = n;
     coarse.points.push_back(space.points[*found]);
   }

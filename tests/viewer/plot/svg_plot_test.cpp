@@ -6,8 +6,6 @@
 #include <cmath>
 #include <set>
 
-#include "viewer/report/slice_map.hpp"
-
 namespace palpate {
 namespace {
 
@@ -25,8 +23,8 @@ std::vector<::testing::Matcher<double>> near(const std::vector<double>& values) 
 Plot samplePlot() {
   Plot plot;
   plot.title = "<error> & \"time\"";
-  plot.x = {"ns", true, {}, {}};
-  plot.y = {"N", false, {}, {}};
+  plot.x = {"ns", true};
+  plot.y = {"N", false};
   plot.series.push_back({.label = "potential",
                          .x = {1, 10, std::nan(""), 100, 0},
                          .y = {1, 2, 3, std::nan(""), 5},
@@ -92,30 +90,6 @@ TEST(SvgPlot, TenCurvesLookDifferent) {
     looks.insert(style.colour + markerAt(0, 0, style, 4));
   }
   EXPECT_EQ(looks.size(), 10U);
-}
-
-TEST(ColourScale, SpansWholeDecades) {
-  const ColourScale scale({3e-3, 0.2, std::nan(""), 0, -1});
-  EXPECT_NEAR(scale.lowest(), 1e-3, 1e-12);
-  EXPECT_NEAR(scale.highest(), 1, 1e-12);
-  EXPECT_EQ(scale.levelOf(1e-9), 0);
-  EXPECT_EQ(scale.levelOf(0), 0);
-  EXPECT_EQ(scale.levelOf(1e9), ColourScale::levels - 1);
-  EXPECT_EQ(scale.levelOf(std::sqrt(1e-3)), ColourScale::levels / 2);
-  std::vector<double> wide(100, 1e-12);
-  std::fill(wide.begin() + 50, wide.end(), 1.0);
-  EXPECT_NEAR(ColourScale(wide).lowest(), 1e-5, 1e-15);
-  wide.assign(100, 0.05);
-  wide[0] = 1e-9;
-  wide[1] = 1e9;
-  EXPECT_NEAR(ColourScale(wide).highest(), 0.1, 1e-12);
-  EXPECT_NEAR(ColourScale({1.0}).lowest(), 0.1, 1e-12);
-  EXPECT_GT(ColourScale({}).highest(), ColourScale({}).lowest());
-}
-
-TEST(ColourScale, GoesFromDarkToLight) {
-  EXPECT_EQ(ColourScale::colour(0), "#440154");
-  EXPECT_EQ(ColourScale::colour(ColourScale::levels - 1), "#fde725");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -13,7 +14,7 @@
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "viewer/fields/field_choice.hpp"
-#include "viewer/report/report_text.hpp"
+#include "viewer/report/report_words.hpp"
 
 namespace palpate {
 namespace {
@@ -65,6 +66,12 @@ class ReportCommand : public ::testing::Test {
   test::SampleDataset sample;
   ReportCommandOptions options;
 };
+
+/// What lies between two marks of a page.
+std::string between(const std::string& page, const std::string& begin, const std::string& end) {
+  const std::size_t from = page.find(begin);
+  return page.substr(from, page.find(end, from) - from);
+}
 
 /// The same, with probes and refined cells.
 class RefinedReport : public ReportCommand {
@@ -198,6 +205,37 @@ TEST_F(ReportCommand, WithoutProbesUsesLeftOutPointsAndSaysHowToGetProbes) {
   EXPECT_THAT(page(), HasSubstr("[accuracy] probes = 200"));
 }
 
+TEST_F(ReportCommand, PageSaysOfWhichLatticeItsFirstNumbersAre) {
+  const std::string summary = between(page(), "</h1>", "<nav>");
+  EXPECT_THAT(summary, HasSubstr("potential on sample.h5, every 2nd point"));
+}
+
+TEST_F(ReportCommand, PageShowsForcesAlongTheAxesOnAllPointsOfTheDataset) {
+  const std::string curves = between(page(), "id=\"curves\"", "id=\"failures\"");
+  EXPECT_THAT(curves, AllOf(HasSubstr("sample.h5 as it is"), Not(HasSubstr("every 2nd"))));
+  int solved = 1;  // the mark of the legend
+  for (const SpaceTable& space : sample.spaces)
+    for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
+      const LatticePoint& point = space.lattice.point(n);
+      const auto zeros = std::count(point.begin(), point.end(), 0);
+      if (isSolved(space.points[n].tag)) solved += zeros == 3 ? 3 : zeros == 2 ? 1 : 0;
+    }
+  int marks = 0;
+  for (std::size_t at = curves.find("#1b1f24"); at != std::string::npos;
+       at = curves.find("#1b1f24", at + 1))
+    ++marks;
+  EXPECT_EQ(marks, solved);
+}
+
+TEST_F(RefinedReport, ListsTheWorstActiveNodesFirst) {
+  options.report.compared_nodes = 1;
+  for (Probe& probe : sample.spaces[1].probes) probe.record.equilibrium.force *= 2;
+  const std::string table = text();
+  EXPECT_LT(table.find("\nedge-2 "), table.find("\ntip "));
+  const std::string nodes = between(page(), "id=\"nodes\"", "</table>");
+  EXPECT_LT(nodes.find("<td>edge-2"), nodes.find("<td>tip"));
+}
+
 TEST_F(ReportCommand, OfASingleConfigurationSaysThatNothingCanBeMeasured) {
   failBeyond(1);
   const nlohmann::json report = json();
@@ -207,7 +245,9 @@ TEST_F(ReportCommand, OfASingleConfigurationSaysThatNothingCanBeMeasured) {
   options.json = false;
   EXPECT_THAT(text(), AllOf(HasSubstr("There are no solved probes, and no coarser lattice"),
                             HasSubstr("unreachable")));
-  EXPECT_THAT(page(), HasSubstr("nothing to measure"));
+  const std::string html = page();
+  EXPECT_THAT(html, HasSubstr("nothing to measure"));
+  EXPECT_THAT(html, Not(::testing::ContainsRegex("[^a-z]nan[^a-z]")));
 }
 
 TEST_F(ReportCommand, OfNoConfigurationAtAllSaysWhyNoMethodCanBeMade) {
@@ -263,9 +303,9 @@ TEST_F(ReportCommand, LeavesNoPartOfAPageThatCannotBeWritten) {
   sample.seal(options.report.datasets.front());
   std::ostringstream output;
   test::expectError(ExitCode::failed, [&] { report(options, output); },
-                    {"report.html", "cannot be written"});
+                    {"report.html", "nothing can be written", "--html"});
   options.html = directory.path();
-  test::expectError(ExitCode::failed, [&] { report(options, output); }, {"cannot be written"});
+  test::expectError(ExitCode::failed, [&] { report(options, output); }, {"irectory"});
 }
 
 TEST_F(RefinedReport, ProgramPrintsTheTableAndWritesThePage) {
@@ -281,7 +321,7 @@ TEST_F(RefinedReport, ProgramPrintsTheTableAndWritesThePage) {
   EXPECT_TRUE(std::filesystem::exists(html));
 }
 
-TEST(ReportText, FormatsNumbersBriefly) {
+TEST(ReportWords, FormatNumbersBriefly) {
   EXPECT_EQ(formatNumber(0), "0");
   EXPECT_EQ(formatNumber(0.012345), "0.012");
   EXPECT_EQ(formatNumber(0.00012345), "1.2e-04");

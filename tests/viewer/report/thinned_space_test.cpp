@@ -4,7 +4,6 @@
 
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"
-#include "viewer/report/references.hpp"
 
 namespace palpate {
 namespace {
@@ -66,34 +65,6 @@ TEST(ThinnedSpace, RefusesWhatWouldBeTheOriginAlone) {
   EXPECT_FALSE(isThinnable(dense.lattice, 7));
   EXPECT_FALSE(isThinnable(dense.lattice, 0));
   test::expectError(ExitCode::failed, [&] { thinned(dense, 7); }, {"tip", "0.06"});
-}
-
-TEST(References, OfProbesAreThoseWithinMaxForceOffTheLattices) {
-  SpaceTable dense = denseSpace();
-  const auto probe = [](double x, Tag tag, double force) {
-    Probe made;
-    made.displacement = {x, 0, 0};
-    made.record.tag = tag;
-    made.record.equilibrium.force = {force, 0, 0};
-    return made;
-  };
-  dense.probes = {probe(0.013, Tag::expandable, 1), probe(0.011, Tag::failed, 2),
-                  probe(0.01, Tag::expandable, 3), probe(0.017, Tag::terminating, 4)};
-  SpaceTable coarse = thinned(dense, 2);
-  coarse.probes.push_back(probe(0.033, Tag::expandable, 5));
-  const std::vector<Reference> references = usableProbes({&dense, &coarse});
-  ASSERT_EQ(references.size(), 2U);
-  EXPECT_EQ(references[0].force.x(), 1);
-  EXPECT_EQ(references[1].force.x(), 5);
-}
-
-TEST(References, WithoutProbesAreThePointsTheCoarserLatticesLeaveOut) {
-  SpaceTable dense = denseSpace();
-  dense.points[*dense.lattice.indexOf({1, 0, 0})].tag = Tag::failed;
-  const SpaceTable second = thinned(dense, 2), third = thinned(dense, 3);
-  const std::vector<Reference> references = leftOutPoints(dense, {&second, &third});
-  // 925 points, 123 and 33 of them in the two lattices, 7 in both, one failed
-  EXPECT_EQ(references.size(), 925U - 123U - 33U + 7U - 1U);
 }
 
 }  // namespace

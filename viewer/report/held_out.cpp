@@ -1,4 +1,4 @@
-#include "viewer/report/references.hpp"
+#include "viewer/report/held_out.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,45 +27,45 @@ bool isPointOfAny(const std::vector<const SpaceTable*>& tables,
 
 }  // namespace
 
-std::string_view name(ReferenceKind kind) {
+std::string_view name(HeldOutKind kind) {
   switch (kind) {
-    case ReferenceKind::probes:
+    case HeldOutKind::probes:
       return "probes";
-    case ReferenceKind::left_out:
+    case HeldOutKind::lattice_points:
       return "left-out lattice points";
-    case ReferenceKind::none:
+    case HeldOutKind::none:
       break;
   }
   return "none";
 }
 
-std::vector<Reference> usableProbes(const std::vector<const SpaceTable*>& tables) {
-  std::vector<Reference> references;
+std::vector<HeldOutSolution> usableProbes(const std::vector<const SpaceTable*>& tables) {
+  std::vector<HeldOutSolution> solutions;
   for (const SpaceTable* table : tables)
     for (const Probe& probe : table->probes) {
-      const auto same = [&](const Reference& known) {
+      const auto same = [&](const HeldOutSolution& known) {
         return known.displacement == probe.displacement;
       };
       if (probe.record.tag != Tag::expandable || isPointOfAny(tables, probe.displacement) ||
-          (table != tables.front() && std::any_of(references.begin(), references.end(), same)))
+          (table != tables.front() && std::any_of(solutions.begin(), solutions.end(), same)))
         continue;
-      references.push_back({probe.displacement, probe.record.equilibrium.force});
+      solutions.push_back({probe.displacement, probe.record.equilibrium.force});
     }
-  return references;
+  return solutions;
 }
 
-std::vector<Reference> leftOutPoints(const SpaceTable& dense,
-                                     const std::vector<const SpaceTable*>& tables) {
-  std::vector<Reference> references;
+std::vector<HeldOutSolution> leftOutPoints(const SpaceTable& dense,
+                                           const std::vector<const SpaceTable*>& tables) {
+  std::vector<HeldOutSolution> solutions;
   for (std::int32_t n = 0; n < dense.lattice.size(); ++n) {
     const PointRecord& point = dense.points[n];
     const Eigen::Vector3d displacement = dense.lattice.displacement(n);
     if (point.tag == Tag::expandable &&
         displacement.norm() <= dense.lattice.radius() * (1 + 1e-12) &&
         !isPointOfAny(tables, displacement))
-      references.push_back({displacement, point.equilibrium.force});
+      solutions.push_back({displacement, point.equilibrium.force});
   }
-  return references;
+  return solutions;
 }
 
 }  // namespace palpate

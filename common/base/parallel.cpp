@@ -1,0 +1,32 @@
+#include "common/base/parallel.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <thread>
+#include <vector>
+
+namespace palpate {
+
+void inParallel(std::size_t count, const std::function<void(std::size_t)>& task) {
+  std::atomic<std::size_t> next = 0;
+  std::atomic<bool> failed = false;
+  std::exception_ptr error;  // written by the one thread that sets `failed`, read after the join
+  const auto work = [&] {
+    for (std::size_t n = next++; n < count && !failed; n = next++) try {
+        task(n);
+      } catch (...) {
+        if (!failed.exchange(true)) error = std::current_exception();
+      }
+  };
+  {
+    std::vector<std::jthread> threads;
+    const std::size_t wanted =
+        std::min<std::size_t>(count, std::max(1U, std::thread::hardware_concurrency()));
+    while (threads.size() + 1 < wanted) threads.emplace_back(work);
+    work();
+  }
+  if (error) std::rethrow_exception(error);
+}
+
+}  // namespace palpate

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "common/space/space_table.hpp"
+
+namespace palpate {
+
+/// An exact solution that was held out: the interpolations which are measured with it have not
+/// seen it.
+struct HeldOutSolution {
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< metres
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< N
+};
+
+/// Where the held-out solutions of a report come from.
+enum class HeldOutKind : std::uint8_t {
+  probes,          ///< exact solutions at random positions, made to measure with
+  lattice_points,  ///< points of the densest lattice that the coarser, measured ones do not have
+  none,
+};
+std::string_view name(HeldOutKind kind);  ///< "probes", "left-out lattice points", "none"
+
+/// Probes of all `tables` (of one active node, in several lattices) that were solved with a force
+/// within max_force, without those that are a point of one of the lattices, and each once. Beyond
+/// max_force no device renders the force, and next to a crushed element it is thousands of newtons.
+std::vector<HeldOutSolution> usableProbes(const std::vector<const SpaceTable*>& tables);
+
+/// Expandable points of `dense` that are in no lattice of `tables`.
+std::vector<HeldOutSolution> leftOutPoints(const SpaceTable& dense,
+                                           const std::vector<const SpaceTable*>& tables);
+
+}  // namespace palpate

@@ -1,0 +1,195 @@
+#include "viewer/report/method_sections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "viewer/plot/svg_plot.hpp"
+#include "viewer/report/html_elements.hpp"
+#include "viewer/report/report_words.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double least_loop_work = 1e-10;  ///< drawn; what is below is the error of the sum
+
+std::string card(const std::string& value, const std::string& meaning) {
+  return fmt::format("<div class=\"card\"><b>{}</b><span>{}</span></div>\n", escaped(value),
+                     escaped(meaning));
+}
+
+enum class Abscissa { configurations, nanoseconds };
+enum class Ordinate { mean, median, covered_mean };
+
+double valueOf(const MethodMeasures& method, Ordinate ordinate) {
+  switch (ordinate) {
+    case Ordinate::mean:
+      return method.all.error.mean;
+    case Ordinate::median:
+      return method.all.error.median;
+    case Ordinate::covered_mean:
+      break;
+  }
+  return method.covered.error.mean;
+}
+
+std::string frontierPlot(const Report& report, Abscissa abscissa, Ordinate ordinate) {
+  static constexpr std::array<const char*, 3> names = {"Whole ball, mean", "Whole ball, median",
+                                                       "Covered points, mean"};
+  const bool over_time = abscissa == Abscissa::nanoseconds;
+  Plot plot;
+  plot.title = fmt::format("{}: error against {}", names[static_cast<std::size_t>(ordinate)],
+                           over_time ? "time" : "configurations");
+  plot.x = {over_time ? "ns per query" : "configurations per active node", true};
+  plot.y = {"error of the force, N", true};
+  for (std::size_t m = 0; m < report.methods.size(); ++m) {
+    PlotSeries series{.label = report.methods[m], .style = seriesStyle(m)};
+    for (const LatticeMeasures& lattice : report.lattices) {
+      const MethodMeasures& method = lattice.methods[m];
+      const double error = valueOf(method, ordinate);
+      if (!std::isfinite(error)) continue;
+      series.x.push_back(over_time ? method.nanoseconds : lattice.configurations);
+      series.y.push_back(error);
+      series.notes.push_back(fmt::format("{}, {} configurations: {} N, {} ns", report.methods[m],
+                                         formatCount(lattice.configurations), formatNumber(error),
+                                         formatNumber(method.nanoseconds, 3)));
+    }
+    plot.series.push_back(std::move(series));
+  }
+  return svgOf(plot);
+}
+
+std::string frontierPlots(const Report& report) {
+  std::string html = methodLegend(report) + "<div class=\"figures two\">\n";
+  for (const Ordinate ordinate : {Ordinate::mean, Ordinate::median, Ordinate::covered_mean})
+    for (const Abscissa abscissa : {Abscissa::configurations, Abscissa::nanoseconds})
+      html += frontierPlot(report, abscissa, ordinate);
+  return html + "</div>\n";
+}
+
+std::string frontierRow(const std::string& name, const LatticeMeasures& lattice,
+                        const MethodMeasures& method) {
+  const std::string configurations = formatCount(lattice.configurations);
+  if (!method.problem.empty() && method.all.count == 0)
+    return tableRow({name, configurations},
+                    "<td class=\"reason\" colspan=\"12\">" + escaped(method.problem) + "</td>");
+  const Spread &error = method.all.error, &covered = method.covered.error;
+  return tableRow({name, configurations, formatNumber(error.mean), formatNumber(error.median),
+                   formatNumber(error.percentile_95), formatNumber(error.maximum),
+                   formatNumber(covered.mean), formatNumber(covered.maximum),
+                   formatShare(method.all.relative.mean), formatShare(method.all.within_target),
+                   formatShare(method.all.covered), formatNumber(method.loop_work),
+                   formatNumber(method.nanoseconds, 3),
+                   formatNumber(1e3 * method.seconds_to_prepare)});
+}
+
+/// The rows of a method stand together, under a line.
+std::string frontierTable(const Report& report) {
+  std::string rows;
+  for (std::size_t m = 0; m < report.methods.size(); ++m) {
+    if (m > 0) rows += "</tbody><tbody>\n";
+    for (std::size_t n = 0; n < report.lattices.size(); ++n)
+      rows += frontierRow(n == 0 ? report.methods[m] : "", report.lattices[n],
+                          report.lattices[n].methods[m]);
+  }
+  return table({"method", "configu­rations", "mean", "median", "95 %", "max", "mean, covered",
+                "max, covered", "relative", "in target", "covered", "loop work", "ns per query",
+                "ms to prepare"},
+               rows);
+}
+
+std::string latticeTable(const Report& report) {
+  std::string rows;
+  for (const LatticeMeasures& lattice : report.lattices)
+    rows += tableRow({lattice.label, fmt::format("{:.4g}", 1e3 * lattice.spacing),
+                      formatCount(lattice.configurations), formatCount(lattice.factorizations)});
+  return table({"lattice", "spacing, mm", "configurations", "factorizations they took"}, rows);
+}
+
+}  // namespace
+
+std::string methodLegend(const Report& report) {
+  std::vector<PlotSeries> series;
+  for (std::size_t m = 0; m < report.methods.size(); ++m)
+    series.push_back({.label = report.methods[m], .style = seriesStyle(m)});
+  return legendOf(series);
+}
+
+std::string cards(const Report& report) {
+  const LatticeMeasures& lattice = shownLattice(report);
+  const MethodMeasures& method = lattice.methods.front();
+  return fmt::format("<p class=\"how\">The method {} on {}:</p>\n<div class=\"cards\">\n",
+                     escaped(report.methods.front()), escaped(lattice.label)) +
+         card(formatNumber(method.all.error.mean) + " N", "mean error, whole ball") +
+         card(formatShare(method.all.relative_to_mean_force), "the same, of the mean force") +
+         card(formatShare(method.all.within_target),
+              "of exact solutions within " + describeTarget(report)) +
+         card(formatShare(method.all.covered), "of them lie in cells whose 8 corners are solved") +
+         card(formatNumber(method.nanoseconds, 3) + " ns",
+              "per query, on the machine that made this page") +
+         card(formatCount(lattice.configurations), "configurations per active node") + "</div>\n";
+}
+
+std::string frontierSection(const Report& report) {
+  std::string html;
+  if (report.held_out_kind != HeldOutKind::none) html += frontierPlots(report);
+  html += "<h3>In numbers</h3>\n" + frontierTable(report) + latticeTable(report);
+  for (const std::string& gap : describeGaps(report)) html += note(gap);
+  html += fmt::format(
+      "<p class=\"how\">Errors are |interpolated &minus; exact force| in newtons. Relative: "
+      "divided by the force, or by {} N where that is more. In target: at most {}. Covered: "
+      "the eight corners around are solved; the same points for every method.</p>\n",
+      relative_error_floor, escaped(describeTarget(report)));
+  return section("frontier", "Speed against error",
+                 "Lower is more accurate, further left is cheaper; "
+                 "a curve below another gives the same accuracy from fewer configurations. "
+                 "Each mark is one lattice density.",
+                 html);
+}
+
+std::string loopsSection(const Report& report) {
+  Plot plot;
+  plot.title = "Work around closed loops";
+  plot.x = {"configurations per active node", true};
+  plot.y = {"work / effort", true};
+  plot.width = 640;
+  for (std::size_t m = 0; m < report.methods.size(); ++m) {
+    PlotSeries series{.label = report.methods[m], .style = seriesStyle(m)};
+    for (const LatticeMeasures& lattice : report.lattices) {
+      const double work = lattice.methods[m].loop_work;
+      series.x.push_back(lattice.configurations);
+      series.y.push_back(std::isfinite(work) ? std::max(work, least_loop_work) : work);
+      series.notes.push_back(fmt::format("{}, {} configurations: {}", report.methods[m],
+                                         formatCount(lattice.configurations), formatNumber(work)));
+    }
+    plot.series.push_back(std::move(series));
+  }
+  return section("loops", "Closed loops",
+                 "Work that a hand gains or loses around circles of a quarter of the workspace "
+                 "radius, divided by the force times the way; the largest found. "
+                 "Tissue gives back what it took: a method that does not can shake a device. "
+                 "10⁻¹⁰ stands for nothing but the error of the sum. "
+                 "Where a method gives way to tri-linear interpolation, "
+                 "at jumps between branches, its loops leak too.",
+                 methodLegend(report) + "<div class=\"single\">" + svgOf(plot) + "</div>\n");
+}
+
+std::string boundsSection(const Report& report) {
+  std::string rows;
+  for (std::size_t m = 0; m < report.methods.size(); ++m)
+    if (const ErrorMeasures& measures = shownLattice(report).methods[m].all; measures.bounds > 0)
+      rows +=
+          tableRow({report.methods[m], std::to_string(measures.bounds),
+                    formatShare(measures.bound_holds), formatNumber(measures.bound_over_error)});
+  return section(
+      "bounds", "Error bounds",
+      "Methods say themselves how wrong they may be. "
+      "A good bound holds almost always and is not many times the error.",
+      rows.empty()
+          ? "<p>No method gave bounds here.</p>\n"
+          : table({"method", "bounds given", "error within bound", "bound / error, median"}, rows));
+}
+
+}  // namespace palpate

@@ -1,0 +1,205 @@
+#include "viewer/report/node_sections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "viewer/plot/svg_plot.hpp"
+#include "viewer/report/html_elements.hpp"
+#include "viewer/report/method_sections.hpp"
+#include "viewer/report/report_words.hpp"
+#include "viewer/report/slice_picture.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t listed_nodes = 36, plotted_nodes = 12;
+constexpr const char* mark_colour = "#1b1f24";
+constexpr double plot_width = 380, plot_height = 290;
+
+std::string nodesTable(const Report& report, const std::vector<std::size_t>& nodes) {
+  std::string rows;
+  for (const std::size_t n : nodes) {
+    const NodeMeasures& node = report.nodes[n];
+    const ErrorMeasures& measures = node.methods.front();
+    std::vector<std::string> cells = {node.name};
+    for (const Tag tag : {Tag::expandable, Tag::terminating, Tag::failed})
+      cells.push_back(std::to_string(node.tags[static_cast<std::size_t>(tag)]));
+    cells.insert(cells.end(),
+                 {std::to_string(node.jumps), formatNumber(node.largest_force, 3),
+                  std::to_string(node.held_out), formatNumber(measures.error.mean),
+                  formatNumber(measures.error.median), formatNumber(measures.error.percentile_95),
+                  formatNumber(measures.error.maximum), formatShare(measures.within_target),
+                  formatShare(measures.bound_holds)});
+    rows += tableRow(cells);
+  }
+  return table({"active node", "expandable", "terminating", "failed", "jumps", "largest force, N",
+                "exact solutions", "mean", "median", "95 %", "max", "in target", "within bound"},
+               rows);
+}
+
+/// Mean errors, a column per method.
+std::string nodeMethodsTable(const Report& report, const std::vector<std::size_t>& nodes) {
+  if (report.methods.size() < 2) return "";
+  std::vector<std::string> titles = {"mean error, N"};
+  titles.insert(titles.end(), report.methods.begin(), report.methods.end());
+  std::string rows;
+  for (const std::size_t n : nodes) {
+    const NodeMeasures& node = report.nodes[n];
+    if (!node.compared) continue;
+    std::vector<std::string> cells = {node.name};
+    for (const ErrorMeasures& method : node.methods)
+      cells.push_back(formatNumber(method.error.mean));
+    rows += tableRow(cells);
+  }
+  return table(titles, rows);
+}
+
+/// Error against configurations of one compared active node.
+std::string nodePlot(const Report& report, const NodeMeasures& node) {
+  Plot plot;
+  plot.title = node.name;
+  plot.x = {"configurations", true};
+  plot.y = {"mean error, N", true};
+  plot.width = plot_width;
+  plot.height = plot_height;
+  for (std::size_t m = 0; m < report.methods.size(); ++m) {
+    PlotSeries series{.label = report.methods[m], .style = seriesStyle(m)};
+    for (const LatticeMeasures& lattice : report.lattices) {
+      if (lattice.node_errors.empty()) continue;
+      series.x.push_back(static_cast<double>(lattice.node_configurations[*node.compared]));
+      series.y.push_back(lattice.node_errors[*node.compared][m]);
+    }
+    plot.series.push_back(std::move(series));
+  }
+  return svgOf(plot);
+}
+
+std::string nodePlots(const Report& report, const std::vector<std::size_t>& nodes) {
+  if (!report.measured || nodes.size() < 2) return "";
+  std::string plots;
+  std::size_t count = 0;
+  for (const std::size_t n : nodes)
+    if (report.nodes[n].compared && count++ < plotted_nodes)
+      plots += nodePlot(report, report.nodes[n]);
+  return methodLegend(report) + figures(plots);
+}
+
+/// Limits around the bounds and errors of all pictures.
+ColourScale scaleOf(const std::vector<NodePictures>& pictures) {
+  std::vector<double> values;
+  for (const NodePictures& node : pictures)
+    for (const SliceMap& slice : node.slices) {
+      values.insert(values.end(), slice.bound.begin(), slice.bound.end());
+      for (const SliceMap::ErrorMark& mark : slice.errors) values.push_back(mark.error);
+    }
+  return ColourScale(values);
+}
+
+std::string headingOf(const Report& report, const NodePictures& pictures) {
+  return "<h3>" + escaped(report.nodes[pictures.node].name) + "</h3>\n";
+}
+
+std::string whichNodes(const Report& report) {
+  return report.pictures.size() == report.nodes.size()
+             ? ""
+             : fmt::format(" The {} active nodes with the largest errors.", report.pictures.size());
+}
+
+PlotSeries seriesOf(const AxisForces& along) {
+  PlotSeries series;
+  for (const double displacement : along.displacements) series.x.push_back(1e3 * displacement);
+  series.y = along.forces;
+  return series;
+}
+
+std::string curvesAlong(const Report& report, const NodePictures& pictures, std::size_t axis) {
+  static constexpr std::array<const char*, 3> names = {"x", "y", "z"};
+  Plot plot;
+  plot.title = fmt::format("Along {}", names[axis]);
+  plot.x.label = fmt::format("displacement along {}, mm", names[axis]);
+  plot.y.label = fmt::format("force along {}, N", names[axis]);
+  plot.width = plot_width;
+  plot.height = plot_height;
+  PlotSeries& solved = plot.series.emplace_back(seriesOf(pictures.solved[axis]));
+  solved.line = false;
+  solved.style.colour = mark_colour;
+  // The default, the widest line, below the others.
+  for (std::size_t m = report.methods.size(); m-- > 0;) {
+    PlotSeries& curve = plot.series.emplace_back(seriesOf(pictures.sampled[m][axis]));
+    curve.marks = false;
+    curve.style = seriesStyle(m);
+  }
+  return svgOf(plot);
+}
+
+std::string curvesLegend(const Report& report) {
+  std::vector<PlotSeries> series = {
+      {.label = "exact, lattice points", .style = {.colour = mark_colour}, .line = false}};
+  for (std::size_t m = 0; m < report.methods.size(); ++m)
+    series.push_back({.label = report.methods[m], .style = seriesStyle(m), .marks = false});
+  return legendOf(series);
+}
+
+}  // namespace
+
+std::string nodesSection(const Report& report) {
+  const std::vector<std::size_t> all = worstFirst(report);
+  const std::vector<std::size_t> listed(
+      all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), listed_nodes)));
+  std::string how = fmt::format("Errors of {} in newtons on {}, the worst first",
+                                report.methods.front(), escaped(shownLattice(report).label));
+  if (listed.size() < all.size())
+    how += fmt::format(": {} of {} active nodes", listed.size(), all.size());
+  how +=
+      ". Jumps: edges of the lattice between different branches of solutions, "
+      "across which nothing is interpolated smoothly.";
+  if (report.compared < all.size())
+    how += fmt::format(" The other methods were compared on {} nodes, evenly chosen.",
+                       report.compared);
+  return section(
+      "nodes", "Active nodes", how,
+      nodesTable(report, listed) + nodeMethodsTable(report, all) + nodePlots(report, all));
+}
+
+std::string mapsSection(const Report& report) {
+  static constexpr std::array<const char*, 3> planes = {
+      "x and y, through rest", "x and z, through rest", "y and z, through rest"};
+  const ColourScale scale = scaleOf(report.pictures);
+  std::string maps = legendOf(scale);
+  for (const NodePictures& pictures : report.pictures) {
+    std::string slices;
+    for (std::size_t s = 0; s < pictures.slices.size(); ++s)
+      slices += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n",
+                            svgOf(pictures.slices[s], scale), planes[s]);
+    maps += headingOf(report, pictures) + figures(slices);
+  }
+  return section(
+      "maps", "Where the error is",
+      fmt::format("Colour: the error bound that {} gives at each displacement in three "
+                  "planes through the rest position (axes in mm, lattice of {}). "
+                  "A dot lighter than its surroundings is a bound that did not hold. "
+                  "White: no bound.{}",
+                  report.methods.front(), escaped(shownLattice(report).label), whichNodes(report)),
+      maps);
+}
+
+std::string curvesSection(const Report& report) {
+  std::string curves = curvesLegend(report);
+  for (const NodePictures& pictures : report.pictures) {
+    std::string plots;
+    for (std::size_t axis = 0; axis < 3; ++axis) plots += curvesAlong(report, pictures, axis);
+    curves += headingOf(report, pictures) + figures(plots);
+  }
+  return section(
+      "curves", "Force along the axes",
+      fmt::format("The force of the tissue on the tool along the direction of motion, "
+                  "for displacements along x, y and z, on {} as it is. Marks are exact "
+                  "solutions of the lattice; where curves part between marks, methods "
+                  "disagree.{}",
+                  escaped(report.datasets.front().file.filename().string()), whichNodes(report)),
+      curves);
+}
+
+}  // namespace palpate

@@ -1,0 +1,96 @@
+#include "viewer/report/report_words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+
+std::string describeHeldOut(const Report& report) {
+  switch (report.held_out_kind) {
+    case HeldOutKind::probes:
+      return fmt::format(
+          "Measured with {} probes: exact solutions, within max_force, "
+          "at positions that no interpolation has seen.",
+          report.held_out_count);
+    case HeldOutKind::lattice_points:
+      return fmt::format(
+          "There are no solved probes. Measured with {} lattice points that are left out of the "
+          "coarser lattices below; of the densest lattice itself nothing can be said.",
+          report.held_out_count);
+    case HeldOutKind::none:
+      break;
+  }
+  return "There are no solved probes, and no coarser lattice inside this one leaves solved "
+         "points out: nothing to measure errors with.";
+}
+
+std::vector<std::string> describeGaps(const Report& report) {
+  std::vector<std::string> gaps;
+  for (const LatticeMeasures& lattice : report.lattices)
+    for (std::size_t m = 0; m < report.methods.size(); ++m) {
+      const MethodMeasures& method = lattice.methods[m];
+      if (!method.problem.empty() && method.all.count > 0)
+        gaps.push_back(
+            fmt::format("{} with {} configurations is not measured on every active node. {}",
+                        report.methods[m], formatCount(lattice.configurations), method.problem));
+    }
+  return gaps;
+}
+
+std::string hintForProbes(const Report& report) {
+  if (report.held_out_kind == HeldOutKind::probes) return "";
+  return "For errors of this lattice put \"[accuracy] probes = 200\" into the scene and build "
+         "again: 200 exact solutions per active node at random positions, "
+         "used for nothing but measuring.";
+}
+
+std::string describeTarget(const Report& report) {
+  return fmt::format("max({:.3g} % of |force|, {:.3g} N){}", 100 * report.target.force_error,
+                     report.target.force_floor,
+                     report.target_of_scene ? ", as the scene asks" : "");
+}
+
+std::string countNodes(std::size_t count) {
+  return fmt::format("{} active {}", count, count == 1 ? "node" : "nodes");
+}
+
+std::string describeBall(const Dataset& dataset) {
+  const Lattice& lattice = dataset.spaces().front().lattice;
+  return fmt::format("ball of {:.4g} mm, spacing {:.4g} mm", 1e3 * lattice.radius(),
+                     1e3 * lattice.spacing());
+}
+
+std::string formatBytes(double bytes) {
+  if (bytes < 1000) return fmt::format("{:.0f} B", bytes);
+  for (const char* unit : {"kB", "MB", "GB"}) {
+    bytes /= 1000;
+    if (bytes < 999.5) return fmt::format("{:.3g} {}", bytes, unit);
+  }
+  return fmt::format("{:.3g} TB", bytes / 1000);
+}
+
+std::string formatNumber(double value, int figures) {
+  if (!std::isfinite(value)) return "-";
+  const double magnitude = std::abs(value);
+  if (value == 0 || (magnitude >= 1e-3 && magnitude < 1e6)) {
+    const int digits =
+        magnitude == 0 ? 0 : figures - 1 - static_cast<int>(std::floor(std::log10(magnitude)));
+    return fmt::format("{:.{}f}", value, std::max(0, digits));
+  }
+  return fmt::format("{:.{}e}", value, figures - 1);
+}
+
+std::string formatCount(double count) {
+  const bool is_whole = std::abs(count - std::round(count)) < 1e-6;
+  return fmt::format("{:.{}f}", count, is_whole || count >= 100 ? 0 : 1);
+}
+
+std::string formatShare(double share) {
+  if (!std::isfinite(share)) return "-";
+  if (share < 1 && share > 0.9995) return ">99.9 %";
+  return fmt::format("{:.1f} %", 100 * share);
+}
+
+}  // namespace palpate

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "viewer/report/report.hpp"
+
+// Words and numbers that the text and the page of a report share.
+
+namespace palpate {
+
+/// One sentence: what the errors are measured with.
+std::string describeHeldOut(const Report& report);
+
+/// A sentence for each method that could not be made for some, but not all active nodes.
+std::vector<std::string> describeGaps(const Report& report);
+
+/// What to do for better held-out solutions; empty when there are probes.
+std::string hintForProbes(const Report& report);
+
+/// "max(3 % of |force|, 0.01 N), as the scene asks".
+std::string describeTarget(const Report& report);
+
+/// "1 active node", "2 active nodes".
+std::string countNodes(std::size_t count);
+
+/// "ball of 100 mm, spacing 20 mm".
+std::string describeBall(const Dataset& dataset);
+
+/// "4.2 MB"; decimal units, as disks are sold.
+std::string formatBytes(double bytes);
+
+/// Three figures at most, "-" for NaN: "0.00012", "1.2e-06", "34", "12300".
+std::string formatNumber(double value, int figures = 2);
+
+/// "123", "123.4" for a mean.
+std::string formatCount(double count);
+
+/// "99.5 %", "-" for NaN; never rounds up to 100 %.
+std::string formatShare(double share);
+
+}  // namespace palpate
