@@ -65,6 +65,8 @@ class Reporter {
   }
 
   Report finish() {
+    PALPATE_ASSERT(!compared_.empty() && !report_.methods.empty(),
+                   "a dataset has an active node, and one method is the default");
     setTarget();
     holdOut();
     for (LatticeMeasures& lattice : report_.lattices) measureCost(lattice);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/base/assertion.hpp"
 #include "viewer/plot/svg_plot.hpp"
 
 namespace palpate {
@@ -102,6 +103,9 @@ std::string keyOf(const std::string& mark, const char* text) {
 }  // namespace
 
 std::string svgOf(const SliceMap& map, const ColourScale& scale) {
+  PALPATE_ASSERT(
+      map.bound.size() == SliceMap::side * SliceMap::side && map.covered.size() == map.bound.size(),
+      "only sampled maps are drawn");
   const auto x = [&](const Eigen::Vector2d& at) {
     return left + 0.5 * edge * (1 + at.x() / map.radius);
   };
