@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
 #include "viewer/c_api/sized_struct.hpp"
 
 namespace palpate {
@@ -48,6 +49,8 @@ LoadedDataset::LoadedDataset(const Dataset& dataset, const HapticModelOptions& o
   info_.vertex_count = static_cast<std::int32_t>(model_.surface().vertices().size());
   info_.triangle_count = static_cast<std::int32_t>(model_.surface().triangles().size());
   info_.max_force = model_.maxForce();
+  PALPATE_ASSERT(model_.spaces().size() == dataset.spaces().size(),
+                 "the numbers of spaces are those of the dataset");
   for (const SpaceTable& space : model_.spaces()) spaces_.push_back(infoOf(dataset, space));
 }
 

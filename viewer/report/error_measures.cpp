@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 namespace {
 
@@ -30,6 +32,7 @@ void measureBounds(std::span<const ForceComparison> comparisons, ErrorMeasures& 
 }  // namespace
 
 double percentile(std::span<const double> sorted, double share) {
+  PALPATE_ASSERT(!sorted.empty(), "nothing has no percentiles");
   const double place = share * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(place);
   if (below + 1 >= sorted.size()) return sorted.back();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "common/base/assertion.hpp"
 #include "viewer/plot/svg_plot.hpp"
 #include "viewer/report/html_elements.hpp"
 #include "viewer/report/method_sections.hpp"
@@ -115,6 +116,7 @@ PlotSeries seriesOf(const AxisForces& along) {
 }
 
 std::string curvesAlong(const Report& report, const NodePictures& pictures, std::size_t axis) {
+  PALPATE_ASSERT(pictures.sampled.size() == report.methods.size(), "samples are by method");
   static constexpr std::array<const char*, 3> names = {"x", "y", "z"};
   Plot plot;
   plot.title = fmt::format("Along {}", names[axis]);

@@ -65,6 +65,8 @@ class Reporter {
   }
 
   Report finish() {
+    PALPATE_ASSERT(!compared_.empty() && !report_.methods.empty(),
+                   "a dataset has an active node, and one method is the default");
     setTarget();
     holdOut();
     for (LatticeMeasures& lattice : report_.lattices) measureCost(lattice);
@@ -153,7 +155,8 @@ class Reporter {
     std::int64_t factorizations = 0;
     for (const std::size_t s : compared_) {
       lattice.node_configurations.push_back(0);
-      for (const PointRecord& point : table(lattice, s)->points) {
+      const std::shared_ptr<const SpaceTable> of_node = table(lattice, s);
+      for (const PointRecord& point : of_node->points) {
         if (!isSolved(point.tag)) continue;
         ++lattice.node_configurations.back();
         factorizations += point.cost.factorizations;

@@ -26,7 +26,7 @@ struct ReportOptions {
   double seconds_per_timing = 0.05;
   /// Active nodes on which all methods are compared, evenly chosen where there are more; the
   /// default method is measured on all.
-  std::size_t compared_nodes = 12;
+  std::size_t compared_nodes = 12;  ///< > 0
   /// Of these, nodes on which work around closed loops is measured; a few seconds each.
   std::size_t looped_nodes = 2;
   /// Active nodes, the worst first, whose fields are sampled for the pictures of the page; some

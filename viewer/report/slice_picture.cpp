@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/base/assertion.hpp"
 #include "viewer/plot/svg_plot.hpp"
 
 namespace palpate {
@@ -13,7 +14,7 @@ namespace {
 // User units. `step` is whole, so that runs of samples meet without seams; the left margin holds
 // numbers like "-123.4".
 constexpr double step = 3, edge = step * SliceMap::side;
-constexpr double left = 48, right = 24, top = 12, bottom = 28, base = top + edge;
+constexpr double left = 56, right = 24, top = 12, bottom = 28, base = top + edge;
 constexpr std::array<const char*, 3> axis_names = {"x", "y", "z"};
 
 /// One path per colour, of runs of samples along the rows: small, and no seams between neighbours.
@@ -102,6 +103,9 @@ std::string keyOf(const std::string& mark, const char* text) {
 }  // namespace
 
 std::string svgOf(const SliceMap& map, const ColourScale& scale) {
+  PALPATE_ASSERT(
+      map.bound.size() == SliceMap::side * SliceMap::side && map.covered.size() == map.bound.size(),
+      "only sampled maps are drawn");
   const auto x = [&](const Eigen::Vector2d& at) {
     return left + 0.5 * edge * (1 + at.x() / map.radius);
   };
