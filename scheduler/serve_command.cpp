@@ -68,7 +68,8 @@ std::function<ExitCode()> prepareServe(CLI::App& app) {
 
 }  // namespace
 
-const Verb serve_verb = {
-    "serve", "Compute the dataset of a scene with workers that connect from anywhere", prepareServe};
+const Verb serve_verb = {"serve",
+                         "Compute the dataset of a scene with workers that connect from anywhere",
+                         prepareServe};
 
 }  // namespace palpate

@@ -115,8 +115,7 @@ Finding timer() {
 
 Finding kernel() {
   utsname name{};
-  if (uname(&name) != 0)
-    return {Verdict::note, "kernel", fmt::format("unknown: {}", errnoText())};
+  if (uname(&name) != 0) return {Verdict::note, "kernel", fmt::format("unknown: {}", errnoText())};
   const bool preemptible = firstLine("/sys/kernel/realtime") == "1";
   return {Verdict::good, "kernel",
           fmt::format("{} {}{}", name.sysname, name.release, preemptible ? ", PREEMPT_RT" : "")};

@@ -28,8 +28,8 @@ int runProgram(int argc, char** argv, const char* description, std::span<const V
 /// The program's version, "0.1.0".
 const char* version();
 
-/// The program of this name that is installed beside the running one, for instance "palpate-worker".
-/// Error when it is not there.
+/// The program of this name that is installed beside the running one, for instance
+/// "palpate-worker". Error when it is not there.
 std::filesystem::path programBeside(const std::string& name);
 
 /// True once SIGINT, SIGTERM or SIGHUP (unless that was ignored) came in, after catchInterrupts().

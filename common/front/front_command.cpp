@@ -117,8 +117,7 @@ int become(const Route& route, std::vector<std::string> arguments) {
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
   execv(program.c_str(), argv.data());
-  fmt::print(stderr, "palpate {}: cannot start {}: {}\n", route.verb, program,
-             errnoText());
+  fmt::print(stderr, "palpate {}: cannot start {}: {}\n", route.verb, program, errnoText());
   return static_cast<int>(ExitCode::failed);
 }
 

@@ -6,7 +6,7 @@ namespace palpate {
 namespace {
 
 constexpr std::array<std::string_view, 4> tag_words = {"unknown", "expandable", "terminating",
-                                                   "failed"};
+                                                       "failed"};
 
 }  // namespace
 

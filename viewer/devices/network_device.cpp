@@ -1,6 +1,5 @@
 #include "viewer/devices/network_device.hpp"
 
-
 #include "common/base/error.hpp"
 #include "common/base/program.hpp"
 #include "common/wire/wire.hpp"

@@ -23,9 +23,9 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
     prepare(method);
   for (std::size_t s = 0; s < spaces_.size(); ++s) {
     const std::vector<float> displacements = dataset.surfaceDisplacements(s);
-    PALPATE_ASSERT(displacements.size() ==
-                       3 * spaces_[s].points.size() * surface_.vertices().size(),
-                   "a dataset stores displacements of the nodes of its surface");
+    PALPATE_ASSERT(
+        displacements.size() == 3 * spaces_[s].points.size() * surface_.vertices().size(),
+        "a dataset stores displacements of the nodes of its surface");
     shapes_.push_back(std::make_unique<DisplacementField>(spaces_[s], displacements));
   }
 }

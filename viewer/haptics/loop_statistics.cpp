@@ -11,7 +11,6 @@
 namespace palpate {
 namespace {
 
-
 constexpr double smallest_time = 16e-9;  // s, lower edge of the first bin
 
 double share(std::uint64_t part, std::uint64_t whole) {
@@ -134,21 +133,21 @@ std::string describeJson(const LoopStatistics& statistics) {
   for (int bit = 0; bit < guard_count; ++bit)
     guards[guardWord(bit)] = statistics.guards[static_cast<std::size_t>(bit)];
   const nlohmann::ordered_json json = {{"rate", statistics.rate},
-                     {"ticks", statistics.ticks},
-                     {"period_us", toJson(statistics.period)},
-                     {"latency_us", toJson(statistics.latency)},
-                     {"compute_us", toJson(statistics.compute)},
-                     {"processor_us", toJson(statistics.processor)},
-                     {"missed_program", statistics.missed_program},
-                     {"missed_system", statistics.missed_system},
-                     {"halts", statistics.halts},
-                     {"page_faults", statistics.page_faults},
-                     {"preemptions", statistics.preemptions},
-                     {"guards", guards},
-                     {"not_recorded", statistics.not_recorded},
-                     {"contacts", statistics.contacts},
-                     {"largest_force", statistics.largest_force},
-                     {"largest_step", statistics.largest_step}};
+                                       {"ticks", statistics.ticks},
+                                       {"period_us", toJson(statistics.period)},
+                                       {"latency_us", toJson(statistics.latency)},
+                                       {"compute_us", toJson(statistics.compute)},
+                                       {"processor_us", toJson(statistics.processor)},
+                                       {"missed_program", statistics.missed_program},
+                                       {"missed_system", statistics.missed_system},
+                                       {"halts", statistics.halts},
+                                       {"page_faults", statistics.page_faults},
+                                       {"preemptions", statistics.preemptions},
+                                       {"guards", guards},
+                                       {"not_recorded", statistics.not_recorded},
+                                       {"contacts", statistics.contacts},
+                                       {"largest_force", statistics.largest_force},
+                                       {"largest_step", statistics.largest_step}};
   return json.dump();
 }
 

@@ -7,6 +7,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/problem/problem_warnings.hpp"
+#include "worker/elements/blas_kernels.hpp"
 #include "worker/elements/kernel_family.hpp"
 
 namespace palpate {
@@ -66,6 +67,7 @@ SceneReport reportOf(const Problem& problem) {
   report.cores = std::max(1u, std::thread::hardware_concurrency());
   report.arithmetic = arithmetic(chooseKernels());
   report.warnings = warningsOf(problem);
+  if (const std::string why = whyBlasIsSlow(); !why.empty()) report.warnings.push_back(why);
   warnOfWays(report);
   return report;
 }

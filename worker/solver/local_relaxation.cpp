@@ -4,12 +4,13 @@
 #include <cmath>
 #include <utility>
 
+#include "worker/solver/newton.hpp"
+
 namespace palpate {
 namespace {
 
 constexpr int max_iterations = 12;
 constexpr int max_halvings = 6;
-constexpr double sufficient_decrease = 1e-4;
 
 }  // namespace
 

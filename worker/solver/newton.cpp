@@ -10,9 +10,6 @@
 namespace palpate {
 namespace {
 
-/// Sufficient decrease of the residual norm, per unit of step (Armijo).
-constexpr double sufficient_decrease = 1e-4;
-
 /// A state without a residual: the element is inverted (ln det F does not exist) or something
 /// overflowed, then det F may be NaN.
 Cause causeOfNotFinite(const Residual& residual) {

@@ -8,6 +8,9 @@
 
 namespace palpate {
 
+/// Sufficient decrease of the residual norm, per unit of step (Armijo).
+inline constexpr double sufficient_decrease = 1e-4;
+
 struct NewtonOptions {
   int max_iterations = 40;
   int max_factorizations = 6;
