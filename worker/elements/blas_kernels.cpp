@@ -14,8 +14,8 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/cpu_family.hpp"
 #include "common/base/error.hpp"
-#include "worker/elements/kernel_family.hpp"
 
 namespace palpate {
 namespace {
@@ -25,12 +25,11 @@ constexpr const char* core_type = "OPENBLAS_CORETYPE";
 /// core_type is the user's.
 constexpr const char* tried_variable = "PALPATE_OPENBLAS_TRIED";
 
-/// Of a CPU that runs these element kernels, by the names of OpenBLAS.
+/// What this CPU runs, by the names of OpenBLAS.
 std::vector<std::string> fastestFirst() {
-  const std::string_view family = supportedKernels().front()->family;
   std::vector<std::string> all = {"Prescott"};
-  if (family != "baseline") all.insert(all.begin(), "Haswell");
-  if (family == "avx512") all.insert(all.begin(), "SkylakeX");
+  if (cpuFamily() >= CpuFamily::avx2) all.insert(all.begin(), "Haswell");
+  if (cpuFamily() >= CpuFamily::avx512) all.insert(all.begin(), "SkylakeX");
   return all;
 }
 
