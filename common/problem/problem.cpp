@@ -149,13 +149,16 @@ void checkPatch(const Problem& problem, std::size_t number, const NodeSet& surfa
         patch.name, patch.nodes.size(), problem.fixed.size());
 }
 
-Mesh readMesh(const Scene& scene) {
+Mesh readMesh(const Scene& scene, const std::string& scene_file) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(scene.mesh, ignored))
+    throw badInput("{}: mesh = \"{}\": there is no such file", scene_file, scene.mesh.string());
   if (scene.mesh.extension() == ".msh") return readGmsh(scene.mesh, scene.metres_per_unit);
   if (scene.mesh.extension() == ".vtk") return readVtk(scene.mesh, scene.metres_per_unit);
   throw badInput(
-      "mesh {}: its format is not read; there is Gmsh .msh, version 2.2 or 4.1, "
+      "{}: mesh = \"{}\": its format is not read; there is Gmsh .msh, version 2.2 or 4.1, "
       "and legacy VTK .vtk",
-      scene.mesh.string());
+      scene_file, scene.mesh.string());
 }
 
 }  // namespace
@@ -224,7 +227,7 @@ Problem resolve(Scene scene, Mesh mesh) {
 
 Problem loadProblem(const std::filesystem::path& scene_file) {
   Scene scene = readScene(scene_file);
-  Mesh mesh = readMesh(scene);
+  Mesh mesh = readMesh(scene, scene_file.string());
   try {
     return resolve(std::move(scene), std::move(mesh));
   } catch (const Error& error) {

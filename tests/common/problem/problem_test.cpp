@@ -573,10 +573,15 @@ TEST_F(Problem, IsLoadedFromFilesWithErrorsThatNameTheScene) {
   std::ofstream(directory / "cube.toml") << resolvedToml(scene);
   expectBadInput([&] { loadProblem(directory / "cube.toml"); },
                  {"cube.toml", "fixed.group", "nobody"});
-  scene.mesh = "cube.stl";
-  std::ofstream(directory / "cube.toml") << resolvedToml(scene);
+  for (const char* missing : {"nowhere.msh", "cube.stl"}) {
+    scene.mesh = missing;
+    std::ofstream(directory / "cube.toml") << resolvedToml(scene);
+    expectBadInput([&] { loadProblem(directory / "cube.toml"); },
+                   {"cube.toml: mesh", directory / missing, "there is no such file"});
+  }
+  std::ofstream(directory / "cube.stl") << "solid";
   expectBadInput([&] { loadProblem(directory / "cube.toml"); },
-                 {"cube.stl", "Gmsh .msh", "VTK .vtk"});
+                 {"cube.toml: mesh", "cube.stl", "Gmsh .msh", "VTK .vtk"});
 }
 
 TEST_F(Problem, ResolvesTheRealLiver) {
