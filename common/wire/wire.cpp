@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -182,6 +183,7 @@ void toWire(const Outcome& outcome, const std::string& fields_bytes, wire::Resul
   cost.set_steps(outcome.cost.steps);
   cost.set_seconds(outcome.cost.seconds);
   if (!outcome.converged) {
+    PALPATE_ASSERT(stopsTransitions(outcome.failure.cause), "fromWire takes no other");
     wire::Failure& failure = *result.mutable_failure();
     failure.set_cause(static_cast<std::uint32_t>(outcome.failure.cause));
     failure.set_step_reached(outcome.failure.step_reached);
@@ -194,6 +196,7 @@ void toWire(const Outcome& outcome, const std::string& fields_bytes, wire::Resul
     failure.set_mumps_infog2(outcome.failure.mumps_infog2);
     return;
   }
+  PALPATE_ASSERT(!fields_bytes.empty(), "an equilibrium has nodal fields");
   const Equilibrium& equilibrium = outcome.equilibrium;
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> stiffness = equilibrium.stiffness;
   wire::Equilibrium& message = *result.mutable_equilibrium();

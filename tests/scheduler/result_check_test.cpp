@@ -17,9 +17,7 @@ TEST(ResultCheck, TakesFailuresOfEveryCauseThatStopsTransitions) {
   result.set_build(std::string(problemId(problem).bytes()));
   result.set_kernel_family("baseline");
   for (const Cause cause : test::allCauses()) {
-    Outcome outcome;
-    outcome.failure.cause = cause;
-    toWire(outcome, "", result);
+    result.mutable_failure()->set_cause(static_cast<std::uint32_t>(cause));
     EXPECT_EQ(check.objectionTo(result, "", "baseline").empty(), stopsTransitions(cause))
         << name(cause);
   }

@@ -25,20 +25,21 @@ TEST(Endpoint, IsRefusedSayingHowToWriteOne) {
 
 TEST(WireResult, CarriesFailuresOfEveryCauseThatStopsTransitions) {
   for (const Cause cause : test::allCauses()) {
+    if (!stopsTransitions(cause)) continue;
     Outcome outcome;
     outcome.failure = {cause, 0.75, 2e-3, 11, 0.125, 28, 27, -9, 4096};
     wire::Result result;
     toWire(outcome, "", result);
     const auto again = fromWire(result);
-    ASSERT_EQ(again.has_value(), stopsTransitions(cause)) << name(cause);
-    if (!again) continue;
+    ASSERT_TRUE(again) << name(cause);
     EXPECT_EQ(again->failure.cause, cause);
     EXPECT_EQ(describe(again->failure), describe(outcome.failure));
   }
 }
 
-TEST(WireResult, OfAnUnknownCauseIsNone) {
-  for (const std::uint32_t value : {0u, 200u, 256u + 1u}) {
+TEST(WireResult, OfAnotherCauseIsNone) {
+  for (const std::uint32_t value :
+       {0u, static_cast<std::uint32_t>(Cause::unreachable), 200u, 257u}) {
     wire::Result result;
     result.mutable_failure()->set_cause(value);
     EXPECT_FALSE(fromWire(result)) << value;
