@@ -1,7 +1,6 @@
 #include "common/dataset/dataset_layout.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "common/problem/problem.hpp"
@@ -15,7 +14,7 @@ ContentId contentHash(const std::string& scene_toml, std::vector<hdf5::ArrayInfo
   for (const hdf5::ArrayInfo& array : arrays) {
     const std::string shape =
         array.shape.empty() ? "scalar" : fmt::format("{}", fmt::join(array.shape, "x"));
-    text += fmt::format("{} {} {} {}\n", array.path, hdf5::name(array.element), shape,
+    text += fmt::format("{} {} {} {}\n", array.path, hdf5::typeOf(array.element).name, shape,
                         array.hash.hex());
   }
   return ContentId::of(text);
@@ -31,32 +30,6 @@ std::vector<std::int32_t> storedNodes(const Scene& scene, const Mesh& mesh) {
 std::size_t storedPressures(const Scene& scene, const Mesh& mesh) {
   if (scene.storage.displacement == StoredNodes::surface) return 0;
   return pressureNodes(scene.discretization.pressure, mesh);
-}
-
-Quantized quantize(std::span<const float> displacement) {
-  constexpr double largest_integer = 32767;
-  double largest = 0;
-  for (const float value : displacement)
-    largest = std::max(largest, std::abs(static_cast<double>(value)));
-  Quantized quantized;
-  quantized.step = static_cast<float>(largest / largest_integer);
-  quantized.values.reserve(displacement.size());
-  for (const float value : displacement) {
-    // The step is zero where everything is, and where its quotient is too small for a float.
-    const double steps = quantized.step > 0 ? value / static_cast<double>(quantized.step) : 0;
-    quantized.values.push_back(static_cast<std::int16_t>(
-        std::clamp(std::round(steps), -largest_integer, largest_integer)));
-  }
-  return quantized;
-}
-
-ContentId rowHash(std::string_view displacement, const float* step,
-                  std::span<const float> pressure) {
-  ContentHasher hasher;
-  hasher.add(displacement);
-  if (step != nullptr) hasher.add(bytesOf(std::span(step, 1)));
-  hasher.add(bytesOf(pressure));
-  return hasher.finish();
 }
 
 }  // namespace palpate::layout

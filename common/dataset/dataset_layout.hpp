@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +20,12 @@ inline constexpr std::int32_t oldest_major_version = 2, major_version = 3;
 inline constexpr std::int32_t minor_version = 0;
 inline constexpr std::string_view units = "SI: m, N, Pa, J, N/m";
 
+/// Attributes of the root group that are read.
+inline constexpr const char *format_attribute = "format", *version_attribute = "format_version",
+                            *generator_attribute = "generator", *kernel_attribute = "kernel_family",
+                            *scene_attribute = "scene_toml", *build_attribute = "build_id",
+                            *content_attribute = "content_hash";
+
 /// Hash over the scene and all arrays: of the text "scene_toml HASH\n" followed by one line "PATH
 /// TYPE SHAPE HASH\n" per array, sorted by path, for instance "/points/ijk int32 515x3 0a1b...\n";
 /// the shape of a scalar is "scalar".
@@ -30,20 +35,5 @@ ContentId contentHash(const std::string& scene_toml, std::vector<hdf5::ArrayInfo
 /// number of pressures.
 std::vector<std::int32_t> storedNodes(const Scene& scene, const Mesh& mesh);
 std::size_t storedPressures(const Scene& scene, const Mesh& mesh);
-
-/// Displacements as 16-bit integers: step * values, the largest in magnitude being 32767.
-struct Quantized {
-  float step = 0;  ///< metres
-  std::vector<std::int16_t> values;
-};
-Quantized quantize(std::span<const float> displacement);
-/// An error of a quantized displacement is at most this part of the step: half of it, and what
-/// rounding to float32 adds.
-inline constexpr double quantization_error = 0.51;
-
-/// Hash of one row of stored fields: the displacements as they are stored, the step where they are
-/// quantized, the pressures where there are some.
-ContentId rowHash(std::string_view displacement, const float* step,
-                  std::span<const float> pressure);
 
 }  // namespace palpate::layout

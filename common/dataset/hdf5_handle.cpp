@@ -17,51 +17,20 @@ std::string lastError() {
   return sentence.empty() ? "unknown HDF5 error" : sentence;
 }
 
-std::string_view name(Element element) {
+ElementType typeOf(Element element) {
   switch (element) {
     case Element::uint8:
-      return "uint8";
+      return {"uint8", 1, H5T_STD_U8LE};
     case Element::int16:
-      return "int16";
+      return {"int16", 2, H5T_STD_I16LE};
     case Element::int32:
-      return "int32";
+      return {"int32", 4, H5T_STD_I32LE};
     case Element::float32:
-      return "float32";
+      return {"float32", 4, H5T_IEEE_F32LE};
     case Element::float64:
-      return "float64";
+      return {"float64", 8, H5T_IEEE_F64LE};
   }
-  return "?";
-}
-
-std::size_t sizeOf(Element element) {
-  switch (element) {
-    case Element::uint8:
-      return 1;
-    case Element::int16:
-      return 2;
-    case Element::int32:
-    case Element::float32:
-      return 4;
-    case Element::float64:
-      return 8;
-  }
-  return 0;
-}
-
-hid_t typeOf(Element element) {
-  switch (element) {
-    case Element::uint8:
-      return H5T_STD_U8LE;
-    case Element::int16:
-      return H5T_STD_I16LE;
-    case Element::int32:
-      return H5T_STD_I32LE;
-    case Element::float32:
-      return H5T_IEEE_F32LE;
-    case Element::float64:
-      return H5T_IEEE_F64LE;
-  }
-  return H5I_INVALID_HID;
+  return {"?", 0, H5I_INVALID_HID};
 }
 
 std::size_t countOf(const Shape& shape) {

@@ -12,7 +12,7 @@
 #include "common/base/error.hpp"
 
 /// What datasets and recordings need of the HDF5 C API. Not thread-safe, as the library is not. For
-/// common/dataset*.cpp and viewer/haptics/recording.cpp only.
+/// common/dataset, viewer/haptics/recording.cpp and viewer/report/dataset_sizes.cpp only.
 namespace palpate::hdf5 {
 
 /// Turns off HDF5's own printing to stderr; called by every Reader and Writer.
@@ -58,10 +58,14 @@ class Handle {
 
 /// The element types a dataset uses; all little-endian.
 enum class Element : std::uint8_t { uint8, int16, int32, float32, float64 };
-std::string_view name(Element element);
-std::size_t sizeOf(Element element);
-hid_t typeOf(Element element);  ///< a library constant, not to be closed
+struct ElementType {
+  std::string_view name;  ///< "int32"
+  std::size_t size;       ///< bytes
+  hid_t id;               ///< a library constant, not to be closed
+};
+ElementType typeOf(Element element);
 
+/// The one whose values are T's.
 template <class T>
 constexpr Element elementOf() {
   if constexpr (std::is_same_v<T, std::uint8_t>) return Element::uint8;
@@ -71,8 +75,8 @@ constexpr Element elementOf() {
   if constexpr (std::is_same_v<T, double>) return Element::float64;
 }
 
-using Shape = std::vector<hsize_t>;  ///< extents, slowest first; empty for a scalar
-std::size_t countOf(const Shape& shape);
+using Shape = std::vector<hsize_t>;        ///< extents, slowest first; empty for a scalar
+std::size_t countOf(const Shape& shape);   ///< product of the extents
 std::string describe(const Shape& shape);  ///< "515 x 3"; "scalar"
 
 /// One array of a file and the hash of its bytes.

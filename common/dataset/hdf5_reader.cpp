@@ -5,8 +5,8 @@
 namespace palpate::hdf5 {
 namespace {
 
-constexpr std::size_t max_text_bytes = std::size_t{1}
-                                       << 26;  // a scene with a million node numbers is 8 MB
+// A scene with a million node numbers is 8 MB.
+constexpr std::size_t max_text_bytes = std::size_t{1} << 26;
 constexpr int max_rank = 3;
 constexpr std::size_t verified_at_once = std::size_t{4} << 20;  // bytes
 constexpr double max_gzip_ratio = 1040;  // of deflate, 1032, and a little for the rest
@@ -36,11 +36,11 @@ bool isReadByRows(const ArrayInfo& info) {
 std::size_t rowBytes(const ArrayInfo& info) {
   Shape row = info.shape;
   row.at(0) = 1;
-  return countOf(row) * sizeOf(info.element);
+  return countOf(row) * typeOf(info.element).size;
 }
 
 double bytesReadAtOnce(const ArrayInfo& info) {
-  double bytes = static_cast<double>(sizeOf(info.element));
+  double bytes = static_cast<double>(typeOf(info.element).size);
   for (std::size_t axis = isReadByRows(info) ? 1 : 0; axis < info.shape.size(); ++axis)
     bytes *= static_cast<double>(info.shape[axis]);
   return bytes;
@@ -106,7 +106,7 @@ std::vector<std::int32_t> Reader::integers(const char* attribute) const {
   const Handle type(check(H5Aget_type(opened.get()), attribute), H5Tclose);
   const Handle space(check(H5Aget_space(opened.get()), attribute), H5Sclose);
   const hssize_t count = check(H5Sget_simple_extent_npoints(space.get()), attribute);
-  if (check(H5Tequal(type.get(), typeOf(Element::int32)), attribute) == 0 || count > 1024)
+  if (check(H5Tequal(type.get(), typeOf(Element::int32).id), attribute) == 0 || count > 1024)
     throw damaged(attribute, "is not a short list of int32");
   std::vector<std::int32_t> values(static_cast<std::size_t>(count));
   check(H5Aread(opened.get(), type.get(), values.data()), attribute);
@@ -117,7 +117,7 @@ double Reader::number(const char* attribute) const {
   const Handle opened(check(H5Aopen(file_.get(), attribute, H5P_DEFAULT), attribute), H5Aclose);
   const Handle type(check(H5Aget_type(opened.get()), attribute), H5Tclose);
   const Handle space(check(H5Aget_space(opened.get()), attribute), H5Sclose);
-  if (check(H5Tequal(type.get(), typeOf(Element::float64)), attribute) == 0 ||
+  if (check(H5Tequal(type.get(), typeOf(Element::float64).id), attribute) == 0 ||
       H5Sget_simple_extent_type(space.get()) != H5S_SCALAR)
     throw damaged(attribute, "is not one float64");
   double value = 0;
@@ -149,7 +149,7 @@ ArrayInfo Reader::inspect(const std::string& path) const {
   bool known = false;
   for (const Element element :
        {Element::uint8, Element::int16, Element::int32, Element::float32, Element::float64})
-    if (check(H5Tequal(type.get(), typeOf(element)), path) > 0) {
+    if (check(H5Tequal(type.get(), typeOf(element).id), path) > 0) {
       info.element = element;
       known = true;
     }
@@ -192,28 +192,24 @@ const ArrayInfo& Reader::array(const std::string& path, Element element,
                                const Shape& expected) const {
   const ArrayInfo& info = array(path);
   if (info.element != element || !isShape(info.shape, expected))
-    throw damaged(path,
-                  fmt::format("is {} {} instead of {} {}", name(info.element), describe(info.shape),
-                              name(element), describeExpected(expected)));
+    throw damaged(
+        path, fmt::format("is {} {} instead of {} {}", typeOf(info.element).name,
+                          describe(info.shape), typeOf(element).name, describeExpected(expected)));
   return info;
 }
 
-std::vector<std::string> Reader::groupsIn(const std::string& group) const {
-  std::vector<std::string> names;
-  const Handle opened(check(H5Gopen2(file_.get(), group.c_str(), H5P_DEFAULT), group), H5Gclose);
-  const auto keep = [](hid_t, const char* name, const H5L_info_t*, void* found) -> herr_t {
-    static_cast<std::vector<std::string>*>(found)->push_back(name);
-    return 0;
-  };
-  check(H5Literate(opened.get(), H5_INDEX_NAME, H5_ITER_INC, nullptr, keep, &names), group);
-  return names;
+std::size_t Reader::rowsOf(const std::string& path) const {
+  const ArrayInfo& info = array(path);
+  if (info.shape.empty() || isReadByRows(info)) throw damaged(path, "is no table");
+  return info.shape[0];
 }
 
 void Reader::readBytes(const ArrayInfo& info, std::span<std::byte> bytes) const {
   const Handle dataset(check(H5Dopen2(file_.get(), info.path.c_str(), H5P_DEFAULT), info.path),
                        H5Dclose);
   if (!bytes.empty())
-    check(H5Dread(dataset.get(), typeOf(info.element), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()),
+    check(H5Dread(dataset.get(), typeOf(info.element).id, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                  bytes.data()),
           info.path);
   if (ContentId::of(bytesOf(std::span<const std::byte>(bytes))) != info.hash)
     throw damaged(info.path, "its values do not match its blake2b hash");
@@ -238,14 +234,14 @@ void Reader::readRowBytes(const ArrayInfo& info, std::size_t first,
   const Handle memory_space(
       check(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), info.path),
       H5Sclose);
-  check(H5Dread(dataset.get(), typeOf(info.element), memory_space.get(), file_space.get(),
+  check(H5Dread(dataset.get(), typeOf(info.element).id, memory_space.get(), file_space.get(),
                 H5P_DEFAULT, bytes.data()),
         fmt::format("{}: rows {} to {}", info.path, first, first + n_rows - 1));
 }
 
 void Reader::verify(const ArrayInfo& info) const {
   if (!isReadByRows(info)) {
-    std::vector<std::byte> bytes(countOf(info.shape) * sizeOf(info.element));
+    std::vector<std::byte> bytes(countOf(info.shape) * typeOf(info.element).size);
     return readBytes(info, bytes);
   }
   ContentHasher hasher;

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/dataset/hdf5_handle.hpp"
+#include "common/dataset/hdf5_list.hpp"
 
 namespace palpate::hdf5 {
 
@@ -38,8 +38,9 @@ class Reader {
   const std::vector<ArrayInfo>& arrays() const { return arrays_; }  ///< sorted by path
   const ArrayInfo& array(const std::string& path) const;            ///< Error when it is not there
   const ArrayInfo& array(const std::string& path, Element element,
-                         const Shape& expected) const;                ///< and checked
-  std::vector<std::string> groupsIn(const std::string& group) const;  ///< sorted
+                         const Shape& expected) const;  ///< and checked
+  /// Rows of a table, which is an array that read() takes.
+  std::size_t rowsOf(const std::string& path) const;
 
   /// A whole array, checked against its hash.
   template <class T>
@@ -48,6 +49,15 @@ class Reader {
     std::vector<T> values(countOf(info.shape));
     readBytes(info, std::as_writable_bytes(std::span<T>(values)));
     return values;
+  }
+  /// The same of a list; with so many rows, if they are given.
+  template <class T>
+  std::vector<T> readList(const std::string& path, hsize_t rows = any_extent) const {
+    const ArrayInfo& info =
+        array(path, elementOf<typename Stored<T>::Number>(), shapeOfList<T>(rows));
+    std::vector<T> list(info.shape[0]);
+    readBytes(info, {reinterpret_cast<std::byte*>(list.data()), list.size() * sizeof(T)});
+    return list;
   }
   /// Rows `first`, first + 1, ... of an array that was checked with array(), as many as fill
   /// `values`. Not compared with a hash.

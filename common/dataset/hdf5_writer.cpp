@@ -1,7 +1,10 @@
 #include "common/dataset/hdf5_writer.hpp"
 
+#include <cerrno>
 #include <cstring>
 #include <limits>
+
+#include "common/base/assertion.hpp"
 
 namespace palpate::hdf5 {
 namespace {
@@ -17,23 +20,20 @@ T noValue() {
 
 }  // namespace
 
-Writer::Writer(const std::filesystem::path& file) : name_(file.string()) {
+Writer::Writer(const std::filesystem::path& file)
+    : name_(file.string()), disk_(file, std::ios::binary | std::ios::trunc) {
+  if (!disk_) throw failure("{}: cannot be created: {}", name_, std::strerror(errno));
   silenceErrorStack();
   const Handle access(check(H5Pcreate(H5P_FILE_ACCESS), "file access properties"), H5Pclose);
   check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110),
         "file format version");
   check(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "close degree");
-  driver_.useIn(access.get());
+  image_.useIn(access.get());
   const Handle creation(check(H5Pcreate(H5P_FILE_CREATE), "file creation properties"), H5Pclose);
   check(H5Pset_obj_track_times(creation.get(), false), "no time stamps");
   file_ = Handle(
       check(H5Fcreate(name_.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), "cannot create"),
       H5Fclose);
-}
-
-void Writer::refuseWriteError() const {
-  if (driver_.error() != 0)
-    throw failure("{}: cannot be written: {}", name_, std::strerror(driver_.error()));
 }
 
 void Writer::makeGroup(const std::string& path) {
@@ -75,13 +75,13 @@ void Writer::setIntegers(const std::string& object, const char* attribute,
   const Handle opened(check(H5Oopen(file_.get(), object.c_str(), H5P_DEFAULT), object), H5Oclose);
   const hsize_t size = values.size();
   const Handle space(check(H5Screate_simple(1, &size, nullptr), attribute), H5Sclose);
-  setAttribute(opened.get(), attribute, typeOf(Element::int32), space.get(), values.data());
+  setAttribute(opened.get(), attribute, typeOf(Element::int32).id, space.get(), values.data());
 }
 
 void Writer::setNumber(const std::string& object, const char* attribute, double value) {
   const Handle opened(check(H5Oopen(file_.get(), object.c_str(), H5P_DEFAULT), object), H5Oclose);
   const Handle space(check(H5Screate(H5S_SCALAR), attribute), H5Sclose);
-  setAttribute(opened.get(), attribute, typeOf(Element::float64), space.get(), &value);
+  setAttribute(opened.get(), attribute, typeOf(Element::float64).id, space.get(), &value);
 }
 
 Handle Writer::create(const std::string& path, Element element, const Shape& shape,
@@ -92,7 +92,7 @@ Handle Writer::create(const std::string& path, Element element, const Shape& sha
                           : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
             path),
       H5Sclose);
-  Handle dataset(check(H5Dcreate2(file_.get(), path.c_str(), typeOf(element), space.get(),
+  Handle dataset(check(H5Dcreate2(file_.get(), path.c_str(), typeOf(element).id, space.get(),
                                   H5P_DEFAULT, properties, H5P_DEFAULT),
                        path),
                  H5Dclose);
@@ -107,19 +107,23 @@ void Writer::finish(hid_t dataset, ArrayInfo info) {
 
 void Writer::writeBytes(const std::string& path, Element element, const Shape& shape,
                         std::string_view bytes, const char* unit) {
-  if (bytes.size() != countOf(shape) * sizeOf(element))
-    throw failure("{}: {}: {} bytes do not fill {} {}", name_, path, bytes.size(), describe(shape),
-                  name(element));
+  PALPATE_ASSERT(bytes.size() == countOf(shape) * typeOf(element).size,
+                 "an array is written whole");
   const Handle properties(check(H5Pcreate(H5P_DATASET_CREATE), path), H5Pclose);
   Handle dataset = create(path, element, shape, properties.get(), unit);
   if (!bytes.empty())
-    check(H5Dwrite(dataset.get(), typeOf(element), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()),
+    check(H5Dwrite(dataset.get(), typeOf(element).id, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()),
           path);
   finish(dataset.get(), {path, element, shape, ContentId::of(bytes)});
   check(dataset.close(), path);
 }
 
-void Writer::close() { check(file_.close(), "cannot finish the file"); }
+void Writer::close() {
+  const std::string_view bytes = image_.finish(file_, name_);
+  disk_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  disk_.close();
+  if (!disk_) throw failure("{}: cannot be written: {}", name_, std::strerror(errno));
+}
 
 template <class T>
 RowWriter<T>::RowWriter(Writer& writer, std::string path, Shape shape, const char* unit)
@@ -132,7 +136,7 @@ RowWriter<T>::RowWriter(Writer& writer, std::string path, Shape shape, const cha
   writer_.check(H5Pset_chunk(properties.get(), rank, row.data()), info_.path);
   writer_.check(H5Pset_shuffle(properties.get()), info_.path);
   writer_.check(H5Pset_deflate(properties.get(), gzip_level), info_.path);
-  writer_.check(H5Pset_fill_value(properties.get(), typeOf(info_.element), no_values_.data()),
+  writer_.check(H5Pset_fill_value(properties.get(), typeOf(info_.element).id, no_values_.data()),
                 info_.path);
   dataset_ = writer_.create(info_.path, info_.element, info_.shape, properties.get(), unit);
   file_space_ = Handle(writer_.check(H5Dget_space(dataset_.get()), info_.path), H5Sclose);
@@ -142,9 +146,8 @@ RowWriter<T>::RowWriter(Writer& writer, std::string path, Shape shape, const cha
 
 template <class T>
 void RowWriter<T>::write(std::span<const T> row) {
-  if (row.size() != no_values_.size() || next_ >= info_.shape[0])
-    throw failure("{}: {}: row {} has {} values instead of {}", writer_.name_, info_.path, next_,
-                  row.size(), no_values_.size());
+  PALPATE_ASSERT(row.size() == no_values_.size() && next_ < info_.shape[0],
+                 "rows come in order, whole, and each once");
   Shape start(info_.shape.size(), 0);
   start[0] = next_++;
   Shape count = info_.shape;
@@ -152,8 +155,8 @@ void RowWriter<T>::write(std::span<const T> row) {
   writer_.check(H5Sselect_hyperslab(file_space_.get(), H5S_SELECT_SET, start.data(), nullptr,
                                     count.data(), nullptr),
                 info_.path);
-  writer_.check(H5Dwrite(dataset_.get(), typeOf(info_.element), row_space_.get(), file_space_.get(),
-                         H5P_DEFAULT, row.data()),
+  writer_.check(H5Dwrite(dataset_.get(), typeOf(info_.element).id, row_space_.get(),
+                         file_space_.get(), H5P_DEFAULT, row.data()),
                 info_.path);
   hasher_.add(bytesOf(row));
 }
@@ -166,9 +169,7 @@ void RowWriter<T>::skip() {
 
 template <class T>
 void RowWriter<T>::finish() {
-  if (next_ != info_.shape[0])
-    throw failure("{}: {}: {} rows instead of {}", writer_.name_, info_.path, next_,
-                  info_.shape[0]);
+  PALPATE_ASSERT(next_ == info_.shape[0], "every row is written or skipped");
   info_.hash = hasher_.finish();
   writer_.finish(dataset_.get(), info_);
   writer_.check(dataset_.close(), info_.path);

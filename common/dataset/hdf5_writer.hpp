@@ -1,24 +1,27 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "common/dataset/hdf5_handle.hpp"
-#include "common/dataset/hdf5_write_driver.hpp"
+#include "common/dataset/hdf5_image.hpp"
+#include "common/dataset/hdf5_list.hpp"
 
 namespace palpate::hdf5 {
 
 /// Writes arrays of plain types and text attributes to a new HDF5 file whose bytes depend on
 /// nothing but the calls: no time stamps. The file format is that of HDF5 1.10, the first one in
-/// which all structure carries checksums.
+/// which all structure carries checksums. Until close() the whole file is in memory, once
+/// (FileImage).
 ///
 /// Every array gets the attributes `unit` and `blake2b`. Errors name the file.
 class Writer {
  public:
-  /// Creates `file`, replacing what is there.
+  /// Creates `file`, empty, replacing what is there. Error when that is impossible.
   explicit Writer(const std::filesystem::path& file);
+  const std::string& name() const { return name_; }  ///< of the file, for errors
 
   void makeGroup(const std::string& path);
   void setText(const std::string& object, const char* attribute, std::string_view text);
@@ -33,7 +36,17 @@ class Writer {
     writeBytes(path, elementOf<T>(), shape, bytesOf(values), unit);
   }
 
-  /// Closes the file. Error when the last bytes could not be written; the file is then not usable.
+  /// A list, one row for each entry.
+  template <class T>
+  void writeList(const std::string& path, const std::vector<T>& list, const char* unit) {
+    using Number = typename Stored<T>::Number;
+    write(path, shapeOfList<T>(list.size()),
+          std::span(reinterpret_cast<const Number*>(list.data()), list.size() * numbersPerRow<T>()),
+          unit);
+  }
+
+  /// Writes the file, which is for the caller to flush to disk (replaceFile). To be called once, at
+  /// the end. Error when it could not be written; the file is then not usable.
   void close();
 
   const std::vector<ArrayInfo>& arrays() const { return arrays_; }  ///< written so far
@@ -49,16 +62,15 @@ class Writer {
   void setAttribute(hid_t object, const char* attribute, hid_t type, hid_t space,
                     const void* value);
   void setText(hid_t object, const char* attribute, std::string_view text);
-  void refuseWriteError() const;
   template <class Result>
   Result check(Result result, std::string_view what) const {
-    refuseWriteError();
     return checked(result, name_, what);
   }
 
   std::string name_;
-  WriteDriver driver_;
-  Handle file_;  ///< after the driver that it is closed through
+  std::ofstream disk_;
+  FileImage image_;
+  Handle file_;  ///< after the image, which it must be closed before
   std::vector<ArrayInfo> arrays_;
 };
 

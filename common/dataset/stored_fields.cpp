@@ -1,0 +1,170 @@
+#include "common/dataset/stored_fields.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/assertion.hpp"
+#include "common/dataset/dataset_layout.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr const char *displacement_path = "/points/displacement",
+                     *step_path = "/points/displacement_step", *pressure_path = "/points/pressure",
+                     *hash_path = "/points/stored_id";
+constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
+
+/// An error of a quantized displacement is at most this part of the step: half of it, and what
+/// rounding to float32 adds.
+constexpr double quantization_error = 0.51;
+
+/// Displacements as 16-bit integers: step * values, the largest in magnitude being 32767.
+struct Quantized {
+  float step = 0;  ///< metres
+  std::vector<std::int16_t> values;
+};
+
+Quantized quantize(std::span<const float> displacement) {
+  constexpr double largest_integer = 32767;
+  double largest = 0;
+  for (const float value : displacement)
+    largest = std::max(largest, std::abs(static_cast<double>(value)));
+  Quantized quantized;
+  quantized.step = static_cast<float>(largest / largest_integer);
+  quantized.values.reserve(displacement.size());
+  for (const float value : displacement) {
+    // The step is zero where everything is, and where its quotient is too small for a float.
+    const double steps = quantized.step > 0 ? value / static_cast<double>(quantized.step) : 0;
+    quantized.values.push_back(static_cast<std::int16_t>(
+        std::clamp(std::round(steps), -largest_integer, largest_integer)));
+  }
+  return quantized;
+}
+
+/// Hash of one row: the displacements as they are stored, the step where they are quantized (else
+/// null), the pressures where there are some.
+template <class Number>
+ContentId rowHash(std::span<const Number> displacement, const float* step,
+                  std::span<const float> pressure) {
+  ContentHasher hasher;
+  hasher.add(bytesOf(displacement));
+  if (step != nullptr) hasher.add(bytesOf(std::span(step, 1)));
+  hasher.add(bytesOf(pressure));
+  return hasher.finish();
+}
+
+}  // namespace
+
+FieldsWriter::FieldsWriter(hdf5::Writer& out, const Problem& problem, std::size_t n_rows)
+    : out_(out), stored_(layout::storedNodes(problem.scene, problem.mesh)) {
+  const hdf5::Shape shape = {n_rows, stored_.size(), 3};
+  if (problem.scene.storage.precision == StoredPrecision::int16)
+    integers_.emplace(out, displacement_path, shape, "1");
+  else
+    floats_.emplace(out, displacement_path, shape, "m");
+  const hsize_t n_pressures = layout::storedPressures(problem.scene, problem.mesh);
+  if (n_pressures > 0)
+    pressures_.emplace(out, pressure_path, hdf5::Shape{n_rows, n_pressures}, "Pa");
+}
+
+void FieldsWriter::write(const NodalFields& fields) {
+  std::vector<float> displacement;
+  for (const std::int32_t node : stored_) {
+    const float* const u = &fields.displacement[3 * static_cast<std::size_t>(node)];
+    displacement.insert(displacement.end(), u, u + 3);
+  }
+  const std::span<const float> pressure =
+      pressures_ ? std::span(fields.pressure) : std::span<const float>();
+  if (pressures_) pressures_->write(pressure);
+  if (floats_) {
+    floats_->write(displacement);
+    hashes_.push_back(rowHash(std::span<const float>(displacement), nullptr, pressure));
+  } else {
+    const Quantized quantized = quantize(displacement);
+    integers_->write(quantized.values);
+    steps_.push_back(quantized.step);
+    hashes_.push_back(rowHash(std::span(quantized.values), &steps_.back(), pressure));
+  }
+}
+
+void FieldsWriter::skip() {
+  if (floats_) floats_->skip();
+  if (integers_) integers_->skip();
+  if (integers_) steps_.push_back(no_number);
+  if (pressures_) pressures_->skip();
+  hashes_.push_back(ContentId());
+}
+
+void FieldsWriter::finish() {
+  if (floats_) floats_->finish();
+  if (pressures_) pressures_->finish();
+  out_.writeList(hash_path, hashes_, "1");
+  if (!integers_) return;
+  integers_->finish();
+  out_.writeList(step_path, steps_, "m");
+  float largest = 0;
+  for (const float step : steps_) largest = std::fmax(largest, step);  // not those that are NaN
+  out_.setNumber(displacement_path, "error_bound", quantization_error * largest);
+}
+
+FieldsReader::FieldsReader(const hdf5::Reader& in, const Scene& scene, const Mesh& mesh,
+                           const std::vector<SpaceTable>& spaces)
+    : in_(in),
+      spaces_(spaces),
+      n_values_(3 * layout::storedNodes(scene, mesh).size()),
+      n_pressures_(layout::storedPressures(scene, mesh)),
+      quantized_(scene.storage.precision == StoredPrecision::int16) {
+  std::size_t n_rows = 0;
+  for (const SpaceTable& space : spaces) {
+    first_rows_.push_back(n_rows);
+    n_rows += space.points.size();
+  }
+  in.array(displacement_path, quantized_ ? hdf5::Element::int16 : hdf5::Element::float32,
+           {n_rows, n_values_ / 3, 3});
+  if (n_pressures_ > 0) in.array(pressure_path, hdf5::Element::float32, {n_rows, n_pressures_});
+  hashes_ = in.readList<ContentId>(hash_path, n_rows);
+  if (quantized_) steps_ = in.readList<float>(step_path, n_rows);
+}
+
+NodalFields FieldsReader::read(std::size_t space, std::size_t first, std::size_t count) const {
+  const std::vector<PointRecord>& points = spaces_.at(space).points;
+  PALPATE_ASSERT(first + count <= points.size(), "a space has rows for its own points only");
+  const std::size_t first_row = first_rows_[space] + first;
+  NodalFields rows;
+  rows.pressure.resize(count * n_pressures_);
+  if (n_pressures_ > 0) in_.readRows<float>(in_.array(pressure_path), first_row, rows.pressure);
+  rows.displacement.resize(count * n_values_);
+  std::vector<std::int16_t> integers(quantized_ ? rows.displacement.size() : 0);
+  if (quantized_)
+    in_.readRows<std::int16_t>(in_.array(displacement_path), first_row, integers);
+  else
+    in_.readRows<float>(in_.array(displacement_path), first_row, rows.displacement);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto values = std::span(rows.displacement).subspan(i * n_values_, n_values_);
+    if (!isSolved(points[first + i].tag)) {
+      std::fill(values.begin(), values.end(), no_number);
+      continue;
+    }
+    const std::span<const float> pressure =
+        std::span(rows.pressure).subspan(i * n_pressures_, n_pressures_);
+    ContentId hash;
+    if (quantized_) {
+      const float& step = steps_[first_row + i];
+      const std::span<const std::int16_t> steps =
+          std::span(integers).subspan(i * n_values_, n_values_);
+      hash = rowHash(steps, &step, pressure);
+      std::transform(steps.begin(), steps.end(), values.begin(),
+                     [step](std::int16_t n) { return step * n; });
+    } else {
+      hash = rowHash(std::span<const float>(values), nullptr, pressure);
+    }
+    if (hash != hashes_[first_row + i])
+      throw in_.damaged(fmt::format("{} or pressure, row {} (point {} of {})", displacement_path,
+                                    first_row + i, first + i, spaces_[space].patch.name),
+                        "does not match stored_id");
+  }
+  return rows;
+}
+
+}  // namespace palpate

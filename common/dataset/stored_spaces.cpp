@@ -1,0 +1,396 @@
+#include "common/dataset/stored_spaces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "common/base/assertion.hpp"
+#include "common/mesh/node_set.hpp"
+#include "common/problem/problem.hpp"
+
+namespace palpate {
+
+template <>
+struct hdf5::Stored<LatticeEdge> {
+  using Number = std::int32_t;
+  static constexpr std::array<hsize_t, 1> extents = {2};
+};
+
+namespace {
+
+using hdf5::Reader;
+using hdf5::Writer;
+
+constexpr const char *points_group = "/points", *probes_group = "/probes";
+constexpr const char *name_path = "/spaces/name", *active_path = "/spaces/active_node",
+                     *patch_node_path = "/patches/node", *patch_weight_path = "/patches/weight",
+                     *split_level_path = "/splits/level", *edges_path = "/inconsistent_edges",
+                     *cause_path = "/attempts/cause", *ijk_path = "/points/ijk",
+                     *position_path = "/points/position", *probe_position_path = "/probes/position";
+
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
+
+// ---- the tables, as writer and reader both go through them ----------------------------------
+
+constexpr auto nodesOf = [](auto& space) -> auto& { return space.patch.nodes; };
+
+/// visit(where the rows of each space begin, an array of these rows, the list in a SpaceTable)
+template <class Visit>
+void forEachTable(const Visit& visit) {
+  visit("/spaces/first_patch_node", patch_node_path, nodesOf);
+  visit("/spaces/first_point", ijk_path, &SpaceTable::points);
+  visit("/spaces/first_split", split_level_path, &SpaceTable::splits);
+  visit("/spaces/first_edge", edges_path, &SpaceTable::inconsistent_edges);
+  visit("/spaces/first_probe", probe_position_path, &SpaceTable::probes);
+  visit("/spaces/first_attempt", cause_path, &SpaceTable::attempts);
+}
+
+// Each column: visit(path, rows, unit, member). A row is a pointer to a record, of which the column
+// has the member; null where the file has no number.
+
+template <class Row, class Visit>
+void forEachSplitColumn(const std::vector<Row*>& splits, const Visit& visit) {
+  visit("/splits/lowest", splits, "1", &LatticeCell::lowest);
+  visit(split_level_path, splits, "1", &LatticeCell::level);
+}
+
+/// Pointers to one member of each row.
+template <class Row, class Member>
+auto partsOf(const std::vector<Row*>& rows, Member member) {
+  std::vector<std::remove_reference_t<decltype(rows.front()->*member)>*> parts;
+  for (Row* row : rows) parts.push_back(row == nullptr ? nullptr : &(row->*member));
+  return parts;
+}
+
+template <class Row, class Visit>
+void forEachAttemptColumn(const std::vector<Row*>& attempts, const Visit& visit) {
+  visit("/attempts/target", attempts, "1", &FailedAttempt::target);
+  visit("/attempts/parent", attempts, "1", &FailedAttempt::parent);
+  const auto failures = partsOf(attempts, &FailedAttempt::failure);
+  visit(cause_path, failures, "1", &Failure::cause);
+  visit("/attempts/step_reached", failures, "1", &Failure::step_reached);
+  visit("/attempts/residual", failures, "N", &Failure::residual);
+  visit("/attempts/element", failures, "1", &Failure::element);
+  visit("/attempts/element_det_F", failures, "1", &Failure::element_det_F);
+  visit("/attempts/negative_pivots", failures, "1", &Failure::negative_pivots);
+  visit("/attempts/expected_negative_pivots", failures, "1", &Failure::expected_negative_pivots);
+  visit("/attempts/mumps_infog1", failures, "1", &Failure::mumps_infog1);
+  visit("/attempts/mumps_infog2", failures, "1", &Failure::mumps_infog2);
+}
+
+/// What /points and /probes, which is `group`, have in common. The tags come before what depends on
+/// them.
+template <class Row, class Visit>
+void forEachRecordColumn(const std::string& group, const std::vector<Row*>& records,
+                         const Visit& visit) {
+  visit(group + "/tag", records, "1", &PointRecord::tag);
+  visit(group + "/cause", records, "1", &PointRecord::cause);
+  visit(group + "/parent", records, "1", &PointRecord::parent);
+  const auto costs = partsOf(records, &PointRecord::cost);
+  visit(group + "/newton_iterations", costs, "1", &Cost::newton_iterations);
+  visit(group + "/factorizations", costs, "1", &Cost::factorizations);
+  visit(group + "/steps", costs, "1", &Cost::steps);
+  std::vector<Row*> solved = records;
+  for (Row*& record : solved)
+    if (!isSolved(record->tag)) record = nullptr;
+  const auto equilibria = partsOf(solved, &PointRecord::equilibrium);
+  visit(group + "/force", equilibria, "N", &Equilibrium::force);
+  visit(group + "/stiffness", equilibria, "N/m", &Equilibrium::stiffness);
+  visit(group + "/energy", equilibria, "J", &Equilibrium::energy);
+  visit(group + "/min_det_F", equilibria, "1", &Equilibrium::min_det_F);
+  visit(group + "/residual", solved, "N", &PointRecord::residual);
+  visit(group + "/fields_id", solved, "1", &PointRecord::fields);
+}
+
+/// Pointers to the entries of a list of each space, those of all spaces one after the other.
+template <class Spaces, class List>
+auto rowsOf(Spaces& spaces, List list) {
+  std::vector<std::remove_reference_t<decltype(std::invoke(list, spaces.front()).front())>*> rows;
+  for (auto& space : spaces)
+    for (auto& row : std::invoke(list, space)) rows.push_back(&row);
+  return rows;
+}
+
+/// The entries themselves.
+template <class List>
+auto joined(const std::vector<SpaceTable>& spaces, List list) {
+  std::remove_cvref_t<decltype(std::invoke(list, spaces.front()))> all;
+  for (const auto* row : rowsOf(spaces, list)) all.push_back(*row);
+  return all;
+}
+
+/// The inverse, into lists that have their sizes.
+template <class T, class List>
+void divide(const std::vector<T>& all, std::vector<SpaceTable>& spaces, List list) {
+  const auto rows = rowsOf(spaces, list);
+  PALPATE_ASSERT(rows.size() == all.size(), "resizeLists looked at the number of rows");
+  for (std::size_t n = 0; n < all.size(); ++n) *rows[n] = all[n];
+}
+
+// ---- columns --------------------------------------------------------------------------------
+
+/// As what a member lies in the file: matrices by rows.
+template <class T>
+using InFile = std::conditional_t<std::is_same_v<T, Eigen::Matrix3d>, hdf5::RowMajorMatrix3d, T>;
+
+template <class Row, class Member>
+using MemberInFile =
+    InFile<std::remove_cvref_t<decltype(std::declval<Row&>().*std::declval<Member>())>>;
+
+/// Stands where there is no number.
+template <class T>
+T nothing() {
+  if constexpr (std::is_floating_point_v<T>)
+    return no_number;
+  else if constexpr (requires { T::Constant(no_number); })
+    return T::Constant(no_number);
+  else
+    return T();
+}
+
+bool isKnown(Tag tag) { return tagOf(static_cast<std::uint32_t>(tag)).has_value(); }
+bool isKnown(Cause cause) { return causeOf(static_cast<std::uint32_t>(cause)).has_value(); }
+
+struct ColumnWriter {
+  Writer& out;
+
+  template <class Row, class Member>
+  void operator()(const std::string& path, const std::vector<Row*>& rows, const char* unit,
+                  Member member) const {
+    using Value = MemberInFile<Row, Member>;
+    std::vector<Value> values;
+    values.reserve(rows.size());
+    for (const Row* row : rows)
+      values.push_back(row == nullptr ? nothing<Value>() : Value(row->*member));
+    out.writeList(path, values, unit);
+  }
+};
+
+struct ColumnReader {
+  const Reader& in;
+
+  template <class Row, class Member>
+  void operator()(const std::string& path, const std::vector<Row*>& rows, const char*,
+                  Member member) const {
+    using Value = MemberInFile<Row, Member>;
+    const std::vector<Value> values = in.readList<Value>(path, rows.size());
+    for (std::size_t n = 0; n < rows.size(); ++n) {
+      if constexpr (std::is_enum_v<Value>)
+        if (!isKnown(values[n]))
+          throw in.damaged(path, fmt::format("holds {}, which this program does not know",
+                                             static_cast<int>(values[n])));
+      if (rows[n] != nullptr) rows[n]->*member = values[n];
+    }
+  }
+};
+
+// ---- writing --------------------------------------------------------------------------------
+
+void writeNames(Writer& out, const std::vector<SpaceTable>& spaces) {
+  std::size_t length = 1;
+  for (const SpaceTable& space : spaces) length = std::max(length, space.patch.name.size());
+  std::vector<std::uint8_t> names;
+  for (const SpaceTable& space : spaces) {
+    names.insert(names.end(), space.patch.name.begin(), space.patch.name.end());
+    names.insert(names.end(), length - space.patch.name.size(), 0);
+  }
+  out.write<std::uint8_t>(name_path, {spaces.size(), length}, names, "1");
+}
+
+/// Where the rows of each space begin, and at the end how many there are.
+template <class List>
+void writeFirsts(Writer& out, const std::string& path, const std::vector<SpaceTable>& spaces,
+                 List list) {
+  std::vector<std::int32_t> firsts = {0};
+  std::size_t total = 0;
+  for (const SpaceTable& space : spaces) {
+    total += std::invoke(list, space).size();
+    if (total > std::numeric_limits<std::int32_t>::max())
+      throw failure("{}: {}: more rows than a dataset has numbers for", out.name(), path);
+    firsts.push_back(static_cast<std::int32_t>(total));
+  }
+  out.writeList(path, firsts, "1");
+}
+
+void writeActive(Writer& out, const std::vector<SpaceTable>& spaces) {
+  std::vector<std::int32_t> active;
+  for (const SpaceTable& space : spaces) active.push_back(space.patch.node);
+  out.writeList(active_path, active, "1");
+}
+
+void writePatches(Writer& out, const std::vector<SpaceTable>& spaces) {
+  std::vector<double> weights;
+  bool is_weighted = false;
+  std::size_t n_nodes = 0;
+  for (const SpaceTable& space : spaces) {
+    weights.insert(weights.end(), space.patch.weights.begin(), space.patch.weights.end());
+    n_nodes += space.patch.nodes.size();
+    weights.resize(n_nodes, no_number);
+    is_weighted = is_weighted || !space.patch.weights.empty();
+  }
+  out.makeGroup("/patches");
+  out.writeList(patch_node_path, joined(spaces, nodesOf), "1");
+  if (is_weighted) out.writeList(patch_weight_path, weights, "1");
+}
+
+void writeLattices(Writer& out, const std::vector<SpaceTable>& spaces) {
+  const Lattice& lattice = spaces.front().lattice;
+  out.setNumber(points_group, "radius", lattice.radius());
+  out.setNumber(points_group, "spacing", lattice.spacing());
+  out.setNumber(points_group, "divisions", lattice.divisions());
+  std::vector<LatticePoint> ijk;
+  std::vector<Eigen::Vector3d> positions;
+  for (const SpaceTable& space : spaces) {
+    PALPATE_ASSERT(std::ssize(space.points) == space.lattice.size(), "checkArguments saw faultOf");
+    for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
+      ijk.push_back(space.lattice.point(n));
+      positions.push_back(space.lattice.displacement(n));
+    }
+  }
+  out.writeList(ijk_path, ijk, "1");
+  out.writeList(position_path, positions, "m");
+}
+
+// ---- reading --------------------------------------------------------------------------------
+
+void checkNames(const Reader& in, const Scene& scene) {
+  const hdf5::ArrayInfo& info =
+      in.array(name_path, hdf5::Element::uint8, {scene.active.size(), hdf5::any_extent});
+  const std::size_t length = info.shape[1];
+  const auto names = in.read<std::uint8_t>(name_path, info.shape);
+  for (std::size_t s = 0; s < scene.active.size(); ++s) {
+    std::string name(reinterpret_cast<const char*>(names.data()) + s * length, length);
+    name.erase(name.find_last_not_of('\0') + 1);
+    if (name != scene.active[s].name)
+      throw in.damaged(name_path, "are not the active nodes of the scene");
+  }
+}
+
+/// Makes room for the rows of each space.
+template <class List>
+void resizeLists(const Reader& in, const std::string& firsts_path, const char* rows_path,
+                 std::vector<SpaceTable>& spaces, List list) {
+  const std::size_t n_rows = in.rowsOf(rows_path);
+  const auto firsts = in.readList<std::int32_t>(firsts_path, spaces.size() + 1);
+  if (firsts.front() != 0 || !std::is_sorted(firsts.begin(), firsts.end()) ||
+      static_cast<std::size_t>(firsts.back()) != n_rows)
+    throw in.damaged(firsts_path, fmt::format("does not divide {} rows", n_rows));
+  for (std::size_t s = 0; s < spaces.size(); ++s)
+    std::invoke(list, spaces[s]).resize(static_cast<std::size_t>(firsts[s + 1] - firsts[s]));
+}
+
+void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
+                 std::vector<SpaceTable>& spaces) {
+  const auto isWeighted = [](const ActiveSelection& a) {
+    return a.tool == ToolKind::weighted_average;
+  };
+  const auto active = in.readList<std::int32_t>(active_path, spaces.size());
+  const auto nodes = in.readList<std::int32_t>(patch_node_path);
+  divide(nodes, spaces, nodesOf);
+  std::vector<double> weights(nodes.size());
+  if (std::any_of(scene.active.begin(), scene.active.end(), isWeighted))
+    weights = in.readList<double>(patch_weight_path, nodes.size());
+  auto weight = weights.begin();
+  for (std::size_t s = 0; s < spaces.size(); ++s) {
+    ActivePatch& patch = spaces[s].patch;
+    patch.name = scene.active[s].name;
+    patch.node = active[s];
+    const auto end = weight + static_cast<std::ptrdiff_t>(patch.nodes.size());
+    if (isWeighted(scene.active[s])) patch.weights.assign(weight, end);
+    weight = end;
+    if (!std::is_sorted(patch.nodes.begin(), patch.nodes.end()))
+      throw in.damaged(patch_node_path, fmt::format("those of {} are not sorted", patch.name));
+    if (!patch.nodes.empty() &&
+        (patch.nodes.front() < 0 || static_cast<std::size_t>(patch.nodes.back()) >= n_nodes))
+      throw in.damaged(patch_node_path, fmt::format("those of {} are not of the mesh", patch.name));
+    if (!contains(patch.nodes, patch.node))
+      throw in.damaged(active_path,
+                       fmt::format("{} is not in the patch of {}", patch.node, patch.name));
+  }
+}
+
+/// The uniform lattice of the scene, and what the file adds to it.
+void readLattices(const Reader& in, const Scene& scene, std::vector<SpaceTable>& spaces) {
+  const auto ijk = in.readList<LatticePoint>(ijk_path);
+  const auto positions = in.readList<Eigen::Vector3d>(position_path, ijk.size());
+  const Lattice uniform = uniformLattice(scene);
+  std::size_t row = 0;
+  for (SpaceTable& space : spaces) {
+    Lattice& lattice = space.lattice = uniform;
+    const auto n_points = static_cast<std::int32_t>(space.points.size());
+    if (n_points < lattice.size() || (lattice.divisions() == 1 && n_points > lattice.size()))
+      throw in.damaged(ijk_path, "is not the lattice of the scene");
+    for (std::int32_t n = 0; n < n_points; ++n, ++row) {
+      const bool is_new = n >= lattice.size();
+      if (is_new ? lattice.indexOf(ijk[row]).has_value() : lattice.point(n) != ijk[row])
+        throw in.damaged(ijk_path, "is not the lattice of the scene");
+      if (is_new) lattice.add(ijk[row]);
+      const double distance = (lattice.displacement(n) - positions[row]).cwiseAbs().maxCoeff();
+      if (!(distance <= 1e-9 * lattice.radius()))
+        throw in.damaged(position_path, "is not the lattice of the scene");
+    }
+  }
+}
+
+void checkSolved(const Reader& in, const std::string& group,
+                 const std::vector<PointRecord*>& records) {
+  for (std::size_t n = 0; n < records.size(); ++n) {
+    const Equilibrium& e = records[n]->equilibrium;
+    if (!e.force.allFinite() || !e.stiffness.allFinite() || !std::isfinite(e.energy))
+      throw in.damaged(group + "/force",
+                       fmt::format("row {} is solved, but has no finite force", n));
+  }
+}
+
+}  // namespace
+
+void writeSpaces(Writer& out, const std::vector<SpaceTable>& spaces) {
+  PALPATE_ASSERT(!spaces.empty(), "a scene has an active node");
+  const ColumnWriter write{out};
+  out.makeGroup("/spaces");
+  writeNames(out, spaces);
+  writeActive(out, spaces);
+  forEachTable(
+      [&](const char* firsts, const char*, auto list) { writeFirsts(out, firsts, spaces, list); });
+  writePatches(out, spaces);
+  out.makeGroup("/splits");
+  forEachSplitColumn(rowsOf(spaces, &SpaceTable::splits), write);
+  out.makeGroup("/attempts");
+  forEachAttemptColumn(rowsOf(spaces, &SpaceTable::attempts), write);
+  out.writeList(edges_path, joined(spaces, &SpaceTable::inconsistent_edges), "1");
+  out.makeGroup(points_group);
+  writeLattices(out, spaces);
+  forEachRecordColumn(points_group, rowsOf(spaces, &SpaceTable::points), write);
+  out.makeGroup(probes_group);
+  const auto probes = rowsOf(spaces, &SpaceTable::probes);
+  write(probe_position_path, probes, "m", &Probe::displacement);
+  forEachRecordColumn(probes_group, partsOf(probes, &Probe::record), write);
+}
+
+std::vector<SpaceTable> readSpaces(const Reader& in, const Scene& scene, const Mesh& mesh) {
+  checkNames(in, scene);
+  std::vector<SpaceTable> spaces(scene.active.size());
+  forEachTable([&](const char* firsts, const char* rows, auto list) {
+    resizeLists(in, firsts, rows, spaces, list);
+  });
+  readPatches(in, scene, mesh.nodes.size(), spaces);
+  const ColumnReader read{in};
+  forEachSplitColumn(rowsOf(spaces, &SpaceTable::splits), read);
+  forEachAttemptColumn(rowsOf(spaces, &SpaceTable::attempts), read);
+  divide(in.readList<LatticeEdge>(edges_path), spaces, &SpaceTable::inconsistent_edges);
+  readLattices(in, scene, spaces);
+  const auto probes = rowsOf(spaces, &SpaceTable::probes);
+  read(probe_position_path, probes, "m", &Probe::displacement);
+  for (const auto& [group, records] : {std::pair{points_group, rowsOf(spaces, &SpaceTable::points)},
+                                       {probes_group, partsOf(probes, &Probe::record)}}) {
+    forEachRecordColumn(group, records, read);
+    checkSolved(in, group, records);
+  }
+  for (const SpaceTable& space : spaces)
+    if (const std::string fault = faultOf(space); !fault.empty())
+      throw in.damaged("space " + space.patch.name, fault);
+  return spaces;
+}
+
+}  // namespace palpate
