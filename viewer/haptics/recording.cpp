@@ -1,9 +1,7 @@
 #include "viewer/haptics/recording.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -17,7 +15,6 @@ namespace palpate {
 namespace {
 
 using hdf5::Reader;
-using hdf5::Shape;
 using hdf5::Writer;
 using Json = nlohmann::json;
 
@@ -67,56 +64,9 @@ void forEachNumber(AnyRun& run, const Visit& visit) {
   visit("workspace_scale", run.options.map.scale);
 }
 
-/// As what an element lies in the file. The file has no unsigned 32 bits; these keep their bits.
-template <class T>
-struct Stored {
-  using Type = T;
-  static constexpr hsize_t columns = 1;
-};
-template <>
-struct Stored<std::uint32_t> {
-  using Type = std::int32_t;
-  static constexpr hsize_t columns = 1;
-};
-template <>
-struct Stored<DeviceStatus> {
-  using Type = std::uint8_t;
-  static constexpr hsize_t columns = 1;
-};
-template <>
-struct Stored<Eigen::Vector3d> {
-  using Type = double;
-  static constexpr hsize_t columns = 3;
-};
-
-template <class T>
-Shape shapeOf(hsize_t rows) {
-  return Stored<T>::columns == 1 ? Shape{rows} : Shape{rows, Stored<T>::columns};
-}
-
-template <class T>
-void writeList(Writer& out, const char* path, const std::vector<T>& list, const char* unit) {
-  using Type = typename Stored<T>::Type;
-  const std::span<const Type> values(reinterpret_cast<const Type*>(list.data()),
-                                     list.size() * Stored<T>::columns);
-  out.write(path, shapeOf<T>(list.size()), values, unit);
-}
-
-template <class T>
-void readList(const Reader& in, const char* path, std::size_t rows, std::vector<T>& list) {
-  using Type = typename Stored<T>::Type;
-  const std::vector<Type> values = in.read<Type>(path, shapeOf<T>(rows));
-  list.resize(rows);
-  if (rows > 0)
-    std::memcpy(static_cast<void*>(list.data()), values.data(), values.size() * sizeof(Type));
-}
-
 /// A list of text as JSON; names of files may hold bytes that are not UTF-8.
-template <class List, class Text>
-std::string listOf(const List& list, const Text& text) {
-  Json json = Json::array();
-  for (const auto& item : list) json.push_back(text(item));
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+std::string jsonOf(const std::vector<std::string>& texts) {
+  return Json(texts).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::vector<std::string> readTexts(const Reader& in, const char* attribute) {
@@ -128,14 +78,16 @@ std::vector<std::string> readTexts(const Reader& in, const char* attribute) {
 }
 
 void writeRun(Writer& out, const RecordedRun& run) {
-  const auto same = [](const std::string& text) { return text; };
-  out.setText("/", "datasets",
-              listOf(run.models, [](const RecordedModel& model) { return model.file; }));
-  out.setText("/", "content_ids",
-              listOf(run.models, [](const RecordedModel& model) { return model.dataset.hex(); }));
-  out.setText("/", "models",
-              listOf(run.models, [](const RecordedModel& model) { return model.name; }));
-  out.setText("/", "methods", listOf(run.methods, same));
+  std::vector<std::string> names, files, ids;
+  for (const RecordedModel& model : run.models) {
+    names.push_back(model.name);
+    files.push_back(model.file);
+    ids.push_back(model.dataset.hex());
+  }
+  out.setText("/", "datasets", jsonOf(files));
+  out.setText("/", "content_ids", jsonOf(ids));
+  out.setText("/", "models", jsonOf(names));
+  out.setText("/", "methods", jsonOf(run.methods));
   out.setText("/", "device", run.device);
   out.setText("/", "profile", run.profile);
   out.setText("/", "contact_mode",
@@ -144,7 +96,7 @@ void writeRun(Writer& out, const RecordedRun& run) {
   out.setIntegers("/", "scene_frame", std::span(&scene_frame, 1));
   out.setNumber("/", "rate", 1 / run.options.period);
   forEachNumber(run, [&](const char* name, double value) { out.setNumber("/", name, value); });
-  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rotation = run.options.map.rotation;
+  const hdf5::RowMajorMatrix3d rotation = run.options.map.rotation;
   out.write("/workspace/rotation", {3, 3}, std::span<const double>(rotation.data(), 9), "1");
   out.write("/workspace/origin", {3}, std::span<const double>(run.options.map.origin.data(), 3),
             "m");
@@ -180,7 +132,7 @@ std::vector<RecordedModel> readModels(const Reader& in) {
 WorkspaceMap readMap(const Reader& in) {
   WorkspaceMap map;
   const std::vector<double> rotation = in.read<double>("/workspace/rotation", {3, 3});
-  map.rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data());
+  map.rotation = Eigen::Map<const hdf5::RowMajorMatrix3d>(rotation.data());
   if (!(map.rotation * map.rotation.transpose()).isIdentity(1e-9))
     throw in.damaged("/workspace/rotation", "is not a rotation");
   const std::vector<double> origin = in.read<double>("/workspace/origin", {3});
@@ -308,7 +260,7 @@ void Recorder::save(const std::filesystem::path& file) const {
     out.setIntegers("/", "format_version", std::span(&format_version, 1));
     writeRun(out, recording_.run);
     forEachList(recording_, [&out](const char* path, const auto& list, const char* unit) {
-      writeList(out, path, list, unit);
+      out.writeList(path, list, unit);
     });
     out.close();
   });
@@ -323,8 +275,10 @@ Recording readRecording(const std::filesystem::path& file) {
   recording.rate = 1 / recording.run.options.period;
   recording.scene_frame = recording.run.scene_frame;
   const std::size_t rows = in.array("/time", hdf5::Element::float64, {hdf5::any_extent}).shape[0];
-  forEachList(recording,
-              [&](const char* path, auto& list, const char*) { readList(in, path, rows, list); });
+  forEachList(recording, [&](const char* path, auto& list, const char*) {
+    using Entry = typename std::remove_reference_t<decltype(list)>::value_type;
+    list = in.readList<Entry>(path, rows);
+  });
   checkValues(in, recording);
   return recording;
 }
