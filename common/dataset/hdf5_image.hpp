@@ -29,7 +29,7 @@ class FileImage {
   static herr_t keep(void* bytes, H5FD_file_image_op_t, void* image);
 
   void* bytes_ = nullptr;
-  std::size_t size_ = 0;  ///< of the memory, of which the end may be unused
+  std::size_t size_ = 0;  ///< of the memory, of which the file is the beginning
 };
 
 }  // namespace palpate::hdf5
