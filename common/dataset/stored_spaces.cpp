@@ -25,7 +25,7 @@ using hdf5::Writer;
 constexpr const char *points_group = "/points", *probes_group = "/probes";
 constexpr const char *name_path = "/spaces/name", *active_path = "/spaces/active_node",
                      *patch_node_path = "/patches/node", *patch_weight_path = "/patches/weight",
-                     *split_level_path = "/splits/level", *edges_path = "/inconsistent_edges",
+                     *split_level_path = "/splits/level", *jumps_path = "/inconsistent_edges",
                      *cause_path = "/attempts/cause", *ijk_path = "/points/ijk",
                      *position_path = "/points/position", *probe_position_path = "/probes/position";
 
@@ -41,7 +41,7 @@ void forEachTable(const Visit& visit) {
   visit("/spaces/first_patch_node", patch_node_path, nodesOf);
   visit("/spaces/first_point", ijk_path, &SpaceTable::points);
   visit("/spaces/first_split", split_level_path, &SpaceTable::splits);
-  visit("/spaces/first_edge", edges_path, &SpaceTable::inconsistent_edges);
+  visit("/spaces/first_edge", jumps_path, &SpaceTable::inconsistent_edges);
   visit("/spaces/first_probe", probe_position_path, &SpaceTable::probes);
   visit("/spaces/first_attempt", cause_path, &SpaceTable::attempts);
 }
@@ -358,7 +358,7 @@ void writeSpaces(Writer& out, const std::vector<SpaceTable>& spaces) {
   forEachSplitColumn(rowsOf(spaces, &SpaceTable::splits), write);
   out.makeGroup("/attempts");
   forEachAttemptColumn(rowsOf(spaces, &SpaceTable::attempts), write);
-  out.writeList(edges_path, joined(spaces, &SpaceTable::inconsistent_edges), "1");
+  out.writeList(jumps_path, joined(spaces, &SpaceTable::inconsistent_edges), "1");
   out.makeGroup(points_group);
   writeLattices(out, spaces);
   forEachRecordColumn(points_group, rowsOf(spaces, &SpaceTable::points), write);
@@ -378,7 +378,7 @@ std::vector<SpaceTable> readSpaces(const Reader& in, const Scene& scene, const M
   const ColumnReader read{in};
   forEachSplitColumn(rowsOf(spaces, &SpaceTable::splits), read);
   forEachAttemptColumn(rowsOf(spaces, &SpaceTable::attempts), read);
-  divide(in.readList<LatticeEdge>(edges_path), spaces, &SpaceTable::inconsistent_edges);
+  divide(in.readList<LatticeEdge>(jumps_path), spaces, &SpaceTable::inconsistent_edges);
   readLattices(in, scene, spaces);
   const auto probes = rowsOf(spaces, &SpaceTable::probes);
   read(probe_position_path, probes, "m", &Probe::displacement);

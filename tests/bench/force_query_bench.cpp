@@ -2,8 +2,9 @@
 // in this process, and what they answer. Prints one JSON object. scipy_bench times SciPy with the
 // same points and displacements. Nothing here is checked: times belong to the machine.
 //
-//   palpate_force_query_bench DATASET ACTIVE METHOD... < DISPLACEMENTS    (a line "x y z" each,
-//   metres)
+//   palpate_force_query_bench DATASET ACTIVE METHOD... < DISPLACEMENTS
+//
+// DISPLACEMENTS: a line "x y z" each, metres.
 
 #include <algorithm>
 #include <cmath>

@@ -7,8 +7,8 @@
 /// An invariant I(C), homogeneous of degree m, made isochoric: j = J^(-2m/3) I, with N = dI/dC,
 ///
 ///   dj/dC   = J^(-2m/3) (N - m/3 I C^-1)
-///   d2j/dC2 = J^(-2m/3) (d2I/dC2 + m/3 I P + m^2/9 I C^-1 (x) C^-1 - m/3 (N (x) C^-1 + C^-1 (x)
-///   N))
+///   d2j/dC2 = J^(-2m/3) (d2I/dC2 + m/3 I P + m^2/9 I C^-1 (x) C^-1
+///                        - m/3 (N (x) C^-1 + C^-1 (x) N))
 ///
 /// where P = -dC^-1/dC, P_IKMN = (C^-1_IM C^-1_KN + C^-1_IN C^-1_KM)/2. Then
 ///

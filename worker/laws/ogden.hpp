@@ -58,16 +58,16 @@ PrincipalStrains<T> principalStrains(const T (&e)[6]) {
 /// of mu l_i^alpha:
 ///
 ///   S = sum of tau_i/c_i n_i (x) n_i
-///   D = sum over i, j of (dtau_i/dy_j / (c_i c_j) - [i = j] 2 tau_i/c_i^2) n_i (x) n_i (x) n_j (x)
-///   n_j
+///   D = sum over i, j of d_ij n_i (x) n_i (x) n_j (x) n_j
 ///     + sum over i < j of h_ij N_ij (x) N_ij,   N_ij = n_i (x) n_j + n_j (x) n_i
+///   d_ij = dtau_i/dy_j / (c_i c_j) - [i = j] 2 tau_i/c_i^2
 ///   h_ij = (tau_i/c_i - tau_j/c_j)/(c_i - c_j)
 ///        = ((b_i - b_j)/(c_i - c_j) (c_i + c_j) - tau_i - tau_j)/(2 c_i c_j)
 ///
 /// and with d = y_i - y_j, without cancellation where stretches come together,
 ///
-///   (b_i - b_j)/(c_i - c_j) = sum of mu (l_i l_j)^(alpha/2) / sqrt(c_i c_j) sinh(alpha
-///   d/2)/sinh(d).
+///   (b_i - b_j)/(c_i - c_j)
+///        = sum of mu (l_i l_j)^(alpha/2) / sqrt(c_i c_j) sinh(alpha d/2)/sinh(d).
 struct Ogden {
   static constexpr bool small_strain = false;
   static constexpr bool needs_C_inverse = false;  // J is in the eigenvalues

@@ -1,5 +1,5 @@
-/* A tool that presses into a body and slides a little, in a loop of 1 kHz, with every force that a device
- * would get.
+/* A tool that presses into a body and slides a little, in a loop of 1 kHz, with every force that a
+ * device would get.
  *
  *   touch DATASET.h5 [DEPTH_MM]
  *
@@ -38,14 +38,15 @@ static void sleepUntilNext(struct timespec* due) {
 }
 
 /* Mean outward normal of the touchable triangles at a vertex: where a tool comes from. */
-static int normalAt(const palpate_dataset* dataset, const palpate_dataset_info* info, int32_t vertex,
-                    double normal[3]) {
+static int normalAt(const palpate_dataset* dataset, const palpate_dataset_info* info,
+                    int32_t vertex, double normal[3]) {
   const size_t triangles = (size_t)info->triangle_count, vertices = (size_t)info->vertex_count;
   double* x = malloc(3 * vertices * sizeof *x);
   int32_t* corners = malloc(3 * triangles * sizeof *corners);
   int done = 0;
   normal[0] = normal[1] = normal[2] = 0;
-  if (x != NULL && corners != NULL && palpate_dataset_vertices(dataset, x, 3 * vertices) == PALPATE_OK &&
+  if (x != NULL && corners != NULL &&
+      palpate_dataset_vertices(dataset, x, 3 * vertices) == PALPATE_OK &&
       palpate_dataset_triangles(dataset, corners, 3 * triangles) == PALPATE_OK) {
     for (size_t t = 0; t < triangles; ++t) {
       const int32_t* c = corners + 3 * t;
@@ -60,7 +61,8 @@ static int normalAt(const palpate_dataset* dataset, const palpate_dataset_info* 
         normal[i] += a[j] * b[k] - a[k] * b[j];
       }
     }
-    const double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    const double length =
+        sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
     done = length > 0;
     for (int i = 0; i < 3 && done; ++i) normal[i] /= length;
   }
@@ -86,7 +88,8 @@ static int run(palpate_contact* contact, palpate_guard* guard, const palpate_spa
     palpate_touch touch = {.size = sizeof touch};
     palpate_guarded_force force = {.size = sizeof force};
     if (palpate_contact_update(contact, tool, 1, &touch) != PALPATE_OK) return fail("contact");
-    /* DEVICE: without a new position leave PALPATE_READING_FRESH out; unplugged: add PALPATE_READING_LOST. */
+    /* DEVICE: without a new position leave PALPATE_READING_FRESH out; unplugged: add
+     * PALPATE_READING_LOST. */
     if (palpate_guard_limit(guard, tool, &touch, PALPATE_READING_FRESH, &force) != PALPATE_OK)
       return fail("guard"); /* force is zero then: a real loop sends it before it stops */
     /* DEVICE: send force.force here. */
@@ -94,23 +97,23 @@ static int run(palpate_contact* contact, palpate_guard* guard, const palpate_spa
     /* Printing is not real time; a real loop hands copies to another thread. */
     if (tick % ticks_per_line == 0)
       printf("%7.3f  %10.4f  %10.5f %10.5f %10.5f  %10.2g  %#5x%s\n", tick * period, 1e3 * inward,
-             force.force[0], force.force[1], force.force[2], touch.error_bound, (unsigned)force.guards,
-             touch.touching ? "  touching" : "");
+             force.force[0], force.force[1], force.force[2], touch.error_bound,
+             (unsigned)force.guards, touch.touching ? "  touching" : "");
     sleepUntilNext(&due);
   }
   return 0;
 }
 
 /* One answer without contact, as `palpate query` gives it: to compare, and to show how. */
-static int query(const palpate_dataset* dataset, const palpate_space_info* space, const double normal[3],
-                 double depth) {
+static int query(const palpate_dataset* dataset, const palpate_space_info* space,
+                 const double normal[3], double depth) {
   double displacement[3];
   for (int i = 0; i < 3; ++i) displacement[i] = -depth * normal[i];
   palpate_sample sample = {.size = sizeof sample};
   if (palpate_query(dataset, 0, 0, displacement, &sample) != PALPATE_OK) return fail("query");
-  printf("query %s %.17g %.17g %.17g force %.17g %.17g %.17g inside %d\n", space->name, displacement[0],
-         displacement[1], displacement[2], sample.force[0], sample.force[1], sample.force[2],
-         (int)sample.inside);
+  printf("query %s %.17g %.17g %.17g force %.17g %.17g %.17g inside %d\n", space->name,
+         displacement[0], displacement[1], displacement[2], sample.force[0], sample.force[1],
+         sample.force[2], (int)sample.inside);
   return 0;
 }
 
@@ -140,8 +143,8 @@ int main(int argc, char** argv) {
   } else if (!normalAt(dataset, &info, space.vertex, normal)) {
     fprintf(stderr, "touch: %s: the surface at \"%s\" has no normal\n", argv[1], space.name);
   } else {
-    printf("# libpalpate %s, %s, \"%s\", %d vertices, %d spaces\n", palpate_version(), argv[1], info.name,
-           (int)info.vertex_count, (int)info.space_count);
+    printf("# libpalpate %s, %s, \"%s\", %d vertices, %d spaces\n", palpate_version(), argv[1],
+           info.name, (int)info.vertex_count, (int)info.space_count);
     code = query(dataset, &space, normal, depth);
     if (code == 0) code = run(contact, guard, &space, normal, depth);
   }

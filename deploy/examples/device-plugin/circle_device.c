@@ -1,5 +1,6 @@
-/* A plug-in for palpate view --device plugin:LIB, as small as it can be: a device whose handle moves by
- * itself on a small circle and gives way to the force as a spring does. Options: "radius=0.02" in metres.
+/* A plug-in for palpate view --device plugin:LIB, as small as it can be: a device whose handle
+ * moves by itself on a small circle and gives way to the force as a spring does. Options:
+ * "radius=0.02" in metres.
  *
  *     cc -shared -fPIC -o circle_device.so circle_device.c
  */
@@ -27,13 +28,15 @@ static int32_t enumerate(uint32_t index, char* id, size_t capacity) {
   return PALPATE_DEVICE_OK;
 }
 
-static palpate_device* open_device(const char* id, const char* options, char* error, size_t capacity) {
+static palpate_device* open_device(const char* id, const char* options, char* error,
+                                   size_t capacity) {
   if (id[0] != '\0' && strcmp(id, "circle") != 0) {
     snprintf(error, capacity, "there is no device \"%s\", only \"circle\"", id);
     return NULL;
   }
   double radius = 0.02;
-  if (options[0] != '\0' && (sscanf(options, "radius=%lf", &radius) != 1 || !(radius > 0 && radius < 0.05))) {
+  if (options[0] != '\0' &&
+      (sscanf(options, "radius=%lf", &radius) != 1 || !(radius > 0 && radius < 0.05))) {
     snprintf(error, capacity, "options are radius=METRES, at most 0.05, not \"%s\"", options);
     return NULL;
   }
@@ -60,8 +63,8 @@ static int32_t limits(palpate_device* device, palpate_device_limits* limits) {
 static int32_t read_state(palpate_device* device, palpate_device_state* state) {
   struct timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);
-  const double time =
-      (double)(now.tv_sec - device->start.tv_sec) + 1e-9 * (double)(now.tv_nsec - device->start.tv_nsec);
+  const double time = (double)(now.tv_sec - device->start.tv_sec) +
+                      1e-9 * (double)(now.tv_nsec - device->start.tv_nsec);
   const double angle = 2 * 3.14159265358979323846 * TURNS_PER_SECOND * time;
   const double circle[3] = {device->radius * cos(angle), device->radius * sin(angle), 0};
   for (int axis = 0; axis < 3; ++axis)
@@ -75,18 +78,14 @@ static int32_t write_force(palpate_device* device, const double force[3]) {
   return PALPATE_DEVICE_OK;
 }
 
-static void halt(palpate_device* device, int32_t halted) {
-  device->halted = halted;
-}
+static void halt(palpate_device* device, int32_t halted) { device->halted = halted; }
 
 static const char* last_error(palpate_device* device) {
   (void)device;
   return "";
 }
 
-static void close_device(palpate_device* device) {
-  free(device);
-}
+static void close_device(palpate_device* device) { free(device); }
 
 const palpate_device_plugin* palpate_device_plugin_v1(void) {
   static const palpate_device_plugin plugin = {sizeof(palpate_device_plugin),

@@ -8,11 +8,12 @@ namespace palpate_sofa {
 
 PalpateForceFeedback::PalpateForceFeedback()
     : d_dataset(initData(&d_dataset, "dataset", "Palpate dataset, OUT.h5")),
-      d_device(initData(&d_device, std::string("touch"), "device", "Name of the device, for its limits")),
+      d_device(initData(&d_device, std::string("touch"), "device",
+                        "Name of the device, for its limits")),
       d_period(initData(&d_period, 1e-3, "period", "Seconds between two calls of the driver")),
       d_scale(initData(&d_scale, 1.0, "scale", "Metres per unit of the scene")),
-      d_displacements(
-          initData(&d_displacements, "displacements", "Of the surface's vertices, units of the scene")) {
+      d_displacements(initData(&d_displacements, "displacements",
+                               "Of the surface's vertices, units of the scene")) {
   f_listening.setValue(true);
 }
 
@@ -26,7 +27,8 @@ void PalpateForceFeedback::init() {
   const bool ready =
       palpate_dataset_open(d_dataset.getFullPath().c_str(), nullptr, &dataset) == PALPATE_OK &&
       palpate_contact_create(dataset, nullptr, &contact) == PALPATE_OK &&
-      palpate_guard_defaults(d_device.getValue().c_str(), d_period.getValue(), &limits) == PALPATE_OK &&
+      palpate_guard_defaults(d_device.getValue().c_str(), d_period.getValue(), &limits) ==
+          PALPATE_OK &&
       palpate_guard_create(&limits, &guard) == PALPATE_OK;
   m_dataset.reset(dataset);
   m_contact.reset(contact);
@@ -36,8 +38,8 @@ void PalpateForceFeedback::init() {
                                   : sofa::core::objectmodel::ComponentState::Invalid);
 }
 
-void PalpateForceFeedback::computeForce(SReal x, SReal y, SReal z, SReal, SReal, SReal, SReal, SReal& fx,
-                                        SReal& fy, SReal& fz) {
+void PalpateForceFeedback::computeForce(SReal x, SReal y, SReal z, SReal, SReal, SReal, SReal,
+                                        SReal& fx, SReal& fy, SReal& fz) {
   fx = fy = fz = 0;
   if (!m_guard || !d_activate.getValue()) return;
   const double scale = d_scale.getValue();
@@ -46,7 +48,8 @@ void PalpateForceFeedback::computeForce(SReal x, SReal y, SReal z, SReal, SReal,
   palpate_guarded_force force{};
   touch.size = sizeof touch;
   force.size = sizeof force;
-  // A driver that knows that its device is gone should say so: PALPATE_READING_LOST. SOFA's do not tell.
+  // A driver that knows that its device is gone should say so: PALPATE_READING_LOST. SOFA's do not
+  // tell.
   if (palpate_contact_update(m_contact.get(), tool, 1, &touch) != PALPATE_OK ||
       palpate_guard_limit(m_guard.get(), tool, &touch, PALPATE_READING_FRESH, &force) != PALPATE_OK)
     return;
@@ -86,7 +89,8 @@ void PalpateForceFeedback::handleEvent(sofa::core::objectmodel::Event* event) {
   for (auto& u : displacements.wref()) u /= static_cast<float>(d_scale.getValue());
 }
 
-const int registered = sofa::core::RegisterObject("Force feedback from a precomputed Palpate dataset")
-                           .add<PalpateForceFeedback>();
+const int registered =
+    sofa::core::RegisterObject("Force feedback from a precomputed Palpate dataset")
+        .add<PalpateForceFeedback>();
 
 }  // namespace palpate_sofa

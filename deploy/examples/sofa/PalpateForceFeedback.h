@@ -1,11 +1,12 @@
-// A sketch, not compiled here: a SOFA component that takes its force from libpalpate instead of a constraint
-// solver. Interface of ForceFeedback as of SOFA v22-v24 (sofa/component/haptics/ForceFeedback.h).
+// A sketch, not compiled here: a SOFA component that takes its force from libpalpate instead of a
+// constraint solver. Interface of ForceFeedback as of SOFA v22-v24
+// (sofa/component/haptics/ForceFeedback.h).
 //
 //   <PalpateForceFeedback dataset="liver.h5" device="touch" scale="1" position="0 0 0"/>
 //
-// beside the driver of the device (GeomagicDriver, ...), which calls computeForce from its haptic thread. The
-// mesh of the scene must have the frame of the dataset, in metres; `scale` is metres per unit of the scene
-// (0.001 for millimetres).
+// beside the driver of the device (GeomagicDriver, ...), which calls computeForce from its haptic
+// thread. The mesh of the scene must have the frame of the dataset, in metres; `scale` is metres
+// per unit of the scene (0.001 for millimetres).
 #pragma once
 
 #include <palpate.h>
@@ -28,14 +29,15 @@ class PalpateForceFeedback : public sofa::component::haptics::ForceFeedback {
   /// Loads the dataset and prepares contact and guard: everything that may take time or fail.
   void init() override;
 
-  /// Haptic thread. Position of the tool in units of the scene, orientation as a quaternion (a point tool
-  /// ignores it); the force in newtons. Neither allocates nor waits.
-  void computeForce(SReal x, SReal y, SReal z, SReal u, SReal v, SReal w, SReal q, SReal& fx, SReal& fy,
-                    SReal& fz) override;
+  /// Haptic thread. Position of the tool in units of the scene, orientation as a quaternion (a
+  /// point tool ignores it); the force in newtons. Neither allocates nor waits.
+  void computeForce(SReal x, SReal y, SReal z, SReal u, SReal v, SReal w, SReal q, SReal& fx,
+                    SReal& fy, SReal& fz) override;
   void computeWrench(const Transform& world_H_tool, const SpatialVector& V_tool_world,
                      SpatialVector& W_tool_world) override;
 
-  /// Simulation thread: writes the deformed surface into `displacements` for an OglModel that shows it.
+  /// Simulation thread: writes the deformed surface into `displacements` for an OglModel that shows
+  /// it.
   void handleEvent(sofa::core::objectmodel::Event* event) override;
 
  protected:
@@ -60,8 +62,8 @@ class PalpateForceFeedback : public sofa::component::haptics::ForceFeedback {
   std::unique_ptr<palpate_contact, Destroy<palpate_contact_destroy>> m_contact;
   std::unique_ptr<palpate_guard, Destroy<palpate_guard_destroy>> m_guard;
 
-  /// The last touch, for the picture. The haptic thread only tries the lock: a picture may miss a tick, a
-  /// tick never waits.
+  /// The last touch, for the picture. The haptic thread only tries the lock: a picture may miss a
+  /// tick, a tick never waits.
   std::mutex m_seen_mutex;
   palpate_touch m_seen{};
 };
