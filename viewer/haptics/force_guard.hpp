@@ -56,17 +56,15 @@ struct GuardedForce {
 /// From the force of a contact to the force of a device, tick by tick:
 ///   1. not finite, device gone, loop hung: the raw force counts as zero and a step;
 ///   2. ramp: a step d of the raw force (Touch::stepped, or 1.) is faded in: F - d (1 - s(t)), s
-///   smooth from
-///      0 to 1 in `ramp` seconds, so that the force goes on from where it was;
-///   3. passivity observer and controller (Hannaford and Ryu 2002): the work of the hand, - sum F .
-///   dx of the
-///      force it was given, less the energy stored in the tissue, may not be negative. What is
-///      missing is taken out by damping against the motion, no more of it than T |K| (K the local
-///      stiffness along the motion, T the period: twice the K T / 2 by which holding the force for
-///      a tick makes a spring active) and than T max_stiffness. What is stored counts by the share
-///      of the force that the clamp lets through, since no more than that comes back. A step, which
-///      may change what is stored at will, is no work; at a step, at the end of its ramp and at
-///      that of contact the observer forgets all but `energy_credit`;
+///      smooth from 0 to 1 in `ramp` seconds, so that the force goes on from where it was;
+///   3. passivity observer and controller (Hannaford and Ryu 2002): the work of the hand, the sum
+///      of -F . dx of the force it was given, less the energy stored in the tissue, may not be
+///      negative. What is missing is taken out by damping against the motion, no more of it than
+///      T |K| (K the local stiffness along the motion, T the period: twice the K T / 2 by which
+///      holding the force for a tick makes a spring active) and than T max_stiffness. What is
+///      stored counts by the share of the force that the clamp lets through, since no more than
+///      that comes back. A step, which may change what is stored at will, is no work; at a step, at
+///      the end of its ramp and at that of contact the observer forgets all but `energy_credit`;
 ///   4. clamp to max_force, keeping the direction;
 ///   5. slew: no faster than max_slew;
 ///   6. no fresh reading for `stall` seconds: toward zero as fast as max_slew allows.
