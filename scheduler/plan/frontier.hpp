@@ -35,10 +35,9 @@ inline constexpr int max_attempts_per_point = 8;
 ///
 /// - The origin is solved first.
 /// - Round 0: the candidates of point x are its neighbours with a smaller squared norm, in the
-/// order
-///   of Lattice::neighbours. They are walked in order. An expandable one is tried; a point that is
-///   not settled yet makes x wait; a terminating or unreached one, or one that was tried, is
-///   passed. When none is left, or half of the attempts are spent, x is settled as unreached.
+///   order of Lattice::neighbours. They are walked in order. An expandable one is tried; a point
+///   that is not settled yet makes x wait; a terminating or unreached one, or one that was tried,
+///   is passed. When none is left, or half of the attempts are spent, x is settled as unreached.
 /// - Round r >= 1 begins when every point is settled. The candidates of an unreached point are all
 ///   its neighbours that were expandable when the round began and that it has not tried. They are
 ///   tried one after the other until one succeeds or the attempts are spent.
