@@ -28,7 +28,7 @@ ExitCode check(const CheckOptions& options) {
   return ExitCode::done;
 }
 
-std::function<ExitCode()> prepare(CLI::App& app) {
+std::function<ExitCode()> prepareCheck(CLI::App& app) {
   auto options = std::make_shared<CheckOptions>();
   app.add_option("SCENE", options->scene, "The scene, a TOML file (docs/scene.md)")
       ->required()
@@ -41,6 +41,6 @@ std::function<ExitCode()> prepare(CLI::App& app) {
 
 const Verb check_verb = {
     "check", "Validate a scene; print sizes, mesh quality, doubts and what a build will cost",
-    prepare};
+    prepareCheck};
 
 }  // namespace palpate

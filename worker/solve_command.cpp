@@ -127,7 +127,7 @@ ExitCode solve(const SolveOptions& options) {
   return all_converged ? ExitCode::done : ExitCode::partly_failed;
 }
 
-std::function<ExitCode()> prepare(CLI::App& app) {
+std::function<ExitCode()> prepareSolve(CLI::App& app) {
   auto options = std::make_shared<SolveOptions>();
   app.add_option("SCENE", options->scene, "The scene, a TOML file (docs/scene.md)")
       ->required()
@@ -151,6 +151,6 @@ std::function<ExitCode()> prepare(CLI::App& app) {
 }  // namespace
 
 const Verb solve_verb = {"solve", "Exact solutions at given displacements, without a scheduler",
-                         prepare};
+                         prepareSolve};
 
 }  // namespace palpate

@@ -107,7 +107,7 @@ ExitCode verify(const VerifyOptions& options) {
   return all_ok ? ExitCode::done : ExitCode::failed;
 }
 
-std::function<ExitCode()> prepare(CLI::App& app) {
+std::function<ExitCode()> prepareVerify(CLI::App& app) {
   auto options = std::make_shared<VerifyOptions>();
   app.add_option("NAME", options->names, "Only the problems with this in their name")
       ->type_name("NAME");
@@ -120,6 +120,6 @@ std::function<ExitCode()> prepare(CLI::App& app) {
 
 const Verb verify_verb = {
     "verify", "Solve problems whose solution is known; print computed, reference and deviation",
-    prepare};
+    prepareVerify};
 
 }  // namespace palpate

@@ -129,7 +129,7 @@ ExitCode superviseWorkers(const WorkOptions& options) {
   return interrupted() ? ExitCode::interrupted : result;
 }
 
-std::function<ExitCode()> prepare(CLI::App& app) {
+std::function<ExitCode()> prepareWork(CLI::App& app) {
   auto options = std::make_shared<WorkOptions>();
   app.add_option("--connect", options->endpoint, "The scheduler, tcp://HOST:PORT")
       ->capture_default_str();
@@ -155,6 +155,6 @@ std::function<ExitCode()> prepare(CLI::App& app) {
 
 }  // namespace
 
-const Verb work_verb = {"work", "Solve for a scheduler, on this or any other machine", prepare};
+const Verb work_verb = {"work", "Solve for a scheduler, on this or any other machine", prepareWork};
 
 }  // namespace palpate
