@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 
+#include "common/base/index.hpp"
+
 namespace palpate {
 namespace {
-
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 double bumpAt(const Eigen::Vector3d& vertex, const Eigen::Vector3d& center,
               double radius) noexcept {

@@ -6,14 +6,14 @@
 #include <numeric>
 #include <utility>
 
+#include "common/base/index.hpp"
+
 namespace palpate {
 namespace {
 
 constexpr std::int32_t leaf_size = 4;
 /// Halving 2^31 triangles down to a leaf takes 30 levels, and a level leaves one entry on a stack.
 constexpr std::size_t stack_size = 64;
-
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 double angleAt(const Eigen::Vector3d& corner, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   const Eigen::Vector3d u = a - corner, v = b - corner;

@@ -10,11 +10,10 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/index.hpp"
 
 namespace palpate {
 namespace {
-
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 struct WeightedEdge {
   std::int32_t to;
