@@ -133,10 +133,9 @@ TEST_F(LeasesTest, AGoodbyeBlamesNobody) {
 TEST_F(LeasesTest, KnowsWhichTransitionAHeartbeatNames) {
   addTargets(4, 9, 1, 2);
   const Handout job = handOut("a");
-  EXPECT_EQ(leases.leasedTransition("a", job.job, 9), (TransitionKey{2, 9, 4}));
-  EXPECT_FALSE(leases.leasedTransition("a", job.job, 8));
-  EXPECT_FALSE(leases.leasedTransition("a", job.job + 1, 9));
-  EXPECT_FALSE(leases.leasedTransition("b", job.job, 9));
+  EXPECT_THAT(leases.openOf("a", job.job), ElementsAre(TransitionKey{2, 9, 4}));
+  EXPECT_TRUE(leases.openOf("a", job.job + 1).empty());
+  EXPECT_TRUE(leases.openOf("b", job.job).empty());
 }
 
 }  // namespace

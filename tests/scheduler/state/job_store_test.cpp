@@ -255,7 +255,7 @@ TEST_F(JobStoreTest, RefusesAFileThatIsNoDatabase) {
 TEST_F(JobStoreTest, CanBeReadWhileASchedulerWrites) {
   const StateDirectory held(state);
   JobStore store = open(held);
-  store.writeServers(std::vector<ServerRow>{{"abcdef0123", "here", 12, "avx2", "busy", 3, 0, 5}});
+  store.writeServers(std::vector<ServerRow>{{"abcdef0123", "here", 12, "avx2", "busy", 3, 5}});
   store.writeCounters({{"runs", 2}});
   StoredTables tables(state);
   const std::vector<StoredResult> results = {result(0, 0, 0)};
