@@ -22,10 +22,10 @@ struct FailedAttempt {
 /// What is known of one lattice point; the rows of a configuration space.
 struct PointRecord {
   Tag tag = Tag::unknown;
-  Cause cause =
-      Cause::none;  ///< when failed: of the attempt that got furthest, unreachable without one
-  std::int32_t parent =
-      -1;  ///< lattice number it was solved from; the origin is its own parent; -1 when not solved
+  /// When failed: of the attempt that got furthest, unreachable without one.
+  Cause cause = Cause::none;
+  /// Lattice number it was solved from; the origin is its own parent; -1 when not solved.
+  std::int32_t parent = -1;
   Equilibrium equilibrium;  ///< valid when expandable or terminating
   double residual = 0;      ///< N
   Cost cost;                ///< `seconds` is not stored
@@ -47,8 +47,7 @@ struct SpaceTable {
   Lattice lattice;
   std::vector<LatticeCell> splits;  ///< cells that were split into eight, sorted by (level, lowest)
   std::vector<PointRecord> points;
-  std::vector<FailedAttempt>
-      attempts;  ///< sorted by (target, order in which they were tried); no probes
+  std::vector<FailedAttempt> attempts;  ///< by target, then as they were tried; no probes
   std::vector<Probe> probes;
   /// inconsistentEdges of this space (branch_check.hpp), as they were when the dataset was sealed;
   /// sealDataset finds them itself.

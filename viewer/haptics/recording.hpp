@@ -78,12 +78,16 @@ class Recorder {
   /// attempt then, and save() may be called again. The same recording gives the same bytes.
   ///
   ///   /time                  float64  n      s
-  ///   /device/position       float64  n x 3  m, frame of the device, or of the scene (attribute
-  ///   scene_frame) /device/buttons        int32    n      bits /device/status         uint8    n
-  ///   0 fresh, 1 repeated, 2 lost: part of the format /tool/position         float64  n x 3  m,
-  ///   scene frame /force/rendered, raw   float64  n x 3  N, scene frame /contact/touching uint8 n
-  ///   0 or 1 /contact/anchor        float64  n x 3  m, at rest /contact/displacement  float64  n x
-  ///   3  m /contact/energy        float64  n      J /contact/error_bound   float64  n      N
+  ///   /device/position       float64  n x 3  m, as Recording::positions
+  ///   /device/buttons        int32    n      bits
+  ///   /device/status         uint8    n      0 fresh, 1 repeated, 2 lost: part of the format
+  ///   /tool/position         float64  n x 3  m, scene frame
+  ///   /force/rendered, raw   float64  n x 3  N, scene frame
+  ///   /contact/touching      uint8    n      0 or 1
+  ///   /contact/anchor        float64  n x 3  m, at rest
+  ///   /contact/displacement  float64  n x 3  m
+  ///   /contact/energy        float64  n      J
+  ///   /contact/error_bound   float64  n      N
   ///   /guards                int32    n      bits of Guarded: part of the format, only append
   ///   /model, /method        int32    n      in use: counted in the attributes models, methods
   ///   /workspace/rotation    float64  3 x 3  scene = origin + scale * rotation * device
