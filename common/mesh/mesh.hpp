@@ -25,21 +25,20 @@ struct Mesh {
   std::vector<Eigen::Vector3d> nodes;   ///< rest positions, metres
   std::vector<Tetrahedron> tetrahedra;  ///< positive orientation: (b-a) x (c-a) . (d-a) > 0
   std::vector<Triangle> surface;  ///< faces of exactly one tetrahedron, normals outward; derived
-  std::map<std::string, std::vector<std::int32_t>>
-      node_groups;  ///< named physical groups (any dimension) -> sorted nodes
-  std::map<std::string, std::vector<std::int32_t>>
-      element_groups;  ///< named physical groups of dimension 3 -> sorted tetrahedra
-  std::map<std::string, std::vector<Eigen::Vector3d>>
-      element_vectors;  ///< named vector per tetrahedron ($ElementData of three components,
-                        ///< CELL_DATA)
+  /// Named physical groups (any dimension) -> sorted nodes.
+  std::map<std::string, std::vector<std::int32_t>> node_groups;
+  /// Named physical groups of dimension 3 -> sorted tetrahedra.
+  std::map<std::string, std::vector<std::int32_t>> element_groups;
+  /// Named vector per tetrahedron ($ElementData of three components, CELL_DATA).
+  std::map<std::string, std::vector<Eigen::Vector3d>> element_vectors;
   /// Quadratic meshes only (addMidEdgeNodes): the middle of edge e is node vertices() + e.
   std::vector<Edge> edges;  ///< (lower, higher) vertex, ascending
-  std::vector<std::array<std::int32_t, 6>>
-      mid_edge_nodes;  ///< per tetrahedron, by tetrahedron_edges
+  /// Per tetrahedron, by tetrahedron_edges.
+  std::vector<std::array<std::int32_t, 6>> mid_edge_nodes;
   std::int32_t vertices() const { return static_cast<std::int32_t>(nodes.size() - edges.size()); }
   std::int32_t dropped_nodes = 0;  ///< nodes of the file that are no corner of a tetrahedron
-  std::int32_t reoriented_tetrahedra =
-      0;  ///< tetrahedra whose node order was turned (all of them, or none)
+  /// Tetrahedra whose node order was turned (all of them, or none).
+  std::int32_t reoriented_tetrahedra = 0;
 };
 
 /// Six times the signed volume of tetrahedron `element`, cubic metres.

@@ -28,10 +28,10 @@ struct NodalFields {
 
 /// The small part of an accepted configuration.
 struct Equilibrium {
-  Eigen::Vector3d force =
-      Eigen::Vector3d::Zero();  ///< N, exerted by the tissue on the tool, = -dE/dp
-  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< N/m, dh/dp of that force (negative
-                                                        ///< definite near rest); symmetric
+  /// N, exerted by the tissue on the tool, = -dE/dp.
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  /// N/m, [a, b] = d force_a / d p_b: symmetric, negative definite near rest.
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
   double energy = 0;     ///< J, stored energy relative to the rest state
   double min_det_F = 1;  ///< smallest over the elements
 };
