@@ -7,6 +7,7 @@
 
 #include "common/base/error.hpp"
 #include "common/interpolation/field_error.hpp"
+#include "common/problem/problem.hpp"
 
 namespace palpate {
 namespace {
