@@ -30,7 +30,7 @@ class HapticModel {
   /// Error when the dataset has nothing to touch, or a method is unknown.
   explicit HapticModel(const Dataset& dataset, const HapticModelOptions& options = {});
 
-  /// Makes the fields of one method for all spaces, side by side on all cores: some 70 ms of
+  /// Makes the fields of one method for all spaces, side by side on all cores: some 0.2 s of
   /// processor time for a space of 515 points and `potential`. Does nothing for a method that is
   /// prepared. Not twice at once for a method. Error for an unknown method.
   void prepare(std::size_t method);
