@@ -18,7 +18,9 @@ class BuildCosts : public ::testing::Test {
   }
   BuildCost cost(const std::vector<Way>& ways) {
     problem = test::clampedProblem(scene, test::cubeMesh(0.1, 2), {0.1, 0.05, 0.05}, 0.06);
-    return buildCost(problem, {.ways = ways});
+    MeasuredWays measured;
+    measured.ways = ways;
+    return buildCost(problem, measured);
   }
   static Way way(std::vector<WayStep> steps, WayEnd end = WayEnd::rim) { return {steps, end}; }
 

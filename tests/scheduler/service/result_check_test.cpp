@@ -1,4 +1,4 @@
-#include "scheduler/result_check.hpp"
+#include "scheduler/service/result_check.hpp"
 
 #include <gtest/gtest.h>
 
