@@ -38,7 +38,8 @@ void Worker::addCredit(std::uint64_t jobs) {
 std::string WorkerRegistry::objectionTo(const wire::Hello& hello) const {
   if (hello.protocol() != protocol_version)
     return fmt::format(
-        "this scheduler speaks protocol {}, the worker protocol {}: install the same Palpate on both",
+        "this scheduler speaks protocol {}, the worker protocol {}: "
+        "install the same Palpate on both",
         protocol_version, hello.protocol());
   // Versions may differ in the last bits of a solve, which two machines must not.
   if (hello.version() != version())
