@@ -20,8 +20,7 @@ enum class SlotKind : std::uint8_t {
   /// points.
   ghost,
   /// On the boundary of a coarser leaf and no corner of it: what that leaf interpolates there,
-  /// whether
-  /// or not the position is solved, so that interpolants agree on the common boundary.
+  /// whether or not the position is solved, so that interpolants agree on the common boundary.
   hanging,
 };
 
