@@ -126,9 +126,9 @@ void chooseBlasKernels(char** argv) {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
   if (error) return;
-  setenv(core_type, wanted[next].c_str(), 1);
-  setenv(tried_variable, std::to_string(next + 1).c_str(), 1);
-  execv(program.c_str(), argv);
+  if (setenv(core_type, wanted[next].c_str(), 1) == 0 &&
+      setenv(tried_variable, std::to_string(next + 1).c_str(), 1) == 0)
+    execv(program.c_str(), argv);
   // Not replaced, so this process goes on with the kernels it has, and nobody chose them.
   unsetenv(core_type);
   unsetenv(tried_variable);
