@@ -20,12 +20,6 @@ struct ServeOptions {
   bool insecure = false;
 };
 
-bool isOnThisMachineOnly(const std::string& endpoint) {
-  for (const char* prefix : {"ipc://", "tcp://127.", "tcp://localhost:", "tcp://[::1]:"})
-    if (endpoint.starts_with(prefix)) return true;
-  return false;
-}
-
 ExitCode compute(Build& build, const std::string& endpoint) {
   zmq::context_t context;
   Server server(context, endpoint);

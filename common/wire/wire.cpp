@@ -49,6 +49,12 @@ bool readMatrix(const std::string& bytes, Eigen::Matrix<double, rows, columns>& 
 
 }  // namespace
 
+bool isOnThisMachineOnly(const std::string& endpoint) {
+  for (const char* prefix : {"ipc://", "tcp://127.", "tcp://localhost:", "tcp://[::1]:"})
+    if (endpoint.starts_with(prefix)) return true;
+  return false;
+}
+
 Sent sendMessage(zmq::socket_t& socket, std::string_view peer, const wire::Message& message,
                  std::string_view payload) {
   // Once the first frame was accepted, libzmq accepts the rest of the message too.

@@ -28,6 +28,9 @@ inline constexpr std::size_t max_payload_bytes = 512u << 20;
 /// Where `serve` listens and `status`, `stop`, `work` connect when nothing is said.
 inline constexpr const char* default_endpoint = "tcp://127.0.0.1:7411";
 
+/// Whether nobody beyond this machine reaches what listens at `endpoint`; who does needs no key.
+bool isOnThisMachineOnly(const std::string& endpoint);
+
 /// A message as it came in.
 struct Incoming {
   std::string peer;  ///< routing id on a ROUTER, empty on a DEALER

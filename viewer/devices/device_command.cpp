@@ -17,11 +17,6 @@ using namespace std::chrono_literals;
 
 constexpr auto look_interval = 100ms;
 
-bool isOnThisMachineOnly(const std::string& endpoint) {
-  return endpoint.starts_with("ipc://") || endpoint.starts_with("tcp://127.") ||
-         endpoint.starts_with("tcp://localhost:") || endpoint.starts_with("tcp://[::1]:");
-}
-
 /// Tells what changed since it last looked.
 class Watch {
  public:
