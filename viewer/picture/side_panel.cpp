@@ -156,8 +156,9 @@ void lampField(const GuardLamps& lamps) {
   const float column = ImGui::GetContentRegionAvail().x / lamp_columns;
   const float line = ImGui::GetTextLineHeight() + ImGui::GetStyle().ItemSpacing.y;
   for (int bit = 0; bit < guard_count; ++bit) {
+    const int row = bit / lamp_columns;
     const ImVec2 at = {origin.x + column * static_cast<float>(bit % lamp_columns),
-                       origin.y + line * static_cast<float>(bit / lamp_columns)};
+                       origin.y + line * static_cast<float>(row)};
     const bool lit = lamps.lit(bit);
     draw.AddCircleFilled({at.x + lamp_radius + 1, at.y + lamp_radius + 2}, lamp_radius,
                          lit ? lamp_lit : lamp_dark, lamp_corners);
