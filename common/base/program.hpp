@@ -19,7 +19,7 @@ struct Verb {
   std::function<ExitCode()> (*prepare)(CLI::App& app);
 };
 
-/// The main() of palpate-scheduler, palpate-worker and palpate-viewer: parses, runs the verb, and
+/// The main() of palpate-scheduler, palpate-worker, palpate-verify and palpate-viewer: parses, runs the verb, and
 /// turns every exception into one line on stderr ("palpate VERB: what happened") and an exit code.
 /// Unknown options end with code 2. Also reads the common options --version, -q/--quiet and
 /// -v/--verbose. Logs go to stderr.

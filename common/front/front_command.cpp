@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -29,7 +30,7 @@ constexpr std::array<Route, 14> routes = {{{"check", "palpate-worker"},
                                            {"status", "palpate-scheduler"},
                                            {"stop", "palpate-scheduler"},
                                            {"explain", "palpate-scheduler"},
-                                           {"verify", "palpate-worker"},
+                                           {"verify", "palpate-verify"},
                                            {"report", "palpate-viewer"},
                                            {"doctor", "palpate-viewer"},
                                            {"view", "palpate-viewer"},
@@ -117,7 +118,9 @@ int become(const Route& route, std::vector<std::string> arguments) {
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
   execv(program.c_str(), argv.data());
-  fmt::print(stderr, "palpate {}: cannot start {}: {}\n", route.verb, program, errnoText());
+  const char* hint =
+      errno == ENOENT ? "; `cmake --build --preset release` builds all programs" : "";
+  fmt::print(stderr, "palpate {}: cannot start {}: {}{}\n", route.verb, program, errnoText(), hint);
   return static_cast<int>(ExitCode::failed);
 }
 

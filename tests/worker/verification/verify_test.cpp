@@ -107,7 +107,7 @@ TEST(VerificationQuadrature, IntegratesPolynomialsOfDegreeSevenOverATetrahedron)
 }
 
 TEST(VerifyCommand, PrintsOneObjectPerRowAndEndsWithZeroWhenAllAreOk) {
-  const std::string program = PALPATE_BIN_DIR "/palpate-worker verify ";
+  const std::string program = PALPATE_BIN_DIR "/palpate-verify verify ";
   const auto result = runCommand(program + "homogeneous-st-venant --json");
   EXPECT_EQ(result.exit_code, 0) << result.output;
   const auto row = nlohmann::json::parse(result.output.substr(0, result.output.find('\n')));
@@ -119,7 +119,7 @@ TEST(VerifyCommand, PrintsOneObjectPerRowAndEndsWithZeroWhenAllAreOk) {
 }
 
 TEST(VerifyCommand, RefusesAProblemItDoesNotHave) {
-  const auto result = runCommand(PALPATE_BIN_DIR "/palpate-worker verify perpetuum-mobile");
+  const auto result = runCommand(PALPATE_BIN_DIR "/palpate-verify verify perpetuum-mobile");
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.output, ::testing::HasSubstr("perpetuum-mobile"));
 }

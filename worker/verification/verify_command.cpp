@@ -1,4 +1,4 @@
-#include "worker/verify_command.hpp"
+#include "worker/verification/verify_command.hpp"
 
 #include <fmt/format.h>
 
