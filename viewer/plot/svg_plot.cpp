@@ -76,28 +76,23 @@ std::string frame(const Plot& plot, const Scale& x, const Scale& y) {
         "class=\"tick\" x=\"{3}\" y=\"{4:.1f}\" text-anchor=\"end\">{5}</text>\n",
         left, y(tick), end, left - 6, y(tick) + 4, tickLabel(tick));
   svg += fmt::format("<path class=\"axis\" d=\"M{} {}V{}H{}\"/>\n", left, top, base, end);
-  svg +=
-      fmt::format("<text class=\"title\" x=\"{}\" y=\"18\">{}</text>\n", left, escaped(plot.title));
-  svg +=
-      fmt::format("<text class=\"label\" x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                  0.5 * (left + end), plot.height - 8, escaped(plot.x.label));
-  svg += fmt::format(
-      "<text class=\"label\" transform=\"translate(15 {:.1f}) "
-      "rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-      0.5 * (top + base), escaped(plot.y.label));
-  return svg;
+  return svg + fmt::format(
+                   "<text class=\"title\" x=\"{}\" y=\"18\">{}</text>\n"
+                   "<text class=\"label\" x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n"
+                   "<text class=\"label\" transform=\"translate(15 {:.1f}) "
+                   "rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
+                   left, escaped(plot.title), 0.5 * (left + end), plot.height - 8,
+                   escaped(plot.x.label), 0.5 * (top + base), escaped(plot.y.label));
 }
 
 std::string lineOf(const PlotSeries& series, const Scale& x, const Scale& y) {
   std::string path;
   bool broken = true;
   for (std::size_t n = 0; n < series.x.size(); ++n) {
-    if (!x.shows(series.x[n]) || !y.shows(series.y[n])) {
-      broken = true;
-      continue;
-    }
-    path += fmt::format("{}{:.1f} {:.1f}", broken ? 'M' : 'L', x(series.x[n]), y(series.y[n]));
-    broken = false;
+    const bool shown = x.shows(series.x[n]) && y.shows(series.y[n]);
+    if (shown)
+      path += fmt::format("{}{:.1f} {:.1f}", broken ? 'M' : 'L', x(series.x[n]), y(series.y[n]));
+    broken = !shown;
   }
   if (path.empty()) return "";
   const std::string dash =
@@ -119,6 +114,12 @@ std::string marksOf(const PlotSeries& series, const Scale& x, const Scale& y) {
 }
 
 }  // namespace
+
+void PlotSeries::add(double at_x, double at_y, std::string note) {
+  x.push_back(at_x);
+  y.push_back(at_y);
+  if (!note.empty()) notes.push_back(std::move(note));
+}
 
 SeriesStyle seriesStyle(std::size_t n) {
   // Okabe and Ito's palette without its yellow, which is too light on white; two more at the end.
@@ -232,32 +233,18 @@ std::string tickLabel(double value) {
   const double leading = value / std::pow(10, exponent);
   std::string label = std::abs(leading - 1) < 1e-6 ? "10" : fmt::format("{:.3g}·10", leading);
   if (exponent < 0) label += "⁻";
-  for (const char digit : std::to_string(std::abs(exponent)))
-    label += raised[static_cast<std::size_t>(digit - '0')];
+  for (const char digit : std::to_string(std::abs(exponent))) label += raised[digit - '0'];
   return label;
 }
 
 std::string escaped(std::string_view text) {
+  constexpr std::string_view special = "&<>\"'";
+  constexpr std::array<const char*, 5> entities = {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
   std::string result;
-  for (const char c : text) switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      case '\'':
-        result += "&#39;";
-        break;
-      default:
-        result += c;
-    }
+  for (const char c : text) {
+    const std::size_t place = special.find(c);
+    place < special.size() ? result += entities[place] : result += c;
+  }
   return result;
 }
 

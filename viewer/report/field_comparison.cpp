@@ -82,9 +82,8 @@ std::vector<MethodComparison> compareMethods(const SpaceTable& space,
       const ForceSample sample = made.field->evaluate(solution.displacement);
       results[m].comparisons.push_back({solution.force, sample.force, sample.error_bound, false});
     }
-    const bool knows_cells =
-        std::find(cell_methods.begin(), cell_methods.end(), methods[m]) != cell_methods.end();
-    if (knows_cells && !cells) cells = std::move(made.field);
+    if (!cells && std::ranges::find(cell_methods, methods[m]) != cell_methods.end())
+      cells = std::move(made.field);
   }
   if (!cells && !held_out.empty())
     cells = tryToMake(std::string(cell_methods.front()), space).field;

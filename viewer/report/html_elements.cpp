@@ -61,12 +61,6 @@ svg .jump{fill:none;stroke:#e3120b;stroke-width:2.2}
 @media print{main{max-width:none;padding:0}h2{break-after:avoid}figure,table,.figures>svg,.cards{break-inside:avoid}nav{display:none}.scroll{overflow:visible}}
 )";
 
-std::string section(const char* id, const char* heading, const std::string& how,
-                    const std::string& content) {
-  return fmt::format("<h2 id=\"{}\">{}</h2>\n<p class=\"how\">{}</p>\n{}", id, heading, how,
-                     content);
-}
-
 std::string table(const std::vector<std::string>& titles, const std::string& rows) {
   std::string head;
   for (const std::string& title : titles) head += "<th>" + escaped(title) + "</th>";

@@ -8,10 +8,6 @@ namespace palpate {
 /// The style sheet of the page, for elements and for the classes of its plots.
 extern const char* const page_style;
 
-/// A heading with an anchor, a sentence on how to read it, and `content`, which is HTML as `how`.
-std::string section(const char* id, const char* heading, const std::string& how,
-                    const std::string& content);
-
 /// A table of rows (tableRow) under titles, which are plain text.
 std::string table(const std::vector<std::string>& titles, const std::string& rows);
 

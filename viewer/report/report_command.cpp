@@ -1,16 +1,11 @@
 #include "viewer/report/report_command.hpp"
 
-#include <cerrno>
 #include <fstream>
 #include <iostream>
 #include <memory>
 
-#include "common/base/error.hpp"
 #include "common/base/replaced_file.hpp"
 #include "viewer/fields/field_choice.hpp"
-#include "viewer/report/report_json.hpp"
-#include "viewer/report/report_page.hpp"
-#include "viewer/report/report_text.hpp"
 
 namespace palpate {
 namespace {
@@ -22,9 +17,7 @@ void writePage(const std::filesystem::path& file, const std::string& page) {
     std::ofstream out(aside, std::ios::binary);
     out << page;
     out.close();
-    if (!out)
-      throw failure("{}: the page cannot be written: {}", file.string(),
-                    std::generic_category().message(errno));
+    if (!out) throw failure("{}: the page cannot be written: {}", file.string(), errnoText());
   });
 }
 

@@ -8,20 +8,16 @@
 namespace palpate {
 
 std::string describeHeldOut(const Report& report) {
-  switch (report.held_out_kind) {
-    case HeldOutKind::probes:
-      return fmt::format(
-          "Measured with {} probes: exact solutions, within max_force, "
-          "at positions that no interpolation has seen.",
-          report.held_out_count);
-    case HeldOutKind::lattice_points:
-      return fmt::format(
-          "There are no solved probes. Measured with {} lattice points that are left out of the "
-          "coarser lattices below; of the densest lattice itself nothing can be said.",
-          report.held_out_count);
-    case HeldOutKind::none:
-      break;
-  }
+  if (report.held_out_kind == HeldOutKind::probes)
+    return fmt::format(
+        "Measured with {} probes: exact solutions, within max_force, "
+        "at positions that no interpolation has seen.",
+        report.held_out_count);
+  if (report.held_out_kind == HeldOutKind::lattice_points)
+    return fmt::format(
+        "There are no solved probes. Measured with {} lattice points that are left out of the "
+        "coarser lattices below; of the densest lattice itself nothing can be said.",
+        report.held_out_count);
   return "There are no solved probes, and no coarser lattice inside this one leaves solved "
          "points out: nothing to measure errors with.";
 }
