@@ -47,6 +47,7 @@ Scale scaleOf(const Plot& plot, const PlotAxis& axis, std::vector<double> PlotSe
       lowest = std::min(lowest, value);
       highest = std::max(highest, value);
     }
+  // An empty plot has axes all the same.
   if (lowest > highest) lowest = 1, highest = 10;
   if (axis.logarithmic) {
     const double pad =
@@ -133,32 +134,30 @@ SeriesStyle seriesStyle(std::size_t n) {
 }
 
 std::string markerAt(double x, double y, const SeriesStyle& style, double size) {
-  const double s = size;
-  const auto polygon = [&](const std::string& path) {
-    return fmt::format("<path d=\"{}\" fill=\"{}\"/>", path, style.colour);
+  /// From a corner relative to (x, y) along relative steps, all in sizes; closed.
+  const auto polygon = [&](double corner_x, double corner_y, const char* path, auto... steps) {
+    return fmt::format("<path d=\"M{:.1f} {:.1f}{}z\" fill=\"{}\"/>", x + corner_x * size,
+                       y + corner_y * size, fmt::format(fmt::runtime(path), steps * size...),
+                       style.colour);
   };
   switch (style.marker) {
     case 0:
-      return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"{}\"/>", x, y, s,
-                         style.colour);
+      return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"{}\"/>", x, y,
+                         size, style.colour);
     case 1:
-      return polygon(fmt::format("M{:.1f} {:.1f}h{:.1f}v{:.1f}h{:.1f}z", x - 0.9 * s, y - 0.9 * s,
-                                 1.8 * s, 1.8 * s, -1.8 * s));
+      return polygon(-0.9, -0.9, "h{:.1f}v{:.1f}h{:.1f}", 1.8, 1.8, -1.8);
     case 2:
-      return polygon(fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}h{:.1f}z", x, y - 1.2 * s, 1.1 * s,
-                                 2 * s, -2.2 * s));
+      return polygon(0, -1.2, "l{:.1f} {:.1f}h{:.1f}", 1.1, 2.0, -2.2);
     case 3:
-      return polygon(fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}l{:.1f} {:.1f}l{:.1f} {:.1f}z", x,
-                                 y - 1.3 * s, 1.3 * s, 1.3 * s, -1.3 * s, 1.3 * s, -1.3 * s,
-                                 -1.3 * s));
+      return polygon(0, -1.3, "l{:.1f} {:.1f}l{:.1f} {:.1f}l{:.1f} {:.1f}", 1.3, 1.3, -1.3, 1.3,
+                     -1.3, -1.3);
     case 4:
       return fmt::format(
           "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"#fff\" stroke=\"{}\" "
           "stroke-width=\"2\"/>",
-          x, y, 0.85 * s, style.colour);
+          x, y, 0.85 * size, style.colour);
     default:
-      return polygon(fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}h{:.1f}z", x, y + 1.2 * s, 1.1 * s,
-                                 -2 * s, -2.2 * s));
+      return polygon(0, 1.2, "l{:.1f} {:.1f}h{:.1f}", 1.1, -2.0, -2.2);
   }
 }
 
@@ -168,6 +167,7 @@ std::string svgOf(const Plot& plot) {
   std::string svg = fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">\n",
                                 plot.width, plot.height, escaped(plot.title));
   svg += frame(plot, x, y);
+  // What is drawn last is on top.
   for (std::size_t n = plot.series.size(); n-- > 0;) {
     PALPATE_ASSERT(plot.series[n].x.size() == plot.series[n].y.size(),
                    "a mark has a place on both axes");
@@ -196,8 +196,10 @@ std::vector<double> linearTicks(double lowest, double highest, int count) {
   const double rough = (highest - lowest) / std::max(count, 1);
   if (!(rough > 0) || !std::isfinite(rough)) return {lowest};
   const double step = roundUp(rough);
+  PALPATE_ASSERT(step >= rough * (1 - 1e-6), "there are about as many ticks as asked for");
   std::vector<double> ticks;
   for (double n = std::ceil(lowest / step - 1e-9); n * step <= highest + 1e-9 * step; ++n)
+    // Not "-0".
     ticks.push_back(n == 0 ? 0 : n * step);
   return ticks;
 }
@@ -208,6 +210,7 @@ std::vector<double> logarithmicTicks(double lowest, double highest) {
       {{1}, {1, 2, 5}, {1, 2, 3, 4, 5, 6, 7, 8, 9}}};
   const int first = static_cast<int>(std::floor(std::log10(lowest)));
   const int last = static_cast<int>(std::ceil(std::log10(highest)));
+  // More labels than eight would touch each other.
   const int every = std::max(1, (last - first + 7) / 8);  // decades
   std::vector<double> ticks;
   for (const std::vector<int>& leading : digits) {
@@ -218,6 +221,7 @@ std::vector<double> logarithmicTicks(double lowest, double highest) {
         if (decade % every == 0 && value >= lowest * (1 - 1e-9) && value <= highest * (1 + 1e-9))
           ticks.push_back(value);
       }
+    // Two numbers do not show that an axis is logarithmic.
     if (ticks.size() >= 3) break;
   }
   return ticks;

@@ -1,9 +1,6 @@
 #include "viewer/report/compared_lattice.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "common/base/assertion.hpp"
@@ -58,6 +55,7 @@ SpaceTable thinned(const SpaceTable& space, std::int32_t factor) {
     number[*found] = n;
     coarse.points.push_back(space.points[*found]);
   }
+  // A parent that is gone had one of its own; the origin is everyone's in the end.
   for (PointRecord& point : coarse.points)
     if (point.parent >= 0) point.parent = std::max(number[point.parent], 0);
   for (FailedAttempt attempt : space.attempts) {
@@ -76,6 +74,7 @@ std::vector<ComparedLattice> latticesIn(const std::vector<Dataset>& datasets) {
   };
   for (std::size_t d = 0; d < datasets.size(); ++d)
     add(d, 0, datasets[d].spaces().front().lattice.spacing());
+  // Datasets as they are come first, so that a thinned lattice gives way to a built one.
   for (std::size_t d = 0; d < datasets.size(); ++d) {
     const Lattice& dense = datasets[d].spaces().front().lattice;
     const std::int32_t first = datasets[d].scene().accuracy.adaptive() ? 1 : 2;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/dataset/hdf5_handle.hpp"
 
@@ -74,7 +75,7 @@ std::vector<ArraySize> arraySizes(const std::string& file) {
 DatasetFacts factsOf(const Dataset& dataset) {
   DatasetFacts facts;
   facts.file = dataset.file();
-  std::error_code ignored;
+  std::error_code ignored;  // a file that is gone is an error below, with its name
   facts.bytes = std::filesystem::file_size(dataset.file(), ignored);
   for (const SpaceTable& space : dataset.spaces()) {
     facts.lattice_points += space.points.size();
@@ -85,6 +86,9 @@ DatasetFacts factsOf(const Dataset& dataset) {
       facts.terminating_probes += probe.record.tag == Tag::terminating;
     }
   }
+  PALPATE_ASSERT(
+      facts.solved_probes <= facts.probes && facts.configurations <= facts.lattice_points,
+      "what is solved is a part of all");
   facts.sizes = arraySizes(dataset.file().string());
   return facts;
 }
@@ -103,6 +107,7 @@ std::map<Cause, FailureCount> failuresOf(const Dataset& dataset) {
 
 void refuseOtherScenes(const std::vector<Dataset>& datasets) {
   for (const Dataset& dataset : datasets)
+    // The first stands for all: it is what the others are shown beside.
     if (const std::string what = differenceOf(datasets.front(), dataset); !what.empty())
       throw badInput(
           "{} and {} are not of one scene: they differ in {}. "

@@ -1,10 +1,6 @@
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
 #include <map>
-#include <string>
-#include <vector>
 
 #include "common/dataset/dataset.hpp"
 

@@ -1,10 +1,8 @@
-#include <fmt/format.h>
 
 #include <algorithm>
 
 #include "common/base/program.hpp"
 #include "common/space/failure.hpp"
-#include "viewer/report/html_elements.hpp"
 #include "viewer/report/report_sections.hpp"
 #include "viewer/report/report_words.hpp"
 
@@ -19,6 +17,7 @@ std::string sizesTable(const DatasetFacts& facts) {
   std::size_t small = 0;
   double small_bytes = 0;
   for (const auto& [kind, stored, unpacked] : facts.sizes) {
+    // A list of thirty small arrays would hide the three that matter.
     if (stored < smallest_share * facts.bytes) {
       ++small;
       small_bytes += stored;
@@ -60,6 +59,7 @@ std::string provenanceOf(const Dataset& dataset, const DatasetFacts& facts) {
 }  // namespace
 
 Section failuresSection(const Report& report) {
+  // Bars are relative to the longest.
   std::int64_t most = 0;
   for (const auto& [cause, count] : report.failures) most = std::max(most, count.sum());
   std::string rows;

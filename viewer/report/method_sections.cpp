@@ -1,11 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "common/base/assertion.hpp"
-#include "viewer/report/html_elements.hpp"
 #include "viewer/report/report_sections.hpp"
 #include "viewer/report/report_words.hpp"
 
@@ -41,6 +39,7 @@ std::string frontierPlot(const Report& report, const Ordinate& ordinate, bool ov
     for (const LatticeMeasures& lattice : report.lattices) {
       const MethodMeasures& method = lattice.methods[m];
       const double error = (method.*ordinate.points).error.*ordinate.error;
+      // Not measured there: the lattice has what it would be measured with.
       if (!std::isfinite(error)) continue;
       plot.series[m].add(over_time ? method.nanoseconds : lattice.configurations, error,
                          fmt::format("{}, {} configurations: {} N, {} ns", report.methods[m],
@@ -124,6 +123,7 @@ std::string cards(const Report& report) {
 
 Section frontierSection(const Report& report) {
   std::string html;
+  // Without exact solutions the plots would be empty; the table still has times.
   if (report.held_out_kind != HeldOutKind::none) html += frontierPlots(report);
   html += "<h3>In numbers</h3>\n" + frontierTable(report) + latticeTable(report);
   for (const std::string& gap : describeGaps(report)) html += note(gap);

@@ -1,12 +1,42 @@
 #pragma once
 
-#include <array>
-#include <string>
-#include <vector>
-
-#include "viewer/report/slice_map.hpp"
+#include "viewer/fields/force_field.hpp"
+#include "viewer/report/held_out.hpp"
 
 namespace palpate {
+
+/// What is known of a force field in a plane through the rest position; empty by itself. Positions
+/// are (across, up), metres.
+struct SliceMap {
+  static constexpr int side = 90;  ///< samples along an edge of the square around the ball
+  int across = 0, up = 1;          ///< axes of the plane: to the right, and upward
+  double radius = 0;               ///< m
+  /// side x side, rows upward: the error bound, N; NaN outside of the ball or without bound.
+  std::vector<double> bound;
+  /// side x side: not 0 where the eight corners around are solved.
+  std::vector<char> covered;
+  struct LatticeMark {
+    Eigen::Vector2d at;
+    Tag tag;
+  };
+  std::vector<LatticeMark> marks;                     ///< lattice points in the plane
+  std::vector<std::array<Eigen::Vector2d, 2>> jumps;  ///< lattice edges between branches
+  struct ErrorMark {
+    Eigen::Vector2d at;
+    double error;  ///< N
+  };
+  std::vector<ErrorMark> errors;  ///< at held-out solutions close to the plane
+
+  /// Index of a sample in `bound` and `covered`.
+  static std::size_t sampleAt(int row, int column) {
+    return static_cast<std::size_t>(row) * side + static_cast<std::size_t>(column);
+  }
+};
+
+/// Samples the error bound of `field`, made of `space`, in the plane of two axes, and its error at
+/// `held_out`. Some 10 ms.
+SliceMap sampleSlice(const ForceField& field, const SpaceTable& space, int across, int up,
+                     const std::vector<HeldOutSolution>& held_out);
 
 /// Displacements along one axis through the rest position, m, and the forces along the same axis
 /// there, N; of equal length.

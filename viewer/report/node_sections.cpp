@@ -1,10 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "common/base/assertion.hpp"
-#include "viewer/report/html_elements.hpp"
 #include "viewer/report/report_sections.hpp"
 #include "viewer/report/report_words.hpp"
 #include "viewer/report/slice_picture.hpp"
@@ -39,6 +37,7 @@ std::string nodesTable(const Report& report, const std::vector<std::size_t>& nod
 
 /// Mean errors, a column per method.
 std::string nodeMethodsTable(const Report& report, const std::vector<std::size_t>& nodes) {
+  // One method is in the table above already.
   if (report.methods.size() < 2) return "";
   std::vector<std::string> titles = {"mean error, N"};
   titles.insert(titles.end(), report.methods.begin(), report.methods.end());
@@ -72,6 +71,7 @@ std::string nodePlot(const Report& report, const NodeMeasures& node) {
 }
 
 std::string nodePlots(const Report& report, const std::vector<std::size_t>& nodes) {
+  // The plot of a single node is that of all nodes.
   if (!report.measured || nodes.size() < 2) return "";
   std::string plots;
   std::size_t count = 0;

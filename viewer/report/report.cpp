@@ -113,6 +113,7 @@ class Reporter {
   }
 
   void holdOutLatticePoints() {
+    // Of the only lattice no other leaves a point out.
     if (report_.lattices.size() < 2) return;
     const auto densest = std::ranges::max_element(report_.open, {}, [](const Dataset& dataset) {
       return dataset.spaces().front().points.size();
@@ -187,6 +188,7 @@ class Reporter {
 
   /// One after the other, while nothing else runs.
   void timeMethods(LatticeMeasures& lattice) const {
+    // Preparing takes seconds for some methods, and all nodes are alike: one is enough.
     const auto first = table(lattice, compared_.front());
     for (const std::string& method : report_.methods) {
       const MethodTiming timing = timeMethod(*first, method, options_.seconds_per_timing);
@@ -203,6 +205,7 @@ class Reporter {
     spdlog::info("{}: comparing {} methods on {} active nodes", lattice.label,
                  report_.methods.size(), compared_.size());
     const bool is_measurable = isMeasurable(lattice);
+    // A place each in the result, so that threads share nothing.
     std::vector<NodeComparison> nodes(compared_.size());
     inParallel(compared_.size(), [&](std::size_t n) {
       nodes[n] = compareMethods(
@@ -285,6 +288,7 @@ std::vector<std::size_t> worstFirst(const Report& report) {
   std::iota(nodes.begin(), nodes.end(), 0);
   const auto error = [&](std::size_t node) {
     const double mean = report.nodes[node].methods.front().error.mean;
+    // Not measured: after all that are.
     return std::isnan(mean) ? -1 : mean;
   };
   std::ranges::stable_sort(nodes, std::greater(), error);

@@ -1,14 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <filesystem>
-#include <map>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "common/dataset/dataset.hpp"
 #include "viewer/report/compared_lattice.hpp"
 #include "viewer/report/dataset_facts.hpp"
 #include "viewer/report/error_measures.hpp"
@@ -38,7 +29,7 @@ struct MethodMeasures {
   std::string problem;    ///< why it could not be made for some active node; empty when it could
   ErrorMeasures all;      ///< over the whole ball
   ErrorMeasures covered;  ///< over covered points alone: the same points for every method
-  /// Work around closed loops relative to the effort (loop_work.hpp): the largest of
+  /// Work around closed loops relative to the effort (loopWork): the largest of
   /// ReportOptions::looped_nodes.
   double loop_work = not_measured;
   double nanoseconds = not_measured;         ///< per query, median, this machine

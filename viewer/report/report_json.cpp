@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "common/base/assertion.hpp"
 #include "common/space/failure.hpp"
 #include "viewer/report/report.hpp"
 
@@ -77,6 +78,7 @@ Json latticeJson(const Report& report, const LatticeMeasures& lattice) {
 Json nodeJson(const Report& report, const NodeMeasures& node) {
   Json methods = Json::object();
   for (std::size_t m = 0; m < report.methods.size(); ++m)
+    // On nodes that were not compared only the default method was measured.
     if (node.methods[m].count > 0) methods[report.methods[m]] = toJson(node.methods[m]);
   Json tags = Json::object();
   for (std::size_t tag = 0; tag < node.tags.size(); ++tag)
@@ -92,6 +94,7 @@ Json nodeJson(const Report& report, const NodeMeasures& node) {
 }  // namespace
 
 std::string reportJson(const Report& report) {
+  PALPATE_ASSERT(report.open.size() == report.datasets.size(), "there are facts of every dataset");
   Json json;
   json["scene"] = report.open.front().scene().name;
   for (std::size_t d = 0; d < report.open.size(); ++d)
@@ -111,6 +114,7 @@ std::string reportJson(const Report& report) {
   for (const auto& [cause, count] : report.failures)
     json["failures"][std::string(name(cause))] = {
         {"points", count.points}, {"attempts", count.attempts}, {"probes", count.probes}};
+  // Names of files need not be UTF-8, which JSON demands.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "viewer/plot/svg_plot.hpp"
 #include "viewer/report/report.hpp"
 
@@ -45,5 +42,20 @@ Section provenanceSection(const Report& report);
 /// A labelled curve for each method, in the order of Report::methods, that has its look and no
 /// points yet.
 std::vector<PlotSeries> methodSeries(const Report& report);
+
+/// A table of rows (tableRow) under titles, which are plain text.
+std::string table(const std::vector<std::string>& titles, const std::string& rows);
+
+/// A row of cells, plain text, that ends with `end`, HTML.
+std::string tableRow(const std::vector<std::string>& cells, const std::string& end = "");
+
+/// A cell with a bar as long as `value` is of `largest`.
+std::string barCell(double value, double largest);
+
+/// A box with something to notice, plain text; nothing when it is empty.
+std::string note(const std::string& text);
+
+/// Drawings side by side.
+std::string figures(const std::string& content);
 
 }  // namespace palpate

@@ -15,6 +15,7 @@ constexpr std::size_t most_nodes = 20, width = 100;
 std::string wrapped(const std::string& text, std::size_t indent = 0) {
   std::string result, line;
   std::istringstream words(text);
+  // A word that is wider than a line, as a path may be, stays whole.
   for (std::string word; words >> word;) {
     if (!line.empty() && indent + line.size() + 1 + word.size() > width) {
       result += line + '\n' + std::string(indent, ' ');

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <iterator>
 
 #include "common/base/assertion.hpp"
 #include "viewer/plot/svg_plot.hpp"

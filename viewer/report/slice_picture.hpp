@@ -1,9 +1,6 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
-#include "viewer/report/slice_map.hpp"
+#include "viewer/report/node_pictures.hpp"
 
 namespace palpate {
 
