@@ -2,10 +2,8 @@
 
 #include <dlfcn.h>
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <netinet/in.h>
 #include <pthread.h>
-#include <sched.h>
 #include <spawn.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -20,10 +18,11 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-
-#include "common/base/program.hpp"
+#include <thread>
 
 namespace palpate {
 namespace {
@@ -45,17 +44,11 @@ std::string firstLine(const fs::path& file) {
 
 /// Asks for SCHED_FIFO on a thread of its own, so that nothing else changes.
 int refusalOfFifo() {
-  pthread_attr_t attributes;
-  pthread_attr_init(&attributes);
-  pthread_attr_setinheritsched(&attributes, PTHREAD_EXPLICIT_SCHED);
-  pthread_attr_setschedpolicy(&attributes, SCHED_FIFO);
-  const sched_param parameters{.sched_priority = 1};
-  pthread_attr_setschedparam(&attributes, &parameters);
-  pthread_t thread{};
-  const int refusal = pthread_create(
-      &thread, &attributes, [](void*) -> void* { return nullptr; }, nullptr);
-  if (refusal == 0) pthread_join(thread, nullptr);
-  pthread_attr_destroy(&attributes);
+  int refusal = 0;
+  std::thread([&] {
+    const sched_param parameters{.sched_priority = 1};
+    refusal = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+  }).join();
   return refusal;
 }
 
@@ -80,23 +73,22 @@ Finding lockedMemory() {
 
 /// How late a thread wakes from sleeps to times 1 ms apart, sorted, seconds.
 std::vector<double> wakingLatencies() {
-  constexpr long step = 1'000'000, second = 1'000'000'000;
+  constexpr std::int64_t step = 1'000'000, second = 1'000'000'000;
   constexpr int sleeps = 1000;
+  const auto now = [] {
+    timespec time{};
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return time.tv_sec * second + time.tv_nsec;
+  };
   std::vector<double> late;
-  timespec target{}, now{};
-  clock_gettime(CLOCK_MONOTONIC, &target);
+  std::int64_t target = now();
   for (int n = 0; n < sleeps; ++n) {
-    target.tv_nsec += step;
-    if (target.tv_nsec >= second) {
-      target.tv_nsec -= second;
-      ++target.tv_sec;
-    }
-    if (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &target, nullptr) != 0) continue;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    late.push_back(static_cast<double>(now.tv_sec - target.tv_sec) +
-                   1e-9 * static_cast<double>(now.tv_nsec - target.tv_nsec));
+    target += step;
+    const timespec wake{target / second, target % second};
+    if (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wake, nullptr) == 0)
+      late.push_back(1e-9 * (now() - target));
   }
-  std::sort(late.begin(), late.end());
+  std::ranges::sort(late);
   return late;
 }
 
@@ -176,10 +168,7 @@ void findUsbDevices(std::vector<Finding>& findings) {
 Finding haplyService() {
   constexpr std::uint16_t port = 10001;
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const sockaddr_in address{AF_INET, htons(port), {htonl(INADDR_LOOPBACK)}, {}};
   const bool answers = socket >= 0 && connect(socket, reinterpret_cast<const sockaddr*>(&address),
                                               sizeof address) == 0;
   if (socket >= 0) close(socket);
@@ -251,6 +240,19 @@ const char* word(Verdict verdict) {
   return words[static_cast<std::size_t>(verdict)];
 }
 
+std::function<ExitCode()> prepareDoctor(CLI::App& app) {
+  auto json = std::make_shared<bool>(false);
+  app.add_flag("--json", *json, "One JSON object per finding and line");
+  app.footer("Changes nothing and opens no device. Exit 0, or 1 when something will not work.");
+  return [json] {
+    const std::vector<Finding> findings = examineMachine();
+    std::cout << (*json ? describeJson(findings) : describe(findings)) << std::flush;
+    if (!std::cout) throw failure("cannot write the findings to standard output");
+    const bool bad = std::ranges::count(findings, Verdict::bad, &Finding::verdict) > 0;
+    return bad ? ExitCode::failed : ExitCode::done;
+  };
+}
+
 }  // namespace
 
 std::vector<Finding> examineMachine() {
@@ -281,6 +283,11 @@ std::string describeJson(const std::vector<Finding>& findings) {
     text += line.dump() + '\n';
   }
   return text;
+}
+
+Verb doctorVerb() {
+  return {"doctor", "Whether this machine can run the haptic client, and what to change",
+          prepareDoctor};
 }
 
 }  // namespace palpate

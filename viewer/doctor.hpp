@@ -1,7 +1,6 @@
 #pragma once
 
-#include <string>
-#include <vector>
+#include "common/base/program.hpp"
 
 namespace palpate {
 
@@ -26,5 +25,9 @@ std::vector<Finding> examineMachine();
 /// For a person, one or two lines per finding; and one JSON object per line.
 std::string describe(const std::vector<Finding>& findings);
 std::string describeJson(const std::vector<Finding>& findings);
+
+/// The verb `doctor` of palpate-viewer: prints what was found. Exit 0, or 1 when something will not
+/// work.
+Verb doctorVerb();
 
 }  // namespace palpate

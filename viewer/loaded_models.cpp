@@ -20,6 +20,7 @@ constexpr auto tell_every = 1s;
 constexpr int least_priority = 19;  // nice
 
 void prepareFirstMethod(HapticModel& model) {
+  // Beside, so that whoever waits for a large dataset sees that something happens.
   auto prepared = std::async(std::launch::async, [&] { model.prepare(0); });
   while (prepared.wait_for(tell_every) != std::future_status::ready)
     spdlog::info("{}: preparing {}, {:.0f} % of {} active nodes", model.file(), model.methods()[0],
@@ -36,6 +37,7 @@ LoadedModels::LoadedModels(std::vector<std::filesystem::path> files,
   HapticModelOptions unprepared = options;
   unprepared.prepare = false;
   for (const std::filesystem::path& file : files_) {
+    // Before it is read: a file that is replaced meanwhile is another one afterwards.
     identities_.push_back(identityOf(file));
     const Dataset dataset(file);
     models_.push_back(std::make_unique<HapticModel>(dataset, unprepared));
@@ -52,6 +54,7 @@ void LoadedModels::prepareTheRest() {
       for (std::size_t method = 1; method < model->methods().size(); ++method) try {
           model->prepare(method, stop);
         } catch (const std::exception& error) {
+          // The others go on: one method that needs too much memory is no reason to end.
           spdlog::warn("{}: no method {}: {}", model->file(), model->methods()[method],
                        error.what());
         }

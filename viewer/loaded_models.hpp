@@ -1,13 +1,8 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
-#include <string>
 #include <thread>
-#include <vector>
 
 #include "common/scene/device_profile.hpp"
 #include "viewer/haptics/haptic_model.hpp"

@@ -2,7 +2,7 @@
 
 #include "common/base/program.hpp"
 #include "viewer/devices/device_command.hpp"
-#include "viewer/doctor_command.hpp"
+#include "viewer/doctor.hpp"
 #include "viewer/query_command.hpp"
 #include "viewer/report/report_command.hpp"
 #include "viewer/view_command.hpp"

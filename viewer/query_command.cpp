@@ -20,19 +20,15 @@ auto plain(const Eigen::MatrixBase<Derived>& values) {
 
 nlohmann::ordered_json toJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
-nlohmann::ordered_json numberOrNull(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nullptr;
-}
-
 std::string describeJson(const Eigen::Vector3d& displacement, const ForceSample& sample,
                          std::string_view method) {
-  nlohmann::ordered_json answer;
+  nlohmann::ordered_json answer;  // prints what is not finite as null
   answer["displacement"] = toJson(displacement);
   answer["force"] = toJson(sample.force);
   for (int row = 0; row < 3; ++row)
     answer["stiffness"].push_back(toJson(sample.stiffness.row(row)));
-  answer["energy"] = numberOrNull(sample.energy + 0.0);
-  answer["error_bound"] = numberOrNull(sample.error_bound);
+  answer["energy"] = sample.energy + 0.0;
+  answer["error_bound"] = sample.error_bound;
   answer["coverage"] = sample.coverage;
   answer["inside"] = sample.inside;
   answer["method"] = method;
@@ -58,11 +54,11 @@ std::string describeGaps(const SpaceTable& space, const Eigen::Vector3d& displac
   for (int c = 0; c < 8; ++c) {
     LatticePoint corner{};
     for (int axis = 0; axis < 3; ++axis)
-      corner[static_cast<std::size_t>(axis)] =
+      corner[axis] =
           lattice.divisions() *
-          (static_cast<std::int32_t>(std::floor(displacement[axis] / lattice.spacing())) +
-           (c >> axis & 1));
+          (static_cast<int>(std::floor(displacement[axis] / lattice.spacing())) + (c >> axis & 1));
     const auto number = lattice.indexOf(corner);
+    // Corners of the cell that are no lattice point lie outside of the ball.
     beyond += number ? 0 : 1;
     if (!number || isSolved(space.points[*number].tag)) continue;
     const PointRecord& point = space.points[*number];
@@ -107,76 +103,53 @@ const SpaceTable& spaceToQuery(const Dataset& dataset, const std::string& active
                  dataset.file().string(), fmt::join(names, ", "));
 }
 
-/// Answers displacements of one space.
-class Query {
- public:
-  Query(const QueryOptions& options, std::ostream& output)
-      : dataset_(options.dataset),
-        space_(spaceToQuery(dataset_, options.active)),
-        field_(makeForceField(options.method, space_)),
-        json_(options.json),
-        output_(output) {}
-
-  void answer(const Eigen::Vector3d& displacement) {
-    ForceSample sample = field_->evaluate(displacement);
-    sample.force = plain(sample.force);
-    sample.stiffness = plain(sample.stiffness);
-    outside_ += sample.inside ? 0 : 1;
-    output_ << (json_ ? describeJson(displacement, sample, field_->name())
-                      : describeForPerson(space_, displacement, sample, field_->name()));
-    output_.flush();
-    if (!output_) throw failure("cannot write the answer to standard output");
-  }
-  bool allInside() const { return outside_ == 0; }
-  double workspaceRadius() const { return space_.lattice.radius(); }
-
- private:
-  Dataset dataset_;
-  const SpaceTable& space_;
-  std::unique_ptr<ForceField> field_;
-  bool json_;
-  std::ostream& output_;
-  int outside_ = 0;
-};
+std::function<ExitCode()> prepareQuery(CLI::App& app) {
+  auto options = std::make_shared<QueryOptions>();
+  app.add_option("DATASET", options->dataset, "Sealed dataset, OUT.h5, as palpate build makes it")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--active", options->active, "Active node; not needed when there is only one")
+      ->type_name("NAME");
+  addDisplacementOption(app, options->displacement);
+  app.add_option("--method", options->method,
+                 fmt::format("Interpolation: {}", fmt::join(forceFieldMethods(), " or ")))
+      ->capture_default_str();
+  app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
+  app.footer(
+      "Prints the force on the tool in N and the stiffness d force / d displacement in N/m.\n"
+      "coverage (--json): share of the answer that stands on solved lattice points of one branch.\n"
+      "Exit codes: 0 done, 1 failed, 2 wrong usage, "
+      "3 some displacement lies outside of the workspace ball, or\n"
+      "where nothing around was solved (it is answered all the same, and marked), "
+      "130 interrupted.");
+  return [options] { return query(*options, std::cin, std::cout); };
+}
 
 }  // namespace
 
 ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& output) {
-  Query query(options, output);
-  forEachDisplacement(options.displacement, input, query.workspaceRadius(),
-                      [&](const Eigen::Vector3d& displacement) { query.answer(displacement); });
-  return query.allInside() ? ExitCode::done : ExitCode::partly_failed;
+  const Dataset dataset(options.dataset);
+  const SpaceTable& space = spaceToQuery(dataset, options.active);
+  const std::unique_ptr<ForceField> field = makeForceField(options.method, space);
+  ExitCode code = ExitCode::done;
+  const auto answer = [&](const Eigen::Vector3d& displacement) {
+    ForceSample sample = field->evaluate(displacement);
+    sample.force = plain(sample.force);
+    sample.stiffness = plain(sample.stiffness);
+    if (!sample.inside) code = ExitCode::partly_failed;
+    // At once: whoever asks line by line waits for each answer.
+    output << (options.json ? describeJson(displacement, sample, field->name())
+                            : describeForPerson(space, displacement, sample, field->name()))
+           << std::flush;
+    if (!output) throw failure("cannot write the answer to standard output");
+  };
+  forEachDisplacement(options.displacement, input, space.lattice.radius(), answer);
+  return code;
 }
 
 Verb queryVerb() {
-  return {
-      "query", "Interpolated force and stiffness at displacements of an active node",
-      [](CLI::App& app) {
-        auto options = std::make_shared<QueryOptions>();
-        app.add_option("DATASET", options->dataset,
-                       "Sealed dataset, OUT.h5, as palpate build makes it")
-            ->required()
-            ->type_name("FILE");
-        app.add_option("--active", options->active,
-                       "Active node; not needed when there is only one")
-            ->type_name("NAME");
-        addDisplacementOption(app, options->displacement);
-        app.add_option("--method", options->method,
-                       fmt::format("Interpolation: {}", fmt::join(forceFieldMethods(), " or ")))
-            ->capture_default_str();
-        app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
-        app.footer(
-            "Prints the force on the tool in N and the stiffness d force / d displacement in "
-            "N/m.\n"
-            "coverage (--json): share of the answer that stands on solved lattice points of one "
-            "branch.\n"
-            "Exit codes: 0 done, 1 failed, 2 wrong usage, "
-            "3 some displacement lies outside of the workspace ball, or\n"
-            "where nothing around was solved (it is answered all the same, and marked), "
-            "130 interrupted.");
-        return std::function<ExitCode()>(
-            [options] { return query(*options, std::cin, std::cout); });
-      }};
+  return {"query", "Interpolated force and stiffness at displacements of an active node",
+          prepareQuery};
 }
 
 }  // namespace palpate

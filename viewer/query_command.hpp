@@ -1,9 +1,6 @@
 #pragma once
 
-#include <filesystem>
 #include <iosfwd>
-#include <string>
-#include <vector>
 
 #include "common/base/program.hpp"
 

@@ -1,6 +1,5 @@
 #include "viewer/view_command.hpp"
 
-#include <array>
 #include <iostream>
 #include <memory>
 
@@ -36,72 +35,62 @@ void check(const ViewOptions& options) {
     throw badInput("--headless draws no picture: leave it out for --screenshot and --record-video");
 }
 
-std::optional<ContactMode> contactNamed(const std::string& name) {
-  if (name.empty()) return {};
-  return name == word(ContactMode::glued) ? ContactMode::glued : ContactMode::unilateral;
+CLI::IsMember oneOf(std::span<const std::string_view> words) {
+  return CLI::IsMember(std::vector<std::string>(words.begin(), words.end()));
+}
+
+std::function<ExitCode()> prepareView(CLI::App& app) {
+  auto options = std::make_shared<ViewOptions>();
+  auto contact = std::make_shared<std::string>();
+  app.add_option("DATASET", options->datasets,
+                 "Sealed datasets, OUT.h5; with several the picture switches between them")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--device", options->device, deviceHelp())
+      ->type_name("WORD")
+      ->capture_default_str();
+  app.add_option("--profile", options->profile,
+                 "Limits of force and stiffness as of this device; default: the device's own")
+      ->check(oneOf(deviceWords()));
+  app.add_option("--method", options->method, "Interpolation to begin with")
+      ->check(CLI::IsMember(forceFieldMethods()))
+      ->capture_default_str();
+  app.add_option("--contact", *contact, "How the tool touches; default: what the scene says")
+      ->check(oneOf(contactWords()));
+  app.add_option("--friction", options->friction, "Coulomb's coefficient of unilateral contact")
+      ->capture_default_str();
+  app.add_option(
+         "--reach", options->reach,
+         "m around active nodes in which the surface can be touched; 0: up to the next nodes")
+      ->capture_default_str();
+  app.add_option("--rate", options->rate, "Ticks per second")->capture_default_str();
+  app.add_option("--duration", options->duration, "s after which it ends; 0: never")
+      ->capture_default_str();
+  app.add_flag("--headless", options->headless, "No picture; needs no display");
+  app.add_flag("--fast", options->fast, "Tick after tick without a clock (virtual hand, replay)");
+  app.add_flag("--real-time", options->real_time, "Ask for SCHED_FIFO and locked memory");
+  app.add_option("--record", options->record, "Write every tick to FILE")->type_name("FILE");
+  app.add_option("--screenshot", options->screenshot, "Write the last picture to FILE, PNG")
+      ->type_name("FILE");
+  app.add_option("--record-video", options->video, "Write every picture to DIR, numbered PNG")
+      ->type_name("DIR");
+  app.add_flag("--json", options->json, "Print the measurements as one JSON object at the end");
+  app.footer(
+      "Ends with the window, --duration, the end of a replay, or Ctrl-C; "
+      "then prints what the loop measured.\n"
+      "The force is limited to the device's at all times (docs/client.md). Exit codes: "
+      "0 done, 1 failed, 2 wrong usage, 130 interrupted.");
+  return [options, contact] {
+    if (!contact->empty())
+      options->contact =
+          *contact == word(ContactMode::glued) ? ContactMode::glued : ContactMode::unilateral;
+    check(*options);
+    return ViewSession(*options).run(std::cout);
+  };
 }
 
 }  // namespace
 
-ExitCode view(const ViewOptions& options, std::ostream& output) {
-  check(options);
-  ViewSession session(options);
-  return session.run(output);
-}
-
-Verb viewVerb() {
-  return {
-      "view", "Feel and see a dataset: the haptic client", [](CLI::App& app) {
-        auto options = std::make_shared<ViewOptions>();
-        auto contact = std::make_shared<std::string>();
-        app.add_option("DATASET", options->datasets,
-                       "Sealed datasets, OUT.h5; with several the picture switches between them")
-            ->required()
-            ->type_name("FILE");
-        app.add_option("--device", options->device, deviceHelp())
-            ->type_name("WORD")
-            ->capture_default_str();
-        std::vector<std::string> profiles(deviceWords().begin(), deviceWords().end());
-        app.add_option("--profile", options->profile,
-                       "Limits of force and stiffness as of this device; default: the device's own")
-            ->check(CLI::IsMember(profiles));
-        app.add_option("--method", options->method, "Interpolation to begin with")
-            ->check(CLI::IsMember(forceFieldMethods()))
-            ->capture_default_str();
-        app.add_option("--contact", *contact, "How the tool touches; default: what the scene says")
-            ->check(CLI::IsMember(
-                std::vector<std::string>(contactWords().begin(), contactWords().end())));
-        app.add_option("--friction", options->friction,
-                       "Coulomb's coefficient of unilateral contact")
-            ->capture_default_str();
-        app.add_option(
-               "--reach", options->reach,
-               "m around active nodes in which the surface can be touched; 0: up to the next nodes")
-            ->capture_default_str();
-        app.add_option("--rate", options->rate, "Ticks per second")->capture_default_str();
-        app.add_option("--duration", options->duration, "s after which it ends; 0: never")
-            ->capture_default_str();
-        app.add_flag("--headless", options->headless, "No picture; needs no display");
-        app.add_flag("--fast", options->fast,
-                     "Tick after tick without a clock (virtual hand, replay)");
-        app.add_flag("--real-time", options->real_time, "Ask for SCHED_FIFO and locked memory");
-        app.add_option("--record", options->record, "Write every tick to FILE")->type_name("FILE");
-        app.add_option("--screenshot", options->screenshot, "Write the last picture to FILE, PNG")
-            ->type_name("FILE");
-        app.add_option("--record-video", options->video, "Write every picture to DIR, numbered PNG")
-            ->type_name("DIR");
-        app.add_flag("--json", options->json,
-                     "Print the measurements as one JSON object at the end");
-        app.footer(
-            "Ends with the window, --duration, the end of a replay, or Ctrl-C; "
-            "then prints what the loop measured.\n"
-            "The force is limited to the device's at all times (docs/client.md). Exit codes: "
-            "0 done, 1 failed, 2 wrong usage, 130 interrupted.");
-        return std::function<ExitCode()>([options, contact] {
-          options->contact = contactNamed(*contact);
-          return view(*options, std::cout);
-        });
-      }};
-}
+Verb viewVerb() { return {"view", "Feel and see a dataset: the haptic client", prepareView}; }
 
 }  // namespace palpate

@@ -22,9 +22,9 @@ constexpr auto headless_pause = std::chrono::milliseconds(20);
 constexpr auto look_every = std::chrono::milliseconds(500);  // at files, troubles and statistics
 
 DeviceProfile profileNamed(std::string_view word) {
-  const auto all = deviceProfiles();
-  return *std::find_if(all.begin(), all.end(),
-                       [&](const DeviceProfile& p) { return p.name == word; });
+  const auto found = std::ranges::find(deviceProfiles(), word, &DeviceProfile::name);
+  PALPATE_ASSERT(found != deviceProfiles().end(), "the command line and scenes take known words");
+  return *found;
 }
 
 /// N/m, the largest of all spaces at rest.
@@ -46,13 +46,15 @@ ViewSession::ViewSession(const ViewOptions& options) : options_(options) {
   if (!options_.record.empty()) refuseUnwritable(options_.record, "--record");
   if (!options_.screenshot.empty()) refuseUnwritable(options_.screenshot, "--screenshot");
   if (!options_.video.empty()) video_.emplace(options_.video);
+  // The device last: until then nothing that fails leaves it with a force.
   loaded_ = load();
   if (!options_.headless) openPicture();
   device_ = openDevice(options_.device, {&loaded_->first(), 1 / options_.rate, wantedProfile()});
   makeTick();
   if (!options_.record.empty())
     recorder_.emplace(describeRun(loaded_->pointers(), *device_, tick_->options()));
-  ticks_ = static_cast<std::uint64_t>(std::llround(options_.duration * options_.rate));
+  ticks_ = std::llround(options_.duration * options_.rate);
+  // A replay ends with its recording.
   if (ticks_ == 0) ticks_ = device_->readings();
 }
 
@@ -60,7 +62,7 @@ std::unique_ptr<LoadedModels> ViewSession::load() const {
   HapticModelOptions model_options;
   model_options.reach = options_.reach;
   std::erase(model_options.methods, options_.method);
-  // Where nobody can choose another, no other is made.
+  // Where nobody can choose another, no other is made: each takes seconds and memory.
   if (options_.headless || stepped()) model_options.methods.clear();
   model_options.methods.insert(model_options.methods.begin(), options_.method);
   return std::make_unique<LoadedModels>(options_.datasets, model_options);
@@ -83,6 +85,7 @@ DeviceProfile ViewSession::limits() const {
   DeviceProfile limits = device_->profile();
   if (options_.profile.empty()) return limits;
   const DeviceProfile asked = profileNamed(options_.profile);
+  // Asking for more than the device has would not be honoured by it.
   limits.max_force = std::min(limits.max_force, asked.max_force);
   limits.max_stiffness = std::min(limits.max_stiffness, asked.max_stiffness);
   return limits;
@@ -103,9 +106,9 @@ void ViewSession::makeTick() {
 void ViewSession::announce() const {
   const HapticModel& model = loaded_->first();
   const TickOptions& used = tick_->options();
-  std::int32_t touchable = 0;
-  const auto triangles = static_cast<std::int32_t>(model.surface().triangles().size());
-  for (std::int32_t t = 0; t < triangles; ++t) touchable += model.surface().touchable(t) ? 1 : 0;
+  int touchable = 0;
+  const std::size_t triangles = model.surface().triangles().size();
+  for (std::size_t t = 0; t < triangles; ++t) touchable += model.surface().touchable(t);
   spdlog::info(
       "{}: {} active node(s), {} of {} surface triangles can be touched, method {}, contact {}",
       model.file(), model.spaces().size(), touchable, triangles, options_.method,
@@ -124,8 +127,7 @@ void ViewSession::announce() const {
 
 /// Ticks and pictures in turn, by the time of the ticks alone: the same pictures on every machine.
 void ViewSession::runStepped() {
-  const auto ticks_per_frame = std::max<std::uint64_t>(
-      1, static_cast<std::uint64_t>(options_.rate / video_frames_per_second));
+  const auto ticks_per_frame = std::max<std::uint64_t>(1, options_.rate / video_frames_per_second);
   statistics_.rate = options_.rate;
   for (std::uint64_t done = 0; done < ticks_ && !over();) {
     const std::uint64_t goal = std::min(ticks_, done + ticks_per_frame);
@@ -168,6 +170,7 @@ void ViewSession::runLoop() {
       continue;
     }
     obey(drawFrame(loop_ ? loop_->latest() : tick_->state()));
+    // A picture that took too long does not hurry the next ones.
     next = std::max(next + std::chrono::microseconds(static_cast<int>(1e6 / frames_per_second)),
                     std::chrono::steady_clock::now());
     std::this_thread::sleep_until(next);
@@ -213,6 +216,7 @@ PictureRequests ViewSession::drawFrame(const HapticState& state) {
 }
 
 void ViewSession::obey(const PictureRequests& requests) {
+  // While no loop runs, nobody else uses the tick.
   const auto command = [&](const HapticCommand& what) {
     if (loop_)
       loop_->command(what);
@@ -222,12 +226,7 @@ void ViewSession::obey(const PictureRequests& requests) {
   if (requests.use) command({HapticCommand::Kind::use, requests.use->model, requests.use->method});
   if (requests.release) command({HapticCommand::Kind::release});
   if (requests.mouse_target) device_->moveTo(*requests.mouse_target);
-  if (requests.pause && !stepped()) {
-    if (loop_)
-      endLoop();
-    else
-      startLoop();
-  }
+  if (requests.pause && !stepped()) loop_ ? endLoop() : startLoop();
   if (requests.reload) reload();
   quit_ = quit_ || requests.quit;
 }
@@ -246,6 +245,7 @@ void ViewSession::reload() {
     spdlog::warn("{}", status_.notice);
     return;
   }
+  // The old models go only now that the new ones are there.
   const bool ran = loop_ != nullptr;
   endLoop();
   tick_.reset();

@@ -12,7 +12,7 @@
 #include "common/base/error.hpp"
 
 /// What datasets and recordings need of the HDF5 C API. Not thread-safe, as the library is not. For
-/// common/dataset, viewer/haptics/recording.cpp and viewer/report/dataset_sizes.cpp only.
+/// common/dataset, viewer/haptics/recording.cpp and viewer/report/dataset_facts.cpp only.
 namespace palpate::hdf5 {
 
 /// Turns off HDF5's own printing to stderr; called by every Reader and Writer.

@@ -47,7 +47,7 @@ struct LeafPlace {
 /// reach into the workspace ball, those that refinement split replaced by their eighths that do,
 /// and so on. Together they contain the whole ball. A method that interpolates from nodal data
 ///   1. takes those of the solved slots from the space,
-///   2. fills those of the ghosts (slot_equilibria.hpp),
+///   2. fills those of the ghosts (viewer/fields/cell_data.hpp),
 ///   3. fills those of the hanging slots in the order of hangingSlots(), each by evaluating itself
 ///   in
 ///      the slot's coarser leaf, whose corners are complete by then (fillHanging),

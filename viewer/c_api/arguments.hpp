@@ -1,12 +1,60 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
+#include <cstring>
+#include <new>
 
-#include "viewer/c_api/last_error.hpp"
+#include "common/base/error.hpp"
+#include "common/base/index.hpp"
+#include "viewer/c_api/palpate.h"
 
 namespace palpate {
+
+/// Text of the last failure of this thread, for palpate_last_error; cut where it does not fit.
+using ErrorText = std::array<char, 1024>;
+ErrorText& lastErrorText() noexcept;
+
+/// Records a failure of this thread and gives back its status. Does not allocate (the first failure
+/// of a thread may: its text comes to be).
+template <class... Args>
+palpate_status fail(palpate_status status, fmt::format_string<Args...> format,
+                    Args&&... args) noexcept {
+  ErrorText& text = lastErrorText();
+  try {
+    const auto written =
+        fmt::format_to_n(text.data(), text.size() - 1, format, std::forward<Args>(args)...).size;
+    text[std::min(written, text.size() - 1)] = '\0';
+  } catch (...) {
+    std::strcpy(text.data(), "failed, and the text that says why could not be made");
+  }
+  return status;
+}
+
+template <class... Args>
+palpate_status invalid(fmt::format_string<Args...> format, Args&&... args) noexcept {
+  return fail(PALPATE_INVALID_ARGUMENT, format, std::forward<Args>(args)...);
+}
+
+/// Runs what may throw. An Error is about the file that is being opened: arguments were looked at
+/// before.
+template <class Work>
+palpate_status withoutExceptions(const char* function, Work&& work) noexcept {
+  try {
+    std::forward<Work>(work)();
+    return PALPATE_OK;
+  } catch (const std::bad_alloc&) {
+    return fail(PALPATE_OUT_OF_MEMORY, "{}: there is not enough memory; prepare fewer methods",
+                function);
+  } catch (const Error& error) {
+    return fail(PALPATE_BAD_FILE, "{}: {}", function, error.what());
+  } catch (const std::exception& error) {
+    return fail(PALPATE_FAILED, "{}: {}", function, error.what());
+  } catch (...) {
+    return fail(PALPATE_FAILED, "{}: an exception of an unknown kind", function);
+  }
+}
 
 // Checks of arguments. Each tells whether the argument can be used, and records what is wrong with
 // it.
@@ -14,6 +62,58 @@ namespace palpate {
 inline bool isThere(const char* function, const char* name, const void* pointer) noexcept {
   if (pointer == nullptr) invalid("{}: {} is NULL", function, name);
   return pointer != nullptr;
+}
+
+/// sizeof each structure when it was published first: callers with smaller ones do not exist.
+constexpr std::size_t firstSize(const palpate_open_options*) { return 32; }
+constexpr std::size_t firstSize(const palpate_dataset_info*) { return 64; }
+constexpr std::size_t firstSize(const palpate_space_info*) { return 72; }
+constexpr std::size_t firstSize(const palpate_sample*) { return 136; }
+constexpr std::size_t firstSize(const palpate_contact_options*) { return 48; }
+constexpr std::size_t firstSize(const palpate_touch*) { return 360; }
+constexpr std::size_t firstSize(const palpate_profile*) { return 40; }
+constexpr std::size_t firstSize(const palpate_guard_options*) { return 64; }
+constexpr std::size_t firstSize(const palpate_guarded_force*) { return 48; }
+
+/// Whether a structure of the caller is there and of a size that this library knows; records what
+/// is wrong.
+template <class Struct>
+bool sizeIsKnown(const char* function, const char* name, const Struct* given) noexcept {
+  constexpr std::size_t first_size = firstSize(static_cast<Struct*>(nullptr));
+  static_assert(first_size <= sizeof(Struct));
+  if (!isThere(function, name, given)) return false;
+  if (given->size >= first_size && given->size <= sizeof(Struct)) return true;
+  invalid(
+      "{}: {}->size is {}, not {}; set it to sizeof(*{}), and use a library as new as palpate.h",
+      function, name, given->size, sizeof(Struct), name);
+  return false;
+}
+
+/// Copies what the caller's structure has of `value`, and keeps its size. Its size is known.
+template <class Struct>
+void give(Struct* to, Struct value) noexcept {
+  value.size = to->size;
+  std::memcpy(to, &value, value.size);
+}
+
+/// `defaults` overwritten by what the caller's structure has. Its size is known.
+template <class Struct>
+Struct taken(const Struct* from, Struct defaults) noexcept {
+  std::memcpy(&defaults, from, from->size);
+  return defaults;
+}
+
+inline Eigen::Vector3d vectorOf(const double values[3]) noexcept {
+  return {values[0], values[1], values[2]};
+}
+inline Eigen::Matrix3d matrixOf(const double values[9]) noexcept {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values);
+}
+inline void give(double to[3], const Eigen::Vector3d& values) noexcept {
+  Eigen::Map<Eigen::Vector3d>{to} = values;
+}
+inline void give(double to[9], const Eigen::Matrix3d& values) noexcept {
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{to} = values;
 }
 
 inline bool isNumber(const char* function, const char* what, std::int32_t number,
@@ -29,21 +129,52 @@ inline bool isEnough(const char* function, std::size_t capacity, std::size_t nee
   return false;
 }
 
-inline bool isPositive(const char* function, const char* name, double value) noexcept {
-  if (value > 0 && std::isfinite(value)) return true;
-  invalid("{}: {} is {}; it must be finite and > 0", function, name, value);
+/// Whether a number that has no other limits is above zero, or zero.
+enum class Least { above_zero, zero };
+inline bool isFinite(const char* function, const char* name, double value, Least least) noexcept {
+  if (std::isfinite(value) && (least == Least::zero ? value >= 0 : value > 0)) return true;
+  invalid("{}: {} is {}; it must be finite and {} 0", function, name, value,
+          least == Least::zero ? ">=" : ">");
   return false;
 }
 
-inline bool isAtLeastZero(const char* function, const char* name, double value) noexcept {
-  if (value >= 0 && std::isfinite(value)) return true;
-  invalid("{}: {} is {}; it must be finite and >= 0", function, name, value);
-  return false;
+/// A number that a structure of options has, and its twin inside of the library.
+template <class Given, class Options>
+struct OptionNumber {
+  const char* name;  ///< "options->friction"
+  Least least;
+  double Given::*given;
+  double Options::*twin;
+};
+
+/// Copies all `numbers` of the library's options into the structure.
+template <class Given, class Options, class Numbers>
+void fillIn(Given& given, const Options& options, const Numbers& numbers) noexcept {
+  for (const auto& number : numbers) given.*number.given = options.*number.twin;
+}
+
+/// Copies them back. False when one of them cannot be used.
+template <class Given, class Options, class Numbers>
+bool takeOver(const char* function, const Given& given, Options& options,
+              const Numbers& numbers) noexcept {
+  for (const auto& number : numbers) {
+    if (!isFinite(function, number.name, given.*number.given, number.least)) return false;
+    options.*number.twin = given.*number.given;
+  }
+  return true;
+}
+
+/// Overwrites `chosen`, which holds the defaults, by what the caller's structure has; NULL is one
+/// that has nothing.
+template <class Struct>
+bool takeOptions(const char* function, const Struct* options, Struct& chosen) noexcept {
+  if (options == nullptr) return true;
+  if (!sizeIsKnown(function, "options", options)) return false;
+  chosen = taken(options, chosen);
+  return true;
 }
 
 /// Numbers in `triples` vertices or triangles.
-inline std::size_t countOf(std::int32_t triples) noexcept {
-  return 3 * static_cast<std::size_t>(triples);
-}
+inline std::size_t countOf(std::int32_t triples) noexcept { return 3 * at(triples); }
 
 }  // namespace palpate

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "common/base/assertion.hpp"
-#include "viewer/c_api/sized_struct.hpp"
+#include "viewer/c_api/arguments.hpp"
 
 namespace palpate {
 namespace {
@@ -22,7 +22,9 @@ palpate_space_info infoOf(const Dataset& dataset, const SpaceTable& space) {
   info.name = space.patch.name.c_str();
   info.node = space.patch.node;
   const auto& surface = dataset.surfaceNodes();
+  PALPATE_ASSERT(std::ranges::is_sorted(surface), "a surface numbers its nodes in their order");
   const auto place = std::lower_bound(surface.begin(), surface.end(), space.patch.node);
+  // An active node inside of the body is no vertex of what is seen.
   info.vertex = place != surface.end() && *place == space.patch.node
                     ? static_cast<std::int32_t>(place - surface.begin())
                     : -1;

@@ -1,9 +1,8 @@
-#include <cmath>
+#include <array>
 #include <memory>
 
 #include "viewer/c_api/arguments.hpp"
 #include "viewer/c_api/loaded_dataset.hpp"
-#include "viewer/c_api/sized_struct.hpp"
 #include "viewer/c_api/touch_struct.hpp"
 #include "viewer/haptics/contact.hpp"
 #include "viewer/haptics/deformed_shape.hpp"
@@ -14,7 +13,7 @@ struct palpate_contact {
   palpate_contact(const palpate_dataset& dataset, const ContactOptions& options,
                   std::int32_t method)
       : loaded(dataset.loaded), contact(loaded->model(), options) {
-    contact.use(loaded->model(), static_cast<std::size_t>(method));
+    contact.use(loaded->model(), at(method));
   }
   std::shared_ptr<const LoadedDataset> loaded;
   Contact contact;
@@ -22,45 +21,39 @@ struct palpate_contact {
 
 namespace {
 
-palpate_contact_options defaultsFor(const palpate_dataset& dataset) noexcept {
-  const ContactOptions usual;
-  return {.size = sizeof(palpate_contact_options),
-          .mode = dataset.loaded->info().contact_mode,
-          .method = 0,
-          .friction = usual.friction,
-          .grab_distance = usual.grab_distance,
-          .most_slide = usual.most_slide,
-          .most_relaxation = usual.most_relaxation};
+using Given = palpate_contact_options;
+constexpr std::array<OptionNumber<Given, ContactOptions>, 4> numbers = {
+    {{"options->friction", Least::zero, &Given::friction, &ContactOptions::friction},
+     {"options->grab_distance", Least::zero, &Given::grab_distance, &ContactOptions::grab_distance},
+     {"options->most_slide", Least::above_zero, &Given::most_slide, &ContactOptions::most_slide},
+     {"options->most_relaxation", Least::above_zero, &Given::most_relaxation,
+      &ContactOptions::most_relaxation}}};
+
+Given defaultsFor(const palpate_dataset& dataset) noexcept {
+  Given given{};
+  given.size = sizeof given;
+  given.mode = dataset.loaded->info().contact_mode;
+  fillIn(given, ContactOptions{}, numbers);
+  return given;
 }
 
-bool canBeUsed(const char* function, const palpate_contact_options& options,
-               const palpate_dataset& dataset) noexcept {
+/// False when the options cannot be used.
+bool translate(const char* function, const Given& options, const palpate_dataset& dataset,
+               ContactOptions& chosen) noexcept {
   if (options.mode != PALPATE_UNILATERAL && options.mode != PALPATE_GLUED) {
     invalid("{}: options->mode is {}; it is PALPATE_UNILATERAL or PALPATE_GLUED", function,
             options.mode);
     return false;
   }
-  if (!isAtLeastZero(function, "options->friction", options.friction) ||
-      !isAtLeastZero(function, "options->grab_distance", options.grab_distance) ||
-      !isPositive(function, "options->most_slide", options.most_slide) ||
-      !isPositive(function, "options->most_relaxation", options.most_relaxation))
-    return false;
-  return isNumber(function, "method", options.method, dataset.loaded->info().method_count);
-}
-
-ContactOptions contactOptions(const palpate_contact_options& options) noexcept {
-  ContactOptions chosen;
   chosen.mode = options.mode == PALPATE_GLUED ? ContactMode::glued : ContactMode::unilateral;
-  chosen.friction = options.friction;
-  chosen.grab_distance = options.grab_distance;
-  chosen.most_slide = options.most_slide;
-  chosen.most_relaxation = options.most_relaxation;
-  return chosen;
+  return takeOver(function, options, chosen, numbers) &&
+         isNumber(function, "method", options.method, dataset.loaded->info().method_count);
 }
 
 /// Whether a touch that the caller may have put together names triangles and spaces that there are.
 bool belongsTo(const char* function, const palpate_touch& touch,
                const palpate_dataset_info& info) noexcept {
+  // The rest of such a touch is not read.
   if (touch.touching == 0) return true;
   if (!isNumber(function, "triangle", touch.triangle, info.triangle_count)) return false;
   if (touch.share_count < 1 || touch.share_count > PALPATE_MOST_SHARES) {
@@ -87,17 +80,15 @@ palpate_status palpate_contact_create(const palpate_dataset* dataset,
                                       const palpate_contact_options* options,
                                       palpate_contact** contact) {
   if (!isThere(__func__, "contact", contact)) return PALPATE_INVALID_ARGUMENT;
+  // Whatever fails, the caller holds no handle.
   *contact = nullptr;
   if (!isThere(__func__, "dataset", dataset)) return PALPATE_INVALID_ARGUMENT;
-  palpate_contact_options chosen = defaultsFor(*dataset);
-  if (options != nullptr) {
-    if (!sizeIsKnown(__func__, "options", options)) return PALPATE_INVALID_ARGUMENT;
-    chosen = taken(options, chosen);
-  }
-  if (!canBeUsed(__func__, chosen, *dataset)) return PALPATE_INVALID_ARGUMENT;
-  return withoutExceptions(__func__, [&] {
-    *contact = new palpate_contact(*dataset, contactOptions(chosen), chosen.method);
-  });
+  palpate_contact_options given = defaultsFor(*dataset);
+  ContactOptions chosen;
+  if (!takeOptions(__func__, options, given) || !translate(__func__, given, *dataset, chosen))
+    return PALPATE_INVALID_ARGUMENT;
+  return withoutExceptions(__func__,
+                           [&] { *contact = new palpate_contact(*dataset, chosen, given.method); });
 }
 
 void palpate_contact_destroy(palpate_contact* contact) { delete contact; }
@@ -125,7 +116,7 @@ palpate_status palpate_contact_use(palpate_contact* contact, const palpate_datas
   // The former model must be alive while use() compares the two.
   const std::shared_ptr<const LoadedDataset> former = contact->loaded;
   contact->loaded = dataset->loaded;
-  contact->contact.use(contact->loaded->model(), static_cast<std::size_t>(method));
+  contact->contact.use(contact->loaded->model(), at(method));
   return PALPATE_OK;
 }
 
@@ -141,7 +132,7 @@ palpate_status palpate_touch_displacements(const palpate_dataset* dataset,
   if (!isEnough(__func__, capacity, needed) || !belongsTo(__func__, known, info))
     return PALPATE_INVALID_ARGUMENT;
   return withoutExceptions(__func__, [&] {
-    DeformedShape shape(static_cast<std::size_t>(info.vertex_count));
+    DeformedShape shape(at(info.vertex_count));
     shape.evaluate(dataset->loaded->model(), toTouch(known), {displacements, needed});
   });
 }

@@ -2,9 +2,9 @@
 #include <functional>
 #include <mutex>
 
+#include "common/base/assertion.hpp"
 #include "viewer/c_api/arguments.hpp"
 #include "viewer/c_api/loaded_dataset.hpp"
-#include "viewer/c_api/sized_struct.hpp"
 #include "viewer/fields/field_choice.hpp"
 
 using namespace palpate;
@@ -24,7 +24,7 @@ bool methodsAreKnown(const char* function, const palpate_open_options& options) 
       return false;
     }
     const auto& known = forceFieldMethods();
-    if (std::find(known.begin(), known.end(), options.methods[m]) == known.end()) {
+    if (std::ranges::find(known, options.methods[m]) == known.end()) {
       invalid("{}: there is no method \"{}\"; there are: {}", function, options.methods[m],
               fmt::join(known, ", "));
       return false;
@@ -38,6 +38,7 @@ HapticModelOptions modelOptions(const palpate_open_options& given) {
   if (given.method_count > 0)
     options.methods.assign(given.methods, given.methods + given.method_count);
   options.reach = given.reach;
+  PALPATE_ASSERT(options.reach >= 0, "options that cannot be used were refused before");
   return options;
 }
 
@@ -45,12 +46,12 @@ HapticModelOptions modelOptions(const palpate_open_options& given) {
 template <class Elements, class NameOf>
 palpate_status find(const char* function, const char* what, std::string_view name,
                     const Elements& elements, NameOf nameOf, std::int32_t* number) noexcept {
-  const auto found = std::find_if(elements.begin(), elements.end(),
-                                  [&](const auto& element) { return nameOf(element) == name; });
+  const auto found = std::ranges::find(elements, name, nameOf);
   if (found != elements.end()) {
     *number = static_cast<std::int32_t>(found - elements.begin());
     return PALPATE_OK;
   }
+  // Only now: what is found needs no memory, so that looking up is cheap.
   std::string names;
   const palpate_status status = withoutExceptions(function, [&] {
     for (const auto& element : elements)
@@ -65,17 +66,17 @@ palpate_status find(const char* function, const char* what, std::string_view nam
 palpate_status palpate_dataset_open(const char* file, const palpate_open_options* options,
                                     palpate_dataset** dataset) {
   if (!isThere(__func__, "dataset", dataset)) return PALPATE_INVALID_ARGUMENT;
+  // Whatever fails, the caller holds no handle.
   *dataset = nullptr;
   if (!isThere(__func__, "file", file)) return PALPATE_INVALID_ARGUMENT;
   palpate_open_options chosen{};
-  if (options != nullptr) {
-    if (!sizeIsKnown(__func__, "options", options)) return PALPATE_INVALID_ARGUMENT;
-    chosen = taken(options, chosen);
-  }
-  if (!isAtLeastZero(__func__, "options->reach", chosen.reach)) return PALPATE_INVALID_ARGUMENT;
+  if (!takeOptions(__func__, options, chosen) ||
+      !isFinite(__func__, "options->reach", chosen.reach, Least::zero))
+    return PALPATE_INVALID_ARGUMENT;
   bool known = true;
   const char* const function = __func__;
   const palpate_status status = withoutExceptions(function, [&] {
+    // Inside: to list the methods takes memory.
     known = methodsAreKnown(function, chosen);
     if (!known) return;
     const std::lock_guard lock(readingMutex());
@@ -100,7 +101,7 @@ palpate_status palpate_dataset_space(const palpate_dataset* dataset, std::int32_
   if (!isThere(__func__, "dataset", dataset) || !sizeIsKnown(__func__, "info", info) ||
       !isNumber(__func__, "space", space, dataset->loaded->info().space_count))
     return PALPATE_INVALID_ARGUMENT;
-  give(info, dataset->loaded->spaces()[static_cast<std::size_t>(space)]);
+  give(info, dataset->loaded->spaces()[at(space)]);
   return PALPATE_OK;
 }
 
@@ -110,15 +111,15 @@ palpate_status palpate_dataset_find_space(const palpate_dataset* dataset, const 
       !isThere(__func__, "space", space))
     return PALPATE_INVALID_ARGUMENT;
   return find(
-      __func__, "active node", name, dataset->loaded->model().spaces(),
-      [](const SpaceTable& table) -> std::string_view { return table.patch.name; }, space);
+      __func__, "active node", name, dataset->loaded->spaces(),
+      [](const palpate_space_info& info) { return info.name; }, space);
 }
 
 const char* palpate_dataset_method(const palpate_dataset* dataset, std::int32_t method) {
   if (!isThere(__func__, "dataset", dataset) ||
       !isNumber(__func__, "method", method, dataset->loaded->info().method_count))
     return nullptr;
-  return dataset->loaded->model().methods()[static_cast<std::size_t>(method)].c_str();
+  return dataset->loaded->model().methods()[at(method)].c_str();
 }
 
 palpate_status palpate_dataset_find_method(const palpate_dataset* dataset, const char* name,
@@ -153,8 +154,7 @@ palpate_status palpate_dataset_triangles(const palpate_dataset* dataset, std::in
 palpate_status palpate_dataset_touchable(const palpate_dataset* dataset, std::uint8_t* touchable,
                                          std::size_t capacity) {
   if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "touchable", touchable) ||
-      !isEnough(__func__, capacity,
-                static_cast<std::size_t>(dataset->loaded->info().triangle_count)))
+      !isEnough(__func__, capacity, at(dataset->loaded->info().triangle_count)))
     return PALPATE_INVALID_ARGUMENT;
   const TouchSurface& surface = dataset->loaded->model().surface();
   for (std::int32_t t = 0; t < dataset->loaded->info().triangle_count; ++t)
@@ -171,9 +171,7 @@ palpate_status palpate_query(const palpate_dataset* dataset, std::int32_t space,
       !isNumber(__func__, "method", method, dataset->loaded->info().method_count))
     return PALPATE_INVALID_ARGUMENT;
   const ForceSample answer =
-      dataset->loaded->model()
-          .field(static_cast<std::size_t>(method), static_cast<std::size_t>(space))
-          .evaluate(vectorOf(displacement));
+      dataset->loaded->model().field(at(method), at(space)).evaluate(vectorOf(displacement));
   palpate_sample given{};
   give(given.force, answer.force);
   give(given.stiffness, answer.stiffness);
@@ -194,9 +192,8 @@ palpate_status palpate_displacements(const palpate_dataset* dataset, std::int32_
     return PALPATE_INVALID_ARGUMENT;
   const std::size_t needed = countOf(dataset->loaded->info().vertex_count);
   if (!isEnough(__func__, capacity, needed)) return PALPATE_INVALID_ARGUMENT;
-  const bool in_ball = dataset->loaded->model()
-                           .shape(static_cast<std::size_t>(space))
-                           .evaluate(vectorOf(displacement), {displacements, needed});
+  const bool in_ball = dataset->loaded->model().shape(at(space)).evaluate(vectorOf(displacement),
+                                                                          {displacements, needed});
   if (inside != nullptr) *inside = in_ball ? 1 : 0;
   return PALPATE_OK;
 }

@@ -1,15 +1,14 @@
 #include <algorithm>
+#include <array>
 
 #include "common/scene/device_profile.hpp"
 #include "viewer/c_api/arguments.hpp"
-#include "viewer/c_api/sized_struct.hpp"
 #include "viewer/c_api/touch_struct.hpp"
 #include "viewer/haptics/force_guard.hpp"
 
 using namespace palpate;
 
 struct palpate_guard {
-  explicit palpate_guard(const GuardOptions& options) : guard(options) {}
   ForceGuard guard;
 };
 
@@ -30,46 +29,30 @@ constexpr std::uint32_t known_flags =
 
 const DeviceProfile* profileNamed(const char* function, std::string_view name) {
   const auto profiles = deviceProfiles();
-  const auto found =
-      std::find_if(profiles.begin(), profiles.end(),
-                   [&](const DeviceProfile& profile) { return profile.name == name; });
+  const auto found = std::ranges::find(profiles, name, &DeviceProfile::name);
   if (found != profiles.end()) return &*found;
   invalid("{}: there is no device \"{}\"; there are: {}", function, name,
           fmt::join(deviceWords(), ", "));
   return nullptr;
 }
 
-palpate_guard_options toStruct(const GuardOptions& options) noexcept {
-  return {.size = sizeof(palpate_guard_options),
-          .period = options.period,
-          .max_force = options.max_force,
-          .max_slew = options.max_slew,
-          .ramp = options.ramp,
-          .stall = options.stall,
-          .max_stiffness = options.max_stiffness,
-          .energy_credit = options.energy_credit};
-}
+using Options = palpate_guard_options;
+constexpr std::array<OptionNumber<Options, GuardOptions>, 7> limits = {
+    {{"options->period", Least::above_zero, &Options::period, &GuardOptions::period},
+     {"options->max_force", Least::above_zero, &Options::max_force, &GuardOptions::max_force},
+     {"options->max_slew", Least::above_zero, &Options::max_slew, &GuardOptions::max_slew},
+     {"options->ramp", Least::above_zero, &Options::ramp, &GuardOptions::ramp},
+     {"options->stall", Least::above_zero, &Options::stall, &GuardOptions::stall},
+     {"options->max_stiffness", Least::above_zero, &Options::max_stiffness,
+      &GuardOptions::max_stiffness},
+     {"options->energy_credit", Least::zero, &Options::energy_credit,
+      &GuardOptions::energy_credit}}};
 
-GuardOptions guardOptions(const palpate_guard_options& options) noexcept {
-  GuardOptions chosen;
-  chosen.period = options.period;
-  chosen.max_force = options.max_force;
-  chosen.max_slew = options.max_slew;
-  chosen.ramp = options.ramp;
-  chosen.stall = options.stall;
-  chosen.max_stiffness = options.max_stiffness;
-  chosen.energy_credit = options.energy_credit;
-  return chosen;
-}
-
-bool canBeUsed(const char* function, const palpate_guard_options& options) noexcept {
-  return isPositive(function, "options->period", options.period) &&
-         isPositive(function, "options->max_force", options.max_force) &&
-         isPositive(function, "options->max_slew", options.max_slew) &&
-         isPositive(function, "options->ramp", options.ramp) &&
-         isPositive(function, "options->stall", options.stall) &&
-         isPositive(function, "options->max_stiffness", options.max_stiffness) &&
-         isAtLeastZero(function, "options->energy_credit", options.energy_credit);
+Options toStruct(const GuardOptions& options) noexcept {
+  Options given{};
+  given.size = sizeof given;
+  fillIn(given, options, limits);
+  return given;
 }
 
 /// Zero is in `guarded` when it can be written.
@@ -77,10 +60,12 @@ bool canBeLimited(const char* function, const palpate_guard* guard, const double
                   const palpate_touch* touch, std::uint32_t flags,
                   palpate_guarded_force* guarded) noexcept {
   if (!sizeIsKnown(function, "guarded", guarded)) return false;
+  // Before anything can fail: who sends it without a look at the status sends nothing harmful.
   give(guarded, palpate_guarded_force{});
   if (!isThere(function, "guard", guard) || !isThere(function, "tool", tool) ||
       !sizeIsKnown(function, "touch", touch))
     return false;
+  // A flag of a later version may mean "stop": better no force than one that ignores it.
   if ((flags & ~known_flags) == 0) return true;
   invalid("{}: flags {:#x} has bits without a meaning; see palpate.h", function, flags);
   return false;
@@ -113,7 +98,8 @@ palpate_status palpate_device_profile(const char* name, palpate_profile* device)
 
 palpate_status palpate_guard_defaults(const char* device, double period,
                                       palpate_guard_options* options) {
-  if (!isPositive(__func__, "period", period) || !sizeIsKnown(__func__, "options", options))
+  if (!isFinite(__func__, "period", period, Least::above_zero) ||
+      !sizeIsKnown(__func__, "options", options))
     return PALPATE_INVALID_ARGUMENT;
   GuardOptions chosen;
   if (device != nullptr) {
@@ -129,13 +115,11 @@ palpate_status palpate_guard_defaults(const char* device, double period,
 palpate_status palpate_guard_create(const palpate_guard_options* options, palpate_guard** guard) {
   if (!isThere(__func__, "guard", guard)) return PALPATE_INVALID_ARGUMENT;
   *guard = nullptr;
-  palpate_guard_options chosen = toStruct(GuardOptions{});
-  if (options != nullptr) {
-    if (!sizeIsKnown(__func__, "options", options)) return PALPATE_INVALID_ARGUMENT;
-    chosen = taken(options, chosen);
-  }
-  if (!canBeUsed(__func__, chosen)) return PALPATE_INVALID_ARGUMENT;
-  return withoutExceptions(__func__, [&] { *guard = new palpate_guard(guardOptions(chosen)); });
+  GuardOptions chosen;
+  palpate_guard_options given = toStruct(chosen);
+  if (!takeOptions(__func__, options, given) || !takeOver(__func__, given, chosen, limits))
+    return PALPATE_INVALID_ARGUMENT;
+  return withoutExceptions(__func__, [&] { *guard = new palpate_guard{ForceGuard(chosen)}; });
 }
 
 void palpate_guard_destroy(palpate_guard* guard) { delete guard; }

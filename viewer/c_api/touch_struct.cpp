@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "viewer/c_api/sized_struct.hpp"
+#include "viewer/c_api/arguments.hpp"
 
 namespace palpate {
 
@@ -48,6 +48,7 @@ Touch toTouch(const palpate_touch& given) noexcept {
   touch.normal = vectorOf(given.normal);
   touch.displacement = vectorOf(given.displacement);
   touch.gap = given.gap;
+  // A touch may have been put together by the caller: nothing is read beyond the arrays.
   touch.blend.size = std::clamp(given.share_count, 0, PALPATE_MOST_SHARES);
   for (std::size_t s = 0; s < static_cast<std::size_t>(touch.blend.size); ++s)
     touch.blend.shares[s] = {given.share_spaces[s], given.share_weights[s]};

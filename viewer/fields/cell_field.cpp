@@ -2,23 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-
-#include "common/base/index.hpp"
-#include "viewer/fields/slot_equilibria.hpp"
 
 namespace palpate {
 namespace {
-
-/// Tri-linear interpolant of nodal values in a leaf.
-template <class Value>
-Value trilinear(const LeafCorners& corners, const Eigen::Vector3d& local,
-                const std::vector<Value>& values) {
-  const std::array<double, 8> weights = trilinearWeights(local);
-  Value sum = weights[0] * values[at(corners[0])];
-  for (std::size_t c = 1; c < 8; ++c) sum += weights[c] * values[at(corners[c])];
-  return sum;
-}
 
 /// Value (column 0) and derivatives along the axes in a leaf with unit edges (columns 1 to 3).
 template <int Rows, class Node>
@@ -45,90 +31,40 @@ Eigen::Matrix<double, Rows, 4> trilinearJet(const LeafCorners& corners,
   return jet;
 }
 
-bool contains(const std::vector<LatticeEdge>& edges, std::int32_t a, std::int32_t b) {
-  return std::binary_search(edges.begin(), edges.end(),
-                            LatticeEdge{std::min(a, b), std::max(a, b)});
-}
-
 }  // namespace
 
-CellData::CellData(const SpaceTable& space)
-    : tree(space),
-      inconsistent(inconsistentEdges(space)),
-      suspect(suspectEdges(space)),
-      equilibria(slotEquilibria(tree, space, inconsistent)),
-      support(slotCoverage(tree, inconsistent)),
-      divisions(space.lattice.divisions()) {
-  for (const CellSlot& slot : tree.slots())
-    numbers.push_back(space.lattice.indexOf(slot.point).value_or(-1));
-}
-
-std::int32_t CellData::slotAt(const LatticePoint& point) const {
-  const std::vector<CellSlot>& slots = tree.slots();
-  const auto found =
-      std::lower_bound(slots.begin(), slots.end(), point,
-                       [](const CellSlot& slot, const LatticePoint& p) { return slot.point < p; });
-  if (found == slots.end() || found->point != point) return -1;
-  return static_cast<std::int32_t>(found - slots.begin());
-}
-
-bool CellData::isInconsistent(std::int32_t a, std::int32_t b) const {
-  return contains(inconsistent, numbers[at(a)], numbers[at(b)]);
-}
-
-std::vector<std::int32_t> CellData::leavesWith(const std::vector<LatticeEdge>& edges) const {
-  std::vector<std::int32_t> found;
-  if (edges.empty()) return found;
-  for (std::int32_t leaf = 0; leaf < static_cast<std::int32_t>(tree.leaves().size()); ++leaf) {
-    const LeafCorners& corners = tree.corners(leaf);
-    bool any = false;
-    for (std::size_t c = 0; c < 8; ++c)
-      for (const std::size_t axis : {1, 2, 4})
-        any = any || ((c & axis) == 0 &&
-                      contains(edges, numbers[at(corners[c])], numbers[at(corners[c | axis])]));
-    if (any) found.push_back(leaf);
-  }
-  return found;
-}
-
-CellField::CellField(const CellData& data, Limit limit) : tree_(data.tree), limit_(limit) {
-  nodes_.reserve(data.equilibria.size());
-  for (std::size_t s = 0; s < data.equilibria.size(); ++s) {
-    nodes_.emplace_back();
-    nodes_.back() << data.equilibria[s].force, data.support[s];
-  }
+CellField::CellField(std::string_view name, const CellData& data, Limit limit)
+    : name_(name), tree_(data.tree), limit_(limit), nodes_(data.equilibria.size()) {
+  PALPATE_ASSERT(data.support.size() == nodes_.size() && tree_.slots().size() == nodes_.size(),
+                 "forces and their support are per slot");
+  for (std::size_t s = 0; s < nodes_.size(); ++s)
+    nodes_[s] << data.equilibria[s].force, data.support[s];
+  // Next to a jump no corner counts as support, see coverage.
   for (const std::int32_t leaf : data.leavesWith(data.inconsistent))
     for (const std::int32_t slot : tree_.corners(leaf)) nodes_[at(slot)][3] = 0;
-  fillHanging(tree_, nodes_,
-              [this](std::int32_t leaf, const Eigen::Vector3d& local) -> Eigen::Vector4d {
-                return trilinear(tree_.corners(leaf), local, nodes_);
-              });
+  fillHangingTrilinearly(tree_, nodes_);
   setFlags(data.leavesWith(limit == Limit::force ? data.suspect : data.inconsistent));
   if (!flags_.empty()) setSpread();
 }
 
 void CellField::setFlags(const std::vector<std::int32_t>& leaves) {
+  // No flags at all, so that fields without a jump do not pay for the limiter.
   if (leaves.empty()) return;
   flags_.assign(nodes_.size(), 0);
   for (const std::int32_t leaf : leaves)
     for (const std::int32_t slot : tree_.corners(leaf)) flags_[at(slot)] = 1;
-  fillHanging(tree_, flags_, [this](std::int32_t leaf, const Eigen::Vector3d& local) {
-    return trilinear(tree_.corners(leaf), local, flags_);
-  });
+  fillHangingTrilinearly(tree_, flags_);
 }
 
 void CellField::setSpread() {
-  const auto leaves = static_cast<std::int32_t>(tree_.leaves().size());
   spread_.assign(tree_.leaves().size(), -1);
-  for (std::int32_t leaf = 0; leaf < leaves; ++leaf) {
-    const LeafCorners& corners = tree_.corners(leaf);
-    if (std::all_of(corners.begin(), corners.end(),
-                    [this](std::int32_t s) { return flags_[at(s)] == 0; }))
+  for (std::size_t leaf = 0; leaf < spread_.size(); ++leaf) {
+    const LeafCorners& corners = tree_.corners(static_cast<std::int32_t>(leaf));
+    if (std::ranges::all_of(corners, [this](std::int32_t s) { return flags_[at(s)] == 0; }))
       continue;
     for (const std::int32_t a : corners)
       for (const std::int32_t b : corners)
-        spread_[at(leaf)] =
-            std::max(spread_[at(leaf)], (nodes_[at(a)] - nodes_[at(b)]).head<3>().norm());
+        spread_[leaf] = std::max(spread_[leaf], (nodes_[at(a)] - nodes_[at(b)]).head<3>().norm());
   }
 }
 
@@ -139,11 +75,13 @@ ForceSample CellField::evaluate(const Eigen::Vector3d& displacement) const noexc
     sample.inside = !tree_.unsupported(place.leaf);
     return sample;
   }
+  // Outside of the ball, or no displacement at all.
   if (displacement.array().isNaN().any()) return {};
   const Eigen::Vector3d nearest = nearestInBall(displacement, tree_.radius());
   place = tree_.find(nearest);
   if (place.leaf < 0) return {};
   ForceSample sample = sampleAt(place);
+  // The force of the nearest point of the sphere is the gradient of no energy out here.
   sample.energy = std::numeric_limits<double>::quiet_NaN();
   sample.error_bound += sample.stiffness.norm() * (displacement - nearest).stableNorm();
   // The derivative of radius * displacement / |displacement|.

@@ -1,38 +1,9 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cstdint>
-#include <vector>
-
-#include "common/interpolation/branch_check.hpp"
-#include "common/interpolation/cell_tree.hpp"
-#include "common/space/space_table.hpp"
+#include "viewer/fields/cell_data.hpp"
 #include "viewer/fields/force_field.hpp"
 
 namespace palpate {
-
-/// What methods that interpolate in leaves are made of: a cell tree and what its slots stand on.
-/// Holds no reference to the space. Immutable after construction: any thread may read.
-struct CellData {
-  /// Error when no point of the space is solved.
-  explicit CellData(const SpaceTable& space);
-
-  CellTree tree;
-  std::vector<LatticeEdge> inconsistent;  ///< inconsistentEdges of the space
-  std::vector<LatticeEdge> suspect;       ///< suspectEdges of the space
-  std::vector<Equilibrium> equilibria;    ///< slotEquilibria
-  std::vector<double> support;            ///< slotCoverage
-  /// Per slot: lattice number, of hanging ones too; -1 when it has none.
-  std::vector<std::int32_t> numbers;
-  std::int32_t divisions;  ///< lattice coordinates per spacing
-
-  /// The slot at lattice coordinates; -1 when there is none.
-  std::int32_t slotAt(const LatticePoint& point) const;
-  /// Whether two slots are the ends of an inconsistent edge.
-  bool isInconsistent(std::int32_t a, std::int32_t b) const;
-  /// The leaves with an edge among these; sorted edges.
-  std::vector<std::int32_t> leavesWith(const std::vector<LatticeEdge>& edges) const;
-};
 
 /// What all methods that interpolate in the leaves of a cell tree have in common: where a
 /// displacement lies, what happens outside of the ball, coverage, and the limiter.
@@ -47,6 +18,7 @@ struct CellData {
 class CellField : public ForceField {
  public:
   ForceSample evaluate(const Eigen::Vector3d& displacement) const noexcept final;
+  std::string_view name() const final { return name_; }
 
  protected:
   /// Which edges flag a leaf, and what that changes.
@@ -55,8 +27,8 @@ class CellField : public ForceField {
     force,  ///< suspect ones: the force is blended too
   };
 
-  /// Copies what it needs.
-  explicit CellField(const CellData& data, Limit limit = Limit::force);
+  /// name: a literal. Copies what it needs of the data.
+  CellField(std::string_view name, const CellData& data, Limit limit = Limit::force);
 
   /// Replaces what `sample` comes with, the tri-linear force and stiffness, by those of the method
   /// at a place in a leaf (0..1 along each axis), with energy and error bound if it has them. Real
@@ -72,6 +44,7 @@ class CellField : public ForceField {
   ForceSample sampleAt(const LeafPlace& place) const noexcept;
   void limit(const LeafPlace& place, const ForceSample& linear, ForceSample& sample) const noexcept;
 
+  std::string_view name_;
   CellTree tree_;
   Limit limit_;
   std::vector<Eigen::Vector4d> nodes_;  ///< per slot: force, N, and support

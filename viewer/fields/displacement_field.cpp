@@ -2,11 +2,9 @@
 
 #include <Eigen/QR>
 #include <algorithm>
-#include <array>
 
 #include "common/base/cpu_family.hpp"
 #include "common/base/error.hpp"
-#include "common/base/index.hpp"
 
 namespace palpate {
 namespace {
@@ -30,14 +28,12 @@ std::vector<std::int32_t> nearestSolved(const CellData& data, std::int32_t ghost
     return squaredNorm(step);
   };
   std::vector<std::int32_t> solved;
-  for (std::size_t s = 0; s < data.tree.slots().size(); ++s)
-    if (data.tree.slots()[s].kind == SlotKind::solved)
-      solved.push_back(static_cast<std::int32_t>(s));
+  for (std::int32_t s = 0; s < std::ssize(data.tree.slots()); ++s)
+    if (data.tree.slots()[at(s)].kind == SlotKind::solved) solved.push_back(s);
+  PALPATE_ASSERT(!solved.empty(), "no tree is made where nothing is solved");
   const std::size_t kept = std::min(sources, solved.size());
-  std::partial_sort(solved.begin(), solved.begin() + static_cast<std::ptrdiff_t>(kept),
-                    solved.end(), [&](std::int32_t a, std::int32_t b) {
-                      return std::pair(distance(a), a) < std::pair(distance(b), b);
-                    });
+  std::ranges::partial_sort(solved, solved.begin() + kept, {},
+                            [&](std::int32_t slot) { return std::pair(distance(slot), slot); });
   solved.resize(kept);
   const std::int32_t nearest = solved.front();
   std::erase_if(solved, [&](std::int32_t slot) { return data.isInconsistent(nearest, slot); });
@@ -59,6 +55,7 @@ std::vector<Term> linearContinuation(const CellData& data, std::int32_t ghost) {
     closeness[i] = 1 / offset.norm();
   }
   const Eigen::Vector4d target(1, 0, 0, 0);
+  // The least sum of squared factors over closeness: far slots take part where near ones do not do.
   const Eigen::MatrixXd weighted = conditions * closeness.asDiagonal();
   const Eigen::VectorXd factors =
       closeness.cwiseProduct(weighted.completeOrthogonalDecomposition().solve(target));
@@ -94,6 +91,7 @@ DisplacementField::DisplacementField(const CellData& data, std::size_t points,
   if (row_ == 0 || row_ % 3 != 0 || displacements.size() != row_ * points)
     throw failure("{} displacement values do not make three per node for {} lattice points",
                   displacements.size(), points);
+  // Solved rows first, then what is continued from them, then what hangs between both.
   rows_.assign(tree_.slots().size() * row_, 0);
   const auto slots = static_cast<std::int32_t>(tree_.slots().size());
   for (std::int32_t s = 0; s < slots; ++s)

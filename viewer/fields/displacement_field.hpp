@@ -1,12 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cstdint>
 #include <span>
-#include <vector>
 
-#include "common/space/space_table.hpp"
-#include "viewer/fields/cell_field.hpp"
+#include "viewer/fields/cell_data.hpp"
 
 namespace palpate {
 
@@ -36,7 +32,7 @@ class DisplacementField {
   DisplacementField(const CellData& data, std::size_t points, std::span<const float> displacements);
   void continueGhost(const CellData& data, std::int32_t ghost);
   void evaluateIn(const LeafPlace& place, float* out) const noexcept;
-  float* row(std::int32_t slot) { return rows_.data() + static_cast<std::size_t>(slot) * row_; }
+  float* row(std::int32_t slot) { return rows_.data() + at(slot) * row_; }
 
   CellTree tree_;
   std::size_t row_ = 0;      ///< floats per row

@@ -1,9 +1,7 @@
 #include "viewer/fields/hermite_field.hpp"
 
 #include <algorithm>
-#include <array>
 
-#include "common/base/index.hpp"
 #include "viewer/fields/slot_differences.hpp"
 
 namespace palpate {
@@ -29,6 +27,9 @@ Column combine(const std::array<double, 4>& basis, const Column& low, const Colu
                const Column& high, const Column& high_slope) {
   return basis[0] * low + basis[1] * low_slope + basis[2] * high + basis[3] * high_slope;
 }
+Column combine(const std::array<double, 4>& basis, const Column (&ends)[4]) {
+  return combine(basis, ends[0], ends[1], ends[2], ends[3]);
+}
 
 /// The interpolant and its first derivatives at a place: columns value, d/dx, d/dy, d/dz.
 struct Jet {
@@ -48,7 +49,7 @@ Jet evaluateLeaf(const LeafCorners& corners, const std::vector<Node>& nodes,
         const Node& low = nodes[at(corners[2 * y_end + 4 * z_end])];
         const Node& high = nodes[at(corners[2 * y_end + 4 * z_end + 1])];
         for (std::size_t y_order = 0; y_order < 2; ++y_order) {
-          const auto column = static_cast<Eigen::Index>(2 * y_order + 4 * z_order);
+          const std::size_t column = 2 * y_order + 4 * z_order;
           lines[2 * y_end + y_order] = combine(x[0], low.col(column), low.col(column + 1),
                                                high.col(column), high.col(column + 1));
           slopes[2 * y_end + y_order] = combine(x[1], low.col(column), low.col(column + 1),
@@ -56,13 +57,11 @@ Jet evaluateLeaf(const LeafCorners& corners, const std::vector<Node>& nodes,
         }
       }
       const std::size_t at_z = 2 * z_end + z_order;
-      value[at_z] = combine(y[0], lines[0], lines[1], lines[2], lines[3]);
-      dx[at_z] = combine(y[0], slopes[0], slopes[1], slopes[2], slopes[3]);
-      dy[at_z] = combine(y[1], lines[0], lines[1], lines[2], lines[3]);
+      value[at_z] = combine(y[0], lines);
+      dx[at_z] = combine(y[0], slopes);
+      dy[at_z] = combine(y[1], lines);
     }
-  return {combine(z[0], value[0], value[1], value[2], value[3]),
-          combine(z[0], dx[0], dx[1], dx[2], dx[3]), combine(z[0], dy[0], dy[1], dy[2], dy[3]),
-          combine(z[1], value[0], value[1], value[2], value[3])};
+  return {combine(z[0], value), combine(z[0], dx), combine(z[0], dy), combine(z[1], value)};
 }
 
 /// All eight derivatives of the interpolant at a place. Not for real time.
@@ -78,8 +77,7 @@ Node evaluateNode(const LeafCorners& corners, const std::vector<Node>& nodes,
         for (std::size_t axis = 0; axis < 3; ++axis)
           factor *=
               bases[axis][derivative >> axis & 1][2 * (corner >> axis & 1) + (order >> axis & 1)];
-        result.col(static_cast<Eigen::Index>(derivative)) +=
-            factor * nodes[at(corners[corner])].col(static_cast<Eigen::Index>(order));
+        result.col(derivative) += factor * nodes[at(corners[corner])].col(order);
       }
   return result;
 }
@@ -93,7 +91,7 @@ void difference(const SlotDifferences& differences, std::int32_t level, unsigned
     int count = 0;
     for (int axis = 0; axis < 3; ++axis) {
       if ((orders >> axis & 1) == 0 || differences.stencil(slot, axis).slots[0] < 0) continue;
-      const auto lower = static_cast<Eigen::Index>(orders & ~(1U << axis));
+      const unsigned lower = orders & ~(1U << axis);
       sum += differences.derivative(
           slot, axis, [&](std::int32_t s) -> Column { return nodes[at(s)].col(lower); });
       ++count;
@@ -112,6 +110,8 @@ std::vector<Node> makeNodes(const CellData& data, HermiteField::Slopes slopes) {
       for (int axis = 0; axis < 3; ++axis)
         nodes[s].col(1 << axis).head<3>() = equilibrium.stiffness.col(axis);
   }
+  PALPATE_ASSERT(nodes.size() == data.tree.slots().size(), "nodal data belong to slots");
+  // Mixed derivatives of solved slots stay free of ghosts where the stiffnesses are exact.
   const SlotDifferences differences(
       data, exact ? SlotDifferences::Ghosts::if_needed : SlotDifferences::Ghosts::any);
   for (std::int32_t level = 0; level < differences.levels(); ++level) {
@@ -144,8 +144,8 @@ CellData withStencilSupport(CellData data) {
 }  // namespace
 
 HermiteField::HermiteField(const CellData& data, Slopes slopes)
-    : CellField(slopes == Slopes::exact ? data : withStencilSupport(data)),
-      slopes_(slopes),
+    : CellField(slopes == Slopes::exact ? "hermite" : "tricubic",
+                slopes == Slopes::exact ? data : withStencilSupport(data)),
       nodes_(makeNodes(data, slopes)) {}
 
 void HermiteField::interpolate(std::int32_t leaf, const Eigen::Vector3d& local,

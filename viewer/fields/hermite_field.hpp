@@ -1,8 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "viewer/fields/cell_field.hpp"
 
 namespace palpate {
@@ -27,9 +24,6 @@ class HermiteField : public CellField {
 
   /// Error when no point of the space is solved.
   HermiteField(const SpaceTable& space, Slopes slopes) : HermiteField(CellData(space), slopes) {}
-  std::string_view name() const override {
-    return slopes_ == Slopes::exact ? "hermite" : "tricubic";
-  }
 
   /// Derivative (a, b, c) of the force, N / m^(a + b + c), in rows 0 to 2 of column a + 2 b + 4 c.
   /// Row 3 is zero: it makes columns as long as registers.
@@ -42,7 +36,6 @@ class HermiteField : public CellField {
  private:
   HermiteField(const CellData& data, Slopes slopes);
 
-  Slopes slopes_;
   std::vector<Node> nodes_;  ///< per slot
 };
 

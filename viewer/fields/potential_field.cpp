@@ -1,10 +1,101 @@
 #include "viewer/fields/potential_field.hpp"
 
-#include "common/base/assertion.hpp"
-#include "viewer/fields/energy_corrections.hpp"
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
 
 namespace palpate {
 namespace {
+
+// Of the difference of the forces along the edge: quintics with a mismatch up to 0.27 of it stay
+// between the forces at the ends. Measured at 9315 exact solutions (ten nodes of the coarse liver,
+// 100 mm, 20 mm spacing): 0.1 keeps the largest error next to jumps near that of tri-linear
+// interpolation, larger shares only the mean.
+constexpr double allowed_share = 0.1;
+// A sweep leaves at most some 6/7 of the distance to the minimum.
+constexpr int sweeps = 100;
+
+/// An edge of a leaf between slots that do not hang.
+struct Edge {
+  std::int32_t a, b;
+  double length;    ///< metres
+  double mismatch;  ///< N, (E_b - E_a + work of the force) / length, of the stored energies
+  double allowed;   ///< N
+};
+
+Edge edgeBetween(const CellData& data, std::int32_t a, std::int32_t b) {
+  const Equilibrium &low = data.equilibria[at(a)], &high = data.equilibria[at(b)];
+  const Eigen::Vector3d step = data.tree.displacement(b) - data.tree.displacement(a);
+  const double length = step.norm(), bend = step.dot((high.stiffness - low.stiffness) * step);
+  const double work = 0.5 * (low.force + high.force).dot(step) - bend / 12;
+  return {.a = a,
+          .b = b,
+          .length = length,
+          .mismatch = (high.energy - low.energy + work) / length,
+          .allowed = allowed_share * std::abs((high.force - low.force).dot(step)) / length};
+}
+
+/// Those that have an end in a leaf with an inconsistent edge, and what they say of the corrections
+/// there.
+class Corrections {
+ public:
+  explicit Corrections(const CellData& data) : values_(data.tree.slots().size(), 0) {
+    for (const std::int32_t leaf : data.leavesWith(data.inconsistent))
+      for (const std::int32_t slot : data.tree.corners(leaf))
+        if (data.tree.slots()[at(slot)].kind != SlotKind::hanging) edges_[slot];
+    // As almost always: nothing to correct.
+    if (edges_.empty()) return;
+    PALPATE_ASSERT(data.equilibria.size() == values_.size(), "a slot has an energy and a force");
+    for (std::int32_t leaf = 0; leaf < std::ssize(data.tree.leaves()); ++leaf)
+      addEdges(data, data.tree.corners(leaf));
+  }
+
+  std::vector<double> minimise() && {
+    for (int sweep = 0; sweep < sweeps; ++sweep)
+      for (const auto& [slot, edges] : edges_) relax(slot, edges);
+    return std::move(values_);
+  }
+
+ private:
+  void addEdges(const CellData& data, const LeafCorners& corners) {
+    for (std::size_t c = 0; c < 8; ++c)
+      for (const std::size_t axis : {1, 2, 4})
+        if ((c & axis) == 0) add(data, corners[c], corners[c | axis]);
+  }
+
+  /// Every leaf around an edge brings it; it is kept once.
+  void add(const CellData& data, std::int32_t a, std::int32_t b) {
+    for (const std::int32_t end : {a, b}) {
+      const auto found = edges_.find(end);
+      if (found == edges_.end() ||
+          data.tree.slots()[at(end == a ? b : a)].kind == SlotKind::hanging)
+        continue;
+      std::vector<Edge>& edges = found->second;
+      if (std::ranges::none_of(edges, [&](const Edge& e) { return e.a == a && e.b == b; }))
+        edges.push_back(edgeBetween(data, a, b));
+    }
+  }
+
+  /// One step of the minimisation along one correction, the others held.
+  void relax(std::int32_t slot, const std::vector<Edge>& edges) {
+    double slope = 0, curvature = 0, shortest = std::numeric_limits<double>::infinity();
+    for (const Edge& edge : edges) {
+      const double force =
+          edge.mismatch + (values_[at(edge.b)] - values_[at(edge.a)]) / edge.length;
+      const double excess = force - std::clamp(force, -edge.allowed, edge.allowed);
+      slope += (edge.b == slot ? excess : -excess) / edge.length;
+      curvature += 1 / (edge.length * edge.length);
+      shortest = std::min(shortest, edge.length);
+    }
+    if (edges.empty()) return;
+    const double hold = 1 / (shortest * shortest);
+    values_[at(slot)] -= (slope + hold * values_[at(slot)]) / (curvature + hold);
+  }
+
+  std::map<std::int32_t, std::vector<Edge>> edges_;  ///< by the slots whose energies may change
+  std::vector<double> values_;                       ///< J, per slot
+};
 
 std::vector<LocalPolynomial> correctedPolynomials(const CellData& data, const SpaceTable& space) {
   std::vector<LocalPolynomial> polynomials = slotPolynomials(data.tree, space, data.inconsistent);
@@ -17,12 +108,14 @@ std::vector<LocalPolynomial> correctedPolynomials(const CellData& data, const Sp
 
 }  // namespace
 
+std::vector<double> energyCorrections(const CellData& data) { return Corrections(data).minimise(); }
+
 PotentialField::PotentialField(const CellData& data, const SpaceTable& space)
     : PotentialField(data, correctedPolynomials(data, space)) {}
 
 PotentialField::PotentialField(const CellData& data,
                                const std::vector<LocalPolynomial>& polynomials)
-    : CellField(data, Limit::bound),
+    : CellField("potential", data, Limit::bound),
       jets_(energyJets(data.tree, polynomials)),
       error_(data.tree, polynomials, jets_, data.suspect) {}
 

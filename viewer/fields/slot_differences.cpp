@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "common/base/index.hpp"
-
 namespace palpate {
 namespace {
 
@@ -18,10 +16,10 @@ SlotDifferences::SlotDifferences(const CellData& data, Ghosts ghosts)
     : level_(data.tree.slots().size(), std::numeric_limits<std::int32_t>::max()) {
   const CellTree& tree = data.tree;
   std::int32_t deepest = 0;
-  for (std::size_t leaf = 0; leaf < tree.leaves().size(); ++leaf) {
-    const std::int32_t level = tree.leaves()[leaf].level;
+  for (std::int32_t leaf = 0; leaf < std::ssize(tree.leaves()); ++leaf) {
+    const std::int32_t level = tree.leaves()[at(leaf)].level;
     deepest = std::max(deepest, level);
-    for (const std::int32_t slot : tree.corners(static_cast<std::int32_t>(leaf)))
+    for (const std::int32_t slot : tree.corners(leaf))
       level_[at(slot)] = std::min(level_[at(slot)], level);
   }
   slots_.resize(at(deepest) + 1);
@@ -30,6 +28,8 @@ SlotDifferences::SlotDifferences(const CellData& data, Ghosts ghosts)
     level_[at(slot)] = tree.leaves()[at(tree.slots()[at(slot)].leaf)].level;
     hanging_[at(level_[at(slot)])].push_back(slot);
   }
+  PALPATE_ASSERT(data.numbers.size() == tree.slots().size(),
+                 "jumps are found by the lattice numbers of slots");
   stencils_.resize(tree.slots().size());
   for (std::size_t s = 0; s < stencils_.size(); ++s) {
     if (tree.slots()[s].kind == SlotKind::hanging) continue;
@@ -45,6 +45,7 @@ std::int32_t SlotDifferences::neighbour(const CellData& data, std::int32_t slot,
                                         int direction, std::int32_t level) const {
   const CellTree& tree = data.tree;
   const std::int32_t root = data.divisions;
+  // From the edge of the slot's own leaves up: the neighbour may belong to coarser ones only.
   for (std::int32_t l = level; l >= 0; --l) {
     LatticePoint point = tree.slots()[at(slot)].point;
     point[axis] += direction * (root >> l);
@@ -84,8 +85,7 @@ SlotDifferences::Stencil SlotDifferences::choose(const CellData& data, std::int3
   for (std::size_t n = 0; n < 2; ++n) {
     if (chosen[n] < 0) continue;
     stencil.slots[n] = chosen[n];
-    stencil.distances[n] =
-        (tree.displacement(chosen[n]) - tree.displacement(slot))[static_cast<Eigen::Index>(axis)];
+    stencil.distances[n] = (tree.displacement(chosen[n]) - tree.displacement(slot))[axis];
   }
   return stencil;
 }

@@ -1,11 +1,6 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <vector>
-
-#include "common/base/index.hpp"
-#include "viewer/fields/cell_field.hpp"
+#include "viewer/fields/cell_data.hpp"
 
 namespace palpate {
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include "viewer/fields/cell_field.hpp"
 
 namespace palpate {
@@ -18,7 +16,6 @@ class TrilinearField : public CellField {
  public:
   /// Error when no point of the space is solved.
   explicit TrilinearField(const SpaceTable& space) : TrilinearField(CellData(space)) {}
-  std::string_view name() const override { return "trilinear"; }
 
  protected:
   void interpolate(std::int32_t leaf, const Eigen::Vector3d& local,

@@ -47,6 +47,7 @@ Scale scaleOf(const Plot& plot, const PlotAxis& axis, std::vector<double> PlotSe
       lowest = std::min(lowest, value);
       highest = std::max(highest, value);
     }
+  // An empty plot has axes all the same.
   if (lowest > highest) lowest = 1, highest = 10;
   if (axis.logarithmic) {
     const double pad =
@@ -76,28 +77,23 @@ std::string frame(const Plot& plot, const Scale& x, const Scale& y) {
         "class=\"tick\" x=\"{3}\" y=\"{4:.1f}\" text-anchor=\"end\">{5}</text>\n",
         left, y(tick), end, left - 6, y(tick) + 4, tickLabel(tick));
   svg += fmt::format("<path class=\"axis\" d=\"M{} {}V{}H{}\"/>\n", left, top, base, end);
-  svg +=
-      fmt::format("<text class=\"title\" x=\"{}\" y=\"18\">{}</text>\n", left, escaped(plot.title));
-  svg +=
-      fmt::format("<text class=\"label\" x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                  0.5 * (left + end), plot.height - 8, escaped(plot.x.label));
-  svg += fmt::format(
-      "<text class=\"label\" transform=\"translate(15 {:.1f}) "
-      "rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-      0.5 * (top + base), escaped(plot.y.label));
-  return svg;
+  return svg + fmt::format(
+                   "<text class=\"title\" x=\"{}\" y=\"18\">{}</text>\n"
+                   "<text class=\"label\" x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n"
+                   "<text class=\"label\" transform=\"translate(15 {:.1f}) "
+                   "rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
+                   left, escaped(plot.title), 0.5 * (left + end), plot.height - 8,
+                   escaped(plot.x.label), 0.5 * (top + base), escaped(plot.y.label));
 }
 
 std::string lineOf(const PlotSeries& series, const Scale& x, const Scale& y) {
   std::string path;
   bool broken = true;
   for (std::size_t n = 0; n < series.x.size(); ++n) {
-    if (!x.shows(series.x[n]) || !y.shows(series.y[n])) {
-      broken = true;
-      continue;
-    }
-    path += fmt::format("{}{:.1f} {:.1f}", broken ? 'M' : 'L', x(series.x[n]), y(series.y[n]));
-    broken = false;
+    const bool shown = x.shows(series.x[n]) && y.shows(series.y[n]);
+    if (shown)
+      path += fmt::format("{}{:.1f} {:.1f}", broken ? 'M' : 'L', x(series.x[n]), y(series.y[n]));
+    broken = !shown;
   }
   if (path.empty()) return "";
   const std::string dash =
@@ -120,6 +116,12 @@ std::string marksOf(const PlotSeries& series, const Scale& x, const Scale& y) {
 
 }  // namespace
 
+void PlotSeries::add(double at_x, double at_y, std::string note) {
+  x.push_back(at_x);
+  y.push_back(at_y);
+  if (!note.empty()) notes.push_back(std::move(note));
+}
+
 SeriesStyle seriesStyle(std::size_t n) {
   // Okabe and Ito's palette without its yellow, which is too light on white; two more at the end.
   static const std::array<const char*, 10> colours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
@@ -132,32 +134,30 @@ SeriesStyle seriesStyle(std::size_t n) {
 }
 
 std::string markerAt(double x, double y, const SeriesStyle& style, double size) {
-  const double s = size;
-  const auto polygon = [&](const std::string& path) {
-    return fmt::format("<path d=\"{}\" fill=\"{}\"/>", path, style.colour);
+  /// From a corner relative to (x, y) along relative steps, all in sizes; closed.
+  const auto polygon = [&](double corner_x, double corner_y, const char* path, auto... steps) {
+    return fmt::format("<path d=\"M{:.1f} {:.1f}{}z\" fill=\"{}\"/>", x + corner_x * size,
+                       y + corner_y * size, fmt::format(fmt::runtime(path), steps * size...),
+                       style.colour);
   };
   switch (style.marker) {
     case 0:
-      return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"{}\"/>", x, y, s,
-                         style.colour);
+      return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"{}\"/>", x, y,
+                         size, style.colour);
     case 1:
-      return polygon(fmt::format("M{:.1f} {:.1f}h{:.1f}v{:.1f}h{:.1f}z", x - 0.9 * s, y - 0.9 * s,
-                                 1.8 * s, 1.8 * s, -1.8 * s));
+      return polygon(-0.9, -0.9, "h{:.1f}v{:.1f}h{:.1f}", 1.8, 1.8, -1.8);
     case 2:
-      return polygon(fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}h{:.1f}z", x, y - 1.2 * s, 1.1 * s,
-                                 2 * s, -2.2 * s));
+      return polygon(0, -1.2, "l{:.1f} {:.1f}h{:.1f}", 1.1, 2.0, -2.2);
     case 3:
-      return polygon(fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}l{:.1f} {:.1f}l{:.1f} {:.1f}z", x,
-                                 y - 1.3 * s, 1.3 * s, 1.3 * s, -1.3 * s, 1.3 * s, -1.3 * s,
-                                 -1.3 * s));
+      return polygon(0, -1.3, "l{:.1f} {:.1f}l{:.1f} {:.1f}l{:.1f} {:.1f}", 1.3, 1.3, -1.3, 1.3,
+                     -1.3, -1.3);
     case 4:
       return fmt::format(
           "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"#fff\" stroke=\"{}\" "
           "stroke-width=\"2\"/>",
-          x, y, 0.85 * s, style.colour);
+          x, y, 0.85 * size, style.colour);
     default:
-      return polygon(fmt::format("M{:.1f} {:.1f}l{:.1f} {:.1f}h{:.1f}z", x, y + 1.2 * s, 1.1 * s,
-                                 -2 * s, -2.2 * s));
+      return polygon(0, 1.2, "l{:.1f} {:.1f}h{:.1f}", 1.1, -2.0, -2.2);
   }
 }
 
@@ -167,6 +167,7 @@ std::string svgOf(const Plot& plot) {
   std::string svg = fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">\n",
                                 plot.width, plot.height, escaped(plot.title));
   svg += frame(plot, x, y);
+  // What is drawn last is on top.
   for (std::size_t n = plot.series.size(); n-- > 0;) {
     PALPATE_ASSERT(plot.series[n].x.size() == plot.series[n].y.size(),
                    "a mark has a place on both axes");
@@ -195,8 +196,10 @@ std::vector<double> linearTicks(double lowest, double highest, int count) {
   const double rough = (highest - lowest) / std::max(count, 1);
   if (!(rough > 0) || !std::isfinite(rough)) return {lowest};
   const double step = roundUp(rough);
+  PALPATE_ASSERT(step >= rough * (1 - 1e-6), "there are about as many ticks as asked for");
   std::vector<double> ticks;
   for (double n = std::ceil(lowest / step - 1e-9); n * step <= highest + 1e-9 * step; ++n)
+    // Not "-0".
     ticks.push_back(n == 0 ? 0 : n * step);
   return ticks;
 }
@@ -207,6 +210,7 @@ std::vector<double> logarithmicTicks(double lowest, double highest) {
       {{1}, {1, 2, 5}, {1, 2, 3, 4, 5, 6, 7, 8, 9}}};
   const int first = static_cast<int>(std::floor(std::log10(lowest)));
   const int last = static_cast<int>(std::ceil(std::log10(highest)));
+  // More labels than eight would touch each other.
   const int every = std::max(1, (last - first + 7) / 8);  // decades
   std::vector<double> ticks;
   for (const std::vector<int>& leading : digits) {
@@ -217,6 +221,7 @@ std::vector<double> logarithmicTicks(double lowest, double highest) {
         if (decade % every == 0 && value >= lowest * (1 - 1e-9) && value <= highest * (1 + 1e-9))
           ticks.push_back(value);
       }
+    // Two numbers do not show that an axis is logarithmic.
     if (ticks.size() >= 3) break;
   }
   return ticks;
@@ -232,32 +237,18 @@ std::string tickLabel(double value) {
   const double leading = value / std::pow(10, exponent);
   std::string label = std::abs(leading - 1) < 1e-6 ? "10" : fmt::format("{:.3g}·10", leading);
   if (exponent < 0) label += "⁻";
-  for (const char digit : std::to_string(std::abs(exponent)))
-    label += raised[static_cast<std::size_t>(digit - '0')];
+  for (const char digit : std::to_string(std::abs(exponent))) label += raised[digit - '0'];
   return label;
 }
 
 std::string escaped(std::string_view text) {
+  constexpr std::string_view special = "&<>\"'";
+  constexpr std::array<const char*, 5> entities = {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
   std::string result;
-  for (const char c : text) switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      case '\'':
-        result += "&#39;";
-        break;
-      default:
-        result += c;
-    }
+  for (const char c : text) {
+    const std::size_t place = special.find(c);
+    place < special.size() ? result += entities[place] : result += c;
+  }
   return result;
 }
 

@@ -32,6 +32,9 @@ struct PlotSeries {
   std::vector<std::string> notes{};  ///< text shown over each mark; may be empty
   SeriesStyle style{};
   bool line = true, marks = true;
+
+  /// Appends a point, with text shown over its mark: for all points or for none.
+  void add(double at_x, double at_y, std::string note = "");
 };
 
 /// Series on common axes, the first on top.

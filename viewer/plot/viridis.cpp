@@ -6,29 +6,20 @@
 namespace palpate {
 namespace {
 
-/// At equal distances.
-constexpr std::array<std::array<int, 3>, 11> stops = {{{68, 1, 84},
-                                                       {72, 36, 117},
-                                                       {65, 68, 135},
-                                                       {53, 95, 141},
-                                                       {42, 120, 142},
-                                                       {33, 145, 140},
-                                                       {34, 168, 132},
-                                                       {68, 191, 112},
-                                                       {122, 209, 81},
-                                                       {189, 223, 38},
-                                                       {253, 231, 37}}};
+/// 0xRRGGBB at equal distances.
+constexpr std::array<int, 11> stops = {0x440154, 0x482475, 0x414487, 0x355f8d, 0x2a788e, 0x21918c,
+                                       0x22a884, 0x44bf70, 0x7ad151, 0xbddf26, 0xfde725};
 
 }  // namespace
 
 std::array<double, 3> viridis(double place) {
   // Written so that NaN fails the comparison.
   const double at = place > 0 ? std::min(place, 1.0) * (stops.size() - 1) : 0;
-  const auto below = std::min(static_cast<std::size_t>(at), stops.size() - 2);
-  std::array<double, 3> colour{};
-  for (std::size_t i = 0; i < 3; ++i)
-    colour[i] = std::lerp(stops[below][i], stops[below + 1][i], at - static_cast<double>(below));
-  return colour;
+  const std::size_t below = std::min<std::size_t>(at, stops.size() - 2);
+  const auto channel = [&](int shift) {
+    return std::lerp(stops[below] >> shift & 0xff, stops[below + 1] >> shift & 0xff, at - below);
+  };
+  return {channel(16), channel(8), channel(0)};
 }
 
 }  // namespace palpate

@@ -1,12 +1,11 @@
 #include "viewer/report/compared_lattice.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "viewer/report/thinned_space.hpp"
+#include "common/base/assertion.hpp"
+#include "common/base/error.hpp"
+#include "common/interpolation/branch_check.hpp"
 
 namespace palpate {
 namespace {
@@ -18,12 +17,12 @@ constexpr double same_spacing = 1e-3;  ///< relative
 std::string labelOf(const Dataset& dataset, std::int32_t factor) {
   static constexpr std::array<const char*, 5> parts = {"", ", not refined", ", every 2nd point",
                                                        ", every 3rd point", ", every 4th point"};
-  return dataset.file().filename().string() + parts.at(static_cast<std::size_t>(factor));
+  return dataset.file().filename().string() + parts.at(factor);
 }
 
 bool hasUniform(const std::vector<ComparedLattice>& lattices, const std::vector<Dataset>& datasets,
                 double spacing) {
-  return std::any_of(lattices.begin(), lattices.end(), [&](const ComparedLattice& lattice) {
+  return std::ranges::any_of(lattices, [&](const ComparedLattice& lattice) {
     const bool is_refined =
         lattice.factor == 0 && datasets[lattice.dataset].scene().accuracy.adaptive();
     return !is_refined && std::abs(lattice.spacing - spacing) <= same_spacing * spacing;
@@ -32,19 +31,58 @@ bool hasUniform(const std::vector<ComparedLattice>& lattices, const std::vector<
 
 }  // namespace
 
+bool isThinnable(const Lattice& lattice, std::int32_t factor) {
+  return factor >= 1 && factor * lattice.spacing() <= lattice.radius() * (1 + 1e-12);
+}
+
+SpaceTable thinned(const SpaceTable& space, std::int32_t factor) {
+  const Lattice& dense = space.lattice;
+  if (!isThinnable(dense, factor))
+    throw failure("{}: a lattice of {} times the spacing {} m does not fit a radius of {} m",
+                  space.patch.name, factor, dense.spacing(), dense.radius());
+  SpaceTable coarse;
+  coarse.patch = space.patch;
+  coarse.probes = space.probes;
+  coarse.lattice = Lattice(dense.radius(), std::min(factor * dense.spacing(), dense.radius()));
+  // Of each dense point in the coarse lattice.
+  std::vector<std::int32_t> number(space.points.size(), -1);
+  const std::int32_t step = factor * dense.divisions();
+  for (std::int32_t n = 0; n < coarse.lattice.size(); ++n) {
+    LatticePoint point = coarse.lattice.point(n);
+    for (std::int32_t& coordinate : point) coordinate *= step;
+    const auto found = dense.indexOf(point);
+    PALPATE_ASSERT(found, "a lattice has every multiple of its spacing within the radius");
+    number[*found] = n;
+    coarse.points.push_back(space.points[*found]);
+  }
+  // A parent that is gone had one of its own; the origin is everyone's in the end.
+  for (PointRecord& point : coarse.points)
+    if (point.parent >= 0) point.parent = std::max(number[point.parent], 0);
+  for (FailedAttempt attempt : space.attempts) {
+    attempt.target = number[attempt.target];
+    attempt.parent = number[attempt.parent];
+    if (attempt.target >= 0 && attempt.parent >= 0) coarse.attempts.push_back(attempt);
+  }
+  coarse.inconsistent_edges = inconsistentEdges(coarse);
+  return coarse;
+}
+
 std::vector<ComparedLattice> latticesIn(const std::vector<Dataset>& datasets) {
   std::vector<ComparedLattice> lattices;
+  const auto add = [&](std::size_t d, std::int32_t factor, double spacing) {
+    lattices.push_back({d, factor, labelOf(datasets[d], factor), spacing});
+  };
   for (std::size_t d = 0; d < datasets.size(); ++d)
-    lattices.push_back(
-        {d, 0, labelOf(datasets[d], 0), datasets[d].spaces().front().lattice.spacing()});
+    add(d, 0, datasets[d].spaces().front().lattice.spacing());
+  // Datasets as they are come first, so that a thinned lattice gives way to a built one.
   for (std::size_t d = 0; d < datasets.size(); ++d) {
     const Lattice& dense = datasets[d].spaces().front().lattice;
-    for (std::int32_t factor = datasets[d].scene().accuracy.adaptive() ? 1 : 2; factor <= 4;
-         ++factor) {
+    const std::int32_t first = datasets[d].scene().accuracy.adaptive() ? 1 : 2;
+    for (std::int32_t factor = first; factor <= 4; ++factor) {
       const double spacing = factor * dense.spacing();
       const bool is_coarse = factor > 2 && dense.radius() < smallest_ratio * spacing;
       if (!is_coarse && isThinnable(dense, factor) && !hasUniform(lattices, datasets, spacing))
-        lattices.push_back({d, factor, labelOf(datasets[d], factor), spacing});
+        add(d, factor, spacing);
     }
   }
   return lattices;

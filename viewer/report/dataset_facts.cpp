@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/dataset/hdf5_handle.hpp"
 
 namespace palpate {
 namespace {
@@ -10,30 +12,62 @@ namespace {
 /// Why the datasets are not of one scene; empty when they are.
 std::string differenceOf(const Dataset& a, const Dataset& b) {
   const Scene &s = a.scene(), &t = b.scene();
+  const Workspace &u = s.workspace, &v = t.workspace;
   if (s.regions != t.regions) return "material";
   if (!(s.discretization == t.discretization)) return "discretization";
   if (s.gravity != t.gravity) return "gravity";
   if (a.mesh().nodes != b.mesh().nodes || a.mesh().tetrahedra != b.mesh().tetrahedra) return "mesh";
   if (a.fixedNodes() != b.fixedNodes()) return "fixed nodes";
-  if (s.workspace.radius != t.workspace.radius) return "workspace.radius";
-  if (s.workspace.max_force != t.workspace.max_force) return "workspace.max_force";
-  if (s.workspace.reject_inverted != t.workspace.reject_inverted)
-    return "workspace.reject_inverted";
+  if (u.radius != v.radius) return "workspace.radius";
+  if (u.max_force != v.max_force) return "workspace.max_force";
+  if (u.reject_inverted != v.reject_inverted) return "workspace.reject_inverted";
   const auto same_patch = [](const SpaceTable& x, const SpaceTable& y) {
-    return x.patch.name == y.patch.name && x.patch.nodes == y.patch.nodes &&
-           x.patch.weights == y.patch.weights;
+    return std::tie(x.patch.name, x.patch.nodes, x.patch.weights) ==
+           std::tie(y.patch.name, y.patch.nodes, y.patch.weights);
   };
-  if (!std::equal(a.spaces().begin(), a.spaces().end(), b.spaces().begin(), b.spaces().end(),
-                  same_patch))
-    return "active nodes";
-  return "";
+  return std::ranges::equal(a.spaces(), b.spaces(), same_patch) ? "" : "active nodes";
 }
 
-/// "mesh", "points", "displacement": the group of an array, or itself where it is of nodal fields.
+/// "mesh" of "mesh/nodes": the group of an array, or itself where it is of nodal fields.
 std::string kindOf(const std::string& path) {
-  for (const char* field : {"displacement", "pressure"})
-    if (path == std::string("/points/") + field) return field;
-  return path.substr(1, std::min(path.find('/', 1), path.size()) - 1);
+  const std::size_t end = path.find('/');
+  return path == "points/displacement" || path == "points/pressure" ? path.substr(end + 1)
+                                                                    : path.substr(0, end);
+}
+
+/// Called by HDF5 for every object of a file: adds an array to the sizes of its kind. A negative
+/// result ends the visit.
+herr_t addSize(hid_t root, const char* name, const H5O_info_t* info, void* kinds) {
+  if (info->type != H5O_TYPE_DATASET) return 0;
+  const hdf5::Handle array(H5Dopen2(root, name, H5P_DEFAULT), H5Dclose);
+  const hdf5::Handle type(H5Dget_type(array.get()), H5Tclose);
+  const hdf5::Handle space(H5Dget_space(array.get()), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space.get());
+  if (array.get() < 0 || type.get() < 0 || count < 0) return -1;
+  ArraySize& size = (*static_cast<std::map<std::string, ArraySize>*>(kinds))[kindOf(name)];
+  size.stored += H5Dget_storage_size(array.get());
+  size.unpacked += count * H5Tget_size(type.get());
+  return 0;
+}
+
+/// The largest first.
+std::vector<ArraySize> arraySizes(const std::string& file) {
+  hdf5::silenceErrorStack();
+  // As hdf5::Reader opens it: HDF5 wants the same properties from everyone who has a file open.
+  const hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  hdf5::checked(H5Pset_file_locking(access.get(), false, true), file, "file locking");
+  hdf5::checked(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), file, "close degree");
+  const hdf5::Handle opened(
+      hdf5::checked(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.get()), file, "cannot be opened"),
+      H5Fclose);
+  std::map<std::string, ArraySize> kinds;
+  hdf5::checked(
+      H5Ovisit2(opened.get(), H5_INDEX_NAME, H5_ITER_INC, addSize, &kinds, H5O_INFO_BASIC), file,
+      "its arrays cannot be listed");
+  std::vector<ArraySize> sizes;
+  for (auto& [kind, size] : kinds) sizes.push_back({kind, size.stored, size.unpacked});
+  std::ranges::stable_sort(sizes, std::greater(), &ArraySize::stored);
+  return sizes;
 }
 
 }  // namespace
@@ -41,27 +75,21 @@ std::string kindOf(const std::string& path) {
 DatasetFacts factsOf(const Dataset& dataset) {
   DatasetFacts facts;
   facts.file = dataset.file();
-  std::error_code ignored;
+  std::error_code ignored;  // a file that is gone is an error below, with its name
   facts.bytes = std::filesystem::file_size(dataset.file(), ignored);
   for (const SpaceTable& space : dataset.spaces()) {
     facts.lattice_points += space.points.size();
     facts.probes += space.probes.size();
-    for (const PointRecord& point : space.points)
-      facts.configurations += isSolved(point.tag) ? 1 : 0;
+    for (const PointRecord& point : space.points) facts.configurations += isSolved(point.tag);
     for (const Probe& probe : space.probes) {
-      facts.solved_probes += isSolved(probe.record.tag) ? 1 : 0;
-      facts.terminating_probes += probe.record.tag == Tag::terminating ? 1 : 0;
+      facts.solved_probes += isSolved(probe.record.tag);
+      facts.terminating_probes += probe.record.tag == Tag::terminating;
     }
   }
-  std::map<std::string, ArraySize> kinds;
-  for (const ArraySize& array : arraySizes(dataset.file())) {
-    ArraySize& kind = kinds[kindOf(array.path)];
-    kind.stored += array.stored;
-    kind.unpacked += array.unpacked;
-  }
-  facts.sizes.assign(kinds.begin(), kinds.end());
-  std::stable_sort(facts.sizes.begin(), facts.sizes.end(),
-                   [](const auto& a, const auto& b) { return a.second.stored > b.second.stored; });
+  PALPATE_ASSERT(
+      facts.solved_probes <= facts.probes && facts.configurations <= facts.lattice_points,
+      "what is solved is a part of all");
+  facts.sizes = arraySizes(dataset.file().string());
   return facts;
 }
 
@@ -79,6 +107,7 @@ std::map<Cause, FailureCount> failuresOf(const Dataset& dataset) {
 
 void refuseOtherScenes(const std::vector<Dataset>& datasets) {
   for (const Dataset& dataset : datasets)
+    // The first stands for all: it is what the others are shown beside.
     if (const std::string what = differenceOf(datasets.front(), dataset); !what.empty())
       throw badInput(
           "{} and {} are not of one scene: they differ in {}. "

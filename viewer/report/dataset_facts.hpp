@@ -1,16 +1,17 @@
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
 #include <map>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "common/dataset/dataset.hpp"
-#include "viewer/report/dataset_sizes.hpp"
 
 namespace palpate {
+
+/// The room that arrays of one kind take in a dataset.
+struct ArraySize {
+  std::string kind;            ///< their group, "mesh"; of nodal fields their name, "displacement"
+  std::uint64_t stored = 0;    ///< bytes in the file, compressed
+  std::uint64_t unpacked = 0;  ///< bytes of their values
+};
 
 /// What a dataset is made of, over all its active nodes.
 struct DatasetFacts {
@@ -19,11 +20,11 @@ struct DatasetFacts {
   std::size_t configurations = 0;  ///< solved lattice points
   std::size_t lattice_points = 0;
   std::size_t probes = 0, solved_probes = 0, terminating_probes = 0;
-  /// Arrays by group ("points"), those of nodal fields by name, the largest first.
-  std::vector<std::pair<std::string, ArraySize>> sizes;
+  std::vector<ArraySize> sizes;  ///< of all arrays together, the largest first
 };
 
-/// Reads the sizes from the file. Error when it is not there any more.
+/// Reads the sizes from the file; nothing else of it is looked at. Error when it cannot be read any
+/// more. One thread at a time (HDF5 is not thread-safe).
 DatasetFacts factsOf(const Dataset& dataset);
 
 /// How often a cause made something fail.

@@ -1,13 +1,9 @@
-#include "viewer/report/dataset_sections.hpp"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 
 #include "common/base/program.hpp"
 #include "common/space/failure.hpp"
-#include "viewer/plot/svg_plot.hpp"
-#include "viewer/report/html_elements.hpp"
+#include "viewer/report/report_sections.hpp"
 #include "viewer/report/report_words.hpp"
 
 namespace palpate {
@@ -16,24 +12,22 @@ namespace {
 constexpr double smallest_share = 0.01;  ///< of a file; smaller arrays are listed together
 
 std::string sizesTable(const DatasetFacts& facts) {
-  const auto most =
-      facts.sizes.empty() ? 0.0 : static_cast<double>(facts.sizes.front().second.stored);
+  const double most = facts.sizes.empty() ? 0 : facts.sizes.front().stored;
   std::string rows;
   std::size_t small = 0;
   double small_bytes = 0;
-  for (const auto& [kind, size] : facts.sizes) {
-    const auto stored = static_cast<double>(size.stored);
-    if (stored < smallest_share * static_cast<double>(facts.bytes)) {
+  for (const auto& [kind, stored, unpacked] : facts.sizes) {
+    // A list of thirty small arrays would hide the three that matter.
+    if (stored < smallest_share * facts.bytes) {
       ++small;
       small_bytes += stored;
       continue;
     }
     const std::string each = facts.configurations == 0
                                  ? "-"
-                                 : formatBytes(stored / static_cast<double>(facts.configurations));
+                                 : formatBytes(static_cast<double>(stored) / facts.configurations);
     rows +=
-        tableRow({kind, formatBytes(stored), formatBytes(static_cast<double>(size.unpacked)), each},
-                 barCell(stored, most));
+        tableRow({kind, formatBytes(stored), formatBytes(unpacked), each}, barCell(stored, most));
   }
   if (small > 0)
     rows += tableRow({fmt::format("{} smaller ones", small), formatBytes(small_bytes), "", ""},
@@ -64,42 +58,42 @@ std::string provenanceOf(const Dataset& dataset, const DatasetFacts& facts) {
 
 }  // namespace
 
-std::string failuresSection(const Report& report) {
+Section failuresSection(const Report& report) {
+  // Bars are relative to the longest.
   std::int64_t most = 0;
   for (const auto& [cause, count] : report.failures) most = std::max(most, count.sum());
   std::string rows;
   for (const auto& [cause, count] : report.failures)
     rows += tableRow({std::string(name(cause)), std::to_string(count.points),
                       std::to_string(count.attempts), std::to_string(count.probes)},
-                     barCell(static_cast<double>(count.sum()), static_cast<double>(most)));
-  return section("failures", "Failures",
-                 "Points are lattice points without a solution, "
-                 "attempts transitions that failed (another may have reached the point all the "
-                 "same). palpate explain tells the story of a single point.",
-                 rows.empty() ? "<p>Nothing failed.</p>\n"
-                              : table({"cause", "points", "attempts", "probes", ""}, rows));
+                     barCell(count.sum(), most));
+  return {"failures", "Failures",
+          "Points are lattice points without a solution, "
+          "attempts transitions that failed (another may have reached the point all the "
+          "same). palpate explain tells the story of a single point.",
+          rows.empty() ? "<p>Nothing failed.</p>\n"
+                       : table({"cause", "points", "attempts", "probes", ""}, rows)};
 }
 
-std::string sizesSection(const Report& report) {
+Section sizesSection(const Report& report) {
   std::string html;
   for (const DatasetFacts& facts : report.datasets)
     html += fmt::format("<h3>{}: {} for {} configurations</h3>\n",
-                        escaped(facts.file.filename().string()),
-                        formatBytes(static_cast<double>(facts.bytes)), facts.configurations) +
+                        escaped(facts.file.filename().string()), formatBytes(facts.bytes),
+                        facts.configurations) +
             sizesTable(facts);
-  return section("sizes", "Sizes",
-                 "What takes the room, all active nodes together, as compressed in the file.",
-                 html);
+  return {"sizes", "Sizes",
+          "What takes the room, all active nodes together, as compressed in the file.", html};
 }
 
-std::string provenanceSection(const Report& report) {
+Section provenanceSection(const Report& report) {
   std::string html;
   for (std::size_t d = 0; d < report.open.size(); ++d)
     html += provenanceOf(report.open[d], report.datasets[d]);
-  return section(
+  return {
       "provenance", "Scene and provenance",
       fmt::format("What was computed, and by what. Measured and written by Palpate {}.", version()),
-      html);
+      html};
 }
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "common/base/assertion.hpp"
 
@@ -9,23 +10,22 @@ namespace palpate {
 namespace {
 
 double meanOf(std::span<const double> values) {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
+  return std::accumulate(values.begin(), values.end(), 0.0) / values.size();
 }
 
 void measureBounds(std::span<const ForceComparison> comparisons, ErrorMeasures& measures) {
   std::size_t holds = 0;
   std::vector<double> ratios;
   for (const ForceComparison& at : comparisons) {
+    // Most methods give none, and the others none where nothing is solved around.
     if (!std::isfinite(at.error_bound)) continue;
     const double error = (at.interpolated - at.exact).norm();
     ++measures.bounds;
-    holds += error <= at.error_bound ? 1 : 0;
+    holds += error <= at.error_bound;
+    // No error tells nothing about how tight a bound is.
     if (error > 0) ratios.push_back(at.error_bound / error);
   }
-  if (measures.bounds > 0)
-    measures.bound_holds = static_cast<double>(holds) / static_cast<double>(measures.bounds);
+  if (measures.bounds > 0) measures.bound_holds = static_cast<double>(holds) / measures.bounds;
   measures.bound_over_error = spreadOf(std::move(ratios)).median;
 }
 
@@ -33,19 +33,18 @@ void measureBounds(std::span<const ForceComparison> comparisons, ErrorMeasures& 
 
 double percentile(std::span<const double> sorted, double share) {
   PALPATE_ASSERT(!sorted.empty(), "nothing has no percentiles");
-  const double place = share * static_cast<double>(sorted.size() - 1);
+  const double place = share * (sorted.size() - 1);
   const auto below = static_cast<std::size_t>(place);
   if (below + 1 >= sorted.size()) return sorted.back();
-  return std::lerp(sorted[below], sorted[below + 1], place - static_cast<double>(below));
+  return std::lerp(sorted[below], sorted[below + 1], place - below);
 }
 
 Spread spreadOf(std::vector<double> values) {
   if (values.empty()) return {};
-  std::sort(values.begin(), values.end());
-  double squares = 0;
-  for (const double value : values) squares += value * value;
+  std::ranges::sort(values);
+  const double squares = std::inner_product(values.begin(), values.end(), values.begin(), 0.0);
   return {.mean = meanOf(values),
-          .rms = std::sqrt(squares / static_cast<double>(values.size())),
+          .rms = std::sqrt(squares / values.size()),
           .median = percentile(values, 0.5),
           .percentile_95 = percentile(values, 0.95),
           .percentile_99 = percentile(values, 0.99),
@@ -71,26 +70,26 @@ ErrorMeasures measureErrors(std::span<const ForceComparison> comparisons,
                                     std::max(std::abs(at.exact[i]), relative_error_floor));
     }
     forces += force;
-    allowed += error <= std::max(target.force_error * force, target.force_floor) ? 1 : 0;
-    covered += at.covered ? 1 : 0;
+    allowed += error <= std::max(target.force_error * force, target.force_floor);
+    covered += at.covered;
   }
-  const auto count = static_cast<double>(comparisons.size());
+  const double count = comparisons.size();
   measures.mean_component = meanOf(components);
   measures.mean_relative_component = meanOf(relative_components);
   if (forces > 0) measures.relative_to_mean_force = count * meanOf(errors) / forces;
   measures.error = spreadOf(std::move(errors));
   measures.relative = spreadOf(std::move(relative));
-  measures.within_target = static_cast<double>(allowed) / count;
-  measures.covered = static_cast<double>(covered) / count;
+  measures.within_target = allowed / count;
+  measures.covered = covered / count;
   measureBounds(comparisons, measures);
   return measures;
 }
 
 ErrorMeasures measureCoveredErrors(std::span<const ForceComparison> comparisons,
                                    const AccuracyTarget& target) {
+  // Copied: the measures want them in a row, and there are some thousands at most.
   std::vector<ForceComparison> covered;
-  std::copy_if(comparisons.begin(), comparisons.end(), std::back_inserter(covered),
-               [](const ForceComparison& at) { return at.covered; });
+  std::ranges::copy_if(comparisons, std::back_inserter(covered), &ForceComparison::covered);
   return measureErrors(covered, target);
 }
 

@@ -1,14 +1,16 @@
 #include "viewer/report/field_comparison.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <memory>
+#include <cmath>
+#include <optional>
 #include <random>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "viewer/fields/field_choice.hpp"
-#include "viewer/report/loop_work.hpp"
 
 namespace palpate {
 namespace {
@@ -23,6 +25,8 @@ double seconds(Clock::duration duration) { return std::chrono::duration<double>(
 constexpr std::array<std::string_view, 2> cell_methods = {"trilinear", "potential"};
 
 std::vector<Eigen::Vector3d> positionsInBall(double radius) {
+  // The numbers of the engine are the same everywhere; those of the library's distributions are
+  // not.
   std::mt19937 random(7);
   const auto coordinate = [&] {
     return radius * (static_cast<double>(random()) / 2147483648.0 - 1);
@@ -36,6 +40,7 @@ std::vector<Eigen::Vector3d> positionsInBall(double radius) {
 }
 
 double medianQuery(const ForceField& field, double radius, double budget) {
+  // Drawn before the clock runs.
   const std::vector<Eigen::Vector3d> positions = positionsInBall(radius);
   std::vector<double> times;
   double sum = 0;
@@ -47,17 +52,81 @@ double medianQuery(const ForceField& field, double radius, double budget) {
     times.push_back(seconds(Clock::now() - start) / batch * 1e9);
     next = (next + batch) % timed_positions;
   } while (seconds(Clock::now() - begin) < budget);
+  // Else the compiler could leave the queries out.
   [[maybe_unused]] const volatile double used = sum;
   return spreadOf(std::move(times)).median;
 }
 
+constexpr int candidates = 256, most_circles = 64, points_per_circle = 4096;
+
+struct Circle {
+  Eigen::Vector3d center, first, second;  ///< metres; the radii along two orthogonal directions
+
+  Eigen::Vector3d at(double angle) const {
+    return center + std::cos(angle) * first + std::sin(angle) * second;
+  }
+  Eigen::Vector3d tangent(double angle) const {
+    return -std::sin(angle) * first + std::cos(angle) * second;
+  }
+};
+
+/// Circles inside of a ball, the same for every field.
+class RandomCircles {
+ public:
+  explicit RandomCircles(double radius) : radius_(radius) {}
+  Circle next() {
+    const Eigen::Vector3d first = direction(), other = direction(), outwards = direction();
+    const double distance = 0.75 * radius_ * std::cbrt(uniform());
+    return {distance * outwards, 0.25 * radius_ * first,
+            0.25 * radius_ * first.cross(other).normalized()};
+  }
+
+ private:
+  double uniform() { return (static_cast<double>(random_()) + 0.5) / 4294967296.0; }
+  Eigen::Vector3d direction() {
+    const double z = 2 * uniform() - 1, angle = 2 * M_PI * uniform(), r = std::sqrt(1 - z * z);
+    return {r * std::cos(angle), r * std::sin(angle), z};
+  }
+  double radius_;
+  std::mt19937 random_{20};
+};
+
+/// Nothing when the coverage is too low somewhere.
+std::optional<double> relativeWork(const ForceField& field, const Circle& circle,
+                                   double least_coverage) {
+  double work = 0, effort = 0;
+  for (int n = 0; n < points_per_circle; ++n) {
+    const double angle = 2 * M_PI * (n + 0.5) / points_per_circle;
+    const ForceSample sample = field.evaluate(circle.at(angle));
+    if (!sample.inside || sample.coverage < least_coverage) return std::nullopt;
+    const Eigen::Vector3d tangent = circle.tangent(angle);
+    work += sample.force.dot(tangent);
+    effort += sample.force.norm() * tangent.norm();
+  }
+  return effort > 0 ? std::abs(work) / effort : 0;
+}
+
 }  // namespace
+
+double loopWork(const ForceField& field, double radius, double least_coverage) {
+  RandomCircles circles(radius);
+  double largest = std::nan("");
+  for (int candidate = 0, used = 0; candidate < candidates && used < most_circles; ++candidate) {
+    const auto work = relativeWork(field, circles.next(), least_coverage);
+    if (!work) continue;
+    ++used;
+    // Takes the number where the other is NaN, as at first.
+    largest = std::fmax(largest, *work);
+  }
+  return largest;
+}
 
 bool isCovered(const ForceSample& sample) noexcept {
   return sample.inside && sample.coverage > 1 - 1e-9;
 }
 
 MadeField tryToMake(const std::string& method, const SpaceTable& space) {
+  // One method that cannot be had of these points must not end the report on the others.
   try {
     return {makeForceField(method, space), ""};
   } catch (const std::bad_alloc&) {
@@ -82,13 +151,16 @@ std::vector<MethodComparison> compareMethods(const SpaceTable& space,
       const ForceSample sample = made.field->evaluate(solution.displacement);
       results[m].comparisons.push_back({solution.force, sample.force, sample.error_bound, false});
     }
-    const bool knows_cells =
-        std::find(cell_methods.begin(), cell_methods.end(), methods[m]) != cell_methods.end();
-    if (knows_cells && !cells) cells = std::move(made.field);
+    if (!cells && std::ranges::find(cell_methods, methods[m]) != cell_methods.end())
+      cells = std::move(made.field);
   }
+  // Without a method that knows cells, one is made for nothing else.
   if (!cells && !held_out.empty())
     cells = tryToMake(std::string(cell_methods.front()), space).field;
   if (!cells) return results;
+  for (const MethodComparison& result : results)
+    PALPATE_ASSERT(result.comparisons.empty() || result.comparisons.size() == held_out.size(),
+                   "a method that could be made was asked at every solution");
   for (std::size_t n = 0; n < held_out.size(); ++n) {
     const bool covered = isCovered(cells->evaluate(held_out[n].displacement));
     for (MethodComparison& result : results)

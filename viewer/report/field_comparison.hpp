@@ -1,10 +1,7 @@
 #pragma once
 
 #include <memory>
-#include <string>
-#include <vector>
 
-#include "common/space/space_table.hpp"
 #include "viewer/fields/force_field.hpp"
 #include "viewer/report/error_measures.hpp"
 #include "viewer/report/held_out.hpp"
@@ -18,11 +15,19 @@ struct MadeField {
 };
 MadeField tryToMake(const std::string& method, const SpaceTable& space);
 
+/// The work that a force field does around closed loops, relative to the effort: |sum F . dp| / sum
+/// |F| |dp|, the largest over circles of a quarter of `radius` (metres, of the workspace ball) with
+/// random centres and planes from a fixed seed, all inside the ball. Zero for a conservative field,
+/// apart from the error of 4096-point quadrature (some 1e-9). Circles on which the coverage falls
+/// below `least_coverage` anywhere are left out, up to 64 are used; NaN when none is left. Takes
+/// some 0.1 s.
+double loopWork(const ForceField& field, double radius, double least_coverage = 0);
+
 /// One method at the held-out solutions of one active node.
 struct MethodComparison {
   std::string problem;                       ///< why the method could not be made, else empty
   std::vector<ForceComparison> comparisons;  ///< one per solution; empty when it could not
-  double loop_work = not_measured;           ///< see loop_work.hpp
+  double loop_work = not_measured;           ///< loopWork
 };
 
 /// Makes every method of `space` and asks it at every held-out solution. Whether a solution is

@@ -11,16 +11,15 @@ constexpr double same_place = 1e-6;
 
 bool isLatticePoint(const Lattice& lattice, const Eigen::Vector3d& displacement) {
   LatticePoint point{};
-  for (Eigen::Index axis = 0; axis < 3; ++axis)
-    point[static_cast<std::size_t>(axis)] =
-        static_cast<std::int32_t>(std::lround(displacement[axis] / lattice.unit()));
+  for (int axis = 0; axis < 3; ++axis)
+    point[axis] = std::lround(displacement[axis] / lattice.unit());
   return lattice.indexOf(point).has_value() &&
          (lattice.displacementOf(point) - displacement).norm() <= same_place * lattice.spacing();
 }
 
 bool isPointOfAny(const std::vector<const SpaceTable*>& tables,
                   const Eigen::Vector3d& displacement) {
-  return std::any_of(tables.begin(), tables.end(), [&](const SpaceTable* table) {
+  return std::ranges::any_of(tables, [&](const SpaceTable* table) {
     return isLatticePoint(table->lattice, displacement);
   });
 }
@@ -28,28 +27,21 @@ bool isPointOfAny(const std::vector<const SpaceTable*>& tables,
 }  // namespace
 
 std::string_view name(HeldOutKind kind) {
-  switch (kind) {
-    case HeldOutKind::probes:
-      return "probes";
-    case HeldOutKind::lattice_points:
-      return "left-out lattice points";
-    case HeldOutKind::none:
-      break;
-  }
-  return "none";
+  return kind == HeldOutKind::probes           ? "probes"
+         : kind == HeldOutKind::lattice_points ? "left-out lattice points"
+                                               : "none";
 }
 
 std::vector<HeldOutSolution> usableProbes(const std::vector<const SpaceTable*>& tables) {
   std::vector<HeldOutSolution> solutions;
   for (const SpaceTable* table : tables)
-    for (const Probe& probe : table->probes) {
-      const auto same = [&](const HeldOutSolution& known) {
-        return known.displacement == probe.displacement;
-      };
-      if (probe.record.tag != Tag::expandable || isPointOfAny(tables, probe.displacement) ||
-          (table != tables.front() && std::any_of(solutions.begin(), solutions.end(), same)))
-        continue;
-      solutions.push_back({probe.displacement, probe.record.equilibrium.force});
+    for (const auto& [displacement, record] : table->probes) {
+      // Probes of one dataset differ; looking for them would take time with their square.
+      const bool is_known = table != tables.front() &&
+                            std::ranges::find(solutions, displacement,
+                                              &HeldOutSolution::displacement) != solutions.end();
+      if (record.tag == Tag::expandable && !isPointOfAny(tables, displacement) && !is_known)
+        solutions.push_back({displacement, record.equilibrium.force});
     }
   return solutions;
 }

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cstddef>
 #include <string_view>
-#include <vector>
 
 #include "common/space/space_table.hpp"
 

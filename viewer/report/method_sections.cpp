@@ -1,13 +1,10 @@
-#include "viewer/report/method_sections.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "viewer/plot/svg_plot.hpp"
-#include "viewer/report/html_elements.hpp"
+#include "common/base/assertion.hpp"
+#include "viewer/report/report_sections.hpp"
 #include "viewer/report/report_words.hpp"
 
 namespace palpate {
@@ -20,52 +17,42 @@ std::string card(const std::string& value, const std::string& meaning) {
                      escaped(meaning));
 }
 
-enum class Abscissa { configurations, nanoseconds };
-enum class Ordinate { mean, median, covered_mean };
+/// An error to plot: its name, and where it is among the measures of a method.
+struct Ordinate {
+  const char* name;
+  ErrorMeasures MethodMeasures::*points;
+  double Spread::*error;
+};
+constexpr std::array<Ordinate, 3> ordinates = {
+    {{"Whole ball, mean", &MethodMeasures::all, &Spread::mean},
+     {"Whole ball, median", &MethodMeasures::all, &Spread::median},
+     {"Covered points, mean", &MethodMeasures::covered, &Spread::mean}}};
 
-double valueOf(const MethodMeasures& method, Ordinate ordinate) {
-  switch (ordinate) {
-    case Ordinate::mean:
-      return method.all.error.mean;
-    case Ordinate::median:
-      return method.all.error.median;
-    case Ordinate::covered_mean:
-      break;
-  }
-  return method.covered.error.mean;
-}
-
-std::string frontierPlot(const Report& report, Abscissa abscissa, Ordinate ordinate) {
-  static constexpr std::array<const char*, 3> names = {"Whole ball, mean", "Whole ball, median",
-                                                       "Covered points, mean"};
-  const bool over_time = abscissa == Abscissa::nanoseconds;
+std::string frontierPlot(const Report& report, const Ordinate& ordinate, bool over_time) {
   Plot plot;
-  plot.title = fmt::format("{}: error against {}", names[static_cast<std::size_t>(ordinate)],
-                           over_time ? "time" : "configurations");
+  plot.title =
+      fmt::format("{}: error against {}", ordinate.name, over_time ? "time" : "configurations");
   plot.x = {over_time ? "ns per query" : "configurations per active node", true};
   plot.y = {"error of the force, N", true};
-  for (std::size_t m = 0; m < report.methods.size(); ++m) {
-    PlotSeries series{.label = report.methods[m], .style = seriesStyle(m)};
+  plot.series = methodSeries(report);
+  for (std::size_t m = 0; m < report.methods.size(); ++m)
     for (const LatticeMeasures& lattice : report.lattices) {
       const MethodMeasures& method = lattice.methods[m];
-      const double error = valueOf(method, ordinate);
+      const double error = (method.*ordinate.points).error.*ordinate.error;
+      // Not measured there: the lattice has what it would be measured with.
       if (!std::isfinite(error)) continue;
-      series.x.push_back(over_time ? method.nanoseconds : lattice.configurations);
-      series.y.push_back(error);
-      series.notes.push_back(fmt::format("{}, {} configurations: {} N, {} ns", report.methods[m],
-                                         formatCount(lattice.configurations), formatNumber(error),
-                                         formatNumber(method.nanoseconds, 3)));
+      plot.series[m].add(over_time ? method.nanoseconds : lattice.configurations, error,
+                         fmt::format("{}, {} configurations: {} N, {} ns", report.methods[m],
+                                     formatCount(lattice.configurations), formatNumber(error),
+                                     formatNumber(method.nanoseconds, 3)));
     }
-    plot.series.push_back(std::move(series));
-  }
   return svgOf(plot);
 }
 
 std::string frontierPlots(const Report& report) {
-  std::string html = methodLegend(report) + "<div class=\"figures two\">\n";
-  for (const Ordinate ordinate : {Ordinate::mean, Ordinate::median, Ordinate::covered_mean})
-    for (const Abscissa abscissa : {Abscissa::configurations, Abscissa::nanoseconds})
-      html += frontierPlot(report, abscissa, ordinate);
+  std::string html = legendOf(methodSeries(report)) + "<div class=\"figures two\">\n";
+  for (const Ordinate& ordinate : ordinates)
+    for (const bool over_time : {false, true}) html += frontierPlot(report, ordinate, over_time);
   return html + "</div>\n";
 }
 
@@ -90,9 +77,9 @@ std::string frontierTable(const Report& report) {
   std::string rows;
   for (std::size_t m = 0; m < report.methods.size(); ++m) {
     if (m > 0) rows += "</tbody><tbody>\n";
-    for (std::size_t n = 0; n < report.lattices.size(); ++n)
-      rows += frontierRow(n == 0 ? report.methods[m] : "", report.lattices[n],
-                          report.lattices[n].methods[m]);
+    for (const LatticeMeasures& lattice : report.lattices)
+      rows += frontierRow(&lattice == &report.lattices.front() ? report.methods[m] : "", lattice,
+                          lattice.methods[m]);
   }
   return table({"method", "configu­rations", "mean", "median", "95 %", "max", "mean, covered",
                 "max, covered", "relative", "in target", "covered", "loop work", "ns per query",
@@ -110,15 +97,17 @@ std::string latticeTable(const Report& report) {
 
 }  // namespace
 
-std::string methodLegend(const Report& report) {
+std::vector<PlotSeries> methodSeries(const Report& report) {
   std::vector<PlotSeries> series;
   for (std::size_t m = 0; m < report.methods.size(); ++m)
     series.push_back({.label = report.methods[m], .style = seriesStyle(m)});
-  return legendOf(series);
+  return series;
 }
 
 std::string cards(const Report& report) {
   const LatticeMeasures& lattice = shownLattice(report);
+  PALPATE_ASSERT(lattice.methods.size() == report.methods.size(),
+                 "every lattice was measured with every method, the default first");
   const MethodMeasures& method = lattice.methods.front();
   return fmt::format("<p class=\"how\">The method {} on {}:</p>\n<div class=\"cards\">\n",
                      escaped(report.methods.front()), escaped(lattice.label)) +
@@ -132,8 +121,9 @@ std::string cards(const Report& report) {
          card(formatCount(lattice.configurations), "configurations per active node") + "</div>\n";
 }
 
-std::string frontierSection(const Report& report) {
+Section frontierSection(const Report& report) {
   std::string html;
+  // Without exact solutions the plots would be empty; the table still has times.
   if (report.held_out_kind != HeldOutKind::none) html += frontierPlots(report);
   html += "<h3>In numbers</h3>\n" + frontierTable(report) + latticeTable(report);
   for (const std::string& gap : describeGaps(report)) html += note(gap);
@@ -142,54 +132,52 @@ std::string frontierSection(const Report& report) {
       "divided by the force, or by {} N where that is more. In target: at most {}. Covered: "
       "the eight corners around are solved; the same points for every method.</p>\n",
       relative_error_floor, escaped(describeTarget(report)));
-  return section("frontier", "Speed against error",
-                 "Lower is more accurate, further left is cheaper; "
-                 "a curve below another gives the same accuracy from fewer configurations. "
-                 "Each mark is one lattice density.",
-                 html);
+  return {"frontier", "Speed against error",
+          "Lower is more accurate, further left is cheaper; "
+          "a curve below another gives the same accuracy from fewer configurations. "
+          "Each mark is one lattice density.",
+          html};
 }
 
-std::string loopsSection(const Report& report) {
+Section loopsSection(const Report& report) {
   Plot plot;
   plot.title = "Work around closed loops";
   plot.x = {"configurations per active node", true};
   plot.y = {"work / effort", true};
   plot.width = 640;
-  for (std::size_t m = 0; m < report.methods.size(); ++m) {
-    PlotSeries series{.label = report.methods[m], .style = seriesStyle(m)};
+  plot.series = methodSeries(report);
+  for (std::size_t m = 0; m < report.methods.size(); ++m)
     for (const LatticeMeasures& lattice : report.lattices) {
       const double work = lattice.methods[m].loop_work;
-      series.x.push_back(lattice.configurations);
-      series.y.push_back(std::isfinite(work) ? std::max(work, least_loop_work) : work);
-      series.notes.push_back(fmt::format("{}, {} configurations: {}", report.methods[m],
-                                         formatCount(lattice.configurations), formatNumber(work)));
+      plot.series[m].add(lattice.configurations,
+                         std::isfinite(work) ? std::max(work, least_loop_work) : work,
+                         fmt::format("{}, {} configurations: {}", report.methods[m],
+                                     formatCount(lattice.configurations), formatNumber(work)));
     }
-    plot.series.push_back(std::move(series));
-  }
-  return section("loops", "Closed loops",
-                 "Work that a hand gains or loses around circles of a quarter of the workspace "
-                 "radius, divided by the force times the way; the largest found. "
-                 "Tissue gives back what it took: a method that does not can shake a device. "
-                 "10⁻¹⁰ stands for nothing but the error of the sum. "
-                 "Where a method gives way to tri-linear interpolation, "
-                 "at jumps between branches, its loops leak too.",
-                 methodLegend(report) + "<div class=\"single\">" + svgOf(plot) + "</div>\n");
+  return {"loops", "Closed loops",
+          "Work that a hand gains or loses around circles of a quarter of the workspace "
+          "radius, divided by the force times the way; the largest found. "
+          "Tissue gives back what it took: a method that does not can shake a device. "
+          "10⁻¹⁰ stands for nothing but the error of the sum. "
+          "Where a method gives way to tri-linear interpolation, "
+          "at jumps between branches, its loops leak too.",
+          legendOf(plot.series) + "<div class=\"single\">" + svgOf(plot) + "</div>\n"};
 }
 
-std::string boundsSection(const Report& report) {
+Section boundsSection(const Report& report) {
   std::string rows;
   for (std::size_t m = 0; m < report.methods.size(); ++m)
     if (const ErrorMeasures& measures = shownLattice(report).methods[m].all; measures.bounds > 0)
       rows +=
           tableRow({report.methods[m], std::to_string(measures.bounds),
                     formatShare(measures.bound_holds), formatNumber(measures.bound_over_error)});
-  return section(
+  return {
       "bounds", "Error bounds",
       "Methods say themselves how wrong they may be. "
       "A good bound holds almost always and is not many times the error.",
       rows.empty()
           ? "<p>No method gave bounds here.</p>\n"
-          : table({"method", "bounds given", "error within bound", "bound / error, median"}, rows));
+          : table({"method", "bounds given", "error within bound", "bound / error, median"}, rows)};
 }
 
 }  // namespace palpate

@@ -1,14 +1,9 @@
-#include "viewer/report/node_sections.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "common/base/assertion.hpp"
-#include "viewer/plot/svg_plot.hpp"
-#include "viewer/report/html_elements.hpp"
-#include "viewer/report/method_sections.hpp"
+#include "viewer/report/report_sections.hpp"
 #include "viewer/report/report_words.hpp"
 #include "viewer/report/slice_picture.hpp"
 
@@ -42,6 +37,7 @@ std::string nodesTable(const Report& report, const std::vector<std::size_t>& nod
 
 /// Mean errors, a column per method.
 std::string nodeMethodsTable(const Report& report, const std::vector<std::size_t>& nodes) {
+  // One method is in the table above already.
   if (report.methods.size() < 2) return "";
   std::vector<std::string> titles = {"mean error, N"};
   titles.insert(titles.end(), report.methods.begin(), report.methods.end());
@@ -65,26 +61,24 @@ std::string nodePlot(const Report& report, const NodeMeasures& node) {
   plot.y = {"mean error, N", true};
   plot.width = plot_width;
   plot.height = plot_height;
-  for (std::size_t m = 0; m < report.methods.size(); ++m) {
-    PlotSeries series{.label = report.methods[m], .style = seriesStyle(m)};
-    for (const LatticeMeasures& lattice : report.lattices) {
-      if (lattice.node_errors.empty()) continue;
-      series.x.push_back(static_cast<double>(lattice.node_configurations[*node.compared]));
-      series.y.push_back(lattice.node_errors[*node.compared][m]);
-    }
-    plot.series.push_back(std::move(series));
-  }
+  plot.series = methodSeries(report);
+  for (const LatticeMeasures& lattice : report.lattices)
+    if (!lattice.node_errors.empty())
+      for (std::size_t m = 0; m < report.methods.size(); ++m)
+        plot.series[m].add(lattice.node_configurations[*node.compared],
+                           lattice.node_errors[*node.compared][m]);
   return svgOf(plot);
 }
 
 std::string nodePlots(const Report& report, const std::vector<std::size_t>& nodes) {
+  // The plot of a single node is that of all nodes.
   if (!report.measured || nodes.size() < 2) return "";
   std::string plots;
   std::size_t count = 0;
   for (const std::size_t n : nodes)
     if (report.nodes[n].compared && count++ < plotted_nodes)
       plots += nodePlot(report, report.nodes[n]);
-  return methodLegend(report) + figures(plots);
+  return legendOf(methodSeries(report)) + figures(plots);
 }
 
 /// Limits around the bounds and errors of all pictures.
@@ -108,11 +102,19 @@ std::string whichNodes(const Report& report) {
              : fmt::format(" The {} active nodes with the largest errors.", report.pictures.size());
 }
 
-PlotSeries seriesOf(const AxisForces& along) {
-  PlotSeries series;
-  for (const double displacement : along.displacements) series.x.push_back(1e3 * displacement);
-  series.y = along.forces;
+/// The curves of a plot along an axis: of the methods, below the marks of the exact solutions.
+std::vector<PlotSeries> curves(const Report& report) {
+  std::vector<PlotSeries> series = methodSeries(report);
+  for (PlotSeries& method : series) method.marks = false;
+  series.insert(series.begin(), PlotSeries{.label = "exact, lattice points",
+                                           .style = {.colour = mark_colour},
+                                           .line = false});
   return series;
+}
+
+void addForces(const AxisForces& along, PlotSeries& series) {
+  for (std::size_t n = 0; n < along.forces.size(); ++n)
+    series.add(1e3 * along.displacements[n], along.forces[n]);
 }
 
 std::string curvesAlong(const Report& report, const NodePictures& pictures, std::size_t axis) {
@@ -124,32 +126,21 @@ std::string curvesAlong(const Report& report, const NodePictures& pictures, std:
   plot.y.label = fmt::format("force along {}, N", names[axis]);
   plot.width = plot_width;
   plot.height = plot_height;
-  PlotSeries& solved = plot.series.emplace_back(seriesOf(pictures.solved[axis]));
-  solved.line = false;
-  solved.style.colour = mark_colour;
-  // The default, the widest line, below the others.
-  for (std::size_t m = report.methods.size(); m-- > 0;) {
-    PlotSeries& curve = plot.series.emplace_back(seriesOf(pictures.sampled[m][axis]));
-    curve.marks = false;
-    curve.style = seriesStyle(m);
-  }
-  return svgOf(plot);
-}
-
-std::string curvesLegend(const Report& report) {
-  std::vector<PlotSeries> series = {
-      {.label = "exact, lattice points", .style = {.colour = mark_colour}, .line = false}};
+  plot.series = curves(report);
+  addForces(pictures.solved[axis], plot.series[0]);
   for (std::size_t m = 0; m < report.methods.size(); ++m)
-    series.push_back({.label = report.methods[m], .style = seriesStyle(m), .marks = false});
-  return legendOf(series);
+    addForces(pictures.sampled[m][axis], plot.series[m + 1]);
+  // The default, the widest line, below the others.
+  std::reverse(plot.series.begin() + 1, plot.series.end());
+  return svgOf(plot);
 }
 
 }  // namespace
 
-std::string nodesSection(const Report& report) {
+Section nodesSection(const Report& report) {
   const std::vector<std::size_t> all = worstFirst(report);
-  const std::vector<std::size_t> listed(
-      all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), listed_nodes)));
+  std::vector<std::size_t> listed = all;
+  listed.resize(std::min(all.size(), listed_nodes));
   std::string how = fmt::format("Errors of {} in newtons on {}, the worst first",
                                 report.methods.front(), escaped(shownLattice(report).label));
   if (listed.size() < all.size())
@@ -160,12 +151,11 @@ std::string nodesSection(const Report& report) {
   if (report.compared < all.size())
     how += fmt::format(" The other methods were compared on {} nodes, evenly chosen.",
                        report.compared);
-  return section(
-      "nodes", "Active nodes", how,
-      nodesTable(report, listed) + nodeMethodsTable(report, all) + nodePlots(report, all));
+  return {"nodes", "Active nodes", how,
+          nodesTable(report, listed) + nodeMethodsTable(report, all) + nodePlots(report, all)};
 }
 
-std::string mapsSection(const Report& report) {
+Section mapsSection(const Report& report) {
   static constexpr std::array<const char*, 3> planes = {
       "x and y, through rest", "x and z, through rest", "y and z, through rest"};
   const ColourScale scale = scaleOf(report.pictures);
@@ -177,31 +167,31 @@ std::string mapsSection(const Report& report) {
                             svgOf(pictures.slices[s], scale), planes[s]);
     maps += headingOf(report, pictures) + figures(slices);
   }
-  return section(
+  return {
       "maps", "Where the error is",
       fmt::format("Colour: the error bound that {} gives at each displacement in three "
                   "planes through the rest position (axes in mm, lattice of {}). "
                   "A dot lighter than its surroundings is a bound that did not hold. "
                   "White: no bound.{}",
                   report.methods.front(), escaped(shownLattice(report).label), whichNodes(report)),
-      maps);
+      maps};
 }
 
-std::string curvesSection(const Report& report) {
-  std::string curves = curvesLegend(report);
+Section curvesSection(const Report& report) {
+  std::string html = legendOf(curves(report));
   for (const NodePictures& pictures : report.pictures) {
     std::string plots;
     for (std::size_t axis = 0; axis < 3; ++axis) plots += curvesAlong(report, pictures, axis);
-    curves += headingOf(report, pictures) + figures(plots);
+    html += headingOf(report, pictures) + figures(plots);
   }
-  return section(
+  return {
       "curves", "Force along the axes",
       fmt::format("The force of the tissue on the tool along the direction of motion, "
                   "for displacements along x, y and z, on {} as it is. Marks are exact "
                   "solutions of the lattice; where curves part between marks, methods "
                   "disagree.{}",
                   escaped(report.datasets.front().file.filename().string()), whichNodes(report)),
-      curves);
+      html};
 }
 
 }  // namespace palpate

@@ -15,12 +15,9 @@
 namespace palpate {
 namespace {
 
-constexpr std::array<std::array<int, 2>, 3> planes = {{{0, 1}, {0, 2}, {1, 2}}};
-
 std::vector<Dataset> opened(const std::vector<std::filesystem::path>& files) {
   if (files.empty()) throw badInput("a report needs at least one dataset");
-  std::vector<Dataset> datasets;
-  for (const std::filesystem::path& file : files) datasets.emplace_back(file);
+  std::vector<Dataset> datasets(files.begin(), files.end());
   refuseOtherScenes(datasets);
   return datasets;
 }
@@ -30,19 +27,18 @@ std::vector<std::string> chosenMethods(const std::vector<std::string>& asked) {
   if (asked.empty()) return known;
   std::vector<std::string> chosen;
   for (const std::string& method : asked) {
-    if (std::find(known.begin(), known.end(), method) == known.end())
+    if (std::ranges::find(known, method) == known.end())
       throw badInput("--methods: there is no method \"{}\"; there are: {}", method,
                      fmt::join(known, ", "));
-    if (std::find(chosen.begin(), chosen.end(), method) == chosen.end()) chosen.push_back(method);
+    if (std::ranges::find(chosen, method) == chosen.end()) chosen.push_back(method);
   }
   return chosen;
 }
 
-/// `count` numbers below `size`, evenly spread.
+/// At most `count` numbers below `size`, evenly spread.
 std::vector<std::size_t> evenly(std::size_t size, std::size_t count) {
-  std::vector<std::size_t> chosen;
-  for (std::size_t n = 0; n < std::min(size, count); ++n)
-    chosen.push_back(size <= count ? n : n * size / count);
+  std::vector<std::size_t> chosen(std::min(size, count));
+  for (std::size_t n = 0; n < chosen.size(); ++n) chosen[n] = n * size / chosen.size();
   return chosen;
 }
 
@@ -101,32 +97,28 @@ class Reporter {
 
   /// Probes where there are any, else lattice points.
   void holdOut() {
+    report_.held_out.resize(spaces());
     for (std::size_t s = 0; s < spaces(); ++s) {
       std::vector<const SpaceTable*> tables;
       for (const Dataset& dataset : report_.open) tables.push_back(&dataset.spaces()[s]);
-      report_.held_out.push_back(usableProbes(tables));
+      holdOut(s, usableProbes(tables), HeldOutKind::probes);
     }
-    if (countHeldOut() > 0) {
-      report_.held_out_kind = HeldOutKind::probes;
-      return;
-    }
-    holdOutLatticePoints();
-    if (countHeldOut() > 0) report_.held_out_kind = HeldOutKind::lattice_points;
+    if (report_.held_out_count == 0) holdOutLatticePoints();
   }
 
-  std::size_t countHeldOut() {
-    report_.held_out_count = 0;
-    for (const auto& of_space : report_.held_out) report_.held_out_count += of_space.size();
-    return report_.held_out_count;
+  void holdOut(std::size_t space, std::vector<HeldOutSolution> solutions, HeldOutKind kind) {
+    if (!solutions.empty()) report_.held_out_kind = kind;
+    report_.held_out_count += solutions.size();
+    report_.held_out[space] = std::move(solutions);
   }
 
   void holdOutLatticePoints() {
+    // Of the only lattice no other leaves a point out.
     if (report_.lattices.size() < 2) return;
-    const auto densest = std::max_element(
-        report_.open.begin(), report_.open.end(), [](const Dataset& a, const Dataset& b) {
-          return a.spaces().front().points.size() < b.spaces().front().points.size();
-        });
-    source_ = static_cast<std::size_t>(densest - report_.open.begin());
+    const auto densest = std::ranges::max_element(report_.open, {}, [](const Dataset& dataset) {
+      return dataset.spaces().front().points.size();
+    });
+    source_ = densest - report_.open.begin();
     for (std::size_t s = 0; s < spaces(); ++s) {
       std::vector<std::shared_ptr<const SpaceTable>> owners;
       std::vector<const SpaceTable*> tables;
@@ -135,7 +127,7 @@ class Reporter {
           owners.push_back(table(lattice, s));
           tables.push_back(owners.back().get());
         }
-      report_.held_out[s] = leftOutPoints(densest->spaces()[s], tables);
+      holdOut(s, leftOutPoints(densest->spaces()[s], tables), HeldOutKind::lattice_points);
     }
   }
 
@@ -152,41 +144,35 @@ class Reporter {
   }
 
   void measureCost(LatticeMeasures& lattice) const {
-    std::int64_t factorizations = 0;
+    // Sums of whole numbers, exact in doubles.
     for (const std::size_t s : compared_) {
-      lattice.node_configurations.push_back(0);
+      std::int64_t& configurations = lattice.node_configurations.emplace_back(0);
       const std::shared_ptr<const SpaceTable> of_node = table(lattice, s);
       for (const PointRecord& point : of_node->points) {
         if (!isSolved(point.tag)) continue;
-        ++lattice.node_configurations.back();
-        factorizations += point.cost.factorizations;
+        ++configurations;
+        lattice.factorizations += point.cost.factorizations;
       }
+      lattice.configurations += configurations;
     }
-    const auto nodes = static_cast<double>(compared_.size());
-    lattice.configurations =
-        static_cast<double>(std::accumulate(lattice.node_configurations.begin(),
-                                            lattice.node_configurations.end(), std::int64_t{0})) /
-        nodes;
-    lattice.factorizations = static_cast<double>(factorizations) / nodes;
+    lattice.configurations /= compared_.size();
+    lattice.factorizations /= compared_.size();
   }
 
   /// By configurations; and chooses the measured one.
   void orderLattices() {
-    std::stable_sort(report_.lattices.begin(), report_.lattices.end(),
-                     [](const LatticeMeasures& a, const LatticeMeasures& b) {
-                       return a.configurations < b.configurations;
-                     });
-    for (std::size_t n = 0; n < report_.lattices.size(); ++n) {
-      const bool is_settled =
-          report_.measured && isFirstDataset(report_.lattices[*report_.measured]);
-      if (!is_settled && isMeasurable(report_.lattices[n])) report_.measured = n;
-    }
+    std::ranges::stable_sort(report_.lattices, {}, &LatticeMeasures::configurations);
+    // The densest that can be measured; but the first dataset as it is, where it can.
+    for (std::size_t n = 0; n < report_.lattices.size(); ++n)
+      if (isMeasurable(report_.lattices[n]) &&
+          !(report_.measured && isFirstDataset(report_.lattices[*report_.measured])))
+        report_.measured = n;
   }
 
   void describeNodes() {
     for (std::size_t s = 0; s < spaces(); ++s) {
       const SpaceTable& space = report_.open.front().spaces()[s];
-      NodeMeasures node;
+      NodeMeasures& node = report_.nodes.emplace_back();
       node.name = space.patch.name;
       node.held_out = report_.held_out[s].size();
       node.jumps = space.inconsistent_edges.size();
@@ -196,13 +182,13 @@ class Reporter {
           node.largest_force = std::max(node.largest_force, point.equilibrium.force.norm());
       }
       node.methods.resize(report_.methods.size());
-      report_.nodes.push_back(std::move(node));
     }
     for (std::size_t n = 0; n < compared_.size(); ++n) report_.nodes[compared_[n]].compared = n;
   }
 
   /// One after the other, while nothing else runs.
   void timeMethods(LatticeMeasures& lattice) const {
+    // Preparing takes seconds for some methods, and all nodes are alike: one is enough.
     const auto first = table(lattice, compared_.front());
     for (const std::string& method : report_.methods) {
       const MethodTiming timing = timeMethod(*first, method, options_.seconds_per_timing);
@@ -213,9 +199,13 @@ class Reporter {
   }
 
   void measureLattice(LatticeMeasures& lattice) {
+    PALPATE_ASSERT(
+        lattice.methods.size() == report_.methods.size() && report_.held_out.size() == spaces(),
+        "methods were timed and solutions held out before anything is measured");
     spdlog::info("{}: comparing {} methods on {} active nodes", lattice.label,
                  report_.methods.size(), compared_.size());
     const bool is_measurable = isMeasurable(lattice);
+    // A place each in the result, so that threads share nothing.
     std::vector<NodeComparison> nodes(compared_.size());
     inParallel(compared_.size(), [&](std::size_t n) {
       nodes[n] = compareMethods(
@@ -267,29 +257,13 @@ class Reporter {
   void samplePictures() {
     const std::vector<std::size_t> nodes = worstFirst(report_);
     report_.pictures.resize(std::min(nodes.size(), options_.pictured_nodes));
-    inParallel(report_.pictures.size(),
-               [&](std::size_t n) { report_.pictures[n] = picturesOf(nodes[n]); });
-  }
-
-  NodePictures picturesOf(std::size_t node) const {
-    NodePictures pictures;
-    pictures.node = node;
-    const auto shown = table(shownLattice(report_), node);
-    const std::vector<HeldOutSolution>& held_out = report_.held_out[node];
-    if (const auto field = tryToMake(report_.methods.front(), *shown).field)
-      for (const auto& [across, up] : planes)
-        pictures.slices.push_back(sampleSlice(*field, *shown, across, up, held_out));
-    const SpaceTable& whole = report_.open.front().spaces()[node];
-    for (int axis = 0; axis < 3; ++axis)
-      pictures.solved[static_cast<std::size_t>(axis)] = solvedForcesAlong(whole, axis);
-    for (const std::string& method : report_.methods) {
-      std::array<AxisForces, 3>& sampled = pictures.sampled.emplace_back();
-      if (const auto field = tryToMake(method, whole).field)
-        for (int axis = 0; axis < 3; ++axis)
-          sampled[static_cast<std::size_t>(axis)] =
-              sampleForcesAlong(*field, whole.lattice.radius(), axis);
-    }
-    return pictures;
+    inParallel(report_.pictures.size(), [&](std::size_t n) {
+      const std::size_t node = nodes[n];
+      const auto shown = table(shownLattice(report_), node);
+      report_.pictures[n] = sampleNode(*shown, report_.open.front().spaces()[node], report_.methods,
+                                       report_.held_out[node]);
+      report_.pictures[n].node = node;
+    });
   }
 
   const ReportOptions& options_;
@@ -304,7 +278,7 @@ Report makeReport(const ReportOptions& options) { return Reporter(options).finis
 
 const LatticeMeasures& shownLattice(const Report& report) {
   if (report.measured) return report.lattices[*report.measured];
-  const auto first = std::find_if(report.lattices.begin(), report.lattices.end(), isFirstDataset);
+  const auto first = std::ranges::find_if(report.lattices, isFirstDataset);
   PALPATE_ASSERT(first != report.lattices.end(), "every dataset is one of the lattices");
   return *first;
 }
@@ -314,10 +288,10 @@ std::vector<std::size_t> worstFirst(const Report& report) {
   std::iota(nodes.begin(), nodes.end(), 0);
   const auto error = [&](std::size_t node) {
     const double mean = report.nodes[node].methods.front().error.mean;
+    // Not measured: after all that are.
     return std::isnan(mean) ? -1 : mean;
   };
-  std::stable_sort(nodes.begin(), nodes.end(),
-                   [&](std::size_t a, std::size_t b) { return error(a) > error(b); });
+  std::ranges::stable_sort(nodes, std::greater(), error);
   return nodes;
 }
 

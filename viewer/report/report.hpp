@@ -1,20 +1,10 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <filesystem>
-#include <map>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "common/dataset/dataset.hpp"
-#include "viewer/report/axis_forces.hpp"
 #include "viewer/report/compared_lattice.hpp"
 #include "viewer/report/dataset_facts.hpp"
 #include "viewer/report/error_measures.hpp"
 #include "viewer/report/held_out.hpp"
-#include "viewer/report/slice_map.hpp"
+#include "viewer/report/node_pictures.hpp"
 
 namespace palpate {
 
@@ -39,7 +29,7 @@ struct MethodMeasures {
   std::string problem;    ///< why it could not be made for some active node; empty when it could
   ErrorMeasures all;      ///< over the whole ball
   ErrorMeasures covered;  ///< over covered points alone: the same points for every method
-  /// Work around closed loops relative to the effort (loop_work.hpp): the largest of
+  /// Work around closed loops relative to the effort (loopWork): the largest of
   /// ReportOptions::looped_nodes.
   double loop_work = not_measured;
   double nanoseconds = not_measured;         ///< per query, median, this machine
@@ -69,19 +59,7 @@ struct NodeMeasures {
   std::vector<ErrorMeasures> methods;  ///< on the measured lattice, in the order of Report::methods
 };
 
-/// Fields of one active node, sampled.
-struct NodePictures {
-  std::size_t node = 0;  ///< index into Report::nodes
-  /// Planes xy, xz and yz, the default method on the shown lattice; empty when it cannot be made.
-  std::vector<SliceMap> slices;
-  // Along x, y and z, in the first dataset as it is.
-  std::array<AxisForces, 3> solved;
-  /// By method, in the order of Report::methods; empty where it cannot be made.
-  std::vector<std::array<AxisForces, 3>> sampled;
-};
-
-/// Everything `palpate report` says, measured. Writers (report_text, report_json, report_page) only
-/// format.
+/// Everything `palpate report` says, measured; the writers below only format.
 struct Report {
   std::vector<Dataset> open;  ///< the datasets, as given
   std::vector<DatasetFacts> datasets;
@@ -114,5 +92,13 @@ const LatticeMeasures& shownLattice(const Report& report);
 /// Numbers of all active nodes, by the mean error of the default method: the largest first, those
 /// without one last.
 std::vector<std::size_t> worstFirst(const Report& report);
+
+/// For a terminal: at most 100 columns, ends with a newline.
+std::string reportText(const Report& report);
+/// One JSON object on one line (docs/commands.md). Numbers that do not exist are null.
+std::string reportJson(const Report& report);
+/// One HTML page with its plots inside: no script, nothing from the network. Pictures are of
+/// Report::pictures.
+std::string reportPage(const Report& report);
 
 }  // namespace palpate

@@ -1,16 +1,11 @@
 #include "viewer/report/report_command.hpp"
 
-#include <cerrno>
 #include <fstream>
 #include <iostream>
 #include <memory>
 
-#include "common/base/error.hpp"
 #include "common/base/replaced_file.hpp"
 #include "viewer/fields/field_choice.hpp"
-#include "viewer/report/report_json.hpp"
-#include "viewer/report/report_page.hpp"
-#include "viewer/report/report_text.hpp"
 
 namespace palpate {
 namespace {
@@ -21,18 +16,37 @@ void writePage(const std::filesystem::path& file, const std::string& page) {
   replaceFile(file, [&](const std::filesystem::path& aside) {
     std::ofstream out(aside, std::ios::binary);
     out << page;
+    // The last bytes are written here: only now is it known whether the disk took all.
     out.close();
-    if (!out)
-      throw failure("{}: the page cannot be written: {}", file.string(),
-                    std::generic_category().message(errno));
+    if (!out) throw failure("{}: the page cannot be written: {}", file.string(), errnoText());
   });
+}
+
+std::function<ExitCode()> prepareReport(CLI::App& app) {
+  auto options = std::make_shared<ReportCommandOptions>();
+  app.add_option("DATASET", options->report.datasets,
+                 "Sealed dataset, OUT.h5; more of the same scene with other spacings "
+                 "or accuracies add points to the curves")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--methods", options->report.methods,
+                 fmt::format("Only these, separated by commas; there are {}",
+                             fmt::join(forceFieldMethods(), ", ")))
+      ->delimiter(',')
+      ->type_name("LIST");
+  app.add_option("--html", options->html, "Write a self-contained page with plots to FILE too")
+      ->type_name("FILE");
+  app.add_flag("--json", options->json, "One JSON object instead of the table (docs/commands.md)");
+  return [options] { return report(*options, std::cout); };
 }
 
 }  // namespace
 
 ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
+  // Before minutes of measuring, not after.
   if (!options.html.empty()) refuseUnwritable(options.html, "--html");
   ReportOptions wanted = options.report;
+  // Text and JSON show no pictures, and sampling fields for them takes a while.
   wanted.pictured_nodes = options.html.empty() ? 0 : pictured_nodes;
   const Report report = makeReport(wanted);
   if (!options.html.empty()) writePage(options.html, reportPage(report));
@@ -43,25 +57,7 @@ ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
 
 Verb reportVerb() {
   return {"report", "How accurate and how fast the methods of interpolation are on a dataset",
-          [](CLI::App& app) {
-            auto options = std::make_shared<ReportCommandOptions>();
-            app.add_option("DATASET", options->report.datasets,
-                           "Sealed dataset, OUT.h5; more of the same scene with other spacings "
-                           "or accuracies add points to the curves")
-                ->required()
-                ->type_name("FILE");
-            app.add_option("--methods", options->report.methods,
-                           fmt::format("Only these, separated by commas; there are {}",
-                                       fmt::join(forceFieldMethods(), ", ")))
-                ->delimiter(',')
-                ->type_name("LIST");
-            app.add_option("--html", options->html,
-                           "Write a self-contained page with plots to FILE too")
-                ->type_name("FILE");
-            app.add_flag("--json", options->json,
-                         "One JSON object instead of the table (docs/commands.md)");
-            return std::function<ExitCode()>([options] { return report(*options, std::cout); });
-          }};
+          prepareReport};
 }
 
 }  // namespace palpate

@@ -1,45 +1,43 @@
-#include "viewer/report/report_json.hpp"
-
-#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/base/assertion.hpp"
 #include "common/space/failure.hpp"
+#include "viewer/report/report.hpp"
 
 namespace palpate {
 namespace {
 
+/// Prints numbers that are not finite as null.
 using Json = nlohmann::ordered_json;
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json toJson(const Spread& spread) {
-  return {{"mean", number(spread.mean)},
-          {"rms", number(spread.rms)},
-          {"median", number(spread.median)},
-          {"percentile_95", number(spread.percentile_95)},
-          {"percentile_99", number(spread.percentile_99)},
-          {"maximum", number(spread.maximum)}};
+  return {{"mean", spread.mean},
+          {"rms", spread.rms},
+          {"median", spread.median},
+          {"percentile_95", spread.percentile_95},
+          {"percentile_99", spread.percentile_99},
+          {"maximum", spread.maximum}};
 }
 
 Json toJson(const ErrorMeasures& measures) {
   return {{"count", measures.count},
           {"error", toJson(measures.error)},
           {"relative", toJson(measures.relative)},
-          {"mean_component", number(measures.mean_component)},
-          {"mean_relative_component", number(measures.mean_relative_component)},
-          {"relative_to_mean_force", number(measures.relative_to_mean_force)},
-          {"within_target", number(measures.within_target)},
-          {"covered", number(measures.covered)},
+          {"mean_component", measures.mean_component},
+          {"mean_relative_component", measures.mean_relative_component},
+          {"relative_to_mean_force", measures.relative_to_mean_force},
+          {"within_target", measures.within_target},
+          {"covered", measures.covered},
           {"bounds", measures.bounds},
-          {"bound_holds", number(measures.bound_holds)},
-          {"bound_over_error", number(measures.bound_over_error)}};
+          {"bound_holds", measures.bound_holds},
+          {"bound_over_error", measures.bound_over_error}};
 }
 
 Json datasetJson(const Dataset& dataset, const DatasetFacts& facts) {
   const SpaceTable& space = dataset.spaces().front();
   Json sizes = Json::object();
-  for (const auto& [kind, size] : facts.sizes)
-    sizes[kind] = {{"stored", size.stored}, {"unpacked", size.unpacked}};
+  for (const auto& [kind, stored, unpacked] : facts.sizes)
+    sizes[kind] = {{"stored", stored}, {"unpacked", unpacked}};
   return {{"file", facts.file.string()},
           {"content_hash", dataset.contentId().hex()},
           {"build_id", dataset.buildId().hex()},
@@ -52,10 +50,7 @@ Json datasetJson(const Dataset& dataset, const DatasetFacts& facts) {
           {"solved_probes", facts.solved_probes},
           {"terminating_probes", facts.terminating_probes},
           {"bytes", facts.bytes},
-          {"bytes_per_configuration", facts.configurations == 0
-                                          ? Json(nullptr)
-                                          : Json(static_cast<double>(facts.bytes) /
-                                                 static_cast<double>(facts.configurations))},
+          {"bytes_per_configuration", static_cast<double>(facts.bytes) / facts.configurations},
           {"arrays", sizes}};
 }
 
@@ -65,9 +60,9 @@ Json latticeJson(const Report& report, const LatticeMeasures& lattice) {
     const MethodMeasures& method = lattice.methods[m];
     methods[report.methods[m]] = {
         {"problem", method.problem.empty() ? Json(nullptr) : Json(method.problem)},
-        {"loop_work", number(method.loop_work)},
-        {"nanoseconds_per_query", number(method.nanoseconds)},
-        {"seconds_to_prepare", number(method.seconds_to_prepare)},
+        {"loop_work", method.loop_work},
+        {"nanoseconds_per_query", method.nanoseconds},
+        {"seconds_to_prepare", method.seconds_to_prepare},
         {"whole_ball", toJson(method.all)},
         {"covered_points", toJson(method.covered)}};
   }
@@ -83,6 +78,7 @@ Json latticeJson(const Report& report, const LatticeMeasures& lattice) {
 Json nodeJson(const Report& report, const NodeMeasures& node) {
   Json methods = Json::object();
   for (std::size_t m = 0; m < report.methods.size(); ++m)
+    // On nodes that were not compared only the default method was measured.
     if (node.methods[m].count > 0) methods[report.methods[m]] = toJson(node.methods[m]);
   Json tags = Json::object();
   for (std::size_t tag = 0; tag < node.tags.size(); ++tag)
@@ -98,6 +94,7 @@ Json nodeJson(const Report& report, const NodeMeasures& node) {
 }  // namespace
 
 std::string reportJson(const Report& report) {
+  PALPATE_ASSERT(report.open.size() == report.datasets.size(), "there are facts of every dataset");
   Json json;
   json["scene"] = report.open.front().scene().name;
   for (std::size_t d = 0; d < report.open.size(); ++d)
@@ -117,6 +114,7 @@ std::string reportJson(const Report& report) {
   for (const auto& [cause, count] : report.failures)
     json["failures"][std::string(name(cause))] = {
         {"points", count.points}, {"attempts", count.attempts}, {"probes", count.probes}};
+  // Names of files need not be UTF-8, which JSON demands.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 

@@ -1,25 +1,110 @@
-#include "viewer/report/report_page.hpp"
-
 #include <fmt/format.h>
 
-#include "viewer/plot/svg_plot.hpp"
-#include "viewer/report/dataset_sections.hpp"
-#include "viewer/report/html_elements.hpp"
-#include "viewer/report/method_sections.hpp"
-#include "viewer/report/node_sections.hpp"
+#include "viewer/report/report_sections.hpp"
 #include "viewer/report/report_words.hpp"
 
 namespace palpate {
+namespace {
+
+/// For elements and for the classes of the plots.
+constexpr const char* page_style = R"(
+:root{--ink:#1b1f24;--soft:#5b6570;--line:#d9dee3;--tint:#f4f6f8;--accent:#0072b2}
+*{box-sizing:border-box}
+body{margin:0;color:var(--ink);background:#fff;font:16px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,"Helvetica Neue",Arial,sans-serif}
+main{max-width:1160px;margin:0 auto;padding:24px 20px 64px}
+h1{font-size:1.75rem;line-height:1.2;margin:.2em 0 .1em}
+h2{font-size:1.25rem;margin:2.2em 0 .3em;padding-top:.7em;border-top:1px solid var(--line)}
+h3{font-size:1rem;margin:1.4em 0 .2em}
+p{margin:.4em 0 .8em;max-width:78ch}
+.lead,.how{color:var(--soft)}
+nav{display:flex;flex-wrap:wrap;gap:2px 16px;margin:1em 0;font-size:.9rem}
+a{color:var(--accent)}
+.cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(165px,1fr));gap:12px;margin:1.2em 0}
+.card{background:var(--tint);border-radius:8px;padding:12px 14px}
+.card b{display:block;font-size:1.5rem;line-height:1.25;font-variant-numeric:tabular-nums}
+.card span{color:var(--soft);font-size:.85rem;line-height:1.35;display:block}
+.figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,340px),1fr));gap:18px}
+.figures.two{grid-template-columns:repeat(auto-fit,minmax(min(100%,440px),1fr))}
+.single{max-width:680px}
+.figures>svg,.single>svg,figure svg{width:100%;height:auto;display:block}
+figure{margin:0}
+figcaption{font-size:.85rem;color:var(--soft);text-align:center}
+.legend{display:flex;flex-wrap:wrap;align-items:center;gap:4px 18px;font-size:.88rem;max-width:none}
+.legend span{display:inline-flex;align-items:center;gap:6px}
+.scroll{overflow-x:auto;margin:.6em 0 1em}
+table{border-collapse:collapse;font-size:.88rem;font-variant-numeric:tabular-nums;min-width:100%}
+th,td{padding:4px 8px;text-align:right;white-space:nowrap;border-bottom:1px solid var(--line)}
+th{color:var(--soft);font-weight:600;vertical-align:bottom;white-space:normal;line-height:1.25}
+th:first-child,td:first-child,.text{text-align:left}
+tbody+tbody tr:first-child td{border-top:2px solid var(--line)}
+td.reason{color:var(--soft);white-space:normal;text-align:left}
+.bar{display:inline-block;height:.75em;background:var(--accent);border-radius:2px;vertical-align:baseline}
+.note{background:#fff7e0;border-left:4px solid #e69f00;padding:10px 14px;max-width:none}
+code,pre{font:.85rem/1.45 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace}
+pre{background:var(--tint);padding:12px;overflow-x:auto;border-radius:8px}
+dl{display:grid;grid-template-columns:max-content 1fr;gap:4px 18px;font-size:.9rem}
+dt{color:var(--soft)}dd{margin:0;overflow-wrap:anywhere}
+svg text{font-family:inherit;fill:var(--ink)}
+svg .title{font-size:13px;font-weight:600}
+svg .label{font-size:12px;fill:var(--soft)}
+svg .tick{font-size:11.5px;fill:var(--soft)}
+svg .grid{stroke:#e7eaee;stroke-width:1}
+svg .axis{fill:none;stroke:#8b949e;stroke-width:1}
+svg .curve{fill:none;stroke-linejoin:round;stroke-linecap:round}
+svg .rim{fill:none;stroke:#8b949e;stroke-width:1}
+svg .solved{fill:#fff;stroke:#000;stroke-width:.6;opacity:.75}
+svg .terminating{fill:#fff;stroke:#000;stroke-width:1}
+svg .failed{fill:none;stroke:#d55e00;stroke-width:2.4}
+svg .probe{stroke:#fff;stroke-width:1.6}
+svg .cover{fill:none;stroke:#fff;stroke-width:1.2}
+svg .jump{fill:none;stroke:#e3120b;stroke-width:2.2}
+.legend svg .cover{stroke:#8b949e}
+@media print{main{max-width:none;padding:0}h2{break-after:avoid}figure,table,.figures>svg,.cards{break-inside:avoid}nav{display:none}.scroll{overflow:visible}}
+)";
+
+}  // namespace
+
+std::string table(const std::vector<std::string>& titles, const std::string& rows) {
+  std::string head;
+  for (const std::string& title : titles) head += "<th>" + escaped(title) + "</th>";
+  return "<div class=\"scroll\"><table><thead><tr>" + head + "</tr></thead>\n<tbody>\n" + rows +
+         "</tbody></table></div>\n";
+}
+
+std::string tableRow(const std::vector<std::string>& cells, const std::string& end) {
+  std::string row = "<tr>";
+  for (const std::string& text : cells) row += "<td>" + escaped(text) + "</td>";
+  return row + end + "</tr>\n";
+}
+
+std::string barCell(double value, double largest) {
+  // Nothing to be relative to; written so that NaN ends here too.
+  if (!(largest > 0)) return "<td></td>";
+  return fmt::format("<td class=\"text\"><span class=\"bar\" style=\"width:{:.0f}px\"></span></td>",
+                     160 * value / largest);
+}
+
+std::string note(const std::string& text) {
+  return text.empty() ? "" : "<p class=\"note\">" + escaped(text) + "</p>\n";
+}
+
+std::string figures(const std::string& content) {
+  return "<div class=\"figures\">\n" + content + "</div>\n";
+}
 
 std::string reportPage(const Report& report) {
+  const std::vector<Section> sections = {
+      frontierSection(report), loopsSection(report), boundsSection(report),
+      nodesSection(report),    mapsSection(report),  curvesSection(report),
+      failuresSection(report), sizesSection(report), provenanceSection(report)};
+  // The navigation has what there is, in the same order.
+  std::string links, text;
+  for (const Section& section : sections) {
+    links += fmt::format("<a href=\"#{}\">{}</a>", section.id, section.heading);
+    text += fmt::format("<h2 id=\"{}\">{}</h2>\n<p class=\"how\">{}</p>\n{}", section.id,
+                        section.heading, section.how, section.content);
+  }
   const Scene& scene = report.open.front().scene();
-  static constexpr const char* links =
-      R"(<nav><a href="#frontier">Speed against error</a><a href="#loops">Closed loops</a>)"
-      R"(<a href="#bounds">Error bounds</a><a href="#nodes">Active nodes</a>)"
-      R"(<a href="#maps">Where the error is</a><a href="#curves">Force along the axes</a>)"
-      R"(<a href="#failures">Failures</a><a href="#sizes">Sizes</a>)"
-      R"(<a href="#provenance">Scene and provenance</a></nav>)"
-      "\n";
   return fmt::format(
              "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
              "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n"
@@ -27,10 +112,8 @@ std::string reportPage(const Report& report) {
              "<h1>{0}: how accurate, and how fast</h1>\n<p class=\"lead\">{2}, {3}. {4}</p>\n",
              escaped(scene.name), page_style, countNodes(report.nodes.size()),
              escaped(scene.mesh.filename().string()), escaped(describeHeldOut(report))) +
-         note(hintForProbes(report)) + cards(report) + links + frontierSection(report) +
-         loopsSection(report) + boundsSection(report) + nodesSection(report) + mapsSection(report) +
-         curvesSection(report) + failuresSection(report) + sizesSection(report) +
-         provenanceSection(report) + "</main></body></html>\n";
+         note(hintForProbes(report)) + cards(report) + "<nav>" + links + "</nav>\n" + text +
+         "</main></body></html>\n";
 }
 
 }  // namespace palpate

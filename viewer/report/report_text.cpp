@@ -1,5 +1,3 @@
-#include "viewer/report/report_text.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,13 +8,14 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t listed_nodes = 20, width = 100;
+constexpr std::size_t most_nodes = 20, width = 100;
 
 /// Breaks a text at spaces. Its first line begins in column `indent`, which the others are indented
 /// to.
 std::string wrapped(const std::string& text, std::size_t indent = 0) {
   std::string result, line;
   std::istringstream words(text);
+  // A word that is wider than a line, as a path may be, stays whole.
   for (std::string word; words >> word;) {
     if (!line.empty() && indent + line.size() + 1 + word.size() > width) {
       result += line + '\n' + std::string(indent, ' ');
@@ -31,18 +30,18 @@ std::string header(const Report& report) {
   std::string text;
   for (std::size_t d = 0; d < report.datasets.size(); ++d) {
     const DatasetFacts& facts = report.datasets[d];
-    text += wrapped(
-        fmt::format("{}: {}, {} configurations in {} lattice points, {}, {}", facts.file.string(),
-                    countNodes(report.nodes.size()), facts.configurations, facts.lattice_points,
-                    describeBall(report.open[d]), formatBytes(static_cast<double>(facts.bytes))));
+    text += wrapped(fmt::format("{}: {}, {} configurations in {} lattice points, {}, {}",
+                                facts.file.string(), countNodes(report.nodes.size()),
+                                facts.configurations, facts.lattice_points,
+                                describeBall(report.open[d]), formatBytes(facts.bytes)));
   }
   return text + wrapped(describeHeldOut(report));
 }
 
 constexpr const char* frontier_row = "{:<16}{:>7}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>10}{:>9}{:>8}\n";
 
-std::string frontierRow(const std::string& method, const LatticeMeasures& lattice,
-                        const MethodMeasures& measures) {
+std::string frontierLine(const std::string& method, const LatticeMeasures& lattice,
+                         const MethodMeasures& measures) {
   const std::string configurations = formatCount(lattice.configurations);
   if (!measures.problem.empty() && measures.all.count == 0)
     return fmt::format("{:<16}{:>7}  ", method, configurations) + wrapped(measures.problem, 25);
@@ -60,9 +59,9 @@ std::string frontier(const Report& report) {
   text += fmt::format(frontier_row, "method", "configs", "error", "error", "error", "error",
                       "covered", "covered", "in target", "work", "query");
   for (std::size_t m = 0; m < report.methods.size(); ++m)
-    for (std::size_t n = 0; n < report.lattices.size(); ++n)
-      text += frontierRow(n == 0 ? report.methods[m] : "", report.lattices[n],
-                          report.lattices[n].methods[m]);
+    for (const LatticeMeasures& lattice : report.lattices)
+      text += frontierLine(&lattice == &report.lattices.front() ? report.methods[m] : "", lattice,
+                           lattice.methods[m]);
   for (const std::string& gap : describeGaps(report)) text += "\n" + wrapped(gap);
   const std::string nodes =
       report.compared == report.nodes.size()
@@ -78,15 +77,14 @@ std::string frontier(const Report& report) {
 
 std::string nodes(const Report& report) {
   std::vector<std::size_t> listed = worstFirst(report);
-  listed.resize(std::min(listed.size(), listed_nodes));
-  std::string text =
-      fmt::format("\n{:<24} {:>10} {:>11} {:>7} {:>8} {:>9} {:>9} {:>9}\n", "active node",
-                  "expandable", "terminating", "failed", "force", "mean", "max", "in target");
+  listed.resize(std::min(listed.size(), most_nodes));
+  static constexpr const char* row = "{:<24} {:>10} {:>11} {:>7} {:>8} {:>9} {:>9} {:>9}\n";
+  std::string text = "\n" + fmt::format(row, "active node", "expandable", "terminating", "failed",
+                                        "force", "mean", "max", "in target");
   for (const std::size_t n : listed) {
     const NodeMeasures& node = report.nodes[n];
     const ErrorMeasures& measures = node.methods.front();
-    text += fmt::format("{:<24} {:>10} {:>11} {:>7} {:>8} {:>9} {:>9} {:>9}\n", node.name,
-                        node.tags[1], node.tags[2], node.tags[3],
+    text += fmt::format(row, node.name, node.tags[1], node.tags[2], node.tags[3],
                         formatNumber(node.largest_force, 3), formatNumber(measures.error.mean),
                         formatNumber(measures.error.maximum), formatShare(measures.within_target));
   }

@@ -8,20 +8,16 @@
 namespace palpate {
 
 std::string describeHeldOut(const Report& report) {
-  switch (report.held_out_kind) {
-    case HeldOutKind::probes:
-      return fmt::format(
-          "Measured with {} probes: exact solutions, within max_force, "
-          "at positions that no interpolation has seen.",
-          report.held_out_count);
-    case HeldOutKind::lattice_points:
-      return fmt::format(
-          "There are no solved probes. Measured with {} lattice points that are left out of the "
-          "coarser lattices below; of the densest lattice itself nothing can be said.",
-          report.held_out_count);
-    case HeldOutKind::none:
-      break;
-  }
+  if (report.held_out_kind == HeldOutKind::probes)
+    return fmt::format(
+        "Measured with {} probes: exact solutions, within max_force, "
+        "at positions that no interpolation has seen.",
+        report.held_out_count);
+  if (report.held_out_kind == HeldOutKind::lattice_points)
+    return fmt::format(
+        "There are no solved probes. Measured with {} lattice points that are left out of the "
+        "coarser lattices below; of the densest lattice itself nothing can be said.",
+        report.held_out_count);
   return "There are no solved probes, and no coarser lattice inside this one leaves solved "
          "points out: nothing to measure errors with.";
 }
@@ -31,6 +27,7 @@ std::vector<std::string> describeGaps(const Report& report) {
   for (const LatticeMeasures& lattice : report.lattices)
     for (std::size_t m = 0; m < report.methods.size(); ++m) {
       const MethodMeasures& method = lattice.methods[m];
+      // A method without any measure says why in its row of the table.
       if (!method.problem.empty() && method.all.count > 0)
         gaps.push_back(
             fmt::format("{} with {} configurations is not measured on every active node. {}",
@@ -66,6 +63,7 @@ std::string formatBytes(double bytes) {
   if (bytes < 1000) return fmt::format("{:.0f} B", bytes);
   for (const char* unit : {"kB", "MB", "GB"}) {
     bytes /= 1000;
+    // More would be rounded to 1e+03 by three figures.
     if (bytes < 999.5) return fmt::format("{:.3g} {}", bytes, unit);
   }
   return fmt::format("{:.3g} TB", bytes / 1000);
@@ -74,6 +72,7 @@ std::string formatBytes(double bytes) {
 std::string formatNumber(double value, int figures) {
   if (!std::isfinite(value)) return "-";
   const double magnitude = std::abs(value);
+  // Where fixed notation is short; the logarithm counts the digits before the point.
   if (value == 0 || (magnitude >= 1e-3 && magnitude < 1e6)) {
     const int digits =
         magnitude == 0 ? 0 : figures - 1 - static_cast<int>(std::floor(std::log10(magnitude)));
@@ -83,12 +82,14 @@ std::string formatNumber(double value, int figures) {
 }
 
 std::string formatCount(double count) {
+  // A mean over active nodes is seldom whole.
   const bool is_whole = std::abs(count - std::round(count)) < 1e-6;
   return fmt::format("{:.{}f}", count, is_whole || count >= 100 ? 0 : 1);
 }
 
 std::string formatShare(double share) {
   if (!std::isfinite(share)) return "-";
+  // "100.0 %" would say that there is no exception at all.
   if (share < 1 && share > 0.9995) return ">99.9 %";
   return fmt::format("{:.1f} %", 100 * share);
 }

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "viewer/report/report.hpp"
 
 // Words and numbers that the text and the page of a report share.

@@ -2,14 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 
 #include "common/base/assertion.hpp"
 #include "viewer/plot/svg_plot.hpp"
+#include "viewer/plot/viridis.hpp"
+#include "viewer/report/error_measures.hpp"
 
 namespace palpate {
 namespace {
+
+constexpr int most_decades = 5;
+constexpr double beyond = 0.02;  ///< share of the values that may lie beyond either limit
 
 // User units. `step` is whole, so that runs of samples meet without seams; the left margin holds
 // numbers like "-123.4".
@@ -29,14 +34,14 @@ std::string colours(const SliceMap& map, const ColourScale& scale) {
       const int run = level(begin);
       while (end < SliceMap::side && level(end) == run) ++end;
       if (run >= 0)
-        paths[static_cast<std::size_t>(run)] +=
+        paths[run] +=
             fmt::format("M{:g} {:g}h{:g}v{:g}h{:g}z", left + begin * step, base - (row + 1) * step,
                         (end - begin) * step, step, (begin - end) * step);
     }
   }
   std::string svg = "<g shape-rendering=\"crispEdges\">";
   for (int level = 0; level < ColourScale::levels; ++level)
-    if (const std::string& path = paths[static_cast<std::size_t>(level)]; !path.empty())
+    if (const std::string& path = paths[level]; !path.empty())
       svg += fmt::format("<path d=\"{}\" fill=\"{}\"/>\n", path, ColourScale::colour(level));
   return svg + "</g>\n";
 }
@@ -58,7 +63,7 @@ std::string latticeMark(double x, double y, Tag tag) {
 std::string frame(const SliceMap& map) {
   const double axis_x = left - 4, axis_y = base + 4, radius = std::round(1e4 * map.radius) / 10;
   const auto label = [&](int n, int axis) {
-    return n == 0 ? axis_names[static_cast<std::size_t>(axis)] : fmt::format("{:g}", n * radius);
+    return n == 0 ? axis_names[axis] : fmt::format("{:g}", n * radius);
   };
   std::string svg = fmt::format(
       "<circle class=\"rim\" cx=\"{}\" cy=\"{}\" r=\"{}\"/>\n"
@@ -101,6 +106,30 @@ std::string keyOf(const std::string& mark, const char* text) {
 }
 
 }  // namespace
+
+ColourScale::ColourScale(const std::vector<double>& values) {
+  std::vector<double> positive;
+  std::ranges::copy_if(values, std::back_inserter(positive),
+                       [](double value) { return std::isfinite(value) && value > 0; });
+  if (positive.empty()) return;
+  std::ranges::sort(positive);
+  const double top = std::ceil(std::log10(percentile(positive, 1 - beyond)) - 1e-9);
+  const double base = std::floor(std::log10(percentile(positive, beyond)) + 1e-9);
+  lowest_ = std::pow(10, std::clamp(base, top - most_decades, top - 1));
+  highest_ = std::pow(10, top);
+}
+
+int ColourScale::levelOf(double value) const {
+  if (!(value > lowest_)) return 0;
+  const double share = std::log(value / lowest_) / std::log(highest_ / lowest_);
+  return std::clamp(static_cast<int>(share * levels), 0, levels - 1);
+}
+
+std::string ColourScale::colour(int level) {
+  const std::array<double, 3> rgb = viridis(static_cast<double>(level) / (levels - 1));
+  return fmt::format("#{:02x}{:02x}{:02x}", std::lround(rgb[0]), std::lround(rgb[1]),
+                     std::lround(rgb[2]));
+}
 
 std::string svgOf(const SliceMap& map, const ColourScale& scale) {
   PALPATE_ASSERT(

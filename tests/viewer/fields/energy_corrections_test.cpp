@@ -1,11 +1,10 @@
-#include "viewer/fields/energy_corrections.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "tests/support/sample_dataset.hpp"
+#include "viewer/fields/potential_field.hpp"
 
 namespace palpate {
 namespace {

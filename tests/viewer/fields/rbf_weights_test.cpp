@@ -1,11 +1,10 @@
-#include "viewer/fields/rbf_weights.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"
+#include "viewer/fields/rbf_field.hpp"
 
 namespace palpate {
 namespace {

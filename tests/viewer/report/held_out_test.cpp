@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/sample_dataset.hpp"
-#include "viewer/report/thinned_space.hpp"
+#include "viewer/report/compared_lattice.hpp"
 
 namespace palpate {
 namespace {

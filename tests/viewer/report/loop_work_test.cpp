@@ -1,8 +1,8 @@
-#include "viewer/report/loop_work.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "viewer/report/field_comparison.hpp"
 
 namespace palpate {
 namespace {

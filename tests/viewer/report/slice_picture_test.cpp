@@ -1,4 +1,4 @@
-#include "viewer/report/colour_scale.hpp"
+#include "viewer/report/slice_picture.hpp"
 
 #include <gtest/gtest.h>
 

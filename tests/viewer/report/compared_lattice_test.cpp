@@ -1,4 +1,4 @@
-#include "viewer/report/thinned_space.hpp"
+#include "viewer/report/compared_lattice.hpp"
 
 #include <gtest/gtest.h>
 

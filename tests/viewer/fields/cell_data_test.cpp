@@ -1,4 +1,4 @@
-#include "viewer/fields/slot_equilibria.hpp"
+#include "viewer/fields/cell_data.hpp"
 
 #include <gtest/gtest.h>
 

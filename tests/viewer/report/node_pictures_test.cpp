@@ -1,4 +1,4 @@
-#include "viewer/report/slice_map.hpp"
+#include "viewer/report/node_pictures.hpp"
 
 #include <gtest/gtest.h>
 

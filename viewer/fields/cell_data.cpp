@@ -1,0 +1,80 @@
+#include "viewer/fields/cell_data.hpp"
+
+#include <algorithm>
+
+#include "common/interpolation/energy_jets.hpp"
+
+namespace palpate {
+namespace {
+
+bool contains(const std::vector<LatticeEdge>& edges, std::int32_t a, std::int32_t b) {
+  return std::ranges::binary_search(edges, LatticeEdge{std::min(a, b), std::max(a, b)});
+}
+
+}  // namespace
+
+std::vector<Equilibrium> slotEquilibria(const CellTree& tree, const SpaceTable& space,
+                                        const std::vector<LatticeEdge>& inconsistent) {
+  std::vector<Equilibrium> equilibria(tree.slots().size());
+  const std::vector<LocalPolynomial> ghosts = ghostPolynomials(tree, space, inconsistent);
+  PALPATE_ASSERT(ghosts.size() == equilibria.size(), "there is one polynomial per slot");
+  for (std::size_t s = 0; s < equilibria.size(); ++s) {
+    const CellSlot& slot = tree.slots()[s];
+    if (slot.kind == SlotKind::solved) equilibria[s] = space.points[slot.number].equilibrium;
+    if (slot.kind == SlotKind::ghost) equilibria[s] = ghosts[s].at(Eigen::Vector3d::Zero());
+  }
+  return equilibria;
+}
+
+std::vector<double> slotCoverage(const CellTree& tree,
+                                 const std::vector<LatticeEdge>& inconsistent) {
+  // An end of a jump is solved, but what is interpolated towards it stands on two branches.
+  std::vector<std::int32_t> ends;
+  for (const LatticeEdge& edge : inconsistent) ends.insert(ends.end(), {edge.a, edge.b});
+  std::ranges::sort(ends);
+  std::vector<double> coverage;
+  for (const CellSlot& slot : tree.slots())
+    coverage.push_back(slot.kind == SlotKind::solved &&
+                       !std::ranges::binary_search(ends, slot.number));
+  fillHangingTrilinearly(tree, coverage);
+  return coverage;
+}
+
+CellData::CellData(const SpaceTable& space)
+    : tree(space),
+      inconsistent(inconsistentEdges(space)),
+      suspect(suspectEdges(space)),
+      equilibria(slotEquilibria(tree, space, inconsistent)),
+      support(slotCoverage(tree, inconsistent)),
+      divisions(space.lattice.divisions()) {
+  for (const CellSlot& slot : tree.slots())
+    numbers.push_back(space.lattice.indexOf(slot.point).value_or(-1));
+}
+
+std::int32_t CellData::slotAt(const LatticePoint& point) const {
+  const std::vector<CellSlot>& slots = tree.slots();
+  const auto found = std::ranges::lower_bound(slots, point, {}, &CellSlot::point);
+  return found == slots.end() || found->point != point ? -1 : found - slots.begin();
+}
+
+bool CellData::isInconsistent(std::int32_t a, std::int32_t b) const {
+  return contains(inconsistent, numbers[at(a)], numbers[at(b)]);
+}
+
+std::vector<std::int32_t> CellData::leavesWith(const std::vector<LatticeEdge>& edges) const {
+  // Most spaces have no such edge, and all leaves of the others are looked at.
+  std::vector<std::int32_t> found;
+  if (edges.empty()) return found;
+  for (std::int32_t leaf = 0; leaf < std::ssize(tree.leaves()); ++leaf) {
+    const LeafCorners& corners = tree.corners(leaf);
+    bool any = false;
+    for (std::size_t c = 0; c < 8; ++c)
+      for (const std::size_t axis : {1, 2, 4})
+        any = any || ((c & axis) == 0 &&
+                      contains(edges, numbers[at(corners[c])], numbers[at(corners[c | axis])]));
+    if (any) found.push_back(leaf);
+  }
+  return found;
+}
+
+}  // namespace palpate

@@ -1,0 +1,70 @@
+#pragma once
+
+#include "common/interpolation/branch_check.hpp"
+#include "common/interpolation/cell_tree.hpp"
+
+namespace palpate {
+
+/// Energy, force and stiffness for every slot of a tree, for methods that interpolate nodal data.
+///
+///   solved   those of the lattice point
+///   ghost    those of the local polynomial of the energy (energy_jets.hpp)
+///   hanging  zero: the method fills them itself (fillHanging in cell_tree.hpp)
+///
+/// A ghost's polynomial goes through the data of the nearest solved points: exact for energies up
+/// to the third degree where enough of them are near, of lower order with fewer; a lone point is
+/// continued by its force and stiffness. Forces are limited by what the neighbours span.
+/// Points that an inconsistent edge joins to another are not used together for one ghost.
+/// The same numbers on every machine of one kind. Any thread.
+std::vector<Equilibrium> slotEquilibria(const CellTree& tree, const SpaceTable& space,
+                                        const std::vector<LatticeEdge>& inconsistent);
+
+/// For every slot the share (0..1) of it that stands on solved points without an inconsistent edge:
+/// 1, 0 for ghosts and ends of inconsistent edges, in between where a slot hangs. Interpolated
+/// tri-linearly in a leaf it is the coverage of a sample.
+std::vector<double> slotCoverage(const CellTree& tree,
+                                 const std::vector<LatticeEdge>& inconsistent);
+
+/// Tri-linear interpolant of nodal values, one per slot, at a place in a leaf.
+template <class Value>
+Value trilinear(const LeafCorners& corners, const Eigen::Vector3d& local,
+                const std::vector<Value>& values) {
+  const std::array<double, 8> weights = trilinearWeights(local);
+  Value sum = weights[0] * values[at(corners[0])];
+  for (std::size_t c = 1; c < 8; ++c) sum += weights[c] * values[at(corners[c])];
+  return sum;
+}
+
+/// Sets the values of all hanging slots, one per slot, to those that are tri-linear in the coarser
+/// leaf.
+template <class Value>
+void fillHangingTrilinearly(const CellTree& tree, std::vector<Value>& values) {
+  fillHanging(tree, values, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
+    return trilinear(tree.corners(leaf), local, values);
+  });
+}
+
+/// What methods that interpolate in leaves are made of: a cell tree and what its slots stand on.
+/// Holds no reference to the space. Immutable after construction: any thread may read.
+struct CellData {
+  /// Error when no point of the space is solved.
+  explicit CellData(const SpaceTable& space);
+
+  CellTree tree;
+  std::vector<LatticeEdge> inconsistent;  ///< inconsistentEdges of the space
+  std::vector<LatticeEdge> suspect;       ///< suspectEdges of the space
+  std::vector<Equilibrium> equilibria;    ///< slotEquilibria
+  std::vector<double> support;            ///< slotCoverage
+  /// Per slot: lattice number, of hanging ones too; -1 when it has none.
+  std::vector<std::int32_t> numbers;
+  std::int32_t divisions;  ///< lattice coordinates per spacing
+
+  /// The slot at lattice coordinates; -1 when there is none.
+  std::int32_t slotAt(const LatticePoint& point) const;
+  /// Whether two slots are the ends of an inconsistent edge.
+  bool isInconsistent(std::int32_t a, std::int32_t b) const;
+  /// The leaves with an edge among these; sorted edges.
+  std::vector<std::int32_t> leavesWith(const std::vector<LatticeEdge>& edges) const;
+};
+
+}  // namespace palpate
