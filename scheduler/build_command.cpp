@@ -1,9 +1,8 @@
 #include <spdlog/spdlog.h>
 
-#include <memory>
 #include <thread>
 
-#include "scheduler/build_order.hpp"
+#include "scheduler/build.hpp"
 #include "scheduler/verbs.hpp"
 #include "scheduler/worker_pool.hpp"
 
@@ -18,8 +17,6 @@ using Clock = std::chrono::steady_clock;
 constexpr int deaths_without_progress = 20;
 /// So many when none of them ever said hello: then it is not the work, it is the program.
 constexpr int deaths_at_the_start = 3;
-/// How long workers may take to finish what they hold.
-constexpr milliseconds drain_limit{15000};
 
 struct BuildOptions {
   BuildOrder order;
@@ -52,15 +49,13 @@ class Replacement {
   bool joined_ = false;
 };
 
-ExitCode compute(Build& build, int workers) {
-  zmq::context_t context;
-  Server server(context, "tcp://127.0.0.1:*");
-  build.directory().announce(server.endpoint());
+ExitCode compute(Server& server, Coordinator& coordinator, int workers) {
+  // How long workers may take to finish what they hold.
+  constexpr milliseconds drain_limit{15000};
   WorkerPool pool({programBeside("palpate-worker").string(), "work", "--connect", server.endpoint(),
                    "-j", "1", "--quiet"});
   for (int n = 0; n < workers; ++n) pool.start();
 
-  Coordinator& coordinator = build.coordinator();
   Replacement replacement;
   serveUntilDone(server, coordinator, [&] { replacement.replace(pool, coordinator); });
   for (const auto deadline = Clock::now() + drain_limit;
@@ -81,7 +76,9 @@ std::function<ExitCode()> prepareBuild(CLI::App& app) {
       "Exit codes: 0 done, 1 failed, 2 bad scene or usage, 3 done but some points failed, "
       "130 interrupted.");
   return [options] {
-    return carryOut(options->order, [&](Build& build) { return compute(build, options->workers); });
+    return carryOut(options->order, "tcp://127.0.0.1:*", [&](Server& server, Coordinator& build) {
+      return compute(server, build, options->workers);
+    });
   };
 }
 

@@ -1,11 +1,8 @@
-#include <filesystem>
-#include <memory>
 
 #include "common/dataset/dataset.hpp"
 #include "common/problem/problem.hpp"
 #include "scheduler/explanation.hpp"
 #include "scheduler/service/status.hpp"
-#include "scheduler/state/job_store.hpp"
 #include "scheduler/state/replay.hpp"
 #include "scheduler/verbs.hpp"
 
@@ -19,22 +16,17 @@ struct ExplainOptions {
   bool json = false;
 };
 
-wire::Explanation explainFromDataset(const ExplainOptions& options) {
-  const Dataset dataset(options.where);
-  return explain(spaceNamed(dataset.spaces(), options.active), options.point);
-}
-
-wire::Explanation explainFromDirectory(const ExplainOptions& options) {
-  StoredTables tables(options.where);
+/// What is known of each space by now, from a dataset or a state directory.
+std::vector<SpaceTable> spacesIn(const std::string& where) {
+  if (!std::filesystem::is_directory(where)) return Dataset(where).spaces();
+  StoredTables tables(where);
   const Problem problem = decodeProblem(tables.build().problem);
-  const Replay replayed = replay(problem, tables.results());
-  return explain(spaceNamed(spaceTables(replayed.plans), options.active), options.point);
+  return spaceTables(replay(problem, tables.results()).plans);
 }
 
 ExitCode run(const ExplainOptions& options) {
-  const wire::Explanation explanation = std::filesystem::is_directory(options.where)
-                                            ? explainFromDirectory(options)
-                                            : explainFromDataset(options);
+  const std::vector<SpaceTable> spaces = spacesIn(options.where);
+  const wire::Explanation explanation = explain(spaceNamed(spaces, options.active), options.point);
   fmt::print("{}", options.json ? toJson(explanation) + '\n' : explanation.text());
   return ExitCode::done;
 }

@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/index.hpp"
 #include "common/wire/wire.hpp"
 
 namespace palpate {
@@ -10,22 +12,16 @@ namespace {
 
 /// Coordinates in spacings: "(1, 0.5, 0)".
 std::string nameOf(const LatticePoint& p, std::int32_t divisions) {
-  const auto spacings = [&](std::int32_t coordinate) {
-    return static_cast<double>(coordinate) / divisions;
-  };
-  return fmt::format("({:g}, {:g}, {:g})", spacings(p[0]), spacings(p[1]), spacings(p[2]));
+  const Eigen::Array3d spacings = Eigen::Array3d(p[0], p[1], p[2]) / divisions;
+  return fmt::format("({:g}, {:g}, {:g})", spacings[0], spacings[1], spacings[2]);
 }
 
 std::int32_t numberOf(const Lattice& lattice, const Eigen::Vector3d& in_spacings) {
-  LatticePoint point{};
-  bool whole = true;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double coordinate = lattice.divisions() * in_spacings[static_cast<Eigen::Index>(axis)];
-    whole = whole && std::abs(coordinate) < 1e9 && coordinate == std::round(coordinate);
-    if (whole) point[axis] = static_cast<std::int32_t>(coordinate);
+  const Eigen::Array3d coordinates = lattice.divisions() * in_spacings;
+  if ((coordinates.abs() < 1e9).all() && (coordinates == coordinates.round()).all()) {
+    const Eigen::Array3i point = coordinates.cast<std::int32_t>();
+    if (const auto number = lattice.indexOf({point[0], point[1], point[2]})) return *number;
   }
-  if (whole)
-    if (const auto number = lattice.indexOf(point)) return *number;
   throw badInput(
       "({:g}, {:g}, {:g}) is not in the lattice: "
       "it holds the points with i^2 + j^2 + k^2 <= {:.6g} (radius {} m / spacing {} m, "
@@ -60,6 +56,7 @@ std::string textOf(const wire::Explanation& e) {
     text += fmt::format(
         "  {:<14} force ({:.4g}, {:.4g}, {:.4g}) N, energy {:.4g} J, min det F {:.3g}, "
         "{} iterations in {} steps\n",
+        // + 0.0: nobody wants to read -0.
         nameOf(fromWire(s.point()), e.divisions()), s.force(0) + 0.0, s.force(1) + 0.0,
         s.force(2) + 0.0, s.energy(), s.min_det_f(), s.newton_iterations(), s.steps());
   if (e.attempts_size() > 0) text += "tried without success:\n";
@@ -87,8 +84,9 @@ const SpaceTable& spaceNamed(const std::vector<SpaceTable>& spaces, const std::s
 
 wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spacings) {
   const Lattice& lattice = space.lattice;
+  PALPATE_ASSERT(space.points.size() == at(lattice.size()), "a table has a row for every point");
   const std::int32_t number = numberOf(lattice, in_spacings);
-  const PointRecord& record = space.points[static_cast<std::size_t>(number)];
+  const PointRecord& record = space.points[at(number)];
   wire::Explanation explanation;
   explanation.set_active(space.patch.name);
   *explanation.mutable_point() = toWire(lattice.point(number));
@@ -100,7 +98,7 @@ wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spa
   // A chain of parents is shorter than the lattice, also in a damaged file.
   std::int32_t step = record.parent < 0 ? -1 : number;
   for (std::size_t length = 0; step >= 0 && length < space.points.size(); ++length) {
-    const PointRecord& here = space.points[static_cast<std::size_t>(step)];
+    const PointRecord& here = space.points[at(step)];
     addStep(explanation, lattice, step, here);
     step = here.parent == step ? -1 : here.parent;
   }

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "common/space/space_table.hpp"
 #include "proto/palpate.pb.h"
 

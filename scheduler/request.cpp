@@ -1,40 +1,27 @@
 #include "scheduler/request.hpp"
 
-#include <array>
-#include <filesystem>
-
 #include "common/base/error.hpp"
 #include "common/wire/wire.hpp"
 #include "scheduler/state/state_directory.hpp"
 
 namespace palpate {
 
-wire::Message ask(const std::string& endpoint, const wire::Message& question,
-                  std::chrono::milliseconds patience) {
-  checkEndpoint(endpoint);
+wire::Message ask(const std::string& endpoint, const wire::Message& question) {
+  constexpr std::chrono::duration<double> patience{5};
   zmq::context_t context;
   zmq::socket_t socket = makeDealer(context);
   // The question waits until there is a connection.
   socket.set(zmq::sockopt::immediate, false);
-  try {
-    socket.connect(endpoint);
-  } catch (const zmq::error_t& error) {
-    throw badInput("cannot connect to {}: {}", endpoint, error.what());
-  }
+  connectDealer(socket, endpoint);
   if (sendMessage(socket, "", question) != Sent::yes) throw failure("{}: cannot send", endpoint);
   const auto deadline = std::chrono::steady_clock::now() + patience;
   while (std::chrono::steady_clock::now() < deadline) {
     if (auto answer = receiveMessage(socket, false)) return std::move(answer->message);
-    std::array<zmq::pollitem_t, 1> items = {{{socket.handle(), 0, ZMQ_POLLIN, 0}}};
-    try {
-      zmq::poll(items, std::chrono::milliseconds(100));
-    } catch (const zmq::error_t& error) {
-      if (error.num() != EINTR) throw failure("ZeroMQ poll: {}", error.what());
+    if (!waitForMessages(socket, std::chrono::milliseconds(100)))
       throw Error(ExitCode::interrupted, "interrupted");
-    }
   }
   throw failure("{}: no answer within {:.1f} s: is a Palpate scheduler running there?", endpoint,
-                std::chrono::duration<double>(patience).count());
+                patience.count());
 }
 
 std::string endpointOf(const std::string& where) {

@@ -1,9 +1,7 @@
 #include <spdlog/spdlog.h>
 
-#include <memory>
-
 #include "common/wire/wire.hpp"
-#include "scheduler/build_order.hpp"
+#include "scheduler/build.hpp"
 #include "scheduler/verbs.hpp"
 
 namespace palpate {
@@ -11,21 +9,16 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// How long workers may take to finish what they hold and leave.
-constexpr std::chrono::milliseconds drain_limit{30000};
-
 struct ServeOptions {
   BuildOrder order;
   std::string endpoint = default_endpoint;
   bool insecure = false;
 };
 
-ExitCode compute(Build& build, const std::string& endpoint) {
-  zmq::context_t context;
-  Server server(context, endpoint);
-  build.directory().announce(server.endpoint());
+ExitCode serve(Server& server, Coordinator& coordinator) {
+  // How long workers may take to finish what they hold and leave.
+  constexpr std::chrono::seconds drain_limit{30};
   spdlog::info("listening on {}", server.endpoint());
-  Coordinator& coordinator = build.coordinator();
   serveUntilDone(server, coordinator);
   for (const auto deadline = Clock::now() + drain_limit;
        !coordinator.deserted(Clock::now()) && Clock::now() < deadline;)
@@ -41,7 +34,7 @@ ExitCode run(const ServeOptions& options) {
         "since there are no keys yet: listen on 127.0.0.1, "
         "or say --insecure on a network you trust",
         options.endpoint);
-  return carryOut(options.order, [&](Build& build) { return compute(build, options.endpoint); });
+  return carryOut(options.order, options.endpoint, serve);
 }
 
 std::function<ExitCode()> prepareServe(CLI::App& app) {

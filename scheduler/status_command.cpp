@@ -1,6 +1,4 @@
-#include <unistd.h>
 
-#include <chrono>
 #include <memory>
 #include <thread>
 
@@ -8,7 +6,6 @@
 #include "common/wire/wire.hpp"
 #include "scheduler/request.hpp"
 #include "scheduler/service/status.hpp"
-#include "scheduler/state/job_store.hpp"
 #include "scheduler/state/replay.hpp"
 #include "scheduler/status_text.hpp"
 #include "scheduler/verbs.hpp"
@@ -29,10 +26,10 @@ wire::Status storedStatus(const std::filesystem::path& directory) {
   StoredTables tables(directory);
   const Problem problem = decodeProblem(tables.build().problem);
   const Replay replayed = replay(problem, tables.results());
-  std::vector<ServerRow> servers = tables.servers();
+  std::vector<wire::WorkerStatus> servers = tables.servers();
   // What the tables last said; no scheduler runs that they could be idle or busy for.
-  for (ServerRow& row : servers)
-    if (row.state != "lost") row.state = "left";
+  for (wire::WorkerStatus& row : servers)
+    if (row.state() != "lost") row.set_state("left");
   wire::Status status = statusOf(problem, replayed.plans, servers, tables.counters());
   status.set_build(tables.build().build.hex());
   status.set_state(tables.build().complete ? "complete" : "stopped");

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
-#include <vector>
+
+#include "common/base/assertion.hpp"
+#include "scheduler/plan/refinement.hpp"
+#include "scheduler/service/status.hpp"
 
 namespace palpate {
 namespace {
@@ -51,16 +53,82 @@ std::vector<wire::SpaceStatus> spacesToShow(std::vector<wire::SpaceStatus> space
     sum.set_failed(sum.failed() + s.failed());
   }
   sum.set_name(fmt::format("all {}", spaces.size()));
-  sum.set_stage(fmt::format("{} complete", std::count_if(spaces.begin(), spaces.end(), done)));
+  sum.set_stage(fmt::format("{} complete", std::ranges::count_if(spaces, done)));
   std::erase_if(spaces, [&](const wire::SpaceStatus& s) {
     return done(s) ? s.failed() == 0 : s.expandable() == 0;
   });
-  std::stable_sort(spaces.begin(), spaces.end(), [&](const auto& a, const auto& b) {
-    return std::pair(done(a), -a.failed()) < std::pair(done(b), -b.failed());
-  });
+  std::ranges::stable_sort(spaces, {},
+                           [&](const auto& s) { return std::pair(done(s), -s.failed()); });
+  // The ones that tell most come first, so the rest may go.
   if (spaces.size() > most) spaces.resize(most);
   spaces.push_back(sum);
   return spaces;
+}
+
+/// Points by tag, a row for each active node; of more than 24 those that tell most, and a sum.
+/// `with_stages`: and what each is working on.
+std::string pointTable(const wire::Status& status, bool with_stages) {
+  const auto row = [&](const auto&... cells) {
+    return fmt::format(fmt::runtime(with_stages ? "{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}  {}\n"
+                                                : "{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n"),
+                       cells...);
+  };
+  std::string text =
+      row("active node", "points", "expandable", "terminating", "failed", "unknown", "stage");
+  for (const wire::SpaceStatus& s : spacesToShow({status.spaces().begin(), status.spaces().end()}))
+    text += row(s.name(), s.points(), s.expandable(), s.terminating(), s.failed(), s.unknown(),
+                s.stage());
+  return text;
+}
+
+/// "TITLE: 1 step_budget, 11 unreachable" and a line feed; nothing when there is none.
+std::string causesLine(const char* title,
+                       const google::protobuf::Map<std::string, std::int32_t>& causes) {
+  std::string text;
+  for (const auto& [cause, count] :
+       std::map<std::string, std::int32_t>(causes.begin(), causes.end()))
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, cause);
+  return text.empty() ? "" : fmt::format("{}: {}\n", title, text);
+}
+
+std::string probesOf(const std::vector<SpaceTable>& spaces) {
+  std::size_t probes = 0, solved = 0;
+  for (const SpaceTable& space : spaces) {
+    probes += space.probes.size();
+    for (const Probe& probe : space.probes) solved += isSolved(probe.record.tag);
+  }
+  return probes == 0 ? "" : fmt::format("probes: {}, {} solved\n", probes, solved);
+}
+
+std::string accuracyOf(const std::vector<SpaceTable>& spaces, const Scene& scene) {
+  if (!scene.accuracy.adaptive()) return "";
+  double worst = 0, kept = 0;
+  std::size_t counted = 0, keeping = 0;
+  const std::string* worst_name = nullptr;
+  for (const SpaceTable& space : spaces) {
+    // Nothing can be refined around an origin that failed, and nothing estimated.
+    if (!isSolved(space.points.front().tag)) continue;
+    const Refinement state = nextRefinement(space, scene);
+    PALPATE_ASSERT(state.kept >= 0 && state.kept <= 1, "a share");
+    ++counted;
+    keeping += state.worst_ratio <= 1;
+    kept += state.kept;
+    if (worst_name == nullptr || state.worst_ratio > worst) worst_name = &space.patch.name;
+    worst = std::max(worst, state.worst_ratio);
+  }
+  if (counted == 0) return "";
+  std::string text = fmt::format(
+      "accuracy: the estimated error keeps max({:g} %, {:g} N) in {:.4g} % of the workspace",
+      100 * scene.accuracy.force_error, scene.accuracy.force_floor,
+      100 * kept / static_cast<double>(counted));
+  if (keeping < counted)
+    text += fmt::format(
+        "; {} of {} active node(s) keep it everywhere, "
+        "the worst is {} with {:.3g} times the allowed error. "
+        "More `levels` help where cells were split that often, "
+        "nothing where neighbours lie on different branches",
+        keeping, counted, *worst_name, worst);
+  return text + '\n';
 }
 
 }  // namespace
@@ -100,38 +168,26 @@ std::string progressBar(const wire::Status& status, std::size_t columns) {
   return fmt::format("[{:#<{}}{:{}}] {}", "", filled, "", length - filled, line);
 }
 
-std::string pointTable(std::vector<wire::SpaceStatus> spaces, bool with_stages) {
-  const auto row = [&](const auto&... cells) {
-    return fmt::format(fmt::runtime(with_stages ? "{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}  {}\n"
-                                                : "{:<16} {:>8} {:>10} {:>11} {:>8} {:>8}\n"),
-                       cells...);
-  };
-  std::string text =
-      row("active node", "points", "expandable", "terminating", "failed", "unknown", "stage");
-  for (const wire::SpaceStatus& s : spacesToShow(std::move(spaces)))
-    text += row(s.name(), s.points(), s.expandable(), s.terminating(), s.failed(), s.unknown(),
-                s.stage());
-  return text;
-}
-
-std::string causesLine(const char* title, const std::map<std::string, std::int32_t>& causes) {
-  std::string text;
-  for (const auto& [cause, count] : causes)
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, cause);
-  return text.empty() ? "" : fmt::format("{}: {}\n", title, text);
+std::string summaryOf(const std::vector<SpaceTable>& spaces, const Scene& scene) {
+  wire::Status status;
+  for (const SpaceTable& space : spaces) {
+    wire::SpaceStatus& row = *status.add_spaces();
+    row.set_name(space.patch.name);
+    row.set_stage(std::string(name(Stage::complete)));
+    for (const PointRecord& point : space.points) addPoint(status, row, point);
+  }
+  return pointTable(status, false) + causesLine("failed", status.failed_points()) +
+         probesOf(spaces) + accuracyOf(spaces, scene);
 }
 
 std::string describe(const wire::Status& status) {
   std::string text = fmt::format("scene {}, build {}: {}\n\n", status.scene(),
                                  status.build().substr(0, 12), status.state());
-  text += pointTable({status.spaces().begin(), status.spaces().end()}, true);
-  text += '\n';
+  text += pointTable(status, true) + '\n';
   if (status.state() == "running" || status.state() == "stopping")
     text += progressLine(status) + '\n';
-  const auto& points = status.failed_points();
-  text += causesLine("failed points", {points.begin(), points.end()});
-  const auto& attempts = status.failed_attempts();
-  text += causesLine("failed transitions", {attempts.begin(), attempts.end()});
+  text += causesLine("failed points", status.failed_points()) +
+          causesLine("failed transitions", status.failed_attempts());
   for (const wire::WorkerStatus& w : status.workers())
     text += fmt::format("worker {} on {}: {}, {} results, heard {:.0f} s ago\n", w.pid(), w.host(),
                         w.state(), w.results(), w.heard_seconds_ago());

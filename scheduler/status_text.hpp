@@ -1,20 +1,15 @@
 #pragma once
 
-#include <cstdint>
-#include <map>
-#include <string>
-#include <vector>
-
+#include "common/scene/scene.hpp"
+#include "common/space/space_table.hpp"
 #include "proto/palpate.pb.h"
 
 namespace palpate {
 
-/// Points by tag, a row for each active node; of more than 24 those that tell most, and a sum.
-/// `with_stages`: and what each is working on.
-std::string pointTable(std::vector<wire::SpaceStatus> spaces, bool with_stages);
-
-/// "TITLE: 1 step_budget, 11 unreachable" and a line feed; nothing when there is none.
-std::string causesLine(const char* title, const std::map<std::string, std::int32_t>& causes);
+/// A finished build: counts per tag of each space (the ones with most failures and the sum, when
+/// there are many), failures by cause, and how far an adaptive scene's accuracy was reached. Line
+/// feed at the end.
+std::string summaryOf(const std::vector<SpaceTable>& spaces, const Scene& scene);
 
 /// The status as a page of text for people, with a line feed at the end.
 std::string describe(const wire::Status& status);

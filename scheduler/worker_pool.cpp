@@ -6,9 +6,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <thread>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -34,6 +34,8 @@ std::string describeStatus(int status) {
 WorkerPool::~WorkerPool() { terminate(std::chrono::milliseconds(0)); }
 
 void WorkerPool::start() {
+  PALPATE_ASSERT(!command_.empty(), "the first word is the program");
+  // Before fork(): memory may not be allocated behind it.
   std::vector<char*> arguments;
   for (std::string& argument : command_) arguments.push_back(argument.data());
   arguments.push_back(nullptr);
@@ -64,6 +66,7 @@ void WorkerPool::terminate(std::chrono::milliseconds grace) {
   const auto deadline = std::chrono::steady_clock::now() + grace;
   while (reap(), !running_.empty() && std::chrono::steady_clock::now() < deadline)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  // Waited for without an end: nothing survives this signal.
   signalAll(SIGKILL);
   for (const pid_t pid : running_)
     while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -169,6 +170,27 @@ std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint) {
     throw failure("cannot listen on {}: {}", endpoint, error.what());
   }
   return socket.get(zmq::sockopt::last_endpoint);
+}
+
+void connectDealer(zmq::socket_t& socket, const std::string& endpoint) {
+  checkEndpoint(endpoint);
+  try {
+    socket.connect(endpoint);
+  } catch (const zmq::error_t& error) {
+    throw badInput("cannot connect to {}: {}", endpoint, error.what());
+  }
+}
+
+bool waitForMessages(zmq::socket_t& socket, std::chrono::milliseconds longest, int wake_up) {
+  std::array<zmq::pollitem_t, 2> items = {
+      {{socket.handle(), 0, ZMQ_POLLIN, 0}, {nullptr, wake_up, ZMQ_POLLIN, 0}}};
+  try {
+    zmq::poll(items.data(), wake_up < 0 ? 1 : 2, longest);
+  } catch (const zmq::error_t& error) {
+    if (error.num() != EINTR) throw failure("ZeroMQ poll: {}", error.what());
+    return false;
+  }
+  return true;
 }
 
 wire::Point toWire(const LatticePoint& point) {

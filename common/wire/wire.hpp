@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -63,6 +64,13 @@ void checkEndpoint(const std::string& endpoint);
 /// Binds, and turns "address already in use" and the like into an Error that names the endpoint and
 /// what to do. Returns the endpoint with the port that the system chose (for tcp://127.0.0.1:*).
 std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint);
+
+/// Connects, in the background. Error (bad input) when the endpoint makes no sense.
+void connectDealer(zmq::socket_t& socket, const std::string& endpoint);
+
+/// Waits at most `longest` until a message is there, or the descriptor `wake_up` is readable. False
+/// when a signal came first. Error on any other ZeroMQ failure.
+bool waitForMessages(zmq::socket_t& socket, std::chrono::milliseconds longest, int wake_up = -1);
 
 /// Struct <-> message. The from... functions check meaning (sizes, finite numbers, known cause);
 /// nothing when it is not valid.

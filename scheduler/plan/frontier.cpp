@@ -1,8 +1,8 @@
 #include "scheduler/plan/frontier.hpp"
 
 #include <algorithm>
-#include <utility>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -13,11 +13,11 @@ Frontier::Frontier(Lattice lattice, double max_force, int max_attempts)
       max_attempts_(max_attempts),
       points_(lattice_.size()),
       unsettled_(lattice_.size()) {
+  // Points near the origin wait for the origin, farther ones for those; so nothing but the origin
+  // is ready.
   for (std::int32_t n = 1; n < lattice_.size(); ++n) advance(n);
   makeReady(0, 0);
 }
-
-std::vector<Transition> Frontier::takeReady() { return std::exchange(ready_, {}); }
 
 bool Frontier::isOpen(const Transition& transition) const {
   if (transition.target < 0 || transition.target >= lattice_.size()) return false;
@@ -30,6 +30,7 @@ void Frontier::record(const Transition& transition, std::optional<double> force)
     throw failure("transition to point {} from point {} is recorded but was not asked for",
                   transition.target, transition.parent);
   Point& point = points_[transition.target];
+  PALPATE_ASSERT(open_count_ > 0, "an open transition is counted");
   --open_count_;
   if (force) {
     point.phase = Phase::reached;
@@ -57,6 +58,7 @@ void Frontier::makeReady(std::int32_t target, std::int32_t parent) {
 }
 
 void Frontier::settle(std::int32_t point) {
+  PALPATE_ASSERT(unsettled_ > 0, "a point is settled once in a round");
   --unsettled_;
   // Later rounds look only at what was expandable when they began, so that nobody waits in them.
   if (round_ == 0) newly_settled_.push_back(point);
@@ -79,6 +81,7 @@ void Frontier::advance(std::int32_t point) {
 
 void Frontier::advanceInRoundZero(std::int32_t point) {
   const std::int64_t norm = squaredNorm(lattice_.point(point));
+  // Strictly nearer to the origin: two points never wait for each other.
   for (const std::int32_t candidate : lattice_.neighbours(point)) {
     if (squaredNorm(lattice_.point(candidate)) >= norm) continue;
     const Point& c = points_[candidate];
@@ -117,6 +120,7 @@ void Frontier::releaseWaiting() {
 void Frontier::beginRound() {
   ++round_;
   for (std::int32_t n = 0; n < lattice_.size(); ++n) {
+    // Those that were given up get another chance, from what was reached meanwhile.
     if (points_[n].phase != Phase::unreached) continue;
     ++unsettled_;
     advance(n);
@@ -126,7 +130,7 @@ void Frontier::beginRound() {
 
 bool Frontier::tried(std::int32_t target, std::int32_t parent) const {
   const std::vector<std::int32_t>& parents = points_[target].failed_parents;
-  return std::find(parents.begin(), parents.end(), parent) != parents.end();
+  return std::ranges::find(parents, parent) != parents.end();
 }
 
 }  // namespace palpate

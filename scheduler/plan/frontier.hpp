@@ -1,9 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <optional>
-#include <vector>
-
 #include "common/space/lattice.hpp"
 #include "common/space/tag.hpp"
 
@@ -50,7 +46,7 @@ class Frontier {
   Frontier(Lattice lattice, double max_force, int max_attempts = max_attempts_per_point);
 
   /// The transitions that became ready since the last call. Each stays open until it is recorded.
-  std::vector<Transition> takeReady();
+  std::vector<Transition> takeReady() { return std::exchange(ready_, {}); }
   /// True for a transition that is ready and not recorded.
   bool isOpen(const Transition& transition) const;
   /// How an open transition ended: the |force| (N) of its equilibrium, nothing when it failed.

@@ -19,6 +19,7 @@ std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t wo
   const std::size_t limit =
       std::clamp<std::size_t>((waiting_count_ + share - 1) / share, 1, max_targets_per_job);
 
+  // Nearest to the origin first: what lies there makes most others ready.
   const auto [parent, space] = waiting_.begin()->first;
   const std::set<std::int32_t> targets = waiting_.begin()->second;
   Handout handout{++last_job_, space, parent, {}};
@@ -37,6 +38,7 @@ std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t wo
     handout.targets.push_back({target, entry.attempt});
     if (alone || job.size() == limit) break;
   }
+  PALPATE_ASSERT(!job.empty(), "a start is among the waiting ones as long as a target is");
   return handout;
 }
 
@@ -46,7 +48,7 @@ void Leases::finish(const TransitionKey& key) {
   const Entry& entry = found->second;
   // A late answer of a lost worker ends the lease of whoever has it now.
   if (!entry.worker.empty()) {
-    LeasesOfWorker& jobs = by_worker_.at(entry.worker);
+    Jobs& jobs = by_worker_.at(entry.worker);
     auto& open = jobs.at(entry.job);
     std::erase(open, key);
     if (open.empty()) jobs.erase(entry.job);
@@ -63,13 +65,12 @@ void Leases::giveBack(const std::string& worker) {
 
 std::vector<TransitionKey> Leases::workerDied(const std::string& worker,
                                               std::optional<TransitionKey> solving) {
-  const LeasesOfWorker jobs = endLeases(worker);
+  const Jobs jobs = endLeases(worker);
+  if (jobs.empty()) return {};
   // The last heartbeat may be older than the solve that killed it: the next in order is as suspect
   // as the one it named.
-  std::optional<TransitionKey> next_in_order;
-  if (!jobs.empty()) next_in_order = jobs.begin()->second.front();
-  bool alone = false;
-  if (next_in_order) alone = entries_.at(*next_in_order).losses >= losses_before_alone;
+  const TransitionKey next_in_order = jobs.begin()->second.front();
+  const bool alone = entries_.at(next_in_order).losses >= losses_before_alone;
 
   std::vector<TransitionKey> given_up;
   for (const auto& [job, keys] : jobs)
@@ -86,26 +87,21 @@ std::vector<TransitionKey> Leases::workerDied(const std::string& worker,
   return given_up;
 }
 
-std::size_t Leases::leasedTo(const std::string& worker) const {
+const Leases::Jobs& Leases::jobsOf(const std::string& worker) const {
+  static const Jobs none;
   const auto found = by_worker_.find(worker);
-  if (found == by_worker_.end()) return 0;
+  return found == by_worker_.end() ? none : found->second;
+}
+
+std::size_t Leases::leasedTo(const std::string& worker) const {
   std::size_t count = 0;
-  for (const auto& [job, keys] : found->second) count += keys.size();
+  for (const auto& [job, keys] : jobsOf(worker)) count += keys.size();
   return count;
 }
 
-std::size_t Leases::jobsOf(const std::string& worker) const {
-  const auto found = by_worker_.find(worker);
-  return found == by_worker_.end() ? 0 : found->second.size();
-}
-
-const std::vector<TransitionKey>& Leases::openOf(const std::string& worker,
-                                                 std::uint64_t job) const {
-  static const std::vector<TransitionKey> none;
-  const auto jobs = by_worker_.find(worker);
-  if (jobs == by_worker_.end()) return none;
-  const auto keys = jobs->second.find(job);
-  return keys == jobs->second.end() ? none : keys->second;
+std::vector<TransitionKey> Leases::openOf(const std::string& worker, std::uint64_t job) const {
+  const auto found = jobsOf(worker).find(job);
+  return found == jobsOf(worker).end() ? std::vector<TransitionKey>() : found->second;
 }
 
 void Leases::putBack(const TransitionKey& key, Entry& entry) {
@@ -116,16 +112,16 @@ void Leases::putBack(const TransitionKey& key, Entry& entry) {
 
 void Leases::takeFromWaiting(const TransitionKey& key) {
   const auto group = waiting_.find({key.parent, key.space});
+  // What was given up is finished without waiting.
   if (group == waiting_.end() || group->second.erase(key.target) == 0) return;
   if (group->second.empty()) waiting_.erase(group);
   --waiting_count_;
 }
 
-Leases::LeasesOfWorker Leases::endLeases(const std::string& worker) {
-  const auto found = by_worker_.find(worker);
-  if (found == by_worker_.end()) return {};
-  LeasesOfWorker jobs = std::move(found->second);
-  by_worker_.erase(found);
+Leases::Jobs Leases::endLeases(const std::string& worker) {
+  // A worker that never had a job is asked for too.
+  Jobs jobs = std::exchange(by_worker_[worker], {});
+  by_worker_.erase(worker);
   for (const auto& [job, keys] : jobs)
     for (const TransitionKey& key : keys) entries_.at(key).worker.clear();
   return jobs;

@@ -1,12 +1,8 @@
 #pragma once
 
-#include <cstdint>
-#include <map>
-#include <optional>
 #include <set>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "scheduler/plan/frontier.hpp"
 
@@ -76,11 +72,14 @@ class Leases {
   std::size_t waiting() const { return waiting_count_; }
   /// Everything that was added is finished.
   bool empty() const { return entries_.empty(); }
-  /// Targets and jobs leased to one worker.
+  /// Job -> open transitions, in the order in which they are to be solved; never without one.
+  using Jobs = std::map<std::uint64_t, std::vector<TransitionKey>>;
+  /// The jobs that are with this worker.
+  const Jobs& jobsOf(const std::string& worker) const;
+  /// The number of targets in them.
   std::size_t leasedTo(const std::string& worker) const;
-  std::size_t jobsOf(const std::string& worker) const;
   /// The open transitions of that job of that worker, all of one space; empty when there are none.
-  const std::vector<TransitionKey>& openOf(const std::string& worker, std::uint64_t job) const;
+  std::vector<TransitionKey> openOf(const std::string& worker, std::uint64_t job) const;
 
  private:
   struct Entry {
@@ -92,16 +91,14 @@ class Leases {
   };
   /// (parent, space): parents are numbered from the origin outward.
   using Start = std::pair<std::int32_t, std::uint32_t>;
-  /// Job -> open transitions, in order.
-  using LeasesOfWorker = std::map<std::uint64_t, std::vector<TransitionKey>>;
 
   void putBack(const TransitionKey& key, Entry& entry);
   void takeFromWaiting(const TransitionKey& key);
-  LeasesOfWorker endLeases(const std::string& worker);
+  Jobs endLeases(const std::string& worker);
 
   std::map<TransitionKey, Entry> entries_;
   std::map<Start, std::set<std::int32_t>> waiting_;
-  std::map<std::string, LeasesOfWorker> by_worker_;
+  std::map<std::string, Jobs> by_worker_;
   std::size_t waiting_count_ = 0;
   std::uint64_t last_job_;
 };

@@ -1,11 +1,11 @@
 #include "scheduler/plan/refinement.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
 
 #include "common/base/error.hpp"
+#include "common/base/index.hpp"
 #include "common/interpolation/field_error.hpp"
 #include "common/problem/problem.hpp"
 
@@ -56,18 +56,16 @@ class Inspection {
       if (allTerminating(leaf) || isAtJump(leaf)) continue;
       const std::vector<LatticePoint> untried = untriedCorners(leaf);
       points.insert(untried.begin(), untried.end());
-      const LatticeCell& cell = tree_.leaves()[static_cast<std::size_t>(leaf)];
+      const LatticeCell& cell = tree_.leaves()[at(leaf)];
       if (untried.empty() && cell.level < accuracy_.levels &&
           (space_.lattice.divisions() >> cell.level) > 1)
         result.splits.push_back(cell);
     }
-    std::sort(result.splits.begin(), result.splits.end(), coarserFirst);
+    std::ranges::sort(result.splits, coarserFirst);
     addNewCorners(result.splits, points);
     result.points.assign(points.begin(), points.end());
-    std::sort(result.points.begin(), result.points.end(),
-              [](const LatticePoint& a, const LatticePoint& b) {
-                return std::make_tuple(squaredNorm(a), a) < std::make_tuple(squaredNorm(b), b);
-              });
+    std::ranges::sort(result.points, {},
+                      [](const LatticePoint& p) { return std::pair(squaredNorm(p), p); });
     return result;
   }
 
@@ -91,9 +89,7 @@ class Inspection {
     if (worst > 1) poor_.push_back(leaf);
   }
 
-  const CellSlot& slot(std::int32_t number) const {
-    return tree_.slots()[static_cast<std::size_t>(number)];
-  }
+  const CellSlot& slot(std::int32_t number) const { return tree_.slots()[at(number)]; }
 
   bool allTerminating(std::int32_t leaf) const {
     bool any = false;
@@ -109,14 +105,12 @@ class Inspection {
   /// Halving a cell that a jump between branches crosses leaves the jump where it is. An edge that
   /// is merely suspect gets one chance: over half its length the two are told apart.
   bool isAtJump(std::int32_t leaf) const {
-    const std::set<LatticeEdge>& edges =
-        tree_.leaves()[static_cast<std::size_t>(leaf)].level == 0 ? jumps_ : suspects_;
+    const std::set<LatticeEdge>& edges = tree_.leaves()[at(leaf)].level == 0 ? jumps_ : suspects_;
     const LeafCorners& corners = tree_.corners(leaf);
-    for (int c = 0; c < 8; ++c)
-      for (const int along : {1, 2, 4}) {
+    for (std::size_t c = 0; c < 8; ++c)
+      for (const std::size_t along : {1, 2, 4}) {
         if ((c & along) != 0) continue;
-        const std::int32_t a = slot(corners[static_cast<std::size_t>(c)]).number;
-        const std::int32_t b = slot(corners[static_cast<std::size_t>(c | along)]).number;
+        const std::int32_t a = slot(corners[c]).number, b = slot(corners[c | along]).number;
         if (edges.contains({std::min(a, b), std::max(a, b)})) return true;
       }
     return false;
@@ -137,7 +131,7 @@ class Inspection {
     if (splits.empty()) return;
     SpaceTable after = space_;
     after.splits.insert(after.splits.end(), splits.begin(), splits.end());
-    std::sort(after.splits.begin(), after.splits.end(), coarserFirst);
+    std::ranges::sort(after.splits, coarserFirst);
     const CellTree tree(after);
     for (std::size_t s = 0; s < tree.slots().size(); ++s) {
       const CellSlot& corner = tree.slots()[s];

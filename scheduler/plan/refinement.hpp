@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include "common/scene/scene.hpp"
 #include "common/space/space_table.hpp"
 

@@ -1,12 +1,13 @@
 #include "scheduler/plan/space_plan.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
+#include <ranges>
+#include <span>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/index.hpp"
 #include "common/interpolation/branch_check.hpp"
 #include "scheduler/plan/refinement.hpp"
 
@@ -48,8 +49,11 @@ SpacePlan::SpacePlan(const Problem& problem, std::uint32_t space)
       space_(space),
       frontier_(uniformLattice(problem.scene), problem.scene.workspace.max_force),
       positions_(frontier_.lattice()),
-      points_(static_cast<std::size_t>(positions_.size())),
-      may_grow_(problem.scene.accuracy.adaptive()) {}
+      points_(at(positions_.size())),
+      attempts_(points_.size()),
+      may_grow_(problem.scene.accuracy.adaptive()) {
+  PALPATE_ASSERT(space < problem.active.size(), "a plan is that of one active node");
+}
 
 std::vector<Transition> SpacePlan::takeReady() {
   std::vector<Transition> ready = frontier_.takeReady();
@@ -72,12 +76,6 @@ std::int32_t SpacePlan::stepsOf(const Transition& transition) const {
 std::int32_t SpacePlan::openCount() const {
   return stage_ == Stage::lattice ? frontier_.openCount()
                                   : static_cast<std::int32_t>(pursuits_.size());
-}
-
-const std::vector<FailedAttempt>& SpacePlan::attempts(std::int32_t number) const {
-  static const std::vector<FailedAttempt> none;
-  const auto found = attempts_.find(number);
-  return found == attempts_.end() ? none : found->second;
 }
 
 void SpacePlan::record(const Transition& transition, const Outcome& outcome,
@@ -106,7 +104,9 @@ void SpacePlan::record(const Transition& transition, const Outcome& outcome,
 void SpacePlan::recordInPursuit(const Transition& transition, bool converged, PointRecord found) {
   const auto place = pursuits_.find(transition.target);
   Pursuit& pursuit = place->second;
+  PALPATE_ASSERT(pursuit.tried < pursuit.parents.size(), "a pursuit ends with its last parent");
   ++pursuit.tried;
+  // All alternatives are compared when the round ends, so that none depends on which came first.
   if (converged && pursuit.every_parent)
     alternatives_[transition.target].push_back(std::move(found));
   else if (converged)
@@ -136,14 +136,15 @@ void SpacePlan::giveUp(std::int32_t target) {
   point.cause = Cause::unreachable;
   const std::vector<FailedAttempt>& tries = attempts(target);
   if (tries.empty()) return;
-  point.cause = std::max_element(tries.begin(), tries.end(), [](const auto& a, const auto& b) {
-                  return a.failure.step_reached < b.failure.step_reached;
+  point.cause = std::ranges::max_element(tries, {}, [](const FailedAttempt& attempt) {
+                  return attempt.failure.step_reached;
                 })->failure.cause;
 }
 
 std::int32_t SpacePlan::addPosition(const LatticePoint& position) {
   positions_.add(position);
   points_.emplace_back();
+  attempts_.emplace_back();
   return positions_.size() - 1;
 }
 
@@ -160,11 +161,10 @@ std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) c
     if (static_cast<double>(distance) <= reach * reach)
       candidates.emplace_back(distance, squaredNorm(positions_.point(n)), n);
   }
-  const std::size_t count = std::min<std::size_t>(candidates.size(), max_attempts_per_point);
-  std::partial_sort(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(count),
-                    candidates.end());
+  std::ranges::sort(candidates);
   std::vector<std::int32_t> parents;
-  for (std::size_t n = 0; n < count; ++n) parents.push_back(std::get<2>(candidates[n]));
+  for (const auto& [distance, norm, n] : candidates | std::views::take(max_attempts_per_point))
+    parents.push_back(n);
   return parents;
 }
 
@@ -201,6 +201,7 @@ void SpacePlan::beginBranches() {
     if (points_[parent].tag == Tag::expandable && !tried_.contains({target, parent}))
       retries[target].push_back(parent);
   };
+  // Either end may be on the branch of higher energy: only solving both ways tells.
   for (const LatticeEdge& edge : inconsistentEdges(table())) {
     retry(edge.a, edge.b);
     retry(edge.b, edge.a);
@@ -228,7 +229,7 @@ void SpacePlan::beginCells() {
   if (!may_grow_) return;
   const Refinement refinement = nextRefinement(table(), problem_->scene);
   splits_.insert(splits_.end(), refinement.splits.begin(), refinement.splits.end());
-  std::sort(splits_.begin(), splits_.end(), coarserFirst);
+  std::ranges::sort(splits_, coarserFirst);
   may_grow_ = !refinement.empty();
   // All parents are chosen before the first new point is there, so that their order is no matter.
   std::vector<std::pair<std::int32_t, std::vector<std::int32_t>>> targets;
@@ -242,7 +243,7 @@ void SpacePlan::beginCells() {
 void SpacePlan::beginProbes() {
   const std::vector<LatticePoint> positions =
       probePositions(positions_, problem_->scene.accuracy.probes);
-  first_probe_ = size();
+  first_probe_ = size();  // from here on parentsNear() stops before them
   for (const LatticePoint& position : positions) {
     const std::int32_t target = addPosition(position);
     pursue(target, parentsNear(position), false);
@@ -255,12 +256,13 @@ SpaceTable SpacePlan::table() const {
   table.lattice = uniformLattice(problem_->scene);
   table.splits = splits_;
   const std::int32_t end = first_probe_ < 0 ? size() : first_probe_;
+  PALPATE_ASSERT(end >= table.lattice.size(), "probes come behind all points of the lattice");
   for (std::int32_t n = table.lattice.size(); n < end; ++n) table.lattice.add(positions_.point(n));
   table.points.assign(points_.begin(), points_.begin() + end);
   for (std::int32_t n = end; n < size(); ++n)
     table.probes.push_back({positions_.displacement(n), points_[n]});
-  for (const auto& [target, tries] : attempts_)
-    if (target < end) table.attempts.insert(table.attempts.end(), tries.begin(), tries.end());
+  for (const auto& tries : std::span(attempts_).first(at(end)))
+    table.attempts.insert(table.attempts.end(), tries.begin(), tries.end());
   return table;
 }
 

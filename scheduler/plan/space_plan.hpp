@@ -1,9 +1,6 @@
 #pragma once
 
-#include <cstdint>
-#include <map>
 #include <set>
-#include <vector>
 
 #include "common/problem/problem.hpp"
 #include "common/space/configuration.hpp"
@@ -76,7 +73,9 @@ class SpacePlan {
   /// What is known of a point or probe; failed as soon as nothing more will be tried.
   const PointRecord& point(std::int32_t number) const { return points_[number]; }
   /// Attempts that failed, in the order of trying.
-  const std::vector<FailedAttempt>& attempts(std::int32_t number) const;
+  const std::vector<FailedAttempt>& attempts(std::int32_t number) const {
+    return attempts_[number];
+  }
 
   /// The rows of the dataset, as far as they are known.
   SpaceTable table() const;
@@ -109,7 +108,7 @@ class SpacePlan {
   std::int32_t first_probe_ = -1;  ///< -1 before there are probes
   std::vector<LatticeCell> splits_;
   std::vector<PointRecord> points_;
-  std::map<std::int32_t, std::vector<FailedAttempt>> attempts_;
+  std::vector<std::vector<FailedAttempt>> attempts_;  ///< by number, as points_
   /// Other equilibria of points, found in this round of branches.
   std::map<std::int32_t, std::vector<PointRecord>> alternatives_;
   std::set<Transition> tried_;                ///< recorded, however it ended

@@ -4,11 +4,9 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <set>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
-#include "scheduler/service/status.hpp"
 #include "scheduler/state/replay.hpp"
 
 namespace palpate {
@@ -50,6 +48,7 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
   found_ = results.size();
   Replay replayed = replay(problem, results);
   plans_ = std::move(replayed.plans);
+  PALPATE_ASSERT(plans_.size() == problem.active.size(), "every active node has its plan");
   for (const TransitionKey& key : replayed.missing) leases_.add(key);
   store_->writeCounters(counters_);
   finishIfComplete(now);
@@ -58,17 +57,12 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
 void Coordinator::receive(const Incoming& incoming, Time now) {
   const wire::Message& message = incoming.message;
   const std::string& peer = incoming.peer;
-  switch (message.body_case()) {
-    case wire::Message::kHello:
-      return hello(peer, message.hello(), now);
-    case wire::Message::kStatusRequest:
-      send(peer).mutable_status_reply()->set_json(toJson(status(now)));
-      return;
-    case wire::Message::kStopRequest:
-      send(peer).mutable_stop_reply()->set_stopping(true);
-      return stop(now);
-    default:
-      break;
+  if (message.has_hello()) return hello(peer, message.hello(), now);
+  if (message.has_status_request())
+    return send(peer).mutable_status_reply()->set_json(toJson(status(now)));
+  if (message.has_stop_request()) {
+    send(peer).mutable_stop_reply()->set_stopping(true);
+    return stop(now);
   }
   Worker* const worker = registry_.ofPeer(peer);
   if (worker == nullptr) {
@@ -80,22 +74,13 @@ void Coordinator::receive(const Incoming& incoming, Time now) {
     return;
   }
   worker->heard = now;
-  switch (message.body_case()) {
-    case wire::Message::kProblemRequest:
-      return sendProblem(*worker);
-    case wire::Message::kRequest:
-      return request(*worker, message.request());
-    case wire::Message::kFieldsRequest:
-      return sendFields(*worker, message.fields_request());
-    case wire::Message::kResult:
-      return result(*worker, incoming, now);
-    case wire::Message::kHeartbeat:
-      return heartbeat(*worker, message.heartbeat(), now);
-    case wire::Message::kGoodbye:
-      return goodbye(*worker, message.goodbye(), now);
-    default:
-      return badMessage(peer, "workers do not send that");
-  }
+  if (message.has_problem_request()) return sendProblem(*worker);
+  if (message.has_request()) return request(*worker, message.request());
+  if (message.has_fields_request()) return sendFields(*worker, message.fields_request());
+  if (message.has_result()) return result(*worker, incoming, now);
+  if (message.has_heartbeat()) return heartbeat(*worker, message.heartbeat(), now);
+  if (message.has_goodbye()) return goodbye(*worker, message.goodbye(), now);
+  badMessage(peer, "workers do not send that");
 }
 
 void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time now) {
@@ -130,6 +115,7 @@ void Coordinator::goodbye(Worker& worker, const wire::Goodbye& goodbye, Time now
 }
 
 void Coordinator::request(Worker& worker, const wire::Request& request) {
+  // It may have missed the first word to leave.
   if (stopping_ || complete()) return drain(worker.peer);
   worker.addCredit(request.credit());
 }
@@ -171,6 +157,7 @@ void Coordinator::heartbeat(Worker& worker, const wire::Heartbeat& heartbeat, Ti
 
 void Coordinator::result(Worker& worker, const Incoming& incoming, Time now) {
   const wire::Result& message = incoming.message.result();
+  // Who delivers is at work, whatever its last heartbeat said.
   worker.idle_since.reset();
   if (const std::string objection =
           check_.objectionTo(message, incoming.payload, registry_.kernelFamily());
@@ -183,7 +170,8 @@ void Coordinator::result(Worker& worker, const Incoming& incoming, Time now) {
     duplicate(worker, waiting->result.header, message);
   } else if (plans_[key->space].isOpen({key->target, key->parent})) {
     ++worker.results;
-    enqueue({*key, message, *fromWire(message), {}}, incoming.payload, now);
+    leases_.finish(*key);
+    group_.add({*key, message, *fromWire(message), {}}, incoming.payload, now);
     waiting = group_.find(*key);
   } else if (const auto recorded = store_->find(*key)) {
     // Its acknowledgement was lost, or a worker taken for dead finished after all.
@@ -216,18 +204,13 @@ void Coordinator::badMessage(const std::string& peer, const std::string& why) {
     spdlog::warn("a message from a stranger was dropped: {}", why);
 }
 
-void Coordinator::enqueue(StoredResult result, std::string payload, Time now) {
-  leases_.finish(result.key);
-  group_.add(std::move(result), std::move(payload), now);
-}
-
 bool Coordinator::groupIsDue(Time now) const {
   if (!group_.since()) return false;
   if (now - *group_.since() >= settings_.group_age) return true;
   // Somebody waits for what these results may make ready.
-  return leases_.waiting() == 0 &&
-         std::any_of(registry_.begin(), registry_.end(),
-                     [](const auto& entry) { return entry.second.credit > 0; });
+  return leases_.waiting() == 0 && std::ranges::any_of(registry_.all(), [](const auto& entry) {
+           return entry.second.credit > 0;
+         });
 }
 
 void Coordinator::commitGroup(Time now) {
@@ -244,6 +227,8 @@ void Coordinator::commitGroup(Time now) {
 void Coordinator::recordInPlan(const StoredResult& result) {
   const TransitionKey& key = result.key;
   SpacePlan& plan = plans_[key.space];
+  PALPATE_ASSERT(plan.isOpen({key.target, key.parent}),
+                 "only open transitions get into the group, and each once");
   plan.record({key.target, key.parent}, result.outcome, fieldsOf(result.header));
   ++recorded_;
   converged_ += result.outcome.converged;
@@ -261,7 +246,8 @@ std::optional<TransitionKey> Coordinator::keyOf(std::uint32_t space, const wire:
 }
 
 bool Coordinator::deserted(Time now) const {
-  return std::all_of(registry_.begin(), registry_.end(), [&](const auto& entry) {
+  // Workers that are drained leave without a word when the build is complete.
+  return std::ranges::all_of(registry_.all(), [&](const auto& entry) {
     return now - entry.second.heard > 3 * settings_.heartbeat;
   });
 }
@@ -269,9 +255,7 @@ bool Coordinator::deserted(Time now) const {
 bool Coordinator::complete() const { return store_->build().complete; }
 
 void Coordinator::finishIfComplete(Time now) {
-  if (complete() || !std::all_of(plans_.begin(), plans_.end(),
-                                 [](const SpacePlan& plan) { return plan.complete(); }))
-    return;
+  if (complete() || !std::ranges::all_of(plans_, &SpacePlan::complete)) return;
   PALPATE_ASSERT(group_.size() == 0 && leases_.empty(),
                  "a complete plan waits for no result, and nobody solves for it");
   store_->complete(plans_);
@@ -291,7 +275,7 @@ void Coordinator::advance(Time now) {
 Coordinator::Time Coordinator::nextDeadline() const {
   Time deadline = servers_written_ + servers_written_every;
   if (group_.since()) deadline = std::min(deadline, *group_.since() + settings_.group_age);
-  for (const auto& [id, worker] : registry_) {
+  for (const auto& [id, worker] : registry_.all()) {
     deadline = std::min(deadline, worker.heard + settings_.worker_lost);
     if (worker.idle_since)
       deadline = std::min(deadline, *worker.idle_since + settings_.idle_with_leases);
@@ -304,13 +288,14 @@ void Coordinator::handOutJobs() {
   if (stopping_ || complete() || leases_.waiting() == 0) return;
   using Load = std::pair<std::size_t, std::string>;  // targets it holds, id
   std::set<Load> by_load;
-  for (const auto& [id, worker] : registry_)
+  for (const auto& [id, worker] : registry_.all())
     if (worker.credit > 0) by_load.emplace(leases_.leasedTo(id), id);
   while (!by_load.empty()) {
     const std::string id = by_load.extract(by_load.begin()).value().second;
-    const auto handout = leases_.handOut(id, registry_.size());
+    const auto handout = leases_.handOut(id, registry_.all().size());
     if (!handout) return;
     Worker& worker = registry_.at(id);
+    PALPATE_ASSERT(worker.credit > 0, "only workers that asked for a job are in the list");
     worker.idle_since.reset();
     if (--worker.credit > 0) by_load.emplace(leases_.leasedTo(id), id);
     sendJob(worker.peer, *handout);
@@ -319,8 +304,9 @@ void Coordinator::handOutJobs() {
 
 void Coordinator::sendJob(const std::string& peer, const Handout& handout) {
   const SpacePlan& plan = plans_[handout.space];
+  PALPATE_ASSERT(!handout.targets.empty(), "a hand-out without targets would be no job");
   wire::Job& job = *send(peer).mutable_job();
-  job.set_id(handout.job);
+  job.set_id(handout.job);  // which heartbeats name
   job.set_space(handout.space);
   *job.mutable_start() = toWire(plan.positions().point(handout.parent));
   // The origin is its own parent: it is solved from the rest state, which has no id.
@@ -338,19 +324,20 @@ void Coordinator::sendJob(const std::string& peer, const Handout& handout) {
 }
 
 void Coordinator::takeBackFromTheIdle(Time now) {
-  for (auto& [id, worker] : registry_) {
+  for (auto& [id, worker] : registry_.all()) {
     if (!worker.idle_since || now - *worker.idle_since < settings_.idle_with_leases) continue;
     spdlog::warn("worker {} on {} does not solve what it was given: it is handed out again",
                  worker.pid, worker.host);
-    worker.addCredit(leases_.jobsOf(id));
+    worker.addCredit(leases_.jobsOf(id).size());
     worker.idle_since.reset();
     leases_.giveBack(id);
   }
 }
 
 void Coordinator::loseSilentWorkers(Time now) {
+  // Found first: the registry must not change while it is walked.
   std::vector<const Worker*> silent;
-  for (const auto& [id, worker] : registry_)
+  for (const auto& [id, worker] : registry_.all())
     if (now - worker.heard >= settings_.worker_lost) silent.push_back(&worker);
   for (const Worker* worker : silent) workerDied(*worker, now, "says nothing any more");
 }
@@ -373,6 +360,7 @@ void Coordinator::workerProcessEnded(std::uint32_t pid, Time now) {
 void Coordinator::workerDied(const Worker& worker, Time now, const char* why) {
   spdlog::warn("worker {} on {} {}; {} targets are handed out again", worker.pid, worker.host, why,
                leases_.leasedTo(worker.id));
+  // The worker goes with its registration, so its leases are ended first.
   const std::vector<TransitionKey> given_up = leases_.workerDied(worker.id, worker.solving);
   ++counters_["lost_workers"];
   registry_.remove(worker, "lost", now);
@@ -396,11 +384,13 @@ void Coordinator::giveUp(const TransitionKey& key, Time now) {
   *header.mutable_parent() = toWire(positions.point(key.parent));
   header.set_kernel_family(registry_.kernelFamily());
   toWire(outcome, "", header);
-  enqueue({key, header, outcome, {}}, "", now);
+  leases_.finish(key);
+  group_.add({key, header, outcome, {}}, "", now);
 }
 
 void Coordinator::stop(Time now) {
   if (stopping_) return;
+  // Before the workers hear of it: their acknowledgements go out first.
   commitGroup(now);
   stopping_ = true;
   drainAll();
@@ -408,15 +398,13 @@ void Coordinator::stop(Time now) {
 }
 
 void Coordinator::writeServers(Time now) {
-  std::vector<ServerRow> rows = registry_.takeDeparted();
-  const std::vector<ServerRow> present = registry_.rows(leases_, now);
+  std::vector<wire::WorkerStatus> rows = registry_.takeDeparted();
+  const std::vector<wire::WorkerStatus> present = registry_.rows(leases_, now);
   rows.insert(rows.end(), present.begin(), present.end());
   store_->writeServers(rows);
   store_->writeCounters(counters_);
   servers_written_ = now;
 }
-
-std::vector<Outgoing> Coordinator::takeOutbox() { return std::exchange(outbox_, {}); }
 
 wire::Message& Coordinator::send(const std::string& peer,
                                  std::shared_ptr<const std::string> payload) {
@@ -429,7 +417,7 @@ void Coordinator::drain(const std::string& peer) {
 }
 
 void Coordinator::drainAll() {
-  for (const auto& [id, worker] : registry_) drain(worker.peer);
+  for (const auto& [id, worker] : registry_.all()) drain(worker.peer);
 }
 
 void Coordinator::acknowledge(const std::string& peer, const wire::Result& result) {

@@ -1,19 +1,12 @@
 #pragma once
 
-#include <chrono>
-#include <cstdint>
-#include <map>
 #include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
-#include "common/problem/problem.hpp"
 #include "common/wire/wire.hpp"
 #include "scheduler/plan/leases.hpp"
 #include "scheduler/plan/space_plan.hpp"
-#include "scheduler/service/pace.hpp"
 #include "scheduler/service/result_check.hpp"
+#include "scheduler/service/status.hpp"
 #include "scheduler/service/worker_registry.hpp"
 #include "scheduler/state/job_store.hpp"
 #include "scheduler/state/journal.hpp"
@@ -66,7 +59,7 @@ class Coordinator {
   /// Call after every batch of messages and at nextDeadline.
   void advance(Time now);
   /// Everything to be sent, in order.
-  std::vector<Outgoing> takeOutbox();
+  std::vector<Outgoing> takeOutbox() { return std::exchange(outbox_, {}); }
   /// advance() has something to do then.
   Time nextDeadline() const;
 
@@ -81,7 +74,7 @@ class Coordinator {
   /// Every space is complete and recorded.
   bool complete() const;
   /// Workers that said hello and neither left nor were lost.
-  std::size_t workers() const { return registry_.size(); }
+  std::size_t workers() const { return registry_.all().size(); }
   /// No worker said anything for three heartbeats: after Drain they have all left.
   bool deserted(Time now) const;
   /// Results that earlier runs left.
@@ -109,7 +102,6 @@ class Coordinator {
   std::optional<TransitionKey> keyOf(std::uint32_t space, const wire::Point& target,
                                      const wire::Point& parent) const;
   void duplicate(const Worker& worker, const wire::Result& first, const wire::Result& second);
-  void enqueue(StoredResult result, std::string payload, Time now);
   bool groupIsDue(Time now) const;
   void commitGroup(Time now);
   void recordInPlan(const StoredResult& result);
@@ -145,7 +137,7 @@ class Coordinator {
   ResultGroup group_;
   std::vector<Outgoing> outbox_;
 
-  std::map<std::string, std::int64_t> counters_;
+  Counters counters_;
   Time started_;
   Time servers_written_;
   Pace pace_;

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 #include "common/base/content_id.hpp"
 #include "common/problem/problem.hpp"
 #include "proto/palpate.pb.h"

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <chrono>
-#include <string>
-#include <zmq.hpp>
-
 #include "scheduler/service/coordinator.hpp"
 
 namespace palpate {

@@ -2,13 +2,14 @@
 
 #include <google/protobuf/util/json_util.h>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
 
-void addPoint(wire::SpaceStatus& space, Tag tag) {
+void addPoint(wire::Status& status, wire::SpaceStatus& space, const PointRecord& point) {
   space.set_points(space.points() + 1);
-  switch (tag) {
+  switch (point.tag) {
     case Tag::unknown:
       return space.set_unknown(space.unknown() + 1);
     case Tag::expandable:
@@ -16,55 +17,64 @@ void addPoint(wire::SpaceStatus& space, Tag tag) {
     case Tag::terminating:
       return space.set_terminating(space.terminating() + 1);
     case Tag::failed:
-      return space.set_failed(space.failed() + 1);
+      space.set_failed(space.failed() + 1);
+      ++(*status.mutable_failed_points())[std::string(name(point.cause))];
   }
 }
 
 namespace {
+
+constexpr std::chrono::seconds pace_window{120};
+constexpr std::chrono::seconds between_samples{1};
 
 void addPlan(wire::Status& status, const std::string& name_of_node, const SpacePlan& plan) {
   wire::SpaceStatus& space = *status.add_spaces();
   space.set_name(name_of_node);
   space.set_stage(std::string(name(plan.stage())));
   for (std::int32_t n = 0; n < plan.size(); ++n) {
-    const PointRecord& point = plan.point(n);
-    addPoint(space, point.tag);
+    addPoint(status, space, plan.point(n));
     for (const FailedAttempt& attempt : plan.attempts(n))
       ++(*status.mutable_failed_attempts())[std::string(name(attempt.failure.cause))];
-    if (point.tag == Tag::failed)
-      ++(*status.mutable_failed_points())[std::string(name(point.cause))];
   }
   status.set_may_grow(status.may_grow() || plan.mayGrow());
   status.set_ready(status.ready() + plan.openCount());
 }
 
-void addWorker(wire::Status& status, const ServerRow& row) {
-  wire::WorkerStatus& worker = *status.add_workers();
-  worker.set_worker(row.worker.substr(0, 8));
-  worker.set_host(row.host);
-  worker.set_pid(row.pid);
-  worker.set_kernel_family(row.kernel_family);
-  worker.set_state(row.state);
-  worker.set_heard_seconds_ago(row.heard_before);
-  worker.set_results(static_cast<std::int32_t>(row.results));
-}
-
 }  // namespace
 
 wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans,
-                      const std::vector<ServerRow>& servers,
-                      const std::map<std::string, std::int64_t>& counters) {
+                      const std::vector<wire::WorkerStatus>& servers, const Counters& counters) {
+  PALPATE_ASSERT(plans.size() == problem.active.size(), "every active node has its plan");
   wire::Status status;
   status.set_scene(problem.scene.name);
   for (std::size_t n = 0; n < plans.size(); ++n) addPlan(status, problem.active[n].name, plans[n]);
-  for (const ServerRow& row : servers) addWorker(status, row);
+  for (const wire::WorkerStatus& row : servers) {
+    wire::WorkerStatus& worker = *status.add_workers();
+    worker = row;
+    // Enough for people to tell workers apart.
+    worker.set_worker(row.worker().substr(0, 8));
+  }
   for (const auto& [name, value] : counters)
     (*status.mutable_counters())[name] = static_cast<std::int32_t>(value);
   return status;
 }
 
+void Pace::note(Time now, std::int64_t found) {
+  if (now - samples_.back().when < between_samples) return;
+  samples_.push_back({now, found});
+  // The oldest may lie outside of the window, so that the rest covers it whole.
+  while (samples_.size() > 2 && now - samples_[1].when >= pace_window) samples_.pop_front();
+}
+
+double Pace::perSecond(Time now, std::int64_t found) const {
+  PALPATE_ASSERT(!samples_.empty(), "the newest sample is never thrown away");
+  const double elapsed = std::chrono::duration<double>(now - samples_.front().when).count();
+  return elapsed > 0 ? static_cast<double>(found - samples_.front().found) / elapsed : 0;
+}
+
 std::string toJson(const google::protobuf::Message& message) {
   google::protobuf::util::JsonPrintOptions options;
+  // Scripts need not know which fields may be missing.
   options.always_print_primitive_fields = true;
   options.preserve_proto_field_names = true;
   std::string json;
@@ -77,6 +87,7 @@ std::string toJson(const google::protobuf::Message& message) {
 wire::Status statusFromJson(const std::string& json) {
   wire::Status status;
   google::protobuf::util::JsonParseOptions options;
+  // A newer scheduler may say more.
   options.ignore_unknown_fields = true;
   if (const auto result = google::protobuf::util::JsonStringToMessage(json, &status, options);
       !result.ok())

@@ -1,29 +1,42 @@
 #pragma once
 
-#include <cstdint>
-#include <map>
-#include <string>
-#include <vector>
+#include <chrono>
+#include <deque>
 
-#include "common/problem/problem.hpp"
-#include "proto/palpate.pb.h"
-#include "scheduler/plan/space_plan.hpp"
 #include "scheduler/state/job_store.hpp"
 
 namespace palpate {
 
-/// Counts one point more, with this tag.
-void addPoint(wire::SpaceStatus& space, Tag tag);
+/// Counts one point of `space` more, by its tag and, when it failed, by its cause.
+void addPoint(wire::Status& status, wire::SpaceStatus& space, const PointRecord& point);
 
 /// Where a build is, as its plans, servers and counters tell: everything but `build` and `state`,
 /// and what only a running scheduler knows (recorded, seconds, rate, time left).
 wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans,
-                      const std::vector<ServerRow>& servers,
-                      const std::map<std::string, std::int64_t>& counters);
+                      const std::vector<wire::WorkerStatus>& servers, const Counters& counters);
 
 /// One line of JSON with the field names of proto/palpate.proto and every field in it.
 std::string toJson(const google::protobuf::Message& message);
 /// The status that toJson wrote; unknown fields are passed over. Error when the text is not one.
 wire::Status statusFromJson(const std::string& json);
+
+/// How fast a build goes: equilibria found per second, over the last two minutes of this run.
+class Pace {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  explicit Pace(Time now) : samples_{{now, 0}} {}
+
+  /// `found`: equilibria since construction. Cheap; call it often.
+  void note(Time now, std::int64_t found);
+  /// 0 before anything was found.
+  double perSecond(Time now, std::int64_t found) const;
+
+ private:
+  struct Sample {
+    Time when;
+    std::int64_t found;
+  };
+  std::deque<Sample> samples_;  ///< about one a second, oldest first; never empty
+};
 
 }  // namespace palpate

@@ -1,7 +1,5 @@
 #include "scheduler/service/worker_registry.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "common/base/assertion.hpp"
@@ -19,14 +17,16 @@ std::string hexOf(const std::string& bytes) {
   return hex;
 }
 
-ServerRow rowOf(const Worker& worker, const char* state, Worker::Time now) {
-  return {.worker = hexOf(worker.id),
-          .host = worker.host,
-          .pid = worker.pid,
-          .kernel_family = worker.kernel_family,
-          .state = state,
-          .heard_before = std::chrono::duration<double>(now - worker.heard).count(),
-          .results = worker.results};
+wire::WorkerStatus rowOf(const Worker& worker, const char* state, Worker::Time now) {
+  wire::WorkerStatus row;
+  row.set_worker(hexOf(worker.id));
+  row.set_host(worker.host);
+  row.set_pid(worker.pid);
+  row.set_kernel_family(worker.kernel_family);
+  row.set_state(state);
+  row.set_heard_seconds_ago(std::chrono::duration<double>(now - worker.heard).count());
+  row.set_results(worker.results);
+  return row;
 }
 
 }  // namespace
@@ -64,6 +64,7 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
   PALPATE_ASSERT(before == nullptr || before->id == hello.worker(),
                  "a peer is one worker: the one it was has been removed");
   kernel_family_ = hello.kernel_family();
+  // A worker that connects anew comes from another peer; the old one is nobody then.
   Worker& worker = workers_[hello.worker()];
   id_of_peer_.erase(worker.peer);
   worker = {.id = hello.worker(),
@@ -81,6 +82,7 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
 }
 
 void WorkerRegistry::remove(const Worker& worker, const char* state, Time now) {
+  PALPATE_ASSERT(workers_.contains(worker.id), "a worker goes once");
   // The tables would otherwise show it at work until it comes back.
   departed_.push_back(rowOf(worker, state, now));
   id_of_peer_.erase(worker.peer);
@@ -93,13 +95,13 @@ Worker* WorkerRegistry::ofPeer(const std::string& peer) {
 }
 
 Worker* WorkerRegistry::ofProcess(std::uint32_t pid) {
-  const auto found = std::find_if(workers_.begin(), workers_.end(),
-                                  [&](const auto& entry) { return entry.second.pid == pid; });
+  const auto found =
+      std::ranges::find(workers_, pid, [](const auto& entry) { return entry.second.pid; });
   return found == workers_.end() ? nullptr : &found->second;
 }
 
-std::vector<ServerRow> WorkerRegistry::rows(const Leases& leases, Time now) const {
-  std::vector<ServerRow> rows;
+std::vector<wire::WorkerStatus> WorkerRegistry::rows(const Leases& leases, Time now) const {
+  std::vector<wire::WorkerStatus> rows;
   for (const auto& [id, worker] : workers_)
     rows.push_back(rowOf(worker, leases.leasedTo(id) > 0 ? "busy" : "idle", now));
   return rows;

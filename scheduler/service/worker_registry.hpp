@@ -1,15 +1,9 @@
 #pragma once
 
 #include <chrono>
-#include <cstdint>
-#include <map>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "proto/palpate.pb.h"
 #include "scheduler/plan/leases.hpp"
-#include "scheduler/state/job_store.hpp"
 
 namespace palpate {
 
@@ -28,7 +22,7 @@ struct Worker {
   std::optional<TransitionKey> solving;
   /// Since when its heartbeats say that it solves nothing, although it holds leases.
   std::optional<Time> idle_since;
-  std::int64_t results = 0;  ///< recorded ones, of this run
+  std::int32_t results = 0;  ///< recorded ones, of this run
 
   /// Room for `jobs` more, but never for more than most_credit: what a worker hoards, others lack.
   void addCredit(std::uint64_t jobs);
@@ -64,22 +58,19 @@ class WorkerRegistry {
   /// The first with this process number on any host; null when there is none.
   Worker* ofProcess(std::uint32_t pid);
   Worker& at(const std::string& id) { return workers_.at(id); }
-  std::size_t size() const { return workers_.size(); }
-  Workers::iterator begin() { return workers_.begin(); }
-  Workers::iterator end() { return workers_.end(); }
-  Workers::const_iterator begin() const { return workers_.begin(); }
-  Workers::const_iterator end() const { return workers_.end(); }
+  Workers& all() { return workers_; }
+  const Workers& all() const { return workers_; }
 
   /// Rows of the table of servers: who is there now, busy when `leases` says so.
-  std::vector<ServerRow> rows(const Leases& leases, Time now) const;
+  std::vector<wire::WorkerStatus> rows(const Leases& leases, Time now) const;
   /// Those of who went since the last call.
-  std::vector<ServerRow> takeDeparted() { return std::exchange(departed_, {}); }
+  std::vector<wire::WorkerStatus> takeDeparted() { return std::exchange(departed_, {}); }
 
  private:
   std::string kernel_family_;
   Workers workers_;
   std::map<std::string, std::string> id_of_peer_;
-  std::vector<ServerRow> departed_;
+  std::vector<wire::WorkerStatus> departed_;
 };
 
 }  // namespace palpate

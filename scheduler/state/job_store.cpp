@@ -1,6 +1,5 @@
 #include "scheduler/state/job_store.hpp"
 
-#include <limits>
 #include <tuple>
 
 #include "common/base/assertion.hpp"
@@ -36,16 +35,9 @@ CREATE TABLE configurations (
   PRIMARY KEY (space, point)) STRICT, WITHOUT ROWID;
 )sql";
 
-constexpr const char* all_results =
-    "SELECT space, target, parent, header, segment, offset, length FROM results ORDER BY rowid";
-
-/// Versions 1 and 2 had the first equilibrium of a point in the row of the point and every other
-/// result in the table of attempts. Version 1 knew the uniform lattice alone.
-constexpr int last_version_with_attempts = 2;
-constexpr const char* all_results_with_attempts =
-    "SELECT space, point, parent, header, segment, offset, length FROM configurations "
-    "WHERE header IS NOT NULL UNION ALL "
-    "SELECT space, target, parent, header, segment, offset, length FROM attempts";
+/// In the order of the columns that readResult() takes.
+const std::string select_results =
+    "SELECT space, target, parent, header, segment, offset, length FROM results ";
 
 std::int64_t pragma(Database& database, const std::string& name) {
   Statement query(database, "PRAGMA " + name);
@@ -62,24 +54,18 @@ std::int64_t metaNumber(Database& database, const std::string& key) {
   return query.bind(key).step() ? query.integer(0) : 0;
 }
 
-StoredBuild readBuild(Database& database) {
-  const auto build = ContentId::fromHex(meta(database, "build"));
-  if (!build) throw failure("{}: damaged: no build id in it", database.file().string());
-  return {*build, meta(database, "scene_name"), meta(database, "problem"),
-          meta(database, "kernel_family"), metaNumber(database, "complete") != 0};
-}
-
 void checkVersion(Database& database) {
   const std::string file = database.file().string();
   if (pragma(database, "application_id") != application_id)
     throw badInput("{}: is a database, but not one of Palpate's", file);
   const std::int64_t found = pragma(database, "user_version");
-  if (found > JobStore::schema_version)
+  const std::string_view age = found > JobStore::schema_version ? "newer" : "older";
+  if (found != JobStore::schema_version)
     throw badInput(
-        "{}: was made by a newer Palpate (state version {}, "
-        "this is palpate {} with state version {}): go on with the newer one, "
+        "{}: was made by {} {} Palpate (state version {}, "
+        "this is palpate {} with state version {}): go on with the {} one, "
         "or use another --state directory",
-        file, found, version(), JobStore::schema_version);
+        file, age == "older" ? "an" : "a", age, found, version(), JobStore::schema_version, age);
 }
 
 StoredResult readResult(const Statement& row) {
@@ -88,29 +74,12 @@ StoredResult readResult(const Statement& row) {
     throw failure("the state database holds a damaged result");
   auto outcome = fromWire(result.header);
   if (!outcome) throw failure("the state database holds a result that makes no sense");
-  result.key = {static_cast<std::uint32_t>(row.integer(0)),
-                static_cast<std::int32_t>(row.integer(1)),
-                static_cast<std::int32_t>(row.integer(2))};
+  using Number = std::int32_t;
+  result.key = {row.integer<std::uint32_t>(0), row.integer<Number>(1), row.integer<Number>(2)};
   result.outcome = std::move(*outcome);
-  result.where = {static_cast<std::uint32_t>(row.integer(4)),
-                  static_cast<std::uint64_t>(row.integer(5)),
-                  static_cast<std::uint64_t>(row.integer(6))};
+  result.where = {row.integer<std::uint32_t>(4), row.integer<std::uint64_t>(5),
+                  row.integer<std::uint64_t>(6)};
   return result;
-}
-
-std::vector<StoredResult> readResults(Database& database) {
-  const bool old = pragma(database, "user_version") <= last_version_with_attempts;
-  std::vector<StoredResult> results;
-  Statement query(database, old ? all_results_with_attempts : all_results);
-  while (query.step()) results.push_back(readResult(query));
-  return results;
-}
-
-std::map<std::string, std::int64_t> readCounters(Database& database) {
-  std::map<std::string, std::int64_t> counters;
-  Statement query(database, "SELECT name, value FROM counters");
-  while (query.step()) counters[query.text(0)] = query.integer(1);
-  return counters;
 }
 
 std::filesystem::path existingDatabase(const std::filesystem::path& directory) {
@@ -137,21 +106,18 @@ JobStore::Prepared::Prepared(Database& database)
       write_point(database,
                   "INSERT OR REPLACE INTO configurations VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"),
       insert_result(database, "INSERT OR IGNORE INTO results VALUES (?, ?, ?, ?, ?, ?, ?, ?)"),
-      find_result(database,
-                  "SELECT space, target, parent, header, segment, offset, length FROM results "
-                  "WHERE space = ? AND target = ? AND parent = ?") {}
+      find_result(database, select_results + "WHERE space = ? AND target = ? AND parent = ?") {}
 
 JobStore::JobStore(const StateDirectory& directory, const Problem& problem,
                    const std::string& problem_bytes)
-    : max_force_(problem.scene.workspace.max_force),
-      database_(directory.database(), Database::Access::read_write_create) {
+    : StoredTables(directory.database(), Database::Access::read_write_create),
+      max_force_(problem.scene.workspace.max_force) {
   // FULL: in WAL mode a commit is otherwise synced only at the next checkpoint, and an acknowledged
   // result could vanish with the power.
   database_.execute(
       "PRAGMA page_size = 8192; PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
   if (pragma(database_, "schema_version") == 0) create(problem, problem_bytes);
-  checkVersion(database_);
-  build_ = readBuild(database_);
+  readBuild();
   const ContentId wanted = problemId(problem);
   if (build_.build != wanted)
     throw badInput(
@@ -160,45 +126,28 @@ JobStore::JobStore(const StateDirectory& directory, const Problem& problem,
         "use another --state directory, or remove that one if its results are not needed",
         directory.path().string(), build_.build.shortHex(), build_.scene_name, wanted.shortHex(),
         problem.scene.name);
-  if (pragma(database_, "user_version") < schema_version) upgrade(problem);
   if (!prepared_) prepared_.emplace(database_);
 }
 
 void JobStore::create(const Problem& problem, const std::string& problem_bytes) {
+  // All or nothing: a database without its meta would belong to no build.
   Transaction transaction(database_);
-  makeTables(problem);
-  prepared_->put_meta.run("build", problemId(problem).hex());
-  prepared_->put_meta.run("scene_name", problem.scene.name);
-  prepared_->put_meta.run("problem", Blob{problem_bytes});
-  prepared_->put_meta.run("made_by", std::string("palpate ") + version());
-  putJournalEnd({});
-  transaction.commit();
-}
-
-/// Anything but the results follows from them. What was complete for an older version may have
-/// branches and probes left to solve, so that is found out again too.
-void JobStore::upgrade(const Problem& problem) {
-  const std::vector<StoredResult> known = readResults(database_);
-  Transaction transaction(database_);
-  database_.execute("DROP TABLE spaces; DROP TABLE configurations; DROP TABLE attempts");
-  makeTables(problem);
-  for (const StoredResult& result : known) insert(result);
-  prepared_->put_meta.run("complete", 0);
-  transaction.commit();
-  build_.complete = false;
-}
-
-void JobStore::makeTables(const Problem& problem) {
   database_.execute(schema);
   database_.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
                                 application_id, schema_version));
-  prepared_.emplace(database_);
+  prepared_.emplace(database_);  // SQLite compiles statements against tables that are there
   Statement add_space(database_, "INSERT INTO spaces VALUES (?, ?)");
   const Lattice lattice = uniformLattice(problem.scene);
   for (std::size_t space = 0; space < problem.active.size(); ++space) {
     add_space.run(space, problem.active[space].name);
     for (std::int32_t n = 0; n < lattice.size(); ++n) writePoint(space, n, lattice.point(n), {});
   }
+  prepared_->put_meta.run("build", problemId(problem).hex());
+  prepared_->put_meta.run("scene_name", problem.scene.name);
+  prepared_->put_meta.run("problem", Blob{problem_bytes});
+  prepared_->put_meta.run("made_by", std::string("palpate ") + version());
+  putJournalEnd({});
+  transaction.commit();
 }
 
 JournalEnd JobStore::committed() {
@@ -231,6 +180,7 @@ void JobStore::insert(const StoredResult& result) {
   prepared_->insert_result.run(key.space, key.target, key.parent, name(outcome.failure.cause),
                                Blob{header.SerializeAsString()}, where.segment, where.offset,
                                where.length);
+  // The key is there already, and OR IGNORE left the first result as it is.
   if (database_.changes() == 0)
     throw failure("{}: point {} of space {} is recorded twice from point {}",
                   database_.file().string(), key.target, key.space, key.parent);
@@ -249,67 +199,90 @@ void JobStore::writePoint(std::size_t space, std::int32_t number, const LatticeP
 
 void JobStore::complete(std::span<const SpacePlan> plans) {
   Transaction transaction(database_);
-  for (std::size_t space = 0; space < plans.size(); ++space)
+  for (std::size_t space = 0; space < plans.size(); ++space) {
+    PALPATE_ASSERT(plans[space].complete(), "a build ends with its last space");
     for (std::int32_t n = 0; n < plans[space].size(); ++n)
       writePoint(space, n, plans[space].positions().point(n), plans[space].point(n));
+  }
   prepared_->put_meta.run("complete", 1);
   transaction.commit();
   build_.complete = true;
 }
 
-void JobStore::writeServers(std::span<const ServerRow> servers) {
+void JobStore::writeServers(std::span<const wire::WorkerStatus> servers) {
   Transaction transaction(database_);
   Statement insert(database_,
                    "INSERT OR REPLACE INTO servers VALUES (?, ?, ?, ?, ?, "
                    "(julianday('now') - 2440587.5) * 86400.0 - ?, ?)");
-  for (const ServerRow& row : servers)
-    insert.run(row.worker, row.host, row.pid, row.kernel_family, row.state, row.heard_before,
-               row.results);
+  for (const wire::WorkerStatus& row : servers)
+    insert.run(row.worker(), row.host(), row.pid(), row.kernel_family(), row.state(),
+               row.heard_seconds_ago(), row.results());
   transaction.commit();
 }
 
-void JobStore::writeCounters(const std::map<std::string, std::int64_t>& counters) {
+void JobStore::writeCounters(const Counters& counters) {
   Transaction transaction(database_);
   Statement insert(database_, "INSERT OR REPLACE INTO counters VALUES (?, ?)");
   for (const auto& [name, value] : counters) insert.run(name, value);
   transaction.commit();
 }
 
-std::map<std::string, std::int64_t> JobStore::counters() { return readCounters(database_); }
-
 std::optional<StoredResult> JobStore::find(const TransitionKey& key) {
   Statement& query = prepared_->find_result;
   std::optional<StoredResult> found;
   if (query.bind(key.space, key.target, key.parent).step()) found = readResult(query);
-  // An open query would keep the write-ahead log from being folded back into the database.
+  // The statement lives on, and an open query would keep the write-ahead log from being folded back
+  // into the database.
   query.reset();
   return found;
 }
 
-std::vector<StoredResult> JobStore::results() { return readResults(database_); }
-
 StoredTables::StoredTables(const std::filesystem::path& directory)
-    : database_(existingDatabase(directory), Database::Access::read_only) {
+    : StoredTables(existingDatabase(directory), Database::Access::read_only) {
   // Left open: everything is read as of now, whatever the scheduler writes meanwhile.
   database_.execute("BEGIN");
-  checkVersion(database_);
-  build_ = readBuild(database_);
+  readBuild();
 }
 
-std::vector<StoredResult> StoredTables::results() { return readResults(database_); }
+void StoredTables::readBuild() {
+  checkVersion(database_);
+  const auto build = ContentId::fromHex(meta(database_, "build"));
+  if (!build) throw failure("{}: damaged: no build id in it", database_.file().string());
+  build_ = {*build, meta(database_, "scene_name"), meta(database_, "problem"),
+            meta(database_, "kernel_family"), metaNumber(database_, "complete") != 0};
+}
 
-std::vector<ServerRow> StoredTables::servers() {
-  std::vector<ServerRow> rows;
+std::vector<StoredResult> StoredTables::results() {
+  std::vector<StoredResult> results;
+  Statement query(database_, select_results + "ORDER BY rowid");
+  while (query.step()) results.push_back(readResult(query));
+  return results;
+}
+
+std::vector<wire::WorkerStatus> StoredTables::servers() {
+  std::vector<wire::WorkerStatus> rows;
   Statement query(database_,
                   "SELECT worker, host, pid, kernel_family, state, "
                   "(julianday('now') - 2440587.5) * 86400.0 - heard_at, results "
                   "FROM servers ORDER BY host, pid");
-  while (query.step())
-    rows.push_back({query.text(0), query.text(1), static_cast<std::uint32_t>(query.integer(2)),
-                    query.text(3), query.text(4), query.real(5), query.integer(6)});
+  while (query.step()) {
+    wire::WorkerStatus& row = rows.emplace_back();
+    row.set_worker(query.text(0));
+    row.set_host(query.text(1));
+    row.set_pid(query.integer<std::uint32_t>(2));
+    row.set_kernel_family(query.text(3));
+    row.set_state(query.text(4));
+    row.set_heard_seconds_ago(query.real(5));
+    row.set_results(query.integer<std::int32_t>(6));
+  }
   return rows;
 }
 
-std::map<std::string, std::int64_t> StoredTables::counters() { return readCounters(database_); }
+Counters StoredTables::counters() {
+  Counters counters;
+  Statement query(database_, "SELECT name, value FROM counters");
+  while (query.step()) counters[query.text(0)] = query.integer(1);
+  return counters;
+}
 
 }  // namespace palpate

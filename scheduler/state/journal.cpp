@@ -4,10 +4,9 @@
 #include <sys/stat.h>
 #include <zlib.h>
 
-#include <cerrno>
-#include <cstring>
-#include <span>
+#include <fstream>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -34,29 +33,24 @@ std::uint32_t crcOf(std::initializer_list<std::string_view> pieces) {
 
 /// Reads up to `length` bytes at `offset`; fewer at the end of the file.
 std::string readAt(const std::filesystem::path& path, std::uint64_t offset, std::uint64_t length) {
-  const FileDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  std::ifstream file(path, std::ios::binary);
   if (!file) throw failure("{}: cannot open: {}", path.string(), errnoText());
   std::string bytes(length, '\0');
-  std::size_t got = 0;
-  while (got < length) {
-    const ssize_t n =
-        pread(file.get(), bytes.data() + got, length - got, static_cast<off_t>(offset + got));
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) throw failure("{}: cannot read: {}", path.string(), errnoText());
-    if (n == 0) break;
-    got += static_cast<std::size_t>(n);
-  }
-  bytes.resize(got);
+  file.seekg(static_cast<std::streamoff>(offset));
+  file.read(bytes.data(), static_cast<std::streamsize>(length));
+  if (file.bad()) throw failure("{}: cannot read: {}", path.string(), errnoText());
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
   return bytes;
 }
 
-}  // namespace
-
+/// So that files made in it survive a crash.
 void syncDirectory(const std::filesystem::path& directory) {
   const FileDescriptor handle(open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!handle || fsync(handle.get()) != 0)
     throw failure("{}: cannot sync: {}", directory.string(), errnoText());
 }
+
+}  // namespace
 
 Journal::Journal(std::filesystem::path directory, JournalEnd committed, std::uint64_t segment_bytes)
     : directory_(std::move(directory)), segment_bytes_(segment_bytes), end_(committed) {
@@ -82,11 +76,14 @@ Journal::Journal(std::filesystem::path directory, JournalEnd committed, std::uin
 JournalPosition Journal::append(std::string_view header, std::string_view payload) {
   if (end_.offset >= segment_bytes_) {
     sync();
+    // The full one is synced: later syncs reach only the segment that is open.
     ++end_.segment;
     end_.offset = 0;
     openSegment(true);
     syncDirectory(directory_);
   }
+  PALPATE_ASSERT(std::max(header.size(), payload.size()) <= UINT32_MAX,
+                 "a message and its payload are far below 4 GiB (max_payload_bytes)");
   std::string lengths;
   put32(lengths, static_cast<std::uint32_t>(header.size()));
   put32(lengths, static_cast<std::uint32_t>(payload.size()));
@@ -119,9 +116,10 @@ JournalRecord Journal::read(const JournalPosition& position) const {
         path.string(), position.offset, what);
   };
   const std::string bytes = readAt(path, position.offset, position.length);
+  // The position is that of the tables, so lengths that differ are damage on either side.
   if (bytes.size() != position.length || bytes.size() < record_overhead) throw damaged("cut off");
   if (!bytes.starts_with(magic)) throw damaged("no record begins here");
-  const std::string_view all = bytes;
+  const std::string_view all = bytes;  // parts of it without copies
   const std::uint64_t header_bytes = get32(bytes.data() + 4),
                       payload_bytes = get32(bytes.data() + 8);
   if (record_overhead + header_bytes + payload_bytes != position.length)

@@ -67,7 +67,4 @@ class Journal {
   FileDescriptor file_;
 };
 
-/// fsync of a directory, so that files made or renamed in it survive a crash.
-void syncDirectory(const std::filesystem::path& directory);
-
 }  // namespace palpate

@@ -1,7 +1,5 @@
 #include "scheduler/state/replay.hpp"
 
-#include <map>
-
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 

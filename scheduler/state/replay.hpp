@@ -1,9 +1,5 @@
 #pragma once
 
-#include <vector>
-
-#include "common/problem/problem.hpp"
-#include "common/space/space_table.hpp"
 #include "scheduler/plan/space_plan.hpp"
 #include "scheduler/state/job_store.hpp"
 

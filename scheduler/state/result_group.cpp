@@ -1,8 +1,5 @@
 #include "scheduler/state/result_group.hpp"
 
-#include <utility>
-#include <vector>
-
 #include "common/base/assertion.hpp"
 
 namespace palpate {
@@ -21,6 +18,7 @@ ResultGroup::Member* ResultGroup::find(const TransitionKey& key) {
 }
 
 ResultGroup::Members ResultGroup::commit() {
+  PALPATE_ASSERT(since_.has_value() == !members_.empty(), "the first member starts the clock");
   std::vector<StoredResult> results;
   for (auto& [key, member] : members_) {
     member.result.where =

@@ -1,10 +1,6 @@
 #pragma once
 
 #include <chrono>
-#include <map>
-#include <optional>
-#include <set>
-#include <string>
 
 #include "scheduler/state/job_store.hpp"
 #include "scheduler/state/journal.hpp"

@@ -46,6 +46,10 @@ Statement::Statement(Database& database, const std::string& sql) : database_(&da
     database.fail(sql.substr(0, 60));
 }
 
+void Statement::expectValues(int count) const {
+  PALPATE_ASSERT(count == sqlite3_bind_parameter_count(handle_), "every ? gets its value");
+}
+
 Statement::~Statement() { sqlite3_finalize(handle_); }
 
 void Statement::putInteger(int index, std::int64_t value) {
@@ -57,6 +61,7 @@ void Statement::put(int index, double value) {
 }
 
 void Statement::put(int index, std::string_view text) {
+  // Copied: the caller's string may go before step().
   check(sqlite3_bind_text(handle_, index, text.data(), static_cast<int>(text.size()),
                           SQLITE_TRANSIENT),
         "bind");
@@ -85,11 +90,15 @@ void Statement::finish() {
 
 void Statement::reset() { check(sqlite3_reset(handle_), "reset"); }
 
-std::int64_t Statement::integer(int column) const { return sqlite3_column_int64(handle_, column); }
+std::int64_t Statement::integerIn(int column) const {
+  PALPATE_ASSERT(column < sqlite3_data_count(handle_), "a row is there, and has this column");
+  return sqlite3_column_int64(handle_, column);
+}
 
 double Statement::real(int column) const { return sqlite3_column_double(handle_, column); }
 
 std::string Statement::text(int column) const {
+  // In this order: asking for the length first could convert the value and move it.
   const void* bytes = sqlite3_column_blob(handle_, column);
   const int size = sqlite3_column_bytes(handle_, column);
   return bytes == nullptr

@@ -51,6 +51,7 @@ class Statement {
   /// Integers, doubles (NaN becomes NULL), strings and Blobs, as many as there are ?.
   template <class... Values>
   Statement& bind(const Values&... values) {
+    expectValues(sizeof...(values));
     int index = 0;
     (put(++index, values), ...);
     return *this;
@@ -64,7 +65,10 @@ class Statement {
   }
   void reset();
 
-  std::int64_t integer(int column) const;
+  template <std::integral Integer = std::int64_t>
+  Integer integer(int column) const {
+    return static_cast<Integer>(integerIn(column));
+  }
   double real(int column) const;
   std::string text(int column) const;  ///< or the bytes of a BLOB
 
@@ -76,7 +80,9 @@ class Statement {
   void put(int index, double value);
   void put(int index, std::string_view text);
   void put(int index, Blob blob);
+  void expectValues(int count) const;
   void putInteger(int index, std::int64_t value);
+  std::int64_t integerIn(int column) const;
   void check(int code, const char* doing) const;
   void finish();
 

@@ -5,9 +5,8 @@
 #include <sys/vfs.h>
 
 #include <array>
-#include <cerrno>
 #include <fstream>
-#include <string>
+#include <map>
 #include <thread>
 
 #include "common/base/error.hpp"
@@ -53,26 +52,13 @@ FileDescriptor takeLock(const std::filesystem::path& file) {
 }  // namespace
 
 const char* networkFileSystem(long type) {
-  switch (static_cast<unsigned long>(type) & 0xffffffff) {
-    case 0x6969:
-      return "NFS";
-    case 0x517B:
-    case 0xFF534D42:
-    case 0xFE534D42:
-      return "SMB";
-    case 0x0BD00BD0:
-      return "Lustre";
-    case 0x47504653:
-      return "GPFS";
-    case 0x5346414F:
-      return "AFS";
-    case 0x00C36400:
-      return "Ceph";
-    case 0x19830326:
-      return "BeeGFS";
-    default:
-      return nullptr;
-  }
+  static const std::map<unsigned long, const char*> names = {
+      {0x6969, "NFS"},     {0x517B, "SMB"},        {0xFF534D42, "SMB"},
+      {0xFE534D42, "SMB"}, {0x0BD00BD0, "Lustre"}, {0x47504653, "GPFS"},
+      {0x5346414F, "AFS"}, {0x00C36400, "Ceph"},   {0x19830326, "BeeGFS"}};
+  // The number is an unsigned one of 32 bits, which some systems extend with its sign.
+  const auto found = names.find(static_cast<unsigned long>(type) & 0xffffffff);
+  return found == names.end() ? nullptr : found->second;
 }
 
 StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) {

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scheduler/build_summary.hpp"
 #include "scheduler/status_text.hpp"
 #include "tests/scheduler/build_world.hpp"
 

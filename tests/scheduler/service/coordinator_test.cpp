@@ -100,7 +100,7 @@ TEST_F(CoordinatorTest, AcknowledgesOnlyWhatIsOnDisk) {
   world.pass(10ms);
   EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u);
   world.restart();
-  EXPECT_EQ(world.build().found(), 1u);
+  EXPECT_EQ(world.coordinator().found(), 1u);
 }
 
 TEST_F(CoordinatorTest, CommitsAtOnceWhileAWorkerWaitsForWork) {
@@ -211,7 +211,7 @@ TEST_F(CoordinatorTest, AcknowledgesADuplicateAndKeepsOneRecord) {
   EXPECT_EQ(world.counter("duplicate_results"), 1);
   EXPECT_EQ(world.counter("divergent_results"), 0) << "other seconds are no divergence";
   world.restart();
-  EXPECT_EQ(world.build().found(), 2u);
+  EXPECT_EQ(world.coordinator().found(), 2u);
 }
 
 TEST_F(CoordinatorTest, CountsADuplicateWithOtherBitsAndKeepsTheFirst) {

@@ -47,7 +47,7 @@ TEST_F(WorkerRegistryTest, AWorkerThatComesBackKeepsItsResultsAndNothingElse) {
   worker.results = 7;
   worker.solving = TransitionKey{0, 1, 0};
   const Worker& again = admit("after", "a");
-  EXPECT_EQ(registry.size(), 1u);
+  EXPECT_EQ(registry.all().size(), 1u);
   EXPECT_EQ(again.results, 7);
   EXPECT_EQ(again.credit, 0u);
   EXPECT_FALSE(again.solving);
@@ -75,16 +75,16 @@ TEST_F(WorkerRegistryTest, ItsRowsTellWhoIsBusyAndWhoWent) {
   leases.handOut("b", 2);
   const auto rows = registry.rows(leases, now + 3s);
   ASSERT_EQ(rows.size(), 2u);
-  EXPECT_EQ(rows[0].worker, "61");
-  EXPECT_EQ(rows[0].state, "idle");
-  EXPECT_EQ(rows[0].heard_before, 3);
-  EXPECT_EQ(rows[1].state, "busy");
+  EXPECT_EQ(rows[0].worker(), "61");
+  EXPECT_EQ(rows[0].state(), "idle");
+  EXPECT_EQ(rows[0].heard_seconds_ago(), 3);
+  EXPECT_EQ(rows[1].state(), "busy");
   registry.remove(*registry.ofProcess(2), "lost", now);
   EXPECT_EQ(registry.ofProcess(2), nullptr);
   EXPECT_EQ(registry.ofPeer("q"), nullptr);
   const auto departed = registry.takeDeparted();
   ASSERT_EQ(departed.size(), 1u);
-  EXPECT_EQ(departed[0].state, "lost");
+  EXPECT_EQ(departed[0].state(), "lost");
   EXPECT_TRUE(registry.takeDeparted().empty());
 }
 

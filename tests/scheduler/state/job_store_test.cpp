@@ -171,64 +171,6 @@ TEST_F(JobStoreTest, ShowsPeopleWhatAPointIsAndWhereItCameFrom) {
   EXPECT_EQ(query.integer(2), -1);
 }
 
-/// The tables of version 2 as far as they are read: the first equilibrium of a point lay in the row
-/// of the point, everything else in attempts.
-struct OldJobStoreTest : JobStoreTest {
-  StoredResult first = result(0, 20, 7), second = first;
-
-  OldJobStoreTest() {
-    EXPECT_TRUE(first.outcome.converged);
-    second.key.parent = 3;
-    *second.header.mutable_parent() = toWire(lattice.point(3));
-    {
-      const StateDirectory held(state);
-      open(held).record(std::vector<StoredResult>{first, second}, {1, 150});
-    }
-    alter(R"sql(
-      CREATE TABLE attempts (space, target, number, parent, header, segment, offset, length);
-      INSERT INTO attempts SELECT space, target, 0, parent, header, segment, offset, length
-        FROM results WHERE parent = 3;
-      ALTER TABLE configurations ADD COLUMN header BLOB;
-      ALTER TABLE configurations ADD COLUMN segment INTEGER;
-      ALTER TABLE configurations ADD COLUMN offset INTEGER;
-      ALTER TABLE configurations ADD COLUMN length INTEGER;
-      UPDATE configurations SET parent = 7, header = r.header, segment = r.segment,
-        offset = r.offset, length = r.length FROM results AS r
-        WHERE configurations.space = r.space AND point = r.target AND r.parent = 7;
-      DROP TABLE results;
-      INSERT OR REPLACE INTO meta VALUES ('complete', 1);
-      PRAGMA user_version = 2)sql");
-  }
-  static void expectBoth(std::vector<StoredResult> results) {
-    ASSERT_EQ(results.size(), 2u);
-    EXPECT_EQ(results[0].key, (TransitionKey{0, 20, 7}));
-    EXPECT_EQ(results[1].key, (TransitionKey{0, 20, 3}));
-    EXPECT_EQ(results[1].where, (JournalPosition{1, 100, 50}));
-  }
-};
-
-TEST_F(OldJobStoreTest, KeepsEveryResultAndFindsOutAgainWhetherItIsComplete) {
-  const StateDirectory held(state);
-  JobStore store = open(held);
-  expectBoth(store.results());
-  EXPECT_TRUE(store.find(second.key));
-  EXPECT_FALSE(store.build().complete) << "branches and probes may be left to solve";
-  EXPECT_EQ(store.committed(), (JournalEnd{1, 150}));
-  EXPECT_EQ(store.build().kernel_family, "baseline");
-}
-
-TEST_F(OldJobStoreTest, IsUpgradedOnce) {
-  { open(StateDirectory(state)); }
-  const StateDirectory held(state);
-  JobStore store = open(held);
-  expectBoth(store.results());
-}
-
-TEST_F(OldJobStoreTest, CanBeReadWithoutBeingChanged) {
-  expectBoth(StoredTables(state).results());
-  EXPECT_TRUE(StoredTables(state).build().complete);
-}
-
 TEST_F(JobStoreTest, RefusesTheDirectoryOfAnotherScene) {
   { open(StateDirectory(state)); }
   const Problem other = test::cubeProblem(2000);
@@ -237,8 +179,12 @@ TEST_F(JobStoreTest, RefusesTheDirectoryOfAnotherScene) {
                        {"scene \"cube\"", problemId(problem).shortHex(), "another --state"});
 }
 
-TEST_F(JobStoreTest, RefusesANewerVersionAndOtherDatabases) {
+TEST_F(JobStoreTest, RefusesOtherVersionsAndOtherDatabases) {
   { open(StateDirectory(state)); }
+  alter("PRAGMA user_version = 2");
+  test::expectBadInput([&] { open(StateDirectory(state)); },
+                       {"an older Palpate", "version 2", "go on with the older one"});
+  test::expectBadInput([&] { StoredTables(state).results(); }, {"an older Palpate"});
   alter("PRAGMA user_version = 99");
   test::expectBadInput([&] { open(StateDirectory(state)); }, {"newer Palpate", "99"});
   alter("PRAGMA application_id = 1");
@@ -255,7 +201,11 @@ TEST_F(JobStoreTest, RefusesAFileThatIsNoDatabase) {
 TEST_F(JobStoreTest, CanBeReadWhileASchedulerWrites) {
   const StateDirectory held(state);
   JobStore store = open(held);
-  store.writeServers(std::vector<ServerRow>{{"abcdef0123", "here", 12, "avx2", "busy", 3, 5}});
+  wire::WorkerStatus worker;
+  worker.set_worker("abcdef0123");
+  worker.set_state("busy");
+  worker.set_heard_seconds_ago(3);
+  store.writeServers(std::vector{worker});
   store.writeCounters({{"runs", 2}});
   StoredTables tables(state);
   const std::vector<StoredResult> results = {result(0, 0, 0)};
@@ -263,8 +213,8 @@ TEST_F(JobStoreTest, CanBeReadWhileASchedulerWrites) {
   EXPECT_TRUE(tables.results().empty()) << "a snapshot of the moment it was opened";
   EXPECT_EQ(StoredTables(state).results().size(), 1u);
   ASSERT_EQ(tables.servers().size(), 1u);
-  EXPECT_EQ(tables.servers()[0].state, "busy");
-  EXPECT_NEAR(tables.servers()[0].heard_before, 3, 60);
+  EXPECT_EQ(tables.servers()[0].state(), "busy");
+  EXPECT_NEAR(tables.servers()[0].heard_seconds_ago(), 3, 60);
   EXPECT_EQ(tables.counters()["runs"], 2);
   EXPECT_EQ(problemId(decodeProblem(tables.build().problem)), problemId(problem));
 }
