@@ -1,0 +1,23 @@
+#pragma once
+
+#include "common/base/program.hpp"
+
+namespace palpate {
+
+/// `palpate check`: validates a scene and prints its sizes, the quality of its mesh, what is
+/// doubtful about it and what a build will cost, for which it solves a few transitions (about two
+/// seconds).
+extern const Verb check_verb;
+/// `palpate work`: workers for a scheduler, on any machine.
+extern const Verb work_verb;
+/// `palpate solve`: exact solutions, no scheduler.
+extern const Verb solve_verb;
+/// `palpate verify`: solves the verification problems (worker/verification/) and prints what was
+/// computed beside what it should be. Exit 0 when all rows are within their tolerance, else 1.
+extern const Verb verify_verb;
+/// `palpate-worker kernels`: the kernels that solve on this machine ("avx512/SkylakeX"), and on a
+/// second line why they are slower than its CPU allows, when they are. For `palpate doctor`, whose
+/// program has no OpenBLAS; exit 1 when they compute wrong products.
+extern const Verb kernels_verb;
+
+}  // namespace palpate
