@@ -1,14 +1,7 @@
-#include "worker/check_command.hpp"
-
-#include <fmt/format.h>
-
 #include <memory>
-#include <string>
 
-#include "common/problem/problem.hpp"
-#include "worker/check/check_json.hpp"
-#include "worker/check/check_text.hpp"
 #include "worker/check/scene_report.hpp"
+#include "worker/verbs.hpp"
 
 namespace palpate {
 namespace {

@@ -1,9 +1,6 @@
-#include "worker/kernels_command.hpp"
-
-#include <fmt/format.h>
-
 #include "worker/elements/blas_kernels.hpp"
 #include "worker/elements/kernel_family.hpp"
+#include "worker/verbs.hpp"
 
 namespace palpate {
 

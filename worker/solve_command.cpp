@@ -1,21 +1,11 @@
-#include "worker/solve_command.hpp"
-
-#include <fmt/format.h>
-
-#include <Eigen/Geometry>
-#include <cmath>
 #include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <string>
-#include <vector>
 
+#include "common/base/assertion.hpp"
 #include "common/base/displacement_input.hpp"
-#include "common/problem/problem.hpp"
 #include "common/problem/problem_warnings.hpp"
-#include "common/space/lattice.hpp"
 #include "worker/solver/path.hpp"
+#include "worker/verbs.hpp"
 
 namespace palpate {
 namespace {
@@ -57,6 +47,7 @@ void refuseMistakenUnit(const Problem& problem, const Eigen::Vector3d& displacem
 Outcome solveAt(TransitionSolver& solver, const Problem& problem, std::optional<int> steps,
                 const Eigen::Vector3d& target) {
   Outcome outcome;
+  PALPATE_ASSERT(!steps || *steps > 0, "--steps is checked when it is read");
   const auto rest = solver.startAtRest(outcome.failure);
   if (!rest) return outcome;
   const double spacings = target.norm() / problem.scene.workspace.spacing;
@@ -70,25 +61,23 @@ Outcome solveAt(TransitionSolver& solver, const Problem& problem, std::optional<
 nlohmann::ordered_json toJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
 void printJson(const Eigen::Vector3d& displacement, const Outcome& outcome) {
+  using nlohmann::ordered_json;
+  const bool found = outcome.converged;
   const Equilibrium& e = outcome.equilibrium;
-  nlohmann::ordered_json answer;
-  answer["displacement"] = toJson(displacement);
-  answer["converged"] = outcome.converged;
-  answer["force"] = nullptr;
-  answer["stiffness"] = nullptr;
-  answer["energy"] = nullptr;
-  if (outcome.converged) {
-    answer["force"] = toJson(e.force);
-    answer["stiffness"] = {toJson(e.stiffness.row(0)), toJson(e.stiffness.row(1)),
-                           toJson(e.stiffness.row(2))};
-    answer["energy"] = e.energy;
-  }
-  answer["newton_iterations"] = outcome.cost.newton_iterations;
-  answer["factorizations"] = outcome.cost.factorizations;
-  answer["seconds"] = outcome.cost.seconds;
-  answer["min_det_F"] = outcome.converged ? e.min_det_F : outcome.failure.element_det_F;
-  answer["failure"] = nullptr;
-  if (!outcome.converged) answer["failure"] = std::string(name(outcome.failure.cause));
+  const auto orNull = [](bool known, ordered_json value) { return known ? value : nullptr; };
+  const ordered_json rows = {toJson(e.stiffness.row(0)), toJson(e.stiffness.row(1)),
+                             toJson(e.stiffness.row(2))};
+  const ordered_json answer = {
+      {"displacement", toJson(displacement)},
+      {"converged", found},
+      {"force", orNull(found, toJson(e.force))},
+      {"stiffness", orNull(found, rows)},
+      {"energy", orNull(found, e.energy)},
+      {"newton_iterations", outcome.cost.newton_iterations},
+      {"factorizations", outcome.cost.factorizations},
+      {"seconds", outcome.cost.seconds},
+      {"min_det_F", found ? e.min_det_F : outcome.failure.element_det_F},
+      {"failure", orNull(!found, std::string(name(outcome.failure.cause)))}};
   fmt::print("{}\n", answer.dump());
 }
 
@@ -122,7 +111,7 @@ ExitCode solve(const SolveOptions& options) {
     const Outcome outcome = solveAt(solver, problem, options.steps, displacement);
     all_converged &= outcome.converged;
     options.json ? printJson(displacement, outcome) : printText(displacement, outcome);
-    std::fflush(stdout);
+    std::fflush(stdout);  // who pipes displacements in waits for the answer before the next one
   });
   return all_converged ? ExitCode::done : ExitCode::partly_failed;
 }

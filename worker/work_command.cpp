@@ -1,22 +1,14 @@
-#include "worker/work_command.hpp"
-
 #include <spdlog/spdlog.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
-#include <cerrno>
-#include <chrono>
 #include <csignal>
-#include <cstring>
-#include <memory>
-#include <string>
 #include <thread>
-#include <vector>
 
 #include "worker/link/job_loop.hpp"
 #include "worker/link/scheduler_link.hpp"
+#include "worker/verbs.hpp"
 
 namespace palpate {
 namespace {
@@ -28,44 +20,31 @@ struct WorkOptions {
   double drain_s = 10;
 };
 
+/// The solver thread, which must end before the mailbox goes: also when the link ends with an
+/// error.
+struct SolverThread {
+  Mailbox& mailbox;
+  std::thread thread;
+  ~SolverThread() {
+    mailbox.forgetJobs();
+    mailbox.close();
+    thread.join();
+  }
+};
+
 ExitCode runOneWorker(const WorkOptions& options) {
   catchInterrupts();
   const ElementKernels& kernels = chooseKernels();
   zmq::context_t context;
   Mailbox mailbox;
-  LinkOptions link_options;
-  link_options.endpoint = options.endpoint;
-  link_options.give_up =
-      std::chrono::milliseconds(static_cast<std::int64_t>(1000 * options.give_up_s));
-  link_options.drain = std::chrono::milliseconds(static_cast<std::int64_t>(1000 * options.drain_s));
-  SchedulerLink link(context, mailbox, kernels, link_options);
+  using Seconds = std::chrono::duration<double>;
+  SchedulerLink link(context, mailbox, kernels,
+                     {options.endpoint, Seconds(options.give_up_s), Seconds(options.drain_s)});
 
-  std::thread solver([&] { solveJobs(mailbox, kernels); });
-  const auto stopSolver = [&] {
-    mailbox.forgetJobs();
-    mailbox.close();
-  };
-  LinkEnd end = LinkEnd::given_up;
-  try {
-    end = link.run();
-  } catch (...) {
-    stopSolver();
-    solver.join();
-    throw;
-  }
-  stopSolver();
-  solver.join();
-  switch (end) {
-    case LinkEnd::finished:
-      spdlog::info("no more work");
-      return ExitCode::done;
-    case LinkEnd::interrupted:
-      return ExitCode::interrupted;
-    case LinkEnd::given_up:
-      break;
-  }
-  throw failure("no word from {} for {} s: is the scheduler running, and is this its address?",
-                options.endpoint, options.give_up_s);
+  SolverThread solver{mailbox, std::thread([&] { solveJobs(mailbox, kernels); })};
+  const ExitCode end = link.run();
+  if (end == ExitCode::done) spdlog::info("no more work");
+  return end;
 }
 
 /// Starts `palpate-worker work ... -j 1`, which dies with this process.
@@ -76,6 +55,7 @@ pid_t startChild(const WorkOptions& options) {
   const pid_t child = fork();
   if (child < 0) throw failure("fork: {}", errnoText());
   if (child > 0) return child;
+  // Not SIGKILL: what is solved when the parent dies is still delivered.
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(1);
   execl("/proc/self/exe", "palpate-worker", "work", "--connect", options.endpoint.c_str(), "-j",
@@ -89,19 +69,15 @@ ExitCode superviseWorkers(const WorkOptions& options) {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::seconds short_life{10};
   catchInterrupts();
-  struct Child {
-    pid_t pid;
-    Clock::time_point started;
-  };
-  std::vector<Child> children;
-  children.reserve(options.workers);
-  for (int n = 0; n < options.workers; ++n) children.push_back({startChild(options), Clock::now()});
+  std::map<pid_t, Clock::time_point> children;  // and when each was started
+  const auto start = [&] { children[startChild(options)] = Clock::now(); };
+  for (int n = 0; n < options.workers; ++n) start();
 
   ExitCode result = ExitCode::done;
   bool forwarded = false;
   while (!children.empty()) {
     if (interrupted() && !forwarded) {
-      for (const Child& child : children) kill(child.pid, SIGTERM);
+      for (const auto& [pid, started] : children) kill(pid, SIGTERM);
       forwarded = true;
     }
     int status = 0;
@@ -111,20 +87,18 @@ ExitCode superviseWorkers(const WorkOptions& options) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       continue;
     }
-    for (auto child = children.begin(); child != children.end(); ++child) {
-      if (child->pid != pid) continue;
-      const bool killed = WIFSIGNALED(status) && !interrupted();
-      if (killed && Clock::now() - child->started > short_life) {
-        spdlog::warn("worker {} died of signal {}; starting another", pid, WTERMSIG(status));
-        *child = {startChild(options), Clock::now()};
-        break;
-      }
-      if (killed)
-        spdlog::error("worker {} died of signal {} right after its start", pid, WTERMSIG(status));
-      if (killed || (WIFEXITED(status) && WEXITSTATUS(status) == 1)) result = ExitCode::failed;
-      children.erase(child);
-      break;
+    const auto child = children.extract(pid);
+    if (child.empty()) continue;  // of the shell whose place this program took
+    const bool killed = WIFSIGNALED(status) && !interrupted();
+    if (killed && Clock::now() - child.mapped() > short_life) {
+      spdlog::warn("worker {} died of signal {}; starting another", pid, WTERMSIG(status));
+      start();
+      continue;
     }
+    if (killed)
+      spdlog::error("worker {} died of signal {} right after its start", pid, WTERMSIG(status));
+    // 1 is a failure that says why; 130 and 0 are what was asked for.
+    if (killed || (WIFEXITED(status) && WEXITSTATUS(status) == 1)) result = ExitCode::failed;
   }
   return interrupted() ? ExitCode::interrupted : result;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "common/base/assertion.hpp"
 #include "common/problem/storage.hpp"

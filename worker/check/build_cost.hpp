@@ -1,6 +1,5 @@
 #pragma once
 
-#include "common/problem/problem.hpp"
 #include "worker/check/measured_ways.hpp"
 
 namespace palpate {
@@ -14,8 +13,8 @@ struct Estimate {
 
 /// What a build will cost and how far it will get, from what was measured.
 struct BuildCost {
-  Estimate
-      least;      ///< the uniform lattices and the probes: all there is of a build without accuracy
+  /// The uniform lattices and the probes: all there is of a build without accuracy.
+  Estimate least;
   Estimate most;  ///< when an adaptive build halves every cell as often as it may
   /// Share of the lattice points that are reached: others lie beyond max_force or failures.
   double reached = 1;

@@ -1,7 +1,7 @@
-#include "worker/check/check_json.hpp"
-
 #include <nlohmann/json.hpp>
-#include <optional>
+
+#include "common/base/assertion.hpp"
+#include "worker/check/scene_report.hpp"
 
 namespace palpate {
 namespace {
@@ -11,7 +11,7 @@ nlohmann::ordered_json vectorJson(const Eigen::Vector3d& v) { return {v[0], v[1]
 nlohmann::ordered_json meshJson(const SceneReport& report) {
   const Mesh& mesh = report.problem->mesh;
   const MeshQuality& quality = report.quality;
-  nlohmann::ordered_json groups = nlohmann::ordered_json::object();
+  nlohmann::ordered_json groups = nlohmann::ordered_json::object();  // {} rather than null
   for (const auto& [name, nodes] : mesh.node_groups) groups[name] = nodes.size();
   return {{"file", report.problem->scene.mesh.string()},
           {"nodes", mesh.vertices()},
@@ -51,7 +51,9 @@ nlohmann::ordered_json deviceJson(const Scene& scene) {
           {"max_force_cut_from", orNull(device.wanted_max_force)}};
 }
 
-nlohmann::ordered_json toJson(const SceneReport& report) {
+}  // namespace
+
+std::string sceneReportJson(const SceneReport& report) {
   const Scene& scene = report.problem->scene;
   nlohmann::ordered_json active = nlohmann::ordered_json::array();
   for (const SceneReport::Space& space : report.spaces)
@@ -61,46 +63,43 @@ nlohmann::ordered_json toJson(const SceneReport& report) {
                       {"tool", space.tool},
                       {"patch_nodes", space.patch->nodes.size()},
                       {"unknowns", space.unknowns}});
+  PALPATE_ASSERT(report.tetrahedra_in.size() == scene.regions.size(), "a count for each region");
   nlohmann::ordered_json regions = nlohmann::ordered_json::array();
   for (std::size_t r = 0; r < scene.regions.size(); ++r)
     regions.push_back({{"group", scene.regions[r].group},
                        {"law", word(scene.regions[r].material.law)},
                        {"tetrahedra", report.tetrahedra_in[r]}});
   const Estimate &least = report.cost.least, &most = report.cost.most;
-  return {{"scene", scene.name},
-          {"problem", problemId(*report.problem).hex()},
-          {"metres_per_unit", scene.metres_per_unit},
-          {"mesh", meshJson(report)},
-          {"regions", regions},
-          {"gravity", vectorJson(scene.gravity)},
-          {"displacement", word(scene.discretization.displacement)},
-          {"pressure", word(scene.discretization.pressure)},
-          {"constraint", word(scene.discretization.constraint)},
-          {"fixed_nodes", report.problem->fixed.size()},
-          {"active", active},
-          {"lattice",
-           {{"radius", report.lattice.radius()},
-            {"spacing", report.lattice.spacing()},
-            {"points", report.lattice.size()}}},
-          {"device", deviceJson(scene)},
-          {"adaptive", scene.accuracy.adaptive()},
-          {"configurations", least.configurations},
-          {"core_seconds", least.seconds},
-          {"dataset_bytes", least.bytes},
-          {"most_configurations", most.configurations},
-          {"most_core_seconds", most.seconds},
-          {"most_dataset_bytes", most.bytes},
-          {"measured",
-           {{"transitions", report.measured.transitions},
-            {"ways", report.measured.ways.size()},
-            {"seconds", report.measured.seconds},
-            {"reached", report.cost.reached},
-            {"arithmetic", report.arithmetic}}},
-          {"warnings", report.warnings}};
+  return nlohmann::ordered_json{{"scene", scene.name},
+                                {"problem", problemId(*report.problem).hex()},
+                                {"metres_per_unit", scene.metres_per_unit},
+                                {"mesh", meshJson(report)},
+                                {"regions", regions},
+                                {"gravity", vectorJson(scene.gravity)},
+                                {"displacement", word(scene.discretization.displacement)},
+                                {"pressure", word(scene.discretization.pressure)},
+                                {"constraint", word(scene.discretization.constraint)},
+                                {"fixed_nodes", report.problem->fixed.size()},
+                                {"active", active},
+                                {"lattice",
+                                 {{"radius", report.lattice.radius()},
+                                  {"spacing", report.lattice.spacing()},
+                                  {"points", report.lattice.size()}}},
+                                {"device", deviceJson(scene)},
+                                {"adaptive", scene.accuracy.adaptive()},
+                                {"configurations", least.configurations},
+                                {"core_seconds", least.seconds},
+                                {"dataset_bytes", least.bytes},
+                                {"most_configurations", most.configurations},
+                                {"most_core_seconds", most.seconds},
+                                {"most_dataset_bytes", most.bytes},
+                                {"measured",
+                                 {{"transitions", report.measured.transitions},
+                                  {"ways", report.measured.ways.size()},
+                                  {"seconds", report.measured.seconds},
+                                  {"reached", report.cost.reached},
+                                  {"arithmetic", report.arithmetic}}},
+                                {"warnings", report.warnings}}
+      .dump();
 }
-
-}  // namespace
-
-std::string sceneReportJson(const SceneReport& report) { return toJson(report).dump(); }
-
 }  // namespace palpate

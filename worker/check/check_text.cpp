@@ -1,12 +1,11 @@
-#include "worker/check/check_text.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <span>
 
+#include "common/base/assertion.hpp"
 #include "common/problem/problem_warnings.hpp"
 #include "common/scene/material_toml.hpp"
+#include "worker/check/scene_report.hpp"
 
 namespace palpate {
 namespace {
@@ -66,8 +65,10 @@ void printConversion(const Scene& scene) {
 
 void printBody(const SceneReport& report) {
   const Scene& scene = report.problem->scene;
+  PALPATE_ASSERT(report.tetrahedra_in.size() == scene.regions.size(), "a count for each region");
   for (std::size_t r = 0; r < scene.regions.size(); ++r) {
     const auto& [group, material] = scene.regions[r];
+    // A scene without groups says nothing of regions, so neither does the answer.
     if (scene.regions.size() == 1 && group.empty())
       fmt::print("material   {}\n", inWords(material));
     else
@@ -84,6 +85,7 @@ void printBody(const SceneReport& report) {
 
 void printActives(const SceneReport& report) {
   const std::size_t n_spaces = report.spaces.size();
+  // A few more rather than "and 1 more": the last line costs one too.
   const std::size_t shown = n_spaces <= 2 * listed_names ? n_spaces : listed_names;
   for (const SceneReport::Space& space : std::span(report.spaces).first(shown))
     fmt::print("active     \"{}\": node {} at {} m, {} patch of {} node(s), {} unknowns\n",
@@ -117,19 +119,19 @@ void printAccuracy(const Accuracy& accuracy) {
 
 void printCost(const SceneReport& report) {
   const MeasuredWays& measured = report.measured;
-  if (!measured.no_rest.empty()) return;
+  if (!measured.no_rest.empty()) return;  // a warning says so, and nothing can be estimated
   const Estimate &least = report.cost.least, &most = report.cost.most;
+  const auto onAllCores = [&](const Estimate& e) { return duration(e.seconds / report.cores); };
   if (!report.problem->scene.accuracy.adaptive())
     fmt::print("cost       about {} on one core, {} on the {} of this machine; dataset {:.3g} MB\n",
-               duration(least.seconds), duration(least.seconds / report.cores), report.cores,
-               least.bytes / 1e6);
+               duration(least.seconds), onAllCores(least), report.cores, least.bytes / 1e6);
   else
     fmt::print(
         "cost       an estimate, since cells are split where the forces turn out to need it: "
         "between {} (no cell is split) and {} (all are, to the last level) on one core, "
         "{} and {} on the {} of this machine; dataset {:.3g} to {:.3g} MB\n",
-        duration(least.seconds), duration(most.seconds), duration(least.seconds / report.cores),
-        duration(most.seconds / report.cores), report.cores, least.bytes / 1e6, most.bytes / 1e6);
+        duration(least.seconds), duration(most.seconds), onAllCores(least), onAllCores(most),
+        report.cores, least.bytes / 1e6, most.bytes / 1e6);
   fmt::print(
       "           from {} transitions on {} ways from rest, solved in {} with {}; "
       "about {:.0f} % of the lattice points are reached\n",

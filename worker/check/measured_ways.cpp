@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <optional>
 
 #include "common/base/assertion.hpp"
-#include "worker/elements/kernel_family.hpp"
 #include "worker/solver/transition.hpp"
 
 namespace palpate {
 namespace {
+
+/// Measured is until one of the two is used up: so many transitions tell the cost of an average one
+/// to a few percent.
+constexpr std::int32_t enough_transitions = 80;
+constexpr double enough_seconds = 2;  ///< of the processor
 
 /// Not the time of day: other programs that keep the cores busy would be counted.
 double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -31,11 +34,8 @@ Eigen::Vector3d directionAt(double height, double turn) {
 
 class Measurement {
  public:
-  Measurement(const Problem& problem, const MeasuringLimits& limits)
-      : problem_(problem),
-        limits_(limits),
-        began_(processorSeconds()),
-        solver_(problem, chooseKernels()) {}
+  explicit Measurement(const Problem& problem)
+      : problem_(problem), began_(processorSeconds()), solver_(problem, chooseKernels()) {}
 
   MeasuredWays run() {
     while (!over() && found_.no_rest.empty()) {
@@ -50,12 +50,13 @@ class Measurement {
 
  private:
   bool over() const {
-    return found_.transitions > 0 && (found_.transitions >= limits_.transitions ||
-                                      processorSeconds() - began_ > limits_.seconds);
+    return found_.transitions >= enough_transitions ||
+           (found_.transitions > 0 && processorSeconds() - began_ > enough_seconds);
   }
 
   void walk(const Eigen::Vector3d& direction) {
     const Workspace& workspace = problem_.scene.workspace;
+    // The start belongs to the step: a worker makes it ready for every job too.
     double step_began = processorSeconds();
     Failure failure;
     std::optional<Start> start = solver_.startAtRest(failure);
@@ -63,6 +64,7 @@ class Measurement {
       found_.no_rest = describe(failure);
       return;
     }
+    PALPATE_ASSERT(workspace.spacing > 0, "a way of steps without length would not end");
     Way& way = found_.ways.emplace_back();
     for (double at = 0; at < workspace.radius;) {
       if (over()) {
@@ -86,7 +88,6 @@ class Measurement {
   }
 
   const Problem& problem_;
-  const MeasuringLimits limits_;
   const double began_;
   TransitionSolver solver_;
   MeasuredWays found_;
@@ -94,9 +95,9 @@ class Measurement {
 
 }  // namespace
 
-MeasuredWays measureWays(const Problem& problem, const MeasuringLimits& limits) {
+MeasuredWays measureWays(const Problem& problem) {
   PALPATE_ASSERT(!problem.active.empty(), "a problem that resolve() made has something to touch");
-  return Measurement(problem, limits).run();
+  return Measurement(problem).run();
 }
 
 }  // namespace palpate

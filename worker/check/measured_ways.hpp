@@ -1,9 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <string>
-#include <vector>
-
 #include "common/problem/problem.hpp"
 
 namespace palpate {
@@ -38,14 +34,9 @@ struct MeasuredWays {
   std::string no_rest;
 };
 
-/// How long to measure.
-struct MeasuringLimits {
-  double seconds = 2;             ///< of the processor; at least one transition is made
-  std::int32_t transitions = 80;  ///< as many as tell the cost of an average one to a few percent
-};
-
 /// Solves a few ways of the problem, in directions and from active nodes that are spread evenly,
-/// the same ones every time. One thread; Error when the matrix cannot be analysed.
-MeasuredWays measureWays(const Problem& problem, const MeasuringLimits& limits = {});
+/// the same ones every time, for about two seconds of the processor. One thread; Error when the
+/// matrix cannot be analysed.
+MeasuredWays measureWays(const Problem& problem);
 
 }  // namespace palpate

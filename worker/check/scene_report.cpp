@@ -37,9 +37,7 @@ void warnOfWays(SceneReport& report) {
     return;
   }
   if (report.cost.reached >= 0.5 || ways.size() < fewest_telling_ways) return;
-  const auto ended = [&](WayEnd end) {
-    return std::count_if(ways.begin(), ways.end(), [&](const Way& way) { return way.end == end; });
-  };
+  const auto ended = [&](WayEnd end) { return std::ranges::count(ways, end, &Way::end); };
   const Workspace& workspace = report.problem->scene.workspace;
   report.warnings.push_back(fmt::format(
       "workspace.radius = {:.4g} m: only about {:.0f} % of the lattice points will be reached; "

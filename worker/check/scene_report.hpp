@@ -1,14 +1,6 @@
 #pragma once
 
-#include <cstdint>
-#include <string>
-#include <string_view>
-#include <vector>
-
-#include "common/mesh/mesh.hpp"
-#include "common/problem/problem.hpp"
 #include "worker/check/build_cost.hpp"
-#include "worker/check/measured_ways.hpp"
 
 namespace palpate {
 
@@ -36,5 +28,10 @@ struct SceneReport {
 
 /// Looks at a problem, which must outlive the report, and solves a little of it (measureWays).
 SceneReport reportOf(const Problem& problem);
+
+/// Prints a report for people on standard output: a word for the topic, then numbers in SI units.
+void printSceneReport(const SceneReport& report);
+/// A report as one JSON object on one line, lengths in metres.
+std::string sceneReportJson(const SceneReport& report);
 
 }  // namespace palpate

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <memory>
 
 #include "common/base/assertion.hpp"
 #include "common/wire/wire.hpp"
@@ -26,17 +25,21 @@ class ProblemSolver {
     const wire::Job& job = ready.job;
     PALPATE_ASSERT(ready.start || job.start_id().empty(),
                    "a job is handed over when its start configuration is here");
+    PALPATE_ASSERT(job.space() < problem_->active.size() && job.targets_size() > 0,
+                   "jobs that make no sense are not handed over");
     solver_.chooseTool(job.space());
     Failure start_failure;
     const auto start =
         ready.start ? solver_.startFrom(*ready.start, displacementOf(job.start()), start_failure)
                     : solver_.startAtRest(start_failure);
+    // A start that cannot be made ready fails all its targets: each is one result, as ever.
     for (int n = 0; n < job.targets_size(); ++n) {
       const wire::Target& target = job.targets(n);
       if (!mailbox.begin(job.id(), target.point())) return;
       Outcome outcome;
       if (start) {
         const int transitions = static_cast<int>(std::max(1U, target.steps()));
+        // The plan decides what is tried again and from where: no rescue on the way.
         outcome = walk(solver_, *start, displacementOf(target.point()), transitions, Rescue::none)
                       .outcome;
       } else {

@@ -3,9 +3,6 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-#include <cerrno>
-#include <utility>
-
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
@@ -18,14 +15,14 @@ Mailbox::Mailbox() : event_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
 Mailbox::~Mailbox() { ::close(event_); }
 
 void Mailbox::wakeNetwork() {
-  const std::uint64_t one = 1;
   // EAGAIN means the counter is full, so the reader wakes up anyway.
-  if (write(event_, &one, sizeof one) < 0 && errno != EAGAIN)
+  if (eventfd_write(event_, 1) != 0 && errno != EAGAIN)
     throw failure("eventfd write: {}", errnoText());
 }
 
 void Mailbox::put(ReadyJob job) {
   const std::lock_guard lock(mutex_);
+  PALPATE_ASSERT(job.problem && !closed_, "jobs of a known problem come until close()");
   jobs_.push_back(std::move(job));
   changed_.notify_one();
 }
@@ -33,7 +30,7 @@ void Mailbox::put(ReadyJob job) {
 void Mailbox::forgetJobs() {
   const std::lock_guard lock(mutex_);
   jobs_.clear();
-  forget_current_ = progress_.solving;
+  forget_current_ = progress_.solving();
 }
 
 void Mailbox::close() {
@@ -43,8 +40,9 @@ void Mailbox::close() {
 }
 
 std::vector<FinishedTarget> Mailbox::takeFinished() {
-  std::uint64_t count = 0;
-  if (read(event_, &count, sizeof count) < 0 && errno != EAGAIN)
+  eventfd_t count = 0;
+  // Before the results are taken: one that comes in between wakes the network thread once more.
+  if (eventfd_read(event_, &count) != 0 && errno != EAGAIN)
     throw failure("eventfd read: {}", errnoText());
   const std::lock_guard lock(mutex_);
   return std::exchange(finished_, {});
@@ -55,46 +53,46 @@ std::optional<std::string> Mailbox::solverError() {
   return error_;
 }
 
-Progress Mailbox::progress() {
+wire::Heartbeat Mailbox::progress() {
   const std::lock_guard lock(mutex_);
   return progress_;
 }
 
 std::optional<ReadyJob> Mailbox::next() {
   std::unique_lock lock(mutex_);
-  progress_.solving = false;
+  progress_.set_solving(false);
+  // Whatever was to be forgotten was the job before this one.
   forget_current_ = false;
   changed_.wait(lock, [this] { return closed_ || !jobs_.empty(); });
   if (jobs_.empty()) return std::nullopt;
   ReadyJob job = std::move(jobs_.front());
   jobs_.pop_front();
-  progress_.solving = true;
-  progress_.job = job.job.id();
-  progress_.target = job.job.start();
+  progress_.set_solving(true);
+  progress_.set_job(job.job.id());
+  // Until begin() names a target, the solver makes the start ready, which may kill it too.
+  *progress_.mutable_target() = job.job.start();
   return job;
 }
 
 bool Mailbox::begin(std::uint64_t job, const wire::Point& target) {
   const std::lock_guard lock(mutex_);
-  PALPATE_ASSERT(progress_.solving && progress_.job == job, "targets are of the job last taken");
-  progress_ = {true, job, target};
+  PALPATE_ASSERT(progress_.solving() && progress_.job() == job,
+                 "targets are of the job last taken");
+  *progress_.mutable_target() = target;
   return !forget_current_;
 }
 
 void Mailbox::finish(FinishedTarget target) {
-  {
-    const std::lock_guard lock(mutex_);
-    finished_.push_back(std::move(target));
-  }
+  const std::lock_guard lock(mutex_);
+  PALPATE_ASSERT(progress_.solving(), "a target is finished while its job is in work");
+  finished_.push_back(std::move(target));
   wakeNetwork();
 }
 
 void Mailbox::solverEnds(const std::string& error) {
-  {
-    const std::lock_guard lock(mutex_);
-    progress_.solving = false;
-    if (!error.empty()) error_ = error;
-  }
+  const std::lock_guard lock(mutex_);
+  progress_.set_solving(false);
+  if (!error.empty()) error_ = error;
   wakeNetwork();
 }
 

@@ -4,9 +4,6 @@
 #include <deque>
 #include <memory>
 #include <mutex>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "common/problem/problem.hpp"
 #include "common/space/configuration.hpp"
@@ -26,13 +23,6 @@ struct FinishedTarget {
   wire::Result result;
   std::string fields;  ///< payload of `result`; empty for a failure
   bool last_of_job = false;
-};
-
-/// What the solver is doing now, for heartbeats.
-struct Progress {
-  bool solving = false;
-  std::uint64_t job = 0;
-  wire::Point target;
 };
 
 /// Hands jobs from the network thread to the solver thread, and results back. Every call may be
@@ -57,7 +47,8 @@ class Mailbox {
   std::vector<FinishedTarget> takeFinished();
   /// The reason when the solver gave up with an exception.
   std::optional<std::string> solverError();
-  Progress progress();
+  /// What the solver is doing now, as heartbeats tell it.
+  wire::Heartbeat progress();
   /// Readable while there is something to take; for poll().
   int wakeUpDescriptor() const { return event_; }
 
@@ -79,7 +70,7 @@ class Mailbox {
   std::condition_variable changed_;
   std::deque<ReadyJob> jobs_;
   std::vector<FinishedTarget> finished_;
-  Progress progress_;
+  wire::Heartbeat progress_;
   bool forget_current_ = false, closed_ = false;
   std::optional<std::string> error_;
 };

@@ -5,9 +5,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <utility>
 
+#include "common/base/assertion.hpp"
 #include "common/base/program.hpp"
 
 namespace palpate {
@@ -20,6 +19,10 @@ constexpr std::chrono::milliseconds poll_interval{50};
 /// An acknowledgement takes milliseconds; this long without one, the result or the acknowledgement
 /// was lost on the way.
 constexpr std::chrono::milliseconds deliver_again_after{10000};
+/// Without any word from the scheduler for this long, the socket is made anew.
+constexpr std::chrono::milliseconds reconnect_after{20000};
+/// Jobs asked for in advance: the one in work and one that hides the network.
+constexpr std::uint32_t jobs_in_advance = 2;
 
 std::string randomId() {
   std::string id(16, '\0');
@@ -32,8 +35,10 @@ std::string hostName() {
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
 }
 
-std::size_t bytesOfFields(const NodalFields& fields) {
-  return sizeof(float) * (fields.displacement.size() + fields.pressure.size());
+/// (space, target, parent): the key of a result.
+template <class ResultOrAck>
+auto keyOf(const ResultOrAck& message) {
+  return std::tuple(message.space(), fromWire(message.target()), fromWire(message.parent()));
 }
 
 }  // namespace
@@ -44,19 +49,13 @@ SchedulerLink::SchedulerLink(zmq::context_t& context, Mailbox& mailbox,
       mailbox_(mailbox),
       kernels_(kernels),
       options_(std::move(options)),
-      worker_id_(randomId()) {
-  checkEndpoint(options_.endpoint);
-}
+      worker_id_(randomId()) {}
 
 void SchedulerLink::connect() {
   socket_ = makeDealer(context_);
   // A leading zero byte is reserved by ZeroMQ, so the routing id is not the bare random id.
   socket_.set(zmq::sockopt::routing_id, "w" + worker_id_);
-  try {
-    socket_.connect(options_.endpoint);
-  } catch (const zmq::error_t& error) {
-    throw badInput("cannot connect to {}: {}", options_.endpoint, error.what());
-  }
+  connectDealer(socket_, options_.endpoint);
   last_connected_ = Clock::now();
   last_sent_hello_ = {};
   incarnation_.clear();
@@ -82,7 +81,7 @@ void SchedulerLink::sayHello() {
 }
 
 void SchedulerLink::requestJobs(std::uint32_t credit) {
-  if (draining_ || credit == 0) return;
+  if (draining_) return;
   wire::Message message;
   message.mutable_request()->set_credit(credit);
   send(message);
@@ -95,44 +94,39 @@ void SchedulerLink::forgetWork() {
 
 void SchedulerLink::handle(const Incoming& incoming) {
   const wire::Message& message = incoming.message;
+  // What cannot be read is no sign that a scheduler lives: the silence goes on.
   if (message.body_case() == wire::Message::BODY_NOT_SET) return;
   last_heard_ = Clock::now();
-  switch (message.body_case()) {
-    case wire::Message::kWelcome:
-      return handleWelcome(message.welcome());
-    case wire::Message::kRefused:
-      throw failure("the scheduler at {} refused this worker: {}", options_.endpoint,
-                    message.refused().reason());
-    case wire::Message::kProblemReply:
-      return handleProblem(message.problem_reply(), incoming.payload);
-    case wire::Message::kJob:
-      return handleJob(message.job());
-    case wire::Message::kFieldsReply:
-      return handleFields(message.fields_reply(), incoming.payload);
-    case wire::Message::kResultAck: {
-      const wire::ResultAck& ack = message.result_ack();
-      unacknowledged_.erase({ack.space(), fromWire(ack.target()), fromWire(ack.parent())});
-      return;
-    }
-    case wire::Message::kHeartbeatReply:
-      // Another incarnation knows nothing of us, of our jobs, nor of results it did not
-      // acknowledge.
-      if (!incarnation_.empty() && message.heartbeat_reply().incarnation() != incarnation_) {
-        spdlog::info("the scheduler was restarted; introducing this worker again");
-        introduceAgain();
-      }
-      return;
-    case wire::Message::kDrain:
-      draining_ = true;
-      finished_ = message.drain().finished();
-      forgetWork();
-      return;
-    default:
-      spdlog::warn("the scheduler sent a message that is not for workers");
+  if (message.has_refused())
+    throw failure("the scheduler at {} refused this worker: {}", options_.endpoint,
+                  message.refused().reason());
+  if (message.has_welcome()) return handleWelcome(message.welcome());
+  if (message.has_problem_reply()) return handleProblem(message.problem_reply(), incoming.payload);
+  if (message.has_job()) return handleJob(message.job());
+  if (message.has_fields_reply()) return handleFields(message.fields_reply(), incoming.payload);
+  if (message.has_result_ack()) return void(unacknowledged_.erase(keyOf(message.result_ack())));
+  if (message.has_heartbeat_reply()) return handleHeartbeat(message.heartbeat_reply());
+  if (message.has_drain()) {
+    finished_ = message.drain().finished();
+    return drain();
   }
+  spdlog::warn("the scheduler sent a message that is not for workers");
+}
+
+void SchedulerLink::handleHeartbeat(const wire::HeartbeatReply& reply) {
+  // Another incarnation knows nothing of us, of our jobs, nor of results it did not acknowledge.
+  if (incarnation_.empty() || reply.incarnation() == incarnation_) return;
+  spdlog::info("the scheduler was restarted; introducing this worker again");
+  introduceAgain();
+}
+
+void SchedulerLink::drain() {
+  draining_ = true;
+  forgetWork();
 }
 
 void SchedulerLink::handleWelcome(const wire::Welcome& welcome) {
+  // The answer to a hello that was said twice.
   if (incarnation_ == welcome.incarnation()) return;
   const auto build = ContentId::fromBytes(welcome.build());
   if (!build) throw failure("the scheduler at {} sent a damaged welcome", options_.endpoint);
@@ -140,30 +134,33 @@ void SchedulerLink::handleWelcome(const wire::Welcome& welcome) {
   heartbeat_ =
       std::chrono::milliseconds(std::clamp<std::uint32_t>(welcome.heartbeat_ms(), 50, 60000));
   forgetWork();
+  // Of another build nothing is worth keeping, and jobs are asked for when its problem is here.
   if (*build != build_ || !problem_) {
     build_ = *build;
     problem_.reset();
     unacknowledged_.clear();
     cache_.clear();
-    cache_bytes_ = 0;
     wire::Message message;
     message.mutable_problem_request();
     send(message);
     return;
   }
   deliverAgain();
-  requestJobs(options_.credit);
+  requestJobs(jobs_in_advance);
 }
 
 void SchedulerLink::deliverAgain() {
-  for (const auto& [key, finished] : unacknowledged_) {
-    wire::Message message;
-    *message.mutable_result() = finished.result;
-    send(message, finished.fields);
-  }
+  for (const auto& [key, finished] : unacknowledged_) deliver(finished);
+}
+
+void SchedulerLink::deliver(const FinishedTarget& finished) {
+  wire::Message message;
+  *message.mutable_result() = finished.result;
+  send(message, finished.fields);
   last_delivered_ = Clock::now();
 }
 
+/// The scheduler takes back what a worker holds that says hello again, and hands it out anew.
 void SchedulerLink::introduceAgain() {
   incarnation_.clear();
   forgetWork();
@@ -171,15 +168,17 @@ void SchedulerLink::introduceAgain() {
 }
 
 void SchedulerLink::handleProblem(const wire::ProblemReply& reply, const std::string& payload) {
+  // Asked for twice, or by an earlier welcome.
   if (problem_ || reply.build() != build_.bytes()) return;
   auto problem = std::make_shared<Problem>(decodeProblem(payload));
+  // The bits of every result rest on it, so that it is compared whole.
   if (problemId(*problem) != build_)
     throw failure("the problem that the scheduler at {} sent is not build {}", options_.endpoint,
                   build_.shortHex());
   problem_ = std::move(problem);
   spdlog::info("working on \"{}\", {} nodes, {} kernels", problem_->scene.name,
                problem_->mesh.nodes.size(), kernels_.family);
-  requestJobs(options_.credit);
+  requestJobs(jobs_in_advance);
 }
 
 void SchedulerLink::handleJob(const wire::Job& job) {
@@ -212,14 +211,15 @@ void SchedulerLink::handleFields(const wire::FieldsReply& reply, const std::stri
     introduceAgain();
     return;
   }
-  remember(*id, std::make_shared<NodalFields>(NodalFields::decode(
-                    payload, problem_->mesh.nodes.size(), pressureNodes(*problem_))));
+  remember(*id, payload);
   startReadyJobs();
 }
 
 void SchedulerLink::startReadyJobs() {
   while (!waiting_.empty()) {
     std::shared_ptr<const NodalFields> start;
+    // In their order, even if a later one has its start here: the scheduler counts on it when it
+    // guesses which target killed a worker.
     if (const auto id = ContentId::fromBytes(waiting_.front().start_id())) {
       start = cached(*id);
       if (!start) return;
@@ -230,66 +230,51 @@ void SchedulerLink::startReadyJobs() {
 }
 
 std::shared_ptr<const NodalFields> SchedulerLink::cached(const ContentId& id) {
-  const auto found = std::find_if(cache_.begin(), cache_.end(),
-                                  [&](const auto& entry) { return entry.first == id; });
+  const auto found = std::ranges::find(cache_, id, [](const auto& entry) { return entry.first; });
   if (found == cache_.end()) return nullptr;
   cache_.splice(cache_.begin(), cache_, found);
   return found->second;
 }
 
-void SchedulerLink::remember(const ContentId& id, std::shared_ptr<const NodalFields> fields) {
+void SchedulerLink::remember(const ContentId& id, const std::string& payload) {
   if (cached(id)) return;
-  cache_bytes_ += bytesOfFields(*fields);
-  cache_.emplace_front(id, std::move(fields));
-  while (cache_bytes_ > cache_limit_bytes && cache_.size() > 1) {
-    cache_bytes_ -= bytesOfFields(*cache_.back().second);
-    cache_.pop_back();
-  }
+  PALPATE_ASSERT(problem_, "start configurations are those of a problem");
+  const std::size_t n_nodes = problem_->mesh.nodes.size(), n_pressures = pressureNodes(*problem_);
+  cache_.emplace_front(
+      id, std::make_shared<const NodalFields>(NodalFields::decode(payload, n_nodes, n_pressures)));
+  // All fields of a problem are equally long. The newest stays, however long it is.
+  const std::size_t most = std::max<std::size_t>(1, cache_limit_bytes / payload.size());
+  if (cache_.size() > most) cache_.pop_back();
 }
 
 void SchedulerLink::deliverFinished() {
   for (FinishedTarget& finished : mailbox_.takeFinished()) {
-    if (const auto id = ContentId::fromBytes(finished.result.fields_id()); id && problem_)
-      remember(*id, std::make_shared<NodalFields>(NodalFields::decode(
-                        finished.fields, problem_->mesh.nodes.size(), pressureNodes(*problem_))));
     const wire::Result& result = finished.result;
     if (result.build() != build_.bytes()) continue;  // of a build that this scheduler left behind
-    wire::Message message;
-    *message.mutable_result() = result;
-    send(message, finished.fields);
-    last_delivered_ = Clock::now();
+    // The next job is likely to start where this one ended. Without the problem it is fetched.
+    if (const auto id = ContentId::fromBytes(result.fields_id()); id && problem_)
+      remember(*id, finished.fields);
+    deliver(finished);
     if (finished.last_of_job) requestJobs(1);
-    const ResultKey key{result.space(), fromWire(result.target()), fromWire(result.parent())};
-    unacknowledged_.insert_or_assign(key, std::move(finished));
+    unacknowledged_.insert_or_assign(keyOf(result), std::move(finished));
   }
 }
 
 void SchedulerLink::beat() {
-  const Progress progress = mailbox_.progress();
   wire::Message message;
-  wire::Heartbeat& heartbeat = *message.mutable_heartbeat();
-  heartbeat.set_solving(progress.solving);
-  heartbeat.set_job(progress.job);
-  *heartbeat.mutable_target() = progress.target;
+  *message.mutable_heartbeat() = mailbox_.progress();
   send(message);
   last_beat_ = Clock::now();
   if (!unacknowledged_.empty() && last_beat_ - last_delivered_ > deliver_again_after)
     deliverAgain();
 }
 
-LinkEnd SchedulerLink::run() {
+ExitCode SchedulerLink::run() {
   connect();
   last_heard_ = Clock::now();
   std::optional<Clock::time_point> interrupted_at;
   for (;;) {
-    std::array<zmq::pollitem_t, 2> items = {
-        {{socket_.handle(), 0, ZMQ_POLLIN, 0},
-         {nullptr, mailbox_.wakeUpDescriptor(), ZMQ_POLLIN, 0}}};
-    try {
-      zmq::poll(items.data(), items.size(), poll_interval);
-    } catch (const zmq::error_t& error) {
-      if (error.num() != EINTR) throw failure("ZeroMQ poll: {}", error.what());
-    }
+    waitForMessages(socket_, poll_interval, mailbox_.wakeUpDescriptor());
     while (const auto incoming = receiveMessage(socket_, false)) handle(*incoming);
     deliverFinished();
     if (const auto error = mailbox_.solverError()) throw failure("the solver stopped: {}", *error);
@@ -297,21 +282,22 @@ LinkEnd SchedulerLink::run() {
     const auto now = Clock::now();
     if (interrupted() && !interrupted_at) {
       interrupted_at = now;
-      draining_ = true;
-      forgetWork();
+      drain();
     }
-    if (draining_ && unacknowledged_.empty() && !mailbox_.progress().solving) {
-      if (finished_) return LinkEnd::finished;
+    if (draining_ && unacknowledged_.empty() && !mailbox_.progress().solving()) {
+      if (finished_) return ExitCode::done;
       wire::Message message;
       message.mutable_goodbye()->set_reason(interrupted_at ? "interrupted" : "drained");
       send(message);
       // LINGER is 0; give the goodbye a moment to leave.
       socket_.set(zmq::sockopt::linger, 500);
-      return interrupted_at ? LinkEnd::interrupted : LinkEnd::finished;
+      return interrupted_at ? ExitCode::interrupted : ExitCode::done;
     }
-    if (interrupted_at && now - *interrupted_at > options_.drain) return LinkEnd::interrupted;
-    if (now - last_heard_ > options_.give_up) return LinkEnd::given_up;
-    if (now - std::max(last_heard_, last_connected_) > options_.reconnect_after) {
+    if (interrupted_at && now - *interrupted_at > options_.drain) return ExitCode::interrupted;
+    if (now - last_heard_ > options_.give_up)
+      throw failure("no word from {} for {} s: is the scheduler running, and is this its address?",
+                    options_.endpoint, options_.give_up.count());
+    if (now - std::max(last_heard_, last_connected_) > reconnect_after) {
       spdlog::warn("no word from {} for {} s; connecting anew", options_.endpoint,
                    std::chrono::duration_cast<std::chrono::seconds>(now - last_heard_).count());
       connect();

@@ -1,15 +1,9 @@
 #pragma once
 
-#include <chrono>
-#include <deque>
 #include <list>
-#include <map>
-#include <memory>
-#include <optional>
-#include <string>
 #include <tuple>
-#include <zmq.hpp>
 
+#include "common/base/error.hpp"
 #include "common/wire/wire.hpp"
 #include "worker/elements/kernel_family.hpp"
 #include "worker/link/mailbox.hpp"
@@ -17,22 +11,11 @@
 namespace palpate {
 
 struct LinkOptions {
-  std::string endpoint;
-  /// Jobs asked for in advance: the one in work and one that hides the network.
-  std::uint32_t credit = 2;
-  /// Without any word from the scheduler for this long, the socket is made anew; after `give_up`,
-  /// the worker ends.
-  std::chrono::milliseconds reconnect_after{20000};
-  std::chrono::milliseconds give_up{15 * 60 * 1000};
+  std::string endpoint;  ///< of the scheduler, as checkEndpoint() wants it
+  /// The worker ends without any word from the scheduler for this long.
+  std::chrono::duration<double> give_up;
   /// On SIGTERM: how long to wait until the target in work is done and acknowledged.
-  std::chrono::milliseconds drain{10000};
-};
-
-/// Why run() came back.
-enum class LinkEnd : std::uint8_t {
-  finished,     ///< the scheduler has no more work
-  interrupted,  ///< SIGINT or SIGTERM; what was in work was delivered or handed back
-  given_up,     ///< no word from the scheduler for LinkOptions::give_up
+  std::chrono::duration<double> drain;
 };
 
 /// A worker's side of the protocol (docs/wire.md): says hello, asks for work, fetches start
@@ -46,9 +29,10 @@ class SchedulerLink {
   SchedulerLink(zmq::context_t& context, Mailbox& mailbox, const ElementKernels& kernels,
                 LinkOptions options);
 
-  /// Serves until there is no more work. Error when the scheduler refuses this worker or the solver
-  /// thread gave up.
-  LinkEnd run();
+  /// Serves until there is no more work (done), or SIGINT or SIGTERM came and what was in work was
+  /// delivered or handed back (interrupted). Error when the scheduler refuses this worker or says
+  /// nothing for LinkOptions::give_up, or when the solver thread gave up.
+  ExitCode run();
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -64,14 +48,17 @@ class SchedulerLink {
   void handleProblem(const wire::ProblemReply& reply, const std::string& payload);
   void handleJob(const wire::Job& job);
   void handleFields(const wire::FieldsReply& reply, const std::string& payload);
+  void handleHeartbeat(const wire::HeartbeatReply& reply);
   void deliverFinished();
+  void deliver(const FinishedTarget& finished);
   void deliverAgain();
   void introduceAgain();
   void beat();
   void forgetWork();
+  void drain();
   void startReadyJobs();
   std::shared_ptr<const NodalFields> cached(const ContentId& id);
-  void remember(const ContentId& id, std::shared_ptr<const NodalFields> fields);
+  void remember(const ContentId& id, const std::string& payload);
 
   zmq::context_t& context_;
   Mailbox& mailbox_;
@@ -90,10 +77,8 @@ class SchedulerLink {
 
   std::deque<wire::Job> waiting_;  ///< jobs whose start configuration is not here yet
   std::map<ResultKey, FinishedTarget> unacknowledged_;
-
-  /// Least recently used last.
+  /// Start configurations of this problem, least recently used last.
   std::list<std::pair<ContentId, std::shared_ptr<const NodalFields>>> cache_;
-  std::size_t cache_bytes_ = 0;
 };
 
 }  // namespace palpate

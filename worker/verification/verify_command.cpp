@@ -1,14 +1,8 @@
 #include "worker/verification/verify_command.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <chrono>
-#include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
 #include "worker/verification/case.hpp"
 
@@ -26,52 +20,36 @@ struct VerifyOptions {
 
 /// The cases to run. Error when a name is part of no case's.
 std::vector<Case> chosenCases(const VerifyOptions& options) {
-  const std::vector<Case> known = verification::cases();
-  const auto matches = [](const Case& problem, const std::string& name) {
-    return std::string_view(problem.name).find(name) != std::string_view::npos;
+  std::vector<Case> chosen = verification::cases();
+  const auto has = [](const std::string& name) {
+    return [&](const Case& problem) {
+      return std::string_view(problem.name).find(name) != std::string_view::npos;
+    };
   };
+  // A misspelt name must not look like problems that are all solved.
   for (const std::string& name : options.names)
-    if (std::none_of(known.begin(), known.end(),
-                     [&](const Case& problem) { return matches(problem, name); }))
+    if (std::ranges::none_of(chosen, has(name)))
       throw badInput(
           "there is no verification problem with \"{}\" in its name; palpate verify names them all",
           name);
-  std::vector<Case> chosen;
-  for (const Case& problem : known) {
+  std::erase_if(chosen, [&](const Case& problem) {
     const bool wanted =
         options.names.empty() ||
-        std::any_of(options.names.begin(), options.names.end(),
-                    [&](const std::string& name) { return matches(problem, name); });
-    if (wanted && (options.all || !problem.takes_long)) chosen.push_back(problem);
-  }
+        std::ranges::any_of(options.names, [&](const auto& name) { return has(name)(problem); });
+    return !wanted || (problem.takes_long && !options.all);
+  });
   return chosen;
 }
 
-class TableOutput {
- public:
-  void begin() const {
-    fmt::print("{:<66} {:>14} {:>14}      {:>9} {:>9}\n", "", "computed", "reference", "deviation",
-               "tolerance");
-  }
-  void print(const Case& problem, const std::vector<Row>& rows, double seconds) {
-    fmt::print("{} ({:.1f} s)\n", problem.name, seconds);
-    for (const Row& row : rows) {
-      fmt::print("  {:<64} {:>14.8g} {:>14.8g} {:<4} {:>9.1e} {:>9.1e}  {}\n", row.name,
-                 row.computed, row.reference, row.unit, row.deviation(), row.tolerance,
-                 row.ok() ? "ok" : "NOT OK");
-      ++(row.ok() ? good_ : bad_);
-    }
-    std::fflush(stdout);
-    seconds_ += seconds;
-  }
-  void end() const { fmt::print("{} rows ok, {} not ok, {:.0f} s\n", good_, bad_, seconds_); }
+void printRowsTable(const Case& problem, const std::vector<Row>& rows, double seconds) {
+  fmt::print("{} ({:.1f} s)\n", problem.name, seconds);
+  for (const Row& row : rows)
+    fmt::print("  {:<64} {:>14.8g} {:>14.8g} {:<4} {:>9.1e} {:>9.1e}  {}\n", row.name, row.computed,
+               row.reference, row.unit, row.deviation(), row.tolerance, row.ok() ? "ok" : "NOT OK");
+  std::fflush(stdout);  // the next problem may take minutes
+}
 
- private:
-  int good_ = 0, bad_ = 0;
-  double seconds_ = 0;
-};
-
-void printJson(const Case& problem, const std::vector<Row>& rows, double seconds) {
+void printRowsJson(const Case& problem, const std::vector<Row>& rows, double seconds) {
   for (const Row& row : rows)
     fmt::print("{}\n", nlohmann::ordered_json{{"problem", problem.name},
                                               {"row", row.name},
@@ -88,23 +66,23 @@ void printJson(const Case& problem, const std::vector<Row>& rows, double seconds
 
 ExitCode verify(const VerifyOptions& options) {
   const std::vector<Case> chosen = chosenCases(options);
-  TableOutput table;
-  if (!options.json) table.begin();
-  bool all_ok = true;
+  if (!options.json)
+    fmt::print("{:<66} {:>14} {:>14}      {:>9} {:>9}\n", "", "computed", "reference", "deviation",
+               "tolerance");
+  std::ptrdiff_t good = 0, bad = 0;
+  double all_seconds = 0;
   for (const Case& problem : chosen) {
     const auto start = std::chrono::steady_clock::now();
     const std::vector<Row> rows = verification::rowsOf(problem);
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (options.json)
-      printJson(problem, rows, seconds);
-    else
-      table.print(problem, rows, seconds);
-    all_ok =
-        all_ok && std::all_of(rows.begin(), rows.end(), [](const Row& row) { return row.ok(); });
+    (options.json ? printRowsJson : printRowsTable)(problem, rows, seconds);
+    good += std::ranges::count_if(rows, &Row::ok);
+    bad += std::ranges::count(rows, false, &Row::ok);
+    all_seconds += seconds;
   }
-  if (!options.json) table.end();
-  return all_ok ? ExitCode::done : ExitCode::failed;
+  if (!options.json) fmt::print("{} rows ok, {} not ok, {:.0f} s\n", good, bad, all_seconds);
+  return bad == 0 ? ExitCode::done : ExitCode::failed;
 }
 
 std::function<ExitCode()> prepareVerify(CLI::App& app) {
