@@ -271,7 +271,7 @@ void ViewSession::saveRecording() const {
     throw failure("{}; the recording was written to {} instead", error.what(), elsewhere.string());
   }
   spdlog::info("{}: {} ticks{}", options_.record.string(), recorder_->size(),
-               recorder_->recording().complete() ? "" : ", with gaps");
+               recorder_->complete() ? "" : ", with gaps");
 }
 
 void ViewSession::finish(std::ostream& output) {
