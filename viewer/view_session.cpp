@@ -196,7 +196,7 @@ void ViewSession::look() {
     status_.trouble += (status_.trouble.empty() ? "" : "\n") + loop_->trouble();
   if (status_.trouble != said_ && !status_.trouble.empty()) spdlog::warn("{}", status_.trouble);
   said_ = status_.trouble;
-  if (loop_) status_.loop = figuresOf(loop_->statistics());
+  if (loop_) status_.loop = loop_->statistics();
   const std::optional<std::filesystem::path> replaced = loaded_->replaced();
   if (!replaced || !status_.notice.empty()) return;
   status_.notice = fmt::format(
@@ -271,7 +271,7 @@ void ViewSession::saveRecording() const {
     throw failure("{}; the recording was written to {} instead", error.what(), elsewhere.string());
   }
   spdlog::info("{}: {} ticks{}", options_.record.string(), recorder_->size(),
-               recorder_->recording().complete() ? "" : ", with gaps");
+               recorder_->complete() ? "" : ", with gaps");
 }
 
 void ViewSession::finish(std::ostream& output) {

@@ -43,16 +43,12 @@ const HapticModel& modelFor(const char* device, const DeviceContext& context) {
 Device openVirtual(const Word& word, const DeviceContext& context) {
   HandPath path =
       word.rest.empty() ? touchPath(modelFor("virtual", context)) : readHandPath(word.rest);
-  VirtualHandOptions options;
-  options.period = context.period;
-  return std::make_unique<VirtualHand>(std::move(path), options, context.profile);
+  return std::make_unique<VirtualHand>(std::move(path), context.period, context.profile);
 }
 
 Device openMouse(const Word&, const DeviceContext& context) {
   const Eigen::Vector3d start = touchPath(modelFor("mouse", context)).waypoints().front().position;
-  MouseDeviceOptions options;
-  options.period = context.period;
-  return std::make_unique<MouseDevice>(start, options, context.profile);
+  return std::make_unique<MouseDevice>(start, context.period, context.profile);
 }
 
 Device openReplay(const Word& word, const DeviceContext& context) {
@@ -60,9 +56,7 @@ Device openReplay(const Word& word, const DeviceContext& context) {
 }
 
 Device openHaply(const Word& word, const DeviceContext&) {
-  HaplyDeviceOptions options;
-  options.id = word.rest;
-  return std::make_unique<HaplyDevice>(std::move(options));
+  return std::make_unique<HaplyDevice>(HaplyDeviceOptions{.id = word.rest});
 }
 
 Device openPlugin(const Word& word, const DeviceContext& context) {
@@ -91,6 +85,7 @@ Error unknown(const std::string& text, std::string_view kind) {
   for (std::size_t i = 0; i < openers.size(); ++i) kinds[i] = openers[i].kind;
   const std::string_view near = nearestWord(kind, kinds);
   std::string hint = near.empty() ? "" : fmt::format(" (did you mean {}?)", near);
+  // Names of devices are words of profiles too: who writes one here may have meant its limits.
   if (std::ranges::find(deviceWords(), kind) != deviceWords().end())
     hint = fmt::format(" (for the limits of one: --profile {})", kind);
   return badInput("--device {}: there is no such device{}; it can be {}", text, hint, deviceHelp());
@@ -106,6 +101,7 @@ const Opener& openerOf(const std::string& text, const Word& word) {
   throw unknown(text, word.kind);
 }
 
+/// Such a word is no pair of kind and rest, although it has a colon.
 bool isEndpoint(const std::string& text) {
   return text.starts_with("tcp://") || text.starts_with("ipc://");
 }

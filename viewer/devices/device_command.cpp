@@ -5,6 +5,7 @@
 #include <chrono>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include "common/wire/wire.hpp"
 #include "viewer/devices/device_choice.hpp"
@@ -17,38 +18,30 @@ using namespace std::chrono_literals;
 
 constexpr auto look_interval = 100ms;
 
-/// Tells what changed since it last looked.
-class Watch {
- public:
-  Watch(const HapticDevice& device, const DeviceServer& server)
-      : device_(device), server_(server) {}
-
-  void look() {
-    const DeviceServer::State state = server_.state();
-    if (!state.fault.empty()) throw failure("lending the device ended: {}", state.fault);
-    if (state.held != last_.held)
-      spdlog::info(
-          "{}", state.held ? "a simulator took the device" : "the simulator gave the device back");
-    if (state.lapses > last_.lapses)
-      spdlog::warn("the forces of the simulator stayed away: zero force until they come again");
-    if (state.outdated > last_.outdated)
-      spdlog::warn("{} forces came too late and were ignored: the connection stalls",
-                   state.outdated - last_.outdated);
-    if (state.garbage > last_.garbage)
-      spdlog::warn("{} messages made no sense and were ignored", state.garbage - last_.garbage);
-    if (const std::string trouble = device_.trouble(); trouble != trouble_) {
-      trouble_ = trouble;
-      trouble.empty() ? spdlog::info("{} is ready", device_.name()) : spdlog::warn("{}", trouble);
-    }
-    last_ = state;
-  }
-
- private:
-  const HapticDevice& device_;
-  const DeviceServer& server_;
-  DeviceServer::State last_;
-  std::string trouble_;
+/// What of a lent device was told last.
+struct Told {
+  DeviceServer::State state;
+  std::string trouble;
 };
+
+/// Tells what changed since it last looked.
+void look(const HapticDevice& device, const DeviceServer& server, Told& told) {
+  const DeviceServer::State state = server.state(), last = std::exchange(told.state, state);
+  if (!state.fault.empty()) throw failure("lending the device ended: {}", state.fault);
+  if (state.held != last.held)
+    spdlog::info("{}",
+                 state.held ? "a simulator took the device" : "the simulator gave the device back");
+  if (state.lapses > last.lapses)
+    spdlog::warn("the forces of the simulator stayed away: zero force until they come again");
+  if (state.outdated > last.outdated)
+    spdlog::warn("{} forces came too late and were ignored: the connection stalls",
+                 state.outdated - last.outdated);
+  if (state.garbage > last.garbage)
+    spdlog::warn("{} messages made no sense and were ignored", state.garbage - last.garbage);
+  const std::string trouble = device.trouble();
+  if (trouble == std::exchange(told.trouble, trouble)) return;
+  trouble.empty() ? spdlog::info("{} is ready", device.name()) : spdlog::warn("{}", trouble);
+}
 
 }  // namespace
 
@@ -60,17 +53,15 @@ ExitCode serveDevice(const DeviceCommandOptions& options) {
         "since there are no keys yet: listen on 127.0.0.1 and use a tunnel, "
         "or say --insecure on a network you trust",
         options.endpoint);
+  // Before the device is opened: Ctrl-C must not end us with a force on.
   catchInterrupts();
   DeviceContext context;
   context.period = 1 / options.rate;
   const auto device = openDevice(options.device, context);
-  const DeviceServer server(*device, {options.endpoint, options.rate});
+  const DeviceServer server(*device, options.endpoint, options.rate);
   spdlog::info("{} can be had at {}; Ctrl-C ends", device->name(), server.endpoint());
-  Watch watch(*device, server);
-  while (!interrupted()) {
-    watch.look();
-    std::this_thread::sleep_for(look_interval);
-  }
+  for (Told told; !interrupted(); std::this_thread::sleep_for(look_interval))
+    look(*device, server, told);
   return ExitCode::interrupted;
 }
 

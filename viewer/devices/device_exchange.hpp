@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <memory>
 #include <mutex>
 #include <string>
 
@@ -49,6 +50,20 @@ class DeviceExchange {
   std::atomic<bool> halted_ = false;
   mutable std::mutex mutex_;  ///< of trouble_; never taken by the haptic thread
   std::string trouble_;
+};
+
+/// A device that a thread of its own speaks with, through an exchange.
+class ThreadedDevice : public HapticDevice {
+ public:
+  DeviceReading read() noexcept override { return exchange_->read(); }
+  void write(const Eigen::Vector3d& force) noexcept override { exchange_->write(force); }
+  void halt() noexcept override { exchange_->halt(); }
+  void resume() noexcept override { exchange_->resume(); }
+  std::string trouble() const override { return exchange_->trouble(); }
+
+ protected:
+  /// Shared with the thread, which outlives this object where it hangs.
+  const std::shared_ptr<DeviceExchange> exchange_ = std::make_shared<DeviceExchange>();
 };
 
 }  // namespace palpate

@@ -1,7 +1,6 @@
 #include "viewer/devices/device_server.hpp"
 
-#include <cmath>
-
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/wire/wire.hpp"
 
@@ -17,16 +16,15 @@ constexpr std::size_t longest_trouble = 500;
 
 }  // namespace
 
-DeviceServer::DeviceServer(HapticDevice& device, const DeviceServerOptions& options)
+DeviceServer::DeviceServer(HapticDevice& device, const std::string& endpoint, double rate)
     : device_(device),
       profile_(device.profile()),
       context_(1),
       socket_(makeDeviceRouter(context_)) {
-  if (!(options.rate >= 1) || !(options.rate <= 1e5))
-    throw badInput("a device cannot be read {} times a second; give a rate from 1 to 100000",
-                   options.rate);
-  endpoint_ = bindRouter(socket_, options.endpoint);
-  thread_ = std::thread(&DeviceServer::run, this, options.rate);
+  if (!(rate >= 1) || !(rate <= 1e5))
+    throw badInput("a device cannot be read {} times a second; give a rate from 1 to 100000", rate);
+  endpoint_ = bindRouter(socket_, endpoint);
+  thread_ = std::thread(&DeviceServer::run, this, rate);
 }
 
 DeviceServer::~DeviceServer() {
@@ -52,17 +50,18 @@ void DeviceServer::run(double rate) {
     const std::lock_guard lock(mutex_);
     state_.fault = error.what();
   }
+  // Whatever ended the loop, the device does not keep its last force.
   device_.write(Eigen::Vector3d::Zero());
 }
 
 void DeviceServer::turn() {
+  // All of them: of several forces that wait the newest is the one to hold.
   while (const auto incoming = receiveDeviceMessage(socket_, true)) handle(*incoming);
   const auto now = Clock::now();
   if (!holder_.empty() && now - last_heard_ > holder_silence) release();
   if (pushing_ && now > valid_until_) {
     pushing_ = false;
-    const std::lock_guard lock(mutex_);
-    ++state_.lapses;
+    count(&State::lapses);
   }
   const DeviceReading reading = device_.read();
   device_.write(pushing_ ? force_ : Eigen::Vector3d::Zero().eval());
@@ -86,10 +85,8 @@ void DeviceServer::handle(const IncomingDeviceMessage& incoming) {
     case wire::DeviceMessage::kFarewell:
       if (of_holder) release();
       return;
-    default: {
-      const std::lock_guard lock(mutex_);
-      ++state_.garbage;
-    }
+    default:
+      count(&State::garbage);
   }
 }
 
@@ -102,6 +99,7 @@ void DeviceServer::greet(const std::string& peer, const wire::DeviceGreeting& gr
   } else if (!holder_.empty() && holder_ != peer) {
     answer.mutable_refused()->set_reason("another simulator holds the device");
   } else {
+    // Also of the holder itself: a client that greets again has forgotten what it sent.
     release();
     wire::DeviceHello& hello = *answer.mutable_hello();
     hello.set_protocol(device_protocol);
@@ -125,23 +123,16 @@ void DeviceServer::follow(const wire::DeviceForce& message) {
   const Eigen::Vector3d force = vectorOf(message);
   const std::chrono::duration<double> validity(message.valid_for_s());
   const bool valid = force.allFinite() && validity > 0s && validity <= longest_validity;
-  const std::lock_guard lock(mutex_);
-  if (!valid) {
-    ++state_.garbage;
-    return;
-  }
+  if (!valid) return count(&State::garbage);
   // The client counts on after a greeting of its own was repeated.
   if (message.sequence() <= last_force_) return;
   last_force_ = message.sequence();
   const auto answered = sentAt(message.reading());
-  if (!answered || Clock::now() - *answered > validity) {
-    ++state_.outdated;
-    return;
-  }
+  if (!answered || Clock::now() - *answered > validity) return count(&State::outdated);
   force_ = shortened(force, profile_.max_force);
   pushing_ = true;
   valid_until_ = *answered + std::chrono::duration_cast<Clock::duration>(validity);
-  ++state_.forces;
+  count(&State::forces);
 }
 
 void DeviceServer::release() {
@@ -152,6 +143,7 @@ void DeviceServer::release() {
 }
 
 void DeviceServer::sendReading(const DeviceReading& reading) {
+  PALPATE_ASSERT(!holder_.empty(), "readings go to the client that holds the device");
   wire::DeviceMessage message;
   wire::DeviceReading& content = *message.mutable_reading();
   content.set_sequence(++sequence_);
@@ -162,13 +154,17 @@ void DeviceServer::sendReading(const DeviceReading& reading) {
   content.set_buttons(reading.buttons);
   content.set_lost(reading.status == DeviceStatus::lost);
   content.set_trouble(trouble_);
-  if (!sendDeviceMessage(socket_, holder_, message))
-    return;  // the client does not read: it will miss it
+  // A client that does not read misses it.
+  if (sendDeviceMessage(socket_, holder_, message)) count(&State::readings);
+}
+
+void DeviceServer::count(std::uint64_t State::*number) {
   const std::lock_guard lock(mutex_);
-  ++state_.readings;
+  ++(state_.*number);
 }
 
 std::optional<DeviceServer::Clock::time_point> DeviceServer::sentAt(std::uint64_t reading) const {
+  PALPATE_ASSERT(sent_.size() <= sequence_, "readings are numbered as they are sent");
   if (reading > sequence_ || sequence_ - reading >= sent_.size()) return std::nullopt;
   return sent_[sent_.size() - 1 - static_cast<std::size_t>(sequence_ - reading)];
 }

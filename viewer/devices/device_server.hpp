@@ -15,11 +15,6 @@
 
 namespace palpate {
 
-struct DeviceServerOptions {
-  std::string endpoint = default_device_endpoint;  ///< port * : the system chooses
-  double rate = 1000;                              ///< Hz, at which the device is read
-};
-
 /// Lends a device to one simulator on another machine (NetworkDevice).
 ///
 /// A thread of its own reads the device at `rate`, sends every reading to the client that holds it
@@ -40,15 +35,15 @@ class DeviceServer {
     std::string fault;           ///< why the thread ended, if it did
   };
 
-  /// The device must outlive this object and be used by nobody else. Error when it cannot listen
-  /// there, and (bad input) for options that make no sense.
-  DeviceServer(HapticDevice& device, const DeviceServerOptions& options);
+  /// The device must outlive this object and be used by nobody else. endpoint: port * lets the
+  /// system choose. rate: Hz, at which the device is read, 1 to 100000. Error when it cannot listen
+  /// there, and (bad input) for another rate.
+  DeviceServer(HapticDevice& device, const std::string& endpoint, double rate = 1000);
   /// Zero force is written last.
   ~DeviceServer();
 
-  const std::string& endpoint() const {
-    return endpoint_;
-  }  ///< with the port that the system chose
+  /// With the port that the system chose.
+  const std::string& endpoint() const { return endpoint_; }
   State state() const;
 
  private:
@@ -62,6 +57,7 @@ class DeviceServer {
   void follow(const wire::DeviceForce& force);
   void release();
   void sendReading(const DeviceReading& reading);
+  void count(std::uint64_t State::*number);
   /// When that reading was sent; nothing when it was never sent, or longer ago than any force is
   /// valid.
   std::optional<Clock::time_point> sentAt(std::uint64_t reading) const;
@@ -77,8 +73,8 @@ class DeviceServer {
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
   bool pushing_ = false;  ///< force_ is in date
   std::uint64_t last_force_ = 0, sequence_ = 0;
-  std::deque<Clock::time_point>
-      sent_;  ///< when the last readings were, the last of them number sequence_
+  /// When the last readings were, the last of them number sequence_.
+  std::deque<Clock::time_point> sent_;
   std::string trouble_;
 
   mutable std::mutex mutex_;

@@ -1,7 +1,11 @@
 #include "viewer/devices/device_wire.hpp"
 
 #include <cmath>
+#include <iterator>
+#include <vector>
+#include <zmq_addon.hpp>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/wire/wire.hpp"
 
@@ -31,11 +35,6 @@ auto repeatWhenInterrupted(Call call) {
   }
 }
 
-bool receiveFrame(zmq::socket_t& socket, zmq::message_t& frame) {
-  return repeatWhenInterrupted(
-      [&] { return socket.recv(frame, zmq::recv_flags::dontwait).has_value(); });
-}
-
 }  // namespace
 
 zmq::socket_t makeDeviceRouter(zmq::context_t& context) {
@@ -55,14 +54,12 @@ zmq::socket_t makeDeviceDealer(zmq::context_t& context) {
 bool sendDeviceMessage(zmq::socket_t& socket, std::string_view peer,
                        const wire::DeviceMessage& message) {
   const std::string bytes = message.SerializeAsString();
+  std::vector<zmq::const_buffer> frames;
+  if (!peer.empty()) frames.push_back(zmq::buffer(peer));
+  frames.push_back(zmq::buffer(bytes));
   try {
-    return repeatWhenInterrupted([&] {
-      if (!peer.empty() && !socket.send(zmq::const_buffer(peer.data(), peer.size()),
-                                        zmq::send_flags::dontwait | zmq::send_flags::sndmore))
-        return false;
-      return socket.send(zmq::const_buffer(bytes.data(), bytes.size()), zmq::send_flags::dontwait)
-          .has_value();
-    });
+    return repeatWhenInterrupted(
+        [&] { return zmq::send_multipart(socket, frames, zmq::send_flags::dontwait).has_value(); });
   } catch (const zmq::error_t& error) {
     if (error.num() == EHOSTUNREACH) return false;
     throw failure("ZeroMQ send: {}", error.what());
@@ -70,27 +67,23 @@ bool sendDeviceMessage(zmq::socket_t& socket, std::string_view peer,
 }
 
 std::optional<IncomingDeviceMessage> receiveDeviceMessage(zmq::socket_t& socket, bool router) {
-  IncomingDeviceMessage incoming;
-  bool intact = true;
-  int bodies = 0;
-  zmq::message_t frame;
+  std::vector<zmq::message_t> frames;
   try {
-    bool more = true;
-    for (int number = router ? 0 : 1; more; ++number) {
-      if (!receiveFrame(socket, frame)) return std::nullopt;
-      more = frame.more();
-      if (number == 0) {
-        incoming.peer = frame.to_string();
-        continue;
-      }
-      ++bodies;
-      intact =
-          intact && incoming.message.ParseFromArray(frame.data(), static_cast<int>(frame.size()));
-    }
+    const auto received = repeatWhenInterrupted([&] {
+      return zmq::recv_multipart(socket, std::back_inserter(frames), zmq::recv_flags::dontwait);
+    });
+    if (!received) return std::nullopt;
   } catch (const zmq::error_t& error) {
     throw failure("ZeroMQ receive: {}", error.what());
   }
-  if (!intact || bodies != 1) incoming.message.Clear();
+  PALPATE_ASSERT(!frames.empty(), "what was received has a frame");
+  IncomingDeviceMessage incoming;
+  if (router) incoming.peer = frames.front().to_string();
+  const zmq::message_t& body = frames.back();
+  const std::size_t expected = router ? 2 : 1;
+  if (frames.size() != expected ||
+      !incoming.message.ParseFromArray(body.data(), static_cast<int>(body.size())))
+    incoming.message.Clear();
   return incoming;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/text_file.hpp"
 #include "common/base/text_lines.hpp"
@@ -18,6 +19,7 @@ double slopeBetween(double before, double after, double step_before, double step
 }
 
 std::vector<Eigen::Vector3d> velocitiesIn(const std::vector<HandWaypoint>& waypoints) {
+  PALPATE_ASSERT(!waypoints.empty(), "a path without waypoints is refused before");
   std::vector<Eigen::Vector3d> velocities(waypoints.size(), Eigen::Vector3d::Zero());
   for (std::size_t i = 1; i + 1 < waypoints.size(); ++i) {
     const double before = waypoints[i].time - waypoints[i - 1].time;
@@ -56,10 +58,8 @@ void check(const std::vector<HandWaypoint>& waypoints, HandPath::AtEnd at_end,
 
 /// Comments become blanks, so that numbers of lines stay.
 std::string withoutComments(std::string text) {
-  bool comment = false;
-  for (char& c : text) {
-    if (c == '\n') comment = false;
-    if (c == '#') comment = true;
+  for (bool comment = false; char& c : text) {
+    comment = c == '#' || (comment && c != '\n');
     if (comment) c = ' ';
   }
   return text;
@@ -89,6 +89,7 @@ HandTarget HandPath::at(double time) const noexcept {
   const auto resting = [](const HandWaypoint& waypoint) {
     return HandTarget{waypoint.position, Eigen::Vector3d::Zero(), waypoint.buttons};
   };
+  // The end is the beginning, so a whole number of rounds makes no difference.
   if (repeats() && time > beginning())
     time = beginning() + std::fmod(time - beginning(), duration());
   if (!(time > beginning())) return resting(waypoints_.front());
@@ -120,6 +121,7 @@ HandPath readHandPath(const std::filesystem::path& file) {
       continue;
     }
     const HandWaypoint waypoint = takeWaypoint(lines);
+    // HandPath refuses this too, but knows no line.
     if (!waypoints.empty() && waypoint.time <= waypoints.back().time)
       throw lines.wrong("times must ascend: {} s follows {} s", waypoint.time,
                         waypoints.back().time);

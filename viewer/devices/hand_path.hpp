@@ -57,18 +57,9 @@ class HandPath {
 /// the word "repeat" on the last line makes it go on forever. Error (bad input) with file and line.
 HandPath readHandPath(const std::filesystem::path& file);
 
-/// How touchPath() explores a body.
-struct TouchPathOptions {
-  double clearance = 0.025;    ///< m outside of the surface, where it comes from and goes back to
-  double depth = 0.35;         ///< of the workspace radius, pressed
-  double largest_force = 1.5;  ///< N: it presses less deep where the force would be larger
-  double slide = 0.12;  ///< of the workspace radius, of the circle that it slides in while pressing
-  double speed = 0.15;  ///< m/s on the way from one active node to the next
-};
-
 /// The script of a hand that explores a body: for one active node after the other it approaches
 /// along the outward normal, presses, slides in a circle, comes back and goes on outside of the
 /// body, and all of it again, forever. A function of the model alone.
-HandPath touchPath(const HapticModel& model, const TouchPathOptions& options = {});
+HandPath touchPath(const HapticModel& model);
 
 }  // namespace palpate

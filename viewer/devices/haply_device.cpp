@@ -50,21 +50,13 @@ class Connection {
   }
   beast::error_code read(std::string& text, const std::string& farewell, Clock::duration limit) {
     buffer_.clear();
-    const auto error = await(
-        [&](auto done) {
-          socket_.async_read(buffer_, [done](beast::error_code code, std::size_t) { done(code); });
-        },
-        limit, farewell);
+    const auto error =
+        await([&](auto done) { socket_.async_read(buffer_, done); }, limit, farewell);
     text = beast::buffers_to_string(buffer_.data());
     return error;
   }
   beast::error_code write(const std::string& text) {
-    return await(
-        [&](auto done) {
-          socket_.async_write(asio::buffer(text),
-                              [done](beast::error_code code, std::size_t) { done(code); });
-        },
-        answer_limit);
+    return await([&](auto done) { socket_.async_write(asio::buffer(text), done); }, answer_limit);
   }
   void close() {
     await([&](auto done) { socket_.async_close(beast::websocket::close_code::normal, done); },
@@ -79,7 +71,7 @@ class Connection {
   beast::error_code await(Start start, Clock::duration limit, const std::string& farewell = {}) {
     beast::error_code result = asio::error::timed_out;
     bool done = false;
-    start([&](beast::error_code code) {
+    start([&](beast::error_code code, auto...) {
       result = code;
       done = true;
     });
@@ -122,7 +114,7 @@ HaplyDevice::HaplyDevice(HaplyDeviceOptions options) : options_(std::move(option
   if (error)
     throw badInput("\"{}\" is no address of a Haply Inverse Service: write a number like 127.0.0.1",
                    options_.address);
-  exchange_.setTrouble(fmt::format("connecting to ws://{}:{}", options_.address, options_.port));
+  exchange_->setTrouble(fmt::format("connecting to ws://{}:{}", options_.address, options_.port));
   thread_ = std::thread(&HaplyDevice::run, this);
 }
 
@@ -140,7 +132,7 @@ void HaplyDevice::run() {
     try {
       serve();
     } catch (const std::exception& error) {
-      exchange_.setTrouble(
+      exchange_->setTrouble(
           fmt::format("ws://{}:{}: {}", options_.address, options_.port, error.what()));
     }
     const auto retry = Clock::now() + retry_interval;
@@ -153,15 +145,15 @@ void HaplyDevice::serve() {
   Connection connection(stopping_);
   if (const auto error =
           connection.open({asio::ip::make_address(options_.address), options_.port})) {
-    exchange_.setTrouble(fmt::format("no Haply Inverse Service at {} ({}): {}", place,
-                                     error.message(), how_to_start));
+    exchange_->setTrouble(fmt::format("no Haply Inverse Service at {} ({}): {}", place,
+                                      error.message(), how_to_start));
     return;
   }
   const Eigen::Vector3d center(options_.center[0], options_.center[1], options_.center[2]);
   const auto sayGone = [&](const beast::error_code& error) {
     if (stopping_) return;
-    exchange_.setTrouble(fmt::format("the Haply Inverse Service at {} went away ({}): {}", place,
-                                     error.message(), how_to_start));
+    exchange_->setTrouble(fmt::format("the Haply Inverse Service at {} went away ({}): {}", place,
+                                      error.message(), how_to_start));
   };
   std::string id = options_.id, text, told = "not told yet";
   std::uint64_t malformed = 0;
@@ -173,8 +165,8 @@ void HaplyDevice::serve() {
     HaplyState state = readHaplyState(text, id);
     if (state.kind == HaplyState::Kind::no_device) {
       state.reading.status = DeviceStatus::lost;
-      exchange_.deliver(state.reading);
-      exchange_.setTrouble(
+      exchange_->deliver(state.reading);
+      exchange_->setTrouble(
           fmt::format("the Haply Inverse Service at {} has no Inverse3{}: plug it in{}", place,
                       id.empty() ? "" : " " + id,
                       state.id.empty() ? "" : ", or choose one of those it has: " + state.id));
@@ -184,17 +176,17 @@ void HaplyDevice::serve() {
     if (state.kind == HaplyState::Kind::reading) {
       id = state.id;
       state.reading.position -= center;
-      exchange_.deliver(state.reading);
+      exchange_->deliver(state.reading);
     }
     std::string trouble = state.trouble;
     if (malformed > 0)
       trouble += fmt::format("{}{} messages of {} made no sense and were ignored",
                              trouble.empty() ? "" : "; ", malformed, place);
-    if (trouble != told) exchange_.setTrouble(told = trouble);
+    if (trouble != told) exchange_->setTrouble(told = trouble);
     // The service answers each of our messages, so this paces both.
     next = std::max(next + period, Clock::now());
     std::this_thread::sleep_until(next);
-    if (const auto error = connection.write(haplyForceMessage(id, exchange_.force())))
+    if (const auto error = connection.write(haplyForceMessage(id, exchange_->force())))
       return sayGone(error);
   }
   letGo(connection, id);

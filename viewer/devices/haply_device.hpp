@@ -2,15 +2,12 @@
 
 #include <array>
 #include <atomic>
-#include <chrono>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <thread>
 
 #include "viewer/devices/device_exchange.hpp"
-#include "viewer/haptics/haptic_device.hpp"
 
 namespace palpate {
 
@@ -41,27 +38,21 @@ struct HaplyDeviceOptions {
 ///
 /// Lost when nothing came for 50 ms, or the service does not list the device any more; connects
 /// again by itself.
-class HaplyDevice : public HapticDevice {
+class HaplyDevice : public ThreadedDevice {
  public:
   /// Does not wait for the service. Error (bad input) when the address is no number.
   explicit HaplyDevice(HaplyDeviceOptions options);
   ~HaplyDevice() override;
 
-  DeviceReading read() noexcept override { return exchange_.read(); }
-  void write(const Eigen::Vector3d& force) noexcept override { exchange_.write(force); }
-  void halt() noexcept override { exchange_.halt(); }
-  void resume() noexcept override { exchange_.resume(); }
   DeviceProfile profile() const override { return inverse3_profile; }
   bool hasButtons() const override { return true; }
   std::string name() const override;
-  std::string trouble() const override { return exchange_.trouble(); }
 
  private:
   void run();
   void serve();
 
   const HaplyDeviceOptions options_;
-  DeviceExchange exchange_;
   std::atomic<bool> stopping_ = false;
   std::thread thread_;
 };

@@ -70,6 +70,7 @@ HaplyState readHaplyState(std::string_view text, const std::string& id) {
     state.id = name;
     Eigen::Vector3d position;
     if (!readVector(member(member(device, "state"), "cursor_position"), position)) {
+      // The device is there: this is no reason to call the service anew.
       state.kind = HaplyState::Kind::malformed;
       return state;
     }

@@ -2,19 +2,24 @@
 
 #include <cmath>
 
-#include "common/base/error.hpp"
+#include "common/base/assertion.hpp"
 
 namespace palpate {
+namespace {
 
-MouseDevice::MouseDevice(const Eigen::Vector3d& start, const MouseDeviceOptions& options,
-                         const DeviceProfile& profile)
-    : targets_(start), profile_(profile), period_(options.period), position_(start) {
-  if (!(options.period > 0) || !(options.time_constant > 0) || !std::isfinite(options.period) ||
-      !std::isfinite(options.time_constant) || !start.allFinite())
-    throw badInput("mouse: period and time constant must be positive; they are {} s and {} s",
-                   options.period, options.time_constant);
-  rate_ = 1 / options.time_constant;
-  decay_ = std::exp(-rate_ * period_);
+/// 1/s: about one event of a 60 Hz mouse, so that steps become one motion.
+constexpr double spring_rate = 1 / 0.015;
+
+}  // namespace
+
+MouseDevice::MouseDevice(const Eigen::Vector3d& start, double period, const DeviceProfile& profile)
+    : targets_(start),
+      profile_(profile),
+      period_(period),
+      decay_(std::exp(-spring_rate * period)),
+      position_(start) {
+  PALPATE_ASSERT(period > 0 && std::isfinite(period), "the rate of a loop is checked before");
+  PALPATE_ASSERT(start.allFinite(), "the tool begins beside the body");
 }
 
 void MouseDevice::moveTo(const Eigen::Vector3d& position) noexcept {
@@ -25,9 +30,9 @@ DeviceReading MouseDevice::read() noexcept {
   const Eigen::Vector3d& target = targets_.read();
   // The exact solution of e'' + 2 r e' + r^2 e = 0 after one period, e = position - target.
   const Eigen::Vector3d away = position_ - target;
-  const Eigen::Vector3d drift = velocity_ + rate_ * away;
+  const Eigen::Vector3d drift = velocity_ + spring_rate * away;
   position_ = target + decay_ * (away + period_ * drift);
-  velocity_ = decay_ * (velocity_ - rate_ * period_ * drift);
+  velocity_ = decay_ * (velocity_ - spring_rate * period_ * drift);
   return {position_, 0, DeviceStatus::fresh};
 }
 

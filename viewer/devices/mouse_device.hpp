@@ -5,22 +5,15 @@
 
 namespace palpate {
 
-struct MouseDeviceOptions {
-  double period = 1e-3;  ///< s, that passes with every read()
-  /// s: about one event of a 60 Hz mouse, so that steps become one motion
-  double time_constant = 0.015;
-};
-
 /// The mouse, as the picture turns it into a place in the scene. The tool follows that
 /// place like a critically damped spring, so that events at 60 Hz become a motion at the rate of
 /// the ticks: position and velocity are continuous, and it does not overshoot when the place stands
 /// still. It feels no force. Lives in the scene.
 class MouseDevice : public HapticDevice {
  public:
-  /// start: m, scene frame, where the tool is before the first event. Error (bad input) for options
-  /// that are not positive.
-  MouseDevice(const Eigen::Vector3d& start, const MouseDeviceOptions& options,
-              const DeviceProfile& profile);
+  /// start: m, scene frame, where the tool is before the first event. period: s, that passes with
+  /// every read().
+  MouseDevice(const Eigen::Vector3d& start, double period, const DeviceProfile& profile);
 
   void moveTo(const Eigen::Vector3d& position) noexcept override;
   DeviceReading read() noexcept override;
@@ -34,7 +27,7 @@ class MouseDevice : public HapticDevice {
  private:
   TripleBuffer<Eigen::Vector3d> targets_;  ///< m
   DeviceProfile profile_;
-  double period_, rate_, decay_;  ///< s; 1/s; of the distance in a period at most
+  double period_, decay_;  ///< s; of the distance in a period at most
   Eigen::Vector3d position_, velocity_ = Eigen::Vector3d::Zero();
 };
 

@@ -1,5 +1,6 @@
 #include "viewer/devices/network_device.hpp"
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/program.hpp"
 #include "common/wire/wire.hpp"
@@ -35,9 +36,11 @@ NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
   thread_ = std::thread(&NetworkDevice::run, this);
   std::unique_lock lock(mutex_);
   answered_.wait_for(lock, options_.wait, [&] { return has_hello_; });
+  // What was told until now holds: the loop is made for these limits and this frame.
   settled_ = true;
   if (!has_hello_) return;
-  profile_ = profileOf(hello_).value_or(options_.fallback);
+  PALPATE_ASSERT(profileOf(hello_), "a device without limits is not accepted");
+  profile_ = *profileOf(hello_);
   lives_in_scene_ = hello_.lives_in_scene();
   has_buttons_ = hello_.has_buttons();
 }
@@ -57,7 +60,7 @@ void NetworkDevice::run() {
     while (!stopping_) turn();
     sayFarewell();
   } catch (const std::exception& error) {
-    exchange_.setTrouble(
+    exchange_->setTrouble(
         fmt::format("{}: {}; the device is not used any more", options_.endpoint, error.what()));
   }
 }
@@ -94,14 +97,15 @@ void NetworkDevice::handle(const wire::DeviceMessage& message) {
     case wire::DeviceMessage::kReading: {
       if (!greeted_) return;  // its limits are not known
       const wire::DeviceReading& reading = message.reading();
+      // Readings that were sent again or overtaken: the hand has moved on.
       if (reading.sequence() <= last_reading_) return;
       last_reading_ = reading.sequence();
       last_heard_ = Clock::now();
       connected_ = true;
       connection_trouble_.clear();
       device_trouble_ = reading.trouble();
-      exchange_.deliver({vectorOf(reading), reading.buttons(),
-                         reading.lost() ? DeviceStatus::lost : DeviceStatus::fresh});
+      exchange_->deliver({vectorOf(reading), reading.buttons(),
+                          reading.lost() ? DeviceStatus::lost : DeviceStatus::fresh});
       return;
     }
     default:
@@ -134,6 +138,7 @@ void NetworkDevice::accept(const wire::DeviceHello& hello) {
     }
     hello_ = hello;
     has_hello_ = true;
+    // Never more than the loop was told, nor than this device can.
     max_force_ = settled_ ? std::min(profile_.max_force, profile->max_force) : profile->max_force;
   }
   answered_.notify_all();
@@ -155,7 +160,7 @@ void NetworkDevice::sendForce() {
   wire::DeviceMessage message;
   wire::DeviceForce& force = *message.mutable_force();
   force.set_sequence(++forces_);
-  setVector(force, shortened(exchange_.force(), max_force_));
+  setVector(force, shortened(exchange_->force(), max_force_));
   force.set_reading(last_reading_);
   force.set_valid_for_s(std::chrono::duration<double>(options_.valid).count());
   // Dropped when the queue is full: the next one is a millisecond away.
@@ -177,7 +182,7 @@ void NetworkDevice::tellTrouble() {
                             sentence.empty() ? "" : "; ", garbage_, options_.endpoint);
   if (sentence == told_) return;
   told_ = sentence;
-  exchange_.setTrouble(sentence);
+  exchange_->setTrouble(sentence);
 }
 
 }  // namespace palpate

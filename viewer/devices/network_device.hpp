@@ -10,7 +10,6 @@
 
 #include "viewer/devices/device_exchange.hpp"
 #include "viewer/devices/device_wire.hpp"
-#include "viewer/haptics/haptic_device.hpp"
 
 namespace palpate {
 
@@ -29,7 +28,7 @@ struct NetworkDeviceOptions {
 ///
 /// Lost when nothing came for 50 ms; it connects again by itself, and goes on. The far side lets go
 /// by itself when our forces stay away. NaN in a reading is passed on: the force guard judges it.
-class NetworkDevice : public HapticDevice {
+class NetworkDevice : public ThreadedDevice {
  public:
   /// Waits up to options.wait for the device to say its limits; goes on without, and says so in
   /// trouble(). What profile() and livesInScene() said first holds: a device that comes later with
@@ -38,15 +37,10 @@ class NetworkDevice : public HapticDevice {
   explicit NetworkDevice(NetworkDeviceOptions options);
   ~NetworkDevice() override;
 
-  DeviceReading read() noexcept override { return exchange_.read(); }
-  void write(const Eigen::Vector3d& force) noexcept override { exchange_.write(force); }
-  void halt() noexcept override { exchange_.halt(); }
-  void resume() noexcept override { exchange_.resume(); }
   DeviceProfile profile() const override { return profile_; }
   bool livesInScene() const override { return lives_in_scene_; }
   bool hasButtons() const override { return has_buttons_; }
   std::string name() const override;
-  std::string trouble() const override { return exchange_.trouble(); }
 
  private:
   using Clock = DeviceExchange::Clock;
@@ -62,7 +56,6 @@ class NetworkDevice : public HapticDevice {
   void tellTrouble();
 
   const NetworkDeviceOptions options_;
-  DeviceExchange exchange_;
 
   // Constant after construction.
   DeviceProfile profile_;

@@ -8,10 +8,8 @@
 #include <cmath>
 #include <condition_variable>
 #include <mutex>
-#include <thread>
 
 #include "common/base/error.hpp"
-#include "viewer/devices/device_exchange.hpp"
 #include "viewer/devices/palpate_device.h"
 
 namespace palpate {
@@ -41,7 +39,6 @@ class Plugin {
     table_ = reinterpret_cast<palpate_device_plugin_function>(symbol)();
     check(file.string());
   }
-  const palpate_device_plugin& operator*() const { return *table_; }
   const palpate_device_plugin* operator->() const { return table_; }
 
  private:
@@ -98,26 +95,18 @@ std::string idsOf(const Plugin& plugin) {
 /// An open device with its thread.
 class PluginDevice::Session {
  public:
-  explicit Session(const PluginDeviceOptions& options)
-      : file(options.library.string()), plugin_(options.library) {
+  Session(const PluginDeviceOptions& options, std::shared_ptr<DeviceExchange> exchange)
+      : file(options.library.string()), exchange_(std::move(exchange)), plugin_(options.library) {
     std::array<char, 512> reason{};
-    device_ =
-        plugin_->open(options.id.c_str(), options.options.c_str(), reason.data(), reason.size());
-    if (device_ == nullptr)
+    device_.reset(
+        plugin_->open(options.id.c_str(), options.options.c_str(), reason.data(), reason.size()));
+    if (!device_)
       throw failure("device plug-in {} cannot open {}: {}; devices that it finds: {}", file,
                     options.id.empty() ? "its first device" : "device \"" + options.id + "\"",
                     sentenceOf(reason.data()), idsOf(plugin_));
-    try {
-      takeLimits();
-      name = options.id.empty() ? plugin_->name : std::string(plugin_->name) + " " + options.id;
-    } catch (...) {
-      plugin_->close(device_);
-      throw;
-    }
+    takeLimits();
+    name = options.id.empty() ? plugin_->name : std::string(plugin_->name) + " " + options.id;
   }
-  ~Session() { plugin_->close(device_); }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
 
   /// The thread of the device, until stop().
   void run(Clock::duration period) {
@@ -127,7 +116,7 @@ class PluginDevice::Session {
       std::this_thread::sleep_until(next);
     }
     constexpr std::array<double, 3> zero{};
-    plugin_->write(device_, zero.data());
+    plugin_->write(device_.get(), zero.data());
     const std::lock_guard lock(mutex_);
     ended_ = true;
     changed_.notify_all();
@@ -139,12 +128,12 @@ class PluginDevice::Session {
     return changed_.wait_for(lock, end_limit, [&] { return ended_; });
   }
   void halt() noexcept {
-    exchange.halt();
+    // The exchange first: what the thread writes from now on is zero, should it not hang after all.
+    exchange_->halt();
     plugin_halted_ = true;
-    plugin_->halt(device_, 1);
+    plugin_->halt(device_.get(), 1);
   }
 
-  DeviceExchange exchange;
   std::string file, name;
   DeviceProfile profile;
   bool lives_in_scene = false, has_buttons = false;
@@ -153,9 +142,9 @@ class PluginDevice::Session {
   void takeLimits() {
     palpate_device_limits limits{};
     limits.size = sizeof limits;
-    if (plugin_->limits(device_, &limits) != PALPATE_DEVICE_OK)
+    if (plugin_->limits(device_.get(), &limits) != PALPATE_DEVICE_OK)
       throw failure("device plug-in {} does not tell the limits of the device: {}", file,
-                    sentenceOf(plugin_->last_error(device_)));
+                    sentenceOf(plugin_->last_error(device_.get())));
     for (const double limit : {limits.max_force, limits.max_stiffness, limits.workspace_radius})
       if (!std::isfinite(limit) || limit <= 0)
         throw failure("device plug-in {}: limits must be positive; they are {} N, {} N/m and {} m",
@@ -168,35 +157,36 @@ class PluginDevice::Session {
   void turn() {
     palpate_device_state state{};
     state.size = sizeof state;
-    const std::int32_t read = plugin_->read(device_, &state);
+    const std::int32_t read = plugin_->read(device_.get(), &state);
     if (read == PALPATE_DEVICE_OK)
-      exchange.deliver(
+      exchange_->deliver(
           {Eigen::Map<const Eigen::Vector3d>(state.position), state.buttons, DeviceStatus::fresh});
     else if (read == PALPATE_DEVICE_LOST)
-      exchange.deliver({Eigen::Vector3d::Zero(), 0, DeviceStatus::lost});
-    const Eigen::Vector3d force = exchange.force();
-    const std::int32_t written = plugin_->write(device_, force.data());
+      exchange_->deliver({Eigen::Vector3d::Zero(), 0, DeviceStatus::lost});
+    const Eigen::Vector3d force = exchange_->force();
+    const std::int32_t written = plugin_->write(device_.get(), force.data());
     if (written == PALPATE_DEVICE_OK) resume();
     tell(read != PALPATE_DEVICE_OK || written != PALPATE_DEVICE_OK);
   }
 
   /// Only here, after a write: until then the plug-in holds the force from before the halt.
   void resume() noexcept {
-    if (!plugin_halted_ || exchange.halted()) return;
+    if (!plugin_halted_ || exchange_->halted()) return;
     plugin_halted_ = false;
-    plugin_->halt(device_, 0);
-    if (exchange.halted()) halt();  // it was halted again meanwhile
+    plugin_->halt(device_.get(), 0);
+    if (exchange_->halted()) halt();  // it was halted again meanwhile
   }
 
   void tell(bool failed) {
     if (!failed && !failed_) return;
     failed_ = failed;
-    exchange.setTrouble(
-        failed ? fmt::format("{}: {}", name, sentenceOf(plugin_->last_error(device_))) : "");
+    exchange_->setTrouble(
+        failed ? fmt::format("{}: {}", name, sentenceOf(plugin_->last_error(device_.get()))) : "");
   }
 
+  const std::shared_ptr<DeviceExchange> exchange_;
   Plugin plugin_;
-  palpate_device* device_ = nullptr;
+  std::unique_ptr<palpate_device, void (*)(palpate_device*)> device_{nullptr, plugin_->close};
   bool failed_ = false;
   std::atomic<bool> plugin_halted_ = false;
   std::atomic<bool> stopping_ = false;
@@ -206,7 +196,7 @@ class PluginDevice::Session {
 };
 
 PluginDevice::PluginDevice(const PluginDeviceOptions& options)
-    : session_(std::make_shared<Session>(options)) {
+    : session_(std::make_shared<Session>(options, exchange_)) {
   if (!(options.period > 0) || !(options.period <= 1))
     throw badInput("a plug-in cannot be read every {} s", options.period);
   const auto period =
@@ -215,6 +205,7 @@ PluginDevice::PluginDevice(const PluginDeviceOptions& options)
 }
 
 PluginDevice::~PluginDevice() {
+  // A plug-in that hangs must not hang the end of the program.
   if (session_->stop()) {
     thread_.join();
     return;
@@ -224,14 +215,10 @@ PluginDevice::~PluginDevice() {
   thread_.detach();
 }
 
-DeviceReading PluginDevice::read() noexcept { return session_->exchange.read(); }
-void PluginDevice::write(const Eigen::Vector3d& force) noexcept { session_->exchange.write(force); }
 void PluginDevice::halt() noexcept { session_->halt(); }
-void PluginDevice::resume() noexcept { session_->exchange.resume(); }
 DeviceProfile PluginDevice::profile() const { return session_->profile; }
 bool PluginDevice::livesInScene() const { return session_->lives_in_scene; }
 bool PluginDevice::hasButtons() const { return session_->has_buttons; }
 std::string PluginDevice::name() const { return session_->name; }
-std::string PluginDevice::trouble() const { return session_->exchange.trouble(); }
 
 }  // namespace palpate

@@ -1,12 +1,10 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <thread>
-#include <vector>
 
-#include "viewer/haptics/haptic_device.hpp"
+#include "viewer/devices/device_exchange.hpp"
 
 namespace palpate {
 
@@ -23,7 +21,7 @@ struct PluginDeviceOptions {
 /// the newest reading. A plug-in that hangs is lost after 50 ms, and halted by
 /// HapticDevice::halt(). One that still hangs two seconds after the end of this object is left
 /// behind, loaded.
-class PluginDevice : public HapticDevice {
+class PluginDevice : public ThreadedDevice {
  public:
   /// Loads and opens. Error (bad input) that names the file when it is no library, exports no
   /// palpate_device_plugin_v1, is of another version of the interface, or lacks a function; Error
@@ -31,15 +29,11 @@ class PluginDevice : public HapticDevice {
   explicit PluginDevice(const PluginDeviceOptions& options);
   ~PluginDevice() override;
 
-  DeviceReading read() noexcept override;
-  void write(const Eigen::Vector3d& force) noexcept override;
   void halt() noexcept override;
-  void resume() noexcept override;
   DeviceProfile profile() const override;
   bool livesInScene() const override;
   bool hasButtons() const override;
   std::string name() const override;
-  std::string trouble() const override;
 
  private:
   class Session;

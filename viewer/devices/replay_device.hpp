@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <filesystem>
 #include <string>
 
 #include "viewer/haptics/haptic_device.hpp"
@@ -23,19 +22,18 @@ class ReplayDevice : public HapticDevice {
   void write(const Eigen::Vector3d&) noexcept override {}
   void halt() noexcept override {}
   void resume() noexcept override {}
-  DeviceProfile profile() const override { return profile_; }
+  DeviceProfile profile() const override { return recording_.profile; }
   bool livesInScene() const override { return recording_.scene_frame; }
   bool hasButtons() const override { return true; }
   std::string name() const override { return "replay of " + source_; }
   std::string trouble() const override;
 
-  std::uint64_t readings() const override { return recording_.size(); }
-  bool ended() const noexcept { return next_.load(std::memory_order_relaxed) >= recording_.size(); }
+  std::uint64_t readings() const override { return recording_.readings.size(); }
+  bool ended() const noexcept { return next_.load(std::memory_order_relaxed) >= readings(); }
 
  private:
   const Recording recording_;
   std::string source_;
-  DeviceProfile profile_;
   std::atomic<std::size_t> next_ = 0;
 };
 

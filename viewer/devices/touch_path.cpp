@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "viewer/devices/hand_path.hpp"
 #include "viewer/haptics/haptic_model.hpp"
@@ -12,6 +13,11 @@ namespace {
 constexpr double approach_seconds = 0.5, press_seconds = 0.6, hold_seconds = 0.2,
                  circle_seconds = 2.4;
 constexpr double shortest_move = 0.2;  ///< s
+/// m outside of the surface, where it comes from and goes back to.
+constexpr double clearance = 0.025;
+constexpr double pressed_share = 0.35, circle_share = 0.12;  ///< of the workspace's radius
+constexpr double largest_force = 1.5;  ///< N: it presses less deep where the force would be larger
+constexpr double travel_speed = 0.15;  ///< m/s, from one active node to the next
 constexpr int circle_pieces = 16;
 constexpr int depth_steps = 64;
 constexpr double arc_step = std::numbers::pi / 9;
@@ -23,8 +29,10 @@ class PathWriter {
     if (!waypoints_.empty()) time_ += seconds;
     waypoints_.push_back({time_, position, 0});
   }
-  void goAtSpeed(const Eigen::Vector3d& position, double speed) {
-    goTo(position, std::max(shortest_move, (position - waypoints_.back().position).norm() / speed));
+  void travelTo(const Eigen::Vector3d& position) {
+    PALPATE_ASSERT(!waypoints_.empty(), "a way begins somewhere");
+    const double way = (position - waypoints_.back().position).norm();
+    goTo(position, std::max(shortest_move, way / travel_speed));
   }
   std::vector<HandWaypoint> take() { return std::move(waypoints_); }
 
@@ -41,8 +49,7 @@ struct Site {
 };
 
 /// The largest depth up to `wanted` at which the force, and at all smaller depths, is bearable.
-double bearableDepth(const ForceField& field, const Eigen::Vector3d& normal, double wanted,
-                     double largest_force) {
+double bearableDepth(const ForceField& field, const Eigen::Vector3d& normal, double wanted) {
   for (int step = 1; step <= depth_steps; ++step) {
     const double depth = wanted * step / depth_steps;
     if (field.evaluate(-depth * normal).force.norm() > largest_force)
@@ -51,7 +58,8 @@ double bearableDepth(const ForceField& field, const Eigen::Vector3d& normal, dou
   return wanted;
 }
 
-std::vector<Site> sitesOf(const HapticModel& model, const TouchPathOptions& options) {
+std::vector<Site> sitesOf(const HapticModel& model) {
+  PALPATE_ASSERT(model.isPrepared(0), "forces bound how deep it presses");
   std::vector<Site> sites;
   const TouchSurface& surface = model.surface();
   for (std::size_t s = 0; s < model.spaces().size(); ++s) {
@@ -60,10 +68,9 @@ std::vector<Site> sitesOf(const HapticModel& model, const TouchPathOptions& opti
     const auto v = static_cast<std::size_t>(vertex);
     const double reach = model.spaces()[s].lattice.radius();
     const Eigen::Vector3d& normal = surface.vertexNormals()[v];
-    sites.push_back(
-        {surface.vertices()[v], normal,
-         bearableDepth(model.field(0, s), normal, options.depth * reach, options.largest_force),
-         options.slide * reach});
+    sites.push_back({surface.vertices()[v], normal,
+                     bearableDepth(model.field(0, s), normal, pressed_share * reach),
+                     circle_share * reach});
   }
   if (sites.empty())
     throw badInput("{}: no active node lies on the surface that a hand can touch", model.file());
@@ -73,8 +80,7 @@ std::vector<Site> sitesOf(const HapticModel& model, const TouchPathOptions& opti
 /// Ways outside of a body.
 class Surroundings {
  public:
-  Surroundings(const TouchSurface& surface, double clearance)
-      : surface_(surface), clearance_(clearance) {
+  explicit Surroundings(const TouchSurface& surface) : surface_(surface) {
     for (const Eigen::Vector3d& vertex : surface.vertices()) middle_ += vertex;
     middle_ /= static_cast<double>(surface.vertices().size());
     for (const Eigen::Vector3d& vertex : surface.vertices())
@@ -82,12 +88,13 @@ class Surroundings {
     radius_ += clearance;
   }
 
-  Eigen::Vector3d before(const Site& site) const { return site.point + clearance_ * site.normal; }
+  Eigen::Vector3d before(const Site& site) const { return site.point + clearance * site.normal; }
 
   /// From before one site to before another: straight, where that keeps off the body, else around
   /// it.
-  void walk(const Site& from, const Site& to, double speed, PathWriter& path) const {
+  void walk(const Site& from, const Site& to, PathWriter& path) const {
     if (!keepsOff(before(from), before(to))) {
+      // A sphere holds all of the body, and a great circle on it is never far around.
       const Eigen::Vector3d leave = onSphere(from), arrive = onSphere(to);
       const Eigen::Quaterniond turn =
           Eigen::Quaterniond::FromTwoVectors(leave - middle_, arrive - middle_);
@@ -96,10 +103,10 @@ class Surroundings {
       for (int i = 0; i <= pieces; ++i) {
         const auto part =
             Eigen::Quaterniond::Identity().slerp(static_cast<double>(i) / pieces, turn);
-        path.goAtSpeed(middle_ + part * (leave - middle_), speed);
+        path.travelTo(middle_ + part * (leave - middle_));
       }
     }
-    path.goAtSpeed(before(to), speed);
+    path.travelTo(before(to));
   }
 
  private:
@@ -107,7 +114,7 @@ class Surroundings {
     constexpr int samples = 16;
     for (int i = 1; i < samples; ++i) {
       const NearestPoint nearest = surface_.tree().nearest(from + (to - from) * i / samples);
-      if (!nearest.outside || nearest.distance < clearance_ / 2) return false;
+      if (!nearest.outside || nearest.distance < clearance / 2) return false;
     }
     return true;
   }
@@ -122,7 +129,6 @@ class Surroundings {
   }
 
   const TouchSurface& surface_;
-  double clearance_;
   Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();
   double radius_ = 0;
 };
@@ -139,6 +145,7 @@ void explore(const TouchSurface& surface, const Site& site, const Eigen::Vector3
     const double angle = 2 * std::numbers::pi * i / circle_pieces;
     const Eigen::Vector3d beside =
         site.point + site.radius * (std::cos(angle) * across + std::sin(angle) * along);
+    // As deep below the surface everywhere, also where it is curved.
     path.goTo(surface.tree().nearest(beside).position + inward,
               i == 0 ? press_seconds : circle_seconds / circle_pieces);
   }
@@ -148,14 +155,14 @@ void explore(const TouchSurface& surface, const Site& site, const Eigen::Vector3
 
 }  // namespace
 
-HandPath touchPath(const HapticModel& model, const TouchPathOptions& options) {
-  const std::vector<Site> sites = sitesOf(model, options);
-  const Surroundings around(model.surface(), options.clearance);
+HandPath touchPath(const HapticModel& model) {
+  const std::vector<Site> sites = sitesOf(model);
+  const Surroundings around(model.surface());
   PathWriter path;
   path.goTo(around.before(sites.front()), 0);
   for (std::size_t i = 0; i < sites.size(); ++i) {
     explore(model.surface(), sites[i], around.before(sites[i]), path);
-    if (sites.size() > 1) around.walk(sites[i], sites[(i + 1) % sites.size()], options.speed, path);
+    if (sites.size() > 1) around.walk(sites[i], sites[(i + 1) % sites.size()], path);
   }
   return HandPath(path.take(), HandPath::AtEnd::repeats, "path around " + model.name());
 }

@@ -8,30 +8,28 @@
 
 namespace palpate {
 
-/// A hand that holds a tool. The defaults are a loose grasp of a stylus: the identified mass,
-/// stiffness and damping of hands and fingers on a tool lie around them and vary several-fold with
-/// the grasp (Hajian and Howe 1997, Identification of the mechanical impedance at the human finger
-/// tip; Kuchenbecker, Park and Niemeyer 2003, Characterizing the human wrist for improved haptic
-/// interaction; Speich, Shao and Goldfarb 2005, Modeling the human hand as it interacts with a
-/// telemanipulation system). Damping ratio 0.52, natural frequency 8 Hz.
-struct VirtualHandOptions {
-  double mass = 0.15;      ///< kg, of hand and tool
-  double stiffness = 400;  ///< N/m, with which the hand holds the tool to its target
-  double damping = 8;      ///< N s/m
-  double period = 1e-3;    ///< s, that passes with every read()
-  int substeps = 4;        ///< of the integration in a period
-};
-
 /// The default device: an operator who follows a path and gives way to the force,
 ///   m x'' = k (target - x) + b (target' - x') + F,
 /// integrated semi-implicitly (Euler) with fixed substeps. Knows no clock: every read() is one
 /// period later than the one before, so the same forces give the same positions to the last bit.
 /// Lives in the scene.
+///
+/// The hand is a loose grasp of a stylus: the identified mass, stiffness and damping of hands and
+/// fingers on a tool lie around these and vary several-fold with the grasp (Hajian and Howe 1997,
+/// Identification of the mechanical impedance at the human finger tip; Kuchenbecker, Park and
+/// Niemeyer 2003, Characterizing the human wrist for improved haptic interaction; Speich, Shao and
+/// Goldfarb 2005, Modeling the human hand as it interacts with a telemanipulation system). Damping
+/// ratio 0.52, natural frequency 8 Hz.
 class VirtualHand : public HapticDevice {
  public:
-  /// Error (bad input) for options that are not positive, or with which the integration is not
-  /// stable.
-  VirtualHand(HandPath path, const VirtualHandOptions& options, const DeviceProfile& profile);
+  static constexpr double mass = 0.15;  ///< kg, of hand and tool
+  static constexpr double stiffness =
+      400;                              ///< N/m, with which the hand holds the tool to its target
+  static constexpr double damping = 8;  ///< N s/m
+
+  /// period: s, that passes with every read(). Error (bad input) for one that is too long for a
+  /// stable integration.
+  VirtualHand(HandPath path, double period, const DeviceProfile& profile);
 
   /// The first reading is the beginning of the path, at rest.
   DeviceReading read() noexcept override;
@@ -49,7 +47,7 @@ class VirtualHand : public HapticDevice {
   void advance() noexcept;
 
   HandPath path_;
-  VirtualHandOptions options_;
+  double period_;
   DeviceProfile profile_;
   std::atomic<bool> halted_ = false;
   std::uint64_t reads_ = 0;

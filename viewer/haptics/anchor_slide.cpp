@@ -1,8 +1,9 @@
 #include "viewer/haptics/anchor_slide.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+
+#include "common/base/index.hpp"
 
 namespace palpate {
 namespace {
@@ -13,8 +14,6 @@ constexpr int most_pieces = 3;
 constexpr double small_excess = 0.02;
 /// Barycentric: nearer to an edge than this is on it. Some 1e-14 m.
 constexpr double on_edge = 1e-12;
-
-std::size_t at(Eigen::Index index) { return static_cast<std::size_t>(index); }
 
 /// The way from a point of a triangle along which W falls most steeply.
 struct Descent {

@@ -1,6 +1,5 @@
 #include "viewer/haptics/contact.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "viewer/haptics/anchor_slide.hpp"
@@ -67,12 +66,12 @@ void Contact::seek(const Eigen::Vector3d& tool, bool hold) noexcept {
 void Contact::seekEntry(const Eigen::Vector3d& tool, const NearestPoint& nearest) noexcept {
   const Crossing crossing = model_->surface().tree().entry(last_tool_, tool);
   // A tool that was on the surface may have passed it without crossing it, by rounding.
-  const SurfacePoint entry = crossing.triangle >= 0
-                                 ? SurfacePoint{crossing.triangle, crossing.barycentric}
-                                 : SurfacePoint{nearest.triangle, nearest.barycentric};
+  SurfacePoint entry = nearest;
+  if (crossing.triangle >= 0) entry = crossing;
   if (model_->surface().touchable(entry.triangle)) {
     const double gap = touch_.gap;
-    begin(entry, Eigen::Vector3d::Zero());
+    anchor_ = entry;
+    offset_.setZero();
     if (press(tool)) {
       last_tool_ = tool;
       return;
@@ -91,13 +90,9 @@ void Contact::seekGrip(const Eigen::Vector3d& tool, bool hold) noexcept {
   const bool near = nearest.distance <= options_.grab_distance;
   ready_ = ready_ || !hold || !near;
   if (!(ready_ && hold && near)) return;
-  begin({nearest.triangle, nearest.barycentric}, tool - nearest.position);
+  anchor_ = nearest;
+  offset_ = tool - nearest.position;
   press(tool);
-}
-
-void Contact::begin(const SurfacePoint& anchor, const Eigen::Vector3d& offset) noexcept {
-  anchor_ = anchor;
-  offset_ = offset;
 }
 
 /// False where the tissue would pull; then nothing is touched.
@@ -119,14 +114,8 @@ bool Contact::press(const Eigen::Vector3d& tool) noexcept {
 }
 
 void Contact::describe(const Eigen::Vector3d& displacement) noexcept {
-  const ForceSample& sum = force_.sum();
+  static_cast<ForceSample&>(touch_) = force_.sum();
   touch_.touching = true;
-  touch_.force = sum.force;
-  touch_.stiffness = sum.stiffness;
-  touch_.energy = sum.energy;
-  touch_.error_bound = sum.error_bound;
-  touch_.coverage = sum.coverage;
-  touch_.inside = sum.inside;
   touch_.anchor = anchor_;
   touch_.anchor_position = model_->surface().position(anchor_);
   touch_.normal = model_->surface().normal(anchor_);

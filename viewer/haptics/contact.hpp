@@ -19,21 +19,21 @@ struct ContactOptions {
   double most_relaxation = 0.005;
 };
 
-/// What the tissue does to the tool.
-struct Touch {
+/// What the tissue does to the tool: the force on it, not limited yet, with what is known of it,
+/// blended from the spaces of the anchor. stiffness: d force / d tool with the anchor held. inside:
+/// all of these spaces answer from inside of their workspaces.
+struct Touch : ForceSample {
+  Touch() {  // nothing is touched: a force of zero, which is exact
+    energy = error_bound = 0;
+    coverage = 1;
+    inside = true;
+  }
   bool touching = false;
   /// The raw force may differ from the last one by more than motion explains: contact began away
   /// from the surface, ended with a force, or model or method were switched. The force guard fades
   /// such steps in.
   bool stepped = false;
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< N, on the tool, not limited yet
-  /// N/m, d force / d tool with the anchor held
-  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
-  double energy = 0;       ///< J, stored in the tissue; NaN where the method has none
-  double error_bound = 0;  ///< N; NaN where the method gives none
-  double coverage = 1;     ///< ForceSample::coverage, blended
-  bool inside = true;      ///< all blended spaces answer from inside of their workspaces
-  SurfacePoint anchor;     ///< the material point in contact
+  SurfacePoint anchor;                                        ///< the material point in contact
   Eigen::Vector3d anchor_position = Eigen::Vector3d::Zero();  ///< at rest, m
   /// outward, of the surface at rest in the anchor
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
@@ -92,7 +92,6 @@ class Contact {
   void seekEntry(const Eigen::Vector3d& tool, const NearestPoint& nearest) noexcept;
   void seekGrip(const Eigen::Vector3d& tool, bool hold) noexcept;
   bool press(const Eigen::Vector3d& tool) noexcept;
-  void begin(const SurfacePoint& anchor, const Eigen::Vector3d& offset) noexcept;
   void end(bool stepped) noexcept;
   void describe(const Eigen::Vector3d& displacement) noexcept;
 

@@ -1,7 +1,6 @@
 #include "viewer/haptics/deformed_shape.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "common/base/index.hpp"
 

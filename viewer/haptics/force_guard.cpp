@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/base/error.hpp"
+#include "common/base/index.hpp"
 
 namespace palpate {
 namespace {
@@ -13,15 +15,11 @@ namespace {
 /// Nothing a hand can feel or reach; squares and sums of such numbers do not overflow.
 constexpr double largest_number = 1e9;
 
-bool isUsable(double value) {
-  return std::abs(value) <= largest_number;  // false for NaN
-}
-bool isUsable(const Eigen::Vector3d& v) {
-  return isUsable(v[0]) && isUsable(v[1]) && isUsable(v[2]);
-}
-bool isUsable(const Eigen::Matrix3d& m) {
-  return isUsable(Eigen::Vector3d(m.col(0))) && isUsable(Eigen::Vector3d(m.col(1))) &&
-         isUsable(Eigen::Vector3d(m.col(2)));
+/// False for NaN.
+bool isUsable(double value) { return std::abs(value) <= largest_number; }
+template <class Derived>
+bool isUsable(const Eigen::MatrixBase<Derived>& values) {
+  return (values.array().abs() <= largest_number).all();
 }
 
 /// 0 at 0, 1 at 1, flat at both.
@@ -33,19 +31,6 @@ bool shorten(Eigen::Vector3d& v, double longest) {
   if (length <= longest) return false;
   v *= longest / length * (1 - 4 * std::numeric_limits<double>::epsilon());
   return true;
-}
-
-void require(bool holds, const char* option, double value, const char* what) {
-  if (!holds)
-    throw badInput("force guard: {} = {} is not {}; give a device profile", option, value, what);
-}
-
-void requirePositive(const char* option, double value) {
-  require(std::isfinite(value) && value > 0, option, value, "a positive number");
-}
-
-void requireNotNegative(const char* option, double value) {
-  require(std::isfinite(value) && value >= 0, option, value, "a number >= 0");
 }
 
 }  // namespace
@@ -62,17 +47,23 @@ GuardOptions guardFor(const DeviceProfile& profile, double period) {
 const char* guardWord(int bit) {
   constexpr std::array<const char*, guard_count> words = {
       "ramped", "damped", "clamped", "slewed", "stalled", "lost", "not_finite", "late"};
-  return bit >= 0 && bit < guard_count ? words[static_cast<std::size_t>(bit)] : "";
+  return bit >= 0 && bit < guard_count ? words[at(bit)] : "";
 }
 
 ForceGuard::ForceGuard(const GuardOptions& options) : options_(options) {
-  requirePositive("period", options.period);
-  requirePositive("max_force", options.max_force);
-  requirePositive("max_slew", options.max_slew);
-  requireNotNegative("ramp", options.ramp);
-  requireNotNegative("stall", options.stall);
-  requireNotNegative("max_stiffness", options.max_stiffness);
-  requireNotNegative("energy_credit", options.energy_credit);
+  const auto require = [](const char* option, double value, bool holds, const char* what) {
+    if (!(std::isfinite(value) && holds))
+      throw badInput("force guard: {} = {} is not {}; give a device profile", option, value, what);
+  };
+  for (const auto& [option, value] :
+       {std::pair("period", options.period), std::pair("max_force", options.max_force),
+        std::pair("max_slew", options.max_slew)})
+    require(option, value, value > 0, "a positive number");
+  for (const auto& [option, value] :
+       {std::pair("ramp", options.ramp), std::pair("stall", options.stall),
+        std::pair("max_stiffness", options.max_stiffness),
+        std::pair("energy_credit", options.energy_credit)})
+    require(option, value, value >= 0, "a number >= 0");
   reset();
 }
 
@@ -104,8 +95,8 @@ void ForceGuard::observe(const GuardInput& input, bool stepped) noexcept {
   const double length = touch.force.norm();
   const double clamp_share = length > options_.max_force ? options_.max_force / length : 1;
   const double stored = touch.touching ? touch.energy : 0;
-  motion_ =
-      usable_ ? Eigen::Vector3d(input.tool - tool_) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  motion_.setZero();
+  if (usable_) motion_ = input.tool - tool_;
   if (touching_ || touch.touching) {
     passivity_ -= given_.dot(motion_);
     const double change = 0.5 * (clamp_share_ + clamp_share) * (stored - stored_);

@@ -49,19 +49,15 @@ void sleepUntil(std::int64_t ns) noexcept {
   for (std::size_t at = 0; at < stack_bytes; at += 1024) bytes[at] = 0;
 }
 
-void checkOptions(const LoopOptions& options, const TickOptions& tick) {
-  if (!(std::abs(options.rate * tick.period - 1) < 1e-9))
-    throw badInput("a haptic loop of {} Hz cannot run ticks of {} s; give both the same rate",
-                   options.rate, tick.period);
-  if (!(options.watchdog > 0))
-    throw badInput("a watchdog of {} s is none; give it a positive time", options.watchdog);
-}
-
 }  // namespace
 
 HapticLoop::HapticLoop(HapticTick& tick, HapticDevice& device, const LoopOptions& options)
     : tick_(tick), device_(device), options_(options) {
-  checkOptions(options, tick.options());
+  if (const double period = tick.options().period; !(std::abs(options.rate * period - 1) < 1e-9))
+    throw badInput("a haptic loop of {} Hz cannot run ticks of {} s; give both the same rate",
+                   options.rate, period);
+  if (!(options.watchdog > 0))
+    throw badInput("a watchdog of {} s is none; give it a positive time", options.watchdog);
   if (options.record) {
     recorded_ = std::make_unique<RecordedQueue>();
     while (recorded_->push({})) {
@@ -155,10 +151,7 @@ void HapticLoop::runLoop() {
   }
   woken_.notify_all();
   usage_at_start_ = usage();
-  if (options_.free_running)
-    runFreely();
-  else
-    runTicks();
+  runTicks();
   device_.write(Eigen::Vector3d::Zero());
   publishStatistics();
   running_.store(false, std::memory_order_release);
@@ -167,33 +160,25 @@ void HapticLoop::runLoop() {
 void HapticLoop::runTicks() {
   const auto period_ns = static_cast<std::int64_t>(std::llround(1e9 / options_.rate));
   std::int64_t due = nowNs() + period_ns, published = due;
-  while (!stop_.load(std::memory_order_relaxed)) {
-    sleepUntil(due);
+  for (bool more = true; more && !stop_.load(std::memory_order_relaxed);) {
+    if (!options_.free_running) sleepUntil(due);
     const std::int64_t processor = processorNs(), begin = nowNs();
-    statistics_.latency.add(seconds(begin - due));
-    const bool more = oneTick(begin);
+    more = oneTick(begin);
     const std::int64_t end = nowNs(), computed = processorNs() - processor;
     statistics_.compute.add(seconds(end - begin));
     statistics_.processor.add(seconds(computed));
-    due += period_ns;
-    if (end > due) {
-      ++(computed > period_ns ? statistics_.missed_program : statistics_.missed_system);
-      due = end;
-    } else if (end - published > publish_ns) {
-      publishStatistics();
-      published = end;
+    if (!options_.free_running) {
+      statistics_.latency.add(seconds(begin - due));
+      due += period_ns;
+      if (end > due) {
+        ++(computed > period_ns ? statistics_.missed_program : statistics_.missed_system);
+        due = end;
+        continue;  // publishing takes time, which a late loop has not
+      }
     }
-    if (!more) return;
-  }
-}
-
-void HapticLoop::runFreely() {
-  for (bool more = true; more && !stop_.load(std::memory_order_relaxed);) {
-    const std::int64_t processor = processorNs(), begin = nowNs();
-    more = oneTick(begin);
-    statistics_.compute.add(seconds(nowNs() - begin));
-    statistics_.processor.add(seconds(processorNs() - processor));
-    if (statistics_.ticks % 4096 == 0) publishStatistics();
+    if (end - published <= publish_ns) continue;
+    publishStatistics();
+    published = end;
   }
 }
 

@@ -85,7 +85,6 @@ class HapticLoop {
   void askForPriority(pthread_t thread, const char* name, int wanted);
   void runLoop();
   void runTicks();
-  void runFreely();
   bool oneTick(std::int64_t begin_ns);
   void hand(const HapticState& state) noexcept;
   void publishStatistics() noexcept;

@@ -17,6 +17,7 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
       spaces_(dataset.spaces()),
       methods_(options.methods),
       fields_(options.methods.size()) {
+  PALPATE_ASSERT(!spaces_.empty(), "a surface that can be touched has an active node");
   if (methods_.empty()) throw badInput("{}: no method to interpolate forces by was given", file_);
   for (MethodFields& of_method : fields_) of_method.of_space.resize(spaces_.size());
   for (std::size_t method = 0; options.prepare && method < methods_.size(); ++method)

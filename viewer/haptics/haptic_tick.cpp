@@ -59,6 +59,8 @@ HapticTick::HapticTick(std::vector<const HapticModel*> models, HapticDevice& dev
       options_(limited(options, device)),
       contact_(firstOf(models_), options.contact),
       guard_(options_.guard) {
+  PALPATE_ASSERT(options_.period > 0, "time goes on from tick to tick");
+  PALPATE_ASSERT(options_.map.scale > 0, "the workspace of a device has a size in the scene");
   state_.tool = options_.map.origin;
 }
 

@@ -6,23 +6,20 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "viewer/haptics/haptic_state.hpp"
+#include "common/base/index.hpp"
+#include "viewer/haptics/haptic_tick.hpp"
 
 namespace palpate {
 namespace {
 
 constexpr double smallest_time = 16e-9;  // s, lower edge of the first bin
 
-double share(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
-}
-
-std::string row(const char* name, const TimeHistogram& times) {
-  const auto us = [](double seconds) { return 1e6 * seconds; };
-  return fmt::format("{:<10}{:>11.1f}{:>11.1f}{:>11.1f}{:>11.1f}{:>11.1f}\n", name,
-                     us(times.mean()), us(times.quantile(0.5)), us(times.quantile(0.99)),
-                     us(times.quantile(0.999)), us(times.largest()));
-}
+/// The histograms by the names that text and JSON give them.
+constexpr std::array<std::pair<const char*, TimeHistogram LoopStatistics::*>, 4> histograms = {
+    {{"period", &LoopStatistics::period},
+     {"latency", &LoopStatistics::latency},
+     {"compute", &LoopStatistics::compute},
+     {"processor", &LoopStatistics::processor}}};
 
 nlohmann::ordered_json toJson(const TimeHistogram& times) {
   nlohmann::ordered_json bins = nlohmann::ordered_json::array();
@@ -92,10 +89,7 @@ void count(LoopStatistics& statistics, const HapticState& before,
 
 void add(LoopStatistics& total, const LoopStatistics& part) noexcept {
   total.rate = part.rate;
-  for (TimeHistogram LoopStatistics::*times :
-       {&LoopStatistics::period, &LoopStatistics::latency, &LoopStatistics::compute,
-        &LoopStatistics::processor})
-    (total.*times).add(part.*times);
+  for (const auto& [name, times] : histograms) (total.*times).add(part.*times);
   for (std::uint64_t LoopStatistics::*number :
        {&LoopStatistics::ticks, &LoopStatistics::missed_program, &LoopStatistics::missed_system,
         &LoopStatistics::halts, &LoopStatistics::page_faults, &LoopStatistics::preemptions,
@@ -110,10 +104,12 @@ std::string describe(const LoopStatistics& statistics) {
   std::string text =
       fmt::format("{} ticks at {} Hz\n{:<10}{:>11}{:>11}{:>11}{:>11}{:>11}\n", statistics.ticks,
                   statistics.rate, "us", "mean", "p50", "p99", "p99.9", "largest");
-  text += row("period", statistics.period);
-  text += row("latency", statistics.latency);
-  text += row("compute", statistics.compute);
-  text += row("processor", statistics.processor);
+  for (const auto& [name, member] : histograms) {
+    const TimeHistogram& times = statistics.*member;
+    text += fmt::format("{:<10}{:>11.1f}{:>11.1f}{:>11.1f}{:>11.1f}{:>11.1f}\n", name,
+                        1e6 * times.mean(), 1e6 * times.quantile(0.5), 1e6 * times.quantile(0.99),
+                        1e6 * times.quantile(0.999), 1e6 * times.largest());
+  }
   text += fmt::format("missed deadlines: {} by the program, {} by the operating system\n",
                       statistics.missed_program, statistics.missed_system);
   text += fmt::format(
@@ -122,32 +118,29 @@ std::string describe(const LoopStatistics& statistics) {
   text += fmt::format("contacts {}, largest force {:.4g} N, largest step between ticks {:.4g} N\n",
                       statistics.contacts, statistics.largest_force, statistics.largest_step);
   for (int bit = 0; bit < guard_count; ++bit)
-    if (const std::uint64_t ticks = statistics.guards[static_cast<std::size_t>(bit)]; ticks > 0)
-      text += fmt::format("force {}: {} ticks, {:.2f} %\n", guardWord(bit), ticks,
-                          100 * share(ticks, statistics.ticks));
+    if (const std::uint64_t ticks = statistics.guards[at(bit)]; ticks > 0)
+      text +=
+          fmt::format("force {}: {} ticks, {:.2f} %\n", guardWord(bit), ticks,
+                      100.0 * static_cast<double>(ticks) / static_cast<double>(statistics.ticks));
   return text;
 }
 
 std::string describeJson(const LoopStatistics& statistics) {
-  nlohmann::ordered_json guards = nlohmann::ordered_json::object();
-  for (int bit = 0; bit < guard_count; ++bit)
-    guards[guardWord(bit)] = statistics.guards[static_cast<std::size_t>(bit)];
-  const nlohmann::ordered_json json = {{"rate", statistics.rate},
-                                       {"ticks", statistics.ticks},
-                                       {"period_us", toJson(statistics.period)},
-                                       {"latency_us", toJson(statistics.latency)},
-                                       {"compute_us", toJson(statistics.compute)},
-                                       {"processor_us", toJson(statistics.processor)},
-                                       {"missed_program", statistics.missed_program},
-                                       {"missed_system", statistics.missed_system},
-                                       {"halts", statistics.halts},
-                                       {"page_faults", statistics.page_faults},
-                                       {"preemptions", statistics.preemptions},
-                                       {"guards", guards},
-                                       {"not_recorded", statistics.not_recorded},
-                                       {"contacts", statistics.contacts},
-                                       {"largest_force", statistics.largest_force},
-                                       {"largest_step", statistics.largest_step}};
+  nlohmann::ordered_json json = {{"rate", statistics.rate}, {"ticks", statistics.ticks}};
+  for (const auto& [name, times] : histograms)
+    json[fmt::format("{}_us", name)] = toJson(statistics.*times);
+  nlohmann::ordered_json guards;
+  for (int bit = 0; bit < guard_count; ++bit) guards[guardWord(bit)] = statistics.guards[at(bit)];
+  json.update({{"missed_program", statistics.missed_program},
+               {"missed_system", statistics.missed_system},
+               {"halts", statistics.halts},
+               {"page_faults", statistics.page_faults},
+               {"preemptions", statistics.preemptions},
+               {"guards", guards},
+               {"not_recorded", statistics.not_recorded},
+               {"contacts", statistics.contacts},
+               {"largest_force", statistics.largest_force},
+               {"largest_step", statistics.largest_step}});
   return json.dump();
 }
 

@@ -4,8 +4,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <tuple>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/index.hpp"
 #include "common/base/replaced_file.hpp"
 #include "common/dataset/hdf5_reader.hpp"
 #include "common/dataset/hdf5_writer.hpp"
@@ -23,58 +26,46 @@ constexpr std::int32_t format_version = 1;
 constexpr hdf5::FileKind recording_kind = {"recording", "palpate view --record FILE makes one",
                                            "copy the recording again, or record again"};
 
-/// Each list of a recording, with its path and unit. Writer and reader go through the same table.
-template <class AnyRecording, class Visit>
-void forEachList(AnyRecording& recording, const Visit& visit) {
-  visit("/time", recording.times, "s");
-  visit("/device/position", recording.positions, "m");
-  visit("/device/buttons", recording.buttons, "bits");
-  visit("/device/status", recording.status, "0 fresh, 1 repeated, 2 lost");
-  visit("/tool/position", recording.tools, "m");
-  visit("/force/rendered", recording.forces, "N");
-  visit("/force/raw", recording.raw_forces, "N");
-  visit("/contact/touching", recording.touching, "0 or 1");
-  visit("/contact/anchor", recording.anchors, "m");
-  visit("/contact/displacement", recording.displacements, "m");
-  visit("/contact/energy", recording.energies, "J");
-  visit("/contact/error_bound", recording.error_bounds, "N");
-  visit("/guards", recording.guards, "bits");
-  visit("/model", recording.models, "1");
-  visit("/method", recording.methods, "1");
+template <class Value>
+struct Column {
+  const char *path, *unit;
+  Value (*of)(const HapticState&);
+  std::vector<Value> values = {};
+};
+
+/// Anchor and displacement mean nothing where nothing is touched: zero, so that no plot shows more.
+Eigen::Vector3d whileTouching(const Touch& touch, const Eigen::Vector3d& value) {
+  return touch.touching ? value : Eigen::Vector3d::Zero().eval();
 }
 
-/// Each number of a run, with the name of its attribute.
-template <class AnyRun, class Visit>
-void forEachNumber(AnyRun& run, const Visit& visit) {
-  visit("period", run.options.period);
-  visit("profile_max_force", run.max_force);
-  visit("profile_max_stiffness", run.max_stiffness);
-  visit("profile_workspace_radius", run.workspace_radius);
-  visit("contact_friction", run.options.contact.friction);
-  visit("contact_grab_distance", run.options.contact.grab_distance);
-  visit("contact_most_slide", run.options.contact.most_slide);
-  visit("contact_most_relaxation", run.options.contact.most_relaxation);
-  visit("guard_period", run.options.guard.period);
-  visit("guard_max_force", run.options.guard.max_force);
-  visit("guard_max_slew", run.options.guard.max_slew);
-  visit("guard_ramp", run.options.guard.ramp);
-  visit("guard_stall", run.options.guard.stall);
-  visit("guard_max_stiffness", run.options.guard.max_stiffness);
-  visit("guard_energy_credit", run.options.guard.energy_credit);
-  visit("workspace_scale", run.options.map.scale);
+/// Every list of a recording: the path of its array, its unit, and what it takes from a state.
+auto makeColumns() {
+  using State = const HapticState&;
+  return std::tuple{
+      Column{"/time", "s", +[](State s) { return s.time; }},
+      Column{"/device/position", "m", +[](State s) { return s.reading.position; }},
+      Column{"/device/buttons", "bits", +[](State s) { return s.reading.buttons; }},
+      Column{"/device/status", "0 fresh, 1 repeated, 2 lost",
+             +[](State s) { return s.reading.status; }},
+      Column{"/tool/position", "m", +[](State s) { return s.tool; }},
+      Column{"/force/rendered", "N", +[](State s) { return s.force; }},
+      Column{"/force/raw", "N", +[](State s) { return s.touch.force; }},
+      Column{"/contact/touching", "0 or 1",
+             +[](State s) { return std::uint8_t{s.touch.touching}; }},
+      Column{"/contact/anchor", "m",
+             +[](State s) { return whileTouching(s.touch, s.touch.anchor_position); }},
+      Column{"/contact/displacement", "m",
+             +[](State s) { return whileTouching(s.touch, s.touch.displacement); }},
+      Column{"/contact/energy", "J", +[](State s) { return s.touch.energy; }},
+      Column{"/contact/error_bound", "N", +[](State s) { return s.touch.error_bound; }},
+      Column{"/guards", "bits", +[](State s) { return s.guards; }},
+      Column{"/model", "1", +[](State s) { return s.model; }},
+      Column{"/method", "1", +[](State s) { return s.method; }}};
 }
 
 /// A list of text as JSON; names of files may hold bytes that are not UTF-8.
 std::string jsonOf(const std::vector<std::string>& texts) {
   return Json(texts).dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-std::vector<std::string> readTexts(const Reader& in, const char* attribute) {
-  const Json json = Json::parse(in.text(attribute), nullptr, false);
-  const auto is_text = [](const Json& item) { return item.is_string(); };
-  if (!json.is_array() || !std::all_of(json.begin(), json.end(), is_text))
-    throw in.damaged(attribute, "is not a list of text");
-  return json.get<std::vector<std::string>>();
 }
 
 void writeRun(Writer& out, const RecordedRun& run) {
@@ -84,21 +75,38 @@ void writeRun(Writer& out, const RecordedRun& run) {
     files.push_back(model.file);
     ids.push_back(model.dataset.hex());
   }
+  const auto& [period, contact, guard, map] = run.options;
+  out.setText("/", "format", format_word);
   out.setText("/", "datasets", jsonOf(files));
   out.setText("/", "content_ids", jsonOf(ids));
   out.setText("/", "models", jsonOf(names));
   out.setText("/", "methods", jsonOf(run.methods));
   out.setText("/", "device", run.device);
-  out.setText("/", "profile", run.profile);
-  out.setText("/", "contact_mode", word(run.options.contact.mode));
+  out.setText("/", "profile", run.profile.name);
+  out.setText("/", "contact_mode", word(contact.mode));
   const std::int32_t scene_frame = run.scene_frame ? 1 : 0;
+  out.setIntegers("/", "format_version", std::span(&format_version, 1));
   out.setIntegers("/", "scene_frame", std::span(&scene_frame, 1));
-  out.setNumber("/", "rate", 1 / run.options.period);
-  forEachNumber(run, [&](const char* name, double value) { out.setNumber("/", name, value); });
-  const hdf5::RowMajorMatrix3d rotation = run.options.map.rotation;
+  out.setNumber("/", "rate", 1 / period);
+  out.setNumber("/", "period", period);
+  out.setNumber("/", "profile_max_force", run.profile.max_force);
+  out.setNumber("/", "profile_max_stiffness", run.profile.max_stiffness);
+  out.setNumber("/", "profile_workspace_radius", run.profile.workspace_radius);
+  out.setNumber("/", "contact_friction", contact.friction);
+  out.setNumber("/", "contact_grab_distance", contact.grab_distance);
+  out.setNumber("/", "contact_most_slide", contact.most_slide);
+  out.setNumber("/", "contact_most_relaxation", contact.most_relaxation);
+  out.setNumber("/", "guard_period", guard.period);
+  out.setNumber("/", "guard_max_force", guard.max_force);
+  out.setNumber("/", "guard_max_slew", guard.max_slew);
+  out.setNumber("/", "guard_ramp", guard.ramp);
+  out.setNumber("/", "guard_stall", guard.stall);
+  out.setNumber("/", "guard_max_stiffness", guard.max_stiffness);
+  out.setNumber("/", "guard_energy_credit", guard.energy_credit);
+  out.setNumber("/", "workspace_scale", map.scale);
+  const hdf5::RowMajorMatrix3d rotation = map.rotation;
   out.write("/workspace/rotation", {3, 3}, std::span<const double>(rotation.data(), 9), "1");
-  out.write("/workspace/origin", {3}, std::span<const double>(run.options.map.origin.data(), 3),
-            "m");
+  out.write("/workspace/origin", {3}, std::span<const double>(map.origin.data(), 3), "m");
 }
 
 void checkFormat(const Reader& in, const std::filesystem::path& file) {
@@ -114,138 +122,56 @@ void checkFormat(const Reader& in, const std::filesystem::path& file) {
         file.string(), version[0], format_version);
 }
 
-std::vector<RecordedModel> readModels(const Reader& in) {
-  const std::vector<std::string> names = readTexts(in, "models"), files = readTexts(in, "datasets"),
-                                 ids = readTexts(in, "content_ids");
-  if (files.size() != names.size() || ids.size() != names.size())
-    throw in.damaged("models", "models, datasets and content_ids are not equally many");
-  std::vector<RecordedModel> models;
-  for (std::size_t m = 0; m < names.size(); ++m) {
-    const auto id = ContentId::fromHex(ids[m]);
-    if (!id) throw in.damaged("content_ids", "is not 64 hexadecimal digits");
-    models.push_back({names[m], files[m], *id});
-  }
-  return models;
+double readNotNegative(const Reader& in, const char* attribute) {
+  const double value = in.number(attribute);
+  if (!std::isfinite(value) || value < 0) throw in.damaged(attribute, "is not a number >= 0");
+  return value;
 }
 
-WorkspaceMap readMap(const Reader& in) {
-  WorkspaceMap map;
-  const std::vector<double> rotation = in.read<double>("/workspace/rotation", {3, 3});
-  map.rotation = Eigen::Map<const hdf5::RowMajorMatrix3d>(rotation.data());
-  if (!(map.rotation * map.rotation.transpose()).isIdentity(1e-9))
-    throw in.damaged("/workspace/rotation", "is not a rotation");
-  const std::vector<double> origin = in.read<double>("/workspace/origin", {3});
-  map.origin = Eigen::Map<const Eigen::Vector3d>(origin.data());
-  if (!map.origin.allFinite()) throw in.damaged("/workspace/origin", "is not finite");
-  return map;
-}
-
-RecordedRun readRun(const Reader& in) {
-  RecordedRun run;
-  run.models = readModels(in);
-  run.methods = readTexts(in, "methods");
-  run.device = in.text("device");
-  run.profile = in.text("profile");
-  const auto modes = contactWords();
-  const auto mode = std::find(modes.begin(), modes.end(), in.text("contact_mode"));
-  if (mode == modes.end()) throw in.damaged("contact_mode", "is no known mode");
-  const std::vector<std::int32_t> scene_frame = in.integers("scene_frame");
-  if (scene_frame.size() != 1 || (scene_frame[0] != 0 && scene_frame[0] != 1))
-    throw in.damaged("scene_frame", "is neither 0 nor 1");
-  run.scene_frame = scene_frame[0] == 1;
-  run.options.map = readMap(in);
-  run.options.contact.mode = static_cast<ContactMode>(mode - modes.begin());
-  forEachNumber(run, [&](const char* name, double& value) {
-    value = in.number(name);
-    if (!std::isfinite(value) || value < 0) throw in.damaged(name, "is not a number >= 0");
-  });
-  if (run.options.period <= 0) throw in.damaged("period", "is not positive");
-  if (run.options.map.scale <= 0) throw in.damaged("workspace_scale", "is not positive");
-  return run;
-}
-
-template <class T, class Holds>
-void require(const Reader& in, const char* path, const std::vector<T>& list, const char* what,
-             const Holds& holds) {
-  const auto bad = std::find_if_not(list.begin(), list.end(), holds);
-  if (bad != list.end())
-    throw in.damaged(path, fmt::format("entry {} {}", bad - list.begin(), what));
-}
-
-void checkValues(const Reader& in, const Recording& recording) {
-  const auto is_finite = [](const Eigen::Vector3d& v) { return v.allFinite(); };
-  const auto counts_in = [](std::size_t size) {
-    return [size](std::int32_t n) { return n >= 0 && static_cast<std::size_t>(n) < size; };
-  };
-  require(in, "/time", recording.times, "is not finite", [](double t) { return std::isfinite(t); });
-  if (std::adjacent_find(recording.times.begin(), recording.times.end(), std::greater_equal<>()) !=
-      recording.times.end())
-    throw in.damaged("/time", "does not increase");
-  require(in, "/device/status", recording.status, "is no known status",
-          [](DeviceStatus status) { return status <= DeviceStatus::lost; });
-  require(in, "/contact/touching", recording.touching, "is neither 0 nor 1",
-          [](std::uint8_t touching) { return touching <= 1; });
-  require(in, "/force/rendered", recording.forces, "is not finite", is_finite);
-  require(in, "/model", recording.models, "is no model", counts_in(recording.run.models.size()));
-  require(in, "/method", recording.methods, "is no method",
-          counts_in(recording.run.methods.size()));
+/// The limits of the recorded device, under a name that lives as long as the program.
+DeviceProfile readProfile(const Reader& in) {
+  const std::string name = in.text("profile");
+  const auto known = std::ranges::find(deviceProfiles(), name, &DeviceProfile::name);
+  return {known == deviceProfiles().end() ? "replay" : known->name,
+          readNotNegative(in, "profile_max_force"), readNotNegative(in, "profile_max_stiffness"),
+          readNotNegative(in, "profile_workspace_radius")};
 }
 
 }  // namespace
 
 RecordedRun describeRun(const std::vector<const HapticModel*>& models, const HapticDevice& device,
                         const TickOptions& options) {
-  RecordedRun run;
+  PALPATE_ASSERT(!models.empty(), "a run touches something");
+  std::vector<RecordedModel> recorded;
   for (const HapticModel* model : models)
-    run.models.push_back({model->name(), model->file(), model->contentId()});
-  if (!models.empty()) run.methods = models.front()->methods();
-  const DeviceProfile profile = device.profile();
-  run.device = device.name();
-  run.profile = profile.name;
-  run.max_force = profile.max_force;
-  run.max_stiffness = profile.max_stiffness;
-  run.workspace_radius = profile.workspace_radius;
-  run.scene_frame = device.livesInScene();
-  run.options = options;
-  return run;
+    recorded.push_back({model->name(), model->file(), model->contentId()});
+  return {recorded,         models.front()->methods(), device.name(),
+          device.profile(), device.livesInScene(),     options};
 }
 
-bool Recording::complete() const {
-  for (std::size_t n = 0; n < times.size(); ++n)
-    if (std::llround(times[n] * rate) != static_cast<long long>(n) + 1) return false;
-  return true;
+struct Recorder::Columns {
+  decltype(makeColumns()) lists = makeColumns();
+};
+
+Recorder::Recorder(RecordedRun run) : run_(std::move(run)), columns_(std::make_unique<Columns>()) {
+  if (!(run_.options.period > 0))
+    throw failure("a recording needs a positive period, not {} s", run_.options.period);
 }
 
-Recorder::Recorder(RecordedRun run) {
-  if (!(run.options.period > 0))
-    throw failure("a recording needs a positive period, not {} s", run.options.period);
-  recording_.rate = 1 / run.options.period;
-  recording_.scene_frame = run.scene_frame;
-  recording_.run = std::move(run);
-}
+Recorder::Recorder(Recorder&&) noexcept = default;
+Recorder::~Recorder() = default;
 
 void Recorder::add(const HapticState& state) {
-  Recording& to = recording_;
-  if (!to.times.empty() && !(state.time > to.times.back()))
-    throw failure("recording: the state of {} s comes after that of {} s", state.time,
-                  to.times.back());
-  const Touch& touch = state.touch;
-  const Eigen::Vector3d nowhere = Eigen::Vector3d::Zero();
-  to.times.push_back(state.time);
-  to.positions.push_back(state.reading.position);
-  to.buttons.push_back(state.reading.buttons);
-  to.status.push_back(state.reading.status);
-  to.tools.push_back(state.tool);
-  to.forces.push_back(state.force);
-  to.raw_forces.push_back(touch.force);
-  to.touching.push_back(touch.touching ? 1 : 0);
-  to.anchors.push_back(touch.touching ? touch.anchor_position : nowhere);
-  to.displacements.push_back(touch.touching ? touch.displacement : nowhere);
-  to.energies.push_back(touch.energy);
-  to.error_bounds.push_back(touch.error_bound);
-  to.guards.push_back(state.guards);
-  to.models.push_back(state.model);
-  to.methods.push_back(state.method);
+  if (size_ > 0 && !(state.time > last_time_))
+    throw failure("recording: the state of {} s comes after that of {} s", state.time, last_time_);
+  PALPATE_ASSERT(at(state.model) < run_.models.size() && at(state.method) < run_.methods.size(),
+                 "a run switches between what it began with");
+  last_time_ = state.time;
+  ++size_;
+  const double tick = std::round(state.time / run_.options.period);
+  complete_ = complete_ && tick == static_cast<double>(size_);
+  std::apply([&](auto&... column) { (column.values.push_back(column.of(state)), ...); },
+             columns_->lists);
 }
 
 void Recorder::save(const std::filesystem::path& file) const {
@@ -256,12 +182,12 @@ void Recorder::save(const std::filesystem::path& file) const {
     Writer out(aside);
     for (const char* group : {"/device", "/tool", "/force", "/contact", "/workspace"})
       out.makeGroup(group);
-    out.setText("/", "format", format_word);
-    out.setIntegers("/", "format_version", std::span(&format_version, 1));
-    writeRun(out, recording_.run);
-    forEachList(recording_, [&out](const char* path, const auto& list, const char* unit) {
-      out.writeList(path, list, unit);
-    });
+    writeRun(out, run_);
+    std::apply(
+        [&](const auto&... column) {
+          (out.writeList(column.path, column.values, column.unit), ...);
+        },
+        columns_->lists);
     out.close();
   });
 }
@@ -270,16 +196,21 @@ Recording readRecording(const std::filesystem::path& file) {
   Reader in(file, recording_kind);
   checkFormat(in, file);
   in.findArrays();
-  Recording recording;
-  recording.run = readRun(in);
-  recording.rate = 1 / recording.run.options.period;
-  recording.scene_frame = recording.run.scene_frame;
-  const std::size_t rows = in.array("/time", hdf5::Element::float64, {hdf5::any_extent}).shape[0];
-  forEachList(recording, [&](const char* path, auto& list, const char*) {
-    using Entry = typename std::remove_reference_t<decltype(list)>::value_type;
-    list = in.readList<Entry>(path, rows);
-  });
-  checkValues(in, recording);
+  for (const hdf5::ArrayInfo& array : in.arrays()) in.verify(array);
+  const double period = readNotNegative(in, "period");
+  if (period <= 0) throw in.damaged("period", "is not positive");
+  const std::vector<std::int32_t> frame = in.integers("scene_frame");
+  if (frame != std::vector{0} && frame != std::vector{1})
+    throw in.damaged("scene_frame", "is neither 0 nor 1");
+  Recording recording{1 / period, frame[0] == 1, readProfile(in), {}};
+  const auto positions = in.readList<Eigen::Vector3d>("/device/position");
+  const auto buttons = in.readList<std::uint32_t>("/device/buttons", positions.size());
+  const auto status = in.readList<DeviceStatus>("/device/status", positions.size());
+  for (std::size_t tick = 0; tick < positions.size(); ++tick) {
+    if (status[tick] > DeviceStatus::lost)
+      throw in.damaged("/device/status", fmt::format("entry {} is no known status", tick));
+    recording.readings.push_back({positions[tick], buttons[tick], status[tick]});
+  }
   return recording;
 }
 

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
 
 namespace palpate {
@@ -98,7 +99,7 @@ class ShearedSegment {
     if (best.triangle >= 0 &&
         std::pair(best.fraction, best.triangle) <= std::pair(fraction, triangle))
       return;
-    best = {triangle, Eigen::Vector3d(u, v, w) / sum, fraction};
+    best = {{triangle, Eigen::Vector3d(u, v, w) / sum}, fraction};
   }
 
  private:
@@ -132,6 +133,9 @@ void SurfaceTree::setFaces(const std::vector<Eigen::Vector3d>& vertices,
   for (std::size_t n = 0; n < triangles.size(); ++n) {
     const Triangle& t = triangles[n];
     Face& face = faces_[n];
+    for (const std::int32_t corner : t)
+      PALPATE_ASSERT(corner >= 0 && at(corner) < vertices.size(),
+                     "triangles are of these vertices");
     for (std::size_t c = 0; c < 3; ++c) face.corners[c] = vertices[at(t[c])];
     face.normal =
         (face.corners[1] - face.corners[0]).cross(face.corners[2] - face.corners[0]).normalized();
@@ -151,6 +155,7 @@ void SurfaceTree::setFaces(const std::vector<Eigen::Vector3d>& vertices,
 
 /// Halves by the median of the centroids along the longest side of their box.
 std::int32_t SurfaceTree::build(std::int32_t first, std::int32_t count) {
+  PALPATE_ASSERT(count > 0, "no half of what is more than a leaf is empty");
   Eigen::AlignedBox3d box, centroids;
   const auto centroidOf = [this](std::int32_t triangle) {
     const std::array<Eigen::Vector3d, 3>& corners = faces_[at(triangle)].corners;
@@ -230,15 +235,13 @@ NearestPoint SurfaceTree::nearest(const Eigen::Vector3d& point, std::int32_t hin
 
   best.distance = std::sqrt(best_squared);
   const Face& face = faces_[at(best.triangle)];
-  const std::array<bool, 3> zero = {best.barycentric[0] == 0, best.barycentric[1] == 0,
-                                    best.barycentric[2] == 0};
-  const auto zeros = std::ranges::count(zero, true);
-  const auto which = [&](bool value) {
-    return static_cast<std::size_t>(std::ranges::find(zero, value) - zero.begin());
-  };
+  const auto zeros = (best.barycentric.array() == 0).count();
+  Eigen::Index edge = 0, vertex = 0;  // that it lies on, when it does
+  best.barycentric.minCoeff(&edge);
+  best.barycentric.maxCoeff(&vertex);
   const Eigen::Vector3d& normal = zeros == 0   ? face.normal
-                                  : zeros == 1 ? face.edge_normals[which(true)]
-                                               : face.vertex_normals[which(false)];
+                                  : zeros == 1 ? face.edge_normals[at(edge)]
+                                               : face.vertex_normals[at(vertex)];
   best.outside = (point - best.position).dot(normal) >= 0;
   return best;
 }

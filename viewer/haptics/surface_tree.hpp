@@ -10,10 +10,14 @@
 
 namespace palpate {
 
+/// A point of a surface: a triangle and barycentric coordinates of its corners (>= 0, sum 1).
+struct SurfacePoint {
+  std::int32_t triangle = -1;  ///< -1: none
+  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
+};
+
 /// The nearest point of a closed surface.
-struct NearestPoint {
-  std::int32_t triangle = -1;
-  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();      ///< >= 0, sum 1
+struct NearestPoint : SurfacePoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();         ///< m
   double distance = std::numeric_limits<double>::infinity();  ///< m, >= 0
   /// of the body, by the angle-weighted normal of the nearest face, edge or vertex
@@ -21,9 +25,7 @@ struct NearestPoint {
 };
 
 /// Where a segment enters a surface first.
-struct Crossing {
-  std::int32_t triangle = -1;  ///< -1: it does not
-  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
+struct Crossing : SurfacePoint {
   double fraction = 0;  ///< of the segment, 0..1
 };
 

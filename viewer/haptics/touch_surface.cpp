@@ -3,68 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
-#include <map>
 #include <queue>
 #include <utility>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
-#include "common/base/index.hpp"
 
 namespace palpate {
 namespace {
-
-struct WeightedEdge {
-  std::int32_t to;
-  double length;  ///< m
-};
-using EdgeGraph = std::vector<std::vector<WeightedEdge>>;
-
-EdgeGraph edgeGraph(const std::vector<Eigen::Vector3d>& vertices,
-                    const std::vector<Triangle>& triangles) {
-  EdgeGraph graph(vertices.size());
-  for (const Triangle& t : triangles)
-    for (std::size_t c = 0; c < 3; ++c) {
-      // The neighbour beyond an edge of a closed surface adds the other direction.
-      const std::int32_t from = t[c], to = t[(c + 1) % 3];
-      graph[at(from)].push_back({to, (vertices[at(to)] - vertices[at(from)]).norm()});
-    }
-  return graph;
-}
-
-struct VertexDistance {
-  std::int32_t vertex;
-  double distance;  ///< m
-};
-
-/// Dijkstra's: all vertices within `reach` of the sources along edges, nearest first.
-std::vector<VertexDistance> verticesWithin(const EdgeGraph& graph,
-                                           const std::vector<std::int32_t>& sources, double reach) {
-  using Item = std::pair<double, std::int32_t>;
-  std::priority_queue<Item, std::vector<Item>, std::greater<>> open;
-  std::map<std::int32_t, double> known;
-  for (const std::int32_t vertex : sources) {
-    known[vertex] = 0;
-    open.push({0, vertex});
-  }
-  std::vector<VertexDistance> settled;
-  while (!open.empty()) {
-    const auto [distance, vertex] = open.top();
-    open.pop();
-    if (distance > known[vertex]) continue;
-    settled.push_back({vertex, distance});
-    for (const WeightedEdge& edge : graph[at(vertex)]) {
-      const double through = distance + edge.length;
-      if (through > reach) continue;
-      const auto [place, is_new] = known.try_emplace(edge.to, through);
-      if (!is_new && place->second <= through) continue;
-      place->second = through;
-      open.push({through, edge.to});
-    }
-  }
-  return settled;
-}
 
 struct Candidate {
   std::int32_t space;
@@ -73,6 +19,7 @@ struct Candidate {
 
 /// In place: the nearest three at most, as weights that sum to 1.
 std::vector<SpaceWeight> sharesFrom(std::vector<Candidate>& candidates) {
+  PALPATE_ASSERT(!candidates.empty(), "a vertex out of every reach has no shares");
   std::ranges::sort(candidates, [](const Candidate& a, const Candidate& b) {
     return std::pair(a.distance, a.space) < std::pair(b.distance, b.space);
   });
@@ -171,20 +118,40 @@ void TouchSurface::setNeighbors() {
     neighbors_[at(opposite->second.first)][opposite->second.second] = place.first;
     edges.erase(opposite);
   }
-
-  std::vector<std::vector<std::int32_t>> around(vertices_.size());
+  around_.resize(vertices_.size());
   for (std::size_t n = 0; n < triangles_.size(); ++n)
     for (const std::int32_t vertex : triangles_[n])
-      around[at(vertex)].push_back(static_cast<std::int32_t>(n));
-  around_begins_ = {0};
-  for (const std::vector<std::int32_t>& triangles : around) {
-    around_.insert(around_.end(), triangles.begin(), triangles.end());
-    around_begins_.push_back(static_cast<std::int32_t>(around_.size()));
+      around_[at(vertex)].push_back(static_cast<std::int32_t>(n));
+}
+
+/// Dijkstra's: the vertices within `reach` (m) of the sources along edges, and how far away.
+std::map<std::int32_t, double> TouchSurface::distancesFrom(const std::vector<std::int32_t>& sources,
+                                                           double reach) const {
+  using Item = std::pair<double, std::int32_t>;
+  std::priority_queue<Item, std::vector<Item>, std::greater<>> open;
+  std::map<std::int32_t, double> distances;
+  for (const std::int32_t vertex : sources) {
+    distances[vertex] = 0;
+    open.push({0, vertex});
   }
+  while (!open.empty()) {
+    const auto [distance, vertex] = open.top();
+    open.pop();
+    if (distance > distances[vertex]) continue;
+    for (const std::int32_t triangle : trianglesAt(vertex))
+      for (const std::int32_t other : triangles_[at(triangle)]) {
+        const double through = distance + (vertices_[at(other)] - vertices_[at(vertex)]).norm();
+        if (through > reach) continue;
+        const auto [place, is_new] = distances.try_emplace(other, through);
+        if (!is_new && place->second <= through) continue;
+        place->second = through;
+        open.push({through, other});
+      }
+  }
+  return distances;
 }
 
 void TouchSurface::setShares(const std::vector<ActivePatch>& patches, double reach) {
-  const EdgeGraph graph = edgeGraph(vertices_, triangles_);
   std::vector<std::vector<Candidate>> candidates(vertices_.size());
   for (std::size_t s = 0; s < patches.size(); ++s) {
     const ActivePatch& patch = patches[s];
@@ -195,57 +162,30 @@ void TouchSurface::setShares(const std::vector<ActivePatch>& patches, double rea
       for (const std::int32_t vertex : patch.nodes)
         own_reach = std::max(own_reach, (vertices_[at(vertex)] - vertices_[at(patch.node)]).norm());
     }
-    for (const auto& [vertex, distance] : verticesWithin(graph, patch.nodes, own_reach))
+    for (const auto& [vertex, distance] : distancesFrom(patch.nodes, own_reach))
       candidates[at(vertex)].push_back({static_cast<std::int32_t>(s), distance, own_reach});
   }
-  shares_.resize(vertices_.size());
-  share_counts_.assign(vertices_.size(), 0);
-  for (std::size_t v = 0; v < vertices_.size(); ++v) {
-    if (candidates[v].empty()) continue;
-    const std::vector<SpaceWeight> shares = sharesFrom(candidates[v]);
-    std::ranges::copy(shares, shares_[v].begin());
-    share_counts_[v] = static_cast<std::int32_t>(shares.size());
-  }
+  for (std::vector<Candidate>& of_vertex : candidates)
+    shares_.push_back(of_vertex.empty() ? std::vector<SpaceWeight>() : sharesFrom(of_vertex));
 }
 
 void TouchSurface::setTouchable() {
-  corner_begins_ = {0};
+  PALPATE_ASSERT(shares_.size() == vertices_.size(), "every vertex has its shares, or none");
+  corner_shares_.resize(triangles_.size());
   std::vector<Triangle> touchable;
   for (std::size_t n = 0; n < triangles_.size(); ++n) {
     const Triangle& t = triangles_[n];
-    touchable_.push_back(
-        std::ranges::all_of(t, [this](std::int32_t v) { return share_counts_[at(v)] > 0; }));
-    if (touchable_.back()) {
-      touchable.push_back(t);
-      touch_triangles_.push_back(static_cast<std::int32_t>(n));
-      std::map<std::int32_t, Eigen::Vector3d> weights;
-      for (std::size_t c = 0; c < 3; ++c)
-        for (const SpaceWeight& share : sharesOf(t[c]))
-          weights.try_emplace(share.space, Eigen::Vector3d::Zero())
-              .first->second[static_cast<Eigen::Index>(c)] = share.weight;
-      for (const auto& [space, corners] : weights) corner_shares_.push_back({space, corners});
-    }
-    corner_begins_.push_back(static_cast<std::int32_t>(corner_shares_.size()));
+    if (!std::ranges::all_of(t, [this](std::int32_t v) { return !sharesOf(v).empty(); })) continue;
+    touchable.push_back(t);
+    touch_triangles_.push_back(static_cast<std::int32_t>(n));
+    std::map<std::int32_t, Eigen::Vector3d> weights;
+    for (std::size_t c = 0; c < 3; ++c)
+      for (const SpaceWeight& share : sharesOf(t[c]))
+        weights.try_emplace(share.space, Eigen::Vector3d::Zero())
+            .first->second[static_cast<Eigen::Index>(c)] = share.weight;
+    for (const auto& [space, corners] : weights) corner_shares_[n].push_back({space, corners});
   }
   touch_tree_ = SurfaceTree(vertices_, touchable);
-}
-
-std::int32_t TouchSurface::neighbor(std::int32_t triangle, int corner) const {
-  return neighbors_[at(triangle)][at(corner)];
-}
-
-std::span<const SpaceWeight> TouchSurface::sharesOf(std::int32_t vertex) const {
-  return {shares_[at(vertex)].data(), at(share_counts_[at(vertex)])};
-}
-
-std::span<const std::int32_t> TouchSurface::trianglesAt(std::int32_t vertex) const noexcept {
-  const std::size_t begin = at(around_begins_[at(vertex)]);
-  return {around_.data() + begin, at(around_begins_[at(vertex) + 1]) - begin};
-}
-
-std::span<const CornerShares> TouchSurface::cornerSharesOf(std::int32_t triangle) const noexcept {
-  const std::size_t begin = at(corner_begins_[at(triangle)]);
-  return {corner_shares_.data() + begin, at(corner_begins_[at(triangle) + 1]) - begin};
 }
 
 Eigen::Vector3d TouchSurface::position(const SurfacePoint& point) const noexcept {

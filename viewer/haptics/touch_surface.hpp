@@ -3,19 +3,15 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
+#include "common/base/index.hpp"
 #include "common/dataset/dataset.hpp"
 #include "viewer/haptics/surface_tree.hpp"
 
 namespace palpate {
-
-/// A point of the surface: a triangle and barycentric coordinates of its corners (>= 0, sum 1).
-struct SurfacePoint {
-  std::int32_t triangle = -1;  ///< -1: none
-  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
-};
 
 /// The share of one configuration space in a force.
 struct SpaceWeight {
@@ -59,37 +55,38 @@ class TouchSurface {
   explicit TouchSurface(const Dataset& dataset, double reach = 0);
 
   const std::vector<Eigen::Vector3d>& vertices() const { return vertices_; }  ///< rest positions, m
-  const std::vector<Triangle>& triangles() const {
-    return triangles_;
-  }  ///< into vertices(), outward
-  const std::vector<Eigen::Vector3d>& vertexNormals() const {
-    return normals_;
-  }  ///< unit, angle-weighted
-  bool touchable(std::int32_t triangle) const {
-    return touchable_[static_cast<std::size_t>(triangle)];
-  }
+  /// Into vertices(), outward.
+  const std::vector<Triangle>& triangles() const { return triangles_; }
+  /// Unit, angle-weighted.
+  const std::vector<Eigen::Vector3d>& vertexNormals() const { return normals_; }
+  bool touchable(std::int32_t triangle) const { return !cornerSharesOf(triangle).empty(); }
   /// The triangle beyond the edge opposite to a corner (0, 1, 2).
-  std::int32_t neighbor(std::int32_t triangle, int corner) const;
+  std::int32_t neighbor(std::int32_t triangle, int corner) const {
+    return neighbors_[at(triangle)][at(corner)];
+  }
   /// Shares of one vertex; empty where there is nothing to feel.
-  std::span<const SpaceWeight> sharesOf(std::int32_t vertex) const;
+  std::span<const SpaceWeight> sharesOf(std::int32_t vertex) const { return shares_[at(vertex)]; }
   /// The vertex of a space's active node; -1: it lies on no vertex of the surface.
   std::int32_t activeVertex(std::size_t space) const { return active_vertices_[space]; }
   /// m, of the edges at a vertex.
-  double longestEdgeAt(std::int32_t vertex) const {
-    return longest_edges_[static_cast<std::size_t>(vertex)];
-  }
+  double longestEdgeAt(std::int32_t vertex) const { return longest_edges_[at(vertex)]; }
 
   // Real time, all of these: they do not allocate, lock, throw or log.
-  std::span<const std::int32_t> trianglesAt(std::int32_t vertex) const noexcept;  ///< ascending
+  /// In ascending order.
+  std::span<const std::int32_t> trianglesAt(std::int32_t vertex) const noexcept {
+    return around_[at(vertex)];
+  }
   const Eigen::Vector3d& faceNormal(std::int32_t triangle) const noexcept {
-    return faces_[static_cast<std::size_t>(triangle)].normal;
+    return faces_[at(triangle)].normal;
   }
   /// 1/m; column c: gradient of the barycentric coordinate of corner c along the triangle.
   const Eigen::Matrix3d& barycentricGradients(std::int32_t triangle) const noexcept {
-    return faces_[static_cast<std::size_t>(triangle)].gradients;
+    return faces_[at(triangle)].gradients;
   }
   /// The spaces with a share in any corner, each once; empty where there is nothing to feel.
-  std::span<const CornerShares> cornerSharesOf(std::int32_t triangle) const noexcept;
+  std::span<const CornerShares> cornerSharesOf(std::int32_t triangle) const noexcept {
+    return corner_shares_[at(triangle)];
+  }
   Eigen::Vector3d position(const SurfacePoint& point) const noexcept;  ///< at rest, m
   /// unit, vertex normals interpolated
   Eigen::Vector3d normal(const SurfacePoint& point) const noexcept;
@@ -107,22 +104,20 @@ class TouchSurface {
   };
   void setFaces();
   void setNeighbors();
+  std::map<std::int32_t, double> distancesFrom(const std::vector<std::int32_t>& sources,
+                                               double reach) const;
   void setShares(const std::vector<ActivePatch>& patches, double reach);
   void setTouchable();
 
   std::vector<Eigen::Vector3d> vertices_, normals_;
   std::vector<Triangle> triangles_;
-  std::vector<Face> faces_;                             ///< per triangle
-  std::vector<std::array<std::int32_t, 3>> neighbors_;  ///< per triangle, by corner; -1: none
-  std::vector<std::int32_t> around_,
-      around_begins_;                          ///< triangles at the vertices, one after the other
-  std::vector<std::int32_t> active_vertices_;  ///< per space
-  std::vector<double> longest_edges_;          ///< per vertex
-  std::vector<std::array<SpaceWeight, most_spaces_of_vertex>> shares_;  ///< per vertex
-  std::vector<std::int32_t> share_counts_;                              ///< per vertex
-  std::vector<CornerShares> corner_shares_;  ///< of the triangles, one after the other
-  std::vector<std::int32_t> corner_begins_;  ///< per triangle, and one more
-  std::vector<bool> touchable_;
+  std::vector<Face> faces_;                               ///< per triangle
+  std::vector<std::array<std::int32_t, 3>> neighbors_;    ///< per triangle, by corner; -1: none
+  std::vector<std::vector<std::int32_t>> around_;         ///< triangles, per vertex
+  std::vector<std::int32_t> active_vertices_;             ///< per space
+  std::vector<double> longest_edges_;                     ///< per vertex
+  std::vector<std::vector<SpaceWeight>> shares_;          ///< per vertex
+  std::vector<std::vector<CornerShares>> corner_shares_;  ///< per triangle; none: not touchable
   SurfaceTree tree_;
   SurfaceTree touch_tree_;                     ///< of the touchable triangles
   std::vector<std::int32_t> touch_triangles_;  ///< their numbers

@@ -7,7 +7,10 @@
 #include <algorithm>
 #include <array>
 
+#include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
 #include "viewer/picture/coin.hpp"
+#include "viewer/plot/round_numbers.hpp"
 
 namespace palpate {
 namespace {
@@ -18,14 +21,38 @@ constexpr Colour rim_colour = {0.16F, 0.18F, 0.24F, 1};
 constexpr Colour ghost_lines = {0.12F, 0.22F, 0.42F, 0.40F},
                  ghost_fill = {0.45F, 0.62F, 0.90F, 0.16F};
 
+constexpr double ghost_share = 0.01;  // of the sphere's radius: shorter displacements have no ghost
+
+FramedSphere sphereAround(const std::vector<Eigen::Vector3d>& vertices) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& vertex : vertices) box.extend(vertex);
+  FramedSphere sphere{box.center(), 0};
+  for (const Eigen::Vector3d& vertex : vertices)
+    sphere.radius = std::max(sphere.radius, (vertex - sphere.centre).norm());
+  return sphere;
+}
+
+std::vector<bool> touchableTriangles(const TouchSurface& surface) {
+  std::vector<bool> touchable(surface.triangles().size());
+  for (std::size_t t = 0; t < touchable.size(); ++t)
+    touchable[t] = surface.touchable(static_cast<std::int32_t>(t));
+  return touchable;
+}
+
 void drawElements(GLenum kind, std::span<const std::uint32_t> indices) {
   glDrawElements(kind, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, indices.data());
 }
 
 }  // namespace
 
-BodyView::BodyView(SurfaceShape shape)
-    : shape_(std::move(shape)), node_((startCoin(), new SoCallback)) {
+BodyView::BodyView(const HapticModel& model)
+    : model_(model),
+      sphere_(sphereAround(model.surface().vertices())),
+      shape_(model.surface().vertices(), model.surface().triangles(),
+             touchableTriangles(model.surface())),
+      deformed_(shape_.size()),
+      displacements_(3 * shape_.size()),
+      node_((startCoin(), new SoCallback)) {
   node_->ref();
   node_->setCallback(render, this);
   ghost_edges_.reserve(shape_.edges().size());
@@ -35,6 +62,41 @@ BodyView::BodyView(SurfaceShape shape)
 BodyView::~BodyView() {
   node_->setCallback(nullptr);
   node_->unref();
+}
+
+Eigen::Vector3d BodyView::bestView() const {
+  const TouchSurface& surface = model_.surface();
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (std::size_t t = 0; t < surface.triangles().size(); ++t) {
+    if (!surface.touchable(static_cast<std::int32_t>(t))) continue;
+    const Triangle& corners = surface.triangles()[t];
+    const auto vertex = [&](std::size_t n) -> const Eigen::Vector3d& {
+      return surface.vertices()[at(corners[n])];
+    };
+    normal += (vertex(1) - vertex(0)).cross(vertex(2) - vertex(0));
+  }
+  if (normal.norm() > 0) normal.normalize();
+  // From the side of the normal: an arrow toward the eye would be a dot.
+  const Eigen::Vector3d right = Eigen::Vector3d::UnitY().cross(normal);
+  return 0.8 * normal + 0.75 * right + 0.35 * Eigen::Vector3d::UnitY() +
+         0.25 * Eigen::Vector3d::UnitZ();
+}
+
+Eigen::Vector3d BodyView::originOf(std::size_t space) const {
+  const std::int32_t vertex = model_.surface().activeVertex(space);
+  return vertex < 0 ? sphere_.centre : model_.surface().vertices()[at(vertex)];
+}
+
+void BodyView::deform(const Touch& touch) {
+  PALPATE_ASSERT(!touch.touching || at(touch.anchor.triangle) < model_.surface().triangles().size(),
+                 "the touch is of this model");
+  deformed_.evaluate(model_, touch, displacements_);
+}
+
+void BodyView::shade() {
+  shape_.setDisplacements(displacements_);
+  if (shape_.largest() > full_colour_) full_colour_ = roundUp(shape_.largest());
+  shape_.setColours(full_colour_);
 }
 
 void BodyView::render(void* view, SoAction* action) {
@@ -90,7 +152,8 @@ void BodyView::drawRim() const {
 }
 
 void BodyView::drawGhost() {
-  const auto moved = [&](std::uint32_t vertex) { return shape_.length(vertex) > ghost_from_; };
+  const double least = ghost_share * sphere_.radius;
+  const auto moved = [&](std::uint32_t vertex) { return shape_.length(vertex) > least; };
   ghost_edges_.clear();
   for (std::size_t n = 0; n < shape_.edges().size(); n += 2)
     if (moved(shape_.edges()[n]) || moved(shape_.edges()[n + 1]))
@@ -103,6 +166,7 @@ void BodyView::drawGhost() {
   }
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  // What is translucent hides nothing that is drawn after it.
   glDepthMask(GL_FALSE);
   glVertexPointer(3, GL_FLOAT, 0, shape_.rest().data());
   glColor4fv(ghost_fill.data());

@@ -3,29 +3,44 @@
 #include <cstdint>
 #include <vector>
 
+#include "viewer/haptics/deformed_shape.hpp"
+#include "viewer/haptics/haptic_model.hpp"
 #include "viewer/picture/surface_shape.hpp"
+#include "viewer/picture/view_control.hpp"
 
 class SoAction;
 class SoCallback;
 
 namespace palpate {
 
-/// Draws a SurfaceShape: shaded, with a line around what can be touched and, where it is deformed,
-/// the shape at rest as a translucent ghost. A Coin node that draws vertex arrays: they change in
-/// every picture, for which Coin's own shapes would build their caches anew each time.
+/// All that is drawn of one model: its surface, shaded, with a line around what can be touched and,
+/// where it is deformed, the shape at rest as a translucent ghost. A Coin node that draws vertex
+/// arrays: they change in every picture, for which Coin's own shapes would build their caches anew
+/// each time. Belongs to the thread of the Window. The model must outlive it.
 class BodyView {
  public:
-  explicit BodyView(SurfaceShape shape);
+  explicit BodyView(const HapticModel& model);
   ~BodyView();
   BodyView(const BodyView&) = delete;
   BodyView& operator=(const BodyView&) = delete;
 
   SoCallback* node() const { return node_; }
-  SurfaceShape& shape() { return shape_; }
-  const SurfaceShape& shape() const { return shape_; }
+  const HapticModel& model() const { return model_; }
+  /// The ball around all vertices at rest, nearly the smallest.
+  const FramedSphere& sphere() const { return sphere_; }
+  /// m, at the end of the colours of the surface: a round number that grows with what was seen.
+  double fullColour() const { return full_colour_; }
+  /// From where the touchable surface is seen best, a direction of any length: along its mean
+  /// normal, and a little from above and beside it.
+  Eigen::Vector3d bestView() const;
+  /// Where the active node of a space is at rest, m.
+  Eigen::Vector3d originOf(std::size_t space) const;
+
   void showGhost(bool shown) { ghost_ = shown; }
-  /// Displacements shorter than this have no ghost, metres.
-  void setGhostFrom(double length) { ghost_from_ = length; }
+  /// The displacements of the surface in a touch of this model.
+  void deform(const Touch& touch);
+  /// Positions, normals and colours of what deform() said.
+  void shade();
 
  private:
   static void render(void* view, SoAction* action);
@@ -33,10 +48,14 @@ class BodyView {
   void drawRim() const;
   void drawGhost();
 
+  const HapticModel& model_;
+  FramedSphere sphere_;
   SurfaceShape shape_;
+  DeformedShape deformed_;
+  std::vector<float> displacements_;  ///< [vertex][axis], m
+  double full_colour_ = 0.005;
   SoCallback* node_;
   bool ghost_ = true;
-  double ghost_from_ = 1e-3;
   std::vector<std::uint32_t> ghost_edges_, ghost_corners_;  ///< what is drawn of the ghost
 };
 

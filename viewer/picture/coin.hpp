@@ -2,9 +2,11 @@
 
 #include <Inventor/SbVec3f.h>
 #include <Inventor/SoDB.h>
+#include <Inventor/nodes/SoSeparator.h>
 #include <Inventor/nodes/SoSwitch.h>
 
 #include <Eigen/Core>
+#include <initializer_list>
 
 namespace palpate {
 
@@ -17,6 +19,13 @@ inline void startCoin() {
 /// A vector as Coin takes it, in float32.
 inline SbVec3f coin(const Eigen::Vector3d& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
+/// A separator of these nodes, in order.
+inline SoSeparator* group(std::initializer_list<SoNode*> nodes) {
+  auto* made = new SoSeparator;
+  for (SoNode* node : nodes) made->addChild(node);
+  return made;
 }
 
 /// Shows all or nothing of what is below a switch. One that stands right is not touched: Coin would

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
-#include <cstddef>
+#include <algorithm>
+#include <deque>
 
 namespace palpate {
 
-/// The forces of the last seconds, for the plot. One thread; does not allocate.
+/// The forces of the last seconds, for the plot. One thread.
 class ForceHistory {
  public:
   static constexpr double span = 5;  ///< s that are kept
@@ -16,16 +16,25 @@ class ForceHistory {
   };
 
   /// The same time again adds nothing; an earlier one begins anew (another run).
-  void add(double time, const Eigen::Vector3d& force);
-  std::size_t size() const { return size_; }
-  /// 0: the oldest.
-  const Sample& at(std::size_t index) const { return samples_[(first_ + index) % samples_.size()]; }
-  const Sample& latest() const { return at(size_ - 1); }
-  double largest() const;  ///< N, of the lengths; 0 when empty
+  void add(double time, const Eigen::Vector3d& force) {
+    if (!samples_.empty() && time == samples_.back().time) return;
+    if (!samples_.empty() && time < samples_.back().time) samples_.clear();
+    samples_.push_back({time, force.cast<float>()});
+    while (samples_.front().time < time - span || samples_.size() > most_samples)
+      samples_.pop_front();
+  }
+  /// The oldest first.
+  const std::deque<Sample>& samples() const { return samples_; }
+  /// N, of the lengths; 0 when empty.
+  double largest() const {
+    float largest = 0;
+    for (const Sample& sample : samples_) largest = std::max(largest, sample.force.norm());
+    return largest;
+  }
 
  private:
-  std::array<Sample, 1024> samples_;  ///< 200 pictures per second
-  std::size_t first_ = 0, size_ = 0;
+  static constexpr std::size_t most_samples = 1024;  ///< 200 pictures per second
+  std::deque<Sample> samples_;
 };
 
 }  // namespace palpate

@@ -1,5 +1,3 @@
-#include "viewer/picture/force_plot.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "viewer/picture/panel_style.hpp"
+#include "viewer/picture/panels.hpp"
 #include "viewer/plot/round_numbers.hpp"
 
 namespace palpate {
@@ -60,14 +59,11 @@ void plotGrid(ImDrawList& draw, const PlotArea& area) {
 }
 
 void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& history) {
-  std::vector<ImVec2> points(history.size());
   for (std::size_t curve = 0; curve < curve_colours.size(); ++curve) {
-    for (std::size_t n = 0; n < history.size(); ++n) {
-      const ForceHistory::Sample& sample = history.at(n);
-      const float force =
-          curve < 3 ? sample.force[static_cast<Eigen::Index>(curve)] : sample.force.norm();
-      points[n] = area.at(sample.time, force);
-    }
+    std::vector<ImVec2> points;
+    for (const auto& [time, force] : history.samples())
+      points.push_back(
+          area.at(time, curve < 3 ? force[static_cast<Eigen::Index>(curve)] : force.norm()));
     // Whole widths: ImGui draws those with few triangles.
     draw.AddPolyline(points.data(), static_cast<int>(points.size()), curve_colours[curve],
                      ImDrawFlags_None, curve == 3 ? 2.0F : 1.0F);
@@ -96,7 +92,7 @@ void buildForcePlot(const ForceHistory& history, const Viewport& view) {
   const ImVec2 corner = ImGui::GetWindowPos();
   PlotArea area{{corner.x + margin_left, corner.y + margin_top},
                 {corner.x + width - margin_right, corner.y + height - margin_bottom}};
-  area.end = history.size() > 0 ? history.latest().time : 0;
+  area.end = history.samples().empty() ? 0 : history.samples().back().time;
   area.limit = std::max(headroom * history.largest(), smallest_limit);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   plotLegend(draw, {corner.x + legend_left, corner.y + legend_top});

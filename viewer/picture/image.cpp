@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 #include <stb_image_write.h>
 
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <string>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/replaced_file.hpp"
 
@@ -19,14 +18,11 @@ void appendBytes(void* bytes, void* data, int size) {
                                            static_cast<std::size_t>(size));
 }
 
-/// What errno says after a file could not be written.
-std::string causeOf(int error) {
-  return error == 0 ? "the system does not say why" : std::strerror(error);
-}
-
 }  // namespace
 
 void writePng(const Image& image, const std::filesystem::path& file) {
+  PALPATE_ASSERT(std::ssize(image.pixels) == std::ptrdiff_t{3} * image.width * image.height,
+                 "an image has all its pixels");
   std::string bytes;
   if (stbi_write_png_to_func(appendBytes, &bytes, image.width, image.height, 3, image.pixels.data(),
                              3 * image.width) == 0)
@@ -36,11 +32,12 @@ void writePng(const Image& image, const std::filesystem::path& file) {
     errno = 0;
     std::ofstream out(aside, std::ios::binary | std::ios::trunc);
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    // Before the question whether all went well: a full disk may show only now.
     out.close();
     if (!out)
       throw failure(
           "{}: cannot write the picture: {}; check the folder, its permissions and the space left",
-          file.string(), causeOf(errno));
+          file.string(), errno == 0 ? "no reason is given" : errnoText());
   });
 }
 
@@ -50,6 +47,7 @@ VideoFrames::VideoFrames(std::filesystem::path folder) : folder_(std::move(folde
   if (refused)
     throw failure("{}: cannot make the folder for frames: {}", folder_.string(), refused.message());
   for (const auto& entry : std::filesystem::directory_iterator(folder_, refused))
+    // Two runs in one folder would make a film of both.
     if (entry.path().filename().string().starts_with("frame-"))
       throw badInput("{} holds frames already ({}); name another folder, or empty this one",
                      folder_.string(), entry.path().filename().string());

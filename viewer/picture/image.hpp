@@ -10,12 +10,6 @@ namespace palpate {
 struct Image {
   int width = 0, height = 0;
   std::vector<std::uint8_t> pixels;  ///< height x width x 3: rows from the top, red, green, blue
-
-  /// The three bytes of a pixel; x from the left, y from the top.
-  const std::uint8_t* at(int x, int y) const {
-    return pixels.data() + 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                                static_cast<std::size_t>(x));
-  }
 };
 
 /// Writes a PNG file: aside as FILE.tmp, then renamed, so that FILE is the old one or whole. Error

@@ -21,6 +21,7 @@ struct LatticeDot {
 struct LatticeCut {
   int axis = 2;       ///< 0, 1, 2
   double offset = 0;  ///< m
+  bool operator==(const LatticeCut&) const = default;
 };
 
 /// The colour of a tag: expandable green, terminating orange, failed red, unknown grey.

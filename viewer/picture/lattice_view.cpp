@@ -6,9 +6,16 @@
 
 #include <cmath>
 
+#include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
 #include "viewer/picture/coin.hpp"
 
 namespace palpate {
+namespace {
+
+constexpr double dot_size = 4, dot_size_in_a_cut = 7;  // px
+
+}  // namespace
 
 LatticeView::LatticeView() : node_((startCoin(), new SoSwitch)), dots_(new SoCallback) {
   node_->ref();
@@ -37,11 +44,42 @@ void LatticeView::setDots(std::span<const LatticeDot> dots, const Eigen::Vector3
 
 void LatticeView::show(bool shown) { palpate::show(node_, shown); }
 
+void LatticeView::show(const BodyView& body, const HapticState& state, const ViewChoices& choices) {
+  if (state.model != model_) space_ = 0;
+  model_ = state.model;
+  double most = 0;
+  for (std::int32_t n = 0; state.touch.touching && n < state.touch.blend.size; ++n) {
+    const SpaceWeight& share = state.touch.blend.shares[at(n)];
+    if (share.weight > most) space_ = share.space;
+    most = std::max(most, share.weight);
+  }
+  PALPATE_ASSERT(at(space_) < body.model().spaces().size(), "the touch is of the model shown");
+  show(choices.lattice);
+  if (!choices.lattice) return;
+  const Key wanted{model_, choices.errors ? state.method : -1, space_,
+                   choices.cut ? std::optional(choices.plane) : std::nullopt};
+  // Thousands of dots, and most pictures change none of them.
+  if (wanted == filled_) return;
+  filled_ = wanted;
+  setDots(dotsOf(body.model()), body.originOf(at(space_)),
+          choices.cut ? dot_size_in_a_cut : dot_size);
+}
+
+std::vector<LatticeDot> LatticeView::dotsOf(const HapticModel& model) {
+  const SpaceTable& table = model.spaces()[at(space_)];
+  const std::int32_t method = filled_.method;
+  if (method < 0) return tagDots(table, filled_.cut);
+  auto [found, added] = errors_.try_emplace({model_, method, space_});
+  if (added) found->second = cellErrors(table, model.field(at(method), at(space_)));
+  return errorDots(found->second, table.lattice.spacing(), filled_.cut);
+}
+
 void LatticeView::render(void* view, SoAction* action) {
   if (!action->isOfType(SoGLRenderAction::getClassTypeId())) return;
   const auto& self = *static_cast<const LatticeView*>(view);
   glPushAttrib(GL_ENABLE_BIT | GL_POINT_BIT | GL_CURRENT_BIT);
   glPushClientAttrib(GL_CLIENT_VERTEX_ARRAY_BIT);
+  // In front of the body, whatever its depth: most points of a space lie inside of it.
   glClear(GL_DEPTH_BUFFER_BIT);
   glDisable(GL_LIGHTING);
   glDisable(GL_TEXTURE_2D);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 namespace {
 
@@ -23,8 +25,10 @@ void OrbitCamera::frame(const Eigen::Vector3d& centre, double radius, const Eige
 }
 
 void OrbitCamera::frame(const Eigen::Vector3d& centre, double radius, double aspect) {
+  PALPATE_ASSERT(radius > 0 && aspect > 0, "a body and a view have an extent");
   centre_ = framed_ = centre;
   radius_ = radius;
+  // In a narrow picture its width decides how far away a sphere fits.
   const double half = std::min(height_angle / 2, std::atan(std::tan(height_angle / 2) * aspect));
   distance_ = air * radius / std::sin(half);
 }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "viewer/haptics/haptic_state.hpp"
+#include "viewer/haptics/haptic_tick.hpp"
 #include "viewer/picture/force_history.hpp"
 #include "viewer/picture/guard_lamps.hpp"
 #include "viewer/picture/lattice_dots.hpp"
@@ -24,7 +24,7 @@ struct ViewChoices {
 /// A word or number in the view, beside a point of the scene.
 struct ViewLabel {
   Eigen::Vector3d at = Eigen::Vector3d::Zero();  ///< m
-  std::string text;
+  std::string text;                              ///< empty: none
 };
 
 /// A dataset or method that can be switched to.
@@ -40,14 +40,14 @@ struct PanelContents {
   const ForceHistory& history;
   const GuardLamps& lamps;
   const OrbitCamera& camera;
-  const std::vector<int>& keys;     ///< Window::keys()
-  std::vector<Choice> models;       ///< the datasets
-  std::vector<Choice> methods;      ///< of the model in use
-  std::vector<std::string> spaces;  ///< names of the active nodes of the model in use
-  double full_colour = 0.01;        ///< m, end of the colours of the surface
-  double lattice_radius = 0.1;      ///< m
-  std::string lattice_name;         ///< of the space that is shown
-  std::vector<ViewLabel> labels;
+  const std::vector<int>& keys;          ///< Window::keys()
+  std::vector<Choice> models = {};       ///< the datasets
+  std::vector<Choice> methods = {};      ///< of the model in use
+  std::vector<std::string> spaces = {};  ///< names of the active nodes of the model in use
+  double full_colour = 0.01;             ///< m, end of the colours of the surface
+  double lattice_radius = 0.1;           ///< m
+  std::string lattice_name;              ///< of the space that is shown
+  ViewLabel label;                       ///< of the arrow
 };
 
 }  // namespace palpate

@@ -15,7 +15,4 @@ inline constexpr ImGuiWindowFlags fixed_panel =
     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBackground |
     ImGuiWindowFlags_NoBringToFrontOnFocus;
 
-/// Colours, paddings and spacings of all panels of the current ImGui context.
-void setPanelStyle();
-
 }  // namespace palpate

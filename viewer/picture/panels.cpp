@@ -6,16 +6,29 @@
 #include <algorithm>
 #include <cmath>
 
-#include "viewer/picture/force_plot.hpp"
 #include "viewer/picture/panel_style.hpp"
-#include "viewer/picture/side_panel.hpp"
-#include "viewer/picture/view_keys.hpp"
-#include "viewer/picture/view_overlay.hpp"
 
 namespace palpate {
 namespace {
 
 constexpr int side_width = 300, plot_height = 178;  // px
+
+/// Colours, paddings and spacings of all panels of the current ImGui context.
+void setPanelStyle() {
+  ImGui::StyleColorsLight();
+  ImGuiStyle& style = ImGui::GetStyle();
+  style.WindowRounding = style.WindowBorderSize = 0;
+  style.FrameRounding = 3;
+  style.WindowPadding = {14, 12};
+  style.ItemSpacing = {8, 5};
+  style.Colors[ImGuiCol_Text] = ImGui::ColorConvertU32ToFloat4(ink);
+  style.Colors[ImGuiCol_TextDisabled] = {0.42F, 0.45F, 0.51F, 1};
+  style.Colors[ImGuiCol_FrameBg] = {0.90F, 0.915F, 0.935F, 1};
+  style.Colors[ImGuiCol_Button] = {0.83F, 0.87F, 0.92F, 1};
+  style.Colors[ImGuiCol_ButtonHovered] = {0.70F, 0.80F, 0.92F, 1};
+  style.Colors[ImGuiCol_ButtonActive] = {0.55F, 0.71F, 0.90F, 1};
+  style.Colors[ImGuiCol_CheckMark] = {0.09F, 0.33F, 0.66F, 1};
+}
 
 /// The part of the window that panels leave free, in ImGui's units.
 Viewport layout() {
@@ -33,6 +46,7 @@ Viewport layout() {
 Panels::Panels(GLFWwindow* window) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
+  // Panels lie where layout() puts them: nothing is worth a file in the folder of the person.
   ImGui::GetIO().IniFilename = nullptr;
   ImGui::GetIO().ConfigFlags |= ImGuiConfigFlags_NoMouseCursorChange;
   setPanelStyle();

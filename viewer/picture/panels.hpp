@@ -27,4 +27,24 @@ class Panels {
   void render();
 };
 
+// What Panels::build() puts together, a source each. view: what the panels leave free, in ImGui's
+// units.
+
+/// What the keys and the mouse do, a line each, for the person.
+extern const char* const key_help;
+/// Changes `view` and adds to `requests` as the keys ask that went down since the last picture. A
+/// dataset or method that is not prepared yet is passed over.
+void obeyKeys(const PanelContents& contents, ViewChoices& view, PictureRequests& requests);
+/// The panel at the right of the view, from top to bottom of the window: choices, and the numbers
+/// of touch, guards, loop and lattice. Changes `chosen` and adds to `requests` as the person
+/// clicks.
+void buildSidePanel(const PanelContents& contents, const Viewport& view, ViewChoices& chosen,
+                    PictureRequests& requests);
+/// The panel below the view: the force of the last ForceHistory::span seconds, its components and
+/// its length.
+void buildForcePlot(const ForceHistory& history, const Viewport& view);
+/// What lies over the view: a label, legends, what must be said, the help.
+void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
+                     const Viewport& view);
+
 }  // namespace palpate

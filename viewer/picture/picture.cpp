@@ -11,9 +11,8 @@
 #include <cmath>
 
 #include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
 #include "viewer/picture/panels.hpp"
-#include "viewer/picture/shown_lattice.hpp"
-#include "viewer/picture/shown_model.hpp"
 #include "viewer/picture/stage.hpp"
 #include "viewer/picture/view_control.hpp"
 #include "viewer/picture/window.hpp"
@@ -36,28 +35,28 @@ struct Picture::Impl {
       : options(chosen),
         window("Palpate", chosen.width, chosen.height, chosen.visible, chosen.vsync),
         panels(window.handle()) {
-    for (const HapticModel* each : models) shown.push_back(std::make_unique<ShownModel>(*each));
+    for (const HapticModel* each : models) shown.push_back(std::make_unique<BodyView>(*each));
     stage = std::make_unique<Stage>(shown.front()->sphere().radius);
     view.ghost = options.ghost;
     view.lattice = options.lattice;
   }
 
   PictureRequests draw(const HapticState& state, const PictureStatus& status);
-  ShownModel& inUse() const { return *shown[static_cast<std::size_t>(model)]; }
+  BodyView& inUse() const { return *shown[at(model)]; }
   void use(std::int32_t model);
   void frameAll();
   MouseMotion mouse(const Viewport& viewport) const;
   void showBody(const Touch& touch);
   void showTool(const HapticState& state, const PictureStatus& status);
   PanelContents contents(const HapticState& state, const PictureStatus& status) const;
-  std::vector<ViewLabel> labels(const HapticState& state) const;
+  ViewLabel labelOf(const HapticState& state) const;
   void render();
   void measured(double& cost);
 
   PictureOptions options;
   Window window;
   Panels panels;
-  std::vector<std::unique_ptr<ShownModel>> shown;  ///< as HapticState::model counts
+  std::vector<std::unique_ptr<BodyView>> shown;  ///< as HapticState::model counts
   std::unique_ptr<Stage> stage;
   ViewControl control;
   ViewChoices view;
@@ -69,15 +68,14 @@ struct Picture::Impl {
   Viewport viewport;        ///< of the last picture
   bool drawn = false;
   Eigen::Vector3d arrow_tip = Eigen::Vector3d::Zero();
-  ShownLattice lattice;
 };
 
 void Picture::Impl::use(std::int32_t number) {
   if (number == model) return;
   const bool first = model < 0;
   model = number;
-  ShownModel& now = inUse();
-  stage->setBody(&now.body());
+  BodyView& now = inUse();
+  stage->setBody(now);
   if (!first) return;  // the person keeps the view while materials change
   const Viewport all = panels.view();
   stage->camera().frame(now.sphere().centre, now.sphere().radius, now.bestView(),
@@ -111,7 +109,7 @@ void Picture::Impl::showBody(const Touch& touch) {
   inUse().deform(touch);
   measured(costs.shape);
   inUse().shade();
-  inUse().body().showGhost(view.ghost);
+  inUse().showGhost(view.ghost);
   measured(costs.arrays);
 }
 
@@ -123,36 +121,30 @@ void Picture::Impl::showTool(const HapticState& state, const PictureStatus& stat
   const Eigen::Vector3d arrow = metres * state.force;
   tool.setArrow(arrow);
   arrow_tip = state.tool + arrow;
-  if (state.touch.touching)
-    tool.showAnchor(state.touch.anchor_position);
-  else
-    tool.hideAnchor();
+  tool.setAnchor(state.touch.anchor_position, state.touch.touching);
 }
 
-std::vector<ViewLabel> Picture::Impl::labels(const HapticState& state) const {
+ViewLabel Picture::Impl::labelOf(const HapticState& state) const {
   if (!state.touch.touching && state.force.norm() == 0) return {};
   std::string text = fmt::format("{:.2f} N", state.force.norm());
   if (state.touch.touching && std::isfinite(state.touch.error_bound))
     text += fmt::format(" \xC2\xB1 {:.2g} N", state.touch.error_bound);
-  return {{arrow_tip, text}};
+  return {arrow_tip, text};
 }
 
 PanelContents Picture::Impl::contents(const HapticState& state, const PictureStatus& status) const {
   const HapticModel& now = inUse().model();
-  const SpaceTable& table = now.spaces()[lattice.space()];
+  const SpaceTable& table = now.spaces()[at(stage->lattice().space())];
   PanelContents all{.state = state,
                     .status = status,
                     .history = history,
                     .lamps = lamps,
                     .camera = stage->camera(),
                     .keys = window.keys(),
-                    .models = {},
-                    .methods = {},
-                    .spaces = {},
                     .full_colour = inUse().fullColour(),
                     .lattice_radius = table.lattice.radius(),
                     .lattice_name = table.patch.name,
-                    .labels = labels(state)};
+                    .label = labelOf(state)};
   const auto method = static_cast<std::size_t>(state.method);
   for (const auto& each : shown)
     all.models.push_back({each->model().name(), each->model().preparedShare(method)});
@@ -164,6 +156,7 @@ PanelContents Picture::Impl::contents(const HapticState& state, const PictureSta
 
 void Picture::Impl::measured(double& cost) {
   if (!options.measure) return;
+  // Drawing goes on behind the calls: without this its time would count for a later part.
   glFinish();
   const double now = processorSeconds();
   cost = now - measured_until;
@@ -179,19 +172,21 @@ PictureRequests Picture::Impl::draw(const HapticState& state, const PictureStatu
   PictureRequests requests;
   window.poll();
   if (options.measure) measured_until = processorSeconds();
+  // Input is known from here on; what it asks for is drawn in this very picture.
   panels.begin();
   viewport = panels.view();
   const auto last = static_cast<std::int32_t>(shown.size()) - 1;
   use(std::clamp(state.model, 0, last));
   history.add(state.time, state.force);
   lamps.update(glfwGetTime(), state.guards, status.loop.guards);
+  // Before the mouse, which then moves what is framed.
   if (!ImGui::GetIO().WantTextInput && std::ranges::count(window.keys(), GLFW_KEY_F) > 0)
     frameAll();
   requests.mouse_target =
       control.apply(mouse(viewport), state.tool, inUse().sphere(), stage->camera());
   showBody(state.touch);
   showTool(state, status);
-  lattice.show(inUse(), state, view, stage->lattice());
+  stage->lattice().show(inUse(), state, view);
   panels.build(contents(state, status), view, requests);
   double layout = 0;
   measured(layout);

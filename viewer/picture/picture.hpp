@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "viewer/haptics/haptic_model.hpp"
-#include "viewer/haptics/haptic_state.hpp"
+#include "viewer/haptics/haptic_tick.hpp"
 #include "viewer/picture/image.hpp"
 #include "viewer/picture/picture_requests.hpp"
 #include "viewer/picture/picture_status.hpp"

@@ -1,5 +1,3 @@
-#include "viewer/picture/side_panel.hpp"
-
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
@@ -8,6 +6,7 @@
 #include <optional>
 
 #include "viewer/picture/panel_style.hpp"
+#include "viewer/picture/panels.hpp"
 
 namespace palpate {
 namespace {
@@ -58,6 +57,7 @@ std::optional<std::int32_t> choose(const char* label, const std::vector<Choice>&
     for (std::size_t n = 0; n < choices.size(); ++n) {
       const ImGuiSelectableFlags flags =
           choices[n].prepared < 1 ? ImGuiSelectableFlags_Disabled : ImGuiSelectableFlags_None;
+      // Two datasets may have the same name; what follows ## is not shown.
       const std::string entry = fmt::format("{}##{}", choices[n].name, n);
       if (ImGui::Selectable(entry.c_str(), n == now, flags) && n != now)
         chosen = static_cast<std::int32_t>(n);
@@ -169,7 +169,11 @@ void lampField(const GuardLamps& lamps) {
 }
 
 void loopNumbers(const PictureStatus& status) {
-  const LoopFigures& loop = status.loop;
+  const LoopStatistics& loop = status.loop;
+  const auto quantiles = [](const TimeHistogram& times) {
+    return fmt::format("{:<9} {}", microseconds(times.quantile(0.5)),
+                       microseconds(times.quantile(0.999)));
+  };
   heading("Loop");
   row("device", status.device.empty() ? "none" : status.device);
   if (loop.rate <= 0) return;
@@ -177,10 +181,8 @@ void loopNumbers(const PictureStatus& status) {
   ImGui::TextDisabled("%s", "");
   ImGui::SameLine(value_column);
   ImGui::TextDisabled("p50       p99.9");
-  row("period",
-      fmt::format("{:<9} {}", microseconds(loop.period_p50), microseconds(loop.period_p999)));
-  row("compute",
-      fmt::format("{:<9} {}", microseconds(loop.compute_p50), microseconds(loop.compute_p999)));
+  row("period", quantiles(loop.period));
+  row("compute", quantiles(loop.compute));
   row("missed", fmt::format("{} own, {} system", loop.missed_program, loop.missed_system));
   if (loop.halts > 0) row("halts", fmt::format("{}", loop.halts));
 }

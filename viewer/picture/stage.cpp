@@ -6,10 +6,10 @@
 #include <Inventor/nodes/SoCallback.h>
 #include <Inventor/nodes/SoDirectionalLight.h>
 #include <Inventor/nodes/SoPerspectiveCamera.h>
-#include <Inventor/nodes/SoSeparator.h>
 
 #include <array>
 
+#include "common/base/assertion.hpp"
 #include "viewer/picture/coin.hpp"
 
 namespace palpate {
@@ -58,24 +58,18 @@ SbRotation rotationTo(const Eigen::Matrix3d& axes) {
 
 Stage::Stage(double extent)
     : tool_(extent * tool_share),
-      root_(new SoSeparator),
       bodies_(new SoSeparator),
       coin_camera_(new SoPerspectiveCamera),
       key_(new SoDirectionalLight),
       fill_(new SoDirectionalLight) {
-  root_->ref();
+  PALPATE_ASSERT(extent > 0, "a body has an extent");
   auto* background = new SoCallback;
   background->setCallback(drawBackground);
   key_->intensity.setValue(0.62F);
   fill_->intensity.setValue(0.22F);
   coin_camera_->viewportMapping.setValue(SoCamera::LEAVE_ALONE);
-  root_->addChild(background);
-  root_->addChild(coin_camera_);
-  root_->addChild(key_);
-  root_->addChild(fill_);
-  root_->addChild(bodies_);
-  root_->addChild(lattice_.node());
-  root_->addChild(tool_.node());
+  root_ = group({background, coin_camera_, key_, fill_, bodies_, lattice_.node(), tool_.node()});
+  root_->ref();
   action_ = std::make_unique<SoGLRenderAction>(SbViewportRegion());
   // Caches of one window are not another's.
   action_->setCacheContext(SoGLCacheContextElement::getUniqueCacheContext());
@@ -83,9 +77,9 @@ Stage::Stage(double extent)
 
 Stage::~Stage() { root_->unref(); }
 
-void Stage::setBody(BodyView* body) {
+void Stage::setBody(BodyView& body) {
   bodies_->removeAllChildren();
-  if (body != nullptr) bodies_->addChild(body->node());
+  bodies_->addChild(body.node());
 }
 
 void Stage::placeCamera(const Viewport& viewport) {
@@ -110,6 +104,7 @@ void Stage::render(const Viewport& viewport) {
                            static_cast<short>(viewport.width), static_cast<short>(viewport.height));
   glPushAttrib(GL_ALL_ATTRIB_BITS);
   glPushClientAttrib(GL_CLIENT_ALL_ATTRIB_BITS);
+  // Clears the whole window: no clip rectangle of the panels may be left on.
   glDisable(GL_SCISSOR_TEST);
   glEnable(GL_DEPTH_TEST);
   glClearColor(panel_ground[0], panel_ground[1], panel_ground[2], 1);

@@ -31,8 +31,8 @@ class Stage {
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
 
-  /// The body that is drawn from now on; must outlive the stage or its replacement. nullptr: none.
-  void setBody(BodyView* body);
+  /// The body that is drawn from now on; must outlive the stage or its replacement.
+  void setBody(BodyView& body);
   ToolView& tool() { return tool_; }
   LatticeView& lattice() { return lattice_; }
   OrbitCamera& camera() { return camera_; }
@@ -46,9 +46,10 @@ class Stage {
   OrbitCamera camera_;
   ToolView tool_;
   LatticeView lattice_;
-  SoSeparator *root_, *bodies_;
+  SoSeparator* bodies_;
   SoPerspectiveCamera* coin_camera_;
   SoDirectionalLight *key_, *fill_;
+  SoSeparator* root_ = nullptr;
   std::unique_ptr<SoGLRenderAction> action_;
 };
 

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
 #include "viewer/plot/viridis.hpp"
 
 namespace palpate {
@@ -35,14 +36,17 @@ std::array<double, 3> greyed(const std::array<double, 3>& colour) {
 SurfaceShape::SurfaceShape(const std::vector<Eigen::Vector3d>& vertices,
                            const std::vector<Triangle>& triangles,
                            const std::vector<bool>& touchable)
-    : lengths_(vertices.size()), colours_(vertices.size()), touchable_(vertices.size(), false) {
+    : rest_(3, std::ssize(vertices)),
+      lengths_(vertices.size()),
+      colours_(vertices.size()),
+      touchable_(vertices.size(), false) {
   PALPATE_ASSERT(touchable.size() == triangles.size(), "each triangle can be touched, or not");
-  for (const Eigen::Vector3d& vertex : vertices)
-    for (int axis = 0; axis < 3; ++axis) rest_.push_back(static_cast<float>(vertex[axis]));
+  for (Eigen::Index v = 0; v < rest_.cols(); ++v) rest_.col(v) = vertices[at(v)].cast<float>();
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (const std::int32_t corner : triangles[t]) {
+      PALPATE_ASSERT(corner >= 0 && at(corner) < size(), "triangles are of these vertices");
       corners_.push_back(static_cast<std::uint32_t>(corner));
-      if (touchable[t]) touchable_[static_cast<std::size_t>(corner)] = true;
+      if (touchable[t]) touchable_[at(corner)] = true;
     }
   for (int level = 0; level < levels; ++level) {
     const std::array<double, 3> colour = viridis(static_cast<double>(level) / (levels - 1));
@@ -51,7 +55,6 @@ SurfaceShape::SurfaceShape(const std::vector<Eigen::Vector3d>& vertices,
   }
   setEdges(triangles, touchable);
   positions_ = rest_;
-  normals_.resize(rest_.size());
   setNormals();
   setColours(1);
 }
@@ -72,15 +75,14 @@ void SurfaceShape::setEdges(const std::vector<Triangle>& triangles,
 }
 
 void SurfaceShape::setDisplacements(std::span<const float> displacements) {
-  PALPATE_ASSERT(displacements.size() == rest_.size(), "every vertex has a displacement");
+  PALPATE_ASSERT(std::ssize(displacements) == rest_.size(), "every vertex has a displacement");
   largest_ = 0;
-  for (std::size_t vertex = 0; vertex < size(); ++vertex) {
+  for (Eigen::Index vertex = 0; vertex < rest_.cols(); ++vertex) {
     Eigen::Vector3f u(displacements.data() + 3 * vertex);
     if (!std::isfinite(u.squaredNorm())) u.setZero();
-    Eigen::Map<Eigen::Vector3f>(positions_.data() + 3 * vertex) =
-        Eigen::Map<const Eigen::Vector3f>(rest_.data() + 3 * vertex) + u;
-    lengths_[vertex] = u.norm();
-    largest_ = std::max(largest_, double{lengths_[vertex]});
+    positions_.col(vertex) = rest_.col(vertex) + u;
+    lengths_[at(vertex)] = u.norm();
+    largest_ = std::max(largest_, double{lengths_[at(vertex)]});
   }
   setNormals();
 }
@@ -95,19 +97,16 @@ void SurfaceShape::setColours(double full) {
 }
 
 void SurfaceShape::setNormals() {
-  const auto position = [this](std::uint32_t vertex) {
-    return Eigen::Map<const Eigen::Vector3f>(positions_.data() + 3 * std::size_t{vertex});
-  };
-  Eigen::Map<Eigen::Matrix3Xf> normals(normals_.data(), 3, static_cast<Eigen::Index>(size()));
-  normals.setZero();
+  normals_.setZero(3, positions_.cols());
   for (std::size_t t = 0; t < corners_.size(); t += 3) {
-    const Eigen::Vector3f a = position(corners_[t]);
+    const Eigen::Vector3f a = positions_.col(corners_[t]);
+    const Eigen::Vector3f ab = positions_.col(corners_[t + 1]) - a,
+                          ac = positions_.col(corners_[t + 2]) - a;
     // Twice the area long, which weights the sum.
-    const Eigen::Vector3f cross =
-        (position(corners_[t + 1]) - a).cross(position(corners_[t + 2]) - a);
-    for (std::size_t corner = t; corner < t + 3; ++corner) normals.col(corners_[corner]) += cross;
+    const Eigen::Vector3f cross = ab.cross(ac);
+    for (std::size_t corner = t; corner < t + 3; ++corner) normals_.col(corners_[corner]) += cross;
   }
-  for (auto normal : normals.colwise()) normal.normalize();
+  for (auto normal : normals_.colwise()) normal.normalize();
 }
 
 }  // namespace palpate

@@ -25,10 +25,10 @@ class SurfaceShape {
   /// Colours by the length of the displacements: viridis from 0 to `full` metres.
   void setColours(double full);
 
-  std::span<const float> rest() const { return rest_; }            ///< [vertex][axis], m
-  std::span<const float> positions() const { return positions_; }  ///< [vertex][axis], m
-  /// [vertex][axis], unit, weighted by area.
-  std::span<const float> normals() const { return normals_; }
+  // A column per vertex.
+  const Eigen::Matrix3Xf& rest() const { return rest_; }            ///< m
+  const Eigen::Matrix3Xf& positions() const { return positions_; }  ///< m
+  const Eigen::Matrix3Xf& normals() const { return normals_; }      ///< unit, weighted by area
   /// Bytes red, green, blue, alpha.
   std::span<const std::uint32_t> colours() const { return colours_; }
   /// Three vertices per triangle.
@@ -45,7 +45,8 @@ class SurfaceShape {
   void setEdges(const std::vector<Triangle>& triangles, const std::vector<bool>& touchable);
   void setNormals();
 
-  std::vector<float> rest_, positions_, normals_, lengths_;
+  Eigen::Matrix3Xf rest_, positions_, normals_;
+  std::vector<float> lengths_;
   std::vector<std::uint32_t> colours_, corners_, edges_, rim_;
   std::vector<std::uint32_t> vivid_, grey_;  ///< colours by level, touchable or not
   std::vector<bool> touchable_;              ///< by vertex

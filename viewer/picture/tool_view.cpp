@@ -7,12 +7,12 @@
 #include <Inventor/nodes/SoCone.h>
 #include <Inventor/nodes/SoCylinder.h>
 #include <Inventor/nodes/SoMaterial.h>
-#include <Inventor/nodes/SoSeparator.h>
 #include <Inventor/nodes/SoSphere.h>
 #include <Inventor/nodes/SoTransform.h>
 
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
 #include "viewer/picture/coin.hpp"
 
 namespace palpate {
@@ -30,6 +30,12 @@ SoMaterial* material(float red, float green, float blue) {
   return made;
 }
 
+SoSphere* sphere(double radius) {
+  auto* made = new SoSphere;
+  made->radius.setValue(static_cast<float>(radius));
+  return made;
+}
+
 SoSwitch* switchOver(SoNode* content) {
   auto* made = new SoSwitch;
   made->addChild(content);
@@ -39,66 +45,40 @@ SoSwitch* switchOver(SoNode* content) {
 
 }  // namespace
 
-ToolView::ToolView(double radius) : radius_(radius), node_((startCoin(), new SoSeparator)) {
+ToolView::ToolView(double radius)
+    : radius_(radius),
+      node_((startCoin(), new SoSeparator)),
+      tool_place_(new SoTransform),
+      arrow_place_(new SoTransform),
+      shaft_place_(new SoTransform),
+      head_place_(new SoTransform),
+      anchor_place_(new SoTransform),
+      thread_(new SoCallback) {
+  PALPATE_ASSERT(radius > 0, "the tool is drawn by its size");
   node_->ref();
   auto* complexity = new SoComplexity;
   complexity->value.setValue(0.5F);
   node_->addChild(complexity);
-  makeSphere();
-  makeArrow();
-  makeAnchor();
+  node_->addChild(tool_switch_ = switchOver(
+                      group({material(0.95F, 0.95F, 0.97F), tool_place_, sphere(radius)})));
+  auto* shaft = new SoCylinder;  // height 1 along y around the middle; scaled by its place
+  shaft->radius.setValue(static_cast<float>(shaft_radius * radius));
+  shaft->height.setValue(1);
+  auto* head = new SoCone;
+  head->bottomRadius.setValue(static_cast<float>(head_radius * radius));
+  head->height.setValue(static_cast<float>(head_length * radius));
+  node_->addChild(arrow_switch_ = switchOver(
+                      group({material(0.86F, 0.20F, 0.13F), arrow_place_,
+                             group({shaft_place_, shaft}), group({head_place_, head})})));
+  thread_->setCallback(drawThread, this);
+  node_->addChild(anchor_switch_ = switchOver(
+                      group({thread_, group({material(0.95F, 0.55F, 0.10F), anchor_place_,
+                                             sphere(anchor_radius * radius)})})));
 }
 
 ToolView::~ToolView() {
   thread_->setCallback(nullptr);
   node_->unref();
-}
-
-void ToolView::makeSphere() {
-  auto* group = new SoSeparator;
-  tool_place_ = new SoTransform;
-  auto* sphere = new SoSphere;
-  sphere->radius.setValue(static_cast<float>(radius_));
-  group->addChild(material(0.95F, 0.95F, 0.97F));
-  group->addChild(tool_place_);
-  group->addChild(sphere);
-  node_->addChild(tool_switch_ = switchOver(group));
-}
-
-void ToolView::makeArrow() {
-  auto* group = new SoSeparator;
-  group->addChild(material(0.86F, 0.20F, 0.13F));
-  group->addChild(arrow_place_ = new SoTransform);
-  auto* shaft = new SoSeparator;
-  shaft->addChild(shaft_place_ = new SoTransform);
-  auto* cylinder = new SoCylinder;  // height 1 along y around the middle; scaled by its place
-  cylinder->radius.setValue(static_cast<float>(shaft_radius * radius_));
-  cylinder->height.setValue(1);
-  shaft->addChild(cylinder);
-  group->addChild(shaft);
-  auto* head = new SoSeparator;
-  head->addChild(head_place_ = new SoTransform);
-  auto* cone = new SoCone;
-  cone->bottomRadius.setValue(static_cast<float>(head_radius * radius_));
-  cone->height.setValue(static_cast<float>(head_length * radius_));
-  head->addChild(cone);
-  group->addChild(head);
-  node_->addChild(arrow_switch_ = switchOver(group));
-}
-
-void ToolView::makeAnchor() {
-  auto* group = new SoSeparator;
-  thread_ = new SoCallback;
-  thread_->setCallback(drawThread, this);
-  group->addChild(thread_);
-  auto* point = new SoSeparator;
-  point->addChild(material(0.95F, 0.55F, 0.10F));
-  point->addChild(anchor_place_ = new SoTransform);
-  auto* sphere = new SoSphere;
-  sphere->radius.setValue(static_cast<float>(anchor_radius * radius_));
-  point->addChild(sphere);
-  group->addChild(point);
-  node_->addChild(anchor_switch_ = switchOver(group));
 }
 
 void ToolView::drawThread(void* view, SoAction* action) {
@@ -130,6 +110,7 @@ void ToolView::setArrow(const Eigen::Vector3d& arrow) {
   show(arrow_switch_, shown);
   if (!shown) return;
   arrow_place_->translation.setValue(coin(tool_));
+  // Shaft and head of Coin lie along y.
   arrow_place_->rotation.setValue(SbRotation(SbVec3f(0, 1, 0), coin(arrow / length)));
   const double head = std::min(head_length * radius_, 0.6 * length);
   const double shaft = length - head, head_scale = head / (head_length * radius_);
@@ -139,13 +120,12 @@ void ToolView::setArrow(const Eigen::Vector3d& arrow) {
   head_place_->scaleFactor.setValue(coin(Eigen::Vector3d::Constant(head_scale)));
 }
 
-void ToolView::showAnchor(const Eigen::Vector3d& anchor) {
-  show(anchor_switch_, anchor.allFinite());
-  if (!anchor.allFinite()) return;
+void ToolView::setAnchor(const Eigen::Vector3d& anchor, bool touching) {
+  const bool shown = touching && anchor.allFinite();
+  show(anchor_switch_, shown);
+  if (!shown) return;
   anchor_place_->translation.setValue(coin(anchor));
   anchor_ = anchor;
 }
-
-void ToolView::hideAnchor() { show(anchor_switch_, false); }
 
 }  // namespace palpate

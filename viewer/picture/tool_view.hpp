@@ -21,27 +21,22 @@ class ToolView {
   ToolView& operator=(const ToolView&) = delete;
 
   SoSeparator* node() const { return node_; }
-  double radius() const { return radius_; }
   /// Nothing is drawn of a tool that is not finite.
   void setTool(const Eigen::Vector3d& tool);
   /// arrow: from the tool to the tip, m; one shorter than the sphere is not drawn.
   void setArrow(const Eigen::Vector3d& arrow);
-  /// Where the material point in contact lies at rest.
-  void showAnchor(const Eigen::Vector3d& anchor);
-  void hideAnchor();
+  /// Where the material point in contact lies at rest; only while something is touched.
+  void setAnchor(const Eigen::Vector3d& anchor, bool touching);
 
  private:
   static void drawThread(void* view, SoAction* action);
-  void makeSphere();
-  void makeArrow();
-  void makeAnchor();
 
   double radius_;
   Eigen::Vector3d tool_ = Eigen::Vector3d::Zero(), anchor_ = Eigen::Vector3d::Zero();
   SoSeparator* node_;
-  SoSwitch *tool_switch_, *arrow_switch_, *anchor_switch_;
   SoTransform *tool_place_, *arrow_place_, *shaft_place_, *head_place_, *anchor_place_;
   SoCallback* thread_;
+  SoSwitch *tool_switch_, *arrow_switch_, *anchor_switch_;
 };
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-#include "viewer/picture/view_keys.hpp"
+#include "viewer/picture/panels.hpp"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -53,18 +54,6 @@ Window::~Window() {
   glfwTerminate();
 }
 
-int Window::width() const {
-  int width = 0;
-  glfwGetFramebufferSize(window_, &width, nullptr);
-  return width;
-}
-
-int Window::height() const {
-  int height = 0;
-  glfwGetFramebufferSize(window_, nullptr, &height);
-  return height;
-}
-
 bool Window::wantsClose() const { return glfwWindowShouldClose(window_) != GLFW_FALSE; }
 
 void Window::poll() {
@@ -75,9 +64,11 @@ void Window::poll() {
 void Window::swap() { glfwSwapBuffers(window_); }
 
 Image readPixels(int width, int height) {
+  PALPATE_ASSERT(width > 0 && height > 0, "a window has pixels");
   const std::size_t row = 3 * static_cast<std::size_t>(width),
                     rows = static_cast<std::size_t>(height);
   std::vector<std::uint8_t> upward(row * rows);
+  // Rows of three bytes a pixel are not padded to words.
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadBuffer(GL_BACK);
   glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, upward.data());

@@ -21,8 +21,6 @@ class Window {
   Window& operator=(const Window&) = delete;
 
   GLFWwindow* handle() const { return window_; }
-  int width() const;  ///< pixels of the drawn area, now
-  int height() const;
   bool wantsClose() const;
   void poll();  ///< takes in what person and system did since the last call
   /// Keys (GLFW_KEY_*) that went down before the last poll(), in order; short strokes count too.

@@ -49,8 +49,7 @@ TEST_F(DeviceChoice, TheDefaultIsAVirtualHandOutsideOfTheBody) {
 }
 
 TEST_F(DeviceChoice, TheDefaultPathPressesEachActiveNodeButNeverHarderThanAsked) {
-  const TouchPathOptions options;
-  const HandPath path = touchPath(model(), options);
+  const HandPath path = touchPath(model());
   EXPECT_TRUE(path.repeats());
   for (std::size_t s = 0; s < model().spaces().size(); ++s) {
     double pressed = 0;

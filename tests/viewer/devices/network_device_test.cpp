@@ -24,7 +24,7 @@ using ::testing::IsEmpty;
 /// A device here, and a client that it is lent to.
 class NetworkDeviceTest : public ::testing::Test {
  protected:
-  void serve() { server = std::make_unique<DeviceServer>(tray, DeviceServerOptions{endpoint}); }
+  void serve() { server = std::make_unique<DeviceServer>(tray, endpoint); }
   void connect() {
     endpoint = server->endpoint();
     device =

@@ -14,26 +14,22 @@ using test::expectBadInput;
 Recording threeTicks() {
   Recording recording;
   recording.rate = 1000;
-  recording.times = {0.001, 0.002, 0.003};
-  recording.positions = {{0.1, 0, 0}, {0.2, 0, 0}, {0.3, 0, 0}};
-  recording.buttons = {0, 1, 2};
-  recording.status = {DeviceStatus::fresh, DeviceStatus::lost, DeviceStatus::repeated};
+  recording.readings = {{{0.1, 0, 0}, 0, DeviceStatus::fresh},
+                        {{0.2, 0, 0}, 1, DeviceStatus::lost},
+                        {{0.3, 0, 0}, 2, DeviceStatus::repeated}};
   recording.scene_frame = true;
-  recording.run.profile = "omega";
-  recording.run.max_force = 12;
-  recording.run.max_stiffness = 5000;
-  recording.run.workspace_radius = 0.075;
+  recording.profile = {"omega", 12, 5000, 0.075};
   return recording;
 }
 
 TEST(ReplayDevice, GivesTheRecordedReadingsTickByTick) {
   const Recording recording = threeTicks();
   ReplayDevice device(recording, 1e-3, "run.h5");
-  for (std::size_t tick = 0; tick < recording.size(); ++tick) {
+  for (const DeviceReading& recorded : recording.readings) {
     const DeviceReading reading = device.read();
-    EXPECT_EQ(reading.position, recording.positions[tick]);
-    EXPECT_EQ(reading.buttons, recording.buttons[tick]);
-    EXPECT_EQ(reading.status, recording.status[tick]);
+    EXPECT_EQ(reading.position, recorded.position);
+    EXPECT_EQ(reading.buttons, recorded.buttons);
+    EXPECT_EQ(reading.status, recorded.status);
     device.write({1, 0, 0});
   }
 }

@@ -14,7 +14,7 @@ const DeviceProfile& touchProfile() { return deviceProfiles().front(); }
 HandPath resting() { return HandPath({{0, {0.01, 0.02, 0.03}}}); }
 
 TEST(VirtualHand, BeginsAtTheBeginningOfItsPath) {
-  VirtualHand hand(resting(), {}, touchProfile());
+  VirtualHand hand(resting(), 1e-3, touchProfile());
   const DeviceReading reading = hand.read();
   EXPECT_EQ(reading.position, Eigen::Vector3d(0.01, 0.02, 0.03));
   EXPECT_EQ(reading.status, DeviceStatus::fresh);
@@ -22,7 +22,7 @@ TEST(VirtualHand, BeginsAtTheBeginningOfItsPath) {
 }
 
 TEST(VirtualHand, GivesWayToAConstantForceByForceOverStiffness) {
-  VirtualHand hand(resting(), {}, touchProfile());
+  VirtualHand hand(resting(), 1e-3, touchProfile());
   Eigen::Vector3d position;
   for (int i = 0; i < 2000; ++i) {
     position = hand.read().position;
@@ -33,17 +33,18 @@ TEST(VirtualHand, GivesWayToAConstantForceByForceOverStiffness) {
 
 /// The step response of the damped oscillator, from its formula.
 TEST(VirtualHand, SwingsAsItsMassSpringAndDamperDo) {
-  const VirtualHandOptions options{.substeps = 64};
-  VirtualHand hand(HandPath({{0, {0, 0, 0}}}), options, touchProfile());
-  const double decay = options.damping / (2 * options.mass);
-  const double natural = std::sqrt(options.stiffness / options.mass);
+  constexpr int finer = 16;  // the formula has no steps
+  constexpr double period = 1e-3 / finer;
+  VirtualHand hand(HandPath({{0, {0, 0, 0}}}), period, touchProfile());
+  const double decay = VirtualHand::damping / (2 * VirtualHand::mass);
+  const double natural = std::sqrt(VirtualHand::stiffness / VirtualHand::mass);
   const double w = std::sqrt(natural * natural - decay * decay);
   hand.read();
   hand.write({1, 0, 0});
-  for (int i = 1; i <= 300; ++i) {
-    const double t = i * options.period;
+  for (int i = 1; i <= 300 * finer; ++i) {
+    const double t = i * period;
     const double expected =
-        1 / options.stiffness *
+        1 / VirtualHand::stiffness *
         (1 - std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t)));
     EXPECT_NEAR(hand.read().position.x(), expected, 2e-6) << t;
     hand.write({1, 0, 0});
@@ -52,7 +53,7 @@ TEST(VirtualHand, SwingsAsItsMassSpringAndDamperDo) {
 
 TEST(VirtualHand, FollowsItsPathCloselyWithoutForce) {
   VirtualHand hand(
-      HandPath({{0, {0, 0, 0}}, {1, {0.05, 0, 0}}, {2, {0, 0, 0}}}, HandPath::AtEnd::repeats), {},
+      HandPath({{0, {0, 0, 0}}, {1, {0.05, 0, 0}}, {2, {0, 0, 0}}}, HandPath::AtEnd::repeats), 1e-3,
       touchProfile());
   for (int i = 0; i < 5000; ++i)
     EXPECT_NEAR(hand.read().position.x(), hand.path().at(i * 1e-3).position.x(), 5e-4) << i;
@@ -60,7 +61,7 @@ TEST(VirtualHand, FollowsItsPathCloselyWithoutForce) {
 
 TEST(VirtualHand, GivesTheSameBitsForTheSameForces) {
   const auto trace = [] {
-    VirtualHand hand(HandPath({{0, {0, 0, 0}}, {0.3, {0.05, 0.01, 0}}}), {}, touchProfile());
+    VirtualHand hand(HandPath({{0, {0, 0, 0}}, {0.3, {0.05, 0.01, 0}}}), 1e-3, touchProfile());
     std::vector<Eigen::Vector3d> positions;
     for (int i = 0; i < 1000; ++i) {
       positions.push_back(hand.read().position);
@@ -72,7 +73,7 @@ TEST(VirtualHand, GivesTheSameBitsForTheSameForces) {
 }
 
 TEST(VirtualHand, FeelsNothingWhileHalted) {
-  VirtualHand pushed(resting(), {}, touchProfile());
+  VirtualHand pushed(resting(), 1e-3, touchProfile());
   const Eigen::Vector3d start = pushed.read().position;
   pushed.halt();
   for (int i = 0; i < 100; ++i) {
@@ -84,10 +85,10 @@ TEST(VirtualHand, FeelsNothingWhileHalted) {
   EXPECT_GT(pushed.read().position.x(), start.x());
 }
 
-TEST(VirtualHand, RefusesOptionsWithoutAStableMotion) {
-  test::expectBadInput([] { VirtualHand(resting(), {.mass = 0}, touchProfile()); }, {"mass"});
-  test::expectBadInput(
-      [] { VirtualHand(resting(), {.mass = 1e-6, .substeps = 1}, touchProfile()); }, {"too long"});
+TEST(VirtualHand, RefusesPeriodsWithoutAStableMotion) {
+  for (const double period : {0.0, -1e-3, 1.0, std::nan("")})
+    test::expectBadInput([&] { VirtualHand(resting(), period, touchProfile()); },
+                         {"period", "raise the rate"});
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "viewer/haptics/haptic_state.hpp"
+#include "viewer/haptics/haptic_tick.hpp"
 
 namespace palpate {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <thread>
 
-#include "viewer/haptics/haptic_state.hpp"
+#include "viewer/haptics/haptic_tick.hpp"
 
 namespace palpate {
 namespace {

@@ -61,24 +61,24 @@ TEST(ForceHistory, KeepsFiveSecondsAndBeginsAnewWhenTimeDoes) {
   ForceHistory history;
   for (int n = 0; n <= 600; ++n)
     history.add(n / 60.0, Eigen::Vector3d(0, n == 100 ? 9 : n * 1e-3, 0));
-  EXPECT_NEAR(history.at(0).time, 5, 1e-9);
-  EXPECT_NEAR(history.latest().time, 10, 1e-9);
+  EXPECT_NEAR(history.samples().front().time, 5, 1e-9);
+  EXPECT_NEAR(history.samples().back().time, 10, 1e-9);
   EXPECT_NEAR(history.largest(), 0.6, 1e-6) << "the 9 N are too long ago";
-  const std::size_t size = history.size();
+  const std::size_t size = history.samples().size();
   history.add(10, Eigen::Vector3d::Zero());
-  EXPECT_EQ(history.size(), size) << "the same tick twice";
+  EXPECT_EQ(history.samples().size(), size) << "the same tick twice";
   history.add(0.5, Eigen::Vector3d(3, 4, 0));
-  EXPECT_EQ(history.size(), 1U);
+  EXPECT_EQ(history.samples().size(), 1U);
   EXPECT_NEAR(history.largest(), 5, 1e-6);
 }
 
 TEST(ForceHistory, ForgetsTheOldestWhenPicturesComeTooFast) {
   ForceHistory history;
   for (int n = 0; n < 5000; ++n) history.add(1e-3 * n, Eigen::Vector3d::UnitX());
-  EXPECT_LE(history.size(), 1024U);
-  EXPECT_NEAR(history.latest().time, 4.999, 1e-9);
-  for (std::size_t n = 1; n < history.size(); ++n)
-    EXPECT_GT(history.at(n).time, history.at(n - 1).time);
+  EXPECT_LE(history.samples().size(), 1024U);
+  EXPECT_NEAR(history.samples().back().time, 4.999, 1e-9);
+  for (std::size_t n = 1; n < history.samples().size(); ++n)
+    EXPECT_GT(history.samples()[n].time, history.samples()[n - 1].time);
 }
 
 TEST(GuardLamps, StayLitForHalfASecondAndNoticeWhatActedBetweenPictures) {

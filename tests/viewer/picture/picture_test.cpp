@@ -21,6 +21,11 @@ bool isRed(Pixel p) { return p[0] > 110 && p[1] < 0.45 * p[0] && p[2] < 0.45 * p
 bool isPurple(Pixel p) { return p[2] > p[1] + 25 && p[0] > p[1] + 10 && p[2] < 170; }
 bool isYellow(Pixel p) { return p[0] > p[2] + 60 && p[1] > p[2] + 60; }
 
+/// The three bytes of a pixel; x from the left, y from the top.
+const std::uint8_t* pixelOf(const Image& image, int x, int y) {
+  return image.pixels.data() + 3 * (std::ptrdiff_t{y} * image.width + x);
+}
+
 /// How many pixels of the view, beside the panels and the legends, have a colour; and where, on
 /// average.
 struct Spot {
@@ -31,7 +36,7 @@ Spot find(const Image& image, const Colour& colour, int right = 980, int bottom 
   Spot spot;
   for (int y = 0; y < std::min(bottom, image.height); ++y)
     for (int x = 0; x < std::min(right, image.width); ++x)
-      if (colour(image.at(x, y))) {
+      if (colour(pixelOf(image, x, y))) {
         ++spot.count;
         spot.x += x;
         spot.y += y;
@@ -45,7 +50,7 @@ int differences(const Image& a, const Image& b, int right, int bottom) {
   int count = 0;
   for (int y = 0; y < bottom; ++y)
     for (int x = 0; x < right; ++x)
-      if (!std::equal(a.at(x, y), a.at(x, y) + 3, b.at(x, y))) ++count;
+      if (!std::equal(pixelOf(a, x, y), pixelOf(a, x, y) + 3, pixelOf(b, x, y))) ++count;
   return count;
 }
 
@@ -251,8 +256,8 @@ TEST_F(StageTest, DrawsDotsWhereTheyAreInTheirColours) {
   const auto at = [&](const Image& image, const LatticeDot& dot) {
     const Eigen::Vector3d place =
         stage.camera().project(dot.displacement + Eigen::Vector3d(0, 0.01, 0));
-    Pixel p =
-        image.at(static_cast<int>(200 + 400 * place.x()), static_cast<int>(200 - 400 * place.y()));
+    Pixel p = pixelOf(image, static_cast<int>(200 + 400 * place.x()),
+                      static_cast<int>(200 - 400 * place.y()));
     return std::array<double, 3>{static_cast<double>(p[0]), static_cast<double>(p[1]),
                                  static_cast<double>(p[2])};
   };

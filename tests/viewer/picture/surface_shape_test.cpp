@@ -43,10 +43,9 @@ TEST(SurfaceShape, HasTheNormalsOfTheDeformedSurface) {
   shape.setDisplacements(u);
   const Eigen::Vector3f expected = Eigen::Vector3f(-0.3F, 0, 1).normalized();
   for (std::size_t n = 0; n < shape.size(); ++n) {
-    EXPECT_NEAR(
-        (Eigen::Map<const Eigen::Vector3f>(shape.normals().data() + 3 * n) - expected).norm(), 0,
-        1e-5);
-    EXPECT_FLOAT_EQ(shape.positions()[3 * n + 2], u[3 * n + 2]);
+    const auto column = static_cast<Eigen::Index>(n);
+    EXPECT_NEAR((shape.normals().col(column) - expected).norm(), 0, 1e-5);
+    EXPECT_FLOAT_EQ(shape.positions()(2, column), u[3 * n + 2]);
   }
 }
 
@@ -85,7 +84,7 @@ TEST(SurfaceShape, TakesWhatIsNotFiniteForAtRest) {
   shape.setDisplacements(u);
   shape.setColours(0.01);
   EXPECT_EQ(shape.largest(), 0);
-  for (std::size_t i = 0; i < u.size(); ++i) EXPECT_EQ(shape.positions()[i], shape.rest()[i]);
+  EXPECT_EQ(shape.positions(), shape.rest());
 }
 
 TEST(SurfaceShape, RefusesSizesThatDoNotFit) {
