@@ -1,9 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <optional>
-#include <string>
-#include <string_view>
 #include <zmq.hpp>
 
 #include "common/space/configuration.hpp"
