@@ -69,8 +69,8 @@ Verb viewVerb() {
             ->check(CLI::IsMember(forceFieldMethods()))
             ->capture_default_str();
         app.add_option("--contact", *contact, "How the tool touches; default: what the scene says")
-            ->check(CLI::IsMember(
-                std::vector<std::string>(contactWords().begin(), contactWords().end())));
+            ->check(CLI::IsMember(std::vector<std::string>(words_of<ContactMode>.begin(),
+                                                           words_of<ContactMode>.end())));
         app.add_option("--friction", options->friction,
                        "Coulomb's coefficient of unilateral contact")
             ->capture_default_str();

@@ -146,7 +146,7 @@ RecordedRun readRun(const Reader& in) {
   run.methods = readTexts(in, "methods");
   run.device = in.text("device");
   run.profile = in.text("profile");
-  const auto modes = contactWords();
+  const auto& modes = words_of<ContactMode>;
   const auto mode = std::find(modes.begin(), modes.end(), in.text("contact_mode"));
   if (mode == modes.end()) throw in.damaged("contact_mode", "is no known mode");
   const std::vector<std::int32_t> scene_frame = in.integers("scene_frame");
