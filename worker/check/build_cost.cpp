@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "common/base/assertion.hpp"
-#include "common/problem/storage.hpp"
-#include "common/space/lattice_cell.hpp"
+#include "common/space/lattice.hpp"
 
 namespace palpate {
 namespace {
