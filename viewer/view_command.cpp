@@ -56,7 +56,7 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
       ->check(CLI::IsMember(forceFieldMethods()))
       ->capture_default_str();
   app.add_option("--contact", *contact, "How the tool touches; default: what the scene says")
-      ->check(oneOf(contactWords()));
+      ->check(oneOf(words_of<ContactMode>));
   app.add_option("--friction", options->friction, "Coulomb's coefficient of unilateral contact")
       ->capture_default_str();
   app.add_option(

@@ -2,8 +2,6 @@
 
 #include <sodium.h>
 
-#include <cstring>
-
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -43,6 +41,7 @@ ContentId ContentId::of(std::string_view bytes) {
 std::optional<ContentId> ContentId::fromHex(std::string_view hex) {
   ContentId id;
   std::size_t length = 0;
+  // sodium_hex2bin alone would take fewer digits.
   if (hex.size() != 64 ||
       sodium_hex2bin(id.bytes_.data(), id.bytes_.size(), hex.data(), hex.size(), nullptr, &length,
                      nullptr) != 0 ||

@@ -45,7 +45,7 @@ class ContentHasher {
 /// The bytes of a contiguous array of plain values, for hashing and sending. Little-endian machines
 /// only.
 template <class T>
-std::string_view bytesOf(std::span<const T> values) {
+std::string_view bytesOf(std::span<T> values) {
   return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
 }
 

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -16,6 +17,7 @@ Eigen::Vector3d parse(const std::vector<std::string>& words, const std::string& 
   Eigen::Vector3d displacement;
   for (int i = 0; i < 3; ++i) {
     const std::string& word = words[i];
+    // from_chars takes no plus sign, people write one.
     const char* begin = word.data() + (word.starts_with('+') ? 1 : 0);
     const char* end = word.data() + word.size();
     const auto [stop, error] = std::from_chars(begin, end, displacement[i]);
@@ -80,6 +82,7 @@ void forEachDisplacement(const std::vector<std::string>& words, std::istream& in
 }
 
 bool looksLikeMillimetres(const Eigen::Vector3d& displacement, double workspace_radius) {
+  PALPATE_ASSERT(workspace_radius > 0, "Lattice::check refuses other workspaces");
   const double length = displacement.stableNorm();
   return length > far_beyond * workspace_radius && 1e-3 * length <= workspace_radius;
 }

@@ -1,5 +1,7 @@
 #include "common/base/nearest_word.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <vector>
 
@@ -27,6 +29,7 @@ std::size_t distance(std::string_view a, std::string_view b) {
 
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> words) {
   constexpr std::size_t longest_word = 64;
+  // The table of distances grows with the square; nobody misspells so long a word.
   if (word.size() > longest_word) return {};
   std::string_view nearest;
   std::size_t limit = std::max<std::size_t>(1, word.size() / 3) + 1;
@@ -38,13 +41,10 @@ std::string_view nearestWord(std::string_view word, std::span<const std::string_
   return nearest;
 }
 
-std::string listed(std::span<const std::string_view> words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (i > 0) text += i + 1 == words.size() ? " or " : ", ";
-    text += words[i];
-  }
-  return text;
+std::string listed(std::span<const std::string_view> words, std::string_view last) {
+  if (words.size() < 2) return words.empty() ? "" : std::string(words.front());
+  return fmt::format("{} {} {}", fmt::join(words.first(words.size() - 1), ", "), last,
+                     words.back());
 }
 
 }  // namespace palpate

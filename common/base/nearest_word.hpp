@@ -11,7 +11,7 @@ namespace palpate {
 /// that close.
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> words);
 
-/// `words` as text for messages: "a, b or c".
-std::string listed(std::span<const std::string_view> words);
+/// `words` as text for messages: "a, b or c"; `last` stands before the last one.
+std::string listed(std::span<const std::string_view> words, std::string_view last = "or");
 
 }  // namespace palpate

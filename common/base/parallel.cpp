@@ -20,6 +20,7 @@ void inParallel(std::size_t count, const std::function<void(std::size_t)>& task)
       }
   };
   {
+    // The braces join them before the error is looked at.
     std::vector<std::jthread> threads;
     const std::size_t wanted =
         std::min<std::size_t>(count, std::max(1U, std::thread::hardware_concurrency()));

@@ -9,7 +9,6 @@
 #include <csignal>
 #include <cstdint>
 #include <ctime>
-#include <string>
 #include <vector>
 
 namespace palpate {
@@ -31,6 +30,7 @@ void onInterrupt(int) {
 }
 
 void logToStderr(int verbosity) {
+  // stdout is for answers that other programs read.
   auto logger = spdlog::stderr_color_mt("palpate");
   logger->set_pattern("%Y-%m-%d %H:%M:%S %^%l%$ %v");
   spdlog::set_default_logger(logger);

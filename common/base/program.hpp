@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <functional>
 #include <span>
-#include <string>
 
 #include "common/base/error.hpp"
 
@@ -37,6 +36,8 @@ std::filesystem::path programBeside(const std::string& name);
 /// second: timeout(1) signals a process and then its group, and Ctrl-C in a terminal reaches
 /// children that are told to end by their parent too.
 bool interrupted();
+/// Makes interrupted() see signals from now on; to be called once, by the main thread. Error when
+/// the system refuses.
 void catchInterrupts();
 
 }  // namespace palpate

@@ -3,9 +3,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
-
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -14,6 +11,7 @@ namespace {
 void syncToDisk(const std::filesystem::path& path, int flags) {
   const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | flags);
   const bool synced = descriptor >= 0 && fsync(descriptor) == 0;
+  // close() may change it.
   const int reason = errno;
   if (descriptor >= 0) close(descriptor);
   if (!synced)
@@ -38,6 +36,7 @@ void replaceFile(const std::filesystem::path& file,
     std::filesystem::remove(aside, ignored);
     throw;
   }
+  // A rename is on disk only when its folder is.
   const std::filesystem::path folder = file.parent_path();
   syncToDisk(folder.empty() ? "." : folder, O_DIRECTORY);
 }

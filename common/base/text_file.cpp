@@ -1,7 +1,6 @@
 #include "common/base/text_file.hpp"
 
 #include <array>
-#include <cerrno>
 #include <fstream>
 #include <system_error>
 
@@ -11,6 +10,7 @@ namespace palpate {
 
 std::string readText(const std::filesystem::path& file, std::string_view what) {
   std::error_code error;
+  // A directory opens like a file and fails at the first read.
   if (std::filesystem::is_directory(file, error))
     throw badInput("{} {} is a directory", what, file.string());
   std::ifstream in(file, std::ios::binary);

@@ -5,9 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <string>
 #include <string_view>
-#include <utility>
 
 #include "common/base/error.hpp"
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <string_view>
 
 namespace palpate {
@@ -19,6 +20,10 @@ inline constexpr std::array<LengthUnit, 3> length_units = {
 /// A length in metres. Divides where 1 / metres_per_unit is whole, so that 20 mm are exactly the
 /// double 0.02 (2.5 mm too; of lengths like 134.4 mm, which are no doubles themselves, the last bit
 /// may differ).
-double toMetres(double length, double metres_per_unit);
+inline double toMetres(double length, double metres_per_unit) {
+  const double units_per_metre = std::round(1 / metres_per_unit);
+  return units_per_metre * metres_per_unit == 1 ? length / units_per_metre
+                                                : length * metres_per_unit;
+}
 
 }  // namespace palpate

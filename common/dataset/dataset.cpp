@@ -1,11 +1,9 @@
 #include "common/dataset/dataset.hpp"
 
+#include <algorithm>
+
 #include "common/base/assertion.hpp"
-#include "common/dataset/dataset_layout.hpp"
-#include "common/dataset/hdf5_reader.hpp"
-#include "common/dataset/stored_fields.hpp"
-#include "common/dataset/stored_mesh.hpp"
-#include "common/dataset/stored_spaces.hpp"
+#include "common/dataset/dataset_format.hpp"
 
 namespace palpate {
 namespace {
@@ -19,6 +17,7 @@ void refuseOtherFormats(const Reader& in, const std::string& file) {
                    file, layout::format);
   const std::vector<std::int32_t> version = in.integers(layout::version_attribute);
   if (version.size() != 2) throw in.damaged(layout::version_attribute, "is not (major, minor)");
+  // Before the newer ones, since only here there is something that the user can do.
   if (version[0] > 0 && version[0] < layout::oldest_major_version)
     throw badInput(
         "{}: has format version {}.{}, which is no longer read; "
@@ -50,6 +49,7 @@ Scene sceneIn(const Reader& in, const std::string& text, const std::string& file
 /// The scene, after the format and the content hash: what is read afterwards is what was sealed.
 std::string openedText(Reader& in, const std::string& file) {
   refuseOtherFormats(in, file);
+  // The attributes of the root say what the file is before anything else is believed.
   in.findArrays();
   std::string scene_toml = in.text(layout::scene_attribute);
   if (layout::contentHash(scene_toml, in.arrays()) != idIn(in, layout::content_attribute))
@@ -59,6 +59,18 @@ std::string openedText(Reader& in, const std::string& file) {
 }
 
 }  // namespace
+
+ContentId layout::contentHash(const std::string& scene_toml, std::vector<hdf5::ArrayInfo> arrays) {
+  std::ranges::sort(arrays, {}, &hdf5::ArrayInfo::path);
+  std::string text = fmt::format("scene_toml {}\n", ContentId::of(scene_toml).hex());
+  for (const hdf5::ArrayInfo& array : arrays) {
+    const std::string shape =
+        array.shape.empty() ? "scalar" : fmt::format("{}", fmt::join(array.shape, "x"));
+    text += fmt::format("{} {} {} {}\n", array.path, hdf5::typeOf(array.element).name, shape,
+                        array.hash.hex());
+  }
+  return ContentId::of(text);
+}
 
 struct Dataset::Impl {
   explicit Impl(const std::filesystem::path& path)

@@ -1,12 +1,7 @@
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "common/problem/problem.hpp"
 #include "common/space/space_table.hpp"
@@ -45,14 +40,15 @@ class Dataset {
   Dataset(Dataset&&) noexcept;
   Dataset& operator=(Dataset&&) noexcept;
 
-  const std::filesystem::path& file() const;
+  const std::filesystem::path& file() const;  ///< as it was opened
   ContentId contentId() const;  ///< over all arrays and the scene: equal for equal results
   ContentId buildId() const;    ///< problemId of the problem it answers
-  const std::string& kernelFamily() const;
-  const std::string& sceneToml() const;  ///< resolved scene
-  const Scene& scene() const;
+  const std::string& kernelFamily() const;  ///< of the workers that computed it
+  const std::string& sceneToml() const;     ///< resolved scene
+  const Scene& scene() const;               ///< read from that text
   const Mesh& mesh() const;  ///< quadratic with P2 displacement; groups are not stored
   const std::vector<std::int32_t>& fixedNodes() const;  ///< sorted
+  /// One per active node, in the order of the scene.
   const std::vector<SpaceTable>& spaces() const;
   /// The vertices on the surface, sorted: what is seen.
   const std::vector<std::int32_t>& surfaceNodes() const;

@@ -1,13 +1,7 @@
-#include <array>
-
 #include "common/base/program.hpp"
 #include "common/base/replaced_file.hpp"
 #include "common/dataset/dataset.hpp"
-#include "common/dataset/dataset_layout.hpp"
-#include "common/dataset/hdf5_writer.hpp"
-#include "common/dataset/stored_fields.hpp"
-#include "common/dataset/stored_mesh.hpp"
-#include "common/dataset/stored_spaces.hpp"
+#include "common/dataset/dataset_format.hpp"
 #include "common/interpolation/branch_check.hpp"
 
 namespace palpate {
@@ -58,6 +52,7 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const std::vector<Sp
         continue;
       }
       const NodalFields values = fields(s, static_cast<std::int32_t>(n));
+      // What was solved and what is sealed may be weeks and a disk apart.
       if (values.id() != point.fields ||
           values.displacement.size() != 3 * problem.mesh.nodes.size() ||
           values.pressure.size() != pressureNodes(problem))
@@ -100,6 +95,7 @@ ContentId writeDataset(const std::filesystem::path& file, const Problem& problem
 }
 
 void verifySealed(const std::filesystem::path& file, const ContentId& written) {
+  // As every reader will open it, before it takes the place of an older one.
   const Dataset dataset(file);
   dataset.verifyAll();
   if (dataset.contentId() != written)
@@ -111,6 +107,7 @@ void verifySealed(const std::filesystem::path& file, const ContentId& written) {
 void sealDataset(const std::filesystem::path& file, const Problem& problem,
                  const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
                  const FieldsSource& fields) {
+  // Else the rename would fail after hours, with a worse message.
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
     throw badInput("{}: is a directory; give the dataset a file name", file.string());

@@ -1,5 +1,10 @@
 #include "common/dataset/hdf5_handle.hpp"
 
+#include <functional>
+#include <numeric>
+
+#include "common/base/assertion.hpp"
+
 namespace palpate::hdf5 {
 
 void silenceErrorStack() {
@@ -18,29 +23,33 @@ std::string lastError() {
 }
 
 ElementType typeOf(Element element) {
-  switch (element) {
-    case Element::uint8:
-      return {"uint8", 1, H5T_STD_U8LE};
-    case Element::int16:
-      return {"int16", 2, H5T_STD_I16LE};
-    case Element::int32:
-      return {"int32", 4, H5T_STD_I32LE};
-    case Element::float32:
-      return {"float32", 4, H5T_IEEE_F32LE};
-    case Element::float64:
-      return {"float64", 8, H5T_IEEE_F64LE};
-  }
-  return {"?", 0, H5I_INVALID_HID};
+  // Not constants: the macros open the library, which then numbers its types.
+  const std::array<ElementType, all_elements.size()> types = {{{"uint8", 1, H5T_STD_U8LE},
+                                                               {"int16", 2, H5T_STD_I16LE},
+                                                               {"int32", 4, H5T_STD_I32LE},
+                                                               {"float32", 4, H5T_IEEE_F32LE},
+                                                               {"float64", 8, H5T_IEEE_F64LE}}};
+  return types.at(static_cast<std::size_t>(element));
 }
 
 std::size_t countOf(const Shape& shape) {
-  std::size_t count = 1;
-  for (const hsize_t extent : shape) count *= extent;
-  return count;
+  return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
 }
 
 std::string describe(const Shape& shape) {
   return shape.empty() ? "scalar" : fmt::format("{}", fmt::join(shape, " x "));
+}
+
+Shape NamedFile::selectRows(const Handle& space, const ArrayInfo& info, hsize_t first,
+                            hsize_t count) const {
+  PALPATE_ASSERT(!info.shape.empty() && first + count <= info.shape[0], "callers know the shape");
+  Shape start(info.shape.size(), 0), counts = info.shape;
+  start[0] = first;
+  counts[0] = count;
+  check(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, counts.data(),
+                            nullptr),
+        info.path);
+  return counts;
 }
 
 }  // namespace palpate::hdf5

@@ -2,10 +2,7 @@
 
 #include <hdf5.h>
 
-#include <cstdint>
-#include <string>
-#include <string_view>
-#include <utility>
+#include <Eigen/Core>
 #include <vector>
 
 #include "common/base/content_id.hpp"
@@ -58,11 +55,14 @@ class Handle {
 
 /// The element types a dataset uses; all little-endian.
 enum class Element : std::uint8_t { uint8, int16, int32, float32, float64 };
+inline constexpr std::array all_elements = {Element::uint8, Element::int16, Element::int32,
+                                            Element::float32, Element::float64};
 struct ElementType {
   std::string_view name;  ///< "int32"
   std::size_t size;       ///< bytes
   hid_t id;               ///< a library constant, not to be closed
 };
+/// How values of an element lie in a file.
 ElementType typeOf(Element element);
 
 /// The one whose values are T's.
@@ -79,12 +79,65 @@ using Shape = std::vector<hsize_t>;        ///< extents, slowest first; empty fo
 std::size_t countOf(const Shape& shape);   ///< product of the extents
 std::string describe(const Shape& shape);  ///< "515 x 3"; "scalar"
 
+/// How one entry of a list lies in an array: so many numbers, `extents` slowest first.
+template <class NumberInFile, hsize_t... extents>
+struct Row {
+  using Number = NumberInFile;
+  static constexpr std::size_t size = (std::size_t{1} * ... * extents);
+  /// Of a list with so many rows.
+  static Shape shape(hsize_t rows) { return {rows, extents...}; }
+};
+
+using RowMajorMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+/// The row of a T, whose bytes are those of T in memory. Enumerators are their values; int32 holds
+/// the bits of uint32, which the file does not have.
+template <class T>
+struct Stored : Row<T> {};
+template <class T>
+requires std::is_enum_v<T>
+struct Stored<T> : Row<std::underlying_type_t<T>> {
+};
+template <>
+struct Stored<std::uint32_t> : Row<std::int32_t> {};
+template <std::size_t n>
+struct Stored<std::array<std::int32_t, n>> : Row<std::int32_t, n> {};
+template <>
+struct Stored<ContentId> : Row<std::uint8_t, 32> {};
+template <>
+struct Stored<Eigen::Vector3d> : Row<double, 3> {};
+template <>
+struct Stored<RowMajorMatrix3d> : Row<double, 3, 3> {};
+
 /// One array of a file and the hash of its bytes.
 struct ArrayInfo {
   std::string path;  ///< "/lattice/ijk"
   Element element = Element::uint8;
   Shape shape;
   ContentId hash;  ///< BLAKE2b-256 of the values, row-major, little-endian
+};
+
+/// The name of a file, and what becomes of HDF5's answers about it: what Reader and Writer share.
+class NamedFile {
+ public:
+  explicit NamedFile(std::string name) : name_(std::move(name)) { silenceErrorStack(); }
+  const std::string& name() const { return name_; }  ///< of the file, for errors
+
+  /// checked() of a call about this file.
+  template <class Result>
+  Result check(Result result, std::string_view what) const {
+    return checked(result, name_, what);
+  }
+  /// The identifier that a call returned, checked, in a handle that closes it.
+  Handle own(hid_t id, Handle::Close closer, std::string_view what) const {
+    return {check(id, what), closer};
+  }
+  /// Selects rows `first`, first + 1, ... of an array whose whole space is `space`, and
+  /// returns their shape.
+  Shape selectRows(const Handle& space, const ArrayInfo& info, hsize_t first, hsize_t count) const;
+
+ private:
+  std::string name_;
 };
 
 /// Name of the attribute that holds an array's hash as 64 hexadecimal digits.

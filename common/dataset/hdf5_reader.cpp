@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate::hdf5 {
 namespace {
 
@@ -22,9 +24,9 @@ void refuseWhatIsNoFile(const std::filesystem::path& file, const FileKind& kind)
 }
 
 bool isShape(const Shape& shape, const Shape& expected) {
-  return std::equal(
-      shape.begin(), shape.end(), expected.begin(), expected.end(),
-      [](hsize_t is, hsize_t wanted) { return wanted == any_extent || is == wanted; });
+  return std::ranges::equal(shape, expected, [](hsize_t is, hsize_t wanted) {
+    return wanted == any_extent || is == wanted;
+  });
 }
 
 /// Nodal fields, which are large, are read by rows, everything else whole.
@@ -57,113 +59,118 @@ std::string describeExpected(const Shape& expected) {
 }  // namespace
 
 Reader::Reader(const std::filesystem::path& file, const FileKind& kind)
-    : name_(file.string()), kind_(kind) {
-  silenceErrorStack();
+    : NamedFile(file.string()), kind_(kind) {
   refuseWhatIsNoFile(file, kind_);
-  const htri_t is_hdf5 = H5Fis_hdf5(name_.c_str());
-  if (is_hdf5 < 0) throw failure("{}: cannot be read: {}", name_, lastError());
+  const htri_t is_hdf5 = H5Fis_hdf5(name().c_str());
+  if (is_hdf5 < 0) throw failure("{}: cannot be read: {}", name(), lastError());
   if (is_hdf5 == 0)
-    throw badInput("{}: is not an HDF5 file, so not a Palpate {}", name_, kind_.noun);
-  const Handle access(check(H5Pcreate(H5P_FILE_ACCESS), "file access properties"), H5Pclose);
+    throw badInput("{}: is not an HDF5 file, so not a Palpate {}", name(), kind_.noun);
+  const Handle access = own(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file access properties");
   // A sealed file never changes, and locks fail on read-only network file systems.
   check(H5Pset_file_locking(access.get(), false, true), "file locking");
   check(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "close degree");
   file_ =
-      Handle(check(H5Fopen(name_.c_str(), H5F_ACC_RDONLY, access.get()), "truncated or damaged"),
-             H5Fclose);
+      own(H5Fopen(name().c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose, "truncated or damaged");
   check(H5Fget_filesize(file_.get(), &file_size_), "size");
 }
 
 Error Reader::damaged(std::string_view where, std::string_view why) const {
-  return failure("{}: {}: {}; {}", name_, where, why, kind_.remedy);
+  return failure("{}: {}: {}; {}", name(), where, why, kind_.remedy);
 }
 
 bool Reader::hasAttribute(const char* attribute) const {
   return check(H5Aexists(file_.get(), attribute), attribute) > 0;
 }
 
+/// An attribute that was opened, with what values lie in it.
+struct Reader::Attribute {
+  Attribute(const Reader& in, hid_t object, const char* attribute, std::string_view where)
+      : opened(in.own(H5Aopen(object, attribute, H5P_DEFAULT), H5Aclose, where)),
+        type(in.own(H5Aget_type(opened.get()), H5Tclose, where)),
+        space(in.own(H5Aget_space(opened.get()), H5Sclose, where)) {}
+
+  bool isScalar() const { return H5Sget_simple_extent_type(space.get()) == H5S_SCALAR; }
+  bool holds(Element element) const { return H5Tequal(type.get(), typeOf(element).id) > 0; }
+
+  Handle opened, type, space;
+};
+
 std::string Reader::text(const char* attribute) const {
   return text(file_.get(), attribute, attribute);
 }
 
 std::string Reader::text(hid_t object, const char* attribute, std::string_view where) const {
-  const Handle opened(check(H5Aopen(object, attribute, H5P_DEFAULT), where), H5Aclose);
-  const Handle type(check(H5Aget_type(opened.get()), where), H5Tclose);
-  const Handle space(check(H5Aget_space(opened.get()), where), H5Sclose);
-  if (H5Tget_class(type.get()) != H5T_STRING || check(H5Tis_variable_str(type.get()), where) > 0 ||
-      H5Sget_simple_extent_type(space.get()) != H5S_SCALAR)
+  const Attribute read(*this, object, attribute, where);
+  const hid_t type = read.type.get();
+  if (H5Tget_class(type) != H5T_STRING || check(H5Tis_variable_str(type), where) > 0 ||
+      !read.isScalar())
     throw damaged(where, "is not one fixed-length string");
-  const std::size_t size = H5Tget_size(type.get());
+  const std::size_t size = H5Tget_size(type);
   if (size == 0 || size > max_text_bytes) throw damaged(where, "text of impossible length");
   std::string value(size, '\0');
-  check(H5Aread(opened.get(), type.get(), value.data()), where);
+  check(H5Aread(read.opened.get(), type, value.data()), where);
+  // Padded with zeros, which are no part of the text.
   value.erase(value.find_last_not_of('\0') + 1);
   return value;
 }
 
 std::vector<std::int32_t> Reader::integers(const char* attribute) const {
-  const Handle opened(check(H5Aopen(file_.get(), attribute, H5P_DEFAULT), attribute), H5Aclose);
-  const Handle type(check(H5Aget_type(opened.get()), attribute), H5Tclose);
-  const Handle space(check(H5Aget_space(opened.get()), attribute), H5Sclose);
-  const hssize_t count = check(H5Sget_simple_extent_npoints(space.get()), attribute);
-  if (check(H5Tequal(type.get(), typeOf(Element::int32).id), attribute) == 0 || count > 1024)
+  const Attribute read(*this, file_.get(), attribute, attribute);
+  const hssize_t count = check(H5Sget_simple_extent_npoints(read.space.get()), attribute);
+  if (!read.holds(Element::int32) || count > 1024)
     throw damaged(attribute, "is not a short list of int32");
   std::vector<std::int32_t> values(static_cast<std::size_t>(count));
-  check(H5Aread(opened.get(), type.get(), values.data()), attribute);
+  check(H5Aread(read.opened.get(), read.type.get(), values.data()), attribute);
   return values;
 }
 
 double Reader::number(const char* attribute) const {
-  const Handle opened(check(H5Aopen(file_.get(), attribute, H5P_DEFAULT), attribute), H5Aclose);
-  const Handle type(check(H5Aget_type(opened.get()), attribute), H5Tclose);
-  const Handle space(check(H5Aget_space(opened.get()), attribute), H5Sclose);
-  if (check(H5Tequal(type.get(), typeOf(Element::float64).id), attribute) == 0 ||
-      H5Sget_simple_extent_type(space.get()) != H5S_SCALAR)
+  const Attribute read(*this, file_.get(), attribute, attribute);
+  if (!read.holds(Element::float64) || !read.isScalar())
     throw damaged(attribute, "is not one float64");
   double value = 0;
-  check(H5Aread(opened.get(), type.get(), &value), attribute);
+  check(H5Aread(read.opened.get(), read.type.get(), &value), attribute);
   return value;
 }
 
 void Reader::findArrays() {
-  std::vector<std::string> paths;
   const auto keep_datasets = [](hid_t, const char* path, const H5O_info_t* info,
                                 void* found) -> herr_t {
+    // Groups and named types hold nothing that is read.
     if (info->type == H5O_TYPE_DATASET)
       static_cast<std::vector<std::string>*>(found)->push_back("/" + std::string(path));
     return 0;
   };
+  std::vector<std::string> paths;
   check(
       H5Ovisit2(file_.get(), H5_INDEX_NAME, H5_ITER_NATIVE, keep_datasets, &paths, H5O_INFO_BASIC),
       "list of arrays");
-  std::sort(paths.begin(), paths.end());
+  // array() searches them.
+  std::ranges::sort(paths);
   for (const std::string& path : paths) arrays_.push_back(inspect(path));
 }
 
-ArrayInfo Reader::inspect(const std::string& path) const {
-  ArrayInfo info;
-  info.path = path;
-  const Handle dataset(check(H5Dopen2(file_.get(), path.c_str(), H5P_DEFAULT), path), H5Dclose);
+Handle Reader::openArray(const std::string& path) const {
+  return own(H5Dopen2(file_.get(), path.c_str(), H5P_DEFAULT), H5Dclose, path);
+}
 
-  const Handle type(check(H5Dget_type(dataset.get()), path), H5Tclose);
-  bool known = false;
-  for (const Element element :
-       {Element::uint8, Element::int16, Element::int32, Element::float32, Element::float64})
-    if (check(H5Tequal(type.get(), typeOf(element).id), path) > 0) {
-      info.element = element;
-      known = true;
-    }
-  if (!known)
+ArrayInfo Reader::inspect(const std::string& path) const {
+  const Handle array = openArray(path);
+  const Handle type = own(H5Dget_type(array.get()), H5Tclose, path);
+  const auto* const element = std::ranges::find_if(all_elements, [&](Element candidate) {
+    return check(H5Tequal(type.get(), typeOf(candidate).id), path) > 0;
+  });
+  if (element == all_elements.end())
     throw damaged(path, "is none of little-endian uint8, int16, int32, float32 and float64");
 
-  const Handle space(check(H5Dget_space(dataset.get()), path), H5Sclose);
+  const Handle space = own(H5Dget_space(array.get()), H5Sclose, path);
   const int rank = check(H5Sget_simple_extent_ndims(space.get()), path);
   if (rank > max_rank || H5Sget_simple_extent_type(space.get()) == H5S_NULL)
     throw damaged(path, "has no usable shape");
-  info.shape.resize(static_cast<std::size_t>(rank));
+  ArrayInfo info = {path, *element, Shape(static_cast<std::size_t>(rank)), {}};
   check(H5Sget_simple_extent_dims(space.get(), info.shape.data(), nullptr), path);
 
-  const Handle properties(check(H5Dget_create_plist(dataset.get()), path), H5Pclose);
+  const Handle properties = own(H5Dget_create_plist(array.get()), H5Pclose, path);
   const H5D_layout_t layout = check(H5Pget_layout(properties.get()), path);
   if (layout == H5D_VIRTUAL || check(H5Pget_external_count(properties.get()), path) > 0)
     throw damaged(path, "lies in another file");
@@ -174,16 +181,14 @@ ArrayInfo Reader::inspect(const std::string& path) const {
     throw damaged(path, "impossible shape " + describe(info.shape));
 
   const auto hash =
-      ContentId::fromHex(text(dataset.get(), hash_attribute, path + ": " + hash_attribute));
+      ContentId::fromHex(text(array.get(), hash_attribute, path + ": " + hash_attribute));
   if (!hash) throw damaged(path, "its blake2b attribute is not 64 hexadecimal digits");
   info.hash = *hash;
   return info;
 }
 
 const ArrayInfo& Reader::array(const std::string& path) const {
-  const auto found = std::lower_bound(
-      arrays_.begin(), arrays_.end(), path,
-      [](const ArrayInfo& info, const std::string& wanted) { return info.path < wanted; });
+  const auto found = std::ranges::lower_bound(arrays_, path, {}, &ArrayInfo::path);
   if (found == arrays_.end() || found->path != path) throw damaged(path, "is missing");
   return *found;
 }
@@ -205,14 +210,17 @@ std::size_t Reader::rowsOf(const std::string& path) const {
 }
 
 void Reader::readBytes(const ArrayInfo& info, std::span<std::byte> bytes) const {
-  const Handle dataset(check(H5Dopen2(file_.get(), info.path.c_str(), H5P_DEFAULT), info.path),
-                       H5Dclose);
+  PALPATE_ASSERT(bytes.size() == countOf(info.shape) * typeOf(info.element).size,
+                 "callers made room for the shape that array() gave them");
   if (!bytes.empty())
-    check(H5Dread(dataset.get(), typeOf(info.element).id, H5S_ALL, H5S_ALL, H5P_DEFAULT,
-                  bytes.data()),
+    check(H5Dread(openArray(info.path).get(), typeOf(info.element).id, H5S_ALL, H5S_ALL,
+                  H5P_DEFAULT, bytes.data()),
           info.path);
-  if (ContentId::of(bytesOf(std::span<const std::byte>(bytes))) != info.hash)
-    throw damaged(info.path, "its values do not match its blake2b hash");
+  checkHash(info, ContentId::of(bytesOf(bytes)));
+}
+
+void Reader::checkHash(const ArrayInfo& info, const ContentId& hash) const {
+  if (hash != info.hash) throw damaged(info.path, "its values do not match its blake2b hash");
 }
 
 void Reader::readRowBytes(const ArrayInfo& info, std::size_t first,
@@ -222,20 +230,14 @@ void Reader::readRowBytes(const ArrayInfo& info, std::size_t first,
   if (n_rows * row_bytes != bytes.size() || first + n_rows > info.shape.at(0))
     throw damaged(info.path, "has no such rows");
   if (bytes.empty()) return;
-  const Handle dataset(check(H5Dopen2(file_.get(), info.path.c_str(), H5P_DEFAULT), info.path),
-                       H5Dclose);
-  const Handle file_space(check(H5Dget_space(dataset.get()), info.path), H5Sclose);
-  Shape start(info.shape.size(), 0), count = info.shape;
-  start[0] = first;
-  count[0] = n_rows;
-  check(H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(),
-                            nullptr),
-        info.path);
-  const Handle memory_space(
-      check(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), info.path),
-      H5Sclose);
-  check(H5Dread(dataset.get(), typeOf(info.element).id, memory_space.get(), file_space.get(),
-                H5P_DEFAULT, bytes.data()),
+  const Handle array = openArray(info.path);
+  const Handle in_file = own(H5Dget_space(array.get()), H5Sclose, info.path);
+  // Of the same rank: HDF5 would go value by value through chunks for any other memory.
+  const Shape rows = selectRows(in_file, info, first, n_rows);
+  const Handle in_memory = own(
+      H5Screate_simple(static_cast<int>(rows.size()), rows.data(), nullptr), H5Sclose, info.path);
+  check(H5Dread(array.get(), typeOf(info.element).id, in_memory.get(), in_file.get(), H5P_DEFAULT,
+                bytes.data()),
         fmt::format("{}: rows {} to {}", info.path, first, first + n_rows - 1));
 }
 
@@ -252,10 +254,9 @@ void Reader::verify(const ArrayInfo& info) const {
   for (std::size_t first = 0; first < info.shape[0]; first += at_once) {
     rows.resize(std::min<std::size_t>(at_once, info.shape[0] - first) * row_bytes);
     readRowBytes(info, first, rows);
-    hasher.add(bytesOf(std::span<const std::byte>(rows)));
+    hasher.add(bytesOf(std::span(rows)));
   }
-  if (hasher.finish() != info.hash)
-    throw damaged(info.path, "its values do not match its blake2b hash");
+  checkHash(info, hasher.finish());
 }
 
 }  // namespace palpate::hdf5

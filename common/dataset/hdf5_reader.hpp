@@ -1,12 +1,8 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
-#include "common/dataset/hdf5_list.hpp"
+#include "common/dataset/hdf5_handle.hpp"
 
 namespace palpate::hdf5 {
 
@@ -22,7 +18,7 @@ struct FileKind {
 /// Reads what Writer wrote and trusts nothing: types, shapes and hashes are checked before values
 /// are used. Only arrays of the five plain types, stored in the file itself, are accepted. Every
 /// Error names the file and the array.
-class Reader {
+class Reader : public NamedFile {
  public:
   /// Error (bad input) when `file` is missing, no file or no HDF5 file; Error when it is cut or its
   /// structure damaged.
@@ -30,8 +26,8 @@ class Reader {
 
   bool hasAttribute(const char* attribute) const;  ///< of the root group
   std::string text(const char* attribute) const;   ///< of the root group, fixed-length string
-  std::vector<std::int32_t> integers(const char* attribute) const;
-  double number(const char* attribute) const;
+  std::vector<std::int32_t> integers(const char* attribute) const;  ///< of the root group, <= 1024
+  double number(const char* attribute) const;                       ///< of the root group
 
   /// Looks at every array of the file. To be called once, before any of the calls below.
   void findArrays();
@@ -47,16 +43,16 @@ class Reader {
   std::vector<T> read(const std::string& path, const Shape& expected) const {
     const ArrayInfo& info = array(path, elementOf<T>(), expected);
     std::vector<T> values(countOf(info.shape));
-    readBytes(info, std::as_writable_bytes(std::span<T>(values)));
+    readBytes(info, std::as_writable_bytes(std::span(values)));
     return values;
   }
   /// The same of a list; with so many rows, if they are given.
   template <class T>
   std::vector<T> readList(const std::string& path, hsize_t rows = any_extent) const {
-    const ArrayInfo& info =
-        array(path, elementOf<typename Stored<T>::Number>(), shapeOfList<T>(rows));
+    using Entry = Stored<T>;
+    const ArrayInfo& info = array(path, elementOf<typename Entry::Number>(), Entry::shape(rows));
     std::vector<T> list(info.shape[0]);
-    readBytes(info, {reinterpret_cast<std::byte*>(list.data()), list.size() * sizeof(T)});
+    readBytes(info, std::as_writable_bytes(std::span(list)));
     return list;
   }
   /// Rows `first`, first + 1, ... of an array that was checked with array(), as many as fill
@@ -72,16 +68,14 @@ class Reader {
   Error damaged(std::string_view where, std::string_view why) const;
 
  private:
+  struct Attribute;
   void readRowBytes(const ArrayInfo& info, std::size_t first, std::span<std::byte> bytes) const;
   void readBytes(const ArrayInfo& info, std::span<std::byte> bytes) const;
   ArrayInfo inspect(const std::string& path) const;
   std::string text(hid_t object, const char* attribute, std::string_view where) const;
-  template <class Result>
-  Result check(Result result, std::string_view what) const {
-    return checked(result, name_, what);
-  }
+  Handle openArray(const std::string& path) const;
+  void checkHash(const ArrayInfo& info, const ContentId& hash) const;
 
-  std::string name_;
   FileKind kind_;
   Handle file_;
   hsize_t file_size_ = 0;

@@ -1,6 +1,6 @@
 #include "common/dataset/hdf5_writer.hpp"
 
-#include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 
@@ -12,96 +12,146 @@ namespace {
 // Level 4 of gzip: nodal fields shrink by about as much as with 9, at several times its speed.
 constexpr unsigned gzip_level = 4;
 
-template <class T>
-T noValue() {
-  return std::is_floating_point_v<T> ? std::numeric_limits<T>::quiet_NaN()
-                                     : std::numeric_limits<T>::lowest();
+/// The bytes of so many numbers that are none.
+std::string noValues(Element element, std::size_t count) {
+  PALPATE_ASSERT(element == Element::float32 || element == Element::int16,
+                 "the elements that Reader reads by rows");
+  const std::vector<float> floats(count, std::numeric_limits<float>::quiet_NaN());
+  const std::vector<std::int16_t> integers(count, std::numeric_limits<std::int16_t>::lowest());
+  return std::string(element == Element::float32 ? bytesOf(std::span(floats))
+                                                 : bytesOf(std::span(integers)));
+}
+
+constexpr std::size_t growth = std::size_t{1} << 20;  // bytes
+
+/// The size of a file, from the superblock that it begins with: HDF5 tells only after it has set
+/// aside more. File Format Specification 3.0, II.A, "Version 2 and 3".
+std::size_t sizeOf(const char* file) {
+  constexpr std::size_t version_at = 8, size_of_offsets_at = 9, end_of_file_at = 28;
+  PALPATE_ASSERT(file[version_at] == 3 && file[size_of_offsets_at] == sizeof(haddr_t),
+                 "Writer asks for the format of HDF5 1.10");
+  haddr_t end = 0;
+  std::memcpy(&end, file + end_of_file_at, sizeof end);
+  return end;
 }
 
 }  // namespace
 
+FileImage::~FileImage() { std::free(bytes_); }
+
+// What HDF5 leaves unused between its structures must be zero: equal calls, equal bytes.
+void* FileImage::resize(void* bytes, std::size_t size, H5FD_file_image_op_t, void* image) {
+  auto& self = *static_cast<FileImage*>(image);
+  auto* const resized = static_cast<char*>(std::realloc(bytes, size));
+  if (resized == nullptr) return nullptr;
+  if (size > self.size_) std::memset(resized + self.size_, 0, size - self.size_);
+  self.size_ = size;
+  return resized;
+}
+
+herr_t FileImage::keep(void* bytes, H5FD_file_image_op_t, void* image) {
+  static_cast<FileImage*>(image)->bytes_ = bytes;
+  return 0;
+}
+
+void FileImage::useIn(hid_t file_access) {
+  H5FD_file_image_callbacks_t callbacks = {};
+  callbacks.image_realloc = resize;
+  callbacks.image_free = keep;
+  callbacks.udata_copy = [](void* image) { return image; };
+  callbacks.udata_free = [](void*) -> herr_t { return 0; };
+  callbacks.udata = this;
+  if (H5Pset_fapl_core(file_access, growth, false) < 0 ||
+      H5Pset_file_image_callbacks(file_access, &callbacks) < 0)
+    throw failure("HDF5 makes no files in memory: {}", lastError());
+}
+
+std::string_view FileImage::finish(Handle& file, std::string_view name) {
+  checked(file.close(), name, "cannot finish the file");
+  PALPATE_ASSERT(bytes_ != nullptr, "closing the file hands its memory over");
+  const auto* const bytes = static_cast<const char*>(bytes_);
+  PALPATE_ASSERT(sizeOf(bytes) <= size_, "the memory holds the whole file");
+  return {bytes, sizeOf(bytes)};
+}
+
 Writer::Writer(const std::filesystem::path& file)
-    : name_(file.string()), disk_(file, std::ios::binary | std::ios::trunc) {
-  if (!disk_) throw failure("{}: cannot be created: {}", name_, errnoText());
-  silenceErrorStack();
-  const Handle access(check(H5Pcreate(H5P_FILE_ACCESS), "file access properties"), H5Pclose);
+    : NamedFile(file.string()), disk_(file, std::ios::binary | std::ios::trunc) {
+  if (!disk_) throw failure("{}: cannot be created: {}", name(), errnoText());
+  const Handle access = own(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file access properties");
   check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110),
         "file format version");
   check(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "close degree");
   image_.useIn(access.get());
-  const Handle creation(check(H5Pcreate(H5P_FILE_CREATE), "file creation properties"), H5Pclose);
+  const Handle creation = own(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "file creation properties");
   check(H5Pset_obj_track_times(creation.get(), false), "no time stamps");
-  file_ = Handle(
-      check(H5Fcreate(name_.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), "cannot create"),
-      H5Fclose);
+  file_ = own(H5Fcreate(name().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose,
+              "cannot create");
 }
 
 void Writer::makeGroup(const std::string& path) {
-  const Handle properties(check(H5Pcreate(H5P_GROUP_CREATE), path), H5Pclose);
+  const Handle properties = own(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, path);
   check(H5Pset_obj_track_times(properties.get(), false), path);
-  const Handle group(
-      check(H5Gcreate2(file_.get(), path.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
-            path),
-      H5Gclose);
+  own(H5Gcreate2(file_.get(), path.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Gclose,
+      path);
 }
 
-void Writer::setAttribute(hid_t object, const char* attribute, hid_t type, hid_t space,
+Handle Writer::open(const std::string& object) const {
+  return own(H5Oopen(file_.get(), object.c_str(), H5P_DEFAULT), H5Oclose, object);
+}
+
+void Writer::setAttribute(const Handle& object, const char* attribute, hid_t type, hid_t space,
                           const void* value) {
-  Handle created(
-      check(H5Acreate2(object, attribute, type, space, H5P_DEFAULT, H5P_DEFAULT), attribute),
-      H5Aclose);
+  Handle created = own(H5Acreate2(object.get(), attribute, type, space, H5P_DEFAULT, H5P_DEFAULT),
+                       H5Aclose, attribute);
   check(H5Awrite(created.get(), type, value), attribute);
   check(created.close(), attribute);
 }
 
-void Writer::setText(hid_t object, const char* attribute, std::string_view text) {
-  const Handle type(check(H5Tcopy(H5T_C_S1), attribute), H5Tclose);
-  const std::string value =
-      text.empty() ? std::string(1, '\0') : std::string(text);  // HDF5 has no strings of size 0
+void Writer::setText(const Handle& object, const char* attribute, std::string_view text) {
+  const Handle type = own(H5Tcopy(H5T_C_S1), H5Tclose, attribute);
+  std::string value(text);
+  if (value.empty()) value.push_back('\0');  // HDF5 has no strings of size 0
   check(H5Tset_size(type.get(), value.size()), attribute);
   check(H5Tset_strpad(type.get(), H5T_STR_NULLPAD), attribute);
   check(H5Tset_cset(type.get(), H5T_CSET_UTF8), attribute);
-  const Handle space(check(H5Screate(H5S_SCALAR), attribute), H5Sclose);
+  const Handle space = own(H5Screate(H5S_SCALAR), H5Sclose, attribute);
   setAttribute(object, attribute, type.get(), space.get(), value.data());
 }
 
 void Writer::setText(const std::string& object, const char* attribute, std::string_view text) {
-  const Handle opened(check(H5Oopen(file_.get(), object.c_str(), H5P_DEFAULT), object), H5Oclose);
-  setText(opened.get(), attribute, text);
+  setText(open(object), attribute, text);
 }
 
 void Writer::setIntegers(const std::string& object, const char* attribute,
                          std::span<const std::int32_t> values) {
-  const Handle opened(check(H5Oopen(file_.get(), object.c_str(), H5P_DEFAULT), object), H5Oclose);
   const hsize_t size = values.size();
-  const Handle space(check(H5Screate_simple(1, &size, nullptr), attribute), H5Sclose);
-  setAttribute(opened.get(), attribute, typeOf(Element::int32).id, space.get(), values.data());
+  const Handle space = own(H5Screate_simple(1, &size, nullptr), H5Sclose, attribute);
+  setAttribute(open(object), attribute, typeOf(Element::int32).id, space.get(), values.data());
 }
 
 void Writer::setNumber(const std::string& object, const char* attribute, double value) {
-  const Handle opened(check(H5Oopen(file_.get(), object.c_str(), H5P_DEFAULT), object), H5Oclose);
-  const Handle space(check(H5Screate(H5S_SCALAR), attribute), H5Sclose);
-  setAttribute(opened.get(), attribute, typeOf(Element::float64).id, space.get(), &value);
+  const Handle space = own(H5Screate(H5S_SCALAR), H5Sclose, attribute);
+  setAttribute(open(object), attribute, typeOf(Element::float64).id, space.get(), &value);
 }
 
 Handle Writer::create(const std::string& path, Element element, const Shape& shape,
                       hid_t properties, const char* unit) {
+  PALPATE_ASSERT(path.starts_with('/'), "arrays are sorted by their whole paths in the hash");
   check(H5Pset_obj_track_times(properties, false), path);
-  const Handle space(
-      check(shape.empty() ? H5Screate(H5S_SCALAR)
-                          : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
-            path),
-      H5Sclose);
-  Handle dataset(check(H5Dcreate2(file_.get(), path.c_str(), typeOf(element).id, space.get(),
+  const Handle space =
+      own(shape.empty() ? H5Screate(H5S_SCALAR)
+                        : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
+          H5Sclose, path);
+  Handle dataset = own(H5Dcreate2(file_.get(), path.c_str(), typeOf(element).id, space.get(),
                                   H5P_DEFAULT, properties, H5P_DEFAULT),
-                       path),
-                 H5Dclose);
-  setText(dataset.get(), "unit", unit);
+                       H5Dclose, path);
+  setText(dataset, "unit", unit);
   return dataset;
 }
 
-void Writer::finish(hid_t dataset, ArrayInfo info) {
+void Writer::finish(Handle& dataset, ArrayInfo info) {
   setText(dataset, hash_attribute, info.hash.hex());
+  check(dataset.close(), info.path);
   arrays_.push_back(std::move(info));
 }
 
@@ -109,73 +159,58 @@ void Writer::writeBytes(const std::string& path, Element element, const Shape& s
                         std::string_view bytes, const char* unit) {
   PALPATE_ASSERT(bytes.size() == countOf(shape) * typeOf(element).size,
                  "an array is written whole");
-  const Handle properties(check(H5Pcreate(H5P_DATASET_CREATE), path), H5Pclose);
+  const Handle properties = own(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path);
   Handle dataset = create(path, element, shape, properties.get(), unit);
   if (!bytes.empty())
     check(H5Dwrite(dataset.get(), typeOf(element).id, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()),
           path);
-  finish(dataset.get(), {path, element, shape, ContentId::of(bytes)});
-  check(dataset.close(), path);
+  finish(dataset, {path, element, shape, ContentId::of(bytes)});
 }
 
 void Writer::close() {
-  const std::string_view bytes = image_.finish(file_, name_);
+  const std::string_view bytes = image_.finish(file_, name());
   disk_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   disk_.close();
-  if (!disk_) throw failure("{}: cannot be written: {}", name_, errnoText());
+  if (!disk_) throw failure("{}: cannot be written: {}", name(), errnoText());
 }
 
-template <class T>
-RowWriter<T>::RowWriter(Writer& writer, std::string path, Shape shape, const char* unit)
-    : writer_(writer), info_{std::move(path), elementOf<T>(), std::move(shape), {}} {
+RowWriter::RowWriter(Writer& writer, std::string path, Element element, Shape shape,
+                     const char* unit)
+    : writer_(writer), info_{std::move(path), element, std::move(shape), {}} {
   Shape row = info_.shape;
-  row[0] = 1;
-  no_values_.assign(countOf(row), noValue<T>());
+  row.at(0) = 1;
+  no_values_ = noValues(element, countOf(row));
   const int rank = static_cast<int>(row.size());
-  const Handle properties(writer_.check(H5Pcreate(H5P_DATASET_CREATE), info_.path), H5Pclose);
+  const Handle properties = writer_.own(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, info_.path);
   writer_.check(H5Pset_chunk(properties.get(), rank, row.data()), info_.path);
   writer_.check(H5Pset_shuffle(properties.get()), info_.path);
   writer_.check(H5Pset_deflate(properties.get(), gzip_level), info_.path);
-  writer_.check(H5Pset_fill_value(properties.get(), typeOf(info_.element).id, no_values_.data()),
+  writer_.check(H5Pset_fill_value(properties.get(), typeOf(element).id, no_values_.data()),
                 info_.path);
-  dataset_ = writer_.create(info_.path, info_.element, info_.shape, properties.get(), unit);
-  file_space_ = Handle(writer_.check(H5Dget_space(dataset_.get()), info_.path), H5Sclose);
-  row_space_ =
-      Handle(writer_.check(H5Screate_simple(rank, row.data(), nullptr), info_.path), H5Sclose);
+  dataset_ = writer_.create(info_.path, element, info_.shape, properties.get(), unit);
+  file_space_ = writer_.own(H5Dget_space(dataset_.get()), H5Sclose, info_.path);
+  row_space_ = writer_.own(H5Screate_simple(rank, row.data(), nullptr), H5Sclose, info_.path);
 }
 
-template <class T>
-void RowWriter<T>::write(std::span<const T> row) {
+void RowWriter::write(std::string_view row) {
   PALPATE_ASSERT(row.size() == no_values_.size() && next_ < info_.shape[0],
                  "rows come in order, whole, and each once");
-  Shape start(info_.shape.size(), 0);
-  start[0] = next_++;
-  Shape count = info_.shape;
-  count[0] = 1;
-  writer_.check(H5Sselect_hyperslab(file_space_.get(), H5S_SELECT_SET, start.data(), nullptr,
-                                    count.data(), nullptr),
-                info_.path);
+  writer_.selectRows(file_space_, info_, next_++, 1);
   writer_.check(H5Dwrite(dataset_.get(), typeOf(info_.element).id, row_space_.get(),
                          file_space_.get(), H5P_DEFAULT, row.data()),
                 info_.path);
-  hasher_.add(bytesOf(row));
+  hasher_.add(row);
 }
 
-template <class T>
-void RowWriter<T>::skip() {
+void RowWriter::skip() {
   ++next_;
-  hasher_.add(bytesOf(std::span<const T>(no_values_)));
+  hasher_.add(no_values_);
 }
 
-template <class T>
-void RowWriter<T>::finish() {
+void RowWriter::finish() {
   PALPATE_ASSERT(next_ == info_.shape[0], "every row is written or skipped");
   info_.hash = hasher_.finish();
-  writer_.finish(dataset_.get(), info_);
-  writer_.check(dataset_.close(), info_.path);
+  writer_.finish(dataset_, info_);
 }
-
-template class RowWriter<float>;
-template class RowWriter<std::int16_t>;
 
 }  // namespace palpate::hdf5

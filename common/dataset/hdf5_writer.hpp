@@ -2,14 +2,36 @@
 
 #include <filesystem>
 #include <fstream>
-#include <span>
-#include <string>
-#include <vector>
 
-#include "common/dataset/hdf5_image.hpp"
-#include "common/dataset/hdf5_list.hpp"
+#include "common/dataset/hdf5_handle.hpp"
 
 namespace palpate::hdf5 {
+
+/// A file that HDF5 makes in memory, with its core driver: what the caller then writes to disk, the
+/// caller can also fail to write. (HDF5's POSIX driver reports a full disk, after which 1.10.8
+/// cannot close the file any more and the process dies in its exit handler.) The whole file is in
+/// memory, once, until this object ends: compressed fields of some GB at most.
+class FileImage {
+ public:
+  FileImage() = default;
+  FileImage(const FileImage&) = delete;
+  FileImage& operator=(const FileImage&) = delete;
+  ~FileImage();
+
+  /// Makes H5Fcreate with these file access properties create the file here. One file per image;
+  /// it must be closed before the image ends.
+  void useIn(hid_t file_access);
+  /// Closes `file`, which was created here, and gives its bytes, valid as long as this object.
+  /// Error that begins with `name` when HDF5 cannot close it.
+  std::string_view finish(Handle& file, std::string_view name);
+
+ private:
+  static void* resize(void* bytes, std::size_t size, H5FD_file_image_op_t, void* image);
+  static herr_t keep(void* bytes, H5FD_file_image_op_t, void* image);
+
+  void* bytes_ = nullptr;
+  std::size_t size_ = 0;  ///< of the memory, of which the file is the beginning
+};
 
 /// Writes arrays of plain types and text attributes to a new HDF5 file whose bytes depend on
 /// nothing but the calls: no time stamps. The file format is that of HDF5 1.10, the first one in
@@ -17,13 +39,13 @@ namespace palpate::hdf5 {
 /// (FileImage).
 ///
 /// Every array gets the attributes `unit` and `blake2b`. Errors name the file.
-class Writer {
+class Writer : public NamedFile {
  public:
   /// Creates `file`, empty, replacing what is there. Error when that is impossible.
   explicit Writer(const std::filesystem::path& file);
-  const std::string& name() const { return name_; }  ///< of the file, for errors
 
-  void makeGroup(const std::string& path);
+  void makeGroup(const std::string& path);  ///< whose parent is there
+  /// An attribute of a group or an array that was written: text, a short list, or one number.
   void setText(const std::string& object, const char* attribute, std::string_view text);
   void setIntegers(const std::string& object, const char* attribute,
                    std::span<const std::int32_t> values);
@@ -39,10 +61,10 @@ class Writer {
   /// A list, one row for each entry.
   template <class T>
   void writeList(const std::string& path, const std::vector<T>& list, const char* unit) {
-    using Number = typename Stored<T>::Number;
-    write(path, shapeOfList<T>(list.size()),
-          std::span(reinterpret_cast<const Number*>(list.data()), list.size() * numbersPerRow<T>()),
-          unit);
+    using Entry = Stored<T>;
+    static_assert(sizeof(T) == Entry::size * sizeof(typename Entry::Number));
+    writeBytes(path, elementOf<typename Entry::Number>(), Entry::shape(list.size()),
+               bytesOf(std::span(list)), unit);
   }
 
   /// Writes the file, which is for the caller to flush to disk (replaceFile). To be called once, at
@@ -52,22 +74,18 @@ class Writer {
   const std::vector<ArrayInfo>& arrays() const { return arrays_; }  ///< written so far
 
  private:
-  template <class T>
   friend class RowWriter;
   Handle create(const std::string& path, Element element, const Shape& shape, hid_t properties,
                 const char* unit);
-  void finish(hid_t dataset, ArrayInfo info);
+  /// Names the hash of an array that is complete, and closes it.
+  void finish(Handle& dataset, ArrayInfo info);
   void writeBytes(const std::string& path, Element element, const Shape& shape,
                   std::string_view bytes, const char* unit);
-  void setAttribute(hid_t object, const char* attribute, hid_t type, hid_t space,
+  void setAttribute(const Handle& object, const char* attribute, hid_t type, hid_t space,
                     const void* value);
-  void setText(hid_t object, const char* attribute, std::string_view text);
-  template <class Result>
-  Result check(Result result, std::string_view what) const {
-    return checked(result, name_, what);
-  }
+  void setText(const Handle& object, const char* attribute, std::string_view text);
+  Handle open(const std::string& object) const;
 
-  std::string name_;
   std::ofstream disk_;
   FileImage image_;
   Handle file_;  ///< after the image, which it must be closed before
@@ -77,11 +95,10 @@ class Writer {
 /// An array of float32 or int16 written row by row (first index), one gzip+shuffle chunk per row.
 /// Rows that are skipped take no room and read as NaN, or as the lowest int16. Rows must come in
 /// order, each exactly once. The Writer must outlive it.
-template <class T>
 class RowWriter {
  public:
-  RowWriter(Writer& writer, std::string path, Shape shape, const char* unit);
-  void write(std::span<const T> row);
+  RowWriter(Writer& writer, std::string path, Element element, Shape shape, const char* unit);
+  void write(std::string_view row);  ///< bytes of the values
   void skip();
   void finish();  ///< after the last row
 
@@ -91,10 +108,7 @@ class RowWriter {
   Handle dataset_, file_space_, row_space_;
   hsize_t next_ = 0;
   ContentHasher hasher_;
-  std::vector<T> no_values_;  ///< what a skipped row reads as
+  std::string no_values_;  ///< what a skipped row reads as
 };
-
-extern template class RowWriter<float>;
-extern template class RowWriter<std::int16_t>;
 
 }  // namespace palpate::hdf5

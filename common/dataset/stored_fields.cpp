@@ -1,12 +1,9 @@
-#include "common/dataset/stored_fields.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "common/base/assertion.hpp"
-#include "common/dataset/dataset_layout.hpp"
-#include "common/problem/storage.hpp"
+#include "common/dataset/dataset_format.hpp"
 
 namespace palpate {
 namespace {
@@ -14,7 +11,8 @@ namespace {
 constexpr const char *displacement_path = "/points/displacement",
                      *step_path = "/points/displacement_step", *pressure_path = "/points/pressure",
                      *hash_path = "/points/stored_id";
-constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
+/// What stands in points without fields.
+constexpr float unsolved = std::numeric_limits<float>::quiet_NaN();
 
 /// An error of a quantized displacement is at most this part of the step: half of it, and what
 /// rounding to float32 adds.
@@ -43,30 +41,35 @@ Quantized quantize(std::span<const float> displacement) {
   return quantized;
 }
 
-/// Hash of one row: the displacements as they are stored, the step where they are quantized (else
-/// null), the pressures where there are some.
-template <class Number>
-ContentId rowHash(std::span<const Number> displacement, const float* step,
+/// Hash of one row: the bytes of the displacements as they are stored, the step where they are
+/// quantized (else null), the pressures where there are some.
+ContentId rowHash(std::string_view displacement, const float* step,
                   std::span<const float> pressure) {
   ContentHasher hasher;
-  hasher.add(bytesOf(displacement));
+  hasher.add(displacement);
   if (step != nullptr) hasher.add(bytesOf(std::span(step, 1)));
   hasher.add(bytesOf(pressure));
   return hasher.finish();
 }
 
+bool isQuantized(const Scene& scene) { return scene.storage.precision == StoredPrecision::int16; }
+
+hdf5::Element elementOf(bool quantized) {
+  return quantized ? hdf5::Element::int16 : hdf5::Element::float32;
+}
+
 }  // namespace
 
 FieldsWriter::FieldsWriter(hdf5::Writer& out, const Problem& problem, std::size_t n_rows)
-    : out_(out), stored_(storedNodes(problem.scene, problem.mesh)) {
-  const hdf5::Shape shape = {n_rows, stored_.size(), 3};
-  if (problem.scene.storage.precision == StoredPrecision::int16)
-    integers_.emplace(out, displacement_path, shape, "1");
-  else
-    floats_.emplace(out, displacement_path, shape, "m");
+    : out_(out),
+      stored_(storedNodes(problem.scene, problem.mesh)),
+      quantized_(isQuantized(problem.scene)),
+      displacements_(out, displacement_path, elementOf(quantized_), {n_rows, stored_.size(), 3},
+                     quantized_ ? "1" : "m") {
   const hsize_t n_pressures = storedPressures(problem.scene, problem.mesh);
   if (n_pressures > 0)
-    pressures_.emplace(out, pressure_path, hdf5::Shape{n_rows, n_pressures}, "Pa");
+    pressures_.emplace(out, pressure_path, hdf5::Element::float32, hdf5::Shape{n_rows, n_pressures},
+                       "Pa");
 }
 
 void FieldsWriter::write(const NodalFields& fields) {
@@ -77,32 +80,29 @@ void FieldsWriter::write(const NodalFields& fields) {
   }
   const std::span<const float> pressure =
       pressures_ ? std::span(fields.pressure) : std::span<const float>();
-  if (pressures_) pressures_->write(pressure);
-  if (floats_) {
-    floats_->write(displacement);
-    hashes_.push_back(rowHash(std::span<const float>(displacement), nullptr, pressure));
-  } else {
-    const Quantized quantized = quantize(displacement);
-    integers_->write(quantized.values);
-    steps_.push_back(quantized.step);
-    hashes_.push_back(rowHash(std::span(quantized.values), &steps_.back(), pressure));
-  }
+  const Quantized quantized = quantized_ ? quantize(displacement) : Quantized();
+  const std::string_view bytes =
+      quantized_ ? bytesOf(std::span(quantized.values)) : bytesOf(std::span(displacement));
+  if (pressures_) pressures_->write(bytesOf(pressure));
+  displacements_.write(bytes);
+  if (quantized_) steps_.push_back(quantized.step);
+  hashes_.push_back(rowHash(bytes, quantized_ ? &quantized.step : nullptr, pressure));
 }
 
 void FieldsWriter::skip() {
-  if (floats_) floats_->skip();
-  if (integers_) integers_->skip();
-  if (integers_) steps_.push_back(no_number);
+  displacements_.skip();
+  if (quantized_) steps_.push_back(unsolved);
   if (pressures_) pressures_->skip();
   hashes_.push_back(ContentId());
 }
 
 void FieldsWriter::finish() {
-  if (floats_) floats_->finish();
+  // Files keep their bytes: this is the order that they were always finished in.
+  if (!quantized_) displacements_.finish();
   if (pressures_) pressures_->finish();
   out_.writeList(hash_path, hashes_, "1");
-  if (!integers_) return;
-  integers_->finish();
+  if (!quantized_) return;
+  displacements_.finish();
   out_.writeList(step_path, steps_, "m");
   float largest = 0;
   for (const float step : steps_) largest = std::fmax(largest, step);  // not those that are NaN
@@ -115,14 +115,13 @@ FieldsReader::FieldsReader(const hdf5::Reader& in, const Scene& scene, const Mes
       spaces_(spaces),
       n_values_(3 * storedNodes(scene, mesh).size()),
       n_pressures_(storedPressures(scene, mesh)),
-      quantized_(scene.storage.precision == StoredPrecision::int16) {
+      quantized_(isQuantized(scene)) {
   std::size_t n_rows = 0;
   for (const SpaceTable& space : spaces) {
     first_rows_.push_back(n_rows);
     n_rows += space.points.size();
   }
-  in.array(displacement_path, quantized_ ? hdf5::Element::int16 : hdf5::Element::float32,
-           {n_rows, n_values_ / 3, 3});
+  in.array(displacement_path, elementOf(quantized_), {n_rows, n_values_ / 3, 3});
   if (n_pressures_ > 0) in.array(pressure_path, hdf5::Element::float32, {n_rows, n_pressures_});
   hashes_ = in.readList<ContentId>(hash_path, n_rows);
   if (quantized_) steps_ = in.readList<float>(step_path, n_rows);
@@ -144,25 +143,22 @@ NodalFields FieldsReader::read(std::size_t space, std::size_t first, std::size_t
   for (std::size_t i = 0; i < count; ++i) {
     const auto values = std::span(rows.displacement).subspan(i * n_values_, n_values_);
     if (!isSolved(points[first + i].tag)) {
-      std::fill(values.begin(), values.end(), no_number);
+      std::ranges::fill(values, unsolved);
       continue;
     }
     const std::span<const float> pressure =
         std::span(rows.pressure).subspan(i * n_pressures_, n_pressures_);
-    ContentId hash;
+    const std::size_t row = first_row + i;
+    std::string_view stored = bytesOf(values);
     if (quantized_) {
-      const float& step = steps_[first_row + i];
-      const std::span<const std::int16_t> steps =
-          std::span(integers).subspan(i * n_values_, n_values_);
-      hash = rowHash(steps, &step, pressure);
-      std::transform(steps.begin(), steps.end(), values.begin(),
-                     [step](std::int16_t n) { return step * n; });
-    } else {
-      hash = rowHash(std::span<const float>(values), nullptr, pressure);
+      const auto steps = std::span(integers).subspan(i * n_values_, n_values_);
+      stored = bytesOf(steps);
+      std::ranges::transform(steps, values.begin(),
+                             [step = steps_[row]](std::int16_t n) { return step * n; });
     }
-    if (hash != hashes_[first_row + i])
+    if (rowHash(stored, quantized_ ? &steps_[row] : nullptr, pressure) != hashes_[row])
       throw in_.damaged(fmt::format("{} or pressure, row {} (point {} of {})", displacement_path,
-                                    first_row + i, first + i, spaces_[space].patch.name),
+                                    row, first + i, spaces_[space].patch.name),
                         "does not match stored_id");
   }
   return rows;

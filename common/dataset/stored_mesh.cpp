@@ -1,9 +1,6 @@
-#include "common/dataset/stored_mesh.hpp"
-
 #include <algorithm>
 
-#include "common/dataset/dataset_layout.hpp"
-#include "common/problem/storage.hpp"
+#include "common/dataset/dataset_format.hpp"
 
 namespace palpate {
 namespace {
@@ -49,7 +46,7 @@ void readMidEdgeNodes(const Reader& in, Mesh& mesh) {
 std::vector<std::int32_t> readNodes(const Reader& in, const char* path, std::size_t end) {
   std::vector<std::int32_t> nodes = in.readList<std::int32_t>(path);
   checkIndices(in, path, nodes, end);
-  if (!std::is_sorted(nodes.begin(), nodes.end())) throw in.damaged(path, "is not sorted");
+  if (!std::ranges::is_sorted(nodes)) throw in.damaged(path, "is not sorted");
   return nodes;
 }
 

@@ -1,21 +1,16 @@
-#include "common/dataset/stored_spaces.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 
 #include "common/base/assertion.hpp"
+#include "common/dataset/dataset_format.hpp"
 #include "common/mesh/node_set.hpp"
-#include "common/problem/problem.hpp"
 
 namespace palpate {
 
 template <>
-struct hdf5::Stored<LatticeEdge> {
-  using Number = std::int32_t;
-  static constexpr std::array<hsize_t, 1> extents = {2};
-};
+struct hdf5::Stored<LatticeEdge> : hdf5::Row<std::int32_t, 2> {};
 
 namespace {
 
@@ -47,7 +42,7 @@ void forEachTable(const Visit& visit) {
 }
 
 // Each column: visit(path, rows, unit, member). A row is a pointer to a record, of which the column
-// has the member; null where the file has no number.
+// has the member (std::identity: all of it); null where the file has no number.
 
 template <class Row, class Visit>
 void forEachSplitColumn(const std::vector<Row*>& splits, const Visit& visit) {
@@ -112,22 +107,6 @@ auto rowsOf(Spaces& spaces, List list) {
   return rows;
 }
 
-/// The entries themselves.
-template <class List>
-auto joined(const std::vector<SpaceTable>& spaces, List list) {
-  std::remove_cvref_t<decltype(std::invoke(list, spaces.front()))> all;
-  for (const auto* row : rowsOf(spaces, list)) all.push_back(*row);
-  return all;
-}
-
-/// The inverse, into lists that have their sizes.
-template <class T, class List>
-void divide(const std::vector<T>& all, std::vector<SpaceTable>& spaces, List list) {
-  const auto rows = rowsOf(spaces, list);
-  PALPATE_ASSERT(rows.size() == all.size(), "resizeLists looked at the number of rows");
-  for (std::size_t n = 0; n < all.size(); ++n) *rows[n] = all[n];
-}
-
 // ---- columns --------------------------------------------------------------------------------
 
 /// As what a member lies in the file: matrices by rows.
@@ -135,8 +114,7 @@ template <class T>
 using InFile = std::conditional_t<std::is_same_v<T, Eigen::Matrix3d>, hdf5::RowMajorMatrix3d, T>;
 
 template <class Row, class Member>
-using MemberInFile =
-    InFile<std::remove_cvref_t<decltype(std::declval<Row&>().*std::declval<Member>())>>;
+using MemberInFile = InFile<std::remove_cvref_t<std::invoke_result_t<Member, Row&>>>;
 
 /// Stands where there is no number.
 template <class T>
@@ -162,7 +140,7 @@ struct ColumnWriter {
     std::vector<Value> values;
     values.reserve(rows.size());
     for (const Row* row : rows)
-      values.push_back(row == nullptr ? nothing<Value>() : Value(row->*member));
+      values.push_back(row == nullptr ? nothing<Value>() : Value(std::invoke(member, *row)));
     out.writeList(path, values, unit);
   }
 };
@@ -176,11 +154,12 @@ struct ColumnReader {
     using Value = MemberInFile<Row, Member>;
     const std::vector<Value> values = in.readList<Value>(path, rows.size());
     for (std::size_t n = 0; n < rows.size(); ++n) {
+      // A value from a newer program would be an enumerator without a name.
       if constexpr (std::is_enum_v<Value>)
         if (!isKnown(values[n]))
           throw in.damaged(path, fmt::format("holds {}, which this program does not know",
                                              static_cast<int>(values[n])));
-      if (rows[n] != nullptr) rows[n]->*member = values[n];
+      if (rows[n] != nullptr) std::invoke(member, *rows[n]) = values[n];
     }
   }
 };
@@ -190,12 +169,11 @@ struct ColumnReader {
 void writeNames(Writer& out, const std::vector<SpaceTable>& spaces) {
   std::size_t length = 1;
   for (const SpaceTable& space : spaces) length = std::max(length, space.patch.name.size());
-  std::vector<std::uint8_t> names;
-  for (const SpaceTable& space : spaces) {
-    names.insert(names.end(), space.patch.name.begin(), space.patch.name.end());
-    names.insert(names.end(), length - space.patch.name.size(), 0);
-  }
-  out.write<std::uint8_t>(name_path, {spaces.size(), length}, names, "1");
+  std::string names(spaces.size() * length, '\0');
+  for (std::size_t s = 0; s < spaces.size(); ++s)
+    spaces[s].patch.name.copy(&names[s * length], length);
+  out.write(name_path, {spaces.size(), length},
+            std::span(reinterpret_cast<const std::uint8_t*>(names.data()), names.size()), "1");
 }
 
 /// Where the rows of each space begin, and at the end how many there are.
@@ -213,12 +191,6 @@ void writeFirsts(Writer& out, const std::string& path, const std::vector<SpaceTa
   out.writeList(path, firsts, "1");
 }
 
-void writeActive(Writer& out, const std::vector<SpaceTable>& spaces) {
-  std::vector<std::int32_t> active;
-  for (const SpaceTable& space : spaces) active.push_back(space.patch.node);
-  out.writeList(active_path, active, "1");
-}
-
 void writePatches(Writer& out, const std::vector<SpaceTable>& spaces) {
   std::vector<double> weights;
   bool is_weighted = false;
@@ -230,7 +202,8 @@ void writePatches(Writer& out, const std::vector<SpaceTable>& spaces) {
     is_weighted = is_weighted || !space.patch.weights.empty();
   }
   out.makeGroup("/patches");
-  out.writeList(patch_node_path, joined(spaces, nodesOf), "1");
+  ColumnWriter{out}(patch_node_path, rowsOf(spaces, nodesOf), "1", std::identity());
+  // Left out for rigid tools alone: their files keep their bytes.
   if (is_weighted) out.writeList(patch_weight_path, weights, "1");
 }
 
@@ -273,7 +246,7 @@ void resizeLists(const Reader& in, const std::string& firsts_path, const char* r
                  std::vector<SpaceTable>& spaces, List list) {
   const std::size_t n_rows = in.rowsOf(rows_path);
   const auto firsts = in.readList<std::int32_t>(firsts_path, spaces.size() + 1);
-  if (firsts.front() != 0 || !std::is_sorted(firsts.begin(), firsts.end()) ||
+  if (firsts.front() != 0 || !std::ranges::is_sorted(firsts) ||
       static_cast<std::size_t>(firsts.back()) != n_rows)
     throw in.damaged(firsts_path, fmt::format("does not divide {} rows", n_rows));
   for (std::size_t s = 0; s < spaces.size(); ++s)
@@ -286,10 +259,10 @@ void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
     return a.tool == ToolKind::weighted_average;
   };
   const auto active = in.readList<std::int32_t>(active_path, spaces.size());
-  const auto nodes = in.readList<std::int32_t>(patch_node_path);
-  divide(nodes, spaces, nodesOf);
+  const auto nodes = rowsOf(spaces, nodesOf);
+  ColumnReader{in}(patch_node_path, nodes, "1", std::identity());
   std::vector<double> weights(nodes.size());
-  if (std::any_of(scene.active.begin(), scene.active.end(), isWeighted))
+  if (std::ranges::any_of(scene.active, isWeighted))
     weights = in.readList<double>(patch_weight_path, nodes.size());
   auto weight = weights.begin();
   for (std::size_t s = 0; s < spaces.size(); ++s) {
@@ -299,7 +272,7 @@ void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
     const auto end = weight + static_cast<std::ptrdiff_t>(patch.nodes.size());
     if (isWeighted(scene.active[s])) patch.weights.assign(weight, end);
     weight = end;
-    if (!std::is_sorted(patch.nodes.begin(), patch.nodes.end()))
+    if (!std::ranges::is_sorted(patch.nodes))
       throw in.damaged(patch_node_path, fmt::format("those of {} are not sorted", patch.name));
     if (!patch.nodes.empty() &&
         (patch.nodes.front() < 0 || static_cast<std::size_t>(patch.nodes.back()) >= n_nodes))
@@ -316,6 +289,7 @@ void readLattices(const Reader& in, const Scene& scene, std::vector<SpaceTable>&
   const auto positions = in.readList<Eigen::Vector3d>(position_path, ijk.size());
   const Lattice uniform = uniformLattice(scene);
   std::size_t row = 0;
+  // Uniform points must be where the scene puts them; what follows them was added by refinement.
   for (SpaceTable& space : spaces) {
     Lattice& lattice = space.lattice = uniform;
     const auto n_points = static_cast<std::int32_t>(space.points.size());
@@ -327,6 +301,7 @@ void readLattices(const Reader& in, const Scene& scene, std::vector<SpaceTable>&
         throw in.damaged(ijk_path, "is not the lattice of the scene");
       if (is_new) lattice.add(ijk[row]);
       const double distance = (lattice.displacement(n) - positions[row]).cwiseAbs().maxCoeff();
+      // Positions are for other readers: they must agree with the numbers, to the rounding.
       if (!(distance <= 1e-9 * lattice.radius()))
         throw in.damaged(position_path, "is not the lattice of the scene");
     }
@@ -350,7 +325,9 @@ void writeSpaces(Writer& out, const std::vector<SpaceTable>& spaces) {
   const ColumnWriter write{out};
   out.makeGroup("/spaces");
   writeNames(out, spaces);
-  writeActive(out, spaces);
+  std::vector<std::int32_t> active;
+  for (const SpaceTable& space : spaces) active.push_back(space.patch.node);
+  out.writeList(active_path, active, "1");
   forEachTable(
       [&](const char* firsts, const char*, auto list) { writeFirsts(out, firsts, spaces, list); });
   writePatches(out, spaces);
@@ -358,7 +335,7 @@ void writeSpaces(Writer& out, const std::vector<SpaceTable>& spaces) {
   forEachSplitColumn(rowsOf(spaces, &SpaceTable::splits), write);
   out.makeGroup("/attempts");
   forEachAttemptColumn(rowsOf(spaces, &SpaceTable::attempts), write);
-  out.writeList(jumps_path, joined(spaces, &SpaceTable::inconsistent_edges), "1");
+  write(jumps_path, rowsOf(spaces, &SpaceTable::inconsistent_edges), "1", std::identity());
   out.makeGroup(points_group);
   writeLattices(out, spaces);
   forEachRecordColumn(points_group, rowsOf(spaces, &SpaceTable::points), write);
@@ -378,7 +355,7 @@ std::vector<SpaceTable> readSpaces(const Reader& in, const Scene& scene, const M
   const ColumnReader read{in};
   forEachSplitColumn(rowsOf(spaces, &SpaceTable::splits), read);
   forEachAttemptColumn(rowsOf(spaces, &SpaceTable::attempts), read);
-  divide(in.readList<LatticeEdge>(jumps_path), spaces, &SpaceTable::inconsistent_edges);
+  read(jumps_path, rowsOf(spaces, &SpaceTable::inconsistent_edges), "1", std::identity());
   readLattices(in, scene, spaces);
   const auto probes = rowsOf(spaces, &SpaceTable::probes);
   read(probe_position_path, probes, "m", &Probe::displacement);

@@ -1,11 +1,12 @@
 // The front command: `palpate VERB ...` becomes the program that knows the verb.
 
-#include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <filesystem>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -86,15 +87,9 @@ say
   palpate query organ.h5 --active tip --displacement 0.01 0 0       # metres in, newtons out
 )";
 
-const Route* routeOf(std::string_view verb) {
-  for (const Route& route : routes)
-    if (route.verb == verb) return &route;
-  return nullptr;
-}
-
 int refuseVerb(std::string_view verb) {
   std::vector<std::string_view> verbs;
-  for (const Route& route : routes) verbs.push_back(route.verb);
+  std::ranges::transform(routes, std::back_inserter(verbs), &Route::verb);
   const std::string_view nearest = nearestWord(verb, verbs);
   if (nearest.empty())
     fmt::print(stderr, "palpate: there is no verb \"{}\"; there is {}\n", verb, listed(verbs));
@@ -136,8 +131,8 @@ int run(std::vector<std::string> arguments) {
     fmt::print("palpate {}\n", version());
     return static_cast<int>(ExitCode::done);
   }
-  const Route* route = routeOf(arguments[0]);
-  return route ? become(*route, std::move(arguments)) : refuseVerb(arguments[0]);
+  const auto* const route = std::ranges::find(routes, arguments[0], &Route::verb);
+  return route != routes.end() ? become(*route, std::move(arguments)) : refuseVerb(arguments[0]);
 }
 
 }  // namespace

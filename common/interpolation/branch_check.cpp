@@ -1,7 +1,6 @@
 #include "common/interpolation/branch_check.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "common/base/assertion.hpp"
@@ -28,7 +27,7 @@ class Leaves {
 };
 
 bool isMultiple(const LatticePoint& point, std::int32_t of) {
-  return std::all_of(point.begin(), point.end(), [of](std::int32_t x) { return x % of == 0; });
+  return std::ranges::all_of(point, [of](std::int32_t x) { return x % of == 0; });
 }
 
 /// Whether one of the four cells around the edge that starts at `lower` along `axis` is a leaf.
@@ -54,6 +53,7 @@ std::vector<LatticeEdge> selectEdges(const SpaceTable& space, Select selects) {
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
     if (!isSolved(space.points[n].tag)) continue;
     for (std::int32_t level = 0; level <= leaves.deepest(); ++level) {
+      // Edges of a level start at corners of its cells only.
       if (!isMultiple(lattice.point(n), leaves.edge(level))) continue;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         LatticePoint upper = lattice.point(n);
@@ -68,7 +68,7 @@ std::vector<LatticeEdge> selectEdges(const SpaceTable& space, Select selects) {
       }
     }
   }
-  std::sort(found.begin(), found.end());
+  std::ranges::sort(found);
   return found;
 }
 
@@ -87,6 +87,7 @@ bool EdgeCheck::suspect() const {
 
 EdgeCheck checkEdge(const Equilibrium& a, const Equilibrium& b, const Eigen::Vector3d& step) {
   const Eigen::Vector3d at_a = a.stiffness * step, at_b = b.stiffness * step, bend = at_b - at_a;
+  // The corrected trapezoidal rule: forces at both ends, and their slopes.
   const double work = 0.5 * (a.force + b.force).dot(step) - bend.dot(step) / 12;
   return {.force_mismatch = (b.force - a.force - 0.5 * (at_a + at_b)).norm(),
           .energy_mismatch = std::abs(b.energy - a.energy + work) / step.norm(),

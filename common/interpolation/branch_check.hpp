@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "common/space/space_table.hpp"
 
 namespace palpate {

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "common/base/error.hpp"
-#include "common/base/index.hpp"
 
 namespace palpate {
 namespace {
@@ -29,8 +28,8 @@ CellTree::CellTree(const SpaceTable& space)
       spacing_(space.lattice.spacing()),
       divisions_(space.lattice.divisions()),
       extent_(cellsPerRadius(space.lattice)) {
-  if (std::none_of(space.points.begin(), space.points.end(),
-                   [](const PointRecord& point) { return isSolved(point.tag); }))
+  if (std::ranges::none_of(space.points,
+                           [](const PointRecord& point) { return isSolved(point.tag); }))
     throw failure("active node {}: no lattice point was solved, so there is nothing to interpolate",
                   space.patch.name);
   PALPATE_ASSERT(space.points.size() == at(space.lattice.size()),
@@ -55,6 +54,7 @@ void CellTree::addCell(const SpaceTable& space, const LatticeCell& cell, std::si
     edge_.push_back(spacing_ / (1 << cell.level));
     return;
   }
+  // The eighths are reserved together before any of them grows eighths of its own.
   const std::size_t children = nodes_.size();
   nodes_[place] = ~static_cast<std::int32_t>(children);
   nodes_.resize(children + 8, no_cell);
@@ -70,7 +70,7 @@ void CellTree::makeSlots(const SpaceTable& space) {
         visit(leaf, c, cornerOf(leaves_[leaf], c, divisions_ >> leaves_[leaf].level));
   };
   eachCorner([&](std::size_t, std::size_t, const LatticePoint& point) { points.push_back(point); });
-  std::sort(points.begin(), points.end());
+  std::ranges::sort(points);
   points.erase(std::unique(points.begin(), points.end()), points.end());
 
   const std::vector<bool> interpolated = interpolatedPoints(space);
@@ -82,6 +82,7 @@ void CellTree::makeSlots(const SpaceTable& space) {
       slot.kind = SlotKind::solved;
       slot.number = *number;
     }
+    // Last, since a hanging slot takes the coarse leaf's value even where it was solved.
     hang(slot);
     if (slot.kind == SlotKind::hanging)
       hanging_.push_back(static_cast<std::int32_t>(slots_.size()));
@@ -93,8 +94,8 @@ void CellTree::makeSlots(const SpaceTable& space) {
         std::lower_bound(points.begin(), points.end(), point) - points.begin());
   });
   const auto level = [this](std::int32_t slot) { return leaves_[at(slots_[at(slot)].leaf)].level; };
-  std::stable_sort(hanging_.begin(), hanging_.end(),
-                   [&](std::int32_t a, std::int32_t b) { return level(a) < level(b); });
+  std::ranges::stable_sort(hanging_,
+                           [&](std::int32_t a, std::int32_t b) { return level(a) < level(b); });
 }
 
 /// Hangs a slot in the coarsest of the up to eight leaves around it if it is no corner of that one.
@@ -137,7 +138,7 @@ void CellTree::markUnsupported() {
   for (std::size_t s = 0; s < slots_.size(); ++s) supported[s] = slots_[s].kind == SlotKind::solved;
   const auto any = [&](std::int32_t leaf) {
     const LeafCorners& c = corners(leaf);
-    return std::any_of(c.begin(), c.end(), [&](std::int32_t slot) { return supported[at(slot)]; });
+    return std::ranges::any_of(c, [&](std::int32_t slot) { return supported[at(slot)]; });
   };
   fillHanging(*this, supported,
               [&](std::int32_t leaf, const Eigen::Vector3d&) { return any(leaf); });
@@ -163,6 +164,7 @@ LeafPlace CellTree::descend(const Eigen::Vector3d& in_spacings) const noexcept {
   while (nodes_[node] < 0) {
     std::size_t child = 0;
     for (int axis = 0; axis < 3; ++axis) {
+      // Halving is exact in floating point: no place falls between two leaves.
       const bool upper = place.local[axis] >= 0.5;
       child |= static_cast<std::size_t>(upper) << axis;
       place.local[axis] = 2 * place.local[axis] - (upper ? 1 : 0);
@@ -192,6 +194,7 @@ Eigen::Vector3d nearestInBall(const Eigen::Vector3d& displacement, double radius
   if (!(displacement.array().isNaN().any() || std::isinf(largest))) {
     const double length = displacement.stableNorm();
     if (length <= radius) return displacement;
+    // Scaled first: the norm of huge numbers overflows.
     return displacement / largest * (radius / (displacement / largest).norm());
   }
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();

@@ -1,10 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
-#include <cstdint>
-#include <vector>
-
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
 #include "common/space/lattice.hpp"

@@ -33,7 +33,7 @@ class Fitter {
         interpolated_(interpolatedPoints(space)),
         fits_(space.lattice.unit()),
         inconsistent_(inconsistent) {
-    PALPATE_ASSERT(std::is_sorted(inconsistent.begin(), inconsistent.end()),
+    PALPATE_ASSERT(std::ranges::is_sorted(inconsistent),
                    "inconsistentEdges sorts them, joined() searches them");
     const std::int32_t divisions = space.lattice.divisions();
     around_.resize(tree.slots().size());
@@ -60,7 +60,7 @@ class Fitter {
     std::vector<Candidate> candidates;
     for (const std::int32_t number : solved_)
       candidates.push_back(candidate(tree_.slots()[slot].point, number));
-    const Candidate nearest = *std::min_element(candidates.begin(), candidates.end());
+    const Candidate nearest = *std::ranges::min_element(candidates);
     std::erase_if(candidates, [&](const Candidate& c) {
       return static_cast<double>(c.distance) >
              ghost_reach * ghost_reach * static_cast<double>(nearest.distance);
@@ -68,6 +68,7 @@ class Fitter {
     const auto sources = choose(std::move(candidates), -1, ghost_sources);
     const auto edge =
         static_cast<std::int32_t>(std::ceil(std::sqrt(static_cast<double>(nearest.distance))));
+    // A polynomial of high degree far from its sources overshoots: a lower one is tried instead.
     for (int degree = degreeFor(sources.size());; --degree) {
       LocalPolynomial polynomial = fits_.extrapolate(sources, edge, degree);
       if (degree == 2 || isModest(polynomial.at(Eigen::Vector3d::Zero()), nearest, sources))
@@ -78,8 +79,7 @@ class Fitter {
  private:
   bool joined(std::int32_t a, std::int32_t b) const {
     return !inconsistent_.empty() &&
-           std::binary_search(inconsistent_.begin(), inconsistent_.end(),
-                              LatticeEdge{std::min(a, b), std::max(a, b)});
+           std::ranges::binary_search(inconsistent_, LatticeEdge{std::min(a, b), std::max(a, b)});
   }
 
   struct Candidate {
@@ -92,15 +92,13 @@ class Fitter {
   /// The nearest candidates that no inconsistent edge joins to those before them, nor to `own`.
   std::vector<FitSource> choose(std::vector<Candidate> candidates, std::int32_t own,
                                 std::size_t most) const {
-    std::sort(candidates.begin(), candidates.end());
+    std::ranges::sort(candidates);
     std::vector<std::int32_t> taken;
     if (own >= 0) taken.push_back(own);
     std::vector<FitSource> sources;
     for (const Candidate& c : candidates) {
       if (sources.size() == most) break;
-      if (std::any_of(taken.begin(), taken.end(),
-                      [&](std::int32_t t) { return joined(t, c.number); }))
-        continue;
+      if (std::ranges::any_of(taken, [&](std::int32_t t) { return joined(t, c.number); })) continue;
       taken.push_back(c.number);
       sources.push_back({c.offset, &space_.points[c.number].equilibrium});
     }
@@ -259,6 +257,7 @@ EnergySample evaluateEnergy(const CellTree& tree, const std::vector<EnergyJet>& 
   const double edge = tree.edge(place.leaf);
   Basis<3> x = quinticHermite(place.local.x()), y = quinticHermite(place.local.y()),
            z = quinticHermite(place.local.z());
+  // Jets are in units of the spacing, the basis in those of the leaf.
   if (edge != tree.spacing()) {
     const double scale = edge / tree.spacing();
     for (Basis<3>* basis : {&x, &y, &z})

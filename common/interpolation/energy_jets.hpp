@@ -1,8 +1,5 @@
 #pragma once
 
-#include <array>
-#include <vector>
-
 #include "common/interpolation/branch_check.hpp"
 #include "common/interpolation/cell_tree.hpp"
 #include "common/interpolation/local_fit.hpp"

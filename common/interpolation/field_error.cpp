@@ -60,8 +60,8 @@ bool hasSuspectEdge(const CellTree& tree, std::int32_t leaf,
   for (std::size_t c = 0; c < 8; ++c)
     for (const std::size_t axis : {1, 2, 4}) {
       const std::int32_t a = numberAt(c), b = numberAt(c | axis);
-      if ((c & axis) == 0 && std::binary_search(suspect.begin(), suspect.end(),
-                                                LatticeEdge{std::min(a, b), std::max(a, b)}))
+      if ((c & axis) == 0 &&
+          std::ranges::binary_search(suspect, LatticeEdge{std::min(a, b), std::max(a, b)}))
         return true;
     }
   return false;
@@ -77,8 +77,8 @@ FieldError::FieldError(const CellTree& tree, const std::vector<LocalPolynomial>&
   std::vector<std::int32_t> order(nodes_.size());  // coarse leaves first: fine ones hang on them
   for (std::size_t leaf = 0; leaf < order.size(); ++leaf)
     order[leaf] = static_cast<std::int32_t>(leaf);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::int32_t a, std::int32_t b) { return tree.edge(a) > tree.edge(b); });
+  std::ranges::stable_sort(
+      order, [&](std::int32_t a, std::int32_t b) { return tree.edge(a) > tree.edge(b); });
   NodeForces node_forces;
   for (const std::int32_t leaf : order) {
     const double factor = hasSuspectEdge(tree, leaf, suspect) ? at_suspect_edges : 1;
@@ -104,6 +104,7 @@ FieldError::FieldError(const CellTree& tree, const std::vector<LocalPolynomial>&
         ++known;
         if (slot.kind == SlotKind::ghost) ghosts += weights[c];
       }
+      // Hanging corners have no polynomial: the others stand in for them.
       if (known > 0) spread += hanging * sum / known;
       nodes_[at(leaf)][node] = static_cast<float>(
           factor * (share_of_spread + share_at_ghosts * ghosts) * spread + inherited);

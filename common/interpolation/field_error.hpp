@@ -1,8 +1,5 @@
 #pragma once
 
-#include <array>
-#include <vector>
-
 #include "common/interpolation/energy_jets.hpp"
 
 namespace palpate {

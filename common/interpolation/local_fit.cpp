@@ -101,6 +101,7 @@ struct WeightedSystem {
           matrix(row, t) = weight * termAt(term(t), data_orders[d], powers);
       }
     }
+    // One row per unknown, which pulls it to zero: least squares with a ridge.
     for (int t = 0; t < unknowns; ++t) matrix(weights.size() + t, t) = penalty[at(total(term(t)))];
   }
 
@@ -163,6 +164,7 @@ LocalPolynomial LocalFits::complete(const Equilibrium& own, const std::vector<Fi
   LocalPolynomial result;
   result.scale = unit_ * edge;
   result.derivatives.head<n_data>() = dataOf(own, result.scale);
+  // Its own data stand; what is not known stays zero.
   if (sources.empty()) return result;
   const Factors& factors = completing(sources, edge);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(factors.qr.rows());

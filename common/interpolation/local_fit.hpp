@@ -1,10 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <Eigen/QR>
-#include <array>
-#include <map>
-#include <vector>
 
 #include "common/space/configuration.hpp"
 #include "common/space/lattice.hpp"

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate {
 namespace {
 
@@ -58,6 +60,7 @@ class Integration {
     const Eigen::Vector3d x = corners_ * a, y = corners_ * b, z = corners_ * c;
     const double longest =
         std::sqrt(std::max({(y - x).squaredNorm(), (z - y).squaredNorm(), (x - z).squaredNorm()}));
+    // Nothing of the bump reaches into a part that is farther away than it is wide.
     if (((x + y + z) / 3 - center_).norm() > radius_ + longest) return;
     if (longest > part_of_radius * radius_) {
       const Barycentric ab = (a + b) / 2, bc = (b + c) / 2, ca = (c + a) / 2;
@@ -94,6 +97,7 @@ class Integration {
 }  // namespace
 
 std::vector<double> bumpIntegrals(const Mesh& mesh, const Eigen::Vector3d& center, double radius) {
+  PALPATE_ASSERT(radius > 0, "a scene gives weighted tools a radius");
   return Integration(mesh, center, radius).run();
 }
 

@@ -1,17 +1,15 @@
-#include "common/mesh/gmsh_reader.hpp"
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <set>
 #include <tuple>
-#include <utility>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/text_file.hpp"
 #include "common/base/text_lines.hpp"
 #include "common/base/units.hpp"
+#include "common/mesh/mesh_reader.hpp"
 
 namespace palpate {
 namespace {
@@ -44,7 +42,7 @@ class Tags {
 
   /// Call after the last add. The first tag that was given twice, if one was.
   std::optional<std::int64_t> sort() {
-    std::sort(tags_.begin(), tags_.end());
+    std::ranges::sort(tags_);
     for (std::size_t i = 1; i < tags_.size(); ++i)
       if (tags_[i].first == tags_[i - 1].first) return tags_[i].first;
     return std::nullopt;
@@ -72,6 +70,7 @@ class GmshText {
       throw badInput("{}: there is no $Nodes section: the file is truncated", lines_.source());
     if (!have_elements_)
       throw badInput("{}: there is no $Elements section: the file is truncated", lines_.source());
+    // Version 4.1 names groups by entity and has each element once.
     if (!entity_blocks_) dropRepeatedTetrahedra();
     nameGroups();
     finishMesh(mesh_, lines_.source());
@@ -84,7 +83,8 @@ class GmshText {
     if (lines_.rest() != "$MeshFormat")
       throw lines_.wrong(
           "this is not a Gmsh .msh file of version 2.2 or 4.1: its first line is not $MeshFormat");
-    lines_.advanceIn("$MeshFormat");
+    section_ = lines_.rest();
+    nextLine();
     const auto version = lines_.take<double>("the version");
     const auto binary = lines_.take<int>("the file type");
     if (version != 2.2 && version != 4.1)
@@ -97,71 +97,71 @@ class GmshText {
           "the file is binary; convert with: gmsh {} -save -format msh41 -o NEW.msh (no -bin)",
           lines_.source());
     entity_blocks_ = version == 4.1;
-    endSection("$MeshFormat");
+    endSection();
   }
 
   void readSection() {
-    const std::string section(lines_.rest());
-    if (section == "$PhysicalNames") {
+    section_ = lines_.rest();
+    if (section_ == "$PhysicalNames") {
       readPhysicalNames();
-    } else if (section == "$Entities") {
+    } else if (section_ == "$Entities") {
       readEntities();
-    } else if (section == "$Nodes") {
+    } else if (section_ == "$Nodes") {
       if (have_nodes_) throw lines_.wrong("a second $Nodes section");
       entity_blocks_ ? readNodeBlocks() : readNodes();
-      finishNodes();
-    } else if (section == "$Elements") {
+      if (const auto twice = node_tags_.sort())
+        throw lines_.wrong("node {} is defined twice", *twice);
+      have_nodes_ = true;
+    } else if (section_ == "$Elements") {
       if (!have_nodes_) throw lines_.wrong("$Elements before $Nodes");
       if (have_elements_) throw lines_.wrong("a second $Elements section");
       entity_blocks_ ? readElementBlocks() : readElements();
       have_elements_ = true;
-    } else if (section == "$ElementData") {
+    } else if (section_ == "$ElementData") {
       if (!have_elements_) throw lines_.wrong("$ElementData before $Elements");
+      // Only here: elements that version 2.2 repeats may share a number as long as nobody asks.
       if (const auto twice = tetrahedron_tags_.sort())
         throw lines_.wrong("$ElementData cannot be assigned: two tetrahedra have the number {}",
                            *twice);
-      readElementData();
-      return;
-    } else if (section == "$PartitionedEntities") {
+      return readElementData();
+    } else if (section_ == "$PartitionedEntities") {
       throw lines_.wrong(
           "the mesh is partitioned; save it without partitions (gmsh: Mesh > Unpartition)");
-    } else if (section.starts_with("$") && !section.starts_with("$End")) {
-      skipSection(section);
-      return;
+    } else if (section_.starts_with("$") && !section_.starts_with("$End")) {
+      return skipSection();
     } else {
-      throw lines_.wrong("\"{}\" where a section is expected", section);
+      throw lines_.wrong("\"{}\" where a section is expected", section_);
     }
-    endSection(section);
+    endSection();
   }
 
-  void endSection(const std::string& section) {
-    lines_.advanceIn(section);
-    if (lines_.rest() != "$End" + section.substr(1))
+  void endSection() {
+    nextLine();
+    if (lines_.rest() != "$End" + section_.substr(1))
       throw lines_.wrong(
           "\"{}\" where $End{} is expected: more lines than were announced, "
           "or the file is truncated",
-          lines_.rest(), section.substr(1));
+          lines_.rest(), section_.substr(1));
   }
 
-  void skipSection(const std::string& section) {
-    const std::string end = "$End" + section.substr(1);
-    do lines_.advanceIn(section);
-    while (lines_.rest() != end);
+  void skipSection() {
+    do nextLine();
+    while (lines_.rest() != "$End" + section_.substr(1));
   }
 
-  void readPhysicalNames() {
-    lines_.advanceIn("$PhysicalNames");
-    const std::size_t count = lines_.takeCount("the number of physical names");
-    for (std::size_t i = 0; i < count; ++i) {
-      lines_.advanceIn("$PhysicalNames");
-      const Key key = {takeDimension(),
-                       lines_.take<std::int64_t>("the number of a physical group")};
-      const std::string_view quoted = lines_.rest();
-      if (quoted.size() < 3 || quoted.front() != '"' || quoted.back() != '"')
-        throw lines_.wrong("a name in quotes is expected after the number of the physical group");
-      physical_names_[key] = quoted.substr(1, quoted.size() - 2);
+  void nextLine() { lines_.advanceIn(section_); }
+
+  /// Calls read() on each of the next `count` lines.
+  template <class Read>
+  void eachLine(std::size_t count, Read read) {
+    for (; count > 0; --count) {
+      nextLine();
+      read();
     }
   }
+
+  /// A number that the file gives to a node, an element, an entity or a group.
+  std::int64_t takeTag(const char* what) { return lines_.take<std::int64_t>(what); }
 
   int takeDimension() {
     const auto dimension = lines_.take<int>("a dimension");
@@ -170,23 +170,32 @@ class GmshText {
     return dimension;
   }
 
+  void readPhysicalNames() {
+    nextLine();
+    eachLine(lines_.takeCount("the number of physical names"), [&] {
+      const Key key = {takeDimension(), takeTag("the number of a physical group")};
+      const std::string_view quoted = lines_.rest();
+      if (quoted.size() < 3 || quoted.front() != '"' || quoted.back() != '"')
+        throw lines_.wrong("a name in quotes is expected after the number of the physical group");
+      physical_names_[key] = quoted.substr(1, quoted.size() - 2);
+    });
+  }
+
   void readEntities() {
     if (!entity_blocks_) throw lines_.wrong("$Entities in a file of version 2.2");
-    lines_.advanceIn("$Entities");
+    nextLine();
     std::array<std::size_t, 4> counts;
     for (std::size_t& count : counts) count = lines_.takeCount("the number of entities");
     for (int dimension = 0; dimension < 4; ++dimension)
-      for (std::size_t i = 0; i < counts[dimension]; ++i) {
-        lines_.advanceIn("$Entities");
-        const Key entity = {dimension, lines_.take<std::int64_t>("the tag of an entity")};
+      eachLine(counts[dimension], [&] {
+        const Key entity = {dimension, takeTag("the tag of an entity")};
         const int extents = dimension == 0 ? 3 : 6;  // its position, or its bounding box
         for (int n = 0; n < extents; ++n) lines_.take<double>("the extent of an entity");
         const std::size_t n_physical =
             lines_.takeCount("the number of physical groups of an entity");
         for (std::size_t n = 0; n < n_physical; ++n)
-          physical_of_entity_[entity].insert(
-              std::abs(lines_.take<std::int64_t>("the number of a physical group")));
-      }
+          physical_of_entity_[entity].insert(std::abs(takeTag("the number of a physical group")));
+      });
   }
 
   void addNode() {
@@ -197,55 +206,45 @@ class GmshText {
   }
 
   void readNodes() {
-    lines_.advanceIn("$Nodes");
+    nextLine();
     const std::size_t count = lines_.takeCount("the number of nodes");
     lines_.expectEndOfLine();
     mesh_.nodes.reserve(lines_.reserveFor(count));
-    for (std::size_t i = 0; i < count; ++i) {
-      lines_.advanceIn("$Nodes");
-      node_tags_.add(lines_.take<std::int64_t>("the number of a node"));
+    eachLine(count, [&] {
+      node_tags_.add(takeTag("the number of a node"));
       addNode();
       lines_.expectEndOfLine();
-    }
+    });
   }
 
   void readNodeBlocks() {
-    lines_.advanceIn("$Nodes");
+    nextLine();
     const std::size_t n_blocks = lines_.takeCount("the number of entity blocks");
     const std::size_t n_nodes = lines_.takeCount("the number of nodes");
     mesh_.nodes.reserve(lines_.reserveFor(n_nodes));
-    for (std::size_t block = 0; block < n_blocks; ++block) {
-      lines_.advanceIn("$Nodes");
+    eachLine(n_blocks, [&] {
       takeDimension();
-      lines_.take<std::int64_t>("the tag of an entity");
+      takeTag("the tag of an entity");
       const bool parametric = lines_.take<int>("0 or 1 for parametric") != 0;
       const std::size_t count = lines_.takeCount("the number of nodes of a block");
       lines_.expectEndOfLine();
-      for (std::size_t i = 0; i < count; ++i) {
-        lines_.advanceIn("$Nodes");
-        node_tags_.add(lines_.take<std::int64_t>("the tag of a node"));
+      eachLine(count, [&] {
+        node_tags_.add(takeTag("the tag of a node"));
         lines_.expectEndOfLine();
-      }
-      for (std::size_t i = 0; i < count; ++i) {
-        lines_.advanceIn("$Nodes");
+      });
+      eachLine(count, [&] {
         addNode();
-        if (!parametric)
-          lines_.expectEndOfLine();  // else coordinates on the entity follow: of no use here
-      }
-    }
+        // Else coordinates on the entity follow: of no use here.
+        if (!parametric) lines_.expectEndOfLine();
+      });
+    });
     if (mesh_.nodes.size() != n_nodes)
       throw lines_.wrong("{} nodes were announced, the blocks hold {}", n_nodes,
                          mesh_.nodes.size());
   }
 
-  void finishNodes() {
-    if (const auto twice = node_tags_.sort())
-      throw lines_.wrong("node {} is defined twice", *twice);
-    have_nodes_ = true;
-  }
-
   std::int32_t takeNode() {
-    const auto tag = lines_.take<std::int64_t>("a node");
+    const std::int64_t tag = takeTag("a node");
     const auto node = node_tags_.find(tag);
     if (!node) throw lines_.wrong("an element uses node {}, which is not in $Nodes", tag);
     return *node;
@@ -296,45 +295,40 @@ class GmshText {
   }
 
   void readElements() {
-    lines_.advanceIn("$Elements");
+    nextLine();
     const std::size_t count = lines_.takeCount("the number of elements");
     lines_.expectEndOfLine();
     mesh_.tetrahedra.reserve(lines_.reserveFor(count));
-    for (std::size_t i = 0; i < count; ++i) {
-      lines_.advanceIn("$Elements");
-      const auto tag = lines_.take<std::int64_t>("the number of an element");
+    eachLine(count, [&] {
+      const std::int64_t tag = takeTag("the number of an element");
       int type = 0;
       const int dimension = takeElementType(type).dimension;
       const std::size_t n_tags = lines_.takeCount("the number of tags");
       std::int64_t physical = 0;  // no group
       for (std::size_t n = 0; n < n_tags; ++n) {
-        const auto group = lines_.take<std::int64_t>("a tag");
+        const std::int64_t group = takeTag("a tag");
         if (n == 0) physical = std::abs(group);  // negative where the orientation was turned
       }
       addElement(tag, type, {dimension, physical});
-    }
+    });
   }
 
   void readElementBlocks() {
-    lines_.advanceIn("$Elements");
+    nextLine();
     const std::size_t n_blocks = lines_.takeCount("the number of entity blocks");
     const std::size_t n_elements = lines_.takeCount("the number of elements");
     mesh_.tetrahedra.reserve(lines_.reserveFor(n_elements));
     std::size_t read = 0;
-    for (std::size_t block = 0; block < n_blocks; ++block) {
-      lines_.advanceIn("$Elements");
-      const Key entity = {takeDimension(), lines_.take<std::int64_t>("the tag of an entity")};
+    eachLine(n_blocks, [&] {
+      const Key entity = {takeDimension(), takeTag("the tag of an entity")};
       int type = 0;
       if (takeElementType(type).dimension != entity.first)
         throw lines_.wrong("element type {} in a block of dimension {}", type, entity.first);
       const std::size_t count = lines_.takeCount("the number of elements of a block");
       lines_.expectEndOfLine();
-      for (std::size_t i = 0; i < count; ++i, ++read) {
-        lines_.advanceIn("$Elements");
-        const auto tag = lines_.take<std::int64_t>("the tag of an element");
-        addElement(tag, type, entity);
-      }
-    }
+      eachLine(count, [&] { addElement(takeTag("the tag of an element"), type, entity); });
+      read += count;
+    });
     if (read != n_elements)
       throw lines_.wrong("{} elements were announced, the blocks hold {}", n_elements, read);
   }
@@ -342,41 +336,34 @@ class GmshText {
   /// One vector per tetrahedron, under the first string tag. Data of other components are skipped,
   /// and so are later time steps of the same name.
   void readElementData() {
-    const std::string section = "$ElementData";
     const auto tags = [&](const char* what) {
-      lines_.advanceIn(section);
+      nextLine();
       std::vector<std::string> words;
-      for (std::size_t left = lines_.takeCount(what); left > 0; --left) {
-        lines_.advanceIn(section);
-        words.emplace_back(lines_.rest());
-      }
+      eachLine(lines_.takeCount(what), [&] { words.emplace_back(lines_.rest()); });
       return words;
     };
+    // Strings, reals and integers come before the values, each list with its length.
     const std::vector<std::string> names = tags("the number of string tags");
     tags("the number of real tags");
-    lines_.advanceIn(section);
-    std::array<std::size_t, 3> integers{};  // time step, components, elements
-    const std::size_t n_integers = lines_.takeCount("the number of integer tags");
-    for (std::size_t i = 0; i < n_integers; ++i) {
-      lines_.advanceIn(section);
-      const std::size_t value = lines_.takeCount("an integer tag");
-      if (i < integers.size()) integers[i] = value;
-    }
+    nextLine();
+    std::vector<std::size_t> integers;  // time step, components, elements
+    eachLine(lines_.takeCount("the number of integer tags"),
+             [&] { integers.push_back(lines_.takeCount("an integer tag")); });
+    // More tags (a partition) are of no use here, missing ones count as 0.
+    integers.resize(3);
     const std::string name = names.empty() ? "" : unquoted(names[0]);
     if (name.empty() || integers[1] != 3 || mesh_.element_vectors.contains(name))
-      return skipSection(section);
+      return skipSection();
     std::vector<Eigen::Vector3d>& vectors = mesh_.element_vectors[name];
     vectors.assign(mesh_.tetrahedra.size(), Eigen::Vector3d::Zero());
-    for (std::size_t i = 0; i < integers[2]; ++i) {
-      lines_.advanceIn(section);
-      const auto element =
-          tetrahedron_tags_.find(lines_.take<std::int64_t>("the number of an element"));
+    eachLine(integers[2], [&] {
+      const auto element = tetrahedron_tags_.find(takeTag("the number of an element"));
       Eigen::Vector3d vector;
       for (double& component : vector) component = lines_.takeFinite("a component");
       lines_.expectEndOfLine();
       if (element) vectors[*element] = vector;
-    }
-    endSection(section);
+    });
+    endSection();
   }
 
   static std::string unquoted(const std::string& text) {
@@ -391,10 +378,10 @@ class GmshText {
     order.reserve(mesh_.tetrahedra.size());
     for (std::size_t e = 0; e < mesh_.tetrahedra.size(); ++e) {
       Tetrahedron sorted = mesh_.tetrahedra[e];
-      std::sort(sorted.begin(), sorted.end());
+      std::ranges::sort(sorted);
       order.emplace_back(sorted, group_of_tetrahedron_[e], static_cast<std::int32_t>(e));
     }
-    std::sort(order.begin(), order.end());
+    std::ranges::sort(order);
     std::vector<std::int32_t> same_as(order.size());
     for (std::size_t i = 0; i < order.size(); ++i) {
       const auto& [nodes, group, element] = order[i];
@@ -407,6 +394,8 @@ class GmshText {
 
   /// Keeps the tetrahedra e with same_as[e] == e; what the others are in, they are in.
   void keepOnly(const std::vector<std::int32_t>& same_as) {
+    PALPATE_ASSERT(same_as.size() == mesh_.tetrahedra.size(),
+                   "each is the same as itself at least");
     std::vector<std::int32_t> number(same_as.size());
     std::int32_t kept = 0;
     for (std::size_t e = 0; e < same_as.size(); ++e)
@@ -430,6 +419,7 @@ class GmshText {
     for (const auto& [key, nodes] : nodes_of_) {
       const auto& [dimension, tag] = key;
       if (!entity_blocks_) {
+        // 0 is "no group" in version 2.2.
         if (tag != 0) addToGroup(key, key);
         continue;
       }
@@ -437,10 +427,7 @@ class GmshText {
       if (physical == physical_of_entity_.end()) continue;
       for (const std::int64_t number : physical->second) addToGroup({dimension, number}, key);
     }
-    for (auto& [name, elements] : mesh_.element_groups) {
-      std::sort(elements.begin(), elements.end());
-      elements.erase(std::unique(elements.begin(), elements.end()), elements.end());
-    }
+    for (auto& [name, elements] : mesh_.element_groups) sortUnique(elements);
   }
 
   /// Adds the nodes and tetrahedra that were read under `from`.
@@ -449,16 +436,15 @@ class GmshText {
     const std::string name = named != physical_names_.end()
                                  ? named->second
                                  : fmt::format("{} {}", dimension_words[group.first], group.second);
-    const std::vector<std::int32_t>& nodes = nodes_of_.at(from);
-    std::vector<std::int32_t>& all = mesh_.node_groups[name];
-    all.insert(all.end(), nodes.begin(), nodes.end());
-    if (group.first < 3) return;
-    const std::vector<std::int32_t>& elements = tetrahedra_of_.at(from);
-    std::vector<std::int32_t>& all_elements = mesh_.element_groups[name];
-    all_elements.insert(all_elements.end(), elements.begin(), elements.end());
+    const auto add = [](std::vector<std::int32_t>& all, const std::vector<std::int32_t>& more) {
+      all.insert(all.end(), more.begin(), more.end());
+    };
+    add(mesh_.node_groups[name], nodes_of_.at(from));
+    if (group.first == 3) add(mesh_.element_groups[name], tetrahedra_of_.at(from));
   }
 
   TextLines lines_;
+  std::string section_;  ///< "$Nodes"
   double metres_per_unit_;
   bool entity_blocks_ = false;  ///< version 4.1
   bool have_nodes_ = false, have_elements_ = false;
@@ -466,9 +452,8 @@ class GmshText {
   Tags node_tags_, tetrahedron_tags_;
   std::map<Key, std::string> physical_names_;
   std::map<Key, std::set<std::int64_t>> physical_of_entity_;
-  std::map<Key, std::vector<std::int32_t>>
-      nodes_of_;  ///< of entities in version 4.1, of physical groups in 2.2
-  std::map<Key, std::vector<std::int32_t>> tetrahedra_of_;  ///< likewise
+  /// Of entities in version 4.1, of physical groups in 2.2.
+  std::map<Key, std::vector<std::int32_t>> nodes_of_, tetrahedra_of_;
   std::vector<std::int64_t> group_of_tetrahedron_;
 };
 

@@ -6,7 +6,9 @@
 #include <numeric>
 #include <tuple>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/index.hpp"
 
 namespace palpate {
 namespace {
@@ -30,12 +32,12 @@ void refuseBrokenNumbers(const Mesh& mesh, const std::string& source) {
   const auto n_nodes = static_cast<std::int32_t>(mesh.nodes.size());
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     Tetrahedron nodes = mesh.tetrahedra[e];
-    std::sort(nodes.begin(), nodes.end());
+    std::ranges::sort(nodes);
     if (nodes.front() < 0 || nodes.back() >= n_nodes)
       throw badInput(
           "{}: tetrahedron {} (counted from 0) uses a node that does not exist (there are {})",
           source, e, n_nodes);
-    if (std::adjacent_find(nodes.begin(), nodes.end()) != nodes.end())
+    if (std::ranges::adjacent_find(nodes) != nodes.end())
       throw badInput("{}: {} uses a node twice", source, placeOf(mesh, e));
   }
 }
@@ -58,28 +60,25 @@ void dropOrphans(Mesh& mesh) {
   for (auto& [name, nodes] : mesh.node_groups) {
     for (std::int32_t& node : nodes) node = new_number[node];
     std::erase(nodes, unused);
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    sortUnique(nodes);
   }
 }
 
 void refuseBrokenGroups(const Mesh& mesh, const std::string& source) {
-  const auto n_nodes = static_cast<std::int32_t>(mesh.nodes.size());
-  for (const auto& [name, nodes] : mesh.node_groups)
-    for (const std::int32_t node : nodes)
-      if (node < 0 || node >= n_nodes)
-        throw badInput("{}: group \"{}\" uses a node that does not exist ({} of {})", source, name,
-                       node, n_nodes);
-  const auto n_elements = static_cast<std::int32_t>(mesh.tetrahedra.size());
-  for (const auto& [name, elements] : mesh.element_groups)
-    for (const std::int32_t element : elements)
-      if (element < 0 || element >= n_elements)
-        throw badInput("{}: group \"{}\" uses a tetrahedron that does not exist ({} of {})", source,
-                       name, element, n_elements);
+  const auto refuse = [&](const auto& groups, std::size_t end, const char* what) {
+    for (const auto& [name, members] : groups)
+      for (const std::int32_t member : members)
+        if (member < 0 || at(member) >= end)
+          throw badInput("{}: group \"{}\" uses a {} that does not exist ({} of {})", source, name,
+                         what, member, end);
+  };
+  refuse(mesh.node_groups, mesh.nodes.size(), "node");
+  refuse(mesh.element_groups, mesh.tetrahedra.size(), "tetrahedron");
 }
 
 void orient(Mesh& mesh, const std::string& source) {
   std::size_t negative = 0, first_negative = 0, first_positive = 0;
+  // Backwards, so that the first offender is what is left in the variables.
   for (std::size_t e = mesh.tetrahedra.size(); e-- > 0;) {
     if (const double shape = shapeOf(mesh, e); !(shape >= degenerate_shape))
       throw badInput(
@@ -94,6 +93,7 @@ void orient(Mesh& mesh, const std::string& source) {
     }
   }
   if (negative == 0) return;
+  // All of them negative is another convention of the nodes, some of them a broken mesh.
   if (negative < mesh.tetrahedra.size()) {
     const bool mostly_positive = 2 * negative <= mesh.tetrahedra.size();
     throw badInput(
@@ -121,6 +121,7 @@ std::vector<Face> sortedFaces(const Mesh& mesh) {
       Triangle t;
       for (int i = 0; i < 3; ++i) t[i] = mesh.tetrahedra[e][faces_of_tetrahedron[f][i]];
       bool even = true;
+      // Three comparisons sort three numbers; each exchange turns the parity.
       for (const auto& [i, j] : {std::pair{0, 1}, {1, 2}, {0, 1}})
         if (t[i] > t[j]) {
           std::swap(t[i], t[j]);
@@ -128,7 +129,7 @@ std::vector<Face> sortedFaces(const Mesh& mesh) {
         }
       faces.push_back({t, e, f, even});
     }
-  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
+  std::ranges::sort(faces, [](const Face& a, const Face& b) {
     return std::tie(a.sorted, a.element) < std::tie(b.sorted, b.element);
   });
   return faces;
@@ -152,7 +153,8 @@ void deriveSurface(Mesh& mesh, const std::string& source) {
           source, placeOf(mesh, faces[first].element), faces[first + 1].element);
     if (count == 1) outer.emplace_back(faces[first].element, faces[first].local);
   }
-  std::sort(outer.begin(), outer.end());
+  // By element, as the file has them: the order of the surface is part of datasets.
+  std::ranges::sort(outer);
   mesh.surface.clear();
   for (const auto& [element, local] : outer) {
     const Tetrahedron& nodes = mesh.tetrahedra[element];
@@ -161,19 +163,16 @@ void deriveSurface(Mesh& mesh, const std::string& source) {
   }
 }
 
-/// Lengths of the distinct edges, metres.
-std::vector<double> edgeLengths(const Mesh& mesh) {
-  std::vector<std::array<std::int32_t, 2>> edges;
+Edge edgeBetween(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// The distinct edges of the tetrahedra, ascending.
+std::vector<Edge> edgesOf(const Mesh& mesh) {
+  std::vector<Edge> edges;
   edges.reserve(6 * mesh.tetrahedra.size());
   for (const Tetrahedron& t : mesh.tetrahedra)
-    for (const auto& [a, b] : tetrahedron_edges)
-      edges.push_back({std::min(t[a], t[b]), std::max(t[a], t[b])});
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  std::vector<double> lengths;
-  lengths.reserve(edges.size());
-  for (const auto& [a, b] : edges) lengths.push_back((mesh.nodes[a] - mesh.nodes[b]).norm());
-  return lengths;
+    for (const auto& [a, b] : tetrahedron_edges) edges.push_back(edgeBetween(t[a], t[b]));
+  sortUnique(edges);
+  return edges;
 }
 
 }  // namespace
@@ -206,30 +205,39 @@ double shapeOf(const Mesh& mesh, std::size_t element) {
   double squared_edges = 0;
   for (const auto& [a, b] : tetrahedron_edges)
     squared_edges += (mesh.nodes[t[a]] - mesh.nodes[t[b]]).squaredNorm();
+  // Four equal nodes: flat, and not 0/0.
   if (squared_edges == 0) return 0;
   return 12 * std::pow(std::abs(sixVolume(mesh, element)) / 2, 2.0 / 3.0) / squared_edges;
 }
 
-std::vector<std::int32_t> surfaceNodes(const Mesh& mesh) {
-  std::vector<std::int32_t> nodes;
+NodeSet surfaceNodes(const Mesh& mesh) {
+  NodeSet nodes;
   nodes.reserve(3 * mesh.surface.size());
   for (const Triangle& triangle : mesh.surface)
     nodes.insert(nodes.end(), triangle.begin(), triangle.end());
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  sortUnique(nodes);
+  return nodes;
+}
+
+NodeSet allNodes(const Mesh& mesh) {
+  NodeSet nodes(mesh.nodes.size());
+  std::iota(nodes.begin(), nodes.end(), 0);
   return nodes;
 }
 
 std::vector<std::int32_t> pieceOfNode(const Mesh& mesh) {
+  PALPATE_ASSERT(mesh.edges.size() <= mesh.nodes.size(), "every edge has a node of its own");
   std::vector<std::int32_t> parent(mesh.vertices());
   std::iota(parent.begin(), parent.end(), 0);
   const auto rootOf = [&parent](std::int32_t node) {
+    // Union-find, halving the path on the way.
     while (parent[node] != node) node = parent[node] = parent[parent[node]];
     return node;
   };
   for (const Tetrahedron& t : mesh.tetrahedra)
     for (int i = 1; i < 4; ++i) {
       const std::int32_t a = rootOf(t[0]), b = rootOf(t[i]);
+      // The lower number is the root, so that pieces are counted by their first nodes.
       parent[std::max(a, b)] = std::min(a, b);
     }
   std::vector<std::int32_t> piece(mesh.vertices());
@@ -238,6 +246,7 @@ std::vector<std::int32_t> pieceOfNode(const Mesh& mesh) {
     const std::int32_t root = rootOf(static_cast<std::int32_t>(n));
     piece[n] = root == static_cast<std::int32_t>(n) ? pieces++ : piece[root];
   }
+  // A middle belongs to the piece of either end.
   for (const Edge& edge : mesh.edges) piece.push_back(piece[edge[0]]);
   return piece;
 }
@@ -249,6 +258,7 @@ std::string curvedEdge(const std::vector<Eigen::Vector3d>& nodes,
     const Eigen::Vector3d &a = nodes[tetrahedron[tetrahedron_edges[e][0]]],
                           &b = nodes[tetrahedron[tetrahedron_edges[e][1]]];
     const double off = (nodes[tetrahedron[4 + e]] - 0.5 * (a + b)).norm() / (b - a).norm();
+    // Negated, so that NaN (an edge of length 0) is refused too.
     if (!(off <= tolerance))
       return fmt::format(
           "the node of its edge at {:.6g} {:.6g} {:.6g} m is off the middle by {:.2g} of the "
@@ -259,42 +269,34 @@ std::string curvedEdge(const std::vector<Eigen::Vector3d>& nodes,
 }
 
 std::int32_t midEdgeNode(const Mesh& mesh, std::int32_t a, std::int32_t b) {
-  const Edge edge = {std::min(a, b), std::max(a, b)};
+  const Edge edge = edgeBetween(a, b);
   const auto found = std::lower_bound(mesh.edges.begin(), mesh.edges.end(), edge);
   if (found == mesh.edges.end() || *found != edge) return -1;
   return mesh.vertices() + static_cast<std::int32_t>(found - mesh.edges.begin());
 }
 
 void addMidEdgeNodes(Mesh& mesh) {
-  std::map<Edge, std::int32_t> number_of;
-  for (const Tetrahedron& tetrahedron : mesh.tetrahedra)
-    for (const auto& [a, b] : tetrahedron_edges)
-      number_of.emplace(
-          Edge{std::min(tetrahedron[a], tetrahedron[b]), std::max(tetrahedron[a], tetrahedron[b])},
-          0);
-  for (auto& [edge, node] : number_of) {
-    node = static_cast<std::int32_t>(mesh.nodes.size());
-    mesh.edges.push_back(edge);
-    mesh.nodes.emplace_back(0.5 * (mesh.nodes[edge[0]] + mesh.nodes[edge[1]]));
-  }
+  PALPATE_ASSERT(mesh.edges.empty() && mesh.mid_edge_nodes.empty(),
+                 "a mesh is made quadratic once");
+  mesh.edges = edgesOf(mesh);
+  for (const auto& [a, b] : mesh.edges)
+    mesh.nodes.emplace_back(0.5 * (mesh.nodes[a] + mesh.nodes[b]));
   for (const Tetrahedron& tetrahedron : mesh.tetrahedra) {
     auto& middle = mesh.mid_edge_nodes.emplace_back();
-    for (std::size_t e = 0; e < tetrahedron_edges.size(); ++e) {
-      const auto [a, b] =
-          std::minmax(tetrahedron[tetrahedron_edges[e][0]], tetrahedron[tetrahedron_edges[e][1]]);
-      middle[e] = number_of.at({a, b});
-    }
+    std::ranges::transform(tetrahedron_edges, middle.begin(), [&](const auto& edge) {
+      return midEdgeNode(mesh, tetrahedron[edge[0]], tetrahedron[edge[1]]);
+    });
   }
   for (auto& [name, nodes] : mesh.node_groups) {
-    const std::vector<std::int32_t> vertices = nodes;
-    for (const auto& [edge, node] : number_of)
-      if (std::binary_search(vertices.begin(), vertices.end(), edge[0]) &&
-          std::binary_search(vertices.begin(), vertices.end(), edge[1]))
-        nodes.push_back(node);  // numbers ascend with the edges, so the group stays sorted
+    const NodeSet vertices = nodes;
+    // Their numbers ascend with the edges, so the group stays sorted.
+    for (const auto& [a, b] : mesh.edges)
+      if (contains(vertices, a) && contains(vertices, b)) nodes.push_back(midEdgeNode(mesh, a, b));
   }
 }
 
 MeshQuality measure(const Mesh& mesh) {
+  PALPATE_ASSERT(!mesh.tetrahedra.empty(), "finishMesh refuses a mesh without tetrahedra");
   MeshQuality quality;
   quality.worst_shape = std::numeric_limits<double>::infinity();
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
@@ -306,23 +308,24 @@ MeshQuality measure(const Mesh& mesh) {
       quality.worst_element = static_cast<std::int32_t>(e);
     }
   }
-  quality.lowest = quality.highest = mesh.nodes.front();
-  for (const Eigen::Vector3d& node : mesh.nodes) {
-    quality.lowest = quality.lowest.cwiseMin(node);
-    quality.highest = quality.highest.cwiseMax(node);
-  }
-  const std::vector<double> edges = edgeLengths(mesh);
-  const auto [shortest, longest] = std::minmax_element(edges.begin(), edges.end());
+  const Eigen::AlignedBox3d box = boundingBox(mesh);
+  quality.lowest = box.min();
+  quality.highest = box.max();
+  std::vector<double> lengths;
+  for (const auto& [a, b] : edgesOf(mesh))
+    lengths.push_back((mesh.nodes[a] - mesh.nodes[b]).norm());
+  const auto [shortest, longest] = std::ranges::minmax_element(lengths);
   quality.shortest_edge = *shortest;
   quality.longest_edge = *longest;
   quality.mean_edge =
-      std::accumulate(edges.begin(), edges.end(), 0.0) / static_cast<double>(edges.size());
+      std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
   const std::vector<std::int32_t> piece_of = pieceOfNode(mesh);
-  quality.pieces = *std::max_element(piece_of.begin(), piece_of.end()) + 1;
+  quality.pieces = *std::ranges::max_element(piece_of) + 1;
   return quality;
 }
 
 void finishMesh(Mesh& mesh, const std::string& source) {
+  // In this order: what follows may use every number without looking at it again.
   refuseBrokenNumbers(mesh, source);
   refuseBrokenGroups(mesh, source);
   dropOrphans(mesh);

@@ -2,10 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <array>
-#include <cstdint>
 #include <map>
 #include <string>
-#include <vector>
+
+#include "common/mesh/node_set.hpp"
 
 namespace palpate {
 
@@ -26,7 +26,7 @@ struct Mesh {
   std::vector<Tetrahedron> tetrahedra;  ///< positive orientation: (b-a) x (c-a) . (d-a) > 0
   std::vector<Triangle> surface;  ///< faces of exactly one tetrahedron, normals outward; derived
   /// Named physical groups (any dimension) -> sorted nodes.
-  std::map<std::string, std::vector<std::int32_t>> node_groups;
+  std::map<std::string, NodeSet> node_groups;
   /// Named physical groups of dimension 3 -> sorted tetrahedra.
   std::map<std::string, std::vector<std::int32_t>> element_groups;
   /// Named vector per tetrahedron ($ElementData of three components, CELL_DATA).
@@ -51,8 +51,10 @@ Eigen::AlignedBox3d boundingBox(const Mesh& mesh);  ///< metres
 std::string placeOf(const Mesh& mesh, std::size_t element);
 std::string placeText(const Eigen::Vector3d& x);  ///< "(X, Y, Z)"
 
-/// Sorted indices of the vertices on the surface.
-std::vector<std::int32_t> surfaceNodes(const Mesh& mesh);
+/// The vertices on the surface.
+NodeSet surfaceNodes(const Mesh& mesh);
+/// Every node, mid-edge nodes too.
+NodeSet allNodes(const Mesh& mesh);
 
 /// Number of the connected piece each node belongs to, 0.. in the order of their first nodes.
 /// Pieces that share a node are one.

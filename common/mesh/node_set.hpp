@@ -9,13 +9,16 @@ namespace palpate {
 /// Sorted node numbers, each once.
 using NodeSet = std::vector<std::int32_t>;
 
+/// Whether a node is in the set.
 inline bool contains(const NodeSet& nodes, std::int32_t node) {
-  return std::binary_search(nodes.begin(), nodes.end(), node);
+  return std::ranges::binary_search(nodes, node);
 }
 
-inline void sortUnique(NodeSet& nodes) {
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+/// Makes a set of a list: sorted, each once.
+template <class Value>
+void sortUnique(std::vector<Value>& values) {
+  std::ranges::sort(values);
+  values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
 /// What a squared radius is multiplied by, so that round-off in the coordinates does not decide

@@ -1,10 +1,8 @@
-#include "common/mesh/vtk_reader.hpp"
-
-#include <cstdint>
-
+#include "common/base/assertion.hpp"
 #include "common/base/text_file.hpp"
 #include "common/base/text_lines.hpp"
 #include "common/base/units.hpp"
+#include "common/mesh/mesh_reader.hpp"
 
 namespace palpate {
 namespace {
@@ -116,6 +114,7 @@ class VtkText {
       while (!lines_.atEndOfLine()) lines_.takeWord();
       cell_nodes_ = readNumbers<std::int64_t>(size, "a node");
     } else {
+      // As version 5 has them, so that the rest need not know the version.
       offsets_ = {0};
       for (std::size_t cell = 0; cell < count; ++cell) {
         const auto nodes = next<std::int64_t>("the number of nodes of a cell");
@@ -134,7 +133,7 @@ class VtkText {
   void checkOffsets() {
     const auto n_nodes = static_cast<std::int64_t>(cell_nodes_.size());
     if (offsets_.empty() || offsets_.front() != 0 || offsets_.back() != n_nodes ||
-        !std::is_sorted(offsets_.begin(), offsets_.end()))
+        !std::ranges::is_sorted(offsets_))
       throw lines_.wrong("the offsets of the cells do not ascend from 0 to their {} nodes",
                          n_nodes);
     for (const std::int64_t node : cell_nodes_)
@@ -150,6 +149,7 @@ class VtkText {
     for (std::size_t i = 0; i < arrays; ++i) {
       lines_.advanceIn("FIELD");
       std::string name(lines_.takeWord());
+      // VTK puts it between two arrays.
       if (name == "METADATA") {
         lines_.skipToBlankLine();
         lines_.advanceIn("FIELD");
@@ -190,6 +190,7 @@ class VtkText {
 
   void readArray(const std::string& name, const std::string& type, std::size_t components,
                  std::size_t tuples) {
+    // FIELD arrays before CELL_DATA or of another length belong to nothing that is read.
     const bool of_cells = in_cell_data_ && tuples == types_.size();
     const bool integer = type == "int" || type == "long" || type == "short" || type == "char" ||
                          type.starts_with("unsigned") || type.starts_with("vtkid") ||
@@ -217,6 +218,7 @@ class VtkText {
   }
 
   void takeTetrahedra() {
+    PALPATE_ASSERT(offsets_.size() == types_.size() + 1, "read() refuses other sections");
     for (std::size_t cell = 0; cell < types_.size(); ++cell) {
       const int type = types_[cell];
       const bool quadratic = type == vtk_quadratic_tetra;

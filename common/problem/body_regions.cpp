@@ -52,19 +52,20 @@ std::vector<std::uint16_t> selectRegions(const std::vector<Region>& regions, con
             placeOf(mesh, element), regions[region_of[element]].group, regions[r].group);
       region_of[element] = static_cast<std::uint16_t>(r);
     }
-  const auto rest = std::find(region_of.begin(), region_of.end(), nowhere);
+  // [material] takes what no group names; without one every tetrahedron must be named.
+  const auto rest = std::ranges::find(region_of, nowhere);
   if (rest == region_of.end() && has_rest)
     throw badInput(
         "[material]: the regions are the whole body and leave no tetrahedron for it; remove it");
   if (rest != region_of.end() && !has_rest)
     throw badInput("[[region]]: {} is in none; write a [material] for what no region names",
                    placeOf(mesh, rest - region_of.begin()));
-  std::replace(region_of.begin(), region_of.end(), nowhere, std::uint16_t{0});
+  std::ranges::replace(region_of, nowhere, std::uint16_t{0});
   return region_of;
 }
 
 bool hasFibers(const std::vector<Region>& regions) {
-  return std::any_of(regions.begin(), regions.end(), [](const Region& region) {
+  return std::ranges::any_of(regions, [](const Region& region) {
     return !region.material.fibers.empty() || !region.material.fiber_field.empty();
   });
 }
@@ -85,7 +86,7 @@ std::vector<std::array<Eigen::Vector3d, 2>> selectFibers(
                        placeOf(mesh, e));
       fibers[e][0] = (*field)[e].stableNormalized();
     }
-    std::copy(material.fibers.begin(), material.fibers.end(), fibers[e].begin());
+    std::ranges::copy(material.fibers, fibers[e].begin());
   }
   return fibers;
 }

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <vector>
-
 #include "common/mesh/mesh.hpp"
 #include "common/scene/scene.hpp"
 

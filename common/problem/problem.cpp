@@ -1,6 +1,5 @@
 #include "common/problem/problem.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -9,13 +8,9 @@
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/units.hpp"
-#include "common/mesh/gmsh_reader.hpp"
-#include "common/mesh/vtk_reader.hpp"
+#include "common/mesh/mesh_reader.hpp"
 #include "common/problem/body_regions.hpp"
-#include "common/problem/fixed_selection.hpp"
-#include "common/problem/patch_selection.hpp"
-#include "common/problem/surface_selection.hpp"
-#include "common/space/lattice.hpp"
+#include "common/problem/node_selection.hpp"
 
 namespace palpate {
 namespace {
@@ -26,16 +21,13 @@ constexpr double smallest_body = 1e-3, largest_body = 10, usual_body = 0.2;
 void refuseMistakenUnit(const Mesh& mesh, double metres_per_unit) {
   const double size = boundingBox(mesh).sizes().maxCoeff();
   if (size >= smallest_body && size <= largest_body) return;
-  const auto used = std::min_element(
-      length_units.begin(), length_units.end(), [&](const LengthUnit& a, const LengthUnit& b) {
-        return std::abs(a.metres - metres_per_unit) < std::abs(b.metres - metres_per_unit);
-      });
-  const auto strangeness = [&](const LengthUnit& unit) {
+  // A scene keeps the size of its unit, not the word.
+  const auto* const used = std::ranges::min_element(length_units, {}, [&](const LengthUnit& unit) {
+    return std::abs(unit.metres - metres_per_unit);
+  });
+  const auto* const best = std::ranges::min_element(length_units, {}, [&](const LengthUnit& unit) {
     return std::abs(std::log(size / used->metres * unit.metres / usual_body));
-  };
-  const auto best = std::min_element(
-      length_units.begin(), length_units.end(),
-      [&](const LengthUnit& a, const LengthUnit& b) { return strangeness(a) < strangeness(b); });
+  });
   const double best_size = size / used->metres * best->metres;
   const std::string finding =
       fmt::format("the mesh is {:.4g} m {}", size, size > largest_body ? "wide" : "wide only");
@@ -53,12 +45,10 @@ void refuseMistakenUnit(const Mesh& mesh, double metres_per_unit) {
 /// True when the nodes lie on one line, so that the body can turn around it.
 bool onOneLine(const NodeSet& nodes, const Mesh& mesh, double size) {
   const Eigen::Vector3d& a = mesh.nodes[nodes.front()];
-  const auto distance = [&](std::int32_t n) { return (mesh.nodes[n] - a).norm(); };
-  const std::int32_t far =
-      *std::max_element(nodes.begin(), nodes.end(),
-                        [&](std::int32_t m, std::int32_t n) { return distance(m) < distance(n); });
+  const std::int32_t far = *std::ranges::max_element(
+      nodes, {}, [&](std::int32_t n) { return (mesh.nodes[n] - a).norm(); });
   const Eigen::Vector3d along = (mesh.nodes[far] - a).stableNormalized();
-  return std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t n) {
+  return std::ranges::all_of(nodes, [&](std::int32_t n) {
     return (mesh.nodes[n] - a).cross(along).norm() <= 1e-6 * size;
   });
 }
@@ -66,8 +56,7 @@ bool onOneLine(const NodeSet& nodes, const Mesh& mesh, double size) {
 void refuseLoosePieces(const Problem& problem) {
   const Mesh& mesh = problem.mesh;
   const std::vector<std::int32_t> piece_of = pieceOfNode(mesh);
-  std::vector<NodeSet> all(*std::max_element(piece_of.begin(), piece_of.end()) + 1),
-      held(all.size());
+  std::vector<NodeSet> all(*std::ranges::max_element(piece_of) + 1), held(all.size());
   for (std::size_t n = 0; n < piece_of.size(); ++n)
     all[piece_of[n]].push_back(static_cast<std::int32_t>(n));
   for (const std::int32_t node : problem.fixed) held[piece_of[node]].push_back(node);
@@ -89,7 +78,7 @@ void refuseLoosePieces(const Problem& problem) {
 
 /// Nodes of the mesh, sorted, each once: what came over the wire may be anything.
 bool isNodeSet(const NodeSet& nodes, std::size_t n_nodes) {
-  return std::adjacent_find(nodes.begin(), nodes.end(), std::greater_equal<>()) == nodes.end() &&
+  return std::ranges::adjacent_find(nodes, std::greater_equal<>()) == nodes.end() &&
          (nodes.empty() ||
           (nodes.front() >= 0 && static_cast<std::size_t>(nodes.back()) < n_nodes));
 }
@@ -117,8 +106,7 @@ void checkRegions(const Problem& problem) {
   const std::size_t n_elements = problem.mesh.tetrahedra.size(),
                     n_regions = problem.scene.regions.size();
   if (problem.region_of.size() != n_elements ||
-      std::any_of(problem.region_of.begin(), problem.region_of.end(),
-                  [&](auto r) { return r >= n_regions; }))
+      std::ranges::any_of(problem.region_of, [&](auto r) { return r >= n_regions; }))
     throw badInput("the regions of the {} tetrahedra are not those of the scene", n_elements);
   if (problem.fibers.size() != (hasFibers(problem.scene.regions) ? n_elements : 0))
     throw badInput("{} fibres for {} tetrahedra", problem.fibers.size(), n_elements);
@@ -152,6 +140,7 @@ void checkPatch(const Problem& problem, std::size_t number, const NodeSet& surfa
 
 Mesh readMesh(const Scene& scene, const std::string& scene_file) {
   std::error_code ignored;
+  // Here the scene's file and key can be named; the readers know the mesh only.
   if (!std::filesystem::exists(scene.mesh, ignored))
     throw badInput("{}: mesh = \"{}\": there is no such file", scene_file, scene.mesh.string());
   if (scene.mesh.extension() == ".msh") return readGmsh(scene.mesh, scene.metres_per_unit);
@@ -205,6 +194,22 @@ std::size_t pressureNodes(PressureSpace pressure, const Mesh& mesh) {
   return 0;
 }
 
+std::vector<std::int32_t> storedNodes(const Scene& scene, const Mesh& mesh) {
+  return scene.storage.displacement == StoredNodes::surface ? surfaceNodes(mesh) : allNodes(mesh);
+}
+
+std::size_t storedPressures(const Scene& scene, const Mesh& mesh) {
+  if (scene.storage.displacement == StoredNodes::surface) return 0;
+  return pressureNodes(scene.discretization.pressure, mesh);
+}
+
+std::size_t storedBytes(const Scene& scene, const Mesh& mesh) {
+  const bool integers = scene.storage.precision == StoredPrecision::int16;
+  const std::size_t component = integers ? sizeof(std::int16_t) : sizeof(float);
+  return 3 * component * storedNodes(scene, mesh).size() +
+         sizeof(float) * storedPressures(scene, mesh);
+}
+
 Lattice uniformLattice(const Scene& scene) {
   const bool divided = scene.accuracy.adaptive() || scene.accuracy.probes > 0;
   return {scene.workspace.radius, scene.workspace.spacing, divided ? lattice_divisions : 1};
@@ -212,6 +217,7 @@ Lattice uniformLattice(const Scene& scene) {
 
 Problem resolve(Scene scene, Mesh mesh) {
   refuseMistakenUnit(mesh, scene.metres_per_unit);
+  // Before the selectors, which select mid-edge nodes too.
   if (scene.discretization.displacement == DisplacementSpace::p2) addMidEdgeNodes(mesh);
   Problem problem;
   problem.region_of = selectRegions(scene.regions, mesh);
@@ -220,9 +226,10 @@ Problem resolve(Scene scene, Mesh mesh) {
   scene.active = expandSurfaces(scene.active, mesh, problem.fixed);
   for (const ActiveSelection& active : scene.active)
     problem.active.push_back(selectPatch(active, mesh, problem.fixed));
-  PALPATE_ASSERT(std::none_of(scene.active.begin(), scene.active.end(),
-                              [](const ActiveSelection& active) { return active.surface; }),
-                 "what travels and what a dataset holds names every active node");
+  PALPATE_ASSERT(
+      std::ranges::none_of(
+          scene.active, [](const ActiveSelection& active) { return active.surface.has_value(); }),
+      "what travels and what a dataset holds names every active node");
   problem.scene = std::move(scene);
   problem.mesh = std::move(mesh);
   checkProblem(problem);

@@ -1,11 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "common/base/content_id.hpp"
 #include "common/mesh/mesh.hpp"
 #include "common/scene/scene.hpp"
@@ -31,6 +25,17 @@ struct Problem {
 /// material around a node is mixed its pressure is zero and no unknown.)
 std::size_t pressureNodes(const Problem& problem);
 std::size_t pressureNodes(PressureSpace pressure, const Mesh& mesh);
+
+// What a dataset keeps of the nodal fields of a configuration (Storage).
+
+/// The nodes whose displacements are stored, sorted.
+std::vector<std::int32_t> storedNodes(const Scene& scene, const Mesh& mesh);
+
+/// Number of pressures that are stored.
+std::size_t storedPressures(const Scene& scene, const Mesh& mesh);
+
+/// Bytes of the stored fields of one configuration, before compression.
+std::size_t storedBytes(const Scene& scene, const Mesh& mesh);
 
 /// Error (bad input) unless everything holds that resolve() guarantees of a problem's numbers.
 void checkProblem(const Problem& problem);
@@ -59,8 +64,8 @@ Lattice uniformLattice(const Scene& scene);
 /// What is only doubtful is left to warningsOf (problem_warnings.hpp). An active `surface` is
 /// replaced by its nodes: in the scene too, as if they had been written one by one. Distances
 /// "within a radius" allow 5e-13 of it for round-off. With P2 displacement the mesh gets its
-/// mid-edge nodes first (`mesh` has none). fixed_selection.hpp, surface_selection.hpp,
-/// patch_selection.hpp and body_regions.hpp say what is selected.
+/// mid-edge nodes first (`mesh` has none). node_selection.hpp and body_regions.hpp say
+/// what is selected.
 Problem resolve(Scene scene, Mesh mesh);
 
 /// readScene + read the mesh (by file ending) + resolve.

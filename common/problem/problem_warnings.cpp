@@ -5,9 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 
 #include "common/base/assertion.hpp"
 
@@ -63,9 +61,8 @@ class Doubts {
     for (const Region& region : scene_.regions) {
       const double young = youngModulus(region.material);
       if (isTissue(young)) continue;
-      const auto meant = std::find_if(units.begin(), units.end(), [&](const Unit& unit) {
-        return isTissue(young * unit.pascals);
-      });
+      const auto meant = std::ranges::find_if(
+          units, [&](const Unit& unit) { return isTissue(young * unit.pascals); });
       warn("{}: Young's modulus at rest is {:.3g} Pa, {} than soft tissue (0.1 to 1000 kPa); {}",
            region.group.empty() ? "material" : fmt::format("region \"{}\"", region.group), young,
            young < softest_tissue ? "softer" : "stiffer",

@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <limits>
-#include <span>
 
 #include "common/base/error.hpp"
 #include "common/problem/problem.hpp"
@@ -20,7 +18,7 @@ static_assert(std::endian::native == std::endian::little, "arrays travel as they
 
 template <class Array>
 std::string bytesOfArray(const Array& values) {
-  return std::string(bytesOf(std::span<const typename Array::value_type>(values)));
+  return std::string(bytesOf(std::span(values)));
 }
 
 template <class T>
@@ -52,9 +50,11 @@ wire::Problem toMessage(const Problem& problem) {
   for (const auto& [name, nodes] : problem.mesh.node_groups) {
     wire::NodeGroup& group = *message.add_node_groups();
     group.set_name(name);
+    // Mid-edge nodes, which come last, are made again from the vertices.
     const auto end = std::lower_bound(nodes.begin(), nodes.end(), problem.mesh.vertices());
     group.set_nodes(bytesOfArray(std::span(nodes.begin(), end)));
   }
+  // Bodies of one material keep the ids that they had before there were regions.
   if (problem.scene.regions.size() > 1) message.set_region_of(bytesOfArray(problem.region_of));
   message.set_fibers(bytesOfArray(problem.fibers));
   return message;
@@ -108,6 +108,7 @@ Problem decodeProblem(std::string_view bytes) {
   try {
     Problem problem = fromMessage(message);
     checkProblem(problem);
+    // Equal problems must have equal ids, so there is one spelling of each.
     if (encodeProblem(problem) != bytes)
       throw failure("it is not written as this version of Palpate writes it");
     return problem;
@@ -118,6 +119,7 @@ Problem decodeProblem(std::string_view bytes) {
 
 ContentId problemId(const Problem& problem) {
   Problem bare = problem;
+  // Not empty: the reader of scenes refuses that.
   bare.scene.name = "any";
   bare.scene.mesh = "any";
   bare.scene.fixed = {};
@@ -126,6 +128,7 @@ ContentId problemId(const Problem& problem) {
   bare.scene.storage = {};
   bare.scene.contact = {};
   bare.mesh.node_groups.clear();
+  // Without refinement the other numbers of [accuracy] change nothing.
   if (!bare.scene.accuracy.adaptive()) bare.scene.accuracy = {.probes = bare.scene.accuracy.probes};
   for (std::size_t r = 0; r < bare.scene.regions.size(); ++r) {
     Region& region = bare.scene.regions[r];

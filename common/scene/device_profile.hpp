@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <string_view>
 
@@ -14,10 +15,27 @@ struct DeviceProfile {
   bool operator==(const DeviceProfile&) const = default;
 };
 
-/// All that are known: touch, omni, desktop, premium-1.5, premium-3.0, falcon, omega, sigma.7,
-/// lambda.7, delta.3.
-std::span<const DeviceProfile> deviceProfiles();
+/// All that are known.
+inline constexpr std::array<DeviceProfile, 10> device_profiles = {{{"touch", 3.3, 400, 0.075},
+                                                                   {"omni", 3.3, 700, 0.1},
+                                                                   {"desktop", 7.9, 1000, 0.1},
+                                                                   {"premium-1.5", 8.5, 800, 0.12},
+                                                                   {"premium-3.0", 22, 1000, 0.25},
+                                                                   {"falcon", 8, 3000, 0.04},
+                                                                   {"omega", 12, 5000, 0.075},
+                                                                   {"sigma.7", 12, 4000, 0.075},
+                                                                   {"lambda.7", 12, 8000, 0.1125},
+                                                                   {"delta.3", 20, 5000, 0.15}}};
+
 /// Their names, in the same order.
-std::span<const std::string_view> deviceWords();
+inline constexpr auto device_words = [] {
+  std::array<std::string_view, device_profiles.size()> names{};
+  for (std::size_t i = 0; i < device_profiles.size(); ++i) names[i] = device_profiles[i].name;
+  return names;
+}();
+
+/// device_profiles and device_words as what callers search.
+inline std::span<const DeviceProfile> deviceProfiles() { return device_profiles; }
+inline std::span<const std::string_view> deviceWords() { return device_words; }
 
 }  // namespace palpate

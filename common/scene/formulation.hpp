@@ -1,7 +1,7 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <span>
 #include <string_view>
 
 namespace palpate {
@@ -34,18 +34,30 @@ enum class Constraint : std::uint8_t { ln_det_F, det_F_minus_1 };
 /// displacements only.
 enum class ToolKind : std::uint8_t { rigid, weighted_average };
 
-/// Words of the scene file for the enumerators.
-std::string_view word(LawName law);
-std::string_view word(PressureSpace pressure);
-std::string_view word(DisplacementSpace displacement);
-std::string_view word(Constraint constraint);
-std::string_view word(ToolKind tool);
+/// The words of the scene file for the enumerators of a choice, in their order. Choices have theirs
+/// beside them.
+template <class Choice>
+inline constexpr std::array<std::string_view, 0> words_of = {};
+template <>
+inline constexpr auto words_of<LawName> = std::to_array<std::string_view>(
+    {"linear", "st-venant-kirchhoff", "modified-st-venant-kirchhoff", "mooney-rivlin",
+     "neo-hookean", "yeoh", "ogden", "veronda-westmann", "holzapfel-gasser-ogden"});
+template <>
+inline constexpr auto words_of<DisplacementSpace> = std::to_array<std::string_view>({"P1", "P2"});
+template <>
+inline constexpr auto words_of<PressureSpace> =
+    std::to_array<std::string_view>({"none", "P1", "P1-stabilized", "P2"});
+template <>
+inline constexpr auto words_of<Constraint> = std::to_array<std::string_view>({"ln-det-F",
+                                                                              "det-F-1"});
+template <>
+inline constexpr auto words_of<ToolKind> = std::to_array<std::string_view>({"rigid",
+                                                                            "weighted-average"});
 
-/// All words, in the order of the enumerators.
-std::span<const std::string_view> lawWords();
-std::span<const std::string_view> displacementWords();
-std::span<const std::string_view> pressureWords();
-std::span<const std::string_view> constraintWords();
-std::span<const std::string_view> toolWords();
+/// The word of an enumerator. Valid for ever.
+template <class Choice>
+requires(!words_of<Choice>.empty()) constexpr std::string_view word(Choice choice) {
+  return words_of<Choice>.at(static_cast<std::size_t>(choice));
+}
 
 }  // namespace palpate

@@ -2,9 +2,7 @@
 
 #include <fmt/ranges.h>
 
-#include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "common/base/nearest_word.hpp"
@@ -50,26 +48,20 @@ constexpr std::array yeoh_numbers = {c10, c20, c30};
 constexpr std::array veronda_westmann_numbers = {c1, c2};
 constexpr std::array holzapfel_numbers = {mu, k1, k2};
 
+/// Of each law, in the order of LawName. Ogden's terms are lists.
+constexpr std::array<std::span<const NumberKey>, words_of<LawName>.size()> numbers_of_law = {
+    young_numbers,
+    young_numbers,
+    young_numbers,
+    mooney_rivlin_numbers,
+    neo_hookean_numbers,
+    yeoh_numbers,
+    {},
+    veronda_westmann_numbers,
+    holzapfel_numbers};
+
 std::span<const NumberKey> numbersOf(LawName law) {
-  switch (law) {
-    case LawName::linear:
-    case LawName::st_venant_kirchhoff:
-    case LawName::modified_st_venant_kirchhoff:
-      return young_numbers;
-    case LawName::mooney_rivlin:
-      return mooney_rivlin_numbers;
-    case LawName::neo_hookean:
-      return neo_hookean_numbers;
-    case LawName::yeoh:
-      return yeoh_numbers;
-    case LawName::ogden:
-      return {};
-    case LawName::veronda_westmann:
-      return veronda_westmann_numbers;
-    case LawName::holzapfel_gasser_ogden:
-      return holzapfel_numbers;
-  }
-  return {};
+  return numbers_of_law.at(static_cast<std::size_t>(law));
 }
 
 bool takesYoung(LawName law) {
@@ -98,27 +90,20 @@ Keys keysOf(LawName law) {
   return keys;
 }
 
-/// "a", "a and b", "a, b and c".
-std::string joined(const std::vector<std::string_view>& words) {
-  if (words.size() == 1) return std::string(words[0]);
-  return fmt::format("{} and {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
-}
-
 void refuseKeysOfOtherLaws(const TomlSection& section, LawName law) {
   const Keys keys = keysOf(law);
-  const auto taken = [&](std::string_view key) {
-    return key == "law" || key == "group" ||
-           std::find(keys.needed.begin(), keys.needed.end(), key) != keys.needed.end() ||
-           std::find(keys.optional.begin(), keys.optional.end(), key) != keys.optional.end();
+  const auto isIn = [](const std::vector<std::string_view>& list, std::string_view key) {
+    return std::ranges::find(list, key) != list.end();
   };
   for (const std::string_view key : materialKeys())
-    if (section.has(key) && !taken(key))
+    if (section.has(key) && key != "law" && key != "group" && !isIn(keys.needed, key) &&
+        !isIn(keys.optional, key))
       throw section.wrong(key, "law \"{}\" does not take it; it takes {}, and if wanted {}",
-                          word(law), joined(keys.needed), joined(keys.optional));
+                          word(law), listed(keys.needed, "and"), listed(keys.optional, "and"));
 }
 
 double numberOf(const TomlSection& section, const NumberKey& number) {
-  const double value = section.number(number.key, section.require(number.key, number.meaning));
+  const double value = section.require(number.key, number.meaning, &TomlSection::number);
   if (number.sign == Sign::positive && !(value > 0))
     throw section.wrong(number.key, "{} must be greater than 0", value);
   if (number.sign == Sign::not_negative && value < 0)
@@ -127,8 +112,8 @@ double numberOf(const TomlSection& section, const NumberKey& number) {
 }
 
 double poissonOf(const TomlSection& section) {
-  const double poisson = section.number(
-      "poisson", section.require("poisson", "Poisson's ratio, greater than -1 and less than 0.5"));
+  const double poisson = section.require(
+      "poisson", "Poisson's ratio, greater than -1 and less than 0.5", &TomlSection::number);
   if (!(poisson > -1 && poisson < 0.5))
     throw section.wrong("poisson",
                         "{} must be greater than -1 and less than 0.5 (an incompressible tissue "
@@ -139,10 +124,10 @@ double poissonOf(const TomlSection& section) {
 }
 
 std::vector<OgdenTerm> ogdenTerms(const TomlSection& section) {
-  const auto mus = section.numbers(
-      "mu", section.require("mu", "a list of 1 to 3 moduli, Pa, one for each term"));
-  const auto alphas = section.numbers(
-      "alpha", section.require("alpha", "a list of exponents, one for each term of mu"));
+  const auto mus = section.require("mu", "a list of 1 to 3 moduli, Pa, one for each term",
+                                   &TomlSection::numbers);
+  const auto alphas = section.require("alpha", "a list of exponents, one for each term of mu",
+                                      &TomlSection::numbers);
   if (mus.empty() || mus.size() > 3)
     throw section.wrong("mu", "{} terms where 1 to 3 are possible", mus.size());
   if (alphas.size() != mus.size())
@@ -161,6 +146,7 @@ std::vector<OgdenTerm> ogdenTerms(const TomlSection& section) {
 Eigen::Vector3d directionOf(const TomlSection& section, const toml::node& node) {
   Eigen::Vector3d direction = section.vector("fiber", node);
   if (direction.isZero(0)) throw section.wrong("fiber", "[0, 0, 0] has no direction");
+  // Normalising once more would change the last bit, and with it the id of the scene.
   if (std::abs(direction.squaredNorm() - 1) < 1e-14) return direction;
   return direction.stableNormalized();
 }
@@ -176,6 +162,7 @@ void readFibers(const TomlSection& section, Material& material) {
   if (array == nullptr || array->empty())
     throw section.wrong("fiber",
                         "write [x, y, z], [[x, y, z], [x, y, z]], or the name of element vectors");
+  // One direction may be written without the outer brackets.
   if (!array->get(0)->is_array()) {
     material.fibers = {directionOf(section, node)};
     return;
@@ -186,8 +173,8 @@ void readFibers(const TomlSection& section, Material& material) {
     material.fibers.push_back(directionOf(section, direction));
 }
 
-double dispersionOf(const TomlSection& section, const toml::node& node) {
-  const double dispersion = section.number("dispersion", node);
+double dispersionOf(const TomlSection& section) {
+  const double dispersion = section.optional("dispersion", &TomlSection::number).value_or(0);
   if (!(dispersion >= 0 && dispersion <= 1.0 / 3))
     throw section.wrong("dispersion", "{} must lie between 0 (aligned) and 1/3 (in all directions)",
                         dispersion);
@@ -243,9 +230,8 @@ std::span<const std::string_view> materialKeys() {
 
 Material readMaterial(const TomlSection& section) {
   Material m;
-  const toml::node& law =
-      section.require("law", fmt::format("write one of {}", listed(lawWords())));
-  m.law = static_cast<LawName>(section.choice("law", law, lawWords()));
+  section.require("law", fmt::format("write one of {}", listed(words_of<LawName>)));
+  m.law = section.choice("law", m.law);
   refuseKeysOfOtherLaws(section, m.law);
   for (const NumberKey& number : numbersOf(m.law)) m.*number.member = numberOf(section, number);
   if (takesYoung(m.law) &&
@@ -254,11 +240,10 @@ Material readMaterial(const TomlSection& section) {
   if (m.law == LawName::ogden) m.ogden = ogdenTerms(section);
   if (m.law == LawName::holzapfel_gasser_ogden) {
     readFibers(section, m);
-    if (const toml::node* node = section.find("dispersion"))
-      m.dispersion = dispersionOf(section, *node);
+    m.dispersion = dispersionOf(section);
   }
-  if (section.has("bulk")) m.bulk = section.positive("bulk", "");
-  if (section.has("density")) m.density = section.positive("density", "");
+  m.bulk = section.optional("bulk", &TomlSection::positive);
+  m.density = section.optional("density", &TomlSection::positive);
   return m;
 }
 
@@ -273,6 +258,7 @@ std::string materialToml(const Material& material) {
 std::string inWords(const Material& material) {
   std::string text(word(material.law));
   for (const auto& [key, value, unit] : entriesOf(material)) {
+    // 1300.0 is TOML; people read 1300.
     const std::size_t end = value.ends_with(".0") ? value.size() - 2 : value.size();
     text += fmt::format(", {} = {}{}{}", key, value.substr(0, end), unit.empty() ? "" : " ", unit);
   }

@@ -1,8 +1,8 @@
 // The scene as it stands in messages and datasets; read again by scene.cpp.
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/base/assertion.hpp"
 #include "common/scene/material_toml.hpp"
 #include "common/scene/scene.hpp"
 #include "common/scene/toml_text.hpp"
@@ -35,34 +35,34 @@ std::string sphereToml(const Sphere& sphere) {
 }
 
 std::string fixedToml(const FixedSelection& fixed) {
-  std::vector<std::string> below, above, boxes, spheres, groups, nodes;
+  std::vector<std::string> below, above;
   for (const HalfSpace& half : fixed.half_spaces)
     (half.below ? below : above)
         .push_back(fmt::format("{{ axis = \"{}\", {} = {} }}", "xyz"[half.axis],
                                half.at ? "at" : "fraction",
                                decimalToml(half.at ? *half.at : *half.fraction)));
-  for (const Box& box : fixed.boxes) boxes.push_back(boxToml(box));
-  for (const Sphere& sphere : fixed.spheres) spheres.push_back(sphereToml(sphere));
-  for (const std::string& group : fixed.groups) groups.push_back(quotedToml(group));
   std::string text = "\n[fixed]\n" + listOf("below", below) + listOf("above", above) +
-                     listOf("box", boxes) + listOf("sphere", spheres) + listOf("group", groups);
+                     listOf("box", textsOf(fixed.boxes, boxToml)) +
+                     listOf("sphere", textsOf(fixed.spheres, sphereToml)) +
+                     listOf("group", textsOf(fixed.groups, quotedToml));
   if (!fixed.nodes.empty()) text += fmt::format("nodes = [{}]\n", fmt::join(fixed.nodes, ", "));
   return text;
 }
 
 std::string surfaceToml(const SurfaceSelection& surface) {
   if (surface.all) return "\"all\"";
-  std::vector<std::string> boxes, spheres, groups, keys;
-  for (const Box& box : surface.boxes) boxes.push_back(boxToml(box));
-  for (const Sphere& sphere : surface.spheres) spheres.push_back(sphereToml(sphere));
-  for (const std::string& group : surface.groups) groups.push_back(quotedToml(group));
-  if (!boxes.empty()) keys.push_back(fmt::format("box = [{}]", fmt::join(boxes, ", ")));
-  if (!spheres.empty()) keys.push_back(fmt::format("sphere = [{}]", fmt::join(spheres, ", ")));
-  if (!groups.empty()) keys.push_back(fmt::format("group = [{}]", fmt::join(groups, ", ")));
+  std::vector<std::string> keys;
+  const auto add = [&](const char* key, const std::vector<std::string>& items) {
+    if (!items.empty()) keys.push_back(fmt::format("{} = [{}]", key, fmt::join(items, ", ")));
+  };
+  add("box", textsOf(surface.boxes, boxToml));
+  add("sphere", textsOf(surface.spheres, sphereToml));
+  add("group", textsOf(surface.groups, quotedToml));
   return fmt::format("{{ {} }}", fmt::join(keys, ", "));
 }
 
 std::string activeToml(const ActiveSelection& active) {
+  PALPATE_ASSERT(active.near || active.node || active.surface, "readActive wants exactly one");
   const std::string place = active.surface ? "surface = " + surfaceToml(*active.surface)
                             : active.near ? fmt::format("near = {}  # m", decimalToml(*active.near))
                                           : fmt::format("node = {}", *active.node);
@@ -92,9 +92,11 @@ std::string storageToml(const Storage& storage) {
 }  // namespace
 
 std::string resolvedToml(const Scene& scene) {
+  PALPATE_ASSERT(!scene.regions.empty(), "a body has a material");
   std::string text =
       fmt::format("name = {}\nmesh = {}\nlength_unit = \"m\"\n", quotedToml(scene.name),
                   quotedToml(scene.mesh.filename().string()));
+  // Left out where it says nothing: scenes from before the key keep their bytes.
   if (scene.contact != ContactMode{})
     text += fmt::format("contact = \"{}\"\n", word(scene.contact));
   for (const Region& region : scene.regions) text += regionToml(region);

@@ -1,7 +1,6 @@
 #include "common/scene/scene.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "common/base/error.hpp"
 #include "common/base/text_file.hpp"
@@ -15,9 +14,16 @@ namespace {
 constexpr std::array<std::string_view, length_units.size()> unit_words = {
     length_units[0].word, length_units[1].word, length_units[2].word};
 constexpr std::array<std::string_view, 3> axis_words = {"x", "y", "z"};
-constexpr std::array<std::string_view, 2> stored_words = {"surface", "all"};
-constexpr std::array<std::string_view, 2> precision_words = {"float32", "int16"};
 constexpr std::int32_t max_levels = 6, max_probes = 100000;
+
+/// Refuses an entry that is called like one before it.
+template <class Entry>
+void refuseTwin(const TomlSection& section, const std::vector<Entry>& before,
+                std::string Entry::*name, const char* key, const char* what) {
+  const auto same = [&](const Entry& other) { return other.*name == before.back().*name; };
+  if (std::any_of(before.begin(), before.end() - 1, same))
+    throw section.wrong(key, "two {} \"{}\"", what, before.back().*name);
+}
 
 std::vector<Region> readRegions(const TomlSection& root) {
   std::vector<Region> regions;
@@ -33,18 +39,15 @@ std::vector<Region> readRegions(const TomlSection& root) {
                  "write a [material] table, or one [[region]] table for each part of the body");
     return regions;
   }
-  const toml::array* array = root.find("region")->as_array();
-  if (array == nullptr || array->empty())
-    throw root.wrong("region",
-                     "write [[region]], in double brackets, once for each part of the body");
-  for (const toml::node& element : *array) {
+  for (const toml::node& element : root.tables("region", "part of the body")) {
     const TomlSection section = root.inner("region", element, materialKeys());
-    const std::string group = section.text(
-        "group", section.require("group", "the physical group of the mesh that is this region"));
-    const auto same = [&](const Region& other) { return other.group == group; };
-    if (std::any_of(regions.begin(), regions.end(), same))
-      throw section.wrong("group", "two regions are the group \"{}\"", group);
-    regions.push_back({group, readMaterial(section)});
+    regions.push_back(
+        {section.require("group", "the physical group of the mesh that is this region",
+                         &TomlSection::text),
+         {}});
+    // Before the material is read: a group that is there twice is the first thing to mend.
+    refuseTwin(section, regions, &Region::group, "group", "regions are the group");
+    regions.back().material = readMaterial(section);
   }
   return regions;
 }
@@ -53,8 +56,7 @@ std::vector<Region> readRegions(const TomlSection& root) {
 void checkPressure(const TomlSection& section, const Discretization& d,
                    const std::vector<Region>& regions) {
   const auto has = [&](bool (*property)(const Material&)) {
-    return std::any_of(regions.begin(), regions.end(),
-                       [&](const Region& r) { return property(r.material); });
+    return std::ranges::any_of(regions, [&](const Region& r) { return property(r.material); });
   };
   const bool p1 = d.displacement == DisplacementSpace::p1;
   if (p1 && d.pressure == PressureSpace::p2)
@@ -74,33 +76,31 @@ void checkPressure(const TomlSection& section, const Discretization& d,
         "the material is compressible and takes no pressure: write none, or leave it out");
 }
 
-Discretization readDiscretization(const TomlSection* section, const std::vector<Region>& regions) {
+Discretization readDiscretization(const TomlSection& root, const std::vector<Region>& regions) {
   Discretization d;
-  if (section != nullptr)
-    if (const toml::node* node = section->find("displacement"))
-      d.displacement = static_cast<DisplacementSpace>(
-          section->choice("displacement", *node, displacementWords()));
-  const bool mixed = std::any_of(regions.begin(), regions.end(),
-                                 [](const Region& region) { return isMixed(region.material); });
+  const auto section = root.inner("discretization", {"displacement", "pressure", "constraint"});
+  // The displacement first: what the pressure is by default depends on it.
+  if (section) d.displacement = section->choice("displacement", d.displacement);
+  const bool mixed =
+      std::ranges::any_of(regions, [](const Region& region) { return isMixed(region.material); });
   d.pressure = !mixed                                    ? PressureSpace::none
                : d.displacement == DisplacementSpace::p1 ? PressureSpace::p1_stabilized
                                                          : PressureSpace::p1;
-  if (section == nullptr) return d;
-  if (const toml::node* node = section->find("constraint"))
-    d.constraint = static_cast<Constraint>(section->choice("constraint", *node, constraintWords()));
-  if (const toml::node* node = section->find("pressure"))
-    d.pressure = static_cast<PressureSpace>(section->choice("pressure", *node, pressureWords()));
+  if (!section) return d;
+  d.constraint = section->choice("constraint", d.constraint);
+  d.pressure = section->choice("pressure", d.pressure);
   checkPressure(*section, d, regions);
   return d;
 }
 
-Eigen::Vector3d readGravity(const TomlSection& section, const std::vector<Region>& regions) {
-  Eigen::Vector3d acceleration = section.vector(
-      "acceleration",
-      section.require("acceleration", "[x, y, z] in m/s^2, for instance [0, 0, -9.81]"));
+Eigen::Vector3d readGravity(const TomlSection& root, const std::vector<Region>& regions) {
+  const auto section = root.inner("gravity", {"acceleration"});
+  if (!section) return Eigen::Vector3d::Zero();
+  Eigen::Vector3d acceleration = section->require(
+      "acceleration", "[x, y, z] in m/s^2, for instance [0, 0, -9.81]", &TomlSection::vector);
   for (const Region& region : regions)
     if (!acceleration.isZero(0) && !region.material.density)
-      throw section.wrong(
+      throw section->wrong(
           "acceleration", "with gravity every material needs a density (kg/m^3), and {} has none",
           region.group.empty() ? "[material]"
                                : fmt::format("the [[region]] of \"{}\"", region.group));
@@ -115,31 +115,27 @@ HalfSpace readHalfSpace(const TomlSection& section, bool below) {
   if (section.has("fraction") == section.has("at"))
     throw section.wrong("fraction",
                         "give either fraction (of the bounding box, 0 to 1) or at (a coordinate)");
-  if (const toml::node* at = section.find("at")) {
-    half.at = section.metres(section.number("at", *at));
-    return half;
-  }
-  half.fraction = section.number("fraction", *section.find("fraction"));
-  if (!(*half.fraction > 0 && *half.fraction <= 1))
+  half.fraction = section.optional("fraction", &TomlSection::number);
+  if (half.fraction && !(*half.fraction > 0 && *half.fraction <= 1))
     throw section.wrong("fraction", "{} must be greater than 0 and at most 1", *half.fraction);
+  if (const auto plane = section.optional("at", &TomlSection::number))
+    half.at = section.metres(*plane);
   return half;
 }
 
 Box readBox(const TomlSection& section) {
-  Box box = {
-      section.point("lowest",
-                    section.require("lowest", "the corner [x, y, z] with the lowest coordinates")),
-      section.point(
-          "highest",
-          section.require("highest", "the corner [x, y, z] with the highest coordinates"))};
+  Box box = {section.require("lowest", "the corner [x, y, z] with the lowest coordinates",
+                             &TomlSection::point),
+             section.require("highest", "the corner [x, y, z] with the highest coordinates",
+                             &TomlSection::point)};
   if ((box.lowest.array() > box.highest.array()).any())
     throw section.wrong("lowest", "a coordinate is greater than that of highest");
   return box;
 }
 
 Sphere readSphere(const TomlSection& section) {
-  return {section.point("center", section.require("center", "[x, y, z]")),
-          section.positiveLength("radius", "its radius")};
+  return {section.require("center", "[x, y, z]", &TomlSection::point),
+          section.require("radius", "its radius", &TomlSection::positiveLength)};
 }
 
 /// The selectors that [fixed] and `surface` share.
@@ -168,7 +164,7 @@ FixedSelection readFixed(const TomlSection& section) {
 }
 
 bool isPlainName(const std::string& name) {
-  return std::all_of(name.begin(), name.end(), [](char c) {
+  return std::ranges::all_of(name, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
            c == '_';
   });
@@ -192,25 +188,21 @@ SurfaceSelection readSurface(const TomlSection& active, const toml::node& node) 
 
 ActiveSelection readActive(const TomlSection& section) {
   ActiveSelection active;
-  active.name = section.text("name", section.require("name", "every active node needs a name"));
+  active.name = section.require("name", "every active node needs a name", &TomlSection::text);
   if (!isPlainName(active.name))
     throw section.wrong("name", "\"{}\" may hold letters, digits, - and _ only", active.name);
   if (section.has("near") + section.has("node") + section.has("surface") != 1)
     throw section.wrong("near",
                         "give either near = [x, y, z] (the nearest surface node is taken) "
                         "or node = NUMBER or surface (every node of it is taken)");
-  if (const toml::node* near = section.find("near")) active.near = section.point("near", *near);
-  if (const toml::node* node = section.find("node"))
-    active.node = section.nodeNumber("node", *node);
+  active.near = section.optional("near", &TomlSection::point);
+  active.node = section.optional("node", &TomlSection::nodeNumber);
   if (const toml::node* surface = section.find("surface"))
     active.surface = readSurface(section, *surface);
-  if (const toml::node* radius = section.find("radius")) {
-    const double value = section.number("radius", *radius);
-    if (value < 0) throw section.wrong("radius", "{} must not be negative", value);
-    active.radius = section.metres(value);
-  }
-  if (const toml::node* tool = section.find("tool"))
-    active.tool = static_cast<ToolKind>(section.choice("tool", *tool, toolWords()));
+  const double radius = section.optional("radius", &TomlSection::number).value_or(0);
+  if (radius < 0) throw section.wrong("radius", "{} must not be negative", radius);
+  active.radius = section.metres(radius);
+  active.tool = section.choice("tool", active.tool);
   if (active.tool == ToolKind::weighted_average && active.radius == 0)
     throw section.wrong(
         "tool", "weighted-average needs a radius greater than 0, over which it is the mean");
@@ -218,33 +210,22 @@ ActiveSelection readActive(const TomlSection& section) {
 }
 
 std::vector<ActiveSelection> readActives(const TomlSection& root) {
-  const toml::node& node =
-      root.require("active", "write one [[active]] table for each active node");
-  const toml::array* array = node.as_array();
-  if (array == nullptr || array->empty())
-    throw root.wrong("active", "write [[active]], in double brackets, once for each active node");
   std::vector<ActiveSelection> actives;
-  for (const toml::node& element : *array) {
+  for (const toml::node& element : root.tables("active", "active node")) {
     const TomlSection section =
         root.inner("active", element, {"name", "near", "node", "surface", "radius", "tool"});
     actives.push_back(readActive(section));
-    const auto same = [&](const ActiveSelection& other) {
-      return other.name == actives.back().name;
-    };
-    if (std::any_of(actives.begin(), actives.end() - 1, same))
-      throw section.wrong("name", "two active nodes are called \"{}\"", actives.back().name);
+    refuseTwin(section, actives, &ActiveSelection::name, "name", "active nodes are called");
   }
   return actives;
 }
 
 std::optional<Device> readDevice(const TomlSection& root) {
-  const toml::node* node = root.find("device");
-  if (node == nullptr) return std::nullopt;
-  const TomlSection section = root.inner("device", *node, {"profile"});
-  const std::size_t number = section.choice(
-      "profile", section.require("profile", "which device it is, for instance \"touch\""),
-      deviceWords());
-  return Device{deviceProfiles()[number]};
+  const auto section = root.inner("device", {"profile"});
+  if (!section) return std::nullopt;
+  const toml::node& profile =
+      section->require("profile", "which device it is, for instance \"touch\"");
+  return Device{deviceProfiles()[section->choice("profile", profile, deviceWords())]};
 }
 
 /// The smaller of `limit` and what the scene has, which is kept in `wanted` when it is more.
@@ -254,26 +235,27 @@ double atMost(double limit, double value, std::optional<double>& wanted) {
   return limit;
 }
 
-/// Nothing of it exceeds the device, if there is one. `given` may be absent (nullptr).
-Workspace readWorkspace(const TomlSection* given, std::optional<Device>& device) {
+/// Nothing of it exceeds the device, if there is one.
+Workspace readWorkspace(const TomlSection& root, std::optional<Device>& device) {
   Workspace workspace;
   if (device) {
     workspace.radius = device->profile.workspace_radius;
     workspace.max_force = device->profile.max_force;
   }
-  if (given == nullptr) return workspace;
-  const TomlSection& section = *given;
-  if (section.has("radius")) workspace.radius = section.positiveLength("radius", "");
-  if (section.has("spacing")) workspace.spacing = section.positiveLength("spacing", "");
-  if (section.has("max_force")) workspace.max_force = section.positive("max_force", "");
-  workspace.reject_inverted = section.flag("reject_inverted", workspace.reject_inverted);
+  const auto section =
+      root.inner("workspace", {"radius", "spacing", "max_force", "reject_inverted"});
+  if (!section) return workspace;
+  section->read("radius", workspace.radius, &TomlSection::positiveLength);
+  section->read("spacing", workspace.spacing, &TomlSection::positiveLength);
+  section->read("max_force", workspace.max_force, &TomlSection::positive);
+  section->read("reject_inverted", workspace.reject_inverted, &TomlSection::flag);
   if (device) {
     const DeviceProfile& profile = device->profile;
     workspace.radius = atMost(profile.workspace_radius, workspace.radius, device->wanted_radius);
     workspace.max_force = atMost(profile.max_force, workspace.max_force, device->wanted_max_force);
   }
   if (workspace.radius < workspace.spacing)
-    throw section.wrong(
+    throw section->wrong(
         "radius",
         "{} m{} is smaller than the spacing of {} m: the lattice would be the rest position alone",
         workspace.radius, device && device->wanted_radius ? ", the device's," : "",
@@ -281,36 +263,31 @@ Workspace readWorkspace(const TomlSection* given, std::optional<Device>& device)
   return workspace;
 }
 
-Accuracy readAccuracy(const TomlSection& section) {
+Accuracy readAccuracy(const TomlSection& root) {
   Accuracy accuracy;
-  if (const toml::node* error = section.find("force_error")) {
-    accuracy.force_error = section.number("force_error", *error);
-    if (!(accuracy.force_error > 0 && accuracy.force_error < 1))
-      throw section.wrong("force_error",
-                          "{} must be between 0 and 1: 0.03 allows an error of 3 %; "
-                          "leave it out for a uniform lattice",
-                          accuracy.force_error);
-  }
-  if (section.has("force_floor")) accuracy.force_floor = section.positive("force_floor", "");
-  if (const toml::node* levels = section.find("levels"))
-    accuracy.levels = section.integer("levels", *levels, 0, max_levels);
-  if (const toml::node* probes = section.find("probes"))
-    accuracy.probes = section.integer("probes", *probes, 0, max_probes);
+  const auto section = root.inner("accuracy", {"force_error", "force_floor", "levels", "probes"});
+  if (!section) return accuracy;
+  section->read("force_error", accuracy.force_error, &TomlSection::number);
+  if (section->has("force_error") && !(accuracy.force_error > 0 && accuracy.force_error < 1))
+    throw section->wrong("force_error",
+                         "{} must be between 0 and 1: 0.03 allows an error of 3 %; "
+                         "leave it out for a uniform lattice",
+                         accuracy.force_error);
+  section->read("force_floor", accuracy.force_floor, &TomlSection::positive);
+  accuracy.levels = section->integer("levels", accuracy.levels, 0, max_levels);
+  accuracy.probes = section->integer("probes", accuracy.probes, 0, max_probes);
   return accuracy;
 }
 
-Storage readStorage(const TomlSection& section) {
-  Storage storage;
-  if (const toml::node* nodes = section.find("displacement"))
-    storage.displacement =
-        static_cast<StoredNodes>(section.choice("displacement", *nodes, stored_words));
-  if (const toml::node* precision = section.find("precision"))
-    storage.precision =
-        static_cast<StoredPrecision>(section.choice("precision", *precision, precision_words));
-  return storage;
+Storage readStorage(const TomlSection& root) {
+  const auto section = root.inner("storage", {"displacement", "precision"});
+  if (!section) return {};
+  return {section->choice("displacement", StoredNodes::surface),
+          section->choice("precision", StoredPrecision::float32)};
 }
 
 Scene readTables(const toml::table& table, const std::string& source) {
+  // The unit is read into the context that all tables share, before any length.
   TomlContext context{source};
   constexpr std::array<std::string_view, 14> keys = {
       "name",   "mesh",           "length_unit", "material", "region",   "gravity", "fixed",
@@ -321,35 +298,22 @@ Scene readTables(const toml::table& table, const std::string& source) {
 
   Scene scene;
   scene.metres_per_unit = context.metres_per_unit;
-  const toml::node* name = root.find("name");
-  scene.name = name ? root.text("name", *name) : std::filesystem::path(source).stem().string();
-  scene.mesh = root.text("mesh", root.require("mesh", "the mesh file, relative to the scene file"));
+  scene.name = root.optional("name", &TomlSection::text)
+                   .value_or(std::filesystem::path(source).stem().string());
+  scene.mesh =
+      root.require("mesh", "the mesh file, relative to the scene file", &TomlSection::text);
   scene.regions = readRegions(root);
-  std::optional<TomlSection> discretization;
-  if (const toml::node* node = root.find("discretization"))
-    discretization.emplace(
-        root.inner("discretization", *node, {"displacement", "pressure", "constraint"}));
-  scene.discretization =
-      readDiscretization(discretization ? &*discretization : nullptr, scene.regions);
-  if (const toml::node* node = root.find("gravity"))
-    scene.gravity = readGravity(root.inner("gravity", *node, {"acceleration"}), scene.regions);
+  scene.discretization = readDiscretization(root, scene.regions);
+  scene.gravity = readGravity(root, scene.regions);
   scene.fixed = readFixed(root.inner(
       "fixed", root.require("fixed", "write a [fixed] table that says which nodes are held"),
       {"below", "above", "box", "sphere", "group", "nodes"}));
   scene.active = readActives(root);
   scene.device = readDevice(root);
-  std::optional<TomlSection> workspace;
-  if (const toml::node* node = root.find("workspace"))
-    workspace.emplace(
-        root.inner("workspace", *node, {"radius", "spacing", "max_force", "reject_inverted"}));
-  scene.workspace = readWorkspace(workspace ? &*workspace : nullptr, scene.device);
-  if (const toml::node* node = root.find("accuracy"))
-    scene.accuracy = readAccuracy(
-        root.inner("accuracy", *node, {"force_error", "force_floor", "levels", "probes"}));
-  if (const toml::node* node = root.find("storage"))
-    scene.storage = readStorage(root.inner("storage", *node, {"displacement", "precision"}));
-  if (const toml::node* node = root.find("contact"))
-    scene.contact = static_cast<ContactMode>(root.choice("contact", *node, contactWords()));
+  scene.workspace = readWorkspace(root, scene.device);
+  scene.accuracy = readAccuracy(root);
+  scene.storage = readStorage(root);
+  scene.contact = root.choice("contact", scene.contact);
   return scene;
 }
 
@@ -362,14 +326,6 @@ bool isInfSupStable(const Discretization& discretization) {
   return !equal_order;
 }
 
-std::string_view word(StoredNodes nodes) {
-  return stored_words.at(static_cast<std::size_t>(nodes));
-}
-
-std::string_view word(StoredPrecision precision) {
-  return precision_words.at(static_cast<std::size_t>(precision));
-}
-
 Scene parseScene(const std::string& text, const std::string& source) {
   try {
     return readTables(toml::parse(text, source), source);
@@ -380,6 +336,7 @@ Scene parseScene(const std::string& text, const std::string& source) {
 
 Scene readScene(const std::filesystem::path& file) {
   Scene scene = parseScene(readText(file, "scene"), file.string());
+  // Whoever reads the mesh may be in another folder by then.
   scene.mesh = std::filesystem::absolute(file.parent_path() / scene.mesh).lexically_normal();
   return scene;
 }

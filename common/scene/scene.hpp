@@ -1,13 +1,7 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cstdint>
 #include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
 
-#include "common/scene/contact_mode.hpp"
 #include "common/scene/device_profile.hpp"
 #include "common/scene/formulation.hpp"
 #include "common/scene/material.hpp"
@@ -82,7 +76,7 @@ struct SurfaceSelection {
 };
 
 /// [[active]]: exactly one of `near`, `node` and `surface`. One with `surface` stands for many
-/// active nodes until resolve() has replaced it by them (surface_selection.hpp).
+/// active nodes until resolve() has replaced it by them (node_selection.hpp).
 struct ActiveSelection {
   std::string name;                          ///< unique; letters, digits, '-' and '_'
   std::optional<Eigen::Vector3d> near = {};  ///< metres: the nearest surface node
@@ -127,13 +121,15 @@ struct Accuracy {
   bool operator==(const Accuracy&) const = default;
 };
 
-/// "surface" or "all".
+/// What is kept of the displacements: those of the vertices on the surface, or of all nodes.
 enum class StoredNodes : std::uint8_t { surface, all };
-/// "float32" or "int16".
+template <>
+inline constexpr auto words_of<StoredNodes> = std::to_array<std::string_view>({"surface", "all"});
+/// And as what numbers.
 enum class StoredPrecision : std::uint8_t { float32, int16 };
-/// Words of the scene file.
-std::string_view word(StoredNodes nodes);
-std::string_view word(StoredPrecision precision);
+template <>
+inline constexpr auto words_of<StoredPrecision> = std::to_array<std::string_view>({"float32",
+                                                                                   "int16"});
 
 /// [storage]: what the dataset keeps of the nodal fields. It changes no configuration, and no id.
 /// Like [accuracy], it is left out of a resolved scene that says nothing.
@@ -144,6 +140,17 @@ struct Storage {
   StoredPrecision precision = StoredPrecision::float32;
   bool operator==(const Storage&) const = default;
 };
+
+/// `contact`, the key: how a tool touches the body in the haptic client. It changes no
+/// configuration and no id, and is left out of a resolved scene that says nothing.
+enum class ContactMode : std::uint8_t {
+  unilateral,  ///< the tissue pushes the tool away and never pulls; the tool slides with friction
+  glued        ///< the tool holds the surface and can pull it too (the paper's mode)
+};
+/// In options and recordings too.
+template <>
+inline constexpr auto words_of<ContactMode> = std::to_array<std::string_view>({"unilateral",
+                                                                               "glued"});
 
 /// One scene file, validated, in SI units, every default filled in.
 struct Scene {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/base/assertion.hpp"
 #include "common/base/nearest_word.hpp"
 #include "common/base/units.hpp"
 
@@ -17,22 +18,12 @@ std::string hint(std::string_view word, TomlSection::Words words) {
   return fmt::format("; did you mean \"{}\"?", nearest);
 }
 
-std::string kindOf(const toml::node& node) {
-  switch (node.type()) {
-    case toml::node_type::table:
-      return "a table";
-    case toml::node_type::array:
-      return "a list";
-    case toml::node_type::string:
-      return "text";
-    case toml::node_type::integer:
-    case toml::node_type::floating_point:
-      return "a number";
-    case toml::node_type::boolean:
-      return "true or false";
-    default:
-      return "a date or time";
-  }
+std::string_view kindOf(const toml::node& node) {
+  if (node.is_table()) return "a table";
+  if (node.is_array()) return "a list";
+  if (node.is_string()) return "text";
+  if (node.is_number()) return "a number";
+  return node.is_boolean() ? "true or false" : "a date or time";
 }
 
 }  // namespace
@@ -41,7 +32,7 @@ TomlSection::TomlSection(const TomlContext& context, const toml::table& table, s
                          Words keys)
     : context_(context), table_(table), name_(std::move(name)) {
   for (const auto& [key, node] : table_)
-    if (std::find(keys.begin(), keys.end(), key.str()) == keys.end())
+    if (std::ranges::find(keys, key.str()) == keys.end())
       throw badInput("{}:{}: unknown key \"{}\"{}", context_.source, node.source().begin.line,
                      pathOf(key.str()), hint(key.str(), keys));
 }
@@ -58,8 +49,8 @@ double TomlSection::number(std::string_view key, const toml::node& node) const {
   return *value;
 }
 
-double TomlSection::positive(std::string_view key, std::string_view meaning) const {
-  const double value = number(key, require(key, meaning));
+double TomlSection::positive(std::string_view key, const toml::node& node) const {
+  const double value = number(key, node);
   if (!(value > 0)) throw wrong(key, "{} must be greater than 0", value);
   return value;
 }
@@ -68,8 +59,8 @@ double TomlSection::metres(double length) const {
   return toMetres(length, context_.metres_per_unit);
 }
 
-double TomlSection::positiveLength(std::string_view key, std::string_view meaning) const {
-  return metres(positive(key, meaning));
+double TomlSection::positiveLength(std::string_view key, const toml::node& node) const {
+  return metres(positive(key, node));
 }
 
 Eigen::Vector3d TomlSection::vector(std::string_view key, const toml::node& node) const {
@@ -99,10 +90,12 @@ std::int32_t TomlSection::nodeNumber(std::string_view key, const toml::node& nod
   return static_cast<std::int32_t>(*value);
 }
 
-std::int32_t TomlSection::integer(std::string_view key, const toml::node& node, std::int32_t lowest,
+std::int32_t TomlSection::integer(std::string_view key, std::int32_t otherwise, std::int32_t lowest,
                                   std::int32_t highest) const {
-  const auto value = node.is_integer() ? node.value<std::int64_t>() : std::nullopt;
-  if (!value) throw wrong(key, "an integer is expected, not {}", kindOf(node));
+  const toml::node* node = find(key);
+  if (node == nullptr) return otherwise;
+  const auto value = node->is_integer() ? node->value<std::int64_t>() : std::nullopt;
+  if (!value) throw wrong(key, "an integer is expected, not {}", kindOf(*node));
   if (*value < lowest || *value > highest)
     throw wrong(key, "{} must be in {} to {}", *value, lowest, highest);
   return static_cast<std::int32_t>(*value);
@@ -115,16 +108,15 @@ std::string TomlSection::text(std::string_view key, const toml::node& node) cons
   return *value;
 }
 
-bool TomlSection::flag(std::string_view key, bool otherwise) const {
-  const toml::node* node = find(key);
-  if (node == nullptr) return otherwise;
-  if (!node->is_boolean()) throw wrong(key, "true or false is expected, not {}", kindOf(*node));
-  return *node->value<bool>();
+bool TomlSection::flag(std::string_view key, const toml::node& node) const {
+  if (!node.is_boolean()) throw wrong(key, "true or false is expected, not {}", kindOf(node));
+  return *node.value<bool>();
 }
 
 std::size_t TomlSection::choice(std::string_view key, const toml::node& node, Words words) const {
+  PALPATE_ASSERT(!words.empty(), "a key that holds a word has words to choose from");
   const std::string value = text(key, node);
-  const auto found = std::find(words.begin(), words.end(), value);
+  const auto found = std::ranges::find(words, value);
   if (found == words.end()) throw wrong(key, "there is no \"{}\"{}", value, hint(value, words));
   return static_cast<std::size_t>(found - words.begin());
 }
@@ -138,6 +130,14 @@ std::vector<const toml::node*> TomlSection::oneOrMany(std::string_view key) cons
   if (array->empty()) throw wrong(key, "the list is empty");
   for (const toml::node& element : *array) nodes.push_back(&element);
   return nodes;
+}
+
+const toml::array& TomlSection::tables(std::string_view key, std::string_view each) const {
+  const std::string meaning = fmt::format("write one [[{}]] table for each {}", key, each);
+  const toml::array* array = require(key, meaning).as_array();
+  if (array == nullptr || array->empty())
+    throw wrong(key, "write [[{}]], in double brackets, once for each {}", key, each);
+  return *array;
 }
 
 TomlSection TomlSection::inner(std::string_view key, const toml::node& node, Words keys) const {
@@ -157,6 +157,7 @@ std::string TomlSection::pathOf(std::string_view key) const {
 }
 
 std::string TomlSection::place(const toml::node& node) const {
+  // A table that is there by way of its inner tables alone has no line.
   const auto line = node.source().begin.line;
   return line > 0 ? fmt::format("{}:{}", context_.source, line) : context_.source;
 }

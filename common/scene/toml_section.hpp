@@ -3,14 +3,13 @@
 #include <toml++/toml.h>
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <initializer_list>
+#include <optional>
 #include <span>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/scene/formulation.hpp"
 
 namespace palpate {
 
@@ -34,7 +33,7 @@ class TomlSection {
   /// The value of `key`, or null.
   const toml::node* find(std::string_view key) const { return table_.get(key); }
   bool has(std::string_view key) const { return find(key) != nullptr; }
-  /// `meaning` says what is missing.
+  /// The value of a key that must be there; `meaning` says what is missing.
   const toml::node& require(std::string_view key, std::string_view meaning) const;
 
   /// An error about the value of `key`, or about the table where there is none.
@@ -43,14 +42,10 @@ class TomlSection {
     return objection(key, fmt::format(format, std::forward<Args>(args)...));
   }
 
-  /// A finite number.
-  double number(std::string_view key, const toml::node& node) const;
-  /// The number > 0 of a key that must be there.
-  double positive(std::string_view key, std::string_view meaning) const;
-  /// A length as it is written, in metres.
-  double metres(double length) const;
-  /// The length > 0 of a key that must be there, in metres.
-  double positiveLength(std::string_view key, std::string_view meaning) const;
+  // What a value can be read as. `key` is what errors name.
+  double number(std::string_view key, const toml::node& node) const;          ///< finite
+  double positive(std::string_view key, const toml::node& node) const;        ///< > 0
+  double positiveLength(std::string_view key, const toml::node& node) const;  ///< > 0, in metres
   /// Three numbers as they are written.
   Eigen::Vector3d vector(std::string_view key, const toml::node& node) const;
   /// Three lengths, in metres.
@@ -58,22 +53,59 @@ class TomlSection {
   std::vector<double> numbers(std::string_view key, const toml::node& node) const;
   /// An integer >= 0 that fits.
   std::int32_t nodeNumber(std::string_view key, const toml::node& node) const;
-  /// An integer in lowest..highest.
-  std::int32_t integer(std::string_view key, const toml::node& node, std::int32_t lowest,
-                       std::int32_t highest) const;
   std::string text(std::string_view key, const toml::node& node) const;  ///< not empty
-  bool flag(std::string_view key, bool otherwise) const;
+  bool flag(std::string_view key, const toml::node& node) const;
+
+  /// One of these ways.
+  template <class Value>
+  using Reading = Value (TomlSection::*)(std::string_view, const toml::node&) const;
+  /// A key that must be there, read as `reading` does; `meaning` says what is missing.
+  template <class Value>
+  Value require(std::string_view key, std::string_view meaning, Reading<Value> reading) const {
+    return (this->*reading)(key, require(key, meaning));
+  }
+  /// A key that may be there.
+  template <class Value>
+  std::optional<Value> optional(std::string_view key, Reading<Value> reading) const {
+    const toml::node* node = find(key);
+    return node ? std::optional((this->*reading)(key, *node)) : std::nullopt;
+  }
+  /// The same, into what holds the default.
+  template <class Value>
+  void read(std::string_view key, Value& value, Reading<Value> reading) const {
+    if (const std::optional<Value> given = optional(key, reading)) value = *given;
+  }
+
   /// The position in `words` of the word that `key` holds.
   std::size_t choice(std::string_view key, const toml::node& node, Words words) const;
+  /// The enumerator whose word (formulation.hpp) `key` holds, or `otherwise` without the key.
+  template <class Choice>
+  Choice choice(std::string_view key, Choice otherwise) const {
+    const toml::node* node = find(key);
+    return node ? static_cast<Choice>(choice(key, *node, words_of<Choice>)) : otherwise;
+  }
+  /// An integer in lowest..highest, or `otherwise` without the key.
+  std::int32_t integer(std::string_view key, std::int32_t otherwise, std::int32_t lowest,
+                       std::int32_t highest) const;
+  /// A length as it is written, in metres.
+  double metres(double length) const;
 
   /// `key` as a list: nothing when it is absent, its elements when it is an array, else itself
   /// alone.
   std::vector<const toml::node*> oneOrMany(std::string_view key) const;
+  /// The tables of [[key]], which must be there, one for `each` of something.
+  const toml::array& tables(std::string_view key, std::string_view each) const;
   /// The table that `key` holds, in which these keys may stand.
   TomlSection inner(std::string_view key, const toml::node& node, Words keys) const;
   TomlSection inner(std::string_view key, const toml::node& node,
                     std::initializer_list<std::string_view> keys) const {
     return inner(key, node, Words(keys.begin(), keys.size()));
+  }
+  /// The same of a table that may be absent.
+  std::optional<TomlSection> inner(std::string_view key,
+                                   std::initializer_list<std::string_view> keys) const {
+    const toml::node* node = find(key);
+    return node ? std::optional(inner(key, *node, keys)) : std::nullopt;
   }
 
  private:

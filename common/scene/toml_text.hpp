@@ -1,15 +1,45 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
 namespace palpate {
 
 /// The shortest decimal that is read back as the same double, always a TOML float.
-std::string decimalToml(double value);
-std::string decimalToml(const Eigen::Vector3d& v);  ///< "[x, y, z]"
+inline std::string decimalToml(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+/// "[x, y, z]"
+inline std::string decimalToml(const Eigen::Vector3d& v) {
+  return fmt::format("[{}, {}, {}]", decimalToml(v[0]), decimalToml(v[1]), decimalToml(v[2]));
+}
 
 /// A TOML string in quotes, control characters escaped.
-std::string quotedToml(const std::string& text);
+inline std::string quotedToml(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\')
+      (out += '\\') += c;
+    else if (code < 0x20 || code == 0x7f)
+      out += fmt::format("\\u{:04X}", code);
+    else
+      out += c;
+  }
+  return out + "\"";
+}
+
+/// What `text` makes of each item.
+template <class Item, class Text>
+std::vector<std::string> textsOf(const std::vector<Item>& items, Text text) {
+  std::vector<std::string> texts;
+  for (const Item& item : items) texts.push_back(text(item));
+  return texts;
+}
 
 }  // namespace palpate

@@ -2,8 +2,6 @@
 
 #include <bit>
 #include <cmath>
-#include <cstring>
-#include <span>
 
 #include "common/base/error.hpp"
 
@@ -13,8 +11,8 @@ static_assert(std::endian::native == std::endian::little,
               "files and messages hold little-endian arrays as they are in memory");
 
 std::string NodalFields::encode() const {
-  std::string bytes(bytesOf(std::span<const float>(displacement)));
-  bytes += bytesOf(std::span<const float>(pressure));
+  std::string bytes(bytesOf(std::span(displacement)));
+  bytes += bytesOf(std::span(pressure));
   return bytes;
 }
 
@@ -34,6 +32,7 @@ NodalFields NodalFields::decode(std::string_view bytes, std::size_t n_nodes,
   std::memcpy(fields.pressure.data(), bytes.data() + displacement_bytes, pressure_bytes);
   for (const auto* values : {&fields.displacement, &fields.pressure})
     for (const float value : *values)
+      // Newton would start from it and fail far from the cause.
       if (!std::isfinite(value)) throw failure("nodal fields hold a value that is not finite");
   return fields;
 }

@@ -1,10 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <limits>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/base/content_id.hpp"

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -25,6 +26,7 @@ double ratioOf(double radius, double spacing) {
         radius, spacing);
   const double ratio = radius / spacing;
   const double whole = std::round(ratio);
+  // People round 100/7 mm to 14.3 mm and mean a lattice that ends on the sphere.
   return std::abs(ratio - whole) <= spacing_tolerance * whole ? whole : ratio;
 }
 
@@ -70,10 +72,13 @@ void Lattice::check(double radius, double spacing) {
 
 Lattice::Lattice(double radius, double spacing, std::int32_t divisions)
     : radius_(radius), divisions_(divisions) {
+  PALPATE_ASSERT(divisions > 0 && (divisions & (divisions - 1)) == 0, "cells are halved exactly");
   check(radius, spacing);
   const double ratio = ratioOf(radius, spacing);
   spacing_ = radius / ratio;
   extent_ = static_cast<std::int32_t>(std::floor(ratio));
+  // Integers decide about the sphere: a ratio that is whole but for round-off must not lose its
+  // points.
   const auto limit = static_cast<std::int64_t>(std::floor(ratio * ratio * (1 + 1e-12)));
 
   points_ = pointsOfBall(extent_, limit);
@@ -89,6 +94,7 @@ std::optional<std::size_t> Lattice::placeInCube(const LatticePoint& point) const
   std::size_t place = 0;
   for (const std::int32_t coordinate : point) {
     const std::int32_t in_spacings = coordinate / divisions_;
+    // Division truncates, so negative coordinates are compared after multiplying back.
     if (in_spacings * divisions_ != coordinate || std::abs(in_spacings) > extent_)
       return std::nullopt;
     place = place * (2 * static_cast<std::size_t>(extent_) + 1) +
@@ -127,7 +133,9 @@ std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
     std::int64_t norm;
     LatticePoint point;
     std::int32_t index;
+    auto operator<=>(const Candidate&) const = default;
   };
+  PALPATE_ASSERT(index >= 0 && index < uniform_size_, "added points have no place in this order");
   const LatticePoint& center = points_[index];
   std::vector<Candidate> candidates;
   for (int i = -1; i <= 1; ++i)
@@ -138,16 +146,59 @@ std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
         const LatticePoint p = {center[0] + i * divisions_, center[1] + j * divisions_,
                                 center[2] + k * divisions_};
         const auto number = indexOf(p);
+        // Refined points have parents of their own (the plan's pursuits).
         if (number && *number < uniform_size_)
           candidates.push_back({step, squaredNorm(p), p, *number});
       }
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-    return std::tie(a.step, a.norm, a.point) < std::tie(b.step, b.norm, b.point);
-  });
+  std::ranges::sort(candidates);
   std::vector<std::int32_t> neighbours;
   neighbours.reserve(candidates.size());
   for (const Candidate& candidate : candidates) neighbours.push_back(candidate.index);
   return neighbours;
+}
+
+bool coarserFirst(const LatticeCell& a, const LatticeCell& b) {
+  return std::tie(a.level, a.lowest) < std::tie(b.level, b.lowest);
+}
+
+bool isSplit(const std::vector<LatticeCell>& splits, const LatticeCell& cell) {
+  return std::ranges::binary_search(splits, cell, coarserFirst);
+}
+
+LatticeCell parentOf(const LatticeCell& cell, std::int32_t divisions) {
+  PALPATE_ASSERT(cell.level > 0, "cells of level 0 are in no other");
+  LatticeCell parent = {cell.lowest, cell.level - 1};
+  const std::int32_t edge = divisions >> parent.level;
+  // The remainder of a negative coordinate is negative: floor, not truncation.
+  for (std::int32_t& coordinate : parent.lowest) coordinate -= (coordinate % edge + edge) % edge;
+  return parent;
+}
+
+bool reachesIntoBall(const Lattice& lattice, const LatticeCell& cell) {
+  const std::int32_t edge = lattice.divisions() >> cell.level;
+  double squared = 0;  // of the distance of the nearest place of the cell
+  for (const std::int32_t low : cell.lowest) {
+    const double distance = std::max({low, -(low + edge), 0});
+    squared += distance * distance;
+  }
+  const double limit =
+      lattice.radius() / lattice.spacing() * lattice.divisions() * (1 - shallow_reach);
+  return squared < limit * limit;
+}
+
+std::int32_t cellsPerRadius(const Lattice& lattice) {
+  return static_cast<std::int32_t>(
+      std::ceil(lattice.radius() / lattice.spacing() * (1 - shallow_reach)));
+}
+
+std::int64_t cellsInBall(const Lattice& lattice) {
+  const std::int32_t extent = cellsPerRadius(lattice), edge = lattice.divisions();
+  std::int64_t count = 0;
+  for (std::int32_t i = -extent; i < extent; ++i)
+    for (std::int32_t j = -extent; j < extent; ++j)
+      for (std::int32_t k = -extent; k < extent; ++k)
+        count += reachesIntoBall(lattice, {{i * edge, j * edge, k * edge}, 0}) ? 1 : 0;
+  return count;
 }
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
@@ -14,8 +15,7 @@ bool isFarOutside(const LatticePoint& point, const Lattice& lattice) {
   const std::int64_t limit =
       static_cast<std::int64_t>(std::floor(lattice.radius() / lattice.spacing() * (1 + 1e-9)) + 1) *
       lattice.divisions();
-  return std::any_of(point.begin(), point.end(),
-                     [&](std::int64_t x) { return std::abs(x) > limit; });
+  return std::ranges::any_of(point, [&](std::int64_t x) { return std::abs(x) > limit; });
 }
 
 std::string faultOfSplits(const SpaceTable& space) {
@@ -23,16 +23,16 @@ std::string faultOfSplits(const SpaceTable& space) {
   const auto notBefore = [](const LatticeCell& a, const LatticeCell& b) {
     return !coarserFirst(a, b);
   };
-  if (std::adjacent_find(space.splits.begin(), space.splits.end(), notBefore) != space.splits.end())
+  if (std::ranges::adjacent_find(space.splits, notBefore) != space.splits.end())
     return "splits are not sorted by level and lowest";
   for (std::size_t i = 0; i < space.splits.size(); ++i) {
     const LatticeCell& cell = space.splits[i];
+    // A shift by 31 or more is undefined, and the table may come from a file.
     if (cell.level < 0 || cell.level >= 31 || divisions >> (cell.level + 1) == 0)
       return fmt::format("split {} is of level {}, which has no halves", i, cell.level);
     const std::int32_t edge = divisions >> cell.level;
-    const bool aligned =
-        std::all_of(cell.lowest.begin(), cell.lowest.end(),
-                    [edge](std::int32_t coordinate) { return coordinate % edge == 0; });
+    const bool aligned = std::ranges::all_of(
+        cell.lowest, [edge](std::int32_t coordinate) { return coordinate % edge == 0; });
     if (!aligned || isFarOutside(cell.lowest, space.lattice))
       return fmt::format("split {} is no cell of the lattice", i);
     if (cell.level > 0 && !isSplit(space.splits, parentOf(cell, divisions)))
@@ -44,10 +44,13 @@ std::string faultOfSplits(const SpaceTable& space) {
 }  // namespace
 
 std::vector<bool> interpolatedPoints(const SpaceTable& space) {
+  PALPATE_ASSERT(std::ssize(space.points) == space.lattice.size(),
+                 "points[n] belongs to lattice number n");
   double largest = 0;
   for (const PointRecord& point : space.points)
     if (point.tag == Tag::expandable) largest = std::max(largest, point.equilibrium.force.norm());
   const double limit =
+      // Without an expandable point there is no measure of what is too much.
       largest > 0 ? largest_force_share * largest : std::numeric_limits<double>::infinity();
   std::vector<bool> interpolated;
   for (const PointRecord& point : space.points)
@@ -69,6 +72,7 @@ std::string faultOf(const SpaceTable& space) {
       return fmt::format("point {} has parent {}", n, parent);
   }
   for (std::size_t i = 0; i < space.probes.size(); ++i) {
+    // Negated, so that NaN is a fault.
     if (!(space.probes[i].displacement.norm() <= lattice.radius() * (1 + 1e-9)))
       return fmt::format("probe {} lies outside of the ball", i);
     if (const std::int32_t parent = space.probes[i].record.parent; parent != -1 && !isPoint(parent))

@@ -1,14 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cstdint>
-#include <string>
-#include <vector>
-
 #include "common/space/active_patch.hpp"
 #include "common/space/configuration.hpp"
 #include "common/space/lattice.hpp"
-#include "common/space/lattice_cell.hpp"
 #include "common/space/tag.hpp"
 
 namespace palpate {

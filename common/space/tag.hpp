@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -17,9 +18,13 @@ enum class Tag : std::uint8_t {
 /// True for the tags of points that hold an equilibrium.
 constexpr bool isSolved(Tag tag) { return tag == Tag::expandable || tag == Tag::terminating; }
 
+inline constexpr std::array<std::string_view, 4> tag_words = {"unknown", "expandable",
+                                                              "terminating", "failed"};
 /// "unknown", "expandable", "terminating" or "failed".
-std::string_view name(Tag tag);
+constexpr std::string_view name(Tag tag) { return tag_words.at(static_cast<std::size_t>(tag)); }
 /// The tag with this value in a file; nothing when there is none.
-std::optional<Tag> tagOf(std::uint32_t value);
+constexpr std::optional<Tag> tagOf(std::uint32_t value) {
+  return value < tag_words.size() ? std::optional(static_cast<Tag>(value)) : std::nullopt;
+}
 
 }  // namespace palpate

@@ -1,11 +1,9 @@
 #include "common/wire/wire.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
@@ -33,9 +31,29 @@ bool sendFrame(zmq::socket_t& socket, std::string_view bytes, bool more) {
   });
 }
 
-bool receiveFrame(zmq::socket_t& socket, zmq::message_t& frame) {
-  return repeatWhenInterrupted(
-      [&] { return socket.recv(frame, zmq::recv_flags::dontwait).has_value(); });
+zmq::socket_t makeSocket(zmq::context_t& context, zmq::socket_type type) {
+  zmq::socket_t socket(context, type);
+  // What was not delivered when a program ends is computed again; it must not keep it from ending.
+  socket.set(zmq::sockopt::linger, 0);
+  socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(4) << 20);
+  socket.set(zmq::sockopt::handshake_ivl, 10000);
+  socket.set(zmq::sockopt::tcp_keepalive, 1);
+  socket.set(zmq::sockopt::tcp_keepalive_idle, 60);
+  socket.set(zmq::sockopt::tcp_keepalive_intvl, 10);
+  socket.set(zmq::sockopt::tcp_keepalive_cnt, 6);
+  return socket;
+}
+
+/// A host and behind it a port; * is any free one, for those who listen.
+bool hasPort(std::string_view endpoint) {
+  const std::string_view address = endpoint.substr(std::string_view("tcp://").size());
+  const std::size_t colon = address.rfind(':');
+  if (colon == std::string_view::npos || colon == 0) return false;
+  const std::string_view text = address.substr(colon + 1);
+  int port = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  return text == "*" ||
+         (error == std::errc() && end == text.data() + text.size() && port > 0 && port <= 65535);
 }
 
 /// Doubles as raw bytes; nothing when the length is wrong or a value is not finite.
@@ -51,9 +69,8 @@ bool readMatrix(const std::string& bytes, Eigen::Matrix<double, rows, columns>& 
 }  // namespace
 
 bool isOnThisMachineOnly(const std::string& endpoint) {
-  for (const char* prefix : {"ipc://", "tcp://127.", "tcp://localhost:", "tcp://[::1]:"})
-    if (endpoint.starts_with(prefix)) return true;
-  return false;
+  return std::ranges::any_of(std::array{"ipc://", "tcp://127.", "tcp://localhost:", "tcp://[::1]:"},
+                             [&](const char* prefix) { return endpoint.starts_with(prefix); });
 }
 
 Sent sendMessage(zmq::socket_t& socket, std::string_view peer, const wire::Message& message,
@@ -81,7 +98,8 @@ std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router) {
   zmq::message_t frame;
   try {
     do {
-      if (!receiveFrame(socket, frame)) return std::nullopt;
+      if (!repeatWhenInterrupted([&] { return socket.recv(frame, zmq::recv_flags::dontwait); }))
+        return std::nullopt;
       if (frame_number == 0) {
         incoming.peer = frame.to_string();
       } else if (frame_number == 1) {
@@ -96,29 +114,15 @@ std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router) {
   } catch (const zmq::error_t& error) {
     throw failure("ZeroMQ receive: {}", error.what());
   }
+  // All frames were taken all the same: the next message begins behind them.
   if (!intact) incoming.message.Clear();
   return incoming;
 }
 
-namespace {
-
-zmq::socket_t makeSocket(zmq::context_t& context, zmq::socket_type type) {
-  zmq::socket_t socket(context, type);
-  socket.set(zmq::sockopt::linger, 0);
-  socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(4) << 20);
-  socket.set(zmq::sockopt::handshake_ivl, 10000);
-  socket.set(zmq::sockopt::tcp_keepalive, 1);
-  socket.set(zmq::sockopt::tcp_keepalive_idle, 60);
-  socket.set(zmq::sockopt::tcp_keepalive_intvl, 10);
-  socket.set(zmq::sockopt::tcp_keepalive_cnt, 6);
-  return socket;
-}
-
-}  // namespace
-
 zmq::socket_t makeRouter(zmq::context_t& context) {
   zmq::socket_t socket = makeSocket(context, zmq::socket_type::router);
   socket.set(zmq::sockopt::router_mandatory, true);
+  // A worker that comes back under its old name takes its place over.
   socket.set(zmq::sockopt::router_handover, true);
   socket.set(zmq::sockopt::backlog, 4096);
   socket.set(zmq::sockopt::sndhwm, 4096);
@@ -128,28 +132,13 @@ zmq::socket_t makeRouter(zmq::context_t& context) {
 
 zmq::socket_t makeDealer(zmq::context_t& context) {
   zmq::socket_t socket = makeSocket(context, zmq::socket_type::dealer);
+  // Nothing is queued for a scheduler that is not there.
   socket.set(zmq::sockopt::immediate, true);
   socket.set(zmq::sockopt::reconnect_ivl, 200);
   socket.set(zmq::sockopt::reconnect_ivl_max, 8000);
   socket.set(zmq::sockopt::connect_timeout, 5000);
   return socket;
 }
-
-namespace {
-
-/// A host and behind it a port; * is any free one, for those who listen.
-bool hasPort(std::string_view endpoint) {
-  const std::string_view address = endpoint.substr(std::string_view("tcp://").size());
-  const std::size_t colon = address.rfind(':');
-  if (colon == std::string_view::npos || colon == 0) return false;
-  const std::string_view text = address.substr(colon + 1);
-  int port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  return text == "*" ||
-         (error == std::errc() && end == text.data() + text.size() && port > 0 && port <= 65535);
-}
-
-}  // namespace
 
 void checkEndpoint(const std::string& endpoint) {
   if (!endpoint.starts_with("tcp://") && !endpoint.starts_with("ipc://"))
@@ -243,16 +232,15 @@ std::optional<Outcome> fromWire(const wire::Result& result) {
   if (result.has_equilibrium()) {
     const wire::Equilibrium& message = result.equilibrium();
     outcome.converged = true;
+    outcome.residual = message.residual();
     Equilibrium& equilibrium = outcome.equilibrium;
-    if (!readMatrix<3, 1>(message.force(), equilibrium.force)) return std::nullopt;
-    if (!readMatrix<3, 3>(message.stiffness(), equilibrium.stiffness)) return std::nullopt;
     equilibrium.energy = message.energy();
     equilibrium.min_det_F = message.min_det_f();
-    outcome.residual = message.residual();
-    if (!std::isfinite(equilibrium.energy) || !std::isfinite(equilibrium.min_det_F))
-      return std::nullopt;
-    if (result.fields_id().size() != 32 || result.payload_bytes() == 0) return std::nullopt;
-    return outcome;
+    const bool valid = readMatrix<3, 1>(message.force(), equilibrium.force) &&
+                       readMatrix<3, 3>(message.stiffness(), equilibrium.stiffness) &&
+                       std::isfinite(equilibrium.energy) && std::isfinite(equilibrium.min_det_F) &&
+                       result.fields_id().size() == 32 && result.payload_bytes() > 0;
+    return valid ? std::optional(outcome) : std::nullopt;
   }
   if (!result.has_failure()) return std::nullopt;
   const wire::Failure& message = result.failure();

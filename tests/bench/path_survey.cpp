@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
-#include "common/mesh/gmsh_reader.hpp"
+#include "common/mesh/mesh_reader.hpp"
 #include "common/problem/problem.hpp"
 #include "tests/support/problems.hpp"
 #include "worker/solver/path.hpp"

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "common/mesh/gmsh_reader.hpp"
+#include "common/mesh/mesh_reader.hpp"
 #include "common/problem/problem.hpp"
 
 namespace palpate::test {

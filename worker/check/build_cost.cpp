@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "common/base/assertion.hpp"
-#include "common/problem/storage.hpp"
-#include "common/space/lattice_cell.hpp"
+#include "common/space/lattice.hpp"
 
 namespace palpate {
 namespace {

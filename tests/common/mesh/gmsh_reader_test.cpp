@@ -1,5 +1,3 @@
-#include "common/mesh/gmsh_reader.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "common/mesh/mesh_reader.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/reference_data.hpp"

@@ -1,9 +1,8 @@
-#include "common/mesh/vtk_reader.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/base/error.hpp"
+#include "common/mesh/mesh_reader.hpp"
 #include "tests/support/expect_error.hpp"
 
 namespace palpate {

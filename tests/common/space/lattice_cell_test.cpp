@@ -1,9 +1,9 @@
-#include "common/space/lattice_cell.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+
+#include "common/space/lattice.hpp"
 
 namespace palpate {
 namespace {

@@ -1,0 +1,254 @@
+#include "common/problem/node_selection.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+#include <set>
+
+#include "common/base/assertion.hpp"
+#include "common/base/error.hpp"
+#include "common/base/nearest_word.hpp"
+#include "common/mesh/bump_integrals.hpp"
+
+namespace palpate {
+namespace {
+
+// ---- places ---------------------------------------------------------------------------------
+
+bool isIn(const Box& box, const Eigen::Vector3d& x) {
+  return (x.array() >= box.lowest.array()).all() && (x.array() <= box.highest.array()).all();
+}
+
+bool isIn(const Sphere& sphere, const Eigen::Vector3d& x) {
+  return (x - sphere.center).squaredNorm() <= sphere.radius * sphere.radius * on_the_sphere;
+}
+
+/// The nodes of a physical group, mid-edge nodes too. Errors begin with `key`.
+const NodeSet& groupNamed(const Mesh& mesh, const std::string& name, const std::string& key) {
+  const auto found = mesh.node_groups.find(name);
+  if (found != mesh.node_groups.end()) {
+    if (found->second.empty())
+      throw badInput("{}: no node of \"{}\" belongs to a tetrahedron", key, name);
+    return found->second;
+  }
+  std::vector<std::string_view> names;
+  for (const auto& [group, nodes] : mesh.node_groups) names.push_back(group);
+  if (names.empty())
+    throw badInput("{}: there is no \"{}\": the mesh has no physical groups", key, name);
+  throw badInput("{}: there is no \"{}\"; the mesh has {}", key, name, listed(names));
+}
+
+/// Adds the candidates for which `inside` holds; throws what `nothing` makes when there are none.
+template <class Inside, class Nothing>
+void select(NodeSet& selected, const NodeSet& candidates, Inside inside, Nothing nothing) {
+  const std::size_t before = selected.size();
+  std::ranges::copy_if(candidates, std::back_inserter(selected), inside);
+  if (selected.size() == before) throw nothing();
+}
+
+/// Adds the candidates in each box and each sphere; throws what `nothing` makes of the key of one
+/// that holds none.
+template <class Selection, class Nothing>
+void selectPlaces(NodeSet& selected, const Selection& selection, const NodeSet& candidates,
+                  const Mesh& mesh, Nothing nothing) {
+  const auto selectIn = [&](const auto& places, const char* key) {
+    for (const auto& place : places)
+      select(
+          selected, candidates, [&](std::int32_t node) { return isIn(place, mesh.nodes[node]); },
+          [&] { return nothing(key); });
+  };
+  selectIn(selection.boxes, "box");
+  selectIn(selection.spheres, "sphere");
+}
+
+// ---- [fixed] --------------------------------------------------------------------------------
+
+/// Whether the half space holds a position, of a mesh with this bounding box.
+bool isIn(const HalfSpace& half, const Eigen::AlignedBox3d& box, const Eigen::Vector3d& x) {
+  const double extent = box.sizes()[half.axis];
+  const double plane = half.at      ? *half.at
+                       : half.below ? box.min()[half.axis] + *half.fraction * extent
+                                    : box.max()[half.axis] - *half.fraction * extent;
+  return half.below ? x[half.axis] < plane : x[half.axis] > plane;
+}
+
+/// The mid-edge nodes between two listed vertices.
+void addNodesBetween(NodeSet listed, const Mesh& mesh, NodeSet& fixed) {
+  sortUnique(listed);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    if (contains(listed, mesh.edges[e][0]) && contains(listed, mesh.edges[e][1]))
+      fixed.push_back(mesh.vertices() + static_cast<std::int32_t>(e));
+}
+
+// ---- `surface` of [[active]] ----------------------------------------------------------------
+
+NodeSet selectOnSurface(const SurfaceSelection& selection, const std::string& key, const Mesh& mesh,
+                        const NodeSet& surface) {
+  if (selection.all) return surface;
+  const auto nothing = [](const std::string& where) {
+    return badInput("{}: holds no node of the surface", where);
+  };
+  NodeSet selected;
+  selectPlaces(selected, selection, surface, mesh,
+               [&](const char* place) { return nothing(key + "." + place); });
+  for (const std::string& group : selection.groups) {
+    const NodeSet& nodes = groupNamed(mesh, group, key + ".group");
+    select(
+        selected, surface, [&](std::int32_t node) { return contains(nodes, node); },
+        [&] { return nothing(fmt::format("{}.group: \"{}\"", key, group)); });
+  }
+  sortUnique(selected);
+  return selected;
+}
+
+NodeSet movableOf(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& surface,
+                  const NodeSet& fixed) {
+  const std::string key = fmt::format("active \"{}\": surface", selection.name);
+  // Fixed nodes are left out silently as long as some are not: a surface may reach over the rim.
+  const NodeSet selected = selectOnSurface(*selection.surface, key, mesh, surface);
+  NodeSet movable;
+  std::set_difference(selected.begin(), selected.end(), fixed.begin(), fixed.end(),
+                      std::back_inserter(movable));
+  if (movable.empty())
+    throw badInput("{}: all {} nodes of the surface in it are fixed; move it, or fix less", key,
+                   selected.size());
+  return movable;
+}
+
+// ---- patches --------------------------------------------------------------------------------
+
+std::int32_t nearestOf(const NodeSet& candidates, const Mesh& mesh, const Eigen::Vector3d& x) {
+  return *std::ranges::min_element(
+      candidates, {}, [&](std::int32_t node) { return (mesh.nodes[node] - x).squaredNorm(); });
+}
+
+std::int32_t selectActiveNode(const ActiveSelection& selection, const Mesh& mesh,
+                              const NodeSet& surface) {
+  if (selection.near) {
+    const std::int32_t node = nearestOf(surface, mesh, *selection.near);
+    const double distance = (mesh.nodes[node] - *selection.near).norm();
+    if (distance > boundingBox(mesh).diagonal().norm())
+      throw badInput(
+          "active \"{}\": near = {} is {:.4g} m away from the nearest surface node, "
+          "more than the body is wide; is its unit that of length_unit?",
+          selection.name, placeText(*selection.near), distance);
+    return node;
+  }
+  const std::int32_t node = *selection.node;
+  if (node >= mesh.vertices())
+    throw badInput("active \"{}\": there is no node {}; the mesh has nodes 0 to {}", selection.name,
+                   node, mesh.vertices() - 1);
+  if (!contains(surface, node))
+    throw badInput(
+        "active \"{}\": node {} at {} is inside the body; the nearest surface node is {}",
+        selection.name, node, placeText(mesh.nodes[node]),
+        nearestOf(surface, mesh, mesh.nodes[node]));
+  return node;
+}
+
+/// The vertices `surface`, and the middles of their triangles' edges.
+NodeSet withMidEdgeNodes(NodeSet surface, const Mesh& mesh) {
+  if (mesh.edges.empty()) return surface;
+  for (const Triangle& t : mesh.surface)
+    for (int i = 0; i < 3; ++i) surface.push_back(midEdgeNode(mesh, t[i], t[(i + 1) % 3]));
+  sortUnique(surface);
+  return surface;
+}
+
+std::vector<double> weightsOf(const ActivePatch& patch, const Mesh& mesh, double radius) {
+  if (patch.nodes.size() < 3)
+    throw badInput(
+        "active \"{}\": only {} movable surface node(s) "
+        "lie within its radius of {:.4g} m (edges are {:.4g} m on average); "
+        "a weighted average needs at least 3: make radius larger, or the mesh finer there",
+        patch.name, patch.nodes.size(), radius, measure(mesh).mean_edge);
+  const std::vector<double> integrals = bumpIntegrals(mesh, mesh.nodes[patch.node], radius);
+  std::vector<double> weights;
+  for (const std::int32_t node : patch.nodes) weights.push_back(integrals[node]);
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  // Single weights may be negative with quadratic shape functions.
+  if (!(sum > 0))
+    throw badInput(
+        "active \"{}\": the weights of its {} nodes do not have a positive sum; make radius larger",
+        patch.name, patch.nodes.size());
+  for (double& weight : weights) weight /= sum;
+  return weights;
+}
+
+}  // namespace
+
+NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh) {
+  const NodeSet nodes = allNodes(mesh);
+  const Eigen::AlignedBox3d box = boundingBox(mesh);
+  const auto nothing = [&](const char* key) {
+    return badInput("fixed.{} selects no node; the mesh reaches from {} to {} m", key,
+                    placeText(box.min()), placeText(box.max()));
+  };
+  NodeSet fixed;
+  for (const HalfSpace& half : selection.half_spaces)
+    select(
+        fixed, nodes, [&](std::int32_t node) { return isIn(half, box, mesh.nodes[node]); },
+        [&] { return nothing(half.below ? "below" : "above"); });
+  selectPlaces(fixed, selection, nodes, mesh, nothing);
+  for (const std::string& group : selection.groups) {
+    const NodeSet& in_group = groupNamed(mesh, group, "fixed.group");
+    fixed.insert(fixed.end(), in_group.begin(), in_group.end());
+  }
+  for (const std::int32_t node : selection.nodes) {
+    if (node >= mesh.vertices())
+      throw badInput("fixed.nodes: there is no node {}; the mesh has nodes 0 to {}", node,
+                     mesh.vertices() - 1);
+    fixed.push_back(node);
+  }
+  addNodesBetween(selection.nodes, mesh, fixed);
+  sortUnique(fixed);
+  return fixed;
+}
+
+std::vector<ActiveSelection> expandSurfaces(const std::vector<ActiveSelection>& selections,
+                                            const Mesh& mesh, const NodeSet& fixed) {
+  PALPATE_ASSERT(std::ranges::is_sorted(fixed), "selectFixed sorts them");
+  const NodeSet surface = surfaceNodes(mesh);
+  std::vector<ActiveSelection> expanded;
+  for (const ActiveSelection& selection : selections) {
+    if (!selection.surface) {
+      expanded.push_back(selection);
+      continue;
+    }
+    for (const std::int32_t node : movableOf(selection, mesh, surface, fixed)) {
+      ActiveSelection& one = expanded.emplace_back(selection);
+      one.name = fmt::format("{}-{}", selection.name, node);
+      one.surface.reset();
+      one.node = node;
+    }
+  }
+  std::set<std::string> names;
+  for (const ActiveSelection& one : expanded)
+    if (!names.insert(one.name).second)
+      throw badInput(
+          "two active nodes are called \"{}\", one of them by a surface; rename the other",
+          one.name);
+  return expanded;
+}
+
+ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& fixed) {
+  PALPATE_ASSERT(!selection.surface, "expandSurfaces left single nodes");
+  const NodeSet surface = surfaceNodes(mesh);
+  const bool weighted = selection.tool == ToolKind::weighted_average;
+  ActivePatch patch;
+  patch.name = selection.name;
+  patch.node = selectActiveNode(selection, mesh, surface);
+  const Eigen::Vector3d& center = mesh.nodes[patch.node];
+  for (const std::int32_t node : weighted ? withMidEdgeNodes(surface, mesh) : allNodes(mesh)) {
+    const bool within = (mesh.nodes[node] - center).squaredNorm() <=
+                        selection.radius * selection.radius * on_the_sphere;
+    // The node itself always, even where round-off puts it outside of a radius of 0.
+    if (node == patch.node || (within && !contains(fixed, node))) patch.nodes.push_back(node);
+  }
+  PALPATE_ASSERT(contains(patch.nodes, patch.node),
+                 "the tool moves what displacements are named by");
+  if (weighted) patch.weights = weightsOf(patch, mesh, selection.radius);
+  return patch;
+}
+
+}  // namespace palpate

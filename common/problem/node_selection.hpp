@@ -1,0 +1,32 @@
+#pragma once
+
+#include "common/mesh/mesh.hpp"
+#include "common/mesh/node_set.hpp"
+#include "common/scene/scene.hpp"
+#include "common/space/active_patch.hpp"
+
+/// The nodes that the selectors of a scene select: what is held, what can be touched, what moves
+/// with the tool. Errors are bad input and name the key.
+namespace palpate {
+
+/// The nodes that [fixed] selects: mid-edge nodes too, by their position, by their group, or
+/// because both vertices of their edge are listed in `nodes`. Error when a selector selects nothing
+/// or a group or node does not exist.
+NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh);
+
+/// The [[active]] tables with every `surface` replaced by one table for each vertex of the surface
+/// that it selects and that is not fixed, in the order of their numbers, called NAME-NODE; radius
+/// and tool are those of the table. Error when a selector holds no vertex of the surface, when all
+/// that are selected are fixed, when a group does not exist, or when two active nodes have one name
+/// then.
+std::vector<ActiveSelection> expandSurfaces(const std::vector<ActiveSelection>& selections,
+                                            const Mesh& mesh, const NodeSet& fixed);
+
+/// The patch of an [[active]] table without `surface`. A rigid one holds all nodes within the
+/// radius, inner ones and mid-edge nodes too; a weighted one those of the surface, with their
+/// weights (ActivePatch::weights). Fixed nodes are left out. Error when the node does not exist or
+/// is not a vertex of the surface, when `near` is far from the body, or when fewer than three nodes
+/// are left to be averaged.
+ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& fixed);
+
+}  // namespace palpate
