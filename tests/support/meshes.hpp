@@ -4,16 +4,16 @@
 #include <filesystem>
 
 #include "common/mesh/mesh.hpp"
-#include "worker/verification/box_mesh.hpp"
+#include "worker/verification/meshes.hpp"
 
 /// The small bodies that tests and benchmarks share. All are finished (finishMesh), positively
 /// oriented, in metres, and the same on every machine. Node groups "xmin", "xmax", "ymin", "ymax",
 /// "zmin" and "zmax" hold the nodes of the six sides.
 namespace palpate::test {
 
-using palpate::boxMesh;
-using palpate::cubeMesh;
-using palpate::distortedBoxMesh;
+using verification::boxMesh;
+using verification::cubeMesh;
+using verification::distortedBoxMesh;
 
 /// A slender beam along x, 100 x 20 x 20 mm: 99 nodes, 240 tetrahedra.
 Mesh beamMesh();

@@ -34,7 +34,7 @@ std::vector<std::string> fastestFirst() {
 }
 
 /// 0 without AVX2, 1 with, 2 with AVX-512. A name that is not listed is newer than this list.
-int levelOf(std::string_view kernels) {
+int levelOf(const std::string& kernels) {
   constexpr std::array with_avx2 = {"Haswell", "Zen", "Excavator"};
   constexpr std::array older = {"Katmai",   "Coppermine", "Northwood",    "Banias",
                                 "Prescott", "Core2",      "Penryn",       "Dunnington",
@@ -42,10 +42,8 @@ int levelOf(std::string_view kernels) {
                                 "Athlon",   "Opteron",    "Opteron_SSE3", "Barcelona",
                                 "Bobcat",   "Bulldozer",  "Piledriver",   "Steamroller"};
   const auto isOneOf = [&](const auto& names) {
-    return std::any_of(names.begin(), names.end(), [&](std::string_view name) {
-      return name.size() == kernels.size() &&
-             strncasecmp(name.data(), kernels.data(), name.size()) == 0;
-    });
+    return std::any_of(names.begin(), names.end(),
+                       [&](const char* name) { return strcasecmp(name, kernels.c_str()) == 0; });
   };
   return isOneOf(older) ? 0 : isOneOf(with_avx2) ? 1 : 2;
 }
@@ -70,45 +68,43 @@ bool computesRight(int n) {
   const auto isSmall = [&](const Eigen::MatrixXd& difference) {
     return difference.allFinite() && difference.cwiseAbs().maxCoeff() <= tolerance;
   };
+  const auto A = sample<Matrix>(n, inner), B = sample<Matrix>(inner, columns);
+  const auto stored = [](const Matrix& matrix, CBLAS_TRANSPOSE as) {
+    return as == CblasTrans ? Matrix(matrix.transpose()) : matrix;
+  };
+  const Eigen::MatrixXd product = A.template cast<double>() * B.template cast<double>();
   for (const CBLAS_TRANSPOSE a : {CblasNoTrans, CblasTrans})
     for (const CBLAS_TRANSPOSE b : {CblasNoTrans, CblasTrans}) {
-      const Matrix A = a == CblasTrans ? sample<Matrix>(inner, n) : sample<Matrix>(n, inner);
-      const Matrix B =
-          b == CblasTrans ? sample<Matrix>(columns, inner) : sample<Matrix>(inner, columns);
+      const Matrix left = stored(A, a), right = stored(B, b);
       Matrix C = Matrix::Zero(n, columns);
-      gemm(CblasColMajor, a, b, n, columns, inner, 1, A.data(), static_cast<int>(A.rows()),
-           B.data(), static_cast<int>(B.rows()), 0, C.data(), n);
-      Eigen::MatrixXd left = A.template cast<double>(), right = B.template cast<double>();
-      if (a == CblasTrans) left.transposeInPlace();
-      if (b == CblasTrans) right.transposeInPlace();
-      if (!isSmall(C.template cast<double>() - left * right)) return false;
+      gemm(CblasColMajor, a, b, n, columns, inner, 1, left.data(), int(left.rows()), right.data(),
+           int(right.rows()), 0, C.data(), n);
+      if (!isSmall(C.template cast<double>() - product)) return false;
     }
   for (const CBLAS_TRANSPOSE l : {CblasNoTrans, CblasTrans}) {
     // Dominated by its diagonal, so that what is lost is rounding and not conditioning.
     Matrix L = sample<Matrix>(n, n) / static_cast<typename Matrix::Scalar>(n);
     L.diagonal().setConstant(2);
     L.template triangularView<Eigen::StrictlyUpper>().setZero();
-    const Matrix B = sample<Matrix>(n, columns);
-    Matrix X = B;
+    const Matrix right = sample<Matrix>(n, columns);
+    Matrix X = right;
     trsm(CblasColMajor, CblasLeft, CblasLower, l, CblasNonUnit, n, columns, 1, L.data(), n,
          X.data(), n);
     Eigen::MatrixXd matrix = L.template cast<double>();
     if (l == CblasTrans) matrix.transposeInPlace();
-    if (!isSmall(matrix * X.template cast<double>() - B.template cast<double>())) return false;
+    if (!isSmall(matrix * X.template cast<double>() - right.template cast<double>())) return false;
   }
   return true;
 }
 
 /// Small matrices have kernels of their own; the others fill blocks and leave edges.
 bool blasComputesRight() {
-  static const bool right = [] {
-    openblas_set_num_threads(1);
-    for (const int n : {5, 48, 97})
-      if (!computesRight<Eigen::MatrixXf, cblas_sgemm, cblas_strsm>(n) ||
-          !computesRight<Eigen::MatrixXd, cblas_dgemm, cblas_dtrsm>(n))
-        return false;
-    return true;
-  }();
+  constexpr std::array sizes = {5, 48, 97};
+  openblas_set_num_threads(1);
+  static const bool right = std::all_of(sizes.begin(), sizes.end(), [](int n) {
+    return computesRight<Eigen::MatrixXf, cblas_sgemm, cblas_strsm>(n) &&
+           computesRight<Eigen::MatrixXd, cblas_dgemm, cblas_dtrsm>(n);
+  });
   return right;
 }
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-
 #include "common/scene/formulation.hpp"
 
 /// Energy, residual and tangent of eight tetrahedra of one material at once (structure of arrays:
@@ -79,15 +77,14 @@ struct alignas(64) BatchTangent {
   Pack entry[localEntries(most_local_unknowns)];  ///< second derivatives of L
 };
 
-/// The two kernels of one CPU family. u: nNodes x 3 displacements, metres; q: scaled pressures by
-/// node (ignored without a pressure). With ln det F or a volumetric energy, an element with det F
-/// <= 0 at a quadrature point gets NaN or infinity. They keep nothing and may run on any thread.
+/// The kernel of one CPU family. u: nNodes x 3 displacements, metres; q: scaled pressures by node
+/// (ignored without a pressure); no tangent is computed where there is no place for it (nullptr).
+/// With ln det F or a volumetric energy, an element with det F <= 0 at a quadrature point gets NaN
+/// or infinity. It keeps nothing and may run on any thread.
 struct ElementKernels {
   const char* family;  ///< "avx512", "avx2" or "baseline"
-  void (*residual)(const ElementParameters&, const BatchGeometry&, const double* u, const double* q,
-                   BatchResult&);
-  void (*tangent)(const ElementParameters&, const BatchGeometry&, const double* u, const double* q,
-                  BatchResult&, BatchTangent&);
+  void (*evaluate)(const ElementParameters&, const BatchGeometry&, const double* u, const double* q,
+                   BatchResult&, BatchTangent*);
 };
 
 }  // namespace palpate

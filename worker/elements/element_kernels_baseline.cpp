@@ -1,10 +1,4 @@
+#define PALPATE_KERNEL_FAMILY "baseline"
 #define PALPATE_KERNEL_NAMESPACE kernels_baseline
+#define PALPATE_KERNELS kernels_of_baseline
 #include "worker/elements/element_kernels_impl.hpp"
-
-namespace palpate {
-
-extern const ElementKernels kernels_of_baseline;
-const ElementKernels kernels_of_baseline = {"baseline", kernels_baseline::residualKernel,
-                                            kernels_baseline::tangentKernel};
-
-}  // namespace palpate

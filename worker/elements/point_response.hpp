@@ -9,9 +9,12 @@ namespace palpate::PALPATE_KERNEL_NAMESPACE {
 
 #define PALPATE_INLINE inline __attribute__((always_inline))
 
+using Tensor = Pack[3][3];
+using Voigt = Pack[6];  ///< a symmetric tensor (strain.hpp)
+
 struct Deformation {
-  Pack F[3]
-        [3];  ///< the identity for the small-strain law, whose stress does not turn with the body
+  /// The identity for the small-strain law, whose stress does not turn with the body.
+  Tensor F;
   Strain<Pack> strain;
 };
 
@@ -23,7 +26,7 @@ struct VolumeFunction {
 
 struct Response {
   Pack energy;                ///< per volume at rest, volumetric part included, Pa
-  Pack S[6];                  ///< second Piola-Kirchhoff stress, Pa
+  Voigt S;                    ///< second Piola-Kirchhoff stress, Pa
   Pack D[6][6];               ///< dS/dgamma, Pa; where it was asked for
   VolumeFunction constraint;  ///< c(J); where there is a pressure
 };
@@ -41,7 +44,7 @@ PALPATE_INLINE VolumeFunction penaltyOf(double bulk, Pack J) {
 }
 
 PALPATE_INLINE void invertC(Strain<Pack>& strain) {
-  Pack C[6];
+  Voigt C;
   for (int v = 0; v < 6; ++v) C[v] = v < 3 ? 2.0 * strain.e[v] + 1.0 : strain.e[v];
   const Pack inverse_det = 1.0 / (strain.J * strain.J);
   strain.C_inverse[0] = (C[1] * C[2] - C[4] * C[4]) * inverse_det;
@@ -54,8 +57,7 @@ PALPATE_INLINE void invertC(Strain<Pack>& strain) {
 
 /// Adds g(J): with dJ/dgamma = J C^-1, its stress is g' C^-1.
 template <bool with_tangent>
-PALPATE_INLINE void addVolumetric(const VolumeFunction& g, const Pack (&Ci)[6],
-                                  Response& response) {
+PALPATE_INLINE void addVolumetric(const VolumeFunction& g, const Voigt& Ci, Response& response) {
   response.energy += g.value;
   for (int v = 0; v < 6; ++v) response.S[v] += g.first * Ci[v];
   if constexpr (with_tangent)
@@ -103,8 +105,7 @@ void respond(const ElementParameters& m, const BatchGeometry& geometry, Pack p,
     respondAs<with_tangent, true>(law, m, geometry, p, strain, response);
   };
   switch (m.law) {
-    case LawName::linear:
-      return displacementOnly(Linear{{m.lambda, m.mu}});
+    case LawName::linear:  // the strain is the small one then
     case LawName::st_venant_kirchhoff:
       return displacementOnly(StVenantKirchhoff{m.lambda, m.mu});
     case LawName::modified_st_venant_kirchhoff:
@@ -115,14 +116,10 @@ void respond(const ElementParameters& m, const BatchGeometry& geometry, Pack p,
       return mixed(NeoHookean{{m.mu}});
     case LawName::yeoh:
       return mixed(Yeoh{{m.c10, m.c20, m.c30}});
-    case LawName::ogden: {
-      Ogden law{{}, {}, m.ogden_terms};
-      for (int term = 0; term < m.ogden_terms; ++term) {
-        law.mu[term] = m.ogden_mu[term];
-        law.alpha[term] = m.ogden_alpha[term];
-      }
-      return mixed(law);
-    }
+    case LawName::ogden:
+      return mixed(Ogden{{m.ogden_mu[0], m.ogden_mu[1], m.ogden_mu[2]},
+                         {m.ogden_alpha[0], m.ogden_alpha[1], m.ogden_alpha[2]},
+                         m.ogden_terms});
     case LawName::veronda_westmann:
       return mixed(VerondaWestmann{{m.c1, m.c2}});
     case LawName::holzapfel_gasser_ogden:

@@ -1,8 +1,7 @@
 #pragma once
 
-#include "worker/elements/quadrature.hpp"
-
-/// The spaces on a straight-sided tetrahedron, as polynomials of its barycentric coordinates x.
+/// Quadrature and the spaces on a straight-sided tetrahedron, as polynomials of its barycentric
+/// coordinates x.
 ///
 /// A node is the middle of its two ends (P2) or is its end (P1), and its shape function N_a depends
 /// on the coordinates of its ends only. So
@@ -17,6 +16,45 @@
 #endif
 
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
+
+/// Points in barycentric coordinates, weights with sum 1 (times the volume).
+template <int n>
+struct QuadratureRule {
+  static constexpr int points = n;
+  double point[n][4];
+  double weight[n];
+};
+
+/// Exact for linear integrands, and so for whatever is constant in an element.
+inline constexpr QuadratureRule<1> centroid_rule = {{{0.25, 0.25, 0.25, 0.25}}, {1.0}};
+
+/// Exact for polynomials of degree 5: Stroud, Approximate Calculation of Multiple Integrals, 1971,
+/// T3:5-1. It is the rule that GetFEM calls IM_TETRAHEDRON(5), with which forces are compared to
+/// more digits than the rule's own error.
+inline constexpr QuadratureRule<15> degree_5_rule = [] {
+  const double root = 3.8729833462074168852;  // of 15
+  const double a = (7 + root) / 34, a_far = 1 - 3 * a, a_weight = (2665 - 14 * root) / 37800;
+  const double b = (7 - root) / 34, b_far = 1 - 3 * b, b_weight = (2665 + 14 * root) / 37800;
+  const double c = (5 - root) / 20, c_far = 0.5 - c, c_weight = 10.0 / 189;
+  return QuadratureRule<15>{
+      {{0.25, 0.25, 0.25, 0.25},
+       {a, a, a, a_far},
+       {a, a, a_far, a},
+       {a, a_far, a, a},
+       {a_far, a, a, a},
+       {b, b, b, b_far},
+       {b, b, b_far, b},
+       {b, b_far, b, b},
+       {b_far, b, b, b},
+       {c, c, c_far, c_far},
+       {c, c_far, c, c_far},
+       {c_far, c, c, c_far},
+       {c, c_far, c_far, c},
+       {c_far, c, c_far, c},
+       {c_far, c_far, c, c}},
+      {16.0 / 135, a_weight, a_weight, a_weight, a_weight, b_weight, b_weight, b_weight, b_weight,
+       c_weight, c_weight, c_weight, c_weight, c_weight, c_weight}};
+}();
 
 /// N_a = x_a.
 struct P1 {

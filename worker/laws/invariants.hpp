@@ -147,11 +147,10 @@ class TangentSum {
 
 /// The law of an energy that says its terms:
 /// `template <class T, class Sum> void addTerms(const Strain<T>&, const Invariants<T>&, Sum&)
-/// const`.
-template <class Energy>
+/// const`. with_fibers: it reads Strain::fiber.
+template <class Energy, bool with_fibers = false>
 struct InvariantLaw : Energy {
-  static constexpr bool small_strain = false;
-  static constexpr bool needs_C_inverse = true;
+  static constexpr bool needs_C_inverse = true, needs_fibers = with_fibers;
 
   template <class T>
   void evaluate(const Strain<T>& strain, T& W, T (&S)[6]) const {

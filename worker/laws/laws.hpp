@@ -1,26 +1,20 @@
 #pragma once
 
-/// Strain energies W(gamma), gamma = (F^T F - I)/2 the Green strain (for `Linear`: the small
-/// strain), with the second Piola-Kirchhoff stress S = dW/dgamma and the tangent D = dS/dgamma.
-/// Conventions: worker/laws/strain.hpp; derivations: worker/laws/invariants.hpp,
+/// Strain energies W(gamma), gamma = (F^T F - I)/2 the Green strain (of linear elasticity
+/// the small strain), with the second Piola-Kirchhoff stress S = dW/dgamma and the tangent D =
+/// dS/dgamma. Conventions: worker/laws/strain.hpp; derivations: worker/laws/invariants.hpp,
 /// worker/laws/ogden.hpp. Moduli in Pa.
 ///
 /// A law is a class with
 ///
-///   static constexpr bool small_strain;     // W is a function of the small strain
 ///   static constexpr bool needs_C_inverse;  // reads Strain::C_inverse and J
 ///   static constexpr bool needs_fibers;     // reads Strain::fiber
 ///   template <class T> void evaluate(const Strain<T>&, T& W, T (&S)[6]) const;
 ///   template <class T> void tangent(const Strain<T>&, T (&D)[6][6]) const;
 ///
-/// All but StVenantKirchhoff and Linear are isochoric: functions of J^(-2/3) C alone, to be used
+/// All but StVenantKirchhoff are isochoric: functions of J^(-2/3) C alone, to be used
 /// with det F = 1 or beside a volumetricEnergy. j1 = J^(-2/3) tr C, j2 = J^(-4/3) ((tr C)^2 -
 /// C:C)/2.
-#include "worker/laws/holzapfel_gasser_ogden.hpp"
-#include "worker/laws/mooney_rivlin.hpp"
-#include "worker/laws/neo_hookean.hpp"
+#include "worker/laws/invariant_laws.hpp"
 #include "worker/laws/ogden.hpp"
 #include "worker/laws/st_venant_kirchhoff.hpp"
-#include "worker/laws/veronda_westmann.hpp"
-#include "worker/laws/volume.hpp"
-#include "worker/laws/yeoh.hpp"

@@ -69,7 +69,6 @@ PrincipalStrains<T> principalStrains(const T (&e)[6]) {
 ///   (b_i - b_j)/(c_i - c_j)
 ///        = sum of mu (l_i l_j)^(alpha/2) / sqrt(c_i c_j) sinh(alpha d/2)/sinh(d).
 struct Ogden {
-  static constexpr bool small_strain = false;
   static constexpr bool needs_C_inverse = false;  // J is in the eigenvalues
   static constexpr bool needs_fibers = false;
   double mu[3];     ///< Pa

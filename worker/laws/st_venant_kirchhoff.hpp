@@ -5,11 +5,9 @@
 namespace palpate::PALPATE_KERNEL_NAMESPACE {
 
 /// W = lambda/2 (tr g)^2 + mu g:g, g the Green strain. Also modified St. Venant-Kirchhoff, where
-/// det F = 1 is added.
+/// det F = 1 is added, and linear elasticity, where g is the small strain.
 struct StVenantKirchhoff {
-  static constexpr bool small_strain = false;
-  static constexpr bool needs_C_inverse = false;
-  static constexpr bool needs_fibers = false;
+  static constexpr bool needs_C_inverse = false, needs_fibers = false;
   double lambda, mu;  ///< Lame's constants, Pa
 
   template <class T>
@@ -30,11 +28,6 @@ struct StVenantKirchhoff {
         D[i][j] = T{} + (normal + (i != j ? 0.0 : i < 3 ? 2 * mu : mu));
       }
   }
-};
-
-/// The same energy of the small strain: linear elasticity, for comparison.
-struct Linear : StVenantKirchhoff {
-  static constexpr bool small_strain = true;
 };
 
 }  // namespace palpate::PALPATE_KERNEL_NAMESPACE

@@ -44,26 +44,21 @@ T lanewise(const T& x, Function f) {
   return y;
 }
 
-template <class T>
-T exponential(const T& x) {
+inline auto exponential(const auto& x) {
   return lanewise(x, [](double lane) { return __builtin_exp(lane); });
 }
 /// exp(x) - 1, accurate where x is small.
-template <class T>
-T exponentialMinusOne(const T& x) {
+inline auto exponentialMinusOne(const auto& x) {
   return lanewise(x, [](double lane) { return __builtin_expm1(lane); });
 }
 /// ln(1 + x), accurate where x is small; NaN where x < -1.
-template <class T>
-T logarithmOfOnePlus(const T& x) {
+inline auto logarithmOfOnePlus(const auto& x) {
   return lanewise(x, [](double lane) { return __builtin_log1p(lane); });
 }
-template <class T>
-T squareRoot(const T& x) {
+inline auto squareRoot(const auto& x) {
   return lanewise(x, [](double lane) { return __builtin_sqrt(lane); });
 }
-template <class T>
-T hyperbolicSine(const T& x) {
+inline auto hyperbolicSine(const auto& x) {
   return lanewise(x, [](double lane) { return __builtin_sinh(lane); });
 }
 /// J^(-2/3), also of a negative J.

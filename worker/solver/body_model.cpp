@@ -2,20 +2,15 @@
 
 #include <Eigen/Geometry>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
 namespace palpate {
 namespace {
 
-std::int32_t middleOf(const Mesh& mesh, std::int32_t a, std::int32_t b) {
-  const std::int32_t middle = midEdgeNode(mesh, a, b);
-  if (middle < 0) throw failure("nodes {} and {} share no edge", a, b);
-  return middle;
-}
-
 void addLoad(BodyModel& model, std::int32_t node, const Eigen::Vector3d& force) {
   model.load.resize(3 * model.mesh.nodes.size(), 0.0);
-  for (int i = 0; i < 3; ++i) model.load[3 * static_cast<std::size_t>(node) + i] += force[i];
+  ofNode(model.load, node) += force;
 }
 
 bool isQuadratic(const BodyModel& model) {
@@ -37,7 +32,7 @@ BodyModel bodyModel(const Problem& problem) {
   model.fibers = problem.fibers;
   model.fixed.assign(3 * problem.mesh.nodes.size(), 0);
   for (const std::int32_t node : problem.fixed)
-    for (int i = 0; i < 3; ++i) model.fixed[3 * static_cast<std::size_t>(node) + i] = 1;
+    for (int i = 0; i < 3; ++i) model.fixed[3 * node + i] = 1;
   for (const ActivePatch& patch : problem.active)
     model.tools.push_back({patch.nodes, patch.weights});
   if (!problem.scene.gravity.isZero()) addGravity(model, problem.scene.gravity);
@@ -52,11 +47,13 @@ void addTraction(BodyModel& model, const std::vector<Triangle>& faces,
     // The integral of the linear shape function of a vertex is a third of the area; of the
     // quadratic ones that of a vertex is zero, and that of a mid-edge node a third of the area.
     const Eigen::Vector3d third = traction * ((b - a).cross(c - a).norm() / 2) / 3;
-    for (int corner = 0; corner < 3; ++corner)
-      addLoad(
-          model,
-          isQuadratic(model) ? middleOf(mesh, face[corner], face[(corner + 1) % 3]) : face[corner],
-          third);
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::int32_t node = isQuadratic(model)
+                                    ? midEdgeNode(mesh, face[corner], face[(corner + 1) % 3])
+                                    : face[corner];
+      PALPATE_ASSERT(node >= 0, "the corners of a face share edges");
+      addLoad(model, node, third);
+    }
   }
 }
 

@@ -2,12 +2,13 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cstdint>
-#include <vector>
 
 #include "common/problem/problem.hpp"
 
 namespace palpate {
+
+/// The three components of a node in an array of nNodes x 3, to read or to write.
+inline auto ofNode(auto& rows, std::size_t node) { return Eigen::Vector3d::Map(&rows[3 * node]); }
 
 /// What moves: some nodes by the tool's displacement p (rigid), or only their weighted mean.
 struct Tool {

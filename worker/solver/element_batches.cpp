@@ -1,40 +1,17 @@
 #include "worker/solver/element_batches.hpp"
 
+#include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
 #include "worker/solver/element_geometry.hpp"
 
 namespace palpate {
 namespace {
 
-ElementParameters parametersOf(const Material& m, const Discretization& discretization) {
-  ElementParameters p;
-  p.displacement = discretization.displacement;
-  p.constraint = discretization.constraint;
-  p.bulk = m.bulk.value_or(0.0);
-  p.law = m.law;
-  p.mu = shearModulus(m);
-  if (m.poisson) p.lambda = 2 * p.mu * *m.poisson / (1 - 2 * *m.poisson);
-  p.c10 = m.c10;
-  p.c01 = m.c01;
-  p.c20 = m.c20;
-  p.c30 = m.c30;
-  p.c1 = m.c1;
-  p.c2 = m.c2;
-  p.k1 = m.k1;
-  p.k2 = m.k2;
-  p.dispersion = m.dispersion;
-  p.ogden_terms = static_cast<int>(m.ogden.size());
-  for (int term = 0; term < p.ogden_terms; ++term) {
-    p.ogden_mu[term] = m.ogden[term].mu;
-    p.ogden_alpha[term] = m.ogden[term].alpha;
-  }
-  return p;
-}
-
 /// A lane that is left over repeats the last element without its volume.
 void fillLane(BatchGeometry& geometry, int lane, const BodyModel& model, std::int32_t element,
               double volume) {
   geometry.volume[lane] = volume;
-  const Eigen::Matrix3d gradients = barycentricGradients(model.mesh, element);
+  const Eigen::Matrix<double, 3, 4> gradients = barycentricGradients(model.mesh, element);
   for (int b = 0; b < 3; ++b)
     for (int I = 0; I < 3; ++I) geometry.gradient[b][I][lane] = gradients(I, b);
   if (!model.fibers.empty())
@@ -47,22 +24,39 @@ void fillLane(BatchGeometry& geometry, int lane, const BodyModel& model, std::in
 
 std::vector<ElementParameters> elementParameters(const BodyModel& model, double pressure_scale) {
   std::vector<ElementParameters> all;
-  for (std::size_t region = 0; region < model.materials.size(); ++region) {
-    const Material& material = model.materials[region];
-    ElementParameters parameters = parametersOf(material, model.discretization);
-    parameters.pressure = pressureSpaceOf(model, region);
-    parameters.pressure_scale = pressure_scale;
-    if (parameters.pressure == PressureSpace::p1_stabilized)
-      parameters.stabilization = 1 / shearModulus(material);
-    all.push_back(parameters);
+  for (const Material& m : model.materials) {
+    ElementParameters& p = all.emplace_back();
+    p.displacement = model.discretization.displacement;
+    p.pressure = pressureSpaceOf(model, all.size() - 1);
+    p.constraint = model.discretization.constraint;
+    p.pressure_scale = pressure_scale;
+    if (p.pressure == PressureSpace::p1_stabilized) p.stabilization = 1 / shearModulus(m);
+    p.bulk = m.bulk.value_or(0.0);
+    p.law = m.law;
+    p.mu = shearModulus(m);
+    if (m.poisson) p.lambda = 2 * p.mu * *m.poisson / (1 - 2 * *m.poisson);
+    p.c10 = m.c10;
+    p.c01 = m.c01;
+    p.c20 = m.c20;
+    p.c30 = m.c30;
+    p.c1 = m.c1;
+    p.c2 = m.c2;
+    p.k1 = m.k1;
+    p.k2 = m.k2;
+    p.dispersion = m.dispersion;
+    PALPATE_ASSERT(m.ogden.size() <= std::size(p.ogden_mu), "a scene has three terms at most");
+    for (const OgdenTerm& term : m.ogden) {
+      p.ogden_mu[p.ogden_terms] = term.mu;
+      p.ogden_alpha[p.ogden_terms++] = term.alpha;
+    }
   }
   return all;
 }
 
 ElementBatches::ElementBatches(const BodyModel& model) : of_node(model.mesh.nodes.size()) {
   std::vector<std::vector<std::int32_t>> elements_of(model.materials.size());
-  for (std::size_t element = 0; element < model.mesh.tetrahedra.size(); ++element)
-    elements_of.at(model.region_of[element]).push_back(static_cast<std::int32_t>(element));
+  for (std::int32_t element = 0; at(element) < model.mesh.tetrahedra.size(); ++element)
+    elements_of.at(model.region_of[element]).push_back(element);
   for (const std::vector<std::int32_t>& elements : elements_of)
     for (std::size_t first = 0; first < elements.size(); first += lanes)
       add(model, elements, first);

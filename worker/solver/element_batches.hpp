@@ -1,10 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
-#include <cstdint>
-#include <vector>
-
 #include "worker/elements/element_kernels.hpp"
 #include "worker/solver/body_model.hpp"
 #include "worker/solver/unknowns.hpp"

@@ -2,7 +2,31 @@
 
 #include <Eigen/LU>
 
+#include "worker/elements/shape_functions.hpp"
+#include "worker/solver/body_model.hpp"
+
 namespace palpate {
+namespace {
+
+using kernels_default::P2;
+
+/// F at the node of an element that is the middle of these two ends, themselves at a vertex.
+/// `gradients`: of the barycentric coordinates, columns, 1/m.
+Eigen::Matrix3d deformationAt(const int (&ends)[P2::ends], const std::vector<std::int32_t>& nodes,
+                              const Eigen::Matrix<double, 3, 4>& gradients,
+                              const std::vector<double>& u) {
+  double x[4] = {};
+  for (const int end : ends) x[end] += 0.5;
+  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
+  for (int a = 0; a < P2::nodes; ++a) {
+    const Eigen::Vector3d u_a = ofNode(u, nodes[a]);
+    for (int e = 0; e < P2::ends; ++e)
+      F += P2::slope(a, e, x) * u_a * gradients.col(P2::end[a][e]).transpose();
+  }
+  return F;
+}
+
+}  // namespace
 
 std::vector<std::int32_t> nodesOf(const Mesh& mesh, std::size_t element) {
   std::vector<std::int32_t> nodes(mesh.tetrahedra[element].begin(), mesh.tetrahedra[element].end());
@@ -12,12 +36,29 @@ std::vector<std::int32_t> nodesOf(const Mesh& mesh, std::size_t element) {
   return nodes;
 }
 
-Eigen::Matrix3d barycentricGradients(const Mesh& mesh, std::size_t element) {
+Eigen::Matrix<double, 3, 4> barycentricGradients(const Mesh& mesh, std::size_t element) {
   const Tetrahedron& tetrahedron = mesh.tetrahedra[element];
   Eigen::Matrix3d edges;
   for (int b = 0; b < 3; ++b)
     edges.row(b) = mesh.nodes[tetrahedron[b]] - mesh.nodes[tetrahedron[3]];
-  return edges.inverse();
+  Eigen::Matrix<double, 3, 4> gradients;
+  gradients.leftCols<3>() = edges.inverse();
+  gradients.col(3) = -gradients.leftCols<3>().rowwise().sum();
+  return gradients;
+}
+
+SmallestDetF smallestDetFAtNodes(const Mesh& mesh, const std::vector<double>& u) {
+  SmallestDetF smallest;
+  if (mesh.mid_edge_nodes.empty()) return smallest;
+  for (std::size_t element = 0; element < mesh.tetrahedra.size(); ++element) {
+    const std::vector<std::int32_t> nodes = nodesOf(mesh, element);
+    const Eigen::Matrix<double, 3, 4> gradients = barycentricGradients(mesh, element);
+    for (const auto& ends : P2::end)
+      if (const double det_F = deformationAt(ends, nodes, gradients, u).determinant();
+          det_F < smallest.det_F)
+        smallest = {det_F, static_cast<std::int32_t>(element)};
+  }
+  return smallest;
 }
 
 }  // namespace palpate

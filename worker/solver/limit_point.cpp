@@ -116,7 +116,6 @@ std::optional<LimitPoint> findLimitPoint(const System& system, TangentSolver& so
     if (corrections <= easy_corrections) length *= 1.5;
     limit.at = std::max(limit.at, curve.s());
     if (curve.turnedBack() && curve.s() < limit.at && curve.negativePivots() != stable_pivots) {
-      limit.followed_to = curve.s();
       limit.negative_pivots = curve.negativePivots();
       return limit;
     }

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cstdint>
-#include <optional>
-
 #include "worker/solver/system.hpp"
 #include "worker/solver/tangent_solver.hpp"
 
@@ -11,8 +7,7 @@ namespace palpate {
 
 /// Where the equilibrium path of a tool that moves along a line turns back.
 struct LimitPoint {
-  double at = 0;           ///< the farthest point, as a fraction of the way to the target
-  double followed_to = 0;  ///< where on its way back the path was left, as the same fraction
+  double at = 0;                     ///< the farthest point, as a fraction of the way to the target
   std::int32_t negative_pivots = 0;  ///< of the tangent there, beyond the turn
 };
 

@@ -7,6 +7,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/mesh/node_set.hpp"
 #include "worker/elements/blas_kernels.hpp"
 
 namespace palpate {
@@ -23,22 +24,9 @@ constexpr int ordering_pord = 4;
 constexpr int workspace_percent = 50;  ///< ICNTL(14); avoids nearly all retries
 constexpr int workspace_retries = 4;
 
-}  // namespace
-
-class LinearSolver::Arithmetic {
- public:
-  virtual ~Arithmetic() = default;
-  virtual Factorization factorize(const std::vector<double>& values) = 0;
-  virtual bool solve(Eigen::Ref<Eigen::MatrixXd>& right_hand_sides) = 0;
-  virtual int infog(int number) const = 0;
-  virtual double factorFlops() const = 0;
-};
-
-namespace {
-
 /// Structure, real type and entry point of one of MUMPS's arithmetics.
 template <class Structure, class Real, void (*call)(Structure*)>
-class Mumps : public LinearSolver::Arithmetic {
+class Mumps : public LinearSolver {
  public:
   Mumps(const SparsityPattern& pattern, bool singular)
       : row_(pattern.row.begin(), pattern.row.end()),
@@ -88,7 +76,7 @@ class Mumps : public LinearSolver::Arithmetic {
     return result;
   }
 
-  bool solve(Eigen::Ref<Eigen::MatrixXd>& right_hand_sides) override {
+  bool solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) override {
     PALPATE_ASSERT(right_hand_sides.rows() == data_.n, "MUMPS writes n rows of each column");
     // Columns of size one: small residuals would leave the range of single precision.
     Eigen::RowVectorXd scale = right_hand_sides.cwiseAbs().colwise().maxCoeff();
@@ -102,10 +90,14 @@ class Mumps : public LinearSolver::Arithmetic {
     return true;
   }
 
-  int infog(int number) const override { return data_.infog[number - 1]; }
+  double factorEntries() const override {
+    // Negative values are millions (MUMPS manual, INFOG(29)).
+    return infog(29) >= 0 ? infog(29) : -1e6 * infog(29);
+  }
   double factorFlops() const override { return static_cast<double>(data_.rinfog[2]); }
 
  private:
+  int infog(int number) const { return data_.infog[number - 1]; }
   MUMPS_INT& control(int number) { return data_.icntl[number - 1]; }
   int run(int job) {
     data_.job = job;
@@ -119,36 +111,41 @@ class Mumps : public LinearSolver::Arithmetic {
   Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic> columns_;
 };
 
-using SingleMumps = Mumps<SMUMPS_STRUC_C, float, smumps_c>;
-using DoubleMumps = Mumps<DMUMPS_STRUC_C, double, dmumps_c>;
-
 }  // namespace
 
-LinearSolver::LinearSolver(const SparsityPattern& pattern, Precision precision, bool singular) {
-  prepareBlas();
-  if (precision == Precision::single_precision) {
-    mumps_ = std::make_unique<SingleMumps>(pattern, singular);
-  } else {
-    mumps_ = std::make_unique<DoubleMumps>(pattern, singular);
+std::int32_t SparsityPattern::entryOf(std::int32_t a, std::int32_t b) const {
+  const std::int32_t upper = std::min(a, b), wanted = std::max(a, b) + 1;
+  const auto begin = column.begin() + row_begin[upper], end = column.begin() + row_begin[upper + 1];
+  const auto found = std::lower_bound(begin, end, wanted);
+  PALPATE_ASSERT(found != end && *found == wanted,
+                 "elements share entries only where the pattern was made from them");
+  return static_cast<std::int32_t>(found - column.begin());
+}
+
+SparsityPattern patternOf(std::vector<std::vector<std::int32_t>> columns_of_rows) {
+  SparsityPattern pattern;
+  pattern.n = static_cast<std::int32_t>(columns_of_rows.size());
+  for (std::int32_t row = 0; row < pattern.n; ++row) {
+    std::vector<std::int32_t>& columns = columns_of_rows[row];
+    sortUnique(columns);
+    PALPATE_ASSERT(!columns.empty() && columns.front() == row,
+                   "an unknown without a diagonal occurs in no element: its row would be singular");
+    pattern.row_begin.push_back(static_cast<std::int32_t>(pattern.row.size()));
+    for (const std::int32_t column : columns) {
+      pattern.row.push_back(row + 1);
+      pattern.column.push_back(column + 1);
+    }
   }
+  pattern.row_begin.push_back(static_cast<std::int32_t>(pattern.row.size()));
+  return pattern;
 }
 
-LinearSolver::~LinearSolver() = default;
-
-Factorization LinearSolver::factorize(const std::vector<double>& values) {
-  return mumps_->factorize(values);
+std::unique_ptr<LinearSolver> LinearSolver::of(const SparsityPattern& pattern, Precision precision,
+                                               bool singular) {
+  prepareBlas();
+  if (precision == Precision::single_precision)
+    return std::make_unique<Mumps<SMUMPS_STRUC_C, float, smumps_c>>(pattern, singular);
+  return std::make_unique<Mumps<DMUMPS_STRUC_C, double, dmumps_c>>(pattern, singular);
 }
-
-bool LinearSolver::solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) {
-  return mumps_->solve(right_hand_sides);
-}
-
-double LinearSolver::factorEntries() const {
-  // Negative values are millions (MUMPS manual, INFOG(29)).
-  const int entries = mumps_->infog(29);
-  return entries >= 0 ? entries : -1e6 * entries;
-}
-
-double LinearSolver::factorFlops() const { return mumps_->factorFlops(); }
 
 }  // namespace palpate

@@ -5,9 +5,24 @@
 #include <memory>
 #include <vector>
 
-#include "worker/solver/sparsity_pattern.hpp"
-
 namespace palpate {
+
+/// Where the upper triangle of a symmetric matrix has entries, row by row and in each row by
+/// column. 1-based as MUMPS wants it; every diagonal entry is there.
+struct SparsityPattern {
+  std::int32_t n = 0;                     ///< rows
+  std::vector<std::int32_t> row, column;  ///< of every entry, 1 to n, row <= column
+  /// n + 1 numbers, 0-based: row k of them has the entries row_begin[k] to row_begin[k + 1], and
+  /// the first of these is its diagonal.
+  std::vector<std::int32_t> row_begin;
+
+  /// The entry in row min(a, b) and column max(a, b), 0-based; it must be there.
+  std::int32_t entryOf(std::int32_t a, std::int32_t b) const;
+};
+
+/// The pattern in which row k, 0-based, has these columns, also 0-based, at least k itself. They
+/// may repeat and stand in any order, none of them left of the diagonal.
+SparsityPattern patternOf(std::vector<std::vector<std::int32_t>> columns_of_rows);
 
 /// What MUMPS said about a factorisation.
 struct Factorization {
@@ -29,32 +44,24 @@ enum class Precision : std::uint8_t { single_precision, double_precision };
 class LinearSolver {
  public:
   /// Error when the analysis fails, or OpenBLAS computes wrong products (prepareBlas). `pattern` is
-  /// copied. `singular`: the matrix may have a null
-  /// space (the spurious pressure modes of P1/P1); pivots that vanish are then detected and their
-  /// unknowns kept at zero.
-  LinearSolver(const SparsityPattern& pattern, Precision precision, bool singular);
-  ~LinearSolver();
-  LinearSolver(const LinearSolver&) = delete;
-  LinearSolver& operator=(const LinearSolver&) = delete;
+  /// copied. `singular`: the matrix may have a null space (the spurious pressure modes of P1/P1);
+  /// pivots that vanish are then detected and their unknowns kept at zero.
+  static std::unique_ptr<LinearSolver> of(const SparsityPattern& pattern, Precision precision,
+                                          bool singular);
+  virtual ~LinearSolver() = default;
 
   /// values: one per pattern entry, upper triangle. When MUMPS runs out of workspace (INFOG(1) =
   /// -8, -9) it is given twice as much, at most four times.
-  [[nodiscard]] Factorization factorize(const std::vector<double>& values);
+  [[nodiscard]] virtual Factorization factorize(const std::vector<double>& values) = 0;
 
   /// Overwrites each column of `right_hand_sides` (n x k, column-major) with its solution. Only
   /// after an ok factorize(). False when MUMPS reports an error.
-  [[nodiscard]] bool solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides);
+  [[nodiscard]] virtual bool solve(Eigen::Ref<Eigen::MatrixXd> right_hand_sides) = 0;
 
   /// Entries of the factor and floating-point operations of one factorisation, as MUMPS counts
   /// them.
-  double factorEntries() const;
-  double factorFlops() const;
-
-  /// MUMPS in one arithmetic (linear_solver.cpp).
-  class Arithmetic;
-
- private:
-  std::unique_ptr<Arithmetic> mumps_;
+  virtual double factorEntries() const = 0;
+  virtual double factorFlops() const = 0;
 };
 
 }  // namespace palpate

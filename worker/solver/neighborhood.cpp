@@ -1,8 +1,10 @@
 #include "worker/solver/neighborhood.hpp"
 
-#include <algorithm>
 #include <limits>
 #include <utility>
+
+#include "common/base/index.hpp"
+#include "common/mesh/node_set.hpp"
 
 namespace palpate {
 namespace {
@@ -12,7 +14,7 @@ std::vector<std::int32_t> nearestNodes(const Mesh& mesh,
                                        const std::vector<std::int32_t>& tool_nodes,
                                        std::size_t count) {
   std::vector<std::pair<double, std::int32_t>> by_distance;
-  for (std::int32_t node = 0; node < static_cast<std::int32_t>(mesh.nodes.size()); ++node) {
+  for (std::int32_t node = 0; at(node) < mesh.nodes.size(); ++node) {
     double distance = std::numeric_limits<double>::infinity();
     for (const std::int32_t held : tool_nodes)
       distance = std::min(distance, (mesh.nodes[node] - mesh.nodes[held]).squaredNorm());
@@ -30,22 +32,15 @@ std::vector<std::int32_t> nearestNodes(const Mesh& mesh,
 std::vector<Neighborhood::Entry> entriesAmong(const std::vector<std::int32_t>& unknowns,
                                               const SparsityPattern& pattern) {
   std::vector<Neighborhood::Entry> entries;
-  const auto size = static_cast<std::int32_t>(unknowns.size());
-  for (std::int32_t row = 0; row < size; ++row) {
-    std::int32_t column = row;
-    const std::int32_t end = pattern.row_begin[unknowns[row] + 1];
-    for (std::int32_t number = pattern.row_begin[unknowns[row]]; number < end; ++number) {
+  for (std::int32_t row = 0; at(row) < unknowns.size(); ++row)
+    for (std::int32_t number = pattern.row_begin[unknowns[row]];
+         number < pattern.row_begin[unknowns[row] + 1]; ++number) {
       const std::int32_t unknown = pattern.column[number] - 1;
-      while (column < size && unknowns[column] < unknown) ++column;
-      if (column < size && unknowns[column] == unknown) entries.push_back({number, row, column});
+      const auto found = std::lower_bound(unknowns.begin(), unknowns.end(), unknown);
+      if (found != unknowns.end() && *found == unknown)
+        entries.push_back({number, row, static_cast<std::int32_t>(found - unknowns.begin())});
     }
-  }
   return entries;
-}
-
-void sortUnique(std::vector<std::int32_t>& numbers) {
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
 }
 
 }  // namespace

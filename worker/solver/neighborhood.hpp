@@ -1,11 +1,7 @@
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "worker/solver/element_batches.hpp"
-#include "worker/solver/sparsity_pattern.hpp"
-#include "worker/solver/unknowns.hpp"
+#include "worker/solver/linear_solver.hpp"
 
 namespace palpate {
 

@@ -1,5 +1,6 @@
 #include "worker/solver/newton.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,34 +11,23 @@
 namespace palpate {
 namespace {
 
-/// A state without a residual: the element is inverted (ln det F does not exist) or something
-/// overflowed, then det F may be NaN.
-Cause causeOfNotFinite(const Residual& residual) {
-  return residual.min_det_F <= 0 ? Cause::inverted_element : Cause::not_finite;
+/// Sufficient decrease of the residual norm, per unit of step (Armijo).
+constexpr double sufficient_decrease = 1e-4;
+/// Of the relaxation near the tool: iterations, and halvings of a step.
+constexpr int most_relaxations = 12, most_halvings = 6;
+
+/// Turns the step of an inverse tangent into that of the inverse which Broyden's updates from the
+/// steps that were taken with it lead to.
+void updateByBroyden(const std::vector<Eigen::VectorXd>& taken, Eigen::VectorXd& step) {
+  if (taken.empty()) return;
+  for (std::size_t n = 0; n + 1 < taken.size(); ++n)
+    step += taken[n + 1] * (taken[n].dot(step) / taken[n].squaredNorm());
+  // At most this much longer: the update may not make the inverse singular.
+  constexpr double longest = 5;
+  const Eigen::VectorXd& last = taken.back();
+  const double shrink = 1 - last.dot(step) / last.squaredNorm();
+  step /= std::max(shrink, 1 / longest);
 }
-
-/// Broyden's updates of an inverse tangent, from the steps that were taken.
-class BroydenUpdates {
- public:
-  void clear() { steps_.clear(); }
-  bool empty() const { return steps_.empty(); }
-  void add(Eigen::VectorXd step) { steps_.push_back(std::move(step)); }
-
-  /// Turns the step of the bare inverse into that of the updated one.
-  void apply(Eigen::VectorXd& step) const {
-    if (steps_.empty()) return;
-    for (std::size_t n = 0; n + 1 < steps_.size(); ++n)
-      step += steps_[n + 1] * (steps_[n].dot(step) / steps_[n].squaredNorm());
-    // At most this much longer: the update may not make the inverse singular.
-    constexpr double longest = 5;
-    const Eigen::VectorXd& last = steps_.back();
-    const double shrink = 1 - last.dot(step) / last.squaredNorm();
-    step /= std::max(shrink, 1 / longest);
-  }
-
- private:
-  std::vector<Eigen::VectorXd> steps_;
-};
 
 /// One solution of the equations; findEquilibrium in steps.
 class Newton {
@@ -75,7 +65,7 @@ class Newton {
       return false;
     }
     ++now_.factorizations;
-    updates_.clear();
+    taken_.clear();
     system_.assemble(now_.state, now_.residual, tangent_);
     now_.factorization = solver_.factorize(tangent_);
     if (!now_.factorization.ok) now_.cause = Cause::factorization_failed;
@@ -90,8 +80,8 @@ class Newton {
       now_.cause = Cause::factorization_failed;
       return false;
     }
-    const bool fresh = updates_.empty();
-    updates_.apply(step);
+    const bool fresh = taken_.empty();
+    updateByBroyden(taken_, step);
     if (!step.allFinite()) {
       now_.cause = Cause::not_finite;
       return false;
@@ -108,7 +98,7 @@ class Newton {
     const double contraction = now_.residual.norm / before;
     const double iterations_left =
         std::log(tolerance() / now_.residual.norm) / std::log(contraction);
-    updates_.add(std::move(step));
+    taken_.push_back(std::move(step));
     return factor == 1 && (contraction <= options_.slow_contraction ||
                            iterations_left <= options_.iterations_worth_a_tangent);
   }
@@ -130,14 +120,44 @@ class Newton {
   NewtonResult now_;
   Tangent tangent_;
   Residual trial_;
-  BroydenUpdates updates_;
+  std::vector<Eigen::VectorXd> taken_;  ///< steps, since the tangent was renewed
 };
 
 }  // namespace
 
+Cause causeOfNotFinite(const Residual& residual) {
+  return residual.min_det_F <= 0 ? Cause::inverted_element : Cause::not_finite;
+}
+
 NewtonResult findEquilibrium(const System& system, TangentSolver& solver, State start,
                              const Eigen::Vector3d& displacement, const NewtonOptions& options) {
   return Newton(system, solver, displacement, options).solveFrom(std::move(start));
+}
+
+bool relaxNearTool(const System& system, const Neighborhood& neighborhood, State& state,
+                   double tolerance) {
+  State now = state;
+  Eigen::VectorXd residual, trial_residual, whole_step = Eigen::VectorXd::Zero(system.unknowns());
+  Eigen::MatrixXd tangent, trial_tangent;
+  system.assemble(now, neighborhood, residual, tangent);
+  for (int iteration = 0; residual.norm() > tolerance; ++iteration) {
+    if (iteration == most_relaxations) return false;
+    whole_step(neighborhood.unknowns) = -tangent.partialPivLu().solve(residual);
+    bool descended = false;
+    double factor = 1;
+    for (int halvings = 0; !descended && halvings <= most_halvings; ++halvings, factor /= 2) {
+      State next = system.moved(now, whole_step, factor, state.displacement);
+      system.assemble(next, neighborhood, trial_residual, trial_tangent);
+      descended = trial_residual.norm() <= (1 - sufficient_decrease * factor) * residual.norm();
+      if (descended) now = std::move(next);
+    }
+    if (!descended) return false;
+    residual.swap(trial_residual);
+    tangent.swap(trial_tangent);
+  }
+  if (!residual.allFinite()) return false;
+  state = std::move(now);
+  return true;
 }
 
 }  // namespace palpate

@@ -1,15 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
-
 #include "common/space/failure.hpp"
 #include "worker/solver/system.hpp"
 #include "worker/solver/tangent_solver.hpp"
 
 namespace palpate {
-
-/// Sufficient decrease of the residual norm, per unit of step (Armijo).
-inline constexpr double sufficient_decrease = 1e-4;
 
 struct NewtonOptions {
   int max_iterations = 40;
@@ -24,6 +19,10 @@ struct NewtonOptions {
   double absolute_tolerance = 1e-10;
   double relative_tolerance = 1e-9;
 };
+
+/// Why a state has no residual: an element is inverted (ln det F does not exist), or something
+/// overflowed, and then det F may be NaN.
+Cause causeOfNotFinite(const Residual& residual);
 
 /// Where Newton ended, converged or not.
 struct NewtonResult {
@@ -46,5 +45,19 @@ struct NewtonResult {
 /// solution is a saddle point.
 NewtonResult findEquilibrium(const System& system, TangentSolver& solver, State start,
                              const Eigen::Vector3d& displacement, const NewtonOptions& options);
+
+/// Brings the nodes around a rigid tool to equilibrium while everything else is held where `state`
+/// has it.
+///
+/// A tool that moves by more than an element's size strains the elements beside it far beyond the
+/// rest of the body; Newton spends most of its tangents there, or inverts one of them. Solving the
+/// few equations near the tool first is nonlinear elimination (Lanzkron, Rose and Wilkes 1996; Cai
+/// and Keyes 2002): what is left for the whole body is smooth, and one tangent suffices.
+///
+/// Newton with a line search and a dense matrix of the neighbourhood's size. `state` becomes the
+/// solution when the residual norm falls to `tolerance` (N), which is returned as true, and is
+/// unchanged otherwise.
+bool relaxNearTool(const System& system, const Neighborhood& neighborhood, State& state,
+                   double tolerance);
 
 }  // namespace palpate

@@ -53,6 +53,7 @@ WalkedPath walk(TransitionSolver& solver, const Start& start, const Eigen::Vecto
         reached = std::move(*around);
         ++path.detours;
       } else {
+        // Costs as much as many transitions, and there is nothing else left to try.
         solver.explainByLimitPoint(*at, next, reached);
       }
     }

@@ -1,8 +1,8 @@
 #include "worker/solver/scatter.hpp"
 
-#include <algorithm>
-
 #include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
+#include "common/mesh/node_set.hpp"
 
 namespace palpate {
 namespace {
@@ -35,21 +35,12 @@ Scatter::Scatter(const Unknowns& unknowns, const SparsityPattern& pattern,
       pattern_(pattern),
       batches_(batches),
       held_(unknowns.count(), 0),
+      slots_(batches.all.size()),
       rows_(unknowns.count() + tool_rows + 1),
       entries_(pattern.row.size() + 3 * static_cast<std::size_t>(unknowns.count()) + tool_diagonal +
                tool_off_diagonal + 1) {
   PALPATE_ASSERT(pattern.n == unknowns.count(), "the matrix has a row for every unknown");
-  std::size_t rows = 0, entries = 0;
-  for (const ElementBatch& batch : batches.all) {
-    first_row_slot_.push_back(rows);
-    first_entry_slot_.push_back(entries);
-    rows += static_cast<std::size_t>(batch.unknowns) * lanes;
-    entries += static_cast<std::size_t>(localEntries(batch.unknowns)) * lanes;
-  }
-  row_slots_.resize(rows);
-  entry_slots_.resize(entries);
-  for (std::size_t batch = 0; batch < batches.all.size(); ++batch)
-    findSlots(static_cast<std::int32_t>(batch));
+  for (std::int32_t batch = 0; at(batch) < batches.all.size(); ++batch) findSlots(batch);
 }
 
 std::int32_t Scatter::rowSlot(const Place& place) const {
@@ -73,18 +64,22 @@ std::int32_t Scatter::entrySlot(const Place& place_a, const Place& place_b) cons
 
 void Scatter::findSlots(std::int32_t number) {
   const ElementBatch& batch = batches_.all[number];
-  for (int lane = 0; lane < lanes; ++lane) {
-    // Left-over lanes go to the sink: their volume is zero, but a NaN times zero would not be.
-    const bool left_over = batch.element[lane] < 0;
-    std::size_t row_slot = first_row_slot_[number] + lane,
-                entry_slot = first_entry_slot_[number] + lane;
-    for (int row = 0; row < batch.unknowns; ++row, row_slot += lanes) {
-      const Place a = batch.placeOf(row, lane);
-      row_slots_[row_slot] = left_over ? static_cast<std::int32_t>(rows_.size()) - 1 : rowSlot(a);
-      for (int column = row; column < batch.unknowns; ++column, entry_slot += lanes)
-        entry_slots_[entry_slot] = left_over ? static_cast<std::int32_t>(entries_.size()) - 1
-                                             : entrySlot(a, batch.placeOf(column, lane));
-    }
+  Slots& slots = slots_[number];
+  slots.rows.clear();
+  slots.entries.clear();
+  // Left-over lanes go to the sink: their volume is zero, but a NaN times zero would not be.
+  const auto sinkOf = [](const std::vector<double>& sums) {
+    return static_cast<std::int32_t>(sums.size()) - 1;
+  };
+  for (int row = 0; row < batch.unknowns; ++row) {
+    for (int lane = 0; lane < lanes; ++lane)
+      slots.rows.push_back(batch.element[lane] < 0 ? sinkOf(rows_)
+                                                   : rowSlot(batch.placeOf(row, lane)));
+    for (int column = row; column < batch.unknowns; ++column)
+      for (int lane = 0; lane < lanes; ++lane)
+        slots.entries.push_back(batch.element[lane] < 0 ? sinkOf(entries_)
+                                                        : entrySlot(batch.placeOf(row, lane),
+                                                                    batch.placeOf(column, lane)));
   }
 }
 
@@ -98,30 +93,21 @@ void Scatter::hold(const std::vector<std::int32_t>& nodes, bool by_tool) {
     }
     changed.insert(changed.end(), batches_.of_node[node].begin(), batches_.of_node[node].end());
   }
-  std::sort(changed.begin(), changed.end());
-  changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+  sortUnique(changed);
   for (const std::int32_t batch : changed) findSlots(batch);
 }
 
-void Scatter::clearRows() { std::fill(rows_.begin(), rows_.end(), 0.0); }
-
-void Scatter::clearEntries() { std::fill(entries_.begin(), entries_.end(), 0.0); }
-
 void Scatter::add(std::int32_t batch, const BatchResult& result) {
-  const std::int32_t* slot = &row_slots_[first_row_slot_[batch]];
+  const std::int32_t* slot = slots_[batch].rows.data();
   for (int row = 0; row < batches_.all[batch].unknowns; ++row)
     for (int lane = 0; lane < lanes; ++lane) rows_[*slot++] += result.residual[row][lane];
 }
 
 void Scatter::add(std::int32_t batch, const BatchTangent& tangent) {
-  const std::int32_t* slot = &entry_slots_[first_entry_slot_[batch]];
+  const std::int32_t* slot = slots_[batch].entries.data();
   const int entries = localEntries(batches_.all[batch].unknowns);
   for (int entry = 0; entry < entries; ++entry)
     for (int lane = 0; lane < lanes; ++lane) entries_[*slot++] += tangent.entry[entry][lane];
-}
-
-Eigen::Vector3d Scatter::toolRows() const {
-  return Eigen::Map<const Eigen::Vector3d>(rows_.data() + unknowns_.count());
 }
 
 std::vector<double> Scatter::entries() const {

@@ -1,12 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
-#include <vector>
+#include <algorithm>
 
 #include "worker/solver/element_batches.hpp"
-#include "worker/solver/sparsity_pattern.hpp"
-#include "worker/solver/unknowns.hpp"
+#include "worker/solver/linear_solver.hpp"
 
 namespace palpate {
 
@@ -29,8 +27,8 @@ class Scatter {
   void hold(const std::vector<std::int32_t>& nodes, bool by_tool);
   bool isHeld(std::int32_t unknown) const { return held_[unknown] != 0; }
 
-  void clearRows();
-  void clearEntries();
+  void clearRows() { std::fill(rows_.begin(), rows_.end(), 0.0); }
+  void clearEntries() { std::fill(entries_.begin(), entries_.end(), 0.0); }
   void add(const Place& place, double force) { rows_[rowSlot(place)] += force; }
   void add(std::int32_t batch, const BatchResult& result);
   void add(std::int32_t batch, const BatchTangent& tangent);
@@ -38,13 +36,18 @@ class Scatter {
   // The sums: the residual by unknown, zero where the tool holds one, and of the tool; the tangent
   // by entry of the pattern, d(residual)/dp and of the tool alone.
   Eigen::Map<const Eigen::VectorXd> rows() const { return {rows_.data(), unknowns_.count()}; }
-  Eigen::Vector3d toolRows() const;
+  Eigen::Vector3d toolRows() const { return Eigen::Vector3d::Map(&rows_[unknowns_.count()]); }
   double entry(std::int32_t number) const { return entries_[number]; }
   std::vector<double> entries() const;
   Eigen::MatrixX3d toolCoupling() const;
   Eigen::Matrix3d toolEntries() const;
 
  private:
+  /// Where the local rows and entries of a batch go in `rows_` and `entries_`, lane by lane.
+  struct Slots {
+    std::vector<std::int32_t> rows, entries;
+  };
+
   std::int32_t rowSlot(const Place& place) const;
   std::int32_t entrySlot(const Place& a, const Place& b) const;
   void findSlots(std::int32_t batch);
@@ -53,11 +56,9 @@ class Scatter {
   const SparsityPattern& pattern_;
   const ElementBatches& batches_;
   std::vector<std::uint8_t> held_;  ///< per unknown, 1 where the rigid tool holds it
-  std::vector<std::size_t> first_row_slot_, first_entry_slot_;  ///< per batch, into the next two
-  std::vector<std::int32_t> row_slots_;    ///< batch x local unknown x lane, into rows_
-  std::vector<std::int32_t> entry_slots_;  ///< batch x local entry x lane, into entries_
-  std::vector<double> rows_;               ///< unknowns, tool, sink
-  std::vector<double> entries_;            ///< pattern, coupling, tool, sink
+  std::vector<Slots> slots_;        ///< per batch
+  std::vector<double> rows_;        ///< unknowns, tool, sink
+  std::vector<double> entries_;     ///< pattern, coupling, tool, sink
 };
 
 }  // namespace palpate

@@ -3,29 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ranges>
 #include <utility>
 
 #include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
 
 namespace palpate {
 namespace {
 
-double smallestShearModulus(const BodyModel& model) {
-  double smallest = std::numeric_limits<double>::infinity();
-  for (const Material& material : model.materials)
-    smallest = std::min(smallest, shearModulus(material));
-  return smallest;
-}
-
 State undeformed(const BodyModel& model) {
-  State state;
-  state.u.assign(3 * model.mesh.nodes.size(), 0.0);
-  state.q.assign(pressureNodes(model.discretization.pressure, model.mesh), 0.0);
-  return state;
+  return {.u = std::vector<double>(3 * model.mesh.nodes.size()),
+          .q = std::vector<double>(pressureNodes(model.discretization.pressure, model.mesh))};
 }
 
 BodyModel checked(BodyModel model) {
   const Mesh& mesh = model.mesh;
+  PALPATE_ASSERT(!model.materials.empty(), "forces are scaled by the softest material");
   PALPATE_ASSERT(model.region_of.size() == mesh.tetrahedra.size(), "an element is of a material");
   PALPATE_ASSERT(model.fixed.size() == 3 * mesh.nodes.size(), "a displacement is fixed or unknown");
   PALPATE_ASSERT(model.load.empty() || model.load.size() == model.fixed.size(),
@@ -42,7 +36,7 @@ System::System(BodyModel model, const ElementKernels& kernels)
     : model_(checked(std::move(model))),
       kernels_(kernels),
       mean_edge_(measure(model_.mesh).mean_edge),
-      shear_modulus_(smallestShearModulus(model_)),
+      shear_modulus_(std::ranges::min(model_.materials | std::views::transform(shearModulus))),
       parameters_(elementParameters(model_, pressureScale())),
       unknowns_(model_),
       batches_(model_),
@@ -50,14 +44,14 @@ System::System(BodyModel model, const ElementKernels& kernels)
       sums_(unknowns_, pattern_, batches_),
       rest_(undeformed(model_)) {
   border_.resize(unknowns(), 0);
-  for (std::size_t n = 0; n < model_.load.size(); n += 3)
-    total_load_ += Eigen::Map<const Eigen::Vector3d>(&model_.load[n]).norm();
+  for (std::size_t node = 0; 3 * node < model_.load.size(); ++node)
+    total_load_ += ofNode(model_.load, node).norm();
   if (!model_.tools.empty()) chooseTool(0);
 }
 
 std::optional<std::int32_t> System::expectedNegativePivots() const {
   if (!isInfSupStable(model_.discretization)) return std::nullopt;
-  return unknowns_.pressures();
+  return unknowns_.pressures() + multipliers();
 }
 
 const Tool* System::rigidTool() const {
@@ -99,52 +93,41 @@ void System::setRest(const State& rest) {
 State System::moved(const State& state, const Eigen::VectorXd& step, double factor,
                     const Eigen::Vector3d& displacement) const {
   State next = state;
-  const auto nodes = static_cast<std::int32_t>(model_.mesh.nodes.size());
-  for (std::int32_t node = 0; node < nodes; ++node) {
+  for (std::int32_t node = 0; at(node) < model_.mesh.nodes.size(); ++node) {
     for (int i = 0; i < 3; ++i)
       if (const std::int32_t unknown = unknowns_.at({node, i}); unknown >= 0)
-        next.u[3 * static_cast<std::size_t>(node) + i] += factor * step[unknown];
+        ofNode(next.u, node)[i] += factor * step[unknown];
     if (const std::int32_t pressure = unknowns_.at({node, pressure_component}); pressure >= 0)
       next.q[node] += factor * step[pressure];
   }
   next.displacement = displacement;
+  // From the rest state and not by a step: so the tool is where it is to be to the last bit.
   if (const Tool* rigid = rigidTool())
     for (const std::int32_t node : rigid->nodes)
-      for (int i = 0; i < 3; ++i) next.u[3 * node + i] = rest_.u[3 * node + i] + displacement[i];
+      ofNode(next.u, node) = ofNode(rest_.u, node) + displacement;
   if (weightedTool()) next.multiplier += factor * step.tail<3>();
   return next;
 }
 
-void System::assemble(const State& state, Residual& residual) const {
-  run<false>(state, residual, nullptr);
-}
-
-void System::assemble(const State& state, Residual& residual, Tangent& tangent) const {
-  run<true>(state, residual, &tangent);
-}
-
 void System::addLoads(const State& state, Residual& residual) const {
   if (model_.load.empty()) return;
-  for (std::size_t node = 0; node < model_.mesh.nodes.size(); ++node)
+  for (std::int32_t node = 0; at(node) < model_.mesh.nodes.size(); ++node)
     for (int i = 0; i < 3; ++i) {
-      const double load = load_factor_ * model_.load[3 * node + i];
-      sums_.add({static_cast<std::int32_t>(node), i}, -load);
-      residual.energy -= load * state.u[3 * node + i];
+      const double load = load_factor_ * ofNode(model_.load, node)[i];
+      sums_.add({node, i}, -load);
+      residual.energy -= load * ofNode(state.u, node)[i];
     }
 }
 
-template <bool with_tangent>
-void System::accumulate(std::int32_t number, const State& state, Residual& residual) const {
+void System::accumulate(std::int32_t number, const State& state, Residual& residual,
+                        bool with_tangent) const {
   const ElementBatch& batch = batches_.all[number];
   const ElementParameters& parameters = parameters_[batch.material];
   BatchResult result;
-  if constexpr (with_tangent) {
-    BatchTangent tangent;
-    kernels_.tangent(parameters, batch.geometry, state.u.data(), state.q.data(), result, tangent);
-    sums_.add(number, tangent);
-  } else {
-    kernels_.residual(parameters, batch.geometry, state.u.data(), state.q.data(), result);
-  }
+  BatchTangent tangent;
+  kernels_.evaluate(parameters, batch.geometry, state.u.data(), state.q.data(), result,
+                    with_tangent ? &tangent : nullptr);
+  if (with_tangent) sums_.add(number, tangent);
   sums_.add(number, result);
   for (int lane = 0; lane < lanes && batch.element[lane] >= 0; ++lane) {
     residual.energy += result.energy[lane];
@@ -156,20 +139,20 @@ void System::accumulate(std::int32_t number, const State& state, Residual& resid
   }
 }
 
-template <bool with_tangent>
 void System::run(const State& state, Residual& residual, Tangent* tangent) const {
   PALPATE_ASSERT(state.u.size() == rest_.u.size() && state.q.size() == rest_.q.size(),
                  "kernels read the state by the node numbers of this body");
+  // Set anew, because callers keep one Residual for many states.
   residual.energy = 0;
   residual.min_det_F = std::numeric_limits<double>::infinity();
   residual.worst_element = -1;
   sums_.clearRows();
-  if constexpr (with_tangent) sums_.clearEntries();
+  if (tangent) sums_.clearEntries();
   addLoads(state, residual);
-  for (std::size_t batch = 0; batch < batches_.all.size(); ++batch)
-    accumulate<with_tangent>(static_cast<std::int32_t>(batch), state, residual);
+  for (std::int32_t batch = 0; at(batch) < batches_.all.size(); ++batch)
+    accumulate(batch, state, residual, tangent != nullptr);
   finishResidual(state, residual);
-  if constexpr (with_tangent) finishTangent(*tangent);
+  if (tangent) finishTangent(*tangent);
 }
 
 Neighborhood System::neighborhood(std::size_t count) const {
@@ -184,7 +167,7 @@ void System::assemble(const State& state, const Neighborhood& near, Eigen::Vecto
   sums_.clearRows();
   sums_.clearEntries();
   addLoads(state, ignored);
-  for (const std::int32_t batch : near.batches) accumulate<true>(batch, state, ignored);
+  for (const std::int32_t batch : near.batches) accumulate(batch, state, ignored, true);
   const auto size = static_cast<Eigen::Index>(near.unknowns.size());
   residual = sums_.rows()(near.unknowns);
   tangent.setZero(size, size);
@@ -201,11 +184,10 @@ void System::finishResidual(const State& state, Residual& residual) const {
   double scaled_gap = 0;
   if (const Tool* weighted = weightedTool()) {
     Eigen::Vector3d gap = state.displacement;
-    for (std::size_t n = 0; n < weighted->nodes.size(); ++n)
-      for (int i = 0; i < 3; ++i) {
-        const std::size_t component = 3 * static_cast<std::size_t>(weighted->nodes[n]) + i;
-        gap[i] -= weighted->weights[n] * (state.u[component] - rest_.u[component]);
-      }
+    for (std::size_t n = 0; n < weighted->nodes.size(); ++n) {
+      const std::int32_t node = weighted->nodes[n];
+      gap -= weighted->weights[n] * (ofNode(state.u, node) - ofNode(rest_.u, node));
+    }
     forces += border_ * state.multiplier;
     residual.free.tail<3>() = gap;
     residual.energy += state.multiplier.dot(gap);

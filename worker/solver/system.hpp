@@ -1,17 +1,9 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cstdint>
 #include <optional>
-#include <vector>
 
-#include "worker/elements/element_kernels.hpp"
-#include "worker/solver/body_model.hpp"
-#include "worker/solver/element_batches.hpp"
 #include "worker/solver/neighborhood.hpp"
 #include "worker/solver/scatter.hpp"
-#include "worker/solver/sparsity_pattern.hpp"
-#include "worker/solver/unknowns.hpp"
 
 namespace palpate {
 
@@ -74,10 +66,12 @@ class System {
 
   std::int32_t unknowns() const { return unknowns_.count(); }
   std::int32_t multipliers() const { return static_cast<std::int32_t>(border_.cols()); }
-  /// Negative eigenvalues of K at a stable equilibrium of a rigid tool: one for each pressure
-  /// unknown. Nothing where displacement and pressure violate the inf-sup condition: the spurious
-  /// modes have eigenvalues near zero of either sign, so that the count says nothing.
+  /// Negative eigenvalues of the matrix of a Newton step at a stable equilibrium: one for each
+  /// pressure unknown and each multiplier. Nothing where displacement and pressure violate the
+  /// inf-sup condition: the spurious modes have eigenvalues near zero of either sign, so that the
+  /// count says nothing.
   std::optional<std::int32_t> expectedNegativePivots() const;
+  const Unknowns& numbers() const { return unknowns_; }  ///< which unknown is where
   const SparsityPattern& pattern() const { return pattern_; }
   const BodyModel& model() const { return model_; }
   const ElementKernels& kernels() const { return kernels_; }
@@ -112,8 +106,12 @@ class System {
   State moved(const State& state, const Eigen::VectorXd& step, double factor,
               const Eigen::Vector3d& displacement) const;
 
-  void assemble(const State& state, Residual& residual) const;
-  void assemble(const State& state, Residual& residual, Tangent& tangent) const;
+  /// The equations at `state`, which has the sizes of restState(), and the tangent where it is
+  /// asked for. A state that is not admissible has a norm that is not finite; nothing is thrown.
+  void assemble(const State& state, Residual& residual) const { run(state, residual, nullptr); }
+  void assemble(const State& state, Residual& residual, Tangent& tangent) const {
+    run(state, residual, &tangent);
+  }
 
   /// Of the `count` nodes nearest to the chosen rigid tool.
   Neighborhood neighborhood(std::size_t count) const;
@@ -123,10 +121,9 @@ class System {
                 Eigen::MatrixXd& tangent) const;
 
  private:
-  template <bool with_tangent>
   void run(const State& state, Residual& residual, Tangent* tangent) const;
-  template <bool with_tangent>
-  void accumulate(std::int32_t batch, const State& state, Residual& residual) const;
+  void accumulate(std::int32_t batch, const State& state, Residual& residual,
+                  bool with_tangent) const;
   void addLoads(const State& state, Residual& residual) const;
   void finishResidual(const State& state, Residual& residual) const;
   void finishTangent(Tangent& tangent) const;

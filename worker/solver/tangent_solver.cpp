@@ -1,7 +1,6 @@
 #include "worker/solver/tangent_solver.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
 
 #include "common/base/assertion.hpp"
 
@@ -13,26 +12,26 @@ constexpr int max_refinements = 30;
 /// Of the residual in one refinement. Slower, a factorisation costs less than what is still to do.
 constexpr double slowest_contraction = 0.5;
 
-bool pressureBlockIsZero(const Discretization& discretization) {
-  return discretization.pressure == PressureSpace::p1 ||
-         discretization.pressure == PressureSpace::p2;
+/// Double where the pressure block is zero: there a pivot may be small.
+Precision precisionFor(const Discretization& discretization) {
+  const bool zero_block =
+      discretization.pressure == PressureSpace::p1 || discretization.pressure == PressureSpace::p2;
+  return zero_block ? Precision::double_precision : Precision::single_precision;
 }
 
 }  // namespace
 
 TangentSolver::TangentSolver(const System& system)
     : system_(system),
-      solver_(system.pattern(),
-              pressureBlockIsZero(system.model().discretization) ? Precision::double_precision
-                                                                 : Precision::single_precision,
-              !isInfSupStable(system.model().discretization)) {}
+      solver_(LinearSolver::of(system.pattern(), precisionFor(system.model().discretization),
+                               !isInfSupStable(system.model().discretization))) {}
 
 Factorization TangentSolver::factorize(const Tangent& tangent) {
-  Factorization result = solver_.factorize(tangent.values);
+  Factorization result = solver_->factorize(tangent.values);
   border_ = tangent.border;
   if (!result.ok || border_.cols() == 0) return result;
   inverse_border_ = border_;
-  result.ok = solver_.solve(inverse_border_);
+  result.ok = solver_->solve(inverse_border_);
   const Eigen::Matrix3d complement = border_.transpose() * inverse_border_;
   if (!result.ok || !complement.allFinite()) {
     result.ok = false;
@@ -50,7 +49,7 @@ bool TangentSolver::solve(Eigen::Ref<Eigen::MatrixXd> columns) {
   PALPATE_ASSERT(columns.rows() == n + border_.cols(),
                  "the factors are of a tangent with the tool that is chosen now");
   Eigen::MatrixXd inner = columns.topRows(n);
-  if (!solver_.solve(inner)) return false;
+  if (!solver_->solve(inner)) return false;
   if (border_.cols() > 0) {
     const Eigen::MatrixXd multiplier =
         complement_.solve(border_.transpose() * inner - columns.bottomRows(columns.rows() - n));
@@ -99,7 +98,6 @@ std::optional<TangentSolver::Refined> TangentSolver::solveWith(
     refined.residual = multiply(tangent, refined.solution) - right_hand_sides;
     if (!refined.residual.allFinite()) return std::nullopt;
     const double now = refined.residual.norm();
-    refined.contraction = std::max(refined.contraction, now / before);
     if ((refined.residual.colwise().norm().array() <= tolerance * size.array()).all())
       return refined;
     if (!(now <= slowest_contraction * before)) return std::nullopt;

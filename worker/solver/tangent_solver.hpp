@@ -1,8 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <Eigen/LU>
-#include <optional>
 
 #include "worker/solver/linear_solver.hpp"
 #include "worker/solver/system.hpp"
@@ -33,7 +31,6 @@ class TangentSolver {
   struct Refined {
     Eigen::MatrixXd solution;
     Eigen::MatrixXd residual;  ///< tangent * solution - right-hand sides
-    double contraction = 0;    ///< largest ratio of successive residual norms
   };
   /// Solves for `tangent` itself with the factors of one near it, by refinement, until each
   /// residual is `tolerance` of its right-hand side, or of mu h (N/m) where that is more. Nothing
@@ -43,13 +40,13 @@ class TangentSolver {
                                                  const Eigen::MatrixXd& right_hand_sides,
                                                  double tolerance);
 
-  const LinearSolver& linearSolver() const { return solver_; }
+  const LinearSolver& linearSolver() const { return *solver_; }
 
  private:
   Eigen::MatrixXd multiply(const Tangent& tangent, const Eigen::MatrixXd& x) const;
 
   const System& system_;
-  LinearSolver solver_;
+  std::unique_ptr<LinearSolver> solver_;
   // Of the tangent last factorised: its border, K^-1 border, and border^T K^-1 border.
   Eigen::MatrixXd border_, inverse_border_;
   Eigen::PartialPivLU<Eigen::Matrix3d> complement_;

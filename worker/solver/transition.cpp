@@ -6,13 +6,10 @@
 #include <utility>
 
 #include "common/base/assertion.hpp"
-#include "worker/solver/local_relaxation.hpp"
-#include "worker/solver/nodal_det_f.hpp"
+#include "worker/solver/element_geometry.hpp"
 
 namespace palpate {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// Relative residual of du/dp. The stiffness, in which it enters squared, is then right to about
 /// 1e-10.
@@ -32,24 +29,16 @@ std::size_t nodesNearTool(const Mesh& mesh) {
 }
 
 Failure failureOf(Cause cause, const NewtonResult& newton) {
-  Failure failure;
-  failure.cause = cause;
-  failure.residual = newton.residual.norm;
-  failure.element = newton.residual.worst_element;
-  failure.element_det_F = newton.residual.min_det_F;
-  failure.negative_pivots = newton.factorization.negative_pivots;
-  failure.mumps_infog1 = newton.factorization.infog1;
-  failure.mumps_infog2 = newton.factorization.infog2;
-  return failure;
+  return {.cause = cause,
+          .residual = newton.residual.norm,
+          .element = newton.residual.worst_element,
+          .element_det_F = newton.residual.min_det_F,
+          .negative_pivots = newton.factorization.negative_pivots,
+          .mumps_infog1 = newton.factorization.infog1,
+          .mumps_infog2 = newton.factorization.infog2};
 }
 
 }  // namespace
-
-/// du/dp and what follows from it.
-struct TransitionSolver::Sensitivity {
-  Eigen::MatrixXd columns;
-  Eigen::Matrix3d tool_stiffness;  ///< d(tool force)/dp, N/m
-};
 
 /// One step of a transition: the configuration that was accepted, or why none was.
 struct TransitionSolver::Step {
@@ -137,19 +126,15 @@ std::optional<Start> TransitionSolver::linearize(State state, Failure& failure) 
   Tangent tangent;
   system_.assemble(state, here.residual, tangent);
   if (!std::isfinite(here.residual.norm)) {
-    failure =
-        failureOf(here.residual.min_det_F <= 0 ? Cause::inverted_element : Cause::not_finite, here);
+    failure = failureOf(causeOfNotFinite(here.residual), here);
     return std::nullopt;
   }
-  here.factorization = solver_.factorize(tangent);
-  std::optional<TangentSolver::Refined> refined;
-  if (here.factorization.ok)
-    refined = solver_.solveWith(tangent, -tangent.tool_coupling, sensitivity_tolerance);
-  if (!refined) {
+  auto sensitivity = solveSensitivity(here, tangent, sensitivity_tolerance);
+  if (!sensitivity) {
     failure = failureOf(Cause::factorization_failed, here);
     return std::nullopt;
   }
-  return Start{std::move(state), std::move(refined->solution)};
+  return Start{std::move(state), std::move(sensitivity->solution)};
 }
 
 /// The state with the tool at `displacement` that the predictor and the relaxation near the tool
@@ -173,23 +158,18 @@ State TransitionSolver::approach(const Start& from, const Eigen::Vector3d& displ
   return system_.moved(state, predictor, 1 - at, displacement);
 }
 
-std::optional<TransitionSolver::Sensitivity> TransitionSolver::solveSensitivity(
-    NewtonResult& newton, const Tangent& tangent, bool last) {
-  const double tolerance = last ? sensitivity_tolerance : loose_sensitivity_tolerance;
-  std::optional<TangentSolver::Refined> refined;
+/// du/dp: with the factors that Newton left where they are near enough, else with those of
+/// `tangent`, which then are what `newton` has.
+std::optional<TangentSolver::Refined> TransitionSolver::solveSensitivity(NewtonResult& newton,
+                                                                         const Tangent& tangent,
+                                                                         double tolerance) {
   if (newton.factorizations > 0)
-    refined = solver_.solveWith(tangent, -tangent.tool_coupling, tolerance);
-  if (!refined) {
-    newton.factorization = solver_.factorize(tangent);
-    ++newton.factorizations;
-    if (newton.factorization.ok)
-      refined = solver_.solveWith(tangent, -tangent.tool_coupling, tolerance);
-    if (!refined) return std::nullopt;
-  }
-  // S^T K S + 2 S^T C with K S = -C + R: errors of S enter squared.
-  const Eigen::Matrix3d K = tangent.tool + tangent.tool_coupling.transpose() * refined->solution +
-                            refined->solution.transpose() * refined->residual;
-  return Sensitivity{std::move(refined->solution), 0.5 * (K + K.transpose())};
+    if (auto refined = solver_.solveWith(tangent, -tangent.tool_coupling, tolerance))
+      return refined;
+  newton.factorization = solver_.factorize(tangent);
+  ++newton.factorizations;
+  if (!newton.factorization.ok) return std::nullopt;
+  return solver_.solveWith(tangent, -tangent.tool_coupling, tolerance);
 }
 
 /// Whether the state that Newton converged to may be stored. When it may (Cause::none), `step` gets
@@ -204,20 +184,25 @@ Cause TransitionSolver::judge(NewtonResult& newton, bool last, Step& step) {
   }
   if (problem_.scene.workspace.reject_inverted && !(newton.residual.min_det_F > 0))
     return Cause::inverted_element;
-  auto sensitivity = solveSensitivity(newton, tangent, last);
+  auto sensitivity =
+      solveSensitivity(newton, tangent, last ? sensitivity_tolerance : loose_sensitivity_tolerance);
   if (!sensitivity) return Cause::factorization_failed;
-  if (const auto expected = expectedNegativePivots();
+  if (const auto expected = system_.expectedNegativePivots();
       expected && newton.factorization.negative_pivots != *expected)
     return Cause::wrong_inertia;
+  // S^T K S + 2 S^T C with K S = -C + R: errors of S enter squared.
+  const Eigen::MatrixXd& S = sensitivity->solution;
+  const Eigen::Matrix3d K =
+      tangent.tool + tangent.tool_coupling.transpose() * S + S.transpose() * sensitivity->residual;
   // Subtracted from zero, so that a zero is plain 0 and not -0.
   step.equilibrium.force = Eigen::Vector3d::Zero() - newton.residual.tool;
-  step.equilibrium.stiffness = Eigen::Matrix3d::Zero() - sensitivity->tool_stiffness;
+  step.equilibrium.stiffness = Eigen::Matrix3d::Zero() - 0.5 * (K + K.transpose());
   step.equilibrium.energy = newton.residual.energy;
   step.equilibrium.min_det_F = newton.residual.min_det_F;
   if (!step.equilibrium.stiffness.allFinite() || !step.equilibrium.force.allFinite() ||
       !std::isfinite(step.equilibrium.energy))
     return Cause::not_finite;
-  step.end = {std::move(newton.state), std::move(sensitivity->columns)};
+  step.end = {std::move(newton.state), std::move(sensitivity->solution)};
   return Cause::none;
 }
 
@@ -239,15 +224,13 @@ TransitionSolver::Step TransitionSolver::step(const Start& from,
   const Cause cause = newton.cause == Cause::none ? judge(newton, last, step) : newton.cause;
   step.failure = failureOf(cause, newton);
   if (cause == Cause::wrong_inertia)
-    step.failure.expected_negative_pivots = expectedNegativePivots().value_or(0);
-  step.cost.newton_iterations = newton.iterations;
-  step.cost.factorizations = newton.factorizations;
-  if (cause == Cause::none) step.cost.steps = 1;
+    step.failure.expected_negative_pivots = system_.expectedNegativePivots().value_or(0);
+  step.cost = {newton.iterations, newton.factorizations, cause == Cause::none ? 1 : 0};
   return step;
 }
 
 Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& target) {
-  const auto began = Clock::now();
+  const auto began = std::chrono::steady_clock::now();
   Reached reached;
   Outcome& outcome = reached.outcome;
   const Eigen::Vector3d origin = start.state.displacement, whole = target - origin;
@@ -289,19 +272,14 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
                    "the configuration is stored under the lattice point of its target");
     outcome.fields = fieldsOf(reached.end.state);
   }
-  outcome.cost.seconds = std::chrono::duration<double>(Clock::now() - began).count();
+  outcome.cost.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   return reached;
-}
-
-std::optional<std::int32_t> TransitionSolver::expectedNegativePivots() const {
-  const auto expected = system_.expectedNegativePivots();
-  if (!expected) return std::nullopt;
-  return *expected + system_.multipliers();
 }
 
 void TransitionSolver::explainByLimitPoint(const Start& start, const Eigen::Vector3d& target,
                                            Reached& failed) {
-  const auto expected = expectedNegativePivots();
+  const auto expected = system_.expectedNegativePivots();
   if (!expected) return;  // spurious modes: an inertia that changed would prove nothing
   const double reached = failed.outcome.failure.step_reached;
   const State& from = reached > 0 ? failed.end.state : start.state;
@@ -315,9 +293,7 @@ void TransitionSolver::explainByLimitPoint(const Start& start, const Eigen::Vect
 }
 
 NodalFields TransitionSolver::fieldsOf(const State& state) const {
-  NodalFields fields;
-  fields.displacement.assign(state.u.begin(), state.u.end());
-  fields.pressure.reserve(state.q.size());
+  NodalFields fields = {{state.u.begin(), state.u.end()}, {}};
   for (const double q : state.q)
     fields.pressure.push_back(static_cast<float>(q * system_.pressureScale()));
   return fields;

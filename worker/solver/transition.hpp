@@ -1,9 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <optional>
-
-#include "common/problem/problem.hpp"
 #include "common/space/configuration.hpp"
 #include "worker/elements/kernel_family.hpp"
 #include "worker/solver/limit_point.hpp"
@@ -75,7 +71,6 @@ class TransitionSolver {
   void explainByLimitPoint(const Start& start, const Eigen::Vector3d& target, Reached& failed);
 
  private:
-  struct Sensitivity;
   struct Step;
 
   bool solveRest(Failure& failure);
@@ -83,10 +78,8 @@ class TransitionSolver {
   State approach(const Start& from, const Eigen::Vector3d& displacement);
   Step step(const Start& from, const Eigen::Vector3d& displacement, bool last, int factorizations);
   Cause judge(NewtonResult& newton, bool last, Step& step);
-  std::optional<Sensitivity> solveSensitivity(NewtonResult& newton, const Tangent& tangent,
-                                              bool last);
-  /// As System's, with the multipliers of a weighted tool.
-  std::optional<std::int32_t> expectedNegativePivots() const;
+  std::optional<TangentSolver::Refined> solveSensitivity(NewtonResult& newton,
+                                                         const Tangent& tangent, double tolerance);
   NodalFields fieldsOf(const State& state) const;
 
   const Problem& problem_;

@@ -31,6 +31,7 @@ std::vector<std::uint8_t> nodesWithPressure(const BodyModel& model) {
 
 }  // namespace
 
+// Node by node, so that the unknowns of an element stand near each other in the matrix.
 Unknowns::Unknowns(const BodyModel& model) : number_(4 * model.mesh.nodes.size(), -1) {
   const std::vector<std::uint8_t> with_pressure = nodesWithPressure(model);
   for (std::size_t node = 0; node < model.mesh.nodes.size(); ++node) {

@@ -6,26 +6,16 @@
 #include <cmath>
 #include <numbers>
 
-#include "worker/verification/box_mesh.hpp"
-#include "worker/verification/case.hpp"
 #include "worker/verification/rig.hpp"
 
 namespace palpate::verification {
 namespace {
 
-constexpr double young = 15480, poisson = 0.3, patch_radius = 0.125;  ///< Pa, -, m
-
+constexpr double patch_radius = 0.125;      ///< metres
 const Eigen::Vector3d middle(0.5, 0.5, 1);  ///< of the top
 
-Material linear() {
-  Material material = stVenantKirchhoff(young, poisson);
-  material.law = LawName::linear;
-  return material;
-}
-
-Discretization displacementOnly(DisplacementSpace displacement) {
-  return displacement == DisplacementSpace::p2 ? p2_displacement : p1_displacement;
-}
+const Material linear = {
+    .law = LawName::linear, .young = tissue::young, .poisson = tissue::poisson};
 
 /// k/E, metres, of the body's tool moved along z.
 double stiffness(const BodyModel& body) {
@@ -34,18 +24,18 @@ double stiffness(const BodyModel& body) {
   const Eigen::Vector3d up(0, 0, 1e-3);
   const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(system.unknowns());
   const NewtonResult result = rig.equilibrium(system.moved(system.restState(), nothing, 1, up), up);
-  return result.residual.tool[2] / up[2] / young;
+  return result.residual.tool[2] / up[2] / tissue::young;
 }
 
 /// The nodes of the top within `radius` of its middle as one rigid tool, on a mesh of h =
 /// 1/elements.
 double discStiffness(DisplacementSpace displacement, int elements, double radius) {
-  BodyModel body = bodyOf(cubeMesh(1, elements), displacementOnly(displacement), linear());
+  BodyModel body = bodyOf(cubeMesh(1, elements), {displacement, PressureSpace::none}, linear);
   hold(body, "zmin", "xyz");
-  Tool disc;
+  Tool tool;
   for (const std::int32_t node : nodesInPlane(body.mesh, 2, 1))
-    if ((body.mesh.nodes[node] - middle).norm() < radius + 1e-9) disc.nodes.push_back(node);
-  body.tools = {disc};
+    if ((body.mesh.nodes[node] - middle).norm() < radius + 1e-9) tool.nodes.push_back(node);
+  body.tools = {tool};
   return stiffness(body);
 }
 
@@ -54,15 +44,10 @@ double discStiffness(DisplacementSpace displacement, int elements, double radius
 double sceneStiffness(DisplacementSpace displacement, int elements, ToolKind kind) {
   Scene scene;
   scene.name = "contact stiffness";
-  scene.regions[0].material = linear();
-  scene.discretization = displacementOnly(displacement);
+  scene.regions[0].material = linear;
+  scene.discretization = {displacement, PressureSpace::none};
   scene.fixed.groups = {"zmin"};
-  ActiveSelection active;
-  active.name = "middle";
-  active.near = middle;
-  active.radius = patch_radius;
-  active.tool = kind;
-  scene.active = {active};
+  scene.active = {{.name = "middle", .near = middle, .radius = patch_radius, .tool = kind}};
   return stiffness(bodyModel(resolve(std::move(scene), cubeMesh(1, elements))));
 }
 
@@ -83,7 +68,7 @@ Row disc(DisplacementSpace displacement, int elements, double reference) {
 double halfSpace() {
   const double integral = 48 * 48 * std::tgamma(6) * std::tgamma(0.5) /
                           (64 * std::pow(std::tgamma(3.5), 2) * std::tgamma(6.5));
-  return std::numbers::pi * patch_radius / ((1 - poisson * poisson) * integral);
+  return std::numbers::pi * patch_radius / ((1 - tissue::poisson * tissue::poisson) * integral);
 }
 
 /// The cube is a half-space to about 1 %, the rest is the mesh.
@@ -100,22 +85,22 @@ Row rigidPatch(int elements) {
           sceneStiffness(DisplacementSpace::p2, 2 * elements, ToolKind::rigid), 0.1, "m"};
 }
 
-std::vector<Row> quickRows() {
-  using enum DisplacementSpace;
-  return {singleNode(4),       singleNode(8),       singleNode(16),        disc(p1, 8, 0.359),
-          disc(p1, 16, 0.294), disc(p2, 8, 0.2746), weighted(p1, 16, 0.2), weighted(p2, 8, 0.1)};
-}
-
-std::vector<Row> longRows() {
-  using enum DisplacementSpace;
-  return {disc(p1, 24, 0.292),   disc(p1, 32, 0.284),    disc(p2, 12, 0.2803),  rigidPatch(6),
-          weighted(p1, 32, 0.1), weighted(p2, 12, 0.05), weighted(p2, 16, 0.04)};
-}
-
 }  // namespace
 
 std::vector<Case> contactStiffnessCases() {
-  return {{"contact-stiffness", false, quickRows}, {"contact-stiffness-fine", true, longRows}};
+  using enum DisplacementSpace;
+  return {{"contact-stiffness", false,
+           [] {
+             return std::vector{singleNode(4),         singleNode(8),       singleNode(16),
+                                disc(p1, 8, 0.359),    disc(p1, 16, 0.294), disc(p2, 8, 0.2746),
+                                weighted(p1, 16, 0.2), weighted(p2, 8, 0.1)};
+           }},
+          {"contact-stiffness-fine", true, [] {
+             return std::vector{disc(p1, 24, 0.292),   disc(p1, 32, 0.284),
+                                disc(p2, 12, 0.2803),  rigidPatch(6),
+                                weighted(p1, 32, 0.1), weighted(p2, 12, 0.05),
+                                weighted(p2, 16, 0.04)};
+           }}};
 }
 
 }  // namespace palpate::verification

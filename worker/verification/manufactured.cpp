@@ -6,8 +6,6 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "worker/verification/box_mesh.hpp"
-#include "worker/verification/case.hpp"
 #include "worker/verification/quadrature.hpp"
 #include "worker/verification/rig.hpp"
 
@@ -31,10 +29,9 @@ Eigen::Matrix3d exactF(const Eigen::Vector3d& X) {
 /// First Piola-Kirchhoff stress P = F S, Pa, written anew here.
 using Stress = Eigen::Matrix3d (*)(const Eigen::Matrix3d& F);
 
-constexpr double young = 15480, poisson = 0.3, mu = 5160, bulk = 20000;
-
 Eigen::Matrix3d stVenantKirchhoffStress(const Eigen::Matrix3d& F) {
   const Eigen::Matrix3d I = Eigen::Matrix3d::Identity(), g = (F.transpose() * F - I) / 2;
+  using tissue::young, tissue::poisson;
   const double lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson)),
                shear = young / (2 * (1 + poisson));
   return F * (lambda * g.trace() * I + 2 * shear * g);
@@ -44,8 +41,8 @@ Eigen::Matrix3d stVenantKirchhoffStress(const Eigen::Matrix3d& F) {
 Eigen::Matrix3d neoHookeanStress(const Eigen::Matrix3d& F) {
   const double J = F.determinant();
   const Eigen::Matrix3d F_inverse_T = F.inverse().transpose();
-  return mu * std::pow(J, -2.0 / 3) * (F - F.squaredNorm() / 3 * F_inverse_T) +
-         bulk / 2 * (J * J - 1) * F_inverse_T;
+  return tissue::mu * std::pow(J, -2.0 / 3) * (F - F.squaredNorm() / 3 * F_inverse_T) +
+         tissue::bulk / 2 * (J * J - 1) * F_inverse_T;
 }
 
 /// The load of the body force -Div P, on the nodes inside: integral of P : grad N, because N
@@ -55,8 +52,7 @@ std::vector<double> loadOf(const Mesh& mesh, Stress stress) {
   integrate(mesh, [&](const IntegrationPoint& point) {
     const Eigen::Matrix3d P = stress(exactF(point.X));
     for (int a = 0; a < point.nodes; ++a)
-      Eigen::Map<Eigen::Vector3d>(&load[3 * static_cast<std::size_t>(point.node[a])]) +=
-          point.weight * (P * point.gradient[a]);
+      ofNode(load, point.node[a]) += point.weight * (P * point.gradient[a]);
   });
   return load;
 }
@@ -65,55 +61,53 @@ double l2Error(const Mesh& mesh, const State& state) {
   double sum = 0;
   integrate(mesh, [&](const IntegrationPoint& point) {
     Eigen::Vector3d u = Eigen::Vector3d::Zero();
-    for (int a = 0; a < point.nodes; ++a) u += point.N[a] * displacementOf(state, point.node[a]);
+    for (int a = 0; a < point.nodes; ++a) u += point.N[a] * ofNode(state.u, point.node[a]);
     sum += point.weight * (u - exactDisplacement(point.X)).squaredNorm();
   });
   return std::sqrt(sum);
 }
 
-double solvedError(const Discretization& discretization, const Material& material, Stress stress,
-                   int n) {
-  BodyModel body = bodyOf(cubeMesh(1, n), discretization, material);
+struct Law {
+  std::string name;
+  Material material;
+  Stress stress;
+};
+const Law st_venant_kirchhoff = {"St. Venant-Kirchhoff", stVenantKirchhoff(),
+                                 stVenantKirchhoffStress};
+const Law compressible_neo_hookean = {"compressible neo-Hookean",
+                                      neoHookean(tissue::mu, tissue::bulk), neoHookeanStress};
+
+double solvedError(const Discretization& discretization, const Law& law, int n) {
+  BodyModel body = bodyOf(cubeMesh(1, n), discretization, law.material);
   for (const char* side : {"xmin", "xmax", "ymin", "ymax", "zmin", "zmax"}) hold(body, side, "xyz");
-  body.load = loadOf(body.mesh, stress);
+  body.load = loadOf(body.mesh, law.stress);
   Rig rig(body);
   return l2Error(body.mesh, rig.equilibrium(displaced(rig.system(), exactDisplacement)).state);
 }
 
-Row order(const std::string& name, const Discretization& discretization, const Material& material,
-          Stress stress, int n) {
+Row order(const Law& law, const Discretization& discretization, int n) {
   const bool quadratic = discretization.displacement == DisplacementSpace::p2;
-  const double coarse = solvedError(discretization, material, stress, n);
-  const double fine = solvedError(discretization, material, stress, 2 * n);
-  return {fmt::format("{} {}, n = {} to {}: order in L2", name, quadratic ? "P2" : "P1", n, 2 * n),
-          orderOf(coarse, fine), quadratic ? 3.0 : 2.0, 0.05};
-}
-
-Row stVenantKirchhoffOrder(const Discretization& discretization, int n) {
-  return order("St. Venant-Kirchhoff", discretization, stVenantKirchhoff(young, poisson),
-               stVenantKirchhoffStress, n);
-}
-
-Row neoHookeanOrder(const Discretization& discretization, int n) {
-  Material compressible = neoHookean(mu);
-  compressible.bulk = bulk;
-  return order("compressible neo-Hookean", discretization, compressible, neoHookeanStress, n);
-}
-
-std::vector<Row> quickRows() {
-  return {stVenantKirchhoffOrder(p1_displacement, 4), stVenantKirchhoffOrder(p2_displacement, 3),
-          neoHookeanOrder(p1_displacement, 4), neoHookeanOrder(p2_displacement, 3)};
-}
-
-std::vector<Row> longRows() {
-  return {neoHookeanOrder(p1_displacement, 8), neoHookeanOrder(p2_displacement, 5)};
+  const double coarse = solvedError(discretization, law, n);
+  const double fine = solvedError(discretization, law, 2 * n);
+  return {
+      fmt::format("{} {}, n = {} to {}: order in L2", law.name, quadratic ? "P2" : "P1", n, 2 * n),
+      orderOf(coarse, fine), quadratic ? 3.0 : 2.0, 0.05};
 }
 
 }  // namespace
 
 std::vector<Case> manufacturedCases() {
-  return {{"manufactured-solution", false, quickRows},
-          {"manufactured-solution-fine", true, longRows}};
+  return {{"manufactured-solution", false,
+           [] {
+             return std::vector{order(st_venant_kirchhoff, p1_displacement, 4),
+                                order(st_venant_kirchhoff, p2_displacement, 3),
+                                order(compressible_neo_hookean, p1_displacement, 4),
+                                order(compressible_neo_hookean, p2_displacement, 3)};
+           }},
+          {"manufactured-solution-fine", true, [] {
+             return std::vector{order(compressible_neo_hookean, p1_displacement, 8),
+                                order(compressible_neo_hookean, p2_displacement, 5)};
+           }}};
 }
 
 }  // namespace palpate::verification

@@ -2,28 +2,70 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <random>
 #include <utility>
+
+#include "common/base/assertion.hpp"
 
 namespace palpate::verification {
 namespace {
+
+/// The six orders in which a path from one corner of a brick to the opposite one can take the three
+/// axes; the last three are odd.
+constexpr std::array<std::array<int, 3>, 6> axis_orders = {
+    {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
+
+/// The nodes along the path that takes the axes in this order, from `corner`.
+Tetrahedron kuhnTetrahedron(std::int32_t corner, const std::array<int, 3>& strides, int order) {
+  Tetrahedron nodes = {corner};
+  for (int i = 0; i < 3; ++i) nodes[i + 1] = nodes[i] + strides[axis_orders[order][i]];
+  // The path of an odd order turns the other way round its tetrahedron.
+  if (order >= 3) std::swap(nodes[2], nodes[3]);
+  return nodes;
+}
+
+/// The box before finishMesh, with its nodes on the unit lattice: node (i, j, k) is at (i, j, k).
+Mesh latticeBox(const std::array<int, 3>& cells) {
+  const std::array<int, 3> strides = {1, cells[0] + 1, (cells[0] + 1) * (cells[1] + 1)};
+  Mesh mesh;
+  for (int k = 0; k <= cells[2]; ++k)
+    for (int j = 0; j <= cells[1]; ++j)
+      for (int i = 0; i <= cells[0]; ++i) {
+        const auto node = static_cast<std::int32_t>(mesh.nodes.size());
+        const std::array<int, 3> place = {i, j, k};
+        mesh.nodes.emplace_back(i, j, k);
+        for (int axis = 0; axis < 3; ++axis) {
+          const std::string letter = {"xyz"[axis]};
+          if (place[axis] == 0) mesh.node_groups[letter + "min"].push_back(node);
+          if (place[axis] == cells[axis]) mesh.node_groups[letter + "max"].push_back(node);
+        }
+        if (i == cells[0] || j == cells[1] || k == cells[2]) continue;
+        for (int order = 0; order < 6; ++order)
+          mesh.tetrahedra.push_back(kuhnTetrahedron(node, strides, order));
+      }
+  return mesh;
+}
 
 /// The prism over triangle (a, b, c), which must ascend, cut so that neighbours agree: every
 /// diagonal of a side face runs from its lower number below to its higher number above.
 void cutPrism(const Triangle& below, std::int32_t above, std::vector<Tetrahedron>& tetrahedra) {
   const auto [a, b, c] = below;
+  PALPATE_ASSERT(a < b && b < c, "neighbours agree on a diagonal by the order of their nodes");
   tetrahedra.push_back({a, b, c, c + above});
   tetrahedra.push_back({a, b, b + above, c + above});
   tetrahedra.push_back({a, a + above, b + above, c + above});
 }
 
-void turnNegativeTetrahedra(Mesh& mesh) {
-  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
-    if (sixVolume(mesh, e) < 0) std::swap(mesh.tetrahedra[e][2], mesh.tetrahedra[e][3]);
-}
+/// Triangles over numbered points of the plane.
+struct Grid {
+  std::vector<Eigen::Vector2d> points;
+  std::vector<Triangle> triangles;  ///< counter-clockwise
+};
 
-}  // namespace
-
+/// [0, 1]^2 cut into n x m cells of two triangles each, whose common edge runs from lower left to
+/// upper right.
 Grid squareGrid(int n, int m) {
   Grid grid;
   for (int j = 0; j <= m; ++j)
@@ -37,22 +79,22 @@ Grid squareGrid(int n, int m) {
   return grid;
 }
 
+/// The triangle (0,0) (1,0) (0,1) cut into n^2 equal ones.
 Grid triangleGrid(int n) {
   Grid grid;
-  std::vector<std::int32_t> first_of_row;
-  for (int j = 0; j <= n; ++j) {
-    first_of_row.push_back(static_cast<std::int32_t>(grid.points.size()));
+  const auto number = [n](int i, int j) { return i + j * (n + 1) - j * (j - 1) / 2; };
+  for (int j = 0; j <= n; ++j)
     for (int i = 0; i <= n - j; ++i) grid.points.emplace_back(double(i) / n, double(j) / n);
-  }
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n - j; ++i) {
-      const std::int32_t a = first_of_row[j] + i, b = first_of_row[j + 1] + i;
+      const std::int32_t a = number(i, j), b = number(i, j + 1);
       grid.triangles.push_back({a, a + 1, b});
       if (i < n - j - 1) grid.triangles.push_back({a + 1, b + 1, b});
     }
   return grid;
 }
 
+/// The unit disc in n rings around the point 0, ring k of 6 k points.
 Grid discGrid(int n) {
   const auto number = [](int ring, int place) {
     return ring == 0 ? 0 : 1 + 3 * ring * (ring - 1) + place % (6 * ring);
@@ -68,16 +110,17 @@ Grid discGrid(int n) {
     for (int sector = 0; sector < 6; ++sector)
       for (int i = 0; i < ring; ++i) {
         const int outer = sector * ring + i, inner = sector * (ring - 1) + i;
-        grid.triangles.push_back(
-            {number(ring, outer), number(ring, outer + 1), number(ring - 1, inner)});
-        if (i < ring - 1)
-          grid.triangles.push_back(
-              {number(ring - 1, inner), number(ring, outer + 1), number(ring - 1, inner + 1)});
+        const std::int32_t a = number(ring, outer), b = number(ring, outer + 1),
+                           c = number(ring - 1, inner), d = number(ring - 1, inner + 1);
+        grid.triangles.push_back({a, b, c});
+        if (i < ring - 1) grid.triangles.push_back({c, b, d});
       }
   }
   return grid;
 }
 
+/// `grid` in `layers` layers of prisms, each cut into three tetrahedra. `position` maps (x, y, z),
+/// x and y of the grid and z in [0, 1] across the layers, to metres.
 Mesh layeredMesh(const Grid& grid, int layers,
                  const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& position) {
   Mesh mesh;
@@ -96,8 +139,35 @@ Mesh layeredMesh(const Grid& grid, int layers,
       for (std::int32_t& node : triangle) node += layer * points;
       cutPrism(triangle, points, mesh.tetrahedra);
     }
-  turnNegativeTetrahedra(mesh);
+  // Sorting turned some of the triangles, and `position` may mirror all of them.
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
+    if (sixVolume(mesh, e) < 0) std::swap(mesh.tetrahedra[e][2], mesh.tetrahedra[e][3]);
   finishMesh(mesh, "a verification mesh made in code");
+  return mesh;
+}
+
+}  // namespace
+
+Mesh boxMesh(const Eigen::Vector3d& size, const std::array<int, 3>& cells) {
+  return distortedBoxMesh(size, cells, 0.0);
+}
+
+Mesh cubeMesh(double edge, int n) { return boxMesh(Eigen::Vector3d::Constant(edge), {n, n, n}); }
+
+Mesh distortedBoxMesh(const Eigen::Vector3d& size, const std::array<int, 3>& cells, double amount,
+                      std::uint32_t seed) {
+  const Eigen::Vector3d corner = Eigen::Vector3i::Map(cells.data()).cast<double>();
+  Mesh mesh = latticeBox(cells);
+  std::mt19937 random(seed);
+  for (Eigen::Vector3d& node : mesh.nodes)
+    for (int axis = 0; axis < 3; ++axis) {
+      // Not uniform_real_distribution: its values differ between standard libraries.
+      const double move = amount * (2.0 * random() / 4294967295.0 - 1);
+      const bool inner = (node.array() > 0.5 && node.array() < corner.array() - 0.5).all();
+      if (inner) node[axis] += move;
+    }
+  for (Eigen::Vector3d& node : mesh.nodes) node = node.cwiseQuotient(corner).cwiseProduct(size);
+  finishMesh(mesh, "a box made in code");
   return mesh;
 }
 

@@ -1,36 +1,29 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
-#include <functional>
-#include <vector>
 
 #include "common/mesh/mesh.hpp"
 
-/// The bodies of the verification problems that are not boxes (worker/verification/box_mesh.hpp).
-/// Finished, linear, positively oriented; node groups "first" and "last" hold the nodes of the two
-/// ends of the layers. Flat faces on curved bodies: the error of the geometry is of second order in
-/// the element size.
+/// Bodies cut into tetrahedra in code: what verification, tests and benchmarks compute on. All are
+/// finished (finishMesh), positively oriented, linear, in metres, and the same on every machine.
+///
+/// Node groups "xmin", "xmax", "ymin", "ymax", "zmin" and "zmax" hold the nodes of the six sides of
+/// a box; "first" and "last" those of the two ends of the layers of everything else. Flat faces on
+/// curved bodies: the error of the geometry is of second order in the element size.
 namespace palpate::verification {
 
-/// Triangles over numbered points of the plane.
-struct Grid {
-  std::vector<Eigen::Vector2d> points;
-  std::vector<Triangle> triangles;  ///< counter-clockwise
-};
+/// The box [0, size] cut into cells[0] x cells[1] x cells[2] bricks of six Kuhn tetrahedra each.
+/// (cells[0]+1)(cells[1]+1)(cells[2]+1) nodes, x fastest: node (i, j, k) has number i +
+/// (cells[0]+1) (j + (cells[1]+1) k).
+Mesh boxMesh(const Eigen::Vector3d& size, const std::array<int, 3>& cells);
 
-/// [0, 1]^2 cut into n x m cells of two triangles each, whose common edge runs from lower left to
-/// upper right.
-Grid squareGrid(int n, int m);
-/// The triangle (0,0) (1,0) (0,1) cut into n^2 equal ones.
-Grid triangleGrid(int n);
-/// The unit disc in n rings around the point 0, ring k of 6 k points.
-Grid discGrid(int n);
+/// The cube [0, edge]^3 with n cells per edge: (n+1)^3 nodes, 6 n^3 tetrahedra.
+Mesh cubeMesh(double edge, int n);
 
-/// `grid` in `layers` layers of prisms, each cut into three tetrahedra. `position` maps (x, y, z),
-/// x and y of the grid and z in [0, 1] across the layers, to metres.
-Mesh layeredMesh(const Grid& grid, int layers,
-                 const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& position);
+/// boxMesh whose inner nodes are moved at random by up to `amount` of a cell in each coordinate;
+/// the sides stay flat. amount < 0.25 keeps every tetrahedron positive.
+Mesh distortedBoxMesh(const Eigen::Vector3d& size, const std::array<int, 3>& cells,
+                      double amount = 0.2, std::uint32_t seed = 1);
 
 /// Cook's membrane: the corners (0,0) (48,44) (48,60) (0,44) mm, n x n cells in one layer of
 /// `thickness` metres along z, whose triangles share the diagonal from upper left to lower right.

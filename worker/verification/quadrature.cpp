@@ -5,16 +5,14 @@
 #include <cmath>
 #include <vector>
 
+#include "common/base/assertion.hpp"
+
 namespace palpate::verification {
 namespace {
 
-struct Rule {
-  Eigen::VectorXd points, weights;  ///< on [0, 1]
-};
-
-/// Golub and Welsch 1969: the points are the eigenvalues of the Jacobi matrix of the Legendre
-/// polynomials.
-Rule gaussLegendre(int n) {
+/// Points and weights on [0, 1]. Golub and Welsch 1969: the points are the eigenvalues of the
+/// Jacobi matrix of the Legendre polynomials.
+std::pair<Eigen::VectorXd, Eigen::VectorXd> gaussLegendre(int n) {
   Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(n, n);
   for (int i = 1; i < n; ++i) jacobi(i, i - 1) = jacobi(i - 1, i) = i / std::sqrt(4.0 * i * i - 1);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(jacobi);
@@ -27,36 +25,28 @@ struct ReferencePoint {
 };
 
 std::vector<ReferencePoint> collapsedRule() {
-  const Rule rule = gaussLegendre(5);
+  const auto [place, weight] = gaussLegendre(5);
   std::vector<ReferencePoint> points;
-  for (int i = 0; i < rule.points.size(); ++i)
-    for (int j = 0; j < rule.points.size(); ++j)
-      for (int k = 0; k < rule.points.size(); ++k) {
-        const double u = rule.points[i], v = rule.points[j], w = rule.points[k];
+  for (int i = 0; i < place.size(); ++i)
+    for (int j = 0; j < place.size(); ++j)
+      for (int k = 0; k < place.size(); ++k) {
+        const double u = place[i], v = place[j], w = place[k];
         const double x = u, y = v * (1 - u), z = w * (1 - u) * (1 - v);
         const double jacobian = 6 * (1 - u) * (1 - u) * (1 - v);
-        points.push_back({{1 - x - y - z, x, y, z},
-                          jacobian * rule.weights[i] * rule.weights[j] * rule.weights[k]});
+        points.push_back({{1 - x - y - z, x, y, z}, jacobian * weight[i] * weight[j] * weight[k]});
       }
   return points;
 }
 
-void fillLinear(IntegrationPoint& point, const std::array<Eigen::Vector3d, 4>& gradients) {
-  point.nodes = 4;
-  for (int a = 0; a < 4; ++a) {
-    point.N[a] = point.vertex_N[a];
-    point.gradient[a] = gradients[a];
-  }
-}
-
-void fillQuadratic(IntegrationPoint& point, const std::array<Eigen::Vector3d, 4>& gradients) {
+/// The shape functions of all nodes and their gradients, from those of the vertices.
+void fillShapeFunctions(IntegrationPoint& point, const std::array<Eigen::Vector3d, 4>& gradients) {
   const auto& l = point.vertex_N;
-  point.nodes = 10;
+  const bool quadratic = point.nodes == 10;
   for (int a = 0; a < 4; ++a) {
-    point.N[a] = l[a] * (2 * l[a] - 1);
-    point.gradient[a] = (4 * l[a] - 1) * gradients[a];
+    point.N[a] = quadratic ? l[a] * (2 * l[a] - 1) : l[a];
+    point.gradient[a] = (quadratic ? 4 * l[a] - 1 : 1.0) * gradients[a];
   }
-  for (int e = 0; e < 6; ++e) {
+  for (int e = 0; 4 + e < point.nodes; ++e) {
     const auto [a, b] = tetrahedron_edges[e];
     point.N[4 + e] = 4 * l[a] * l[b];
     point.gradient[4 + e] = 4 * (l[a] * gradients[b] + l[b] * gradients[a]);
@@ -67,8 +57,10 @@ void fillQuadratic(IntegrationPoint& point, const std::array<Eigen::Vector3d, 4>
 
 void integrate(const Mesh& mesh, const std::function<void(const IntegrationPoint&)>& visit) {
   static const std::vector<ReferencePoint> rule = collapsedRule();
-  const bool quadratic = !mesh.edges.empty();
+  PALPATE_ASSERT(mesh.edges.empty() || mesh.mid_edge_nodes.size() == mesh.tetrahedra.size(),
+                 "an edge of a quadratic mesh is an edge of its elements");
   IntegrationPoint point;
+  point.nodes = mesh.edges.empty() ? 4 : 10;
   for (std::size_t element = 0; element < mesh.tetrahedra.size(); ++element) {
     const Tetrahedron& tetrahedron = mesh.tetrahedra[element];
     Eigen::Matrix3d edges;
@@ -78,7 +70,7 @@ void integrate(const Mesh& mesh, const std::function<void(const IntegrationPoint
     const std::array<Eigen::Vector3d, 4> gradients = {-inverse.rowwise().sum(), inverse.col(0),
                                                       inverse.col(1), inverse.col(2)};
     for (int a = 0; a < 4; ++a) point.node[a] = tetrahedron[a];
-    for (int e = 0; quadratic && e < 6; ++e) point.node[4 + e] = mesh.mid_edge_nodes[element][e];
+    for (int e = 0; 4 + e < point.nodes; ++e) point.node[4 + e] = mesh.mid_edge_nodes[element][e];
     for (const ReferencePoint& reference : rule) {
       point.weight = reference.weight * sixVolume(mesh, element) / 6;
       point.X.setZero();
@@ -86,10 +78,7 @@ void integrate(const Mesh& mesh, const std::function<void(const IntegrationPoint
         point.vertex_N[a] = reference.barycentric[a];
         point.X += reference.barycentric[a] * mesh.nodes[tetrahedron[a]];
       }
-      if (quadratic)
-        fillQuadratic(point, gradients);
-      else
-        fillLinear(point, gradients);
+      fillShapeFunctions(point, gradients);
       visit(point);
     }
   }

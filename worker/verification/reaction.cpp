@@ -2,15 +2,9 @@
 // Lagrange multiplier of the paper.
 #include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
-#include <optional>
-#include <utility>
 
 #include "common/base/error.hpp"
-#include "worker/elements/kernel_family.hpp"
 #include "worker/solver/transition.hpp"
-#include "worker/verification/box_mesh.hpp"
-#include "worker/verification/case.hpp"
 #include "worker/verification/rig.hpp"
 
 namespace palpate::verification {
@@ -22,36 +16,11 @@ Problem clampedBox() {
   scene.name = "clamped box";
   scene.regions[0].material = mooneyRivlin();
   scene.fixed.groups = {"xmin"};
-  ActiveSelection active;
-  active.name = "edge";
-  active.near = Eigen::Vector3d(0.15, 0.05, 0.1);
-  active.radius = 0.05;
-  scene.active = {active};
+  scene.active = {{.name = "edge", .near = Eigen::Vector3d(0.15, 0.05, 0.1), .radius = 0.05}};
   return resolve(std::move(scene), distortedBoxMesh({0.15, 0.1, 0.1}, {3, 2, 2}));
 }
 
 const Eigen::Vector3d place(0.012, -0.02, 0.015);  ///< of the tool, metres
-
-/// The configurations of a problem, each solved from rest as a worker solves them.
-class Configurations {
- public:
-  explicit Configurations(const Problem& problem) : solver_(problem, chooseKernels()) {
-    Failure problem_at_rest;
-    std::optional<Start> rest = solver_.startAtRest(problem_at_rest);
-    if (!rest) throw failure("no rest state: {}", describe(problem_at_rest));
-    rest_ = std::move(*rest);
-  }
-  const System& system() const { return solver_.system(); }
-  Equilibrium at(const Eigen::Vector3d& p) {
-    const Outcome outcome = solver_.reach(rest_, p).outcome;
-    if (!outcome.converged) throw failure("no equilibrium: {}", describe(outcome.failure));
-    return outcome.equilibrium;
-  }
-
- private:
-  TransitionSolver solver_;
-  Start rest_;
-};
 
 /// The tissue's force with the tool's displacement an unknown a and a = p a constraint with a
 /// multiplier l: r_f = 0, r_a + l = 0, a - p = 0.
@@ -84,16 +53,25 @@ Eigen::Vector3d multiplier(const System& system) {
   return l;
 }
 
-std::vector<Row> rows() {
+std::vector<Row> reactionRows() {
   const Problem problem = clampedBox();
-  Configurations configurations(problem);
+  TransitionSolver solver(problem, chooseKernels());
+  Failure why_no_rest;
+  const std::optional<Start> rest = solver.startAtRest(why_no_rest);
+  if (!rest) throw failure("no rest state: {}", describe(why_no_rest));
+  // Each from rest, as a worker solves them.
+  const auto equilibriumAt = [&](const Eigen::Vector3d& p) {
+    const Outcome outcome = solver.reach(*rest, p).outcome;
+    if (!outcome.converged) throw failure("no equilibrium: {}", describe(outcome.failure));
+    return outcome.equilibrium;
+  };
   constexpr double h = 1e-5;  // metres
-  const Equilibrium here = configurations.at(place);
+  const Equilibrium here = equilibriumAt(place);
   Eigen::Vector3d gradient;
   Eigen::Matrix3d differences;
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
-    const Equilibrium up = configurations.at(place + e), down = configurations.at(place - e);
+    const Equilibrium up = equilibriumAt(place + e), down = equilibriumAt(place - e);
     gradient[i] = (up.energy - down.energy) / (2 * h);
     differences.col(i) = (up.force - down.force) / (2 * h);
   }
@@ -105,11 +83,11 @@ std::vector<Row> rows() {
       {"stiffness against these differences, relative",
        (here.stiffness - differences).norm() / stiffness, 0, 1e-6},
       {"force against the multiplier, relative",
-       (here.force - multiplier(configurations.system())).norm() / force, 0, 1e-8}};
+       (here.force - multiplier(solver.system())).norm() / force, 0, 1e-8}};
 }
 
 }  // namespace
 
-std::vector<Case> reactionCases() { return {{"force-and-stiffness", false, rows}}; }
+std::vector<Case> reactionCases() { return {{"force-and-stiffness", false, reactionRows}}; }
 
 }  // namespace palpate::verification

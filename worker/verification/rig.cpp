@@ -2,34 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
+#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "worker/elements/kernel_family.hpp"
 
 namespace palpate::verification {
 
 Material mooneyRivlin(double c10, double c01) {
-  Material material;
-  material.law = LawName::mooney_rivlin;
-  material.c10 = c10;
-  material.c01 = c01;
-  return material;
+  return {.law = LawName::mooney_rivlin, .c10 = c10, .c01 = c01};
 }
 
-Material neoHookean(double mu) {
-  Material material;
-  material.law = LawName::neo_hookean;
-  material.mu = mu;
-  return material;
+Material neoHookean(double mu, std::optional<double> bulk) {
+  return {.law = LawName::neo_hookean, .mu = mu, .bulk = bulk};
 }
 
 Material stVenantKirchhoff(double young, double poisson) {
-  Material material;
-  material.law = LawName::st_venant_kirchhoff;
-  material.young = young;
-  material.poisson = poisson;
-  return material;
+  return {.law = LawName::st_venant_kirchhoff, .young = young, .poisson = poisson};
 }
 
 BodyModel bodyOf(Mesh mesh, const Discretization& discretization, const Material& material) {
@@ -41,6 +30,7 @@ BodyModel bodyOf(Mesh mesh, const Discretization& discretization, const Material
   body.region_of.assign(body.mesh.tetrahedra.size(), 0);
   if (!material.fibers.empty()) {
     std::array<Eigen::Vector3d, 2> directions = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+    PALPATE_ASSERT(material.fibers.size() <= directions.size(), "a law has two families at most");
     std::copy(material.fibers.begin(), material.fibers.end(), directions.begin());
     body.fibers.assign(body.mesh.tetrahedra.size(), directions);
   }
@@ -49,6 +39,7 @@ BodyModel bodyOf(Mesh mesh, const Discretization& discretization, const Material
 }
 
 void hold(BodyModel& body, const std::vector<std::int32_t>& nodes, std::string_view axes) {
+  PALPATE_ASSERT(!nodes.empty(), "a body that nothing holds has no equilibrium of its own");
   for (const std::int32_t node : nodes)
     for (const char axis : axes) body.fixed[3 * node + (axis - 'x')] = 1;
 }
@@ -58,8 +49,7 @@ void hold(BodyModel& body, const std::string& group, std::string_view axes) {
 }
 
 std::vector<std::int32_t> nodesInPlane(const Mesh& mesh, int axis, double value) {
-  double size = 0;
-  for (const Eigen::Vector3d& X : mesh.nodes) size = std::max(size, (X - mesh.nodes[0]).norm());
+  const double size = boundingBox(mesh).diagonal().norm();
   std::vector<std::int32_t> nodes;
   for (std::size_t node = 0; node < mesh.nodes.size(); ++node)
     if (std::abs(mesh.nodes[node][axis] - value) < 1e-9 * size)
@@ -74,23 +64,15 @@ std::vector<Triangle> facesWhere(const Mesh& mesh,
     if (std::all_of(face.begin(), face.end(),
                     [&](std::int32_t node) { return chosen(mesh.nodes[node]); }))
       faces.push_back(face);
+  PALPATE_ASSERT(!faces.empty(), "a problem loads a side that its mesh has");
   return faces;
-}
-
-Eigen::Vector3d displacementOf(const State& state, std::int32_t node) {
-  return Eigen::Map<const Eigen::Vector3d>(&state.u[3 * static_cast<std::size_t>(node)]);
-}
-
-void setDisplacement(State& state, std::int32_t node, const Eigen::Vector3d& u) {
-  Eigen::Map<Eigen::Vector3d>(&state.u[3 * static_cast<std::size_t>(node)]) = u;
 }
 
 State displaced(const System& system,
                 const std::function<Eigen::Vector3d(const Eigen::Vector3d& X)>& u) {
   State state = system.restState();
   const std::vector<Eigen::Vector3d>& nodes = system.model().mesh.nodes;
-  for (std::size_t node = 0; node < nodes.size(); ++node)
-    setDisplacement(state, static_cast<std::int32_t>(node), u(nodes[node]));
+  for (std::size_t node = 0; node < nodes.size(); ++node) ofNode(state.u, node) = u(nodes[node]);
   return state;
 }
 
@@ -126,6 +108,8 @@ std::int32_t Rig::negativeEigenvalues(const State& state) {
 }
 
 NodalForces nodalForces(const BodyModel& body, const State& state) {
+  // With nothing fixed, loaded or moved every displacement is an unknown, and the residual is the
+  // derivative of the stored energy alone.
   BodyModel loose = body;
   loose.fixed.assign(loose.fixed.size(), 0);
   loose.load.clear();
@@ -133,10 +117,9 @@ NodalForces nodalForces(const BodyModel& body, const State& state) {
   const System system(std::move(loose), chooseKernels());
   Residual residual;
   system.assemble(state, residual);
-  const State number = numbering(system);
   NodalForces forces(body.mesh.nodes.size(), 3);
-  for (std::size_t component = 0; component < number.u.size(); ++component)
-    forces.data()[component] = residual.free[std::lround(number.u[component]) - 1];
+  for (std::int32_t node = 0; node < forces.rows(); ++node)
+    for (int i = 0; i < 3; ++i) forces(node, i) = residual.free[system.numbers().at({node, i})];
   return forces;
 }
 
@@ -146,15 +129,6 @@ Eigen::Matrix3d meanStress(const BodyModel& body, const State& state) {
   for (Eigen::Index node = 0; node < forces.rows(); ++node)
     sum += forces.row(node).transpose() * body.mesh.nodes[node].transpose();
   return sum / measure(body.mesh).volume;
-}
-
-State numbering(const System& system) {
-  State zero = system.restState();
-  std::fill(zero.u.begin(), zero.u.end(), 0.0);
-  std::fill(zero.q.begin(), zero.q.end(), 0.0);
-  const Eigen::VectorXd numbers =
-      Eigen::VectorXd::LinSpaced(system.unknowns(), 1, system.unknowns());
-  return system.moved(zero, numbers, 1, Eigen::Vector3d::Zero());
 }
 
 }  // namespace palpate::verification

@@ -1,34 +1,34 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
-#include <functional>
 #include <string_view>
-#include <vector>
 
-#include "worker/solver/body_model.hpp"
 #include "worker/solver/newton.hpp"
-#include "worker/solver/system.hpp"
-#include "worker/solver/tangent_solver.hpp"
+#include "worker/verification/case.hpp"
+#include "worker/verification/meshes.hpp"
 
-/// Bodies for verification problems, and what holds, loads and measures them.
+/// What problems are written with, and all that their files need to include: cases and rows, bodies
+/// with their materials, and what holds, loads, solves and measures them.
 namespace palpate::verification {
 
 /// One of the choices a scene has, as [discretization] would say it.
-inline constexpr Discretization taylor_hood = {DisplacementSpace::p2, PressureSpace::p1,
-                                               Constraint::ln_det_F};
-inline constexpr Discretization stabilized = {DisplacementSpace::p1, PressureSpace::p1_stabilized,
-                                              Constraint::ln_det_F};
-inline constexpr Discretization equal_order = {DisplacementSpace::p1, PressureSpace::p1,
-                                               Constraint::ln_det_F};
-inline constexpr Discretization p1_displacement = {DisplacementSpace::p1, PressureSpace::none,
-                                                   Constraint::ln_det_F};
-inline constexpr Discretization p2_displacement = {DisplacementSpace::p2, PressureSpace::none,
-                                                   Constraint::ln_det_F};
+inline constexpr Discretization taylor_hood = {DisplacementSpace::p2, PressureSpace::p1};
+inline constexpr Discretization stabilized = {DisplacementSpace::p1, PressureSpace::p1_stabilized};
+inline constexpr Discretization equal_order = {DisplacementSpace::p1, PressureSpace::p1};
+inline constexpr Discretization p1_displacement = {DisplacementSpace::p1, PressureSpace::none};
+inline constexpr Discretization p2_displacement = {DisplacementSpace::p2, PressureSpace::none};
 
-Material mooneyRivlin(double c10 = 1300, double c01 = 1280);  ///< the paper's constants
-Material neoHookean(double mu);
-Material stVenantKirchhoff(double young, double poisson);
+/// The soft tissue that most problems are made of; c10 and c01 are the paper's.
+namespace tissue {
+inline constexpr double c10 = 1300, c01 = 1280;        ///< Pa, Mooney-Rivlin
+inline constexpr double mu = 5160, bulk = 20000;       ///< Pa, neo-Hookean
+inline constexpr double young = 15480, poisson = 0.3;  ///< Pa, -, St. Venant-Kirchhoff
+}  // namespace tissue
+
+/// Materials of three laws, in Pa; without `bulk` exactly incompressible.
+Material mooneyRivlin(double c10 = tissue::c10, double c01 = tissue::c01);
+Material neoHookean(double mu, std::optional<double> bulk = {});
+Material stVenantKirchhoff(double young = tissue::young, double poisson = tissue::poisson);
 
 /// A body of one material on a linear mesh, which gets its mid-edge nodes here when the
 /// displacement is P2. Nothing is held or loaded.
@@ -46,10 +46,6 @@ std::vector<std::int32_t> nodesInPlane(const Mesh& mesh, int axis, double value)
 /// The triangles of the surface whose nodes are all where `chosen` says (of their rest positions).
 std::vector<Triangle> facesWhere(const Mesh& mesh,
                                  const std::function<bool(const Eigen::Vector3d& X)>& chosen);
-
-/// Displacement of a node in a state, metres.
-Eigen::Vector3d displacementOf(const State& state, std::int32_t node);
-void setDisplacement(State& state, std::int32_t node, const Eigen::Vector3d& u);
 
 /// The rest state of `system` with every node displaced by u(X), metres.
 State displaced(const System& system,
@@ -96,9 +92,5 @@ NodalForces nodalForces(const BodyModel& body, const State& state);
 
 /// Mean of the nominal stress P = F S over the body, Pa: sum over the nodes of f X^T / volume.
 Eigen::Matrix3d meanStress(const BodyModel& body, const State& state);
-
-/// Which unknown is which: number k stands, plus one, at the component of the state that is unknown
-/// k; zero at those that are none.
-State numbering(const System& system);
 
 }  // namespace palpate::verification

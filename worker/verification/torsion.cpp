@@ -5,23 +5,22 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
-#include "worker/verification/case.hpp"
-#include "worker/verification/meshes.hpp"
 #include "worker/verification/rig.hpp"
 
 namespace palpate::verification {
 namespace {
 
-constexpr double radius = 0.01, length = 0.01, twist = 50;  ///< m, m, rad/m
-constexpr double c10 = 1300, c01 = 1280;
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
+using tissue::c01, tissue::c10;
+
+constexpr double radius = 0.01, height_of_bar = 0.01, twist = 50;  ///< m, m, rad/m
 constexpr double R4 = radius * radius * radius * radius;
 constexpr double exact_torque = pi * (c10 + c01) * twist * R4;  ///< N m
 /// N, negative: it presses.
 constexpr double exact_axial = -pi * twist * twist * R4 * (c10 + 2 * c01) / 2;
 
 struct Reaction {
-  double torque, axial;  ///< on the end z = length
+  double torque = 0, axial = 0;  ///< on the end z = height_of_bar
 };
 
 /// Where a point of the bar is put.
@@ -30,14 +29,14 @@ Eigen::Vector3d turned(const Eigen::Vector3d& X) {
 }
 
 Reaction twisted(int n) {
-  BodyModel body = bodyOf(cylinderMesh(radius, length, n, n), taylor_hood, mooneyRivlin(c10, c01));
+  BodyModel body = bodyOf(cylinderMesh(radius, height_of_bar, n, n), taylor_hood, mooneyRivlin());
   hold(body, "first", "xyz");
   hold(body, "last", "xyz");
   Rig rig(body);
   const NewtonResult result = rig.equilibrium(displaced(
       rig.system(), [](const Eigen::Vector3d& X) { return Eigen::Vector3d(turned(X) - X); }));
   const NodalForces forces = nodalForces(body, result.state);
-  Reaction reaction{0, 0};
+  Reaction reaction;
   for (const std::int32_t node : body.mesh.node_groups.at("last")) {
     const Eigen::Vector3d x = turned(body.mesh.nodes[node]), f = forces.row(node);
     reaction.torque += x.cross(f)[2];

@@ -3,48 +3,70 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <limits>
+#include <stdexcept>
 
 namespace palpate {
 namespace {
+
+TEST(SparsityPattern, HasEachEntryOnceInOrder) {
+  const SparsityPattern pattern = patternOf({{2, 0, 2, 1}, {1}, {2, 2}});
+  EXPECT_EQ(pattern.n, 3);
+  EXPECT_EQ(pattern.row, (std::vector<std::int32_t>{1, 1, 1, 2, 3}));
+  EXPECT_EQ(pattern.column, (std::vector<std::int32_t>{1, 2, 3, 2, 3}));
+  EXPECT_EQ(pattern.row_begin, (std::vector<std::int32_t>{0, 3, 4, 5}));
+}
+
+TEST(SparsityPattern, FindsAnEntryFromEitherSide) {
+  const SparsityPattern pattern = patternOf({{0, 2}, {1}, {2}});
+  EXPECT_EQ(pattern.entryOf(0, 2), 1);
+  EXPECT_EQ(pattern.entryOf(2, 0), 1);
+  EXPECT_EQ(pattern.entryOf(2, 2), 3);
+  EXPECT_THROW(static_cast<void>(pattern.entryOf(0, 1)), std::logic_error);
+}
+
+TEST(SparsityPattern, IsNotMadeForAnUnknownThatOccursNowhere) {
+  EXPECT_THROW(static_cast<void>(patternOf({{0}, {}})), std::logic_error);
+}
 
 /// [2 1 0; 1 -3 1; 0 1 4]: one negative eigenvalue.
 SparsityPattern tridiagonal() { return patternOf({{0, 1}, {1, 2}, {2}}); }
 const std::vector<double> indefinite = {2, 1, -3, 1, 4};
 
 TEST(LinearSolver, SolvesSeveralRightHandSidesAndCountsNegativePivots) {
-  LinearSolver solver(tridiagonal(), Precision::double_precision, false);
-  const Factorization factorization = solver.factorize(indefinite);
+  const auto solver = LinearSolver::of(tridiagonal(), Precision::double_precision, false);
+  const Factorization factorization = solver->factorize(indefinite);
   ASSERT_TRUE(factorization.ok);
   EXPECT_EQ(factorization.negative_pivots, 1);
   Eigen::Matrix3d K;
   K << 2, 1, 0, 1, -3, 1, 0, 1, 4;
   Eigen::MatrixXd x = Eigen::MatrixXd::Identity(3, 3);
-  ASSERT_TRUE(solver.solve(x));
+  ASSERT_TRUE(solver->solve(x));
   EXPECT_LT((K * x - Eigen::Matrix3d::Identity()).norm(), 1e-14);
 }
 
 TEST(LinearSolver, SaysSoWhenTheMatrixIsSingular) {
-  LinearSolver solver(tridiagonal(), Precision::double_precision, false);
-  const Factorization factorization = solver.factorize({1, 0, 0, 0, 1});
+  const auto solver = LinearSolver::of(tridiagonal(), Precision::double_precision, false);
+  const Factorization factorization = solver->factorize({1, 0, 0, 0, 1});
   EXPECT_FALSE(factorization.ok);
   EXPECT_EQ(factorization.infog1, -10);
 }
 
 TEST(LinearSolver, PassesOverANullSpaceWhenToldThereIsOne) {
-  LinearSolver solver(tridiagonal(), Precision::double_precision, true);
-  ASSERT_TRUE(solver.factorize({1, 0, 0, 0, 1}).ok);
+  const auto solver = LinearSolver::of(tridiagonal(), Precision::double_precision, true);
+  ASSERT_TRUE(solver->factorize({1, 0, 0, 0, 1}).ok);
   Eigen::MatrixXd x = Eigen::Vector3d(3, 0, 5);
-  ASSERT_TRUE(solver.solve(x));
+  ASSERT_TRUE(solver->solve(x));
   EXPECT_DOUBLE_EQ(x(0), 3);
   EXPECT_DOUBLE_EQ(x(2), 5);
 }
 
 TEST(LinearSolver, ReportsNotANumberAsAFailure) {
-  LinearSolver solver(tridiagonal(), Precision::double_precision, false);
+  const auto solver = LinearSolver::of(tridiagonal(), Precision::double_precision, false);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const Factorization factorization = solver.factorize({nan, 1, -3, 1, 4});
+  const Factorization factorization = solver->factorize({nan, 1, -3, 1, 4});
   Eigen::MatrixXd x = Eigen::Vector3d(1, 1, 1);
-  EXPECT_TRUE(!factorization.ok || !solver.solve(x) || !x.allFinite());
+  EXPECT_TRUE(!factorization.ok || !solver->solve(x) || !x.allFinite());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "worker/solver/nodal_det_f.hpp"
+#include "worker/solver/element_geometry.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-TEST(NodalDetF, FindsAMiddleThatIsPulledTowardsAnEndOfItsEdge) {
+TEST(SmallestDetFAtNodes, FindsAMiddleThatIsPulledTowardsAnEndOfItsEdge) {
   Mesh mesh = test::distortedBoxMesh({0.1, 0.1, 0.05}, {2, 2, 1});
   addMidEdgeNodes(mesh);
   std::vector<double> u(3 * mesh.nodes.size(), 0.0);
@@ -24,7 +24,7 @@ TEST(NodalDetF, FindsAMiddleThatIsPulledTowardsAnEndOfItsEdge) {
   EXPECT_EQ(std::count(worst.begin(), worst.end(), b), 1);
 }
 
-TEST(NodalDetF, SaysNothingOfALinearMesh) {
+TEST(SmallestDetFAtNodes, SaysNothingOfALinearMesh) {
   const Mesh mesh = test::distortedBoxMesh({0.1, 0.1, 0.05}, {2, 2, 1});
   EXPECT_EQ(smallestDetFAtNodes(mesh, std::vector<double>(3 * mesh.nodes.size(), 0.0)).element, -1);
 }

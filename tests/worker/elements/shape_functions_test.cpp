@@ -1,10 +1,8 @@
-#include "worker/elements/quadrature.hpp"
+#include "worker/elements/shape_functions.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "worker/elements/shape_functions.hpp"
 
 namespace palpate::kernels_default {
 namespace {
