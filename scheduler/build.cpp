@@ -3,6 +3,8 @@
 #include <spdlog/spdlog.h>
 #include <sys/ioctl.h>
 
+#include <CLI/CLI.hpp>
+
 #include "common/base/assertion.hpp"
 #include "common/base/replaced_file.hpp"
 #include "common/problem/problem_warnings.hpp"

@@ -1,4 +1,6 @@
 
+#include <CLI/CLI.hpp>
+
 #include "common/dataset/dataset.hpp"
 #include "common/problem/problem.hpp"
 #include "scheduler/explanation.hpp"

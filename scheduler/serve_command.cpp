@@ -1,5 +1,7 @@
 #include <spdlog/spdlog.h>
 
+#include <CLI/CLI.hpp>
+
 #include "common/wire/wire.hpp"
 #include "scheduler/build.hpp"
 #include "scheduler/verbs.hpp"

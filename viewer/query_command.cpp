@@ -1,5 +1,6 @@
 #include "viewer/query_command.hpp"
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <iostream>
 #include <memory>

@@ -1,5 +1,6 @@
 #include "viewer/view_command.hpp"
 
+#include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
 

@@ -1,3 +1,5 @@
+#include <CLI/CLI.hpp>
+
 #include "worker/elements/blas_kernels.hpp"
 #include "worker/elements/kernel_family.hpp"
 #include "worker/verbs.hpp"

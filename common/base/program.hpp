@@ -1,11 +1,16 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
 #include <span>
+#include <string>
 
 #include "common/base/error.hpp"
+
+// Its header takes seconds to compile: who declares options includes it.
+namespace CLI {
+class App;
+}
 
 namespace palpate {
 
@@ -18,10 +23,10 @@ struct Verb {
   std::function<ExitCode()> (*prepare)(CLI::App& app);
 };
 
-/// The main() of palpate-scheduler, palpate-worker, palpate-verify and palpate-viewer: parses, runs the verb, and
-/// turns every exception into one line on stderr ("palpate VERB: what happened") and an exit code.
-/// Unknown options end with code 2. Also reads the common options --version, -q/--quiet and
-/// -v/--verbose. Logs go to stderr.
+/// The main() of palpate-scheduler, palpate-worker, palpate-verify and palpate-viewer: parses, runs
+/// the verb, and turns every exception into one line on stderr ("palpate VERB: what happened") and
+/// an exit code. Unknown options end with code 2. Also reads the common options --version,
+/// -q/--quiet and -v/--verbose. Logs go to stderr.
 int runProgram(int argc, char** argv, const char* description, std::span<const Verb> verbs);
 
 /// The program's version, "0.1.0".

@@ -48,11 +48,10 @@ class Fitter {
       if (interpolated_[at(n)]) solved_.push_back(n);
   }
 
-  LocalPolynomial fit(std::size_t slot) {
-    const CellSlot& s = tree_.slots()[slot];
-    if (s.kind == SlotKind::ghost) return extrapolate(slot);
-    if (s.kind == SlotKind::hanging) return {};
-    return fits_.complete(space_.points[s.number].equilibrium, neighbours(slot), edge_[slot]);
+  /// Of a solved slot: its own data, and what the solved points around say.
+  LocalPolynomial complete(std::size_t slot) {
+    const std::int32_t number = tree_.slots()[slot].number;
+    return fits_.complete(space_.points[number].equilibrium, neighbours(slot), edge_[slot]);
   }
 
   /// From the nearest solved points.
@@ -220,11 +219,17 @@ EnergyJet jetInLeaf(const CellTree& tree, const std::vector<EnergyJet>& jets, st
 
 std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
                                              const std::vector<LatticeEdge>& inconsistent) {
+  return slotPolynomials(tree, space, inconsistent, ghostPolynomials(tree, space, inconsistent));
+}
+
+std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
+                                             const std::vector<LatticeEdge>& inconsistent,
+                                             std::vector<LocalPolynomial> ghosts) {
+  PALPATE_ASSERT(ghosts.size() == tree.slots().size(), "ghostPolynomials made one per slot");
   Fitter fitter(tree, space, inconsistent);
-  std::vector<LocalPolynomial> polynomials(tree.slots().size());
-  for (std::size_t slot = 0; slot < polynomials.size(); ++slot)
-    polynomials[slot] = fitter.fit(slot);
-  return polynomials;
+  for (std::size_t slot = 0; slot < ghosts.size(); ++slot)
+    if (tree.slots()[slot].kind == SlotKind::solved) ghosts[slot] = fitter.complete(slot);
+  return ghosts;
 }
 
 std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,

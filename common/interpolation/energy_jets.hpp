@@ -24,9 +24,14 @@ struct EnergySample {
 std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
                                              const std::vector<LatticeEdge>& inconsistent);
 
-/// The same for the ghosts alone, zero for solved slots.
+/// The same for the ghosts alone, which take nearly all of the time; zero for solved slots.
 std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
                                               const std::vector<LatticeEdge>& inconsistent);
+
+/// slotPolynomials where those of the ghosts are known.
+std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
+                                             const std::vector<LatticeEdge>& inconsistent,
+                                             std::vector<LocalPolynomial> ghosts);
 
 /// The jets of all slots from their polynomials (slotPolynomials), hanging ones from their coarser
 /// leaf.

@@ -26,7 +26,8 @@ std::vector<T> arrayFrom(const std::string& bytes, const char* what) {
   if (bytes.size() % sizeof(T) != 0)
     throw badInput("{} have {} bytes, not a multiple of {}", what, bytes.size(), sizeof(T));
   std::vector<T> values(bytes.size() / sizeof(T));
-  std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
+  // Not memcpy, which must not be given the null pointer of an empty array.
+  std::ranges::copy(bytes, reinterpret_cast<char*>(values.data()));
   return values;
 }
 

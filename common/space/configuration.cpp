@@ -1,5 +1,6 @@
 #include "common/space/configuration.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -27,9 +28,12 @@ NodalFields NodalFields::decode(std::string_view bytes, std::size_t n_nodes,
         bytes.size(), n_nodes, n_pressures, displacement_bytes + pressure_bytes);
   NodalFields fields;
   fields.displacement.resize(3 * n_nodes);
-  std::memcpy(fields.displacement.data(), bytes.data(), displacement_bytes);
+  std::ranges::copy(bytes.substr(0, displacement_bytes),
+                    reinterpret_cast<char*>(fields.displacement.data()));
   fields.pressure.resize(n_pressures);
-  std::memcpy(fields.pressure.data(), bytes.data() + displacement_bytes, pressure_bytes);
+  // Not memcpy, which must not be given the null pointer of an empty array.
+  std::ranges::copy(bytes.substr(displacement_bytes),
+                    reinterpret_cast<char*>(fields.pressure.data()));
   for (const auto* values : {&fields.displacement, &fields.pressure})
     for (const float value : *values)
       // Newton would start from it and fail far from the cause.

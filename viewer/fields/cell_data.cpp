@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "common/interpolation/energy_jets.hpp"
-
 namespace palpate {
 namespace {
 
@@ -14,9 +12,8 @@ bool contains(const std::vector<LatticeEdge>& edges, std::int32_t a, std::int32_
 }  // namespace
 
 std::vector<Equilibrium> slotEquilibria(const CellTree& tree, const SpaceTable& space,
-                                        const std::vector<LatticeEdge>& inconsistent) {
+                                        const std::vector<LocalPolynomial>& ghosts) {
   std::vector<Equilibrium> equilibria(tree.slots().size());
-  const std::vector<LocalPolynomial> ghosts = ghostPolynomials(tree, space, inconsistent);
   PALPATE_ASSERT(ghosts.size() == equilibria.size(), "there is one polynomial per slot");
   for (std::size_t s = 0; s < equilibria.size(); ++s) {
     const CellSlot& slot = tree.slots()[s];
@@ -40,16 +37,19 @@ std::vector<double> slotCoverage(const CellTree& tree,
   return coverage;
 }
 
-CellData::CellData(const SpaceTable& space)
-    : tree(space),
-      inconsistent(inconsistentEdges(space)),
-      suspect(suspectEdges(space)),
-      equilibria(slotEquilibria(tree, space, inconsistent)),
-      support(slotCoverage(tree, inconsistent)),
-      divisions(space.lattice.divisions()) {
+CellBranches::CellBranches(const SpaceTable& space)
+    : tree(space), inconsistent(inconsistentEdges(space)) {
   for (const CellSlot& slot : tree.slots())
     numbers.push_back(space.lattice.indexOf(slot.point).value_or(-1));
 }
+
+CellData::CellData(const SpaceTable& space)
+    : CellBranches(space),
+      suspect(suspectEdges(space)),
+      ghosts(ghostPolynomials(tree, space, inconsistent)),
+      equilibria(slotEquilibria(tree, space, ghosts)),
+      support(slotCoverage(tree, inconsistent)),
+      divisions(space.lattice.divisions()) {}
 
 std::int32_t CellData::slotAt(const LatticePoint& point) const {
   const std::vector<CellSlot>& slots = tree.slots();
@@ -57,7 +57,7 @@ std::int32_t CellData::slotAt(const LatticePoint& point) const {
   return found == slots.end() || found->point != point ? -1 : found - slots.begin();
 }
 
-bool CellData::isInconsistent(std::int32_t a, std::int32_t b) const {
+bool CellBranches::isInconsistent(std::int32_t a, std::int32_t b) const {
   return contains(inconsistent, numbers[at(a)], numbers[at(b)]);
 }
 

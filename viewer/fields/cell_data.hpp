@@ -1,7 +1,6 @@
 #pragma once
 
-#include "common/interpolation/branch_check.hpp"
-#include "common/interpolation/cell_tree.hpp"
+#include "common/interpolation/energy_jets.hpp"
 
 namespace palpate {
 
@@ -14,10 +13,9 @@ namespace palpate {
 /// A ghost's polynomial goes through the data of the nearest solved points: exact for energies up
 /// to the third degree where enough of them are near, of lower order with fewer; a lone point is
 /// continued by its force and stiffness. Forces are limited by what the neighbours span.
-/// Points that an inconsistent edge joins to another are not used together for one ghost.
 /// The same numbers on every machine of one kind. Any thread.
 std::vector<Equilibrium> slotEquilibria(const CellTree& tree, const SpaceTable& space,
-                                        const std::vector<LatticeEdge>& inconsistent);
+                                        const std::vector<LocalPolynomial>& ghosts);
 
 /// For every slot the share (0..1) of it that stands on solved points without an inconsistent edge:
 /// 1, 0 for ghosts and ends of inconsistent edges, in between where a slot hangs. Interpolated
@@ -44,25 +42,33 @@ void fillHangingTrilinearly(const CellTree& tree, std::vector<Value>& values) {
   });
 }
 
-/// What methods that interpolate in leaves are made of: a cell tree and what its slots stand on.
-/// Holds no reference to the space. Immutable after construction: any thread may read.
-struct CellData {
+/// A cell tree and where it lies on more than one branch. Holds no reference to the space.
+/// Immutable after construction: any thread may read.
+struct CellBranches {
   /// Error when no point of the space is solved.
-  explicit CellData(const SpaceTable& space);
+  explicit CellBranches(const SpaceTable& space);
 
   CellTree tree;
   std::vector<LatticeEdge> inconsistent;  ///< inconsistentEdges of the space
-  std::vector<LatticeEdge> suspect;       ///< suspectEdges of the space
-  std::vector<Equilibrium> equilibria;    ///< slotEquilibria
-  std::vector<double> support;            ///< slotCoverage
   /// Per slot: lattice number, of hanging ones too; -1 when it has none.
   std::vector<std::int32_t> numbers;
-  std::int32_t divisions;  ///< lattice coordinates per spacing
+
+  /// Whether two slots are the ends of an inconsistent edge.
+  bool isInconsistent(std::int32_t a, std::int32_t b) const;
+};
+
+/// What methods that interpolate in leaves are made of: a cell tree and what its slots stand on.
+struct CellData : CellBranches {
+  explicit CellData(const SpaceTable& space);
+
+  std::vector<LatticeEdge> suspect;     ///< suspectEdges of the space
+  std::vector<LocalPolynomial> ghosts;  ///< ghostPolynomials
+  std::vector<Equilibrium> equilibria;  ///< slotEquilibria
+  std::vector<double> support;          ///< slotCoverage
+  std::int32_t divisions;               ///< lattice coordinates per spacing
 
   /// The slot at lattice coordinates; -1 when there is none.
   std::int32_t slotAt(const LatticePoint& point) const;
-  /// Whether two slots are the ends of an inconsistent edge.
-  bool isInconsistent(std::int32_t a, std::int32_t b) const;
   /// The leaves with an edge among these; sorted edges.
   std::vector<std::int32_t> leavesWith(const std::vector<LatticeEdge>& edges) const;
 };

@@ -20,7 +20,7 @@ struct Term {
 
 /// Solved slots by distance from a ghost, nearest first, without those on another branch than the
 /// nearest.
-std::vector<std::int32_t> nearestSolved(const CellData& data, std::int32_t ghost) {
+std::vector<std::int32_t> nearestSolved(const CellBranches& data, std::int32_t ghost) {
   const LatticePoint& center = data.tree.slots()[at(ghost)].point;
   const auto distance = [&](std::int32_t slot) {
     LatticePoint step = data.tree.slots()[at(slot)].point;
@@ -42,7 +42,7 @@ std::vector<std::int32_t> nearestSolved(const CellData& data, std::int32_t ghost
 
 /// Factors that sum to one and continue linear functions exactly, near slots weighing more; the
 /// nearest alone where the slots do not span the space or would be blown up.
-std::vector<Term> linearContinuation(const CellData& data, std::int32_t ghost) {
+std::vector<Term> linearContinuation(const CellBranches& data, std::int32_t ghost) {
   const std::vector<std::int32_t> slots = nearestSolved(data, ghost);
   const auto n = static_cast<Eigen::Index>(slots.size());
   Eigen::MatrixXd conditions(4, n);
@@ -83,9 +83,9 @@ PALPATE_PER_CPU_FAMILY void combineRows(const std::array<const float*, 8>& rows,
 }  // namespace
 
 DisplacementField::DisplacementField(const SpaceTable& space, std::span<const float> displacements)
-    : DisplacementField(CellData(space), space.points.size(), displacements) {}
+    : DisplacementField(CellBranches(space), space.points.size(), displacements) {}
 
-DisplacementField::DisplacementField(const CellData& data, std::size_t points,
+DisplacementField::DisplacementField(const CellBranches& data, std::size_t points,
                                      std::span<const float> displacements)
     : tree_(data.tree), row_(displacements.size() / points) {
   if (row_ == 0 || row_ % 3 != 0 || displacements.size() != row_ * points)
@@ -105,7 +105,7 @@ DisplacementField::DisplacementField(const CellData& data, std::size_t points,
   }
 }
 
-void DisplacementField::continueGhost(const CellData& data, std::int32_t ghost) {
+void DisplacementField::continueGhost(const CellBranches& data, std::int32_t ghost) {
   for (const Term& term : linearContinuation(data, ghost))
     for (std::size_t i = 0; i < row_; ++i)
       row(ghost)[i] += static_cast<float>(term.factor) * row(term.slot)[i];

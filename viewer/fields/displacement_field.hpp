@@ -29,8 +29,9 @@ class DisplacementField {
   bool evaluate(const Eigen::Vector3d& displacement, std::span<float> out) const noexcept;
 
  private:
-  DisplacementField(const CellData& data, std::size_t points, std::span<const float> displacements);
-  void continueGhost(const CellData& data, std::int32_t ghost);
+  DisplacementField(const CellBranches& data, std::size_t points,
+                    std::span<const float> displacements);
+  void continueGhost(const CellBranches& data, std::int32_t ghost);
   void evaluateIn(const LeafPlace& place, float* out) const noexcept;
   float* row(std::int32_t slot) { return rows_.data() + at(slot) * row_; }
 

@@ -98,7 +98,8 @@ class Corrections {
 };
 
 std::vector<LocalPolynomial> correctedPolynomials(const CellData& data, const SpaceTable& space) {
-  std::vector<LocalPolynomial> polynomials = slotPolynomials(data.tree, space, data.inconsistent);
+  std::vector<LocalPolynomial> polynomials =
+      slotPolynomials(data.tree, space, data.inconsistent, data.ghosts);
   const std::vector<double> corrections = energyCorrections(data);
   PALPATE_ASSERT(corrections.size() == polynomials.size(), "both are per slot of the same tree");
   for (std::size_t s = 0; s < polynomials.size(); ++s)

@@ -1,5 +1,6 @@
 #include "viewer/report/report_command.hpp"
 
+#include <CLI/CLI.hpp>
 #include <fstream>
 #include <iostream>
 #include <memory>

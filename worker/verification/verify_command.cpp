@@ -1,5 +1,6 @@
 #include "worker/verification/verify_command.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>

@@ -21,7 +21,8 @@ std::int32_t slotAt(const CellTree& tree, const LatticePoint& point) {
 void expectGhostsLike(const test::AnalyticEnergy& energy, const SpaceTable& space,
                       double tolerance) {
   const CellTree tree(space);
-  const std::vector<Equilibrium> equilibria = slotEquilibria(tree, space, {});
+  const std::vector<Equilibrium> equilibria =
+      slotEquilibria(tree, space, ghostPolynomials(tree, space, {}));
   int ghosts = 0;
   for (std::size_t s = 0; s < equilibria.size(); ++s) {
     if (tree.slots()[s].kind != SlotKind::ghost) continue;
@@ -57,7 +58,8 @@ TEST(SlotEquilibria, ContinueALonePointByItsStiffness) {
   for (std::int32_t n = 1; n < space.lattice.size(); ++n) space.points[n].tag = Tag::failed;
   const CellTree tree(space);
   const Equilibrium& origin = space.points[0].equilibrium;
-  const std::vector<Equilibrium> equilibria = slotEquilibria(tree, space, {});
+  const std::vector<Equilibrium> equilibria =
+      slotEquilibria(tree, space, ghostPolynomials(tree, space, {}));
   const std::int32_t far = slotAt(tree, {2, 0, 0});
   EXPECT_LE((equilibria[far].force - origin.force - origin.stiffness * Vector3d(0.02, 0, 0)).norm(),
             1e-9);
@@ -76,7 +78,8 @@ TEST(SlotEquilibria, DoNotMixBranchesInAGhost) {
   std::sort(inconsistent.begin(), inconsistent.end());
   const CellTree tree(space);
   const std::int32_t corner = slotAt(tree, {2, 2, 2});
-  const Vector3d force = slotEquilibria(tree, space, inconsistent)[corner].force;
+  const Vector3d force =
+      slotEquilibria(tree, space, ghostPolynomials(tree, space, inconsistent))[corner].force;
   EXPECT_LE((force + energy.gradient(tree.displacement(corner))).norm(), 1);
 }
 
@@ -88,7 +91,7 @@ TEST(SlotEquilibria, StayModestWhereDataDisagree) {
   for (const PointRecord& point : space.points)
     largest = std::max(largest, point.equilibrium.force.norm());
   const CellTree tree(space);
-  for (const Equilibrium& e : slotEquilibria(tree, space, {}))
+  for (const Equilibrium& e : slotEquilibria(tree, space, ghostPolynomials(tree, space, {})))
     EXPECT_LT(e.force.norm(), 100 * largest);
 }
 
