@@ -183,13 +183,10 @@ std::size_t pressureNodes(const Problem& problem) {
 
 std::size_t pressureNodes(PressureSpace pressure, const Mesh& mesh) {
   switch (pressure) {
-    case PressureSpace::none:
-      return 0;
+    case PressureSpace::none: return 0;
     case PressureSpace::p1:
-    case PressureSpace::p1_stabilized:
-      return static_cast<std::size_t>(mesh.vertices());
-    case PressureSpace::p2:
-      return mesh.nodes.size();
+    case PressureSpace::p1_stabilized: return static_cast<std::size_t>(mesh.vertices());
+    case PressureSpace::p2: return mesh.nodes.size();
   }
   return 0;
 }

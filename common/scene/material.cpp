@@ -18,13 +18,10 @@ double shearModulus(const Material& m) {
       return m.young / (2 * (1 + *m.poisson));
     case LawName::modified_st_venant_kirchhoff:
       return m.poisson ? m.young / (2 * (1 + *m.poisson)) : m.young / 3;
-    case LawName::mooney_rivlin:
-      return 2 * (m.c10 + m.c01);
-    case LawName::yeoh:
-      return 2 * m.c10;
+    case LawName::mooney_rivlin: return 2 * (m.c10 + m.c01);
+    case LawName::yeoh: return 2 * m.c10;
     case LawName::neo_hookean:
-    case LawName::holzapfel_gasser_ogden:
-      return m.mu;
+    case LawName::holzapfel_gasser_ogden: return m.mu;
     case LawName::ogden: {
       double twice = 0;
       for (const OgdenTerm& term : m.ogden) twice += term.mu * term.alpha;

@@ -18,8 +18,7 @@ static_assert(cause_words.size() == static_cast<std::size_t>(Cause::limit_point)
 /// What `f` means, and what usually helps.
 std::string meaningOf(const Failure& f) {
   switch (f.cause) {
-    case Cause::none:
-      break;
+    case Cause::none: break;
     case Cause::iteration_limit:
       return fmt::format("Newton was still descending, residual {:.3g} N", f.residual);
     case Cause::line_search_stalled:
@@ -36,8 +35,7 @@ std::string meaningOf(const Failure& f) {
       if (f.mumps_infog1 >= 0)
         return "the solution with the factors cannot be refined, the tangent is nearly singular";
       return fmt::format("MUMPS INFOG(1) = {}, INFOG(2) = {}", f.mumps_infog1, f.mumps_infog2);
-    case Cause::not_finite:
-      return "NaN or infinity appeared";
+    case Cause::not_finite: return "NaN or infinity appeared";
     case Cause::step_budget:
       return fmt::format(
           "smaller steps did not get further; residual {:.3g} N, element {} has det F = {:.3g}",

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <utility>
+
 #include "common/space/lattice.hpp"
 #include "common/space/tag.hpp"
 

@@ -186,11 +186,8 @@ void SpacePlan::advanceStage() {
       branch_round_ = 0;
       stage_ = may_grow_ ? Stage::branches : Stage::probes;
       return may_grow_ ? beginBranches() : beginProbes();
-    case Stage::probes:
-      stage_ = Stage::complete;
-      return;
-    case Stage::complete:
-      return;
+    case Stage::probes: stage_ = Stage::complete; return;
+    case Stage::complete: return;
   }
 }
 

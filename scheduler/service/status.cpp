@@ -10,12 +10,9 @@ namespace palpate {
 void addPoint(wire::Status& status, wire::SpaceStatus& space, const PointRecord& point) {
   space.set_points(space.points() + 1);
   switch (point.tag) {
-    case Tag::unknown:
-      return space.set_unknown(space.unknown() + 1);
-    case Tag::expandable:
-      return space.set_expandable(space.expandable() + 1);
-    case Tag::terminating:
-      return space.set_terminating(space.terminating() + 1);
+    case Tag::unknown: return space.set_unknown(space.unknown() + 1);
+    case Tag::expandable: return space.set_expandable(space.expandable() + 1);
+    case Tag::terminating: return space.set_terminating(space.terminating() + 1);
     case Tag::failed:
       space.set_failed(space.failed() + 1);
       ++(*status.mutable_failed_points())[std::string(name(point.cause))];

@@ -77,16 +77,14 @@ void DeviceServer::handle(const IncomingDeviceMessage& incoming) {
   const bool of_holder = !holder_.empty() && incoming.peer == holder_;
   if (of_holder) last_heard_ = Clock::now();
   switch (message.body_case()) {
-    case wire::DeviceMessage::kGreeting:
-      return greet(incoming.peer, message.greeting());
+    case wire::DeviceMessage::kGreeting: return greet(incoming.peer, message.greeting());
     case wire::DeviceMessage::kForce:
       if (of_holder) follow(message.force());
       return;
     case wire::DeviceMessage::kFarewell:
       if (of_holder) release();
       return;
-    default:
-      count(&State::garbage);
+    default: count(&State::garbage);
   }
 }
 

@@ -88,8 +88,7 @@ void NetworkDevice::turn() {
 
 void NetworkDevice::handle(const wire::DeviceMessage& message) {
   switch (message.body_case()) {
-    case wire::DeviceMessage::kHello:
-      return accept(message.hello());
+    case wire::DeviceMessage::kHello: return accept(message.hello());
     case wire::DeviceMessage::kRefused:
       connection_trouble_ =
           fmt::format("{} refuses: {}", options_.endpoint, message.refused().reason());
@@ -108,8 +107,7 @@ void NetworkDevice::handle(const wire::DeviceMessage& message) {
                           reading.lost() ? DeviceStatus::lost : DeviceStatus::fresh});
       return;
     }
-    default:
-      ++garbage_;
+    default: ++garbage_;
   }
 }
 

@@ -22,14 +22,10 @@ bool keeps(const std::optional<LatticeCut>& cut, const Eigen::Vector3d& displace
 
 std::array<double, 3> colourOf(Tag tag) {
   switch (tag) {
-    case Tag::expandable:
-      return {38, 140, 72};
-    case Tag::terminating:
-      return {235, 140, 20};
-    case Tag::failed:
-      return {205, 35, 45};
-    case Tag::unknown:
-      break;
+    case Tag::expandable: return {38, 140, 72};
+    case Tag::terminating: return {235, 140, 20};
+    case Tag::failed: return {205, 35, 45};
+    case Tag::unknown: break;
   }
   return {130, 130, 138};
 }

@@ -144,10 +144,8 @@ std::string markerAt(double x, double y, const SeriesStyle& style, double size) 
     case 0:
       return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"{}\"/>", x, y,
                          size, style.colour);
-    case 1:
-      return polygon(-0.9, -0.9, "h{:.1f}v{:.1f}h{:.1f}", 1.8, 1.8, -1.8);
-    case 2:
-      return polygon(0, -1.2, "l{:.1f} {:.1f}h{:.1f}", 1.1, 2.0, -2.2);
+    case 1: return polygon(-0.9, -0.9, "h{:.1f}v{:.1f}h{:.1f}", 1.8, 1.8, -1.8);
+    case 2: return polygon(0, -1.2, "l{:.1f} {:.1f}h{:.1f}", 1.1, 2.0, -2.2);
     case 3:
       return polygon(0, -1.3, "l{:.1f} {:.1f}l{:.1f} {:.1f}l{:.1f} {:.1f}", 1.3, 1.3, -1.3, 1.3,
                      -1.3, -1.3);
@@ -156,8 +154,7 @@ std::string markerAt(double x, double y, const SeriesStyle& style, double size) 
           "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"#fff\" stroke=\"{}\" "
           "stroke-width=\"2\"/>",
           x, y, 0.85 * size, style.colour);
-    default:
-      return polygon(0, 1.2, "l{:.1f} {:.1f}h{:.1f}", 1.1, -2.0, -2.2);
+    default: return polygon(0, 1.2, "l{:.1f} {:.1f}h{:.1f}", 1.1, -2.0, -2.2);
   }
 }
 

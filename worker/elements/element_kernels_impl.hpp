@@ -216,8 +216,7 @@ void evaluateAs(const ElementParameters& p, const BatchGeometry& geometry, const
     case PressureSpace::p1:
     case PressureSpace::p1_stabilized:
       return quadratic ? run(Element<P2, P1>{}) : run(Element<P1, P1>{});
-    case PressureSpace::p2:
-      return run(Element<P2, P2>{});
+    case PressureSpace::p2: return run(Element<P2, P2>{});
   }
 }
 

@@ -106,22 +106,16 @@ void respond(const ElementParameters& m, const BatchGeometry& geometry, Pack p,
   };
   switch (m.law) {
     case LawName::linear:  // the strain is the small one then
-    case LawName::st_venant_kirchhoff:
-      return displacementOnly(StVenantKirchhoff{m.lambda, m.mu});
-    case LawName::modified_st_venant_kirchhoff:
-      return mixed(StVenantKirchhoff{m.lambda, m.mu});
-    case LawName::mooney_rivlin:
-      return mixed(MooneyRivlin{{m.c10, m.c01}});
-    case LawName::neo_hookean:
-      return mixed(NeoHookean{{m.mu}});
-    case LawName::yeoh:
-      return mixed(Yeoh{{m.c10, m.c20, m.c30}});
+    case LawName::st_venant_kirchhoff: return displacementOnly(StVenantKirchhoff{m.lambda, m.mu});
+    case LawName::modified_st_venant_kirchhoff: return mixed(StVenantKirchhoff{m.lambda, m.mu});
+    case LawName::mooney_rivlin: return mixed(MooneyRivlin{{m.c10, m.c01}});
+    case LawName::neo_hookean: return mixed(NeoHookean{{m.mu}});
+    case LawName::yeoh: return mixed(Yeoh{{m.c10, m.c20, m.c30}});
     case LawName::ogden:
       return mixed(Ogden{{m.ogden_mu[0], m.ogden_mu[1], m.ogden_mu[2]},
                          {m.ogden_alpha[0], m.ogden_alpha[1], m.ogden_alpha[2]},
                          m.ogden_terms});
-    case LawName::veronda_westmann:
-      return mixed(VerondaWestmann{{m.c1, m.c2}});
+    case LawName::veronda_westmann: return mixed(VerondaWestmann{{m.c1, m.c2}});
     case LawName::holzapfel_gasser_ogden:
       return mixed(HolzapfelGasserOgden{{m.mu, m.k1, m.k2, m.dispersion}});
   }

@@ -360,18 +360,12 @@ GuardInput anything(std::mt19937_64& random) {
     std::uniform_int_distribution<int> kind(0, 40);
     const double sign = random() % 2 == 0 ? 1 : -1;
     switch (kind(random)) {
-      case 0:
-        return not_a_number;
-      case 1:
-        return sign * std::numeric_limits<double>::infinity();
-      case 2:
-        return sign * 1e300;
-      case 3:
-        return sign * 1e8;
-      case 4:
-        return sign * 1e-300;
-      default:
-        return usual * std::uniform_real_distribution<double>(-1, 1)(random);
+      case 0: return not_a_number;
+      case 1: return sign * std::numeric_limits<double>::infinity();
+      case 2: return sign * 1e300;
+      case 3: return sign * 1e8;
+      case 4: return sign * 1e-300;
+      default: return usual * std::uniform_real_distribution<double>(-1, 1)(random);
     }
   };
   GuardInput input;
