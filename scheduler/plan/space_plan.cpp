@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <span>
 
 #include "common/base/assertion.hpp"
@@ -163,8 +162,8 @@ std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) c
   }
   std::ranges::sort(candidates);
   std::vector<std::int32_t> parents;
-  for (const auto& [distance, norm, n] : candidates | std::views::take(max_attempts_per_point))
-    parents.push_back(n);
+  for (const auto& [distance, norm, n] : candidates)
+    if (std::ssize(parents) < max_attempts_per_point) parents.push_back(n);
   return parents;
 }
 

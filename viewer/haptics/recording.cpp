@@ -32,6 +32,8 @@ struct Column {
   Value (*of)(const HapticState&);
   std::vector<Value> values = {};
 };
+template <class Value>
+Column(const char*, const char*, Value (*)(const HapticState&)) -> Column<Value>;
 
 /// Anchor and displacement mean nothing where nothing is touched: zero, so that no plot shows more.
 Eigen::Vector3d whileTouching(const Touch& touch, const Eigen::Vector3d& value) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <ranges>
 #include <utility>
 
 #include "common/base/assertion.hpp"
@@ -36,7 +35,7 @@ System::System(BodyModel model, const ElementKernels& kernels)
     : model_(checked(std::move(model))),
       kernels_(kernels),
       mean_edge_(measure(model_.mesh).mean_edge),
-      shear_modulus_(std::ranges::min(model_.materials | std::views::transform(shearModulus))),
+      shear_modulus_(shearModulus(*std::ranges::min_element(model_.materials, {}, shearModulus))),
       parameters_(elementParameters(model_, pressureScale())),
       unknowns_(model_),
       batches_(model_),
