@@ -23,6 +23,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <system_error>
 #include <thread>
 
 namespace palpate {
@@ -43,13 +44,19 @@ std::string firstLine(const fs::path& file) {
   return line;
 }
 
-/// Asks for SCHED_FIFO on a thread of its own, so that nothing else changes.
+/// Asks for SCHED_FIFO on a thread of its own, so that nothing else changes. An errno; also where
+/// the system refuses the thread.
 int refusalOfFifo() {
   int refusal = 0;
-  std::thread([&] {
+  const auto ask = [&] {
     const sched_param parameters{.sched_priority = 1};
     refusal = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
-  }).join();
+  };
+  try {
+    std::thread(ask).join();
+  } catch (const std::system_error& error) {
+    return error.code().value();
+  }
   return refusal;
 }
 

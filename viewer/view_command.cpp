@@ -52,7 +52,7 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--profile", options->profile,
                  "Limits of force and stiffness as of this device; default: the device's own")
-      ->check(oneOf(deviceWords()));
+      ->check(oneOf(device_words));
   app.add_option("--method", options->method, "Interpolation to begin with")
       ->check(CLI::IsMember(forceFieldMethods()))
       ->capture_default_str();

@@ -22,8 +22,8 @@ constexpr auto headless_pause = std::chrono::milliseconds(20);
 constexpr auto look_every = std::chrono::milliseconds(500);  // at files, troubles and statistics
 
 DeviceProfile profileNamed(std::string_view word) {
-  const auto found = std::ranges::find(deviceProfiles(), word, &DeviceProfile::name);
-  PALPATE_ASSERT(found != deviceProfiles().end(), "the command line and scenes take known words");
+  const auto found = std::ranges::find(device_profiles, word, &DeviceProfile::name);
+  PALPATE_ASSERT(found != device_profiles.end(), "the command line takes known words");
   return *found;
 }
 

@@ -14,7 +14,7 @@ namespace palpate {
 struct ViewOptions {
   std::vector<std::filesystem::path> datasets;  ///< at least one; the first is felt first
   std::string device = "virtual";               ///< a word of device_choice.hpp
-  std::string profile;                          ///< of deviceProfiles(); empty: the device's own
+  std::string profile;                          ///< of device_profiles; empty: the device's own
   std::string method = "potential";
   std::optional<ContactMode> contact;  ///< none: what the scene says
   double friction = 0.2;

@@ -1,5 +1,3 @@
-#include <CLI/CLI.hpp>
-
 #include "worker/elements/blas_kernels.hpp"
 #include "worker/elements/kernel_family.hpp"
 #include "worker/verbs.hpp"

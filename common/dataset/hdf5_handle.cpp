@@ -24,11 +24,11 @@ std::string lastError() {
 
 ElementType typeOf(Element element) {
   // Not constants: the macros open the library, which then numbers its types.
-  const std::array<ElementType, all_elements.size()> types = {{{"uint8", 1, H5T_STD_U8LE},
-                                                               {"int16", 2, H5T_STD_I16LE},
-                                                               {"int32", 4, H5T_STD_I32LE},
-                                                               {"float32", 4, H5T_IEEE_F32LE},
-                                                               {"float64", 8, H5T_IEEE_F64LE}}};
+  const auto types = std::to_array<ElementType>({{"uint8", 1, H5T_STD_U8LE},
+                                                 {"int16", 2, H5T_STD_I16LE},
+                                                 {"int32", 4, H5T_STD_I32LE},
+                                                 {"float32", 4, H5T_IEEE_F32LE},
+                                                 {"float64", 8, H5T_IEEE_F64LE}});
   return types.at(static_cast<std::size_t>(element));
 }
 

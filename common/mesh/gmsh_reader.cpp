@@ -145,8 +145,9 @@ class GmshText {
   }
 
   void skipSection() {
+    const std::string end = "$End" + section_.substr(1);
     do nextLine();
-    while (lines_.rest() != "$End" + section_.substr(1));
+    while (lines_.rest() != end);
   }
 
   void nextLine() { lines_.advanceIn(section_); }

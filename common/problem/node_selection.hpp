@@ -6,7 +6,7 @@
 #include "common/space/active_patch.hpp"
 
 /// The nodes that the selectors of a scene select: what is held, what can be touched, what moves
-/// with the tool. Errors are bad input and name the key.
+/// with the tool. Errors are bad input and name the key or the active node.
 namespace palpate {
 
 /// The nodes that [fixed] selects: mid-edge nodes too, by their position, by their group, or

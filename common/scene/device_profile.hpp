@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <span>
 #include <string_view>
 
 namespace palpate {
@@ -33,9 +32,5 @@ inline constexpr auto device_words = [] {
   for (std::size_t i = 0; i < device_profiles.size(); ++i) names[i] = device_profiles[i].name;
   return names;
 }();
-
-/// device_profiles and device_words as what callers search.
-inline std::span<const DeviceProfile> deviceProfiles() { return device_profiles; }
-inline std::span<const std::string_view> deviceWords() { return device_words; }
 
 }  // namespace palpate

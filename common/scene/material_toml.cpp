@@ -59,6 +59,7 @@ constexpr std::array<std::span<const NumberKey>, words_of<LawName>.size()> numbe
     {},
     veronda_westmann_numbers,
     holzapfel_numbers};
+static_assert(!numbers_of_law.back().empty(), "a law is appended here too");
 
 std::span<const NumberKey> numbersOf(LawName law) {
   return numbers_of_law.at(static_cast<std::size_t>(law));

@@ -225,7 +225,7 @@ std::optional<Device> readDevice(const TomlSection& root) {
   if (!section) return std::nullopt;
   const toml::node& profile =
       section->require("profile", "which device it is, for instance \"touch\"");
-  return Device{deviceProfiles()[section->choice("profile", profile, deviceWords())]};
+  return Device{device_profiles[section->choice("profile", profile, device_words)]};
 }
 
 /// The smaller of `limit` and what the scene has, which is kept in `wanted` when it is more.
@@ -281,9 +281,11 @@ Accuracy readAccuracy(const TomlSection& root) {
 
 Storage readStorage(const TomlSection& root) {
   const auto section = root.inner("storage", {"displacement", "precision"});
-  if (!section) return {};
-  return {section->choice("displacement", StoredNodes::surface),
-          section->choice("precision", StoredPrecision::float32)};
+  Storage storage;
+  if (!section) return storage;
+  storage.displacement = section->choice("displacement", storage.displacement);
+  storage.precision = section->choice("precision", storage.precision);
+  return storage;
 }
 
 Scene readTables(const toml::table& table, const std::string& source) {

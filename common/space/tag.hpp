@@ -18,6 +18,7 @@ enum class Tag : std::uint8_t {
 /// True for the tags of points that hold an equilibrium.
 constexpr bool isSolved(Tag tag) { return tag == Tag::expandable || tag == Tag::terminating; }
 
+/// The words of name(), by value.
 inline constexpr std::array<std::string_view, 4> tag_words = {"unknown", "expandable",
                                                               "terminating", "failed"};
 /// "unknown", "expandable", "terminating" or "failed".

@@ -100,8 +100,9 @@ std::size_t Leases::leasedTo(const std::string& worker) const {
 }
 
 std::vector<TransitionKey> Leases::openOf(const std::string& worker, std::uint64_t job) const {
-  const auto found = jobsOf(worker).find(job);
-  return found == jobsOf(worker).end() ? std::vector<TransitionKey>() : found->second;
+  const auto& jobs = jobsOf(worker);
+  const auto found = jobs.find(job);
+  return found == jobs.end() ? std::vector<TransitionKey>() : found->second;
 }
 
 void Leases::putBack(const TransitionKey& key, Entry& entry) {

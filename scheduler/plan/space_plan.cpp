@@ -160,10 +160,10 @@ std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) c
     if (static_cast<double>(distance) <= reach * reach)
       candidates.emplace_back(distance, squaredNorm(positions_.point(n)), n);
   }
-  std::ranges::sort(candidates);
+  const auto wanted = std::min<std::ptrdiff_t>(std::ssize(candidates), max_attempts_per_point);
+  std::ranges::partial_sort(candidates, candidates.begin() + wanted);
   std::vector<std::int32_t> parents;
-  for (const auto& [distance, norm, n] : candidates)
-    if (std::ssize(parents) < max_attempts_per_point) parents.push_back(n);
+  for (const auto& [distance, norm, n] : std::span(candidates).first(wanted)) parents.push_back(n);
   return parents;
 }
 

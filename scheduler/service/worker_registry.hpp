@@ -61,7 +61,7 @@ class WorkerRegistry {
   Workers& all() { return workers_; }
   const Workers& all() const { return workers_; }
 
-  /// Rows of the table of servers: who is there now, busy when `leases` says so.
+  /// Rows of the table of servers, with whole ids: who is there now, busy when `leases` says so.
   std::vector<wire::WorkerStatus> rows(const Leases& leases, Time now) const;
   /// Those of who went since the last call.
   std::vector<wire::WorkerStatus> takeDeparted() { return std::exchange(departed_, {}); }

@@ -157,7 +157,7 @@ TEST_F(CheckCommand, SumsUpTheActiveNodesOfASurface) {
 
 TEST_F(CheckCommand, SaysWhatADeviceCutsOff) {
   scene.workspace.max_force = 8.5;
-  scene.device = Device{deviceProfiles()[0]};  // touch: 75 mm, 3.3 N
+  scene.device = Device{device_profiles[0]};  // touch: 75 mm, 3.3 N
   EXPECT_EQ(report().at("lattice").at("radius"), 0.075);
   EXPECT_EQ(report().at("device").at("max_force_cut_from"), 8.5);
   const std::string text = check().output;

@@ -1,10 +1,16 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <exception>
 #include <new>
+#include <utility>
 
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"

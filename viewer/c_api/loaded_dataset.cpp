@@ -15,19 +15,13 @@ double largestForce(const SpaceTable& space) {
   return largest;
 }
 
-/// Its name is that of `space`.
-palpate_space_info infoOf(const Dataset& dataset, const SpaceTable& space) {
+/// Its name is that of `space`; `vertex` is its active node's, -1 when that lies inside the body.
+palpate_space_info infoOf(const Dataset& dataset, const SpaceTable& space, std::int32_t vertex) {
   palpate_space_info info{};
   info.size = sizeof info;
   info.name = space.patch.name.c_str();
   info.node = space.patch.node;
-  const auto& surface = dataset.surfaceNodes();
-  PALPATE_ASSERT(std::ranges::is_sorted(surface), "a surface numbers its nodes in their order");
-  const auto place = std::lower_bound(surface.begin(), surface.end(), space.patch.node);
-  // An active node inside of the body is no vertex of what is seen.
-  info.vertex = place != surface.end() && *place == space.patch.node
-                    ? static_cast<std::int32_t>(place - surface.begin())
-                    : -1;
+  info.vertex = vertex;
   give(info.rest_position, dataset.mesh().nodes[static_cast<std::size_t>(space.patch.node)]);
   info.workspace_radius = space.lattice.radius();
   info.spacing = space.lattice.spacing();
@@ -53,7 +47,8 @@ LoadedDataset::LoadedDataset(const Dataset& dataset, const HapticModelOptions& o
   info_.max_force = model_.maxForce();
   PALPATE_ASSERT(model_.spaces().size() == dataset.spaces().size(),
                  "the numbers of spaces are those of the dataset");
-  for (const SpaceTable& space : model_.spaces()) spaces_.push_back(infoOf(dataset, space));
+  for (std::size_t s = 0; s < model_.spaces().size(); ++s)
+    spaces_.push_back(infoOf(dataset, model_.spaces()[s], model_.surface().activeVertex(s)));
 }
 
 }  // namespace palpate

@@ -2,7 +2,6 @@
 #include <functional>
 #include <mutex>
 
-#include "common/base/assertion.hpp"
 #include "viewer/c_api/arguments.hpp"
 #include "viewer/c_api/loaded_dataset.hpp"
 #include "viewer/fields/field_choice.hpp"
@@ -38,7 +37,6 @@ HapticModelOptions modelOptions(const palpate_open_options& given) {
   if (given.method_count > 0)
     options.methods.assign(given.methods, given.methods + given.method_count);
   options.reach = given.reach;
-  PALPATE_ASSERT(options.reach >= 0, "options that cannot be used were refused before");
   return options;
 }
 

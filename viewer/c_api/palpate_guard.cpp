@@ -28,11 +28,10 @@ constexpr std::uint32_t known_flags =
     PALPATE_READING_FRESH | PALPATE_READING_LOST | PALPATE_LOOP_LATE;
 
 const DeviceProfile* profileNamed(const char* function, std::string_view name) {
-  const auto profiles = deviceProfiles();
-  const auto found = std::ranges::find(profiles, name, &DeviceProfile::name);
-  if (found != profiles.end()) return &*found;
+  const auto found = std::ranges::find(device_profiles, name, &DeviceProfile::name);
+  if (found != device_profiles.end()) return &*found;
   invalid("{}: there is no device \"{}\"; there are: {}", function, name,
-          fmt::join(deviceWords(), ", "));
+          fmt::join(device_words, ", "));
   return nullptr;
 }
 

@@ -86,7 +86,7 @@ Error unknown(const std::string& text, std::string_view kind) {
   const std::string_view near = nearestWord(kind, kinds);
   std::string hint = near.empty() ? "" : fmt::format(" (did you mean {}?)", near);
   // Names of devices are words of profiles too: who writes one here may have meant its limits.
-  if (std::ranges::find(deviceWords(), kind) != deviceWords().end())
+  if (std::ranges::find(device_words, kind) != device_words.end())
     hint = fmt::format(" (for the limits of one: --profile {})", kind);
   return badInput("--device {}: there is no such device{}; it can be {}", text, hint, deviceHelp());
 }

@@ -17,7 +17,7 @@ struct DeviceContext {
   double period = 1e-3;  ///< s, of the loop that reads the device
   /// Of devices that have no limits of their own: virtual hand, mouse; and of a network device
   /// until it told its own.
-  DeviceProfile profile = deviceProfiles().front();
+  DeviceProfile profile = device_profiles.front();
 };
 
 /// The word of --device when there is none.

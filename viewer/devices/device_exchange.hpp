@@ -62,7 +62,7 @@ class ThreadedDevice : public HapticDevice {
   std::string trouble() const override { return exchange_->trouble(); }
 
  protected:
-  /// Shared with the thread, which outlives this object where it hangs.
+  /// Shared, for a thread that may outlive this object where it hangs.
   const std::shared_ptr<DeviceExchange> exchange_ = std::make_shared<DeviceExchange>();
 };
 

@@ -11,8 +11,8 @@ namespace palpate {
 /// still. It feels no force. Lives in the scene.
 class MouseDevice : public HapticDevice {
  public:
-  /// start: m, scene frame, where the tool is before the first event. period: s, that passes with
-  /// every read().
+  /// start: m, scene frame, where the tool is before the first event. period: s, positive, that
+  /// passes with every read().
   MouseDevice(const Eigen::Vector3d& start, double period, const DeviceProfile& profile);
 
   void moveTo(const Eigen::Vector3d& position) noexcept override;

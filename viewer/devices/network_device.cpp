@@ -24,12 +24,7 @@ NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
       context_(1),
       socket_(makeDeviceDealer(context_)),
       max_force_(options_.fallback.max_force) {
-  checkEndpoint(options_.endpoint);
-  try {
-    socket_.connect(options_.endpoint);
-  } catch (const zmq::error_t& error) {
-    throw badInput("cannot connect to {}: {}", options_.endpoint, error.what());
-  }
+  connectDealer(socket_, options_.endpoint);
   connection_trouble_ = fmt::format(
       "no device answers at {}: start one there with palpate device --listen", options_.endpoint);
   tellTrouble();
@@ -66,12 +61,7 @@ void NetworkDevice::run() {
 }
 
 void NetworkDevice::turn() {
-  zmq::pollitem_t item{socket_.handle(), 0, ZMQ_POLLIN, 0};
-  try {
-    zmq::poll(&item, 1, poll_interval);
-  } catch (const zmq::error_t& error) {
-    if (error.num() != EINTR) throw;
-  }
+  waitForMessages(socket_, poll_interval);
   const std::uint64_t before = last_reading_;
   while (const auto incoming = receiveDeviceMessage(socket_, false)) handle(incoming->message);
   const auto now = Clock::now();

@@ -16,7 +16,7 @@ namespace palpate {
 struct NetworkDeviceOptions {
   std::string endpoint;  ///< tcp://HOST:PORT or ipc://PATH, where a DeviceServer listens
   /// Limits to go by when no device answered within `wait`.
-  DeviceProfile fallback = deviceProfiles().front();
+  DeviceProfile fallback = device_profiles.front();
   std::chrono::milliseconds wait{2000};
   /// For how long a force stays valid at the far side, from the reading that it answers; then it
   /// renders zero.

@@ -23,12 +23,12 @@ namespace palpate {
 class VirtualHand : public HapticDevice {
  public:
   static constexpr double mass = 0.15;  ///< kg, of hand and tool
-  static constexpr double stiffness =
-      400;                              ///< N/m, with which the hand holds the tool to its target
+  /// N/m, with which the hand holds the tool to its target
+  static constexpr double stiffness = 400;
   static constexpr double damping = 8;  ///< N s/m
 
-  /// period: s, that passes with every read(). Error (bad input) for one that is too long for a
-  /// stable integration.
+  /// period: s, that passes with every read(). Error (bad input) for one that is not positive,
+  /// or too long for a stable integration.
   VirtualHand(HandPath path, double period, const DeviceProfile& profile);
 
   /// The first reading is the beginning of the path, at rest.

@@ -13,7 +13,8 @@ namespace palpate {
 /// A ghost's polynomial goes through the data of the nearest solved points: exact for energies up
 /// to the third degree where enough of them are near, of lower order with fewer; a lone point is
 /// continued by its force and stiffness. Forces are limited by what the neighbours span.
-/// The same numbers on every machine of one kind. Any thread.
+/// `ghosts`: ghostPolynomials of the same tree and space, one per slot; none mixes points that an
+/// inconsistent edge joins. The same numbers on every machine of one kind. Any thread.
 std::vector<Equilibrium> slotEquilibria(const CellTree& tree, const SpaceTable& space,
                                         const std::vector<LocalPolynomial>& ghosts);
 

@@ -30,7 +30,8 @@ std::vector<std::int32_t> nearestSolved(const CellBranches& data, std::int32_t g
   std::vector<std::int32_t> solved;
   for (std::int32_t s = 0; s < std::ssize(data.tree.slots()); ++s)
     if (data.tree.slots()[at(s)].kind == SlotKind::solved) solved.push_back(s);
-  PALPATE_ASSERT(!solved.empty(), "no tree is made where nothing is solved");
+  if (solved.empty())
+    throw failure("no corner of a cell was solved, so there is no shape to continue");
   const std::size_t kept = std::min(sources, solved.size());
   std::ranges::partial_sort(solved, solved.begin() + kept, {},
                             [&](std::int32_t slot) { return std::pair(distance(slot), slot); });

@@ -19,7 +19,8 @@ namespace palpate {
 class DisplacementField {
  public:
   /// displacements: [point][node][axis], metres, a row per point of the space's lattice (of points
-  /// that are not solved never read). Error when no point is solved or their number does not fit.
+  /// that are not solved never read). Error when no corner of a cell is solved or their number does
+  /// not fit.
   DisplacementField(const SpaceTable& space, std::span<const float> displacements);
 
   /// Fills `out`, [node][axis], metres, as long as a row, for any displacement of the active node

@@ -127,8 +127,9 @@ std::vector<Node> makeNodes(const CellData& data, HermiteField::Slopes slopes) {
   return nodes;
 }
 
-/// Lowers the support of slots whose differences use ghosts.
-CellData withStencilSupport(CellData data) {
+/// Of differences of the forces: lowers the support of slots whose differences use ghosts.
+const CellData& withStencilSupport(CellData& data, HermiteField::Slopes slopes) {
+  if (slopes == HermiteField::Slopes::exact) return data;
   const SlotDifferences differences(data, SlotDifferences::Ghosts::any);
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<double> before = data.support;
@@ -143,9 +144,8 @@ CellData withStencilSupport(CellData data) {
 
 }  // namespace
 
-HermiteField::HermiteField(const CellData& data, Slopes slopes)
-    : CellField(slopes == Slopes::exact ? "hermite" : "tricubic",
-                slopes == Slopes::exact ? data : withStencilSupport(data)),
+HermiteField::HermiteField(CellData data, Slopes slopes)
+    : CellField(slopes == Slopes::exact ? "hermite" : "tricubic", withStencilSupport(data, slopes)),
       nodes_(makeNodes(data, slopes)) {}
 
 void HermiteField::interpolate(std::int32_t leaf, const Eigen::Vector3d& local,

@@ -34,7 +34,7 @@ class HermiteField : public CellField {
                    ForceSample& sample) const noexcept override;
 
  private:
-  HermiteField(const CellData& data, Slopes slopes);
+  HermiteField(CellData data, Slopes slopes);
 
   std::vector<Node> nodes_;  ///< per slot
 };

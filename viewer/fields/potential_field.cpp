@@ -97,9 +97,10 @@ class Corrections {
   std::vector<double> values_;                       ///< J, per slot
 };
 
-std::vector<LocalPolynomial> correctedPolynomials(const CellData& data, const SpaceTable& space) {
+/// Takes the ghosts of `data`.
+std::vector<LocalPolynomial> correctedPolynomials(CellData& data, const SpaceTable& space) {
   std::vector<LocalPolynomial> polynomials =
-      slotPolynomials(data.tree, space, data.inconsistent, data.ghosts);
+      slotPolynomials(data.tree, space, data.inconsistent, std::move(data.ghosts));
   const std::vector<double> corrections = energyCorrections(data);
   PALPATE_ASSERT(corrections.size() == polynomials.size(), "both are per slot of the same tree");
   for (std::size_t s = 0; s < polynomials.size(); ++s)
@@ -111,7 +112,7 @@ std::vector<LocalPolynomial> correctedPolynomials(const CellData& data, const Sp
 
 std::vector<double> energyCorrections(const CellData& data) { return Corrections(data).minimise(); }
 
-PotentialField::PotentialField(const CellData& data, const SpaceTable& space)
+PotentialField::PotentialField(CellData data, const SpaceTable& space)
     : PotentialField(data, correctedPolynomials(data, space)) {}
 
 PotentialField::PotentialField(const CellData& data,

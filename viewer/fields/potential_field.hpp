@@ -49,7 +49,7 @@ class PotentialField : public CellField {
                    ForceSample& sample) const noexcept override;
 
  private:
-  PotentialField(const CellData& data, const SpaceTable& space);
+  PotentialField(CellData data, const SpaceTable& space);
   PotentialField(const CellData& data, const std::vector<LocalPolynomial>& polynomials);
 
   std::vector<EnergyJet> jets_;  ///< per slot

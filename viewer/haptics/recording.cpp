@@ -133,8 +133,8 @@ double readNotNegative(const Reader& in, const char* attribute) {
 /// The limits of the recorded device, under a name that lives as long as the program.
 DeviceProfile readProfile(const Reader& in) {
   const std::string name = in.text("profile");
-  const auto known = std::ranges::find(deviceProfiles(), name, &DeviceProfile::name);
-  return {known == deviceProfiles().end() ? "replay" : known->name,
+  const auto known = std::ranges::find(device_profiles, name, &DeviceProfile::name);
+  return {known == device_profiles.end() ? "replay" : known->name,
           readNotNegative(in, "profile_max_force"), readNotNegative(in, "profile_max_stiffness"),
           readNotNegative(in, "profile_workspace_radius")};
 }
@@ -208,6 +208,7 @@ Recording readRecording(const std::filesystem::path& file) {
   const auto positions = in.readList<Eigen::Vector3d>("/device/position");
   const auto buttons = in.readList<std::uint32_t>("/device/buttons", positions.size());
   const auto status = in.readList<DeviceStatus>("/device/status", positions.size());
+  recording.readings.reserve(positions.size());
   for (std::size_t tick = 0; tick < positions.size(); ++tick) {
     if (status[tick] > DeviceStatus::lost)
       throw in.damaged("/device/status", fmt::format("entry {} is no known status", tick));

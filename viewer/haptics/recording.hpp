@@ -47,21 +47,21 @@ class Recorder {
   /// Error that names the file when it cannot be written (a full disk); nothing is left of the
   /// attempt then, and save() may be called again. The same recording gives the same bytes.
   ///
-  ///   /time                  float64  n      s
-  ///   /device/position       float64  n x 3  m, of the device, or of the scene (scene_frame)
-  ///   /device/buttons        int32    n      bits
-  ///   /device/status         uint8    n      0 fresh, 1 repeated, 2 lost: part of the format
-  ///   /tool/position         float64  n x 3  m, scene frame
-  ///   /force/rendered, raw   float64  n x 3  N, scene frame
-  ///   /contact/touching      uint8    n      0 or 1
-  ///   /contact/anchor        float64  n x 3  m, at rest
-  ///   /contact/displacement  float64  n x 3  m
-  ///   /contact/energy        float64  n      J
-  ///   /contact/error_bound   float64  n      N
-  ///   /guards                int32    n      bits of Guarded: part of the format, only append
-  ///   /model, /method        int32    n      in use: counted in the attributes models, methods
-  ///   /workspace/rotation    float64  3 x 3  scene = origin + scale * rotation * device
-  ///   /workspace/origin      float64  3      m
+  ///   /time                 float64  n     s, tick * period: increasing
+  ///   /device/position      float64  n x 3 m, of device or scene (scene_frame); also NaN
+  ///   /device/buttons       int32    n     bits
+  ///   /device/status        uint8    n     0 fresh, 1 repeated, 2 lost: part of the format
+  ///   /tool/position        float64  n x 3 m, scene frame
+  ///   /force/rendered, raw  float64  n x 3 N, scene frame, after and before the guard
+  ///   /contact/touching     uint8    n     0 or 1
+  ///   /contact/anchor       float64  n x 3 m, at rest; 0 when not touching
+  ///   /contact/displacement float64  n x 3 m, of the anchor; 0 when not touching
+  ///   /contact/energy       float64  n     J, in the tissue; NaN where the method has none
+  ///   /contact/error_bound  float64  n     N; NaN where the method gives none
+  ///   /guards               int32    n     bits of Guarded: part of the format, only append
+  ///   /model, /method       int32    n     in use: counted in attributes models, methods
+  ///   /workspace/rotation   float64  3 x 3 scene = origin + scale * rotation * device
+  ///   /workspace/origin     float64  3     m
   ///
   /// Attributes of the root: format "palpate-recording", format_version 1; datasets, content_ids,
   /// models, methods (JSON lists of text), device, profile, contact_mode (text), all other options

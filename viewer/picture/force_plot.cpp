@@ -59,8 +59,10 @@ void plotGrid(ImDrawList& draw, const PlotArea& area) {
 }
 
 void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& history) {
+  std::vector<ImVec2> points;
+  points.reserve(history.samples().size());
   for (std::size_t curve = 0; curve < curve_colours.size(); ++curve) {
-    std::vector<ImVec2> points;
+    points.clear();
     for (const auto& [time, force] : history.samples())
       points.push_back(
           area.at(time, curve < 3 ? force[static_cast<Eigen::Index>(curve)] : force.norm()));

@@ -34,10 +34,11 @@ void writePng(const Image& image, const std::filesystem::path& file) {
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     // Before the question whether all went well: a full disk may show only now.
     out.close();
-    if (!out)
-      throw failure(
-          "{}: cannot write the picture: {}; check the folder, its permissions and the space left",
-          file.string(), errno == 0 ? "no reason is given" : errnoText());
+    if (out) return;
+    const std::string why = errno == 0 ? "the system does not say why" : errnoText();
+    throw failure(
+        "{}: cannot write the picture: {}; check the folder, its permissions and the space left",
+        file.string(), why);
   });
 }
 
@@ -47,7 +48,6 @@ VideoFrames::VideoFrames(std::filesystem::path folder) : folder_(std::move(folde
   if (refused)
     throw failure("{}: cannot make the folder for frames: {}", folder_.string(), refused.message());
   for (const auto& entry : std::filesystem::directory_iterator(folder_, refused))
-    // Two runs in one folder would make a film of both.
     if (entry.path().filename().string().starts_with("frame-"))
       throw badInput("{} holds frames already ({}); name another folder, or empty this one",
                      folder_.string(), entry.path().filename().string());

@@ -32,13 +32,13 @@ class Panels {
 
 /// What the keys and the mouse do, a line each, for the person.
 extern const char* const key_help;
-/// Changes `view` and adds to `requests` as the keys ask that went down since the last picture. A
-/// dataset or method that is not prepared yet is passed over.
-void obeyKeys(const PanelContents& contents, ViewChoices& view, PictureRequests& requests);
+/// Changes `choices` and adds to `requests` as the keys ask that went down since the last picture.
+/// A dataset or method that is not prepared yet is passed over.
+void obeyKeys(const PanelContents& contents, ViewChoices& choices, PictureRequests& requests);
 /// The panel at the right of the view, from top to bottom of the window: choices, and the numbers
-/// of touch, guards, loop and lattice. Changes `chosen` and adds to `requests` as the person
+/// of touch, guards, loop and lattice. Changes `choices` and adds to `requests` as the person
 /// clicks.
-void buildSidePanel(const PanelContents& contents, const Viewport& view, ViewChoices& chosen,
+void buildSidePanel(const PanelContents& contents, const Viewport& view, ViewChoices& choices,
                     PictureRequests& requests);
 /// The panel below the view: the force of the last ForceHistory::span seconds, its components and
 /// its length.

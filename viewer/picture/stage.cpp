@@ -9,7 +9,6 @@
 
 #include <array>
 
-#include "common/base/assertion.hpp"
 #include "viewer/picture/coin.hpp"
 
 namespace palpate {
@@ -62,7 +61,6 @@ Stage::Stage(double extent)
       coin_camera_(new SoPerspectiveCamera),
       key_(new SoDirectionalLight),
       fill_(new SoDirectionalLight) {
-  PALPATE_ASSERT(extent > 0, "a body has an extent");
   auto* background = new SoCallback;
   background->setCallback(drawBackground);
   key_->intensity.setValue(0.62F);

@@ -39,14 +39,14 @@ const char* const key_help =
     "H      this help\n"
     "Q      quit";
 
-void obeyKeys(const PanelContents& contents, ViewChoices& view, PictureRequests& requests) {
+void obeyKeys(const PanelContents& contents, ViewChoices& choices, PictureRequests& requests) {
   const HapticState& state = contents.state;
   const auto pressed = [&](int key) { return std::ranges::count(contents.keys, key) > 0; };
   if (ImGui::GetIO().WantTextInput) return;
-  if (pressed(GLFW_KEY_G)) view.ghost = !view.ghost;
-  if (pressed(GLFW_KEY_L)) view.lattice = !view.lattice;
-  if (pressed(GLFW_KEY_E)) view.errors = !view.errors;
-  if (pressed(GLFW_KEY_H)) view.help = !view.help;
+  if (pressed(GLFW_KEY_G)) choices.ghost = !choices.ghost;
+  if (pressed(GLFW_KEY_L)) choices.lattice = !choices.lattice;
+  if (pressed(GLFW_KEY_E)) choices.errors = !choices.errors;
+  if (pressed(GLFW_KEY_H)) choices.help = !choices.help;
   if (pressed(GLFW_KEY_R)) requests.release = true;
   if (pressed(GLFW_KEY_SPACE)) requests.pause = true;
   if (pressed(GLFW_KEY_F5)) requests.reload = true;

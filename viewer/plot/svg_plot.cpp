@@ -193,7 +193,6 @@ std::vector<double> linearTicks(double lowest, double highest, int count) {
   const double rough = (highest - lowest) / std::max(count, 1);
   if (!(rough > 0) || !std::isfinite(rough)) return {lowest};
   const double step = roundUp(rough);
-  PALPATE_ASSERT(step >= rough * (1 - 1e-6), "there are about as many ticks as asked for");
   std::vector<double> ticks;
   for (double n = std::ceil(lowest / step - 1e-9); n * step <= highest + 1e-9 * step; ++n)
     // Not "-0".

@@ -1,4 +1,3 @@
-
 #include <algorithm>
 
 #include "common/base/program.hpp"

@@ -36,12 +36,12 @@ std::vector<HeldOutSolution> usableProbes(const std::vector<const SpaceTable*>& 
   std::vector<HeldOutSolution> solutions;
   for (const SpaceTable* table : tables)
     for (const auto& [displacement, record] : table->probes) {
+      if (record.tag != Tag::expandable || isPointOfAny(tables, displacement)) continue;
       // Probes of one dataset differ; looking for them would take time with their square.
       const bool is_known = table != tables.front() &&
                             std::ranges::find(solutions, displacement,
                                               &HeldOutSolution::displacement) != solutions.end();
-      if (record.tag == Tag::expandable && !isPointOfAny(tables, displacement) && !is_known)
-        solutions.push_back({displacement, record.equilibrium.force});
+      if (!is_known) solutions.push_back({displacement, record.equilibrium.force});
     }
   return solutions;
 }

@@ -102,4 +102,5 @@ std::string sceneReportJson(const SceneReport& report) {
                                 {"warnings", report.warnings}}
       .dump();
 }
+
 }  // namespace palpate

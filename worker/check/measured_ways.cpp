@@ -10,11 +10,6 @@
 namespace palpate {
 namespace {
 
-/// Measured is until one of the two is used up: so many transitions tell the cost of an average one
-/// to a few percent.
-constexpr std::int32_t enough_transitions = 80;
-constexpr double enough_seconds = 2;  ///< of the processor
-
 /// Not the time of day: other programs that keep the cores busy would be counted.
 double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -34,8 +29,11 @@ Eigen::Vector3d directionAt(double height, double turn) {
 
 class Measurement {
  public:
-  explicit Measurement(const Problem& problem)
-      : problem_(problem), began_(processorSeconds()), solver_(problem, chooseKernels()) {}
+  Measurement(const Problem& problem, const MeasuringLimits& limits)
+      : problem_(problem),
+        limits_(limits),
+        began_(processorSeconds()),
+        solver_(problem, chooseKernels()) {}
 
   MeasuredWays run() {
     while (!over() && found_.no_rest.empty()) {
@@ -50,8 +48,8 @@ class Measurement {
 
  private:
   bool over() const {
-    return found_.transitions >= enough_transitions ||
-           (found_.transitions > 0 && processorSeconds() - began_ > enough_seconds);
+    return found_.transitions > 0 && (found_.transitions >= limits_.transitions ||
+                                      processorSeconds() - began_ > limits_.seconds);
   }
 
   void walk(const Eigen::Vector3d& direction) {
@@ -88,6 +86,7 @@ class Measurement {
   }
 
   const Problem& problem_;
+  const MeasuringLimits limits_;
   const double began_;
   TransitionSolver solver_;
   MeasuredWays found_;
@@ -95,9 +94,9 @@ class Measurement {
 
 }  // namespace
 
-MeasuredWays measureWays(const Problem& problem) {
+MeasuredWays measureWays(const Problem& problem, const MeasuringLimits& limits) {
   PALPATE_ASSERT(!problem.active.empty(), "a problem that resolve() made has something to touch");
-  return Measurement(problem).run();
+  return Measurement(problem, limits).run();
 }
 
 }  // namespace palpate

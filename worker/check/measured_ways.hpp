@@ -34,9 +34,14 @@ struct MeasuredWays {
   std::string no_rest;
 };
 
+/// How long to measure: until one of the two is used up.
+struct MeasuringLimits {
+  double seconds = 2;             ///< of the processor; at least one transition is made
+  std::int32_t transitions = 80;  ///< as many as tell the cost of an average one to a few percent
+};
+
 /// Solves a few ways of the problem, in directions and from active nodes that are spread evenly,
-/// the same ones every time, for about two seconds of the processor. One thread; Error when the
-/// matrix cannot be analysed.
-MeasuredWays measureWays(const Problem& problem);
+/// the same ones every time. One thread; Error when the matrix cannot be analysed.
+MeasuredWays measureWays(const Problem& problem, const MeasuringLimits& limits = {});
 
 }  // namespace palpate

@@ -100,7 +100,7 @@ bool computesRight(int n) {
 /// Small matrices have kernels of their own; the others fill blocks and leave edges.
 bool blasComputesRight() {
   constexpr std::array sizes = {5, 48, 97};
-  openblas_set_num_threads(1);
+  openblas_set_num_threads(1);  // what prepareBlas() promises, too
   static const bool right = std::all_of(sizes.begin(), sizes.end(), [](int n) {
     return computesRight<Eigen::MatrixXf, cblas_sgemm, cblas_strsm>(n) &&
            computesRight<Eigen::MatrixXd, cblas_dgemm, cblas_dtrsm>(n);
@@ -148,7 +148,6 @@ std::string whyBlasIsSlow() {
 }
 
 void prepareBlas() {
-  openblas_set_num_threads(1);
   if (!blasComputesRight())
     throw failure(
         "OpenBLAS computes wrong products with its {} kernels on this CPU: choose others with {}, "

@@ -38,14 +38,15 @@ enum class Precision : std::uint8_t { single_precision, double_precision };
 
 /// LDL^T of a symmetric indefinite matrix with a pattern that stays, by sequential MUMPS.
 ///
-/// Analysis happens once, in the constructor, on the pattern alone; so the same values always give
+/// Analysis happens once, in of(), on the pattern alone; so the same values always give
 /// the same bits. MUMPS is not thread-safe: at most one LinearSolver per process, used from one
 /// thread. BLAS is held to one thread.
 class LinearSolver {
  public:
-  /// Error when the analysis fails, or OpenBLAS computes wrong products (prepareBlas). `pattern` is
-  /// copied. `singular`: the matrix may have a null space (the spurious pressure modes of P1/P1);
-  /// pivots that vanish are then detected and their unknowns kept at zero.
+  /// A new one, never null. Error when the analysis fails, or OpenBLAS computes wrong products
+  /// (prepareBlas). `pattern` is copied. `singular`: the matrix may have a null space (the spurious
+  /// pressure modes of P1/P1); pivots that vanish are then detected and their unknowns kept at
+  /// zero.
   static std::unique_ptr<LinearSolver> of(const SparsityPattern& pattern, Precision precision,
                                           bool singular);
   virtual ~LinearSolver() = default;

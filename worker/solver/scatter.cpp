@@ -67,6 +67,9 @@ void Scatter::findSlots(std::int32_t number) {
   Slots& slots = slots_[number];
   slots.rows.clear();
   slots.entries.clear();
+  // Exactly: they stay as long as the process, and are most of what it holds of a large mesh.
+  slots.rows.reserve(static_cast<std::size_t>(batch.unknowns) * lanes);
+  slots.entries.reserve(static_cast<std::size_t>(localEntries(batch.unknowns)) * lanes);
   // Left-over lanes go to the sink: their volume is zero, but a NaN times zero would not be.
   const auto sinkOf = [](const std::vector<double>& sums) {
     return static_cast<std::int32_t>(sums.size()) - 1;

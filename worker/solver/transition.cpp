@@ -294,6 +294,7 @@ void TransitionSolver::explainByLimitPoint(const Start& start, const Eigen::Vect
 
 NodalFields TransitionSolver::fieldsOf(const State& state) const {
   NodalFields fields = {{state.u.begin(), state.u.end()}, {}};
+  fields.pressure.reserve(state.q.size());
   for (const double q : state.q)
     fields.pressure.push_back(static_cast<float>(q * system_.pressureScale()));
   return fields;

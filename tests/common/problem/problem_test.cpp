@@ -268,7 +268,7 @@ TEST_F(Problem, IdIgnoresWhatDoesNotChangeAnyConfiguration) {
   scene.fixed.groups = {"zmin"};
   mesh.node_groups.erase("ymax");
   scene.accuracy.levels = 1;
-  scene.device = Device{deviceProfiles()[2]};
+  scene.device = Device{device_profiles[2]};
   scene.storage = {StoredNodes::all, StoredPrecision::int16};
   scene.contact = ContactMode::glued;
   EXPECT_EQ(problemId(resolved()), id);

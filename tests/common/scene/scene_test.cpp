@@ -329,7 +329,7 @@ TEST(Scene, KeepsWithinItsDevice) {
 }
 
 TEST(Scene, KnowsEveryDeviceOfTheTable) {
-  for (const DeviceProfile& profile : deviceProfiles()) {
+  for (const DeviceProfile& profile : device_profiles) {
     const Scene scene =
         parse(fmt::format("mesh = \"m.msh\"\n"
                           "[material]\n"

@@ -45,7 +45,7 @@ palpate_guarded_force settled(palpate_guard* guard, double newtons) {
 }
 
 TEST(CGuard, KnowsTheDevices) {
-  for (const DeviceProfile& profile : deviceProfiles()) {
+  for (const DeviceProfile& profile : device_profiles) {
     const std::string name(profile.name);
     auto device = test::sized<palpate_profile>();
     ASSERT_EQ(palpate_device_profile(name.c_str(), &device), PALPATE_OK);

@@ -8,7 +8,7 @@ namespace palpate {
 namespace {
 
 MouseDevice atOrigin() {
-  return MouseDevice(Eigen::Vector3d::Zero(), 1e-3, deviceProfiles().front());
+  return MouseDevice(Eigen::Vector3d::Zero(), 1e-3, device_profiles.front());
 }
 
 /// x(t) = 1 - (1 + t/T) exp(-t/T)

@@ -139,7 +139,7 @@ TEST(NetworkDevice, SaysHowToStartADeviceWhenNobodyAnswers) {
   EXPECT_EQ(device.read().status, DeviceStatus::lost);
   EXPECT_THAT(device.trouble(), HasSubstr("tcp://127.0.0.1:9"));
   EXPECT_THAT(device.trouble(), HasSubstr("palpate device"));
-  EXPECT_EQ(device.profile(), deviceProfiles().front());
+  EXPECT_EQ(device.profile(), device_profiles.front());
 }
 
 TEST(NetworkDevice, RefusesAnEndpointThatIsNone) {

@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-const DeviceProfile& touchProfile() { return deviceProfiles().front(); }
+const DeviceProfile& touchProfile() { return device_profiles.front(); }
 
 HandPath resting() { return HandPath({{0, {0.01, 0.02, 0.03}}}); }
 

@@ -147,6 +147,8 @@ TEST(Recording, HoldsEveryTickToTheLastBit) {
       "/method", +[](State s) { return s.method; });
   const auto anchors = in.readList<Eigen::Vector3d>("/contact/anchor"),
              displacements = in.readList<Eigen::Vector3d>("/contact/displacement");
+  ASSERT_EQ(anchors.size(), states.size());
+  ASSERT_EQ(displacements.size(), states.size());
   for (std::size_t n = 0; n < states.size(); ++n) {
     const Touch& touch = states[n].touch;
     const Eigen::Vector3d nowhere = Eigen::Vector3d::Zero();
@@ -157,7 +159,9 @@ TEST(Recording, HoldsEveryTickToTheLastBit) {
 
 TEST(Recording, GivesTheReadingsOfTheDeviceBackToTheLastBit) {
   const TemporaryDirectory folder;
-  someRecorder(1000).save(folder / "run.h5");
+  const Recorder recorder = someRecorder(1000);
+  EXPECT_TRUE(recorder.complete());
+  recorder.save(folder / "run.h5");
   const Recording read = readRecording(folder / "run.h5");
   EXPECT_EQ(read.rate, 5000);
   EXPECT_TRUE(read.scene_frame);
@@ -288,10 +292,11 @@ TEST(Recording, WithAChangedByteIsAnErrorOrTheSameReadings) {
   EXPECT_GT(refused, tried / 4);
 }
 
-/// Writes one number over another where it lies, hash and all: what a foreign program could write.
+/// Writes one number over another where it lies; hash and all is what a foreign program could
+/// write, without it what a bad disk does.
 template <class T>
 void rewrite(const std::filesystem::path& file, const char* path, std::vector<T> values,
-             const hdf5::Shape& shape) {
+             const hdf5::Shape& shape, bool with_hash = true) {
   const hid_t opened = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   const hid_t array = H5Dopen2(opened, path, H5P_DEFAULT);
   ASSERT_GE(array, 0);
@@ -299,11 +304,13 @@ void rewrite(const std::filesystem::path& file, const char* path, std::vector<T>
   const hid_t type = H5Dget_type(array);
   ASSERT_GE(H5Dwrite(array, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0);
   const std::string hash = ContentId::of(palpate::bytesOf(std::span<const T>(values))).hex();
-  const hid_t attribute = H5Aopen(array, hdf5::hash_attribute, H5P_DEFAULT);
-  const hid_t text = H5Aget_type(attribute);
-  ASSERT_GE(H5Awrite(attribute, text, hash.data()), 0);
-  H5Tclose(text);
-  H5Aclose(attribute);
+  if (with_hash) {
+    const hid_t attribute = H5Aopen(array, hdf5::hash_attribute, H5P_DEFAULT);
+    const hid_t text = H5Aget_type(attribute);
+    ASSERT_GE(H5Awrite(attribute, text, hash.data()), 0);
+    H5Tclose(text);
+    H5Aclose(attribute);
+  }
   H5Tclose(type);
   H5Dclose(array);
   H5Fclose(opened);
@@ -319,6 +326,14 @@ TEST(Recording, WithImpossibleValuesIsRefused) {
   fresh();
   rewrite<std::uint8_t>(folder / "run.h5", "/device/status", {0, 3, 0}, {3});
   refused("/device/status");
+}
+
+TEST(Recording, IsRefusedForDamageInWhatAReplayDoesNotNeedToo) {
+  const TemporaryDirectory folder;
+  someRecorder(3).save(folder / "run.h5");
+  rewrite<double>(folder / "run.h5", "/time", {1, 3, 2}, {3}, false);
+  test::expectError(ExitCode::failed, [&] { readRecording(folder / "run.h5"); },
+                    {"run.h5", "/time"});
 }
 
 /// 0 when a save to a disk that takes no more than `limit` bytes of a file is an Error that names
