@@ -18,11 +18,6 @@
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
 
-/// Read by the leak sanitizer: HDF5 1.10.8 itself loses memory when it refuses a file with damaged
-/// structure.
-extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
-
 namespace palpate {
 namespace {
 

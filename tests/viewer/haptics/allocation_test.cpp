@@ -1,54 +1,33 @@
+// What may be called in a tick, beside the tick itself: counted in the C library, in a program of
+// its own.
+
 #include <gtest/gtest.h>
 
 #include <array>
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
-#include <new>
 #include <vector>
 
 #include "tests/support/sample_dataset.hpp"
+#include "tests/viewer/haptics/counted_calls.hpp"
 #include "tests/viewer/haptics/touched_model.hpp"
 #include "viewer/fields/displacement_field.hpp"
 #include "viewer/fields/field_choice.hpp"
 #include "viewer/haptics/contact.hpp"
 #include "viewer/haptics/deformed_shape.hpp"
 
-namespace {
-std::atomic<long> allocations = 0;
-}
-
-// Counts every allocation of this test program. Not inline: GCC would warn that free() does not
-// match new.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-
 namespace palpate {
 namespace {
-
-TEST(CountingAllocator, Counts) {
-  const long before = allocations;
-  void* const memory = ::operator new(1);
-  const long after = allocations;
-  ::operator delete(memory);
-  EXPECT_EQ(after, before + 1);
-}
 
 TEST(ForceField, EvaluatesWithoutAllocating) {
   const Lattice lattice(0.02, 0.005);
   const SpaceTable space = test::solvedSpace(lattice, test::StiffeningEnergy());
   for (const std::string& method : forceFieldMethods()) {
     const auto field = makeForceField(method, space);
-    const long before = allocations;
+    test::startCounting();
     double sum = 0;
     for (int n = 0; n < 1000; ++n)
       sum += field->evaluate({3e-5 * n - 0.015, 1e-5 * n, -2e-5 * n}).force.x();
-    EXPECT_EQ(allocations, before) << method;
+    EXPECT_EQ(test::stopCounting().allocations, 0) << method;
     EXPECT_TRUE(std::isfinite(sum));
   }
 }
@@ -61,12 +40,12 @@ TEST(ForceField, EvaluatesWithoutAllocatingWhereCornersAreMissingBranchesMeetAnd
   }
   for (const std::string& method : forceFieldMethods()) {
     const auto field = makeForceField(method, space);
-    const long before = allocations;
+    test::startCounting();
     double sum = 0;
     for (int n = 0; n < 1000; ++n)
       sum += field->evaluate({5e-5 * n - 0.025, -2e-5 * n, 0.001}).force.x();
     sum += field->evaluate({std::nan(""), 1e300, 0}).force.x();
-    EXPECT_EQ(allocations, before) << method;
+    EXPECT_EQ(test::stopCounting().allocations, 0) << method;
     EXPECT_TRUE(std::isfinite(sum)) << method;
   }
 }
@@ -75,9 +54,9 @@ TEST(DisplacementField, EvaluatesWithoutAllocating) {
   const SpaceTable space = test::solvedSpace(Lattice(0.02, 0.005), test::StiffeningEnergy());
   const DisplacementField field(space, std::vector<float>(space.points.size() * 30, 1e-3f));
   std::array<float, 30> shape;
-  const long before = allocations;
+  test::startCounting();
   for (int n = 0; n < 1000; ++n) field.evaluate({5e-5 * n - 0.025, -2e-5 * n, 0.001}, shape);
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(test::stopCounting().allocations, 0);
 }
 
 TEST(Contact, TouchesSlidesReleasesAndSwitchesWithoutAllocating) {
@@ -85,7 +64,7 @@ TEST(Contact, TouchesSlidesReleasesAndSwitchesWithoutAllocating) {
   for (const ContactMode mode : {ContactMode::unilateral, ContactMode::glued}) {
     Contact contact(model, {.mode = mode});
     int touched = 0;
-    const long before = allocations;
+    test::startCounting();
     for (int n = 0; n < 20000; ++n) {
       const double t = 0.001 * n;
       const Touch& touch = contact.update(
@@ -97,7 +76,7 @@ TEST(Contact, TouchesSlidesReleasesAndSwitchesWithoutAllocating) {
       if (n % 3000 == 0) contact.release();
       if (n % 3500 == 0) contact.update({std::nan(""), 0, 0});
     }
-    EXPECT_EQ(allocations, before);
+    EXPECT_EQ(test::stopCounting().allocations, 0);
     EXPECT_GT(touched, 1000);
   }
 }
@@ -109,10 +88,10 @@ TEST(DeformedShape, EvaluatesWithoutAllocating) {
   Contact contact(model);
   for (int n = 0; n < 300; ++n) contact.update({0.01, 0.01, 0.07 - 1e-4 * n});
   ASSERT_TRUE(contact.touch().touching);
-  const long before = allocations;
+  test::startCounting();
   shape.evaluate(model, contact.touch(), out);
   shape.evaluate(model, Touch{}, out);
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(test::stopCounting().allocations, 0);
 }
 
 }  // namespace
