@@ -104,13 +104,10 @@ std::optional<std::size_t> Lattice::placeInCube(const LatticePoint& point) const
 }
 
 std::optional<std::int32_t> Lattice::indexOf(const LatticePoint& point) const {
-  if (const auto place = placeInCube(point)) {
-    if (index_of_[*place] < 0) return std::nullopt;
-    return index_of_[*place];
-  }
+  if (const auto place = placeInCube(point))
+    return index_of_[*place] < 0 ? std::nullopt : std::optional(index_of_[*place]);
   const auto found = added_.find(point);
-  if (found == added_.end()) return std::nullopt;
-  return found->second;
+  return found == added_.end() ? std::nullopt : std::optional(found->second);
 }
 
 Eigen::Vector3d Lattice::displacementOf(const LatticePoint& p) const {
