@@ -20,28 +20,14 @@ class TextLines {
 
   /// Goes to the next line that is not blank; false at the end of the text.
   bool advance() {
-    while (at_ < text_.size()) {
-      const std::size_t end = std::min(text_.find('\n', at_), text_.size());
-      rest_ = std::string_view(text_).substr(at_, end - at_);
-      at_ = end + 1;
-      ++number_;
-      skipBlanks();
-      while (!rest_.empty() && isBlank(rest_.back())) rest_.remove_suffix(1);
+    while (nextLine())
       if (!rest_.empty()) return true;
-    }
-    rest_ = {};
     return false;
   }
 
   /// Goes behind the next blank line, or to the end of the text.
   void skipToBlankLine() {
-    rest_ = {};
-    while (at_ < text_.size()) {
-      const std::size_t end = std::min(text_.find('\n', at_), text_.size());
-      const bool blank = text_.find_first_not_of(" \t\r", at_) >= end;
-      at_ = end + 1;
-      ++number_;
-      if (blank) return;
+    while (nextLine() && !rest_.empty()) {
     }
   }
 
@@ -76,7 +62,7 @@ class TextLines {
 
   /// The next word of the line; empty at its end.
   std::string_view takeWord() {
-    const std::string_view word = rest_.substr(0, rest_.find_first_of(" \t\r"));
+    const std::string_view word = rest_.substr(0, rest_.find_first_of(blanks));
     rest_.remove_prefix(word.size());
     skipBlanks();
     return word;
@@ -110,10 +96,23 @@ class TextLines {
   const std::string& source() const { return source_; }
 
  private:
-  static bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+  static constexpr const char* blanks = " \t\r";
+
+  /// Goes to the next line, without the blanks around it; false at the end of the text.
+  bool nextLine() {
+    rest_ = {};
+    if (at_ >= text_.size()) return false;
+    const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+    rest_ = std::string_view(text_).substr(at_, end - at_);
+    at_ = end + 1;
+    ++number_;
+    rest_ = rest_.substr(0, rest_.find_last_not_of(blanks) + 1);
+    skipBlanks();
+    return true;
+  }
 
   void skipBlanks() {
-    while (!rest_.empty() && isBlank(rest_.front())) rest_.remove_prefix(1);
+    rest_.remove_prefix(std::min(rest_.find_first_not_of(blanks), rest_.size()));
   }
 
   std::string text_;

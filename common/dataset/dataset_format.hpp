@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "common/dataset/hdf5_reader.hpp"
 #include "common/dataset/hdf5_writer.hpp"
 #include "common/problem/problem.hpp"
@@ -61,23 +63,10 @@ std::vector<SpaceTable> readSpaces(const hdf5::Reader& in, const Scene& scene, c
 // ---- the nodal fields: what scene.storage keeps, in the rows of /points (stored_fields.cpp) ---
 
 /// Writes the fields of the points of all spaces, in that order, as the scene's [storage] says.
-class FieldsWriter {
- public:
-  /// `n_rows`: points of all spaces together. `out` must outlive this object.
-  FieldsWriter(hdf5::Writer& out, const Problem& problem, std::size_t n_rows);
-  void write(const NodalFields& fields);  ///< of the next point, all nodes
-  void skip();                            ///< the next point, which is not solved
-  void finish();                          ///< after the last point
-
- private:
-  hdf5::Writer& out_;
-  std::vector<std::int32_t> stored_;
-  bool quantized_;
-  hdf5::RowWriter displacements_;
-  std::optional<hdf5::RowWriter> pressures_;
-  std::vector<float> steps_;  ///< m, of quantized displacements
-  std::vector<ContentId> hashes_;
-};
+/// `fields` gives those of a solved point, all nodes; Error when they are not what its record
+/// names.
+void writeFields(hdf5::Writer& out, const Problem& problem, const std::vector<SpaceTable>& spaces,
+                 const std::function<NodalFields(std::size_t space, std::int32_t point)>& fields);
 
 /// Reads them back, each row compared with its hash.
 class FieldsReader {

@@ -39,31 +39,6 @@ std::vector<SpaceTable> withDerived(std::vector<SpaceTable> spaces) {
   return spaces;
 }
 
-void writeFields(hdf5::Writer& out, const Problem& problem, const std::vector<SpaceTable>& spaces,
-                 const FieldsSource& fields) {
-  std::size_t n_rows = 0;
-  for (const SpaceTable& space : spaces) n_rows += space.points.size();
-  FieldsWriter rows(out, problem, n_rows);
-  for (std::size_t s = 0; s < spaces.size(); ++s)
-    for (std::size_t n = 0; n < spaces[s].points.size(); ++n) {
-      const PointRecord& point = spaces[s].points[n];
-      if (!isSolved(point.tag)) {
-        rows.skip();
-        continue;
-      }
-      const NodalFields values = fields(s, static_cast<std::int32_t>(n));
-      // What was solved and what is sealed may be weeks and a disk apart.
-      if (values.id() != point.fields ||
-          values.displacement.size() != 3 * problem.mesh.nodes.size() ||
-          values.pressure.size() != pressureNodes(problem))
-        throw failure(
-            "{}: space {}: the nodal fields of lattice point {} are not those of its result",
-            out.name(), spaces[s].patch.name, n);
-      rows.write(values);
-    }
-  rows.finish();
-}
-
 /// Attributes of the root. Returns the content hash.
 ContentId writeRoot(hdf5::Writer& out, const Problem& problem, const std::string& kernel_family) {
   const std::string scene = resolvedToml(problem.scene);

@@ -1,6 +1,5 @@
 #include "common/dataset/hdf5_writer.hpp"
 
-#include <cstdlib>
 #include <cstring>
 #include <limits>
 
@@ -37,41 +36,27 @@ std::size_t sizeOf(const char* file) {
 
 }  // namespace
 
-FileImage::~FileImage() { std::free(bytes_); }
-
-// What HDF5 leaves unused between its structures must be zero: equal calls, equal bytes.
-void* FileImage::resize(void* bytes, std::size_t size, H5FD_file_image_op_t, void* image) {
-  auto& self = *static_cast<FileImage*>(image);
-  auto* const resized = static_cast<char*>(std::realloc(bytes, size));
-  if (resized == nullptr) return nullptr;
-  if (size > self.size_) std::memset(resized + self.size_, 0, size - self.size_);
-  self.size_ = size;
-  return resized;
-}
-
-herr_t FileImage::keep(void* bytes, H5FD_file_image_op_t, void* image) {
-  static_cast<FileImage*>(image)->bytes_ = bytes;
-  return 0;
-}
-
-void FileImage::useIn(hid_t file_access) {
+void Writer::useImage(hid_t file_access) {
   H5FD_file_image_callbacks_t callbacks = {};
-  callbacks.image_realloc = resize;
-  callbacks.image_free = keep;
+  // What HDF5 leaves unused between its structures must be zero: equal calls, equal bytes.
+  callbacks.image_realloc = [](void* bytes, std::size_t size, H5FD_file_image_op_t,
+                               void* udata) -> void* {
+    auto& image = *static_cast<Image*>(udata);
+    auto* const resized = static_cast<char*>(std::realloc(bytes, size));
+    if (resized == nullptr) return nullptr;
+    if (size > image.size) std::memset(resized + image.size, 0, size - image.size);
+    image.size = size;
+    return resized;
+  };
+  callbacks.image_free = [](void* bytes, H5FD_file_image_op_t, void* udata) -> herr_t {
+    static_cast<Image*>(udata)->bytes.reset(bytes);
+    return 0;
+  };
   callbacks.udata_copy = [](void* image) { return image; };
   callbacks.udata_free = [](void*) -> herr_t { return 0; };
-  callbacks.udata = this;
-  if (H5Pset_fapl_core(file_access, growth, false) < 0 ||
-      H5Pset_file_image_callbacks(file_access, &callbacks) < 0)
-    throw failure("HDF5 makes no files in memory: {}", lastError());
-}
-
-std::string_view FileImage::finish(Handle& file, std::string_view name) {
-  checked(file.close(), name, "cannot finish the file");
-  PALPATE_ASSERT(bytes_ != nullptr, "closing the file hands its memory over");
-  const auto* const bytes = static_cast<const char*>(bytes_);
-  PALPATE_ASSERT(sizeOf(bytes) <= size_, "the memory holds the whole file");
-  return {bytes, sizeOf(bytes)};
+  callbacks.udata = &image_;
+  check(H5Pset_fapl_core(file_access, growth, false), "file in memory");
+  check(H5Pset_file_image_callbacks(file_access, &callbacks), "file in memory");
 }
 
 Writer::Writer(const std::filesystem::path& file)
@@ -81,7 +66,7 @@ Writer::Writer(const std::filesystem::path& file)
   check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110),
         "file format version");
   check(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "close degree");
-  image_.useIn(access.get());
+  useImage(access.get());
   const Handle creation = own(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "file creation properties");
   check(H5Pset_obj_track_times(creation.get(), false), "no time stamps");
   file_ = own(H5Fcreate(name().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose,
@@ -168,8 +153,11 @@ void Writer::writeBytes(const std::string& path, Element element, const Shape& s
 }
 
 void Writer::close() {
-  const std::string_view bytes = image_.finish(file_, name());
-  disk_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  check(file_.close(), "cannot finish the file");
+  PALPATE_ASSERT(image_.bytes != nullptr, "closing the file hands its memory over");
+  const auto* const bytes = static_cast<const char*>(image_.bytes.get());
+  PALPATE_ASSERT(sizeOf(bytes) <= image_.size, "the memory holds the whole file");
+  disk_.write(bytes, static_cast<std::streamsize>(sizeOf(bytes)));
   disk_.close();
   if (!disk_) throw failure("{}: cannot be written: {}", name(), errnoText());
 }

@@ -1,48 +1,29 @@
 #pragma once
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 
 #include "common/dataset/hdf5_handle.hpp"
 
 namespace palpate::hdf5 {
 
-/// A file that HDF5 makes in memory, with its core driver: what the caller then writes to disk, the
-/// caller can also fail to write. (HDF5's POSIX driver reports a full disk, after which 1.10.8
-/// cannot close the file any more and the process dies in its exit handler.) The whole file is in
-/// memory, once, until this object ends: compressed fields of some GB at most.
-class FileImage {
- public:
-  FileImage() = default;
-  FileImage(const FileImage&) = delete;
-  FileImage& operator=(const FileImage&) = delete;
-  ~FileImage();
-
-  /// Makes H5Fcreate with these file access properties create the file here. One file per image;
-  /// it must be closed before the image ends.
-  void useIn(hid_t file_access);
-  /// Closes `file`, which was created here, and gives its bytes, valid as long as this object.
-  /// Error that begins with `name` when HDF5 cannot close it.
-  std::string_view finish(Handle& file, std::string_view name);
-
- private:
-  static void* resize(void* bytes, std::size_t size, H5FD_file_image_op_t, void* image);
-  static herr_t keep(void* bytes, H5FD_file_image_op_t, void* image);
-
-  void* bytes_ = nullptr;
-  std::size_t size_ = 0;  ///< of the memory, of which the file is the beginning
-};
-
 /// Writes arrays of plain types and text attributes to a new HDF5 file whose bytes depend on
 /// nothing but the calls: no time stamps. The file format is that of HDF5 1.10, the first one in
-/// which all structure carries checksums. Until close() the whole file is in memory, once
-/// (FileImage).
+/// which all structure carries checksums.
+///
+/// Until close() HDF5 makes the whole file in memory, once, with its core driver (compressed fields
+/// of some GB at most): what this object then writes to disk, it can also fail to write. (HDF5's
+/// POSIX driver reports a full disk, after which 1.10.8 cannot close the file any more and the
+/// process dies in its exit handler.)
 ///
 /// Every array gets the attributes `unit` and `blake2b`. Errors name the file.
 class Writer : public NamedFile {
  public:
   /// Creates `file`, empty, replacing what is there. Error when that is impossible.
   explicit Writer(const std::filesystem::path& file);
+  Writer(const Writer&) = delete;  // HDF5 keeps the place of image_
 
   void makeGroup(const std::string& path);  ///< whose parent is there
   /// An attribute of a group or an array that was written: text, a short list, or one number.
@@ -86,8 +67,16 @@ class Writer : public NamedFile {
   void setText(const Handle& object, const char* attribute, std::string_view text);
   Handle open(const std::string& object) const;
 
+  /// Makes H5Fcreate with these file access properties create the file in image_.
+  void useImage(hid_t file_access);
+
+  struct Image {
+    std::unique_ptr<void, decltype(&std::free)> bytes = {nullptr, &std::free};  ///< once closed
+    std::size_t size = 0;  ///< of the memory, of which the file is the beginning
+  };
+
   std::ofstream disk_;
-  FileImage image_;
+  Image image_;
   Handle file_;  ///< after the image, which it must be closed before
   std::vector<ArrayInfo> arrays_;
 };

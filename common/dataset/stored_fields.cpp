@@ -58,55 +58,72 @@ hdf5::Element elementOf(bool quantized) {
   return quantized ? hdf5::Element::int16 : hdf5::Element::float32;
 }
 
-}  // namespace
-
-FieldsWriter::FieldsWriter(hdf5::Writer& out, const Problem& problem, std::size_t n_rows)
-    : out_(out),
-      stored_(storedNodes(problem.scene, problem.mesh)),
-      quantized_(isQuantized(problem.scene)),
-      displacements_(out, displacement_path, elementOf(quantized_), {n_rows, stored_.size(), 3},
-                     quantized_ ? "1" : "m") {
-  const hsize_t n_pressures = storedPressures(problem.scene, problem.mesh);
-  if (n_pressures > 0)
-    pressures_.emplace(out, pressure_path, hdf5::Element::float32, hdf5::Shape{n_rows, n_pressures},
-                       "Pa");
-}
-
-void FieldsWriter::write(const NodalFields& fields) {
+/// Of the stored nodes.
+std::vector<float> displacementsOf(const NodalFields& fields,
+                                   const std::vector<std::int32_t>& stored) {
   std::vector<float> displacement;
-  for (const std::int32_t node : stored_) {
+  for (const std::int32_t node : stored) {
     const float* const u = &fields.displacement[3 * static_cast<std::size_t>(node)];
     displacement.insert(displacement.end(), u, u + 3);
   }
-  const std::span<const float> pressure =
-      pressures_ ? std::span(fields.pressure) : std::span<const float>();
-  const Quantized quantized = quantized_ ? quantize(displacement) : Quantized();
-  const std::string_view bytes =
-      quantized_ ? bytesOf(std::span(quantized.values)) : bytesOf(std::span(displacement));
-  if (pressures_) pressures_->write(bytesOf(pressure));
-  displacements_.write(bytes);
-  if (quantized_) steps_.push_back(quantized.step);
-  hashes_.push_back(rowHash(bytes, quantized_ ? &quantized.step : nullptr, pressure));
+  return displacement;
 }
 
-void FieldsWriter::skip() {
-  displacements_.skip();
-  if (quantized_) steps_.push_back(unsolved);
-  if (pressures_) pressures_->skip();
-  hashes_.push_back(ContentId());
-}
+}  // namespace
 
-void FieldsWriter::finish() {
+void writeFields(hdf5::Writer& out, const Problem& problem, const std::vector<SpaceTable>& spaces,
+                 const std::function<NodalFields(std::size_t, std::int32_t)>& fields) {
+  const std::vector<std::int32_t> stored = storedNodes(problem.scene, problem.mesh);
+  const hsize_t n_pressures = storedPressures(problem.scene, problem.mesh);
+  const bool quantized = isQuantized(problem.scene);
+  hsize_t n_rows = 0;
+  for (const SpaceTable& space : spaces) n_rows += space.points.size();
+  hdf5::RowWriter displacements(out, displacement_path, elementOf(quantized),
+                                {n_rows, stored.size(), 3}, quantized ? "1" : "m");
+  std::optional<hdf5::RowWriter> pressures;
+  if (n_pressures > 0)
+    pressures.emplace(out, pressure_path, hdf5::Element::float32, hdf5::Shape{n_rows, n_pressures},
+                      "Pa");
+  std::vector<float> steps;  // m, of quantized displacements
+  std::vector<ContentId> hashes;
+  for (std::size_t s = 0; s < spaces.size(); ++s)
+    for (std::size_t n = 0; n < spaces[s].points.size(); ++n) {
+      const PointRecord& point = spaces[s].points[n];
+      if (!isSolved(point.tag)) {
+        displacements.skip();
+        if (pressures) pressures->skip();
+        steps.push_back(unsolved);
+        hashes.emplace_back();
+        continue;
+      }
+      const NodalFields given = fields(s, static_cast<std::int32_t>(n));
+      // What was solved and what is sealed may be weeks and a disk apart.
+      if (given.id() != point.fields ||
+          given.displacement.size() != 3 * problem.mesh.nodes.size() ||
+          given.pressure.size() != pressureNodes(problem))
+        throw failure(
+            "{}: space {}: the nodal fields of lattice point {} are not those of its result",
+            out.name(), spaces[s].patch.name, n);
+      const std::vector<float> displacement = displacementsOf(given, stored);
+      const Quantized integers = quantized ? quantize(displacement) : Quantized();
+      const std::string_view bytes =
+          quantized ? bytesOf(std::span(integers.values)) : bytesOf(std::span(displacement));
+      const auto pressure = pressures ? std::span(given.pressure) : std::span<const float>();
+      if (pressures) pressures->write(bytesOf(pressure));
+      displacements.write(bytes);
+      steps.push_back(integers.step);
+      hashes.push_back(rowHash(bytes, quantized ? &integers.step : nullptr, pressure));
+    }
   // Files keep their bytes: this is the order that they were always finished in.
-  if (!quantized_) displacements_.finish();
-  if (pressures_) pressures_->finish();
-  out_.writeList(hash_path, hashes_, "1");
-  if (!quantized_) return;
-  displacements_.finish();
-  out_.writeList(step_path, steps_, "m");
+  if (!quantized) displacements.finish();
+  if (pressures) pressures->finish();
+  out.writeList(hash_path, hashes, "1");
+  if (!quantized) return;
+  displacements.finish();
+  out.writeList(step_path, steps, "m");
   float largest = 0;
-  for (const float step : steps_) largest = std::fmax(largest, step);  // not those that are NaN
-  out_.setNumber(displacement_path, "error_bound", quantization_error * largest);
+  for (const float step : steps) largest = std::fmax(largest, step);  // not those that are NaN
+  out.setNumber(displacement_path, "error_bound", quantization_error * largest);
 }
 
 FieldsReader::FieldsReader(const hdf5::Reader& in, const Scene& scene, const Mesh& mesh,

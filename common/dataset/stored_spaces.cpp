@@ -44,34 +44,12 @@ void forEachTable(const Visit& visit) {
 // Each column: visit(path, rows, unit, member). A row is a pointer to a record, of which the column
 // has the member (std::identity: all of it); null where the file has no number.
 
-template <class Row, class Visit>
-void forEachSplitColumn(const std::vector<Row*>& splits, const Visit& visit) {
-  visit("/splits/lowest", splits, "1", &LatticeCell::lowest);
-  visit(split_level_path, splits, "1", &LatticeCell::level);
-}
-
 /// Pointers to one member of each row.
 template <class Row, class Member>
 auto partsOf(const std::vector<Row*>& rows, Member member) {
   std::vector<std::remove_reference_t<decltype(rows.front()->*member)>*> parts;
   for (Row* row : rows) parts.push_back(row == nullptr ? nullptr : &(row->*member));
   return parts;
-}
-
-template <class Row, class Visit>
-void forEachAttemptColumn(const std::vector<Row*>& attempts, const Visit& visit) {
-  visit("/attempts/target", attempts, "1", &FailedAttempt::target);
-  visit("/attempts/parent", attempts, "1", &FailedAttempt::parent);
-  const auto failures = partsOf(attempts, &FailedAttempt::failure);
-  visit(cause_path, failures, "1", &Failure::cause);
-  visit("/attempts/step_reached", failures, "1", &Failure::step_reached);
-  visit("/attempts/residual", failures, "N", &Failure::residual);
-  visit("/attempts/element", failures, "1", &Failure::element);
-  visit("/attempts/element_det_F", failures, "1", &Failure::element_det_F);
-  visit("/attempts/negative_pivots", failures, "1", &Failure::negative_pivots);
-  visit("/attempts/expected_negative_pivots", failures, "1", &Failure::expected_negative_pivots);
-  visit("/attempts/mumps_infog1", failures, "1", &Failure::mumps_infog1);
-  visit("/attempts/mumps_infog2", failures, "1", &Failure::mumps_infog2);
 }
 
 /// What /points and /probes, which is `group`, have in common. The tags come before what depends on
@@ -107,6 +85,83 @@ auto rowsOf(Spaces& spaces, List list) {
   return rows;
 }
 
+/// In the order of the file. visit.group(path) comes before the columns of a group, and
+/// visit.lattices(spaces) where those of /points that are no members are.
+template <class Spaces, class Visit>
+void forEachColumn(Spaces& spaces, const Visit& visit) {
+  visit.group("/splits");
+  const auto splits = rowsOf(spaces, &SpaceTable::splits);
+  visit("/splits/lowest", splits, "1", &LatticeCell::lowest);
+  visit(split_level_path, splits, "1", &LatticeCell::level);
+  visit.group("/attempts");
+  const auto attempts = rowsOf(spaces, &SpaceTable::attempts);
+  visit("/attempts/target", attempts, "1", &FailedAttempt::target);
+  visit("/attempts/parent", attempts, "1", &FailedAttempt::parent);
+  const auto failures = partsOf(attempts, &FailedAttempt::failure);
+  visit(cause_path, failures, "1", &Failure::cause);
+  visit("/attempts/step_reached", failures, "1", &Failure::step_reached);
+  visit("/attempts/residual", failures, "N", &Failure::residual);
+  visit("/attempts/element", failures, "1", &Failure::element);
+  visit("/attempts/element_det_F", failures, "1", &Failure::element_det_F);
+  visit("/attempts/negative_pivots", failures, "1", &Failure::negative_pivots);
+  visit("/attempts/expected_negative_pivots", failures, "1", &Failure::expected_negative_pivots);
+  visit("/attempts/mumps_infog1", failures, "1", &Failure::mumps_infog1);
+  visit("/attempts/mumps_infog2", failures, "1", &Failure::mumps_infog2);
+  visit(jumps_path, rowsOf(spaces, &SpaceTable::inconsistent_edges), "1", std::identity());
+  visit.group(points_group);
+  visit.lattices(spaces);
+  forEachRecordColumn(points_group, rowsOf(spaces, &SpaceTable::points), visit);
+  visit.group(probes_group);
+  const auto probes = rowsOf(spaces, &SpaceTable::probes);
+  visit(probe_position_path, probes, "m", &Probe::displacement);
+  forEachRecordColumn(probes_group, partsOf(probes, &Probe::record), visit);
+}
+
+// ---- lattices -------------------------------------------------------------------------------
+
+void writeLattices(Writer& out, const std::vector<SpaceTable>& spaces) {
+  const Lattice& lattice = spaces.front().lattice;
+  out.setNumber(points_group, "radius", lattice.radius());
+  out.setNumber(points_group, "spacing", lattice.spacing());
+  out.setNumber(points_group, "divisions", lattice.divisions());
+  std::vector<LatticePoint> ijk;
+  std::vector<Eigen::Vector3d> positions;
+  for (const SpaceTable& space : spaces) {
+    PALPATE_ASSERT(std::ssize(space.points) == space.lattice.size(), "checkArguments saw faultOf");
+    for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
+      ijk.push_back(space.lattice.point(n));
+      positions.push_back(space.lattice.displacement(n));
+    }
+  }
+  out.writeList(ijk_path, ijk, "1");
+  out.writeList(position_path, positions, "m");
+}
+
+/// The uniform lattice of the scene, and what the file adds to it.
+void readLattices(const Reader& in, const Scene& scene, std::vector<SpaceTable>& spaces) {
+  const auto ijk = in.readList<LatticePoint>(ijk_path);
+  const auto positions = in.readList<Eigen::Vector3d>(position_path, ijk.size());
+  const Lattice uniform = uniformLattice(scene);
+  std::size_t row = 0;
+  // Uniform points must be where the scene puts them; what follows them was added by refinement.
+  for (SpaceTable& space : spaces) {
+    Lattice& lattice = space.lattice = uniform;
+    const auto n_points = static_cast<std::int32_t>(space.points.size());
+    if (n_points < lattice.size() || (lattice.divisions() == 1 && n_points > lattice.size()))
+      throw in.damaged(ijk_path, "is not the lattice of the scene");
+    for (std::int32_t n = 0; n < n_points; ++n, ++row) {
+      const bool is_new = n >= lattice.size();
+      if (is_new ? lattice.indexOf(ijk[row]).has_value() : lattice.point(n) != ijk[row])
+        throw in.damaged(ijk_path, "is not the lattice of the scene");
+      if (is_new) lattice.add(ijk[row]);
+      const double distance = (lattice.displacement(n) - positions[row]).cwiseAbs().maxCoeff();
+      // Positions are for other readers: they must agree with the numbers, to the rounding.
+      if (!(distance <= 1e-9 * lattice.radius()))
+        throw in.damaged(position_path, "is not the lattice of the scene");
+    }
+  }
+}
+
 // ---- columns --------------------------------------------------------------------------------
 
 /// As what a member lies in the file: matrices by rows.
@@ -133,6 +188,9 @@ bool isKnown(Cause cause) { return causeOf(static_cast<std::uint32_t>(cause)).ha
 struct ColumnWriter {
   Writer& out;
 
+  void group(const char* path) const { out.makeGroup(path); }
+  void lattices(const std::vector<SpaceTable>& spaces) const { writeLattices(out, spaces); }
+
   template <class Row, class Member>
   void operator()(const std::string& path, const std::vector<Row*>& rows, const char* unit,
                   Member member) const {
@@ -147,6 +205,10 @@ struct ColumnWriter {
 
 struct ColumnReader {
   const Reader& in;
+  const Scene& scene;
+
+  void group(const char*) const {}
+  void lattices(std::vector<SpaceTable>& spaces) const { readLattices(in, scene, spaces); }
 
   template <class Row, class Member>
   void operator()(const std::string& path, const std::vector<Row*>& rows, const char*,
@@ -207,24 +269,6 @@ void writePatches(Writer& out, const std::vector<SpaceTable>& spaces) {
   if (is_weighted) out.writeList(patch_weight_path, weights, "1");
 }
 
-void writeLattices(Writer& out, const std::vector<SpaceTable>& spaces) {
-  const Lattice& lattice = spaces.front().lattice;
-  out.setNumber(points_group, "radius", lattice.radius());
-  out.setNumber(points_group, "spacing", lattice.spacing());
-  out.setNumber(points_group, "divisions", lattice.divisions());
-  std::vector<LatticePoint> ijk;
-  std::vector<Eigen::Vector3d> positions;
-  for (const SpaceTable& space : spaces) {
-    PALPATE_ASSERT(std::ssize(space.points) == space.lattice.size(), "checkArguments saw faultOf");
-    for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
-      ijk.push_back(space.lattice.point(n));
-      positions.push_back(space.lattice.displacement(n));
-    }
-  }
-  out.writeList(ijk_path, ijk, "1");
-  out.writeList(position_path, positions, "m");
-}
-
 // ---- reading --------------------------------------------------------------------------------
 
 void checkNames(const Reader& in, const Scene& scene) {
@@ -260,7 +304,7 @@ void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
   };
   const auto active = in.readList<std::int32_t>(active_path, spaces.size());
   const auto nodes = rowsOf(spaces, nodesOf);
-  ColumnReader{in}(patch_node_path, nodes, "1", std::identity());
+  ColumnReader{in, scene}(patch_node_path, nodes, "1", std::identity());
   std::vector<double> weights(nodes.size());
   if (std::ranges::any_of(scene.active, isWeighted))
     weights = in.readList<double>(patch_weight_path, nodes.size());
@@ -283,31 +327,6 @@ void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
   }
 }
 
-/// The uniform lattice of the scene, and what the file adds to it.
-void readLattices(const Reader& in, const Scene& scene, std::vector<SpaceTable>& spaces) {
-  const auto ijk = in.readList<LatticePoint>(ijk_path);
-  const auto positions = in.readList<Eigen::Vector3d>(position_path, ijk.size());
-  const Lattice uniform = uniformLattice(scene);
-  std::size_t row = 0;
-  // Uniform points must be where the scene puts them; what follows them was added by refinement.
-  for (SpaceTable& space : spaces) {
-    Lattice& lattice = space.lattice = uniform;
-    const auto n_points = static_cast<std::int32_t>(space.points.size());
-    if (n_points < lattice.size() || (lattice.divisions() == 1 && n_points > lattice.size()))
-      throw in.damaged(ijk_path, "is not the lattice of the scene");
-    for (std::int32_t n = 0; n < n_points; ++n, ++row) {
-      const bool is_new = n >= lattice.size();
-      if (is_new ? lattice.indexOf(ijk[row]).has_value() : lattice.point(n) != ijk[row])
-        throw in.damaged(ijk_path, "is not the lattice of the scene");
-      if (is_new) lattice.add(ijk[row]);
-      const double distance = (lattice.displacement(n) - positions[row]).cwiseAbs().maxCoeff();
-      // Positions are for other readers: they must agree with the numbers, to the rounding.
-      if (!(distance <= 1e-9 * lattice.radius()))
-        throw in.damaged(position_path, "is not the lattice of the scene");
-    }
-  }
-}
-
 void checkSolved(const Reader& in, const std::string& group,
                  const std::vector<PointRecord*>& records) {
   for (std::size_t n = 0; n < records.size(); ++n) {
@@ -322,7 +341,6 @@ void checkSolved(const Reader& in, const std::string& group,
 
 void writeSpaces(Writer& out, const std::vector<SpaceTable>& spaces) {
   PALPATE_ASSERT(!spaces.empty(), "a scene has an active node");
-  const ColumnWriter write{out};
   out.makeGroup("/spaces");
   writeNames(out, spaces);
   std::vector<std::int32_t> active;
@@ -331,18 +349,7 @@ void writeSpaces(Writer& out, const std::vector<SpaceTable>& spaces) {
   forEachTable(
       [&](const char* firsts, const char*, auto list) { writeFirsts(out, firsts, spaces, list); });
   writePatches(out, spaces);
-  out.makeGroup("/splits");
-  forEachSplitColumn(rowsOf(spaces, &SpaceTable::splits), write);
-  out.makeGroup("/attempts");
-  forEachAttemptColumn(rowsOf(spaces, &SpaceTable::attempts), write);
-  write(jumps_path, rowsOf(spaces, &SpaceTable::inconsistent_edges), "1", std::identity());
-  out.makeGroup(points_group);
-  writeLattices(out, spaces);
-  forEachRecordColumn(points_group, rowsOf(spaces, &SpaceTable::points), write);
-  out.makeGroup(probes_group);
-  const auto probes = rowsOf(spaces, &SpaceTable::probes);
-  write(probe_position_path, probes, "m", &Probe::displacement);
-  forEachRecordColumn(probes_group, partsOf(probes, &Probe::record), write);
+  forEachColumn(spaces, ColumnWriter{out});
 }
 
 std::vector<SpaceTable> readSpaces(const Reader& in, const Scene& scene, const Mesh& mesh) {
@@ -352,18 +359,9 @@ std::vector<SpaceTable> readSpaces(const Reader& in, const Scene& scene, const M
     resizeLists(in, firsts, rows, spaces, list);
   });
   readPatches(in, scene, mesh.nodes.size(), spaces);
-  const ColumnReader read{in};
-  forEachSplitColumn(rowsOf(spaces, &SpaceTable::splits), read);
-  forEachAttemptColumn(rowsOf(spaces, &SpaceTable::attempts), read);
-  read(jumps_path, rowsOf(spaces, &SpaceTable::inconsistent_edges), "1", std::identity());
-  readLattices(in, scene, spaces);
-  const auto probes = rowsOf(spaces, &SpaceTable::probes);
-  read(probe_position_path, probes, "m", &Probe::displacement);
-  for (const auto& [group, records] : {std::pair{points_group, rowsOf(spaces, &SpaceTable::points)},
-                                       {probes_group, partsOf(probes, &Probe::record)}}) {
-    forEachRecordColumn(group, records, read);
-    checkSolved(in, group, records);
-  }
+  forEachColumn(spaces, ColumnReader{in, scene});
+  checkSolved(in, points_group, rowsOf(spaces, &SpaceTable::points));
+  checkSolved(in, probes_group, partsOf(rowsOf(spaces, &SpaceTable::probes), &Probe::record));
   for (const SpaceTable& space : spaces)
     if (const std::string fault = faultOf(space); !fault.empty())
       throw in.damaged("space " + space.patch.name, fault);

@@ -9,21 +9,16 @@ namespace palpate {
 namespace {
 
 /// The cells that refinement left whole.
-class Leaves {
- public:
-  explicit Leaves(const SpaceTable& space)
-      : splits_(space.splits), divisions_(space.lattice.divisions()) {}
+struct Leaves {
+  const std::vector<LatticeCell>& splits;
+  std::int32_t divisions;
 
-  std::int32_t edge(std::int32_t level) const { return divisions_ >> level; }
-  std::int32_t deepest() const { return splits_.empty() ? 0 : splits_.back().level + 1; }
+  std::int32_t edge(std::int32_t level) const { return divisions >> level; }
+  std::int32_t deepest() const { return splits.empty() ? 0 : splits.back().level + 1; }
   bool isLeaf(const LatticeCell& cell) const {
-    return !isSplit(splits_, cell) &&
-           (cell.level == 0 || isSplit(splits_, parentOf(cell, divisions_)));
+    return !isSplit(splits, cell) &&
+           (cell.level == 0 || isSplit(splits, parentOf(cell, divisions)));
   }
-
- private:
-  const std::vector<LatticeCell>& splits_;
-  std::int32_t divisions_;
 };
 
 bool isMultiple(const LatticePoint& point, std::int32_t of) {
@@ -48,7 +43,7 @@ std::vector<LatticeEdge> selectEdges(const SpaceTable& space, Select selects) {
   const Lattice& lattice = space.lattice;
   PALPATE_ASSERT(space.points.size() == static_cast<std::size_t>(lattice.size()),
                  "points[n] belongs to lattice number n");
-  const Leaves leaves(space);
+  const Leaves leaves = {space.splits, lattice.divisions()};
   std::vector<LatticeEdge> found;
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
     if (!isSolved(space.points[n].tag)) continue;

@@ -102,10 +102,11 @@ void CellTree::makeSlots(const SpaceTable& space) {
 void CellTree::hang(CellSlot& slot) const {
   std::int32_t coarsest = -1;
   for (std::size_t c = 0; c < 8; ++c) {
-    std::array<std::int64_t, 3> beside;  // a place in the octant, a quarter of a coordinate away
+    Eigen::Vector3d beside;  // a place in the octant, a quarter of a coordinate away; in quarters
     for (std::size_t axis = 0; axis < 3; ++axis)
-      beside[axis] = 4 * std::int64_t{slot.point[axis]} + ((c >> axis & 1) != 0 ? 1 : -1);
-    const std::int32_t leaf = leafAt(beside);
+      beside[static_cast<Eigen::Index>(axis)] =
+          4.0 * slot.point[axis] + ((c >> axis & 1) != 0 ? 1 : -1);
+    const std::int32_t leaf = descend(beside / (4.0 * divisions_)).leaf;
     if (leaf >= 0 && (coarsest < 0 || leaves_[at(leaf)].level < leaves_[at(coarsest)].level))
       coarsest = leaf;
   }
@@ -123,14 +124,6 @@ void CellTree::hang(CellSlot& slot) const {
   slot.number = -1;
   slot.leaf = coarsest;
   slot.local = local;
-}
-
-/// The leaf around a place given in quarters of a coordinate; -1 when there is none.
-std::int32_t CellTree::leafAt(const std::array<std::int64_t, 3>& quarters) const {
-  return descend(Eigen::Vector3d(static_cast<double>(quarters[0]), static_cast<double>(quarters[1]),
-                                 static_cast<double>(quarters[2])) /
-                 (4.0 * divisions_))
-      .leaf;
 }
 
 void CellTree::markUnsupported() {

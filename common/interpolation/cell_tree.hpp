@@ -83,7 +83,6 @@ class CellTree {
   void makeSlots(const SpaceTable& space);
   void hang(CellSlot& slot) const;
   void markUnsupported();
-  std::int32_t leafAt(const std::array<std::int64_t, 3>& quarters) const;
   LeafPlace descend(const Eigen::Vector3d& in_spacings) const noexcept;
 
   double radius_;

@@ -15,14 +15,6 @@ namespace {
 constexpr double ghost_reach = 2.2;
 constexpr std::size_t ghost_sources = 16;
 
-std::size_t placeInJet(const Orders& orders) {
-  return at(orders[0] + 3 * orders[1] + 9 * orders[2]);
-}
-
-LatticePoint difference(const LatticePoint& a, const LatticePoint& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
 /// Chooses sources and fits.
 class Fitter {
  public:
@@ -120,7 +112,8 @@ class Fitter {
   }
 
   Candidate candidate(const LatticePoint& center, std::int32_t number) const {
-    const LatticePoint offset = difference(space_.lattice.point(number), center);
+    LatticePoint offset = space_.lattice.point(number);
+    for (std::size_t axis = 0; axis < 3; ++axis) offset[axis] -= center[axis];
     return {squaredNorm(offset), offset, number};
   }
 
@@ -158,8 +151,8 @@ EnergyJet jetOf(const LocalPolynomial& polynomial, double spacing) {
   for (std::size_t t = 0; t < LocalPolynomial::terms; ++t) {
     const Orders& o = LocalPolynomial::orders(t);
     if (o[0] > 2 || o[1] > 2 || o[2] > 2) continue;
-    jet[placeInJet(o)] = polynomial.derivatives[static_cast<Eigen::Index>(t)] *
-                         std::pow(spacing / polynomial.scale, o[0] + o[1] + o[2]);
+    jet[at(o[0] + 3 * o[1] + 9 * o[2])] = polynomial.derivatives[static_cast<Eigen::Index>(t)] *
+                                          std::pow(spacing / polynomial.scale, o[0] + o[1] + o[2]);
   }
   return jet;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
@@ -75,8 +76,7 @@ FieldError::FieldError(const CellTree& tree, const std::vector<LocalPolynomial>&
   PALPATE_ASSERT(polynomials.size() == tree.slots().size() && jets.size() == tree.slots().size(),
                  "slotPolynomials and energyJets made them of the same tree");
   std::vector<std::int32_t> order(nodes_.size());  // coarse leaves first: fine ones hang on them
-  for (std::size_t leaf = 0; leaf < order.size(); ++leaf)
-    order[leaf] = static_cast<std::int32_t>(leaf);
+  std::iota(order.begin(), order.end(), 0);
   std::ranges::stable_sort(
       order, [&](std::int32_t a, std::int32_t b) { return tree.edge(a) > tree.edge(b); });
   NodeForces node_forces;

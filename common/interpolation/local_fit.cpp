@@ -8,18 +8,8 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t n_data = 10;  // of one source: energy, three slopes, six curvatures
-
-constexpr std::array<Orders, n_data> data_orders = {{{0, 0, 0},
-                                                     {1, 0, 0},
-                                                     {0, 1, 0},
-                                                     {0, 0, 1},
-                                                     {2, 0, 0},
-                                                     {1, 1, 0},
-                                                     {1, 0, 1},
-                                                     {0, 2, 0},
-                                                     {0, 1, 1},
-                                                     {0, 0, 2}}};
+// Of one source: energy, three slopes, six curvatures, in the order of the first terms.
+constexpr std::size_t n_data = 10;
 
 int total(const Orders& orders) { return orders[0] + orders[1] + orders[2]; }
 
@@ -98,7 +88,7 @@ struct WeightedSystem {
         const auto row = static_cast<Eigen::Index>(n_data * source + d);
         weights[row] = weight;
         for (int t = 0; t < unknowns; ++t)
-          matrix(row, t) = weight * termAt(term(t), data_orders[d], powers);
+          matrix(row, t) = weight * termAt(term(t), all_orders[d], powers);
       }
     }
     // One row per unknown, which pulls it to zero: least squares with a ridge.
@@ -120,7 +110,7 @@ Equilibrium LocalPolynomial::at(const Eigen::Vector3d& offset) const {
     const double derivative = derivatives[static_cast<Eigen::Index>(t)];
     if (derivative == 0) continue;
     for (std::size_t d = 0; d < n_data; ++d)
-      value[static_cast<Eigen::Index>(d)] += termAt(orders(t), data_orders[d], powers) * derivative;
+      value[static_cast<Eigen::Index>(d)] += termAt(orders(t), all_orders[d], powers) * derivative;
   }
   Equilibrium e;
   e.energy = value[0];

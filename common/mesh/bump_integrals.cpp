@@ -20,13 +20,13 @@ std::array<QuadraturePoint, 7> degreeFive() {
   const double root = std::sqrt(15.0);
   std::array<QuadraturePoint, 7> points;
   points[0] = {Barycentric::Constant(1.0 / 3), 0.225};
-  for (int sign = 0; sign < 2; ++sign) {
-    const double s = sign == 0 ? root : -root;
+  std::size_t next = 1;
+  for (const double s : {root, -root}) {
     const double near = (6 + s) / 21, weight = (155 + s) / 1200;
     for (int i = 0; i < 3; ++i) {
       Barycentric at = Barycentric::Constant(near);
       at[i] = 1 - 2 * near;
-      points[1 + 3 * sign + i] = {at, weight};
+      points[next++] = {at, weight};
     }
   }
   return points;

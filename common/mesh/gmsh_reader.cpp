@@ -3,6 +3,7 @@
 #include <optional>
 #include <set>
 #include <tuple>
+#include <unordered_map>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
@@ -35,28 +36,7 @@ constexpr std::array<const char*, 4> dimension_words = {"point", "curve", "surfa
 using Key = std::pair<int, std::int64_t>;
 
 /// 0-based numbers of the nodes, or tetrahedra, that the file names by tags of its own.
-class Tags {
- public:
-  void add(std::int64_t tag) { tags_.emplace_back(tag, static_cast<std::int32_t>(tags_.size())); }
-  std::size_t size() const { return tags_.size(); }
-
-  /// Call after the last add. The first tag that was given twice, if one was.
-  std::optional<std::int64_t> sort() {
-    std::ranges::sort(tags_);
-    for (std::size_t i = 1; i < tags_.size(); ++i)
-      if (tags_[i].first == tags_[i - 1].first) return tags_[i].first;
-    return std::nullopt;
-  }
-
-  std::optional<std::int32_t> find(std::int64_t tag) const {
-    const auto at = std::lower_bound(tags_.begin(), tags_.end(), std::pair{tag, std::int32_t{0}});
-    if (at == tags_.end() || at->first != tag) return std::nullopt;
-    return at->second;
-  }
-
- private:
-  std::vector<std::pair<std::int64_t, std::int32_t>> tags_;
-};
+using NumberOfTag = std::unordered_map<std::int64_t, std::int32_t>;
 
 class GmshText {
  public:
@@ -70,8 +50,6 @@ class GmshText {
       throw badInput("{}: there is no $Nodes section: the file is truncated", lines_.source());
     if (!have_elements_)
       throw badInput("{}: there is no $Elements section: the file is truncated", lines_.source());
-    // Version 4.1 names groups by entity and has each element once.
-    if (!entity_blocks_) dropRepeatedTetrahedra();
     nameGroups();
     finishMesh(mesh_, lines_.source());
     return std::move(mesh_);
@@ -109,20 +87,20 @@ class GmshText {
     } else if (section_ == "$Nodes") {
       if (have_nodes_) throw lines_.wrong("a second $Nodes section");
       entity_blocks_ ? readNodeBlocks() : readNodes();
-      if (const auto twice = node_tags_.sort())
-        throw lines_.wrong("node {} is defined twice", *twice);
       have_nodes_ = true;
     } else if (section_ == "$Elements") {
       if (!have_nodes_) throw lines_.wrong("$Elements before $Nodes");
       if (have_elements_) throw lines_.wrong("a second $Elements section");
       entity_blocks_ ? readElementBlocks() : readElements();
+      // Version 4.1 names groups by entity and has each element once.
+      if (!entity_blocks_) dropRepeatedTetrahedra();
       have_elements_ = true;
     } else if (section_ == "$ElementData") {
       if (!have_elements_) throw lines_.wrong("$ElementData before $Elements");
       // Only here: elements that version 2.2 repeats may share a number as long as nobody asks.
-      if (const auto twice = tetrahedron_tags_.sort())
+      if (tetrahedron_tag_twice_)
         throw lines_.wrong("$ElementData cannot be assigned: two tetrahedra have the number {}",
-                           *twice);
+                           *tetrahedron_tag_twice_);
       return readElementData();
     } else if (section_ == "$PartitionedEntities") {
       throw lines_.wrong(
@@ -199,11 +177,22 @@ class GmshText {
       });
   }
 
+  Eigen::Vector3d takeVector(const char* what) {
+    Eigen::Vector3d vector;
+    for (double& component : vector) component = lines_.takeFinite(what);
+    return vector;
+  }
+
+  void addNodeTag(std::int64_t tag) {
+    const auto number = static_cast<std::int32_t>(number_of_node_.size());
+    if (!number_of_node_.emplace(tag, number).second)
+      throw lines_.wrong("node {} is defined twice", tag);
+  }
+
   void addNode() {
-    const double x = lines_.takeFinite("a coordinate"), y = lines_.takeFinite("a coordinate"),
-                 z = lines_.takeFinite("a coordinate");
-    mesh_.nodes.emplace_back(toMetres(x, metres_per_unit_), toMetres(y, metres_per_unit_),
-                             toMetres(z, metres_per_unit_));
+    mesh_.nodes.push_back(takeVector("a coordinate").unaryExpr([this](double x) {
+      return toMetres(x, metres_per_unit_);
+    }));
   }
 
   void readNodes() {
@@ -212,7 +201,7 @@ class GmshText {
     lines_.expectEndOfLine();
     mesh_.nodes.reserve(lines_.reserveFor(count));
     eachLine(count, [&] {
-      node_tags_.add(takeTag("the number of a node"));
+      addNodeTag(takeTag("the number of a node"));
       addNode();
       lines_.expectEndOfLine();
     });
@@ -230,7 +219,7 @@ class GmshText {
       const std::size_t count = lines_.takeCount("the number of nodes of a block");
       lines_.expectEndOfLine();
       eachLine(count, [&] {
-        node_tags_.add(takeTag("the tag of a node"));
+        addNodeTag(takeTag("the tag of a node"));
         lines_.expectEndOfLine();
       });
       eachLine(count, [&] {
@@ -246,9 +235,10 @@ class GmshText {
 
   std::int32_t takeNode() {
     const std::int64_t tag = takeTag("a node");
-    const auto node = node_tags_.find(tag);
-    if (!node) throw lines_.wrong("an element uses node {}, which is not in $Nodes", tag);
-    return *node;
+    const auto node = number_of_node_.find(tag);
+    if (node == number_of_node_.end())
+      throw lines_.wrong("an element uses node {}, which is not in $Nodes", tag);
+    return node->second;
   }
 
   ElementType takeElementType(int& type) {
@@ -289,10 +279,11 @@ class GmshText {
       if (const std::string edge = curvedEdge(mesh_.nodes, ordered); !edge.empty())
         throw lines_.wrong("element {}: {} (gmsh: -setnumber Mesh.SecondOrderLinear 1)", tag, edge);
     }
-    tetrahedra_of_[group].push_back(static_cast<std::int32_t>(mesh_.tetrahedra.size()));
+    const auto number = static_cast<std::int32_t>(mesh_.tetrahedra.size());
+    tetrahedra_of_[group].push_back(number);
     mesh_.tetrahedra.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
     group_of_tetrahedron_.push_back(group.second);
-    tetrahedron_tags_.add(tag);
+    if (!number_of_tetrahedron_.emplace(tag, number).second) tetrahedron_tag_twice_ = tag;
   }
 
   void readElements() {
@@ -358,11 +349,12 @@ class GmshText {
     std::vector<Eigen::Vector3d>& vectors = mesh_.element_vectors[name];
     vectors.assign(mesh_.tetrahedra.size(), Eigen::Vector3d::Zero());
     eachLine(integers[2], [&] {
-      const auto element = tetrahedron_tags_.find(takeTag("the number of an element"));
-      Eigen::Vector3d vector;
-      for (double& component : vector) component = lines_.takeFinite("a component");
+      const auto element = number_of_tetrahedron_.find(takeTag("the number of an element"));
+      const Eigen::Vector3d vector = takeVector("a component");
       lines_.expectEndOfLine();
-      if (element) vectors[*element] = vector;
+      // Of a tetrahedron that version 2.2 repeats, one number may have the vector alone.
+      if (element != number_of_tetrahedron_.end() && !vector.isZero(0))
+        vectors[element->second] = vector;
     });
     endSection();
   }
@@ -375,6 +367,8 @@ class GmshText {
   /// Version 2.2 writes a tetrahedron once per physical group that it is in. The same one twice in
   /// one group is an error of the mesh, and finishMesh says so.
   void dropRepeatedTetrahedra() {
+    PALPATE_ASSERT(group_of_tetrahedron_.size() == mesh_.tetrahedra.size(),
+                   "each was added with its group");
     std::vector<std::tuple<Tetrahedron, std::int64_t, std::int32_t>> order;
     order.reserve(mesh_.tetrahedra.size());
     for (std::size_t e = 0; e < mesh_.tetrahedra.size(); ++e) {
@@ -390,13 +384,7 @@ class GmshText {
           i > 0 && nodes == std::get<0>(order[i - 1]) && group != std::get<1>(order[i - 1]);
       same_as[element] = repeated ? same_as[std::get<2>(order[i - 1])] : element;
     }
-    keepOnly(same_as);
-  }
-
-  /// Keeps the tetrahedra e with same_as[e] == e; what the others are in, they are in.
-  void keepOnly(const std::vector<std::int32_t>& same_as) {
-    PALPATE_ASSERT(same_as.size() == mesh_.tetrahedra.size(),
-                   "each is the same as itself at least");
+    // Those that are the same as themselves are kept; what the others are in, they are in.
     std::vector<std::int32_t> number(same_as.size());
     std::int32_t kept = 0;
     for (std::size_t e = 0; e < same_as.size(); ++e)
@@ -407,13 +395,7 @@ class GmshText {
     mesh_.tetrahedra.resize(kept);
     for (auto& [group, elements] : tetrahedra_of_)
       for (std::int32_t& element : elements) element = number[same_as[element]];
-    for (auto& [name, vectors] : mesh_.element_vectors) {
-      std::vector<Eigen::Vector3d> left(kept, Eigen::Vector3d::Zero());
-      for (std::size_t e = 0; e < same_as.size(); ++e)
-        if (Eigen::Vector3d& vector = left[number[same_as[e]]]; vector.isZero(0))
-          vector = vectors[e];
-      vectors = std::move(left);
-    }
+    for (auto& [tag, element] : number_of_tetrahedron_) element = number[same_as[element]];
   }
 
   void nameGroups() {
@@ -450,7 +432,8 @@ class GmshText {
   bool entity_blocks_ = false;  ///< version 4.1
   bool have_nodes_ = false, have_elements_ = false;
   Mesh mesh_;
-  Tags node_tags_, tetrahedron_tags_;
+  NumberOfTag number_of_node_, number_of_tetrahedron_;
+  std::optional<std::int64_t> tetrahedron_tag_twice_;
   std::map<Key, std::string> physical_names_;
   std::map<Key, std::set<std::int64_t>> physical_of_entity_;
   /// Of entities in version 4.1, of physical groups in 2.2.

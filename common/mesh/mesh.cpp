@@ -113,20 +113,22 @@ struct Face {
   bool even;  ///< parity of the permutation that sorts it: differs between the two sides
 };
 
+Triangle nodesOf(const Mesh& mesh, std::size_t element, int face) {
+  const Tetrahedron& nodes = mesh.tetrahedra[element];
+  const auto& [a, b, c] = faces_of_tetrahedron[face];
+  return {nodes[a], nodes[b], nodes[c]};
+}
+
 std::vector<Face> sortedFaces(const Mesh& mesh) {
   std::vector<Face> faces;
   faces.reserve(4 * mesh.tetrahedra.size());
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
     for (int f = 0; f < 4; ++f) {
-      Triangle t;
-      for (int i = 0; i < 3; ++i) t[i] = mesh.tetrahedra[e][faces_of_tetrahedron[f][i]];
-      bool even = true;
-      // Three comparisons sort three numbers; each exchange turns the parity.
-      for (const auto& [i, j] : {std::pair{0, 1}, {1, 2}, {0, 1}})
-        if (t[i] > t[j]) {
-          std::swap(t[i], t[j]);
-          even = !even;
-        }
+      Triangle t = nodesOf(mesh, e, f);
+      // With the lowest first, which is an even permutation, one exchange at most is left.
+      std::rotate(t.begin(), std::ranges::min_element(t), t.end());
+      const bool even = t[1] < t[2];
+      std::ranges::sort(t);
       faces.push_back({t, e, f, even});
     }
   std::ranges::sort(faces, [](const Face& a, const Face& b) {
@@ -156,11 +158,7 @@ void deriveSurface(Mesh& mesh, const std::string& source) {
   // By element, as the file has them: the order of the surface is part of datasets.
   std::ranges::sort(outer);
   mesh.surface.clear();
-  for (const auto& [element, local] : outer) {
-    const Tetrahedron& nodes = mesh.tetrahedra[element];
-    const auto& corners = faces_of_tetrahedron[local];
-    mesh.surface.push_back({nodes[corners[0]], nodes[corners[1]], nodes[corners[2]]});
-  }
+  for (const auto& [element, local] : outer) mesh.surface.push_back(nodesOf(mesh, element, local));
 }
 
 Edge edgeBetween(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }

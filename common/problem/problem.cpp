@@ -9,8 +9,7 @@
 #include "common/base/error.hpp"
 #include "common/base/units.hpp"
 #include "common/mesh/mesh_reader.hpp"
-#include "common/problem/body_regions.hpp"
-#include "common/problem/node_selection.hpp"
+#include "common/problem/selection.hpp"
 
 namespace palpate {
 namespace {

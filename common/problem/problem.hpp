@@ -64,8 +64,8 @@ Lattice uniformLattice(const Scene& scene);
 /// What is only doubtful is left to warningsOf (problem_warnings.hpp). An active `surface` is
 /// replaced by its nodes: in the scene too, as if they had been written one by one. Distances
 /// "within a radius" allow 5e-13 of it for round-off. With P2 displacement the mesh gets its
-/// mid-edge nodes first (`mesh` has none). node_selection.hpp and body_regions.hpp say
-/// what is selected.
+/// mid-edge nodes first (`mesh` has none). selection.hpp says what is
+/// selected.
 Problem resolve(Scene scene, Mesh mesh);
 
 /// readScene + read the mesh (by file ending) + resolve.

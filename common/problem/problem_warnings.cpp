@@ -50,11 +50,8 @@ class Doubts {
   }
 
   void doubtMaterials() {
-    struct Unit {
-      const char* word;
-      double pascals;
-    };
-    constexpr std::array<Unit, 3> units = {{{"kPa", 1e3}, {"MPa", 1e6}, {"GPa", 1e9}}};
+    constexpr std::array<std::pair<const char*, double>, 3> units = {
+        {{"kPa", 1e3}, {"MPa", 1e6}, {"GPa", 1e9}}};
     const auto isTissue = [](double young) {
       return young >= softest_tissue && young <= stiffest_tissue;
     };
@@ -62,13 +59,13 @@ class Doubts {
       const double young = youngModulus(region.material);
       if (isTissue(young)) continue;
       const auto meant = std::ranges::find_if(
-          units, [&](const Unit& unit) { return isTissue(young * unit.pascals); });
+          units, [&](const auto& unit) { return isTissue(young * unit.second); });
       warn("{}: Young's modulus at rest is {:.3g} Pa, {} than soft tissue (0.1 to 1000 kPa); {}",
            region.group.empty() ? "material" : fmt::format("region \"{}\"", region.group), young,
            young < softest_tissue ? "softer" : "stiffer",
            meant == units.end()
                ? std::string("moduli are in Pa")
-               : fmt::format("its numbers look like {}, but moduli are in Pa", meant->word));
+               : fmt::format("its numbers look like {}, but moduli are in Pa", meant->first));
     }
   }
 
@@ -122,10 +119,8 @@ class Doubts {
   double distanceToFixed(const ActivePatch& patch) const {
     const std::vector<Eigen::Vector3d>& nodes = problem_.mesh.nodes;
     PALPATE_ASSERT(!problem_.fixed.empty(), "checkProblem refuses a body that nothing holds");
-    double squared = (nodes[problem_.fixed.front()] - nodes[patch.node]).squaredNorm();
-    for (const std::int32_t node : problem_.fixed)
-      squared = std::min(squared, (nodes[node] - nodes[patch.node]).squaredNorm());
-    return std::sqrt(squared);
+    const auto distance = [&](std::int32_t n) { return (nodes[n] - nodes[patch.node]).norm(); };
+    return distance(*std::ranges::min_element(problem_.fixed, {}, distance));
   }
 
   /// Of many active nodes some lie beside the fixed ones: only where most do the workspace is

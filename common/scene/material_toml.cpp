@@ -41,28 +41,21 @@ constexpr NumberKey k1 = {"k1", &Material::k1, Sign::positive, "Pa",
                           "the stiffness of the fibres, Pa"};
 constexpr NumberKey k2 = {"k2", &Material::k2, Sign::positive, "",
                           "the factor in the exponent of the fibres, a number"};
-constexpr std::array young_numbers = {young};
-constexpr std::array mooney_rivlin_numbers = {c10, c01};
-constexpr std::array neo_hookean_numbers = {mu};
-constexpr std::array yeoh_numbers = {c10, c20, c30};
-constexpr std::array veronda_westmann_numbers = {c1, c2};
-constexpr std::array holzapfel_numbers = {mu, k1, k2};
 
-/// Of each law, in the order of LawName. Ogden's terms are lists.
-constexpr std::array<std::span<const NumberKey>, words_of<LawName>.size()> numbers_of_law = {
-    young_numbers,
-    young_numbers,
-    young_numbers,
-    mooney_rivlin_numbers,
-    neo_hookean_numbers,
-    yeoh_numbers,
-    {},
-    veronda_westmann_numbers,
-    holzapfel_numbers};
-static_assert(!numbers_of_law.back().empty(), "a law is appended here too");
-
-std::span<const NumberKey> numbersOf(LawName law) {
-  return numbers_of_law.at(static_cast<std::size_t>(law));
+/// Of each law. Ogden's terms are lists.
+std::vector<NumberKey> numbersOf(LawName law) {
+  switch (law) {
+    case LawName::linear:
+    case LawName::st_venant_kirchhoff:
+    case LawName::modified_st_venant_kirchhoff: return {young};
+    case LawName::mooney_rivlin: return {c10, c01};
+    case LawName::neo_hookean: return {mu};
+    case LawName::yeoh: return {c10, c20, c30};
+    case LawName::ogden: return {};
+    case LawName::veronda_westmann: return {c1, c2};
+    case LawName::holzapfel_gasser_ogden: return {mu, k1, k2};
+  }
+  return {};
 }
 
 bool takesYoung(LawName law) {
@@ -93,12 +86,11 @@ Keys keysOf(LawName law) {
 
 void refuseKeysOfOtherLaws(const TomlSection& section, LawName law) {
   const Keys keys = keysOf(law);
-  const auto isIn = [](const std::vector<std::string_view>& list, std::string_view key) {
-    return std::ranges::find(list, key) != list.end();
-  };
+  std::vector<std::string_view> taken = {"law", "group"};
+  for (const auto& some : {keys.needed, keys.optional})
+    taken.insert(taken.end(), some.begin(), some.end());
   for (const std::string_view key : materialKeys())
-    if (section.has(key) && key != "law" && key != "group" && !isIn(keys.needed, key) &&
-        !isIn(keys.optional, key))
+    if (section.has(key) && std::ranges::find(taken, key) == taken.end())
       throw section.wrong(key, "law \"{}\" does not take it; it takes {}, and if wanted {}",
                           word(law), listed(keys.needed, "and"), listed(keys.optional, "and"));
 }
@@ -184,15 +176,13 @@ double dispersionOf(const TomlSection& section) {
 
 std::string fibersToml(const Material& m) {
   if (!m.fiber_field.empty()) return quotedToml(m.fiber_field);
-  std::vector<std::string> directions;
-  for (const Eigen::Vector3d& fiber : m.fibers) directions.push_back(decimalToml(fiber));
-  return fmt::format("[{}]", fmt::join(directions, ", "));
+  const auto direction = [](const Eigen::Vector3d& fiber) { return decimalToml(fiber); };
+  return fmt::format("[{}]", fmt::join(textsOf(m.fibers, direction), ", "));
 }
 
 std::string listToml(const std::vector<OgdenTerm>& terms, double OgdenTerm::*member) {
-  std::vector<std::string> values;
-  for (const OgdenTerm& term : terms) values.push_back(decimalToml(term.*member));
-  return fmt::format("[{}]", fmt::join(values, ", "));
+  const auto value = [member](const OgdenTerm& term) { return decimalToml(term.*member); };
+  return fmt::format("[{}]", fmt::join(textsOf(terms, value), ", "));
 }
 
 /// A key, its value as TOML, and the unit ("" for a pure number).

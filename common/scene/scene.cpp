@@ -52,12 +52,14 @@ std::vector<Region> readRegions(const TomlSection& root) {
   return regions;
 }
 
+/// Whether some region's material has the property.
+bool anyMaterial(const std::vector<Region>& regions, bool (*property)(const Material&)) {
+  return std::ranges::any_of(regions, [&](const Region& r) { return property(r.material); });
+}
+
 /// Refuses a pressure space that does not go with the displacement or with the materials.
 void checkPressure(const TomlSection& section, const Discretization& d,
                    const std::vector<Region>& regions) {
-  const auto has = [&](bool (*property)(const Material&)) {
-    return std::ranges::any_of(regions, [&](const Region& r) { return property(r.material); });
-  };
   const bool p1 = d.displacement == DisplacementSpace::p1;
   if (p1 && d.pressure == PressureSpace::p2)
     throw section.wrong("pressure",
@@ -65,12 +67,12 @@ void checkPressure(const TomlSection& section, const Discretization& d,
   if (!p1 && d.pressure == PressureSpace::p1_stabilized)
     throw section.wrong("pressure",
                         "P1-stabilized is for P1 displacement; with P2 displacement P1 is stable");
-  if (d.pressure == PressureSpace::none && has(isIncompressible))
+  if (d.pressure == PressureSpace::none && anyMaterial(regions, isIncompressible))
     throw section.wrong(
         "pressure",
         "a material is incompressible and needs a pressure: {}; or give it a bulk modulus",
         p1 ? "P1-stabilized or P1" : "P1 or P2");
-  if (d.pressure != PressureSpace::none && !has(isMixed))
+  if (d.pressure != PressureSpace::none && !anyMaterial(regions, isMixed))
     throw section.wrong(
         "pressure",
         "the material is compressible and takes no pressure: write none, or leave it out");
@@ -81,9 +83,7 @@ Discretization readDiscretization(const TomlSection& root, const std::vector<Reg
   const auto section = root.inner("discretization", {"displacement", "pressure", "constraint"});
   // The displacement first: what the pressure is by default depends on it.
   if (section) d.displacement = section->choice("displacement", d.displacement);
-  const bool mixed =
-      std::ranges::any_of(regions, [](const Region& region) { return isMixed(region.material); });
-  d.pressure = !mixed                                    ? PressureSpace::none
+  d.pressure = !anyMaterial(regions, isMixed)            ? PressureSpace::none
                : d.displacement == DisplacementSpace::p1 ? PressureSpace::p1_stabilized
                                                          : PressureSpace::p1;
   if (!section) return d;
@@ -164,10 +164,8 @@ FixedSelection readFixed(const TomlSection& section) {
 }
 
 bool isPlainName(const std::string& name) {
-  return std::ranges::all_of(name, [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
-           c == '_';
-  });
+  constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
+  return name.find_first_not_of(plain) == std::string::npos;
 }
 
 SurfaceSelection readSurface(const TomlSection& active, const toml::node& node) {

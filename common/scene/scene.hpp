@@ -76,7 +76,7 @@ struct SurfaceSelection {
 };
 
 /// [[active]]: exactly one of `near`, `node` and `surface`. One with `surface` stands for many
-/// active nodes until resolve() has replaced it by them (node_selection.hpp).
+/// active nodes until resolve() has replaced it by them (selection.hpp).
 struct ActiveSelection {
   std::string name;                          ///< unique; letters, digits, '-' and '_'
   std::optional<Eigen::Vector3d> near = {};  ///< metres: the nearest surface node

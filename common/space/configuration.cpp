@@ -19,25 +19,22 @@ std::string NodalFields::encode() const {
 
 NodalFields NodalFields::decode(std::string_view bytes, std::size_t n_nodes,
                                 std::size_t n_pressures) {
-  const std::size_t displacement_bytes = 3 * n_nodes * sizeof(float);
-  const std::size_t pressure_bytes = n_pressures * sizeof(float);
-  if (bytes.size() != displacement_bytes + pressure_bytes)
+  const std::size_t expected = (3 * n_nodes + n_pressures) * sizeof(float);
+  if (bytes.size() != expected)
     throw failure(
         "nodal fields of {} bytes do not belong to a mesh of {} nodes, "
         "{} with a pressure ({} bytes)",
-        bytes.size(), n_nodes, n_pressures, displacement_bytes + pressure_bytes);
-  NodalFields fields;
-  fields.displacement.resize(3 * n_nodes);
-  std::ranges::copy(bytes.substr(0, displacement_bytes),
-                    reinterpret_cast<char*>(fields.displacement.data()));
-  fields.pressure.resize(n_pressures);
-  // Not memcpy, which must not be given the null pointer of an empty array.
-  std::ranges::copy(bytes.substr(displacement_bytes),
-                    reinterpret_cast<char*>(fields.pressure.data()));
-  for (const auto* values : {&fields.displacement, &fields.pressure})
+        bytes.size(), n_nodes, n_pressures, expected);
+  NodalFields fields = {std::vector<float>(3 * n_nodes), std::vector<float>(n_pressures)};
+  for (std::vector<float>* values : {&fields.displacement, &fields.pressure}) {
+    const std::size_t length = values->size() * sizeof(float);
+    // Not memcpy, which must not be given the null pointer of an empty array.
+    std::ranges::copy(bytes.substr(0, length), reinterpret_cast<char*>(values->data()));
+    bytes.remove_prefix(length);
     for (const float value : *values)
       // Newton would start from it and fail far from the cause.
       if (!std::isfinite(value)) throw failure("nodal fields hold a value that is not finite");
+  }
   return fields;
 }
 

@@ -104,13 +104,10 @@ std::optional<std::size_t> Lattice::placeInCube(const LatticePoint& point) const
 }
 
 std::optional<std::int32_t> Lattice::indexOf(const LatticePoint& point) const {
-  if (const auto place = placeInCube(point)) {
-    if (index_of_[*place] < 0) return std::nullopt;
-    return index_of_[*place];
-  }
+  if (const auto place = placeInCube(point))
+    return index_of_[*place] < 0 ? std::nullopt : std::optional(index_of_[*place]);
   const auto found = added_.find(point);
-  if (found == added_.end()) return std::nullopt;
-  return found->second;
+  return found == added_.end() ? std::nullopt : std::optional(found->second);
 }
 
 Eigen::Vector3d Lattice::displacementOf(const LatticePoint& p) const {
@@ -128,16 +125,10 @@ void Lattice::add(const LatticePoint& point) {
 }
 
 std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
-  struct Candidate {
-    int step;
-    std::int64_t norm;
-    LatticePoint point;
-    std::int32_t index;
-    auto operator<=>(const Candidate&) const = default;
-  };
   PALPATE_ASSERT(index >= 0 && index < uniform_size_, "added points have no place in this order");
   const LatticePoint& center = points_[index];
-  std::vector<Candidate> candidates;
+  // In the order of what they are compared by, and their numbers.
+  std::vector<std::tuple<int, std::int64_t, LatticePoint, std::int32_t>> candidates;
   for (int i = -1; i <= 1; ++i)
     for (int j = -1; j <= 1; ++j)
       for (int k = -1; k <= 1; ++k) {
@@ -148,12 +139,12 @@ std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
         const auto number = indexOf(p);
         // Refined points have parents of their own (the plan's pursuits).
         if (number && *number < uniform_size_)
-          candidates.push_back({step, squaredNorm(p), p, *number});
+          candidates.emplace_back(step, squaredNorm(p), p, *number);
       }
   std::ranges::sort(candidates);
   std::vector<std::int32_t> neighbours;
   neighbours.reserve(candidates.size());
-  for (const Candidate& candidate : candidates) neighbours.push_back(candidate.index);
+  for (const auto& candidate : candidates) neighbours.push_back(std::get<3>(candidate));
   return neighbours;
 }
 

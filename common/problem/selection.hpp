@@ -5,8 +5,9 @@
 #include "common/scene/scene.hpp"
 #include "common/space/active_patch.hpp"
 
-/// The nodes that the selectors of a scene select: what is held, what can be touched, what moves
-/// with the tool. Errors are bad input and name the key or the active node.
+/// What the tables of a scene select on its mesh: the nodes that are held, that can be touched and
+/// that move with the tool, and the regions of the body and their fibres. Errors are bad input and
+/// name the key or the active node.
 namespace palpate {
 
 /// The nodes that [fixed] selects: mid-edge nodes too, by their position, by their group, or
@@ -28,5 +29,21 @@ std::vector<ActiveSelection> expandSurfaces(const std::vector<ActiveSelection>& 
 /// is not a vertex of the surface, when `near` is far from the body, or when fewer than three nodes
 /// are left to be averaged.
 ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& fixed);
+
+/// Which region each tetrahedron is in. Error (bad input), naming the key, when a region names an
+/// element group that the mesh does not have (listing those it has) or that is empty, when a
+/// tetrahedron is in two regions, or in none although there is no [material], or when none is left
+/// for [material].
+std::vector<std::uint16_t> selectRegions(const std::vector<Region>& regions, const Mesh& mesh);
+
+/// The fibres of each tetrahedron as Problem::fibers. Error (bad input) when the mesh has no
+/// element vectors of the name that a material gives (listing those it has), or a zero one where
+/// one is needed.
+std::vector<std::array<Eigen::Vector3d, 2>> selectFibers(
+    const std::vector<Region>& regions, const std::vector<std::uint16_t>& region_of,
+    const Mesh& mesh);
+
+/// Whether some material has fibres.
+bool hasFibers(const std::vector<Region>& regions);
 
 }  // namespace palpate

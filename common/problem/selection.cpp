@@ -1,7 +1,8 @@
-#include "common/problem/node_selection.hpp"
+#include "common/problem/selection.hpp"
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <numeric>
 #include <set>
 
@@ -23,19 +24,25 @@ bool isIn(const Sphere& sphere, const Eigen::Vector3d& x) {
   return (x - sphere.center).squaredNorm() <= sphere.radius * sphere.radius * on_the_sphere;
 }
 
+/// What the mesh has under a name. Errors begin with `missing`, which says what is not there, and
+/// list the names of `what` that are.
+template <class Named>
+const auto& entryNamed(const Named& named, const std::string& name, const std::string& missing,
+                       const char* what) {
+  const auto found = named.find(name);
+  if (found != named.end()) return found->second;
+  std::vector<std::string_view> names;
+  for (const auto& [other, values] : named) names.push_back(other);
+  throw badInput("{}; the mesh has {}", missing,
+                 names.empty() ? fmt::format("no {}", what) : listed(names));
+}
+
 /// The nodes of a physical group, mid-edge nodes too. Errors begin with `key`.
 const NodeSet& groupNamed(const Mesh& mesh, const std::string& name, const std::string& key) {
-  const auto found = mesh.node_groups.find(name);
-  if (found != mesh.node_groups.end()) {
-    if (found->second.empty())
-      throw badInput("{}: no node of \"{}\" belongs to a tetrahedron", key, name);
-    return found->second;
-  }
-  std::vector<std::string_view> names;
-  for (const auto& [group, nodes] : mesh.node_groups) names.push_back(group);
-  if (names.empty())
-    throw badInput("{}: there is no \"{}\": the mesh has no physical groups", key, name);
-  throw badInput("{}: there is no \"{}\"; the mesh has {}", key, name, listed(names));
+  const NodeSet& group = entryNamed(
+      mesh.node_groups, name, fmt::format("{}: there is no \"{}\"", key, name), "physical groups");
+  if (group.empty()) throw badInput("{}: no node of \"{}\" belongs to a tetrahedron", key, name);
+  return group;
 }
 
 /// Adds the candidates for which `inside` holds; throws what `nothing` makes when there are none.
@@ -175,6 +182,28 @@ std::vector<double> weightsOf(const ActivePatch& patch, const Mesh& mesh, double
   return weights;
 }
 
+// ---- [[region]] ------------------------------------------------------------------------------
+
+constexpr std::uint16_t nowhere = std::numeric_limits<std::uint16_t>::max();
+
+const std::vector<std::int32_t>& tetrahedraOf(const std::string& group, const Mesh& mesh) {
+  const auto& elements =
+      entryNamed(mesh.element_groups, group,
+                 fmt::format("region.group: there is no \"{}\" of volume elements", group),
+                 "physical groups of volumes");
+  if (elements.empty()) throw badInput("region.group: \"{}\" has no tetrahedron", group);
+  return elements;
+}
+
+/// The vectors that a material takes its fibre from; null when it has fixed ones, or none.
+const std::vector<Eigen::Vector3d>* fieldOf(const Material& material, const Mesh& mesh) {
+  if (material.fiber_field.empty()) return nullptr;
+  return &entryNamed(
+      mesh.element_vectors, material.fiber_field,
+      fmt::format("material.fiber: there are no element vectors \"{}\"", material.fiber_field),
+      "vectors of elements");
+}
+
 }  // namespace
 
 NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh) {
@@ -249,6 +278,56 @@ ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, cons
                  "the tool moves what displacements are named by");
   if (weighted) patch.weights = weightsOf(patch, mesh, selection.radius);
   return patch;
+}
+
+std::vector<std::uint16_t> selectRegions(const std::vector<Region>& regions, const Mesh& mesh) {
+  const bool has_rest = regions.front().group.empty();
+  std::vector<std::uint16_t> region_of(mesh.tetrahedra.size(), nowhere);
+  for (std::size_t r = has_rest ? 1 : 0; r < regions.size(); ++r)
+    for (const std::int32_t element : tetrahedraOf(regions[r].group, mesh)) {
+      if (region_of[element] != nowhere)
+        throw badInput(
+            "region.group: {} is in \"{}\" and in \"{}\"; a tetrahedron has one material",
+            placeOf(mesh, element), regions[region_of[element]].group, regions[r].group);
+      region_of[element] = static_cast<std::uint16_t>(r);
+    }
+  // [material] takes what no group names; without one every tetrahedron must be named.
+  const auto rest = std::ranges::find(region_of, nowhere);
+  if (rest == region_of.end() && has_rest)
+    throw badInput(
+        "[material]: the regions are the whole body and leave no tetrahedron for it; remove it");
+  if (rest != region_of.end() && !has_rest)
+    throw badInput("[[region]]: {} is in none; write a [material] for what no region names",
+                   placeOf(mesh, rest - region_of.begin()));
+  std::ranges::replace(region_of, nowhere, std::uint16_t{0});
+  return region_of;
+}
+
+bool hasFibers(const std::vector<Region>& regions) {
+  return std::ranges::any_of(regions, [](const Region& region) {
+    return !region.material.fibers.empty() || !region.material.fiber_field.empty();
+  });
+}
+
+std::vector<std::array<Eigen::Vector3d, 2>> selectFibers(
+    const std::vector<Region>& regions, const std::vector<std::uint16_t>& region_of,
+    const Mesh& mesh) {
+  if (!hasFibers(regions)) return {};
+  std::vector<const std::vector<Eigen::Vector3d>*> fields;
+  for (const Region& region : regions) fields.push_back(fieldOf(region.material, mesh));
+  std::vector<std::array<Eigen::Vector3d, 2>> fibers(
+      region_of.size(), {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
+  for (std::size_t e = 0; e < region_of.size(); ++e) {
+    const Material& material = regions[region_of[e]].material;
+    if (const auto* field = fields[region_of[e]]) {
+      if ((*field)[e].isZero(0))
+        throw badInput("material.fiber: \"{}\" is zero, or missing, in {}", material.fiber_field,
+                       placeOf(mesh, e));
+      fibers[e][0] = (*field)[e].stableNormalized();
+    }
+    std::ranges::copy(material.fibers, fibers[e].begin());
+  }
+  return fibers;
 }
 
 }  // namespace palpate
