@@ -78,12 +78,9 @@ class Frontier {
   void makeReady(std::int32_t target, std::int32_t parent);
   void settle(std::int32_t point);
   void advance(std::int32_t point);
-  void advanceInRoundZero(std::int32_t point);
-  void advanceInLaterRound(std::int32_t point);
   void giveUp(std::int32_t point);
   void releaseWaiting();
   void beginRound();
-  bool tried(std::int32_t target, std::int32_t parent) const;
 
   Lattice lattice_;
   double max_force_;
