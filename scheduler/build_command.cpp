@@ -189,32 +189,6 @@ struct BuildOptions {
   int workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
 
-/// Replaces workers that end before the work does, within bounds.
-class Replacement {
- public:
-  void replace(WorkerPool& pool, Coordinator& coordinator) {
-    if (coordinator.recorded() > recorded_) deaths_ = 0;
-    recorded_ = coordinator.recorded();
-    joined_ = joined_ || coordinator.workers() > 0;
-    for (const WorkerPool::Ended& ended : pool.reap()) {
-      if (coordinator.complete() || coordinator.stopping()) continue;
-      coordinator.workerProcessEnded(static_cast<std::uint32_t>(ended.pid), Clock::now());
-      if (++deaths_ >= (joined_ ? deaths_without_progress : deaths_at_the_start))
-        throw failure(
-            "{} workers in a row ended before they finished anything, the last with {}: "
-            "see their messages above; the same command goes on from what is recorded",
-            deaths_, ended.how);
-      spdlog::warn("worker {} ended with {}: starting another", ended.pid, ended.how);
-      pool.start();
-    }
-  }
-
- private:
-  std::int64_t recorded_ = 0;
-  int deaths_ = 0;
-  bool joined_ = false;
-};
-
 ExitCode compute(Server& server, Coordinator& coordinator, int workers) {
   // How long workers may take to finish what they hold.
   constexpr milliseconds drain_limit{15000};
@@ -222,8 +196,26 @@ ExitCode compute(Server& server, Coordinator& coordinator, int workers) {
                    "-j", "1", "--quiet"});
   for (int n = 0; n < workers; ++n) pool.start();
 
-  Replacement replacement;
-  serveUntilDone(server, coordinator, [&] { replacement.replace(pool, coordinator); });
+  std::int64_t recorded = 0;
+  int deaths = 0;  // in a row
+  bool joined = false;
+  const auto replaceEnded = [&] {
+    if (coordinator.recorded() > recorded) deaths = 0;
+    recorded = coordinator.recorded();
+    joined = joined || coordinator.workers() > 0;
+    for (const WorkerPool::Ended& ended : pool.reap()) {
+      if (coordinator.complete() || coordinator.stopping()) continue;
+      coordinator.workerProcessEnded(static_cast<std::uint32_t>(ended.pid), Clock::now());
+      if (++deaths >= (joined ? deaths_without_progress : deaths_at_the_start))
+        throw failure(
+            "{} workers in a row ended before they finished anything, the last with {}: "
+            "see their messages above; the same command goes on from what is recorded",
+            deaths, ended.how);
+      spdlog::warn("worker {} ended with {}: starting another", ended.pid, ended.how);
+      pool.start();
+    }
+  };
+  serveUntilDone(server, coordinator, replaceEnded);
   for (const auto deadline = Clock::now() + drain_limit;
        pool.running() > 0 && Clock::now() < deadline; pool.reap())
     server.turn(coordinator, longest_turn);
