@@ -64,34 +64,30 @@ void Frontier::settle(std::int32_t point) {
   if (round_ == 0) newly_settled_.push_back(point);
 }
 
-void Frontier::giveUp(std::int32_t point) {
-  points_[point].phase = Phase::unreached;
-  settle(point);
-}
-
 void Frontier::advance(std::int32_t point) {
   Point& p = points_[point];
   // Half is kept for other sides: in round 0 all parents lie on one, and tend to fail together.
   const std::size_t budget = round_ == 0 ? (max_attempts_ + 1) / 2 : max_attempts_;
-  if (p.failed_parents.size() >= budget) return giveUp(point);
   const std::int64_t norm = squaredNorm(lattice_.point(point));
-  for (const std::int32_t candidate : lattice_.neighbours(point)) {
-    const Point& c = points_[candidate];
-    if (round_ == 0) {
-      // Strictly nearer to the origin: two points never wait for each other.
-      if (squaredNorm(lattice_.point(candidate)) >= norm) continue;
-      if (c.phase == Phase::waiting || c.phase == Phase::open) {
-        p.phase = Phase::waiting;
-        p.blocker = candidate;
-        return;
+  if (p.failed_parents.size() < budget)
+    for (const std::int32_t candidate : lattice_.neighbours(point)) {
+      const Point& c = points_[candidate];
+      if (round_ == 0) {
+        // Strictly nearer to the origin: two points never wait for each other.
+        if (squaredNorm(lattice_.point(candidate)) >= norm) continue;
+        if (c.phase == Phase::waiting || c.phase == Phase::open) {
+          p.phase = Phase::waiting;
+          p.blocker = candidate;
+          return;
+        }
+      } else if (c.round_reached == round_) {
+        continue;  // does not count yet: which comes first would depend on timing
       }
-    } else if (c.round_reached == round_) {
-      continue;  // does not count yet: which comes first would depend on timing
+      const bool tried = std::ranges::find(p.failed_parents, candidate) != p.failed_parents.end();
+      if (c.tag == Tag::expandable && !tried) return makeReady(point, candidate);
     }
-    const bool tried = std::ranges::find(p.failed_parents, candidate) != p.failed_parents.end();
-    if (c.tag == Tag::expandable && !tried) return makeReady(point, candidate);
-  }
-  giveUp(point);
+  p.phase = Phase::unreached;
+  settle(point);
 }
 
 /// With a stack and not by recursion: a chain of waiting points may cross the whole lattice.

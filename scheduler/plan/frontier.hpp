@@ -78,7 +78,6 @@ class Frontier {
   void makeReady(std::int32_t target, std::int32_t parent);
   void settle(std::int32_t point);
   void advance(std::int32_t point);
-  void giveUp(std::int32_t point);
   void releaseWaiting();
   void beginRound();
 

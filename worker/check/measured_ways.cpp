@@ -1,6 +1,5 @@
 #include "worker/check/measured_ways.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <functional>

@@ -277,21 +277,6 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
   return reached;
 }
 
-void TransitionSolver::explainByLimitPoint(const Start& start, const Eigen::Vector3d& target,
-                                           Reached& failed) {
-  const auto expected = system_.expectedNegativePivots();
-  if (!expected) return;  // spurious modes: an inertia that changed would prove nothing
-  const double reached = failed.outcome.failure.step_reached;
-  const State& from = reached > 0 ? failed.end.state : start.state;
-  const auto limit = findLimitPoint(system_, solver_, from, target);
-  if (!limit) return;
-  Failure& failure = failed.outcome.failure;
-  failure.cause = Cause::limit_point;
-  failure.step_reached = reached + (1 - reached) * limit->at;
-  failure.negative_pivots = limit->negative_pivots;
-  failure.expected_negative_pivots = *expected;
-}
-
 NodalFields TransitionSolver::fieldsOf(const State& state) const {
   NodalFields fields = {{state.u.begin(), state.u.end()}, {}};
   fields.pressure.reserve(state.q.size());

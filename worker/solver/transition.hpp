@@ -2,7 +2,6 @@
 
 #include "common/space/configuration.hpp"
 #include "worker/elements/kernel_family.hpp"
-#include "worker/solver/limit_point.hpp"
 #include "worker/solver/newton.hpp"
 #include "worker/solver/system.hpp"
 #include "worker/solver/tangent_solver.hpp"
