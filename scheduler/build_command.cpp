@@ -345,17 +345,6 @@ ExitCode serve(Server& server, Coordinator& coordinator) {
   return interrupted() ? ExitCode::interrupted : ExitCode::done;
 }
 
-ExitCode runServe(const ServeOptions& options) {
-  checkEndpoint(options.endpoint);
-  if (!isOnThisMachineOnly(options.endpoint) && !options.insecure)
-    throw badInput(
-        "--listen {}: anyone who reaches that port could take and deliver work, "
-        "since there are no keys yet: listen on 127.0.0.1, "
-        "or say --insecure on a network you trust",
-        options.endpoint);
-  return carryOut(options.order, options.endpoint, serve);
-}
-
 std::function<ExitCode()> prepareServe(CLI::App& app) {
   auto options = std::make_shared<ServeOptions>();
   addOptions(app, options->order);
@@ -369,7 +358,16 @@ std::function<ExitCode()> prepareServe(CLI::App& app) {
       "Ends when the dataset is sealed, or when it is stopped; the same command then goes on.\n"
       "Exit codes: 0 done or stopped, 1 failed, 2 bad scene or usage, "
       "3 done but some points failed, 130 interrupted.");
-  return [options] { return runServe(*options); };
+  return [options] {
+    checkEndpoint(options->endpoint);
+    if (!isOnThisMachineOnly(options->endpoint) && !options->insecure)
+      throw badInput(
+          "--listen {}: anyone who reaches that port could take and deliver work, "
+          "since there are no keys yet: listen on 127.0.0.1, "
+          "or say --insecure on a network you trust",
+          options->endpoint);
+    return carryOut(options->order, options->endpoint, serve);
+  };
 }
 
 }  // namespace

@@ -39,18 +39,6 @@ std::int32_t numberOf(const Lattice& lattice, const Eigen::Vector3d& in_spacings
           : "");
 }
 
-void addStep(wire::Explanation& explanation, const Lattice& lattice, std::int32_t point,
-             const PointRecord& record) {
-  wire::Step& step = *explanation.add_path();
-  *step.mutable_point() = toWire(lattice.point(point));
-  step.set_tag(std::string(name(record.tag)));
-  for (const double component : record.equilibrium.force) step.add_force(component);
-  step.set_energy(record.equilibrium.energy);
-  step.set_min_det_f(record.equilibrium.min_det_F);
-  step.set_newton_iterations(record.cost.newton_iterations);
-  step.set_steps(record.cost.steps);
-}
-
 std::string textOf(const wire::Explanation& e) {
   const std::string where = fmt::format("{}: point {}, displacement ({:g}, {:g}, {:g}) m",
                                         e.active(), nameOf(fromWire(e.point()), e.divisions()),
@@ -105,7 +93,14 @@ wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spa
   std::int32_t step = record.parent < 0 ? -1 : number;
   for (std::size_t length = 0; step >= 0 && length < space.points.size(); ++length) {
     const PointRecord& here = space.points[at(step)];
-    addStep(explanation, lattice, step, here);
+    wire::Step& shown = *explanation.add_path();
+    *shown.mutable_point() = toWire(lattice.point(step));
+    shown.set_tag(std::string(name(here.tag)));
+    for (const double component : here.equilibrium.force) shown.add_force(component);
+    shown.set_energy(here.equilibrium.energy);
+    shown.set_min_det_f(here.equilibrium.min_det_F);
+    shown.set_newton_iterations(here.cost.newton_iterations);
+    shown.set_steps(here.cost.steps);
     step = here.parent == step ? -1 : here.parent;
   }
   for (const FailedAttempt& attempt : space.attempts) {

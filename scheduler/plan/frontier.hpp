@@ -60,7 +60,6 @@ class Frontier {
   Tag tag(std::int32_t point) const;
 
   const Lattice& lattice() const { return lattice_; }
-  std::int32_t size() const { return lattice_.size(); }
   /// Transitions that are ready and not recorded.
   std::int32_t openCount() const { return open_count_; }
 

@@ -169,7 +169,7 @@ void SpacePlan::advanceStage() {
   switch (stage_) {
     case Stage::lattice:
       PALPATE_ASSERT(frontier_.complete(), "a lattice with nothing to solve is solved");
-      for (std::int32_t n = 0; n < frontier_.size(); ++n)
+      for (std::int32_t n = 0; n < frontier_.lattice().size(); ++n)
         if (frontier_.tag(n) == Tag::failed) giveUp(n);
       stage_ = Stage::branches;
       return beginBranches();

@@ -48,7 +48,6 @@ void printRowsTable(const Case& problem, const std::vector<Row>& rows, double se
   for (const Row& row : rows)
     fmt::print("  {:<64} {:>14.8g} {:>14.8g} {:<4} {:>9.1e} {:>9.1e}  {}\n", row.name, row.computed,
                row.reference, row.unit, row.deviation(), row.tolerance, row.ok() ? "ok" : "NOT OK");
-  std::fflush(stdout);  // the next problem may take minutes
 }
 
 void printRowsJson(const Case& problem, const std::vector<Row>& rows, double seconds) {
@@ -63,7 +62,6 @@ void printRowsJson(const Case& problem, const std::vector<Row>& rows, double sec
                                               {"ok", row.ok()},
                                               {"problem_seconds", seconds}}
                            .dump());
-  std::fflush(stdout);
 }
 
 ExitCode verify(const VerifyOptions& options) {
@@ -79,6 +77,7 @@ ExitCode verify(const VerifyOptions& options) {
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     (options.json ? printRowsJson : printRowsTable)(problem, rows, seconds);
+    std::fflush(stdout);  // the next problem may take minutes
     good += std::ranges::count_if(rows, &Row::ok);
     bad += std::ranges::count(rows, false, &Row::ok);
     all_seconds += seconds;
