@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/base/program.hpp"
 #include "common/dataset/dataset.hpp"
 #include "scheduler/service/server.hpp"
 #include "scheduler/state/state_directory.hpp"

@@ -79,7 +79,6 @@ class TransitionSolver {
   Cause judge(NewtonResult& newton, bool last, Step& step);
   std::optional<TangentSolver::Refined> solveSensitivity(NewtonResult& newton,
                                                          const Tangent& tangent, double tolerance);
-  NodalFields fieldsOf(const State& state) const;
 
   const Problem& problem_;
   TransitionOptions options_;
