@@ -1,17 +1,268 @@
+#include <signal.h>
 #include <spdlog/spdlog.h>
+#include <sys/ioctl.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <thread>
 
+#include "common/base/assertion.hpp"
+#include "common/base/replaced_file.hpp"
+#include "common/problem/problem_warnings.hpp"
 #include "scheduler/build.hpp"
+#include "scheduler/status_text.hpp"
 #include "scheduler/verbs.hpp"
-#include "scheduler/worker_pool.hpp"
 
 namespace palpate {
 namespace {
 
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
+
+// ---- What build and serve do alike ----
+
+/// Long enough to rest, short enough for the signals of a terminal.
+constexpr milliseconds longest_turn{50};
+
+constexpr milliseconds redraw_every{200};
+/// Into a file: a night of work is a thousand lines.
+constexpr milliseconds line_every{30000};
+
+/// Asked anew for every line: windows are resized.
+std::size_t columnsOf(int terminal) {
+  constexpr std::size_t usual = 80;
+  struct winsize size {};
+  return ioctl(terminal, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : usual;
+}
+
+/// Shows on stderr how far a build is: a bar that redraws itself in one row of a terminal, else a
+/// line every half minute. Nothing when only warnings are wanted (--quiet).
+class Progress {
+ public:
+  Progress() {
+    // Log lines would tear the bar apart.
+    if (wanted_ && terminal_ && spdlog::get_level() == spdlog::level::info)
+      spdlog::set_level(spdlog::level::warn);
+  }
+
+  void show(const Coordinator& coordinator) {
+    const auto now = Clock::now();
+    if (!wanted_ || now < next_) return;
+    next_ = now + (terminal_ ? redraw_every : line_every);
+    const wire::Status status = coordinator.status(now);
+    if (terminal_)
+      fmt::print(stderr, "\r{}\x1b[K", progressBar(status, columnsOf(STDERR_FILENO)));
+    else
+      fmt::print(stderr, "{}\n", progressLine(status));
+    drawn_ = terminal_;
+  }
+
+  /// Ends the bar's line.
+  void end() const {
+    if (drawn_) fmt::print(stderr, "\n");
+  }
+
+ private:
+  const bool wanted_ = spdlog::get_level() <= spdlog::level::info;
+  const bool terminal_ = isatty(STDERR_FILENO) == 1;
+  bool drawn_ = false;
+  Clock::time_point next_ = Clock::now();
+};
+
+/// True when `file` is the dataset of this build already, false when there is no such file, or when
+/// it is that but stores something else (Storage) than asked for. Error (bad input) when it is
+/// anything else, unless `force`.
+bool isSealed(const std::filesystem::path& file, const Problem& problem, bool force) {
+  if (!std::filesystem::exists(file)) return false;
+  const ContentId build = problemId(problem);
+  std::string what;
+  try {
+    const Dataset dataset(file);
+    if (dataset.buildId() == build) {
+      // A damaged file is no finished work: it would be found out only when somebody touches it.
+      dataset.verifyAll();
+      return dataset.scene().storage == problem.scene.storage;
+    }
+    what =
+        fmt::format("holds the dataset of another scene or mesh (build {} of scene \"{}\", not {})",
+                    dataset.buildId().shortHex(), dataset.scene().name, build.shortHex());
+  } catch (const Error& error) {
+    what = fmt::format("exists and is not a usable dataset ({})", error.what());
+  }
+  if (!force)
+    throw badInput("{}: {}: give another -o, or --force to replace it", file.string(), what);
+  return false;
+}
+
+ExitCode finish(const std::vector<SpaceTable>& spaces, const Scene& scene,
+                const std::filesystem::path& out, const std::string& how) {
+  PALPATE_ASSERT(!spaces.empty(), "a scene has something to touch, and each of it a space");
+  fmt::print("{}\n{}: {}\nnext: palpate query '{}' --active {} --displacement {:.3g} 0 0\n",
+             summaryOf(spaces, scene), out.string(), how, out.string(), spaces.front().patch.name,
+             scene.workspace.spacing / 2);
+  return exitCodeOf(spaces);
+}
+
+/// What `build` and `serve` are asked for alike.
+struct BuildOrder {
+  std::string scene;   ///< a TOML file
+  std::string out;     ///< the dataset; empty: NAME.h5 in the current directory
+  std::string state;   ///< the state directory; empty: OUT.state
+  bool force = false;  ///< replace `out` when it holds something else
+};
+
+/// Declares SCENE, -o, --state and --force on `app`, which must not outlive `order`.
+void addOptions(CLI::App& app, BuildOrder& order) {
+  app.add_option("SCENE", order.scene, "The scene, a TOML file (docs/scene.md)")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("-o,--output", order.out,
+                 "Dataset to make [the scene's name with .h5, in the current directory]");
+  app.add_option("--state", order.state,
+                 "Directory for unfinished work, on a local disk [OUTPUT.state]");
+  app.add_flag("--force", order.force, "Replace OUTPUT when it holds something else");
+}
+
+/// From the scene to the sealed dataset, which is what stdout then tells; nothing to do when `out`
+/// is that already. `compute` brings the build that a server at `endpoint` works for to its end,
+/// unless it is stopped: then it returns the exit code. Error before anything is computed when the
+/// scene is wrong, `out` holds something else, or its folder is not there.
+ExitCode carryOut(const BuildOrder& order, const std::string& endpoint,
+                  const std::function<ExitCode(Server&, Coordinator&)>& compute) {
+  Problem problem = loadProblem(order.scene);
+  logWarnings(problem);
+  const std::filesystem::path out = order.out.empty() ? problem.scene.name + ".h5" : order.out;
+  const std::string state = order.state.empty() ? out.string() + ".state" : order.state;
+  if (isSealed(out, problem, order.force))
+    return finish(Dataset(out).spaces(), problem.scene, out,
+                  "is already the dataset of this scene; nothing to do");
+  // Before the state directory is made, and before hours of work.
+  refuseUnwritable(out, "-o");
+
+  catchInterrupts();
+  const auto began = Clock::now();
+  Build build(std::move(problem), state);
+  Coordinator& coordinator = build.coordinator();
+  if (!coordinator.complete()) {
+    if (coordinator.found() > 0)
+      spdlog::info("going on: {} results are recorded in {}", coordinator.found(), state);
+    zmq::context_t context;
+    Server server(context, endpoint);
+    build.directory().announce(server.endpoint());
+    const ExitCode when_stopped = compute(server, coordinator);
+    if (!coordinator.complete()) {
+      fmt::print(stderr,
+                 "stopped; everything finished is kept in {}. "
+                 "The same command goes on from there.\n",
+                 state);
+      return when_stopped;
+    }
+  }
+  const std::vector<SpaceTable> spaces = build.seal(out);
+  const double seconds = std::chrono::duration<double>(Clock::now() - began).count();
+  return finish(spaces, build.problem().scene, out, fmt::format("sealed after {:.1f} s", seconds));
+}
+
+/// Answers messages and shows progress until the build is complete or stopped, by a message or a
+/// signal. `each_turn` is called a few times a second at least.
+void serveUntilDone(Server& server, Coordinator& coordinator,
+                    const std::function<void()>& each_turn = {}) {
+  Progress progress;
+  while (!coordinator.complete() && !coordinator.stopping()) {
+    server.turn(coordinator, longest_turn);
+    if (each_turn) each_turn();
+    progress.show(coordinator);
+    if (interrupted()) coordinator.stop(Clock::now());
+  }
+  progress.end();
+}
+
+// ---- build ----
+
+std::string describeStatus(int status) {
+  if (WIFSIGNALED(status))
+    return fmt::format("signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
+  return fmt::format("exit code {}", WEXITSTATUS(status));
+}
+
+/// Between fork and exec: only calls that are safe there.
+[[noreturn]] void becomeWorker(pid_t parent, char* const* arguments) {
+  if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent) _exit(126);
+  // Ctrl-C reaches the scheduler alone, which lets the workers finish what they hold.
+  setpgid(0, 0);
+  execv(arguments[0], arguments);
+  _exit(127);
+}
+
+/// The local `palpate-worker` processes of `build`. They die with this process, even when it is
+/// killed. One thread, the one that constructed it (the kernel ties a child's life to the thread
+/// that forked it).
+class WorkerPool {
+ public:
+  struct Ended {
+    pid_t pid = 0;
+    std::string how;  ///< "exit code 1", "signal 9 (Killed)"
+  };
+
+  /// `command` is the program and its arguments. Starts nothing yet.
+  explicit WorkerPool(std::vector<std::string> command) : command_(std::move(command)) {}
+  /// Terminates and reaps what still runs.
+  ~WorkerPool() { terminate(milliseconds(0)); }
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+
+  /// Starts one more process. Error when that is impossible.
+  void start() {
+    PALPATE_ASSERT(!command_.empty(), "the first word is the program");
+    // Before fork(): memory may not be allocated behind it.
+    std::vector<char*> arguments;
+    for (std::string& argument : command_) arguments.push_back(argument.data());
+    arguments.push_back(nullptr);
+    const pid_t parent = getpid();
+    const pid_t child = fork();
+    if (child < 0) throw failure("cannot start a worker process: {}", errnoText());
+    if (child == 0) becomeWorker(parent, arguments.data());
+    running_.push_back(child);
+  }
+
+  /// Those that ended since the last call.
+  std::vector<Ended> reap() {
+    std::vector<Ended> ended;
+    std::erase_if(running_, [&](pid_t pid) {
+      int status = 0;
+      const pid_t done = waitpid(pid, &status, WNOHANG);
+      if (done == 0 || (done < 0 && errno == EINTR)) return false;
+      ended.push_back({pid, done > 0 ? describeStatus(status) : std::string(errnoText())});
+      return true;
+    });
+    return ended;
+  }
+
+  std::size_t running() const { return running_.size(); }
+
+  /// SIGTERM, and SIGKILL to those that still run after `grace`.
+  void terminate(milliseconds grace) {
+    const auto signalAll = [&](int number) {
+      for (const pid_t pid : running_) kill(pid, number);
+    };
+    signalAll(SIGTERM);
+    const auto deadline = Clock::now() + grace;
+    while (reap(), !running_.empty() && Clock::now() < deadline)
+      std::this_thread::sleep_for(milliseconds(10));
+    // Waited for without an end: nothing survives this signal.
+    signalAll(SIGKILL);
+    for (const pid_t pid : running_)
+      while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
+      }
+    running_.clear();
+  }
+
+ private:
+  std::vector<std::string> command_;
+  std::vector<pid_t> running_;
+};
 
 /// So many workers may end in a row without one new result. A target that kills its workers is
 /// given up after fewer.
@@ -24,32 +275,6 @@ struct BuildOptions {
   int workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
 
-/// Replaces workers that end before the work does, within bounds.
-class Replacement {
- public:
-  void replace(WorkerPool& pool, Coordinator& coordinator) {
-    if (coordinator.recorded() > recorded_) deaths_ = 0;
-    recorded_ = coordinator.recorded();
-    joined_ = joined_ || coordinator.workers() > 0;
-    for (const WorkerPool::Ended& ended : pool.reap()) {
-      if (coordinator.complete() || coordinator.stopping()) continue;
-      coordinator.workerProcessEnded(static_cast<std::uint32_t>(ended.pid), Clock::now());
-      if (++deaths_ >= (joined_ ? deaths_without_progress : deaths_at_the_start))
-        throw failure(
-            "{} workers in a row ended before they finished anything, the last with {}: "
-            "see their messages above; the same command goes on from what is recorded",
-            deaths_, ended.how);
-      spdlog::warn("worker {} ended with {}: starting another", ended.pid, ended.how);
-      pool.start();
-    }
-  }
-
- private:
-  std::int64_t recorded_ = 0;
-  int deaths_ = 0;
-  bool joined_ = false;
-};
-
 ExitCode compute(Server& server, Coordinator& coordinator, int workers) {
   // How long workers may take to finish what they hold.
   constexpr milliseconds drain_limit{15000};
@@ -57,8 +282,26 @@ ExitCode compute(Server& server, Coordinator& coordinator, int workers) {
                    "-j", "1", "--quiet"});
   for (int n = 0; n < workers; ++n) pool.start();
 
-  Replacement replacement;
-  serveUntilDone(server, coordinator, [&] { replacement.replace(pool, coordinator); });
+  std::int64_t recorded = 0;
+  int deaths = 0;  // in a row
+  bool joined = false;
+  const auto replaceEnded = [&] {
+    if (coordinator.recorded() > recorded) deaths = 0;
+    recorded = coordinator.recorded();
+    joined = joined || coordinator.workers() > 0;
+    for (const WorkerPool::Ended& ended : pool.reap()) {
+      if (coordinator.complete() || coordinator.stopping()) continue;
+      coordinator.workerProcessEnded(static_cast<std::uint32_t>(ended.pid), Clock::now());
+      if (++deaths >= (joined ? deaths_without_progress : deaths_at_the_start))
+        throw failure(
+            "{} workers in a row ended before they finished anything, the last with {}: "
+            "see their messages above; the same command goes on from what is recorded",
+            deaths, ended.how);
+      spdlog::warn("worker {} ended with {}: starting another", ended.pid, ended.how);
+      pool.start();
+    }
+  };
+  serveUntilDone(server, coordinator, replaceEnded);
   for (const auto deadline = Clock::now() + drain_limit;
        pool.running() > 0 && Clock::now() < deadline; pool.reap())
     server.turn(coordinator, longest_turn);
@@ -83,9 +326,57 @@ std::function<ExitCode()> prepareBuild(CLI::App& app) {
   };
 }
 
+// ---- serve ----
+
+struct ServeOptions {
+  BuildOrder order;
+  std::string endpoint = default_endpoint;
+  bool insecure = false;
+};
+
+ExitCode serve(Server& server, Coordinator& coordinator) {
+  // How long workers may take to finish what they hold and leave.
+  constexpr std::chrono::seconds drain_limit{30};
+  spdlog::info("listening on {}", server.endpoint());
+  serveUntilDone(server, coordinator);
+  for (const auto deadline = Clock::now() + drain_limit;
+       !coordinator.deserted(Clock::now()) && Clock::now() < deadline;)
+    server.turn(coordinator, longest_turn);
+  return interrupted() ? ExitCode::interrupted : ExitCode::done;
+}
+
+std::function<ExitCode()> prepareServe(CLI::App& app) {
+  auto options = std::make_shared<ServeOptions>();
+  addOptions(app, options->order);
+  app.get_option("--state")->required()->description(
+      "Directory for unfinished work, on a local disk");
+  app.add_option("--listen", options->endpoint, "Where workers connect, tcp://HOST:PORT")
+      ->capture_default_str();
+  app.add_flag("--insecure", options->insecure,
+               "Listen beyond this machine although workers need no key");
+  app.footer(
+      "Ends when the dataset is sealed, or when it is stopped; the same command then goes on.\n"
+      "Exit codes: 0 done or stopped, 1 failed, 2 bad scene or usage, "
+      "3 done but some points failed, 130 interrupted.");
+  return [options] {
+    checkEndpoint(options->endpoint);
+    if (!isOnThisMachineOnly(options->endpoint) && !options->insecure)
+      throw badInput(
+          "--listen {}: anyone who reaches that port could take and deliver work, "
+          "since there are no keys yet: listen on 127.0.0.1, "
+          "or say --insecure on a network you trust",
+          options->endpoint);
+    return carryOut(options->order, options->endpoint, serve);
+  };
+}
+
 }  // namespace
 
 const Verb build_verb = {"build", "Compute the dataset of a scene with workers on this machine",
                          prepareBuild};
+
+const Verb serve_verb = {"serve",
+                         "Compute the dataset of a scene with workers that connect from anywhere",
+                         prepareServe};
 
 }  // namespace palpate

@@ -1,11 +1,17 @@
 #include "scheduler/explanation.hpp"
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
+#include "common/dataset/dataset.hpp"
+#include "common/problem/problem.hpp"
 #include "common/wire/wire.hpp"
+#include "scheduler/service/status.hpp"
+#include "scheduler/state/replay.hpp"
+#include "scheduler/verbs.hpp"
 
 namespace palpate {
 namespace {
@@ -31,18 +37,6 @@ std::int32_t numberOf(const Lattice& lattice, const Eigen::Vector3d& in_spacings
       lattice.size() > lattice.uniformSize()
           ? fmt::format(", and {} refined ones", lattice.size() - lattice.uniformSize())
           : "");
-}
-
-void addStep(wire::Explanation& explanation, const Lattice& lattice, std::int32_t point,
-             const PointRecord& record) {
-  wire::Step& step = *explanation.add_path();
-  *step.mutable_point() = toWire(lattice.point(point));
-  step.set_tag(std::string(name(record.tag)));
-  for (const double component : record.equilibrium.force) step.add_force(component);
-  step.set_energy(record.equilibrium.energy);
-  step.set_min_det_f(record.equilibrium.min_det_F);
-  step.set_newton_iterations(record.cost.newton_iterations);
-  step.set_steps(record.cost.steps);
 }
 
 std::string textOf(const wire::Explanation& e) {
@@ -99,7 +93,14 @@ wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spa
   std::int32_t step = record.parent < 0 ? -1 : number;
   for (std::size_t length = 0; step >= 0 && length < space.points.size(); ++length) {
     const PointRecord& here = space.points[at(step)];
-    addStep(explanation, lattice, step, here);
+    wire::Step& shown = *explanation.add_path();
+    *shown.mutable_point() = toWire(lattice.point(step));
+    shown.set_tag(std::string(name(here.tag)));
+    for (const double component : here.equilibrium.force) shown.add_force(component);
+    shown.set_energy(here.equilibrium.energy);
+    shown.set_min_det_f(here.equilibrium.min_det_F);
+    shown.set_newton_iterations(here.cost.newton_iterations);
+    shown.set_steps(here.cost.steps);
     step = here.parent == step ? -1 : here.parent;
   }
   for (const FailedAttempt& attempt : space.attempts) {
@@ -113,5 +114,49 @@ wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spa
   explanation.set_text(textOf(explanation));
   return explanation;
 }
+
+namespace {
+
+struct ExplainOptions {
+  std::string where;
+  std::string active;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in spacings
+  bool json = false;
+};
+
+/// What is known of each space by now, from a dataset or a state directory.
+std::vector<SpaceTable> spacesIn(const std::string& where) {
+  if (!std::filesystem::is_directory(where)) return Dataset(where).spaces();
+  StoredTables tables(where);
+  const Problem problem = decodeProblem(tables.build().problem);
+  return spaceTables(replay(problem, tables.results()).plans);
+}
+
+ExitCode run(const ExplainOptions& options) {
+  const std::vector<SpaceTable> spaces = spacesIn(options.where);
+  const wire::Explanation explanation = explain(spaceNamed(spaces, options.active), options.point);
+  fmt::print("{}", options.json ? toJson(explanation) + '\n' : explanation.text());
+  return ExitCode::done;
+}
+
+std::function<ExitCode()> prepareExplain(CLI::App& app) {
+  auto options = std::make_shared<ExplainOptions>();
+  app.add_option("WHERE", options->where, "Dataset, OUT.h5, or a state directory")->required();
+  app.add_option("--active", options->active,
+                 "Name of the active node; may be left out where there is one");
+  app.add_option("I", options->point[0],
+                 "Lattice coordinates of the point: its displacement is spacing * (I, J, K); "
+                 "refined points have fractions")
+      ->required();
+  app.add_option("J", options->point[1])->required();
+  app.add_option("K", options->point[2])->required();
+  app.add_flag("--json", options->json, "One JSON object (docs/commands.md)");
+  return [options] { return run(*options); };
+}
+
+}  // namespace
+
+const Verb explain_verb = {"explain", "How a lattice point was reached, or why it failed",
+                           prepareExplain};
 
 }  // namespace palpate

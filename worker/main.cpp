@@ -1,10 +1,29 @@
 #include <array>
 
 #include "worker/elements/blas_kernels.hpp"
+#include "worker/elements/kernel_family.hpp"
 #include "worker/verbs.hpp"
 
+namespace {
+
+using namespace palpate;
+
+ExitCode printKernels() {
+  prepareBlas();
+  fmt::print("{}\n", arithmetic(chooseKernels()));
+  if (const std::string why = whyBlasIsSlow(); !why.empty()) fmt::print("{}\n", why);
+  return ExitCode::done;
+}
+
+/// `palpate-worker kernels`: the kernels that solve on this machine ("avx512/SkylakeX"), and on a
+/// second line why they are slower than its CPU allows, when they are. For `palpate doctor`, whose
+/// program has no OpenBLAS; exit 1 when they compute wrong products.
+const Verb kernels_verb = {"kernels", "The kernels that solve on this machine",
+                           [](CLI::App&) { return std::function<ExitCode()>(printKernels); }};
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  using namespace palpate;
   chooseBlasKernels(argv);
   const std::array verbs = {check_verb, work_verb, solve_verb, kernels_verb};
   return runProgram(argc, argv, "palpate-worker: everything that solves", verbs);

@@ -33,9 +33,7 @@ std::size_t spaceNamed(const Problem& problem, const std::string& name) {
 
 /// Further than this the tool does not meet the body any more, so another unit was meant.
 void refuseMistakenUnit(const Problem& problem, const Eigen::Vector3d& displacement) {
-  Eigen::AlignedBox3d body;
-  for (const Eigen::Vector3d& node : problem.mesh.nodes) body.extend(node);
-  const double diagonal = body.diagonal().norm();
+  const double diagonal = boundingBox(problem.mesh).diagonal().norm();
   if (displacement.stableNorm() > 3 * diagonal)
     throw badInput(
         "displacement ({:g}, {:g}, {:g}) "

@@ -12,9 +12,5 @@ extern const Verb check_verb;
 extern const Verb work_verb;
 /// `palpate solve`: exact solutions, no scheduler.
 extern const Verb solve_verb;
-/// `palpate-worker kernels`: the kernels that solve on this machine ("avx512/SkylakeX"), and on a
-/// second line why they are slower than its CPU allows, when they are. For `palpate doctor`, whose
-/// program has no OpenBLAS; exit 1 when they compute wrong products.
-extern const Verb kernels_verb;
 
 }  // namespace palpate

@@ -15,10 +15,8 @@ namespace palpate {
 namespace {
 
 struct WorkOptions {
-  std::string endpoint = default_endpoint;
+  LinkOptions link;
   int workers = 1;
-  double give_up_s = 15 * 60;
-  double drain_s = 10;
 };
 
 /// The solver thread, which must end before the mailbox goes: also when the link ends with an
@@ -38,10 +36,7 @@ ExitCode runOneWorker(const WorkOptions& options) {
   const ElementKernels& kernels = chooseKernels();
   zmq::context_t context;
   Mailbox mailbox;
-  using Seconds = std::chrono::duration<double>;
-  SchedulerLink link(context, mailbox, kernels,
-                     {options.endpoint, Seconds(options.give_up_s), Seconds(options.drain_s)});
-
+  SchedulerLink link(context, mailbox, kernels, options.link);
   SolverThread solver{mailbox, std::thread([&] { solveJobs(mailbox, kernels); })};
   const ExitCode end = link.run();
   if (end == ExitCode::done) spdlog::info("no more work");
@@ -50,8 +45,8 @@ ExitCode runOneWorker(const WorkOptions& options) {
 
 /// Starts `palpate-worker work ... -j 1`, which dies with this process.
 pid_t startChild(const WorkOptions& options) {
-  const std::string give_up = std::to_string(options.give_up_s),
-                    drain = std::to_string(options.drain_s);
+  const std::string give_up = std::to_string(options.link.give_up_s),
+                    drain = std::to_string(options.link.drain_s);
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child < 0) throw failure("fork: {}", errnoText());
@@ -59,8 +54,9 @@ pid_t startChild(const WorkOptions& options) {
   // Not SIGKILL: what is solved when the parent dies is still delivered.
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(1);
-  execl("/proc/self/exe", "palpate-worker", "work", "--connect", options.endpoint.c_str(), "-j",
-        "1", "--give-up", give_up.c_str(), "--drain", drain.c_str(), static_cast<char*>(nullptr));
+  execl("/proc/self/exe", "palpate-worker", "work", "--connect", options.link.endpoint.c_str(),
+        "-j", "1", "--give-up", give_up.c_str(), "--drain", drain.c_str(),
+        static_cast<char*>(nullptr));
   _exit(127);
 }
 
@@ -106,16 +102,16 @@ ExitCode superviseWorkers(const WorkOptions& options) {
 
 std::function<ExitCode()> prepareWork(CLI::App& app) {
   auto options = std::make_shared<WorkOptions>();
-  app.add_option("--connect", options->endpoint, "The scheduler, tcp://HOST:PORT")
+  app.add_option("--connect", options->link.endpoint, "The scheduler, tcp://HOST:PORT")
       ->capture_default_str();
   app.add_option("-j,--workers", options->workers, "Worker processes; each uses one core")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  app.add_option("--give-up", options->give_up_s,
+  app.add_option("--give-up", options->link.give_up_s,
                  "End after this many seconds without a word from the scheduler")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--drain", options->drain_s,
+  app.add_option("--drain", options->link.drain_s,
                  "On SIGTERM, wait at most this many seconds for the solve in work")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
@@ -123,7 +119,7 @@ std::function<ExitCode()> prepareWork(CLI::App& app) {
       "Workers keep nothing: start and stop them at any time, "
       "on any machine that reaches the scheduler.");
   return [options] {
-    checkEndpoint(options->endpoint);
+    checkEndpoint(options->link.endpoint);
     return options->workers == 1 ? runOneWorker(*options) : superviseWorkers(*options);
   };
 }

@@ -64,45 +64,30 @@ void Frontier::settle(std::int32_t point) {
   if (round_ == 0) newly_settled_.push_back(point);
 }
 
-void Frontier::giveUp(std::int32_t point) {
-  points_[point].phase = Phase::unreached;
-  settle(point);
-}
-
 void Frontier::advance(std::int32_t point) {
+  Point& p = points_[point];
   // Half is kept for other sides: in round 0 all parents lie on one, and tend to fail together.
   const std::size_t budget = round_ == 0 ? (max_attempts_ + 1) / 2 : max_attempts_;
-  if (points_[point].failed_parents.size() >= budget) return giveUp(point);
-  if (round_ == 0)
-    advanceInRoundZero(point);
-  else
-    advanceInLaterRound(point);
-}
-
-void Frontier::advanceInRoundZero(std::int32_t point) {
   const std::int64_t norm = squaredNorm(lattice_.point(point));
-  // Strictly nearer to the origin: two points never wait for each other.
-  for (const std::int32_t candidate : lattice_.neighbours(point)) {
-    if (squaredNorm(lattice_.point(candidate)) >= norm) continue;
-    const Point& c = points_[candidate];
-    if (c.phase == Phase::waiting || c.phase == Phase::open) {
-      points_[point].phase = Phase::waiting;
-      points_[point].blocker = candidate;
-      return;
+  if (p.failed_parents.size() < budget)
+    for (const std::int32_t candidate : lattice_.neighbours(point)) {
+      const Point& c = points_[candidate];
+      if (round_ == 0) {
+        // Strictly nearer to the origin: two points never wait for each other.
+        if (squaredNorm(lattice_.point(candidate)) >= norm) continue;
+        if (c.phase == Phase::waiting || c.phase == Phase::open) {
+          p.phase = Phase::waiting;
+          p.blocker = candidate;
+          return;
+        }
+      } else if (c.round_reached == round_) {
+        continue;  // does not count yet: which comes first would depend on timing
+      }
+      const bool tried = std::ranges::find(p.failed_parents, candidate) != p.failed_parents.end();
+      if (c.tag == Tag::expandable && !tried) return makeReady(point, candidate);
     }
-    if (c.tag == Tag::expandable && !tried(point, candidate)) return makeReady(point, candidate);
-  }
-  giveUp(point);
-}
-
-void Frontier::advanceInLaterRound(std::int32_t point) {
-  for (const std::int32_t candidate : lattice_.neighbours(point)) {
-    const Point& c = points_[candidate];
-    // Reached in this round does not count yet: which comes first would depend on timing.
-    if (c.tag == Tag::expandable && c.round_reached < round_ && !tried(point, candidate))
-      return makeReady(point, candidate);
-  }
-  giveUp(point);
+  p.phase = Phase::unreached;
+  settle(point);
 }
 
 /// With a stack and not by recursion: a chain of waiting points may cross the whole lattice.
@@ -126,11 +111,6 @@ void Frontier::beginRound() {
     advance(n);
   }
   complete_ = open_count_ == 0;
-}
-
-bool Frontier::tried(std::int32_t target, std::int32_t parent) const {
-  const std::vector<std::int32_t>& parents = points_[target].failed_parents;
-  return std::ranges::find(parents, parent) != parents.end();
 }
 
 }  // namespace palpate

@@ -60,7 +60,6 @@ class Frontier {
   Tag tag(std::int32_t point) const;
 
   const Lattice& lattice() const { return lattice_; }
-  std::int32_t size() const { return lattice_.size(); }
   /// Transitions that are ready and not recorded.
   std::int32_t openCount() const { return open_count_; }
 
@@ -78,12 +77,8 @@ class Frontier {
   void makeReady(std::int32_t target, std::int32_t parent);
   void settle(std::int32_t point);
   void advance(std::int32_t point);
-  void advanceInRoundZero(std::int32_t point);
-  void advanceInLaterRound(std::int32_t point);
-  void giveUp(std::int32_t point);
   void releaseWaiting();
   void beginRound();
-  bool tried(std::int32_t target, std::int32_t parent) const;
 
   Lattice lattice_;
   double max_force_;

@@ -111,7 +111,7 @@ void SpacePlan::recordInPursuit(const Transition& transition, bool converged, Po
   else if (converged)
     points_[transition.target] = std::move(found);
   const bool over = (converged && !pursuit.every_parent) || pursuit.tried == pursuit.parents.size();
-  if (!over) return makeReady(transition.target, pursuit);
+  if (!over) return ready_.push_back({transition.target, pursuit.parents[pursuit.tried]});
   if (!isSolved(points_[transition.target].tag)) giveUp(transition.target);
   pursuits_.erase(place);
 }
@@ -119,11 +119,8 @@ void SpacePlan::recordInPursuit(const Transition& transition, bool converged, Po
 void SpacePlan::pursue(std::int32_t target, std::vector<std::int32_t> parents, bool every_parent) {
   PALPATE_ASSERT(!pursuits_.contains(target), "a point is pursued once in a stage");
   if (parents.empty()) return giveUp(target);
-  makeReady(target, pursuits_[target] = {std::move(parents), 0, every_parent});
-}
-
-void SpacePlan::makeReady(std::int32_t target, const Pursuit& pursuit) {
-  ready_.push_back({target, pursuit.parents[pursuit.tried]});
+  ready_.push_back({target, parents.front()});
+  pursuits_[target] = {std::move(parents), 0, every_parent};
 }
 
 /// Where a point becomes failed. Its cause is that of the attempt that got furthest, the first of
@@ -172,7 +169,7 @@ void SpacePlan::advanceStage() {
   switch (stage_) {
     case Stage::lattice:
       PALPATE_ASSERT(frontier_.complete(), "a lattice with nothing to solve is solved");
-      for (std::int32_t n = 0; n < frontier_.size(); ++n)
+      for (std::int32_t n = 0; n < frontier_.lattice().size(); ++n)
         if (frontier_.tag(n) == Tag::failed) giveUp(n);
       stage_ = Stage::branches;
       return beginBranches();

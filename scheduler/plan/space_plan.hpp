@@ -90,7 +90,6 @@ class SpacePlan {
 
   void recordInPursuit(const Transition& transition, bool converged, PointRecord found);
   void pursue(std::int32_t target, std::vector<std::int32_t> parents, bool every_parent);
-  void makeReady(std::int32_t target, const Pursuit& pursuit);
   void giveUp(std::int32_t target);
   std::int32_t addPosition(const LatticePoint& position);
   std::vector<std::int32_t> parentsNear(const LatticePoint& position) const;

@@ -219,19 +219,14 @@ void Coordinator::commitGroup(Time now) {
   const ResultGroup::Members durable = group_.commit();
   for (const auto& [key, member] : durable) {
     for (const std::string& peer : member.senders) acknowledge(peer, member.result.header);
-    recordInPlan(member.result);
+    SpacePlan& plan = plans_[key.space];
+    plan.record({key.target, key.parent}, member.result.outcome, fieldsOf(member.result.header));
+    ++recorded_;
+    converged_ += member.result.outcome.converged;
+    for (const Transition& ready : plan.takeReady())
+      leases_.add({key.space, ready.target, ready.parent});
   }
   finishIfComplete(now);
-}
-
-void Coordinator::recordInPlan(const StoredResult& result) {
-  const TransitionKey& key = result.key;
-  SpacePlan& plan = plans_[key.space];
-  plan.record({key.target, key.parent}, result.outcome, fieldsOf(result.header));
-  ++recorded_;
-  converged_ += result.outcome.converged;
-  for (const Transition& ready : plan.takeReady())
-    leases_.add({key.space, ready.target, ready.parent});
 }
 
 std::optional<TransitionKey> Coordinator::keyOf(std::uint32_t space, const wire::Point& target,

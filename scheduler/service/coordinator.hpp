@@ -104,7 +104,6 @@ class Coordinator {
   void duplicate(const Worker& worker, const wire::Result& first, const wire::Result& second);
   bool groupIsDue(Time now) const;
   void commitGroup(Time now);
-  void recordInPlan(const StoredResult& result);
   void finishIfComplete(Time now);
 
   // From the plan to workers.

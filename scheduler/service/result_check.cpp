@@ -18,11 +18,6 @@ std::string reproducibleBytes(wire::Result result) {
   return result.SerializeAsString();
 }
 
-bool causedByWorkers(const wire::Result& result) {
-  return result.has_failure() &&
-         result.failure().cause() == static_cast<std::uint32_t>(Cause::worker_lost);
-}
-
 }  // namespace
 
 ResultCheck::ResultCheck(const Problem& problem) : problem_(&problem), build_(problemId(problem)) {}
@@ -53,7 +48,10 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const std::stri
 }
 
 bool ResultCheck::agree(const wire::Result& first, const wire::Result& second) {
-  return causedByWorkers(first) || reproducibleBytes(first) == reproducibleBytes(second);
+  const bool only_workers_died =
+      first.has_failure() &&
+      first.failure().cause() == static_cast<std::uint32_t>(Cause::worker_lost);
+  return only_workers_died || reproducibleBytes(first) == reproducibleBytes(second);
 }
 
 }  // namespace palpate

@@ -29,10 +29,6 @@ void Server::turn(Coordinator& coordinator, std::chrono::milliseconds longest) {
   }
   // After all messages that are there, so that their results share a group.
   coordinator.advance(Clock::now());
-  sendAll(coordinator);
-}
-
-void Server::sendAll(Coordinator& coordinator) {
   // A peer that is gone, or does not read, gives its leases back, which may make new messages.
   for (auto outbox = coordinator.takeOutbox(); !outbox.empty(); outbox = coordinator.takeOutbox())
     for (const Outgoing& outgoing : outbox) {

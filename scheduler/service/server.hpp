@@ -18,8 +18,6 @@ class Server {
   void turn(Coordinator& coordinator, std::chrono::milliseconds longest);
 
  private:
-  void sendAll(Coordinator& coordinator);
-
   zmq::socket_t socket_;
   std::string endpoint_;
 };

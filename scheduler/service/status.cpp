@@ -24,19 +24,6 @@ namespace {
 constexpr std::chrono::seconds pace_window{120};
 constexpr std::chrono::seconds between_samples{1};
 
-void addPlan(wire::Status& status, const std::string& name_of_node, const SpacePlan& plan) {
-  wire::SpaceStatus& space = *status.add_spaces();
-  space.set_name(name_of_node);
-  space.set_stage(std::string(name(plan.stage())));
-  for (std::int32_t n = 0; n < plan.size(); ++n) {
-    addPoint(status, space, plan.point(n));
-    for (const FailedAttempt& attempt : plan.attempts(n))
-      ++(*status.mutable_failed_attempts())[std::string(name(attempt.failure.cause))];
-  }
-  status.set_may_grow(status.may_grow() || plan.mayGrow());
-  status.set_ready(status.ready() + plan.openCount());
-}
-
 }  // namespace
 
 wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans,
@@ -44,7 +31,19 @@ wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plan
   PALPATE_ASSERT(plans.size() == problem.active.size(), "every active node has its plan");
   wire::Status status;
   status.set_scene(problem.scene.name);
-  for (std::size_t n = 0; n < plans.size(); ++n) addPlan(status, problem.active[n].name, plans[n]);
+  for (std::size_t p = 0; p < plans.size(); ++p) {
+    const SpacePlan& plan = plans[p];
+    wire::SpaceStatus& space = *status.add_spaces();
+    space.set_name(problem.active[p].name);
+    space.set_stage(std::string(name(plan.stage())));
+    for (std::int32_t n = 0; n < plan.size(); ++n) {
+      addPoint(status, space, plan.point(n));
+      for (const FailedAttempt& attempt : plan.attempts(n))
+        ++(*status.mutable_failed_attempts())[std::string(name(attempt.failure.cause))];
+    }
+    status.set_may_grow(status.may_grow() || plan.mayGrow());
+    status.set_ready(status.ready() + plan.openCount());
+  }
   for (const wire::WorkerStatus& row : servers) {
     wire::WorkerStatus& worker = *status.add_workers();
     worker = row;

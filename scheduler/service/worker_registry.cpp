@@ -11,15 +11,10 @@ namespace {
 
 constexpr std::size_t longest_id = 64;
 
-std::string hexOf(const std::string& bytes) {
-  std::string hex;
-  for (const char c : bytes) hex += fmt::format("{:02x}", static_cast<unsigned char>(c));
-  return hex;
-}
-
 wire::WorkerStatus rowOf(const Worker& worker, const char* state, Worker::Time now) {
   wire::WorkerStatus row;
-  row.set_worker(hexOf(worker.id));
+  const std::vector<unsigned char> id(worker.id.begin(), worker.id.end());
+  row.set_worker(fmt::format("{:02x}", fmt::join(id, "")));
   row.set_host(worker.host);
   row.set_pid(worker.pid);
   row.set_kernel_family(worker.kernel_family);

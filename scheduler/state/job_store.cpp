@@ -44,14 +44,14 @@ std::int64_t pragma(Database& database, const std::string& name) {
   return query.step() ? query.integer(0) : 0;
 }
 
-std::string meta(Database& database, const std::string& key) {
+template <class Value = std::string>
+Value meta(Database& database, const std::string& key) {
   Statement query(database, "SELECT value FROM meta WHERE key = ?");
-  return query.bind(key).step() ? query.text(0) : std::string();
-}
-
-std::int64_t metaNumber(Database& database, const std::string& key) {
-  Statement query(database, "SELECT value FROM meta WHERE key = ?");
-  return query.bind(key).step() ? query.integer(0) : 0;
+  if (!query.bind(key).step()) return Value();
+  if constexpr (std::is_integral_v<Value>)
+    return query.integer<Value>(0);
+  else
+    return query.text(0);
 }
 
 void checkVersion(Database& database) {
@@ -131,28 +131,28 @@ JobStore::JobStore(const StateDirectory& directory, const Problem& problem,
 
 void JobStore::create(const Problem& problem, const std::string& problem_bytes) {
   // All or nothing: a database without its meta would belong to no build.
-  Transaction transaction(database_);
-  database_.execute(schema);
-  database_.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
-                                application_id, schema_version));
-  prepared_.emplace(database_);  // SQLite compiles statements against tables that are there
-  Statement add_space(database_, "INSERT INTO spaces VALUES (?, ?)");
-  const Lattice lattice = uniformLattice(problem.scene);
-  for (std::size_t space = 0; space < problem.active.size(); ++space) {
-    add_space.run(space, problem.active[space].name);
-    for (std::int32_t n = 0; n < lattice.size(); ++n) writePoint(space, n, lattice.point(n), {});
-  }
-  prepared_->put_meta.run("build", problemId(problem).hex());
-  prepared_->put_meta.run("scene_name", problem.scene.name);
-  prepared_->put_meta.run("problem", Blob{problem_bytes});
-  prepared_->put_meta.run("made_by", std::string("palpate ") + version());
-  putJournalEnd({});
-  transaction.commit();
+  inTransaction(database_, [&] {
+    database_.execute(schema);
+    database_.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
+                                  application_id, schema_version));
+    prepared_.emplace(database_);  // SQLite compiles statements against tables that are there
+    Statement add_space(database_, "INSERT INTO spaces VALUES (?, ?)");
+    const Lattice lattice = uniformLattice(problem.scene);
+    for (std::size_t space = 0; space < problem.active.size(); ++space) {
+      add_space.run(space, problem.active[space].name);
+      for (std::int32_t n = 0; n < lattice.size(); ++n) writePoint(space, n, lattice.point(n), {});
+    }
+    prepared_->put_meta.run("build", problemId(problem).hex());
+    prepared_->put_meta.run("scene_name", problem.scene.name);
+    prepared_->put_meta.run("problem", Blob{problem_bytes});
+    prepared_->put_meta.run("made_by", std::string("palpate ") + version());
+    putJournalEnd({});
+  });
 }
 
 JournalEnd JobStore::committed() {
-  return {static_cast<std::uint32_t>(metaNumber(database_, "journal_segment")),
-          static_cast<std::uint64_t>(metaNumber(database_, "journal_offset"))};
+  return {meta<std::uint32_t>(database_, "journal_segment"),
+          meta<std::uint64_t>(database_, "journal_offset")};
 }
 
 void JobStore::putJournalEnd(JournalEnd end) {
@@ -161,17 +161,17 @@ void JobStore::putJournalEnd(JournalEnd end) {
 }
 
 void JobStore::record(std::span<const StoredResult> results, JournalEnd journal_end) {
-  Transaction transaction(database_);
-  for (const StoredResult& result : results) {
-    PALPATE_ASSERT(covers(journal_end, result.where),
-                   "the journal is cut off at its end, and no row may point behind it");
-    insert(result);
-  }
   const std::string family =
       results.empty() ? build_.kernel_family : results.front().header.kernel_family();
-  if (family != build_.kernel_family) prepared_->put_meta.run("kernel_family", family);
-  putJournalEnd(journal_end);
-  transaction.commit();
+  inTransaction(database_, [&] {
+    for (const StoredResult& result : results) {
+      PALPATE_ASSERT(covers(journal_end, result.where),
+                     "the journal is cut off at its end, and no row may point behind it");
+      insert(result);
+    }
+    if (family != build_.kernel_family) prepared_->put_meta.run("kernel_family", family);
+    putJournalEnd(journal_end);
+  });
   build_.kernel_family = family;
 }
 
@@ -198,33 +198,33 @@ void JobStore::writePoint(std::size_t space, std::int32_t number, const LatticeP
 }
 
 void JobStore::complete(std::span<const SpacePlan> plans) {
-  Transaction transaction(database_);
-  for (std::size_t space = 0; space < plans.size(); ++space) {
-    PALPATE_ASSERT(plans[space].complete(), "a build ends with its last space");
-    for (std::int32_t n = 0; n < plans[space].size(); ++n)
-      writePoint(space, n, plans[space].positions().point(n), plans[space].point(n));
-  }
-  prepared_->put_meta.run("complete", 1);
-  transaction.commit();
+  inTransaction(database_, [&] {
+    for (std::size_t space = 0; space < plans.size(); ++space) {
+      PALPATE_ASSERT(plans[space].complete(), "a build ends with its last space");
+      for (std::int32_t n = 0; n < plans[space].size(); ++n)
+        writePoint(space, n, plans[space].positions().point(n), plans[space].point(n));
+    }
+    prepared_->put_meta.run("complete", 1);
+  });
   build_.complete = true;
 }
 
 void JobStore::writeServers(std::span<const wire::WorkerStatus> servers) {
-  Transaction transaction(database_);
-  Statement insert(database_,
-                   "INSERT OR REPLACE INTO servers VALUES (?, ?, ?, ?, ?, "
-                   "(julianday('now') - 2440587.5) * 86400.0 - ?, ?)");
-  for (const wire::WorkerStatus& row : servers)
-    insert.run(row.worker(), row.host(), row.pid(), row.kernel_family(), row.state(),
-               row.heard_seconds_ago(), row.results());
-  transaction.commit();
+  inTransaction(database_, [&] {
+    Statement insert(database_,
+                     "INSERT OR REPLACE INTO servers VALUES (?, ?, ?, ?, ?, "
+                     "(julianday('now') - 2440587.5) * 86400.0 - ?, ?)");
+    for (const wire::WorkerStatus& row : servers)
+      insert.run(row.worker(), row.host(), row.pid(), row.kernel_family(), row.state(),
+                 row.heard_seconds_ago(), row.results());
+  });
 }
 
 void JobStore::writeCounters(const Counters& counters) {
-  Transaction transaction(database_);
-  Statement insert(database_, "INSERT OR REPLACE INTO counters VALUES (?, ?)");
-  for (const auto& [name, value] : counters) insert.run(name, value);
-  transaction.commit();
+  inTransaction(database_, [&] {
+    Statement insert(database_, "INSERT OR REPLACE INTO counters VALUES (?, ?)");
+    for (const auto& [name, value] : counters) insert.run(name, value);
+  });
 }
 
 std::optional<StoredResult> JobStore::find(const TransitionKey& key) {
@@ -249,7 +249,7 @@ void StoredTables::readBuild() {
   const auto build = ContentId::fromHex(meta(database_, "build"));
   if (!build) throw failure("{}: damaged: no build id in it", database_.file().string());
   build_ = {*build, meta(database_, "scene_name"), meta(database_, "problem"),
-            meta(database_, "kernel_family"), metaNumber(database_, "complete") != 0};
+            meta(database_, "kernel_family"), meta<int>(database_, "complete") != 0};
 }
 
 std::vector<StoredResult> StoredTables::results() {

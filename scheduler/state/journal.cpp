@@ -4,6 +4,9 @@
 #include <sys/stat.h>
 #include <zlib.h>
 
+#include <array>
+#include <cstddef>
+#include <cstring>
 #include <fstream>
 
 #include "common/base/assertion.hpp"
@@ -12,23 +15,20 @@
 namespace palpate {
 namespace {
 
-constexpr std::string_view magic = "PJR1";
+/// What a record begins with; its header and its payload follow.
+struct Head {
+  std::array<char, 4> magic = {'P', 'J', 'R', '1'};
+  std::uint32_t header_bytes = 0, payload_bytes = 0;
+  std::uint32_t crc = 0;
+};
+static_assert(sizeof(Head) == 16, "as docs/state.md says it");
 
-void put32(std::string& bytes, std::uint32_t value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-std::uint32_t get32(const char* bytes) {
-  std::uint32_t value;
-  std::memcpy(&value, bytes, sizeof value);
-  return value;
-}
-
-std::uint32_t crcOf(std::initializer_list<std::string_view> pieces) {
-  uLong crc = crc32_z(0, nullptr, 0);
-  for (const std::string_view piece : pieces)
-    crc = crc32_z(crc, reinterpret_cast<const Bytef*>(piece.data()), piece.size());
-  return static_cast<std::uint32_t>(crc);
+/// Over the two lengths in the head and what follows it.
+std::uint32_t crcOf(const std::string& record) {
+  const auto* bytes = reinterpret_cast<const Bytef*>(record.data());
+  const uLong of_lengths = crc32_z(0, bytes + offsetof(Head, header_bytes), 8);
+  return static_cast<std::uint32_t>(
+      crc32_z(of_lengths, bytes + sizeof(Head), record.size() - sizeof(Head)));
 }
 
 /// Reads up to `length` bytes at `offset`; fewer at the end of the file.
@@ -84,14 +84,13 @@ JournalPosition Journal::append(std::string_view header, std::string_view payloa
   }
   PALPATE_ASSERT(std::max(header.size(), payload.size()) <= UINT32_MAX,
                  "a message and its payload are far below 4 GiB (max_payload_bytes)");
-  std::string lengths;
-  put32(lengths, static_cast<std::uint32_t>(header.size()));
-  put32(lengths, static_cast<std::uint32_t>(payload.size()));
-  std::string record(magic);
-  record += lengths;
-  put32(record, crcOf({lengths, header, payload}));
+  Head head{.header_bytes = static_cast<std::uint32_t>(header.size()),
+            .payload_bytes = static_cast<std::uint32_t>(payload.size())};
+  std::string record(reinterpret_cast<const char*>(&head), sizeof head);
   record += header;
   record += payload;
+  head.crc = crcOf(record);
+  std::memcpy(record.data(), &head, sizeof head);
   writeAll(record);
   const JournalPosition position{end_.segment, end_.offset, record.size()};
   end_.offset += record.size();
@@ -117,17 +116,15 @@ JournalRecord Journal::read(const JournalPosition& position) const {
   };
   const std::string bytes = readAt(path, position.offset, position.length);
   // The position is that of the tables, so lengths that differ are damage on either side.
-  if (bytes.size() != position.length || bytes.size() < record_overhead) throw damaged("cut off");
-  if (!bytes.starts_with(magic)) throw damaged("no record begins here");
-  const std::string_view all = bytes;  // parts of it without copies
-  const std::uint64_t header_bytes = get32(bytes.data() + 4),
-                      payload_bytes = get32(bytes.data() + 8);
-  if (record_overhead + header_bytes + payload_bytes != position.length)
+  Head head;
+  if (bytes.size() != position.length || bytes.size() < sizeof head) throw damaged("cut off");
+  std::memcpy(&head, bytes.data(), sizeof head);
+  if (head.magic != Head{}.magic) throw damaged("no record begins here");
+  if (sizeof head + head.header_bytes + head.payload_bytes != position.length)
     throw damaged("wrong length");
-  if (get32(bytes.data() + 12) != crcOf({all.substr(4, 8), all.substr(record_overhead)}))
-    throw damaged("wrong checksum");
-  return {bytes.substr(record_overhead, header_bytes),
-          bytes.substr(record_overhead + header_bytes)};
+  if (head.crc != crcOf(bytes)) throw damaged("wrong checksum");
+  return {bytes.substr(sizeof head, head.header_bytes),
+          bytes.substr(sizeof head + head.header_bytes)};
 }
 
 std::filesystem::path Journal::segmentPath(std::uint32_t segment) const {

@@ -40,7 +40,6 @@ struct JournalRecord {
 class Journal {
  public:
   static constexpr std::uint64_t default_segment_bytes = 256ull << 20;
-  static constexpr std::size_t record_overhead = 16;
 
   /// Opens for appending at `committed`; truncates the segment there and removes later segments.
   /// Error when the journal is shorter than that: something committed is missing.

@@ -106,21 +106,18 @@ std::string Statement::text(int column) const {
              : std::string(static_cast<const char*>(bytes), static_cast<std::size_t>(size));
 }
 
-Transaction::Transaction(Database& database) : database_(&database) {
+void inTransaction(Database& database, const std::function<void()>& work) {
   database.execute("BEGIN IMMEDIATE");
-}
-
-Transaction::~Transaction() {
-  // After some errors, a full disk among them, SQLite has rolled back by itself.
-  if (!open_ || sqlite3_get_autocommit(database_->handle()) != 0) return;
-  if (sqlite3_exec(database_->handle(), "ROLLBACK", nullptr, nullptr, nullptr) != SQLITE_OK)
-    spdlog::warn("{}: rollback: {}", database_->file().string(),
-                 sqlite3_errmsg(database_->handle()));
-}
-
-void Transaction::commit() {
-  database_->execute("COMMIT");
-  open_ = false;
+  try {
+    work();
+    database.execute("COMMIT");
+  } catch (...) {
+    // After some errors, a full disk among them, SQLite has rolled back by itself.
+    if (sqlite3_get_autocommit(database.handle()) == 0 &&
+        sqlite3_exec(database.handle(), "ROLLBACK", nullptr, nullptr, nullptr) != SQLITE_OK)
+      spdlog::warn("{}: rollback: {}", database.file().string(), sqlite3_errmsg(database.handle()));
+    throw;
+  }
 }
 
 }  // namespace palpate

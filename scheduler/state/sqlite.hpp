@@ -3,6 +3,7 @@
 #include <concepts>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -90,18 +91,8 @@ class Statement {
   sqlite3_stmt* handle_ = nullptr;
 };
 
-/// BEGIN IMMEDIATE ... COMMIT; rolls back when it goes without commit().
-class Transaction {
- public:
-  explicit Transaction(Database& database);
-  ~Transaction();
-  Transaction(const Transaction&) = delete;
-  Transaction& operator=(const Transaction&) = delete;
-  void commit();
-
- private:
-  Database* database_;
-  bool open_ = true;
-};
+/// BEGIN IMMEDIATE, `work`, COMMIT: when it returns, all of it is recorded. Rolls back when one of
+/// them throws.
+void inTransaction(Database& database, const std::function<void()>& work);
 
 }  // namespace palpate

@@ -35,6 +35,8 @@ std::string hostName() {
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
 }
 
+using Seconds = std::chrono::duration<double>;
+
 /// (space, target, parent): the key of a result.
 template <class ResultOrAck>
 auto keyOf(const ResultOrAck& message) {
@@ -293,10 +295,11 @@ ExitCode SchedulerLink::run() {
       socket_.set(zmq::sockopt::linger, 500);
       return interrupted_at ? ExitCode::interrupted : ExitCode::done;
     }
-    if (interrupted_at && now - *interrupted_at > options_.drain) return ExitCode::interrupted;
-    if (now - last_heard_ > options_.give_up)
+    if (interrupted_at && now - *interrupted_at > Seconds(options_.drain_s))
+      return ExitCode::interrupted;
+    if (now - last_heard_ > Seconds(options_.give_up_s))
       throw failure("no word from {} for {} s: is the scheduler running, and is this its address?",
-                    options_.endpoint, options_.give_up.count());
+                    options_.endpoint, options_.give_up_s);
     if (now - std::max(last_heard_, last_connected_) > reconnect_after) {
       spdlog::warn("no word from {} for {} s; connecting anew", options_.endpoint,
                    std::chrono::duration_cast<std::chrono::seconds>(now - last_heard_).count());

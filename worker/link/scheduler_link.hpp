@@ -11,11 +11,12 @@
 namespace palpate {
 
 struct LinkOptions {
-  std::string endpoint;  ///< of the scheduler, as checkEndpoint() wants it
+  /// Of the scheduler, as checkEndpoint() wants it.
+  std::string endpoint = default_endpoint;
   /// The worker ends without any word from the scheduler for this long.
-  std::chrono::duration<double> give_up;
+  double give_up_s = 15 * 60;
   /// On SIGTERM: how long to wait until the target in work is done and acknowledged.
-  std::chrono::duration<double> drain;
+  double drain_s = 10;
 };
 
 /// A worker's side of the protocol (docs/wire.md): says hello, asks for work, fetches start
@@ -31,7 +32,7 @@ class SchedulerLink {
 
   /// Serves until there is no more work (done), or SIGINT or SIGTERM came and what was in work was
   /// delivered or handed back (interrupted). Error when the scheduler refuses this worker or says
-  /// nothing for LinkOptions::give_up, or when the solver thread gave up.
+  /// nothing for LinkOptions::give_up_s, or when the solver thread gave up.
   ExitCode run();
 
  private:

@@ -1,12 +1,13 @@
-#include "worker/solver/limit_point.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "worker/solver/transition.hpp"
+
 namespace palpate {
 namespace {
 
+constexpr int max_factorizations = 120;
 constexpr int max_corrections = 6;
 constexpr int easy_corrections = 3;
 constexpr double absolute_tolerance = 1e-8, relative_tolerance = 1e-7;
@@ -96,11 +97,22 @@ class Curve {
   std::int32_t negative_pivots_ = 0;
 };
 
-}  // namespace
+/// Where the equilibrium path of a tool that moves along a line turns back.
+struct LimitPoint {
+  double at = 0;                     ///< the farthest point, as a fraction of the way to the target
+  std::int32_t negative_pivots = 0;  ///< of the tangent there, beyond the turn
+};
 
+/// Follows the equilibria from `start` (displacement p0) towards `target` (metres) by arc length: p
+/// = p0 + s (target - p0), with s an unknown (Riks 1979, Crisfield 1981; corrections in the plane
+/// normal to the predictor).
+///
+/// A limit point is returned when s was seen to decrease along the continuous path and the
+/// tangent's inertia has changed: beyond it this branch has no equilibrium, so that no step size
+/// would have reached the target. Nothing when the target is reached after all, or the path cannot
+/// be followed (an element inverts, or max_factorizations are spent).
 std::optional<LimitPoint> findLimitPoint(const System& system, TangentSolver& solver,
-                                         const State& start, const Eigen::Vector3d& target,
-                                         int max_factorizations) {
+                                         const State& start, const Eigen::Vector3d& target) {
   Curve curve(system, solver, start, target);
   if (!curve.begin()) return std::nullopt;
   const std::int32_t stable_pivots = curve.negativePivots();
@@ -121,6 +133,23 @@ std::optional<LimitPoint> findLimitPoint(const System& system, TangentSolver& so
     }
   }
   return std::nullopt;
+}
+
+}  // namespace
+
+void TransitionSolver::explainByLimitPoint(const Start& start, const Eigen::Vector3d& target,
+                                           Reached& failed) {
+  const auto expected = system_.expectedNegativePivots();
+  if (!expected) return;  // spurious modes: an inertia that changed would prove nothing
+  const double reached = failed.outcome.failure.step_reached;
+  const State& from = reached > 0 ? failed.end.state : start.state;
+  const auto limit = findLimitPoint(system_, solver_, from, target);
+  if (!limit) return;
+  Failure& failure = failed.outcome.failure;
+  failure.cause = Cause::limit_point;
+  failure.step_reached = reached + (1 - reached) * limit->at;
+  failure.negative_pivots = limit->negative_pivots;
+  failure.expected_negative_pivots = *expected;
 }
 
 }  // namespace palpate

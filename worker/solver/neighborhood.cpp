@@ -1,10 +1,10 @@
-#include "worker/solver/neighborhood.hpp"
-
 #include <limits>
 #include <utility>
 
+#include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
 #include "common/mesh/node_set.hpp"
+#include "worker/solver/system.hpp"
 
 namespace palpate {
 namespace {
@@ -45,20 +45,20 @@ std::vector<Neighborhood::Entry> entriesAmong(const std::vector<std::int32_t>& u
 
 }  // namespace
 
-Neighborhood neighborhoodOf(const std::vector<std::int32_t>& tool_nodes, std::size_t count,
-                            const Mesh& mesh, const Unknowns& unknowns,
-                            const ElementBatches& batches, const SparsityPattern& pattern) {
+Neighborhood System::neighborhood(std::size_t count) const {
+  const Tool* rigid = rigidTool();
+  PALPATE_ASSERT(rigid, "a weighted tool holds no nodes that others could be near to");
   Neighborhood near;
-  for (const std::int32_t node : nearestNodes(mesh, tool_nodes, count)) {
+  for (const std::int32_t node : nearestNodes(model_.mesh, rigid->nodes, count)) {
     for (int component = 0; component <= pressure_component; ++component)
-      if (const std::int32_t unknown = unknowns.at({node, component}); unknown >= 0)
+      if (const std::int32_t unknown = unknowns_.at({node, component}); unknown >= 0)
         near.unknowns.push_back(unknown);
-    near.batches.insert(near.batches.end(), batches.of_node[node].begin(),
-                        batches.of_node[node].end());
+    near.batches.insert(near.batches.end(), batches_.of_node[node].begin(),
+                        batches_.of_node[node].end());
   }
   sortUnique(near.unknowns);
   sortUnique(near.batches);
-  near.entries = entriesAmong(near.unknowns, pattern);
+  near.entries = entriesAmong(near.unknowns, pattern_);
   return near;
 }
 

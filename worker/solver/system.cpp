@@ -154,12 +154,6 @@ void System::run(const State& state, Residual& residual, Tangent* tangent) const
   if (tangent) finishTangent(*tangent);
 }
 
-Neighborhood System::neighborhood(std::size_t count) const {
-  const Tool* rigid = rigidTool();
-  PALPATE_ASSERT(rigid, "a weighted tool holds no nodes that others could be near to");
-  return neighborhoodOf(rigid->nodes, count, model_.mesh, unknowns_, batches_, pattern_);
-}
-
 void System::assemble(const State& state, const Neighborhood& near, Eigen::VectorXd& residual,
                       Eigen::MatrixXd& tangent) const {
   Residual ignored;

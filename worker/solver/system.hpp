@@ -2,7 +2,6 @@
 
 #include <optional>
 
-#include "worker/solver/neighborhood.hpp"
 #include "worker/solver/scatter.hpp"
 
 namespace palpate {
@@ -43,6 +42,19 @@ struct Tangent {
   /// the bottom.
   Eigen::Matrix<double, Eigen::Dynamic, 3> tool_coupling;
   Eigen::Matrix3d tool;  ///< d2L/dp2, N/m: K_aa of a rigid tool, else zero
+};
+
+/// The unknowns of some nodes around a rigid tool, with the elements they occur in: what System
+/// needs to assemble the equations of these unknowns while all others are held. Valid for the tool
+/// and the System it was made for.
+struct Neighborhood {
+  struct Entry {
+    std::int32_t number;       ///< of SparsityPattern
+    std::int32_t row, column;  ///< of the small matrix, row <= column
+  };
+  std::vector<std::int32_t> unknowns;  ///< ascending
+  std::vector<std::int32_t> batches;   ///< ascending, indices into ElementBatches::all
+  std::vector<Entry> entries;
 };
 
 /// The discretised body: assembles energy, residual and tangent of
@@ -113,7 +125,7 @@ class System {
     run(state, residual, &tangent);
   }
 
-  /// Of the `count` nodes nearest to the chosen rigid tool.
+  /// Of the `count` nodes nearest to those that the chosen rigid tool holds, or of all there are.
   Neighborhood neighborhood(std::size_t count) const;
   /// The equations of these unknowns only: residual as in Residual::free, tangent the full
   /// symmetric matrix.

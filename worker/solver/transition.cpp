@@ -270,34 +270,15 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
                    "the scene wants no inverted element in its dataset");
     PALPATE_ASSERT(reached.end.state.displacement == target,
                    "the configuration is stored under the lattice point of its target");
-    outcome.fields = fieldsOf(reached.end.state);
+    const State& state = reached.end.state;
+    outcome.fields.displacement.assign(state.u.begin(), state.u.end());
+    outcome.fields.pressure.reserve(state.q.size());
+    for (const double q : state.q)
+      outcome.fields.pressure.push_back(static_cast<float>(q * system_.pressureScale()));
   }
   outcome.cost.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   return reached;
-}
-
-void TransitionSolver::explainByLimitPoint(const Start& start, const Eigen::Vector3d& target,
-                                           Reached& failed) {
-  const auto expected = system_.expectedNegativePivots();
-  if (!expected) return;  // spurious modes: an inertia that changed would prove nothing
-  const double reached = failed.outcome.failure.step_reached;
-  const State& from = reached > 0 ? failed.end.state : start.state;
-  const auto limit = findLimitPoint(system_, solver_, from, target);
-  if (!limit) return;
-  Failure& failure = failed.outcome.failure;
-  failure.cause = Cause::limit_point;
-  failure.step_reached = reached + (1 - reached) * limit->at;
-  failure.negative_pivots = limit->negative_pivots;
-  failure.expected_negative_pivots = *expected;
-}
-
-NodalFields TransitionSolver::fieldsOf(const State& state) const {
-  NodalFields fields = {{state.u.begin(), state.u.end()}, {}};
-  fields.pressure.reserve(state.q.size());
-  for (const double q : state.q)
-    fields.pressure.push_back(static_cast<float>(q * system_.pressureScale()));
-  return fields;
 }
 
 }  // namespace palpate

@@ -2,7 +2,6 @@
 
 #include "common/space/configuration.hpp"
 #include "worker/elements/kernel_family.hpp"
-#include "worker/solver/limit_point.hpp"
 #include "worker/solver/newton.hpp"
 #include "worker/solver/system.hpp"
 #include "worker/solver/tangent_solver.hpp"
@@ -80,7 +79,6 @@ class TransitionSolver {
   Cause judge(NewtonResult& newton, bool last, Step& step);
   std::optional<TangentSolver::Refined> solveSensitivity(NewtonResult& newton,
                                                          const Tangent& tangent, double tolerance);
-  NodalFields fieldsOf(const State& state) const;
 
   const Problem& problem_;
   TransitionOptions options_;

@@ -73,7 +73,7 @@ std::vector<Row> rowsOfLastLoad() {
       step /= 2;
     }
   }
-  const std::int32_t pressed = rig.body().mesh.node_groups.at("xmax").front();
+  const std::int32_t pressed = rig.system().model().mesh.node_groups.at("xmax").front();
   return {{"limit point, last load with an equilibrium", reached, exact_pressure, 1e-6, "Pa"},
           {"limit point, stretch at that load", 1 + ofNode(state.u, pressed)[0] / edge_of_cube,
            exact_stretch, 1e-3}};

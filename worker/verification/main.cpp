@@ -1,12 +1,111 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
+#include <memory>
+#include <nlohmann/json.hpp>
 
 #include "common/base/program.hpp"
 #include "worker/elements/blas_kernels.hpp"
-#include "worker/verification/verify_command.hpp"
+#include "worker/verification/case.hpp"
+
+namespace palpate {
+namespace {
+
+using verification::Case;
+using verification::Row;
+
+struct VerifyOptions {
+  std::vector<std::string> names;
+  bool all = false;
+  bool json = false;
+};
+
+/// The cases to run. Error when a name is part of no case's.
+std::vector<Case> chosenCases(const VerifyOptions& options) {
+  std::vector<Case> chosen = verification::cases();
+  const auto has = [](const std::string& name) {
+    return [&](const Case& problem) {
+      return std::string_view(problem.name).find(name) != std::string_view::npos;
+    };
+  };
+  // A misspelt name must not look like problems that are all solved.
+  for (const std::string& name : options.names)
+    if (std::ranges::none_of(chosen, has(name)))
+      throw badInput(
+          "there is no verification problem with \"{}\" in its name; palpate verify names them all",
+          name);
+  std::erase_if(chosen, [&](const Case& problem) {
+    const bool wanted =
+        options.names.empty() ||
+        std::ranges::any_of(options.names, [&](const auto& name) { return has(name)(problem); });
+    return !wanted || (problem.takes_long && !options.all);
+  });
+  return chosen;
+}
+
+void printRowsTable(const Case& problem, const std::vector<Row>& rows, double seconds) {
+  fmt::print("{} ({:.1f} s)\n", problem.name, seconds);
+  for (const Row& row : rows)
+    fmt::print("  {:<64} {:>14.8g} {:>14.8g} {:<4} {:>9.1e} {:>9.1e}  {}\n", row.name, row.computed,
+               row.reference, row.unit, row.deviation(), row.tolerance, row.ok() ? "ok" : "NOT OK");
+}
+
+void printRowsJson(const Case& problem, const std::vector<Row>& rows, double seconds) {
+  for (const Row& row : rows)
+    fmt::print("{}\n", nlohmann::ordered_json{{"problem", problem.name},
+                                              {"row", row.name},
+                                              {"unit", row.unit},
+                                              {"computed", row.computed},
+                                              {"reference", row.reference},
+                                              {"deviation", row.deviation()},
+                                              {"tolerance", row.tolerance},
+                                              {"ok", row.ok()},
+                                              {"problem_seconds", seconds}}
+                           .dump());
+}
+
+ExitCode verify(const VerifyOptions& options) {
+  const std::vector<Case> chosen = chosenCases(options);
+  if (!options.json)
+    fmt::print("{:<66} {:>14} {:>14}      {:>9} {:>9}\n", "", "computed", "reference", "deviation",
+               "tolerance");
+  std::ptrdiff_t good = 0, bad = 0;
+  double all_seconds = 0;
+  for (const Case& problem : chosen) {
+    const auto start = std::chrono::steady_clock::now();
+    const std::vector<Row> rows = verification::rowsOf(problem);
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    (options.json ? printRowsJson : printRowsTable)(problem, rows, seconds);
+    std::fflush(stdout);  // the next problem may take minutes
+    good += std::ranges::count_if(rows, &Row::ok);
+    bad += std::ranges::count(rows, false, &Row::ok);
+    all_seconds += seconds;
+  }
+  if (!options.json) fmt::print("{} rows ok, {} not ok, {:.0f} s\n", good, bad, all_seconds);
+  return bad == 0 ? ExitCode::done : ExitCode::failed;
+}
+
+std::function<ExitCode()> prepareVerify(CLI::App& app) {
+  auto options = std::make_shared<VerifyOptions>();
+  app.add_option("NAME", options->names, "Only the problems with this in their name")
+      ->type_name("NAME");
+  app.add_flag("--all", options->all, "Also the problems that take longer than seconds");
+  app.add_flag("--json", options->json, "One JSON object per row");
+  return [options] { return verify(*options); };
+}
+
+/// `palpate verify [NAME...] [--all] [--json]`: exit 0 when all rows are within their tolerance,
+/// else 1.
+const Verb verify_verb = {
+    "verify", "Solve problems whose solution is known; print computed, reference and deviation",
+    prepareVerify};
+
+}  // namespace
+}  // namespace palpate
 
 int main(int argc, char** argv) {
   palpate::chooseBlasKernels(argv);
-  const std::array verbs = {palpate::verify_verb};
   return palpate::runProgram(argc, argv, "palpate-verify: what is known beside what is computed",
-                             verbs);
+                             std::array{palpate::verify_verb});
 }

@@ -23,7 +23,7 @@ Mesh cubeMesh(double edge, int n);
 /// boxMesh whose inner nodes are moved at random by up to `amount` of a cell in each coordinate;
 /// the sides stay flat. amount < 0.25 keeps every tetrahedron positive.
 Mesh distortedBoxMesh(const Eigen::Vector3d& size, const std::array<int, 3>& cells,
-                      double amount = 0.2, std::uint32_t seed = 1);
+                      double amount = 0.2);
 
 /// Cook's membrane: the corners (0,0) (48,44) (48,60) (0,44) mm, n x n cells in one layer of
 /// `thickness` metres along z, whose triangles share the diagonal from upper left to lower right.

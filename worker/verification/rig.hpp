@@ -59,7 +59,6 @@ class Rig {
  public:
   explicit Rig(const BodyModel& body);
 
-  const BodyModel& body() const { return system_.model(); }
   const System& system() const { return system_; }
   void setLoadFactor(double factor) { system_.setLoadFactor(factor); }
 

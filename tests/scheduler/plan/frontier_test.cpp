@@ -45,10 +45,11 @@ struct Answer {
 /// `recorded`: all transitions, those of a point in the order in which they were tried.
 Answer answerOf(const Frontier& frontier, const std::vector<Transition>& recorded,
                 const Physics& physics) {
-  const auto size = static_cast<std::size_t>(frontier.size());
+  const auto size = static_cast<std::size_t>(frontier.lattice().size());
   Answer answer{
       {}, std::vector<std::int32_t>(size, -1), std::vector<std::vector<std::int32_t>>(size)};
-  for (std::int32_t n = 0; n < frontier.size(); ++n) answer.tags.push_back(frontier.tag(n));
+  for (std::int32_t n = 0; n < frontier.lattice().size(); ++n)
+    answer.tags.push_back(frontier.tag(n));
   for (const Transition& t : recorded)
     if (physics(t))
       answer.parents[t.target] = t.parent;
