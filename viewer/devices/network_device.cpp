@@ -28,31 +28,26 @@ NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
   connection_trouble_ = fmt::format(
       "no device answers at {}: start one there with palpate device --listen", options_.endpoint);
   tellTrouble();
-  thread_ = std::thread(&NetworkDevice::run, this);
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   std::unique_lock lock(mutex_);
-  answered_.wait_for(lock, options_.wait, [&] { return has_hello_; });
+  answered_.wait_for(lock, options_.wait, [&] { return hello_.has_value(); });
   // What was told until now holds: the loop is made for these limits and this frame.
   settled_ = true;
-  if (!has_hello_) return;
-  PALPATE_ASSERT(profileOf(hello_), "a device without limits is not accepted");
-  profile_ = *profileOf(hello_);
-  lives_in_scene_ = hello_.lives_in_scene();
-  has_buttons_ = hello_.has_buttons();
-}
-
-NetworkDevice::~NetworkDevice() {
-  stopping_ = true;
-  thread_.join();
+  if (!hello_) return;
+  PALPATE_ASSERT(profileOf(*hello_), "a device without limits is not accepted");
+  profile_ = *profileOf(*hello_);
+  lives_in_scene_ = hello_->lives_in_scene();
+  has_buttons_ = hello_->has_buttons();
 }
 
 std::string NetworkDevice::name() const {
   const std::lock_guard lock(mutex_);
-  return has_hello_ ? fmt::format("{} at {}", hello_.name(), options_.endpoint) : options_.endpoint;
+  return hello_ ? fmt::format("{} at {}", hello_->name(), options_.endpoint) : options_.endpoint;
 }
 
-void NetworkDevice::run() {
+void NetworkDevice::run(const std::stop_token& stop) {
   try {
-    while (!stopping_) turn();
+    while (!stop.stop_requested()) turn();
     sayFarewell();
   } catch (const std::exception& error) {
     exchange_->setTrouble(
@@ -125,7 +120,6 @@ void NetworkDevice::accept(const wire::DeviceHello& hello) {
       return;
     }
     hello_ = hello;
-    has_hello_ = true;
     // Never more than the loop was told, nor than this device can.
     max_force_ = settled_ ? std::min(profile_.max_force, profile->max_force) : profile->max_force;
   }
