@@ -111,6 +111,7 @@ void letGo(Connection& connection, const std::string& id) {
 HaplyDevice::HaplyDevice(HaplyDeviceOptions options)
     : options_(std::move(options)),
       place_(fmt::format("ws://{}:{}", options_.address, options_.port)) {
+  traits_.profile = inverse3_profile;
   beast::error_code error;
   asio::ip::make_address(options_.address, error);
   if (error)

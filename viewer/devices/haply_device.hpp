@@ -42,8 +42,6 @@ class HaplyDevice : public ThreadedDevice {
   /// Does not wait for the service. Error (bad input) when the address is no number.
   explicit HaplyDevice(HaplyDeviceOptions options);
 
-  DeviceProfile profile() const override { return inverse3_profile; }
-  bool hasButtons() const override { return true; }
   std::string name() const override;
 
  private:

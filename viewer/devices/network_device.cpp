@@ -20,10 +20,10 @@ constexpr auto farewell_time = 100ms;
 
 NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
     : options_(std::move(options)),
-      profile_(options_.fallback),
       context_(1),
       socket_(makeDeviceDealer(context_)),
       max_force_(options_.fallback.max_force) {
+  traits_.profile = options_.fallback;
   connectDealer(socket_, options_.endpoint);
   connection_trouble_ = fmt::format(
       "no device answers at {}: start one there with palpate device --listen", options_.endpoint);
@@ -35,9 +35,7 @@ NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
   settled_ = true;
   if (!hello_) return;
   PALPATE_ASSERT(profileOf(*hello_), "a device without limits is not accepted");
-  profile_ = *profileOf(*hello_);
-  lives_in_scene_ = hello_->lives_in_scene();
-  has_buttons_ = hello_->has_buttons();
+  traits_ = {*profileOf(*hello_), hello_->lives_in_scene(), hello_->has_buttons()};
 }
 
 std::string NetworkDevice::name() const {
@@ -111,7 +109,7 @@ void NetworkDevice::accept(const wire::DeviceHello& hello) {
   }
   {
     const std::lock_guard lock(mutex_);
-    if (settled_ && hello.lives_in_scene() != lives_in_scene_) {
+    if (settled_ && hello.lives_in_scene() != traits_.lives_in_scene) {
       connection_trouble_ = fmt::format(
           "the device at {} answered after the start, "
           "and its positions are in another frame than was expected: start again to use it",
@@ -121,7 +119,8 @@ void NetworkDevice::accept(const wire::DeviceHello& hello) {
     }
     hello_ = hello;
     // Never more than the loop was told, nor than this device can.
-    max_force_ = settled_ ? std::min(profile_.max_force, profile->max_force) : profile->max_force;
+    max_force_ =
+        settled_ ? std::min(traits_.profile.max_force, profile->max_force) : profile->max_force;
   }
   answered_.notify_all();
   connected_ = greeted_ = true;

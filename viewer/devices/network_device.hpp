@@ -35,9 +35,6 @@ class NetworkDevice : public ThreadedDevice {
   /// input) for a wrong endpoint.
   explicit NetworkDevice(NetworkDeviceOptions options);
 
-  DeviceProfile profile() const override { return profile_; }
-  bool livesInScene() const override { return lives_in_scene_; }
-  bool hasButtons() const override { return has_buttons_; }
   std::string name() const override;
 
  private:
@@ -54,10 +51,6 @@ class NetworkDevice : public ThreadedDevice {
   void tellTrouble();
 
   const NetworkDeviceOptions options_;
-
-  // Constant after construction.
-  DeviceProfile profile_;
-  bool lives_in_scene_ = false, has_buttons_ = true;
 
   mutable std::mutex mutex_;  ///< of what follows
   std::condition_variable answered_;
