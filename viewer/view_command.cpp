@@ -6,7 +6,6 @@
 
 #include "viewer/devices/device_choice.hpp"
 #include "viewer/fields/field_choice.hpp"
-#include "viewer/view_session.hpp"
 
 namespace palpate {
 namespace {
@@ -86,7 +85,7 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
       options->contact =
           *contact == word(ContactMode::glued) ? ContactMode::glued : ContactMode::unilateral;
     check(*options);
-    return ViewSession(*options).run(std::cout);
+    return view(*options, std::cout);
   };
 }
 

@@ -1,5 +1,3 @@
-#include "viewer/view_session.hpp"
-
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -13,6 +11,11 @@
 #include "common/base/assertion.hpp"
 #include "common/base/replaced_file.hpp"
 #include "viewer/devices/device_choice.hpp"
+#include "viewer/haptics/haptic_loop.hpp"
+#include "viewer/haptics/recording.hpp"
+#include "viewer/loaded_models.hpp"
+#include "viewer/picture/picture.hpp"
+#include "viewer/view_command.hpp"
 
 namespace palpate {
 namespace {
@@ -40,266 +43,304 @@ double largestStiffness(const HapticModel& model) {
   return largest;
 }
 
+/// One run of the haptic client: datasets, a device, the haptic loop, a picture, a recording. The
+/// thread that makes it is the one that draws.
+class ViewSession {
+ public:
+  /// Loads the datasets, opens the window and then the device. Errors of each name what could not
+  /// be had.
+  explicit ViewSession(const ViewOptions& options) : options_(options) {
+    if (!options_.record.empty()) refuseUnwritable(options_.record, "--record");
+    if (!options_.screenshot.empty()) refuseUnwritable(options_.screenshot, "--screenshot");
+    if (!options_.video.empty()) video_.emplace(options_.video);
+    // The device last: until then nothing that fails leaves it with a force.
+    loaded_ = load();
+    if (!options_.headless) openPicture();
+    device_ = openDevice(options_.device, {&loaded_->first(), 1 / options_.rate, wantedProfile()});
+    makeTick();
+    if (!options_.record.empty())
+      recorder_.emplace(describeRun(loaded_->pointers(), *device_, tick_->options()));
+    ticks_ = std::llround(options_.duration * options_.rate);
+    // A replay ends with its recording.
+    if (ticks_ == 0) ticks_ = device_->readings();
+  }
+
+  /// Until the window is closed, the duration is over, a replay has ended, or a signal came. The
+  /// device is given zero, recording and picture are written, and what the loop measured goes to
+  /// `output`.
+  ExitCode run(std::ostream& output) {
+    catchInterrupts();
+    // A reader of our output that goes must not end us with a force on.
+    std::signal(SIGPIPE, SIG_IGN);
+    announce();
+    try {
+      stepped() ? runStepped() : runLoop();
+    } catch (...) {
+      endLoop();
+      saveRecording();
+      throw;
+    }
+    finish(output);
+    return interrupted() ? ExitCode::interrupted : ExitCode::done;
+  }
+
+ private:
+  /// Ticks and pictures take turns, without a clock: nobody can steer such a run.
+  bool stepped() const { return options_.fast && !options_.headless; }
+  bool over() const { return interrupted() || (picture_ && picture_->wantsClose()) || quit_; }
+
+  std::unique_ptr<LoadedModels> load() const {
+    HapticModelOptions model_options;
+    model_options.reach = options_.reach;
+    std::erase(model_options.methods, options_.method);
+    // Where nobody can choose another, no other is made: each takes seconds and memory.
+    if (options_.headless || stepped()) model_options.methods.clear();
+    model_options.methods.insert(model_options.methods.begin(), options_.method);
+    return std::make_unique<LoadedModels>(options_.datasets, model_options);
+  }
+
+  void openPicture() {
+    PictureOptions picture_options;
+    picture_options.visible = options_.video.empty() || !options_.fast;
+    picture_ = std::make_unique<Picture>(loaded_->pointers(), picture_options);
+  }
+
+  /// The limits that a virtual device has.
+  DeviceProfile wantedProfile() const {
+    if (!options_.profile.empty()) return profileNamed(options_.profile);
+    return loaded_->device().value_or(profileNamed("touch"));
+  }
+
+  /// Those of the device, and no more than what was asked for.
+  DeviceProfile limits() const {
+    DeviceProfile limits = device_->profile();
+    if (options_.profile.empty()) return limits;
+    const DeviceProfile asked = profileNamed(options_.profile);
+    // Asking for more than the device has would not be honoured by it.
+    limits.max_force = std::min(limits.max_force, asked.max_force);
+    limits.max_stiffness = std::min(limits.max_stiffness, asked.max_stiffness);
+    return limits;
+  }
+
+  void makeTick() {
+    const HapticModel& model = loaded_->first();
+    TickOptions tick_options;
+    tick_options.period = 1 / options_.rate;
+    tick_options.contact.mode = options_.contact.value_or(model.contactMode());
+    tick_options.contact.friction = options_.friction;
+    tick_options.guard = guardFor(limits(), tick_options.period);
+    tick_options.map = workspaceFor(model, *device_);
+    tick_options.guard.max_stiffness /= tick_options.map.scale;  // per metre of the scene
+    tick_ = std::make_unique<HapticTick>(loaded_->pointers(), *device_, tick_options);
+  }
+
+  void announce() const {
+    const HapticModel& model = loaded_->first();
+    const TickOptions& used = tick_->options();
+    int touchable = 0;
+    const std::size_t triangles = model.surface().triangles().size();
+    for (std::size_t t = 0; t < triangles; ++t) touchable += model.surface().touchable(t);
+    spdlog::info(
+        "{}: {} active node(s), {} of {} surface triangles can be touched, method {}, contact {}",
+        model.file(), model.spaces().size(), touchable, triangles, options_.method,
+        word(used.contact.mode));
+    spdlog::info("{} at {:g} Hz: at most {:g} N and {:g} N/s, workspace scale {:.3g}",
+                 device_->name(), options_.rate, used.guard.max_force, used.guard.max_slew,
+                 used.map.scale);
+    const double felt = used.map.scale * largestStiffness(model);
+    const double rendered = limits().max_stiffness;
+    if (felt > rendered)
+      spdlog::warn(
+          "the tissue at rest is felt with {:.0f} N/m, of which the device renders {:.0f} stably: "
+          "it may buzz; a smaller scale or a device profile of its own helps",
+          felt, rendered);
+  }
+
+  /// Ticks and pictures in turn, by the time of the ticks alone: the same pictures on every
+  /// machine.
+  void runStepped() {
+    const auto ticks_per_frame =
+        std::max<std::uint64_t>(1, options_.rate / video_frames_per_second);
+    statistics_.rate = options_.rate;
+    for (std::uint64_t done = 0; done < ticks_ && !over();) {
+      const std::uint64_t goal = std::min(ticks_, done + ticks_per_frame);
+      for (; done < goal; ++done) {
+        const HapticState before = tick_->state();
+        count(statistics_, before, tick_->run());
+        if (recorder_) recorder_->add(tick_->state());
+      }
+      obey(drawFrame(tick_->state()));
+    }
+    device_->write(Eigen::Vector3d::Zero());
+  }
+
+  void startLoop() {
+    PALPATE_ASSERT(!loop_, "one loop drives the device");
+    LoopOptions loop_options;
+    loop_options.rate = options_.rate;
+    loop_options.real_time = options_.real_time;
+    loop_options.free_running = options_.fast;
+    loop_options.ticks = ticks_ == 0 ? 0 : std::max<std::uint64_t>(1, ticks_ - statistics_.ticks);
+    loop_options.record = recorder_.has_value();
+    loop_ = std::make_unique<HapticLoop>(*tick_, *device_, loop_options);
+    loop_->start();
+  }
+
+  void drainRecording() {
+    if (!recorder_ || !loop_) return;
+    while (const std::optional<HapticState> state = loop_->takeRecorded()) recorder_->add(*state);
+  }
+
+  void runLoop() {
+    loaded_->prepareTheRest();
+    startLoop();
+    auto next = std::chrono::steady_clock::now();
+    while (!over() && (!loop_ || loop_->running())) {
+      drainRecording();
+      look();
+      if (!picture_) {
+        std::this_thread::sleep_for(headless_pause);
+        continue;
+      }
+      obey(drawFrame(loop_ ? loop_->latest() : tick_->state()));
+      // A picture that took too long does not hurry the next ones.
+      next = std::max(next + std::chrono::microseconds(static_cast<int>(1e6 / frames_per_second)),
+                      std::chrono::steady_clock::now());
+      std::this_thread::sleep_until(next);
+    }
+    endLoop();
+  }
+
+  void endLoop() {
+    if (!loop_) return;
+    loop_->stop();
+    drainRecording();
+    add(statistics_, loop_->statistics());
+    loop_.reset();
+  }
+
+  /// What changes slowly: files on disk, troubles, statistics.
+  void look() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - looked_ < look_every) return;
+    looked_ = now;
+    status_.trouble = device_->trouble();
+    if (loop_ && !loop_->trouble().empty())
+      status_.trouble += (status_.trouble.empty() ? "" : "\n") + loop_->trouble();
+    if (status_.trouble != said_ && !status_.trouble.empty()) spdlog::warn("{}", status_.trouble);
+    said_ = status_.trouble;
+    if (loop_) status_.loop = loop_->statistics();
+    const std::optional<std::filesystem::path> replaced = loaded_->replaced();
+    if (!replaced || !status_.notice.empty()) return;
+    status_.notice = fmt::format(
+        "{} was replaced; what is felt is the old one until it is read again", replaced->string());
+    spdlog::warn("{}", status_.notice);
+  }
+
+  PictureRequests drawFrame(const HapticState& state) {
+    PALPATE_ASSERT(picture_, "a run without a picture draws none");
+    status_.device = device_->name();
+    status_.max_force = tick_->options().guard.max_force;
+    status_.paused = !loop_ && !stepped();
+    status_.recording = recorder_.has_value();
+    PictureRequests requests = picture_->draw(state, status_);
+    if (video_) video_->add(picture_->grab());
+    return requests;
+  }
+
+  void obey(const PictureRequests& requests) {
+    // While no loop runs, nobody else uses the tick.
+    const auto command = [&](const HapticCommand& what) {
+      if (loop_)
+        loop_->command(what);
+      else
+        tick_->obey(what);
+    };
+    if (requests.use)
+      command({HapticCommand::Kind::use, requests.use->model, requests.use->method});
+    if (requests.release) command({HapticCommand::Kind::release});
+    if (requests.mouse_target) device_->moveTo(*requests.mouse_target);
+    if (requests.pause && !stepped()) loop_ ? endLoop() : startLoop();
+    if (requests.reload) reload();
+    quit_ = quit_ || requests.quit;
+  }
+
+  /// Reads the files again. When that fails, everything stays as it is.
+  void reload() {
+    if (recorder_) {
+      status_.notice = "not while a recording runs: it belongs to the datasets that it began with";
+      return;
+    }
+    std::unique_ptr<LoadedModels> fresh;
+    try {
+      fresh = load();
+    } catch (const std::exception& error) {
+      status_.notice = fmt::format("not read again: {}", error.what());
+      spdlog::warn("{}", status_.notice);
+      return;
+    }
+    // The old models go only now that the new ones are there.
+    const bool ran = loop_ != nullptr;
+    endLoop();
+    tick_.reset();
+    picture_.reset();
+    loaded_ = std::move(fresh);
+    openPicture();
+    makeTick();
+    if (!stepped()) loaded_->prepareTheRest();
+    status_.notice.clear();
+    if (ran) startLoop();
+  }
+
+  /// A recording that cannot be written where it should be is kept somewhere else, if there is any
+  /// room.
+  void saveRecording() const {
+    if (!recorder_) return;
+    try {
+      recorder_->save(options_.record);
+    } catch (const Error& error) {
+      const std::filesystem::path elsewhere =
+          std::filesystem::temp_directory_path() / fmt::format("palpate-run-{}.h5", getpid());
+      recorder_->save(elsewhere);
+      throw failure("{}; the recording was written to {} instead", error.what(),
+                    elsewhere.string());
+    }
+    spdlog::info("{}: {} ticks{}", options_.record.string(), recorder_->size(),
+                 recorder_->complete() ? "" : ", with gaps");
+  }
+
+  void finish(std::ostream& output) {
+    saveRecording();
+    if (!options_.screenshot.empty()) {
+      drawFrame(tick_->state());
+      writePng(picture_->grab(), options_.screenshot);
+    }
+    if (video_) spdlog::info("{}: {} pictures", options_.video.string(), video_->count());
+    output << (options_.json ? describeJson(statistics_) + "\n" : describe(statistics_))
+           << std::flush;
+    if (!output) throw failure("cannot write the measurements to standard output");
+  }
+
+  const ViewOptions options_;
+  std::unique_ptr<LoadedModels> loaded_;
+  std::optional<VideoFrames> video_;
+  std::unique_ptr<Picture> picture_;  ///< none when headless
+  std::unique_ptr<HapticDevice> device_;
+  std::unique_ptr<HapticTick> tick_;
+  std::optional<Recorder> recorder_;
+  std::unique_ptr<HapticLoop> loop_;  ///< none while paused, and when stepped
+  LoopStatistics statistics_;         ///< of the loops that ended; of the ticks when stepped
+  std::uint64_t ticks_ = 0;           ///< to make; 0: no end
+  PictureStatus status_;
+  std::string said_;  ///< the trouble that was logged last
+  std::chrono::steady_clock::time_point looked_;
+  bool quit_ = false;
+};
+
 }  // namespace
 
-ViewSession::ViewSession(const ViewOptions& options) : options_(options) {
-  if (!options_.record.empty()) refuseUnwritable(options_.record, "--record");
-  if (!options_.screenshot.empty()) refuseUnwritable(options_.screenshot, "--screenshot");
-  if (!options_.video.empty()) video_.emplace(options_.video);
-  // The device last: until then nothing that fails leaves it with a force.
-  loaded_ = load();
-  if (!options_.headless) openPicture();
-  device_ = openDevice(options_.device, {&loaded_->first(), 1 / options_.rate, wantedProfile()});
-  makeTick();
-  if (!options_.record.empty())
-    recorder_.emplace(describeRun(loaded_->pointers(), *device_, tick_->options()));
-  ticks_ = std::llround(options_.duration * options_.rate);
-  // A replay ends with its recording.
-  if (ticks_ == 0) ticks_ = device_->readings();
-}
-
-std::unique_ptr<LoadedModels> ViewSession::load() const {
-  HapticModelOptions model_options;
-  model_options.reach = options_.reach;
-  std::erase(model_options.methods, options_.method);
-  // Where nobody can choose another, no other is made: each takes seconds and memory.
-  if (options_.headless || stepped()) model_options.methods.clear();
-  model_options.methods.insert(model_options.methods.begin(), options_.method);
-  return std::make_unique<LoadedModels>(options_.datasets, model_options);
-}
-
-void ViewSession::openPicture() {
-  PictureOptions picture_options;
-  picture_options.visible = options_.video.empty() || !options_.fast;
-  picture_ = std::make_unique<Picture>(loaded_->pointers(), picture_options);
-}
-
-/// The limits that a virtual device has.
-DeviceProfile ViewSession::wantedProfile() const {
-  if (!options_.profile.empty()) return profileNamed(options_.profile);
-  return loaded_->device().value_or(profileNamed("touch"));
-}
-
-/// Those of the device, and no more than what was asked for.
-DeviceProfile ViewSession::limits() const {
-  DeviceProfile limits = device_->profile();
-  if (options_.profile.empty()) return limits;
-  const DeviceProfile asked = profileNamed(options_.profile);
-  // Asking for more than the device has would not be honoured by it.
-  limits.max_force = std::min(limits.max_force, asked.max_force);
-  limits.max_stiffness = std::min(limits.max_stiffness, asked.max_stiffness);
-  return limits;
-}
-
-void ViewSession::makeTick() {
-  const HapticModel& model = loaded_->first();
-  TickOptions tick_options;
-  tick_options.period = 1 / options_.rate;
-  tick_options.contact.mode = options_.contact.value_or(model.contactMode());
-  tick_options.contact.friction = options_.friction;
-  tick_options.guard = guardFor(limits(), tick_options.period);
-  tick_options.map = workspaceFor(model, *device_);
-  tick_options.guard.max_stiffness /= tick_options.map.scale;  // per metre of the scene
-  tick_ = std::make_unique<HapticTick>(loaded_->pointers(), *device_, tick_options);
-}
-
-void ViewSession::announce() const {
-  const HapticModel& model = loaded_->first();
-  const TickOptions& used = tick_->options();
-  int touchable = 0;
-  const std::size_t triangles = model.surface().triangles().size();
-  for (std::size_t t = 0; t < triangles; ++t) touchable += model.surface().touchable(t);
-  spdlog::info(
-      "{}: {} active node(s), {} of {} surface triangles can be touched, method {}, contact {}",
-      model.file(), model.spaces().size(), touchable, triangles, options_.method,
-      word(used.contact.mode));
-  spdlog::info("{} at {:g} Hz: at most {:g} N and {:g} N/s, workspace scale {:.3g}",
-               device_->name(), options_.rate, used.guard.max_force, used.guard.max_slew,
-               used.map.scale);
-  const double felt = used.map.scale * largestStiffness(model);
-  const double rendered = limits().max_stiffness;
-  if (felt > rendered)
-    spdlog::warn(
-        "the tissue at rest is felt with {:.0f} N/m, of which the device renders {:.0f} stably: "
-        "it may buzz; a smaller scale or a device profile of its own helps",
-        felt, rendered);
-}
-
-/// Ticks and pictures in turn, by the time of the ticks alone: the same pictures on every machine.
-void ViewSession::runStepped() {
-  const auto ticks_per_frame = std::max<std::uint64_t>(1, options_.rate / video_frames_per_second);
-  statistics_.rate = options_.rate;
-  for (std::uint64_t done = 0; done < ticks_ && !over();) {
-    const std::uint64_t goal = std::min(ticks_, done + ticks_per_frame);
-    for (; done < goal; ++done) {
-      const HapticState before = tick_->state();
-      count(statistics_, before, tick_->run());
-      if (recorder_) recorder_->add(tick_->state());
-    }
-    obey(drawFrame(tick_->state()));
-  }
-  device_->write(Eigen::Vector3d::Zero());
-}
-
-void ViewSession::startLoop() {
-  PALPATE_ASSERT(!loop_, "one loop drives the device");
-  LoopOptions loop_options;
-  loop_options.rate = options_.rate;
-  loop_options.real_time = options_.real_time;
-  loop_options.free_running = options_.fast;
-  loop_options.ticks = ticks_ == 0 ? 0 : std::max<std::uint64_t>(1, ticks_ - statistics_.ticks);
-  loop_options.record = recorder_.has_value();
-  loop_ = std::make_unique<HapticLoop>(*tick_, *device_, loop_options);
-  loop_->start();
-}
-
-void ViewSession::drainRecording() {
-  if (!recorder_ || !loop_) return;
-  while (const std::optional<HapticState> state = loop_->takeRecorded()) recorder_->add(*state);
-}
-
-void ViewSession::runLoop() {
-  loaded_->prepareTheRest();
-  startLoop();
-  auto next = std::chrono::steady_clock::now();
-  while (!over() && (!loop_ || loop_->running())) {
-    drainRecording();
-    look();
-    if (!picture_) {
-      std::this_thread::sleep_for(headless_pause);
-      continue;
-    }
-    obey(drawFrame(loop_ ? loop_->latest() : tick_->state()));
-    // A picture that took too long does not hurry the next ones.
-    next = std::max(next + std::chrono::microseconds(static_cast<int>(1e6 / frames_per_second)),
-                    std::chrono::steady_clock::now());
-    std::this_thread::sleep_until(next);
-  }
-  endLoop();
-}
-
-void ViewSession::endLoop() {
-  if (!loop_) return;
-  loop_->stop();
-  drainRecording();
-  add(statistics_, loop_->statistics());
-  loop_.reset();
-}
-
-/// What changes slowly: files on disk, troubles, statistics.
-void ViewSession::look() {
-  const auto now = std::chrono::steady_clock::now();
-  if (now - looked_ < look_every) return;
-  looked_ = now;
-  status_.trouble = device_->trouble();
-  if (loop_ && !loop_->trouble().empty())
-    status_.trouble += (status_.trouble.empty() ? "" : "\n") + loop_->trouble();
-  if (status_.trouble != said_ && !status_.trouble.empty()) spdlog::warn("{}", status_.trouble);
-  said_ = status_.trouble;
-  if (loop_) status_.loop = loop_->statistics();
-  const std::optional<std::filesystem::path> replaced = loaded_->replaced();
-  if (!replaced || !status_.notice.empty()) return;
-  status_.notice = fmt::format(
-      "{} was replaced; what is felt is the old one until it is read again", replaced->string());
-  spdlog::warn("{}", status_.notice);
-}
-
-PictureRequests ViewSession::drawFrame(const HapticState& state) {
-  PALPATE_ASSERT(picture_, "a run without a picture draws none");
-  status_.device = device_->name();
-  status_.max_force = tick_->options().guard.max_force;
-  status_.paused = !loop_ && !stepped();
-  status_.recording = recorder_.has_value();
-  PictureRequests requests = picture_->draw(state, status_);
-  if (video_) video_->add(picture_->grab());
-  return requests;
-}
-
-void ViewSession::obey(const PictureRequests& requests) {
-  // While no loop runs, nobody else uses the tick.
-  const auto command = [&](const HapticCommand& what) {
-    if (loop_)
-      loop_->command(what);
-    else
-      tick_->obey(what);
-  };
-  if (requests.use) command({HapticCommand::Kind::use, requests.use->model, requests.use->method});
-  if (requests.release) command({HapticCommand::Kind::release});
-  if (requests.mouse_target) device_->moveTo(*requests.mouse_target);
-  if (requests.pause && !stepped()) loop_ ? endLoop() : startLoop();
-  if (requests.reload) reload();
-  quit_ = quit_ || requests.quit;
-}
-
-/// Reads the files again. When that fails, everything stays as it is.
-void ViewSession::reload() {
-  if (recorder_) {
-    status_.notice = "not while a recording runs: it belongs to the datasets that it began with";
-    return;
-  }
-  std::unique_ptr<LoadedModels> fresh;
-  try {
-    fresh = load();
-  } catch (const std::exception& error) {
-    status_.notice = fmt::format("not read again: {}", error.what());
-    spdlog::warn("{}", status_.notice);
-    return;
-  }
-  // The old models go only now that the new ones are there.
-  const bool ran = loop_ != nullptr;
-  endLoop();
-  tick_.reset();
-  picture_.reset();
-  loaded_ = std::move(fresh);
-  openPicture();
-  makeTick();
-  if (!stepped()) loaded_->prepareTheRest();
-  status_.notice.clear();
-  if (ran) startLoop();
-}
-
-/// A recording that cannot be written where it should be is kept somewhere else, if there is any
-/// room.
-void ViewSession::saveRecording() const {
-  if (!recorder_) return;
-  try {
-    recorder_->save(options_.record);
-  } catch (const Error& error) {
-    const std::filesystem::path elsewhere =
-        std::filesystem::temp_directory_path() / fmt::format("palpate-run-{}.h5", getpid());
-    recorder_->save(elsewhere);
-    throw failure("{}; the recording was written to {} instead", error.what(), elsewhere.string());
-  }
-  spdlog::info("{}: {} ticks{}", options_.record.string(), recorder_->size(),
-               recorder_->complete() ? "" : ", with gaps");
-}
-
-void ViewSession::finish(std::ostream& output) {
-  saveRecording();
-  if (!options_.screenshot.empty()) {
-    drawFrame(tick_->state());
-    writePng(picture_->grab(), options_.screenshot);
-  }
-  if (video_) spdlog::info("{}: {} pictures", options_.video.string(), video_->count());
-  output << (options_.json ? describeJson(statistics_) + "\n" : describe(statistics_))
-         << std::flush;
-  if (!output) throw failure("cannot write the measurements to standard output");
-}
-
-ExitCode ViewSession::run(std::ostream& output) {
-  catchInterrupts();
-  // A reader of our output that goes must not end us with a force on.
-  std::signal(SIGPIPE, SIG_IGN);
-  announce();
-  try {
-    stepped() ? runStepped() : runLoop();
-  } catch (...) {
-    endLoop();
-    saveRecording();
-    throw;
-  }
-  finish(output);
-  return interrupted() ? ExitCode::interrupted : ExitCode::done;
+ExitCode view(const ViewOptions& options, std::ostream& output) {
+  return ViewSession(options).run(output);
 }
 
 }  // namespace palpate

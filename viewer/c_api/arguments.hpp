@@ -15,6 +15,7 @@
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
 #include "viewer/c_api/palpate.h"
+#include "viewer/fields/force_field.hpp"
 
 namespace palpate {
 
@@ -38,9 +39,11 @@ palpate_status fail(palpate_status status, fmt::format_string<Args...> format,
   return status;
 }
 
+/// Records that an argument cannot be used. False, as checks of arguments tell it.
 template <class... Args>
-palpate_status invalid(fmt::format_string<Args...> format, Args&&... args) noexcept {
-  return fail(PALPATE_INVALID_ARGUMENT, format, std::forward<Args>(args)...);
+bool refuse(fmt::format_string<Args...> format, Args&&... args) noexcept {
+  fail(PALPATE_INVALID_ARGUMENT, format, std::forward<Args>(args)...);
+  return false;
 }
 
 /// Runs what may throw. An Error is about the file that is being opened: arguments were looked at
@@ -66,8 +69,7 @@ palpate_status withoutExceptions(const char* function, Work&& work) noexcept {
 // it.
 
 inline bool isThere(const char* function, const char* name, const void* pointer) noexcept {
-  if (pointer == nullptr) invalid("{}: {} is NULL", function, name);
-  return pointer != nullptr;
+  return pointer != nullptr || refuse("{}: {} is NULL", function, name);
 }
 
 /// sizeof each structure when it was published first: callers with smaller ones do not exist.
@@ -88,11 +90,11 @@ bool sizeIsKnown(const char* function, const char* name, const Struct* given) no
   constexpr std::size_t first_size = firstSize(static_cast<Struct*>(nullptr));
   static_assert(first_size <= sizeof(Struct));
   if (!isThere(function, name, given)) return false;
-  if (given->size >= first_size && given->size <= sizeof(Struct)) return true;
-  invalid(
-      "{}: {}->size is {}, not {}; set it to sizeof(*{}), and use a library as new as palpate.h",
-      function, name, given->size, sizeof(Struct), name);
-  return false;
+  return (given->size >= first_size && given->size <= sizeof(Struct)) ||
+         refuse(
+             "{}: {}->size is {}, not {}; "
+             "set it to sizeof(*{}), and use a library as new as palpate.h",
+             function, name, given->size, sizeof(Struct), name);
 }
 
 /// Copies what the caller's structure has of `value`, and keeps its size. Its size is known.
@@ -122,26 +124,35 @@ inline void give(double to[9], const Eigen::Matrix3d& values) noexcept {
   Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{to} = values;
 }
 
+/// What a sample and a touch of the caller both say of a force. Does not set their sizes.
+template <class Struct>
+void giveForce(Struct& to, const ForceSample& sample) noexcept {
+  give(to.force, sample.force);
+  give(to.stiffness, sample.stiffness);
+  to.energy = sample.energy;
+  to.error_bound = sample.error_bound;
+  to.coverage = sample.coverage;
+  to.inside = sample.inside ? 1 : 0;
+}
+
 inline bool isNumber(const char* function, const char* what, std::int32_t number,
                      std::int32_t count) noexcept {
-  if (number >= 0 && number < count) return true;
-  invalid("{}: there is no {} {}; they are numbered 0 to {}", function, what, number, count - 1);
-  return false;
+  return (number >= 0 && number < count) ||
+         refuse("{}: there is no {} {}; they are numbered 0 to {}", function, what, number,
+                count - 1);
 }
 
 inline bool isEnough(const char* function, std::size_t capacity, std::size_t needed) noexcept {
-  if (capacity >= needed) return true;
-  invalid("{}: the buffer holds {} numbers, {} are needed", function, capacity, needed);
-  return false;
+  return capacity >= needed ||
+         refuse("{}: the buffer holds {} numbers, {} are needed", function, capacity, needed);
 }
 
 /// Whether a number that has no other limits is above zero, or zero.
 enum class Least { above_zero, zero };
 inline bool isFinite(const char* function, const char* name, double value, Least least) noexcept {
-  if (std::isfinite(value) && (least == Least::zero ? value >= 0 : value > 0)) return true;
-  invalid("{}: {} is {}; it must be finite and {} 0", function, name, value,
-          least == Least::zero ? ">=" : ">");
-  return false;
+  return (std::isfinite(value) && (least == Least::zero ? value >= 0 : value > 0)) ||
+         refuse("{}: {} is {}; it must be finite and {} 0", function, name, value,
+                least == Least::zero ? ">=" : ">");
 }
 
 /// A number that a structure of options has, and its twin inside of the library.

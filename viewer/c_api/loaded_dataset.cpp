@@ -32,23 +32,22 @@ palpate_space_info infoOf(const Dataset& dataset, const SpaceTable& space, std::
 }  // namespace
 
 LoadedDataset::LoadedDataset(const Dataset& dataset, const HapticModelOptions& options)
-    : model_(dataset, options), content_id_(dataset.contentId().hex()) {
-  info_ = {};
-  info_.size = sizeof info_;
-  info_.name = model_.name().c_str();
-  info_.file = model_.file().c_str();
-  info_.content_id = content_id_.c_str();
-  info_.contact_mode =
-      model_.contactMode() == ContactMode::glued ? PALPATE_GLUED : PALPATE_UNILATERAL;
-  info_.space_count = static_cast<std::int32_t>(model_.spaces().size());
-  info_.method_count = static_cast<std::int32_t>(model_.methods().size());
-  info_.vertex_count = static_cast<std::int32_t>(model_.surface().vertices().size());
-  info_.triangle_count = static_cast<std::int32_t>(model_.surface().triangles().size());
-  info_.max_force = model_.maxForce();
-  PALPATE_ASSERT(model_.spaces().size() == dataset.spaces().size(),
+    : model(dataset, options), content_id(dataset.contentId().hex()) {
+  info.size = sizeof info;
+  info.name = model.name().c_str();
+  info.file = model.file().c_str();
+  info.content_id = content_id.c_str();
+  info.contact_mode =
+      model.contactMode() == ContactMode::glued ? PALPATE_GLUED : PALPATE_UNILATERAL;
+  info.space_count = static_cast<std::int32_t>(model.spaces().size());
+  info.method_count = static_cast<std::int32_t>(model.methods().size());
+  info.vertex_count = static_cast<std::int32_t>(model.surface().vertices().size());
+  info.triangle_count = static_cast<std::int32_t>(model.surface().triangles().size());
+  info.max_force = model.maxForce();
+  PALPATE_ASSERT(model.spaces().size() == dataset.spaces().size(),
                  "the numbers of spaces are those of the dataset");
-  for (std::size_t s = 0; s < model_.spaces().size(); ++s)
-    spaces_.push_back(infoOf(dataset, model_.spaces()[s], model_.surface().activeVertex(s)));
+  for (std::size_t s = 0; s < model.spaces().size(); ++s)
+    spaces.push_back(infoOf(dataset, model.spaces()[s], model.surface().activeVertex(s)));
 }
 
 }  // namespace palpate

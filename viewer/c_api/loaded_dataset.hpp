@@ -11,20 +11,14 @@ namespace palpate {
 
 /// A dataset as the C API gives it out: the prepared model, and what palpate_..._info say of it.
 /// Immutable.
-class LoadedDataset {
- public:
+struct LoadedDataset {
   /// Error as of Dataset and HapticModel.
   LoadedDataset(const Dataset& dataset, const HapticModelOptions& options);
 
-  const HapticModel& model() const { return model_; }
-  const palpate_dataset_info& info() const { return info_; }  ///< its texts belong to this object
-  const std::vector<palpate_space_info>& spaces() const { return spaces_; }
-
- private:
-  HapticModel model_;
-  std::string content_id_;
-  palpate_dataset_info info_;
-  std::vector<palpate_space_info> spaces_;
+  const HapticModel model;
+  const std::string content_id;
+  palpate_dataset_info info{};  ///< its texts belong to this object
+  std::vector<palpate_space_info> spaces;
 };
 
 }  // namespace palpate

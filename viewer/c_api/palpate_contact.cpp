@@ -12,8 +12,8 @@ using namespace palpate;
 struct palpate_contact {
   palpate_contact(const palpate_dataset& dataset, const ContactOptions& options,
                   std::int32_t method)
-      : loaded(dataset.loaded), contact(loaded->model(), options) {
-    contact.use(loaded->model(), at(method));
+      : loaded(dataset.loaded), contact(loaded->model, options) {
+    contact.use(loaded->model, at(method));
   }
   std::shared_ptr<const LoadedDataset> loaded;
   Contact contact;
@@ -32,7 +32,7 @@ constexpr std::array<OptionNumber<Given, ContactOptions>, 4> numbers = {
 Given defaultsFor(const palpate_dataset& dataset) noexcept {
   Given given{};
   given.size = sizeof given;
-  given.mode = dataset.loaded->info().contact_mode;
+  given.mode = dataset.loaded->info.contact_mode;
   fillIn(given, ContactOptions{}, numbers);
   return given;
 }
@@ -40,14 +40,12 @@ Given defaultsFor(const palpate_dataset& dataset) noexcept {
 /// False when the options cannot be used.
 bool translate(const char* function, const Given& options, const palpate_dataset& dataset,
                ContactOptions& chosen) noexcept {
-  if (options.mode != PALPATE_UNILATERAL && options.mode != PALPATE_GLUED) {
-    invalid("{}: options->mode is {}; it is PALPATE_UNILATERAL or PALPATE_GLUED", function,
-            options.mode);
-    return false;
-  }
+  if (options.mode != PALPATE_UNILATERAL && options.mode != PALPATE_GLUED)
+    return refuse("{}: options->mode is {}; it is PALPATE_UNILATERAL or PALPATE_GLUED", function,
+                  options.mode);
   chosen.mode = options.mode == PALPATE_GLUED ? ContactMode::glued : ContactMode::unilateral;
   return takeOver(function, options, chosen, numbers) &&
-         isNumber(function, "method", options.method, dataset.loaded->info().method_count);
+         isNumber(function, "method", options.method, dataset.loaded->info.method_count);
 }
 
 /// Whether a touch that the caller may have put together names triangles and spaces that there are.
@@ -56,11 +54,9 @@ bool belongsTo(const char* function, const palpate_touch& touch,
   // The rest of such a touch is not read.
   if (touch.touching == 0) return true;
   if (!isNumber(function, "triangle", touch.triangle, info.triangle_count)) return false;
-  if (touch.share_count < 1 || touch.share_count > PALPATE_MOST_SHARES) {
-    invalid("{}: touch->share_count is {}; it is 1 to {}", function, touch.share_count,
-            PALPATE_MOST_SHARES);
-    return false;
-  }
+  if (touch.share_count < 1 || touch.share_count > PALPATE_MOST_SHARES)
+    return refuse("{}: touch->share_count is {}; it is 1 to {}", function, touch.share_count,
+                  PALPATE_MOST_SHARES);
   for (std::int32_t s = 0; s < touch.share_count; ++s)
     if (!isNumber(function, "space", touch.share_spaces[s], info.space_count)) return false;
   return true;
@@ -111,12 +107,12 @@ palpate_status palpate_contact_release(palpate_contact* contact) {
 palpate_status palpate_contact_use(palpate_contact* contact, const palpate_dataset* dataset,
                                    std::int32_t method) {
   if (!isThere(__func__, "contact", contact) || !isThere(__func__, "dataset", dataset) ||
-      !isNumber(__func__, "method", method, dataset->loaded->info().method_count))
+      !isNumber(__func__, "method", method, dataset->loaded->info.method_count))
     return PALPATE_INVALID_ARGUMENT;
   // The former model must be alive while use() compares the two.
   const std::shared_ptr<const LoadedDataset> former = contact->loaded;
   contact->loaded = dataset->loaded;
-  contact->contact.use(contact->loaded->model(), at(method));
+  contact->contact.use(contact->loaded->model, at(method));
   return PALPATE_OK;
 }
 
@@ -126,13 +122,13 @@ palpate_status palpate_touch_displacements(const palpate_dataset* dataset,
   if (!isThere(__func__, "dataset", dataset) || !sizeIsKnown(__func__, "touch", touch) ||
       !isThere(__func__, "displacements", displacements))
     return PALPATE_INVALID_ARGUMENT;
-  const palpate_dataset_info& info = dataset->loaded->info();
+  const palpate_dataset_info& info = dataset->loaded->info;
   const palpate_touch known = taken(touch, toStruct(Touch{}));
   const std::size_t needed = countOf(info.vertex_count);
   if (!isEnough(__func__, capacity, needed) || !belongsTo(__func__, known, info))
     return PALPATE_INVALID_ARGUMENT;
   return withoutExceptions(__func__, [&] {
     DeformedShape shape(at(info.vertex_count));
-    shape.evaluate(dataset->loaded->model(), toTouch(known), {displacements, needed});
+    shape.evaluate(dataset->loaded->model, toTouch(known), {displacements, needed});
   });
 }

@@ -18,16 +18,12 @@ std::mutex& readingMutex() {
 
 bool methodsAreKnown(const char* function, const palpate_open_options& options) {
   for (std::size_t m = 0; m < options.method_count; ++m) {
-    if (options.methods == nullptr || options.methods[m] == nullptr) {
-      invalid("{}: options->methods has no name {} of {}", function, m, options.method_count);
-      return false;
-    }
+    if (options.methods == nullptr || options.methods[m] == nullptr)
+      return refuse("{}: options->methods has no name {} of {}", function, m, options.method_count);
     const auto& known = forceFieldMethods();
-    if (std::ranges::find(known, options.methods[m]) == known.end()) {
-      invalid("{}: there is no method \"{}\"; there are: {}", function, options.methods[m],
-              fmt::join(known, ", "));
-      return false;
-    }
+    if (std::ranges::find(known, options.methods[m]) == known.end())
+      return refuse("{}: there is no method \"{}\"; there are: {}", function, options.methods[m],
+                    fmt::join(known, ", "));
   }
   return true;
 }
@@ -56,7 +52,8 @@ palpate_status find(const char* function, const char* what, std::string_view nam
       names += (names.empty() ? "" : ", ") + std::string(nameOf(element));
   });
   if (status != PALPATE_OK) return status;
-  return invalid("{}: there is no {} \"{}\"; there are: {}", function, what, name, names);
+  return fail(PALPATE_INVALID_ARGUMENT, "{}: there is no {} \"{}\"; there are: {}", function, what,
+              name, names);
 }
 
 }  // namespace
@@ -90,16 +87,16 @@ palpate_status palpate_dataset_describe(const palpate_dataset* dataset,
                                         palpate_dataset_info* info) {
   if (!isThere(__func__, "dataset", dataset) || !sizeIsKnown(__func__, "info", info))
     return PALPATE_INVALID_ARGUMENT;
-  give(info, dataset->loaded->info());
+  give(info, dataset->loaded->info);
   return PALPATE_OK;
 }
 
 palpate_status palpate_dataset_space(const palpate_dataset* dataset, std::int32_t space,
                                      palpate_space_info* info) {
   if (!isThere(__func__, "dataset", dataset) || !sizeIsKnown(__func__, "info", info) ||
-      !isNumber(__func__, "space", space, dataset->loaded->info().space_count))
+      !isNumber(__func__, "space", space, dataset->loaded->info.space_count))
     return PALPATE_INVALID_ARGUMENT;
-  give(info, dataset->loaded->spaces()[at(space)]);
+  give(info, dataset->loaded->spaces[at(space)]);
   return PALPATE_OK;
 }
 
@@ -109,15 +106,15 @@ palpate_status palpate_dataset_find_space(const palpate_dataset* dataset, const 
       !isThere(__func__, "space", space))
     return PALPATE_INVALID_ARGUMENT;
   return find(
-      __func__, "active node", name, dataset->loaded->spaces(),
+      __func__, "active node", name, dataset->loaded->spaces,
       [](const palpate_space_info& info) { return info.name; }, space);
 }
 
 const char* palpate_dataset_method(const palpate_dataset* dataset, std::int32_t method) {
   if (!isThere(__func__, "dataset", dataset) ||
-      !isNumber(__func__, "method", method, dataset->loaded->info().method_count))
+      !isNumber(__func__, "method", method, dataset->loaded->info.method_count))
     return nullptr;
-  return dataset->loaded->model().methods()[at(method)].c_str();
+  return dataset->loaded->model.methods()[at(method)].c_str();
 }
 
 palpate_status palpate_dataset_find_method(const palpate_dataset* dataset, const char* name,
@@ -125,16 +122,16 @@ palpate_status palpate_dataset_find_method(const palpate_dataset* dataset, const
   if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "name", name) ||
       !isThere(__func__, "method", method))
     return PALPATE_INVALID_ARGUMENT;
-  return find(__func__, "prepared method", name, dataset->loaded->model().methods(),
-              std::identity(), method);
+  return find(__func__, "prepared method", name, dataset->loaded->model.methods(), std::identity(),
+              method);
 }
 
 palpate_status palpate_dataset_vertices(const palpate_dataset* dataset, double* vertices,
                                         std::size_t capacity) {
   if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "vertices", vertices) ||
-      !isEnough(__func__, capacity, countOf(dataset->loaded->info().vertex_count)))
+      !isEnough(__func__, capacity, countOf(dataset->loaded->info.vertex_count)))
     return PALPATE_INVALID_ARGUMENT;
-  for (const Eigen::Vector3d& vertex : dataset->loaded->model().surface().vertices())
+  for (const Eigen::Vector3d& vertex : dataset->loaded->model.surface().vertices())
     vertices = std::copy_n(vertex.data(), 3, vertices);
   return PALPATE_OK;
 }
@@ -142,9 +139,9 @@ palpate_status palpate_dataset_vertices(const palpate_dataset* dataset, double* 
 palpate_status palpate_dataset_triangles(const palpate_dataset* dataset, std::int32_t* triangles,
                                          std::size_t capacity) {
   if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "triangles", triangles) ||
-      !isEnough(__func__, capacity, countOf(dataset->loaded->info().triangle_count)))
+      !isEnough(__func__, capacity, countOf(dataset->loaded->info.triangle_count)))
     return PALPATE_INVALID_ARGUMENT;
-  for (const Triangle& triangle : dataset->loaded->model().surface().triangles())
+  for (const Triangle& triangle : dataset->loaded->model.surface().triangles())
     triangles = std::copy(triangle.begin(), triangle.end(), triangles);
   return PALPATE_OK;
 }
@@ -152,10 +149,10 @@ palpate_status palpate_dataset_triangles(const palpate_dataset* dataset, std::in
 palpate_status palpate_dataset_touchable(const palpate_dataset* dataset, std::uint8_t* touchable,
                                          std::size_t capacity) {
   if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "touchable", touchable) ||
-      !isEnough(__func__, capacity, at(dataset->loaded->info().triangle_count)))
+      !isEnough(__func__, capacity, at(dataset->loaded->info.triangle_count)))
     return PALPATE_INVALID_ARGUMENT;
-  const TouchSurface& surface = dataset->loaded->model().surface();
-  for (std::int32_t t = 0; t < dataset->loaded->info().triangle_count; ++t)
+  const TouchSurface& surface = dataset->loaded->model.surface();
+  for (std::int32_t t = 0; t < dataset->loaded->info.triangle_count; ++t)
     touchable[t] = surface.touchable(t) ? 1 : 0;
   return PALPATE_OK;
 }
@@ -165,18 +162,12 @@ palpate_status palpate_query(const palpate_dataset* dataset, std::int32_t space,
                              palpate_sample* sample) {
   if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "displacement", displacement) ||
       !sizeIsKnown(__func__, "sample", sample) ||
-      !isNumber(__func__, "space", space, dataset->loaded->info().space_count) ||
-      !isNumber(__func__, "method", method, dataset->loaded->info().method_count))
+      !isNumber(__func__, "space", space, dataset->loaded->info.space_count) ||
+      !isNumber(__func__, "method", method, dataset->loaded->info.method_count))
     return PALPATE_INVALID_ARGUMENT;
-  const ForceSample answer =
-      dataset->loaded->model().field(at(method), at(space)).evaluate(vectorOf(displacement));
   palpate_sample given{};
-  give(given.force, answer.force);
-  give(given.stiffness, answer.stiffness);
-  given.energy = answer.energy;
-  given.error_bound = answer.error_bound;
-  given.coverage = answer.coverage;
-  given.inside = answer.inside ? 1 : 0;
+  giveForce(given,
+            dataset->loaded->model.field(at(method), at(space)).evaluate(vectorOf(displacement)));
   give(sample, given);
   return PALPATE_OK;
 }
@@ -186,12 +177,12 @@ palpate_status palpate_displacements(const palpate_dataset* dataset, std::int32_
                                      std::size_t capacity, std::int32_t* inside) {
   if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "displacement", displacement) ||
       !isThere(__func__, "displacements", displacements) ||
-      !isNumber(__func__, "space", space, dataset->loaded->info().space_count))
+      !isNumber(__func__, "space", space, dataset->loaded->info.space_count))
     return PALPATE_INVALID_ARGUMENT;
-  const std::size_t needed = countOf(dataset->loaded->info().vertex_count);
+  const std::size_t needed = countOf(dataset->loaded->info.vertex_count);
   if (!isEnough(__func__, capacity, needed)) return PALPATE_INVALID_ARGUMENT;
-  const bool in_ball = dataset->loaded->model().shape(at(space)).evaluate(vectorOf(displacement),
-                                                                          {displacements, needed});
+  const bool in_ball = dataset->loaded->model.shape(at(space)).evaluate(vectorOf(displacement),
+                                                                        {displacements, needed});
   if (inside != nullptr) *inside = in_ball ? 1 : 0;
   return PALPATE_OK;
 }

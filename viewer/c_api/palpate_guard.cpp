@@ -30,8 +30,8 @@ constexpr std::uint32_t known_flags =
 const DeviceProfile* profileNamed(const char* function, std::string_view name) {
   const auto found = std::ranges::find(device_profiles, name, &DeviceProfile::name);
   if (found != device_profiles.end()) return &*found;
-  invalid("{}: there is no device \"{}\"; there are: {}", function, name,
-          fmt::join(device_words, ", "));
+  refuse("{}: there is no device \"{}\"; there are: {}", function, name,
+         fmt::join(device_words, ", "));
   return nullptr;
 }
 
@@ -65,9 +65,8 @@ bool canBeLimited(const char* function, const palpate_guard* guard, const double
       !sizeIsKnown(function, "touch", touch))
     return false;
   // A flag of a later version may mean "stop": better no force than one that ignores it.
-  if ((flags & ~known_flags) == 0) return true;
-  invalid("{}: flags {:#x} has bits without a meaning; see palpate.h", function, flags);
-  return false;
+  return (flags & ~known_flags) == 0 ||
+         refuse("{}: flags {:#x} has bits without a meaning; see palpate.h", function, flags);
 }
 
 GuardInput inputOf(const double tool[3], const palpate_touch& touch, std::uint32_t flags) noexcept {

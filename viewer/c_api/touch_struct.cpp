@@ -13,13 +13,8 @@ palpate_touch toStruct(const Touch& touch) noexcept {
   given.size = sizeof given;
   given.touching = touch.touching ? 1 : 0;
   given.stepped = touch.stepped ? 1 : 0;
-  given.inside = touch.inside ? 1 : 0;
   given.triangle = touch.anchor.triangle;
-  give(given.force, touch.force);
-  give(given.stiffness, touch.stiffness);
-  given.energy = touch.energy;
-  given.error_bound = touch.error_bound;
-  given.coverage = touch.coverage;
+  giveForce(given, touch);
   give(given.barycentric, touch.anchor.barycentric);
   give(given.anchor, touch.anchor_position);
   give(given.normal, touch.normal);

@@ -52,6 +52,12 @@ class DeviceExchange {
   std::string trouble_;
 };
 
+/// What a device says of itself.
+struct DeviceTraits {
+  DeviceProfile profile;
+  bool lives_in_scene = false, has_buttons = true;
+};
+
 /// A device that a thread of its own speaks with, through an exchange.
 class ThreadedDevice : public HapticDevice {
  public:
@@ -60,8 +66,12 @@ class ThreadedDevice : public HapticDevice {
   void halt() noexcept override { exchange_->halt(); }
   void resume() noexcept override { exchange_->resume(); }
   std::string trouble() const override { return exchange_->trouble(); }
+  DeviceProfile profile() const override { return traits_.profile; }
+  bool livesInScene() const override { return traits_.lives_in_scene; }
+  bool hasButtons() const override { return traits_.has_buttons; }
 
  protected:
+  DeviceTraits traits_;  ///< constant after construction
   /// Shared, for a thread that may outlive this object where it hangs.
   const std::shared_ptr<DeviceExchange> exchange_ = std::make_shared<DeviceExchange>();
 };

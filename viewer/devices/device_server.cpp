@@ -24,12 +24,7 @@ DeviceServer::DeviceServer(HapticDevice& device, const std::string& endpoint, do
   if (!(rate >= 1) || !(rate <= 1e5))
     throw badInput("a device cannot be read {} times a second; give a rate from 1 to 100000", rate);
   endpoint_ = bindRouter(socket_, endpoint);
-  thread_ = std::thread(&DeviceServer::run, this, rate);
-}
-
-DeviceServer::~DeviceServer() {
-  stopping_ = true;
-  thread_.join();
+  thread_ = std::jthread([this, rate](const std::stop_token& stop) { run(stop, rate); });
 }
 
 DeviceServer::State DeviceServer::state() const {
@@ -37,11 +32,11 @@ DeviceServer::State DeviceServer::state() const {
   return state_;
 }
 
-void DeviceServer::run(double rate) {
+void DeviceServer::run(const std::stop_token& stop, double rate) {
   const auto period =
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / rate));
   try {
-    for (auto next = Clock::now(); !stopping_;) {
+    for (auto next = Clock::now(); !stop.stop_requested();) {
       turn();
       next = std::max(next + period, Clock::now());
       std::this_thread::sleep_until(next);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <deque>
@@ -22,7 +21,7 @@ namespace palpate {
 /// ignored, and a longer one than the device's limit is shortened. A force is valid for as long as
 /// it says, from when the reading that it answers was sent: one that the network held back is
 /// ignored when it arrives, and when no newer one came in time the force is zero. A client that is
-/// silent for a second loses the device to the next.
+/// silent for a second loses the device to the next. At the end zero force is written last.
 class DeviceServer {
  public:
   struct State {
@@ -39,8 +38,6 @@ class DeviceServer {
   /// system choose. rate: Hz, at which the device is read, 1 to 100000. Error when it cannot listen
   /// there, and (bad input) for another rate.
   DeviceServer(HapticDevice& device, const std::string& endpoint, double rate = 1000);
-  /// Zero force is written last.
-  ~DeviceServer();
 
   /// With the port that the system chose.
   const std::string& endpoint() const { return endpoint_; }
@@ -50,7 +47,7 @@ class DeviceServer {
   using Clock = std::chrono::steady_clock;
 
   // On the thread of the server.
-  void run(double rate);
+  void run(const std::stop_token& stop, double rate);
   void turn();
   void handle(const IncomingDeviceMessage& incoming);
   void greet(const std::string& peer, const wire::DeviceGreeting& greeting);
@@ -78,9 +75,8 @@ class DeviceServer {
   std::string trouble_;
 
   mutable std::mutex mutex_;
-  State state_;  ///< guarded by mutex_
-  std::atomic<bool> stopping_ = false;
-  std::thread thread_;
+  State state_;          ///< guarded by mutex_
+  std::jthread thread_;  ///< the last member: it ends before what it uses goes
 };
 
 }  // namespace palpate

@@ -29,12 +29,12 @@ constexpr std::size_t longest_frame = 1 << 20;
 constexpr const char* how_to_start =
     "start the Haply Hub, or the service alone: systemctl start haply-inverse-service.service";
 
-/// The web socket, with calls that return after a time, or when `stopping` becomes true, at the
+/// The web socket, with calls that return after a time, or when a stop is requested, at the
 /// latest. After a call that did not succeed the connection is closed; read() says `farewell`
 /// before.
 class Connection {
  public:
-  explicit Connection(const std::atomic<bool>& stopping) : stopping_(stopping), socket_(io_) {}
+  explicit Connection(const std::stop_token& stop) : stop_(stop), socket_(io_) {}
 
   beast::error_code open(const asio::ip::tcp::endpoint& endpoint) {
     auto error = await([&](auto done) { lowest().async_connect(endpoint, done); }, connect_limit);
@@ -79,7 +79,7 @@ class Connection {
     io_.restart();
     do {
       io_.run_for(std::min<Clock::duration>(stop_check, end - Clock::now()));
-    } while (!done && !stopping_ && Clock::now() < end);
+    } while (!done && !stop_.stop_requested() && Clock::now() < end);
     if (done) return result;
     bool said = farewell.empty();
     if (!said)
@@ -95,7 +95,7 @@ class Connection {
     return asio::error::timed_out;
   }
 
-  const std::atomic<bool>& stopping_;
+  const std::stop_token stop_;
   asio::io_context io_;
   beast::websocket::stream<beast::tcp_stream> socket_;
   beast::flat_buffer buffer_;
@@ -108,57 +108,53 @@ void letGo(Connection& connection, const std::string& id) {
 
 }  // namespace
 
-HaplyDevice::HaplyDevice(HaplyDeviceOptions options) : options_(std::move(options)) {
+HaplyDevice::HaplyDevice(HaplyDeviceOptions options)
+    : options_(std::move(options)),
+      place_(fmt::format("ws://{}:{}", options_.address, options_.port)) {
+  traits_.profile = inverse3_profile;
   beast::error_code error;
   asio::ip::make_address(options_.address, error);
   if (error)
     throw badInput("\"{}\" is no address of a Haply Inverse Service: write a number like 127.0.0.1",
                    options_.address);
-  exchange_->setTrouble(fmt::format("connecting to ws://{}:{}", options_.address, options_.port));
-  thread_ = std::thread(&HaplyDevice::run, this);
-}
-
-HaplyDevice::~HaplyDevice() {
-  stopping_ = true;
-  thread_.join();
+  exchange_->setTrouble("connecting to " + place_);
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
 std::string HaplyDevice::name() const {
   return options_.id.empty() ? "Haply Inverse3" : "Haply Inverse3 " + options_.id;
 }
 
-void HaplyDevice::run() {
-  while (!stopping_) {
+void HaplyDevice::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
     try {
-      serve();
+      serve(stop);
     } catch (const std::exception& error) {
-      exchange_->setTrouble(
-          fmt::format("ws://{}:{}: {}", options_.address, options_.port, error.what()));
+      exchange_->setTrouble(fmt::format("{}: {}", place_, error.what()));
     }
     const auto retry = Clock::now() + retry_interval;
-    while (!stopping_ && Clock::now() < retry) std::this_thread::sleep_for(stop_check);
+    while (!stop.stop_requested() && Clock::now() < retry) std::this_thread::sleep_for(stop_check);
   }
 }
 
-void HaplyDevice::serve() {
-  const auto place = fmt::format("ws://{}:{}", options_.address, options_.port);
-  Connection connection(stopping_);
+void HaplyDevice::serve(const std::stop_token& stop) {
+  Connection connection(stop);
   if (const auto error =
           connection.open({asio::ip::make_address(options_.address), options_.port})) {
-    exchange_->setTrouble(fmt::format("no Haply Inverse Service at {} ({}): {}", place,
+    exchange_->setTrouble(fmt::format("no Haply Inverse Service at {} ({}): {}", place_,
                                       error.message(), how_to_start));
     return;
   }
   const Eigen::Vector3d center(options_.center[0], options_.center[1], options_.center[2]);
   const auto sayGone = [&](const beast::error_code& error) {
-    if (stopping_) return;
-    exchange_->setTrouble(fmt::format("the Haply Inverse Service at {} went away ({}): {}", place,
+    if (stop.stop_requested()) return;
+    exchange_->setTrouble(fmt::format("the Haply Inverse Service at {} went away ({}): {}", place_,
                                       error.message(), how_to_start));
   };
   std::string id = options_.id, text, told = "not told yet";
   std::uint64_t malformed = 0;
   Clock::duration limit = connect_limit;  // of the inventory; then of answers
-  for (auto next = Clock::now(); !stopping_;) {
+  for (auto next = Clock::now(); !stop.stop_requested();) {
     const std::string zero = id.empty() ? "" : haplyForceMessage(id, Eigen::Vector3d::Zero());
     if (const auto error = connection.read(text, zero, limit)) return sayGone(error);
     limit = answer_limit;
@@ -167,7 +163,7 @@ void HaplyDevice::serve() {
       state.reading.status = DeviceStatus::lost;
       exchange_->deliver(state.reading);
       exchange_->setTrouble(
-          fmt::format("the Haply Inverse Service at {} has no Inverse3{}: plug it in{}", place,
+          fmt::format("the Haply Inverse Service at {} has no Inverse3{}: plug it in{}", place_,
                       id.empty() ? "" : " " + id,
                       state.id.empty() ? "" : ", or choose one of those it has: " + state.id));
       return;  // a new connection begins with a new inventory
@@ -181,7 +177,7 @@ void HaplyDevice::serve() {
     std::string trouble = state.trouble;
     if (malformed > 0)
       trouble += fmt::format("{}{} messages of {} made no sense and were ignored",
-                             trouble.empty() ? "" : "; ", malformed, place);
+                             trouble.empty() ? "" : "; ", malformed, place_);
     if (trouble != told) exchange_->setTrouble(told = trouble);
     // The service answers each of our messages, so this paces both.
     next = std::max(next + period, Clock::now());

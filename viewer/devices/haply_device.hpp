@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -42,19 +41,16 @@ class HaplyDevice : public ThreadedDevice {
  public:
   /// Does not wait for the service. Error (bad input) when the address is no number.
   explicit HaplyDevice(HaplyDeviceOptions options);
-  ~HaplyDevice() override;
 
-  DeviceProfile profile() const override { return inverse3_profile; }
-  bool hasButtons() const override { return true; }
   std::string name() const override;
 
  private:
-  void run();
-  void serve();
+  void run(const std::stop_token& stop);
+  void serve(const std::stop_token& stop);
 
   const HaplyDeviceOptions options_;
-  std::atomic<bool> stopping_ = false;
-  std::thread thread_;
+  const std::string place_;  ///< of the service, for a person
+  std::jthread thread_;      ///< the last member: it ends before what it uses goes
 };
 
 /// What one message of the service says about a device.

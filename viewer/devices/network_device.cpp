@@ -20,39 +20,32 @@ constexpr auto farewell_time = 100ms;
 
 NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
     : options_(std::move(options)),
-      profile_(options_.fallback),
       context_(1),
       socket_(makeDeviceDealer(context_)),
       max_force_(options_.fallback.max_force) {
+  traits_.profile = options_.fallback;
   connectDealer(socket_, options_.endpoint);
   connection_trouble_ = fmt::format(
       "no device answers at {}: start one there with palpate device --listen", options_.endpoint);
   tellTrouble();
-  thread_ = std::thread(&NetworkDevice::run, this);
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   std::unique_lock lock(mutex_);
-  answered_.wait_for(lock, options_.wait, [&] { return has_hello_; });
+  answered_.wait_for(lock, options_.wait, [&] { return hello_.has_value(); });
   // What was told until now holds: the loop is made for these limits and this frame.
   settled_ = true;
-  if (!has_hello_) return;
-  PALPATE_ASSERT(profileOf(hello_), "a device without limits is not accepted");
-  profile_ = *profileOf(hello_);
-  lives_in_scene_ = hello_.lives_in_scene();
-  has_buttons_ = hello_.has_buttons();
-}
-
-NetworkDevice::~NetworkDevice() {
-  stopping_ = true;
-  thread_.join();
+  if (!hello_) return;
+  PALPATE_ASSERT(profileOf(*hello_), "a device without limits is not accepted");
+  traits_ = {*profileOf(*hello_), hello_->lives_in_scene(), hello_->has_buttons()};
 }
 
 std::string NetworkDevice::name() const {
   const std::lock_guard lock(mutex_);
-  return has_hello_ ? fmt::format("{} at {}", hello_.name(), options_.endpoint) : options_.endpoint;
+  return hello_ ? fmt::format("{} at {}", hello_->name(), options_.endpoint) : options_.endpoint;
 }
 
-void NetworkDevice::run() {
+void NetworkDevice::run(const std::stop_token& stop) {
   try {
-    while (!stopping_) turn();
+    while (!stop.stop_requested()) turn();
     sayFarewell();
   } catch (const std::exception& error) {
     exchange_->setTrouble(
@@ -116,7 +109,7 @@ void NetworkDevice::accept(const wire::DeviceHello& hello) {
   }
   {
     const std::lock_guard lock(mutex_);
-    if (settled_ && hello.lives_in_scene() != lives_in_scene_) {
+    if (settled_ && hello.lives_in_scene() != traits_.lives_in_scene) {
       connection_trouble_ = fmt::format(
           "the device at {} answered after the start, "
           "and its positions are in another frame than was expected: start again to use it",
@@ -125,9 +118,9 @@ void NetworkDevice::accept(const wire::DeviceHello& hello) {
       return;
     }
     hello_ = hello;
-    has_hello_ = true;
     // Never more than the loop was told, nor than this device can.
-    max_force_ = settled_ ? std::min(profile_.max_force, profile->max_force) : profile->max_force;
+    max_force_ =
+        settled_ ? std::min(traits_.profile.max_force, profile->max_force) : profile->max_force;
   }
   answered_.notify_all();
   connected_ = greeted_ = true;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -35,18 +34,14 @@ class NetworkDevice : public ThreadedDevice {
   /// less force gets no more than it can, one that lives in the other frame is not used. Error (bad
   /// input) for a wrong endpoint.
   explicit NetworkDevice(NetworkDeviceOptions options);
-  ~NetworkDevice() override;
 
-  DeviceProfile profile() const override { return profile_; }
-  bool livesInScene() const override { return lives_in_scene_; }
-  bool hasButtons() const override { return has_buttons_; }
   std::string name() const override;
 
  private:
   using Clock = DeviceExchange::Clock;
 
   // On the thread of the device.
-  void run();
+  void run(const std::stop_token& stop);
   void turn();
   void handle(const wire::DeviceMessage& message);
   void accept(const wire::DeviceHello& hello);
@@ -57,15 +52,10 @@ class NetworkDevice : public ThreadedDevice {
 
   const NetworkDeviceOptions options_;
 
-  // Constant after construction.
-  DeviceProfile profile_;
-  bool lives_in_scene_ = false, has_buttons_ = true;
-
   mutable std::mutex mutex_;  ///< of what follows
   std::condition_variable answered_;
-  bool settled_ = false;    ///< the limits are told and may not change any more
-  bool has_hello_ = false;  ///< limits_ came from a device
-  wire::DeviceHello hello_;
+  bool settled_ = false;                    ///< the limits are told and may not change any more
+  std::optional<wire::DeviceHello> hello_;  ///< none: no device said its limits
 
   // Of the thread of the device.
   zmq::context_t context_;
@@ -77,8 +67,7 @@ class NetworkDevice : public ThreadedDevice {
   Clock::time_point last_heard_, last_greeting_, last_force_;
   std::string connection_trouble_, device_trouble_, told_;
 
-  std::atomic<bool> stopping_ = false;
-  std::thread thread_;
+  std::jthread thread_;  ///< the last member: it ends before what it uses goes
 };
 
 }  // namespace palpate

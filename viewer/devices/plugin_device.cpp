@@ -6,8 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <condition_variable>
-#include <mutex>
+#include <future>
 
 #include "common/base/error.hpp"
 #include "viewer/devices/palpate_device.h"
@@ -117,15 +116,12 @@ class PluginDevice::Session {
     }
     constexpr std::array<double, 3> zero{};
     plugin_->write(device_.get(), zero.data());
-    const std::lock_guard lock(mutex_);
-    ended_ = true;
-    changed_.notify_all();
+    ended_.set_value();
   }
-  /// False when the plug-in hangs.
+  /// Once. False when the plug-in hangs.
   bool stop() {
     stopping_ = true;
-    std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, end_limit, [&] { return ended_; });
+    return ended_.get_future().wait_for(end_limit) == std::future_status::ready;
   }
   void halt() noexcept {
     // The exchange first: what the thread writes from now on is zero, should it not hang after all.
@@ -135,8 +131,7 @@ class PluginDevice::Session {
   }
 
   std::string file, name;
-  DeviceProfile profile;
-  bool lives_in_scene = false, has_buttons = false;
+  DeviceTraits traits;
 
  private:
   void takeLimits() {
@@ -149,9 +144,9 @@ class PluginDevice::Session {
       if (!std::isfinite(limit) || limit <= 0)
         throw failure("device plug-in {}: limits must be positive; they are {} N, {} N/m and {} m",
                       file, limits.max_force, limits.max_stiffness, limits.workspace_radius);
-    profile = {"plugin", limits.max_force, limits.max_stiffness, limits.workspace_radius};
-    lives_in_scene = limits.lives_in_scene != 0;
-    has_buttons = limits.has_buttons != 0;
+    traits = {{"plugin", limits.max_force, limits.max_stiffness, limits.workspace_radius},
+              limits.lives_in_scene != 0,
+              limits.has_buttons != 0};
   }
 
   void turn() {
@@ -190,15 +185,14 @@ class PluginDevice::Session {
   bool failed_ = false;
   std::atomic<bool> plugin_halted_ = false;
   std::atomic<bool> stopping_ = false;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool ended_ = false;
+  std::promise<void> ended_;  ///< of the thread
 };
 
 PluginDevice::PluginDevice(const PluginDeviceOptions& options)
     : session_(std::make_shared<Session>(options, exchange_)) {
   if (!(options.period > 0) || !(options.period <= 1))
     throw badInput("a plug-in cannot be read every {} s", options.period);
+  traits_ = session_->traits;
   const auto period =
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.period));
   thread_ = std::thread([session = session_, period] { session->run(period); });
@@ -216,9 +210,6 @@ PluginDevice::~PluginDevice() {
 }
 
 void PluginDevice::halt() noexcept { session_->halt(); }
-DeviceProfile PluginDevice::profile() const { return session_->profile; }
-bool PluginDevice::livesInScene() const { return session_->lives_in_scene; }
-bool PluginDevice::hasButtons() const { return session_->has_buttons; }
 std::string PluginDevice::name() const { return session_->name; }
 
 }  // namespace palpate

@@ -30,9 +30,6 @@ class PluginDevice : public ThreadedDevice {
   ~PluginDevice() override;
 
   void halt() noexcept override;
-  DeviceProfile profile() const override;
-  bool livesInScene() const override;
-  bool hasButtons() const override;
   std::string name() const override;
 
  private:

@@ -1,8 +1,7 @@
 #include "viewer/fields/hermite_field.hpp"
 
 #include <algorithm>
-
-#include "viewer/fields/slot_differences.hpp"
+#include <limits>
 
 namespace palpate {
 namespace {
@@ -81,6 +80,139 @@ Node evaluateNode(const LeafCorners& corners, const std::vector<Node>& nodes,
       }
   return result;
 }
+
+bool isSolvedSlot(const CellTree& tree, std::int32_t slot) {
+  return tree.slots()[at(slot)].kind == SlotKind::solved;
+}
+
+/// Derivatives of nodal data by differences between slots, one value per slot, and the order in
+/// which they can be had on a refined tree.
+///
+/// A slot that does not hang has the level of the coarsest leaf it is a corner of. Its neighbours
+/// along an axis are the nearest slots at the distance of an edge of that leaf or of coarser ones,
+/// so their data are those of this or a coarser level, also where they hang: levels are made one
+/// after the other.
+class SlotDifferences {
+ public:
+  /// Which neighbours a difference may use where some are not solved.
+  enum class Ghosts {
+    any,        ///< all
+    if_needed,  ///< a solved slot only uses solved ones, unless it has none along the axis
+  };
+
+  /// `data` must outlive it.
+  SlotDifferences(const CellData& data, Ghosts ghosts)
+      : level_(data.tree.slots().size(), std::numeric_limits<std::int32_t>::max()) {
+    const CellTree& tree = data.tree;
+    std::int32_t deepest = 0;
+    for (std::int32_t leaf = 0; leaf < std::ssize(tree.leaves()); ++leaf) {
+      const std::int32_t level = tree.leaves()[at(leaf)].level;
+      deepest = std::max(deepest, level);
+      for (const std::int32_t slot : tree.corners(leaf))
+        level_[at(slot)] = std::min(level_[at(slot)], level);
+    }
+    slots_.resize(at(deepest) + 1);
+    hanging_.resize(at(deepest) + 1);
+    for (const std::int32_t slot : tree.hangingSlots()) {
+      level_[at(slot)] = tree.leaves()[at(tree.slots()[at(slot)].leaf)].level;
+      hanging_[at(level_[at(slot)])].push_back(slot);
+    }
+    PALPATE_ASSERT(data.numbers.size() == tree.slots().size(),
+                   "jumps are found by the lattice numbers of slots");
+    stencils_.resize(tree.slots().size());
+    for (std::size_t s = 0; s < stencils_.size(); ++s) {
+      if (tree.slots()[s].kind == SlotKind::hanging) continue;
+      const auto slot = static_cast<std::int32_t>(s);
+      slots_[at(level_[s])].push_back(slot);
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        stencils_[s][axis] = choose(data, slot, axis, ghosts);
+    }
+  }
+
+  /// Of the tree: 1 when no cell is split.
+  std::int32_t levels() const { return static_cast<std::int32_t>(slots_.size()); }
+  /// Those that do not hang and have this level.
+  const std::vector<std::int32_t>& slots(std::int32_t level) const { return slots_[at(level)]; }
+  /// Those that hang in a leaf of this level, in an order in which they can be filled.
+  const std::vector<std::int32_t>& hanging(std::int32_t level) const { return hanging_[at(level)]; }
+
+  /// The slots that the derivative of a slot along an axis uses beside itself; -1 for none. Never
+  /// the end of an inconsistent edge to it.
+  struct Stencil {
+    std::array<std::int32_t, 2> slots = {-1, -1};
+    std::array<double, 2> distances = {0, 0};  ///< metres, signed
+  };
+  /// Of a slot that does not hang, along axis 0, 1 or 2.
+  const Stencil& stencil(std::int32_t slot, int axis) const {
+    return stencils_[at(slot)][at(axis)];
+  }
+
+  /// d value / d axis at a slot that has a neighbour along it: of the parabola through it and two
+  /// others (error distance^2), of the line through one other. `value(slot)` gives a Column.
+  template <class Value>
+  Column derivative(std::int32_t slot, int axis, Value value) const {
+    const auto& [others, h] = stencil(slot, axis);
+    const Column here = value(slot);
+    if (others[1] < 0) return (value(others[0]) - here) / h[0];
+    return (value(others[0]) - here) * (h[1] / (h[0] * (h[1] - h[0]))) -
+           (value(others[1]) - here) * (h[0] / (h[1] * (h[1] - h[0])));
+  }
+
+ private:
+  /// The nearest slot in a direction whose data exist when `level` is made; -1 for none.
+  std::int32_t neighbour(const CellData& data, std::int32_t slot, std::size_t axis, int direction,
+                         std::int32_t level) const {
+    const CellTree& tree = data.tree;
+    const std::int32_t root = data.divisions;
+    // From the edge of the slot's own leaves up: the neighbour may belong to coarser ones only.
+    for (std::int32_t l = level; l >= 0; --l) {
+      LatticePoint point = tree.slots()[at(slot)].point;
+      point[axis] += direction * (root >> l);
+      const std::int32_t other = data.slotAt(point);
+      if (other < 0 || level_[at(other)] > level ||
+          (level_[at(other)] == level && tree.slots()[at(other)].kind == SlotKind::hanging))
+        continue;
+      return data.isInconsistent(slot, other) ? -1 : other;
+    }
+    return -1;
+  }
+
+  Stencil choose(const CellData& data, std::int32_t slot, std::size_t axis, Ghosts ghosts) const {
+    const CellTree& tree = data.tree;
+    const std::int32_t level = level_[at(slot)];
+    std::int32_t lower = neighbour(data, slot, axis, -1, level),
+                 upper = neighbour(data, slot, axis, 1, level);
+    if (ghosts == Ghosts::if_needed && isSolvedSlot(tree, slot)) {
+      const auto isGhost = [&](std::int32_t other) {
+        return other >= 0 && tree.slots()[at(other)].kind == SlotKind::ghost;
+      };
+      if (isGhost(lower) && upper >= 0 && !isGhost(upper)) lower = -1;
+      if (isGhost(upper) && lower >= 0 && !isGhost(lower)) upper = -1;
+    }
+    Stencil stencil;
+    std::array<std::int32_t, 2> chosen = {lower, upper};
+    if ((lower < 0) !=
+        (upper < 0)) {  // one-sided: with the neighbour's neighbour, if that is as good
+      const int direction = upper < 0 ? -1 : 1;
+      const std::int32_t near = std::max(lower, upper);
+      const std::int32_t far = neighbour(data, near, axis, direction, level);
+      const bool usable = far >= 0 && (ghosts == Ghosts::any || isSolvedSlot(tree, far) ||
+                                       !isSolvedSlot(tree, slot));
+      chosen = {near, usable ? far : -1};
+    }
+    for (std::size_t n = 0; n < 2; ++n) {
+      if (chosen[n] < 0) continue;
+      stencil.slots[n] = chosen[n];
+      stencil.distances[n] = (tree.displacement(chosen[n]) - tree.displacement(slot))[axis];
+    }
+    return stencil;
+  }
+
+  std::vector<std::int32_t> level_;                 ///< per slot; of the coarser leaf when hanging
+  std::vector<std::vector<std::int32_t>> slots_;    ///< per level
+  std::vector<std::vector<std::int32_t>> hanging_;  ///< per level
+  std::vector<std::array<Stencil, 3>> stencils_;    ///< per slot; empty ones when hanging
+};
 
 /// Sets derivative `orders` (a bit per axis) of the slots of a level: the mean of the differences,
 /// along each of its axes, of the derivative without that axis.

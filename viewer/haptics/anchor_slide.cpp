@@ -1,9 +1,8 @@
-#include "viewer/haptics/anchor_slide.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "common/base/index.hpp"
+#include "viewer/haptics/contact.hpp"
 
 namespace palpate {
 namespace {
@@ -116,52 +115,51 @@ SurfacePoint moved(const Descent& descent, double& length) noexcept {
   return to;
 }
 
-double wayAllowed(const SlideLimits& limits, const Eigen::Vector3d& force,
+/// m: twice the tool's motion and most_relaxation |F| / |dF/dX| together, and most_slide at most.
+double wayAllowed(const ContactOptions& options, double motion, const Eigen::Vector3d& force,
                   const Eigen::Matrix3d& change) {
   const double stiffness = change.norm();
-  const double relaxed = stiffness > 0 ? limits.force_change * force.norm() / stiffness : 0;
-  return std::min(limits.length, 2 * limits.motion + relaxed);
+  const double relaxed = stiffness > 0 ? options.most_relaxation * force.norm() / stiffness : 0;
+  return std::min(options.most_slide, 2 * motion + relaxed);
 }
 
 }  // namespace
 
-double slideAnchor(const HapticModel& model, std::size_t method, const Eigen::Vector3d& tool,
-                   const SlideLimits& limits, SurfacePoint& anchor, BlendedForce& force) noexcept {
-  const TouchSurface& surface = model.surface();
+void Contact::slide(const Eigen::Vector3d& tool, double motion) noexcept {
+  const TouchSurface& surface = model_->surface();
   const auto evaluateAt = [&](const SurfacePoint& point) {
-    force.evaluate(model, method, point, tool - surface.position(point));
+    force_.evaluate(*model_, method_, point, tool - surface.position(point));
   };
   double gone = 0, allowed = 0, shorter = 1;
   for (int piece = 0; piece < most_pieces; ++piece) {
-    const Descent descent = steepestDescent(surface, anchor, force);
-    if (piece == 0) allowed = wayAllowed(limits, force.force(), descent.energy.change);
-    const Eigen::Vector3d normal = surface.normal(anchor);
+    const Descent descent = steepestDescent(surface, anchor_, force_);
+    if (piece == 0) allowed = wayAllowed(options_, motion, force_.force(), descent.energy.change);
+    const Eigen::Vector3d normal = surface.normal(anchor_);
     const double excess =
-        descent.slope - limits.friction * std::max(0.0, force.force().dot(normal));
-    if (!(excess > 1e-9 * force.force().norm() && gone < allowed)) break;
+        descent.slope - options_.friction * std::max(0.0, force_.force().dot(normal));
+    if (!(excess > 1e-9 * force_.force().norm() && gone < allowed)) break;
 
     // How fast the excess falls along the way. A flat direction gets a share of the largest
     // stiffness, so that the way is bounded there too.
     const Eigen::Vector3d& direction = descent.direction;
     const double falls = direction.dot(descent.energy.hessian * direction) +
-                         limits.friction * normal.dot(descent.energy.change * direction);
-    const double stiffness = std::max(falls, 0.1 * force.stiffness().norm());
+                         options_.friction * normal.dot(descent.energy.change * direction);
+    const double stiffness = std::max(falls, 0.1 * force_.stiffness().norm());
     const double wanted = shorter * excess / stiffness;
     double length = std::min(wanted, allowed - gone);
     const SurfacePoint next = moved(descent, length);
-    const bool was_enough = length == wanted && excess < small_excess * force.force().norm();
-    const double energy = force.sum().energy;
+    const bool was_enough = length == wanted && excess < small_excess * force_.force().norm();
+    const double energy = force_.sum().energy;
     evaluateAt(next);
-    if (force.sum().energy > energy + 1e-12 * std::abs(energy)) {
-      evaluateAt(anchor);
+    if (force_.sum().energy > energy + 1e-12 * std::abs(energy)) {
+      evaluateAt(anchor_);
       shorter /= 4;
       continue;
     }
-    anchor = next;
+    anchor_ = next;
     gone += length;
     if (was_enough) break;
   }
-  return gone;
 }
 
 }  // namespace palpate

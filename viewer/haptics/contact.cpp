@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "viewer/haptics/anchor_slide.hpp"
-
 namespace palpate {
 namespace {
 
@@ -101,12 +99,7 @@ bool Contact::press(const Eigen::Vector3d& tool) noexcept {
   const Eigen::Vector3d pressing = tool - offset_;
   force_.evaluate(*model_, method_, anchor_, pressing - surface.position(anchor_));
   if (options_.mode == ContactMode::unilateral) {
-    SlideLimits limits;
-    limits.friction = options_.friction;
-    limits.length = options_.most_slide;
-    limits.force_change = options_.most_relaxation;
-    limits.motion = (tool - last_tool_).norm();
-    slideAnchor(*model_, method_, pressing, limits, anchor_, force_);
+    slide(pressing, (tool - last_tool_).norm());
     if (force_.force().dot(surface.normal(anchor_)) <= 0) return false;
   }
   describe(pressing - surface.position(anchor_));

@@ -60,7 +60,7 @@ struct Touch : ForceSample {
 /// none without friction. A method that has no energy slides by the tangential force alone. The
 /// anchor cannot leave the touchable surface: at its rim it stays. In one tick it slides no further
 /// than most_slide, than twice the tool's motion and what changes the force by most_relaxation
-/// (anchor_slide.hpp); what is left is slid in the next ticks. Since the anchor moves continuously
+/// (anchor_slide.cpp); what is left is slid in the next ticks. Since the anchor moves continuously
 /// and the weights are continuous, so is the force.
 ///
 /// Release: nothing pulls. When F.n becomes <= 0 (n outward) the contact ends with it. A tool that
@@ -92,6 +92,13 @@ class Contact {
   void seekEntry(const Eigen::Vector3d& tool, const NearestPoint& nearest) noexcept;
   void seekGrip(const Eigen::Vector3d& tool, bool hold) noexcept;
   bool press(const Eigen::Vector3d& tool) noexcept;
+  /// Moves the anchor along the surface against the tangent of W, by the way of steepest descent at
+  /// edges and vertices, until |tangent| <= friction F.n or the way is used up; then the force is
+  /// that at the anchor. tool: m, where the displacement is tool - anchor. motion: m, of the tool
+  /// in this tick. Each piece of the way stays in one triangle, and is taken back where W would
+  /// grow, so W never does. The anchor stays on touchable triangles. The way is cut off after a few
+  /// evaluations and goes on in the next tick.
+  void slide(const Eigen::Vector3d& tool, double motion) noexcept;
   void end(bool stepped) noexcept;
   void describe(const Eigen::Vector3d& displacement) noexcept;
 

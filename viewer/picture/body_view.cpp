@@ -1,15 +1,10 @@
 #include "viewer/picture/body_view.hpp"
 
-#include <GL/gl.h>
-#include <Inventor/actions/SoGLRenderAction.h>
-#include <Inventor/nodes/SoCallback.h>
-
 #include <algorithm>
 #include <array>
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
-#include "viewer/picture/coin.hpp"
 #include "viewer/plot/round_numbers.hpp"
 
 namespace palpate {
@@ -52,16 +47,9 @@ BodyView::BodyView(const HapticModel& model)
              touchableTriangles(model.surface())),
       deformed_(shape_.size()),
       displacements_(3 * shape_.size()),
-      node_((startCoin(), new SoCallback)) {
-  node_->ref();
-  node_->setCallback(render, this);
+      drawing_([this] { draw(); }) {
   ghost_edges_.reserve(shape_.edges().size());
   ghost_corners_.reserve(shape_.corners().size());
-}
-
-BodyView::~BodyView() {
-  node_->setCallback(nullptr);
-  node_->unref();
 }
 
 Eigen::Vector3d BodyView::bestView() const {
@@ -99,21 +87,12 @@ void BodyView::shade() {
   shape_.setColours(full_colour_);
 }
 
-void BodyView::render(void* view, SoAction* action) {
-  if (!action->isOfType(SoGLRenderAction::getClassTypeId())) return;
-  auto& self = *static_cast<BodyView*>(view);
-  // Coin finds its state as it left it.
-  glPushAttrib(GL_ENABLE_BIT | GL_LIGHTING_BIT | GL_POLYGON_BIT | GL_LINE_BIT |
-               GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_CURRENT_BIT);
-  glPushClientAttrib(GL_CLIENT_VERTEX_ARRAY_BIT);
-  glDisable(GL_TEXTURE_2D);
+void BodyView::draw() {
   glEnable(GL_DEPTH_TEST);
   glEnableClientState(GL_VERTEX_ARRAY);
-  self.drawSurface();
-  self.drawRim();
-  if (self.ghost_) self.drawGhost();
-  glPopClientAttrib();
-  glPopAttrib();
+  drawSurface();
+  drawRim();
+  if (ghost_) drawGhost();
 }
 
 void BodyView::drawSurface() const {

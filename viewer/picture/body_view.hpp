@@ -5,11 +5,9 @@
 
 #include "viewer/haptics/deformed_shape.hpp"
 #include "viewer/haptics/haptic_model.hpp"
+#include "viewer/picture/coin.hpp"
 #include "viewer/picture/surface_shape.hpp"
 #include "viewer/picture/view_control.hpp"
-
-class SoAction;
-class SoCallback;
 
 namespace palpate {
 
@@ -20,11 +18,8 @@ namespace palpate {
 class BodyView {
  public:
   explicit BodyView(const HapticModel& model);
-  ~BodyView();
-  BodyView(const BodyView&) = delete;
-  BodyView& operator=(const BodyView&) = delete;
 
-  SoCallback* node() const { return node_; }
+  SoCallback* node() const { return drawing_.node(); }
   const HapticModel& model() const { return model_; }
   /// The ball around all vertices at rest, nearly the smallest.
   const FramedSphere& sphere() const { return sphere_; }
@@ -43,7 +38,7 @@ class BodyView {
   void shade();
 
  private:
-  static void render(void* view, SoAction* action);
+  void draw();
   void drawSurface() const;
   void drawRim() const;
   void drawGhost();
@@ -54,7 +49,7 @@ class BodyView {
   DeformedShape deformed_;
   std::vector<float> displacements_;  ///< [vertex][axis], m
   double full_colour_ = 0.005;
-  SoCallback* node_;
+  Drawing drawing_;
   bool ghost_ = true;
   std::vector<std::uint32_t> ghost_edges_, ghost_corners_;  ///< what is drawn of the ghost
 };

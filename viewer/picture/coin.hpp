@@ -1,12 +1,17 @@
 #pragma once
 
+#include <GL/gl.h>
 #include <Inventor/SbVec3f.h>
 #include <Inventor/SoDB.h>
+#include <Inventor/actions/SoGLRenderAction.h>
+#include <Inventor/nodes/SoCallback.h>
 #include <Inventor/nodes/SoSeparator.h>
 #include <Inventor/nodes/SoSwitch.h>
 
 #include <Eigen/Core>
+#include <functional>
 #include <initializer_list>
+#include <utility>
 
 namespace palpate {
 
@@ -15,6 +20,40 @@ namespace palpate {
 inline void startCoin() {
   if (!SoDB::isInitialized()) SoDB::init();
 }
+
+/// A node that OpenGL draws by a function of ours, without lighting and textures; Coin finds its
+/// state as it left it. While this object lives: then the node draws nothing.
+class Drawing {
+ public:
+  explicit Drawing(std::function<void()> draw)
+      : draw_(std::move(draw)), node_((startCoin(), new SoCallback)) {
+    node_->ref();
+    node_->setCallback(render, this);
+  }
+  ~Drawing() {
+    node_->setCallback(nullptr);
+    node_->unref();
+  }
+  Drawing(const Drawing&) = delete;
+  Drawing& operator=(const Drawing&) = delete;
+
+  SoCallback* node() const { return node_; }
+
+ private:
+  static void render(void* drawing, SoAction* action) {
+    if (!action->isOfType(SoGLRenderAction::getClassTypeId())) return;
+    glPushAttrib(GL_ALL_ATTRIB_BITS);
+    glPushClientAttrib(GL_CLIENT_VERTEX_ARRAY_BIT);
+    glDisable(GL_LIGHTING);
+    glDisable(GL_TEXTURE_2D);
+    static_cast<const Drawing*>(drawing)->draw_();
+    glPopClientAttrib();
+    glPopAttrib();
+  }
+
+  std::function<void()> draw_;
+  SoCallback* node_;
+};
 
 /// A vector as Coin takes it, in float32.
 inline SbVec3f coin(const Eigen::Vector3d& v) {

@@ -1,14 +1,9 @@
 #include "viewer/picture/lattice_view.hpp"
 
-#include <GL/gl.h>
-#include <Inventor/actions/SoGLRenderAction.h>
-#include <Inventor/nodes/SoCallback.h>
-
 #include <cmath>
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
-#include "viewer/picture/coin.hpp"
 
 namespace palpate {
 namespace {
@@ -17,17 +12,13 @@ constexpr double dot_size = 4, dot_size_in_a_cut = 7;  // px
 
 }  // namespace
 
-LatticeView::LatticeView() : node_((startCoin(), new SoSwitch)), dots_(new SoCallback) {
+LatticeView::LatticeView() : node_((startCoin(), new SoSwitch)), dots_([this] { draw(); }) {
   node_->ref();
-  dots_->setCallback(render, this);
-  node_->addChild(dots_);
+  node_->addChild(dots_.node());
   show(false);
 }
 
-LatticeView::~LatticeView() {
-  dots_->setCallback(nullptr);
-  node_->unref();
-}
+LatticeView::~LatticeView() { node_->unref(); }
 
 void LatticeView::setDots(std::span<const LatticeDot> dots, const Eigen::Vector3d& origin,
                           double size) {
@@ -74,24 +65,16 @@ std::vector<LatticeDot> LatticeView::dotsOf(const HapticModel& model) {
   return errorDots(found->second, table.lattice.spacing(), filled_.cut);
 }
 
-void LatticeView::render(void* view, SoAction* action) {
-  if (!action->isOfType(SoGLRenderAction::getClassTypeId())) return;
-  const auto& self = *static_cast<const LatticeView*>(view);
-  glPushAttrib(GL_ENABLE_BIT | GL_POINT_BIT | GL_CURRENT_BIT);
-  glPushClientAttrib(GL_CLIENT_VERTEX_ARRAY_BIT);
+void LatticeView::draw() const {
   // In front of the body, whatever its depth: most points of a space lie inside of it.
   glClear(GL_DEPTH_BUFFER_BIT);
-  glDisable(GL_LIGHTING);
-  glDisable(GL_TEXTURE_2D);
   glEnable(GL_DEPTH_TEST);
-  glPointSize(self.size_);
+  glPointSize(size_);
   glEnableClientState(GL_VERTEX_ARRAY);
   glEnableClientState(GL_COLOR_ARRAY);
-  glVertexPointer(3, GL_FLOAT, 0, self.places_.data());
-  glColorPointer(3, GL_UNSIGNED_BYTE, 0, self.colours_.data());
-  glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(self.places_.size() / 3));
-  glPopClientAttrib();
-  glPopAttrib();
+  glVertexPointer(3, GL_FLOAT, 0, places_.data());
+  glColorPointer(3, GL_UNSIGNED_BYTE, 0, colours_.data());
+  glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(places_.size() / 3));
 }
 
 }  // namespace palpate

@@ -12,8 +12,6 @@
 #include "viewer/picture/body_view.hpp"
 #include "viewer/picture/panel_contents.hpp"
 
-class SoSwitch;
-
 namespace palpate {
 
 /// The lattice of one configuration space in the view: of the space with the largest weight in the
@@ -47,10 +45,10 @@ class LatticeView {
   };
   std::vector<LatticeDot> dotsOf(const HapticModel& model);
 
-  static void render(void* view, SoAction* action);
+  void draw() const;
 
   SoSwitch* node_;
-  SoCallback* dots_;
+  Drawing dots_;
   std::vector<float> places_;          ///< [dot][axis], m
   std::vector<std::uint8_t> colours_;  ///< [dot][red, green, blue]
   float size_ = 4;                     ///< px

@@ -41,17 +41,138 @@ struct Picture::Impl {
     view.lattice = options.lattice;
   }
 
-  PictureRequests draw(const HapticState& state, const PictureStatus& status);
   BodyView& inUse() const { return *shown[at(model)]; }
-  void use(std::int32_t model);
-  void frameAll();
-  MouseMotion mouse(const Viewport& viewport) const;
-  void showBody(const Touch& touch);
-  void showTool(const HapticState& state, const PictureStatus& status);
-  PanelContents contents(const HapticState& state, const PictureStatus& status) const;
-  ViewLabel labelOf(const HapticState& state) const;
-  void render();
-  void measured(double& cost);
+
+  void use(std::int32_t number) {
+    if (number == model) return;
+    const bool first = model < 0;
+    model = number;
+    BodyView& now = inUse();
+    stage->setBody(now);
+    if (!first) return;  // the person keeps the view while materials change
+    const Viewport all = panels.view();
+    stage->camera().frame(now.sphere().centre, now.sphere().radius, now.bestView(),
+                          Eigen::Vector3d::UnitY(), static_cast<double>(all.width) / all.height);
+  }
+
+  void frameAll() {
+    const FramedSphere& sphere = inUse().sphere();
+    stage->camera().frame(sphere.centre, sphere.radius,
+                          static_cast<double>(viewport.width) / viewport.height);
+  }
+
+  MouseMotion mouse(const Viewport& part) const {
+    const ImGuiIO& io = ImGui::GetIO();
+    const double height = part.height / static_cast<double>(io.DisplayFramebufferScale.y);
+    MouseMotion motion;
+    if (ImGui::IsMousePosValid()) {
+      motion.right = io.MouseDelta.x / height;
+      motion.upward = -io.MouseDelta.y / height;
+    }
+    motion.over_view = !io.WantCaptureMouse;
+    motion.wheel = io.MouseWheel;
+    motion.left = io.MouseDown[0];
+    motion.other = io.MouseDown[1] || io.MouseDown[2];
+    motion.shift = io.KeyShift;
+    motion.control = io.KeyCtrl;
+    return motion;
+  }
+
+  void showBody(const Touch& touch) {
+    inUse().deform(touch);
+    measured(costs.shape);
+    inUse().shade();
+    inUse().showGhost(view.ghost);
+    measured(costs.arrays);
+  }
+
+  void showTool(const HapticState& state, const PictureStatus& status) {
+    ToolView& tool = stage->tool();
+    tool.setTool(state.tool);
+    const double radius = inUse().sphere().radius;
+    const double metres = longest_arrow * radius / std::max(status.max_force, 1e-3);  // per newton
+    const Eigen::Vector3d arrow = metres * state.force;
+    tool.setArrow(arrow);
+    arrow_tip = state.tool + arrow;
+    tool.setAnchor(state.touch.anchor_position, state.touch.touching);
+  }
+
+  ViewLabel labelOf(const HapticState& state) const {
+    if (!state.touch.touching && state.force.norm() == 0) return {};
+    std::string text = fmt::format("{:.2f} N", state.force.norm());
+    if (state.touch.touching && std::isfinite(state.touch.error_bound))
+      text += fmt::format(" \xC2\xB1 {:.2g} N", state.touch.error_bound);
+    return {arrow_tip, text};
+  }
+
+  PanelContents contents(const HapticState& state, const PictureStatus& status) const {
+    const HapticModel& now = inUse().model();
+    const SpaceTable& table = now.spaces()[at(stage->lattice().space())];
+    PanelContents all{.state = state,
+                      .status = status,
+                      .history = history,
+                      .lamps = lamps,
+                      .camera = stage->camera(),
+                      .keys = window.keys(),
+                      .full_colour = inUse().fullColour(),
+                      .lattice_radius = table.lattice.radius(),
+                      .lattice_name = table.patch.name,
+                      .label = labelOf(state)};
+    const auto method = static_cast<std::size_t>(state.method);
+    for (const auto& each : shown)
+      all.models.push_back({each->model().name(), each->model().preparedShare(method)});
+    for (std::size_t m = 0; m < now.methods().size(); ++m)
+      all.methods.push_back({now.methods()[m], now.preparedShare(m)});
+    for (const SpaceTable& space : now.spaces()) all.spaces.push_back(space.patch.name);
+    return all;
+  }
+
+  void measured(double& cost) {
+    if (!options.measure) return;
+    // Drawing goes on behind the calls: without this its time would count for a later part.
+    glFinish();
+    const double now = processorSeconds();
+    cost = now - measured_until;
+    measured_until = now;
+  }
+
+  void render() {
+    stage->render(viewport);
+    panels.render();
+  }
+
+  PictureRequests draw(const HapticState& state, const PictureStatus& status) {
+    PictureRequests requests;
+    window.poll();
+    if (options.measure) measured_until = processorSeconds();
+    // Input is known from here on; what it asks for is drawn in this very picture.
+    panels.begin();
+    viewport = panels.view();
+    const auto last = static_cast<std::int32_t>(shown.size()) - 1;
+    use(std::clamp(state.model, 0, last));
+    history.add(state.time, state.force);
+    lamps.update(glfwGetTime(), state.guards, status.loop.guards);
+    // Before the mouse, which then moves what is framed.
+    if (!ImGui::GetIO().WantTextInput && std::ranges::count(window.keys(), GLFW_KEY_F) > 0)
+      frameAll();
+    requests.mouse_target =
+        control.apply(mouse(viewport), state.tool, inUse().sphere(), stage->camera());
+    showBody(state.touch);
+    showTool(state, status);
+    stage->lattice().show(inUse(), state, view);
+    panels.build(contents(state, status), view, requests);
+    double layout = 0;
+    measured(layout);
+    stage->render(viewport);
+    measured(costs.scene);
+    panels.render();
+    measured(costs.panels);
+    costs.panels += layout;
+    window.swap();
+    measured(costs.swap);
+    drawn = true;
+    return requests;
+  }
 
   PictureOptions options;
   Window window;
@@ -69,137 +190,6 @@ struct Picture::Impl {
   bool drawn = false;
   Eigen::Vector3d arrow_tip = Eigen::Vector3d::Zero();
 };
-
-void Picture::Impl::use(std::int32_t number) {
-  if (number == model) return;
-  const bool first = model < 0;
-  model = number;
-  BodyView& now = inUse();
-  stage->setBody(now);
-  if (!first) return;  // the person keeps the view while materials change
-  const Viewport all = panels.view();
-  stage->camera().frame(now.sphere().centre, now.sphere().radius, now.bestView(),
-                        Eigen::Vector3d::UnitY(), static_cast<double>(all.width) / all.height);
-}
-
-void Picture::Impl::frameAll() {
-  const FramedSphere& sphere = inUse().sphere();
-  stage->camera().frame(sphere.centre, sphere.radius,
-                        static_cast<double>(viewport.width) / viewport.height);
-}
-
-MouseMotion Picture::Impl::mouse(const Viewport& part) const {
-  const ImGuiIO& io = ImGui::GetIO();
-  const double height = part.height / static_cast<double>(io.DisplayFramebufferScale.y);
-  MouseMotion motion;
-  if (ImGui::IsMousePosValid()) {
-    motion.right = io.MouseDelta.x / height;
-    motion.upward = -io.MouseDelta.y / height;
-  }
-  motion.over_view = !io.WantCaptureMouse;
-  motion.wheel = io.MouseWheel;
-  motion.left = io.MouseDown[0];
-  motion.other = io.MouseDown[1] || io.MouseDown[2];
-  motion.shift = io.KeyShift;
-  motion.control = io.KeyCtrl;
-  return motion;
-}
-
-void Picture::Impl::showBody(const Touch& touch) {
-  inUse().deform(touch);
-  measured(costs.shape);
-  inUse().shade();
-  inUse().showGhost(view.ghost);
-  measured(costs.arrays);
-}
-
-void Picture::Impl::showTool(const HapticState& state, const PictureStatus& status) {
-  ToolView& tool = stage->tool();
-  tool.setTool(state.tool);
-  const double radius = inUse().sphere().radius;
-  const double metres = longest_arrow * radius / std::max(status.max_force, 1e-3);  // per newton
-  const Eigen::Vector3d arrow = metres * state.force;
-  tool.setArrow(arrow);
-  arrow_tip = state.tool + arrow;
-  tool.setAnchor(state.touch.anchor_position, state.touch.touching);
-}
-
-ViewLabel Picture::Impl::labelOf(const HapticState& state) const {
-  if (!state.touch.touching && state.force.norm() == 0) return {};
-  std::string text = fmt::format("{:.2f} N", state.force.norm());
-  if (state.touch.touching && std::isfinite(state.touch.error_bound))
-    text += fmt::format(" \xC2\xB1 {:.2g} N", state.touch.error_bound);
-  return {arrow_tip, text};
-}
-
-PanelContents Picture::Impl::contents(const HapticState& state, const PictureStatus& status) const {
-  const HapticModel& now = inUse().model();
-  const SpaceTable& table = now.spaces()[at(stage->lattice().space())];
-  PanelContents all{.state = state,
-                    .status = status,
-                    .history = history,
-                    .lamps = lamps,
-                    .camera = stage->camera(),
-                    .keys = window.keys(),
-                    .full_colour = inUse().fullColour(),
-                    .lattice_radius = table.lattice.radius(),
-                    .lattice_name = table.patch.name,
-                    .label = labelOf(state)};
-  const auto method = static_cast<std::size_t>(state.method);
-  for (const auto& each : shown)
-    all.models.push_back({each->model().name(), each->model().preparedShare(method)});
-  for (std::size_t m = 0; m < now.methods().size(); ++m)
-    all.methods.push_back({now.methods()[m], now.preparedShare(m)});
-  for (const SpaceTable& space : now.spaces()) all.spaces.push_back(space.patch.name);
-  return all;
-}
-
-void Picture::Impl::measured(double& cost) {
-  if (!options.measure) return;
-  // Drawing goes on behind the calls: without this its time would count for a later part.
-  glFinish();
-  const double now = processorSeconds();
-  cost = now - measured_until;
-  measured_until = now;
-}
-
-void Picture::Impl::render() {
-  stage->render(viewport);
-  panels.render();
-}
-
-PictureRequests Picture::Impl::draw(const HapticState& state, const PictureStatus& status) {
-  PictureRequests requests;
-  window.poll();
-  if (options.measure) measured_until = processorSeconds();
-  // Input is known from here on; what it asks for is drawn in this very picture.
-  panels.begin();
-  viewport = panels.view();
-  const auto last = static_cast<std::int32_t>(shown.size()) - 1;
-  use(std::clamp(state.model, 0, last));
-  history.add(state.time, state.force);
-  lamps.update(glfwGetTime(), state.guards, status.loop.guards);
-  // Before the mouse, which then moves what is framed.
-  if (!ImGui::GetIO().WantTextInput && std::ranges::count(window.keys(), GLFW_KEY_F) > 0)
-    frameAll();
-  requests.mouse_target =
-      control.apply(mouse(viewport), state.tool, inUse().sphere(), stage->camera());
-  showBody(state.touch);
-  showTool(state, status);
-  stage->lattice().show(inUse(), state, view);
-  panels.build(contents(state, status), view, requests);
-  double layout = 0;
-  measured(layout);
-  stage->render(viewport);
-  measured(costs.scene);
-  panels.render();
-  measured(costs.panels);
-  costs.panels += layout;
-  window.swap();
-  measured(costs.swap);
-  drawn = true;
-  return requests;
-}
 
 Picture::Picture(const std::vector<const HapticModel*>& models, const PictureOptions& options) {
   PALPATE_ASSERT(!models.empty(), "a picture shows something");

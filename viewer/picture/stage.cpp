@@ -1,15 +1,10 @@
 #include "viewer/picture/stage.hpp"
 
-#include <GL/gl.h>
-#include <Inventor/actions/SoGLRenderAction.h>
 #include <Inventor/elements/SoGLCacheContextElement.h>
-#include <Inventor/nodes/SoCallback.h>
 #include <Inventor/nodes/SoDirectionalLight.h>
 #include <Inventor/nodes/SoPerspectiveCamera.h>
 
 #include <array>
-
-#include "viewer/picture/coin.hpp"
 
 namespace palpate {
 namespace {
@@ -20,10 +15,7 @@ constexpr double tool_share = 0.03;  ///< of the extent
 constexpr std::array<float, 3> panel_ground = {0.975F, 0.978F, 0.984F};
 constexpr std::array<float, 3> sky = {0.985F, 0.987F, 0.992F}, ground = {0.800F, 0.828F, 0.868F};
 
-void drawBackground(void* /*nothing*/, SoAction* action) {
-  if (!action->isOfType(SoGLRenderAction::getClassTypeId())) return;
-  glPushAttrib(GL_ENABLE_BIT | GL_LIGHTING_BIT | GL_DEPTH_BUFFER_BIT | GL_CURRENT_BIT);
-  glDisable(GL_LIGHTING);
+void drawBackground() {
   glDisable(GL_DEPTH_TEST);
   glDepthMask(GL_FALSE);
   glShadeModel(GL_SMOOTH);
@@ -44,7 +36,6 @@ void drawBackground(void* /*nothing*/, SoAction* action) {
     glMatrixMode(matrix);
     glPopMatrix();
   }
-  glPopAttrib();
 }
 
 SbRotation rotationTo(const Eigen::Matrix3d& axes) {
@@ -56,17 +47,17 @@ SbRotation rotationTo(const Eigen::Matrix3d& axes) {
 }  // namespace
 
 Stage::Stage(double extent)
-    : tool_(extent * tool_share),
+    : background_(drawBackground),
+      tool_(extent * tool_share),
       bodies_(new SoSeparator),
       coin_camera_(new SoPerspectiveCamera),
       key_(new SoDirectionalLight),
       fill_(new SoDirectionalLight) {
-  auto* background = new SoCallback;
-  background->setCallback(drawBackground);
   key_->intensity.setValue(0.62F);
   fill_->intensity.setValue(0.22F);
   coin_camera_->viewportMapping.setValue(SoCamera::LEAVE_ALONE);
-  root_ = group({background, coin_camera_, key_, fill_, bodies_, lattice_.node(), tool_.node()});
+  root_ = group(
+      {background_.node(), coin_camera_, key_, fill_, bodies_, lattice_.node(), tool_.node()});
   root_->ref();
   action_ = std::make_unique<SoGLRenderAction>(SbViewportRegion());
   // Caches of one window are not another's.

@@ -8,10 +8,8 @@
 #include "viewer/picture/orbit_camera.hpp"
 #include "viewer/picture/tool_view.hpp"
 
-class SoSeparator;
 class SoPerspectiveCamera;
 class SoDirectionalLight;
-class SoGLRenderAction;
 
 namespace palpate {
 
@@ -44,6 +42,7 @@ class Stage {
   void placeCamera(const Viewport& viewport);
 
   OrbitCamera camera_;
+  Drawing background_;
   ToolView tool_;
   LatticeView lattice_;
   SoSeparator* bodies_;

@@ -1,8 +1,5 @@
 #include "viewer/picture/tool_view.hpp"
 
-#include <GL/gl.h>
-#include <Inventor/actions/SoGLRenderAction.h>
-#include <Inventor/nodes/SoCallback.h>
 #include <Inventor/nodes/SoComplexity.h>
 #include <Inventor/nodes/SoCone.h>
 #include <Inventor/nodes/SoCylinder.h>
@@ -13,7 +10,6 @@
 #include <algorithm>
 
 #include "common/base/assertion.hpp"
-#include "viewer/picture/coin.hpp"
 
 namespace palpate {
 namespace {
@@ -53,7 +49,7 @@ ToolView::ToolView(double radius)
       shaft_place_(new SoTransform),
       head_place_(new SoTransform),
       anchor_place_(new SoTransform),
-      thread_(new SoCallback) {
+      thread_([this] { drawThread(); }) {
   PALPATE_ASSERT(radius > 0, "the tool is drawn by its size");
   node_->ref();
   auto* complexity = new SoComplexity;
@@ -70,30 +66,20 @@ ToolView::ToolView(double radius)
   node_->addChild(arrow_switch_ = switchOver(
                       group({material(0.86F, 0.20F, 0.13F), arrow_place_,
                              group({shaft_place_, shaft}), group({head_place_, head})})));
-  thread_->setCallback(drawThread, this);
   node_->addChild(anchor_switch_ = switchOver(
-                      group({thread_, group({material(0.95F, 0.55F, 0.10F), anchor_place_,
-                                             sphere(anchor_radius * radius)})})));
+                      group({thread_.node(), group({material(0.95F, 0.55F, 0.10F), anchor_place_,
+                                                    sphere(anchor_radius * radius)})})));
 }
 
-ToolView::~ToolView() {
-  thread_->setCallback(nullptr);
-  node_->unref();
-}
+ToolView::~ToolView() { node_->unref(); }
 
-void ToolView::drawThread(void* view, SoAction* action) {
-  if (!action->isOfType(SoGLRenderAction::getClassTypeId())) return;
-  const auto& self = *static_cast<const ToolView*>(view);
-  glPushAttrib(GL_ENABLE_BIT | GL_LINE_BIT | GL_CURRENT_BIT);
-  glDisable(GL_LIGHTING);
-  glDisable(GL_TEXTURE_2D);
+void ToolView::drawThread() const {
   glLineWidth(2);
   glColor3f(0.90F, 0.45F, 0.05F);
   glBegin(GL_LINES);
-  glVertex3dv(self.anchor_.data());
-  glVertex3dv(self.tool_.data());
+  glVertex3dv(anchor_.data());
+  glVertex3dv(tool_.data());
   glEnd();
-  glPopAttrib();
 }
 
 void ToolView::setTool(const Eigen::Vector3d& tool) {

@@ -1,11 +1,7 @@
 #pragma once
 
-#include <Eigen/Core>
+#include "viewer/picture/coin.hpp"
 
-class SoAction;
-class SoCallback;
-class SoSeparator;
-class SoSwitch;
 class SoTransform;
 
 namespace palpate {
@@ -29,13 +25,13 @@ class ToolView {
   void setAnchor(const Eigen::Vector3d& anchor, bool touching);
 
  private:
-  static void drawThread(void* view, SoAction* action);
+  void drawThread() const;
 
   double radius_;
   Eigen::Vector3d tool_ = Eigen::Vector3d::Zero(), anchor_ = Eigen::Vector3d::Zero();
   SoSeparator* node_;
   SoTransform *tool_place_, *arrow_place_, *shaft_place_, *head_place_, *anchor_place_;
-  SoCallback* thread_;
+  Drawing thread_;
   SoSwitch *tool_switch_, *arrow_switch_, *anchor_switch_;
 };
 

@@ -40,8 +40,8 @@ std::vector<MethodComparison> compareMethods(const SpaceTable& space,
                                              bool with_loops);
 
 struct MethodTiming {
-  double nanoseconds = not_measured;         ///< per query
-  double seconds_to_prepare = not_measured;  ///< to make the field
+  double nanoseconds = not_measured;         ///< per query, median, this machine
+  double seconds_to_prepare = not_measured;  ///< to make the field, this machine
 };
 
 /// Times queries at random positions of the ball, for about `seconds`: the median over batches, all

@@ -55,13 +55,12 @@ std::string nodeMethodsTable(const Report& report, const std::vector<std::size_t
 
 /// Error against configurations of one compared active node.
 std::string nodePlot(const Report& report, const NodeMeasures& node) {
-  Plot plot;
-  plot.title = node.name;
-  plot.x = {"configurations", true};
-  plot.y = {"mean error, N", true};
-  plot.width = plot_width;
-  plot.height = plot_height;
-  plot.series = methodSeries(report);
+  Plot plot = {.title = node.name,
+               .x = {"configurations", true},
+               .y = {"mean error, N", true},
+               .series = methodSeries(report),
+               .width = plot_width,
+               .height = plot_height};
   for (const LatticeMeasures& lattice : report.lattices)
     if (!lattice.node_errors.empty())
       for (std::size_t m = 0; m < report.methods.size(); ++m)
@@ -120,13 +119,12 @@ void addForces(const AxisForces& along, PlotSeries& series) {
 std::string curvesAlong(const Report& report, const NodePictures& pictures, std::size_t axis) {
   PALPATE_ASSERT(pictures.sampled.size() == report.methods.size(), "samples are by method");
   static constexpr std::array<const char*, 3> names = {"x", "y", "z"};
-  Plot plot;
-  plot.title = fmt::format("Along {}", names[axis]);
-  plot.x.label = fmt::format("displacement along {}, mm", names[axis]);
-  plot.y.label = fmt::format("force along {}, N", names[axis]);
-  plot.width = plot_width;
-  plot.height = plot_height;
-  plot.series = curves(report);
+  Plot plot = {.title = fmt::format("Along {}", names[axis]),
+               .x = {fmt::format("displacement along {}, mm", names[axis])},
+               .y = {fmt::format("force along {}, N", names[axis])},
+               .series = curves(report),
+               .width = plot_width,
+               .height = plot_height};
   addForces(pictures.solved[axis], plot.series[0]);
   for (std::size_t m = 0; m < report.methods.size(); ++m)
     addForces(pictures.sampled[m][axis], plot.series[m + 1]);

@@ -10,7 +10,6 @@
 #include "common/base/error.hpp"
 #include "common/base/parallel.hpp"
 #include "viewer/fields/field_choice.hpp"
-#include "viewer/report/field_comparison.hpp"
 
 namespace palpate {
 namespace {
@@ -190,12 +189,8 @@ class Reporter {
   void timeMethods(LatticeMeasures& lattice) const {
     // Preparing takes seconds for some methods, and all nodes are alike: one is enough.
     const auto first = table(lattice, compared_.front());
-    for (const std::string& method : report_.methods) {
-      const MethodTiming timing = timeMethod(*first, method, options_.seconds_per_timing);
-      MethodMeasures& measures = lattice.methods.emplace_back();
-      measures.nanoseconds = timing.nanoseconds;
-      measures.seconds_to_prepare = timing.seconds_to_prepare;
-    }
+    for (const std::string& method : report_.methods)
+      lattice.methods.push_back({timeMethod(*first, method, options_.seconds_per_timing)});
   }
 
   void measureLattice(LatticeMeasures& lattice) {

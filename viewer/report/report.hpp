@@ -2,8 +2,7 @@
 
 #include "viewer/report/compared_lattice.hpp"
 #include "viewer/report/dataset_facts.hpp"
-#include "viewer/report/error_measures.hpp"
-#include "viewer/report/held_out.hpp"
+#include "viewer/report/field_comparison.hpp"
 #include "viewer/report/node_pictures.hpp"
 
 namespace palpate {
@@ -24,16 +23,14 @@ struct ReportOptions {
   std::size_t pictured_nodes = 0;
 };
 
-/// One method on one lattice, over the compared active nodes together.
-struct MethodMeasures {
-  std::string problem;    ///< why it could not be made for some active node; empty when it could
-  ErrorMeasures all;      ///< over the whole ball
-  ErrorMeasures covered;  ///< over covered points alone: the same points for every method
+/// One method on one lattice, over the compared active nodes together; timed on one of them.
+struct MethodMeasures : MethodTiming {
+  std::string problem{};    ///< why it could not be made for some active node; empty when it could
+  ErrorMeasures all{};      ///< over the whole ball
+  ErrorMeasures covered{};  ///< over covered points alone: the same points for every method
   /// Work around closed loops relative to the effort (loopWork): the largest of
   /// ReportOptions::looped_nodes.
   double loop_work = not_measured;
-  double nanoseconds = not_measured;         ///< per query, median, this machine
-  double seconds_to_prepare = not_measured;  ///< of one active node, this machine
 };
 
 /// What was measured on a lattice.
