@@ -2,18 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <limits>
 
 namespace palpate {
 namespace {
-
-/// By value.
-constexpr auto cause_words = std::to_array<std::string_view>(
-    {"none", "iteration_limit", "line_search_stalled", "inverted_element", "wrong_inertia",
-     "factorization_failed", "not_finite", "step_budget", "worker_lost", "unreachable",
-     "limit_point"});
-static_assert(cause_words.size() == static_cast<std::size_t>(Cause::limit_point) + 1,
-              "a cause is appended here too");
 
 /// What `f` means, and what usually helps.
 std::string meaningOf(const Failure& f) {
@@ -58,13 +50,28 @@ std::string meaningOf(const Failure& f) {
 
 }  // namespace
 
+// A switch, so that the compiler refuses a cause without a word.
 std::string_view name(Cause cause) {
-  const auto value = static_cast<std::size_t>(cause);
-  return value < cause_words.size() ? cause_words[value] : std::string_view();
+  switch (cause) {
+    case Cause::none: return "none";
+    case Cause::iteration_limit: return "iteration_limit";
+    case Cause::line_search_stalled: return "line_search_stalled";
+    case Cause::inverted_element: return "inverted_element";
+    case Cause::wrong_inertia: return "wrong_inertia";
+    case Cause::factorization_failed: return "factorization_failed";
+    case Cause::not_finite: return "not_finite";
+    case Cause::step_budget: return "step_budget";
+    case Cause::worker_lost: return "worker_lost";
+    case Cause::unreachable: return "unreachable";
+    case Cause::limit_point: return "limit_point";
+  }
+  return {};
 }
 
 std::optional<Cause> causeOf(std::uint32_t value) {
-  return value < cause_words.size() ? std::optional(static_cast<Cause>(value)) : std::nullopt;
+  const auto cause = static_cast<Cause>(value);
+  const bool known = value <= std::numeric_limits<std::uint8_t>::max() && !name(cause).empty();
+  return known ? std::optional(cause) : std::nullopt;
 }
 
 bool stopsTransitions(Cause cause) { return cause != Cause::none && cause != Cause::unreachable; }

@@ -125,10 +125,16 @@ void Lattice::add(const LatticePoint& point) {
 }
 
 std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
+  struct Candidate {
+    int step;
+    std::int64_t norm;
+    LatticePoint point;
+    std::int32_t index;
+    auto operator<=>(const Candidate&) const = default;
+  };
   PALPATE_ASSERT(index >= 0 && index < uniform_size_, "added points have no place in this order");
   const LatticePoint& center = points_[index];
-  // In the order of what they are compared by, and their numbers.
-  std::vector<std::tuple<int, std::int64_t, LatticePoint, std::int32_t>> candidates;
+  std::vector<Candidate> candidates;
   for (int i = -1; i <= 1; ++i)
     for (int j = -1; j <= 1; ++j)
       for (int k = -1; k <= 1; ++k) {
@@ -139,12 +145,12 @@ std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
         const auto number = indexOf(p);
         // Refined points have parents of their own (the plan's pursuits).
         if (number && *number < uniform_size_)
-          candidates.emplace_back(step, squaredNorm(p), p, *number);
+          candidates.push_back({step, squaredNorm(p), p, *number});
       }
   std::ranges::sort(candidates);
   std::vector<std::int32_t> neighbours;
   neighbours.reserve(candidates.size());
-  for (const auto& candidate : candidates) neighbours.push_back(std::get<3>(candidate));
+  for (const Candidate& candidate : candidates) neighbours.push_back(candidate.index);
   return neighbours;
 }
 
