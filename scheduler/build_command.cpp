@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "common/base/assertion.hpp"
-#include "common/base/replaced_file.hpp"
+#include "common/base/whole_file.hpp"
 #include "common/problem/problem_warnings.hpp"
 #include "scheduler/build.hpp"
 #include "scheduler/status_text.hpp"

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -192,7 +193,8 @@ TEST(Architecture, IncludesOnlyPointDown) {
     Names allowed = {folder};
     if (links.contains(folder)) addReachable(links, folder, allowed);
     if (!allowed.contains(folderOf(to)))
-      wrong.insert(from + " includes " + to + ", but " + folder + " does not use " + folderOf(to));
+      wrong.insert(
+          fmt::format("{} includes {}, but {} does not use {}", from, to, folder, folderOf(to)));
   }
   EXPECT_THAT(wrong, ::testing::IsEmpty());
 }
@@ -202,7 +204,7 @@ TEST(Architecture, NoProgramUsesAnother) {
   for (const auto& [folder, uses] : linkedFolders())
     for (const std::string& used : uses)
       if (topOf(used) != topOf(folder) && topOf(used) != "common" && topOf(used) != "proto")
-        wrong.insert(folder + " uses " + used);
+        wrong.insert(fmt::format("{} uses {}", folder, used));
   EXPECT_THAT(wrong, ::testing::IsEmpty()) << "what two programs need belongs to common";
 }
 

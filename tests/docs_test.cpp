@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -145,7 +146,8 @@ TEST(Docs, EveryPageNamedInCodeIsThere) {
   for (const std::string& file : sourceTree().files) {
     if (file.ends_with(".md") || !(test::isCode(file) || file.ends_with(".proto"))) continue;
     for (const std::string& name : allMatches(sourceTree().text(file), page))
-      if (!sourceTree().holds(name)) missing.push_back(file + ": there is no " + name);
+      if (!sourceTree().holds(name))
+        missing.push_back(fmt::format("{}: there is no {}", file, name));
   }
   EXPECT_THAT(missing, ::testing::IsEmpty());
 }

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "common/base/assertion.hpp"
-#include "common/base/replaced_file.hpp"
+#include "common/base/whole_file.hpp"
 #include "viewer/devices/device_choice.hpp"
 #include "viewer/haptics/haptic_loop.hpp"
 #include "viewer/haptics/recording.hpp"
@@ -25,9 +25,9 @@ constexpr auto headless_pause = std::chrono::milliseconds(20);
 constexpr auto look_every = std::chrono::milliseconds(500);  // at files, troubles and statistics
 
 DeviceProfile profileNamed(std::string_view word) {
-  const auto found = std::ranges::find(device_profiles, word, &DeviceProfile::name);
-  PALPATE_ASSERT(found != device_profiles.end(), "the command line takes known words");
-  return *found;
+  const DeviceProfile* const known = deviceNamed(word);
+  PALPATE_ASSERT(known != nullptr, "the command line takes known words");
+  return *known;
 }
 
 /// N/m, the largest of all spaces at rest.

@@ -1,5 +1,5 @@
 #include "common/base/program.hpp"
-#include "common/base/replaced_file.hpp"
+#include "common/base/whole_file.hpp"
 #include "common/dataset/dataset.hpp"
 #include "common/dataset/dataset_format.hpp"
 #include "common/interpolation/branch_check.hpp"

@@ -7,9 +7,9 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
-#include "common/base/text_file.hpp"
 #include "common/base/text_lines.hpp"
 #include "common/base/units.hpp"
+#include "common/base/whole_file.hpp"
 #include "common/mesh/mesh_reader.hpp"
 
 namespace palpate {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -32,5 +33,11 @@ inline constexpr auto device_words = [] {
   for (std::size_t i = 0; i < device_profiles.size(); ++i) names[i] = device_profiles[i].name;
   return names;
 }();
+
+/// The one of this name, or nullptr.
+inline const DeviceProfile* deviceNamed(std::string_view name) {
+  const auto* const found = std::ranges::find(device_profiles, name, &DeviceProfile::name);
+  return found == device_profiles.end() ? nullptr : found;
+}
 
 }  // namespace palpate

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "common/base/error.hpp"
-#include "common/base/text_file.hpp"
 #include "common/base/units.hpp"
+#include "common/base/whole_file.hpp"
 #include "common/scene/material_toml.hpp"
 #include "common/scene/toml_section.hpp"
 

@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -21,6 +22,7 @@
 #include "tests/support/reference_liver.hpp"
 #include "worker/solver/path.hpp"
 
+// NOLINTNEXTLINE(readability-identifier-naming): Fortran's
 extern "C" void dgemm_(const char* transpose_a, const char* transpose_b, const int* m, const int* n,
                        const int* k, const double* alpha, const double* a, const int* lda,
                        const double* b, const int* ldb, const double* beta, double* c,
@@ -432,7 +434,7 @@ int runBenchmark(const Options& options) {
 }  // namespace
 }  // namespace palpate
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   palpate::Options options;
   CLI::App app(
       "One Newton iteration, a transition and a path on two livers, beside GetFEM's; prints JSON");
@@ -446,10 +448,8 @@ int main(int argc, char** argv) {
   app.add_flag("--paths", options.paths,
                "Measure GetFEM's 10 mm transition and 100 mm path too (minutes)");
   CLI11_PARSE(app, argc, argv);
-  try {
-    return palpate::runBenchmark(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "palpate_newton_bench: {}\n", error.what());
-    return 1;
-  }
+  return palpate::runBenchmark(options);
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "palpate_newton_bench: %s\n", error.what());
+  return 1;
 }

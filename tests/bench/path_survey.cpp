@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <map>
@@ -195,7 +196,7 @@ Json survey(const Options& options) {
 }  // namespace
 }  // namespace palpate
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   palpate::Options options;
   CLI::App app(
       "Paths of 100 mm in 26 directions, ten active nodes, two sets of fixed nodes; prints JSON");
@@ -211,11 +212,9 @@ int main(int argc, char** argv) {
   app.add_option("--budget", options.budget, "Factorisations a transition may take");
   app.add_flag("--every-path", options.every_path, "Print every path, not only those that stopped");
   CLI11_PARSE(app, argc, argv);
-  try {
-    fmt::print("{}\n", palpate::survey(options).dump(1));
-    return 0;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "palpate_path_survey: {}\n", error.what());
-    return 1;
-  }
+  fmt::print("{}\n", palpate::survey(options).dump(1));
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "palpate_path_survey: %s\n", error.what());
+  return 1;
 }

@@ -64,40 +64,21 @@ nlohmann::json measure(const HapticModel& model, PictureOptions options, int pic
   Picture picture({&model}, options);
   Hand hand(model);
   for (int n = 0; n < 60; ++n) picture.draw(hand.next(), {});
-  PictureCosts sum;
   const double begin = processorSeconds();
-  for (int n = 0; n < pictures; ++n) {
-    picture.draw(hand.next(), {});
-    const PictureCosts costs = picture.costs();
-    sum.shape += costs.shape;
-    sum.arrays += costs.arrays;
-    sum.scene += costs.scene;
-    sum.panels += costs.panels;
-    sum.swap += costs.swap;
-  }
-  const double ms = 1e3 / pictures;
-  nlohmann::json result = {{"processor_ms", ms * (processorSeconds() - begin)}};
-  if (options.measure)
-    result["parts_ms"] = {{"shape", ms * sum.shape},
-                          {"arrays", ms * sum.arrays},
-                          {"scene", ms * sum.scene},
-                          {"panels", ms * sum.panels},
-                          {"swap", ms * sum.swap}};
-  return result;
+  for (int n = 0; n < pictures; ++n) picture.draw(hand.next(), {});
+  return {{"processor_ms", 1e3 / pictures * (processorSeconds() - begin)}};
 }
 
 int run(int pictures) {
   const test::VirtualScreen screen;
   const HapticModel model = largeBlob();
   const PictureOptions usual;
-  const nlohmann::json out = {
-      {"triangles", model.surface().triangles().size()},
-      {"window", {usual.width, usual.height}},
-      {"pictures", pictures},
-      {"usual", measure(model, usual, pictures)},
-      {"without_ghost", measure(model, {.ghost = false}, pictures)},
-      {"with_lattice", measure(model, {.lattice = true}, pictures)},
-      {"waiting_after_each_part", measure(model, {.measure = true}, pictures)}};
+  const nlohmann::json out = {{"triangles", model.surface().triangles().size()},
+                              {"window", {usual.width, usual.height}},
+                              {"pictures", pictures},
+                              {"usual", measure(model, usual, pictures)},
+                              {"without_ghost", measure(model, {.ghost = false}, pictures)},
+                              {"with_lattice", measure(model, {.lattice = true}, pictures)}};
   std::puts(out.dump(2).c_str());
   return 0;
 }

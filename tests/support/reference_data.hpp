@@ -16,6 +16,7 @@ inline std::filesystem::path referenceData(const std::filesystem::path& name) {
 
 /// Ends the running test as skipped, saying why, when `name` is not there; else defines `variable`
 /// as its path.
+// NOLINTNEXTLINE(bugprone-macro-parentheses): a declaration takes none
 #define PALPATE_REFERENCE_FILE(variable, name)                                             \
   const std::filesystem::path variable = ::palpate::test::referenceData(name);             \
   if (!std::filesystem::exists(variable))                                                  \

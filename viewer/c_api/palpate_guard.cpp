@@ -28,11 +28,11 @@ constexpr std::uint32_t known_flags =
     PALPATE_READING_FRESH | PALPATE_READING_LOST | PALPATE_LOOP_LATE;
 
 const DeviceProfile* profileNamed(const char* function, std::string_view name) {
-  const auto found = std::ranges::find(device_profiles, name, &DeviceProfile::name);
-  if (found != device_profiles.end()) return &*found;
-  refuse("{}: there is no device \"{}\"; there are: {}", function, name,
-         fmt::join(device_words, ", "));
-  return nullptr;
+  const DeviceProfile* const found = deviceNamed(name);
+  if (found == nullptr)
+    refuse("{}: there is no device \"{}\"; there are: {}", function, name,
+           fmt::join(device_words, ", "));
+  return found;
 }
 
 using Options = palpate_guard_options;

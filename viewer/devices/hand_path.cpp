@@ -5,8 +5,8 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
-#include "common/base/text_file.hpp"
 #include "common/base/text_lines.hpp"
+#include "common/base/whole_file.hpp"
 
 namespace palpate {
 namespace {

@@ -9,7 +9,7 @@
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
-#include "common/base/replaced_file.hpp"
+#include "common/base/whole_file.hpp"
 #include "common/dataset/hdf5_reader.hpp"
 #include "common/dataset/hdf5_writer.hpp"
 #include "viewer/haptics/haptic_model.hpp"
@@ -132,10 +132,9 @@ double readNotNegative(const Reader& in, const char* attribute) {
 
 /// The limits of the recorded device, under a name that lives as long as the program.
 DeviceProfile readProfile(const Reader& in) {
-  const std::string name = in.text("profile");
-  const auto known = std::ranges::find(device_profiles, name, &DeviceProfile::name);
-  return {known == device_profiles.end() ? "replay" : known->name,
-          readNotNegative(in, "profile_max_force"), readNotNegative(in, "profile_max_stiffness"),
+  const DeviceProfile* const known = deviceNamed(in.text("profile"));
+  return {known == nullptr ? "replay" : known->name, readNotNegative(in, "profile_max_force"),
+          readNotNegative(in, "profile_max_stiffness"),
           readNotNegative(in, "profile_workspace_radius")};
 }
 

@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 #include <stb_image_write.h>
 
-#include <fstream>
 #include <string>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
-#include "common/base/replaced_file.hpp"
+#include "common/base/whole_file.hpp"
 
 namespace palpate {
 namespace {
@@ -28,18 +27,7 @@ void writePng(const Image& image, const std::filesystem::path& file) {
                              3 * image.width) == 0)
     throw failure("{}: a picture of {} x {} pixels cannot be written as PNG", file.string(),
                   image.width, image.height);
-  replaceFile(file, [&](const std::filesystem::path& aside) {
-    errno = 0;
-    std::ofstream out(aside, std::ios::binary | std::ios::trunc);
-    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    // Before the question whether all went well: a full disk may show only now.
-    out.close();
-    if (out) return;
-    const std::string why = errno == 0 ? "the system does not say why" : errnoText();
-    throw failure(
-        "{}: cannot write the picture: {}; check the folder, its permissions and the space left",
-        file.string(), why);
-  });
+  replaceFile(file, bytes, "picture");
 }
 
 VideoFrames::VideoFrames(std::filesystem::path folder) : folder_(std::move(folder)) {

@@ -1,11 +1,9 @@
 #include "viewer/picture/picture.hpp"
 
-#include <GL/gl.h>
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
 #include <imgui.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,18 +20,11 @@ namespace {
 
 constexpr double longest_arrow = 0.9;  ///< of the scene's radius, at the device's largest force
 
-double processorSeconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 }  // namespace
 
 struct Picture::Impl {
-  Impl(const std::vector<const HapticModel*>& models, const PictureOptions& chosen)
-      : options(chosen),
-        window("Palpate", chosen.width, chosen.height, chosen.visible, chosen.vsync),
+  Impl(const std::vector<const HapticModel*>& models, const PictureOptions& options)
+      : window("Palpate", options.width, options.height, options.visible, options.vsync),
         panels(window.handle()) {
     for (const HapticModel* each : models) shown.push_back(std::make_unique<BodyView>(*each));
     stage = std::make_unique<Stage>(shown.front()->sphere().radius);
@@ -80,10 +71,8 @@ struct Picture::Impl {
 
   void showBody(const Touch& touch) {
     inUse().deform(touch);
-    measured(costs.shape);
     inUse().shade();
     inUse().showGhost(view.ghost);
-    measured(costs.arrays);
   }
 
   void showTool(const HapticState& state, const PictureStatus& status) {
@@ -127,15 +116,6 @@ struct Picture::Impl {
     return all;
   }
 
-  void measured(double& cost) {
-    if (!options.measure) return;
-    // Drawing goes on behind the calls: without this its time would count for a later part.
-    glFinish();
-    const double now = processorSeconds();
-    cost = now - measured_until;
-    measured_until = now;
-  }
-
   void render() {
     stage->render(viewport);
     panels.render();
@@ -144,7 +124,6 @@ struct Picture::Impl {
   PictureRequests draw(const HapticState& state, const PictureStatus& status) {
     PictureRequests requests;
     window.poll();
-    if (options.measure) measured_until = processorSeconds();
     // Input is known from here on; what it asks for is drawn in this very picture.
     panels.begin();
     viewport = panels.view();
@@ -161,20 +140,12 @@ struct Picture::Impl {
     showTool(state, status);
     stage->lattice().show(inUse(), state, view);
     panels.build(contents(state, status), view, requests);
-    double layout = 0;
-    measured(layout);
-    stage->render(viewport);
-    measured(costs.scene);
-    panels.render();
-    measured(costs.panels);
-    costs.panels += layout;
+    render();
     window.swap();
-    measured(costs.swap);
     drawn = true;
     return requests;
   }
 
-  PictureOptions options;
   Window window;
   Panels panels;
   std::vector<std::unique_ptr<BodyView>> shown;  ///< as HapticState::model counts
@@ -183,8 +154,6 @@ struct Picture::Impl {
   ViewChoices view;
   ForceHistory history;
   GuardLamps lamps;
-  PictureCosts costs;
-  double measured_until = 0;
   std::int32_t model = -1;  ///< that is on the stage
   Viewport viewport;        ///< of the last picture
   bool drawn = false;
@@ -209,7 +178,5 @@ Image Picture::grab() {
   impl_->render();
   return readPixels(impl_->viewport.window_width, impl_->viewport.window_height);
 }
-
-PictureCosts Picture::costs() const { return impl_->costs; }
 
 }  // namespace palpate

@@ -17,18 +17,6 @@ struct PictureOptions {
   bool vsync = true;               ///< draw() waits for the screen; without one it returns at once
   bool ghost = true;               ///< begin with the shape at rest drawn
   bool lattice = false;            ///< begin with the lattice drawn
-  /// Wait for the drawing after each part, so that costs() can tell them apart; slower.
-  bool measure = false;
-};
-
-/// Processor time of the whole process in the parts of the last draw(), seconds. Only with
-/// PictureOptions::measure, and when no other thread works.
-struct PictureCosts {
-  double shape = 0;   ///< displacements
-  double arrays = 0;  ///< positions, normals, colours
-  double scene = 0;   ///< Coin, and the drawing of its scene
-  double panels = 0;  ///< ImGui, and the drawing of its panels
-  double swap = 0;
 };
 
 /// A window that shows a hand on a soft body: the deformed surface, tool and force; what is known
@@ -52,7 +40,6 @@ class Picture {
   PictureRequests draw(const HapticState& state, const PictureStatus& status);
   /// The pixels of the last picture, drawn once more for it; there must be one.
   Image grab();
-  PictureCosts costs() const;
 
  private:
   struct Impl;

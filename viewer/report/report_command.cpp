@@ -1,27 +1,16 @@
 #include "viewer/report/report_command.hpp"
 
 #include <CLI/CLI.hpp>
-#include <fstream>
 #include <iostream>
 #include <memory>
 
-#include "common/base/replaced_file.hpp"
+#include "common/base/whole_file.hpp"
 #include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
 namespace {
 
 constexpr std::size_t pictured_nodes = 6;
-
-void writePage(const std::filesystem::path& file, const std::string& page) {
-  replaceFile(file, [&](const std::filesystem::path& aside) {
-    std::ofstream out(aside, std::ios::binary);
-    out << page;
-    // The last bytes are written here: only now is it known whether the disk took all.
-    out.close();
-    if (!out) throw failure("{}: the page cannot be written: {}", file.string(), errnoText());
-  });
-}
 
 std::function<ExitCode()> prepareReport(CLI::App& app) {
   auto options = std::make_shared<ReportCommandOptions>();
@@ -50,7 +39,7 @@ ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
   // Text and JSON show no pictures, and sampling fields for them takes a while.
   wanted.pictured_nodes = options.html.empty() ? 0 : pictured_nodes;
   const Report report = makeReport(wanted);
-  if (!options.html.empty()) writePage(options.html, reportPage(report));
+  if (!options.html.empty()) replaceFile(options.html, reportPage(report), "page");
   output << (options.json ? reportJson(report) : reportText(report)) << std::flush;
   if (!output) throw failure("cannot write the report to standard output");
   return ExitCode::done;

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string>
 
-#include "common/base/text_file.hpp"
+#include "common/base/whole_file.hpp"
 #include "tests/support/command.hpp"
 #include "tests/viewer/c_api/sample_file.hpp"
 

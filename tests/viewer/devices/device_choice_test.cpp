@@ -95,7 +95,8 @@ TEST_F(DeviceChoice, TheDefaultPathComesDownOnTheActiveNodesThemselves) {
 TEST_F(DeviceChoice, TheDefaultPathIsAFunctionOfTheModelAlone) {
   const HandPath a = touchPath(model()), b = touchPath(model());
   ASSERT_EQ(a.waypoints().size(), b.waypoints().size());
-  for (double t = 0; t < a.duration(); t += 0.1) EXPECT_EQ(a.at(t).position, b.at(t).position);
+  for (int n = 0; 0.1 * n < a.duration(); ++n)
+    EXPECT_EQ(a.at(0.1 * n).position, b.at(0.1 * n).position);
 }
 
 TEST_F(DeviceChoice, OpensEachKindByItsWord) {

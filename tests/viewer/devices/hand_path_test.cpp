@@ -40,7 +40,8 @@ TEST(HandPath, RestsBeforeAndAfterItsWaypoints) {
 TEST(HandPath, HasContinuousVelocityThatIsTheDerivativeOfThePosition) {
   const HandPath path = zigzag(HandPath::AtEnd::repeats);
   const double h = 1e-6;
-  for (double t = 0.9; t < 6; t += 0.0101) {
+  for (int n = 0; n < 505; ++n) {
+    const double t = 0.9 + 0.0101 * n;
     const Eigen::Vector3d slope = (path.at(t + h).position - path.at(t - h).position) / (2 * h);
     EXPECT_LT((path.at(t).velocity - slope).norm(), 2e-5) << t;
     EXPECT_LT((path.at(t + h).velocity - path.at(t - h).velocity).norm(), 1e-4) << t;
@@ -61,8 +62,10 @@ TEST(HandPath, NeverLeavesTheIntervalOfItsNeighboringWaypoints) {
 
 TEST(HandPath, RepeatsFromItsBeginning) {
   const HandPath path = zigzag(HandPath::AtEnd::repeats);
-  for (double t = 1.01; t < 3; t += 0.1)
+  for (int n = 0; n < 20; ++n) {
+    const double t = 1.01 + 0.1 * n;
     EXPECT_LT((path.at(t).position - path.at(t + 3 * path.duration()).position).norm(), 1e-14);
+  }
 }
 
 TEST(HandPath, RefusesWhatIsNoPath) {

@@ -26,7 +26,8 @@ TEST(MouseDevice, MakesOneSmoothMotionOfSixtyEventsASecond) {
   const double step = 0.002;  // m per event: 0.12 m/s
   double last = 0, largest_change = 0, last_move = 0;
   for (int i = 0; i < 2000; ++i) {
-    if (i % 16 == 0) mouse.moveTo({step * (i / 16 + 1), 0, 0});
+    const int events = i / 16 + 1;
+    if (i % 16 == 0) mouse.moveTo({step * events, 0, 0});
     const double x = mouse.read().position.x();
     EXPECT_GE(x, last);
     if (i > 0) largest_change = std::max(largest_change, std::abs(x - last - last_move));

@@ -205,7 +205,8 @@ TEST(Contact, TouchesAtAnEdgeAndAtAVertex) {
         Eigen::Vector3d(0.05, 0.0375, 0.1), Eigen::Vector3d(0.0375, 0.0375, 0.1)})
     for (const double step : {1e-3, 1e-4}) {
       Contact contact(flatModel());
-      for (double z = 0.002; z > -0.005; z -= step) contact.update(x + Eigen::Vector3d(0, 0, z));
+      for (int n = 0; n * step < 0.007; ++n)
+        contact.update(x + Eigen::Vector3d(0, 0, 0.002 - n * step));
       EXPECT_TRUE(contact.touch().touching) << x.transpose();
       EXPECT_FALSE(contact.touch().stepped);
     }

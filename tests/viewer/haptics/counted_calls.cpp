@@ -11,11 +11,13 @@
 
 extern "C" {
 // The allocator itself, under the names that the C library keeps for those who replace malloc.
+// NOLINTBEGIN(readability-identifier-naming)
 void* __libc_malloc(size_t size);
 void* __libc_calloc(size_t count, size_t size);
 void* __libc_realloc(void* memory, size_t size);
 void* __libc_memalign(size_t alignment, size_t size);
 void __libc_free(void* memory);
+// NOLINTEND(readability-identifier-naming)
 }
 
 namespace palpate::test {

@@ -212,7 +212,7 @@ TEST_F(HapticLoopTest, HaltsADeviceThatHangsAndGoesOnFromZero) {
 TEST_F(HapticLoopTest, KeepsALostDeviceHaltedAndResumesItAfterZero) {
   const ScriptedHand* watched = nullptr;
   ScriptedHand hand([&watched](std::uint64_t tick) {
-    const DeviceReading reading = fresh(pressAndSlide(1e-3 * static_cast<double>(tick)));
+    DeviceReading reading = fresh(pressAndSlide(1e-3 * static_cast<double>(tick)));
     if (tick < 400 || tick >= 420) return reading;
     EXPECT_EQ(watched->resumes, 1) << "at the start alone";
     EXPECT_TRUE(tick != 419 || waitFor([&] { return watched->halts > 0; }));

@@ -133,7 +133,7 @@ TEST_F(RealTime, TheLoopNeitherAllocatesNorLocksBetweenTicks) {
   CallCounts counts;
   ScriptedHand hand([&counts](std::uint64_t tick) {
     if (tick == last) counts = test::stopCounting();
-    const DeviceReading reading = troubledHand(tick, 1 / rate);
+    DeviceReading reading = troubledHand(tick, 1 / rate);
     if (tick == first) test::startCounting();
     return reading;
   });

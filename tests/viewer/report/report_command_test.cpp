@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "common/base/text_file.hpp"
+#include "common/base/whole_file.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"

@@ -22,7 +22,9 @@ class BuildCosts : public ::testing::Test {
     measured.ways = ways;
     return buildCost(problem, measured);
   }
-  static Way way(std::vector<WayStep> steps, WayEnd end = WayEnd::rim) { return {steps, end}; }
+  static Way way(std::vector<WayStep> steps, WayEnd end = WayEnd::rim) {
+    return {std::move(steps), end};
+  }
 
   Scene scene = test::mooneyRivlinScene();
   Problem problem;

@@ -17,7 +17,9 @@
 namespace palpate::verification {
 
 /// How a test's parameter is shown.
-void PrintTo(const Case& problem, std::ostream* out) { *out << problem.name; }
+void PrintTo(const Case& problem, std::ostream* out) {  // NOLINT(readability-identifier-naming)
+  *out << problem.name;
+}
 
 namespace {
 

@@ -2,14 +2,25 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
+#include <string_view>
+
+// Files as wholes: read to their end, or replaced by new ones.
 
 namespace palpate {
+
+/// The whole of a file. `what` ("scene", "mesh") names it in errors: Error (bad input) when it is a
+/// directory or cannot be opened, Error when it cannot be read to its end.
+std::string readText(const std::filesystem::path& file, std::string_view what);
 
 /// Makes `file` the old one or a whole new one, never something between: `write` is given a name
 /// beside it (FILE.tmp), what it wrote there is flushed to disk and renamed. When `write` throws,
 /// or the disk fails (Error), nothing is left of the attempt.
 void replaceFile(const std::filesystem::path& file,
                  const std::function<void(const std::filesystem::path& aside)>& write);
+
+/// The same with the bytes of the new file, which `what` ("page", "picture") names in errors.
+void replaceFile(const std::filesystem::path& file, std::string_view bytes, std::string_view what);
 
 /// Error unless the folder of `file` is there and may be written: to be asked before hours of work.
 /// `option`: what names another file, for the message.

@@ -1,7 +1,11 @@
-#include "common/base/replaced_file.hpp"
+#include "common/base/whole_file.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
+
+#include <array>
+#include <fstream>
+#include <system_error>
 
 #include "common/base/error.hpp"
 
@@ -19,6 +23,22 @@ void syncToDisk(const std::filesystem::path& path, int flags) {
 }
 
 }  // namespace
+
+std::string readText(const std::filesystem::path& file, std::string_view what) {
+  std::error_code error;
+  // A directory opens like a file and fails at the first read.
+  if (std::filesystem::is_directory(file, error))
+    throw badInput("{} {} is a directory", what, file.string());
+  std::ifstream in(file, std::ios::binary);
+  if (!in)
+    throw badInput("{} {} cannot be opened: {}", what, file.string(),
+                   std::generic_category().message(errno));
+  std::string text;
+  for (std::array<char, 1 << 16> chunk; in.read(chunk.data(), chunk.size()), in.gcount() > 0;)
+    text.append(chunk.data(), static_cast<std::size_t>(in.gcount()));
+  if (in.bad()) throw failure("{} {} cannot be read to its end", what, file.string());
+  return text;
+}
 
 void replaceFile(const std::filesystem::path& file,
                  const std::function<void(const std::filesystem::path& aside)>& write) {
@@ -39,6 +59,20 @@ void replaceFile(const std::filesystem::path& file,
   // A rename is on disk only when its folder is.
   const std::filesystem::path folder = file.parent_path();
   syncToDisk(folder.empty() ? "." : folder, O_DIRECTORY);
+}
+
+void replaceFile(const std::filesystem::path& file, std::string_view bytes, std::string_view what) {
+  replaceFile(file, [&](const std::filesystem::path& aside) {
+    errno = 0;
+    std::ofstream out(aside, std::ios::binary);
+    out << bytes;
+    // The last bytes are written here: only now is it known whether the disk took all.
+    out.close();
+    if (!out)
+      throw failure(
+          "{}: cannot write the {}: {}; check the folder, its permissions and the space left",
+          file.string(), what, errno == 0 ? "the system does not say why" : errnoText());
+  });
 }
 
 void refuseUnwritable(const std::filesystem::path& file, const char* option) {
