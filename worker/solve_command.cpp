@@ -63,7 +63,7 @@ void printJson(const Eigen::Vector3d& displacement, const Outcome& outcome) {
   using nlohmann::ordered_json;
   const bool found = outcome.converged;
   const Equilibrium& e = outcome.equilibrium;
-  const auto orNull = [](bool known, ordered_json value) { return known ? value : nullptr; };
+  const auto orNull = [](bool known, const ordered_json& value) { return known ? value : nullptr; };
   const ordered_json rows = {toJson(e.stiffness.row(0)), toJson(e.stiffness.row(1)),
                              toJson(e.stiffness.row(2))};
   const ordered_json answer = {

@@ -34,7 +34,8 @@ palpate_status fail(palpate_status status, fmt::format_string<Args...> format,
         fmt::format_to_n(text.data(), text.size() - 1, format, std::forward<Args>(args)...).size;
     text[std::min(written, text.size() - 1)] = '\0';
   } catch (...) {
-    std::strcpy(text.data(), "failed, and the text that says why could not be made");
+    constexpr std::string_view unknown = "failed, and the text that says why could not be made";
+    text[unknown.copy(text.data(), text.size() - 1)] = '\0';
   }
   return status;
 }

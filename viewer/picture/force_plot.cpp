@@ -41,11 +41,11 @@ struct PlotArea {
 
 void plotGrid(ImDrawList& draw, const PlotArea& area) {
   const double step = roundUp(area.limit / most_steps);
-  for (double force = -std::floor(area.limit / step) * step; force <= area.limit * 1.001;
-       force += step) {
-    const float y = area.at(area.end, force).y;
+  const int steps = static_cast<int>(area.limit / step * 1.001);
+  for (int n = -steps; n <= steps; ++n) {
+    const float y = area.at(area.end, n * step).y;
     draw.AddLine({area.from.x, y}, {area.to.x, y}, line_grey);
-    const std::string text = fmt::format("{:g}", std::abs(force) < 1e-9 ? 0 : force);
+    const std::string text = fmt::format("{:g}", n * step);
     draw.AddText({area.from.x - label_gap - ImGui::CalcTextSize(text.c_str()).x, y - half_line},
                  faint, text.c_str());
   }

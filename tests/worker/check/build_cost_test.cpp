@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "tests/support/meshes.hpp"
 #include "tests/support/problems.hpp"
 
