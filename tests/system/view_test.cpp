@@ -29,7 +29,7 @@ struct ViewTest : testing::Test {
 
   /// A cube that is touched all over its top, `factor` times as stiff as the softest.
   void seal(double factor) const {
-    const Mesh mesh = test::cubeMesh(0.1, 4);
+    const Mesh mesh = test::cubeMesh(0.1, 2);
     std::vector<test::TouchableBody::Active> active;
     for (const std::int32_t node : mesh.node_groups.at("zmax")) active.push_back({node, factor});
     test::TouchableBody(mesh, active).seal(directory / "cube.h5");

@@ -5,6 +5,7 @@
  *     cc -shared -fPIC -o circle_device.so circle_device.c
  */
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +20,7 @@ struct palpate_device {
   double radius;
   struct timespec start;
   double force[3];
-  volatile int32_t halted;
+  atomic_int halted; /* halt() may be called while another thread reads */
 };
 
 static int32_t enumerate(uint32_t index, char* id, size_t capacity) {
