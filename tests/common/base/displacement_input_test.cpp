@@ -70,7 +70,7 @@ TEST(DisplacementInput, WarnsOfMillimetresOnceAndGoesOn) {
   const std::string logged = testing::internal::GetCapturedStdout();
   EXPECT_THAT(logged, HasSubstr("(13, 7, -21): metres are expected"));
   EXPECT_THAT(logged, HasSubstr("looks like millimetres, which would be (0.013, 0.007, -0.021)"));
-  EXPECT_THAT(logged, Not(HasSubstr("14")));
+  EXPECT_THAT(logged, Not(HasSubstr("(14")));
 }
 
 TEST(DisplacementInput, OptionTakesNegativeNumbersAndLeavesTheFollowingArgument) {
