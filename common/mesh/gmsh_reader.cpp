@@ -352,7 +352,8 @@ class GmshText {
       const auto element = number_of_tetrahedron_.find(takeTag("the number of an element"));
       const Eigen::Vector3d vector = takeVector("a component");
       lines_.expectEndOfLine();
-      // Of a tetrahedron that version 2.2 repeats, one number may have the vector alone.
+      // Of a tetrahedron that version 2.2 repeats, one number alone may have the vector; where two
+      // have different ones, the last counts.
       if (element != number_of_tetrahedron_.end() && !vector.isZero(0))
         vectors[element->second] = vector;
     });

@@ -21,8 +21,8 @@ inline void startCoin() {
   if (!SoDB::isInitialized()) SoDB::init();
 }
 
-/// A node that OpenGL draws by a function of ours, without lighting and textures; Coin finds its
-/// state as it left it. While this object lives: then the node draws nothing.
+/// A node that OpenGL draws by a function of ours, which begins without lighting and textures; Coin
+/// finds its state as it left it. A node that outlives this object draws nothing.
 class Drawing {
  public:
   explicit Drawing(std::function<void()> draw)
