@@ -28,12 +28,12 @@ constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
 // ---- the tables, as writer and reader both go through them ----------------------------------
 
-constexpr auto nodesOf = [](auto& space) -> auto& { return space.patch.nodes; };
+constexpr auto patch_nodes = [](auto& space) -> auto& { return space.patch.nodes; };
 
 /// visit(where the rows of each space begin, an array of these rows, the list in a SpaceTable)
 template <class Visit>
 void forEachTable(const Visit& visit) {
-  visit("/spaces/first_patch_node", patch_node_path, nodesOf);
+  visit("/spaces/first_patch_node", patch_node_path, patch_nodes);
   visit("/spaces/first_point", ijk_path, &SpaceTable::points);
   visit("/spaces/first_split", split_level_path, &SpaceTable::splits);
   visit("/spaces/first_edge", jumps_path, &SpaceTable::inconsistent_edges);
@@ -264,7 +264,7 @@ void writePatches(Writer& out, const std::vector<SpaceTable>& spaces) {
     is_weighted = is_weighted || !space.patch.weights.empty();
   }
   out.makeGroup("/patches");
-  ColumnWriter{out}(patch_node_path, rowsOf(spaces, nodesOf), "1", std::identity());
+  ColumnWriter{out}(patch_node_path, rowsOf(spaces, patch_nodes), "1", std::identity());
   // Left out for rigid tools alone: their files keep their bytes.
   if (is_weighted) out.writeList(patch_weight_path, weights, "1");
 }
@@ -303,7 +303,7 @@ void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
     return a.tool == ToolKind::weighted_average;
   };
   const auto active = in.readList<std::int32_t>(active_path, spaces.size());
-  const auto nodes = rowsOf(spaces, nodesOf);
+  const auto nodes = rowsOf(spaces, patch_nodes);
   ColumnReader{in, scene}(patch_node_path, nodes, "1", std::identity());
   std::vector<double> weights(nodes.size());
   if (std::ranges::any_of(scene.active, isWeighted))

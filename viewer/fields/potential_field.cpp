@@ -17,14 +17,14 @@ constexpr double allowed_share = 0.1;
 constexpr int sweeps = 100;
 
 /// An edge of a leaf between slots that do not hang.
-struct Edge {
+struct CellEdge {
   std::int32_t a, b;
   double length;    ///< metres
   double mismatch;  ///< N, (E_b - E_a + work of the force) / length, of the stored energies
   double allowed;   ///< N
 };
 
-Edge edgeBetween(const CellData& data, std::int32_t a, std::int32_t b) {
+CellEdge edgeBetween(const CellData& data, std::int32_t a, std::int32_t b) {
   const Equilibrium &low = data.equilibria[at(a)], &high = data.equilibria[at(b)];
   const Eigen::Vector3d step = data.tree.displacement(b) - data.tree.displacement(a);
   const double length = step.norm(), bend = step.dot((high.stiffness - low.stiffness) * step);
@@ -71,16 +71,16 @@ class Corrections {
       if (found == edges_.end() ||
           data.tree.slots()[at(end == a ? b : a)].kind == SlotKind::hanging)
         continue;
-      std::vector<Edge>& edges = found->second;
-      if (std::ranges::none_of(edges, [&](const Edge& e) { return e.a == a && e.b == b; }))
+      std::vector<CellEdge>& edges = found->second;
+      if (std::ranges::none_of(edges, [&](const CellEdge& e) { return e.a == a && e.b == b; }))
         edges.push_back(edgeBetween(data, a, b));
     }
   }
 
   /// One step of the minimisation along one correction, the others held.
-  void relax(std::int32_t slot, const std::vector<Edge>& edges) {
+  void relax(std::int32_t slot, const std::vector<CellEdge>& edges) {
     double slope = 0, curvature = 0, shortest = std::numeric_limits<double>::infinity();
-    for (const Edge& edge : edges) {
+    for (const CellEdge& edge : edges) {
       const double force =
           edge.mismatch + (values_[at(edge.b)] - values_[at(edge.a)]) / edge.length;
       const double excess = force - std::clamp(force, -edge.allowed, edge.allowed);
@@ -93,8 +93,8 @@ class Corrections {
     values_[at(slot)] -= (slope + hold * values_[at(slot)]) / (curvature + hold);
   }
 
-  std::map<std::int32_t, std::vector<Edge>> edges_;  ///< by the slots whose energies may change
-  std::vector<double> values_;                       ///< J, per slot
+  std::map<std::int32_t, std::vector<CellEdge>> edges_;  ///< by the slots whose energies may change
+  std::vector<double> values_;                           ///< J, per slot
 };
 
 /// Takes the ghosts of `data`.

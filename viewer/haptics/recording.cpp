@@ -19,7 +19,6 @@ namespace {
 
 using hdf5::Reader;
 using hdf5::Writer;
-using Json = nlohmann::json;
 
 constexpr const char* format_word = "palpate-recording";
 constexpr std::int32_t format_version = 1;
@@ -27,13 +26,13 @@ constexpr hdf5::FileKind recording_kind = {"recording", "palpate view --record F
                                            "copy the recording again, or record again"};
 
 template <class Value>
-struct Column {
+struct Channel {
   const char *path, *unit;
   Value (*of)(const HapticState&);
   std::vector<Value> values = {};
 };
 template <class Value>
-Column(const char*, const char*, Value (*)(const HapticState&)) -> Column<Value>;
+Channel(const char*, const char*, Value (*)(const HapticState&)) -> Channel<Value>;
 
 /// Anchor and displacement mean nothing where nothing is touched: zero, so that no plot shows more.
 Eigen::Vector3d whileTouching(const Touch& touch, const Eigen::Vector3d& value) {
@@ -41,33 +40,33 @@ Eigen::Vector3d whileTouching(const Touch& touch, const Eigen::Vector3d& value) 
 }
 
 /// Every list of a recording: the path of its array, its unit, and what it takes from a state.
-auto makeColumns() {
+auto makeChannels() {
   using State = const HapticState&;
   return std::tuple{
-      Column{"/time", "s", +[](State s) { return s.time; }},
-      Column{"/device/position", "m", +[](State s) { return s.reading.position; }},
-      Column{"/device/buttons", "bits", +[](State s) { return s.reading.buttons; }},
-      Column{"/device/status", "0 fresh, 1 repeated, 2 lost",
-             +[](State s) { return s.reading.status; }},
-      Column{"/tool/position", "m", +[](State s) { return s.tool; }},
-      Column{"/force/rendered", "N", +[](State s) { return s.force; }},
-      Column{"/force/raw", "N", +[](State s) { return s.touch.force; }},
-      Column{"/contact/touching", "0 or 1",
-             +[](State s) { return std::uint8_t{s.touch.touching}; }},
-      Column{"/contact/anchor", "m",
-             +[](State s) { return whileTouching(s.touch, s.touch.anchor_position); }},
-      Column{"/contact/displacement", "m",
-             +[](State s) { return whileTouching(s.touch, s.touch.displacement); }},
-      Column{"/contact/energy", "J", +[](State s) { return s.touch.energy; }},
-      Column{"/contact/error_bound", "N", +[](State s) { return s.touch.error_bound; }},
-      Column{"/guards", "bits", +[](State s) { return s.guards; }},
-      Column{"/model", "1", +[](State s) { return s.model; }},
-      Column{"/method", "1", +[](State s) { return s.method; }}};
+      Channel{"/time", "s", +[](State s) { return s.time; }},
+      Channel{"/device/position", "m", +[](State s) { return s.reading.position; }},
+      Channel{"/device/buttons", "bits", +[](State s) { return s.reading.buttons; }},
+      Channel{"/device/status", "0 fresh, 1 repeated, 2 lost",
+              +[](State s) { return s.reading.status; }},
+      Channel{"/tool/position", "m", +[](State s) { return s.tool; }},
+      Channel{"/force/rendered", "N", +[](State s) { return s.force; }},
+      Channel{"/force/raw", "N", +[](State s) { return s.touch.force; }},
+      Channel{"/contact/touching", "0 or 1",
+              +[](State s) { return std::uint8_t{s.touch.touching}; }},
+      Channel{"/contact/anchor", "m",
+              +[](State s) { return whileTouching(s.touch, s.touch.anchor_position); }},
+      Channel{"/contact/displacement", "m",
+              +[](State s) { return whileTouching(s.touch, s.touch.displacement); }},
+      Channel{"/contact/energy", "J", +[](State s) { return s.touch.energy; }},
+      Channel{"/contact/error_bound", "N", +[](State s) { return s.touch.error_bound; }},
+      Channel{"/guards", "bits", +[](State s) { return s.guards; }},
+      Channel{"/model", "1", +[](State s) { return s.model; }},
+      Channel{"/method", "1", +[](State s) { return s.method; }}};
 }
 
 /// A list of text as JSON; names of files may hold bytes that are not UTF-8.
 std::string jsonOf(const std::vector<std::string>& texts) {
-  return Json(texts).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return nlohmann::json(texts).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 void writeRun(Writer& out, const RecordedRun& run) {
@@ -151,7 +150,7 @@ RecordedRun describeRun(const std::vector<const HapticModel*>& models, const Hap
 }
 
 struct Recorder::Columns {
-  decltype(makeColumns()) lists = makeColumns();
+  decltype(makeChannels()) lists = makeChannels();
 };
 
 Recorder::Recorder(RecordedRun run) : run_(std::move(run)), columns_(std::make_unique<Columns>()) {

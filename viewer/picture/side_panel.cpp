@@ -16,7 +16,7 @@ constexpr float value_column = 104, choice_column = 72, heading_gap = 4;
 constexpr int lamp_columns = 3, lamp_corners = 12;
 constexpr float lamp_radius = 5, lamp_text_offset = 16;
 constexpr ImU32 lamp_lit = IM_COL32(240, 130, 0, 255), lamp_dark = IM_COL32(208, 213, 221, 255);
-constexpr double smallest_share = 0.005;  // of a space whose name is worth a line
+constexpr double smallest_weight = 0.005;  // of a space whose name is worth a line
 
 void heading(const char* text) {
   ImGui::Dummy({0, heading_gap});
@@ -143,7 +143,7 @@ void numbers(const PanelContents& contents) {
   for (std::int32_t n = 0; touch.touching && n < touch.blend.size; ++n) {
     const SpaceWeight& share = touch.blend.shares[static_cast<std::size_t>(n)];
     const auto space = static_cast<std::size_t>(share.space);
-    if (share.weight > smallest_share && space < contents.spaces.size())
+    if (share.weight > smallest_weight && space < contents.spaces.size())
       row(n == 0 ? "spaces" : "",
           fmt::format("{:3.0f} % {}", 100 * share.weight, contents.spaces[space]));
   }

@@ -13,8 +13,8 @@
 namespace palpate {
 namespace {
 
-constexpr double left = 62, right = 14, top = 30, bottom = 46;  // margins
-constexpr double padding = 0.04;                                // of the range, beyond the data
+constexpr double left_margin = 62, right_margin = 14, top_margin = 30, bottom_margin = 46;
+constexpr double padding = 0.04;  // of the range, beyond the data
 constexpr double mark_size = 4.2;
 
 /// Where values lie on the page.
@@ -64,26 +64,27 @@ Scale scaleOf(const Plot& plot, const PlotAxis& axis, std::vector<double> PlotSe
 }
 
 std::string frame(const Plot& plot, const Scale& x, const Scale& y) {
-  const double base = plot.height - bottom, end = plot.width - right;
+  const double base = plot.height - bottom_margin, end = plot.width - right_margin;
   std::string svg;
   for (const double tick : x.ticks())
     svg += fmt::format(
         "<line class=\"grid\" x1=\"{0:.1f}\" y1=\"{1}\" x2=\"{0:.1f}\" y2=\"{2}\"/><text "
         "class=\"tick\" x=\"{0:.1f}\" y=\"{3}\" text-anchor=\"middle\">{4}</text>\n",
-        x(tick), top, base, base + 16, tickLabel(tick));
+        x(tick), top_margin, base, base + 16, tickLabel(tick));
   for (const double tick : y.ticks())
     svg += fmt::format(
         "<line class=\"grid\" x1=\"{0}\" y1=\"{1:.1f}\" x2=\"{2}\" y2=\"{1:.1f}\"/><text "
         "class=\"tick\" x=\"{3}\" y=\"{4:.1f}\" text-anchor=\"end\">{5}</text>\n",
-        left, y(tick), end, left - 6, y(tick) + 4, tickLabel(tick));
-  svg += fmt::format("<path class=\"axis\" d=\"M{} {}V{}H{}\"/>\n", left, top, base, end);
+        left_margin, y(tick), end, left_margin - 6, y(tick) + 4, tickLabel(tick));
+  svg += fmt::format("<path class=\"axis\" d=\"M{} {}V{}H{}\"/>\n", left_margin, top_margin, base,
+                     end);
   return svg + fmt::format(
                    "<text class=\"title\" x=\"{}\" y=\"18\">{}</text>\n"
                    "<text class=\"label\" x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n"
                    "<text class=\"label\" transform=\"translate(15 {:.1f}) "
                    "rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-                   left, escaped(plot.title), 0.5 * (left + end), plot.height - 8,
-                   escaped(plot.x.label), 0.5 * (top + base), escaped(plot.y.label));
+                   left_margin, escaped(plot.title), 0.5 * (left_margin + end), plot.height - 8,
+                   escaped(plot.x.label), 0.5 * (top_margin + base), escaped(plot.y.label));
 }
 
 std::string lineOf(const PlotSeries& series, const Scale& x, const Scale& y) {
@@ -159,8 +160,8 @@ std::string markerAt(double x, double y, const SeriesStyle& style, double size) 
 }
 
 std::string svgOf(const Plot& plot) {
-  const Scale x = scaleOf(plot, plot.x, &PlotSeries::x, left, plot.width - right);
-  const Scale y = scaleOf(plot, plot.y, &PlotSeries::y, plot.height - bottom, top);
+  const Scale x = scaleOf(plot, plot.x, &PlotSeries::x, left_margin, plot.width - right_margin);
+  const Scale y = scaleOf(plot, plot.y, &PlotSeries::y, plot.height - bottom_margin, top_margin);
   std::string svg = fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">\n",
                                 plot.width, plot.height, escaped(plot.title));
   svg += frame(plot, x, y);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t listed_nodes = 36, plotted_nodes = 12;
 constexpr const char* mark_colour = "#1b1f24";
-constexpr double plot_width = 380, plot_height = 290;
+constexpr double graph_width = 380, graph_height = 290;
 
 std::string nodesTable(const Report& report, const std::vector<std::size_t>& nodes) {
   std::string rows;
@@ -59,8 +59,8 @@ std::string nodePlot(const Report& report, const NodeMeasures& node) {
                .x = {"configurations", true},
                .y = {"mean error, N", true},
                .series = methodSeries(report),
-               .width = plot_width,
-               .height = plot_height};
+               .width = graph_width,
+               .height = graph_height};
   for (const LatticeMeasures& lattice : report.lattices)
     if (!lattice.node_errors.empty())
       for (std::size_t m = 0; m < report.methods.size(); ++m)
@@ -123,8 +123,8 @@ std::string curvesAlong(const Report& report, const NodePictures& pictures, std:
                .x = {fmt::format("displacement along {}, mm", names[axis])},
                .y = {fmt::format("force along {}, N", names[axis])},
                .series = curves(report),
-               .width = plot_width,
-               .height = plot_height};
+               .width = graph_width,
+               .height = graph_height};
   addForces(pictures.solved[axis], plot.series[0]);
   for (std::size_t m = 0; m < report.methods.size(); ++m)
     addForces(pictures.sampled[m][axis], plot.series[m + 1]);

@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-constexpr int ticks = 1000;
+constexpr int counted_ticks = 1000;
 
 class RealTime : public ::testing::Test {
  protected:
@@ -32,7 +32,7 @@ TEST_F(RealTime, QueriesDoNotAllocateInsideOutsideAndForNan) {
   auto sample = test::sized<palpate_sample>();
   int failures = 0;
   const long before = test::allocationCount();
-  for (int n = 0; n < ticks; ++n) {
+  for (int n = 0; n < counted_ticks; ++n) {
     const double p[3] = {n == 500 ? std::numeric_limits<double>::quiet_NaN() : 5e-5 * n - 0.025,
                          1e-5 * n, -0.002};
     for (int space = 0; space < 2; ++space)
@@ -50,8 +50,8 @@ TEST_F(RealTime, ContactsAndGuardsDoNotAllocate) {
   auto force = test::sized<palpate_guarded_force>();
   int failures = 0, touching = 0;
   const long before = test::allocationCount();
-  for (int n = 0; n < ticks; ++n) {
-    const auto tool = test::pressing(dataset_.get(), n, ticks);
+  for (int n = 0; n < counted_ticks; ++n) {
+    const auto tool = test::pressing(dataset_.get(), n, counted_ticks);
     failures += palpate_contact_update(contact.get(), tool.data(), 1, &touch) == PALPATE_OK ? 0 : 1;
     failures += palpate_guard_limit(guard.get(), tool.data(), &touch, PALPATE_READING_FRESH,
                                     &force) == PALPATE_OK
@@ -63,7 +63,7 @@ TEST_F(RealTime, ContactsAndGuardsDoNotAllocate) {
   }
   EXPECT_EQ(test::allocationCount(), before);
   EXPECT_EQ(failures, 0);
-  EXPECT_GT(touching, ticks / 2);
+  EXPECT_GT(touching, counted_ticks / 2);
 }
 
 TEST_F(RealTime, ShapesDoNotAllocate) {
@@ -71,7 +71,7 @@ TEST_F(RealTime, ShapesDoNotAllocate) {
                            static_cast<std::size_t>(test::describe(dataset_.get()).vertex_count));
   int failures = 0;
   const long before = test::allocationCount();
-  for (int n = 0; n < ticks; ++n) {
+  for (int n = 0; n < counted_ticks; ++n) {
     const double p[3] = {1e-5 * n, 0.001, 0};
     failures += palpate_displacements(dataset_.get(), 1, p, shape.data(), shape.size(), nullptr) ==
                         PALPATE_OK

@@ -16,7 +16,6 @@ namespace {
 using ::testing::Each;
 using ::testing::HasSubstr;
 
-constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 constexpr int ticks = 500;
 
 #define EXPECT_INVALID(call, text)             \
@@ -131,7 +130,7 @@ TEST_F(CContact, SwitchesDatasetAndMethodWhileTouching) {
 TEST_F(CContact, EndsForNanAndOnRelease) {
   const auto contact = test::touchWith(dataset_.get());
   ASSERT_EQ(pressed(contact.get()).touching, 1);
-  const palpate_touch lost = update(contact.get(), {nan_value, 0, 0});
+  const palpate_touch lost = update(contact.get(), {test::nan_value, 0, 0});
   EXPECT_EQ(lost.touching, 0);
   EXPECT_THAT(lost.force, Each(0.0));
 
@@ -204,7 +203,7 @@ TEST_F(CContact, RefusesOptionsThatMakeNoSense) {
   EXPECT_THAT(complaint([](auto& o) { o.mode = 2; }), HasSubstr("mode is 2"));
   EXPECT_THAT(complaint([](auto& o) { o.method = 2; }), HasSubstr("no method 2"));
   EXPECT_THAT(complaint([](auto& o) { o.friction = -0.1; }), HasSubstr("friction is -0.1"));
-  EXPECT_THAT(complaint([](auto& o) { o.grab_distance = nan_value; }),
+  EXPECT_THAT(complaint([](auto& o) { o.grab_distance = test::nan_value; }),
               HasSubstr("grab_distance is nan"));
   EXPECT_THAT(complaint([](auto& o) { o.most_slide = 0; }), HasSubstr("most_slide is 0"));
   EXPECT_THAT(complaint([](auto& o) { o.most_relaxation = -1; }),

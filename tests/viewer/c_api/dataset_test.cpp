@@ -21,8 +21,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::NanSensitiveDoubleEq;
 
-constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
-
 class CDataset : public ::testing::Test {
  protected:
   palpate_sample query(int space, int method, const std::array<double, 3>& displacement) {
@@ -164,7 +162,7 @@ TEST_F(CDataset, ErrorsBelongToTheirThread) {
 
 TEST_F(CDataset, AnswersNanWithoutForceAndWithoutAnError) {
   for (const int method : {0, 1}) {
-    const palpate_sample sample = query(0, method, {nan_value, 0.001, 0});
+    const palpate_sample sample = query(0, method, {test::nan_value, 0.001, 0});
     EXPECT_THAT(sample.force, Each(0.0));
     EXPECT_THAT(sample.stiffness,
                 Each(::testing::Truly([](double k) { return std::isfinite(k); })));
@@ -172,7 +170,7 @@ TEST_F(CDataset, AnswersNanWithoutForceAndWithoutAnError) {
   }
   std::vector<float> shape(
       3 * static_cast<std::size_t>(test::describe(dataset_.get()).vertex_count), 5);
-  const double displacement[3] = {0, nan_value, 0};
+  const double displacement[3] = {0, test::nan_value, 0};
   std::int32_t inside = 1;
   ASSERT_EQ(
       palpate_displacements(dataset_.get(), 0, displacement, shape.data(), shape.size(), &inside),
@@ -245,7 +243,7 @@ TEST_F(CDataset, RefusesOptionsThatMakeNoSense) {
   options.methods = nullptr;
   EXPECT_THAT(complaint(PALPATE_INVALID_ARGUMENT, file_.path(), &options), HasSubstr("methods"));
   options = test::sized<palpate_open_options>();
-  for (const double reach : {-0.01, nan_value, std::numeric_limits<double>::infinity()}) {
+  for (const double reach : {-0.01, test::nan_value, std::numeric_limits<double>::infinity()}) {
     options.reach = reach;
     EXPECT_THAT(complaint(PALPATE_INVALID_ARGUMENT, file_.path(), &options), HasSubstr("reach"));
   }

@@ -20,7 +20,7 @@ constexpr const char* examples = PALPATE_SOURCE_DIR "/deploy/examples";
 
 std::string shellWord(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
 
-std::string run(const std::string& command) {
+std::string outputOf(const std::string& command) {
   const test::CommandResult result = test::runCommand(command);
   EXPECT_EQ(result.exit_code, 0) << command << '\n' << result.output;
   return result.output;
@@ -49,7 +49,7 @@ class Examples : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     prefix_ = new test::TemporaryDirectory;
-    run(PALPATE_LIBRARY_INSTALL_COMMAND " " + shellWord(prefix_->path()));
+    outputOf(PALPATE_LIBRARY_INSTALL_COMMAND " " + shellWord(prefix_->path()));
   }
   static void TearDownTestSuite() {
     delete prefix_;
@@ -81,10 +81,10 @@ class Examples : public ::testing::Test {
     words >> word >> name >> displacement[0] >> displacement[1] >> displacement[2] >> force >>
         forces[0] >> forces[1] >> forces[2];
     ASSERT_EQ(force, "force") << output;
-    const auto answer =
-        nlohmann::json::parse(run(PALPATE_BIN_DIR "/palpate query " + shellWord(sample_->path()) +
-                                  " --json --active " + name + " --displacement " +
-                                  displacement[0] + " " + displacement[1] + " " + displacement[2]));
+    const auto answer = nlohmann::json::parse(
+        outputOf(PALPATE_BIN_DIR "/palpate query " + shellWord(sample_->path()) +
+                 " --json --active " + name + " --displacement " + displacement[0] + " " +
+                 displacement[1] + " " + displacement[2]));
     for (std::size_t i = 0; i < 3; ++i) {
       EXPECT_EQ(std::strtod(forces[i].c_str(), nullptr), answer["force"][i].get<double>()) << line;
       EXPECT_EQ(std::strtod(displacement[i].c_str(), nullptr),
@@ -103,10 +103,10 @@ test::TemporaryDirectory* Examples::prefix_ = nullptr;
 TEST_F(Examples, InCBuildsWithPkgConfig) {
   const std::string config =
       "PKG_CONFIG_PATH=" + shellWord(package_.parent_path()) + " pkg-config ";
-  EXPECT_THAT(run(config + "--modversion palpate"), HasSubstr(PALPATE_PROJECT_VERSION));
-  run("cc -std=c99 -Wall -Wextra -Wpedantic -Werror " +
-      shellWord(std::string(examples) + "/c/touch.c") + " -o " + shellWord(build_ / "touch") +
-      " $(" + config + "--cflags --libs palpate) -lm");
+  EXPECT_THAT(outputOf(config + "--modversion palpate"), HasSubstr(PALPATE_PROJECT_VERSION));
+  outputOf("cc -std=c99 -Wall -Wextra -Wpedantic -Werror " +
+           shellWord(std::string(examples) + "/c/touch.c") + " -o " + shellWord(build_ / "touch") +
+           " $(" + config + "--cflags --libs palpate) -lm");
 }
 
 TEST_F(Examples, InCBuildsAndRunsAsTheManualSays) {
@@ -119,21 +119,21 @@ TEST_F(Examples, InCBuildsAndRunsAsTheManualSays) {
        {std::pair("PREFIX", prefix_->path()), std::pair("liver.h5", sample_->path())})
     for (std::size_t at = lines.find(word); at != std::string::npos; at = lines.find(word))
       lines.replace(at, std::string_view(word).size(), path.string());
-  expectForces(run("cd " + shellWord(build_.path()) + " && cp " +
-                   shellWord(std::string(examples) + "/c/touch.c") + " . && " + lines));
+  expectForces(outputOf("cd " + shellWord(build_.path()) + " && cp " +
+                        shellWord(std::string(examples) + "/c/touch.c") + " . && " + lines));
 }
 
 TEST_F(Examples, InCBuildsWithCMake) {
-  run("cmake -S " + shellWord(std::string(examples) + "/c") + " -B " + shellWord(build_.path()) +
-      " -DCMAKE_PREFIX_PATH=" + shellWord(prefix_->path()) + " && cmake --build " +
-      shellWord(build_.path()));
-  expectForces(run(shellWord(build_ / "touch") + " " + shellWord(sample_->path()) + " 4"));
+  outputOf("cmake -S " + shellWord(std::string(examples) + "/c") + " -B " +
+           shellWord(build_.path()) + " -DCMAKE_PREFIX_PATH=" + shellWord(prefix_->path()) +
+           " && cmake --build " + shellWord(build_.path()));
+  expectForces(outputOf(shellWord(build_ / "touch") + " " + shellWord(sample_->path()) + " 4"));
 }
 
 TEST_F(Examples, InCSaysWhatIsWrongWithAFile) {
-  run("cc -std=c99 " + shellWord(std::string(examples) + "/c/touch.c") + " -o " +
-      shellWord(build_ / "touch") + " $(PKG_CONFIG_PATH=" + shellWord(package_.parent_path()) +
-      " pkg-config --cflags --libs palpate) -lm");
+  outputOf("cc -std=c99 " + shellWord(std::string(examples) + "/c/touch.c") + " -o " +
+           shellWord(build_ / "touch") + " $(PKG_CONFIG_PATH=" + shellWord(package_.parent_path()) +
+           " pkg-config --cflags --libs palpate) -lm");
   const test::CommandResult result =
       test::runCommand("LD_LIBRARY_PATH=" + shellWord(library_.parent_path()) + " " +
                        shellWord(build_ / "touch") + " " + shellWord(build_ / "absent.h5"));
@@ -146,10 +146,10 @@ TEST_F(Examples, InPythonRuns) {
       "PALPATE_LIBRARY=" + shellWord(library_) +
       " PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=" + shellWord(std::string(examples) + "/python") +
       " python3 ";
-  expectForces(run(python + shellWord(std::string(examples) + "/python/touch.py") + " " +
-                   shellWord(sample_->path())));
+  expectForces(outputOf(python + shellWord(std::string(examples) + "/python/touch.py") + " " +
+                        shellWord(sample_->path())));
 
-  const std::string structures = run(
+  const std::string structures = outputOf(
       python +
       "-c 'import palpate\n"
       "for n, c in sorted(vars(palpate).items()):\n"
@@ -173,11 +173,12 @@ TEST_F(Examples, InPythonRuns) {
 
 TEST_F(Examples, ForUnityRunsUnderMono) {
   const std::filesystem::path program = build_ / "unity_sketch.exe";
-  run("mcs -unsafe -out:" + shellWord(program) + " " +
-      shellWord(PALPATE_SOURCE_DIR "/tests/viewer/c_api/unity_sketch.cs") + " " +
-      shellWord(std::string(examples) + "/unity/Palpate.cs"));
-  const std::string output = run("LD_LIBRARY_PATH=" + shellWord(library_.parent_path()) + " mono " +
-                                 shellWord(program) + " " + shellWord(sample_->path()));
+  outputOf("mcs -unsafe -out:" + shellWord(program) + " " +
+           shellWord(PALPATE_SOURCE_DIR "/tests/viewer/c_api/unity_sketch.cs") + " " +
+           shellWord(std::string(examples) + "/unity/Palpate.cs"));
+  const std::string output =
+      outputOf("LD_LIBRARY_PATH=" + shellWord(library_.parent_path()) + " mono " +
+               shellWord(program) + " " + shellWord(sample_->path()));
   expectForces(output);
   for (const auto& [name, size] :
        {std::pair("DatasetInfo", sizeof(palpate_dataset_info)),

@@ -14,8 +14,6 @@ namespace {
 using ::testing::Each;
 using ::testing::HasSubstr;
 
-constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
-
 #define EXPECT_INVALID(call, text)             \
   EXPECT_EQ((call), PALPATE_INVALID_ARGUMENT); \
   EXPECT_THAT(palpate_last_error(), HasSubstr(text))
@@ -119,7 +117,7 @@ TEST(CGuard, GivesNothingForALostDeviceALateLoopOrNan) {
   EXPECT_THAT(late.force, Each(0.0));
   EXPECT_TRUE(late.guards & PALPATE_GUARD_LATE);
 
-  const palpate_guarded_force bad = settled(guard.get(), nan_value);
+  const palpate_guarded_force bad = settled(guard.get(), test::nan_value);
   EXPECT_THAT(bad.force, Each(0.0));
   EXPECT_TRUE(bad.guards & PALPATE_GUARD_NOT_FINITE);
 }
@@ -198,7 +196,7 @@ TEST(CGuard, RefusesOptionsThatMakeNoSense) {
     return std::string(palpate_last_error());
   };
   EXPECT_THAT(complaint(&palpate_guard_options::period, 0), HasSubstr("period is 0"));
-  EXPECT_THAT(complaint(&palpate_guard_options::max_force, nan_value),
+  EXPECT_THAT(complaint(&palpate_guard_options::max_force, test::nan_value),
               HasSubstr("max_force is nan"));
   EXPECT_THAT(complaint(&palpate_guard_options::max_slew, std::numeric_limits<double>::infinity()),
               HasSubstr("max_slew is inf"));

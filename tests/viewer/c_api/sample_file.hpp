@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
+#include <limits>
 #include <memory>
 
 #include "tests/support/sample_dataset.hpp"
@@ -14,6 +15,8 @@
 #include "viewer/c_api/palpate.h"
 
 namespace palpate::test {
+
+inline constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
 /// The sample dataset in a file: a cube of 0.1 m with active nodes "tip" and "edge-2".
 class SampleFile {

@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/sample_dataset.hpp"
+#include "tests/viewer/fields/points_in_ball.hpp"
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double radius = 0.02;
+using test::radius;
 
 std::int32_t slotAt(const CellTree& tree, const LatticePoint& point) {
   for (std::size_t s = 0; s < tree.slots().size(); ++s)

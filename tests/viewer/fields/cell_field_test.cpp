@@ -7,6 +7,7 @@
 #include <random>
 
 #include "tests/support/sample_dataset.hpp"
+#include "tests/viewer/fields/points_in_ball.hpp"
 #include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
@@ -15,11 +16,13 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using test::AnalyticEnergy;
+using test::pointsInBall;
 using test::PolynomialEnergy;
+using test::radius;
 using test::solvedSpace;
 using test::StiffeningEnergy;
 
-constexpr double radius = 0.02, spacing = 0.005;
+constexpr double spacing = 0.005;
 
 /// The methods that are made of nodal data.
 class EveryCellField : public ::testing::TestWithParam<std::string> {};
@@ -32,19 +35,6 @@ class EveryBlendedField : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(CellField, EveryBlendedField,
                          ::testing::Values("trilinear", "tricubic", "hermite"),
                          [](const auto& method) { return method.param; });
-
-std::vector<Vector3d> pointsInBall(double reach, int count) {
-  std::mt19937 random(23);
-  const auto coordinate = [&] {
-    return reach * (static_cast<double>(random()) / 2147483648.0 - 1);
-  };
-  std::vector<Vector3d> points;
-  while (static_cast<int>(points.size()) < count) {
-    const double x = coordinate(), y = coordinate(), z = coordinate();
-    if (const Vector3d p(x, y, z); p.norm() <= reach) points.push_back(p);
-  }
-  return points;
-}
 
 SpaceTable smooth() { return solvedSpace(Lattice(radius, spacing), StiffeningEnergy()); }
 

@@ -8,16 +8,17 @@
 
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"
+#include "tests/viewer/fields/points_in_ball.hpp"
 
 namespace palpate {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using test::pointsInBall;
+using test::radius;
 using test::solvedSpace;
 using test::StiffeningEnergy;
-
-constexpr double radius = 0.02;
 
 /// Where one node goes as a function of the active node's displacement.
 using Motion = std::function<Vector3d(const Vector3d&)>;
@@ -54,19 +55,6 @@ std::vector<float> rowsOf(const SpaceTable& space, const Motion& motion) {
 
 DisplacementField fieldOf(const SpaceTable& space, const Motion& motion) {
   return DisplacementField(space, rowsOf(space, motion));
-}
-
-std::vector<Vector3d> pointsInBall(double reach, int count = 300) {
-  std::mt19937 random(5);
-  const auto coordinate = [&] {
-    return reach * (static_cast<double>(random()) / 2147483648.0 - 1);
-  };
-  std::vector<Vector3d> points;
-  while (static_cast<int>(points.size()) < count) {
-    const double x = coordinate(), y = coordinate(), z = coordinate();
-    if (const Vector3d p(x, y, z); p.norm() <= reach) points.push_back(p);
-  }
-  return points;
 }
 
 std::array<float, 3 * nodes> shapeAt(const DisplacementField& field, const Vector3d& p) {

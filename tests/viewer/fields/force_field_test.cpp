@@ -7,6 +7,7 @@
 
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"
+#include "tests/viewer/fields/points_in_ball.hpp"
 #include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
@@ -16,13 +17,12 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using test::AnalyticEnergy;
 using test::PolynomialEnergy;
+using test::radius;
 using test::solvedSpace;
 using test::StiffeningEnergy;
 
-constexpr double radius = 0.02;
-
 /// Points of a cube of half edge `reach` metres, from a fixed seed.
-std::vector<Vector3d> pointsWithin(double reach, int count = 200) {
+std::vector<Vector3d> pointsInCube(double reach, int count = 200) {
   std::mt19937 random(11);
   const auto coordinate = [&] {
     return reach * (static_cast<double>(random()) / 2147483648.0 - 1);
@@ -44,7 +44,7 @@ std::unique_ptr<ForceField> fieldOf(std::string_view method, const AnalyticEnerg
 /// Mean error of the force over points whose cells have complete surroundings.
 double forceError(std::string_view method, const AnalyticEnergy& energy, double spacing) {
   const auto field = fieldOf(method, energy, spacing);
-  const std::vector<Vector3d> points = pointsWithin(0.005, 1000);
+  const std::vector<Vector3d> points = pointsInCube(0.005, 1000);
   double sum = 0;
   for (const Vector3d& p : points) {
     const ForceSample sample = field->evaluate(p);
@@ -74,7 +74,7 @@ class MultilinearForceEnergy : public AnalyticEnergy {
 };
 
 void expectExact(const ForceField& field, const AnalyticEnergy& energy, double reach) {
-  for (const Vector3d& p : pointsWithin(reach)) {
+  for (const Vector3d& p : pointsInCube(reach)) {
     const ForceSample sample = field.evaluate(p);
     if (!sample.inside) continue;
     EXPECT_LE((sample.force + energy.gradient(p)).norm(), 1e-8 * energy.gradient(p).norm());
@@ -106,7 +106,7 @@ TEST_P(EveryField, ForceIsContinuousAcrossFaces) {
   const double spacing = 0.005;
   const auto field = fieldOf(GetParam(), StiffeningEnergy(), spacing);
   int faces = 0;
-  for (const Vector3d& p : pointsWithin(0.018, 2000))
+  for (const Vector3d& p : pointsInCube(0.018, 2000))
     for (int axis = 0; axis < 3; ++axis) {
       Vector3d low = p, high = p;
       const double face = spacing * std::round(p[axis] / spacing);
@@ -123,7 +123,7 @@ TEST_P(EveryField, ForceIsContinuousAcrossFaces) {
 TEST_P(EveryField, StiffnessIsTheDerivativeOfItsForce) {
   const auto field = fieldOf(GetParam(), StiffeningEnergy(), 0.005);
   const double step = 1e-7;
-  for (const Vector3d& p : pointsWithin(0.009)) {
+  for (const Vector3d& p : pointsInCube(0.009)) {
     Matrix3d differences;
     for (int axis = 0; axis < 3; ++axis) {
       const Vector3d d = step * Vector3d::Unit(axis);
@@ -214,7 +214,7 @@ TEST(PotentialField, ConvergesAtLeastWithTheFourthPowerOfTheSpacing) {
 TEST(PotentialField, ForceIsMinusTheGradientOfItsEnergy) {
   const auto field = fieldOf("potential", StiffeningEnergy(), 0.005);
   const double step = 1e-6;
-  for (const Vector3d& p : pointsWithin(0.009)) {
+  for (const Vector3d& p : pointsInCube(0.009)) {
     Vector3d differences;
     for (int axis = 0; axis < 3; ++axis) {
       const Vector3d d = step * Vector3d::Unit(axis);
@@ -252,7 +252,7 @@ TEST(PotentialField, ReturnsNoWorkFromAClosedLoopWhereTrilinearDoes) {
 TEST(PotentialField, StiffnessIsContinuousAcrossFaces) {
   const double spacing = 0.005;
   const auto field = fieldOf("potential", StiffeningEnergy(), spacing);
-  for (const Vector3d& p : pointsWithin(0.009)) {
+  for (const Vector3d& p : pointsInCube(0.009)) {
     Vector3d low = p, high = p;
     low.x() = -1e-13;
     high.x() = 1e-13;

@@ -7,6 +7,7 @@
 
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"
+#include "tests/viewer/fields/points_in_ball.hpp"
 #include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
@@ -15,28 +16,14 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using test::AnalyticEnergy;
+using test::pointsInBall;
+using test::radius;
 using test::solvedSpace;
 using test::StiffeningEnergy;
 
-constexpr double radius = 0.02;
-
-/// Points of the ball of `reach` metres, from a fixed seed.
-std::vector<Vector3d> pointsWithin(double reach, std::size_t count = 200) {
-  std::mt19937 random(17);
-  const auto coordinate = [&] {
-    return reach * (static_cast<double>(random()) / 2147483648.0 - 1);
-  };
-  std::vector<Vector3d> points;
-  while (points.size() < count) {
-    const double x = coordinate(), y = coordinate(), z = coordinate();
-    if (Vector3d(x, y, z).norm() < reach) points.emplace_back(x, y, z);
-  }
-  return points;
-}
-
 double largestError(const ForceField& field, const AnalyticEnergy& energy, double reach) {
   double largest = 0;
-  for (const Vector3d& p : pointsWithin(reach))
+  for (const Vector3d& p : pointsInBall(reach))
     largest = std::max(largest, (field.evaluate(p).force + energy.gradient(p)).norm());
   return largest;
 }
@@ -86,7 +73,7 @@ TEST_P(EveryRbfField, ReturnsTheStoredForcesAtSolvedPoints) {
 TEST_P(EveryRbfField, StiffnessIsTheDerivativeOfItsForce) {
   const auto field = fieldOf(refinedSpace(StiffeningEnergy()));
   const double step = 1e-7;
-  for (const Vector3d& p : pointsWithin(0.0199)) {
+  for (const Vector3d& p : pointsInBall(0.0199)) {
     Matrix3d differences;
     for (int axis = 0; axis < 3; ++axis) {
       const Vector3d d = step * Vector3d::Unit(axis);
@@ -100,7 +87,7 @@ TEST_P(EveryRbfField, StiffnessIsTheDerivativeOfItsForce) {
 TEST_P(EveryRbfField, AnswersTheWholeBall) {
   const auto field = fieldOf(refinedSpace(StiffeningEnergy()));
   const StiffeningEnergy energy;
-  for (const Vector3d& p : pointsWithin(radius, 1000)) {
+  for (const Vector3d& p : pointsInBall(radius, 1000)) {
     const ForceSample sample = field->evaluate(p);
     EXPECT_TRUE(sample.inside);
     EXPECT_LE((sample.force + energy.gradient(p)).norm(),
@@ -111,7 +98,7 @@ TEST_P(EveryRbfField, AnswersTheWholeBall) {
 TEST_P(EveryRbfField, ForceIsContinuousEverywhere) {
   const auto field = fieldOf(refinedSpace(StiffeningEnergy()));
   const Vector3d direction = Vector3d(1, 2, -0.5).normalized();
-  for (const Vector3d& start : pointsWithin(0.01, 5)) {
+  for (const Vector3d& start : pointsInBall(0.01, 5)) {
     Vector3d before = field->evaluate(start - 0.03 * direction).force;
     for (int n = 1; n <= 20000; ++n) {
       const Vector3d force = field->evaluate(start + (n * 3e-6 - 0.03) * direction).force;

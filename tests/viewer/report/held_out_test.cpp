@@ -8,10 +8,10 @@
 namespace palpate {
 namespace {
 
-SpaceTable denseSpace() { return test::solvedSpace(Lattice(0.06, 0.01), test::StiffeningEnergy()); }
+SpaceTable fineSpace() { return test::solvedSpace(Lattice(0.06, 0.01), test::StiffeningEnergy()); }
 
 TEST(HeldOutSolutions, OfProbesAreThoseWithinMaxForceOffTheLattices) {
-  SpaceTable dense = denseSpace();
+  SpaceTable dense = fineSpace();
   const auto probe = [](double x, Tag tag, double force) {
     Probe made;
     made.displacement = {x, 0, 0};
@@ -30,7 +30,7 @@ TEST(HeldOutSolutions, OfProbesAreThoseWithinMaxForceOffTheLattices) {
 }
 
 TEST(HeldOutSolutions, WithoutProbesAreThePointsTheCoarserLatticesLeaveOut) {
-  SpaceTable dense = denseSpace();
+  SpaceTable dense = fineSpace();
   dense.points[*dense.lattice.indexOf({1, 0, 0})].tag = Tag::failed;
   const SpaceTable second = thinned(dense, 2), third = thinned(dense, 3);
   const std::vector<HeldOutSolution> solutions = leftOutPoints(dense, {&second, &third});
