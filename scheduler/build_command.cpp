@@ -53,15 +53,15 @@ class Progress {
     next_ = now + (terminal_ ? redraw_every : line_every);
     const wire::Status status = coordinator.status(now);
     if (terminal_)
-      fmt::print(stderr, "\r{}\x1b[K", progressBar(status, columnsOf(STDERR_FILENO)));
+      tell("\r{}\x1b[K", progressBar(status, columnsOf(STDERR_FILENO)));
     else
-      fmt::print(stderr, "{}\n", progressLine(status));
+      tell("{}\n", progressLine(status));
     drawn_ = terminal_;
   }
 
   /// Ends the bar's line.
   void end() const {
-    if (drawn_) fmt::print(stderr, "\n");
+    if (drawn_) tell("\n");
   }
 
  private:
@@ -153,10 +153,8 @@ ExitCode carryOut(const BuildOrder& order, const std::string& endpoint,
     build.directory().announce(server.endpoint());
     const ExitCode when_stopped = compute(server, coordinator);
     if (!coordinator.complete()) {
-      fmt::print(stderr,
-                 "stopped; everything finished is kept in {}. "
-                 "The same command goes on from there.\n",
-                 state);
+      tell("stopped; everything finished is kept in {}. The same command goes on from there.\n",
+           state);
       return when_stopped;
     }
   }

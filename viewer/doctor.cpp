@@ -254,8 +254,7 @@ std::function<ExitCode()> prepareDoctor(CLI::App& app) {
   app.footer("Changes nothing and opens no device. Exit 0, or 1 when something will not work.");
   return [json] {
     const std::vector<Finding> findings = examineMachine();
-    std::cout << (*json ? describeJson(findings) : describe(findings)) << std::flush;
-    if (!std::cout) throw failure("cannot write the findings to standard output");
+    std::cout << (*json ? describeJson(findings) : describe(findings));
     const bool bad = std::ranges::count(findings, Verdict::bad, &Finding::verdict) > 0;
     return bad ? ExitCode::failed : ExitCode::done;
   };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <stdexcept>
 #include <string>
@@ -39,6 +40,13 @@ Error badInput(fmt::format_string<Args...> format, Args&&... args) {
 template <class... Args>
 Error failure(fmt::format_string<Args...> format, Args&&... args) {
   return {ExitCode::failed, fmt::format(format, std::forward<Args>(args)...)};
+}
+
+/// Writes to stderr for people. Unlike fmt::print it does not throw where that finds no room: the
+/// full disk behind a log must not end a night's work.
+template <class... Args>
+void tell(fmt::format_string<Args...> format, Args&&... args) {
+  std::fputs(fmt::format(format, std::forward<Args>(args)...).c_str(), stderr);
 }
 
 }  // namespace palpate

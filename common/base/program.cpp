@@ -42,12 +42,16 @@ void logToStderr(int verbosity) {
 
 ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) {
   try {
-    return run();
+    const ExitCode code = run();
+    // Only now is it known whether the last of the answer found room.
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      throw failure("cannot write the answer to standard output; is the disk full?");
+    return code;
   } catch (const Error& error) {
-    fmt::print(stderr, "palpate {}: {}\n", verb, error.what());
+    tell("palpate {}: {}\n", verb, error.what());
     return error.exitCode();
   } catch (const std::exception& error) {
-    fmt::print(stderr, "palpate {}: unexpected: {}\n", verb, error.what());
+    tell("palpate {}: unexpected: {}\n", verb, error.what());
     return ExitCode::failed;
   }
 }
@@ -63,7 +67,7 @@ void sayExitCodes(CLI::App& verb) {
 int refuseUsage(const CLI::App& app, const CLI::ParseError& error) {
   const auto chosen = app.get_subcommands();
   const std::string command = "palpate" + (chosen.empty() ? "" : " " + chosen.front()->get_name());
-  fmt::print(stderr, "{}: {}; {} --help tells all\n", command, error.what(), command);
+  tell("{}: {}; {} --help tells all\n", command, error.what(), command);
   return static_cast<int>(ExitCode::usage);
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <filesystem>
 #include <iterator>
 #include <string>
@@ -92,9 +91,9 @@ int refuseVerb(std::string_view verb) {
   std::ranges::transform(routes, std::back_inserter(verbs), &Route::verb);
   const std::string_view nearest = nearestWord(verb, verbs);
   if (nearest.empty())
-    fmt::print(stderr, "palpate: there is no verb \"{}\"; there is {}\n", verb, listed(verbs));
+    tell("palpate: there is no verb \"{}\"; there is {}\n", verb, listed(verbs));
   else
-    fmt::print(stderr, "palpate: there is no verb \"{}\"; did you mean \"{}\"?\n", verb, nearest);
+    tell("palpate: there is no verb \"{}\"; did you mean \"{}\"?\n", verb, nearest);
   return static_cast<int>(ExitCode::usage);
 }
 
@@ -103,8 +102,7 @@ int become(const Route& route, std::vector<std::string> arguments) {
   std::error_code error;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
   if (error) {
-    fmt::print(stderr, "palpate: cannot find where it is installed: /proc/self/exe: {}\n",
-               error.message());
+    tell("palpate: cannot find where it is installed: /proc/self/exe: {}\n", error.message());
     return static_cast<int>(ExitCode::failed);
   }
   const std::string program = self.parent_path() / route.program;
@@ -115,7 +113,7 @@ int become(const Route& route, std::vector<std::string> arguments) {
   execv(program.c_str(), argv.data());
   const char* hint =
       errno == ENOENT ? "; `cmake --build --preset release` builds all programs" : "";
-  fmt::print(stderr, "palpate {}: cannot start {}: {}{}\n", route.verb, program, errnoText(), hint);
+  tell("palpate {}: cannot start {}: {}{}\n", route.verb, program, errnoText(), hint);
   return static_cast<int>(ExitCode::failed);
 }
 

@@ -3,6 +3,7 @@
 
 #include <fstream>
 
+#include "tests/support/command.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/system/process.hpp"
@@ -90,6 +91,14 @@ TEST_F(SystemTest, DoesNotTakeADamagedDatasetForFinishedWork) {
   EXPECT_EQ(build->wait(), 2);
   EXPECT_THAT(build->output(), HasSubstr("not a usable dataset"));
   EXPECT_EQ(test::contentOf(directory / "damaged.h5"), damaged);
+}
+
+TEST_F(SystemTest, AFullDiskBehindTheLogEndsNoWork) {
+  const test::CommandResult build = test::runCommand(
+      "(cd '" + directory.path().string() +
+      "' && " PALPATE_BIN_DIR "/palpate build cube.toml -o out.h5 -j 1 2> /dev/full)");
+  EXPECT_TRUE(build.exit_code == 0 || build.exit_code == 3) << build.exit_code;
+  EXPECT_THAT(build.output, HasSubstr("sealed"));
 }
 
 TEST_F(SystemTest, OneWorkerAndThreeMakeTheSameFile) {

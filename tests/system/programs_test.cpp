@@ -24,5 +24,16 @@ TEST(Programs, NoProgramLinksOpenMpi) {
   EXPECT_GE(programs, 1) << "nothing is built in " << PALPATE_BIN_DIR;
 }
 
+TEST(Programs, FailWhenTheirAnswerFindsNoRoom) {
+  const std::string scene = std::string(PALPATE_SOURCE_DIR) + "/deploy/scenes/liver/liver.toml";
+  for (const std::string verb : {"doctor", "check", "solve --displacement 0.001 0 0"}) {
+    const std::string command = std::string(PALPATE_BIN_DIR "/palpate ") + verb +
+                                (verb == "doctor" ? "" : " '" + scene + "'");
+    const test::CommandResult full = test::runCommand("(" + command + " > /dev/full)");
+    EXPECT_EQ(full.exit_code, 1) << command;
+    EXPECT_THAT(full.output, ::testing::HasSubstr("standard output")) << command;
+  }
+}
+
 }  // namespace
 }  // namespace palpate

@@ -40,8 +40,7 @@ ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
   wanted.pictured_nodes = options.html.empty() ? 0 : pictured_nodes;
   const Report report = makeReport(wanted);
   if (!options.html.empty()) replaceFile(options.html, reportPage(report), "page");
-  output << (options.json ? reportJson(report) : reportText(report)) << std::flush;
-  if (!output) throw failure("cannot write the report to standard output");
+  output << (options.json ? reportJson(report) : reportText(report));
   return ExitCode::done;
 }
 
