@@ -1,8 +1,5 @@
-#include <signal.h>
 #include <spdlog/spdlog.h>
 #include <sys/ioctl.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -14,6 +11,7 @@
 #include "scheduler/build.hpp"
 #include "scheduler/status_text.hpp"
 #include "scheduler/verbs.hpp"
+#include "scheduler/worker_pool.hpp"
 
 namespace palpate {
 namespace {
@@ -178,89 +176,6 @@ void serveUntilDone(Server& server, Coordinator& coordinator,
 }
 
 // ---- build ----
-
-std::string describeStatus(int status) {
-  if (WIFSIGNALED(status))
-    return fmt::format("signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
-  return fmt::format("exit code {}", WEXITSTATUS(status));
-}
-
-/// Between fork and exec: only calls that are safe there.
-[[noreturn]] void becomeWorker(pid_t parent, char* const* arguments) {
-  if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent) _exit(126);
-  // Ctrl-C reaches the scheduler alone, which lets the workers finish what they hold.
-  setpgid(0, 0);
-  execv(arguments[0], arguments);
-  _exit(127);
-}
-
-/// The local `palpate-worker` processes of `build`. They die with this process, even when it is
-/// killed. One thread, the one that constructed it (the kernel ties a child's life to the thread
-/// that forked it).
-class WorkerPool {
- public:
-  struct Ended {
-    pid_t pid = 0;
-    std::string how;  ///< "exit code 1", "signal 9 (Killed)"
-  };
-
-  /// `command` is the program and its arguments. Starts nothing yet.
-  explicit WorkerPool(std::vector<std::string> command) : command_(std::move(command)) {}
-  /// Terminates and reaps what still runs.
-  ~WorkerPool() { terminate(milliseconds(0)); }
-  WorkerPool(const WorkerPool&) = delete;
-  WorkerPool& operator=(const WorkerPool&) = delete;
-
-  /// Starts one more process. Error when that is impossible.
-  void start() {
-    PALPATE_ASSERT(!command_.empty(), "the first word is the program");
-    // Before fork(): memory may not be allocated behind it.
-    std::vector<char*> arguments;
-    for (std::string& argument : command_) arguments.push_back(argument.data());
-    arguments.push_back(nullptr);
-    const pid_t parent = getpid();
-    const pid_t child = fork();
-    if (child < 0) throw failure("cannot start a worker process: {}", errnoText());
-    if (child == 0) becomeWorker(parent, arguments.data());
-    running_.push_back(child);
-  }
-
-  /// Those that ended since the last call.
-  std::vector<Ended> reap() {
-    std::vector<Ended> ended;
-    std::erase_if(running_, [&](pid_t pid) {
-      int status = 0;
-      const pid_t done = waitpid(pid, &status, WNOHANG);
-      if (done == 0 || (done < 0 && errno == EINTR)) return false;
-      ended.push_back({pid, done > 0 ? describeStatus(status) : std::string(errnoText())});
-      return true;
-    });
-    return ended;
-  }
-
-  std::size_t running() const { return running_.size(); }
-
-  /// SIGTERM, and SIGKILL to those that still run after `grace`.
-  void terminate(milliseconds grace) {
-    const auto signalAll = [&](int number) {
-      for (const pid_t pid : running_) kill(pid, number);
-    };
-    signalAll(SIGTERM);
-    const auto deadline = Clock::now() + grace;
-    while (reap(), !running_.empty() && Clock::now() < deadline)
-      std::this_thread::sleep_for(milliseconds(10));
-    // Waited for without an end: nothing survives this signal.
-    signalAll(SIGKILL);
-    for (const pid_t pid : running_)
-      while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
-      }
-    running_.clear();
-  }
-
- private:
-  std::vector<std::string> command_;
-  std::vector<pid_t> running_;
-};
 
 /// So many workers may end in a row without one new result. A target that kills its workers is
 /// given up after fewer.

@@ -11,18 +11,6 @@
 namespace palpate {
 namespace {
 
-/// A signal must not tear a message of several frames apart.
-template <class Call>
-auto repeatWhenInterrupted(Call call) {
-  for (;;) {
-    try {
-      return call();
-    } catch (const zmq::error_t& error) {
-      if (error.num() != EINTR) throw;
-    }
-  }
-}
-
 bool sendFrame(zmq::socket_t& socket, std::string_view bytes, bool more) {
   const auto flags =
       zmq::send_flags::dontwait | (more ? zmq::send_flags::sndmore : zmq::send_flags::none);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cerrno>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -25,6 +26,18 @@ inline constexpr std::size_t payload_frame_bytes = 64 * 1024;
 /// A payload longer than this is refused on receipt (a mesh of 10 million nodes does not fit;
 /// nothing we make comes near).
 inline constexpr std::size_t max_payload_bytes = 512u << 20;
+
+/// Calls ZeroMQ again when a signal came: it must not tear a message of several frames apart.
+template <class Call>
+auto repeatWhenInterrupted(Call call) {
+  for (;;) {
+    try {
+      return call();
+    } catch (const zmq::error_t& error) {
+      if (error.num() != EINTR) throw;
+    }
+  }
+}
 
 /// Where `serve` listens and `status`, `stop`, `work` connect when nothing is said.
 inline constexpr const char* default_endpoint = "tcp://127.0.0.1:7411";

@@ -24,17 +24,6 @@ void setDeviceOptions(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::heartbeat_timeout, 1500);
 }
 
-template <class Call>
-auto repeatWhenInterrupted(Call call) {
-  for (;;) {
-    try {
-      return call();
-    } catch (const zmq::error_t& error) {
-      if (error.num() != EINTR) throw;
-    }
-  }
-}
-
 }  // namespace
 
 zmq::socket_t makeDeviceRouter(zmq::context_t& context) {

@@ -1,0 +1,74 @@
+#include "scheduler/worker_pool.hpp"
+
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <thread>
+
+#include "common/base/assertion.hpp"
+#include "common/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+std::string describeStatus(int status) {
+  if (WIFSIGNALED(status))
+    return fmt::format("signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
+  return fmt::format("exit code {}", WEXITSTATUS(status));
+}
+
+/// Between fork and exec: only calls that are safe there.
+[[noreturn]] void becomeWorker(pid_t parent, char* const* arguments) {
+  if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent) _exit(126);
+  // Ctrl-C reaches the scheduler alone, which lets the workers finish what they hold.
+  setpgid(0, 0);
+  execv(arguments[0], arguments);
+  _exit(127);
+}
+
+}  // namespace
+
+void WorkerPool::start() {
+  PALPATE_ASSERT(!command_.empty(), "the first word is the program");
+  // Before fork(): memory may not be allocated behind it.
+  std::vector<char*> arguments;
+  for (std::string& argument : command_) arguments.push_back(argument.data());
+  arguments.push_back(nullptr);
+  const pid_t parent = getpid();
+  const pid_t child = fork();
+  if (child < 0) throw failure("cannot start a worker process: {}", errnoText());
+  if (child == 0) becomeWorker(parent, arguments.data());
+  running_.push_back(child);
+}
+
+std::vector<WorkerPool::Ended> WorkerPool::reap() {
+  std::vector<Ended> ended;
+  std::erase_if(running_, [&](pid_t pid) {
+    int status = 0;
+    const pid_t done = waitpid(pid, &status, WNOHANG);
+    if (done == 0 || (done < 0 && errno == EINTR)) return false;
+    ended.push_back({pid, done > 0 ? describeStatus(status) : std::string(errnoText())});
+    return true;
+  });
+  return ended;
+}
+
+void WorkerPool::terminate(std::chrono::milliseconds grace) {
+  const auto signalAll = [&](int number) {
+    for (const pid_t pid : running_) kill(pid, number);
+  };
+  signalAll(SIGTERM);
+  const auto deadline = std::chrono::steady_clock::now() + grace;
+  while (reap(), !running_.empty() && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  // Waited for without an end: nothing survives this signal.
+  signalAll(SIGKILL);
+  for (const pid_t pid : running_)
+    while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  running_.clear();
+}
+
+}  // namespace palpate

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+/// The local `palpate-worker` processes of `build`. They die with this process, even when it is
+/// killed. One thread, the one that constructed it (the kernel ties a child's life to the thread
+/// that forked it).
+class WorkerPool {
+ public:
+  struct Ended {
+    pid_t pid = 0;
+    std::string how;  ///< "exit code 1", "signal 9 (Killed)"
+  };
+
+  /// `command` is the program and its arguments. Starts nothing yet.
+  explicit WorkerPool(std::vector<std::string> command) : command_(std::move(command)) {}
+  /// Terminates and reaps what still runs.
+  ~WorkerPool() { terminate(std::chrono::milliseconds(0)); }
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+
+  /// Starts one more process. Error when that is impossible.
+  void start();
+  /// Those that ended since the last call.
+  std::vector<Ended> reap();
+  std::size_t running() const { return running_.size(); }
+  /// SIGTERM, and SIGKILL to those that still run after `grace`. Returns when none is left.
+  void terminate(std::chrono::milliseconds grace);
+
+ private:
+  std::vector<std::string> command_;
+  std::vector<pid_t> running_;
+};
+
+}  // namespace palpate
