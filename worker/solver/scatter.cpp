@@ -35,11 +35,16 @@ Scatter::Scatter(const Unknowns& unknowns, const SparsityPattern& pattern,
       pattern_(pattern),
       batches_(batches),
       held_(unknowns.count(), 0),
-      slots_(batches.all.size()),
       rows_(unknowns.count() + tool_rows + 1),
       entries_(pattern.row.size() + 3 * static_cast<std::size_t>(unknowns.count()) + tool_diagonal +
                tool_off_diagonal + 1) {
   PALPATE_ASSERT(pattern.n == unknowns.count(), "the matrix has a row for every unknown");
+  int most = 0;
+  for (const ElementBatch& batch : batches.all) most = std::max(most, batch.unknowns);
+  row_stride_ = static_cast<std::size_t>(most) * lanes;
+  entry_stride_ = static_cast<std::size_t>(localEntries(most)) * lanes;
+  row_slots_.resize(batches.all.size() * row_stride_);
+  entry_slots_.resize(batches.all.size() * entry_stride_);
   for (std::int32_t batch = 0; at(batch) < batches.all.size(); ++batch) findSlots(batch);
 }
 
@@ -64,25 +69,20 @@ std::int32_t Scatter::entrySlot(const Place& place_a, const Place& place_b) cons
 
 void Scatter::findSlots(std::int32_t number) {
   const ElementBatch& batch = batches_.all[number];
-  Slots& slots = slots_[number];
-  slots.rows.clear();
-  slots.entries.clear();
-  // Exactly: they stay as long as the process, and are most of what it holds of a large mesh.
-  slots.rows.reserve(static_cast<std::size_t>(batch.unknowns) * lanes);
-  slots.entries.reserve(static_cast<std::size_t>(localEntries(batch.unknowns)) * lanes);
+  std::int32_t* row_slot = row_slots_.data() + number * row_stride_;
+  std::int32_t* entry_slot = entry_slots_.data() + number * entry_stride_;
   // Left-over lanes go to the sink: their volume is zero, but a NaN times zero would not be.
   const auto sinkOf = [](const std::vector<double>& sums) {
     return static_cast<std::int32_t>(sums.size()) - 1;
   };
   for (int row = 0; row < batch.unknowns; ++row) {
     for (int lane = 0; lane < lanes; ++lane)
-      slots.rows.push_back(batch.element[lane] < 0 ? sinkOf(rows_)
-                                                   : rowSlot(batch.placeOf(row, lane)));
+      *row_slot++ = batch.element[lane] < 0 ? sinkOf(rows_) : rowSlot(batch.placeOf(row, lane));
     for (int column = row; column < batch.unknowns; ++column)
       for (int lane = 0; lane < lanes; ++lane)
-        slots.entries.push_back(batch.element[lane] < 0 ? sinkOf(entries_)
-                                                        : entrySlot(batch.placeOf(row, lane),
-                                                                    batch.placeOf(column, lane)));
+        *entry_slot++ = batch.element[lane] < 0
+                            ? sinkOf(entries_)
+                            : entrySlot(batch.placeOf(row, lane), batch.placeOf(column, lane));
   }
 }
 
@@ -101,13 +101,13 @@ void Scatter::hold(const std::vector<std::int32_t>& nodes, bool by_tool) {
 }
 
 void Scatter::add(std::int32_t batch, const BatchResult& result) {
-  const std::int32_t* slot = slots_[batch].rows.data();
+  const std::int32_t* slot = row_slots_.data() + batch * row_stride_;
   for (int row = 0; row < batches_.all[batch].unknowns; ++row)
     for (int lane = 0; lane < lanes; ++lane) rows_[*slot++] += result.residual[row][lane];
 }
 
 void Scatter::add(std::int32_t batch, const BatchTangent& tangent) {
-  const std::int32_t* slot = slots_[batch].entries.data();
+  const std::int32_t* slot = entry_slots_.data() + batch * entry_stride_;
   const int entries = localEntries(batches_.all[batch].unknowns);
   for (int entry = 0; entry < entries; ++entry)
     for (int lane = 0; lane < lanes; ++lane) entries_[*slot++] += tangent.entry[entry][lane];
