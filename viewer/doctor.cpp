@@ -33,8 +33,8 @@ using Verdict = Finding::Verdict;
 namespace fs = std::filesystem;
 
 constexpr const char* realtime_advice =
-    "put \"@realtime - rtprio 80\" and \"@realtime - memlock unlimited\" into "
-    "/etc/security/limits.d, join the group realtime, log in again; "
+    "put \"@realtime - rtprio 80\" and \"@realtime - memlock unlimited\" "
+    "into /etc/security/limits.d, join the group realtime, log in again; "
     "without it the loop runs all the same, and is woken late more often";
 
 std::string firstLine(const fs::path& file) {

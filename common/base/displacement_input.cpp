@@ -62,8 +62,9 @@ void forEachDisplacement(const std::vector<std::string>& words, std::istream& in
   const auto answer = [&](const Eigen::Vector3d& p) {
     if (!warned && looksLikeMillimetres(p, workspace_radius)) {
       spdlog::warn(
-          "displacement ({:g}, {:g}, {:g}): metres are expected, and the workspace has a radius of "
-          "{:.4g} m; this looks like millimetres, which would be ({:g}, {:g}, {:g})",
+          "displacement ({:g}, {:g}, {:g}): metres are expected, "
+          "and the workspace has a radius of {:.4g} m; "
+          "this looks like millimetres, which would be ({:g}, {:g}, {:g})",
           p[0], p[1], p[2], workspace_radius, 1e-3 * p[0], 1e-3 * p[1], 1e-3 * p[2]);
       warned = true;
     }

@@ -259,8 +259,8 @@ std::string curvedEdge(const std::vector<Eigen::Vector3d>& nodes,
     // Negated, so that NaN (an edge of length 0) is refused too.
     if (!(off <= tolerance))
       return fmt::format(
-          "the node of its edge at {:.6g} {:.6g} {:.6g} m is off the middle by {:.2g} of the "
-          "edge's length; curved edges are not supported",
+          "the node of its edge at {:.6g} {:.6g} {:.6g} m "
+          "is off the middle by {:.2g} of the edge's length; curved edges are not supported",
           a[0] / 2 + b[0] / 2, a[1] / 2 + b[1] / 2, a[2] / 2 + b[2] / 2, off);
   }
   return {};

@@ -171,8 +171,8 @@ void checkProblem(const Problem& problem) {
                diagonal = boundingBox(problem.mesh).diagonal().norm();
   if (radius > 3 * diagonal)
     throw badInput(
-        "workspace.radius = {:.4g} m is more than 3 times the diagonal of the mesh's bounding "
-        "box ({:.4g} m); is its unit that of length_unit?",
+        "workspace.radius = {:.4g} m is more than 3 times the diagonal "
+        "of the mesh's bounding box ({:.4g} m); is its unit that of length_unit?",
         radius, diagonal);
 }
 

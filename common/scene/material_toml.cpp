@@ -109,9 +109,9 @@ double poissonOf(const TomlSection& section) {
       "poisson", "Poisson's ratio, greater than -1 and less than 0.5", &TomlSection::number);
   if (!(poisson > -1 && poisson < 0.5))
     throw section.wrong("poisson",
-                        "{} must be greater than -1 and less than 0.5 (an incompressible tissue "
-                        "has a law of its own: modified-st-venant-kirchhoff, "
-                        "mooney-rivlin and others)",
+                        "{} must be greater than -1 and less than 0.5 "
+                        "(an incompressible tissue has a law of its own: "
+                        "modified-st-venant-kirchhoff, mooney-rivlin and others)",
                         poisson);
   return poisson;
 }

@@ -72,8 +72,8 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
   setTouchable();
   if (touch_triangles_.empty())
     throw failure(
-        "{}: nothing can be touched: no triangle of the surface has three corners near active "
-        "nodes; give a larger reach than {} m",
+        "{}: nothing can be touched: no triangle of the surface "
+        "has three corners near active nodes; give a larger reach than {} m",
         dataset.file().string(), reach);
   tree_ = SurfaceTree(vertices_, triangles_);
 }

@@ -133,8 +133,9 @@ void numbers(const PanelContents& contents) {
   heading("Touch");
   row("force", newtons(state.force.norm()));
   row("of tissue", newtons(touch.force.norm()));
-  row("error",
-      std::isfinite(touch.error_bound) ? "\xC2\xB1 " + newtons(touch.error_bound) : "unknown");
+  row("error", std::isfinite(touch.error_bound)
+                   ? fmt::format("\xC2\xB1 {:.2g} N", touch.error_bound)
+                   : "unknown");
   if (touch.touching)
     touchNumbers(touch);
   else

@@ -67,9 +67,9 @@ Section failuresSection(const Report& report) {
                       std::to_string(count.attempts), std::to_string(count.probes)},
                      barCell(count.sum(), most));
   return {"failures", "Failures",
-          "Points are lattice points without a solution, "
-          "attempts transitions that failed (another may have reached the point all the "
-          "same). palpate explain tells the story of a single point.",
+          "Points are lattice points without a solution, attempts transitions that failed "
+          "(another may have reached the point all the same). "
+          "palpate explain tells the story of a single point.",
           rows.empty() ? "<p>Nothing failed.</p>\n"
                        : table({"cause", "points", "attempts", "probes", ""}, rows)};
 }

@@ -155,8 +155,8 @@ Section loopsSection(const Report& report) {
                                      formatCount(lattice.configurations), formatNumber(work)));
     }
   return {"loops", "Closed loops",
-          "Work that a hand gains or loses around circles of a quarter of the workspace "
-          "radius, divided by the force times the way; the largest found. "
+          "Work that a hand gains or loses around circles of a quarter of the workspace radius, "
+          "divided by the force times the way; the largest found. "
           "Tissue gives back what it took: a method that does not can shake a device. "
           "10⁻¹⁰ stands for nothing but the error of the sum. "
           "Where a method gives way to tri-linear interpolation, "

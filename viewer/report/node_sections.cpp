@@ -167,8 +167,8 @@ Section mapsSection(const Report& report) {
   }
   return {
       "maps", "Where the error is",
-      fmt::format("Colour: the error bound that {} gives at each displacement in three "
-                  "planes through the rest position (axes in mm, lattice of {}). "
+      fmt::format("Colour: the error bound that {} gives at each displacement "
+                  "in three planes through the rest position (axes in mm, lattice of {}). "
                   "A dot lighter than its surroundings is a bound that did not hold. "
                   "White: no bound.{}",
                   report.methods.front(), escaped(shownLattice(report).label), whichNodes(report)),
@@ -185,9 +185,9 @@ Section curvesSection(const Report& report) {
   return {
       "curves", "Force along the axes",
       fmt::format("The force of the tissue on the tool along the direction of motion, "
-                  "for displacements along x, y and z, on {} as it is. Marks are exact "
-                  "solutions of the lattice; where curves part between marks, methods "
-                  "disagree.{}",
+                  "for displacements along x, y and z, on {} as it is. "
+                  "Marks are exact solutions of the lattice; "
+                  "where curves part between marks, methods disagree.{}",
                   escaped(report.datasets.front().file.filename().string()), whichNodes(report)),
       html};
 }

@@ -15,8 +15,8 @@ constexpr std::size_t pictured_nodes = 6;
 std::function<ExitCode()> prepareReport(CLI::App& app) {
   auto options = std::make_shared<ReportCommandOptions>();
   app.add_option("DATASET", options->report.datasets,
-                 "Sealed dataset, OUT.h5; more of the same scene with other spacings "
-                 "or accuracies add points to the curves")
+                 "Sealed dataset, OUT.h5; more of the same scene "
+                 "with other spacings or accuracies add points to the curves")
       ->required()
       ->type_name("FILE");
   app.add_option("--methods", options->report.methods,

@@ -15,11 +15,11 @@ std::string describeHeldOut(const Report& report) {
         report.held_out_count);
   if (report.held_out_kind == HeldOutKind::lattice_points)
     return fmt::format(
-        "There are no solved probes. Measured with {} lattice points that are left out of the "
-        "coarser lattices below; of the densest lattice itself nothing can be said.",
+        "There are no solved probes. Measured with {} lattice points "
+        "that the coarser lattices below leave out; of the densest itself nothing can be said.",
         report.held_out_count);
-  return "There are no solved probes, and no coarser lattice inside this one leaves solved "
-         "points out: nothing to measure errors with.";
+  return "There are no solved probes, and no coarser lattice inside this one "
+         "leaves solved points out: nothing to measure errors with.";
 }
 
 std::vector<std::string> describeGaps(const Report& report) {
@@ -38,8 +38,8 @@ std::vector<std::string> describeGaps(const Report& report) {
 
 std::string hintForProbes(const Report& report) {
   if (report.held_out_kind == HeldOutKind::probes) return "";
-  return "For errors of this lattice put \"[accuracy] probes = 200\" into the scene and build "
-         "again: 200 exact solutions per active node at random positions, "
+  return "For errors of this lattice put \"[accuracy] probes = 200\" into the scene "
+         "and build again: 200 exact solutions per active node at random positions, "
          "used for nothing but measuring.";
 }
 
