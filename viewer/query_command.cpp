@@ -142,6 +142,7 @@ ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& o
     output << (options.json ? describeJson(displacement, sample, field->name())
                             : describeForPerson(space, displacement, sample, field->name()))
            << std::flush;
+    if (!output) throw failure("cannot write the answer to standard output");
   };
   forEachDisplacement(options.displacement, input, space.lattice.radius(), answer);
   return code;

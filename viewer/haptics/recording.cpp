@@ -149,11 +149,11 @@ RecordedRun describeRun(const std::vector<const HapticModel*>& models, const Hap
           device.profile(), device.livesInScene(),     options};
 }
 
-struct Recorder::Columns {
-  decltype(makeChannels()) lists = makeChannels();
+struct Recorder::Lists {
+  decltype(makeChannels()) channels = makeChannels();
 };
 
-Recorder::Recorder(RecordedRun run) : run_(std::move(run)), columns_(std::make_unique<Columns>()) {
+Recorder::Recorder(RecordedRun run) : run_(std::move(run)), lists_(std::make_unique<Lists>()) {
   if (!(run_.options.period > 0))
     throw failure("a recording needs a positive period, not {} s", run_.options.period);
 }
@@ -170,8 +170,8 @@ void Recorder::add(const HapticState& state) {
   ++size_;
   const double tick = std::round(state.time / run_.options.period);
   complete_ = complete_ && tick == static_cast<double>(size_);
-  std::apply([&](auto&... column) { (column.values.push_back(column.of(state)), ...); },
-             columns_->lists);
+  std::apply([&](auto&... channel) { (channel.values.push_back(channel.of(state)), ...); },
+             lists_->channels);
 }
 
 void Recorder::save(const std::filesystem::path& file) const {
@@ -184,10 +184,10 @@ void Recorder::save(const std::filesystem::path& file) const {
       out.makeGroup(group);
     writeRun(out, run_);
     std::apply(
-        [&](const auto&... column) {
-          (out.writeList(column.path, column.values, column.unit), ...);
+        [&](const auto&... channel) {
+          (out.writeList(channel.path, channel.values, channel.unit), ...);
         },
-        columns_->lists);
+        lists_->channels);
     out.close();
   });
 }

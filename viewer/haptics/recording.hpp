@@ -69,10 +69,10 @@ class Recorder {
   void save(const std::filesystem::path& file) const;
 
  private:
-  struct Columns;  ///< the lists above
+  struct Lists;  ///< the lists above
 
   RecordedRun run_;
-  std::unique_ptr<Columns> columns_;
+  std::unique_ptr<Lists> lists_;
   std::size_t size_ = 0;
   double last_time_ = 0;  ///< s
   bool complete_ = true;

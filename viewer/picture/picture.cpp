@@ -90,7 +90,7 @@ struct Picture::Impl {
     if (!state.touch.touching && state.force.norm() == 0) return {};
     std::string text = fmt::format("{:.2f} N", state.force.norm());
     if (state.touch.touching && std::isfinite(state.touch.error_bound))
-      text += fmt::format(" \xC2\xB1 {:.2g} N", state.touch.error_bound);
+      text += fmt::format(" ± {:.2g} N", state.touch.error_bound);
     return {arrow_tip, text};
   }
 

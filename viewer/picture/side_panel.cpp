@@ -133,9 +133,8 @@ void numbers(const PanelContents& contents) {
   heading("Touch");
   row("force", newtons(state.force.norm()));
   row("of tissue", newtons(touch.force.norm()));
-  row("error", std::isfinite(touch.error_bound)
-                   ? fmt::format("\xC2\xB1 {:.2g} N", touch.error_bound)
-                   : "unknown");
+  const double bound = touch.error_bound;
+  row("error", std::isfinite(bound) ? fmt::format("± {:.2g} N", bound) : "unknown");
   if (touch.touching)
     touchNumbers(touch);
   else

@@ -10,7 +10,7 @@ namespace palpate::test {
 inline constexpr double radius = 0.02;
 
 /// The same points of the ball of `reach` metres in every run.
-inline std::vector<Eigen::Vector3d> pointsInBall(double reach, int count = 200) {
+inline std::vector<Eigen::Vector3d> pointsInBall(double reach, int count = 300) {
   std::mt19937 random(23);
   const auto coordinate = [&] {
     return reach * (static_cast<double>(random()) / 2147483648.0 - 1);
