@@ -144,7 +144,8 @@ ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& o
            << std::flush;
     if (!output) throw failure("cannot write the answer to standard output");
   };
-  forEachDisplacement(options.displacement, input, space.lattice.radius(), answer);
+  forEachTouch({}, options.displacement, input, space.lattice.radius(),
+               [&](const Touch& touch) { answer(touch.displacement); });
   return code;
 }
 

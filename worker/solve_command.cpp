@@ -1,9 +1,12 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "common/base/assertion.hpp"
 #include "common/base/displacement_input.hpp"
+#include "common/mesh/surface_point.hpp"
+#include "common/problem/finger.hpp"
 #include "common/problem/problem_warnings.hpp"
 #include "worker/solver/path.hpp"
 #include "worker/verbs.hpp"
@@ -14,18 +17,30 @@ namespace {
 struct SolveOptions {
   std::string scene;
   std::string active;
-  std::vector<std::string> displacement;
+  std::vector<std::string> at, displacement;
   std::optional<int> steps;
   bool json = false;
 };
 
-std::size_t spaceNamed(const Problem& problem, const std::string& name) {
+/// What --active names: an active node, or with `area` all sites of it.
+struct Chosen {
+  std::size_t space = 0;  ///< of an area the first
+  bool area = false;
+};
+
+Chosen chosenBy(const Problem& problem, const std::string& name) {
+  std::set<std::string> areas;
   std::string names;
   for (std::size_t space = 0; space < problem.active.size(); ++space) {
-    if (problem.active[space].name == name) return space;
-    names += (names.empty() ? "" : ", ") + problem.active[space].name;
+    const std::string& area = problem.scene.active[space].area;
+    if (problem.active[space].name == name) return {space};
+    if (!area.empty() && area == name) return {space, true};
+    if (!area.empty() && !areas.insert(area).second) continue;
+    names += (names.empty() ? "" : ", ") + (area.empty() ? problem.active[space].name : area);
   }
-  if (name.empty() && problem.active.size() == 1) return 0;
+  if (name.empty() && problem.active.size() == 1) return {0};
+  // A scene of nothing but one area.
+  if (name.empty() && areas.size() == 1 && names == *areas.begin()) return {0, true};
   if (name.empty())
     throw badInput("the scene has several active nodes; choose one with --active: {}", names);
   throw badInput("--active {}: there is no active node of that name; there are: {}", name, names);
@@ -57,30 +72,91 @@ Outcome solveAt(TransitionSolver& solver, const Problem& problem, std::optional<
   return outcome;
 }
 
+/// Answers at places of the surface one after the other, with the tool of the scene there.
+class Solving {
+ public:
+  Solving(const SolveOptions& options, const Problem& problem)
+      : options_(options),
+        problem_(problem),
+        chosen_(chosenBy(problem, options.active)),
+        name_(chosen_.area ? problem.scene.active[chosen_.space].area
+                           : problem.active[chosen_.space].name),
+        solver_(problem, chooseKernels()) {
+    solver_.chooseTool(chosen_.space);
+    if (const auto& finger = problem.active[chosen_.space].finger) place_ = finger->center;
+    if (chosen_.area && options.at.empty())
+      throw badInput("--active {}: is a surface that a finger touches; say where with --at X Y Z",
+                     name_);
+  }
+
+  /// Where the finger is; nothing for other tools.
+  const std::optional<Eigen::Vector3d>& place() const { return place_; }
+
+  /// The point of the surface nearest to `near`.
+  void moveTo(const Eigen::Vector3d& near) {
+    const auto& finger = problem_.active[chosen_.space].finger;
+    if (!finger)
+      throw badInput(
+          "--at: \"{}\" is no finger, and answers where it is only; "
+          "write tool = \"finger\" in the scene",
+          name_);
+    const Finger moved = fingerNear("--at", problem_.mesh, near, finger->radius);
+    if (place_ && *place_ == moved.center) return;
+    solver_.placeFinger("--at", moved);
+    place_ = moved.center;
+  }
+
+  Outcome at(const Eigen::Vector3d& displacement) {
+    refuseMistakenUnit(problem_, displacement);
+    return solveAt(solver_, problem_, options_.steps, displacement);
+  }
+
+ private:
+  const SolveOptions& options_;
+  const Problem& problem_;
+  const Chosen chosen_;
+  const std::string& name_;
+  TransitionSolver solver_;
+  std::optional<Eigen::Vector3d> place_;
+};
+
+/// What of the drive lies in the surface: the finger cannot leave it.
+Eigen::Vector3d alongSurface(const Mesh& mesh, const Eigen::Vector3d& place,
+                             const Eigen::Vector3d& drive) {
+  const Eigen::Vector3d normal = normalOf(mesh, nearestOnSurface(mesh, place).triangle);
+  return drive - normal.dot(drive) * normal;
+}
+
 nlohmann::ordered_json toJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
-void printJson(const Eigen::Vector3d& displacement, const Outcome& outcome) {
+void printJson(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
+               const Eigen::Vector3d& displacement, const Outcome& outcome) {
   using nlohmann::ordered_json;
   const bool found = outcome.converged;
   const Equilibrium& e = outcome.equilibrium;
   const auto orNull = [](bool known, const ordered_json& value) { return known ? value : nullptr; };
   const ordered_json rows = {toJson(e.stiffness.row(0)), toJson(e.stiffness.row(1)),
                              toJson(e.stiffness.row(2))};
-  const ordered_json answer = {
-      {"displacement", toJson(displacement)},
-      {"converged", found},
-      {"force", orNull(found, toJson(e.force))},
-      {"stiffness", orNull(found, rows)},
-      {"energy", orNull(found, e.energy)},
-      {"newton_iterations", outcome.cost.newton_iterations},
-      {"factorizations", outcome.cost.factorizations},
-      {"seconds", outcome.cost.seconds},
-      {"min_det_F", found ? e.min_det_F : outcome.failure.element_det_F},
-      {"failure", orNull(!found, std::string(name(outcome.failure.cause)))}};
+  ordered_json answer = {{"displacement", toJson(displacement)},
+                         {"converged", found},
+                         {"force", orNull(found, toJson(e.force))},
+                         {"stiffness", orNull(found, rows)},
+                         {"energy", orNull(found, e.energy)},
+                         {"newton_iterations", outcome.cost.newton_iterations},
+                         {"factorizations", outcome.cost.factorizations},
+                         {"seconds", outcome.cost.seconds},
+                         {"min_det_F", found ? e.min_det_F : outcome.failure.element_det_F},
+                         {"failure", orNull(!found, std::string(name(outcome.failure.cause)))}};
+  if (place) {
+    answer["at"] = toJson(*place);
+    answer["drive"] = orNull(found, toJson(alongSurface(mesh, *place, e.drive)));
+  }
   fmt::print("{}\n", answer.dump());
 }
 
-void printText(const Eigen::Vector3d& displacement, const Outcome& outcome) {
+void printText(const Mesh& mesh, const std::optional<Eigen::Vector3d>& place,
+               const Eigen::Vector3d& displacement, const Outcome& outcome) {
+  if (place) fmt::print("at            {:g} {:g} {:g} m\n", (*place)[0], (*place)[1], (*place)[2]);
   fmt::print("displacement  {:g} {:g} {:g} m\n", displacement[0], displacement[1], displacement[2]);
   if (!outcome.converged) {
     fmt::print("failed        {}\n", describe(outcome.failure));
@@ -91,6 +167,11 @@ void printText(const Eigen::Vector3d& displacement, const Outcome& outcome) {
     for (int row = 0; row < 3; ++row)
       fmt::print("{}{:12.5g} {:12.5g} {:12.5g}\n", row == 0 ? "stiffness N/m" : "             ",
                  e.stiffness(row, 0), e.stiffness(row, 1), e.stiffness(row, 2));
+    if (place) {
+      const Eigen::Vector3d drive = alongSurface(mesh, *place, e.drive);
+      fmt::print("drive         {:.6g} {:.6g} {:.6g} N, along the surface\n", drive[0], drive[1],
+                 drive[2]);
+    }
     fmt::print("energy        {:.6g} J\nmin det F     {:.4g}\n", e.energy, e.min_det_F);
   }
   fmt::print("cost          {} Newton iterations, {} factorisations, {:.3f} s\n",
@@ -100,16 +181,15 @@ void printText(const Eigen::Vector3d& displacement, const Outcome& outcome) {
 ExitCode solve(const SolveOptions& options) {
   const Problem problem = loadProblem(options.scene);
   logWarnings(problem);
-  const std::size_t space = spaceNamed(problem, options.active);
-  TransitionSolver solver(problem, chooseKernels());
-  solver.chooseTool(space);
+  Solving solving(options, problem);
   bool all_converged = true;
   const double radius = problem.scene.workspace.radius;
-  forEachDisplacement(options.displacement, std::cin, radius, [&](const auto& displacement) {
-    refuseMistakenUnit(problem, displacement);
-    const Outcome outcome = solveAt(solver, problem, options.steps, displacement);
+  forEachTouch(options.at, options.displacement, std::cin, radius, [&](const Touch& touch) {
+    if (touch.at) solving.moveTo(*touch.at);
+    const Outcome outcome = solving.at(touch.displacement);
     all_converged &= outcome.converged;
-    options.json ? printJson(displacement, outcome) : printText(displacement, outcome);
+    (options.json ? printJson : printText)(problem.mesh, solving.place(), touch.displacement,
+                                           outcome);
     std::fflush(stdout);  // who pipes displacements in waits for the answer before the next one
   });
   return all_converged ? ExitCode::done : ExitCode::partly_failed;
@@ -120,8 +200,10 @@ std::function<ExitCode()> prepareSolve(CLI::App& app) {
   app.add_option("SCENE", options->scene, "The scene, a TOML file (docs/scene.md)")
       ->required()
       ->type_name("FILE");
-  app.add_option("--active", options->active, "Active node; not needed when there is only one")
+  app.add_option("--active", options->active,
+                 "Active node, or surface that a finger touches; not needed when there is only one")
       ->type_name("NAME");
+  addPlaceOption(app, options->at);
   addDisplacementOption(app, options->displacement);
   app.add_option("--steps", options->steps,
                  "Equal transitions from rest; default: one per lattice spacing")

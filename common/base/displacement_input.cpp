@@ -12,21 +12,39 @@
 namespace palpate {
 namespace {
 
-Eigen::Vector3d parse(const std::vector<std::string>& words, const std::string& where) {
-  if (words.size() != 3)
-    throw badInput("{}: write three numbers, X Y Z in metres, not {}", where, words.size());
+/// Three finite numbers, the words from `first` on.
+Eigen::Vector3d parse(const std::vector<std::string>& words, const std::string& where,
+                      std::size_t first = 0) {
   Eigen::Vector3d displacement;
-  for (int i = 0; i < 3; ++i) {
-    const std::string& word = words[i];
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string& word = words[first + i];
     // from_chars takes no plus sign, people write one.
     const char* begin = word.data() + (word.starts_with('+') ? 1 : 0);
     const char* end = word.data() + word.size();
-    const auto [stop, error] = std::from_chars(begin, end, displacement[i]);
-    if (error != std::errc() || stop != end || !std::isfinite(displacement[i]))
+    double& number = displacement[static_cast<Eigen::Index>(i)];
+    const auto [stop, error] = std::from_chars(begin, end, number);
+    if (error != std::errc() || stop != end || !std::isfinite(number))
       throw badInput("{}: \"{}\" is not a finite number", where, word);
   }
   return displacement;
 }
+
+void checkCount(const std::vector<std::string>& words, std::size_t count,
+                const std::string& where) {
+  if (words.size() == count) return;
+  if (count == 3)
+    throw badInput("{}: write three numbers, X Y Z in metres, not {}", where, words.size());
+  throw badInput(
+      "{}: write six numbers, X Y Z of the place and of the displacement in metres, not {}", where,
+      words.size());
+}
+
+Eigen::Vector3d parseThree(const std::vector<std::string>& words, const std::string& where) {
+  checkCount(words, 3, where);
+  return parse(words, where);
+}
+
+const std::vector<std::string> from_input = {"-"};
 
 /// Nobody asks for places this many radii away on purpose.
 constexpr double far_beyond = 3;
@@ -44,6 +62,16 @@ std::vector<std::string> wordsIn(const std::string& line) {
 
 }  // namespace
 
+CLI::Option* addPlaceOption(CLI::App& app, std::vector<std::string>& words) {
+  return app
+      .add_option("--at", words,
+                  "Of a finger: the point of the surface nearest to this one, metres; or - to read "
+                  "X Y Z of it before X Y Z of the displacement from each line")
+      ->expected(1, 3)
+      ->allow_extra_args(false)
+      ->type_name("X Y Z");
+}
+
 CLI::Option* addDisplacementOption(CLI::App& app, std::vector<std::string>& words) {
   return app
       .add_option(
@@ -55,9 +83,14 @@ CLI::Option* addDisplacementOption(CLI::App& app, std::vector<std::string>& word
       ->type_name("X Y Z");
 }
 
-void forEachDisplacement(const std::vector<std::string>& words, std::istream& input,
-                         double workspace_radius,
-                         const std::function<void(const Eigen::Vector3d&)>& visit) {
+void forEachTouch(const std::vector<std::string>& at, const std::vector<std::string>& words,
+                  std::istream& input, double workspace_radius,
+                  const std::function<void(const Touch&)>& visit) {
+  const bool places_from_input = at == from_input;
+  if (places_from_input && words != from_input)
+    throw badInput("--at -: each line has six numbers, so write --displacement - too");
+  std::optional<Eigen::Vector3d> place;
+  if (!at.empty() && !places_from_input) place = parseThree(at, "--at");
   bool warned = false;
   const auto answer = [&](const Eigen::Vector3d& p) {
     if (!warned && looksLikeMillimetres(p, workspace_radius)) {
@@ -68,17 +101,20 @@ void forEachDisplacement(const std::vector<std::string>& words, std::istream& in
           p[0], p[1], p[2], workspace_radius, 1e-3 * p[0], 1e-3 * p[1], 1e-3 * p[2]);
       warned = true;
     }
-    visit(p);
+    visit({place, p});
   };
-  if (words != std::vector<std::string>{"-"}) {
-    answer(parse(words, "--displacement"));
+  if (words != from_input) {
+    answer(parseThree(words, "--displacement"));
     return;
   }
   std::string line;
   for (int number = 1; std::getline(input, line); ++number) {
     const std::vector<std::string> numbers = wordsIn(line);
     if (numbers.empty() || numbers.front().starts_with('#')) continue;
-    answer(parse(numbers, fmt::format("standard input, line {}", number)));
+    const std::string where = fmt::format("standard input, line {}", number);
+    checkCount(numbers, places_from_input ? 6 : 3, where);
+    if (places_from_input) place = parse(numbers, where);
+    answer(parse(numbers, where, numbers.size() - 3));
   }
   if (input.bad()) throw failure("standard input could not be read");
 }

@@ -11,6 +11,8 @@ namespace palpate {
 
 template <>
 struct hdf5::Stored<LatticeEdge> : hdf5::Row<std::int32_t, 2> {};
+template <>
+struct hdf5::Stored<std::array<double, 4>> : hdf5::Row<double, 4> {};
 
 namespace {
 
@@ -19,10 +21,11 @@ using hdf5::Writer;
 
 constexpr const char *points_group = "/points", *probes_group = "/probes";
 constexpr const char *name_path = "/spaces/name", *active_path = "/spaces/active_node",
-                     *patch_node_path = "/patches/node", *patch_weight_path = "/patches/weight",
-                     *split_level_path = "/splits/level", *jumps_path = "/inconsistent_edges",
-                     *cause_path = "/attempts/cause", *ijk_path = "/points/ijk",
-                     *position_path = "/points/position", *probe_position_path = "/probes/position";
+                     *finger_path = "/spaces/finger", *patch_node_path = "/patches/node",
+                     *patch_weight_path = "/patches/weight", *split_level_path = "/splits/level",
+                     *jumps_path = "/inconsistent_edges", *cause_path = "/attempts/cause",
+                     *ijk_path = "/points/ijk", *position_path = "/points/position",
+                     *probe_position_path = "/probes/position";
 
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
@@ -53,10 +56,10 @@ auto partsOf(const std::vector<Row*>& rows, Member member) {
 }
 
 /// What /points and /probes, which is `group`, have in common. The tags come before what depends on
-/// them.
+/// them. `with_drive`: some space is of a finger; other files keep their bytes.
 template <class Row, class Visit>
 void forEachRecordColumn(const std::string& group, const std::vector<Row*>& records,
-                         const Visit& visit) {
+                         bool with_drive, const Visit& visit) {
   visit(group + "/tag", records, "1", &PointRecord::tag);
   visit(group + "/cause", records, "1", &PointRecord::cause);
   visit(group + "/parent", records, "1", &PointRecord::parent);
@@ -71,6 +74,11 @@ void forEachRecordColumn(const std::string& group, const std::vector<Row*>& reco
   visit(group + "/force", equilibria, "N", &Equilibrium::force);
   visit(group + "/stiffness", equilibria, "N/m", &Equilibrium::stiffness);
   visit(group + "/energy", equilibria, "J", &Equilibrium::energy);
+  if (with_drive) {
+    visit(group + "/drive", equilibria, "N", &Equilibrium::drive);
+    visit(group + "/drive_stiffness", equilibria, "N/m", &Equilibrium::drive_stiffness);
+    visit(group + "/drive_slope", equilibria, "N/m", &Equilibrium::drive_slope);
+  }
   visit(group + "/min_det_F", equilibria, "1", &Equilibrium::min_det_F);
   visit(group + "/residual", solved, "N", &PointRecord::residual);
   visit(group + "/fields_id", solved, "1", &PointRecord::fields);
@@ -83,6 +91,11 @@ auto rowsOf(Spaces& spaces, List list) {
   for (auto& space : spaces)
     for (auto& row : std::invoke(list, space)) rows.push_back(&row);
   return rows;
+}
+
+bool anyFinger(const std::vector<SpaceTable>& spaces) {
+  return std::ranges::any_of(
+      spaces, [](const SpaceTable& space) { return space.patch.finger.has_value(); });
 }
 
 /// In the order of the file. visit.group(path) comes before the columns of a group, and
@@ -110,11 +123,12 @@ void forEachColumn(Spaces& spaces, const Visit& visit) {
   visit(jumps_path, rowsOf(spaces, &SpaceTable::inconsistent_edges), "1", std::identity());
   visit.group(points_group);
   visit.lattices(spaces);
-  forEachRecordColumn(points_group, rowsOf(spaces, &SpaceTable::points), visit);
+  const bool with_drive = anyFinger(spaces);
+  forEachRecordColumn(points_group, rowsOf(spaces, &SpaceTable::points), with_drive, visit);
   visit.group(probes_group);
   const auto probes = rowsOf(spaces, &SpaceTable::probes);
   visit(probe_position_path, probes, "m", &Probe::displacement);
-  forEachRecordColumn(probes_group, partsOf(probes, &Probe::record), visit);
+  forEachRecordColumn(probes_group, partsOf(probes, &Probe::record), with_drive, visit);
 }
 
 // ---- lattices -------------------------------------------------------------------------------
@@ -226,6 +240,13 @@ struct ColumnReader {
   }
 };
 
+/// Centre and radius; of other tools no numbers.
+using FingerRow = std::array<double, 4>;
+
+FingerRow rowOf(const Finger& finger) {
+  return {finger.center[0], finger.center[1], finger.center[2], finger.radius};
+}
+
 // ---- writing --------------------------------------------------------------------------------
 
 void writeNames(Writer& out, const std::vector<SpaceTable>& spaces) {
@@ -267,6 +288,12 @@ void writePatches(Writer& out, const std::vector<SpaceTable>& spaces) {
   ColumnWriter{out}(patch_node_path, rowsOf(spaces, patch_nodes), "1", std::identity());
   // Left out for rigid tools alone: their files keep their bytes.
   if (is_weighted) out.writeList(patch_weight_path, weights, "1");
+  if (!anyFinger(spaces)) return;
+  std::vector<FingerRow> fingers;
+  for (const SpaceTable& space : spaces)
+    fingers.push_back(space.patch.finger ? rowOf(*space.patch.finger)
+                                         : FingerRow{no_number, no_number, no_number, no_number});
+  out.writeList(finger_path, fingers, "m");
 }
 
 // ---- reading --------------------------------------------------------------------------------
@@ -299,15 +326,17 @@ void resizeLists(const Reader& in, const std::string& firsts_path, const char* r
 
 void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
                  std::vector<SpaceTable>& spaces) {
-  const auto isWeighted = [](const ActiveSelection& a) {
-    return a.tool == ToolKind::weighted_average;
-  };
+  const auto isWeighted = [](const ActiveSelection& a) { return a.tool != ToolKind::rigid; };
+  const auto isFinger = [](const ActiveSelection& a) { return a.tool == ToolKind::finger; };
   const auto active = in.readList<std::int32_t>(active_path, spaces.size());
   const auto nodes = rowsOf(spaces, patch_nodes);
   ColumnReader{in, scene}(patch_node_path, nodes, "1", std::identity());
   std::vector<double> weights(nodes.size());
   if (std::ranges::any_of(scene.active, isWeighted))
     weights = in.readList<double>(patch_weight_path, nodes.size());
+  std::vector<FingerRow> fingers(spaces.size());
+  if (std::ranges::any_of(scene.active, isFinger))
+    fingers = in.readList<FingerRow>(finger_path, spaces.size());
   auto weight = weights.begin();
   for (std::size_t s = 0; s < spaces.size(); ++s) {
     ActivePatch& patch = spaces[s].patch;
@@ -316,6 +345,12 @@ void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
     const auto end = weight + static_cast<std::ptrdiff_t>(patch.nodes.size());
     if (isWeighted(scene.active[s])) patch.weights.assign(weight, end);
     weight = end;
+    if (isFinger(scene.active[s])) {
+      const auto& [x, y, z, radius] = fingers[s];
+      patch.finger = Finger{{x, y, z}, radius};
+      if (!patch.finger->center.allFinite() || !(radius > 0))
+        throw in.damaged(finger_path, fmt::format("{} has no place", patch.name));
+    }
     if (!std::ranges::is_sorted(patch.nodes))
       throw in.damaged(patch_node_path, fmt::format("those of {} are not sorted", patch.name));
     if (!patch.nodes.empty() &&
@@ -331,7 +366,7 @@ void checkSolved(const Reader& in, const std::string& group,
                  const std::vector<PointRecord*>& records) {
   for (std::size_t n = 0; n < records.size(); ++n) {
     const Equilibrium& e = records[n]->equilibrium;
-    if (!e.force.allFinite() || !e.stiffness.allFinite() || !std::isfinite(e.energy))
+    if (!isFinite(e))
       throw in.damaged(group + "/force",
                        fmt::format("row {} is solved, but has no finite force", n));
   }

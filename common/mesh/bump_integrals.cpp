@@ -36,9 +36,9 @@ std::array<QuadraturePoint, 7> degreeFive() {
 class Integration {
  public:
   Integration(const Mesh& mesh, const Eigen::Vector3d& center, double radius)
-      : mesh_(mesh), center_(center), radius_(radius), integrals_(mesh.nodes.size(), 0.0) {}
+      : mesh_(mesh), center_(center), radius_(radius), integrals_(mesh.nodes.size()) {}
 
-  std::vector<double> run() {
+  std::vector<BumpIntegral> run() {
     for (const Triangle& triangle : mesh_.surface) {
       for (int i = 0; i < 3; ++i) {
         corners_.col(i) = mesh_.nodes[triangle[i]];
@@ -77,12 +77,24 @@ class Integration {
   }
 
   void addPoint(const Barycentric& l, double area) {
-    const double relative = (corners_ * l - center_).squaredNorm() / (radius_ * radius_);
+    const Eigen::Vector3d away = corners_ * l - center_;
+    const double relative = away.squaredNorm() / (radius_ * radius_);
     if (relative >= 1) return;
     const double bump = (1 - relative) * (1 - relative) * area;
+    const double slope = 4 * (1 - relative) / (radius_ * radius_) * area;
+    const Eigen::Vector3d gradient = slope * away;
+    Eigen::Matrix3d curvature =
+        8 / (radius_ * radius_ * radius_ * radius_) * area * away * away.transpose();
+    curvature.diagonal().array() -= slope;
+    const auto addTo = [&](std::int32_t node, double shape) {
+      BumpIntegral& integral = integrals_[node];
+      integral.value += bump * shape;
+      integral.gradient += shape * gradient;
+      integral.curvature += shape * curvature;
+    };
     for (int i = 0; i < 3; ++i) {
-      integrals_[nodes_[i]] += bump * (mesh_.edges.empty() ? l[i] : l[i] * (2 * l[i] - 1));
-      if (!mesh_.edges.empty()) integrals_[nodes_[3 + i]] += bump * 4 * l[i] * l[(i + 1) % 3];
+      addTo(nodes_[i], mesh_.edges.empty() ? l[i] : l[i] * (2 * l[i] - 1));
+      if (!mesh_.edges.empty()) addTo(nodes_[3 + i], 4 * l[i] * l[(i + 1) % 3]);
     }
   }
 
@@ -91,12 +103,13 @@ class Integration {
   double radius_;
   Eigen::Matrix3d corners_;                 ///< of the surface triangle, one per column
   std::array<std::int32_t, 6> nodes_ = {};  ///< its vertices, then the middles of 01, 12, 20
-  std::vector<double> integrals_;
+  std::vector<BumpIntegral> integrals_;
 };
 
 }  // namespace
 
-std::vector<double> bumpIntegrals(const Mesh& mesh, const Eigen::Vector3d& center, double radius) {
+std::vector<BumpIntegral> bumpIntegrals(const Mesh& mesh, const Eigen::Vector3d& center,
+                                        double radius) {
   PALPATE_ASSERT(radius > 0, "a scene gives weighted tools a radius");
   return Integration(mesh, center, radius).run();
 }

@@ -91,9 +91,14 @@ void checkFixed(const Problem& problem) {
     throw badInput("[fixed] selects all {} nodes: nothing is left to move", n_nodes);
 }
 
-/// Rigid patches have no weights; weighted ones have one per node, with the sum 1.
+/// Rigid patches have no weights; weighted ones have one per node, with the sum 1, and of those
+/// fingers a place.
 void checkWeights(const ActivePatch& patch, ToolKind tool) {
-  const bool weighted = tool == ToolKind::weighted_average;
+  const bool weighted = tool != ToolKind::rigid, finger = tool == ToolKind::finger;
+  if (patch.finger.has_value() != finger ||
+      (finger && !(patch.finger->center.allFinite() && patch.finger->radius > 0)))
+    throw badInput("active \"{}\": has no place of a finger, or one without being a finger",
+                   patch.name);
   const double sum = std::accumulate(patch.weights.begin(), patch.weights.end(), 0.0);
   if (patch.weights.size() != (weighted ? patch.nodes.size() : 0) ||
       (weighted && !(std::abs(sum - 1) < 1e-9)))

@@ -47,6 +47,11 @@ wire::Problem toMessage(const Problem& problem) {
     active.set_node(patch.node);
     active.set_nodes(bytesOfArray(patch.nodes));
     active.set_weights(bytesOfArray(patch.weights));
+    if (patch.finger) {
+      const std::vector<Eigen::Vector3d> center = {patch.finger->center};
+      active.set_finger_center(bytesOfArray(center));
+      active.set_finger_radius(patch.finger->radius);
+    }
   }
   for (const auto& [name, nodes] : problem.mesh.node_groups) {
     wire::NodeGroup& group = *message.add_node_groups();
@@ -59,6 +64,13 @@ wire::Problem toMessage(const Problem& problem) {
   if (problem.scene.regions.size() > 1) message.set_region_of(bytesOfArray(problem.region_of));
   message.set_fibers(bytesOfArray(problem.fibers));
   return message;
+}
+
+std::optional<Finger> fingerFrom(const wire::ActivePatch& message) {
+  const auto center = arrayFrom<Eigen::Vector3d>(message.finger_center(), "the place of a finger");
+  if (center.empty()) return std::nullopt;
+  if (center.size() != 1) throw badInput("a finger has {} places", center.size());
+  return Finger{center.front(), message.finger_radius()};
 }
 
 Problem fromMessage(const wire::Problem& message) {
@@ -82,7 +94,8 @@ Problem fromMessage(const wire::Problem& message) {
   for (const wire::ActivePatch& active : message.active())
     problem.active.push_back({active.name(), active.node(),
                               arrayFrom<std::int32_t>(active.nodes(), "the nodes of a patch"),
-                              arrayFrom<double>(active.weights(), "the weights of a patch")});
+                              arrayFrom<double>(active.weights(), "the weights of a patch"),
+                              fingerFrom(active)});
   return problem;
 }
 

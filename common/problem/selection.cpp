@@ -10,6 +10,8 @@
 #include "common/base/error.hpp"
 #include "common/base/nearest_word.hpp"
 #include "common/mesh/bump_integrals.hpp"
+#include "common/problem/finger.hpp"
+#include "common/problem/sites.hpp"
 
 namespace palpate {
 namespace {
@@ -122,6 +124,35 @@ NodeSet movableOf(const ActiveSelection& selection, const Mesh& mesh, const Node
   return movable;
 }
 
+/// One finger for each site on the triangles whose three corners `surface` selects.
+std::vector<ActiveSelection> sitesOf(const ActiveSelection& selection, const Mesh& mesh,
+                                     const NodeSet& surface, const NodeSet& fixed) {
+  const std::string key = fmt::format("active \"{}\": surface", selection.name);
+  const NodeSet selected = selectOnSurface(*selection.surface, key, mesh, surface);
+  std::vector<std::int32_t> triangles;
+  for (std::size_t t = 0; t < mesh.surface.size(); ++t)
+    if (std::ranges::all_of(mesh.surface[t], [&](auto node) { return contains(selected, node); }))
+      triangles.push_back(static_cast<std::int32_t>(t));
+  if (triangles.empty())
+    throw badInput(
+        "{}: holds {} nodes of the surface, but no triangle with its three corners among them; "
+        "make it larger",
+        key, selected.size());
+  const std::vector<Eigen::Vector3d> sites = sitesOn(mesh, triangles, fixed, selection.radius);
+  if (sites.empty())
+    throw badInput(
+        "{}: everywhere in it a finger would rest on what is fixed; move it, or fix less", key);
+  std::vector<ActiveSelection> fingers;
+  for (const Eigen::Vector3d& site : sites) {
+    ActiveSelection& one = fingers.emplace_back(selection);
+    one.name = fmt::format("{}-{}", selection.name, fingers.size() - 1);
+    one.area = selection.name;
+    one.surface.reset();
+    one.near = site;
+  }
+  return fingers;
+}
+
 // ---- patches --------------------------------------------------------------------------------
 
 std::int32_t nearestOf(const NodeSet& candidates, const Mesh& mesh, const Eigen::Vector3d& x) {
@@ -153,6 +184,16 @@ std::int32_t selectActiveNode(const ActiveSelection& selection, const Mesh& mesh
   return node;
 }
 
+ActivePatch selectFinger(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& surface,
+                         const NodeSet& fixed) {
+  const Finger finger =
+      selection.near
+          ? fingerNear(fmt::format("active \"{}\": near", selection.name), mesh, *selection.near,
+                       selection.radius)
+          : Finger{mesh.nodes[selectActiveNode(selection, mesh, surface)], selection.radius};
+  return fingerPatch(selection.name, mesh, fixed, finger);
+}
+
 /// The vertices `surface`, and the middles of their triangles' edges.
 NodeSet withMidEdgeNodes(NodeSet surface, const Mesh& mesh) {
   if (mesh.edges.empty()) return surface;
@@ -169,9 +210,9 @@ std::vector<double> weightsOf(const ActivePatch& patch, const Mesh& mesh, double
         "lie within its radius of {:.4g} m (edges are {:.4g} m on average); "
         "a weighted average needs at least 3: make radius larger, or the mesh finer there",
         patch.name, patch.nodes.size(), radius, measure(mesh).mean_edge);
-  const std::vector<double> integrals = bumpIntegrals(mesh, mesh.nodes[patch.node], radius);
+  const std::vector<BumpIntegral> integrals = bumpIntegrals(mesh, mesh.nodes[patch.node], radius);
   std::vector<double> weights;
-  for (const std::int32_t node : patch.nodes) weights.push_back(integrals[node]);
+  for (const std::int32_t node : patch.nodes) weights.push_back(integrals[node].value);
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
   // Single weights may be negative with quadratic shape functions.
   if (!(sum > 0))
@@ -244,6 +285,10 @@ std::vector<ActiveSelection> expandSurfaces(const std::vector<ActiveSelection>& 
       expanded.push_back(selection);
       continue;
     }
+    if (selection.tool == ToolKind::finger) {
+      std::ranges::move(sitesOf(selection, mesh, surface, fixed), std::back_inserter(expanded));
+      continue;
+    }
     for (const std::int32_t node : movableOf(selection, mesh, surface, fixed)) {
       ActiveSelection& one = expanded.emplace_back(selection);
       one.name = fmt::format("{}-{}", selection.name, node);
@@ -263,6 +308,7 @@ std::vector<ActiveSelection> expandSurfaces(const std::vector<ActiveSelection>& 
 ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& fixed) {
   PALPATE_ASSERT(!selection.surface, "expandSurfaces left single nodes");
   const NodeSet surface = surfaceNodes(mesh);
+  if (selection.tool == ToolKind::finger) return selectFinger(selection, mesh, surface, fixed);
   const bool weighted = selection.tool == ToolKind::weighted_average;
   ActivePatch patch;
   patch.name = selection.name;

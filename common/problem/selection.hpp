@@ -17,7 +17,9 @@ NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh);
 
 /// The [[active]] tables with every `surface` replaced by one table for each vertex of the surface
 /// that it selects and that is not fixed, in the order of their numbers, called NAME-NODE; radius
-/// and tool are those of the table. Error when a selector holds no vertex of the surface, when all
+/// and tool are those of the table. For a finger instead one table for each site (sitesOn), called
+/// NAME-0, NAME-1, ..., `near` the site, with the area NAME; triangles belong to the surface whose
+/// three corners are selected. Error when a selector holds no vertex of the surface, when all
 /// that are selected are fixed, when a group does not exist, or when two active nodes have one name
 /// then.
 std::vector<ActiveSelection> expandSurfaces(const std::vector<ActiveSelection>& selections,
@@ -25,7 +27,8 @@ std::vector<ActiveSelection> expandSurfaces(const std::vector<ActiveSelection>& 
 
 /// The patch of an [[active]] table without `surface`. A rigid one holds all nodes within the
 /// radius, inner ones and mid-edge nodes too; a weighted one those of the surface, with their
-/// weights (ActivePatch::weights). Fixed nodes are left out. Error when the node does not exist or
+/// weights (ActivePatch::weights); a finger is centred at the point of the surface that is nearest
+/// to `near` (finger.hpp). Fixed nodes are left out. Error when the node does not exist or
 /// is not a vertex of the surface, when `near` is far from the body, or when fewer than three nodes
 /// are left to be averaged.
 ActivePatch selectPatch(const ActiveSelection& selection, const Mesh& mesh, const NodeSet& fixed);

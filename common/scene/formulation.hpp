@@ -31,8 +31,8 @@ enum class Constraint : std::uint8_t { ln_det_F, det_F_minus_1 };
 
 /// What moves a patch of nodes: "rigid", all of them by the tool's displacement (a single node is
 /// the smallest rigid patch), or "weighted-average", which prescribes the mean of their
-/// displacements only.
-enum class ToolKind : std::uint8_t { rigid, weighted_average };
+/// displacements only; "finger" is the same about any point of the surface, not only about nodes.
+enum class ToolKind : std::uint8_t { rigid, weighted_average, finger };
 
 /// The words of the scene file for the enumerators of a choice, in their order. Choices have theirs
 /// beside them.
@@ -51,8 +51,8 @@ template <>
 inline constexpr auto words_of<Constraint> = std::to_array<std::string_view>({"ln-det-F",
                                                                               "det-F-1"});
 template <>
-inline constexpr auto words_of<ToolKind> = std::to_array<std::string_view>({"rigid",
-                                                                            "weighted-average"});
+inline constexpr auto words_of<ToolKind> =
+    std::to_array<std::string_view>({"rigid", "weighted-average", "finger"});
 
 /// The word of an enumerator. Valid for ever.
 template <class Choice>

@@ -69,6 +69,7 @@ std::string activeToml(const ActiveSelection& active) {
   std::string text = fmt::format("\n[[active]]\nname = {}\n{}\nradius = {}  # m\n",
                                  quotedToml(active.name), place, decimalToml(active.radius));
   if (active.tool != ToolKind::rigid) text += fmt::format("tool = \"{}\"\n", word(active.tool));
+  if (!active.area.empty()) text += fmt::format("area = {}\n", quotedToml(active.area));
   return text;
 }
 

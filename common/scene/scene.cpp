@@ -201,17 +201,21 @@ ActiveSelection readActive(const TomlSection& section) {
   if (radius < 0) throw section.wrong("radius", "{} must not be negative", radius);
   active.radius = section.metres(radius);
   active.tool = section.choice("tool", active.tool);
-  if (active.tool == ToolKind::weighted_average && active.radius == 0)
-    throw section.wrong(
-        "tool", "weighted-average needs a radius greater than 0, over which it is the mean");
+  active.area = section.optional("area", &TomlSection::text).value_or("");
+  if (!active.area.empty() && (active.tool != ToolKind::finger || !isPlainName(active.area)))
+    throw section.wrong("area", "\"{}\" must be a plain name, and is for tool = \"finger\" only",
+                        active.area);
+  if (active.tool != ToolKind::rigid && active.radius == 0)
+    throw section.wrong("tool", "{} needs a radius greater than 0, over which it is the mean",
+                        word(active.tool));
   return active;
 }
 
 std::vector<ActiveSelection> readActives(const TomlSection& root) {
   std::vector<ActiveSelection> actives;
   for (const toml::node& element : root.tables("active", "active node")) {
-    const TomlSection section =
-        root.inner("active", element, {"name", "near", "node", "surface", "radius", "tool"});
+    const TomlSection section = root.inner(
+        "active", element, {"name", "near", "node", "surface", "radius", "tool", "area"});
     actives.push_back(readActive(section));
     refuseTwin(section, actives, &ActiveSelection::name, "name", "active nodes are called");
   }

@@ -76,15 +76,20 @@ struct SurfaceSelection {
 };
 
 /// [[active]]: exactly one of `near`, `node` and `surface`. One with `surface` stands for many
-/// active nodes until resolve() has replaced it by them (selection.hpp).
+/// active nodes, or for the sites of a finger, until resolve() has replaced it by them
+/// (selection.hpp).
 struct ActiveSelection {
-  std::string name;                          ///< unique; letters, digits, '-' and '_'
-  std::optional<Eigen::Vector3d> near = {};  ///< metres: the nearest surface node
-  std::optional<std::int32_t> node = {};     ///< 0-based; must lie on the surface
+  std::string name;  ///< unique; letters, digits, '-' and '_'
+  /// Metres: the nearest surface node; of a finger the nearest point of the surface.
+  std::optional<Eigen::Vector3d> near = {};
+  std::optional<std::int32_t> node = {};  ///< 0-based; must lie on the surface
   double radius = 0;  ///< metres: every node within it (<=) is in the patch, fixed ones excepted
-  ToolKind tool = ToolKind::rigid;  ///< weighted_average needs a radius > 0
-  /// Every vertex of the surface in it that is not fixed.
+  ToolKind tool = ToolKind::rigid;  ///< all but rigid need a radius > 0
+  /// Every vertex of the surface in it that is not fixed; of a finger all of the surface in it.
   std::optional<SurfaceSelection> surface = {};
+  /// Of a finger: fingers of one area and one radius are sites of one energy E(s, p), which answers
+  /// between them too. Empty: by itself. May be the name of no active node.
+  std::string area = {};
   bool operator==(const ActiveSelection&) const = default;
 };
 

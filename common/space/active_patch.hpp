@@ -1,10 +1,19 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace palpate {
+
+/// Where a soft finger meets the surface at rest, and how wide it is: metres.
+struct Finger {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< on the surface
+  double radius = 0;
+  bool operator==(const Finger&) const = default;
+};
 
 /// The tool's contact: the active node and the nodes that it moves together.
 struct ActivePatch {
@@ -16,6 +25,9 @@ struct ActivePatch {
   /// (r/radius)^2)^2. With P2 displacement some may be negative: a quadratic shape function is, in
   /// places.
   std::vector<double> weights = {};
+  /// Of a finger, which is centred anywhere on the surface: then the weights are fingerWeights
+  /// (finger_weights.hpp) about it, and `node` is the nearest vertex among the nodes.
+  std::optional<Finger> finger = {};
 };
 
 }  // namespace palpate

@@ -38,6 +38,12 @@ NodalFields NodalFields::decode(std::string_view bytes, std::size_t n_nodes,
   return fields;
 }
 
+bool isFinite(const Equilibrium& e) {
+  return e.force.allFinite() && e.stiffness.allFinite() && std::isfinite(e.energy) &&
+         std::isfinite(e.min_det_F) && e.drive.allFinite() && e.drive_stiffness.allFinite() &&
+         e.drive_slope.allFinite();
+}
+
 ContentId NodalFields::id() const { return ContentId::of(encode()); }
 
 }  // namespace palpate

@@ -31,7 +31,19 @@ struct Equilibrium {
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
   double energy = 0;     ///< J, stored energy relative to the rest state
   double min_det_F = 1;  ///< smallest over the elements
+
+  // Of a finger at s on the surface (ActivePatch::finger), whose energy E(s, p) also changes with
+  // s; else zero. All exact, in three dimensions, because E is defined for any s near the surface.
+  /// N, what drives the finger along, T = -dE/ds.
+  Eigen::Vector3d drive = Eigen::Vector3d::Zero();
+  /// N/m, [a, b] = d drive_a / d p_b; the transpose is d force / d s.
+  Eigen::Matrix3d drive_stiffness = Eigen::Matrix3d::Zero();
+  /// N/m, [a, b] = d drive_a / d s_b, symmetric.
+  Eigen::Matrix3d drive_slope = Eigen::Matrix3d::Zero();
 };
+
+/// Whether every number of it is finite.
+bool isFinite(const Equilibrium& equilibrium);
 
 /// How much work an answer took. Everything but `seconds` is reproducible.
 struct Cost {

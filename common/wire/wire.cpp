@@ -54,6 +54,29 @@ bool readMatrix(const std::string& bytes, Eigen::Matrix<double, rows, columns>& 
   return matrix.allFinite();
 }
 
+/// By rows, as readMatrix takes them.
+std::string matrixBytes(const Eigen::Matrix3d& matrix) {
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rows = matrix;
+  return {reinterpret_cast<const char*>(rows.data()), 9 * sizeof(double)};
+}
+
+void driveToWire(const Equilibrium& equilibrium, wire::Equilibrium& message) {
+  if (equilibrium.drive.isZero(0) && equilibrium.drive_stiffness.isZero(0) &&
+      equilibrium.drive_slope.isZero(0))
+    return;
+  message.set_drive(equilibrium.drive.data(), 3 * sizeof(double));
+  message.set_drive_stiffness(matrixBytes(equilibrium.drive_stiffness));
+  message.set_drive_slope(matrixBytes(equilibrium.drive_slope));
+}
+
+bool readDrive(const wire::Equilibrium& message, Equilibrium& equilibrium) {
+  if (message.drive().empty() && message.drive_stiffness().empty() && message.drive_slope().empty())
+    return true;
+  return readMatrix<3, 1>(message.drive(), equilibrium.drive) &&
+         readMatrix<3, 3>(message.drive_stiffness(), equilibrium.drive_stiffness) &&
+         readMatrix<3, 3>(message.drive_slope(), equilibrium.drive_slope);
+}
+
 }  // namespace
 
 bool isOnThisMachineOnly(const std::string& endpoint) {
@@ -202,13 +225,13 @@ void toWire(const Outcome& outcome, const std::string& fields_bytes, wire::Resul
   }
   PALPATE_ASSERT(!fields_bytes.empty(), "an equilibrium has nodal fields");
   const Equilibrium& equilibrium = outcome.equilibrium;
-  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> stiffness = equilibrium.stiffness;
   wire::Equilibrium& message = *result.mutable_equilibrium();
   message.set_force(equilibrium.force.data(), 3 * sizeof(double));
-  message.set_stiffness(stiffness.data(), 9 * sizeof(double));
+  message.set_stiffness(matrixBytes(equilibrium.stiffness));
   message.set_energy(equilibrium.energy);
   message.set_min_det_f(equilibrium.min_det_F);
   message.set_residual(outcome.residual);
+  driveToWire(equilibrium, message);
   result.set_fields_id(std::string(ContentId::of(fields_bytes).bytes()));
   result.set_payload_bytes(static_cast<std::uint32_t>(fields_bytes.size()));
 }
@@ -226,8 +249,9 @@ std::optional<Outcome> fromWire(const wire::Result& result) {
     equilibrium.min_det_F = message.min_det_f();
     const bool valid = readMatrix<3, 1>(message.force(), equilibrium.force) &&
                        readMatrix<3, 3>(message.stiffness(), equilibrium.stiffness) &&
-                       std::isfinite(equilibrium.energy) && std::isfinite(equilibrium.min_det_F) &&
-                       result.fields_id().size() == 32 && result.payload_bytes() > 0;
+                       readDrive(message, equilibrium) && std::isfinite(equilibrium.energy) &&
+                       std::isfinite(equilibrium.min_det_F) && result.fields_id().size() == 32 &&
+                       result.payload_bytes() > 0;
     return valid ? std::optional(outcome) : std::nullopt;
   }
   if (!result.has_failure()) return std::nullopt;

@@ -54,6 +54,51 @@ TEST_F(SolveCommand, AnswersInOneJsonObjectPerLine) {
   EXPECT_TRUE(answer.at("failure").is_null());
 }
 
+TEST_F(SolveCommand, AnswersForAFingerAnywhereOnTheSurface) {
+  scene.active[0].tool = ToolKind::finger;
+  std::ofstream(directory / "lines") << "0.1 0 0.02 -0.004 0 0\n0.05 0.2 0.01 0, -0.004, 0\n";
+  const CommandResult result =
+      solve("--json --at - --displacement - < " + (directory / "lines").string());
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  std::istringstream lines(result.output);
+  std::string first, second;
+  std::getline(lines, first);
+  std::getline(lines, second);
+  const json there = json::parse(second);
+  EXPECT_EQ(there.at("displacement"), json({0.0, -0.004, 0.0}));
+  EXPECT_LT(there.at("at").at(1), 0.1) << "on the surface below";
+  EXPECT_GT(there.at("force").at(1), 0);
+  EXPECT_EQ(there.at("drive").size(), 3);
+  // The same place and displacement by themselves.
+  const CommandResult alone = solve("--json --at 0.1 0 0.02 --displacement -0.004 0 0");
+  ASSERT_EQ(alone.exit_code, 0) << alone.output;
+  EXPECT_EQ(json::parse(alone.output).at("force"), json::parse(first).at("force"));
+}
+
+TEST_F(SolveCommand, SaysWhatIsWrongWithAPlace) {
+  EXPECT_THAT(solve("--at 0.1 0 0 --displacement 0.001 0 0").output,
+              AllOf(HasSubstr("\"tip\" is no finger"), HasSubstr("tool = \"finger\"")));
+  scene.active[0].tool = ToolKind::finger;
+  EXPECT_THAT(solve("--at 100 0 20 --displacement 0.001 0 0").output,
+              AllOf(HasSubstr("--at: (100, 0, 20)"), HasSubstr("more than the body is wide")));
+  EXPECT_THAT(solve("--at -0.1 0 0 --displacement 0.001 0 0").output,
+              HasSubstr("on what is fixed"));
+  EXPECT_THAT(solve("--at - --displacement 0.001 0 0").output, HasSubstr("--displacement -"));
+  EXPECT_EQ(solve("--at 0.1 0 --displacement 0.001 0 0").exit_code, 2);
+}
+
+TEST_F(SolveCommand, WantsToKnowWhereOnASurfaceOfSites) {
+  scene.active[0] = {.name = "skin",
+                     .radius = 0.05,
+                     .tool = ToolKind::finger,
+                     .surface = SurfaceSelection{.all = true}};
+  EXPECT_THAT(solve("--displacement 0.001 0 0").output,
+              AllOf(HasSubstr("skin"), HasSubstr("--at X Y Z")));
+  const CommandResult result = solve("--active skin --at 0.1 0 0.02 --displacement -0.004 0 0");
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output, AllOf(HasSubstr("at            0.1"), HasSubstr("drive")));
+}
+
 TEST_F(SolveCommand, AnswersWhatItCanBeforeItNamesALineItCannotRead) {
   std::ofstream(directory / "lines") << "0.001 0 0\n\n# not a number\nx 0 0\n0.002 0 0\n";
   const CommandResult result = solve("--json --displacement - < " + (directory / "lines").string());

@@ -21,28 +21,6 @@ double angleAt(const Eigen::Vector3d& corner, const Eigen::Vector3d& a, const Ei
   return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
-/// Barycentric coordinates of the nearest point of a triangle (Ericson, Real-Time Collision
-/// Detection, 5.1.5). Exactly zero for corners that the nearest edge or vertex does not have.
-Eigen::Vector3d nearestInTriangle(const std::array<Eigen::Vector3d, 3>& corners,
-                                  const Eigen::Vector3d& point) noexcept {
-  const Eigen::Vector3d ab = corners[1] - corners[0], ac = corners[2] - corners[0];
-  const Eigen::Vector3d ap = point - corners[0], bp = point - corners[1], cp = point - corners[2];
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp),
-               d6 = ac.dot(cp);
-  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
-  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
-  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
-  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return {0, 1 - w, w};
-  }
-  const double sum = va + vb + vc;
-  return {va / sum, vb / sum, vc / sum};
-}
-
 Eigen::Vector3d combine(const std::array<Eigen::Vector3d, 3>& corners,
                         const Eigen::Vector3d& barycentric) {
   return barycentric[0] * corners[0] + barycentric[1] * corners[1] + barycentric[2] * corners[2];

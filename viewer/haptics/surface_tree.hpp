@@ -6,15 +6,9 @@
 #include <limits>
 #include <vector>
 
-#include "common/mesh/mesh.hpp"
+#include "common/mesh/surface_point.hpp"
 
 namespace palpate {
-
-/// A point of a surface: a triangle and barycentric coordinates of its corners (>= 0, sum 1).
-struct SurfacePoint {
-  std::int32_t triangle = -1;  ///< -1: none
-  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
-};
 
 /// The nearest point of a closed surface.
 struct NearestPoint : SurfacePoint {

@@ -54,11 +54,11 @@ std::optional<std::int32_t> System::expectedNegativePivots() const {
 }
 
 const Tool* System::rigidTool() const {
-  return tool_ && model_.tools[*tool_].weights.empty() ? &model_.tools[*tool_] : nullptr;
+  return tool_ && tool_->weights.empty() ? &*tool_ : nullptr;
 }
 
 const Tool* System::weightedTool() const {
-  return tool_ && !model_.tools[*tool_].weights.empty() ? &model_.tools[*tool_] : nullptr;
+  return tool_ && !tool_->weights.empty() ? &*tool_ : nullptr;
 }
 
 void System::releaseTool() {
@@ -67,9 +67,9 @@ void System::releaseTool() {
   tool_.reset();
 }
 
-void System::chooseTool(std::size_t tool) {
+void System::chooseTool(Tool tool) {
   releaseTool();
-  tool_ = tool;
+  tool_ = std::move(tool);
   if (const Tool* rigid = rigidTool()) sums_.hold(rigid->nodes, true);
   if (const Tool* weighted = weightedTool()) {
     border_.setZero(unknowns(), 3);

@@ -99,10 +99,12 @@ class System {
   /// forces, beside forceScale(), that round-off is relative to.
   double totalLoad() const { return total_load_; }
 
-  /// What moves, an index into BodyModel::tools; or nothing does.
-  void chooseTool(std::size_t tool);
+  /// What moves: a tool of nodes that are not fixed, for instance one of BodyModel::tools by its
+  /// index; or nothing does.
+  void chooseTool(Tool tool);
+  void chooseTool(std::size_t tool) { chooseTool(model_.tools.at(tool)); }
   void releaseTool();
-  std::optional<std::size_t> tool() const { return tool_; }
+  const std::optional<Tool>& tool() const { return tool_; }  ///< the chosen one
 
   /// The loads times this factor, 1 unless said otherwise.
   void setLoadFactor(double factor) { load_factor_ = factor; }
@@ -153,7 +155,7 @@ class System {
   const SparsityPattern pattern_;
   mutable Scatter sums_;  ///< of the assembly that is going on
 
-  std::optional<std::size_t> tool_;
+  std::optional<Tool> tool_;
   Eigen::MatrixXd border_;  ///< Tangent::border
   double load_factor_ = 1;
   double total_load_ = 0;  ///< newtons

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
+#include "common/problem/finger.hpp"
 #include "worker/solver/element_geometry.hpp"
 
 namespace palpate {
@@ -58,11 +60,26 @@ TransitionSolver::TransitionSolver(const Problem& problem, const ElementKernels&
 }
 
 void TransitionSolver::chooseTool(std::size_t space) {
-  if (system_.tool() == space && !near_tool_.unknowns.empty()) return;
-  system_.chooseTool(space);
+  if (space_ == space) return;
+  const ActivePatch& patch = problem_.active.at(space);
+  if (patch.finger) {
+    placeFinger(patch.name, *patch.finger);
+  } else {
+    finger_.reset();
+    tool_ = {patch.nodes, patch.weights};
+    system_.chooseTool(tool_);
+    near_tool_ =
+        tool_.weights.empty() ? system_.neighborhood(nodesNearTool(problem_.mesh)) : Neighborhood{};
+  }
   space_ = space;
-  const bool rigid = problem_.active.at(space).weights.empty();
-  near_tool_ = rigid ? system_.neighborhood(nodesNearTool(problem_.mesh)) : Neighborhood{};
+}
+
+void TransitionSolver::placeFinger(const std::string& what, const Finger& finger) {
+  finger_ = checkedFinger(what, problem_.mesh, problem_.fixed, finger);
+  tool_ = {finger_->nodes, finger_->weights};
+  system_.chooseTool(tool_);
+  near_tool_ = {};
+  space_.reset();
 }
 
 std::optional<Start> TransitionSolver::startAtRest(Failure& failure) {
@@ -117,7 +134,7 @@ bool TransitionSolver::solveRest(Failure& failure) {
     }
   }
   system_.setRest(state);
-  system_.chooseTool(space_);
+  system_.chooseTool(tool_);
   return at_rest_ = true;
 }
 
@@ -129,7 +146,7 @@ std::optional<Start> TransitionSolver::linearize(State state, Failure& failure) 
     failure = failureOf(causeOfNotFinite(here.residual), here);
     return std::nullopt;
   }
-  auto sensitivity = solveSensitivity(here, tangent, sensitivity_tolerance);
+  auto sensitivity = solveSensitivity(here, tangent, -tangent.tool_coupling, sensitivity_tolerance);
   if (!sensitivity) {
     failure = failureOf(Cause::factorization_failed, here);
     return std::nullopt;
@@ -158,18 +175,57 @@ State TransitionSolver::approach(const Start& from, const Eigen::Vector3d& displ
   return system_.moved(state, predictor, 1 - at, displacement);
 }
 
-/// du/dp: with the factors that Newton left where they are near enough, else with those of
-/// `tangent`, which then are what `newton` has.
-std::optional<TangentSolver::Refined> TransitionSolver::solveSensitivity(NewtonResult& newton,
-                                                                         const Tangent& tangent,
-                                                                         double tolerance) {
+/// du/dp, and du/ds where that is among the right-hand sides: with the factors that Newton left
+/// where they are near enough, else with those of `tangent`, which then are what `newton` has.
+std::optional<TangentSolver::Refined> TransitionSolver::solveSensitivity(
+    NewtonResult& newton, const Tangent& tangent, const Eigen::MatrixXd& right_hand_sides,
+    double tolerance) {
   if (newton.factorizations > 0)
-    if (auto refined = solver_.solveWith(tangent, -tangent.tool_coupling, tolerance))
-      return refined;
+    if (auto refined = solver_.solveWith(tangent, right_hand_sides, tolerance)) return refined;
   newton.factorization = solver_.factorize(tangent);
   ++newton.factorizations;
   if (!newton.factorization.ok) return std::nullopt;
-  return solver_.solveWith(tangent, -tangent.tool_coupling, tolerance);
+  return solver_.solveWith(tangent, right_hand_sides, tolerance);
+}
+
+/// -d(Residual::free)/ds of the finger, one column per axis: with B' the derivative of its weights,
+/// B'^T multiplier at the unknowns and B' (u - u_rest) at the multipliers.
+Eigen::MatrixXd TransitionSolver::slopeByPlace(const State& state) const {
+  Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(system_.unknowns() + system_.multipliers(), 3);
+  const State& rest = system_.restState();
+  for (std::size_t n = 0; n < finger_->nodes.size(); ++n) {
+    const std::int32_t node = finger_->nodes[n];
+    const Eigen::Vector3d& gradient = finger_->gradients[n];
+    slope.bottomRows<3>() +=
+        (ofNode(state.u, at(node)) - ofNode(rest.u, at(node))) * gradient.transpose();
+    for (int i = 0; i < 3; ++i)
+      slope.row(system_.numbers().at({node, i})) = state.multiplier[i] * gradient.transpose();
+  }
+  return slope;
+}
+
+/// With A the matrix of a Newton step, r = slopeByPlace, m the multiplier: the equations stay
+/// satisfied when s moves by ds and the unknowns by A^-1 r ds. So dE/ds = -m . B' (u - u_rest),
+/// d2E/dp ds = -(du/dp)^T r, d2E/ds2 = -r^T A^-1 r - m . B'' (u - u_rest). What the refinement left
+/// is taken into account, so that errors of the solutions enter squared.
+void TransitionSolver::setDrive(const State& state, const Eigen::MatrixXd& r,
+                                const TangentSolver::Refined& refined,
+                                Equilibrium& equilibrium) const {
+  const auto by_p = refined.solution.leftCols<3>(), by_s = refined.solution.rightCols<3>();
+  const auto left_by_p = refined.residual.leftCols<3>(),
+             left_by_s = refined.residual.rightCols<3>();
+  Eigen::Matrix3d slope = r.transpose() * by_s - by_s.transpose() * left_by_s;
+  const State& rest = system_.restState();
+  for (std::size_t n = 0; n < finger_->nodes.size(); ++n) {
+    const auto node = at(finger_->nodes[n]);
+    slope +=
+        state.multiplier.dot(ofNode(state.u, node) - ofNode(rest.u, node)) * finger_->curvatures[n];
+  }
+  const Eigen::Matrix3d by_displacement = r.transpose() * by_p - by_s.transpose() * left_by_p;
+  // Added to zero, so that a zero is plain 0 and not -0.
+  equilibrium.drive = Eigen::Vector3d::Zero() + r.bottomRows<3>().transpose() * state.multiplier;
+  equilibrium.drive_stiffness = Eigen::Matrix3d::Zero() + by_displacement;
+  equilibrium.drive_slope = Eigen::Matrix3d::Zero() + 0.5 * (slope + slope.transpose());
 }
 
 /// Whether the state that Newton converged to may be stored. When it may (Cause::none), `step` gets
@@ -184,25 +240,31 @@ Cause TransitionSolver::judge(NewtonResult& newton, bool last, Step& step) {
   }
   if (problem_.scene.workspace.reject_inverted && !(newton.residual.min_det_F > 0))
     return Cause::inverted_element;
-  auto sensitivity =
-      solveSensitivity(newton, tangent, last ? sensitivity_tolerance : loose_sensitivity_tolerance);
+  const bool with_drive = last && finger_;
+  Eigen::MatrixXd right_hand_sides = -tangent.tool_coupling;
+  if (with_drive) {
+    right_hand_sides.conservativeResize(Eigen::NoChange, 6);
+    right_hand_sides.rightCols<3>() = slopeByPlace(newton.state);
+  }
+  auto sensitivity = solveSensitivity(newton, tangent, right_hand_sides,
+                                      last ? sensitivity_tolerance : loose_sensitivity_tolerance);
   if (!sensitivity) return Cause::factorization_failed;
   if (const auto expected = system_.expectedNegativePivots();
       expected && newton.factorization.negative_pivots != *expected)
     return Cause::wrong_inertia;
   // S^T K S + 2 S^T C with K S = -C + R: errors of S enter squared.
-  const Eigen::MatrixXd& S = sensitivity->solution;
-  const Eigen::Matrix3d K =
-      tangent.tool + tangent.tool_coupling.transpose() * S + S.transpose() * sensitivity->residual;
+  const Eigen::MatrixXd S = sensitivity->solution.leftCols<3>();
+  const Eigen::Matrix3d K = tangent.tool + tangent.tool_coupling.transpose() * S +
+                            S.transpose() * sensitivity->residual.leftCols<3>();
   // Subtracted from zero, so that a zero is plain 0 and not -0.
   step.equilibrium.force = Eigen::Vector3d::Zero() - newton.residual.tool;
   step.equilibrium.stiffness = Eigen::Matrix3d::Zero() - 0.5 * (K + K.transpose());
   step.equilibrium.energy = newton.residual.energy;
   step.equilibrium.min_det_F = newton.residual.min_det_F;
-  if (!step.equilibrium.stiffness.allFinite() || !step.equilibrium.force.allFinite() ||
-      !std::isfinite(step.equilibrium.energy))
-    return Cause::not_finite;
-  step.end = {std::move(newton.state), std::move(sensitivity->solution)};
+  if (with_drive)
+    setDrive(newton.state, right_hand_sides.rightCols<3>(), *sensitivity, step.equilibrium);
+  if (!isFinite(step.equilibrium)) return Cause::not_finite;
+  step.end = {std::move(newton.state), S};
   return Cause::none;
 }
 
@@ -264,8 +326,7 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
   outcome.converged = at >= 1;
   if (outcome.converged) {
     const Equilibrium& end = outcome.equilibrium;
-    PALPATE_ASSERT(end.force.allFinite() && end.stiffness.allFinite() && std::isfinite(end.energy),
-                   "fields of forces are interpolated from these numbers");
+    PALPATE_ASSERT(isFinite(end), "fields of forces are interpolated from these numbers");
     PALPATE_ASSERT(!problem_.scene.workspace.reject_inverted || end.min_det_F > 0,
                    "the scene wants no inverted element in its dataset");
     PALPATE_ASSERT(reached.end.state.displacement == target,

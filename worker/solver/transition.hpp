@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/mesh/finger_weights.hpp"
 #include "common/space/configuration.hpp"
 #include "worker/elements/kernel_family.hpp"
 #include "worker/solver/newton.hpp"
@@ -42,6 +43,9 @@ class TransitionSolver {
   const System& system() const { return system_; }
   /// Of the active patches; the first one is chosen at the beginning.
   void chooseTool(std::size_t space);
+  /// A finger anywhere on the surface; it stays until a tool is chosen. Error
+  /// (bad input), which begins with `what`, as of checkedFinger.
+  void placeFinger(const std::string& what, const Finger& finger);
 
   /// The rest state (under gravity the equilibrium that it leads to, solved here once), or the
   /// configuration with these nodal fields at `displacement`, made ready to start from: one
@@ -77,16 +81,23 @@ class TransitionSolver {
   State approach(const Start& from, const Eigen::Vector3d& displacement);
   Step step(const Start& from, const Eigen::Vector3d& displacement, bool last, int factorizations);
   Cause judge(NewtonResult& newton, bool last, Step& step);
+  void setDrive(const State& state, const Eigen::MatrixXd& slope_by_place,
+                const TangentSolver::Refined& refined, Equilibrium& equilibrium) const;
+  Eigen::MatrixXd slopeByPlace(const State& state) const;
   std::optional<TangentSolver::Refined> solveSensitivity(NewtonResult& newton,
-                                                         const Tangent& tangent, double tolerance);
+                                                         const Tangent& tangent,
+                                                         const Eigen::MatrixXd& right_hand_sides,
+                                                         double tolerance);
 
   const Problem& problem_;
   TransitionOptions options_;
   System system_;
   TangentSolver solver_;
-  std::size_t space_ = 0;
-  Neighborhood near_tool_;  ///< of a rigid tool, else empty
-  bool at_rest_ = false;    ///< the system knows its rest state
+  std::optional<std::size_t> space_;     ///< of the chosen tool, unless it is a placed finger
+  Tool tool_;                            ///< the chosen one
+  std::optional<FingerWeights> finger_;  ///< of a finger
+  Neighborhood near_tool_;               ///< of a rigid tool, else empty
+  bool at_rest_ = false;                 ///< the system knows its rest state
 };
 
 }  // namespace palpate

@@ -20,7 +20,8 @@ std::vector<Eigen::Vector3d> read(const std::vector<std::string>& words,
                                   const std::string& lines = "") {
   std::istringstream input(lines);
   std::vector<Eigen::Vector3d> read;
-  forEachDisplacement(words, input, 0.1, [&](const Eigen::Vector3d& p) { read.push_back(p); });
+  forEachTouch({}, words, input, 0.1,
+               [&](const Touch& touch) { read.push_back(touch.displacement); });
   return read;
 }
 

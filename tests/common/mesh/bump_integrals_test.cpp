@@ -10,8 +10,10 @@
 namespace palpate {
 namespace {
 
-double sumOf(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0);
+double sumOf(const std::vector<BumpIntegral>& integrals) {
+  return std::accumulate(
+      integrals.begin(), integrals.end(), 0.0,
+      [](double sum, const BumpIntegral& integral) { return sum + integral.value; });
 }
 
 /// Over a disk of the radius R the integral of the bump is pi R^2 / 3.
@@ -33,14 +35,14 @@ TEST(BumpIntegrals, AreThoseOfTheShapeFunctionsUnderAFlatBump) {
   Mesh mesh = test::tetrahedronMesh(1e-4);
   mesh.surface = {{0, 1, 2}};
   const double area = 0.5e-8;
-  const std::vector<double> linear = bumpIntegrals(mesh, {0, 0, 0}, 10);
-  for (int n = 0; n < 3; ++n) EXPECT_NEAR(linear[n], area / 3, 1e-9 * area);
-  EXPECT_EQ(linear[3], 0);
+  const std::vector<BumpIntegral> linear = bumpIntegrals(mesh, {0, 0, 0}, 10);
+  for (int n = 0; n < 3; ++n) EXPECT_NEAR(linear[n].value, area / 3, 1e-9 * area);
+  EXPECT_EQ(linear[3].value, 0);
   addMidEdgeNodes(mesh);
-  const std::vector<double> quadratic = bumpIntegrals(mesh, {0, 0, 0}, 10);
+  const std::vector<BumpIntegral> quadratic = bumpIntegrals(mesh, {0, 0, 0}, 10);
   for (int n = 0; n < 3; ++n) {
-    EXPECT_NEAR(quadratic[n], 0, 1e-9 * area);
-    EXPECT_NEAR(quadratic[midEdgeNode(mesh, n, (n + 1) % 3)], area / 3, 1e-9 * area);
+    EXPECT_NEAR(quadratic[n].value, 0, 1e-9 * area);
+    EXPECT_NEAR(quadratic[midEdgeNode(mesh, n, (n + 1) % 3)].value, area / 3, 1e-9 * area);
   }
 }
 

@@ -1,0 +1,70 @@
+#include "common/mesh/surface_point.hpp"
+
+#include <limits>
+
+#include "common/base/assertion.hpp"
+
+namespace palpate {
+namespace {
+
+std::array<Eigen::Vector3d, 3> cornersOf(const Mesh& mesh, std::int32_t triangle) {
+  const Triangle& t = mesh.surface[triangle];
+  return {mesh.nodes[t[0]], mesh.nodes[t[1]], mesh.nodes[t[2]]};
+}
+
+Eigen::Vector3d combined(const std::array<Eigen::Vector3d, 3>& corners,
+                         const Eigen::Vector3d& barycentric) {
+  return barycentric[0] * corners[0] + barycentric[1] * corners[1] + barycentric[2] * corners[2];
+}
+
+}  // namespace
+
+Eigen::Vector3d nearestInTriangle(const std::array<Eigen::Vector3d, 3>& corners,
+                                  const Eigen::Vector3d& point) noexcept {
+  const Eigen::Vector3d ab = corners[1] - corners[0], ac = corners[2] - corners[0];
+  const Eigen::Vector3d ap = point - corners[0], bp = point - corners[1], cp = point - corners[2];
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp),
+               d6 = ac.dot(cp);
+  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
+  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
+  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
+  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return {0, 1 - w, w};
+  }
+  const double sum = va + vb + vc;
+  return {va / sum, vb / sum, vc / sum};
+}
+
+SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& point,
+                              const std::vector<std::int32_t>& among) {
+  PALPATE_ASSERT(point.allFinite() && !mesh.surface.empty(), "readers refuse anything else");
+  SurfacePoint nearest;
+  double least = std::numeric_limits<double>::infinity();
+  const auto n_looked_at =
+      static_cast<std::int32_t>(among.empty() ? mesh.surface.size() : among.size());
+  for (std::int32_t n = 0; n < n_looked_at; ++n) {
+    const std::int32_t triangle = among.empty() ? n : among[n];
+    const auto corners = cornersOf(mesh, triangle);
+    const Eigen::Vector3d barycentric = nearestInTriangle(corners, point);
+    const double distance = (combined(corners, barycentric) - point).squaredNorm();
+    if (distance >= least) continue;
+    least = distance;
+    nearest = {triangle, barycentric};
+  }
+  return nearest;
+}
+
+Eigen::Vector3d positionOf(const Mesh& mesh, const SurfacePoint& point) {
+  return combined(cornersOf(mesh, point.triangle), point.barycentric);
+}
+
+Eigen::Vector3d normalOf(const Mesh& mesh, std::int32_t triangle) {
+  const auto [a, b, c] = cornersOf(mesh, triangle);
+  return (b - a).cross(c - a).normalized();
+}
+
+}  // namespace palpate

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "common/mesh/mesh.hpp"
+
+namespace palpate {
+
+/// A point of a surface: a triangle and barycentric coordinates of its corners (>= 0, sum 1).
+struct SurfacePoint {
+  std::int32_t triangle = -1;  ///< -1: none
+  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
+};
+
+/// Barycentric coordinates of the point of a triangle that is nearest to `point` (Ericson,
+/// Real-Time Collision Detection, 5.1.5). Exactly zero for corners that the nearest edge or vertex
+/// does not have. Real time.
+Eigen::Vector3d nearestInTriangle(const std::array<Eigen::Vector3d, 3>& corners,
+                                  const Eigen::Vector3d& point) noexcept;
+
+/// The point of the mesh's surface at rest that is nearest to `point` (metres, finite), among these
+/// triangles of it, ascending, or all without any. Looks at each of them: a tree for many queries
+/// is in viewer/haptics.
+SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& point,
+                              const std::vector<std::int32_t>& among = {});
+
+/// Where a point of the surface is at rest, metres, and the outward unit normal of its triangle.
+Eigen::Vector3d positionOf(const Mesh& mesh, const SurfacePoint& point);
+Eigen::Vector3d normalOf(const Mesh& mesh, std::int32_t triangle);
+
+}  // namespace palpate

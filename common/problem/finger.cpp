@@ -1,0 +1,55 @@
+#include "common/problem/finger.hpp"
+
+#include <algorithm>
+
+#include "common/base/error.hpp"
+#include "common/mesh/surface_point.hpp"
+
+namespace palpate {
+
+FingerWeights checkedFinger(const std::string& what, const Mesh& mesh, const NodeSet& fixed,
+                            const Finger& finger) {
+  const double diagonal = boundingBox(mesh).diagonal().norm();
+  if (!(2 * finger.radius < diagonal))
+    throw badInput(
+        "{}: a finger of radius {:.4g} m is as wide as the body, whose diagonal is {:.4g} m; "
+        "make radius smaller, or use tool = \"rigid\"",
+        what, finger.radius, diagonal);
+  FingerWeights weights = fingerWeights(mesh, fixed, finger.center, finger.radius);
+  if (!(weights.free_share >= least_free_share))
+    throw badInput(
+        "{}: the finger at {} (radius {:.4g} m) rests by {:.0f} % on what is fixed, "
+        "and would not feel the tissue; move it away from there, make radius smaller, or fix less",
+        what, placeText(finger.center), finger.radius, 100 * (1 - weights.free_share));
+  return weights;
+}
+
+ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet& fixed,
+                        const Finger& finger) {
+  FingerWeights weights = checkedFinger(fmt::format("active \"{}\"", name), mesh, fixed, finger);
+  ActivePatch patch;
+  patch.name = name;
+  NodeSet vertices = surfaceNodes(mesh);
+  std::erase_if(vertices, [&](std::int32_t node) { return !contains(weights.nodes, node); });
+  patch.node = *std::ranges::min_element(vertices, {}, [&](std::int32_t node) {
+    return (mesh.nodes[node] - finger.center).squaredNorm();
+  });
+  patch.nodes = std::move(weights.nodes);
+  patch.weights = std::move(weights.weights);
+  patch.finger = finger;
+  return patch;
+}
+
+Finger fingerNear(const std::string& what, const Mesh& mesh, const Eigen::Vector3d& near,
+                  double radius) {
+  const Finger finger = {positionOf(mesh, nearestOnSurface(mesh, near)), radius};
+  const double distance = (finger.center - near).norm();
+  if (distance > boundingBox(mesh).diagonal().norm())
+    throw badInput(
+        "{}: {} is {:.4g} m away from the surface, more than the body is wide; "
+        "is its unit the right one?",
+        what, placeText(near), distance);
+  return finger;
+}
+
+}  // namespace palpate

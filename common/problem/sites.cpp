@@ -1,0 +1,114 @@
+#include "common/problem/sites.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "common/base/assertion.hpp"
+#include "common/base/error.hpp"
+#include "common/problem/finger.hpp"
+
+namespace palpate {
+namespace {
+
+/// Of the pieces that a triangle is looked at in, in radii.
+constexpr double piece_width = 0.1;
+/// The pieces know the share of a finger that is free to about a hundredth.
+constexpr double free_share_margin = 0.02;
+
+/// A small part of a triangle of the surface.
+struct Piece {
+  Eigen::Vector3d middle;
+  double area;
+  double free;  ///< share of the middle's shape functions that are of nodes which can move
+};
+
+/// Equal parts of a triangle, none wider than `width`.
+void appendPieces(const Mesh& mesh, std::int32_t triangle, const NodeSet& fixed, double width,
+                  std::vector<Piece>& pieces) {
+  const Triangle& t = mesh.surface[triangle];
+  const Eigen::Vector3d a = mesh.nodes[t[0]], u = mesh.nodes[t[1]] - a, v = mesh.nodes[t[2]] - a;
+  Eigen::Vector3d free;
+  for (int i = 0; i < 3; ++i) free[i] = contains(fixed, t[i]) ? 0 : 1;
+  const double longest = std::max({u.norm(), v.norm(), (v - u).norm()});
+  const int n = std::max(1, static_cast<int>(std::ceil(longest / width)));
+  const double area = u.cross(v).norm() / 2 / (n * n);
+  const auto append = [&](double x, double y) {
+    const Eigen::Vector3d barycentric(1 - (x + y) / n, x / n, y / n);
+    pieces.push_back({a + (x * u + y * v) / n, area, free.dot(barycentric)});
+  };
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; i + j < n; ++j) {
+      append(i + 1. / 3, j + 1. / 3);
+      if (i + j + 1 < n) append(i + 2. / 3, j + 2. / 3);
+    }
+}
+
+double areaOf(const Mesh& mesh, const std::vector<std::int32_t>& triangles) {
+  double area = 0;
+  for (const std::int32_t triangle : triangles) {
+    const auto& [a, b, c] = mesh.surface[triangle];
+    area += (mesh.nodes[b] - mesh.nodes[a]).cross(mesh.nodes[c] - mesh.nodes[a]).norm() / 2;
+  }
+  return area;
+}
+
+/// Whether a finger here rests on what can move.
+bool mayStand(const Eigen::Vector3d& center, double radius, const std::vector<Piece>& pieces) {
+  double whole = 0, free = 0;
+  for (const Piece& piece : pieces) {
+    const double relative = (piece.middle - center).squaredNorm() / (radius * radius);
+    if (relative >= 1) continue;
+    const double bump = (1 - relative) * (1 - relative) * piece.area;
+    whole += bump;
+    free += piece.free * bump;
+  }
+  return free >= (least_free_share + free_share_margin) * whole;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::int32_t>& triangles,
+                                     const NodeSet& fixed, double radius) {
+  PALPATE_ASSERT(radius > 0, "a scene gives fingers a radius");
+  const auto refuse = [&] {
+    throw badInput(
+        "a finger of radius {:.4g} m needs more than {} sites on this surface: "
+        "make radius larger, or the surface smaller",
+        radius, max_sites);
+  };
+  // None covers more than a disk; known before there are many pieces to go through.
+  const double disk = std::numbers::pi * std::pow(site_distance * radius, 2);
+  if (areaOf(mesh, triangles) > static_cast<double>(max_sites) * disk) refuse();
+  std::vector<Piece> pieces;  // of the whole surface: a finger reaches beyond what is to be covered
+  std::vector<Eigen::Vector3d> places;
+  auto wanted = triangles.begin();
+  for (std::int32_t t = 0; static_cast<std::size_t>(t) < mesh.surface.size(); ++t) {
+    const std::size_t before = pieces.size();
+    appendPieces(mesh, t, fixed, piece_width * radius, pieces);
+    if (wanted == triangles.end() || *wanted != t) continue;
+    ++wanted;
+    for (std::size_t n = before; n < pieces.size(); ++n)
+      if (pieces[n].free > 0) places.push_back(pieces[n].middle);
+  }
+  PALPATE_ASSERT(wanted == triangles.end(), "triangles are ascending");
+  std::vector<double> distances(places.size(), std::numeric_limits<double>::infinity());
+  std::vector<Eigen::Vector3d> sites;
+  while (!places.empty()) {
+    const auto farthest = std::ranges::max_element(distances) - distances.begin();
+    if (distances[farthest] <= site_distance * radius) break;
+    const Eigen::Vector3d place = places[farthest];
+    if (!mayStand(place, radius, pieces)) {
+      distances[farthest] = 0;
+      continue;
+    }
+    if (sites.size() == max_sites) refuse();
+    sites.push_back(place);
+    for (std::size_t n = 0; n < places.size(); ++n)
+      distances[n] = std::min(distances[n], (places[n] - place).norm());
+  }
+  return sites;
+}
+
+}  // namespace palpate

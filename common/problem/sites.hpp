@@ -1,0 +1,28 @@
+#pragma once
+
+#include "common/mesh/mesh.hpp"
+#include "common/mesh/node_set.hpp"
+
+namespace palpate {
+
+/// The farthest that a place of a covered surface is from the nearest site, in radii of the finger.
+/// Sites are then 0.6 to 1 radii apart.
+inline constexpr double site_distance = 0.6;
+/// More are refused: the finger is too small for the surface.
+inline constexpr std::size_t max_sites = 5000;
+
+/// Sites of a finger of `radius` (metres) that cover these triangles of the mesh's surface: each is
+/// the place farthest from all before it, until none is farther than site_distance radii. Distances
+/// are straight, because the energy of a finger is a function of its position in space
+/// (finger_weights.hpp): a site serves both sides of a lobe that is thin against the finger.
+///
+/// Left out are places where the finger would rest on `fixed` (sorted) by nearly half or more, or
+/// whose triangle is fixed: their neighbours reach over them as far as they do. The number of sites
+/// follows from the shape and the radius, not from the mesh, whose triangles are looked at in
+/// pieces of at most a tenth of the radius. A deterministic function of the arguments. Error (bad
+/// input) that says what to do when there are more than max_sites; empty when a finger can stand
+/// nowhere.
+std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::int32_t>& triangles,
+                                     const NodeSet& fixed, double radius);
+
+}  // namespace palpate

@@ -1,0 +1,157 @@
+#include "common/problem/sites.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <random>
+
+#include "common/mesh/surface_point.hpp"
+#include "common/problem/finger.hpp"
+#include "common/problem/problem.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/meshes.hpp"
+
+namespace palpate {
+namespace {
+
+std::vector<std::int32_t> allTriangles(const Mesh& mesh) {
+  std::vector<std::int32_t> triangles(mesh.surface.size());
+  std::iota(triangles.begin(), triangles.end(), 0);
+  return triangles;
+}
+
+double distanceTo(const std::vector<Eigen::Vector3d>& sites, const Eigen::Vector3d& x) {
+  double least = INFINITY;
+  for (const Eigen::Vector3d& site : sites) least = std::min(least, (site - x).norm());
+  return least;
+}
+
+/// A cube of 20 cm whose side xmin is held.
+struct SitesOnACube : ::testing::Test {
+  std::vector<Eigen::Vector3d> cover(double radius) const {
+    return sitesOn(mesh, allTriangles(mesh), mesh.node_groups.at("xmin"), radius);
+  }
+  Mesh mesh = test::cubeMesh(0.2, 6);
+};
+
+TEST_F(SitesOnACube, CoverEveryPlaceWhereAFingerCanStand) {
+  constexpr double radius = 0.03;
+  const auto sites = cover(radius);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> number(0, 0.2);
+  for (int n = 0; n < 100; ++n) {
+    Eigen::Vector3d x(number(random), number(random), number(random));
+    x[n % 3] = n % 2 == 0 ? 0.2 : 0;
+    if (fingerWeights(mesh, mesh.node_groups.at("xmin"), x, radius).free_share < 0.6) continue;
+    EXPECT_LT(distanceTo(sites, x), (site_distance + 0.06) * radius) << x.transpose();
+  }
+}
+
+TEST_F(SitesOnACube, AreNoNearerToEachOtherThanTheyReach) {
+  constexpr double radius = 0.03;
+  auto sites = cover(radius);
+  while (!sites.empty()) {
+    const Eigen::Vector3d site = sites.back();
+    sites.pop_back();
+    EXPECT_GT(distanceTo(sites, site), site_distance * radius);
+  }
+}
+
+TEST_F(SitesOnACube, LieOnTheSurfaceAndRestOnWhatCanMove) {
+  for (const Eigen::Vector3d& site : cover(0.03)) {
+    EXPECT_LT((positionOf(mesh, nearestOnSurface(mesh, site)) - site).norm(), 1e-14);
+    EXPECT_GE(fingerWeights(mesh, mesh.node_groups.at("xmin"), site, 0.03).free_share,
+              least_free_share);
+  }
+}
+
+TEST_F(SitesOnACube, AreAsManyOnAFineMesh) {
+  const double coarse = static_cast<double>(cover(0.03).size());
+  mesh = test::cubeMesh(0.2, 18);
+  const double fine = static_cast<double>(cover(0.03).size());
+  EXPECT_NEAR(fine, coarse, 0.1 * coarse);
+}
+
+TEST_F(SitesOnACube, AreAskedForInVainWhereEverythingIsFixed) {
+  EXPECT_TRUE(sitesOn(mesh, allTriangles(mesh), allNodes(mesh), 0.03).empty());
+}
+
+TEST_F(SitesOnACube, AreRefusedWhenTheFingerIsFarTooSmall) {
+  test::expectBadInput([&] { cover(0.0011); }, {"0.0011 m", "5000 sites", "radius larger"});
+}
+
+/// Scenes whose tool is a finger.
+struct FingerScene : ::testing::Test {
+  FingerScene() {
+    scene.mesh = "test.msh";
+    scene.regions[0].material = {.law = LawName::mooney_rivlin, .c10 = 1300, .c01 = 1280};
+    scene.fixed.groups = {"xmin"};
+    ActiveSelection active;
+    active.name = "skin";
+    active.tool = ToolKind::finger;
+    active.radius = 0.05;
+    active.surface = SurfaceSelection{.all = true};
+    scene.active = {active};
+  }
+  palpate::Problem resolved() const { return resolve(scene, test::cubeMesh(0.2, 4)); }
+  void refuses(std::initializer_list<std::string> parts) const {
+    test::expectBadInput([&] { resolved(); }, parts);
+  }
+  Scene scene;
+};
+
+TEST_F(FingerScene, ASurfaceBecomesTheSitesOfOneArea) {
+  const palpate::Problem problem = resolved();
+  ASSERT_GT(problem.active.size(), 50u);
+  for (std::size_t n = 0; n < problem.active.size(); ++n) {
+    const ActivePatch& patch = problem.active[n];
+    EXPECT_EQ(patch.name, "skin-" + std::to_string(n));
+    EXPECT_EQ(problem.scene.active[n].area, "skin");
+    ASSERT_TRUE(patch.finger);
+    EXPECT_LT((patch.finger->center - *problem.scene.active[n].near).norm(), 1e-15);
+    EXPECT_EQ(patch.finger->radius, 0.05);
+  }
+}
+
+TEST_F(FingerScene, TravelsAsBytes) {
+  const palpate::Problem problem = resolved();
+  const palpate::Problem decoded = decodeProblem(encodeProblem(problem));
+  EXPECT_EQ(decoded.scene.active.at(3).area, "skin");
+  EXPECT_EQ(decoded.active.at(3).finger, problem.active.at(3).finger);
+  EXPECT_EQ(decoded.active.at(3).weights, problem.active.at(3).weights);
+  EXPECT_EQ(problemId(decoded), problemId(problem));
+}
+
+TEST_F(FingerScene, OneFingerStandsAtThePointNearestToNear) {
+  scene.active[0].surface.reset();
+  scene.active[0].near = Eigen::Vector3d(0.11, 0.07, 0.23);
+  const palpate::Problem problem = resolved();
+  EXPECT_LT((problem.active.at(0).finger->center - Eigen::Vector3d(0.11, 0.07, 0.2)).norm(), 1e-15);
+  EXPECT_TRUE(contains(problem.active[0].nodes, problem.active[0].node));
+}
+
+TEST_F(FingerScene, APartOfTheSurfaceIsCoveredAsFarAsItsTrianglesGo) {
+  scene.active[0].surface = SurfaceSelection{.boxes = {{{0.05, 0.05, 0.15}, {0.2, 0.15, 0.21}}}};
+  for (const ActivePatch& patch : resolved().active) {
+    EXPECT_GT(patch.finger->center.x(), 0.05);
+    EXPECT_GT(patch.finger->center.z(), 0.15);
+  }
+}
+
+TEST_F(FingerScene, IsRefusedWhereAFingerMakesNoSense) {
+  scene.active[0].radius = 0.2;
+  refuses({"\"skin-0\"", "as wide as the body", "radius smaller"});
+  scene.active[0].radius = 0.05;
+  scene.active[0].surface = SurfaceSelection{.boxes = {{{-0.1, 0, 0}, {0.01, 0.2, 0.2}}}};
+  refuses({"\"skin\": surface", "rest on what is fixed", "fix less"});
+  scene.active[0].surface = SurfaceSelection{.boxes = {{{0.19, 0.09, 0.19}, {0.21, 0.11, 0.21}}}};
+  refuses({"\"skin\": surface", "holds 1 nodes", "no triangle"});
+  scene.active[0].surface.reset();
+  scene.active[0].near = Eigen::Vector3d(0, 0.1, 0.1);
+  refuses({"\"skin\"", "rests by", "on what is fixed"});
+  scene.active[0].near = Eigen::Vector3d(10, 0.1, 0.1);
+  refuses({"\"skin\": near", "more than the body is wide"});
+}
+
+}  // namespace
+}  // namespace palpate

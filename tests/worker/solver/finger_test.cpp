@@ -1,0 +1,123 @@
+// A finger's equilibrium has an energy E(s, p) of its place and its displacement: what a worker
+// says about it against differences of it.
+
+#include "common/problem/finger.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/problems.hpp"
+#include "worker/solver/path.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double pad_radius = 0.06;
+const Eigen::Vector3d pushed(-0.008, 0.012, 0.006);
+
+class FingerOnABlob : public ::testing::Test {
+ protected:
+  void clamp(Scene scene) {
+    scene.fixed.groups = {"xmin"};
+    ActiveSelection active;
+    active.name = "finger";
+    active.near = Eigen::Vector3d(0.1, 0.013, 0.02);
+    active.radius = pad_radius;
+    active.tool = ToolKind::finger;
+    scene.active = {active};
+    solver_.reset();
+    problem_ = resolve(std::move(scene), test::blobMesh());
+    solver_.emplace(problem_, chooseKernels());
+  }
+  const Eigen::Vector3d& center() const { return problem_.active[0].finger->center; }
+
+  Equilibrium equilibriumAt(const Eigen::Vector3d& s, const Eigen::Vector3d& p) {
+    solver_->placeFinger("here", {s, pad_radius});
+    Failure failure;
+    const auto rest = solver_->startAtRest(failure);
+    EXPECT_TRUE(rest) << describe(failure);
+    const Outcome outcome = walk(*solver_, *rest, p, 2).outcome;
+    EXPECT_TRUE(outcome.converged) << describe(outcome.failure);
+    return outcome.equilibrium;
+  }
+
+  void expectDerivativesOfOneEnergy() {
+    constexpr double h = 1e-5;
+    const Eigen::Vector3d s = center();
+    const Equilibrium here = equilibriumAt(s, pushed);
+    ASSERT_GT(here.drive.norm(), 0.01 * here.force.norm());
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
+      const Equilibrium up = equilibriumAt(s, pushed + e), down = equilibriumAt(s, pushed - e);
+      EXPECT_NEAR((up.energy - down.energy) / (2 * h), -here.force[i], 1e-6 * here.force.norm());
+      EXPECT_LT(((up.force - down.force) / (2 * h) - here.stiffness.col(i)).norm(),
+                1e-6 * here.stiffness.norm());
+      EXPECT_LT(((up.drive - down.drive) / (2 * h) - here.drive_stiffness.col(i)).norm(),
+                1e-6 * here.drive_stiffness.norm());
+      const Equilibrium on = equilibriumAt(s + e, pushed), back = equilibriumAt(s - e, pushed);
+      EXPECT_NEAR((on.energy - back.energy) / (2 * h), -here.drive[i], 1e-6 * here.drive.norm());
+      EXPECT_LT(
+          ((on.force - back.force) / (2 * h) - here.drive_stiffness.row(i).transpose()).norm(),
+          1e-6 * here.drive_stiffness.norm());
+      // To the jumps of the weights' curvature (finger_weights_test.cpp).
+      EXPECT_LT(((on.drive - back.drive) / (2 * h) - here.drive_slope.col(i)).norm(),
+                1e-2 * here.drive_slope.norm());
+    }
+    EXPECT_EQ(here.drive_slope, here.drive_slope.transpose());
+  }
+
+  Problem problem_;
+  std::optional<TransitionSolver> solver_;
+};
+
+TEST_F(FingerOnABlob, ForceAndDriveAreMinusTheGradientsOfOneEnergy) {
+  clamp(test::mooneyRivlinScene());
+  expectDerivativesOfOneEnergy();
+}
+
+TEST_F(FingerOnABlob, SoTheyAreWithQuadraticElements) {
+  Scene scene = test::mooneyRivlinScene();
+  scene.discretization = {DisplacementSpace::p2, PressureSpace::p1};
+  clamp(scene);
+  expectDerivativesOfOneEnergy();
+}
+
+TEST_F(FingerOnABlob, SoTheyAreUnderGravity) {
+  Scene scene = test::mooneyRivlinScene();
+  scene.regions[0].material.density = 1060;
+  scene.gravity = {0, 0, -5};
+  clamp(scene);
+  expectDerivativesOfOneEnergy();
+}
+
+TEST_F(FingerOnABlob, WithoutDisplacementNothingDrivesIt) {
+  clamp(test::mooneyRivlinScene());
+  const Equilibrium rest = equilibriumAt(center(), Eigen::Vector3d::Zero());
+  EXPECT_LT(rest.drive.norm(), 1e-12);
+  EXPECT_LT(rest.drive_stiffness.norm(), 1e-9);
+}
+
+TEST_F(FingerOnABlob, APlacedFingerIsThatOfAScene) {
+  clamp(test::mooneyRivlinScene());
+  const Equilibrium placed = equilibriumAt(center(), pushed);
+  solver_->chooseTool(0);
+  Failure failure;
+  const Outcome chosen = walk(*solver_, *solver_->startAtRest(failure), pushed, 2).outcome;
+  EXPECT_EQ(chosen.equilibrium.force, placed.force);
+  EXPECT_EQ(chosen.equilibrium.drive_slope, placed.drive_slope);
+}
+
+TEST_F(FingerOnABlob, IsNotPlacedOnWhatIsFixed) {
+  clamp(test::mooneyRivlinScene());
+  const Eigen::Vector3d on_the_fixed_side =
+      problem_.mesh.nodes[problem_.fixed[problem_.fixed.size() / 2]];
+  test::expectBadInput(
+      [&] {
+        solver_->placeFinger("--at", {on_the_fixed_side, pad_radius});
+      },
+      {"--at", "rests by", "move it away"});
+}
+
+}  // namespace
+}  // namespace palpate
