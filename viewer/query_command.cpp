@@ -8,6 +8,11 @@
 
 #include "common/base/displacement_input.hpp"
 #include "common/dataset/dataset.hpp"
+#include "common/mesh/surface_point.hpp"
+#include "common/problem/finger.hpp"
+#include "common/problem/sites.hpp"
+#include "common/scene/active_choice.hpp"
+#include "viewer/fields/area_field.hpp"
 #include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
@@ -21,8 +26,13 @@ auto plain(const Eigen::MatrixBase<Derived>& values) {
 
 nlohmann::ordered_json toJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
-std::string describeJson(const Eigen::Vector3d& displacement, const ForceSample& sample,
-                         std::string_view method) {
+/// Of a finger: where it is, and what drives it along the surface.
+struct Place {
+  Eigen::Vector3d at, drive;
+};
+
+std::string describeJson(const std::optional<Place>& place, const Eigen::Vector3d& displacement,
+                         const ForceSample& sample, std::string_view method) {
   nlohmann::ordered_json answer;  // prints what is not finite as null
   answer["displacement"] = toJson(displacement);
   answer["force"] = toJson(sample.force);
@@ -33,6 +43,10 @@ std::string describeJson(const Eigen::Vector3d& displacement, const ForceSample&
   answer["coverage"] = sample.coverage;
   answer["inside"] = sample.inside;
   answer["method"] = method;
+  if (place) {
+    answer["at"] = toJson(place->at);
+    answer["drive"] = toJson(place->drive);
+  }
   return answer.dump() + '\n';
 }
 
@@ -71,20 +85,30 @@ std::string describeGaps(const SpaceTable& space, const Eigen::Vector3d& displac
   return gaps;
 }
 
-std::string describeForPerson(const SpaceTable& space, const Eigen::Vector3d& displacement,
-                              const ForceSample& sample, std::string_view method) {
-  std::string text = fmt::format("displacement  {:11.6g} {:11.6g} {:11.6g}  m\n", displacement.x(),
-                                 displacement.y(), displacement.z());
-  text += fmt::format("force         {:11.6g} {:11.6g} {:11.6g}  N    |force| = {:.6g} N\n",
-                      sample.force.x(), sample.force.y(), sample.force.z(), sample.force.norm());
+/// The numbers of an answer, a line each.
+std::string describeSample(const std::optional<Place>& place, const Eigen::Vector3d& displacement,
+                           const ForceSample& sample) {
+  std::string text;
+  const auto addVector = [&text](const char* label, const Eigen::Vector3d& v, const char* rest) {
+    text += fmt::format("{:<13} {:11.6g} {:11.6g} {:11.6g}  {}", label, v.x(), v.y(), v.z(), rest);
+  };
+  if (place) addVector("at", place->at, "m\n");
+  addVector("displacement", displacement, "m\n");
+  addVector("force", sample.force, "N");
+  text += fmt::format("    |force| = {:.6g} N\n", sample.force.norm());
   for (int i = 0; i < 3; ++i)
-    text += fmt::format("{}{:11.6g} {:11.6g} {:11.6g}  N/m\n",
-                        i == 0 ? "stiffness     " : "              ", sample.stiffness(i, 0),
-                        sample.stiffness(i, 1), sample.stiffness(i, 2));
+    addVector(i == 0 ? "stiffness" : "", sample.stiffness.row(i), "N/m\n");
+  if (place) addVector("drive", place->drive, "N, along the surface\n");
   if (std::isfinite(sample.error_bound))
     text +=
         fmt::format("error bound   {:11.4g}  N, on |force|, estimated to hold at 99 % of places\n",
                     sample.error_bound);
+  return text;
+}
+
+std::string describeForPerson(const SpaceTable& space, const Eigen::Vector3d& displacement,
+                              const ForceSample& sample, std::string_view method) {
+  std::string text = describeSample(std::nullopt, displacement, sample);
   if (!sample.inside)
     return text +
            fmt::format("inside        NO: {}.\n\n", describeOutside(space.lattice, displacement));
@@ -95,22 +119,95 @@ std::string describeForPerson(const SpaceTable& space, const Eigen::Vector3d& di
   return text + "\n\n";
 }
 
-const SpaceTable& spaceToQuery(const Dataset& dataset, const std::string& active) {
-  if (!active.empty()) return dataset.spaces()[dataset.spaceNamed(active)];
-  if (dataset.spaces().size() == 1) return dataset.spaces()[0];
-  std::vector<std::string> names;
-  for (const SpaceTable& space : dataset.spaces()) names.push_back(space.patch.name);
-  throw badInput("{}: has several active nodes; choose one with --active: {}",
-                 dataset.file().string(), fmt::join(names, ", "));
+std::string describeInArea(const Place& place, double radius, const Eigen::Vector3d& displacement,
+                           const ForceSample& sample) {
+  std::string text = describeSample(place, displacement, sample);
+  if (sample.inside)
+    return text +
+           fmt::format("inside        yes; {:.0f} % of it stands on solved lattice points\n\n",
+                       100 * sample.coverage);
+  const char* why = !std::isfinite(sample.error_bound) ? "no site of the finger is near"
+                    : displacement.stableNorm() > radius
+                        ? "the displacement is beyond the workspace"
+                        : "nothing was solved around";
+  return text + fmt::format("inside        NO: {}.\n\n", why);
 }
+
+/// Of the surface, in radii of the finger: what stations are chosen from.
+constexpr double places_per_radius = 0.1;
+
+/// Answers from one configuration space, or from the area of a finger.
+class Answers {
+ public:
+  Answers(const QueryOptions& options, const Dataset& dataset)
+      : options_(options),
+        dataset_(dataset),
+        choice_(chooseActive(dataset.scene(), options.active)),
+        first_(dataset.spaces()[choice_.spaces.front()]) {
+    requirePlace(choice_, !options.at.empty());
+    if (options.at.empty()) {
+      field_ = makeForceField(options.method, first_);
+      return;
+    }
+    if (!first_.patch.finger)
+      throw badInput("--at: \"{}\" is no finger, and answers where it is only", choice_.name);
+    if (options.method != QueryOptions{}.method)
+      throw badInput("--method {}: between the sites of a finger there is only {}", options.method,
+                     QueryOptions{}.method);
+    std::vector<const SpaceTable*> sites;
+    for (const std::size_t s : choice_.spaces) sites.push_back(&dataset.spaces()[s]);
+    area_ = std::make_unique<AreaField>(
+        sites, placesOnSurface(dataset.mesh(), places_per_radius * first_.patch.finger->radius));
+  }
+
+  /// The text of an answer, and whether it lies inside.
+  std::pair<std::string, bool> answer(const TouchInput& touch) const {
+    const Eigen::Vector3d& p = touch.displacement;
+    if (area_) return answerAt(touch.at.value(), p);
+    const ForceSample sample = withoutSigns(field_->evaluate(p));
+    return {options_.json ? describeJson(std::nullopt, p, sample, field_->name())
+                          : describeForPerson(first_, p, sample, field_->name()),
+            sample.inside};
+  }
+
+  double workspaceRadius() const { return first_.lattice.radius(); }
+
+ private:
+  template <class Sample>
+  static Sample withoutSigns(Sample sample) {
+    sample.force = plain(sample.force);
+    sample.stiffness = plain(sample.stiffness);
+    return sample;
+  }
+
+  std::pair<std::string, bool> answerAt(const Eigen::Vector3d& near,
+                                        const Eigen::Vector3d& p) const {
+    const Mesh& mesh = dataset_.mesh();
+    const Eigen::Vector3d at = fingerNear("--at", mesh, near, 0).center;
+    const AreaSample sample = withoutSigns(area_->evaluate(at, p));
+    const Place place = {at, plain(alongSurface(mesh, at, sample.drive))};
+    return {options_.json ? describeJson(place, p, sample, options_.method)
+                          : describeInArea(place, workspaceRadius(), p, sample),
+            sample.inside};
+  }
+
+  const QueryOptions& options_;
+  const Dataset& dataset_;
+  const ActiveChoice choice_;
+  const SpaceTable& first_;
+  std::unique_ptr<ForceField> field_;  ///< without a place
+  std::unique_ptr<AreaField> area_;    ///< with one
+};
 
 std::function<ExitCode()> prepareQuery(CLI::App& app) {
   auto options = std::make_shared<QueryOptions>();
   app.add_option("DATASET", options->dataset, "Sealed dataset, OUT.h5, as palpate build makes it")
       ->required()
       ->type_name("FILE");
-  app.add_option("--active", options->active, "Active node; not needed when there is only one")
+  app.add_option("--active", options->active,
+                 "Active node, or surface that a finger touches; not needed when there is only one")
       ->type_name("NAME");
+  addPlaceOption(app, options->at);
   addDisplacementOption(app, options->displacement);
   app.add_option("--method", options->method,
                  fmt::format("Interpolation: {}", fmt::join(forceFieldMethods(), " or ")))
@@ -130,22 +227,16 @@ std::function<ExitCode()> prepareQuery(CLI::App& app) {
 
 ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& output) {
   const Dataset dataset(options.dataset);
-  const SpaceTable& space = spaceToQuery(dataset, options.active);
-  const std::unique_ptr<ForceField> field = makeForceField(options.method, space);
+  const Answers answers(options, dataset);
   ExitCode code = ExitCode::done;
-  const auto answer = [&](const Eigen::Vector3d& displacement) {
-    ForceSample sample = field->evaluate(displacement);
-    sample.force = plain(sample.force);
-    sample.stiffness = plain(sample.stiffness);
-    if (!sample.inside) code = ExitCode::partly_failed;
-    // At once: whoever asks line by line waits for each answer.
-    output << (options.json ? describeJson(displacement, sample, field->name())
-                            : describeForPerson(space, displacement, sample, field->name()))
-           << std::flush;
-    if (!output) throw failure("cannot write the answer to standard output");
-  };
-  forEachTouch({}, options.displacement, input, space.lattice.radius(),
-               [&](const Touch& touch) { answer(touch.displacement); });
+  forEachTouch(options.at, options.displacement, input, answers.workspaceRadius(),
+               [&](const TouchInput& touch) {
+                 const auto [text, inside] = answers.answer(touch);
+                 if (!inside) code = ExitCode::partly_failed;
+                 // At once: whoever asks line by line waits for each answer.
+                 output << text << std::flush;
+                 if (!output) throw failure("cannot write the answer to standard output");
+               });
   return code;
 }
 

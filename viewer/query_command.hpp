@@ -8,11 +8,14 @@ namespace palpate {
 
 struct QueryOptions {
   std::filesystem::path dataset;
-  std::string active;  ///< may be empty when the dataset has one active node only
+  /// An active node or the area of a finger; may be empty when the dataset has one only.
+  std::string active;
   /// Three numbers, metres; or "-": one displacement per line of the input.
   std::vector<std::string> displacement;
   std::string method = "potential";
   bool json = false;
+  /// Three numbers, metres; "-": from the input, before each displacement; none: no place.
+  std::vector<std::string> at = {};
 };
 
 /// `palpate query`: answers with the interpolated force at each displacement, one JSON object per

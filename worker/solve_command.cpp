@@ -1,13 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "common/base/assertion.hpp"
 #include "common/base/displacement_input.hpp"
 #include "common/mesh/surface_point.hpp"
 #include "common/problem/finger.hpp"
 #include "common/problem/problem_warnings.hpp"
+#include "common/scene/active_choice.hpp"
 #include "worker/solver/path.hpp"
 #include "worker/verbs.hpp"
 
@@ -21,30 +21,6 @@ struct SolveOptions {
   std::optional<int> steps;
   bool json = false;
 };
-
-/// What --active names: an active node, or with `area` all sites of it.
-struct Chosen {
-  std::size_t space = 0;  ///< of an area the first
-  bool area = false;
-};
-
-Chosen chosenBy(const Problem& problem, const std::string& name) {
-  std::set<std::string> areas;
-  std::string names;
-  for (std::size_t space = 0; space < problem.active.size(); ++space) {
-    const std::string& area = problem.scene.active[space].area;
-    if (problem.active[space].name == name) return {space};
-    if (!area.empty() && area == name) return {space, true};
-    if (!area.empty() && !areas.insert(area).second) continue;
-    names += (names.empty() ? "" : ", ") + (area.empty() ? problem.active[space].name : area);
-  }
-  if (name.empty() && problem.active.size() == 1) return {0};
-  // A scene of nothing but one area.
-  if (name.empty() && areas.size() == 1 && names == *areas.begin()) return {0, true};
-  if (name.empty())
-    throw badInput("the scene has several active nodes; choose one with --active: {}", names);
-  throw badInput("--active {}: there is no active node of that name; there are: {}", name, names);
-}
 
 /// Further than this the tool does not meet the body any more, so another unit was meant.
 void refuseMistakenUnit(const Problem& problem, const Eigen::Vector3d& displacement) {
@@ -78,15 +54,11 @@ class Solving {
   Solving(const SolveOptions& options, const Problem& problem)
       : options_(options),
         problem_(problem),
-        chosen_(chosenBy(problem, options.active)),
-        name_(chosen_.area ? problem.scene.active[chosen_.space].area
-                           : problem.active[chosen_.space].name),
+        chosen_(chooseActive(problem.scene, options.active)),
         solver_(problem, chooseKernels()) {
-    solver_.chooseTool(chosen_.space);
-    if (const auto& finger = problem.active[chosen_.space].finger) place_ = finger->center;
-    if (chosen_.area && options.at.empty())
-      throw badInput("--active {}: is a surface that a finger touches; say where with --at X Y Z",
-                     name_);
+    requirePlace(chosen_, !options.at.empty());
+    solver_.chooseTool(chosen_.spaces.front());
+    if (finger()) place_ = finger()->center;
   }
 
   /// Where the finger is; nothing for other tools.
@@ -94,14 +66,13 @@ class Solving {
 
   /// The point of the surface nearest to `near`.
   void moveTo(const Eigen::Vector3d& near) {
-    const auto& finger = problem_.active[chosen_.space].finger;
-    if (!finger)
+    if (!finger())
       throw badInput(
           "--at: \"{}\" is no finger, and answers where it is only; "
           "write tool = \"finger\" in the scene",
-          name_);
-    const Finger moved = fingerNear("--at", problem_.mesh, near, finger->radius);
-    if (place_ && *place_ == moved.center) return;
+          chosen_.name);
+    const Finger moved = fingerNear("--at", problem_.mesh, near, finger()->radius);
+    if (*place_ == moved.center) return;
     solver_.placeFinger("--at", moved);
     place_ = moved.center;
   }
@@ -112,20 +83,16 @@ class Solving {
   }
 
  private:
+  const std::optional<Finger>& finger() const {
+    return problem_.active[chosen_.spaces.front()].finger;
+  }
+
   const SolveOptions& options_;
   const Problem& problem_;
-  const Chosen chosen_;
-  const std::string& name_;
+  const ActiveChoice chosen_;
   TransitionSolver solver_;
   std::optional<Eigen::Vector3d> place_;
 };
-
-/// What of the drive lies in the surface: the finger cannot leave it.
-Eigen::Vector3d alongSurface(const Mesh& mesh, const Eigen::Vector3d& place,
-                             const Eigen::Vector3d& drive) {
-  const Eigen::Vector3d normal = normalOf(mesh, nearestOnSurface(mesh, place).triangle);
-  return drive - normal.dot(drive) * normal;
-}
 
 nlohmann::ordered_json toJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
@@ -184,7 +151,7 @@ ExitCode solve(const SolveOptions& options) {
   Solving solving(options, problem);
   bool all_converged = true;
   const double radius = problem.scene.workspace.radius;
-  forEachTouch(options.at, options.displacement, std::cin, radius, [&](const Touch& touch) {
+  forEachTouch(options.at, options.displacement, std::cin, radius, [&](const TouchInput& touch) {
     if (touch.at) solving.moveTo(*touch.at);
     const Outcome outcome = solving.at(touch.displacement);
     all_converged &= outcome.converged;

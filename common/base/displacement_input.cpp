@@ -85,7 +85,7 @@ CLI::Option* addDisplacementOption(CLI::App& app, std::vector<std::string>& word
 
 void forEachTouch(const std::vector<std::string>& at, const std::vector<std::string>& words,
                   std::istream& input, double workspace_radius,
-                  const std::function<void(const Touch&)>& visit) {
+                  const std::function<void(const TouchInput&)>& visit) {
   const bool places_from_input = at == from_input;
   if (places_from_input && words != from_input)
     throw badInput("--at -: each line has six numbers, so write --displacement - too");

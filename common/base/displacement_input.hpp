@@ -24,7 +24,7 @@ CLI::Option* addDisplacementOption(CLI::App& app, std::vector<std::string>& word
 CLI::Option* addPlaceOption(CLI::App& app, std::vector<std::string>& words);
 
 /// Where a finger is and how far it is displaced, metres.
-struct Touch {
+struct TouchInput {
   std::optional<Eigen::Vector3d> at;  ///< nothing: where the active node is
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
 };
@@ -37,7 +37,7 @@ struct Touch {
 /// looksLikeMillimetres in a workspace of this radius (m) is warned of on stderr.
 void forEachTouch(const std::vector<std::string>& at, const std::vector<std::string>& words,
                   std::istream& input, double workspace_radius,
-                  const std::function<void(const Touch&)>& visit);
+                  const std::function<void(const TouchInput&)>& visit);
 
 /// Whether a displacement is far beyond a workspace of this radius (both in metres), and a
 /// thousandth of it is within.

@@ -19,11 +19,11 @@ constexpr std::size_t ghost_sources = 16;
 class Fitter {
  public:
   Fitter(const CellTree& tree, const SpaceTable& space,
-         const std::vector<LatticeEdge>& inconsistent)
+         const std::vector<LatticeEdge>& inconsistent, LocalFits& fits)
       : tree_(tree),
         space_(space),
         interpolated_(interpolatedPoints(space)),
-        fits_(space.lattice.unit()),
+        fits_(fits),
         inconsistent_(inconsistent) {
     PALPATE_ASSERT(std::ranges::is_sorted(inconsistent),
                    "inconsistentEdges sorts them, joined() searches them");
@@ -47,7 +47,7 @@ class Fitter {
   }
 
   /// From the nearest solved points.
-  LocalPolynomial extrapolate(std::size_t slot) const {
+  LocalPolynomial extrapolate(std::size_t slot) {
     std::vector<Candidate> candidates;
     for (const std::int32_t number : solved_)
       candidates.push_back(candidate(tree_.slots()[slot].point, number));
@@ -60,7 +60,7 @@ class Fitter {
     const auto edge =
         static_cast<std::int32_t>(std::ceil(std::sqrt(static_cast<double>(nearest.distance))));
     // A polynomial of high degree far from its sources overshoots: a lower one is tried instead.
-    for (int degree = degreeFor(sources.size());; --degree) {
+    for (int degree = fits_.degreeFor(sources.size());; --degree) {
       LocalPolynomial polynomial = fits_.extrapolate(sources, edge, degree);
       if (degree == 2 || isModest(polynomial.at(Eigen::Vector3d::Zero()), nearest, sources))
         return polynomial;
@@ -117,12 +117,6 @@ class Fitter {
     return {squaredNorm(offset), offset, number};
   }
 
-  static int degreeFor(std::size_t sources) {
-    if (sources < 2) return 2;
-    if (sources < 4) return 3;
-    return sources < 8 ? 4 : 5;
-  }
-
   /// Whether the force at a ghost differs from that of the nearest source by no more than what the
   /// stiffness there and the differences to the other sources suggest.
   bool isModest(const Equilibrium& ghost, const Candidate& nearest,
@@ -139,7 +133,7 @@ class Fitter {
   const CellTree& tree_;
   const SpaceTable& space_;
   const std::vector<bool> interpolated_;
-  LocalFits fits_;
+  LocalFits& fits_;
   const std::vector<LatticeEdge>& inconsistent_;
   std::vector<std::vector<std::int32_t>> around_;  ///< leaves, per slot
   std::vector<std::int32_t> edge_;                 ///< largest of the leaves around, coordinates
@@ -218,8 +212,15 @@ std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTa
 std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
                                              const std::vector<LatticeEdge>& inconsistent,
                                              std::vector<LocalPolynomial> ghosts) {
+  LocalFits fits(space.lattice.unit());
+  return slotPolynomials(tree, space, inconsistent, std::move(ghosts), fits);
+}
+
+std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
+                                             const std::vector<LatticeEdge>& inconsistent,
+                                             std::vector<LocalPolynomial> ghosts, LocalFits& fits) {
   PALPATE_ASSERT(ghosts.size() == tree.slots().size(), "ghostPolynomials made one per slot");
-  Fitter fitter(tree, space, inconsistent);
+  Fitter fitter(tree, space, inconsistent, fits);
   for (std::size_t slot = 0; slot < ghosts.size(); ++slot)
     if (tree.slots()[slot].kind == SlotKind::solved) ghosts[slot] = fitter.complete(slot);
   return ghosts;
@@ -227,7 +228,14 @@ std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTa
 
 std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
                                               const std::vector<LatticeEdge>& inconsistent) {
-  const Fitter fitter(tree, space, inconsistent);
+  LocalFits fits(space.lattice.unit());
+  return ghostPolynomials(tree, space, inconsistent, fits);
+}
+
+std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
+                                              const std::vector<LatticeEdge>& inconsistent,
+                                              LocalFits& fits) {
+  Fitter fitter(tree, space, inconsistent, fits);
   std::vector<LocalPolynomial> polynomials(tree.slots().size());
   for (std::size_t slot = 0; slot < polynomials.size(); ++slot)
     if (tree.slots()[slot].kind == SlotKind::ghost) polynomials[slot] = fitter.extrapolate(slot);
@@ -246,18 +254,44 @@ std::vector<EnergyJet> energyJets(const CellTree& tree,
   return jets;
 }
 
-/// Sums over z, then y, then x, so that the longest sums run over neighbours in memory.
 EnergySample evaluateEnergy(const CellTree& tree, const std::vector<EnergyJet>& jets,
                             const LeafPlace& place) noexcept {
+  const LeafCorners& slots = tree.corners(place.leaf);
+  LeafJets corners;
+  for (std::size_t c = 0; c < 8; ++c) corners[c] = &jets[at(slots[c])];
+  return evaluateEnergy(corners, tree.edge(place.leaf), tree.spacing(), place.local);
+}
+
+LeafBasis valueBasis(double edge, double spacing, const Eigen::Vector3d& local) noexcept {
+  std::array<std::array<std::array<double, 3>, 2>, 3> axes;  // [axis][end][order]
+  const double scale = edge / spacing;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    axes[axis] = quinticHermite(local[static_cast<Eigen::Index>(axis)])[0];
+    for (auto& end : axes[axis]) {
+      end[1] *= scale;
+      end[2] *= scale * scale;
+    }
+  }
+  LeafBasis basis;
+  for (std::size_t c = 0; c < 8; ++c) {
+    const auto &x = axes[0][c & 1], &y = axes[1][c >> 1 & 1], &z = axes[2][c >> 2];
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t i = 0; i < 3; ++i) basis[c][i + 3 * j + 9 * k] = x[i] * y[j] * z[k];
+  }
+  return basis;
+}
+
+/// Sums over z, then y, then x, so that the longest sums run over neighbours in memory.
+EnergySample evaluateEnergy(const LeafJets& corners, double edge, double spacing,
+                            const Eigen::Vector3d& local) noexcept {
   using Plane = Eigen::Array<double, 9, 1>;  // orders a + 3 b at a corner
   using Line = Eigen::Array3d;               // orders a
-  const LeafCorners& corners = tree.corners(place.leaf);
-  const double edge = tree.edge(place.leaf);
-  Basis<3> x = quinticHermite(place.local.x()), y = quinticHermite(place.local.y()),
-           z = quinticHermite(place.local.z());
+  Basis<3> x = quinticHermite(local.x()), y = quinticHermite(local.y()),
+           z = quinticHermite(local.z());
   // Jets are in units of the spacing, the basis in those of the leaf.
-  if (edge != tree.spacing()) {
-    const double scale = edge / tree.spacing();
+  if (edge != spacing) {
+    const double scale = edge / spacing;
     for (Basis<3>* basis : {&x, &y, &z})
       for (auto& derivative : *basis)
         for (auto& end : derivative) {
@@ -272,8 +306,8 @@ EnergySample evaluateEnergy(const CellTree& tree, const std::vector<EnergyJet>& 
     for (auto& row : lines)
       for (Line& line : row) line.setZero();
     for (std::size_t y_end = 0; y_end < 2; ++y_end) {
-      const double* low = jets[at(corners[x_end + 2 * y_end])].data();
-      const double* high = jets[at(corners[x_end + 2 * y_end + 4])].data();
+      const double* low = corners[x_end + 2 * y_end]->data();
+      const double* high = corners[x_end + 2 * y_end + 4]->data();
       const Eigen::Map<const Plane> l0(low), l1(low + 9), l2(low + 18), h0(high), h1(high + 9),
           h2(high + 18);
       for (std::size_t f = 0; f < 3; ++f) {

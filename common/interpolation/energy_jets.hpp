@@ -27,20 +27,38 @@ std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTa
 /// The same for the ghosts alone, which take nearly all of the time; zero for solved slots.
 std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
                                               const std::vector<LatticeEdge>& inconsistent);
+/// With fits that other spaces on such a lattice share.
+std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceTable& space,
+                                              const std::vector<LatticeEdge>& inconsistent,
+                                              LocalFits& fits);
 
 /// slotPolynomials where those of the ghosts are known.
 std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
                                              const std::vector<LatticeEdge>& inconsistent,
                                              std::vector<LocalPolynomial> ghosts);
+std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
+                                             const std::vector<LatticeEdge>& inconsistent,
+                                             std::vector<LocalPolynomial> ghosts, LocalFits& fits);
 
 /// The jets of all slots from their polynomials (slotPolynomials), hanging ones from their coarser
 /// leaf.
 std::vector<EnergyJet> energyJets(const CellTree& tree,
                                   const std::vector<LocalPolynomial>& polynomials);
 
+/// The jets at the corners of a leaf, in its units: corner c has jets[c].
+using LeafJets = std::array<const EnergyJet*, 8>;
+
 /// The tensor product quintic Hermite polynomial of the jets at the corners of a leaf, at a place
 /// in it. Real time: does not allocate, lock, throw or log.
 EnergySample evaluateEnergy(const CellTree& tree, const std::vector<EnergyJet>& jets,
                             const LeafPlace& place) noexcept;
+/// The same of a leaf with edges of `edge` metres, 0..1 in which `local` is; jets are in units of
+/// the spacing (metres).
+EnergySample evaluateEnergy(const LeafJets& corners, double edge, double spacing,
+                            const Eigen::Vector3d& local) noexcept;
+
+/// What the value of such a polynomial is of the 27 numbers at each corner: its factors.
+using LeafBasis = std::array<std::array<double, 27>, 8>;
+LeafBasis valueBasis(double edge, double spacing, const Eigen::Vector3d& local) noexcept;
 
 }  // namespace palpate

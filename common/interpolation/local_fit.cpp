@@ -8,8 +8,10 @@
 namespace palpate {
 namespace {
 
-// Of one source: energy, three slopes, six curvatures, in the order of the first terms.
+// Of one source at most: energy, three slopes, six curvatures, in the order of the first terms.
 constexpr std::size_t n_data = 10;
+/// More factorisations are not kept: some 0.1 MB each.
+constexpr std::size_t most_factors = 1000;
 
 int total(const Orders& orders) { return orders[0] + orders[1] + orders[2]; }
 
@@ -63,6 +65,7 @@ Eigen::Matrix<double, n_data, 1> dataOf(const Equilibrium& e, double scale) {
 // mm; factors of ten in either direction change them by some 10 %, but for a fifth degree without
 // penalty, which doubles those at the rim. What all sources together leave open (a direction in
 // which none lies) tends to zero.
+constexpr double smallest_penalty = 1e-6;
 constexpr double distance_power = 4;  // of a source's weight: so much less do its data tell
 constexpr std::array<double, 6> penalty_extrapolating = {0, 0, 0, 1e-6, 1e-2, 1e-1},
                                 penalty_completing = {0, 0, 0, 1e-6, 1e-4, 1e-1};
@@ -71,8 +74,9 @@ constexpr std::array<double, 6> penalty_extrapolating = {0, 0, 0, 1e-6, 1e-2, 1e
 /// to `degree`.
 struct WeightedSystem {
   WeightedSystem(const std::vector<FitSource>& sources, std::int32_t edge, int from, int degree,
-                 const std::array<double, 6>& penalty)
-      : weights(static_cast<Eigen::Index>(n_data * sources.size())) {
+                 KnownOrders known, const std::array<double, 6>& penalty)
+      : weights(static_cast<Eigen::Index>(sources.size()) * termsUpTo(static_cast<int>(known))) {
+    const auto n_known = at(termsUpTo(static_cast<int>(known)));
     const int first = termsUpTo(from - 1), unknowns = termsUpTo(degree) - first;
     matrix = Eigen::MatrixXd::Zero(weights.size() + unknowns, unknowns);
     const auto term = [first](int t) {
@@ -84,15 +88,21 @@ struct WeightedSystem {
       const Eigen::Vector3d x = Eigen::Vector3d(o[0], o[1], o[2]) / edge;
       const Powers powers = powersOf(x);
       const double weight = std::pow(x.norm(), -distance_power);
-      for (std::size_t d = 0; d < n_data; ++d) {
-        const auto row = static_cast<Eigen::Index>(n_data * source + d);
+      for (std::size_t d = 0; d < n_known; ++d) {
+        const auto row = static_cast<Eigen::Index>(n_known * source + d);
         weights[row] = weight;
         for (int t = 0; t < unknowns; ++t)
           matrix(row, t) = weight * termAt(term(t), all_orders[d], powers);
       }
     }
     // One row per unknown, which pulls it to zero: least squares with a ridge.
-    for (int t = 0; t < unknowns; ++t) matrix(weights.size() + t, t) = penalty[at(total(term(t)))];
+    // Slopes and curvatures that no source knows are left open by a few sources, too.
+    for (int t = 0; t < unknowns; ++t) {
+      const int order = total(term(t));
+      matrix(weights.size() + t, t) = order > static_cast<int>(known)
+                                          ? std::max(penalty[at(order)], smallest_penalty)
+                                          : penalty[at(order)];
+    }
   }
 
   Eigen::MatrixXd matrix;
@@ -121,31 +131,39 @@ Equilibrium LocalPolynomial::at(const Eigen::Vector3d& offset) const {
   return e;
 }
 
-const LocalFits::Factors& LocalFits::completing(const std::vector<FitSource>& sources,
-                                                std::int32_t edge) {
-  Key key = {edge};
+const LocalFits::Factors& LocalFits::factorsOf(const std::vector<FitSource>& sources,
+                                               std::int32_t edge, int from, int degree) {
+  Key key = {edge, from, degree};
   for (const FitSource& source : sources)
     key.insert(key.end(), source.offset.begin(), source.offset.end());
-  const auto known = factors_.find(key);
-  if (known != factors_.end()) return known->second;
-  const WeightedSystem system(sources, edge, 3, LocalPolynomial::degree, penalty_completing);
+  const auto found = factors_.find(key);
+  if (found != factors_.end()) return found->second;
+  if (factors_.size() == most_factors) factors_.clear();
+  const WeightedSystem system(sources, edge, from, degree, known_,
+                              from == 0 ? penalty_extrapolating : penalty_completing);
   return factors_.emplace(std::move(key), Factors{system.matrix.householderQr(), system.weights})
       .first->second;
 }
 
+int LocalFits::degreeFor(std::size_t sources) const {
+  const int of_sources = sources < 2 ? 2 : sources < 4 ? 3 : sources < 8 ? 4 : 5;
+  return std::min(of_sources, highest_degree_);
+}
+
 LocalPolynomial LocalFits::extrapolate(const std::vector<FitSource>& sources, std::int32_t edge,
-                                       int degree) const {
+                                       int degree) {
   PALPATE_ASSERT(!sources.empty() && 2 <= degree && degree <= LocalPolynomial::degree,
                  "sources are the nearest solved points, of which there is one at least");
   LocalPolynomial result;
   result.scale = unit_ * edge;
-  const WeightedSystem system(sources, edge, 0, degree, penalty_extrapolating);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(system.matrix.rows());
+  const Factors& factors = factorsOf(sources, edge, 0, degree);
+  const Eigen::Index n_known = termsUpTo(static_cast<int>(known_));
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(factors.qr.rows());
   for (std::size_t s = 0; s < sources.size(); ++s)
-    right.segment<n_data>(static_cast<Eigen::Index>(n_data * s)) =
-        dataOf(*sources[s].data, result.scale);
-  right.head(system.weights.size()).array() *= system.weights.array();
-  result.derivatives.head(system.matrix.cols()) = system.matrix.householderQr().solve(right);
+    right.segment(n_known * static_cast<Eigen::Index>(s), n_known) =
+        dataOf(*sources[s].data, result.scale).head(n_known);
+  right.head(factors.weights.size()).array() *= factors.weights.array();
+  result.derivatives.head(factors.qr.cols()) = factors.qr.solve(right);
   return result;
 }
 
@@ -153,19 +171,22 @@ LocalPolynomial LocalFits::complete(const Equilibrium& own, const std::vector<Fi
                                     std::int32_t edge) {
   LocalPolynomial result;
   result.scale = unit_ * edge;
-  result.derivatives.head<n_data>() = dataOf(own, result.scale);
+  const int known = static_cast<int>(known_);
+  const Eigen::Index n_known = termsUpTo(known);
+  result.derivatives.head(n_known) = dataOf(own, result.scale).head(n_known);
   // Its own data stand; what is not known stays zero.
   if (sources.empty()) return result;
-  const Factors& factors = completing(sources, edge);
+  const Factors& factors = factorsOf(sources, edge, known + 1, LocalPolynomial::degree);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(factors.qr.rows());
   for (std::size_t s = 0; s < sources.size(); ++s) {
     const LatticePoint& o = sources[s].offset;
-    right.segment<n_data>(static_cast<Eigen::Index>(n_data * s)) =
-        dataOf(*sources[s].data, result.scale) -
-        dataOf(result.at(unit_ * Eigen::Vector3d(o[0], o[1], o[2])), result.scale);
+    right.segment(n_known * static_cast<Eigen::Index>(s), n_known) =
+        (dataOf(*sources[s].data, result.scale) -
+         dataOf(result.at(unit_ * Eigen::Vector3d(o[0], o[1], o[2])), result.scale))
+            .head(n_known);
   }
   right.head(factors.weights.size()).array() *= factors.weights.array();
-  result.derivatives.tail<LocalPolynomial::terms - n_data>() = factors.qr.solve(right);
+  result.derivatives.tail(LocalPolynomial::terms - n_known) = factors.qr.solve(right);
   return result;
 }
 

@@ -31,22 +31,33 @@ struct FitSource {
   const Equilibrium* data;
 };
 
+/// Which derivatives of a source's value are known: ten numbers (energy, force and stiffness), or
+/// four or one of them, for other quantities than the energy.
+enum class KnownOrders : std::uint8_t { value = 0, slope = 1, curvature = 2 };
+
 /// Weighted least-squares fits of local polynomials to energies, forces and stiffnesses: ten
 /// numbers per source, near ones weigh more. What the sources do not determine is kept small by a
-/// penalty on the derivatives above the second. One thread.
+/// penalty on the derivatives above the known ones. Sources that lie alike share one factorisation,
+/// of other spaces too. One thread.
 class LocalFits {
  public:
-  /// `unit`: metres per lattice coordinate.
-  explicit LocalFits(double unit) : unit_(unit) {}
+  /// `unit`: metres per lattice coordinate. Of data of lower orders than KnownOrders::curvature
+  /// stiffnesses, or forces too, are not looked at.
+  /// `highest_degree`: of extrapolations, 2 to 5.
+  explicit LocalFits(double unit, KnownOrders known = KnownOrders::curvature,
+                     int highest_degree = LocalPolynomial::degree)
+      : unit_(unit), known_(known), highest_degree_(highest_degree) {}
+
+  /// The degree of extrapolations that so many sources support.
+  int degreeFor(std::size_t sources) const;
 
   /// About a position where nothing is known. `edge`: scale of the fit, lattice coordinates, about
   /// the distance of the nearest source. At least one source; exact (to 1e-7) for energies of the
   /// third degree if the sources determine them. 2 <= degree <= 5.
-  LocalPolynomial extrapolate(const std::vector<FitSource>& sources, std::int32_t edge,
-                              int degree) const;
+  LocalPolynomial extrapolate(const std::vector<FitSource>& sources, std::int32_t edge, int degree);
   /// About a solved point: its own data exactly, the higher derivatives from the sources around;
   /// zero without any. Exact (to 1e-7) for energies of the fourth degree if the sources determine
-  /// them. Sources that lie alike share one factorisation.
+  /// them.
   LocalPolynomial complete(const Equilibrium& own, const std::vector<FitSource>& sources,
                            std::int32_t edge);
 
@@ -56,9 +67,12 @@ class LocalFits {
     Eigen::HouseholderQR<Eigen::MatrixXd> qr;
     Eigen::VectorXd weights;  ///< per datum
   };
-  const Factors& completing(const std::vector<FitSource>& sources, std::int32_t edge);
+  const Factors& factorsOf(const std::vector<FitSource>& sources, std::int32_t edge, int from,
+                           int degree);
   double unit_;
-  std::map<Key, Factors> factors_;  ///< of complete(), by the offsets of the sources
+  KnownOrders known_;
+  int highest_degree_;
+  std::map<Key, Factors> factors_;  ///< by the offsets of the sources
 };
 
 }  // namespace palpate

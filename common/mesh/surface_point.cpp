@@ -62,6 +62,12 @@ Eigen::Vector3d positionOf(const Mesh& mesh, const SurfacePoint& point) {
   return combined(cornersOf(mesh, point.triangle), point.barycentric);
 }
 
+Eigen::Vector3d alongSurface(const Mesh& mesh, const Eigen::Vector3d& place,
+                             const Eigen::Vector3d& vector) {
+  const Eigen::Vector3d normal = normalOf(mesh, nearestOnSurface(mesh, place).triangle);
+  return vector - normal.dot(vector) * normal;
+}
+
 Eigen::Vector3d normalOf(const Mesh& mesh, std::int32_t triangle) {
   const auto [a, b, c] = cornersOf(mesh, triangle);
   return (b - a).cross(c - a).normalized();

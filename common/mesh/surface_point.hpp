@@ -26,4 +26,8 @@ SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& point,
 Eigen::Vector3d positionOf(const Mesh& mesh, const SurfacePoint& point);
 Eigen::Vector3d normalOf(const Mesh& mesh, std::int32_t triangle);
 
+/// What of a vector lies in the surface at a place on it, metres: a finger cannot leave it.
+Eigen::Vector3d alongSurface(const Mesh& mesh, const Eigen::Vector3d& place,
+                             const Eigen::Vector3d& vector);
+
 }  // namespace palpate

@@ -69,6 +69,15 @@ bool mayStand(const Eigen::Vector3d& center, double radius, const std::vector<Pi
 
 }  // namespace
 
+std::vector<Eigen::Vector3d> placesOnSurface(const Mesh& mesh, double distance) {
+  std::vector<Piece> pieces;
+  for (std::int32_t t = 0; static_cast<std::size_t>(t) < mesh.surface.size(); ++t)
+    appendPieces(mesh, t, {}, distance, pieces);
+  std::vector<Eigen::Vector3d> places;
+  for (const Piece& piece : pieces) places.push_back(piece.middle);
+  return places;
+}
+
 std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::int32_t>& triangles,
                                      const NodeSet& fixed, double radius) {
   PALPATE_ASSERT(radius > 0, "a scene gives fingers a radius");

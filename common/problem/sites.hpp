@@ -2,12 +2,10 @@
 
 #include "common/mesh/mesh.hpp"
 #include "common/mesh/node_set.hpp"
+#include "common/space/active_patch.hpp"
 
 namespace palpate {
 
-/// The farthest that a place of a covered surface is from the nearest site, in radii of the finger.
-/// Sites are then 0.6 to 1 radii apart.
-inline constexpr double site_distance = 0.6;
 /// More are refused: the finger is too small for the surface.
 inline constexpr std::size_t max_sites = 5000;
 
@@ -24,5 +22,9 @@ inline constexpr std::size_t max_sites = 5000;
 /// nowhere.
 std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::int32_t>& triangles,
                                      const NodeSet& fixed, double radius);
+
+/// Places of the whole surface, so close that none of it is farther than `distance` from one,
+/// metres.
+std::vector<Eigen::Vector3d> placesOnSurface(const Mesh& mesh, double distance);
 
 }  // namespace palpate

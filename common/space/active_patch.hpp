@@ -8,6 +8,10 @@
 
 namespace palpate {
 
+/// Fingers of one radius are sites of one energy when every place between them is at most this many
+/// radii from the nearest; sites are then 0.6 to 1 radii apart.
+inline constexpr double site_distance = 0.6;
+
 /// Where a soft finger meets the surface at rest, and how wide it is: metres.
 struct Finger {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< on the surface

@@ -43,10 +43,14 @@ CellBranches::CellBranches(const SpaceTable& space)
     numbers.push_back(space.lattice.indexOf(slot.point).value_or(-1));
 }
 
-CellData::CellData(const SpaceTable& space)
+CellData::CellData(const SpaceTable& space) : CellData(space, LocalFits(space.lattice.unit())) {}
+
+CellData::CellData(const SpaceTable& space, LocalFits&& fits) : CellData(space, fits) {}
+
+CellData::CellData(const SpaceTable& space, LocalFits& fits)
     : CellBranches(space),
       suspect(suspectEdges(space)),
-      ghosts(ghostPolynomials(tree, space, inconsistent)),
+      ghosts(ghostPolynomials(tree, space, inconsistent, fits)),
       equilibria(slotEquilibria(tree, space, ghosts)),
       support(slotCoverage(tree, inconsistent)),
       divisions(space.lattice.divisions()) {}

@@ -61,6 +61,8 @@ struct CellBranches {
 /// What methods that interpolate in leaves are made of: a cell tree and what its slots stand on.
 struct CellData : CellBranches {
   explicit CellData(const SpaceTable& space);
+  /// With fits that other spaces on such a lattice share.
+  CellData(const SpaceTable& space, LocalFits& fits);
 
   std::vector<LatticeEdge> suspect;     ///< suspectEdges of the space
   std::vector<LocalPolynomial> ghosts;  ///< ghostPolynomials
@@ -68,6 +70,7 @@ struct CellData : CellBranches {
   std::vector<double> support;          ///< slotCoverage
   std::int32_t divisions;               ///< lattice coordinates per spacing
 
+  CellData(const SpaceTable& space, LocalFits&& fits);
   /// The slot at lattice coordinates; -1 when there is none.
   std::int32_t slotAt(const LatticePoint& point) const;
   /// The leaves with an edge among these; sorted edges.

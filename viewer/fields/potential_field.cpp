@@ -97,10 +97,14 @@ class Corrections {
   std::vector<double> values_;                           ///< J, per slot
 };
 
-/// Takes the ghosts of `data`.
-std::vector<LocalPolynomial> correctedPolynomials(CellData& data, const SpaceTable& space) {
+}  // namespace
+
+std::vector<double> energyCorrections(const CellData& data) { return Corrections(data).minimise(); }
+
+std::vector<LocalPolynomial> correctedPolynomials(CellData& data, const SpaceTable& space,
+                                                  LocalFits& fits) {
   std::vector<LocalPolynomial> polynomials =
-      slotPolynomials(data.tree, space, data.inconsistent, std::move(data.ghosts));
+      slotPolynomials(data.tree, space, data.inconsistent, std::move(data.ghosts), fits);
   const std::vector<double> corrections = energyCorrections(data);
   PALPATE_ASSERT(corrections.size() == polynomials.size(), "both are per slot of the same tree");
   for (std::size_t s = 0; s < polynomials.size(); ++s)
@@ -108,9 +112,10 @@ std::vector<LocalPolynomial> correctedPolynomials(CellData& data, const SpaceTab
   return polynomials;
 }
 
-}  // namespace
-
-std::vector<double> energyCorrections(const CellData& data) { return Corrections(data).minimise(); }
+std::vector<LocalPolynomial> correctedPolynomials(CellData& data, const SpaceTable& space) {
+  LocalFits fits(space.lattice.unit());
+  return correctedPolynomials(data, space, fits);
+}
 
 PotentialField::PotentialField(CellData data, const SpaceTable& space)
     : PotentialField(data, correctedPolynomials(data, space)) {}

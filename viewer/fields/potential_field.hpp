@@ -22,6 +22,11 @@ namespace palpate {
 /// h in the second sum of the shortest edge at the slot.
 std::vector<double> energyCorrections(const CellData& data);
 
+/// slotPolynomials with the energies corrected. Takes the ghosts of `data`.
+std::vector<LocalPolynomial> correctedPolynomials(CellData& data, const SpaceTable& space,
+                                                  LocalFits& fits);
+std::vector<LocalPolynomial> correctedPolynomials(CellData& data, const SpaceTable& space);
+
 /// Interpolates the stored energy E(p) and differentiates it: force = -grad E and
 /// stiffness = -Hessian. Therefore conservative by construction (a closed loop returns no energy)
 /// in the whole ball, with an energy everywhere in it and a symmetric stiffness.

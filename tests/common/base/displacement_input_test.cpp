@@ -21,7 +21,7 @@ std::vector<Eigen::Vector3d> read(const std::vector<std::string>& words,
   std::istringstream input(lines);
   std::vector<Eigen::Vector3d> read;
   forEachTouch({}, words, input, 0.1,
-               [&](const Touch& touch) { read.push_back(touch.displacement); });
+               [&](const TouchInput& touch) { read.push_back(touch.displacement); });
   return read;
 }
 

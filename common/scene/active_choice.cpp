@@ -1,0 +1,45 @@
+#include "common/scene/active_choice.hpp"
+
+#include <algorithm>
+
+#include "common/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+/// Of every active node, or of the area it is a site of; each once, in the order of the scene.
+std::vector<std::string> choicesOf(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const ActiveSelection& active : scene.active) {
+    const std::string& name = active.area.empty() ? active.name : active.area;
+    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
+
+}  // namespace
+
+ActiveChoice chooseActive(const Scene& scene, const std::string& name) {
+  const std::vector<std::string> names = choicesOf(scene);
+  if (name.empty() && names.size() > 1)
+    throw badInput("the scene has several active nodes; choose one with --active: {}",
+                   fmt::join(names, ", "));
+  ActiveChoice choice = {{}, name.empty() ? names.front() : name};
+  for (std::size_t s = 0; s < scene.active.size(); ++s) {
+    if (scene.active[s].name == choice.name) return {{s}, choice.name};
+    if (scene.active[s].area == choice.name) choice.spaces.push_back(s);
+  }
+  if (choice.spaces.empty())
+    throw badInput("--active: there is no active node \"{}\"; there are: {}", name,
+                   fmt::join(names, ", "));
+  choice.is_area = true;
+  return choice;
+}
+
+void requirePlace(const ActiveChoice& choice, bool given) {
+  if (choice.is_area && !given)
+    throw badInput("\"{}\" is a surface that a finger touches; say where with --at X Y Z",
+                   choice.name);
+}
+
+}  // namespace palpate

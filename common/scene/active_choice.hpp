@@ -1,0 +1,21 @@
+#pragma once
+
+#include "common/scene/scene.hpp"
+
+namespace palpate {
+
+/// What a name after --active means in a resolved scene.
+struct ActiveChoice {
+  std::vector<std::size_t> spaces;  ///< one, or the sites of an area
+  std::string name;                 ///< of the active node or the area
+  bool is_area = false;
+};
+
+/// The active node or the area of this name; without a name the only one there is. Error (bad
+/// input) that lists them: of an area its name and not its sites, which have names too.
+ActiveChoice chooseActive(const Scene& scene, const std::string& name);
+
+/// Error (bad input) when an area was chosen and no place in it, `at`, is given.
+void requirePlace(const ActiveChoice& choice, bool given);
+
+}  // namespace palpate

@@ -1,0 +1,165 @@
+#include "viewer/fields/area_field.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/viewer/fields/area_sample.hpp"
+
+namespace palpate {
+namespace {
+
+using test::PaperArea;
+
+std::vector<const SpaceTable*> pointersTo(const std::vector<SpaceTable>& spaces) {
+  std::vector<const SpaceTable*> pointers;
+  for (const SpaceTable& space : spaces) pointers.push_back(&space);
+  return pointers;
+}
+
+/// Places well inside of the square, displacements well inside of the ball.
+class AreaFieldTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    spaces = new std::vector<SpaceTable>(PaperArea::sites());
+    field = new AreaField(pointersTo(*spaces), PaperArea::plane(0.002));
+  }
+  static void TearDownTestSuite() {
+    delete field;
+    delete spaces;
+  }
+  Eigen::Vector3d drawPlace() { return {number(-0.03, 0.03), number(-0.03, 0.03), 0}; }
+  Eigen::Vector3d drawDisplacement() {
+    return {number(-0.012, 0.012), number(-0.012, 0.012), number(-0.012, 0.012)};
+  }
+  double number(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  }
+
+  static std::vector<SpaceTable>* spaces;
+  static AreaField* field;
+  std::mt19937 random{17};
+};
+std::vector<SpaceTable>* AreaFieldTest::spaces = nullptr;
+AreaField* AreaFieldTest::field = nullptr;
+
+TEST_F(AreaFieldTest, ForceAndDriveAreThoseOfTheEnergyBetweenSites) {
+  double worst_force = 0, worst_drive = 0;
+  for (int n = 0; n < 300; ++n) {
+    const Eigen::Vector3d s = drawPlace(), p = drawDisplacement();
+    const AreaSample sample = field->evaluate(s, p);
+    EXPECT_TRUE(sample.inside);
+    EXPECT_GT(sample.coverage, 0.9);
+    worst_force = std::max(worst_force, (sample.force - PaperArea::force(s, p)).norm());
+    worst_drive = std::max(worst_drive, (sample.drive - PaperArea::drive(s, p)).norm());
+    EXPECT_NEAR(sample.energy, PaperArea::energy(s, p), 1e-4);
+  }
+  // Of forces up to 4 N, drives up to 0.5 N.
+  EXPECT_LT(worst_force, 0.03);
+  EXPECT_LT(worst_drive, 0.03);
+}
+
+TEST_F(AreaFieldTest, ForceAndDriveAreMinusTheGradientsOfWhatItSaysIsTheEnergy) {
+  constexpr double h = 1e-4;  // energies are sums of single precision
+  for (int n = 0; n < 50; ++n) {
+    const Eigen::Vector3d s = drawPlace(), p = drawDisplacement();
+    const AreaSample here = field->evaluate(s, p);
+    const auto energyAt = [&](const Eigen::Vector3d& at, const Eigen::Vector3d& by) {
+      return field->evaluate(at, by).energy;
+    };
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
+      EXPECT_NEAR((energyAt(s, p + e) - energyAt(s, p - e)) / (2 * h), -here.force[i], 1e-3);
+      EXPECT_NEAR((energyAt(s + e, p) - energyAt(s - e, p)) / (2 * h), -here.drive[i], 1e-3);
+      const Eigen::Vector3d up = field->evaluate(s, p + e).force,
+                            down = field->evaluate(s, p - e).force;
+      EXPECT_LT(((up - down) / (2 * h) - here.stiffness.col(i)).norm(), 0.5);
+    }
+  }
+}
+
+TEST_F(AreaFieldTest, LoopsInPlaceAndDisplacementCreateNoEnergy) {
+  for (int loop = 0; loop < 20; ++loop) {
+    const Eigen::Vector3d s0 = drawPlace(), p0 = drawDisplacement(), s1 = drawPlace(),
+                          p1 = drawDisplacement();
+    // An ellipse through both spaces; the midpoint rule converges fast on what is periodic.
+    constexpr int steps = 2000;
+    double work = 0, exchanged = 0;
+    for (int n = 0; n < steps; ++n) {
+      const double a = 2 * M_PI * (n + 0.5) / steps, da = 2 * M_PI / steps;
+      const AreaSample sample =
+          field->evaluate(s0 * std::cos(a) + s1 * std::sin(a), p0 * std::cos(a) + p1 * std::sin(a));
+      const double power = sample.force.dot(p1 * std::cos(a) - p0 * std::sin(a)) +
+                           sample.drive.dot(s1 * std::cos(a) - s0 * std::sin(a));
+      work += power * da;
+      exchanged += std::abs(power) * da;
+    }
+    EXPECT_LT(std::abs(work), 1e-5 * exchanged);
+  }
+}
+
+TEST_F(AreaFieldTest, NothingJumpsWhereStationsComeIntoReach) {
+  Eigen::Vector3d s(-0.03, -0.021, 0);
+  const Eigen::Vector3d p(0.006, -0.004, 0.008);
+  AreaSample before = field->evaluate(s, p);
+  for (int n = 0; n < 6000; ++n) {
+    s += Eigen::Vector3d(1e-5, 0.7e-5, 0);
+    const AreaSample here = field->evaluate(s, p);
+    EXPECT_LT((here.force - before.force).norm(), 2e-3);
+    EXPECT_LT((here.drive - before.drive).norm(), 2e-3);
+    before = here;
+  }
+}
+
+TEST_F(AreaFieldTest, BoundsItsErrorAtMostPlaces) {
+  int held = 0;
+  constexpr int tries = 300;
+  for (int n = 0; n < tries; ++n) {
+    const Eigen::Vector3d s = drawPlace(), p = drawDisplacement();
+    const AreaSample sample = field->evaluate(s, p);
+    held += (sample.force - PaperArea::force(s, p)).norm() <= sample.error_bound + 1e-5;
+  }
+  EXPECT_GE(held, 0.9 * tries);
+}
+
+TEST_F(AreaFieldTest, IsMoreAccurateTheCloserTheSites) {
+  const std::vector<SpaceTable> close = PaperArea::sites(0.01);
+  const AreaField finer(pointersTo(close), PaperArea::plane(0.002));
+  double coarse_error = 0, fine_error = 0;
+  for (int n = 0; n < 100; ++n) {
+    const Eigen::Vector3d s = drawPlace(), p = drawDisplacement();
+    coarse_error += (field->evaluate(s, p).force - PaperArea::force(s, p)).squaredNorm();
+    fine_error += (finer.evaluate(s, p).force - PaperArea::force(s, p)).squaredNorm();
+  }
+  EXPECT_LT(fine_error, coarse_error);
+}
+
+TEST_F(AreaFieldTest, SaysWhereItDoesNotAnswer) {
+  const AreaSample away = field->evaluate({0.2, 0, 0}, {0.001, 0, 0});
+  EXPECT_FALSE(away.inside);
+  EXPECT_EQ(away.force, Eigen::Vector3d::Zero());
+  const AreaSample beyond = field->evaluate({0, 0, 0}, {0.04, 0, 0});
+  EXPECT_FALSE(beyond.inside);
+  EXPECT_LT((beyond.force - field->evaluate({0, 0, 0}, {0.03, 0, 0}).force).norm(), 1e-3);
+  EXPECT_TRUE(std::isnan(beyond.energy));
+  EXPECT_EQ(field->evaluate({NAN, 0, 0}, {0, 0, 0}).force, Eigen::Vector3d::Zero());
+  EXPECT_EQ(field->evaluate({0, 0, 0}, {NAN, 0, 0}).force, Eigen::Vector3d::Zero());
+}
+
+TEST_F(AreaFieldTest, OneSiteAnswersAroundItself) {
+  const SpaceTable alone = PaperArea::space(Eigen::Vector3d::Zero());
+  const AreaField single({&alone}, PaperArea::plane(0.002));
+  const Eigen::Vector3d s(0.002, -0.001, 0), p(0.004, 0.003, -0.01);
+  EXPECT_LT((single.evaluate(s, p).force - PaperArea::force(s, p)).norm(), 0.01);
+}
+
+TEST_F(AreaFieldTest, WantsTheSitesOnOneLattice) {
+  std::vector<SpaceTable> mixed = {PaperArea::space({0, 0, 0}), PaperArea::space({0.01, 0, 0})};
+  mixed[1].splits.push_back({});
+  test::expectError(ExitCode::failed, [&] { AreaField(pointersTo(mixed), {}); },
+                    {"one uniform lattice"});
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,53 @@
+#include "viewer/fields/hermite_kernel.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/viewer/fields/area_sample.hpp"
+
+namespace palpate {
+namespace {
+
+using test::PaperArea;
+
+/// The ten quantities of the paper energy at one displacement.
+Eigen::VectorXf quantitiesAt(const std::vector<Eigen::Vector3d>& places) {
+  const Eigen::Vector3d p(0.01, -0.004, 0.006);
+  Eigen::VectorXf all(place_quantities * static_cast<Eigen::Index>(places.size()));
+  Eigen::Index row = 0;
+  for (const Eigen::Vector3d& s : places) {
+    const Eigen::Vector3d drive = PaperArea::drive(s, p);
+    const Eigen::Matrix3d slope = -PaperArea::f(p) * PaperArea::hessianG(s);
+    all[row++] = static_cast<float>(PaperArea::energy(s, p));
+    for (int axis = 0; axis < 3; ++axis) all[row++] = static_cast<float>(drive[axis]);
+    for (const auto& [a, b] : symmetric_axes) all[row++] = static_cast<float>(slope(a, b));
+  }
+  return all;
+}
+
+const std::vector<Eigen::Vector3d> some_sites = {{0, 0, 0},
+                                                 {0.014, 0.001, 0.002},
+                                                 {0.003, 0.015, -0.001},
+                                                 {-0.012, 0.008, 0},
+                                                 {0.01, -0.011, 0}};
+
+TEST(HermiteKernelTest, IsExactAtTheSites) {
+  const Eigen::VectorXf data = quantitiesAt(some_sites);
+  for (std::size_t s = 0; s < some_sites.size(); ++s) {
+    const Eigen::VectorXf found = hermiteCoefficients(some_sites[s], some_sites, 0.03) * data;
+    const Eigen::VectorXf exact = quantitiesAt({some_sites[s]});
+    EXPECT_LT((found - exact).norm(), 1e-3 * exact.norm());
+  }
+}
+
+TEST(HermiteKernelTest, InterpolatesAllTenQuantitiesBetweenThem) {
+  const Eigen::VectorXf data = quantitiesAt(some_sites);
+  const Eigen::Vector3d between(0.004, 0.005, 0);
+  const Eigen::VectorXf found = hermiteCoefficients(between, some_sites, 0.03) * data,
+                        exact = quantitiesAt({between});
+  EXPECT_NEAR(found[0], exact[0], 1e-3 * exact[0]);
+  EXPECT_LT((found.segment<3>(1) - exact.segment<3>(1)).norm(), 0.02 * exact.segment<3>(1).norm());
+  EXPECT_LT((found.tail<6>() - exact.tail<6>()).norm(), 0.4 * exact.tail<6>().norm());
+}
+
+}  // namespace
+}  // namespace palpate

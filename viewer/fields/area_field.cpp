@@ -1,0 +1,275 @@
+#include "viewer/fields/area_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <thread>
+
+#include "common/base/error.hpp"
+#include "common/base/parallel.hpp"
+
+namespace palpate {
+namespace {
+
+/// A station is at most this many radii of the finger from any place, sites as site_distance says.
+constexpr double station_distance = 0.4;
+/// Of a point, in the distances that such points may be from places: at the farthest place two or
+/// three still share.
+constexpr double reach_in_distances = 1.4;
+/// What a station is interpolated from, and a site from the others.
+constexpr std::size_t sites_of_station = 7, sites_of_judgement = 6;
+/// Of the kernel, in radii of the finger. From 1 to 2 the errors are the same within a third.
+constexpr double kernel_width = 1.5;
+/// A site stands farther from the others than places stand from the nearest: so much of what it
+/// lacks is theirs. Measured: docs/measurements.md.
+constexpr double share_of_judgement = 0.5;
+
+/// Wendland's function of the second smoothness in three dimensions, and its derivative by x over
+/// x, which is finite at 0.
+struct Wendland {
+  explicit Wendland(double x) noexcept {
+    const double u = 1 - x, cubed = u * u * u;
+    value = cubed * u * (4 * x + 1);
+    slope_over_x = -20 * cubed;
+  }
+  double value, slope_over_x;
+};
+
+/// The numbers of the nearest points, the nearest first; `except` is left out.
+std::vector<std::size_t> nearestOf(const std::vector<Eigen::Vector3d>& points,
+                                   const Eigen::Vector3d& place, std::size_t count,
+                                   std::size_t except) {
+  std::vector<std::size_t> numbers(points.size());
+  std::iota(numbers.begin(), numbers.end(), 0);
+  if (except < numbers.size()) numbers.erase(numbers.begin() + static_cast<std::ptrdiff_t>(except));
+  count = std::min(count, numbers.size());
+  std::ranges::partial_sort(
+      numbers, numbers.begin() + static_cast<std::ptrdiff_t>(count), {},
+      [&](std::size_t n) { return std::pair((points[n] - place).squaredNorm(), n); });
+  numbers.resize(count);
+  return numbers;
+}
+
+/// The quantities at a place from those of sites around it.
+struct Interpolation {
+  Interpolation(const std::vector<Eigen::Vector3d>& sites, const Eigen::Vector3d& place,
+                std::size_t count, std::size_t except, double width)
+      : from(nearestOf(sites, place, count, except)) {
+    std::vector<Eigen::Vector3d> chosen;
+    for (const std::size_t site : from) chosen.push_back(sites[site]);
+    if (!chosen.empty()) coefficients = hermiteCoefficients(place, chosen, width);
+  }
+
+  SiteJet at(const std::vector<SiteJets>& made, std::size_t slot) const {
+    SiteJet sum = SiteJet::Zero();
+    for (std::size_t n = 0; n < from.size(); ++n) {
+      const Eigen::Matrix<float, place_quantities, place_quantities> block =
+          coefficients.middleCols<place_quantities>(place_quantities *
+                                                    static_cast<Eigen::Index>(n));
+      sum += made[from[n]].jets[slot].lazyProduct(block.transpose());
+    }
+    return sum;
+  }
+
+  std::vector<std::size_t> from;
+  Eigen::MatrixXf coefficients;
+};
+
+/// Q(d) = E - T . d - d . (dT/ds) d / 2 as factors of the quantities, and those of its derivatives
+/// by d.
+Eigen::Matrix<float, place_quantities, 4> expansionAt(const Eigen::Vector3d& d) noexcept {
+  Eigen::Matrix<double, place_quantities, 4> factors = decltype(factors)::Zero();
+  factors(0, 0) = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    factors(1 + axis, 0) = -d[axis];
+    factors(1 + axis, 1 + axis) = -1;
+  }
+  for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
+    const auto row = static_cast<Eigen::Index>(4 + c);
+    const auto [a, b] = symmetric_axes[c];
+    factors(row, 0) = -(a == b ? 0.5 : 1.0) * d[a] * d[b];
+    factors(row, 1 + a) -= d[b];
+    if (a != b) factors(row, 1 + b) -= d[a];
+  }
+  return factors.cast<float>();
+}
+
+}  // namespace
+
+AreaField::AreaField(const std::vector<const SpaceTable*>& spaces,
+                     const std::vector<Eigen::Vector3d>& surface)
+    : tree_(*spaces.at(0)) {
+  const double radius = spaces.front()->patch.finger.value().radius;
+  std::vector<Eigen::Vector3d> centers;
+  for (const SpaceTable* space : spaces) {
+    centers.push_back(space->patch.finger.value().center);
+    if (!space->splits.empty() || space->lattice.size() != spaces.front()->lattice.size())
+      throw failure("{}: the sites of an area are all on one uniform lattice, and this is not",
+                    space->patch.name);
+  }
+  sites_ = NearPoints(centers, reach_in_distances * site_distance * radius);
+  std::vector<std::optional<SiteJets>> parts(spaces.size());
+  const std::size_t n_threads = std::thread::hardware_concurrency() + 1;
+  inParallel(n_threads, [&](std::size_t thread) {
+    SiteFits fits(spaces.front()->lattice.unit());
+    for (std::size_t s = thread; s < spaces.size(); s += n_threads)
+      parts[s].emplace(*spaces[s], CellTree(*spaces[s]), fits);
+  });
+  std::vector<SiteJets> made;
+  for (auto& part : parts) made.push_back(std::move(*part));
+  setStations(surface, radius);
+  interpolateToStations(made, kernel_width * radius);
+  judge(spaces, made, kernel_width * radius);
+}
+
+/// Of the surface near sites, each the farthest from all before it.
+void AreaField::setStations(const std::vector<Eigen::Vector3d>& surface, double radius) {
+  std::vector<Eigen::Vector3d> places = sites_.points();
+  for (const Eigen::Vector3d& place : surface)
+    if (std::ranges::any_of(sites_.near(place), [&](std::int32_t site) {
+          return (sites_.points()[at(site)] - place).norm() <= site_distance * radius * 1.1;
+        }))
+      places.push_back(place);
+  std::vector<double> distances(places.size(), std::numeric_limits<double>::infinity());
+  std::vector<Eigen::Vector3d> stations;
+  while (true) {
+    const auto farthest = std::ranges::max_element(distances) - distances.begin();
+    const Eigen::Vector3d place = places[at(farthest)];
+    if (distances[at(farthest)] <= station_distance * radius) break;
+    stations.push_back(place);
+    for (std::size_t n = 0; n < places.size(); ++n)
+      distances[n] = std::min(distances[n], (places[n] - place).norm());
+  }
+  stations_ = NearPoints(std::move(stations), reach_in_distances * station_distance * radius);
+}
+
+void AreaField::interpolateToStations(const std::vector<SiteJets>& made, double width) {
+  const std::size_t n_slots = tree_.slots().size();
+  jets_.resize(stationCount() * n_slots);
+  inParallel(stationCount(), [&](std::size_t station) {
+    const Interpolation interpolation(sites_.points(), stations_.points()[station],
+                                      sites_of_station, siteCount(), width);
+    for (std::size_t slot = 0; slot < n_slots; ++slot)
+      jets_[station * n_slots + slot] = interpolation.at(made, slot);
+  });
+}
+
+void AreaField::judge(const std::vector<const SpaceTable*>& spaces,
+                      const std::vector<SiteJets>& made, double width) {
+  judgements_.resize(siteCount());
+  inParallel(siteCount(), [&](std::size_t site) {
+    Judgement& judgement = judgements_[site];
+    judgement.coverage = made[site].coverage;
+    judgement.error = made[site].p_error;
+    const Interpolation others(sites_.points(), sites_.points()[site], sites_of_judgement, site,
+                               width);
+    if (others.from.empty()) return;
+    std::vector<float> lacks(tree_.slots().size(), -1);
+    for (std::size_t slot = 0; slot < lacks.size(); ++slot) {
+      const auto number = spaces[site]->lattice.indexOf(tree_.slots()[slot].point);
+      if (!number || !isSolved(spaces[site]->points[at(*number)].tag)) continue;
+      const SiteJet difference = others.at(made, slot) - made[site].jets[slot];
+      lacks[slot] = Eigen::Vector3f(difference(1, 0), difference(3, 0), difference(9, 0)).norm() /
+                    static_cast<float>(tree_.spacing());
+    }
+    // What is not solved is no better known than the worst that is.
+    const float worst = *std::ranges::max_element(lacks);
+    for (std::size_t slot = 0; slot < lacks.size(); ++slot)
+      judgement.error[slot] +=
+          static_cast<float>(share_of_judgement) * (lacks[slot] < 0 ? worst : lacks[slot]);
+  });
+}
+
+AreaSample AreaField::evaluate(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept {
+  if (!s.allFinite() || p.array().isNaN().any()) return {};
+  const double length = p.stableNorm();
+  if (length <= tree_.radius()) return inBall(s, p);
+  const Eigen::Vector3d nearest = nearestInBall(p, tree_.radius());
+  AreaSample sample = inBall(s, nearest);
+  // The force of the nearest point of the sphere is the gradient of no energy out here.
+  sample.inside = false;
+  sample.energy = std::numeric_limits<double>::quiet_NaN();
+  sample.error_bound += sample.stiffness.norm() * (p - nearest).stableNorm();
+  const Eigen::Vector3d outwards = nearest / tree_.radius();
+  sample.stiffness -= sample.stiffness * outwards * outwards.transpose();
+  sample.stiffness *= tree_.radius() / length;
+  return sample;
+}
+
+AreaSample AreaField::inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept {
+  const LeafPlace place = tree_.find(p);
+  if (place.leaf < 0) return {};
+  const LeafCorners& slots = tree_.corners(place.leaf);
+  const LeafBasis basis = valueBasis(tree_.edge(place.leaf), tree_.spacing(), place.local);
+  // Sums of w Q at the corners, whose polynomial is that of E times the sum of w.
+  std::array<Eigen::Matrix<float, 28, 1>, 8> corners;
+  for (auto& corner : corners) corner.setZero();
+  double whole = 0;
+  Eigen::Vector3d whole_slope = Eigen::Vector3d::Zero(), slope = Eigen::Vector3d::Zero();
+  for (const std::int32_t station : stations_.near(s)) {
+    const Eigen::Vector3d d = s - stations_.points()[at(station)];
+    const double x = d.norm() / stations_.reach();
+    if (!(x < 1)) continue;
+    const Wendland w(x);
+    const Eigen::Vector3d w_slope = w.slope_over_x / (stations_.reach() * stations_.reach()) * d;
+    const auto expansion = expansionAt(d);
+    const SiteJet* jets = &jets_[at(station) * tree_.slots().size()];
+    Eigen::Matrix<float, place_quantities, 1> values;
+    values.setZero();
+    for (std::size_t c = 0; c < 8; ++c) {
+      const SiteJet& jet = jets[at(slots[c])];
+      const Eigen::Matrix<float, place_quantities, 1> factors =
+          static_cast<float>(w.value) * expansion.col(0);
+      corners[c] += jet.lazyProduct(factors);
+      Eigen::Matrix<float, 28, 1> of_value;
+      for (std::size_t n = 0; n < 27; ++n)
+        of_value[static_cast<Eigen::Index>(n)] = static_cast<float>(basis[c][n]);
+      of_value[27] = 0;
+      values += jet.transpose().lazyProduct(of_value);
+    }
+    const Eigen::Vector4d q = (expansion.transpose().lazyProduct(values)).eval().cast<double>();
+    whole += w.value;
+    whole_slope += w_slope;
+    slope += w_slope * q[0] + w.value * q.tail<3>();
+  }
+  if (whole < std::numeric_limits<double>::min()) return {};
+  std::array<EnergyJet, 8> jets;
+  LeafJets leaf;
+  for (std::size_t c = 0; c < 8; ++c) {
+    for (std::size_t n = 0; n < 27; ++n)
+      jets[c][n] = static_cast<double>(corners[c][static_cast<Eigen::Index>(n)]) / whole;
+    leaf[c] = &jets[c];
+  }
+  const EnergySample energy =
+      evaluateEnergy(leaf, tree_.edge(place.leaf), tree_.spacing(), place.local);
+  AreaSample sample;
+  sample.energy = energy.energy;
+  sample.force = energy.force;
+  sample.stiffness = energy.stiffness;
+  // -d/ds of a quotient.
+  sample.drive = (energy.energy * whole_slope - slope) / whole;
+  addJudgement(s, place, sample);
+  return sample;
+}
+
+void AreaField::addJudgement(const Eigen::Vector3d& s, const LeafPlace& place,
+                             AreaSample& sample) const noexcept {
+  const LeafCorners& slots = tree_.corners(place.leaf);
+  double whole = 0, error = 0, coverage = 0;
+  for (const std::int32_t site : sites_.near(s)) {
+    const double x = (s - sites_.points()[at(site)]).norm() / sites_.reach();
+    if (!(x < 1)) continue;
+    const double weight = Wendland(x).value;
+    const Judgement& judgement = judgements_[at(site)];
+    whole += weight;
+    error += weight * static_cast<double>(trilinear(slots, place.local, judgement.error));
+    coverage += weight * static_cast<double>(trilinear(slots, place.local, judgement.coverage));
+  }
+  if (whole < std::numeric_limits<double>::min()) return;
+  sample.error_bound = error / whole;
+  sample.coverage = std::clamp(coverage / whole, 0.0, 1.0);
+  sample.inside = sample.coverage > 0;
+}
+
+}  // namespace palpate

@@ -1,0 +1,75 @@
+#pragma once
+
+#include "viewer/fields/cell_data.hpp"
+#include "viewer/fields/force_field.hpp"
+#include "viewer/fields/near_points.hpp"
+#include "viewer/fields/site_jets.hpp"
+
+namespace palpate {
+
+/// What the energy of an area says about a finger at s with the displacement p.
+struct AreaSample : ForceSample {
+  /// N, T = -dE/ds: what drives the finger, in space; what of it lies in the surface moves it
+  /// along.
+  Eigen::Vector3d drive = Eigen::Vector3d::Zero();
+};
+
+/// One energy E(s, p) of a finger over an area, its place s and its displacement p: force = -dE/dp
+/// and drive = -dE/ds. So every loop in (s, p) is closed in energy, over places where other sites
+/// take over too.
+///
+/// At each site and each solved p the energy is known to the second order in s and p, exactly.
+/// - In p the ten quantities of a site are interpolated on the lattice (site_jets.hpp).
+/// - From the sites they are interpolated to *stations*, places closer together, by a kernel that
+///   meets values, gradients and curvatures at the seven nearest sites (hermite_kernel.hpp). This
+///   is what makes few sites enough: its error goes with about the fifth power of their distance.
+/// - Around a station E is its expansion Q to the second order in s - station, and expansions are
+///   blended by a partition of unity (Shepard 1968)
+///
+///     E(s, p) = sum of w(|d| / reach) Q(d, p) / sum of w,    w(x) = (1 - x)^4 (4 x + 1)
+///
+///   (Wendland 1995), smooth in space: there is no triangulation of sites, no edge where a force
+///   could jump, and nothing special about thin lobes, rims or several bodies.
+/// E is twice continuously differentiable in s and in p.
+///
+/// The error bound adds that of the interpolation in p and what each site lacks when it is
+/// interpolated from the others around it, times a measured factor.
+///
+/// Immutable after construction: any thread may evaluate.
+class AreaField {
+ public:
+  /// `sites` are spaces of fingers of one radius, all on one uniform lattice; `surface` places of
+  /// the body's surface, close together against the radius, stations among them. Side by side on
+  /// all cores. Error when a site has no solved point, or was refined.
+  AreaField(const std::vector<const SpaceTable*>& sites,
+            const std::vector<Eigen::Vector3d>& surface);
+
+  /// s: metres, where the surface is at rest; p: displacement, metres, any value. Beyond the ball
+  /// the force is that at its nearest point, as ForceSample says; where no site is within reach of
+  /// s the sample is not inside, and nothing drives or pushes. Real time.
+  AreaSample evaluate(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
+
+  std::size_t siteCount() const { return sites_.points().size(); }
+  std::size_t stationCount() const { return stations_.points().size(); }
+
+ private:
+  /// What is said about the error at a site, per slot.
+  struct Judgement {
+    std::vector<float> error, coverage;
+  };
+
+  void setStations(const std::vector<Eigen::Vector3d>& surface, double radius);
+  void interpolateToStations(const std::vector<SiteJets>& made, double width);
+  void judge(const std::vector<const SpaceTable*>& spaces, const std::vector<SiteJets>& made,
+             double width);
+  AreaSample inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
+  void addJudgement(const Eigen::Vector3d& s, const LeafPlace& place,
+                    AreaSample& sample) const noexcept;
+
+  CellTree tree_;  ///< of every site
+  NearPoints sites_, stations_;
+  std::vector<SiteJet> jets_;          ///< [station * slots + slot]
+  std::vector<Judgement> judgements_;  ///< per site
+};
+
+}  // namespace palpate

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <vector>
+
+namespace palpate {
+
+/// Which of some points in space lie near a position: lists per cube of a grid, made once.
+/// Immutable: any thread may ask.
+class NearPoints {
+ public:
+  NearPoints() = default;
+  /// reach > 0, metres; at least one point.
+  NearPoints(std::vector<Eigen::Vector3d> points, double reach);
+
+  const std::vector<Eigen::Vector3d>& points() const { return points_; }
+  double reach() const { return reach_; }  ///< m
+  /// Every point within the reach of s, and a few farther ones; ascending. Real time.
+  std::span<const std::int32_t> near(const Eigen::Vector3d& s) const noexcept;
+
+ private:
+  std::vector<Eigen::Vector3d> points_;
+  double reach_ = 0;
+  Eigen::Vector3d lowest_ = Eigen::Vector3d::Zero();
+  std::array<std::int32_t, 3> cubes_ = {0, 0, 0};  ///< along the axes, each `reach_` wide
+  std::vector<std::int32_t> first_, listed_;       ///< per cube, x fastest
+};
+
+}  // namespace palpate

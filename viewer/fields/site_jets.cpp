@@ -1,0 +1,75 @@
+#include "viewer/fields/site_jets.hpp"
+
+#include "common/interpolation/field_error.hpp"
+#include "viewer/fields/potential_field.hpp"
+
+namespace palpate {
+namespace {
+
+/// The space with another quantity in the place of the energy: `set` fills an Equilibrium from the
+/// one of the space. What the energy is not interpolated with, the others are not either.
+template <class Set>
+SpaceTable withQuantity(SpaceTable space, Set set) {
+  const std::vector<bool> interpolated = interpolatedPoints(space);
+  for (std::size_t n = 0; n < space.points.size(); ++n) {
+    PointRecord& point = space.points[n];
+    Equilibrium other;
+    if (interpolated[n]) set(point.equilibrium, other);
+    point.equilibrium = other;
+    point.tag = interpolated[n] ? Tag::expandable : Tag::failed;
+  }
+  return space;
+}
+
+void setQuantity(std::vector<SiteJet>& jets, Eigen::Index quantity,
+                 const std::vector<EnergyJet>& values) {
+  PALPATE_ASSERT(jets.size() == values.size(), "all quantities have the slots of one tree");
+  for (std::size_t s = 0; s < jets.size(); ++s)
+    for (std::size_t n = 0; n < values[s].size(); ++n)
+      jets[s](static_cast<Eigen::Index>(n), quantity) = static_cast<float>(values[s][n]);
+}
+
+/// Of each slot the largest bound in the leaves around it: errors are largest in their middles.
+std::vector<float> largestAround(const CellTree& tree, const FieldError& error) {
+  std::vector<float> largest(tree.slots().size(), 0);
+  for (std::int32_t leaf = 0; leaf < std::ssize(tree.leaves()); ++leaf) {
+    const auto bound = static_cast<float>(error.bound(leaf, Eigen::Vector3d::Constant(0.5)));
+    for (const std::int32_t slot : tree.corners(leaf))
+      largest[at(slot)] = std::max(largest[at(slot)], bound);
+  }
+  return largest;
+}
+
+}  // namespace
+
+SiteJets::SiteJets(const SpaceTable& space, const CellTree& tree, SiteFits& fits)
+    : jets(tree.slots().size(), SiteJet::Zero()) {
+  PALPATE_ASSERT(space.patch.finger, "only a finger has a drive");
+  CellData data(space, fits.energy);
+  coverage.assign(data.support.begin(), data.support.end());
+  const auto polynomials = correctedPolynomials(data, space, fits.energy);
+  const std::vector<EnergyJet> energies = energyJets(tree, polynomials);
+  p_error = largestAround(tree, FieldError(tree, polynomials, energies, data.suspect));
+  setQuantity(jets, 0, energies);
+  const auto jetsOf = [&](const SpaceTable& quantity, LocalFits& of_its_order) {
+    auto ghosts = ghostPolynomials(tree, quantity, data.inconsistent, of_its_order);
+    return energyJets(
+        tree, slotPolynomials(tree, quantity, data.inconsistent, std::move(ghosts), of_its_order));
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto set = [axis](const Equilibrium& e, Equilibrium& drive) {
+      drive.energy = e.drive[axis];
+      drive.force = -e.drive_stiffness.row(axis);
+    };
+    setQuantity(jets, 1 + axis, jetsOf(withQuantity(space, set), fits.drive));
+  }
+  for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
+    const auto set = [c](const Equilibrium& e, Equilibrium& slope) {
+      slope.energy = e.drive_slope(symmetric_axes[c][0], symmetric_axes[c][1]);
+    };
+    setQuantity(jets, static_cast<Eigen::Index>(4 + c),
+                jetsOf(withQuantity(space, set), fits.slope));
+  }
+}
+
+}  // namespace palpate
