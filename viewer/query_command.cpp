@@ -133,9 +133,6 @@ std::string describeInArea(const Place& place, double radius, const Eigen::Vecto
   return text + fmt::format("inside        NO: {}.\n\n", why);
 }
 
-/// Of the surface, in radii of the finger: what stations are chosen from.
-constexpr double places_per_radius = 0.1;
-
 /// Answers from one configuration space, or from the area of a finger.
 class Answers {
  public:
@@ -157,7 +154,7 @@ class Answers {
     std::vector<const SpaceTable*> sites;
     for (const std::size_t s : choice_.spaces) sites.push_back(&dataset.spaces()[s]);
     area_ = std::make_unique<AreaField>(
-        sites, placesOnSurface(dataset.mesh(), places_per_radius * first_.patch.finger->radius));
+        sites, placesOnSurface(dataset.mesh(), place_distance * first_.patch.finger->radius));
   }
 
   /// The text of an answer, and whether it lies inside.

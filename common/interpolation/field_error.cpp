@@ -68,6 +68,51 @@ bool hasSuspectEdge(const CellTree& tree, std::int32_t leaf,
   return false;
 }
 
+/// How far the polynomials at the corners of a leaf are from what it interpolates.
+class Disagreement {
+ public:
+  /// The arguments must outlive it.
+  Disagreement(const CellTree& tree, const std::vector<LocalPolynomial>& polynomials,
+               const std::vector<EnergyJet>& jets, const std::vector<LatticeEdge>& suspect)
+      : tree_(tree), polynomials_(polynomials), jets_(jets), suspect_(suspect) {}
+
+  /// `inherited(leaf, local)`: the bound in a coarser leaf, at a hanging corner.
+  template <class Inherited>
+  double boundAt(std::int32_t leaf, const Eigen::Vector3d& local, Inherited inherited) {
+    const Eigen::Vector3d force = evaluateEnergy(tree_, jets_, {leaf, local}).force;
+    const std::array<double, 8> weights = trilinearWeights(local);
+    double spread = 0, sum = 0, ghosts = 0, hanging = 0, of_coarser = 0;
+    int known = 0;
+    for (std::size_t c = 0; c < 8; ++c) {
+      const auto s = at(tree_.corners(leaf)[c]);
+      const CellSlot& slot = tree_.slots()[s];
+      if (slot.kind == SlotKind::hanging) {
+        hanging += weights[c];
+        if (weights[c] > 0) of_coarser += weights[c] * inherited(slot.leaf, slot.local);
+        continue;
+      }
+      const Eigen::Vector3d corner(c & 1, c >> 1 & 1, c >> 2);
+      const double difference =
+          (forces_.at(polynomials_[s], (local - corner) * tree_.edge(leaf)) - force).norm();
+      spread += weights[c] * difference;
+      sum += difference;
+      ++known;
+      if (slot.kind == SlotKind::ghost) ghosts += weights[c];
+    }
+    // Hanging corners have no polynomial: the others stand in for them.
+    if (known > 0) spread += hanging * sum / known;
+    const double factor = hasSuspectEdge(tree_, leaf, suspect_) ? at_suspect_edges : 1;
+    return factor * (share_of_spread + share_at_ghosts * ghosts) * spread + of_coarser;
+  }
+
+ private:
+  const CellTree& tree_;
+  const std::vector<LocalPolynomial>& polynomials_;
+  const std::vector<EnergyJet>& jets_;
+  const std::vector<LatticeEdge>& suspect_;
+  NodeForces forces_;
+};
+
 }  // namespace
 
 FieldError::FieldError(const CellTree& tree, const std::vector<LocalPolynomial>& polynomials,
@@ -79,37 +124,26 @@ FieldError::FieldError(const CellTree& tree, const std::vector<LocalPolynomial>&
   std::iota(order.begin(), order.end(), 0);
   std::ranges::stable_sort(
       order, [&](std::int32_t a, std::int32_t b) { return tree.edge(a) > tree.edge(b); });
-  NodeForces node_forces;
-  for (const std::int32_t leaf : order) {
-    const double factor = hasSuspectEdge(tree, leaf, suspect) ? at_suspect_edges : 1;
-    for (std::size_t node = 0; node < 27; ++node) {
-      const Eigen::Vector3d local = placeOf(node);
-      const Eigen::Vector3d force = evaluateEnergy(tree, jets, {leaf, local}).force;
-      const std::array<double, 8> weights = trilinearWeights(local);
-      double spread = 0, sum = 0, ghosts = 0, hanging = 0, inherited = 0;
-      int known = 0;
-      for (std::size_t c = 0; c < 8; ++c) {
-        const auto s = at(tree.corners(leaf)[c]);
-        const CellSlot& slot = tree.slots()[s];
-        if (slot.kind == SlotKind::hanging) {
-          hanging += weights[c];
-          if (weights[c] > 0) inherited += weights[c] * bound(slot.leaf, slot.local);
-          continue;
-        }
-        const Eigen::Vector3d corner(c & 1, c >> 1 & 1, c >> 2);
-        const double difference =
-            (node_forces.at(polynomials[s], (local - corner) * tree.edge(leaf)) - force).norm();
-        spread += weights[c] * difference;
-        sum += difference;
-        ++known;
-        if (slot.kind == SlotKind::ghost) ghosts += weights[c];
-      }
-      // Hanging corners have no polynomial: the others stand in for them.
-      if (known > 0) spread += hanging * sum / known;
-      nodes_[at(leaf)][node] = static_cast<float>(
-          factor * (share_of_spread + share_at_ghosts * ghosts) * spread + inherited);
-    }
-  }
+  Disagreement disagreement(tree, polynomials, jets, suspect);
+  for (const std::int32_t leaf : order)
+    for (std::size_t node = 0; node < 27; ++node)
+      nodes_[at(leaf)][node] = static_cast<float>(disagreement.boundAt(
+          leaf, placeOf(node), [this](std::int32_t coarser, const Eigen::Vector3d& local) {
+            return bound(coarser, local);
+          }));
+}
+
+std::vector<double> boundsInMiddles(const CellTree& tree,
+                                    const std::vector<LocalPolynomial>& polynomials,
+                                    const std::vector<EnergyJet>& jets,
+                                    const std::vector<LatticeEdge>& suspect) {
+  PALPATE_ASSERT(tree.hangingSlots().empty(), "leaves of one size hang on no other");
+  Disagreement disagreement(tree, polynomials, jets, suspect);
+  std::vector<double> bounds;
+  for (std::int32_t leaf = 0; leaf < std::ssize(tree.leaves()); ++leaf)
+    bounds.push_back(disagreement.boundAt(leaf, Eigen::Vector3d::Constant(0.5),
+                                          [](auto, const auto&) { return 0.0; }));
+  return bounds;
 }
 
 double FieldError::bound(std::int32_t leaf, const Eigen::Vector3d& local) const noexcept {

@@ -139,7 +139,7 @@ const LocalFits::Factors& LocalFits::factorsOf(const std::vector<FitSource>& sou
   const auto found = factors_.find(key);
   if (found != factors_.end()) return found->second;
   if (factors_.size() == most_factors) factors_.clear();
-  const WeightedSystem system(sources, edge, from, degree, known_,
+  const WeightedSystem system(sources, edge, from, degree, kind_.known,
                               from == 0 ? penalty_extrapolating : penalty_completing);
   return factors_.emplace(std::move(key), Factors{system.matrix.householderQr(), system.weights})
       .first->second;
@@ -147,7 +147,7 @@ const LocalFits::Factors& LocalFits::factorsOf(const std::vector<FitSource>& sou
 
 int LocalFits::degreeFor(std::size_t sources) const {
   const int of_sources = sources < 2 ? 2 : sources < 4 ? 3 : sources < 8 ? 4 : 5;
-  return std::min(of_sources, highest_degree_);
+  return std::min(of_sources, kind_.highest_extrapolated);
 }
 
 LocalPolynomial LocalFits::extrapolate(const std::vector<FitSource>& sources, std::int32_t edge,
@@ -157,7 +157,7 @@ LocalPolynomial LocalFits::extrapolate(const std::vector<FitSource>& sources, st
   LocalPolynomial result;
   result.scale = unit_ * edge;
   const Factors& factors = factorsOf(sources, edge, 0, degree);
-  const Eigen::Index n_known = termsUpTo(static_cast<int>(known_));
+  const Eigen::Index n_known = termsUpTo(static_cast<int>(kind_.known));
   Eigen::VectorXd right = Eigen::VectorXd::Zero(factors.qr.rows());
   for (std::size_t s = 0; s < sources.size(); ++s)
     right.segment(n_known * static_cast<Eigen::Index>(s), n_known) =
@@ -171,12 +171,12 @@ LocalPolynomial LocalFits::complete(const Equilibrium& own, const std::vector<Fi
                                     std::int32_t edge) {
   LocalPolynomial result;
   result.scale = unit_ * edge;
-  const int known = static_cast<int>(known_);
+  const int known = static_cast<int>(kind_.known);
   const Eigen::Index n_known = termsUpTo(known);
   result.derivatives.head(n_known) = dataOf(own, result.scale).head(n_known);
   // Its own data stand; what is not known stays zero.
   if (sources.empty()) return result;
-  const Factors& factors = factorsOf(sources, edge, known + 1, LocalPolynomial::degree);
+  const Factors& factors = factorsOf(sources, edge, known + 1, kind_.highest_completed);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(factors.qr.rows());
   for (std::size_t s = 0; s < sources.size(); ++s) {
     const LatticePoint& o = sources[s].offset;
@@ -186,7 +186,7 @@ LocalPolynomial LocalFits::complete(const Equilibrium& own, const std::vector<Fi
             .head(n_known);
   }
   right.head(factors.weights.size()).array() *= factors.weights.array();
-  result.derivatives.tail(LocalPolynomial::terms - n_known) = factors.qr.solve(right);
+  result.derivatives.segment(n_known, factors.qr.cols()) = factors.qr.solve(right);
   return result;
 }
 

@@ -41,12 +41,17 @@ enum class KnownOrders : std::uint8_t { value = 0, slope = 1, curvature = 2 };
 /// of other spaces too. One thread.
 class LocalFits {
  public:
-  /// `unit`: metres per lattice coordinate. Of data of lower orders than KnownOrders::curvature
-  /// stiffnesses, or forces too, are not looked at.
-  /// `highest_degree`: of extrapolations, 2 to 5.
-  explicit LocalFits(double unit, KnownOrders known = KnownOrders::curvature,
-                     int highest_degree = LocalPolynomial::degree)
-      : unit_(unit), known_(known), highest_degree_(highest_degree) {}
+  /// What is fitted to what: data of lower orders than KnownOrders::curvature leave stiffnesses, or
+  /// forces too, unlooked at. Degrees are 2 to 5.
+  struct Kind {
+    KnownOrders known = KnownOrders::curvature;
+    int highest_extrapolated = LocalPolynomial::degree;
+    int highest_completed = LocalPolynomial::degree;
+  };
+
+  /// `unit`: metres per lattice coordinate.
+  explicit LocalFits(double unit) : LocalFits(unit, Kind()) {}
+  LocalFits(double unit, Kind kind) : unit_(unit), kind_(kind) {}
 
   /// The degree of extrapolations that so many sources support.
   int degreeFor(std::size_t sources) const;
@@ -70,8 +75,7 @@ class LocalFits {
   const Factors& factorsOf(const std::vector<FitSource>& sources, std::int32_t edge, int from,
                            int degree);
   double unit_;
-  KnownOrders known_;
-  int highest_degree_;
+  Kind kind_;
   std::map<Key, Factors> factors_;  ///< by the offsets of the sources
 };
 

@@ -23,6 +23,9 @@ inline constexpr std::size_t max_sites = 5000;
 std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::int32_t>& triangles,
                                      const NodeSet& fixed, double radius);
 
+/// Of placesOnSurface that stations of an area are chosen from, in radii of the finger.
+inline constexpr double place_distance = 0.1;
+
 /// Places of the whole surface, so close that none of it is farther than `distance` from one,
 /// metres.
 std::vector<Eigen::Vector3d> placesOnSurface(const Mesh& mesh, double distance);

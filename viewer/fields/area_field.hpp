@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "viewer/fields/cell_data.hpp"
 #include "viewer/fields/force_field.hpp"
 #include "viewer/fields/near_points.hpp"
@@ -70,6 +72,21 @@ class AreaField {
   NearPoints sites_, stations_;
   std::vector<SiteJet> jets_;          ///< [station * slots + slot]
   std::vector<Judgement> judgements_;  ///< per site
+};
+
+/// What an area says at one of its places, as a field of its own.
+class FieldAtPlace : public ForceField {
+ public:
+  FieldAtPlace(std::shared_ptr<const AreaField> area, const Eigen::Vector3d& place)
+      : area_(std::move(area)), place_(place) {}
+  ForceSample evaluate(const Eigen::Vector3d& displacement) const noexcept override {
+    return area_->evaluate(place_, displacement);
+  }
+  std::string_view name() const override { return "potential"; }
+
+ private:
+  std::shared_ptr<const AreaField> area_;
+  Eigen::Vector3d place_;
 };
 
 }  // namespace palpate

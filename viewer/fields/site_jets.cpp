@@ -30,10 +30,10 @@ void setQuantity(std::vector<SiteJet>& jets, Eigen::Index quantity,
 }
 
 /// Of each slot the largest bound in the leaves around it: errors are largest in their middles.
-std::vector<float> largestAround(const CellTree& tree, const FieldError& error) {
+std::vector<float> largestAround(const CellTree& tree, const std::vector<double>& bounds) {
   std::vector<float> largest(tree.slots().size(), 0);
   for (std::int32_t leaf = 0; leaf < std::ssize(tree.leaves()); ++leaf) {
-    const auto bound = static_cast<float>(error.bound(leaf, Eigen::Vector3d::Constant(0.5)));
+    const auto bound = static_cast<float>(bounds[at(leaf)]);
     for (const std::int32_t slot : tree.corners(leaf))
       largest[at(slot)] = std::max(largest[at(slot)], bound);
   }
@@ -49,7 +49,7 @@ SiteJets::SiteJets(const SpaceTable& space, const CellTree& tree, SiteFits& fits
   coverage.assign(data.support.begin(), data.support.end());
   const auto polynomials = correctedPolynomials(data, space, fits.energy);
   const std::vector<EnergyJet> energies = energyJets(tree, polynomials);
-  p_error = largestAround(tree, FieldError(tree, polynomials, energies, data.suspect));
+  p_error = largestAround(tree, boundsInMiddles(tree, polynomials, energies, data.suspect));
   setQuantity(jets, 0, energies);
   const auto jetsOf = [&](const SpaceTable& quantity, LocalFits& of_its_order) {
     auto ghosts = ghostPolynomials(tree, quantity, data.inconsistent, of_its_order);

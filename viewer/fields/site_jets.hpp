@@ -14,9 +14,9 @@ using SiteJet = Eigen::Matrix<float, 28, place_quantities>;
 /// what they say matters little beyond what the device renders.
 struct SiteFits {
   explicit SiteFits(double unit)
-      : energy(unit, KnownOrders::curvature, 3),
-        drive(unit, KnownOrders::slope, 3),
-        slope(unit, KnownOrders::value, 2) {}
+      : energy(unit, {KnownOrders::curvature, 3, 5}),
+        drive(unit, {KnownOrders::slope, 3, 4}),
+        slope(unit, {KnownOrders::value, 2, 3}) {}
   LocalFits energy, drive, slope;
 };
 

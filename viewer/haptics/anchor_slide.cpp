@@ -83,6 +83,7 @@ Descent steepestDescent(const TouchSurface& surface, const SurfacePoint& anchor,
   Descent best = descentWithin(surface, anchor, force);
   const auto consider = [&](std::int32_t triangle) {
     if (triangle < 0 || triangle == anchor.triangle || !surface.touchable(triangle)) return;
+    if (surface.areaOf(triangle) != surface.areaOf(anchor.triangle)) return;
     const Descent other = descentWithin(surface, seenFrom(surface, triangle, anchor), force);
     if (other.slope > best.slope) best = other;
   };

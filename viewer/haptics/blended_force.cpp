@@ -12,6 +12,13 @@ void BlendedForce::evaluate(const HapticModel& model, std::size_t method,
   displacement_ = displacement;
   size_ = 0;
   blend_ = model.surface().blendAt(anchor);
+  if (const std::int32_t area = model.surface().areaOf(anchor.triangle); area >= 0) {
+    const AreaSample sample = model.area(static_cast<std::size_t>(area))
+                                  .evaluate(model.surface().position(anchor), displacement);
+    sum_ = sample;
+    drive_ = sample.drive;
+    return;
+  }
   sum_ = {};
   sum_.energy = sum_.error_bound = 0;
   sum_.inside = true;
@@ -31,6 +38,12 @@ void BlendedForce::evaluate(const HapticModel& model, std::size_t method,
 AnchorSlope BlendedForce::slopeAlong(std::int32_t triangle) noexcept {
   const TouchSurface& surface = model_->surface();
   const Eigen::Vector3d& normal = surface.faceNormal(triangle);
+  if (surface.areaOf(triangle) >= 0) {
+    // Beyond the ball there is no energy, and the force alone is what is left.
+    const Eigen::Vector3d total =
+        std::isfinite(sum_.energy) ? Eigen::Vector3d(sum_.force - drive_) : sum_.force;
+    return {total - normal.dot(total) * normal, -sum_.stiffness, -sum_.stiffness};
+  }
   Eigen::Vector3d of_energies = Eigen::Vector3d::Zero();
   Eigen::Matrix3d of_weights = Eigen::Matrix3d::Zero();
   bool has_energies = std::isfinite(sum_.energy);

@@ -17,7 +17,8 @@ struct AnchorSlope {
   Eigen::Matrix3d change = Eigen::Matrix3d::Zero();  ///< N/m, dF/dX
 };
 
-/// The force of the spaces around an anchor. Every space is asked once per displacement.
+/// The force of the area that an anchor lies in, or of the spaces around it. Every space is asked
+/// once per displacement.
 /// One thread; real time: nothing here allocates, locks, throws or logs.
 class BlendedForce {
  public:
@@ -32,7 +33,9 @@ class BlendedForce {
   /// Sums by weight; energy and bound are NaN where one space has none; inside: all are.
   const ForceSample& sum() const { return sum_; }
 
-  /// For a touchable triangle that the anchor lies in or at the edge of. Where a space has no
+  /// For a touchable triangle that the anchor lies in or at the edge of, in the same area or none.
+  /// In an area W(X) = E(X, tool - X), dW/dX = F - T; what T changes by is left out of `change` and
+  /// `hessian`, which only tell how long a step may be. Where a space has no
   /// energy the tangent is that of the force alone.
   AnchorSlope slopeAlong(std::int32_t triangle) noexcept;
 
@@ -47,6 +50,7 @@ class BlendedForce {
   Eigen::Vector3d displacement_ = Eigen::Vector3d::Zero();
   SpaceBlend blend_;
   ForceSample sum_;
+  Eigen::Vector3d drive_ = Eigen::Vector3d::Zero();  ///< N, of an area
   std::array<std::int32_t, most_samples> spaces_{};
   std::array<ForceSample, most_samples> samples_;
   std::size_t size_ = 0;

@@ -1,8 +1,11 @@
 #include "viewer/haptics/haptic_model.hpp"
 
+#include <algorithm>
+
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/parallel.hpp"
+#include "common/problem/sites.hpp"
 #include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
@@ -15,11 +18,20 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
       max_force_(dataset.scene().workspace.max_force),
       surface_(dataset, options.reach),
       spaces_(dataset.spaces()),
+      area_of_space_(spaces_.size(), -1),
       methods_(options.methods),
       fields_(options.methods.size()) {
   PALPATE_ASSERT(!spaces_.empty(), "a surface that can be touched has an active node");
   if (methods_.empty()) throw badInput("{}: no method to interpolate forces by was given", file_);
   for (MethodFields& of_method : fields_) of_method.of_space.resize(spaces_.size());
+  const std::vector<TouchArea>& areas = surface_.areas();
+  for (std::size_t a = 0; a < areas.size(); ++a)
+    for (const std::size_t space : areas[a].spaces)
+      area_of_space_[space] = static_cast<std::int32_t>(a);
+  if (!areas.empty())
+    surface_places_ = placesOnSurface(
+        dataset.mesh(),
+        place_distance * std::ranges::min_element(areas, {}, &TouchArea::radius)->radius);
   for (std::size_t method = 0; options.prepare && method < methods_.size(); ++method)
     prepare(method);
   for (std::size_t s = 0; s < spaces_.size(); ++s) {
@@ -31,13 +43,24 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
   }
 }
 
+void HapticModel::makeAreas() {
+  for (const TouchArea& area : surface_.areas()) {
+    std::vector<const SpaceTable*> sites;
+    for (const std::size_t space : area.spaces) sites.push_back(&spaces_[space]);
+    areas_.push_back(std::make_shared<const AreaField>(sites, surface_places_));
+  }
+}
+
 void HapticModel::prepare(std::size_t method) {
   PALPATE_ASSERT(method < methods_.size(), "methods are known when a model is made");
+  // Before the spaces: it works on all cores itself.
+  std::call_once(areas_made_, [this] { makeAreas(); });
   inParallel(spaces_.size(), [&](std::size_t space) { make(method, space); });
 }
 
 void HapticModel::prepare(std::size_t method, const std::stop_token& stop) {
   PALPATE_ASSERT(method < methods_.size(), "methods are known when a model is made");
+  std::call_once(areas_made_, [this] { makeAreas(); });
   for (std::size_t space = 0; space < spaces_.size() && !stop.stop_requested(); ++space)
     make(method, space);
 }
@@ -45,7 +68,11 @@ void HapticModel::prepare(std::size_t method, const std::stop_token& stop) {
 void HapticModel::make(std::size_t method, std::size_t space) {
   MethodFields& fields = fields_[method];
   if (fields.of_space[space]) return;
-  fields.of_space[space] = makeForceField(methods_[method], spaces_[space]);
+  if (const std::int32_t area = area_of_space_[space]; area >= 0)
+    fields.of_space[space] = std::make_unique<FieldAtPlace>(
+        areas_[at(area)], spaces_[space].patch.finger.value().center);
+  else
+    fields.of_space[space] = makeForceField(methods_[method], spaces_[space]);
   fields.made.fetch_add(1, std::memory_order_release);
 }
 

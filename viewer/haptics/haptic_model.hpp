@@ -2,11 +2,13 @@
 
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "common/dataset/dataset.hpp"
+#include "viewer/fields/area_field.hpp"
 #include "viewer/fields/displacement_field.hpp"
 #include "viewer/fields/force_field.hpp"
 #include "viewer/haptics/touch_surface.hpp"
@@ -58,6 +60,9 @@ class HapticModel {
   const ForceField& field(std::size_t method, std::size_t space) const noexcept {
     return *fields_[method].of_space[space];
   }
+  /// The energy of one of surface().areas(), of any method: between sites there is one only. Once
+  /// some method isPrepared(). Real time.
+  const AreaField& area(std::size_t number) const noexcept { return *areas_[number]; }
   /// Displacements of the surface's vertices.
   const DisplacementField& shape(std::size_t space) const { return *shapes_[space]; }
 
@@ -69,6 +74,7 @@ class HapticModel {
     std::atomic<std::size_t> made = 0;
   };
   void make(std::size_t method, std::size_t space);
+  void makeAreas();
 
   std::string name_, file_;
   ContentId content_;
@@ -76,6 +82,10 @@ class HapticModel {
   double max_force_;
   TouchSurface surface_;
   std::vector<SpaceTable> spaces_;
+  std::vector<Eigen::Vector3d> surface_places_;  ///< m, for the stations of areas
+  std::once_flag areas_made_;
+  std::vector<std::shared_ptr<const AreaField>> areas_;  ///< as surface_.areas()
+  std::vector<std::int32_t> area_of_space_;              ///< -1: none
   std::vector<std::string> methods_;
   std::vector<MethodFields> fields_;
   std::vector<std::unique_ptr<DisplacementField>> shapes_;  ///< [space]

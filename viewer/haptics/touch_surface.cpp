@@ -39,7 +39,24 @@ std::vector<SpaceWeight> sharesFrom(std::vector<Candidate>& candidates) {
   return shares;
 }
 
+/// Places a little farther from the sites than sitesOn leaves any are still answered for: its
+/// pieces have a width.
+constexpr double site_distance_slack = 1.1;
+
 }  // namespace
+
+std::vector<TouchArea> areasOf(const Scene& scene, const std::vector<SpaceTable>& spaces) {
+  std::vector<TouchArea> areas;
+  for (std::size_t s = 0; s < spaces.size(); ++s) {
+    const std::string& name = scene.active[s].area;
+    const auto& finger = spaces[s].patch.finger;
+    if (name.empty() || !finger) continue;
+    auto area = std::ranges::find(areas, name, &TouchArea::name);
+    if (area == areas.end()) area = areas.insert(areas.end(), {name, finger->radius, {}});
+    area->spaces.push_back(s);
+  }
+  return areas;
+}
 
 TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
   const std::vector<std::int32_t>& nodes = dataset.surfaceNodes();
@@ -57,6 +74,10 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
   setFaces();
   setNeighbors();
 
+  areas_ = areasOf(dataset.scene(), dataset.spaces());
+  std::vector<bool> in_area(dataset.spaces().size());
+  for (const TouchArea& area : areas_)
+    for (const std::size_t space : area.spaces) in_area[space] = true;
   std::vector<ActivePatch> patches;
   for (const SpaceTable& space : dataset.spaces()) {
     ActivePatch patch = space.patch;
@@ -64,11 +85,14 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
     for (std::int32_t& node : patch.nodes) node = vertexOf(node);
     std::erase(patch.nodes, -1);  // inside of the body, or in the middle of an edge
     active_vertices_.push_back(patch.node);
+    // Sites share their area; they are no patches beside each other.
+    if (in_area[patches.size()]) patch.node = -1;
     patches.push_back(patch);
   }
   if (!(std::isfinite(reach) && reach >= 0))
     throw badInput("the reach of active nodes must be finite and not negative, not {} m", reach);
   setShares(patches, reach);
+  setAreas(dataset.spaces());
   setTouchable();
   if (touch_triangles_.empty())
     throw failure(
@@ -169,6 +193,33 @@ void TouchSurface::setShares(const std::vector<ActivePatch>& patches, double rea
     shares_.push_back(of_vertex.empty() ? std::vector<SpaceWeight>() : sharesFrom(of_vertex));
 }
 
+/// Vertices near the sites of an area belong to it.
+void TouchSurface::setAreas(const std::vector<SpaceTable>& spaces) {
+  area_of_vertex_.assign(vertices_.size(), -1);
+  for (std::size_t a = 0; a < areas_.size(); ++a) {
+    const double distance = site_distance * site_distance_slack * areas_[a].radius;
+    for (std::size_t v = 0; v < vertices_.size(); ++v) {
+      std::vector<Candidate> near;
+      for (const std::size_t space : areas_[a].spaces) {
+        const double away = (spaces[space].patch.finger->center - vertices_[v]).norm();
+        if (away < 2 * distance)
+          near.push_back({static_cast<std::int32_t>(space), away, 2 * distance});
+      }
+      if (near.empty() ||
+          std::ranges::min_element(near, {}, &Candidate::distance)->distance > distance)
+        continue;
+      area_of_vertex_[v] = static_cast<std::int32_t>(a);
+      shares_[v] = sharesFrom(near);
+    }
+  }
+  for (const Triangle& t : triangles_) {
+    const std::int32_t area = area_of_vertex_[at(t[0])];
+    const bool is_in_it =
+        std::ranges::all_of(t, [&](auto vertex) { return area_of_vertex_[at(vertex)] == area; });
+    area_of_.push_back(is_in_it ? area : -1);
+  }
+}
+
 void TouchSurface::setTouchable() {
   PALPATE_ASSERT(shares_.size() == vertices_.size(), "every vertex has its shares, or none");
   corner_shares_.resize(triangles_.size());
@@ -176,6 +227,10 @@ void TouchSurface::setTouchable() {
   for (std::size_t n = 0; n < triangles_.size(); ++n) {
     const Triangle& t = triangles_[n];
     if (!std::ranges::all_of(t, [this](std::int32_t v) { return !sharesOf(v).empty(); })) continue;
+    // No blend of forces leads out of an area: its sites answer for its own triangles only.
+    const bool at_its_rim =
+        std::ranges::any_of(t, [this](std::int32_t v) { return area_of_vertex_[at(v)] >= 0; });
+    if (at_its_rim && area_of_[n] < 0) continue;
     touchable.push_back(t);
     touch_triangles_.push_back(static_cast<std::int32_t>(n));
     std::map<std::int32_t, Eigen::Vector3d> weights;

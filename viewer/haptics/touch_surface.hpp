@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/base/index.hpp"
@@ -37,6 +38,16 @@ struct SpaceBlend {
   std::int32_t size = 0;
 };
 
+/// The sites of a finger that share one energy over a part of the surface (AreaField).
+struct TouchArea {
+  std::string name;
+  double radius = 0;                ///< m, of the finger
+  std::vector<std::size_t> spaces;  ///< one per site
+};
+
+/// The areas of a scene whose spaces these are, in the order of their first sites.
+std::vector<TouchArea> areasOf(const Scene& scene, const std::vector<SpaceTable>& spaces);
+
 /// The surface of a body at rest, and where on it there are forces to feel.
 ///
 /// Every vertex near active nodes has weights of up to three configuration spaces: an active node,
@@ -46,6 +57,10 @@ struct SpaceBlend {
 /// In it the weights are interpolated linearly: they are continuous over the touchable surface and
 /// sum to 1. So no force jumps where one active node takes over from another, which is what the
 /// paper's nearest vertex does.
+///
+/// A finger's area is touchable where the three corners of a triangle are near its sites. There the
+/// forces are those of its energy, and the weights of up to three sites at each vertex only blend
+/// the shapes that are seen.
 ///
 /// Vertices are numbered as Dataset::surfaceNodes(). Immutable: any thread may read.
 class TouchSurface {
@@ -59,6 +74,7 @@ class TouchSurface {
   const std::vector<Triangle>& triangles() const { return triangles_; }
   /// Unit, angle-weighted.
   const std::vector<Eigen::Vector3d>& vertexNormals() const { return normals_; }
+  const std::vector<TouchArea>& areas() const { return areas_; }
   bool touchable(std::int32_t triangle) const { return !cornerSharesOf(triangle).empty(); }
   /// The triangle beyond the edge opposite to a corner (0, 1, 2).
   std::int32_t neighbor(std::int32_t triangle, int corner) const {
@@ -87,6 +103,8 @@ class TouchSurface {
   std::span<const CornerShares> cornerSharesOf(std::int32_t triangle) const noexcept {
     return corner_shares_[at(triangle)];
   }
+  /// The area that the triangle belongs to, into areas(); -1: none.
+  std::int32_t areaOf(std::int32_t triangle) const noexcept { return area_of_[at(triangle)]; }
   Eigen::Vector3d position(const SurfacePoint& point) const noexcept;  ///< at rest, m
   /// unit, vertex normals interpolated
   Eigen::Vector3d normal(const SurfacePoint& point) const noexcept;
@@ -107,13 +125,18 @@ class TouchSurface {
   std::map<std::int32_t, double> distancesFrom(const std::vector<std::int32_t>& sources,
                                                double reach) const;
   void setShares(const std::vector<ActivePatch>& patches, double reach);
+  void setAreas(const std::vector<SpaceTable>& spaces);
   void setTouchable();
 
   std::vector<Eigen::Vector3d> vertices_, normals_;
   std::vector<Triangle> triangles_;
-  std::vector<Face> faces_;                               ///< per triangle
-  std::vector<std::array<std::int32_t, 3>> neighbors_;    ///< per triangle, by corner; -1: none
-  std::vector<std::vector<std::int32_t>> around_;         ///< triangles, per vertex
+  std::vector<Face> faces_;                             ///< per triangle
+  std::vector<std::array<std::int32_t, 3>> neighbors_;  ///< per triangle, by corner; -1: none
+  std::vector<std::vector<std::int32_t>> around_;       ///< triangles, per vertex
+  std::vector<TouchArea> areas_;
+  std::vector<std::int32_t> area_of_;  ///< per triangle
+  /// Per vertex: where an area has it, its shares are those of the area's sites.
+  std::vector<std::int32_t> area_of_vertex_;
   std::vector<std::int32_t> active_vertices_;             ///< per space
   std::vector<double> longest_edges_;                     ///< per vertex
   std::vector<std::vector<SpaceWeight>> shares_;          ///< per vertex

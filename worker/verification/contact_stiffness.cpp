@@ -1,4 +1,4 @@
-// Stiffness k(h) that three tools feel on a unit cube (bottom fixed, the middle of the top moved
+// Stiffness k(h) that four tools feel on a unit cube (bottom fixed, the middle of the top moved
 // up, linear law, nu = 0.3) against the element size h: of a single node proportional to h, without
 // a limit (a point load in three dimensions is singular); of patches of radius 1/8 convergent.
 #include <fmt/format.h>
@@ -41,13 +41,14 @@ double discStiffness(DisplacementSpace displacement, int elements, double radius
 
 /// The tool of a scene: it takes the nodes inside the body within the radius too, or weights those
 /// of the surface.
-double sceneStiffness(DisplacementSpace displacement, int elements, ToolKind kind) {
+double sceneStiffness(DisplacementSpace displacement, int elements, ToolKind kind,
+                      const Eigen::Vector3d& place = middle) {
   Scene scene;
   scene.name = "contact stiffness";
   scene.regions[0].material = linear;
   scene.discretization = {displacement, PressureSpace::none};
   scene.fixed.groups = {"zmin"};
-  scene.active = {{.name = "middle", .near = middle, .radius = patch_radius, .tool = kind}};
+  scene.active = {{.name = "middle", .near = place, .radius = patch_radius, .tool = kind}};
   return stiffness(bodyModel(resolve(std::move(scene), cubeMesh(1, elements))));
 }
 
@@ -78,6 +79,14 @@ Row weighted(DisplacementSpace displacement, int elements, double tolerance) {
           tolerance, "m"};
 }
 
+/// The same load by a finger whose centre is no node of any of these meshes, and near the middle.
+Row finger(DisplacementSpace displacement, int elements, double tolerance) {
+  const Eigen::Vector3d beside(0.473, 0.519, 1);
+  return {fmt::format("finger {}, h = 1/{}: k/E", word(displacement), elements),
+          sceneStiffness(displacement, elements, ToolKind::finger, beside), halfSpace(), tolerance,
+          "m"};
+}
+
 /// k of a mesh against k of one twice as fine.
 Row rigidPatch(int elements) {
   return {fmt::format("rigid patch P2, h = 1/{} as 1/{}: k/E", elements, 2 * elements),
@@ -91,15 +100,16 @@ std::vector<Case> contactStiffnessCases() {
   using enum DisplacementSpace;
   return {{"contact-stiffness", false,
            [] {
-             return std::vector{singleNode(4),         singleNode(8),       singleNode(16),
-                                disc(p1, 8, 0.359),    disc(p1, 16, 0.294), disc(p2, 8, 0.2746),
-                                weighted(p1, 16, 0.2), weighted(p2, 8, 0.1)};
+             return std::vector{singleNode(4),         singleNode(8),        singleNode(16),
+                                disc(p1, 8, 0.359),    disc(p1, 16, 0.294),  disc(p2, 8, 0.2746),
+                                weighted(p1, 16, 0.2), weighted(p2, 8, 0.1), finger(p1, 8, 0.65),
+                                finger(p1, 16, 0.25),  finger(p2, 8, 0.12)};
            }},
           {"contact-stiffness-fine", true, [] {
-             return std::vector{disc(p1, 24, 0.292),   disc(p1, 32, 0.284),
-                                disc(p2, 12, 0.2803),  rigidPatch(6),
-                                weighted(p1, 32, 0.1), weighted(p2, 12, 0.05),
-                                weighted(p2, 16, 0.04)};
+             return std::vector{
+                 disc(p1, 24, 0.292),    disc(p1, 32, 0.284),   disc(p2, 12, 0.2803),
+                 rigidPatch(6),          weighted(p1, 32, 0.1), weighted(p2, 12, 0.05),
+                 weighted(p2, 16, 0.04), finger(p1, 32, 0.12),  finger(p2, 16, 0.05)};
            }}};
 }
 

@@ -15,6 +15,7 @@
 #include "common/interpolation/branch_check.hpp"
 #include "tests/support/causes.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/finger_body.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -170,6 +171,20 @@ TEST_F(SealedDataset, GivesBackQuadraticMeshesAndWeightedPatches) {
     EXPECT_EQ(fields.pressure.size(), pressureNodes(quadratic.problem));
     EXPECT_EQ(fields.pressure, quadratic.fields(1, 3).pressure);
   }
+}
+
+TEST_F(SealedDataset, GivesBackFingersAndWhatDrivesThem) {
+  const test::FingerBody body;
+  body.seal(file);
+  const Dataset dataset(file);
+  ASSERT_EQ(dataset.spaces().size(), body.spaces.size());
+  EXPECT_EQ(dataset.scene().active.at(2).area, "top");
+  EXPECT_EQ(dataset.spaces()[2].patch.finger, body.spaces[2].patch.finger);
+  const Equilibrium &found = dataset.spaces()[2].points.at(5).equilibrium,
+                    &sealed = body.spaces[2].points.at(5).equilibrium;
+  EXPECT_EQ(found.drive, sealed.drive);
+  EXPECT_EQ(found.drive_stiffness, sealed.drive_stiffness);
+  EXPECT_EQ(found.drive_slope, sealed.drive_slope);
 }
 
 TEST_F(SealedDataset, RefusesFieldsWithPressuresOfAnotherSpace) {

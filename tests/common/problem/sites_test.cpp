@@ -83,6 +83,7 @@ TEST_F(SitesOnACube, AreRefusedWhenTheFingerIsFarTooSmall) {
 /// Scenes whose tool is a finger.
 struct FingerScene : ::testing::Test {
   FingerScene() {
+    scene.name = "fingers";
     scene.mesh = "test.msh";
     scene.regions[0].material = {.law = LawName::mooney_rivlin, .c10 = 1300, .c01 = 1280};
     scene.fixed.groups = {"xmin"};

@@ -510,7 +510,21 @@ TEST(Scene, RefusesAWeightedToolWithoutARadius) {
   refuses("radius = 0.0\n", "radius = 0.0\ntool = \"weighted-average\"\n",
           {"active.tool", "radius greater than 0"});
   refuses("radius = 0.0\n", "radius = 0.0\ntool = \"mean\"\n",
-          {"active.tool", "rigid or weighted-average"});
+          {"active.tool", "rigid, weighted-average or finger"});
+}
+
+TEST(Scene, AFingerHasARadiusAndMayBeASiteOfAnArea) {
+  std::string finger = liver;
+  finger.replace(finger.find("radius = 0.0\n"), 13,
+                 "radius = 0.02\ntool = \"finger\"\narea = \"skin\"\n");
+  const ActiveSelection active = parse(finger).active.at(0);
+  EXPECT_EQ(active.tool, ToolKind::finger);
+  EXPECT_EQ(active.area, "skin");
+  EXPECT_EQ(parse(resolvedToml(parse(finger))).active.at(0), active);
+  refuses("radius = 0.0\n", "radius = 0.0\ntool = \"finger\"\n",
+          {"active.tool", "finger needs a radius greater than 0"});
+  refuses("radius = 0.0\n", "radius = 0.02\narea = \"skin\"\n",
+          {"active.area", "tool = \"finger\" only"});
 }
 
 TEST(Scene, RefusesAPressureThatDoesNotGoWithTheLaw) {

@@ -37,6 +37,26 @@ TEST(WireResult, CarriesFailuresOfEveryCauseThatStopsTransitions) {
   }
 }
 
+TEST(WireResult, CarriesWhatDrivesAFingerAndNothingOfItForOtherTools) {
+  Outcome outcome;
+  outcome.converged = true;
+  wire::Result plain;
+  toWire(outcome, "fields", plain);
+  EXPECT_TRUE(plain.equilibrium().drive().empty());
+  outcome.equilibrium.drive = {1, -2, 3};
+  outcome.equilibrium.drive_stiffness << 1, 2, 3, 4, 5, 6, 7, 8, 9;
+  outcome.equilibrium.drive_slope = Eigen::Matrix3d::Identity();
+  wire::Result result;
+  toWire(outcome, "fields", result);
+  const auto again = fromWire(result);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->equilibrium.drive, outcome.equilibrium.drive);
+  EXPECT_EQ(again->equilibrium.drive_stiffness, outcome.equilibrium.drive_stiffness);
+  EXPECT_EQ(again->equilibrium.drive_slope, outcome.equilibrium.drive_slope);
+  result.mutable_equilibrium()->set_drive("short");
+  EXPECT_FALSE(fromWire(result));
+}
+
 TEST(WireResult, OfAnotherCauseIsNone) {
   for (const std::uint32_t value :
        {0u, static_cast<std::uint32_t>(Cause::unreachable), 200u, 257u}) {

@@ -7,9 +7,12 @@
 #include <cmath>
 #include <vector>
 
+#include "common/problem/sites.hpp"
+#include "tests/support/finger_body.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/viewer/haptics/counted_calls.hpp"
 #include "tests/viewer/haptics/touched_model.hpp"
+#include "viewer/fields/area_field.hpp"
 #include "viewer/fields/displacement_field.hpp"
 #include "viewer/fields/field_choice.hpp"
 #include "viewer/haptics/contact.hpp"
@@ -48,6 +51,21 @@ TEST(ForceField, EvaluatesWithoutAllocatingWhereCornersAreMissingBranchesMeetAnd
     EXPECT_EQ(test::stopCounting().allocations, 0) << method;
     EXPECT_TRUE(std::isfinite(sum)) << method;
   }
+}
+
+TEST(AreaField, EvaluatesWithoutAllocatingInsideAndOutside) {
+  const test::FingerBody body;
+  std::vector<const SpaceTable*> sites;
+  for (const SpaceTable& space : body.spaces) sites.push_back(&space);
+  const AreaField area(sites, placesOnSurface(body.problem.mesh, 0.002));
+  test::startCounting();
+  double sum = 0;
+  for (int n = 0; n < 1000; ++n)
+    sum += area.evaluate({1e-4 * n, 0.05, 0.1}, {5e-5 * n - 0.025, -2e-5 * n, -0.001}).drive.x();
+  sum += area.evaluate({std::nan(""), 0, 0}, {0, 0, 0}).force.x();
+  sum += area.evaluate({0.05, 0.05, 0.1}, {1e300, 0, 0}).force.x();
+  EXPECT_EQ(test::stopCounting().allocations, 0);
+  EXPECT_TRUE(std::isfinite(sum));
 }
 
 TEST(DisplacementField, EvaluatesWithoutAllocating) {

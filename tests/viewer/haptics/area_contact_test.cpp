@@ -1,0 +1,156 @@
+// A hand on the area of a finger: one energy E(s, p), anywhere on it.
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/support/finger_body.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "viewer/haptics/contact.hpp"
+#include "viewer/haptics/deformed_shape.hpp"
+
+namespace palpate {
+namespace {
+
+class AreaContact : public ::testing::Test {
+ protected:
+  static const HapticModel& shared() {
+    static const HapticModel model = [] {
+      const test::TemporaryDirectory directory;
+      test::FingerBody().seal(directory / "body.h5");
+      return HapticModel(Dataset(directory / "body.h5"), {.methods = {"potential", "trilinear"}});
+    }();
+    return model;
+  }
+  std::int32_t topTriangle() const {
+    for (std::int32_t t = 0; t < std::ssize(surface.triangles()); ++t)
+      if (surface.faceNormal(t).z() > 0.9) return t;
+    return -1;
+  }
+  const HapticModel& model = shared();
+  const TouchSurface& surface = model.surface();
+};
+
+TEST_F(AreaContact, AllOfTheAreaCanBeTouchedAndNothingElse) {
+  ASSERT_EQ(surface.areas().size(), 1u);
+  EXPECT_EQ(surface.areas()[0].name, "top");
+  for (std::int32_t t = 0; t < std::ssize(surface.triangles()); ++t) {
+    const bool on_top = surface.faceNormal(t).z() > 0.9;
+    EXPECT_TRUE(surface.touchable(t) || !on_top);
+    EXPECT_FALSE(surface.touchable(t) && surface.faceNormal(t).z() < -0.9);
+    EXPECT_EQ(surface.areaOf(t) >= 0, surface.touchable(t));
+  }
+}
+
+TEST_F(AreaContact, ForceIsThatOfTheEnergyAtTheAnchor) {
+  const SurfacePoint anchor{topTriangle(), {0.2, 0.3, 0.5}};
+  const Eigen::Vector3d s = surface.position(anchor), p(0.003, -0.001, -0.008);
+  BlendedForce force;
+  force.evaluate(model, 0, anchor, p);
+  EXPECT_LT((force.force() - test::FingerBody::force(s, p)).norm(), 0.01);
+  EXPECT_TRUE(force.sum().inside);
+  EXPECT_GT(force.blend().size, 0);
+}
+
+TEST_F(AreaContact, DriveMovesTheAnchorAsTheEnergyFalls) {
+  const std::int32_t triangle = topTriangle();
+  const SurfacePoint anchor{triangle, {0.2, 0.3, 0.5}};
+  const Eigen::Vector3d tool = surface.position(anchor) + Eigen::Vector3d(0.003, -0.001, -0.008);
+  BlendedForce force;
+  const auto evaluateAt = [&](const Eigen::Vector3d& step) {
+    SurfacePoint point = anchor;
+    point.barycentric += surface.barycentricGradients(triangle).transpose() * step;
+    force.evaluate(model, 0, point, tool - surface.position(point));
+    return force.sum().energy;
+  };
+  constexpr double h = 1e-4;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(axis);
+    const double slope = (evaluateAt(e) - evaluateAt(-e)) / (2 * h);
+    evaluateAt({0, 0, 0});
+    EXPECT_NEAR(force.slopeAlong(triangle).tangent[axis], slope, 2e-3);
+  }
+}
+
+TEST_F(AreaContact, SpacesOfSitesAnswerAsTheAreaDoesThere) {
+  const Eigen::Vector3d p(0.004, 0.002, -0.01);
+  for (const std::size_t space : {0, 3}) {
+    const Eigen::Vector3d s = model.spaces()[space].patch.finger->center;
+    for (const std::size_t method : {0, 1}) {
+      EXPECT_EQ(model.field(method, space).evaluate(p).force, model.area(0).evaluate(s, p).force);
+      EXPECT_LT(
+          (model.field(method, space).evaluate(p).force - test::FingerBody::force(s, p)).norm(),
+          0.01);
+    }
+  }
+}
+
+/// 5 mm deep and across the top, over many triangles and sites.
+Eigen::Vector3d acrossTheTop(double t) {
+  return {0.015 + 0.07 * t, 0.03 + 0.03 * std::sin(5 * t), 0.1 - 0.005 * std::sin(M_PI * t)};
+}
+
+TEST_F(AreaContact, SlidingCreatesNoEnergy) {
+  for (const double friction : {0.0, 0.3}) {
+    Contact contact(model, {.friction = friction});
+    contact.update({0.015, 0.03, 0.11});
+    double work = 0;
+    constexpr int steps = 20000;
+    Eigen::Vector3d last_tool = acrossTheTop(0), last_force = Eigen::Vector3d::Zero();
+    double last_energy = 0, most = 0;
+    for (int n = 0; n <= steps; ++n) {
+      const Eigen::Vector3d tool = acrossTheTop(static_cast<double>(n) / steps);
+      const Touch& touch = contact.update(tool);
+      work -= 0.5 * (touch.force + last_force).dot(tool - last_tool);  // of the hand
+      most = std::max(most, touch.energy);
+      // What is stored never exceeds what the hand gave, to the rule of the sum.
+      ASSERT_LT(touch.energy, work + 2e-3 * most + 1e-9) << "step " << n;
+      last_energy = touch.energy;
+      last_tool = tool;
+      last_force = touch.force;
+    }
+    EXPECT_GT(most, 1e-4);
+    EXPECT_LT(last_energy, most);
+  }
+}
+
+TEST_F(AreaContact, NoForceJumpsWhileSlidingOverTrianglesAndSites) {
+  Contact contact(model, {.friction = 0.2});
+  contact.update({0.015, 0.03, 0.11});
+  constexpr int steps = 20000;
+  Touch last;
+  double worst = 0;
+  for (int n = 0; n <= steps; ++n) {
+    const double t = static_cast<double>(n) / steps;
+    const Touch touch = contact.update(acrossTheTop(t));
+    if (last.touching && touch.touching && last.force.norm() > 0.1) {
+      const double motion = (acrossTheTop(t) - acrossTheTop(t - 1.0 / steps)).norm();
+      const double step = (touch.force - last.force).norm() - touch.stiffness.norm() * motion;
+      worst = std::max(worst, step / touch.force.norm());
+    }
+    last = touch;
+  }
+  EXPECT_LT(worst, 0.01);
+}
+
+TEST_F(AreaContact, TheShapePassesThroughTheTool) {
+  Contact contact(model, {.friction = 10});
+  for (int n = 0; n <= 100; ++n) contact.update({0.052, 0.047, 0.101 - 0.0001 * n});
+  const Touch& touch = contact.touch();
+  ASSERT_TRUE(touch.touching);
+  std::vector<float> shape(3 * surface.vertices().size());
+  DeformedShape deformed(surface.vertices().size());
+  deformed.evaluate(model, touch, shape);
+  Eigen::Vector3d at_anchor = Eigen::Vector3d::Zero();
+  for (int c = 0; c < 3; ++c)
+    at_anchor += touch.anchor.barycentric[c] *
+                 Eigen::Vector3f::Map(
+                     &shape[static_cast<std::size_t>(
+                         3 * surface.triangles()[static_cast<std::size_t>(touch.anchor.triangle)]
+                                                [static_cast<std::size_t>(c)])])
+                     .cast<double>();
+  EXPECT_LT((at_anchor - touch.displacement).norm(), 1e-6);
+}
+
+}  // namespace
+}  // namespace palpate
