@@ -6,13 +6,14 @@
 #include "common/base/assertion.hpp"
 #include "common/dataset/dataset_format.hpp"
 #include "common/mesh/node_set.hpp"
+#include "common/problem/finger.hpp"
 
 namespace palpate {
 
 template <>
 struct hdf5::Stored<LatticeEdge> : hdf5::Row<std::int32_t, 2> {};
 template <>
-struct hdf5::Stored<std::array<double, 4>> : hdf5::Row<double, 4> {};
+struct hdf5::Stored<std::array<double, 8>> : hdf5::Row<double, 8> {};
 
 namespace {
 
@@ -155,11 +156,10 @@ void writeLattices(Writer& out, const std::vector<SpaceTable>& spaces) {
 void readLattices(const Reader& in, const Scene& scene, std::vector<SpaceTable>& spaces) {
   const auto ijk = in.readList<LatticePoint>(ijk_path);
   const auto positions = in.readList<Eigen::Vector3d>(position_path, ijk.size());
-  const Lattice uniform = uniformLattice(scene);
   std::size_t row = 0;
   // Uniform points must be where the scene puts them; what follows them was added by refinement.
   for (SpaceTable& space : spaces) {
-    Lattice& lattice = space.lattice = uniform;
+    Lattice& lattice = space.lattice = uniformLattice(scene, space.patch);
     const auto n_points = static_cast<std::int32_t>(space.points.size());
     if (n_points < lattice.size() || (lattice.divisions() == 1 && n_points > lattice.size()))
       throw in.damaged(ijk_path, "is not the lattice of the scene");
@@ -240,11 +240,18 @@ struct ColumnReader {
   }
 };
 
-/// Centre and radius; of other tools no numbers.
-using FingerRow = std::array<double, 4>;
+/// Centre, radius, and what of the ball it reaches; of other tools no numbers.
+using FingerRow = std::array<double, 8>;
+
+FingerRow noFinger() {
+  FingerRow row;
+  row.fill(no_number);
+  return row;
+}
 
 FingerRow rowOf(const Finger& finger) {
-  return {finger.center[0], finger.center[1], finger.center[2], finger.radius};
+  const Eigen::Vector3d &s = finger.center, &n = finger.reach.outward;
+  return {s[0], s[1], s[2], finger.radius, n[0], n[1], n[2], finger.reach.pull};
 }
 
 // ---- writing --------------------------------------------------------------------------------
@@ -291,8 +298,7 @@ void writePatches(Writer& out, const std::vector<SpaceTable>& spaces) {
   if (!anyFinger(spaces)) return;
   std::vector<FingerRow> fingers;
   for (const SpaceTable& space : spaces)
-    fingers.push_back(space.patch.finger ? rowOf(*space.patch.finger)
-                                         : FingerRow{no_number, no_number, no_number, no_number});
+    fingers.push_back(space.patch.finger ? rowOf(*space.patch.finger) : noFinger());
   out.writeList(finger_path, fingers, "m");
 }
 
@@ -327,7 +333,7 @@ void resizeLists(const Reader& in, const std::string& firsts_path, const char* r
 void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
                  std::vector<SpaceTable>& spaces) {
   const auto isWeighted = [](const ActiveSelection& a) { return a.tool != ToolKind::rigid; };
-  const auto isFinger = [](const ActiveSelection& a) { return a.tool == ToolKind::finger; };
+  const auto hasFinger = [](const ActiveSelection& a) { return a.tool == ToolKind::finger; };
   const auto active = in.readList<std::int32_t>(active_path, spaces.size());
   const auto nodes = rowsOf(spaces, patch_nodes);
   ColumnReader{in, scene}(patch_node_path, nodes, "1", std::identity());
@@ -335,7 +341,7 @@ void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
   if (std::ranges::any_of(scene.active, isWeighted))
     weights = in.readList<double>(patch_weight_path, nodes.size());
   std::vector<FingerRow> fingers(spaces.size());
-  if (std::ranges::any_of(scene.active, isFinger))
+  if (std::ranges::any_of(scene.active, hasFinger))
     fingers = in.readList<FingerRow>(finger_path, spaces.size());
   auto weight = weights.begin();
   for (std::size_t s = 0; s < spaces.size(); ++s) {
@@ -345,11 +351,11 @@ void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
     const auto end = weight + static_cast<std::ptrdiff_t>(patch.nodes.size());
     if (isWeighted(scene.active[s])) patch.weights.assign(weight, end);
     weight = end;
-    if (isFinger(scene.active[s])) {
-      const auto& [x, y, z, radius] = fingers[s];
-      patch.finger = Finger{{x, y, z}, radius};
-      if (!patch.finger->center.allFinite() || !(radius > 0))
-        throw in.damaged(finger_path, fmt::format("{} has no place", patch.name));
+    if (hasFinger(scene.active[s])) {
+      const auto& [x, y, z, radius, nx, ny, nz, pull] = fingers[s];
+      patch.finger = Finger{{x, y, z}, radius, {{nx, ny, nz}, pull}};
+      if (!isFinger(*patch.finger))
+        throw in.damaged(finger_path, fmt::format("that of {} is none", patch.name));
     }
     if (!std::ranges::is_sorted(patch.nodes))
       throw in.damaged(patch_node_path, fmt::format("those of {} are not sorted", patch.name));

@@ -1,8 +1,10 @@
 #include "common/problem/finger.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/base/error.hpp"
+#include "common/mesh/surface_pieces.hpp"
 #include "common/mesh/surface_point.hpp"
 
 namespace palpate {
@@ -24,6 +26,13 @@ FingerWeights checkedFinger(const std::string& what, const Mesh& mesh, const Nod
   return weights;
 }
 
+bool isFinger(const Finger& finger) {
+  const PushedPart& reach = finger.reach;
+  const double length = reach.outward.norm();
+  return finger.center.allFinite() && finger.radius > 0 &&
+         (length == 0 || std::abs(length - 1) < 1e-12) && reach.pull >= 0 && reach.pull <= 1;
+}
+
 ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet& fixed,
                         const Finger& finger) {
   FingerWeights weights = checkedFinger(fmt::format("active \"{}\"", name), mesh, fixed, finger);
@@ -38,6 +47,24 @@ ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet
   patch.weights = std::move(weights.weights);
   patch.finger = finger;
   return patch;
+}
+
+PushedPart pushedAround(const Mesh& mesh, const Eigen::Vector3d& center, double radius) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double whole = 0;
+  for (std::int32_t t = 0; static_cast<std::size_t>(t) < mesh.surface.size(); ++t) {
+    const Eigen::Vector3d normal = normalOf(mesh, t);
+    forEachPiece(mesh, t, place_distance * radius, [&](const SurfacePiece& piece) {
+      const double relative = (piece.middle - center).squaredNorm() / (radius * radius);
+      if (relative >= 1) return;
+      const double bump = (1 - relative) * (1 - relative) * piece.area;
+      whole += bump;
+      sum += bump * normal;
+    });
+  }
+  const double length = whole > 0 ? sum.norm() / whole : 0, cosine = 2 * length - 1;
+  if (!(cosine > 0)) return {};
+  return {sum.normalized(), std::sqrt(1 - std::min(1.0, cosine * cosine))};
 }
 
 Finger fingerNear(const std::string& what, const Mesh& mesh, const Eigen::Vector3d& near,

@@ -11,11 +11,18 @@ namespace palpate {
 /// Beyond, the few free nodes at its rim would carry all of it.
 inline constexpr double least_free_share = 0.5;
 
+/// Of the pieces that a surface is looked at in, and of placesOnSurface that stations of an area
+/// are chosen from, in radii of the finger.
+inline constexpr double place_distance = 0.1;
+
 /// The weights of a finger on this body. Error (bad input), which begins with `what` ("active
 /// \"tip\"") and says what to do, when it is as wide as the body, or when it rests on `fixed` by
 /// more than 1 - least_free_share.
 FingerWeights checkedFinger(const std::string& what, const Mesh& mesh, const NodeSet& fixed,
                             const Finger& finger);
+
+/// Whether the numbers are those of a finger: finite, a radius, a direction of length one or none.
+bool isFinger(const Finger& finger);
 
 /// The patch of a finger: the nodes and weights of checkedFinger.
 ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet& fixed,
@@ -25,5 +32,11 @@ ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet
 /// input), which begins with `what`, when `near` is farther from the surface than the body is wide.
 Finger fingerNear(const std::string& what, const Mesh& mesh, const Eigen::Vector3d& near,
                   double radius);
+
+/// What a finger that only pushes reaches about `center`: displacements into the body at some place
+/// under it. The surface under the finger turns by about the angle a with cos a = 2 |m| - 1, m the
+/// mean of its unit normals by the weights of the finger; so p . m/|m| <= sin a |p|, and all of the
+/// ball where it turns by a right angle or more, at rims and on thin lobes.
+PushedPart pushedAround(const Mesh& mesh, const Eigen::Vector3d& center, double radius);
 
 }  // namespace palpate

@@ -9,6 +9,7 @@
 #include "common/base/error.hpp"
 #include "common/base/units.hpp"
 #include "common/mesh/mesh_reader.hpp"
+#include "common/problem/finger.hpp"
 #include "common/problem/selection.hpp"
 
 namespace palpate {
@@ -95,8 +96,7 @@ void checkFixed(const Problem& problem) {
 /// fingers a place.
 void checkWeights(const ActivePatch& patch, ToolKind tool) {
   const bool weighted = tool != ToolKind::rigid, finger = tool == ToolKind::finger;
-  if (patch.finger.has_value() != finger ||
-      (finger && !(patch.finger->center.allFinite() && patch.finger->radius > 0)))
+  if (patch.finger.has_value() != finger || (finger && !isFinger(*patch.finger)))
     throw badInput("active \"{}\": has no place of a finger, or one without being a finger",
                    patch.name);
   const double sum = std::accumulate(patch.weights.begin(), patch.weights.end(), 0.0);
@@ -211,9 +211,12 @@ std::size_t storedBytes(const Scene& scene, const Mesh& mesh) {
          sizeof(float) * storedPressures(scene, mesh);
 }
 
-Lattice uniformLattice(const Scene& scene) {
+Lattice uniformLattice(const Scene& scene) { return uniformLattice(scene, {}); }
+
+Lattice uniformLattice(const Scene& scene, const ActivePatch& patch) {
   const bool divided = scene.accuracy.adaptive() || scene.accuracy.probes > 0;
-  return {scene.workspace.radius, scene.workspace.spacing, divided ? lattice_divisions : 1};
+  return {scene.workspace.radius, scene.workspace.spacing, divided ? lattice_divisions : 1,
+          patch.finger ? patch.finger->reach : PushedPart{}};
 }
 
 Problem resolve(Scene scene, Mesh mesh) {
@@ -225,8 +228,11 @@ Problem resolve(Scene scene, Mesh mesh) {
   problem.fibers = selectFibers(scene.regions, problem.region_of, mesh);
   problem.fixed = selectFixed(scene.fixed, mesh);
   scene.active = expandSurfaces(scene.active, mesh, problem.fixed);
-  for (const ActiveSelection& active : scene.active)
-    problem.active.push_back(selectPatch(active, mesh, problem.fixed));
+  for (const ActiveSelection& active : scene.active) {
+    ActivePatch& patch = problem.active.emplace_back(selectPatch(active, mesh, problem.fixed));
+    if (patch.finger && scene.contact == ContactMode::unilateral)
+      patch.finger->reach = pushedAround(mesh, patch.finger->center, patch.finger->radius);
+  }
   PALPATE_ASSERT(
       std::ranges::none_of(
           scene.active, [](const ActiveSelection& active) { return active.surface.has_value(); }),

@@ -43,8 +43,10 @@ void checkProblem(const Problem& problem);
 /// Parts that coordinates divide the spacing into where there is more than the uniform lattice.
 inline constexpr std::int32_t lattice_divisions = 1024;
 
-/// The uniform lattice of a scene: with divisions when points or probes may be added to it.
+/// The uniform lattice of a scene: with divisions when points or probes may be added to it. Of a
+/// finger only what its reach holds.
 Lattice uniformLattice(const Scene& scene);
+Lattice uniformLattice(const Scene& scene, const ActivePatch& patch);
 
 /// Resolves the selectors of a scene on its mesh, which finishMesh has finished. Error (bad input),
 /// naming the scene's key, when

@@ -51,6 +51,9 @@ wire::Problem toMessage(const Problem& problem) {
       const std::vector<Eigen::Vector3d> center = {patch.finger->center};
       active.set_finger_center(bytesOfArray(center));
       active.set_finger_radius(patch.finger->radius);
+      const std::vector<Eigen::Vector3d> outward = {patch.finger->reach.outward};
+      active.set_finger_outward(bytesOfArray(outward));
+      active.set_finger_pull(patch.finger->reach.pull);
     }
   }
   for (const auto& [name, nodes] : problem.mesh.node_groups) {
@@ -69,8 +72,11 @@ wire::Problem toMessage(const Problem& problem) {
 std::optional<Finger> fingerFrom(const wire::ActivePatch& message) {
   const auto center = arrayFrom<Eigen::Vector3d>(message.finger_center(), "the place of a finger");
   if (center.empty()) return std::nullopt;
-  if (center.size() != 1) throw badInput("a finger has {} places", center.size());
-  return Finger{center.front(), message.finger_radius()};
+  const auto outward =
+      arrayFrom<Eigen::Vector3d>(message.finger_outward(), "the reach of a finger");
+  if (center.size() != 1 || outward.size() != 1)
+    throw badInput("a finger has {} places and {} directions", center.size(), outward.size());
+  return Finger{center.front(), message.finger_radius(), {outward.front(), message.finger_pull()}};
 }
 
 Problem fromMessage(const wire::Problem& message) {

@@ -7,42 +7,28 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/mesh/surface_pieces.hpp"
 #include "common/problem/finger.hpp"
 
 namespace palpate {
 namespace {
 
-/// Of the pieces that a triangle is looked at in, in radii.
-constexpr double piece_width = 0.1;
 /// The pieces know the share of a finger that is free to about a hundredth.
 constexpr double free_share_margin = 0.02;
 
-/// A small part of a triangle of the surface.
 struct Piece {
   Eigen::Vector3d middle;
   double area;
   double free;  ///< share of the middle's shape functions that are of nodes which can move
 };
 
-/// Equal parts of a triangle, none wider than `width`.
 void appendPieces(const Mesh& mesh, std::int32_t triangle, const NodeSet& fixed, double width,
                   std::vector<Piece>& pieces) {
-  const Triangle& t = mesh.surface[triangle];
-  const Eigen::Vector3d a = mesh.nodes[t[0]], u = mesh.nodes[t[1]] - a, v = mesh.nodes[t[2]] - a;
   Eigen::Vector3d free;
-  for (int i = 0; i < 3; ++i) free[i] = contains(fixed, t[i]) ? 0 : 1;
-  const double longest = std::max({u.norm(), v.norm(), (v - u).norm()});
-  const int n = std::max(1, static_cast<int>(std::ceil(longest / width)));
-  const double area = u.cross(v).norm() / 2 / (n * n);
-  const auto append = [&](double x, double y) {
-    const Eigen::Vector3d barycentric(1 - (x + y) / n, x / n, y / n);
-    pieces.push_back({a + (x * u + y * v) / n, area, free.dot(barycentric)});
-  };
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; i + j < n; ++j) {
-      append(i + 1. / 3, j + 1. / 3);
-      if (i + j + 1 < n) append(i + 2. / 3, j + 2. / 3);
-    }
+  for (int i = 0; i < 3; ++i) free[i] = contains(fixed, mesh.surface[triangle][i]) ? 0 : 1;
+  forEachPiece(mesh, triangle, width, [&](const SurfacePiece& piece) {
+    pieces.push_back({piece.middle, piece.area, free.dot(piece.barycentric)});
+  });
 }
 
 double areaOf(const Mesh& mesh, const std::vector<std::int32_t>& triangles) {
@@ -70,11 +56,10 @@ bool mayStand(const Eigen::Vector3d& center, double radius, const std::vector<Pi
 }  // namespace
 
 std::vector<Eigen::Vector3d> placesOnSurface(const Mesh& mesh, double distance) {
-  std::vector<Piece> pieces;
-  for (std::int32_t t = 0; static_cast<std::size_t>(t) < mesh.surface.size(); ++t)
-    appendPieces(mesh, t, {}, distance, pieces);
   std::vector<Eigen::Vector3d> places;
-  for (const Piece& piece : pieces) places.push_back(piece.middle);
+  for (std::int32_t t = 0; static_cast<std::size_t>(t) < mesh.surface.size(); ++t)
+    forEachPiece(mesh, t, distance,
+                 [&](const SurfacePiece& piece) { places.push_back(piece.middle); });
   return places;
 }
 
@@ -95,7 +80,7 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
   auto wanted = triangles.begin();
   for (std::int32_t t = 0; static_cast<std::size_t>(t) < mesh.surface.size(); ++t) {
     const std::size_t before = pieces.size();
-    appendPieces(mesh, t, fixed, piece_width * radius, pieces);
+    appendPieces(mesh, t, fixed, place_distance * radius, pieces);
     if (wanted == triangles.end() || *wanted != t) continue;
     ++wanted;
     for (std::size_t n = before; n < pieces.size(); ++n)

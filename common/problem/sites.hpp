@@ -2,7 +2,7 @@
 
 #include "common/mesh/mesh.hpp"
 #include "common/mesh/node_set.hpp"
-#include "common/space/active_patch.hpp"
+#include "common/problem/finger.hpp"
 
 namespace palpate {
 
@@ -17,14 +17,11 @@ inline constexpr std::size_t max_sites = 5000;
 /// Left out are places where the finger would rest on `fixed` (sorted) by nearly half or more, or
 /// whose triangle is fixed: their neighbours reach over them as far as they do. The number of sites
 /// follows from the shape and the radius, not from the mesh, whose triangles are looked at in
-/// pieces of at most a tenth of the radius. A deterministic function of the arguments. Error (bad
+/// pieces of at most place_distance. A deterministic function of the arguments. Error (bad
 /// input) that says what to do when there are more than max_sites; empty when a finger can stand
 /// nowhere.
 std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::int32_t>& triangles,
                                      const NodeSet& fixed, double radius);
-
-/// Of placesOnSurface that stations of an area are chosen from, in radii of the finger.
-inline constexpr double place_distance = 0.1;
 
 /// Places of the whole surface, so close that none of it is farther than `distance` from one,
 /// metres.

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "common/space/lattice.hpp"
+
 namespace palpate {
 
 /// Fingers of one radius are sites of one energy when every place between them is at most this many
@@ -16,6 +18,9 @@ inline constexpr double site_distance = 0.6;
 struct Finger {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< on the surface
   double radius = 0;
+  /// What of its workspace is computed: in a scene with unilateral contact what the finger reaches
+  /// by pushing at the places that it answers for.
+  PushedPart reach = {};
   bool operator==(const Finger&) const = default;
 };
 

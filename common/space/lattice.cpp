@@ -70,7 +70,7 @@ void Lattice::check(double radius, double spacing) {
         ratio, expected, max_points);
 }
 
-Lattice::Lattice(double radius, double spacing, std::int32_t divisions)
+Lattice::Lattice(double radius, double spacing, std::int32_t divisions, const PushedPart& part)
     : radius_(radius), divisions_(divisions) {
   PALPATE_ASSERT(divisions > 0 && (divisions & (divisions - 1)) == 0, "cells are halved exactly");
   check(radius, spacing);
@@ -82,6 +82,9 @@ Lattice::Lattice(double radius, double spacing, std::int32_t divisions)
   const auto limit = static_cast<std::int64_t>(std::floor(ratio * ratio * (1 + 1e-12)));
 
   points_ = pointsOfBall(extent_, limit);
+  std::erase_if(points_, [&](const LatticePoint& p) {
+    return !part.contains(spacing_ * Eigen::Vector3d(p[0], p[1], p[2]), spacing_ / 2);
+  });
   uniform_size_ = size();
   for (LatticePoint& point : points_)
     for (std::int32_t& coordinate : point) coordinate *= divisions;

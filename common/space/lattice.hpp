@@ -22,6 +22,18 @@ struct LatticeEdge {
   auto operator<=>(const LatticeEdge&) const = default;
 };
 
+/// The part of a ball that a contact which only pushes reaches: displacements p with
+/// p . outward <= pull |p|. By default all of it.
+struct PushedPart {
+  Eigen::Vector3d outward = Eigen::Vector3d::Zero();  ///< unit; zero: all of the ball
+  double pull = 1;                                    ///< 0 to 1; 1: all of the ball
+  bool operator==(const PushedPart&) const = default;
+  /// With room: metres that p may lie outside of it.
+  bool contains(const Eigen::Vector3d& p, double room = 0) const {
+    return p.dot(outward) <= pull * p.norm() + room;
+  }
+};
+
 /// The positions of one configuration space: the uniform lattice of the closed workspace ball
 /// (paper, Eq. 11, with the origin), and the points that refinement added to it.
 ///
@@ -29,6 +41,9 @@ struct LatticeEdge {
 /// mm, spacing 20, 100/7, 10, 100/15 mm these are 515, 1419, 4169, 14147 points, where a
 /// floating-point test drops some that lie exactly on the sphere. "100/7 mm" may be written 14.3
 /// mm: a spacing within 0.2 % of radius/n, n integer, is taken as exactly radius/n.
+///
+/// The lattice may be of a part of the ball only (PushedPart): then the points of the rest are left
+/// out, and the others numbered in the same order.
 ///
 /// Coordinates count in `divisions` parts of the spacing, a power of two, so that refined points
 /// and probes have integer coordinates too, and the same displacement, to the last bit, as in a
@@ -41,7 +56,8 @@ class Lattice {
   Lattice() = default;
   /// radius and spacing in metres, as check() demands them. 10 million points take about 0.2 GB and
   /// a second.
-  Lattice(double radius, double spacing, std::int32_t divisions = 1);
+  /// Of a part of the ball: its uniform points, and those within half a spacing of it.
+  Lattice(double radius, double spacing, std::int32_t divisions = 1, const PushedPart& part = {});
 
   /// Error (bad input) unless both are > 0, radius >= spacing, and the lattice has no more than 10
   /// million points. Costs nothing.

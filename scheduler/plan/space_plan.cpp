@@ -46,11 +46,13 @@ PointRecord solvedPoint(std::int32_t parent, const Outcome& outcome, const Conte
 SpacePlan::SpacePlan(const Problem& problem, std::uint32_t space)
     : problem_(&problem),
       space_(space),
-      frontier_(uniformLattice(problem.scene), problem.scene.workspace.max_force),
+      frontier_(uniformLattice(problem.scene, problem.active[space]),
+                problem.scene.workspace.max_force),
       positions_(frontier_.lattice()),
       points_(at(positions_.size())),
       attempts_(points_.size()),
-      may_grow_(problem.scene.accuracy.adaptive()) {
+      // The sites of an area are all on one lattice: there the accuracy is in their places.
+      may_grow_(problem.scene.accuracy.adaptive() && problem.scene.active[space].area.empty()) {
   PALPATE_ASSERT(space < problem.active.size(), "a plan is that of one active node");
 }
 
@@ -234,8 +236,9 @@ void SpacePlan::beginCells() {
 }
 
 void SpacePlan::beginProbes() {
-  const std::vector<LatticePoint> positions =
-      probePositions(positions_, problem_->scene.accuracy.probes);
+  const auto& finger = problem_->active[space_].finger;
+  const std::vector<LatticePoint> positions = probePositions(
+      positions_, problem_->scene.accuracy.probes, finger ? finger->reach : PushedPart{});
   first_probe_ = size();  // from here on parentsNear() stops before them
   for (const LatticePoint& position : positions) {
     const std::int32_t target = addPosition(position);
@@ -246,7 +249,7 @@ void SpacePlan::beginProbes() {
 SpaceTable SpacePlan::table() const {
   SpaceTable table;
   table.patch = problem_->active[space_];
-  table.lattice = uniformLattice(problem_->scene);
+  table.lattice = uniformLattice(problem_->scene, table.patch);
   table.splits = splits_;
   const std::int32_t end = first_probe_ < 0 ? size() : first_probe_;
   PALPATE_ASSERT(end >= table.lattice.size(), "probes come behind all points of the lattice");
@@ -259,7 +262,8 @@ SpaceTable SpacePlan::table() const {
   return table;
 }
 
-std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t count) {
+std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t count,
+                                         const PushedPart& part) {
   // Fractions of the powers of 1/g, g^4 = g + 1: the sequence that fills a cube most evenly
   // (Roberts 2018).
   constexpr double g = 1.2207440846057596;
@@ -274,7 +278,9 @@ std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t co
       // Odd: corners of cells, which are larger than one coordinate, are even.
       position[axis] = 2 * static_cast<std::int32_t>(std::floor(coordinate / 2)) + 1;
     }
-    if (static_cast<double>(squaredNorm(position)) <= reach * reach) positions.push_back(position);
+    if (static_cast<double>(squaredNorm(position)) <= reach * reach &&
+        part.contains(lattice.displacementOf(position)))
+      positions.push_back(position);
   }
   return positions;
 }

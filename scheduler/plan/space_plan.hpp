@@ -120,6 +120,8 @@ class SpacePlan {
 
 /// `count` positions of the workspace ball for probes: a low-discrepancy sequence (Roberts' R3),
 /// never on a point that a lattice could have. Coordinates as in `lattice`, which needs divisions.
-std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t count);
+/// Of a part of the ball only where one is given.
+std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t count,
+                                         const PushedPart& part = {});
 
 }  // namespace palpate

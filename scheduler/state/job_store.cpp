@@ -137,8 +137,8 @@ void JobStore::create(const Problem& problem, const std::string& problem_bytes) 
                                   application_id, schema_version));
     prepared_.emplace(database_);  // SQLite compiles statements against tables that are there
     Statement add_space(database_, "INSERT INTO spaces VALUES (?, ?)");
-    const Lattice lattice = uniformLattice(problem.scene);
     for (std::size_t space = 0; space < problem.active.size(); ++space) {
+      const Lattice lattice = uniformLattice(problem.scene, problem.active[space]);
       add_space.run(space, problem.active[space].name);
       for (std::int32_t n = 0; n < lattice.size(); ++n) writePoint(space, n, lattice.point(n), {});
     }

@@ -58,7 +58,7 @@ FingerBody::FingerBody() {
     const ActivePatch& patch = problem.active[s];
     SpaceTable& space = spaces.emplace_back();
     space.patch = patch;
-    space.lattice = uniformLattice(problem.scene);
+    space.lattice = uniformLattice(problem.scene, patch);
     space.points.resize(static_cast<std::size_t>(space.lattice.size()));
     for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
       PointRecord& point = space.points[static_cast<std::size_t>(n)];

@@ -104,7 +104,9 @@ AreaField::AreaField(const std::vector<const SpaceTable*>& spaces,
   std::vector<Eigen::Vector3d> centers;
   for (const SpaceTable* space : spaces) {
     centers.push_back(space->patch.finger.value().center);
-    if (!space->splits.empty() || space->lattice.size() != spaces.front()->lattice.size())
+    const Lattice &lattice = space->lattice, &first = spaces.front()->lattice;
+    if (!space->splits.empty() || lattice.size() != lattice.uniformSize() ||
+        lattice.radius() != first.radius() || lattice.spacing() != first.spacing())
       throw failure("{}: the sites of an area are all on one uniform lattice, and this is not",
                     space->patch.name);
   }

@@ -83,7 +83,10 @@ BuildCost buildCost(const Problem& problem, const MeasuredWays& measured) {
     const double configurations = points + n_spaces * accuracy.probes;
     return Estimate{configurations, configurations * seconds_each, points * bytes_each};
   };
-  cost.least = cost.most = estimate(lattice.size());
+  double points = 0;
+  for (const ActivePatch& patch : problem.active)
+    points += uniformLattice(problem.scene, patch).size();
+  cost.least = cost.most = estimate(points / n_spaces);
   if (accuracy.adaptive())
     cost.most = estimate(lattice.size() +
                          static_cast<double>(cellsInBall(lattice)) * std::pow(8, accuracy.levels));

@@ -139,6 +139,23 @@ TEST_F(FingerScene, APartOfTheSurfaceIsCoveredAsFarAsItsTrianglesGo) {
   }
 }
 
+TEST_F(FingerScene, ReachesWhatPushingNeedsUnlessItIsGlued) {
+  scene.active[0].radius = 0.03;
+  scene.active[0].surface.reset();
+  scene.active[0].near = Eigen::Vector3d(0.11, 0.09, 0.2);
+  const PushedPart flat = resolved().active[0].finger->reach;
+  EXPECT_LT((flat.outward - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+  EXPECT_LT(flat.pull, 1e-6) << "the surface is flat under it";
+  scene.active[0].near = Eigen::Vector3d(0.2, 0.09, 0.2);
+  const PushedPart edge = resolved().active[0].finger->reach;
+  EXPECT_NEAR(edge.outward.x(), edge.outward.z(), 0.01);
+  EXPECT_GT(edge.pull, 0.8) << "two sides are under it";
+  const ContentId pushing = problemId(resolved());
+  scene.contact = ContactMode::glued;
+  EXPECT_EQ(resolved().active[0].finger->reach, PushedPart{});
+  EXPECT_NE(problemId(resolved()), pushing) << "other configurations";
+}
+
 TEST_F(FingerScene, IsRefusedWhereAFingerMakesNoSense) {
   scene.active[0].radius = 0.2;
   refuses({"\"skin-0\"", "as wide as the body", "radius smaller"});

@@ -83,5 +83,35 @@ TEST(Lattice, RefusesWhatIsNoLattice) {
                  {"workspace.radius"});
 }
 
+/// The half below the plane z = 0.
+const PushedPart lower_half = {Eigen::Vector3d::UnitZ(), 0};
+
+TEST(Lattice, OfAPartOfTheBallHasItsPointsAndTheOrigin) {
+  const Lattice whole(0.03, 0.01), half(0.03, 0.01, 1, lower_half);
+  EXPECT_EQ(whole.size(), 123);
+  EXPECT_EQ(half.size(), (123 - 29) / 2 + 29) << "what lies in the plane belongs to it";
+  EXPECT_EQ(half.point(0), (LatticePoint{0, 0, 0}));
+  for (std::int32_t n = 0; n < half.size(); ++n) {
+    EXPECT_LE(half.point(n)[2], 0);
+    EXPECT_EQ(half.indexOf(half.point(n)), n);
+  }
+  EXPECT_EQ(half.indexOf({0, 0, 1}), std::nullopt);
+  EXPECT_EQ(half.uniformSize(), half.size());
+}
+
+TEST(Lattice, OfAPartOfTheBallHasNeighboursInIt) {
+  const Lattice half(0.03, 0.01, 1, lower_half);
+  EXPECT_EQ(half.neighbours(0).size(), 17u);
+}
+
+TEST(Lattice, OfAPullingPartReachesAsFarAsItSays) {
+  const PushedPart wide = {Eigen::Vector3d::UnitZ(), 0.8};
+  const Lattice lattice(0.03, 0.01, 1, wide);
+  EXPECT_TRUE(lattice.indexOf({1, 0, 1}));
+  EXPECT_FALSE(lattice.indexOf({0, 0, 3}))
+      << "3 cm up, where 2.4 cm and half a spacing are allowed";
+  EXPECT_EQ(Lattice(0.03, 0.01, 1, PushedPart{}).size(), 123);
+}
+
 }  // namespace
 }  // namespace palpate

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/mesh/mesh.hpp"
+
+namespace palpate {
+
+/// A small part of a triangle of the surface.
+struct SurfacePiece {
+  Eigen::Vector3d middle;       ///< m
+  Eigen::Vector3d barycentric;  ///< of the middle, in the triangle
+  double area = 0;              ///< m^2
+};
+
+/// Calls visit(piece) for equal parts of a triangle of the surface, none wider than `width`,
+/// metres.
+template <class Visit>
+void forEachPiece(const Mesh& mesh, std::int32_t triangle, double width, Visit visit) {
+  const auto& [a, b, c] = mesh.surface[triangle];
+  const Eigen::Vector3d corner = mesh.nodes[a], u = mesh.nodes[b] - corner,
+                        v = mesh.nodes[c] - corner;
+  const double longest = std::max({u.norm(), v.norm(), (v - u).norm()});
+  const int n = std::max(1, static_cast<int>(std::ceil(longest / width)));
+  const double area = u.cross(v).norm() / 2 / n / n;
+  const auto visitAt = [&](double x, double y) {
+    visit(SurfacePiece{corner + (x * u + y * v) / n, {1 - (x + y) / n, x / n, y / n}, area});
+  };
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; i + j < n; ++j) {
+      visitAt(i + 1. / 3, j + 1. / 3);
+      if (i + j + 1 < n) visitAt(i + 2. / 3, j + 2. / 3);
+    }
+}
+
+}  // namespace palpate
