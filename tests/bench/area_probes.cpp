@@ -23,7 +23,7 @@
 #include "common/scene/active_choice.hpp"
 #include "viewer/fields/area_field.hpp"
 #include "viewer/fields/potential_field.hpp"
-#include "worker/solver/path.hpp"
+#include "worker/solver/transition.hpp"
 
 namespace palpate {
 namespace {
@@ -96,6 +96,29 @@ struct Errors {
   }
 };
 
+enum class Exact { found, too_strong, none };
+
+/// By continuation from rest, in steps of a lattice spacing; it ends where the device would.
+std::pair<Exact, Eigen::Vector3d> exactForce(TransitionSolver& solver, const Problem& problem,
+                                             const Probe& probe, double radius) {
+  solver.placeFinger("probe", {probe.place, radius});
+  Failure of_rest;
+  auto at = solver.startAtRest(of_rest);
+  if (!at) throw failure("rest: {}", describe(of_rest));
+  const Workspace& workspace = problem.scene.workspace;
+  const int steps =
+      std::max(1, static_cast<int>(std::ceil(probe.displacement.norm() / workspace.spacing)));
+  Reached reached;
+  for (int n = 1; n <= steps; ++n) {
+    reached = solver.reach(*at, probe.displacement * n / steps);
+    if (!reached.outcome.converged) return {Exact::none, Eigen::Vector3d::Zero()};
+    if (reached.outcome.equilibrium.force.norm() > workspace.max_force)
+      return {Exact::too_strong, Eigen::Vector3d::Zero()};
+    at = std::move(reached.end);
+  }
+  return {Exact::found, reached.outcome.equilibrium.force};
+}
+
 Json run(const Options& options) {
   const Problem problem = loadProblem(options.scene);
   const Dataset dataset(options.dataset);
@@ -120,23 +143,10 @@ Json run(const Options& options) {
     if (fingerWeights(problem.mesh, problem.fixed, probe.place, radius).free_share <
         least_free_share)
       continue;
-    solver.placeFinger("probe", {probe.place, radius});
-    Failure of_rest;
-    const auto rest = solver.startAtRest(of_rest);
-    if (!rest) throw failure("rest: {}", describe(of_rest));
-    const double spacings = probe.displacement.norm() / problem.scene.workspace.spacing;
-    const Outcome exact =
-        walk(solver, *rest, probe.displacement, std::max(1, static_cast<int>(std::ceil(spacings))))
-            .outcome;
-    if (!exact.converged) {
-      ++unsolved;
-      continue;
-    }
-    const Eigen::Vector3d& force = exact.equilibrium.force;
-    if (force.norm() > problem.scene.workspace.max_force) {
-      ++too_strong;
-      continue;
-    }
+    const auto [outcome, force] = exactForce(solver, problem, probe, radius);
+    unsolved += outcome == Exact::none ? 1 : 0;
+    too_strong += outcome == Exact::too_strong ? 1 : 0;
+    if (outcome != Exact::found) continue;
     of_area.record(sample.force, force, problem.scene.accuracy);
     const double error = (sample.force - force).norm();
     held += error <= sample.error_bound;

@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "tests/support/expect_error.hpp"
+#include "tests/support/finger_body.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "viewer/fields/field_choice.hpp"
@@ -185,6 +188,70 @@ TEST_F(QueryCommand, ProgramReadsStandardInputAndEndsWithItsCodes) {
   EXPECT_EQ(run("--help"), 0);
   EXPECT_THAT(answer, AllOf(HasSubstr("Usage: palpate query"),
                             HasSubstr("3 some displacement lies outside")));
+}
+
+/// A dataset whose top a finger touches.
+class QueryOfAFinger : public QueryCommand {
+ protected:
+  QueryOfAFinger() {
+    body.seal(options.dataset);
+    options.active = "top";
+  }
+  test::FingerBody body;
+};
+
+TEST_F(QueryOfAFinger, AnswersAnywhereOnTheSurface) {
+  options.at = {"0.0512", "0.0437", "0.12"};
+  options.displacement = {"0.003", "-0.002", "-0.009"};
+  EXPECT_EQ(ask(), ExitCode::done);
+  const auto found = nlohmann::json::parse(answer);
+  const Eigen::Vector3d s(0.0512, 0.0437, 0.1), p(0.003, -0.002, -0.009);
+  const Eigen::Vector3d force = test::FingerBody::force(s, p),
+                        drive = test::FingerBody::drive(s, p);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    EXPECT_NEAR(found.at("at").at(axis).get<double>(), s[a], 1e-12) << "the nearest point above";
+    EXPECT_NEAR(found.at("force").at(axis).get<double>(), force[a], 0.01);
+    EXPECT_NEAR(found.at("drive").at(axis).get<double>(), drive[a], 0.01);
+  }
+  EXPECT_NEAR(found.at("energy").get<double>(), test::FingerBody::energy(s, p), 1e-4);
+  EXPECT_EQ(found.at("inside"), true);
+}
+
+TEST_F(QueryOfAFinger, ReadsSixNumbersPerLine) {
+  options.at = options.displacement = {"-"};
+  EXPECT_EQ(ask("0.05 0.04 0.1 0 0 -0.01\n0.02 0.08 0.1, 0.001 0 -0.002\n"), ExitCode::done);
+  EXPECT_EQ(std::ranges::count(answer, '\n'), 2);
+  expectBadInput([&] { ask("0.05 0.04 0.1\n"); }, {"line 1", "six numbers"});
+}
+
+TEST_F(QueryOfAFinger, SaysWhereThereIsNoAnswer) {
+  options.at = {"0.05", "0.05", "-0.1"};
+  options.displacement = {"0", "0", "0.001"};
+  options.json = false;
+  EXPECT_EQ(ask(), ExitCode::partly_failed);
+  EXPECT_THAT(answer, HasSubstr("no site of the finger is near"));
+  options.at = {"0.05", "0.05", "0.1"};
+  options.displacement = {"0", "0", "0.025"};
+  EXPECT_EQ(ask(), ExitCode::partly_failed) << "nobody pulls";
+  options.displacement = {"0", "0", "-0.04"};
+  EXPECT_EQ(ask(), ExitCode::partly_failed);
+  EXPECT_THAT(answer, HasSubstr("beyond the workspace"));
+}
+
+TEST_F(QueryOfAFinger, WantsAPlaceAndItsOwnMethod) {
+  expectBadInput([&] { ask(); }, {"\"top\"", "--at X Y Z"});
+  options.at = {"0.05", "0.05", "0.1"};
+  options.method = "trilinear";
+  expectBadInput([&] { ask(); }, {"--method trilinear", "only potential"});
+  options.method = "potential";
+  options.at = {"5", "0.05", "0.1"};
+  expectBadInput([&] { ask(); }, {"--at", "more than the body is wide"});
+}
+
+TEST_F(QueryCommand, OfANodeHasNoPlaces) {
+  options.at = {"0.05", "0.05", "0.1"};
+  expectBadInput([&] { ask(); }, {"--at", "\"edge-2\" is no finger"});
 }
 
 }  // namespace
