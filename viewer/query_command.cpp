@@ -152,9 +152,13 @@ class Answers {
       throw badInput("--method {}: between the sites of a finger there is only {}", options.method,
                      QueryOptions{}.method);
     std::vector<const SpaceTable*> sites;
-    for (const std::size_t s : choice_.spaces) sites.push_back(&dataset.spaces()[s]);
+    std::vector<Eigen::Vector3d> centers;
+    for (const std::size_t s : choice_.spaces) {
+      sites.push_back(&dataset.spaces()[s]);
+      centers.push_back(sites.back()->patch.finger->center);
+    }
     area_ = std::make_unique<AreaField>(
-        sites, placesOnSurface(dataset.mesh(), place_distance * first_.patch.finger->radius));
+        sites, placesAround(dataset.mesh(), centers, first_.patch.finger->radius));
   }
 
   /// The text of an answer, and whether it lies inside.

@@ -7,6 +7,16 @@
 
 namespace palpate {
 
+/// Around a triangle of the surface, and around a ball.
+inline Eigen::AlignedBox3d boxOf(const Mesh& mesh, std::int32_t triangle) {
+  Eigen::AlignedBox3d box;
+  for (const std::int32_t node : mesh.surface[triangle]) box.extend(mesh.nodes[node]);
+  return box;
+}
+inline Eigen::AlignedBox3d boxAround(const Eigen::Vector3d& center, double radius) {
+  return {center.array() - radius, center.array() + radius};
+}
+
 /// A small part of a triangle of the surface.
 struct SurfacePiece {
   Eigen::Vector3d middle;       ///< m

@@ -8,6 +8,31 @@
 #include "common/mesh/surface_point.hpp"
 
 namespace palpate {
+namespace {
+
+/// Of the mean of unit normals: a half where the surface turns by a right angle under the finger.
+constexpr double both_sides = 0.35;
+
+/// Of the unit normals, by the bump of the finger.
+Eigen::Vector3d meanNormal(const Mesh& mesh, const Finger& finger) {
+  const double squared = finger.radius * finger.radius;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double whole = 0;
+  for (std::int32_t t = 0; static_cast<std::size_t>(t) < mesh.surface.size(); ++t) {
+    if (!boxOf(mesh, t).intersects(boxAround(finger.center, finger.radius))) continue;
+    const Eigen::Vector3d normal = normalOf(mesh, t);
+    forEachPiece(mesh, t, place_distance * finger.radius, [&](const SurfacePiece& piece) {
+      const double relative = (piece.middle - finger.center).squaredNorm() / squared;
+      if (relative >= 1) return;
+      const double bump = (1 - relative) * (1 - relative) * piece.area;
+      whole += bump;
+      sum += bump * normal;
+    });
+  }
+  return whole > 0 ? Eigen::Vector3d(sum / whole) : sum;
+}
+
+}  // namespace
 
 FingerWeights checkedFinger(const std::string& what, const Mesh& mesh, const NodeSet& fixed,
                             const Finger& finger) {
@@ -49,22 +74,15 @@ ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet
   return patch;
 }
 
-PushedPart pushedAround(const Mesh& mesh, const Eigen::Vector3d& center, double radius) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double whole = 0;
-  for (std::int32_t t = 0; static_cast<std::size_t>(t) < mesh.surface.size(); ++t) {
-    const Eigen::Vector3d normal = normalOf(mesh, t);
-    forEachPiece(mesh, t, place_distance * radius, [&](const SurfacePiece& piece) {
-      const double relative = (piece.middle - center).squaredNorm() / (radius * radius);
-      if (relative >= 1) return;
-      const double bump = (1 - relative) * (1 - relative) * piece.area;
-      whole += bump;
-      sum += bump * normal;
-    });
-  }
-  const double length = whole > 0 ? sum.norm() / whole : 0, cosine = 2 * length - 1;
+PushedPart pushedAround(const Mesh& mesh, const Finger& finger) {
+  const Eigen::Vector3d mean = meanNormal(mesh, finger);
+  const double length = mean.norm(), cosine = 2 * length - 1;
   if (!(cosine > 0)) return {};
-  return {sum.normalized(), std::sqrt(1 - std::min(1.0, cosine * cosine))};
+  return {mean / length, std::sqrt(1 - std::min(1.0, cosine * cosine))};
+}
+
+bool isOnBothSides(const Mesh& mesh, const Finger& finger) {
+  return meanNormal(mesh, finger).norm() < both_sides;
 }
 
 Finger fingerNear(const std::string& what, const Mesh& mesh, const Eigen::Vector3d& near,

@@ -33,10 +33,12 @@ ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet
 Finger fingerNear(const std::string& what, const Mesh& mesh, const Eigen::Vector3d& near,
                   double radius);
 
-/// What a finger that only pushes reaches about `center`: displacements into the body at some place
-/// under it. The surface under the finger turns by about the angle a with cos a = 2 |m| - 1, m the
-/// mean of its unit normals by the weights of the finger; so p . m/|m| <= sin a |p|, and all of the
-/// ball where it turns by a right angle or more, at rims and on thin lobes.
-PushedPart pushedAround(const Mesh& mesh, const Eigen::Vector3d& center, double radius);
+/// What a finger that only pushes reaches: displacements into the body at some place under it. The
+/// surface there turns by about the angle a with cos a = 2 |m| - 1, m the mean of its unit normals
+/// by the bump of the finger; so p . m/|m| <= sin a |p|, and all of the ball where it turns by a
+/// right angle or more, at rims and on thin lobes.
+PushedPart pushedAround(const Mesh& mesh, const Finger& finger);
+/// Whether it reaches around a lobe that is thin against it, so that normals cancel out.
+bool isOnBothSides(const Mesh& mesh, const Finger& finger);
 
 }  // namespace palpate

@@ -231,7 +231,7 @@ Problem resolve(Scene scene, Mesh mesh) {
   for (const ActiveSelection& active : scene.active) {
     ActivePatch& patch = problem.active.emplace_back(selectPatch(active, mesh, problem.fixed));
     if (patch.finger && scene.contact == ContactMode::unilateral)
-      patch.finger->reach = pushedAround(mesh, patch.finger->center, patch.finger->radius);
+      patch.finger->reach = pushedAround(mesh, *patch.finger);
   }
   PALPATE_ASSERT(
       std::ranges::none_of(

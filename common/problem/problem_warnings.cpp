@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "common/base/assertion.hpp"
+#include "common/problem/finger.hpp"
 
 namespace palpate {
 namespace {
@@ -38,6 +40,7 @@ class Doubts {
     doubtPlaces();
     doubtWorkspace();
     doubtSingleNodes();
+    doubtFingers();
     doubtTwins();
   }
 
@@ -106,13 +109,15 @@ class Doubts {
     for (std::size_t i = 0; i < problem_.active.size(); ++i) {
       const auto& near = scene_.active[i].near;
       if (!near) continue;
-      const Eigen::Vector3d& node = problem_.mesh.nodes[problem_.active[i].node];
+      const auto& finger = problem_.active[i].finger;
+      const Eigen::Vector3d& node =
+          finger ? finger->center : problem_.mesh.nodes[problem_.active[i].node];
       if (const double distance = (node - *near).norm(); distance > quality_.mean_edge)
         warn(
-            "active \"{}\": near = {} is {:.4g} m away from the nearest surface node at {}, "
+            "active \"{}\": near = {} is {:.4g} m away from the nearest {} at {}, "
             "more than an edge ({:.4g} m): is it inside the body, or in another unit or frame?",
-            problem_.active[i].name, placeText(*near), distance, placeText(node),
-            quality_.mean_edge);
+            problem_.active[i].name, placeText(*near), distance,
+            finger ? "point of the surface" : "surface node", placeText(node), quality_.mean_edge);
     }
   }
 
@@ -170,10 +175,31 @@ class Doubts {
           listOf(lonely), quality_.mean_edge);
   }
 
+  void doubtFingers() {
+    std::set<double> small;
+    std::vector<std::string> around;
+    for (const ActivePatch& patch : problem_.active) {
+      if (!patch.finger) continue;
+      if (patch.finger->radius < quality_.mean_edge) small.insert(patch.finger->radius);
+      if (isOnBothSides(problem_.mesh, *patch.finger)) around.push_back(patch.name);
+    }
+    for (const double radius : small)
+      warn(
+          "a finger of radius {:.4g} m is smaller than an edge ({:.4g} m on average): its force "
+          "depends on where in an element it is; make radius at least two edges, or the mesh finer",
+          radius, quality_.mean_edge);
+    if (!around.empty())
+      warn(
+          "active {}: the finger reaches around a lobe that is thinner than it, and moves both of "
+          "its sides; make radius smaller there if that is not meant",
+          listOf(around));
+  }
+
   void doubtTwins() {
     std::map<std::int32_t, std::string> name_of;
     std::vector<std::string> twins;
     for (const ActivePatch& patch : problem_.active) {
+      if (patch.finger) continue;  // its node names no place
       const auto [first, is_new] = name_of.emplace(patch.node, patch.name);
       if (!is_new) twins.push_back(fmt::format("{}\" and \"{}", first->second, patch.name));
     }

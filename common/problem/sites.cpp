@@ -55,11 +55,17 @@ bool mayStand(const Eigen::Vector3d& center, double radius, const std::vector<Pi
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> placesOnSurface(const Mesh& mesh, double distance) {
+std::vector<Eigen::Vector3d> placesAround(const Mesh& mesh,
+                                          const std::vector<Eigen::Vector3d>& sites,
+                                          double radius) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& site : sites) box.extend(boxAround(site, radius));
   std::vector<Eigen::Vector3d> places;
   for (std::int32_t t = 0; static_cast<std::size_t>(t) < mesh.surface.size(); ++t)
-    forEachPiece(mesh, t, distance,
-                 [&](const SurfacePiece& piece) { places.push_back(piece.middle); });
+    if (boxOf(mesh, t).intersects(box))
+      forEachPiece(mesh, t, place_distance * radius, [&](const SurfacePiece& piece) {
+        if (box.contains(piece.middle)) places.push_back(piece.middle);
+      });
   return places;
 }
 
@@ -75,10 +81,15 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
   // None covers more than a disk; known before there are many pieces to go through.
   const double disk = std::numbers::pi * std::pow(site_distance * radius, 2);
   if (areaOf(mesh, triangles) > static_cast<double>(max_sites) * disk) refuse();
-  std::vector<Piece> pieces;  // of the whole surface: a finger reaches beyond what is to be covered
+  // A finger reaches beyond what is to be covered.
+  Eigen::AlignedBox3d box;
+  for (const std::int32_t triangle : triangles) box.extend(boxOf(mesh, triangle));
+  box = {box.min().array() - radius, box.max().array() + radius};
+  std::vector<Piece> pieces;
   std::vector<Eigen::Vector3d> places;
   auto wanted = triangles.begin();
   for (std::int32_t t = 0; static_cast<std::size_t>(t) < mesh.surface.size(); ++t) {
+    if (!boxOf(mesh, t).intersects(box)) continue;
     const std::size_t before = pieces.size();
     appendPieces(mesh, t, fixed, place_distance * radius, pieces);
     if (wanted == triangles.end() || *wanted != t) continue;

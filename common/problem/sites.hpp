@@ -23,8 +23,9 @@ inline constexpr std::size_t max_sites = 5000;
 std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::int32_t>& triangles,
                                      const NodeSet& fixed, double radius);
 
-/// Places of the whole surface, so close that none of it is farther than `distance` from one,
-/// metres.
-std::vector<Eigen::Vector3d> placesOnSurface(const Mesh& mesh, double distance);
+/// Places of the surface around sites of a finger of `radius`, a place_distance of it apart: what
+/// stations of an area are chosen from (viewer/fields/area_field.hpp). Metres.
+std::vector<Eigen::Vector3d> placesAround(const Mesh& mesh,
+                                          const std::vector<Eigen::Vector3d>& sites, double radius);
 
 }  // namespace palpate

@@ -28,10 +28,12 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
   for (std::size_t a = 0; a < areas.size(); ++a)
     for (const std::size_t space : areas[a].spaces)
       area_of_space_[space] = static_cast<std::int32_t>(a);
-  if (!areas.empty())
-    surface_places_ = placesOnSurface(
-        dataset.mesh(),
-        place_distance * std::ranges::min_element(areas, {}, &TouchArea::radius)->radius);
+  for (const TouchArea& area : areas) {
+    std::vector<Eigen::Vector3d> sites;
+    for (const std::size_t space : area.spaces)
+      sites.push_back(spaces_[space].patch.finger->center);
+    places_.push_back(placesAround(dataset.mesh(), sites, area.radius));
+  }
   for (std::size_t method = 0; options.prepare && method < methods_.size(); ++method)
     prepare(method);
   for (std::size_t s = 0; s < spaces_.size(); ++s) {
@@ -44,10 +46,10 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
 }
 
 void HapticModel::makeAreas() {
-  for (const TouchArea& area : surface_.areas()) {
+  for (std::size_t a = 0; a < places_.size(); ++a) {
     std::vector<const SpaceTable*> sites;
-    for (const std::size_t space : area.spaces) sites.push_back(&spaces_[space]);
-    areas_.push_back(std::make_shared<const AreaField>(sites, surface_places_));
+    for (const std::size_t space : surface_.areas()[a].spaces) sites.push_back(&spaces_[space]);
+    areas_.push_back(std::make_shared<const AreaField>(sites, places_[a]));
   }
 }
 

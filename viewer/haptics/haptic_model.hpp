@@ -82,7 +82,7 @@ class HapticModel {
   double max_force_;
   TouchSurface surface_;
   std::vector<SpaceTable> spaces_;
-  std::vector<Eigen::Vector3d> surface_places_;  ///< m, for the stations of areas
+  std::vector<std::vector<Eigen::Vector3d>> places_;  ///< m, per area, for its stations
   std::once_flag areas_made_;
   std::vector<std::shared_ptr<const AreaField>> areas_;  ///< as surface_.areas()
   std::vector<std::int32_t> area_of_space_;              ///< -1: none

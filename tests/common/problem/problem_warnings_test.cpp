@@ -113,6 +113,24 @@ TEST_F(ProblemWarnings, TellSingleNodesUnderTheTool) {
   EXPECT_THAT(warnings(), ElementsAre(HasSubstr("no other node")));
 }
 
+/// A plate of 5 mm, 10 cm wide, that a finger touches.
+TEST(FingerWarnings, TellFingersThatAreTooSmallOrReachAroundALobe) {
+  Scene scene = test::mooneyRivlinScene();
+  scene.fixed.groups = {"xmin"};
+  scene.workspace.radius = 0.02;
+  scene.workspace.spacing = 0.01;
+  scene.active = {{.name = "skin",
+                   .radius = 0.02,
+                   .tool = ToolKind::finger,
+                   .surface = SurfaceSelection{.groups = {"zmax"}}}};
+  const auto on = [&](const Mesh& mesh) { return warningsOf(resolve(scene, mesh)); };
+  EXPECT_THAT(on(test::cubeMesh(0.1, 10)), IsEmpty()) << "fingers side by side are no twins";
+  EXPECT_THAT(on(test::boxMesh({0.1, 0.1, 0.005}, {20, 20, 1})),
+              ElementsAre(AllOf(HasSubstr("skin-"), HasSubstr("thinner than it"))));
+  EXPECT_THAT(on(test::cubeMesh(0.1, 3)),
+              ElementsAre(AllOf(HasSubstr("radius 0.02 m"), HasSubstr("smaller than an edge"))));
+}
+
 TEST_F(ProblemWarnings, TellNearlyFlatElements) {
   mesh = test::cubeMesh(0.1, 2);
   mesh.nodes[13][2] += 0.049;  // the middle node, almost to the top

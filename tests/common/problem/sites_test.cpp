@@ -156,6 +156,13 @@ TEST_F(FingerScene, ReachesWhatPushingNeedsUnlessItIsGlued) {
   EXPECT_NE(problemId(resolved()), pushing) << "other configurations";
 }
 
+TEST_F(FingerScene, OneOfAMillimetreOnALargeBodyIsFound) {
+  scene.active[0].radius = 0.001;
+  scene.active[0].surface.reset();
+  scene.active[0].near = Eigen::Vector3d(0.11, 0.09, 0.2);
+  EXPECT_EQ(resolved().active.at(0).nodes.size(), 3u) << "of one triangle";
+}
+
 TEST_F(FingerScene, IsRefusedWhereAFingerMakesNoSense) {
   scene.active[0].radius = 0.2;
   refuses({"\"skin-0\"", "as wide as the body", "radius smaller"});

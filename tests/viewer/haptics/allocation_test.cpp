@@ -56,8 +56,12 @@ TEST(ForceField, EvaluatesWithoutAllocatingWhereCornersAreMissingBranchesMeetAnd
 TEST(AreaField, EvaluatesWithoutAllocatingInsideAndOutside) {
   const test::FingerBody body;
   std::vector<const SpaceTable*> sites;
-  for (const SpaceTable& space : body.spaces) sites.push_back(&space);
-  const AreaField area(sites, placesOnSurface(body.problem.mesh, 0.002));
+  std::vector<Eigen::Vector3d> centers;
+  for (const SpaceTable& space : body.spaces) {
+    sites.push_back(&space);
+    centers.push_back(space.patch.finger->center);
+  }
+  const AreaField area(sites, placesAround(body.problem.mesh, centers, 0.02));
   test::startCounting();
   double sum = 0;
   for (int n = 0; n < 1000; ++n)
