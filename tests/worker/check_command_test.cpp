@@ -89,6 +89,19 @@ TEST_F(CheckCommand, CountsQuadraticUnknownsAndSaysWhatTheToolIs) {
   EXPECT_EQ(found.at("displacement"), "P2");
 }
 
+TEST_F(CheckCommand, CountsTheSitesOfAFingerAndWhatTheyReach) {
+  scene.active[0] = {.name = "skin",
+                     .radius = 0.06,
+                     .tool = ToolKind::finger,
+                     .surface = SurfaceSelection{.all = true}};
+  const json found = report();
+  const std::size_t sites = found.at("active").size();
+  EXPECT_GT(sites, 20u);
+  EXPECT_EQ(found.at("active").at(0).at("tool"), "finger");
+  EXPECT_LT(found.at("configurations").get<double>(), 515.0 * static_cast<double>(sites))
+      << "nobody pulls";
+}
+
 TEST_F(CheckCommand, PrintsRegionsAndGravity) {
   scene.regions[0].material.density = 1060;
   scene.regions.push_back({"body", scene.regions[0].material});

@@ -92,7 +92,10 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
   if (!(std::isfinite(reach) && reach >= 0))
     throw badInput("the reach of active nodes must be finite and not negative, not {} m", reach);
   setShares(patches, reach);
-  setAreas(dataset.spaces());
+  std::vector<std::int32_t> fixed;
+  for (const std::int32_t node : dataset.fixedNodes()) fixed.push_back(vertexOf(node));
+  std::ranges::sort(fixed);
+  setAreas(dataset.spaces(), fixed);
   setTouchable();
   if (touch_triangles_.empty())
     throw failure(
@@ -193,8 +196,10 @@ void TouchSurface::setShares(const std::vector<ActivePatch>& patches, double rea
     shares_.push_back(of_vertex.empty() ? std::vector<SpaceWeight>() : sharesFrom(of_vertex));
 }
 
-/// Vertices near the sites of an area belong to it.
-void TouchSurface::setAreas(const std::vector<SpaceTable>& spaces) {
+/// Vertices near the sites of an area belong to it, and triangles of such vertices, unless all
+/// three are fixed.
+void TouchSurface::setAreas(const std::vector<SpaceTable>& spaces,
+                            const std::vector<std::int32_t>& fixed) {
   area_of_vertex_.assign(vertices_.size(), -1);
   for (std::size_t a = 0; a < areas_.size(); ++a) {
     const double distance = site_distance * site_distance_slack * areas_[a].radius;
@@ -216,7 +221,9 @@ void TouchSurface::setAreas(const std::vector<SpaceTable>& spaces) {
     const std::int32_t area = area_of_vertex_[at(t[0])];
     const bool is_in_it =
         std::ranges::all_of(t, [&](auto vertex) { return area_of_vertex_[at(vertex)] == area; });
-    area_of_.push_back(is_in_it ? area : -1);
+    const bool is_fixed = std::ranges::all_of(
+        t, [&](auto vertex) { return std::ranges::binary_search(fixed, vertex); });
+    area_of_.push_back(is_in_it && !is_fixed ? area : -1);
   }
 }
 

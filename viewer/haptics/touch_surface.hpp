@@ -125,7 +125,7 @@ class TouchSurface {
   std::map<std::int32_t, double> distancesFrom(const std::vector<std::int32_t>& sources,
                                                double reach) const;
   void setShares(const std::vector<ActivePatch>& patches, double reach);
-  void setAreas(const std::vector<SpaceTable>& spaces);
+  void setAreas(const std::vector<SpaceTable>& spaces, const std::vector<std::int32_t>& fixed);
   void setTouchable();
 
   std::vector<Eigen::Vector3d> vertices_, normals_;

@@ -59,7 +59,7 @@ std::string sceneReportJson(const SceneReport& report) {
   for (const SceneReport::Space& space : report.spaces)
     active.push_back({{"name", space.patch->name},
                       {"node", space.patch->node},
-                      {"position", vectorJson(report.problem->mesh.nodes[space.patch->node])},
+                      {"position", vectorJson(space.place)},
                       {"tool", space.tool},
                       {"patch_nodes", space.patch->nodes.size()},
                       {"unknowns", space.unknowns}});

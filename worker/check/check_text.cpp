@@ -87,14 +87,17 @@ void printActives(const SceneReport& report) {
   const std::size_t n_spaces = report.spaces.size();
   // A few more rather than "and 1 more": the last line costs one too.
   const std::size_t shown = n_spaces <= 2 * listed_names ? n_spaces : listed_names;
-  for (const SceneReport::Space& space : std::span(report.spaces).first(shown))
-    fmt::print("active     \"{}\": node {} at {} m, {} patch of {} node(s), {} unknowns\n",
-               space.patch->name, space.patch->node,
-               text(report.problem->mesh.nodes[space.patch->node]), space.tool,
+  for (const SceneReport::Space& space : std::span(report.spaces).first(shown)) {
+    const bool finger = space.patch->finger.has_value();
+    fmt::print("active     \"{}\": {} at {} m, {} of {} node(s), {} unknowns\n", space.patch->name,
+               finger ? std::string(space.tool) : fmt::format("node {}", space.patch->node),
+               text(space.place), finger ? "the mean" : fmt::format("{} patch", space.tool),
                space.patch->nodes.size(), space.unknowns);
+  }
   if (shown < n_spaces)
-    fmt::print("           and {} more, \"{}\" the last: {} active nodes\n", n_spaces - shown,
-               report.spaces.back().patch->name, n_spaces);
+    fmt::print("           and {} more, \"{}\" the last: {} {}\n", n_spaces - shown,
+               report.spaces.back().patch->name, n_spaces,
+               report.spaces.back().patch->finger ? "sites of a finger" : "active nodes");
 }
 
 void printDevice(const Scene& scene) {

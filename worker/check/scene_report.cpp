@@ -19,10 +19,11 @@ constexpr std::size_t fewest_telling_ways = 4;
 std::vector<SceneReport::Space> spacesOf(const Problem& problem) {
   const std::size_t n_nodes = problem.mesh.nodes.size(), n_pressures = pressureNodes(problem);
   std::vector<SceneReport::Space> spaces;
-  for (const ActivePatch& patch : problem.active) {
-    const bool rigid = patch.weights.empty();
-    const std::size_t moved = rigid ? patch.nodes.size() : 0;
-    spaces.push_back({&patch, word(rigid ? ToolKind::rigid : ToolKind::weighted_average),
+  for (std::size_t s = 0; s < problem.active.size(); ++s) {
+    const ActivePatch& patch = problem.active[s];
+    const std::size_t moved = patch.weights.empty() ? patch.nodes.size() : 0;
+    spaces.push_back({&patch, word(problem.scene.active[s].tool),
+                      patch.finger ? patch.finger->center : problem.mesh.nodes[patch.node],
                       3 * (n_nodes - problem.fixed.size() - moved) + n_pressures});
   }
   return spaces;

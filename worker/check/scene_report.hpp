@@ -9,7 +9,8 @@ struct SceneReport {
   /// One configuration space, as far as it is known without solving.
   struct Space {
     const ActivePatch* patch;
-    std::string_view tool;  ///< "rigid" or "weighted-average"
+    std::string_view tool;  ///< of the scene: "rigid", "weighted-average" or "finger"
+    Eigen::Vector3d place;  ///< m: of the active node, or of the finger
     std::size_t unknowns;   ///< displacement components and pressures to solve for
   };
 
