@@ -126,10 +126,10 @@ std::string describeInArea(const Place& place, double radius, const Eigen::Vecto
     return text +
            fmt::format("inside        yes; {:.0f} % of it stands on solved lattice points\n\n",
                        100 * sample.coverage);
-  const char* why = !std::isfinite(sample.error_bound) ? "no site of the finger is near"
-                    : displacement.stableNorm() > radius
-                        ? "the displacement is beyond the workspace"
-                        : "nothing was solved around";
+  const char* why = displacement.stableNorm() > radius ? "the displacement is beyond the workspace"
+                    : !std::isfinite(sample.error_bound)
+                        ? "no site of the finger is near"
+                        : "nothing was solved around, or the finger rests on what is fixed";
   return text + fmt::format("inside        NO: {}.\n\n", why);
 }
 
@@ -185,7 +185,11 @@ class Answers {
                                         const Eigen::Vector3d& p) const {
     const Mesh& mesh = dataset_.mesh();
     const Eigen::Vector3d at = fingerNear("--at", mesh, near, 0).center;
-    const AreaSample sample = withoutSigns(area_->evaluate(at, p));
+    AreaSample sample = withoutSigns(area_->evaluate(at, p));
+    const double radius = first_.patch.finger->radius;
+    // `solve` refuses these; who asks for many places wants the others.
+    if (fingerWeights(mesh, dataset_.fixedNodes(), at, radius).free_share < least_free_share)
+      sample.inside = false;
     const Place place = {at, plain(alongSurface(mesh, at, sample.drive))};
     return {options_.json ? describeJson(place, p, sample, options_.method)
                           : describeInArea(place, workspaceRadius(), p, sample),

@@ -297,6 +297,8 @@ std::vector<ActiveSelection> expandSurfaces(const std::vector<ActiveSelection>& 
     }
   }
   std::set<std::string> names;
+  for (const ActiveSelection& one : selections)
+    if (one.surface && one.tool == ToolKind::finger) names.insert(one.name);  // of its area
   for (const ActiveSelection& one : expanded)
     if (!names.insert(one.name).second)
       throw badInput(

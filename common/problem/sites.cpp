@@ -104,7 +104,9 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
     const auto farthest = std::ranges::max_element(distances) - distances.begin();
     if (distances[farthest] <= site_distance * radius) break;
     const Eigen::Vector3d place = places[farthest];
-    if (!mayStand(place, radius, pieces)) {
+    // The pieces are quick and look at the vertices alone; what they find is checked.
+    if (!mayStand(place, radius, pieces) ||
+        !(fingerWeights(mesh, fixed, place, radius).free_share >= least_free_share)) {
       distances[farthest] = 0;
       continue;
     }

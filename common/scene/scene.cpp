@@ -1,6 +1,7 @@
 #include "common/scene/scene.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include "common/base/error.hpp"
 #include "common/base/units.hpp"
@@ -202,6 +203,8 @@ ActiveSelection readActive(const TomlSection& section) {
   active.radius = section.metres(radius);
   active.tool = section.choice("tool", active.tool);
   active.area = section.optional("area", &TomlSection::text).value_or("");
+  if (!active.area.empty() && active.surface)
+    throw section.wrong("area", "is for single fingers; a surface is the area of its name");
   if (!active.area.empty() && (active.tool != ToolKind::finger || !isPlainName(active.area)))
     throw section.wrong("area", "\"{}\" must be a plain name, and is for tool = \"finger\" only",
                         active.area);
@@ -209,6 +212,20 @@ ActiveSelection readActive(const TomlSection& section) {
     throw section.wrong("tool", "{} needs a radius greater than 0, over which it is the mean",
                         word(active.tool));
   return active;
+}
+
+/// Fingers of one area are sites of one energy, and its name means all of them.
+void checkAreas(const TomlSection& root, const std::vector<ActiveSelection>& actives) {
+  std::map<std::string, double> radius_of;
+  for (const ActiveSelection& active : actives)
+    if (!active.area.empty() &&
+        radius_of.emplace(active.area, active.radius).first->second != active.radius)
+      throw root.wrong("active", "the fingers of the area \"{}\" have different radii",
+                       active.area);
+  for (const ActiveSelection& active : actives)
+    if (radius_of.contains(active.name))
+      throw root.wrong("active", "\"{}\" is the name of an active node and of an area; rename one",
+                       active.name);
 }
 
 std::vector<ActiveSelection> readActives(const TomlSection& root) {
@@ -219,6 +236,7 @@ std::vector<ActiveSelection> readActives(const TomlSection& root) {
     actives.push_back(readActive(section));
     refuseTwin(section, actives, &ActiveSelection::name, "name", "active nodes are called");
   }
+  checkAreas(root, actives);
   return actives;
 }
 

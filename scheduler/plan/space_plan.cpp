@@ -51,8 +51,8 @@ SpacePlan::SpacePlan(const Problem& problem, std::uint32_t space)
       positions_(frontier_.lattice()),
       points_(at(positions_.size())),
       attempts_(points_.size()),
-      // The sites of an area are all on one lattice: there the accuracy is in their places.
-      may_grow_(problem.scene.accuracy.adaptive() && problem.scene.active[space].area.empty()) {
+      // Sites are all on one lattice: there the accuracy is in their places.
+      may_grow_(problem.scene.accuracy.adaptive() && !problem.active[space].finger) {
   PALPATE_ASSERT(space < problem.active.size(), "a plan is that of one active node");
 }
 

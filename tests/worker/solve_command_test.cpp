@@ -56,6 +56,7 @@ TEST_F(SolveCommand, AnswersInOneJsonObjectPerLine) {
 
 TEST_F(SolveCommand, AnswersForAFingerAnywhereOnTheSurface) {
   scene.active[0].tool = ToolKind::finger;
+  scene.active[0].radius = 0.06;  // wider than an edge: nothing is warned of
   std::ofstream(directory / "lines") << "0.1 0 0.02 -0.004 0 0\n0.05 0.2 0.01 0, -0.004, 0\n";
   const CommandResult result =
       solve("--json --at - --displacement - < " + (directory / "lines").string());

@@ -166,7 +166,10 @@ void AreaField::judge(const std::vector<const SpaceTable*>& spaces,
     judgement.error = made[site].p_error;
     const Interpolation others(sites_.points(), sites_.points()[site], sites_of_judgement, site,
                                width);
-    if (others.from.empty()) return;
+    if (others.from.empty()) {
+      judgement.error.assign(judgement.error.size(), std::numeric_limits<float>::quiet_NaN());
+      return;
+    }
     std::vector<float> lacks(tree_.slots().size(), -1);
     for (std::size_t slot = 0; slot < lacks.size(); ++slot) {
       const auto number = spaces[site]->lattice.indexOf(tree_.slots()[slot].point);

@@ -48,7 +48,8 @@ class AreaField {
 
   /// s: metres, where the surface is at rest; p: displacement, metres, any value. Beyond the ball
   /// the force is that at its nearest point, as ForceSample says; where no site is within reach of
-  /// s the sample is not inside, and nothing drives or pushes. Real time.
+  /// s the sample is not inside, and fades out to nothing. Of a single site there is no bound
+  /// (NaN), because nothing tells how its expansion does beside it. Real time.
   AreaSample evaluate(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
 
   std::size_t siteCount() const { return sites_.points().size(); }

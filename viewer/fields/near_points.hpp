@@ -22,9 +22,9 @@ class NearPoints {
 
  private:
   std::vector<Eigen::Vector3d> points_;
-  double reach_ = 0;
+  double reach_ = 0, edge_ = 0;  ///< m; edge_: of the cubes
   Eigen::Vector3d lowest_ = Eigen::Vector3d::Zero();
-  std::array<std::int32_t, 3> cubes_ = {0, 0, 0};  ///< along the axes, each `reach_` wide
+  std::array<std::int32_t, 3> cubes_ = {0, 0, 0};  ///< along the axes
   std::vector<std::int32_t> first_, listed_;       ///< per cube, x fastest
 };
 

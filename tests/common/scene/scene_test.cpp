@@ -527,6 +527,16 @@ TEST(Scene, AFingerHasARadiusAndMayBeASiteOfAnArea) {
           {"active.area", "tool = \"finger\" only"});
 }
 
+TEST(Scene, FingersOfOneAreaAreAlikeAndItsNameIsItsOwn) {
+  const std::string finger = "tool = \"finger\"\narea = \"skin\"\n";
+  const std::string more = "\n[[active]]\nname = \"b\"\nnear = [0, 0, 0]\nradius = 0.03\n" + finger;
+  refuses("radius = 0.0\n", "radius = 0.02\n" + finger + more,
+          {"area \"skin\"", "different radii"});
+  refuses("radius = 0.0\n",
+          "radius = 0.02\n" + finger + "\n[[active]]\nname = \"skin\"\nnear = [0, 0, 0]\n",
+          {"\"skin\"", "active node and of an area"});
+}
+
 TEST(Scene, RefusesAPressureThatDoesNotGoWithTheLaw) {
   refuses("\"P1-stabilized\"", "\"none\"",
           {"discretization.pressure", "incompressible", "needs a pressure"});
