@@ -90,7 +90,7 @@ bool isOnBothSides(const Mesh& mesh, const Finger& finger) {
 
 Finger fingerNear(const std::string& what, const Mesh& mesh, const Eigen::Vector3d& near,
                   double radius) {
-  const Finger finger = {positionOf(mesh, nearestOnSurface(mesh, near)), radius};
+  Finger finger = {positionOf(mesh, nearestOnSurface(mesh, near)), radius};
   const double distance = (finger.center - near).norm();
   if (distance > boundingBox(mesh).diagonal().norm())
     throw badInput(
