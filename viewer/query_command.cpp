@@ -223,8 +223,8 @@ std::function<ExitCode()> prepareQuery(CLI::App& app) {
       "coverage (--json): share of the answer that stands on solved lattice points of one branch.\n"
       "Exit codes: 0 done, 1 failed, 2 wrong usage, "
       "3 some displacement lies outside of the workspace ball, or\n"
-      "where nothing around was solved (it is answered all the same, and marked), "
-      "130 interrupted.");
+      "where nothing around was solved, or some place where a finger has no site near "
+      "or rests on what is fixed\n(it is answered all the same, and marked), 130 interrupted.");
   return [options] { return query(*options, std::cin, std::cout); };
 }
 

@@ -19,8 +19,8 @@ namespace palpate {
 /// options.
 CLI::Option* addDisplacementOption(CLI::App& app, std::vector<std::string>& words);
 
-/// The option `--at X Y Z` (metres), or `--at -` to read six numbers per line with --displacement
-/// -.
+/// The option `--at X Y Z` (metres), or `--at -`, with `--displacement -`, to read six numbers per
+/// line.
 CLI::Option* addPlaceOption(CLI::App& app, std::vector<std::string>& words);
 
 /// Where a finger is and how far it is displaced, metres.

@@ -114,16 +114,6 @@ const std::vector<SpaceTable>& Dataset::spaces() const { return impl_->spaces; }
 const std::vector<std::int32_t>& Dataset::surfaceNodes() const { return impl_->body.surface; }
 const std::vector<std::int32_t>& Dataset::storedNodes() const { return impl_->body.stored; }
 
-std::size_t Dataset::spaceNamed(const std::string& name) const {
-  std::string names;
-  for (std::size_t s = 0; s < impl_->spaces.size(); ++s) {
-    if (impl_->spaces[s].patch.name == name) return s;
-    names += (s > 0 ? ", " : "") + impl_->spaces[s].patch.name;
-  }
-  throw badInput("{}: there is no active node \"{}\"; there are: {}", impl_->file.string(), name,
-                 names);
-}
-
 NodalFields Dataset::fields(std::size_t space, std::int32_t point) const {
   const SpaceTable& table = impl_->spaces.at(space);
   const PointRecord& record = table.points.at(static_cast<std::size_t>(point));

@@ -55,9 +55,6 @@ class Dataset {
   /// The nodes whose displacements are kept, sorted: those of the surface, or all.
   const std::vector<std::int32_t>& storedNodes() const;
 
-  /// Number of the space of the active node `name`; Error (bad input) that lists the names there
-  /// are.
-  std::size_t spaceNamed(const std::string& name) const;
   /// What is kept of the nodal fields of a solved point: three displacements per stored node, and
   /// pressures when all nodes are stored.
   NodalFields fields(std::size_t space, std::int32_t point) const;

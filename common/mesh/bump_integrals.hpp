@@ -1,10 +1,18 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 
 #include "common/mesh/mesh.hpp"
 
 namespace palpate {
+
+/// (1 - (r/radius)^2)^2, r the distance of x from `center`; zero for r > radius. Metres. Real time.
+inline double bumpAt(const Eigen::Vector3d& x, const Eigen::Vector3d& center,
+                     double radius) noexcept {
+  const double inside = std::max(0.0, 1 - (x - center).squaredNorm() / (radius * radius));
+  return inside * inside;
+}
 
 /// An integral over the surface, and how it changes when the bump moves.
 struct BumpIntegral {

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
 
 namespace palpate {
 namespace {
@@ -39,15 +40,11 @@ Eigen::Vector3d nearestInTriangle(const std::array<Eigen::Vector3d, 3>& corners,
   return {va / sum, vb / sum, vc / sum};
 }
 
-SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& point,
-                              const std::vector<std::int32_t>& among) {
+SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& point) {
   PALPATE_ASSERT(point.allFinite() && !mesh.surface.empty(), "readers refuse anything else");
   SurfacePoint nearest;
   double least = std::numeric_limits<double>::infinity();
-  const auto n_looked_at =
-      static_cast<std::int32_t>(among.empty() ? mesh.surface.size() : among.size());
-  for (std::int32_t n = 0; n < n_looked_at; ++n) {
-    const std::int32_t triangle = among.empty() ? n : among[n];
+  for (std::int32_t triangle = 0; at(triangle) < mesh.surface.size(); ++triangle) {
     const auto corners = cornersOf(mesh, triangle);
     const Eigen::Vector3d barycentric = nearestInTriangle(corners, point);
     const double distance = (combined(corners, barycentric) - point).squaredNorm();

@@ -16,11 +16,9 @@ struct SurfacePoint {
 Eigen::Vector3d nearestInTriangle(const std::array<Eigen::Vector3d, 3>& corners,
                                   const Eigen::Vector3d& point) noexcept;
 
-/// The point of the mesh's surface at rest that is nearest to `point` (metres, finite), among these
-/// triangles of it, ascending, or all without any. Looks at each of them: a tree for many queries
-/// is in viewer/haptics.
-SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& point,
-                              const std::vector<std::int32_t>& among = {});
+/// The point of the mesh's surface at rest that is nearest to `point` (metres, finite). Looks at
+/// every triangle: a tree for many queries is in viewer/haptics.
+SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& point);
 
 /// Where a point of the surface is at rest, metres, and the outward unit normal of its triangle.
 Eigen::Vector3d positionOf(const Mesh& mesh, const SurfacePoint& point);

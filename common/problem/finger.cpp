@@ -15,16 +15,13 @@ constexpr double both_sides = 0.35;
 
 /// Of the unit normals, by the bump of the finger.
 Eigen::Vector3d meanNormal(const Mesh& mesh, const Finger& finger) {
-  const double squared = finger.radius * finger.radius;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double whole = 0;
   for (std::int32_t t = 0; static_cast<std::size_t>(t) < mesh.surface.size(); ++t) {
     if (!boxOf(mesh, t).intersects(boxAround(finger.center, finger.radius))) continue;
     const Eigen::Vector3d normal = normalOf(mesh, t);
     forEachPiece(mesh, t, place_distance * finger.radius, [&](const SurfacePiece& piece) {
-      const double relative = (piece.middle - finger.center).squaredNorm() / squared;
-      if (relative >= 1) return;
-      const double bump = (1 - relative) * (1 - relative) * piece.area;
+      const double bump = bumpAt(piece.middle, finger.center, finger.radius) * piece.area;
       whole += bump;
       sum += bump * normal;
     });

@@ -60,11 +60,14 @@ Lattice uniformLattice(const Scene& scene, const ActivePatch& patch);
 /// - an active node is fixed or not on the surface, `near` is farther from the surface than the
 ///   body is wide, or a rigid patch and the fixed nodes are the whole body, or a weighted one has
 ///   less than three nodes;
+/// - a finger is as wide as the body, rests on what is fixed, or is so small that a surface needs
+///   more than max_sites of it;
 /// - the mesh has a piece, not connected to the others by a shared node, without fixed nodes;
 /// - the workspace radius exceeds 3 bounding-box diagonals.
 ///
 /// What is only doubtful is left to warningsOf (problem_warnings.hpp). An active `surface` is
-/// replaced by its nodes: in the scene too, as if they had been written one by one. Distances
+/// replaced by its nodes, or the sites of a finger: in the scene too, as if they had been written
+/// one by one. Distances
 /// "within a radius" allow 5e-13 of it for round-off. With P2 displacement the mesh gets its
 /// mid-edge nodes first (`mesh` has none). selection.hpp says what is
 /// selected.
@@ -84,11 +87,11 @@ Problem decodeProblem(std::string_view bytes);
 
 /// Name of a build: two problems with the same id have the same configurations. It covers
 /// materials, discretisation, gravity, workspace, accuracy, nodes, tetrahedra, their regions and
-/// fibres, fixed nodes, and names, nodes and weights of the active patches. It does not cover what
-/// has no influence on them, so that a change there does not throw a computation away: the scene's
-/// name, file paths, the selectors (only the nodes they select count), names of groups, the unit
-/// the files were written in, what is stored, and the device (what it cuts of the workspace
-/// counts).
+/// fibres, fixed nodes, and names, nodes, weights, places and reach of the active patches. It does
+/// not cover what has no influence on them, so that a change there does not throw a computation
+/// away: the scene's name, file paths, the selectors (only the nodes they select count), names of
+/// groups, the unit the files were written in, what is stored, and the device (what it cuts of the
+/// workspace counts).
 ContentId problemId(const Problem& problem);
 
 }  // namespace palpate

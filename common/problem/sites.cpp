@@ -1,12 +1,11 @@
 #include "common/problem/sites.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/farthest_points.hpp"
 #include "common/mesh/surface_pieces.hpp"
 #include "common/problem/finger.hpp"
 
@@ -44,9 +43,7 @@ double areaOf(const Mesh& mesh, const std::vector<std::int32_t>& triangles) {
 bool mayStand(const Eigen::Vector3d& center, double radius, const std::vector<Piece>& pieces) {
   double whole = 0, free = 0;
   for (const Piece& piece : pieces) {
-    const double relative = (piece.middle - center).squaredNorm() / (radius * radius);
-    if (relative >= 1) continue;
-    const double bump = (1 - relative) * (1 - relative) * piece.area;
+    const double bump = bumpAt(piece.middle, center, radius) * piece.area;
     whole += bump;
     free += piece.free * bump;
   }
@@ -98,24 +95,15 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
       if (pieces[n].free > 0) places.push_back(pieces[n].middle);
   }
   PALPATE_ASSERT(wanted == triangles.end(), "triangles are ascending");
-  std::vector<double> distances(places.size(), std::numeric_limits<double>::infinity());
-  std::vector<Eigen::Vector3d> sites;
-  while (!places.empty()) {
-    const auto farthest = std::ranges::max_element(distances) - distances.begin();
-    if (distances[farthest] <= site_distance * radius) break;
-    const Eigen::Vector3d place = places[farthest];
-    // The pieces are quick and look at the vertices alone; what they find is checked.
-    if (!mayStand(place, radius, pieces) ||
-        !(fingerWeights(mesh, fixed, place, radius).free_share >= least_free_share)) {
-      distances[farthest] = 0;
-      continue;
-    }
-    if (sites.size() == max_sites) refuse();
-    sites.push_back(place);
-    for (std::size_t n = 0; n < places.size(); ++n)
-      distances[n] = std::min(distances[n], (places[n] - place).norm());
-  }
-  return sites;
+  return farthestPoints(
+      places, site_distance * radius, [&](const Eigen::Vector3d& place, std::size_t taken) {
+        // The pieces are quick and look at the vertices alone; what they find is checked.
+        const bool may_stand =
+            mayStand(place, radius, pieces) &&
+            fingerWeights(mesh, fixed, place, radius).free_share >= least_free_share;
+        if (may_stand && taken == max_sites) refuse();
+        return may_stand;
+      });
 }
 
 }  // namespace palpate

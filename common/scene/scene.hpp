@@ -87,8 +87,8 @@ struct ActiveSelection {
   ToolKind tool = ToolKind::rigid;  ///< all but rigid need a radius > 0
   /// Every vertex of the surface in it that is not fixed; of a finger all of the surface in it.
   std::optional<SurfaceSelection> surface = {};
-  /// Of a finger: fingers of one area and one radius are sites of one energy E(s, p), which answers
-  /// between them too. Empty: by itself. May be the name of no active node.
+  /// Of a finger: those of one area have one radius and are sites of one energy E(s, p), which
+  /// answers between them too. Empty: by itself. Is the name of no active node.
   std::string area = {};
   bool operator==(const ActiveSelection&) const = default;
 };
@@ -147,7 +147,8 @@ struct Storage {
 };
 
 /// `contact`, the key: how a tool touches the body in the haptic client. It changes no
-/// configuration and no id, and is left out of a resolved scene that says nothing.
+/// configuration and no id, but through the reach of fingers (Finger::reach), and is left out of a
+/// resolved scene that says nothing.
 enum class ContactMode : std::uint8_t {
   unilateral,  ///< the tissue pushes the tool away and never pulls; the tool slides with friction
   glued        ///< the tool holds the surface and can pull it too (the paper's mode)

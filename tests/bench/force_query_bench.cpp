@@ -14,6 +14,7 @@
 
 #include "common/base/error.hpp"
 #include "common/dataset/dataset.hpp"
+#include "common/scene/active_choice.hpp"
 #include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
@@ -61,7 +62,8 @@ int runBenchmark(const std::vector<std::string>& arguments) {
   if (arguments.size() < 2)
     throw badInput("usage: palpate_force_query_bench DATASET ACTIVE METHOD... < DISPLACEMENTS");
   const Dataset dataset(arguments[0]);
-  const SpaceTable& space = dataset.spaces()[dataset.spaceNamed(arguments[1])];
+  const SpaceTable& space =
+      dataset.spaces()[chooseActive(dataset.scene(), arguments[1]).spaces.front()];
   std::vector<Eigen::Vector3d> displacements;
   for (double x = 0, y = 0, z = 0; std::cin >> x >> y >> z;) displacements.emplace_back(x, y, z);
 

@@ -71,15 +71,8 @@ FingerBody::FingerBody() {
 }
 
 NodalFields FingerBody::fields(std::size_t space, std::int32_t point) const {
-  NodalFields values;
-  const Eigen::Vector3d p = spaces[space].lattice.displacement(point),
-                        center = problem.active[space].finger->center;
-  for (const Eigen::Vector3d& node : problem.mesh.nodes)
-    for (Eigen::Index axis = 0; axis < 3; ++axis)
-      values.displacement.push_back(
-          static_cast<float>(p[axis] * std::exp(-(node - center).norm() / 0.03)));
-  values.pressure.assign(pressureNodes(problem), 0.0f);
-  return values;
+  return movedAround(problem, problem.active[space].finger->center,
+                     spaces[space].lattice.displacement(point));
 }
 
 void FingerBody::seal(const std::filesystem::path& file) const {

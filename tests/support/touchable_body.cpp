@@ -59,17 +59,20 @@ TouchableBody::TouchableBody(Mesh mesh, const std::vector<Active>& active, doubl
   }
 }
 
-NodalFields TouchableBody::fields(std::size_t space, std::int32_t point) const {
+NodalFields movedAround(const Problem& problem, const Eigen::Vector3d& center,
+                        const Eigen::Vector3d& p) {
   NodalFields values;
-  const Eigen::Vector3d p = spaces[space].lattice.displacement(point),
-                        center = problem.mesh
-                                     .nodes[static_cast<std::size_t>(problem.active[space].node)];
   for (const Eigen::Vector3d& node : problem.mesh.nodes)
     for (Eigen::Index axis = 0; axis < 3; ++axis)
       values.displacement.push_back(
           static_cast<float>(p[axis] * std::exp(-(node - center).norm() / 0.03)));
   values.pressure.assign(pressureNodes(problem), 0.0f);
   return values;
+}
+
+NodalFields TouchableBody::fields(std::size_t space, std::int32_t point) const {
+  const auto node = static_cast<std::size_t>(problem.active[space].node);
+  return movedAround(problem, problem.mesh.nodes[node], spaces[space].lattice.displacement(point));
 }
 
 void TouchableBody::seal(const std::filesystem::path& file) const {

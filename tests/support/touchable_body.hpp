@@ -21,6 +21,10 @@ class ConvexEnergy : public AnalyticEnergy {
   double factor_;
 };
 
+/// The fields of a body whose node at `center` moves by p, others less with the distance from it.
+NodalFields movedAround(const Problem& problem, const Eigen::Vector3d& center,
+                        const Eigen::Vector3d& p);
+
 /// A sealed dataset of a mesh, made in code: active nodes with ConvexEnergy of their own factors,
 /// every point solved, and around each active node displacements that fall off with the distance.
 struct TouchableBody {

@@ -22,7 +22,9 @@ palpate_space_info infoOf(const Dataset& dataset, const SpaceTable& space, std::
   info.name = space.patch.name.c_str();
   info.node = space.patch.node;
   info.vertex = vertex;
-  give(info.rest_position, dataset.mesh().nodes[static_cast<std::size_t>(space.patch.node)]);
+  const auto& finger = space.patch.finger;
+  give(info.rest_position,
+       finger ? finger->center : dataset.mesh().nodes[static_cast<std::size_t>(space.patch.node)]);
   info.workspace_radius = space.lattice.radius();
   info.spacing = space.lattice.spacing();
   info.largest_force = largestForce(space);

@@ -110,7 +110,7 @@ typedef struct palpate_space_info {
   const char* name;        /* of the active node in the scene; owned by the dataset */
   int32_t node;            /* number of the active node in the mesh */
   int32_t vertex;          /* number of the same in the surface (palpate_dataset_vertices) */
-  double rest_position[3]; /* m, of the active node */
+  double rest_position[3]; /* m, of the active node; of a finger where it is centred */
   double workspace_radius; /* m: displacements up to this long were solved */
   double spacing;          /* m, between solved displacements (before refinement) */
   double largest_force;    /* N, longest solved force */

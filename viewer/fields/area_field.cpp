@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "common/base/error.hpp"
+#include "common/base/farthest_points.hpp"
 #include "common/base/parallel.hpp"
 
 namespace palpate {
@@ -22,7 +23,7 @@ constexpr std::size_t sites_of_station = 7, sites_of_judgement = 6;
 /// Of the kernel, in radii of the finger. From 1 to 2 the errors are the same within a third.
 constexpr double kernel_width = 1.5;
 /// A site stands farther from the others than places stand from the nearest: so much of what it
-/// lacks is theirs. Measured: docs/measurements.md.
+/// lacks is theirs. Measured: docs/evaluation.md.
 constexpr double share_of_judgement = 0.5;
 
 /// Wendland's function of the second smoothness in three dimensions, and its derivative by x over
@@ -112,11 +113,11 @@ AreaField::AreaField(const std::vector<const SpaceTable*>& spaces,
   }
   sites_ = NearPoints(centers, reach_in_distances * site_distance * radius);
   std::vector<std::optional<SiteJets>> parts(spaces.size());
-  const std::size_t n_threads = std::thread::hardware_concurrency() + 1;
-  inParallel(n_threads, [&](std::size_t thread) {
+  // As many parts as threads, each with fits of its own.
+  const std::size_t n_parts = std::max(1u, std::thread::hardware_concurrency());
+  inParallel(n_parts, [&](std::size_t part) {
     SiteFits fits(spaces.front()->lattice.unit());
-    for (std::size_t s = thread; s < spaces.size(); s += n_threads)
-      parts[s].emplace(*spaces[s], CellTree(*spaces[s]), fits);
+    for (std::size_t s = part; s < spaces.size(); s += n_parts) parts[s].emplace(*spaces[s], fits);
   });
   std::vector<SiteJets> made;
   for (auto& part : parts) made.push_back(std::move(*part));
@@ -125,25 +126,17 @@ AreaField::AreaField(const std::vector<const SpaceTable*>& spaces,
   judge(spaces, made, kernel_width * radius);
 }
 
-/// Of the surface near sites, each the farthest from all before it.
+/// Of the surface near sites, spread evenly.
 void AreaField::setStations(const std::vector<Eigen::Vector3d>& surface, double radius) {
   std::vector<Eigen::Vector3d> places = sites_.points();
   for (const Eigen::Vector3d& place : surface)
     if (std::ranges::any_of(sites_.near(place), [&](std::int32_t site) {
-          return (sites_.points()[at(site)] - place).norm() <= site_distance * radius * 1.1;
+          return (sites_.points()[at(site)] - place).norm() <= answered_distance * radius;
         }))
       places.push_back(place);
-  std::vector<double> distances(places.size(), std::numeric_limits<double>::infinity());
-  std::vector<Eigen::Vector3d> stations;
-  while (true) {
-    const auto farthest = std::ranges::max_element(distances) - distances.begin();
-    const Eigen::Vector3d place = places[at(farthest)];
-    if (distances[at(farthest)] <= station_distance * radius) break;
-    stations.push_back(place);
-    for (std::size_t n = 0; n < places.size(); ++n)
-      distances[n] = std::min(distances[n], (places[n] - place).norm());
-  }
-  stations_ = NearPoints(std::move(stations), reach_in_distances * station_distance * radius);
+  const auto any = [](const Eigen::Vector3d&, std::size_t) { return true; };
+  stations_ = NearPoints(farthestPoints(places, station_distance * radius, any),
+                         reach_in_distances * station_distance * radius);
 }
 
 void AreaField::interpolateToStations(const std::vector<SiteJets>& made, double width) {
@@ -207,9 +200,16 @@ AreaSample AreaField::inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p)
   if (place.leaf < 0) return {};
   const LeafCorners& slots = tree_.corners(place.leaf);
   const LeafBasis basis = valueBasis(tree_.edge(place.leaf), tree_.spacing(), place.local);
-  // Sums of w Q at the corners, whose polynomial is that of E times the sum of w.
-  std::array<Eigen::Matrix<float, 28, 1>, 8> corners;
-  for (auto& corner : corners) corner.setZero();
+  // Of each corner the factors of a value, and the sum of w Q, whose polynomial is that of E times
+  // the sum of w.
+  using JetColumn = Eigen::Matrix<float, 28, 1>;
+  std::array<JetColumn, 8> value_factors, corners;
+  for (std::size_t c = 0; c < 8; ++c) {
+    value_factors[c].setZero();
+    for (std::size_t n = 0; n < basis[c].size(); ++n)
+      value_factors[c][static_cast<Eigen::Index>(n)] = static_cast<float>(basis[c][n]);
+    corners[c].setZero();
+  }
   double whole = 0;
   Eigen::Vector3d whole_slope = Eigen::Vector3d::Zero(), slope = Eigen::Vector3d::Zero();
   for (const std::int32_t station : stations_.near(s)) {
@@ -219,19 +219,14 @@ AreaSample AreaField::inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p)
     const Wendland w(x);
     const Eigen::Vector3d w_slope = w.slope_over_x / (stations_.reach() * stations_.reach()) * d;
     const auto expansion = expansionAt(d);
+    using Quantities = Eigen::Matrix<float, place_quantities, 1>;
+    const Quantities factors = static_cast<float>(w.value) * expansion.col(0);
+    Quantities values = Quantities::Zero();
     const SiteJet* jets = &jets_[at(station) * tree_.slots().size()];
-    Eigen::Matrix<float, place_quantities, 1> values;
-    values.setZero();
     for (std::size_t c = 0; c < 8; ++c) {
       const SiteJet& jet = jets[at(slots[c])];
-      const Eigen::Matrix<float, place_quantities, 1> factors =
-          static_cast<float>(w.value) * expansion.col(0);
       corners[c] += jet.lazyProduct(factors);
-      Eigen::Matrix<float, 28, 1> of_value;
-      for (std::size_t n = 0; n < 27; ++n)
-        of_value[static_cast<Eigen::Index>(n)] = static_cast<float>(basis[c][n]);
-      of_value[27] = 0;
-      values += jet.transpose().lazyProduct(of_value);
+      values += jet.transpose().lazyProduct(value_factors[c]);
     }
     const Eigen::Vector4d q = (expansion.transpose().lazyProduct(values)).eval().cast<double>();
     whole += w.value;
@@ -242,7 +237,7 @@ AreaSample AreaField::inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p)
   std::array<EnergyJet, 8> jets;
   LeafJets leaf;
   for (std::size_t c = 0; c < 8; ++c) {
-    for (std::size_t n = 0; n < 27; ++n)
+    for (std::size_t n = 0; n < jets[c].size(); ++n)
       jets[c][n] = static_cast<double>(corners[c][static_cast<Eigen::Index>(n)]) / whole;
     leaf[c] = &jets[c];
   }

@@ -6,20 +6,30 @@
 namespace palpate {
 namespace {
 
-/// The space with another quantity in the place of the energy: `set` fills an Equilibrium from the
-/// one of the space. What the energy is not interpolated with, the others are not either.
-template <class Set>
-SpaceTable withQuantity(SpaceTable space, Set set) {
-  const std::vector<bool> interpolated = interpolatedPoints(space);
-  for (std::size_t n = 0; n < space.points.size(); ++n) {
-    PointRecord& point = space.points[n];
-    Equilibrium other;
-    if (interpolated[n]) set(point.equilibrium, other);
-    point.equilibrium = other;
-    point.tag = interpolated[n] ? Tag::expandable : Tag::failed;
+/// The points of a space with another quantity in the place of the energy. What the energy is not
+/// interpolated with, the others are not either.
+class QuantityView {
+ public:
+  explicit QuantityView(const SpaceTable& space)
+      : space_(space), interpolated_(interpolatedPoints(space)), view_(space) {
+    for (std::size_t n = 0; n < interpolated_.size(); ++n)
+      view_.points[n].tag = interpolated_[n] ? Tag::expandable : Tag::failed;
   }
-  return space;
-}
+  /// `set` fills an Equilibrium from the one of the space. Valid until the next call.
+  template <class Set>
+  const SpaceTable& of(Set set) {
+    for (std::size_t n = 0; n < interpolated_.size(); ++n) {
+      view_.points[n].equilibrium = {};
+      if (interpolated_[n]) set(space_.points[n].equilibrium, view_.points[n].equilibrium);
+    }
+    return view_;
+  }
+
+ private:
+  const SpaceTable& space_;
+  const std::vector<bool> interpolated_;
+  SpaceTable view_;
+};
 
 void setQuantity(std::vector<SiteJet>& jets, Eigen::Index quantity,
                  const std::vector<EnergyJet>& values) {
@@ -42,10 +52,11 @@ std::vector<float> largestAround(const CellTree& tree, const std::vector<double>
 
 }  // namespace
 
-SiteJets::SiteJets(const SpaceTable& space, const CellTree& tree, SiteFits& fits)
-    : jets(tree.slots().size(), SiteJet::Zero()) {
+SiteJets::SiteJets(const SpaceTable& space, SiteFits& fits) {
   PALPATE_ASSERT(space.patch.finger, "only a finger has a drive");
   CellData data(space, fits.energy);
+  const CellTree& tree = data.tree;
+  jets.assign(tree.slots().size(), SiteJet::Zero());
   coverage.assign(data.support.begin(), data.support.end());
   const auto polynomials = correctedPolynomials(data, space, fits.energy);
   const std::vector<EnergyJet> energies = energyJets(tree, polynomials);
@@ -56,19 +67,19 @@ SiteJets::SiteJets(const SpaceTable& space, const CellTree& tree, SiteFits& fits
     return energyJets(
         tree, slotPolynomials(tree, quantity, data.inconsistent, std::move(ghosts), of_its_order));
   };
+  QuantityView view(space);
   for (int axis = 0; axis < 3; ++axis) {
     const auto set = [axis](const Equilibrium& e, Equilibrium& drive) {
       drive.energy = e.drive[axis];
       drive.force = -e.drive_stiffness.row(axis);
     };
-    setQuantity(jets, 1 + axis, jetsOf(withQuantity(space, set), fits.drive));
+    setQuantity(jets, 1 + axis, jetsOf(view.of(set), fits.drive));
   }
   for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
     const auto set = [c](const Equilibrium& e, Equilibrium& slope) {
       slope.energy = e.drive_slope(symmetric_axes[c][0], symmetric_axes[c][1]);
     };
-    setQuantity(jets, static_cast<Eigen::Index>(4 + c),
-                jetsOf(withQuantity(space, set), fits.slope));
+    setQuantity(jets, static_cast<Eigen::Index>(4 + c), jetsOf(view.of(set), fits.slope));
   }
 }
 

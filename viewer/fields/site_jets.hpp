@@ -25,8 +25,8 @@ struct SiteFits {
 /// continuously differentiable. Of the energy value, slope and curvature at solved points are
 /// exact, of the drive T value and slope, of dT/ds the value; higher derivatives are fitted.
 struct SiteJets {
-  /// `space` is that of a finger, `tree` its own. Error when no point of it is solved.
-  SiteJets(const SpaceTable& space, const CellTree& tree, SiteFits& fits);
+  /// `space` is that of a finger. Error when no point of it is solved.
+  SiteJets(const SpaceTable& space, SiteFits& fits);
 
   std::vector<SiteJet> jets;    ///< per slot
   std::vector<float> p_error;   ///< per slot: bound on the force's error by interpolation in p, N

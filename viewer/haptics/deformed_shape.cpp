@@ -3,15 +3,10 @@
 #include <algorithm>
 
 #include "common/base/index.hpp"
+#include "common/mesh/bump_integrals.hpp"
 
 namespace palpate {
 namespace {
-
-double bumpAt(const Eigen::Vector3d& vertex, const Eigen::Vector3d& center,
-              double radius) noexcept {
-  const double inside = std::max(0.0, 1 - (vertex - center).squaredNorm() / (radius * radius));
-  return inside * inside;
-}
 
 /// Adds bumps so that the anchor moves by the displacement.
 void passThroughTool(const TouchSurface& surface, const Touch& touch,

@@ -39,10 +39,6 @@ std::vector<SpaceWeight> sharesFrom(std::vector<Candidate>& candidates) {
   return shares;
 }
 
-/// Places a little farther from the sites than sitesOn leaves any are still answered for: its
-/// pieces have a width.
-constexpr double site_distance_slack = 1.1;
-
 }  // namespace
 
 std::vector<TouchArea> areasOf(const Scene& scene, const std::vector<SpaceTable>& spaces) {
@@ -202,7 +198,7 @@ void TouchSurface::setAreas(const std::vector<SpaceTable>& spaces,
                             const std::vector<std::int32_t>& fixed) {
   area_of_vertex_.assign(vertices_.size(), -1);
   for (std::size_t a = 0; a < areas_.size(); ++a) {
-    const double distance = site_distance * site_distance_slack * areas_[a].radius;
+    const double distance = answered_distance * areas_[a].radius;
     for (std::size_t v = 0; v < vertices_.size(); ++v) {
       std::vector<Candidate> near;
       for (const std::size_t space : areas_[a].spaces) {

@@ -43,8 +43,8 @@ class TransitionSolver {
   const System& system() const { return system_; }
   /// Of the active patches; the first one is chosen at the beginning.
   void chooseTool(std::size_t space);
-  /// A finger anywhere on the surface; it stays until a tool is chosen. Error
-  /// (bad input), which begins with `what`, as of checkedFinger.
+  /// A finger anywhere on the surface; it stays until a tool is chosen. Error (bad input), which
+  /// begins with `what`, as of checkedFinger.
   void placeFinger(const std::string& what, const Finger& finger);
 
   /// The rest state (under gravity the equilibrium that it leads to, solved here once), or the

@@ -268,13 +268,6 @@ TEST_F(SealedDataset, IsReadWhereNothingIsSolved) {
   for (const float value : dataset.surfaceDisplacements(1)) EXPECT_TRUE(std::isnan(value));
 }
 
-TEST_F(SealedDataset, NamesTheActiveNodesThereAre) {
-  const Dataset dataset(file);
-  EXPECT_EQ(dataset.spaceNamed("tip"), 0u);
-  EXPECT_EQ(dataset.spaceNamed("edge-2"), 1u);
-  expectBadInput([&] { dataset.spaceNamed("top"); }, {"\"top\"", "tip, edge-2"});
-}
-
 TEST_F(SealedDataset, WithoutPressureSpaceHasNoPressures) {
   SampleDataset plain(PressureSpace::none);
   plain.seal(copy);

@@ -20,12 +20,6 @@ TEST(SurfacePointTest, IsTheNearestOfAllTriangles) {
   }
 }
 
-TEST(SurfacePointTest, IsAmongTheTrianglesThatAreAsked) {
-  const Mesh mesh = test::cubeMesh(0.2, 3);
-  const SurfacePoint point = nearestOnSurface(mesh, {0.1, 0.1, 0.3}, {7});
-  EXPECT_EQ(point.triangle, 7);
-}
-
 TEST(SurfacePointTest, NormalsPointOutward) {
   const Mesh mesh = test::cubeMesh(0.2, 3);
   const SurfacePoint top = nearestOnSurface(mesh, {0.1, 0.08, 0.3});

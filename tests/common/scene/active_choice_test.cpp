@@ -1,0 +1,55 @@
+#include "common/scene/active_choice.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/expect_error.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::ElementsAre;
+
+/// A node, and two sites of an area around another.
+Scene sceneOfNodesAndSites() {
+  Scene scene;
+  scene.active = {{.name = "skin-0", .tool = ToolKind::finger, .area = "skin"},
+                  {.name = "tip"},
+                  {.name = "skin-1", .tool = ToolKind::finger, .area = "skin"}};
+  return scene;
+}
+
+TEST(ActiveChoiceTest, IsANodeASiteOrAllSitesOfAnArea) {
+  const Scene scene = sceneOfNodesAndSites();
+  EXPECT_THAT(chooseActive(scene, "tip").spaces, ElementsAre(1));
+  EXPECT_THAT(chooseActive(scene, "skin-1").spaces, ElementsAre(2));
+  EXPECT_FALSE(chooseActive(scene, "skin-1").is_area);
+  const ActiveChoice area = chooseActive(scene, "skin");
+  EXPECT_THAT(area.spaces, ElementsAre(0, 2));
+  EXPECT_TRUE(area.is_area);
+}
+
+TEST(ActiveChoiceTest, NeedsNoNameWhereThereIsOneOnly) {
+  Scene scene = sceneOfNodesAndSites();
+  scene.active.erase(scene.active.begin() + 1);
+  EXPECT_EQ(chooseActive(scene, "").name, "skin");
+  scene.active = {{.name = "tip"}};
+  EXPECT_THAT(chooseActive(scene, "").spaces, ElementsAre(0));
+}
+
+TEST(ActiveChoiceTest, ListsWhatThereIs) {
+  const Scene scene = sceneOfNodesAndSites();
+  test::expectBadInput([&] { chooseActive(scene, ""); }, {"--active", "skin, tip"});
+  test::expectBadInput([&] { chooseActive(scene, "toe"); }, {"\"toe\"", "skin, tip"});
+}
+
+TEST(ActiveChoiceTest, OfAnAreaWantsAPlace) {
+  const Scene scene = sceneOfNodesAndSites();
+  test::expectBadInput([&] { requirePlace(chooseActive(scene, "skin"), false); },
+                       {"\"skin\"", "--at X Y Z"});
+  EXPECT_NO_THROW(requirePlace(chooseActive(scene, "skin"), true));
+  EXPECT_NO_THROW(requirePlace(chooseActive(scene, "tip"), false));
+}
+
+}  // namespace
+}  // namespace palpate
