@@ -9,22 +9,22 @@
 namespace palpate {
 
 std::vector<Eigen::Vector3d> farthestPoints(
-    const std::vector<Eigen::Vector3d>& places, double distance,
+    const std::vector<Eigen::Vector3d>& places, const std::vector<double>& distances,
     const std::function<bool(const Eigen::Vector3d& place, std::size_t taken)>& accepts) {
-  PALPATE_ASSERT(distance > 0, "places are some way apart");
-  std::vector<double> distances(places.size(), std::numeric_limits<double>::infinity());
+  PALPATE_ASSERT(distances.size() == places.size(), "each place has a distance");
+  std::vector<double> away(places.size(), std::numeric_limits<double>::infinity());
   std::vector<Eigen::Vector3d> taken;
   while (!places.empty()) {
-    const auto farthest = at(std::ranges::max_element(distances) - distances.begin());
-    if (distances[farthest] <= distance) break;
+    const auto farthest = at(std::ranges::max_element(away) - away.begin());
+    if (away[farthest] <= 1) break;
     const Eigen::Vector3d& place = places[farthest];
     if (!accepts(place, taken.size())) {
-      distances[farthest] = 0;
+      away[farthest] = 0;
       continue;
     }
     taken.push_back(place);
     for (std::size_t n = 0; n < places.size(); ++n)
-      distances[n] = std::min(distances[n], (places[n] - place).norm());
+      away[n] = std::min(away[n], (places[n] - place).norm() / distances[n]);
   }
   return taken;
 }

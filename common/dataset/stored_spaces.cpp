@@ -14,6 +14,8 @@ template <>
 struct hdf5::Stored<LatticeEdge> : hdf5::Row<std::int32_t, 2> {};
 template <>
 struct hdf5::Stored<std::array<double, 8>> : hdf5::Row<double, 8> {};
+template <>
+struct hdf5::Stored<SymmetricSlope> : hdf5::Row<double, 6, 3> {};
 
 namespace {
 
@@ -79,6 +81,9 @@ void forEachRecordColumn(const std::string& group, const std::vector<Row*>& reco
     visit(group + "/drive", equilibria, "N", &Equilibrium::drive);
     visit(group + "/drive_stiffness", equilibria, "N/m", &Equilibrium::drive_stiffness);
     visit(group + "/drive_slope", equilibria, "N/m", &Equilibrium::drive_slope);
+    visit(group + "/stiffness_by_p", equilibria, "N/m^2", &Equilibrium::stiffness_by_p);
+    visit(group + "/stiffness_by_s", equilibria, "N/m^2", &Equilibrium::stiffness_by_s);
+    visit(group + "/drive_slope_by_p", equilibria, "N/m^2", &Equilibrium::drive_slope_by_p);
   }
   visit(group + "/min_det_F", equilibria, "1", &Equilibrium::min_det_F);
   visit(group + "/residual", solved, "N", &PointRecord::residual);

@@ -100,30 +100,32 @@ void CellTree::makeSlots(const SpaceTable& space) {
 
 /// Hangs a slot in the coarsest of the up to eight leaves around it if it is no corner of that one.
 void CellTree::hang(CellSlot& slot) const {
-  std::int32_t coarsest = -1;
-  for (std::size_t c = 0; c < 8; ++c) {
-    Eigen::Vector3d beside;  // a place in the octant, a quarter of a coordinate away; in quarters
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      beside[static_cast<Eigen::Index>(axis)] =
-          4.0 * slot.point[axis] + ((c >> axis & 1) != 0 ? 1 : -1);
-    const std::int32_t leaf = descend(beside / (4.0 * divisions_)).leaf;
-    if (leaf >= 0 && (coarsest < 0 || leaves_[at(leaf)].level < leaves_[at(coarsest)].level))
-      coarsest = leaf;
+  LeafPlace coarsest;
+  for (std::size_t octant = 0; octant < 8; ++octant) {
+    const LeafPlace place = leafBeside(slot.point, octant);
+    if (place.leaf >= 0 && (coarsest.leaf < 0 || leaves_[at(place.leaf)].level <
+                                                     leaves_[at(coarsest.leaf)].level))
+      coarsest = place;
   }
-  const LatticeCell& cell = leaves_[at(coarsest)];
-  const double edge = divisions_ >> cell.level;
-  Eigen::Vector3d local;
-  bool corner = true;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    local[static_cast<Eigen::Index>(axis)] = (slot.point[axis] - cell.lowest[axis]) / edge;
-    corner = corner &&
-             (slot.point[axis] == cell.lowest[axis] || local[static_cast<Eigen::Index>(axis)] == 1);
-  }
-  if (corner) return;
+  if (isCorner(coarsest.local)) return;
   slot.kind = SlotKind::hanging;
   slot.number = -1;
-  slot.leaf = coarsest;
-  slot.local = local;
+  slot.leaf = coarsest.leaf;
+  slot.local = coarsest.local;
+}
+
+LeafPlace CellTree::leafBeside(const LatticePoint& point, std::size_t octant) const noexcept {
+  Eigen::Vector3d beside;  // a place in the octant, a quarter of a coordinate away; in quarters
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    beside[static_cast<Eigen::Index>(axis)] =
+        4.0 * point[axis] + ((octant >> axis & 1) != 0 ? 1 : -1);
+  LeafPlace place = descend(beside / (4.0 * divisions_));
+  if (place.leaf < 0) return place;
+  const LatticeCell& cell = leaves_[at(place.leaf)];
+  const double edge = divisions_ >> cell.level;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    place.local[static_cast<Eigen::Index>(axis)] = (point[axis] - cell.lowest[axis]) / edge;
+  return place;
 }
 
 void CellTree::markUnsupported() {

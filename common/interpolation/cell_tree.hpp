@@ -38,6 +38,11 @@ struct LeafPlace {
   Eigen::Vector3d local = Eigen::Vector3d::Zero();  ///< 0..1 in the leaf
 };
 
+/// Whether a place in a leaf is a corner of it.
+inline bool isCorner(const Eigen::Vector3d& local) noexcept {
+  return (local.array() == 0 || local.array() == 1).all();
+}
+
 /// The leaf cells of one configuration space: all cells between uniform lattice positions that
 /// reach into the workspace ball, those that refinement split replaced by their eighths that do,
 /// and so on. Together they contain the whole ball. A method that interpolates from nodal data
@@ -73,6 +78,9 @@ class CellTree {
   /// Whether all corners of a leaf are ghosts, or hang in leaves of which that is true.
   bool unsupported(std::int32_t leaf) const { return unsupported_[at(leaf)]; }
 
+  /// The leaf at a lattice position in the octant (negative or positive per axis) that bit `axis`
+  /// of `octant` says; leaf -1 where there is none.
+  LeafPlace leafBeside(const LatticePoint& point, std::size_t octant) const noexcept;
   /// The leaf around a displacement of the closed ball (1e-9 of the radius outside of it counts as
   /// on it), in a time that depends on the number of levels only. Leaf -1 for all others, NaN among
   /// them. Real time: does not allocate, lock, throw or log.

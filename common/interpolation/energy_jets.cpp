@@ -182,23 +182,13 @@ Basis<3> quinticHermite(double t) {
 /// All 27 derivatives of a leaf's interpolant: what a hanging corner takes over.
 EnergyJet jetInLeaf(const CellTree& tree, const std::vector<EnergyJet>& jets, std::int32_t leaf,
                     const Eigen::Vector3d& local) {
-  const double scale = tree.edge(leaf) / tree.spacing();
-  const std::array<Basis<3>, 3> basis = {quinticHermite(local.x()), quinticHermite(local.y()),
-                                         quinticHermite(local.z())};
-  EnergyJet result{};
-  for (std::size_t a = 0; a < 27; ++a) {
-    const std::array<std::size_t, 3> wanted = {a % 3, a / 3 % 3, a / 9};
-    double sum = 0;
-    for (std::size_t c = 0; c < 8; ++c) {
-      const EnergyJet& jet = jets[at(tree.corners(leaf)[c])];
-      for (std::size_t b = 0; b < 27; ++b) {
-        const std::size_t order = b % 3 + b / 3 % 3 + b / 9;
-        sum += jet[b] * std::pow(scale, order) * basis[0][wanted[0]][c & 1][b % 3] *
-               basis[1][wanted[1]][c >> 1 & 1][b / 3 % 3] * basis[2][wanted[2]][c >> 2][b / 9];
-      }
-    }
-    result[a] = sum / std::pow(scale, static_cast<double>(wanted[0] + wanted[1] + wanted[2]));
-  }
+  const JetBasis basis = jetBasis(tree.edge(leaf), tree.spacing(), local);
+  using Column = Eigen::Matrix<double, 27, 1>;
+  EnergyJet result;
+  Eigen::Map<Column> sum(result.data());
+  sum.setZero();
+  for (std::size_t c = 0; c < 8; ++c)
+    sum += basis[c] * Eigen::Map<const Column>(jets[at(tree.corners(leaf)[c])].data());
   return result;
 }
 
@@ -260,6 +250,24 @@ EnergySample evaluateEnergy(const CellTree& tree, const std::vector<EnergyJet>& 
   LeafJets corners;
   for (std::size_t c = 0; c < 8; ++c) corners[c] = &jets[at(slots[c])];
   return evaluateEnergy(corners, tree.edge(place.leaf), tree.spacing(), place.local);
+}
+
+JetBasis jetBasis(double edge, double spacing, const Eigen::Vector3d& local) {
+  const double scale = edge / spacing;
+  const std::array<Basis<3>, 3> axes = {quinticHermite(local.x()), quinticHermite(local.y()),
+                                        quinticHermite(local.z())};
+  std::array<double, 13> powers;  // of the scale, -6 to 6
+  for (int n = -6; n <= 6; ++n) powers[at(n + 6)] = std::pow(scale, n);
+  JetBasis basis;
+  for (std::size_t c = 0; c < 8; ++c)
+    for (std::size_t a = 0; a < 27; ++a)
+      for (std::size_t b = 0; b < 27; ++b) {
+        const std::size_t order = b % 3 + b / 3 % 3 + b / 9, wanted = a % 3 + a / 3 % 3 + a / 9;
+        basis[c](static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) =
+            powers[6 + order - wanted] * axes[0][a % 3][c & 1][b % 3] *
+            axes[1][a / 3 % 3][c >> 1 & 1][b / 3 % 3] * axes[2][a / 9][c >> 2][b / 9];
+      }
+  return basis;
 }
 
 LeafBasis valueBasis(double edge, double spacing, const Eigen::Vector3d& local) noexcept {

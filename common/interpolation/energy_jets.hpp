@@ -57,6 +57,11 @@ EnergySample evaluateEnergy(const CellTree& tree, const std::vector<EnergyJet>& 
 EnergySample evaluateEnergy(const LeafJets& corners, double edge, double spacing,
                             const Eigen::Vector3d& local) noexcept;
 
+/// What the 27 numbers of such a polynomial at a place in a leaf are of those at corner c: factors
+/// [c](number there, number at the corner). Both in units of the spacing.
+using JetBasis = std::array<Eigen::Matrix<double, 27, 27>, 8>;
+JetBasis jetBasis(double edge, double spacing, const Eigen::Vector3d& local);
+
 /// What the value of such a polynomial is of the 27 numbers at each corner: its factors.
 using LeafBasis = std::array<std::array<double, 27>, 8>;
 LeafBasis valueBasis(double edge, double spacing, const Eigen::Vector3d& local) noexcept;

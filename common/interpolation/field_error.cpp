@@ -68,6 +68,15 @@ bool hasSuspectEdge(const CellTree& tree, std::int32_t leaf,
   return false;
 }
 
+/// The leaves, coarse ones first: fine ones hang on them.
+std::vector<std::int32_t> coarseFirst(const CellTree& tree) {
+  std::vector<std::int32_t> order(tree.leaves().size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(
+      order, [&](std::int32_t a, std::int32_t b) { return tree.edge(a) > tree.edge(b); });
+  return order;
+}
+
 /// How far the polynomials at the corners of a leaf are from what it interpolates.
 class Disagreement {
  public:
@@ -120,12 +129,8 @@ FieldError::FieldError(const CellTree& tree, const std::vector<LocalPolynomial>&
     : nodes_(tree.leaves().size()) {
   PALPATE_ASSERT(polynomials.size() == tree.slots().size() && jets.size() == tree.slots().size(),
                  "slotPolynomials and energyJets made them of the same tree");
-  std::vector<std::int32_t> order(nodes_.size());  // coarse leaves first: fine ones hang on them
-  std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(
-      order, [&](std::int32_t a, std::int32_t b) { return tree.edge(a) > tree.edge(b); });
   Disagreement disagreement(tree, polynomials, jets, suspect);
-  for (const std::int32_t leaf : order)
+  for (const std::int32_t leaf : coarseFirst(tree))
     for (std::size_t node = 0; node < 27; ++node)
       nodes_[at(leaf)][node] = static_cast<float>(disagreement.boundAt(
           leaf, placeOf(node), [this](std::int32_t coarser, const Eigen::Vector3d& local) {
@@ -137,12 +142,12 @@ std::vector<double> boundsInMiddles(const CellTree& tree,
                                     const std::vector<LocalPolynomial>& polynomials,
                                     const std::vector<EnergyJet>& jets,
                                     const std::vector<LatticeEdge>& suspect) {
-  PALPATE_ASSERT(tree.hangingSlots().empty(), "leaves of one size hang on no other");
   Disagreement disagreement(tree, polynomials, jets, suspect);
-  std::vector<double> bounds;
-  for (std::int32_t leaf = 0; leaf < std::ssize(tree.leaves()); ++leaf)
-    bounds.push_back(disagreement.boundAt(leaf, Eigen::Vector3d::Constant(0.5),
-                                          [](auto, const auto&) { return 0.0; }));
+  std::vector<double> bounds(tree.leaves().size());
+  for (const std::int32_t leaf : coarseFirst(tree))
+    bounds[at(leaf)] = disagreement.boundAt(
+        leaf, Eigen::Vector3d::Constant(0.5),
+        [&](std::int32_t coarser, const auto&) { return bounds[at(coarser)]; });
   return bounds;
 }
 

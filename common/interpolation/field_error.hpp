@@ -30,7 +30,7 @@ class FieldError {
   std::vector<Nodes> nodes_;            ///< per leaf
 };
 
-/// The same bound in the middle of every leaf alone, N, of a tree whose leaves have one size.
+/// The same bound in the middle of every leaf alone, N.
 std::vector<double> boundsInMiddles(const CellTree& tree,
                                     const std::vector<LocalPolynomial>& polynomials,
                                     const std::vector<EnergyJet>& jets,

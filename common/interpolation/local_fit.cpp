@@ -8,8 +8,9 @@
 namespace palpate {
 namespace {
 
-// Of one source at most: energy, three slopes, six curvatures, in the order of the first terms.
-constexpr std::size_t n_data = 10;
+// Of one source at most: energy, three slopes, six curvatures, ten third derivatives, in the order
+// of the first terms.
+constexpr int most_data = KnownDerivatives::MaxRowsAtCompileTime;
 /// More factorisations are not kept, of up to 0.1 MB each: then all are made anew. With 200 an area
 /// of 280 sites took 1.6 times as long.
 constexpr std::size_t most_factors = 1000;
@@ -28,37 +29,42 @@ const std::vector<Orders> all_orders = makeOrders();
 
 constexpr int termsUpTo(int degree) { return (degree + 1) * (degree + 2) * (degree + 3) / 6; }
 
-/// x^n / n! along the axes, at [axis][n + 2]; zero for n < 0.
-using Powers = std::array<std::array<double, LocalPolynomial::degree + 3>, 3>;
+/// x^n / n! along the axes, at [axis][n + 3]; zero for n < 0.
+using Powers = std::array<std::array<double, LocalPolynomial::degree + 4>, 3>;
 
 Powers powersOf(const Eigen::Vector3d& x) {
   Powers powers{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    powers[axis][2] = 1;
+    powers[axis][3] = 1;
     for (std::size_t n = 1; n <= LocalPolynomial::degree; ++n)
-      powers[axis][n + 2] =
-          powers[axis][n + 1] * x[static_cast<Eigen::Index>(axis)] / static_cast<double>(n);
+      powers[axis][n + 3] =
+          powers[axis][n + 2] * x[static_cast<Eigen::Index>(axis)] / static_cast<double>(n);
   }
   return powers;
 }
 
-/// Derivative `wanted`, of the second order at most, of the term x^a/a! y^b/b! z^c/c!.
+/// Derivative `wanted`, of the third order at most, of the term x^a/a! y^b/b! z^c/c!.
 double termAt(const Orders& term, const Orders& wanted, const Powers& powers) {
   double product = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const int n = term[axis] - wanted[axis] + 2;
+    const int n = term[axis] - wanted[axis] + 3;
     product *= powers[axis][at(n)];
   }
   return product;
 }
 
-/// The ten data in units in which `scale` is 1.
-Eigen::Matrix<double, n_data, 1> dataOf(const Equilibrium& e, double scale) {
+/// What is known, in units in which `scale` is 1.
+KnownDerivatives dataOf(const Equilibrium& e, double scale, KnownOrders known) {
   const Eigen::Vector3d slope = -scale * e.force;
   const Eigen::Matrix3d curvature = -0.5 * scale * scale * (e.stiffness + e.stiffness.transpose());
-  Eigen::Matrix<double, n_data, 1> data;
-  data << e.energy, slope, curvature(0, 0), curvature(0, 1), curvature(0, 2), curvature(1, 1),
-      curvature(1, 2), curvature(2, 2);
+  KnownDerivatives data(most_data);
+  data.head<10>() << e.energy, slope, curvature(0, 0), curvature(0, 1), curvature(0, 2),
+      curvature(1, 1), curvature(1, 2), curvature(2, 2);
+  const SymmetricSlope& t = e.stiffness_by_p;  // rows xx, xy, xz, yy, yz, zz
+  data.tail<10>() << t(0, 0), t(0, 1), t(0, 2), t(3, 0), t(4, 0), t(5, 0), t(3, 1), t(3, 2),
+      t(5, 1), t(5, 2);
+  data.tail<10>() *= -scale * scale * scale;
+  data.conservativeResize(termsUpTo(static_cast<int>(known)));
   return data;
 }
 
@@ -114,15 +120,20 @@ struct WeightedSystem {
 
 const Orders& LocalPolynomial::orders(std::size_t index) { return all_orders[index]; }
 
-Equilibrium LocalPolynomial::at(const Eigen::Vector3d& offset) const {
+KnownDerivatives LocalPolynomial::derivativesAt(const Eigen::Vector3d& offset, int count) const {
   const Powers powers = powersOf(offset / scale);
-  Eigen::Matrix<double, n_data, 1> value = Eigen::Matrix<double, n_data, 1>::Zero();
+  KnownDerivatives value = KnownDerivatives::Zero(count);
   for (std::size_t t = 0; t < terms; ++t) {
     const double derivative = derivatives[static_cast<Eigen::Index>(t)];
     if (derivative == 0) continue;
-    for (std::size_t d = 0; d < n_data; ++d)
-      value[static_cast<Eigen::Index>(d)] += termAt(orders(t), all_orders[d], powers) * derivative;
+    for (int d = 0; d < count; ++d)
+      value[d] += termAt(orders(t), all_orders[palpate::at(d)], powers) * derivative;
   }
+  return value;
+}
+
+Equilibrium LocalPolynomial::at(const Eigen::Vector3d& offset) const {
+  const KnownDerivatives value = derivativesAt(offset, 10);
   Equilibrium e;
   e.energy = value[0];
   e.force = -value.segment<3>(1) / scale;
@@ -162,7 +173,7 @@ LocalPolynomial LocalFits::extrapolate(const std::vector<FitSource>& sources, st
   Eigen::VectorXd right = Eigen::VectorXd::Zero(factors.qr.rows());
   for (std::size_t s = 0; s < sources.size(); ++s)
     right.segment(n_known * static_cast<Eigen::Index>(s), n_known) =
-        dataOf(*sources[s].data, result.scale).head(n_known);
+        dataOf(*sources[s].data, result.scale, kind_.known);
   right.head(factors.weights.size()).array() *= factors.weights.array();
   result.derivatives.head(factors.qr.cols()) = factors.qr.solve(right);
   return result;
@@ -174,7 +185,7 @@ LocalPolynomial LocalFits::complete(const Equilibrium& own, const std::vector<Fi
   result.scale = unit_ * edge;
   const int known = static_cast<int>(kind_.known);
   const Eigen::Index n_known = termsUpTo(known);
-  result.derivatives.head(n_known) = dataOf(own, result.scale).head(n_known);
+  result.derivatives.head(n_known) = dataOf(own, result.scale, kind_.known);
   // Its own data stand; what is not known stays zero.
   if (sources.empty()) return result;
   const Factors& factors = factorsOf(sources, edge, known + 1, kind_.highest_completed);
@@ -182,9 +193,8 @@ LocalPolynomial LocalFits::complete(const Equilibrium& own, const std::vector<Fi
   for (std::size_t s = 0; s < sources.size(); ++s) {
     const LatticePoint& o = sources[s].offset;
     right.segment(n_known * static_cast<Eigen::Index>(s), n_known) =
-        (dataOf(*sources[s].data, result.scale) -
-         dataOf(result.at(unit_ * Eigen::Vector3d(o[0], o[1], o[2])), result.scale))
-            .head(n_known);
+        dataOf(*sources[s].data, result.scale, kind_.known) -
+        result.derivativesAt(unit_ * Eigen::Vector3d(o[0], o[1], o[2]), static_cast<int>(n_known));
   }
   right.head(factors.weights.size()).array() *= factors.weights.array();
   result.derivatives.segment(n_known, factors.qr.cols()) = factors.qr.solve(right);

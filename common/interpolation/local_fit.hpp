@@ -10,6 +10,9 @@ namespace palpate {
 /// Derivative orders along x, y, z.
 using Orders = std::array<int, 3>;
 
+/// Some derivatives of the first terms of a LocalPolynomial, in its units.
+using KnownDerivatives = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 20, 1>;
+
 /// Energy around a position, as its Taylor polynomial of total degree <= 5.
 class LocalPolynomial {
  public:
@@ -23,6 +26,8 @@ class LocalPolynomial {
 
   /// Energy, force and stiffness `offset` metres from the position.
   Equilibrium at(const Eigen::Vector3d& offset) const;
+  /// The first `count` derivatives there, of the third order at most, as `derivatives` has them.
+  KnownDerivatives derivativesAt(const Eigen::Vector3d& offset, int count) const;
 };
 
 /// A solved point near the position of a fit.
@@ -31,12 +36,12 @@ struct FitSource {
   const Equilibrium* data;
 };
 
-/// Which derivatives of a source's value are known: ten numbers (energy, force and stiffness), or
-/// four or one of them, for other quantities than the energy.
-enum class KnownOrders : std::uint8_t { value = 0, slope = 1, curvature = 2 };
+/// Up to which order the derivatives of a source are known, of the energy or another quantity in
+/// its place: 1, 4, 10 (energy, force, stiffness) or 20 numbers (stiffness_by_p too).
+enum class KnownOrders : std::uint8_t { value = 0, slope = 1, curvature = 2, third = 3 };
 
-/// Weighted least-squares fits of local polynomials to energies, forces and stiffnesses: ten
-/// numbers per source, near ones weigh more. What the sources do not determine is kept small by a
+/// Weighted least-squares fits of local polynomials to energies, forces and stiffnesses, and what
+/// else is known: near sources weigh more. What the sources do not determine is kept small by a
 /// penalty on the derivatives above the known ones. Sources that lie alike share one factorisation,
 /// of other spaces too. One thread.
 class LocalFits {
@@ -78,5 +83,8 @@ class LocalFits {
   Kind kind_;
   std::map<Key, Factors> factors_;  ///< by the offsets of the sources
 };
+
+/// For the energies of fingers, whose third derivatives are known.
+inline constexpr LocalFits::Kind finger_fit = {KnownOrders::third, 4, 5};
 
 }  // namespace palpate

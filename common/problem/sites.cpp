@@ -1,12 +1,16 @@
 #include "common/problem/sites.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/farthest_points.hpp"
+#include "common/base/index.hpp"
+#include "common/base/near_points.hpp"
 #include "common/mesh/surface_pieces.hpp"
+#include "common/mesh/surface_point.hpp"
 #include "common/problem/finger.hpp"
 
 namespace palpate {
@@ -15,8 +19,13 @@ namespace {
 /// The pieces know the share of a finger that is free to about a hundredth.
 constexpr double free_share_margin = 0.02;
 
+/// Sites are closer together where the surface bends under the finger, by its mean unit normal m:
+/// the energy changes faster with s at rims and tips. As far as site_distance says for |m| above
+/// `flat`, `closest` of that from `bent` down.
+constexpr double flat = 0.95, bent = 0.55, closest = 0.6;
+
 struct Piece {
-  Eigen::Vector3d middle;
+  Eigen::Vector3d middle, normal;
   double area;
   double free;  ///< share of the middle's shape functions that are of nodes which can move
 };
@@ -25,8 +34,9 @@ void appendPieces(const Mesh& mesh, std::int32_t triangle, const NodeSet& fixed,
                   std::vector<Piece>& pieces) {
   Eigen::Vector3d free;
   for (int i = 0; i < 3; ++i) free[i] = contains(fixed, mesh.surface[triangle][i]) ? 0 : 1;
+  const Eigen::Vector3d normal = normalOf(mesh, triangle);
   forEachPiece(mesh, triangle, width, [&](const SurfacePiece& piece) {
-    pieces.push_back({piece.middle, piece.area, free.dot(piece.barycentric)});
+    pieces.push_back({piece.middle, normal, piece.area, free.dot(piece.barycentric)});
   });
 }
 
@@ -48,6 +58,29 @@ bool mayStand(const Eigen::Vector3d& center, double radius, const std::vector<Pi
     free += piece.free * bump;
   }
   return free >= (least_free_share + free_share_margin) * whole;
+}
+
+/// How far a place may be from a site, metres.
+std::vector<double> siteDistances(const std::vector<Eigen::Vector3d>& places,
+                                  const std::vector<Piece>& pieces, double radius) {
+  std::vector<double> distances;
+  if (pieces.empty()) return distances;
+  std::vector<Eigen::Vector3d> middles;
+  for (const Piece& piece : pieces) middles.push_back(piece.middle);
+  const NearPoints near(std::move(middles), radius);
+  for (const Eigen::Vector3d& place : places) {
+    double whole = 0;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const std::int32_t n : near.near(place)) {
+      const Piece& piece = pieces[at(n)];
+      const double bump = bumpAt(piece.middle, place, radius) * piece.area;
+      whole += bump;
+      sum += bump * piece.normal;
+    }
+    const double flatness = std::clamp((sum.norm() / whole - bent) / (flat - bent), 0.0, 1.0);
+    distances.push_back(site_distance * radius * std::lerp(closest, 1.0, flatness));
+  }
+  return distances;
 }
 
 }  // namespace
@@ -96,7 +129,7 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
   }
   PALPATE_ASSERT(wanted == triangles.end(), "triangles are ascending");
   return farthestPoints(
-      places, site_distance * radius, [&](const Eigen::Vector3d& place, std::size_t taken) {
+      places, siteDistances(places, pieces, radius), [&](const Eigen::Vector3d& place, std::size_t taken) {
         // The pieces are quick and look at the vertices alone; what they find is checked.
         const bool may_stand =
             mayStand(place, radius, pieces) &&

@@ -41,7 +41,8 @@ NodalFields NodalFields::decode(std::string_view bytes, std::size_t n_nodes,
 bool isFinite(const Equilibrium& e) {
   return e.force.allFinite() && e.stiffness.allFinite() && std::isfinite(e.energy) &&
          std::isfinite(e.min_det_F) && e.drive.allFinite() && e.drive_stiffness.allFinite() &&
-         e.drive_slope.allFinite();
+         e.drive_slope.allFinite() && e.stiffness_by_p.allFinite() &&
+         e.stiffness_by_s.allFinite() && e.drive_slope_by_p.allFinite();
 }
 
 ContentId NodalFields::id() const { return ContentId::of(encode()); }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -23,6 +24,13 @@ struct NodalFields {
   ContentId id() const;
 };
 
+/// The axes of the six components of a symmetric matrix.
+inline constexpr std::array<std::array<int, 2>, 6> symmetric_axes = {
+    {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}}};
+
+/// How a symmetric matrix changes: a row per component, a column per axis along which it does.
+using SymmetricSlope = Eigen::Matrix<double, 6, 3, Eigen::RowMajor>;
+
 /// The small part of an accepted configuration.
 struct Equilibrium {
   /// N, exerted by the tissue on the tool, = -dE/dp.
@@ -40,6 +48,13 @@ struct Equilibrium {
   Eigen::Matrix3d drive_stiffness = Eigen::Matrix3d::Zero();
   /// N/m, [a, b] = d drive_a / d s_b, symmetric.
   Eigen::Matrix3d drive_slope = Eigen::Matrix3d::Zero();
+  // The third derivatives, to some seven digits.
+  /// N/m^2, d stiffness / d p, the same whichever axes change places.
+  SymmetricSlope stiffness_by_p = SymmetricSlope::Zero();
+  /// N/m^2, d stiffness / d s; its column k is also the second derivative of drive[k] by p.
+  SymmetricSlope stiffness_by_s = SymmetricSlope::Zero();
+  /// N/m^2, d drive_slope / d p.
+  SymmetricSlope drive_slope_by_p = SymmetricSlope::Zero();
 };
 
 /// Whether every number of it is finite.

@@ -7,6 +7,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/index.hpp"
 
 namespace palpate {
 namespace {
@@ -45,8 +46,8 @@ bool hasPort(std::string_view endpoint) {
 }
 
 /// Doubles as raw bytes; nothing when the length is wrong or a value is not finite.
-template <int rows, int columns>
-bool readMatrix(const std::string& bytes, Eigen::Matrix<double, rows, columns>& matrix) {
+template <int rows, int columns, int options>
+bool readMatrix(const std::string& bytes, Eigen::Matrix<double, rows, columns, options>& matrix) {
   Eigen::Matrix<double, rows, columns, columns == 1 ? Eigen::ColMajor : Eigen::RowMajor> values;
   if (bytes.size() != sizeof(double) * rows * columns) return false;
   std::memcpy(values.data(), bytes.data(), bytes.size());
@@ -55,26 +56,37 @@ bool readMatrix(const std::string& bytes, Eigen::Matrix<double, rows, columns>& 
 }
 
 /// By rows, as readMatrix takes them.
-std::string matrixBytes(const Eigen::Matrix3d& matrix) {
-  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rows = matrix;
-  return {reinterpret_cast<const char*>(rows.data()), 9 * sizeof(double)};
+std::string matrixBytes(const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& rows) {
+  return {reinterpret_cast<const char*>(rows.data()), at(rows.size()) * sizeof(double)};
+}
+
+bool hasDrive(const Equilibrium& e) {
+  return !(e.drive.isZero(0) && e.drive_stiffness.isZero(0) && e.drive_slope.isZero(0) &&
+           e.stiffness_by_p.isZero(0) && e.stiffness_by_s.isZero(0) &&
+           e.drive_slope_by_p.isZero(0));
 }
 
 void driveToWire(const Equilibrium& equilibrium, wire::Equilibrium& message) {
-  if (equilibrium.drive.isZero(0) && equilibrium.drive_stiffness.isZero(0) &&
-      equilibrium.drive_slope.isZero(0))
-    return;
+  if (!hasDrive(equilibrium)) return;
   message.set_drive(equilibrium.drive.data(), 3 * sizeof(double));
   message.set_drive_stiffness(matrixBytes(equilibrium.drive_stiffness));
   message.set_drive_slope(matrixBytes(equilibrium.drive_slope));
+  message.set_stiffness_by_p(matrixBytes(equilibrium.stiffness_by_p));
+  message.set_stiffness_by_s(matrixBytes(equilibrium.stiffness_by_s));
+  message.set_drive_slope_by_p(matrixBytes(equilibrium.drive_slope_by_p));
 }
 
 bool readDrive(const wire::Equilibrium& message, Equilibrium& equilibrium) {
-  if (message.drive().empty() && message.drive_stiffness().empty() && message.drive_slope().empty())
+  if (message.drive().empty() && message.drive_stiffness().empty() &&
+      message.drive_slope().empty() && message.stiffness_by_p().empty() &&
+      message.stiffness_by_s().empty() && message.drive_slope_by_p().empty())
     return true;
-  return readMatrix<3, 1>(message.drive(), equilibrium.drive) &&
-         readMatrix<3, 3>(message.drive_stiffness(), equilibrium.drive_stiffness) &&
-         readMatrix<3, 3>(message.drive_slope(), equilibrium.drive_slope);
+  return readMatrix(message.drive(), equilibrium.drive) &&
+         readMatrix(message.drive_stiffness(), equilibrium.drive_stiffness) &&
+         readMatrix(message.drive_slope(), equilibrium.drive_slope) &&
+         readMatrix(message.stiffness_by_p(), equilibrium.stiffness_by_p) &&
+         readMatrix(message.stiffness_by_s(), equilibrium.stiffness_by_s) &&
+         readMatrix(message.drive_slope_by_p(), equilibrium.drive_slope_by_p);
 }
 
 }  // namespace

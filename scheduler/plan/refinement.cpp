@@ -33,11 +33,16 @@ constexpr double reach_outside = 0.25;
 /// One look at a configuration space.
 class Inspection {
  public:
-  Inspection(const SpaceTable& space, const Accuracy& accuracy)
-      : space_(space), accuracy_(accuracy), tree_(space) {
+  Inspection(const SpaceTable& space, const Scene& scene)
+      : space_(space),
+        accuracy_(scene.accuracy),
+        max_force_(scene.workspace.max_force),
+        tree_(space) {
     const std::vector<LatticeEdge> inconsistent = inconsistentEdges(space),
                                    suspect = suspectEdges(space);
-    const std::vector<LocalPolynomial> polynomials = slotPolynomials(tree_, space, inconsistent);
+    LocalFits fits(space.lattice.unit(), space.patch.finger ? finger_fit : LocalFits::Kind());
+    const std::vector<LocalPolynomial> polynomials = slotPolynomials(
+        tree_, space, inconsistent, ghostPolynomials(tree_, space, inconsistent, fits), fits);
     jets_ = energyJets(tree_, polynomials);
     jumps_.insert(inconsistent.begin(), inconsistent.end());
     suspects_.insert(suspect.begin(), suspect.end());
@@ -76,8 +81,10 @@ class Inspection {
     for (int n = 0; n < samples * samples * samples; ++n) {
       const int i = n % samples, j = n / samples % samples, k = n / samples / samples;
       const Eigen::Vector3d local = (Eigen::Vector3d(i, j, k).array() + 0.5) / samples;
-      if ((lowest + tree_.edge(leaf) * local).norm() > tree_.radius()) continue;
+      const Eigen::Vector3d displacement = lowest + tree_.edge(leaf) * local;
+      if (displacement.norm() > tree_.radius()) continue;
       const double force = evaluateEnergy(tree_, jets_, {leaf, local}).force.norm();
+      if (!isPromised(displacement, force)) continue;
       const double allowed = std::max(accuracy_.force_error * force, accuracy_.force_floor);
       const double ratio = likely_share * error.bound(leaf, local) / allowed;
       const double volume = std::pow(tree_.edge(leaf) / tree_.spacing(), 3);
@@ -87,6 +94,12 @@ class Inspection {
     }
     worst_ratio_ = std::max(worst_ratio_, worst);
     if (worst > 1) poor_.push_back(leaf);
+  }
+
+  /// Of a finger nothing is promised where it is not pushed to, or the force is too large.
+  bool isPromised(const Eigen::Vector3d& displacement, double force) const {
+    const auto& finger = space_.patch.finger;
+    return !finger || (force <= max_force_ && finger->reach.contains(displacement));
   }
 
   const CellSlot& slot(std::int32_t number) const { return tree_.slots()[at(number)]; }
@@ -143,6 +156,7 @@ class Inspection {
 
   const SpaceTable& space_;
   const Accuracy& accuracy_;
+  const double max_force_;
   const CellTree tree_;
   std::vector<EnergyJet> jets_;
   std::set<LatticeEdge> jumps_, suspects_;
@@ -159,7 +173,7 @@ Refinement nextRefinement(const SpaceTable& space, const Scene& scene) {
   if (space.lattice.divisions() != lattice_divisions)
     throw failure("active node {}: its lattice has {} divisions where a refined one has {}",
                   space.patch.name, space.lattice.divisions(), lattice_divisions);
-  return Inspection(space, scene.accuracy).refine();
+  return Inspection(space, scene).refine();
 }
 
 }  // namespace palpate

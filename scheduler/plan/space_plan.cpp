@@ -51,8 +51,7 @@ SpacePlan::SpacePlan(const Problem& problem, std::uint32_t space)
       positions_(frontier_.lattice()),
       points_(at(positions_.size())),
       attempts_(points_.size()),
-      // Sites are all on one lattice: there the accuracy is in their places.
-      may_grow_(problem.scene.accuracy.adaptive() && !problem.active[space].finger) {
+      may_grow_(problem.scene.accuracy.adaptive()) {
   PALPATE_ASSERT(space < problem.active.size(), "a plan is that of one active node");
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tests/support/meshes.hpp"
+#include "tests/support/symmetric_slope.hpp"
 #include "tests/support/touchable_body.hpp"
 
 namespace palpate::test {
@@ -23,8 +24,12 @@ Equilibrium equilibriumAt(const Eigen::Vector3d& s, const Eigen::Vector3d& p) {
   e.stiffness = -factorAt(s) * f.hessian(p);
   e.drive = FingerBody::drive(s, p);
   e.drive_stiffness = -factorGradient(s) * f.gradient(p).transpose();
-  e.drive_slope =
-      0.3 * std::sin(wave_vector.dot(s)) * f.energy(p) * wave_vector * wave_vector.transpose();
+  const Eigen::Matrix3d bend =
+      0.3 * std::sin(wave_vector.dot(s)) * wave_vector * wave_vector.transpose();
+  e.drive_slope = f.energy(p) * bend;
+  e.stiffness_by_p = -factorAt(s) * f.hessianSlope(p);
+  e.stiffness_by_s = -slopeOf(f.hessian(p), factorGradient(s));
+  e.drive_slope_by_p = slopeOf(bend, f.gradient(p));
   return e;
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "tests/support/symmetric_slope.hpp"
+
 namespace palpate::test {
 namespace {
 
@@ -28,6 +30,16 @@ Eigen::Vector3d ConvexEnergy::gradient(const Eigen::Vector3d& p) const {
 Eigen::Matrix3d ConvexEnergy::hessian(const Eigen::Vector3d& p) const {
   return factor_ * (softness() + hardening * (p.squaredNorm() * Eigen::Matrix3d::Identity() +
                                               2 * p * p.transpose()));
+}
+
+SymmetricSlope ConvexEnergy::hessianSlope(const Eigen::Vector3d& p) const {
+  SymmetricSlope slope = 2 * slopeOf(Eigen::Matrix3d::Identity(), p);
+  for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
+    const auto [a, b] = symmetric_axes[c];
+    slope(static_cast<Eigen::Index>(c), a) += 2 * p[b];
+    slope(static_cast<Eigen::Index>(c), b) += 2 * p[a];
+  }
+  return factor_ * hardening * slope;
 }
 
 TouchableBody::TouchableBody(Mesh mesh, const std::vector<Active>& active, double radius,

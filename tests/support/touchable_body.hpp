@@ -16,6 +16,7 @@ class ConvexEnergy : public AnalyticEnergy {
   double energy(const Eigen::Vector3d& p) const override;
   Eigen::Vector3d gradient(const Eigen::Vector3d& p) const override;
   Eigen::Matrix3d hessian(const Eigen::Vector3d& p) const override;
+  SymmetricSlope hessianSlope(const Eigen::Vector3d& p) const;
 
  private:
   double factor_;

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <thread>
 
-#include "common/base/error.hpp"
 #include "common/base/farthest_points.hpp"
 #include "common/base/parallel.hpp"
 
@@ -25,6 +25,8 @@ constexpr double kernel_width = 1.5;
 /// A site stands farther from the others than places stand from the nearest: so much of what it
 /// lacks is theirs. Measured: docs/evaluation.md.
 constexpr double share_of_judgement = 0.5;
+/// Of refinement (Accuracy::levels).
+constexpr std::size_t most_levels = 6;
 
 /// Wendland's function of the second smoothness in three dimensions, and its derivative by x over
 /// x, which is finite at 0.
@@ -62,13 +64,13 @@ struct Interpolation {
     if (!chosen.empty()) coefficients = hermiteCoefficients(place, chosen, width);
   }
 
-  SiteJet at(const std::vector<SiteJets>& made, std::size_t slot) const {
+  SiteJet at(const std::vector<SiteJets>& made, const LatticePoint& point) const {
     SiteJet sum = SiteJet::Zero();
     for (std::size_t n = 0; n < from.size(); ++n) {
       const Eigen::Matrix<float, place_quantities, place_quantities> block =
           coefficients.middleCols<place_quantities>(place_quantities *
                                                     static_cast<Eigen::Index>(n));
-      sum += made[from[n]].jets[slot].lazyProduct(block.transpose());
+      sum += made[from[n]].at(point).lazyProduct(block.transpose());
     }
     return sum;
   }
@@ -98,20 +100,64 @@ Eigen::Matrix<float, place_quantities, 4> expansionAt(const Eigen::Vector3d& d) 
 
 }  // namespace
 
+using JetColumn = Eigen::Matrix<float, 28, 1>;
+
+struct AreaField::LevelSum {
+  bool begun = false;
+  double edge = 0;
+  Eigen::Vector3d local;
+  // Of each corner the factors of a value, and the sum of w Q, whose polynomial is that of E times
+  // the sum of w.
+  std::array<JetColumn, 8> value_factors, corners;
+
+  void begin(double leaf_edge, double spacing, const Eigen::Vector3d& place) noexcept {
+    begun = true;
+    edge = leaf_edge;
+    local = place;
+    const LeafBasis basis = valueBasis(edge, spacing, local);
+    for (std::size_t c = 0; c < 8; ++c) {
+      value_factors[c].setZero();
+      for (std::size_t n = 0; n < basis[c].size(); ++n)
+        value_factors[c][static_cast<Eigen::Index>(n)] = static_cast<float>(basis[c][n]);
+      corners[c].setZero();
+    }
+  }
+
+  /// Adds what the sum says to a sample, over `whole`.
+  void addTo(AreaSample& sample, double whole, double spacing) const noexcept {
+    std::array<EnergyJet, 8> jets;
+    LeafJets leaf;
+    for (std::size_t c = 0; c < 8; ++c) {
+      for (std::size_t n = 0; n < jets[c].size(); ++n)
+        jets[c][n] = static_cast<double>(corners[c][static_cast<Eigen::Index>(n)]) / whole;
+      leaf[c] = &jets[c];
+    }
+    const EnergySample energy = evaluateEnergy(leaf, edge, spacing, local);
+    sample.energy += energy.energy;
+    sample.force += energy.force;
+    sample.stiffness += energy.stiffness;
+  }
+};
+
 AreaField::AreaField(const std::vector<const SpaceTable*>& spaces,
                      const std::vector<Eigen::Vector3d>& surface)
-    : tree_(*spaces.at(0)) {
-  const double radius = spaces.front()->patch.finger.value().radius;
+    : radius_(spaces.at(0)->lattice.radius()) {
+  const double finger = spaces.front()->patch.finger.value().radius;
   std::vector<Eigen::Vector3d> centers;
   for (const SpaceTable* space : spaces) {
     centers.push_back(space->patch.finger.value().center);
-    const Lattice &lattice = space->lattice, &first = spaces.front()->lattice;
-    if (!space->splits.empty() || lattice.size() != lattice.uniformSize() ||
-        lattice.radius() != first.radius() || lattice.spacing() != first.spacing())
-      throw failure("{}: the sites of an area are all on one uniform lattice, and this is not",
-                    space->patch.name);
+    PALPATE_ASSERT(space->lattice.radius() == radius_ &&
+                       space->lattice.spacing() == spaces.front()->lattice.spacing(),
+                   "the sites of an area are of one build");
   }
-  sites_ = NearPoints(centers, reach_in_distances * site_distance * radius);
+  sites_ = NearPoints(centers, reach_in_distances * site_distance * finger);
+  const std::vector<SiteJets> made = makeSites(spaces);
+  setStations(surface, finger);
+  interpolateToStations(spaces, made, kernel_width * finger);
+  judge(spaces, made, kernel_width * finger);
+}
+
+std::vector<SiteJets> AreaField::makeSites(const std::vector<const SpaceTable*>& spaces) const {
   std::vector<std::optional<SiteJets>> parts(spaces.size());
   // As many parts as threads, each with fits of its own.
   const std::size_t n_parts = std::max(1u, std::thread::hardware_concurrency());
@@ -121,9 +167,21 @@ AreaField::AreaField(const std::vector<const SpaceTable*>& spaces,
   });
   std::vector<SiteJets> made;
   for (auto& part : parts) made.push_back(std::move(*part));
-  setStations(surface, radius);
-  interpolateToStations(made, kernel_width * radius);
-  judge(spaces, made, kernel_width * radius);
+  return made;
+}
+
+/// The number of the tree of a lattice like that of a space, with these cells split.
+std::size_t AreaField::treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits) {
+  const auto [known, is_new] = tree_of_splits_.try_emplace(splits, trees_.size());
+  if (is_new) {
+    SpaceTable table;
+    table.lattice = like.lattice;
+    table.points.resize(like.points.size());
+    table.points.front().tag = Tag::expandable;
+    table.splits = splits;
+    trees_.emplace_back(table);
+  }
+  return known->second;
 }
 
 /// Of the surface near sites, spread evenly.
@@ -135,41 +193,58 @@ void AreaField::setStations(const std::vector<Eigen::Vector3d>& surface, double 
         }))
       places.push_back(place);
   const auto any = [](const Eigen::Vector3d&, std::size_t) { return true; };
-  stations_ = NearPoints(farthestPoints(places, station_distance * radius, any),
+  const std::vector<double> distances(places.size(), station_distance * radius);
+  stations_ = NearPoints(farthestPoints(places, distances, any),
                          reach_in_distances * station_distance * radius);
 }
 
-void AreaField::interpolateToStations(const std::vector<SiteJets>& made, double width) {
-  const std::size_t n_slots = tree_.slots().size();
-  jets_.resize(stationCount() * n_slots);
-  inParallel(stationCount(), [&](std::size_t station) {
-    const Interpolation interpolation(sites_.points(), stations_.points()[station],
-                                      sites_of_station, siteCount(), width);
-    for (std::size_t slot = 0; slot < n_slots; ++slot)
-      jets_[station * n_slots + slot] = interpolation.at(made, slot);
+void AreaField::interpolateToStations(const std::vector<const SpaceTable*>& spaces,
+                                      const std::vector<SiteJets>& made, double width) {
+  std::vector<Interpolation> interpolations;
+  for (const Eigen::Vector3d& station : stations_.points()) {
+    interpolations.emplace_back(sites_.points(), station, sites_of_station, siteCount(), width);
+    std::set<LatticeCell> cells;
+    for (const std::size_t site : interpolations.back().from)
+      cells.insert(spaces[site]->splits.begin(), spaces[site]->splits.end());
+    std::vector<LatticeCell> splits(cells.begin(), cells.end());
+    std::ranges::sort(splits, coarserFirst);
+    at_stations_.push_back({treeOf(*spaces.front(), splits), {}});
+  }
+  inParallel(stationCount(), [&](std::size_t n) {
+    Station& station = at_stations_[n];
+    const CellTree& tree = trees_[station.tree];
+    for (const CellSlot& slot : tree.slots())
+      station.jets.push_back(slot.kind == SlotKind::hanging
+                                 ? SiteJet::Zero()
+                                 : interpolations[n].at(made, slot.point));
+    fillHanging(tree, station.jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
+      return jetInLeaf(tree, station.jets, leaf, local);
+    });
   });
 }
 
 void AreaField::judge(const std::vector<const SpaceTable*>& spaces,
                       const std::vector<SiteJets>& made, double width) {
-  judgements_.resize(siteCount());
+  for (std::size_t site = 0; site < siteCount(); ++site)
+    judgements_.push_back({treeOf(*spaces[site], spaces[site]->splits), made[site].p_error,
+                           made[site].coverage});
   inParallel(siteCount(), [&](std::size_t site) {
     Judgement& judgement = judgements_[site];
-    judgement.coverage = made[site].coverage;
-    judgement.error = made[site].p_error;
     const Interpolation others(sites_.points(), sites_.points()[site], sites_of_judgement, site,
                                width);
     if (others.from.empty()) {
       judgement.error.assign(judgement.error.size(), std::numeric_limits<float>::quiet_NaN());
       return;
     }
-    std::vector<float> lacks(tree_.slots().size(), -1);
+    const CellTree& tree = made[site].tree;
+    std::vector<float> lacks(tree.slots().size(), -1);
     for (std::size_t slot = 0; slot < lacks.size(); ++slot) {
-      const auto number = spaces[site]->lattice.indexOf(tree_.slots()[slot].point);
+      const auto number = spaces[site]->lattice.indexOf(tree.slots()[slot].point);
       if (!number || !isSolved(spaces[site]->points[at(*number)].tag)) continue;
-      const SiteJet difference = others.at(made, slot) - made[site].jets[slot];
+      const SiteJet difference =
+          others.at(made, tree.slots()[slot].point) - made[site].jets[slot];
       lacks[slot] = Eigen::Vector3f(difference(1, 0), difference(3, 0), difference(9, 0)).norm() /
-                    static_cast<float>(tree_.spacing());
+                    static_cast<float>(tree.spacing());
     }
     // What is not solved is no better known than the worst that is.
     const float worst = *std::ranges::max_element(lacks);
@@ -182,51 +257,51 @@ void AreaField::judge(const std::vector<const SpaceTable*>& spaces,
 AreaSample AreaField::evaluate(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept {
   if (!s.allFinite() || p.array().isNaN().any()) return {};
   const double length = p.stableNorm();
-  if (length <= tree_.radius()) return inBall(s, p);
-  const Eigen::Vector3d nearest = nearestInBall(p, tree_.radius());
+  if (length <= radius_) return inBall(s, p);
+  const Eigen::Vector3d nearest = nearestInBall(p, radius_);
   AreaSample sample = inBall(s, nearest);
   // The force of the nearest point of the sphere is the gradient of no energy out here.
   sample.inside = false;
   sample.energy = std::numeric_limits<double>::quiet_NaN();
   sample.error_bound += sample.stiffness.norm() * (p - nearest).stableNorm();
-  const Eigen::Vector3d outwards = nearest / tree_.radius();
+  const Eigen::Vector3d outwards = nearest / radius_;
   sample.stiffness -= sample.stiffness * outwards * outwards.transpose();
-  sample.stiffness *= tree_.radius() / length;
+  sample.stiffness *= radius_ / length;
   return sample;
 }
 
 AreaSample AreaField::inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept {
-  const LeafPlace place = tree_.find(p);
-  if (place.leaf < 0) return {};
-  const LeafCorners& slots = tree_.corners(place.leaf);
-  const LeafBasis basis = valueBasis(tree_.edge(place.leaf), tree_.spacing(), place.local);
-  // Of each corner the factors of a value, and the sum of w Q, whose polynomial is that of E times
-  // the sum of w.
-  using JetColumn = Eigen::Matrix<float, 28, 1>;
-  std::array<JetColumn, 8> value_factors, corners;
-  for (std::size_t c = 0; c < 8; ++c) {
-    value_factors[c].setZero();
-    for (std::size_t n = 0; n < basis[c].size(); ++n)
-      value_factors[c][static_cast<Eigen::Index>(n)] = static_cast<float>(basis[c][n]);
-    corners[c].setZero();
-  }
+  std::array<LevelSum, most_levels + 1> levels;
+  const CellTree* tree = nullptr;
+  LeafPlace place;
+  LevelSum* level = nullptr;
+  const double spacing = trees_.front().spacing();
   double whole = 0;
   Eigen::Vector3d whole_slope = Eigen::Vector3d::Zero(), slope = Eigen::Vector3d::Zero();
-  for (const std::int32_t station : stations_.near(s)) {
-    const Eigen::Vector3d d = s - stations_.points()[at(station)];
+  for (const std::int32_t number : stations_.near(s)) {
+    const Eigen::Vector3d d = s - stations_.points()[at(number)];
     const double x = d.norm() / stations_.reach();
     if (!(x < 1)) continue;
+    const Station& station = at_stations_[at(number)];
+    // Neighbours often share a tree.
+    if (tree != &trees_[station.tree]) {
+      tree = &trees_[station.tree];
+      place = tree->find(p);
+      if (place.leaf < 0) return {};
+      level = &levels[at(tree->leaves()[at(place.leaf)].level)];
+      if (!level->begun) level->begin(tree->edge(place.leaf), spacing, place.local);
+    }
     const Wendland w(x);
     const Eigen::Vector3d w_slope = w.slope_over_x / (stations_.reach() * stations_.reach()) * d;
     const auto expansion = expansionAt(d);
     using Quantities = Eigen::Matrix<float, place_quantities, 1>;
     const Quantities factors = static_cast<float>(w.value) * expansion.col(0);
     Quantities values = Quantities::Zero();
-    const SiteJet* jets = &jets_[at(station) * tree_.slots().size()];
+    const LeafCorners& slots = tree->corners(place.leaf);
     for (std::size_t c = 0; c < 8; ++c) {
-      const SiteJet& jet = jets[at(slots[c])];
-      corners[c] += jet.lazyProduct(factors);
-      values += jet.transpose().lazyProduct(value_factors[c]);
+      const SiteJet& jet = station.jets[at(slots[c])];
+      level->corners[c] += jet.lazyProduct(factors);
+      values += jet.transpose().lazyProduct(level->value_factors[c]);
     }
     const Eigen::Vector4d q = (expansion.transpose().lazyProduct(values)).eval().cast<double>();
     whole += w.value;
@@ -234,34 +309,27 @@ AreaSample AreaField::inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p)
     slope += w_slope * q[0] + w.value * q.tail<3>();
   }
   if (whole < std::numeric_limits<double>::min()) return {};
-  std::array<EnergyJet, 8> jets;
-  LeafJets leaf;
-  for (std::size_t c = 0; c < 8; ++c) {
-    for (std::size_t n = 0; n < jets[c].size(); ++n)
-      jets[c][n] = static_cast<double>(corners[c][static_cast<Eigen::Index>(n)]) / whole;
-    leaf[c] = &jets[c];
-  }
-  const EnergySample energy =
-      evaluateEnergy(leaf, tree_.edge(place.leaf), tree_.spacing(), place.local);
   AreaSample sample;
-  sample.energy = energy.energy;
-  sample.force = energy.force;
-  sample.stiffness = energy.stiffness;
+  sample.energy = 0;
+  for (const LevelSum& sum : levels)
+    if (sum.begun) sum.addTo(sample, whole, spacing);
   // -d/ds of a quotient.
-  sample.drive = (energy.energy * whole_slope - slope) / whole;
-  addJudgement(s, place, sample);
+  sample.drive = (sample.energy * whole_slope - slope) / whole;
+  addJudgement(s, p, sample);
   return sample;
 }
 
-void AreaField::addJudgement(const Eigen::Vector3d& s, const LeafPlace& place,
+void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                              AreaSample& sample) const noexcept {
-  const LeafCorners& slots = tree_.corners(place.leaf);
   double whole = 0, error = 0, coverage = 0;
   for (const std::int32_t site : sites_.near(s)) {
     const double x = (s - sites_.points()[at(site)]).norm() / sites_.reach();
     if (!(x < 1)) continue;
     const double weight = Wendland(x).value;
     const Judgement& judgement = judgements_[at(site)];
+    const CellTree& tree = trees_[judgement.tree];
+    const LeafPlace place = tree.find(p);
+    const LeafCorners& slots = tree.corners(place.leaf);
     whole += weight;
     error += weight * static_cast<double>(trilinear(slots, place.local, judgement.error));
     coverage += weight * static_cast<double>(trilinear(slots, place.local, judgement.coverage));

@@ -1,10 +1,11 @@
 #pragma once
 
+#include <map>
 #include <memory>
 
+#include "common/base/near_points.hpp"
 #include "viewer/fields/cell_data.hpp"
 #include "viewer/fields/force_field.hpp"
-#include "viewer/fields/near_points.hpp"
 #include "viewer/fields/site_jets.hpp"
 
 namespace palpate {
@@ -20,11 +21,14 @@ struct AreaSample : ForceSample {
 /// and drive = -dE/ds. So every loop in (s, p) is closed in energy, over places where other sites
 /// take over too.
 ///
-/// At each site and each solved p the energy is known to the second order in s and p, exactly.
-/// - In p the ten quantities of a site are interpolated on the lattice (site_jets.hpp).
+/// At each site and each solved p the energy is known to the third order in s and p, exactly (by s
+/// alone to the second).
+/// - In p the ten quantities of a site are interpolated on its lattice, which may be refined
+///   (site_jets.hpp).
 /// - From the sites they are interpolated to *stations*, places closer together, by a kernel that
 ///   meets values, gradients and curvatures at the seven nearest sites (hermite_kernel.hpp). This
 ///   is what makes few sites enough: its error goes with about the fifth power of their distance.
+///   A station's lattice is refined where that of one of them is.
 /// - Around a station E is its expansion Q to the second order in s - station, and expansions are
 ///   blended by a partition of unity (Shepard 1968)
 ///
@@ -40,9 +44,9 @@ struct AreaSample : ForceSample {
 /// Immutable after construction: any thread may evaluate.
 class AreaField {
  public:
-  /// `sites` are spaces of fingers of one radius, all on one uniform lattice; `surface` places of
+  /// `sites` are spaces of fingers of one radius, of one build; `surface` places of
   /// the body's surface, close together against the radius, stations among them. Side by side on
-  /// all cores. Error when a site has no solved point, or was refined.
+  /// all cores. Error when a site has no solved point.
   AreaField(const std::vector<const SpaceTable*>& sites,
             const std::vector<Eigen::Vector3d>& surface);
 
@@ -56,22 +60,36 @@ class AreaField {
   std::size_t stationCount() const { return stations_.points().size(); }
 
  private:
-  /// What is said about the error at a site, per slot.
+  /// The lattice of a station and what is interpolated to it, per slot.
+  struct Station {
+    std::size_t tree = 0;
+    std::vector<SiteJet> jets;
+  };
+  /// What is said about the error at a site, per slot of its lattice.
   struct Judgement {
+    std::size_t tree = 0;
     std::vector<float> error, coverage;
   };
+  /// Sums over the stations whose leaves around a displacement are on one level: all are the same.
+  struct LevelSum;
 
+  std::vector<SiteJets> makeSites(const std::vector<const SpaceTable*>& spaces) const;
+  std::size_t treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits);
   void setStations(const std::vector<Eigen::Vector3d>& surface, double radius);
-  void interpolateToStations(const std::vector<SiteJets>& made, double width);
+  void interpolateToStations(const std::vector<const SpaceTable*>& spaces,
+                             const std::vector<SiteJets>& made, double width);
   void judge(const std::vector<const SpaceTable*>& spaces, const std::vector<SiteJets>& made,
              double width);
   AreaSample inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
-  void addJudgement(const Eigen::Vector3d& s, const LeafPlace& place,
+  void addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                     AreaSample& sample) const noexcept;
 
-  CellTree tree_;  ///< of every site
+  double radius_ = 0;  ///< of the ball, m
+  /// One for each way in which lattices are refined; of their slots only the places count.
+  std::vector<CellTree> trees_;
+  std::map<std::vector<LatticeCell>, std::size_t> tree_of_splits_;
   NearPoints sites_, stations_;
-  std::vector<SiteJet> jets_;          ///< [station * slots + slot]
+  std::vector<Station> at_stations_;   ///< per station
   std::vector<Judgement> judgements_;  ///< per site
 };
 

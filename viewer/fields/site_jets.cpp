@@ -52,10 +52,29 @@ std::vector<float> largestAround(const CellTree& tree, const std::vector<double>
 
 }  // namespace
 
-SiteJets::SiteJets(const SpaceTable& space, SiteFits& fits) {
+SiteJet jetInLeaf(const CellTree& tree, std::span<const SiteJet> jets, std::int32_t leaf,
+                  const Eigen::Vector3d& local) {
+  const JetBasis basis = jetBasis(tree.edge(leaf), tree.spacing(), local);
+  SiteJet jet = SiteJet::Zero();
+  for (std::size_t c = 0; c < 8; ++c)
+    jet.topRows<27>() +=
+        basis[c].cast<float>() * jets[palpate::at(tree.corners(leaf)[c])].topRows<27>();
+  return jet;
+}
+
+SiteJet SiteJets::at(const LatticePoint& point) const {
+  LeafPlace place;
+  for (std::size_t octant = 0; place.leaf < 0 && octant < 8; ++octant)
+    place = tree.leafBeside(point, octant);
+  PALPATE_ASSERT(place.leaf >= 0, "trees of one area have the same ball");
+  if (!isCorner(place.local)) return jetInLeaf(tree, jets, place.leaf, place.local);
+  const std::size_t corner = (place.local.x() > 0 ? 1 : 0) + (place.local.y() > 0 ? 2 : 0) +
+                             (place.local.z() > 0 ? 4 : 0);
+  return jets[palpate::at(tree.corners(place.leaf)[corner])];
+}
+
+SiteJets::SiteJets(CellData data, const SpaceTable& space, SiteFits& fits) : tree(data.tree) {
   PALPATE_ASSERT(space.patch.finger, "only a finger has a drive");
-  CellData data(space, fits.energy);
-  const CellTree& tree = data.tree;
   jets.assign(tree.slots().size(), SiteJet::Zero());
   coverage.assign(data.support.begin(), data.support.end());
   const auto polynomials = correctedPolynomials(data, space, fits.energy);
@@ -72,12 +91,18 @@ SiteJets::SiteJets(const SpaceTable& space, SiteFits& fits) {
     const auto set = [axis](const Equilibrium& e, Equilibrium& drive) {
       drive.energy = e.drive[axis];
       drive.force = -e.drive_stiffness.row(axis);
+      for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
+        const auto [a, b] = symmetric_axes[c];
+        drive.stiffness(a, b) = drive.stiffness(b, a) =
+            -e.stiffness_by_s(static_cast<Eigen::Index>(c), axis);
+      }
     };
     setQuantity(jets, 1 + axis, jetsOf(view.of(set), fits.drive));
   }
   for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
     const auto set = [c](const Equilibrium& e, Equilibrium& slope) {
       slope.energy = e.drive_slope(symmetric_axes[c][0], symmetric_axes[c][1]);
+      slope.force = -e.drive_slope_by_p.row(static_cast<Eigen::Index>(c));
     };
     setQuantity(jets, static_cast<Eigen::Index>(4 + c), jetsOf(view.of(set), fits.slope));
   }

@@ -1,6 +1,8 @@
 #pragma once
 
-#include "common/interpolation/energy_jets.hpp"
+#include <span>
+
+#include "viewer/fields/cell_data.hpp"
 #include "viewer/fields/hermite_kernel.hpp"
 
 namespace palpate {
@@ -14,23 +16,34 @@ using SiteJet = Eigen::Matrix<float, 28, place_quantities>;
 /// what they say matters little beyond what the device renders.
 struct SiteFits {
   explicit SiteFits(double unit)
-      : energy(unit, {KnownOrders::curvature, 3, 5}),
-        drive(unit, {KnownOrders::slope, 3, 4}),
-        slope(unit, {KnownOrders::value, 2, 3}) {}
+      : energy(unit, finger_fit),
+        drive(unit, {KnownOrders::curvature, 3, 5}),
+        slope(unit, {KnownOrders::slope, 3, 4}) {}
   LocalFits energy, drive, slope;
 };
 
 /// One configuration space of a finger as an area needs it: ten quantities interpolated in p, each
 /// by the tensor product quintic Hermite polynomial of energy_jets.hpp, so that all are twice
-/// continuously differentiable. Of the energy value, slope and curvature at solved points are
-/// exact, of the drive T value and slope, of dT/ds the value; higher derivatives are fitted.
+/// continuously differentiable. At solved points the derivatives of E by s and p to the third order
+/// are exact (but those by s alone, to the second); higher ones are fitted.
 struct SiteJets {
   /// `space` is that of a finger. Error when no point of it is solved.
-  SiteJets(const SpaceTable& space, SiteFits& fits);
+  SiteJets(const SpaceTable& space, SiteFits& fits) : SiteJets(CellData(space, fits.energy), space, fits) {}
 
+  /// At any lattice position that some leaf of the tree has in it or on it.
+  SiteJet at(const LatticePoint& point) const;
+
+  CellTree tree;
   std::vector<SiteJet> jets;    ///< per slot
   std::vector<float> p_error;   ///< per slot: bound on the force's error by interpolation in p, N
   std::vector<float> coverage;  ///< per slot, as ForceSample::coverage
+
+ private:
+  SiteJets(CellData data, const SpaceTable& space, SiteFits& fits);
 };
+
+/// What a leaf with these jets at the slots of its tree interpolates at a place in it.
+SiteJet jetInLeaf(const CellTree& tree, std::span<const SiteJet> jets, std::int32_t leaf,
+                  const Eigen::Vector3d& local);
 
 }  // namespace palpate

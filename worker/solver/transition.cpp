@@ -9,6 +9,7 @@
 #include "common/base/index.hpp"
 #include "common/problem/finger.hpp"
 #include "worker/solver/element_geometry.hpp"
+#include "worker/solver/third_derivatives.hpp"
 
 namespace palpate {
 namespace {
@@ -261,8 +262,10 @@ Cause TransitionSolver::judge(NewtonResult& newton, bool last, Step& step) {
   step.equilibrium.stiffness = Eigen::Matrix3d::Zero() - 0.5 * (K + K.transpose());
   step.equilibrium.energy = newton.residual.energy;
   step.equilibrium.min_det_F = newton.residual.min_det_F;
-  if (with_drive)
+  if (with_drive) {
     setDrive(newton.state, right_hand_sides.rightCols<3>(), *sensitivity, step.equilibrium);
+    setThirdDerivatives(system_, newton.state, sensitivity->solution, *finger_, step.equilibrium);
+  }
   if (!isFinite(step.equilibrium)) return Cause::not_finite;
   step.end = {std::move(newton.state), S};
   return Cause::none;

@@ -185,6 +185,9 @@ TEST_F(SealedDataset, GivesBackFingersAndWhatDrivesThem) {
   EXPECT_EQ(found.drive, sealed.drive);
   EXPECT_EQ(found.drive_stiffness, sealed.drive_stiffness);
   EXPECT_EQ(found.drive_slope, sealed.drive_slope);
+  EXPECT_EQ(found.stiffness_by_p, sealed.stiffness_by_p);
+  EXPECT_EQ(found.stiffness_by_s, sealed.stiffness_by_s);
+  EXPECT_EQ(found.drive_slope_by_p, sealed.drive_slope_by_p);
 }
 
 TEST_F(SealedDataset, RefusesFieldsWithPressuresOfAnotherSpace) {

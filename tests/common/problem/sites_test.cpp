@@ -53,8 +53,21 @@ TEST_F(SitesOnACube, AreNoNearerToEachOtherThanTheyReach) {
   while (!sites.empty()) {
     const Eigen::Vector3d site = sites.back();
     sites.pop_back();
-    EXPECT_GT(distanceTo(sites, site), site_distance * radius);
+    EXPECT_GT(distanceTo(sites, site), 0.6 * site_distance * radius);
   }
+}
+
+TEST_F(SitesOnACube, AreCloserAtTheEdgesThanOnTheSides) {
+  constexpr double radius = 0.03;
+  std::size_t side = 0, edge = 0;
+  for (const Eigen::Vector3d& site : cover(radius)) {
+    if (site.z() < 0.199) continue;
+    const auto inside = [](double x) { return x > 0.05 && x < 0.15; };
+    side += inside(site.x()) && inside(site.y());
+    edge += inside(site.x()) && site.y() > 0.19;
+  }
+  // A strip of a tenth of the width of the side.
+  EXPECT_GT(10 * edge, 2 * side);
 }
 
 TEST_F(SitesOnACube, LieOnTheSurfaceAndRestOnWhatCanMove) {

@@ -46,6 +46,9 @@ TEST(WireResult, CarriesWhatDrivesAFingerAndNothingOfItForOtherTools) {
   outcome.equilibrium.drive = {1, -2, 3};
   outcome.equilibrium.drive_stiffness << 1, 2, 3, 4, 5, 6, 7, 8, 9;
   outcome.equilibrium.drive_slope = Eigen::Matrix3d::Identity();
+  outcome.equilibrium.stiffness_by_p(2, 1) = 4;
+  outcome.equilibrium.stiffness_by_s(0, 2) = 5;
+  outcome.equilibrium.drive_slope_by_p(5, 0) = 6;
   wire::Result result;
   toWire(outcome, "fields", result);
   const auto again = fromWire(result);
@@ -53,6 +56,9 @@ TEST(WireResult, CarriesWhatDrivesAFingerAndNothingOfItForOtherTools) {
   EXPECT_EQ(again->equilibrium.drive, outcome.equilibrium.drive);
   EXPECT_EQ(again->equilibrium.drive_stiffness, outcome.equilibrium.drive_stiffness);
   EXPECT_EQ(again->equilibrium.drive_slope, outcome.equilibrium.drive_slope);
+  EXPECT_EQ(again->equilibrium.stiffness_by_p, outcome.equilibrium.stiffness_by_p);
+  EXPECT_EQ(again->equilibrium.stiffness_by_s, outcome.equilibrium.stiffness_by_s);
+  EXPECT_EQ(again->equilibrium.drive_slope_by_p, outcome.equilibrium.drive_slope_by_p);
   result.mutable_equilibrium()->set_drive("short");
   EXPECT_FALSE(fromWire(result));
 }

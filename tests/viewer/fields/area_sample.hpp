@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/space/space_table.hpp"
+#include "tests/support/symmetric_slope.hpp"
 
 /// The spaces of a finger's sites whose energy is known on paper: E(s, p) = g(s) f(p).
 namespace palpate::test {
@@ -68,7 +69,11 @@ struct PaperArea {
                            .energy = energy(s, p),
                            .drive = drive(s, p),
                            .drive_stiffness = -gradG(s) * gradF(p).transpose(),
-                           .drive_slope = -f(p) * hessianG(s)};
+                           .drive_slope = -f(p) * hessianG(s),
+                           .stiffness_by_p =
+                               -g(s) * slopeOf(6 * cubed() * cubed().transpose(), cubed()),
+                           .stiffness_by_s = -slopeOf(hessianF(p), gradG(s)),
+                           .drive_slope_by_p = -slopeOf(hessianG(s), gradF(p))};
     }
     return space;
   }

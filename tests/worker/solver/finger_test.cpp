@@ -42,6 +42,13 @@ class FingerOnABlob : public ::testing::Test {
     return outcome.equilibrium;
   }
 
+  static void expectChange(const SymmetricSlope& slope, int axis, const Eigen::Matrix3d& difference,
+                           double tolerance) {
+    for (std::size_t c = 0; c < symmetric_axes.size(); ++c)
+      EXPECT_NEAR(slope(static_cast<Eigen::Index>(c), axis),
+                  difference(symmetric_axes[c][0], symmetric_axes[c][1]), tolerance * slope.norm());
+  }
+
   void expectDerivativesOfOneEnergy() {
     constexpr double h = 1e-5;
     const Eigen::Vector3d s = center();
@@ -63,6 +70,9 @@ class FingerOnABlob : public ::testing::Test {
       // To the jumps of the weights' curvature (finger_weights_test.cpp).
       EXPECT_LT(((on.drive - back.drive) / (2 * h) - here.drive_slope.col(i)).norm(),
                 1e-2 * here.drive_slope.norm());
+      expectChange(here.stiffness_by_p, i, (up.stiffness - down.stiffness) / (2 * h), 1e-5);
+      expectChange(here.stiffness_by_s, i, (on.stiffness - back.stiffness) / (2 * h), 1e-5);
+      expectChange(here.drive_slope_by_p, i, (up.drive_slope - down.drive_slope) / (2 * h), 1e-5);
     }
     EXPECT_EQ(here.drive_slope, here.drive_slope.transpose());
   }

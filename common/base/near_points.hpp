@@ -7,7 +7,8 @@
 
 namespace palpate {
 
-/// Which of some points in space lie near a position: lists per cube of a grid, made once.
+/// Which of some points in space lie near a position: lists per cube of a grid, made once, in a
+/// time that goes with the number of points.
 /// Immutable: any thread may ask.
 class NearPoints {
  public:
@@ -21,6 +22,9 @@ class NearPoints {
   std::span<const std::int32_t> near(const Eigen::Vector3d& s) const noexcept;
 
  private:
+  template <class Visit>
+  void forEachCubeAround(const Eigen::Vector3d& point, Visit visit) const;
+
   std::vector<Eigen::Vector3d> points_;
   double reach_ = 0, edge_ = 0;  ///< m; edge_: of the cubes
   Eigen::Vector3d lowest_ = Eigen::Vector3d::Zero();

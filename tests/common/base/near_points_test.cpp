@@ -1,4 +1,4 @@
-#include "viewer/fields/near_points.hpp"
+#include "common/base/near_points.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,77 @@
+#include "common/base/near_points.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "common/base/assertion.hpp"
+#include "common/base/index.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double most_cubes = 48;  ///< along an axis
+
+}  // namespace
+
+NearPoints::NearPoints(std::vector<Eigen::Vector3d> points, double reach)
+    : points_(std::move(points)), reach_(reach) {
+  PALPATE_ASSERT(!points_.empty() && reach > 0, "a grid is made around something");
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& point : points_) box.extend(point);
+  lowest_ = box.min().array() - reach;
+  const Eigen::Vector3d size = box.sizes().array() + 2 * reach;
+  // Points far apart against their reach make longer lists, not more cubes than fit.
+  edge_ = std::max(reach, size.maxCoeff() / most_cubes);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    cubes_[axis] = 1 + static_cast<std::int32_t>(size[static_cast<Eigen::Index>(axis)] / edge_);
+  // Counted, then listed, in the order of the points.
+  std::vector<std::int32_t> counts(at(cubes_[0]) * at(cubes_[1]) * at(cubes_[2]), 0);
+  for (const Eigen::Vector3d& point : points_)
+    forEachCubeAround(point, [&](std::size_t cube) { ++counts[cube]; });
+  first_.assign(counts.size() + 1, 0);
+  std::partial_sum(counts.begin(), counts.end(), first_.begin() + 1);
+  listed_.resize(at(first_.back()));
+  std::vector<std::int32_t> next(first_.begin(), first_.end() - 1);
+  for (std::size_t n = 0; n < points_.size(); ++n)
+    forEachCubeAround(points_[n], [&](std::size_t cube) {
+      listed_[at(next[cube]++)] = static_cast<std::int32_t>(n);
+    });
+}
+
+/// Those that the reach of a point touches.
+template <class Visit>
+void NearPoints::forEachCubeAround(const Eigen::Vector3d& point, Visit visit) const {
+  const auto cubeOf = [&](double x, int axis) {
+    return std::clamp(static_cast<std::int32_t>((x - lowest_[axis]) / edge_), 0,
+                      cubes_[at(axis)] - 1);
+  };
+  std::array<std::int32_t, 3> low, high;
+  for (int axis = 0; axis < 3; ++axis) {
+    low[at(axis)] = cubeOf(point[axis] - reach_, axis);
+    high[at(axis)] = cubeOf(point[axis] + reach_, axis);
+  }
+  for (std::int32_t z = low[2]; z <= high[2]; ++z)
+    for (std::int32_t y = low[1]; y <= high[1]; ++y)
+      for (std::int32_t x = low[0]; x <= high[0]; ++x) {
+        const Eigen::Vector3d corner = lowest_ + edge_ * Eigen::Vector3d(x, y, z);
+        const Eigen::AlignedBox3d cube(corner, corner.array() + edge_);
+        if (cube.exteriorDistance(point) <= reach_)
+          visit(at(x) + at(cubes_[0]) * (at(y) + at(cubes_[1]) * at(z)));
+      }
+}
+
+std::span<const std::int32_t> NearPoints::near(const Eigen::Vector3d& s) const noexcept {
+  std::size_t cube = 0, stride = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    const double place = std::floor((s[a] - lowest_[a]) / edge_);
+    if (!(place >= 0 && place < cubes_[axis])) return {};
+    cube += stride * static_cast<std::size_t>(place);
+    stride *= at(cubes_[axis]);
+  }
+  return std::span(listed_).subspan(at(first_[cube]), at(first_[cube + 1] - first_[cube]));
+}
+
+}  // namespace palpate

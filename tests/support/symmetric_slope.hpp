@@ -1,0 +1,16 @@
+#pragma once
+
+#include "common/space/configuration.hpp"
+
+namespace palpate::test {
+
+/// Of a symmetric matrix times a number that has this gradient.
+inline SymmetricSlope slopeOf(const Eigen::Matrix3d& symmetric, const Eigen::Vector3d& gradient) {
+  SymmetricSlope slope;
+  for (std::size_t c = 0; c < symmetric_axes.size(); ++c)
+    slope.row(static_cast<Eigen::Index>(c)) =
+        symmetric(symmetric_axes[c][0], symmetric_axes[c][1]) * gradient;
+  return slope;
+}
+
+}  // namespace palpate::test
