@@ -31,7 +31,8 @@ std::vector<SpaceTable> Build::seal(const std::filesystem::path& file) {
 
 ExitCode exitCodeOf(const std::vector<SpaceTable>& spaces) {
   const auto failedWhenTried = [](const PointRecord& point) {
-    return point.tag == Tag::failed && point.cause != Cause::unreachable;
+    return point.tag == Tag::failed && point.cause != Cause::unreachable &&
+           point.cause != Cause::beyond_force;
   };
   const bool failed = std::ranges::any_of(spaces, [&](const SpaceTable& space) {
     return std::ranges::any_of(space.points, failedWhenTried);

@@ -44,6 +44,9 @@ std::string meaningOf(const Failure& f) {
           "{} negative pivots instead of {} beyond the turn; "
           "a patch (radius) carries further than a single node",
           f.negative_pivots, f.expected_negative_pivots);
+    case Cause::beyond_force:
+      return "the force there is many times workspace.max_force, more than is ever rendered; "
+             "nothing is wrong with that";
   }
   return {};
 }
@@ -64,6 +67,7 @@ std::string_view name(Cause cause) {
     case Cause::worker_lost: return "worker_lost";
     case Cause::unreachable: return "unreachable";
     case Cause::limit_point: return "limit_point";
+    case Cause::beyond_force: return "beyond_force";
   }
   return {};
 }

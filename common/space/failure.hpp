@@ -22,6 +22,8 @@ enum class Cause : std::uint8_t {
   worker_lost = 8,           ///< every worker that tried it died
   unreachable = 9,           ///< of a point, never of a transition: no neighbour is expandable
   limit_point = 10,          ///< the path turns back: no equilibrium on this branch beyond
+  /// A finger is pushed so hard there that nothing would be interpolated with the configuration.
+  beyond_force = 11,
 };
 
 /// The word for a cause, as it stands in messages and files: "iteration_limit". "none" for

@@ -5,6 +5,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/wire/wire.hpp"
+#include "common/space/space_table.hpp"
 #include "worker/solver/path.hpp"
 
 namespace palpate {
@@ -17,7 +18,7 @@ class ProblemSolver {
       : problem_(std::move(problem)),
         lattice_(uniformLattice(problem_->scene)),
         build_(problemId(*problem_)),
-        solver_(*problem_, kernels) {}
+        solver_(*problem_, kernels, optionsFor(problem_->scene.workspace)) {}
 
   const std::shared_ptr<const Problem>& problem() const { return problem_; }
 
@@ -55,6 +56,12 @@ class ProblemSolver {
   }
 
  private:
+  static TransitionOptions optionsFor(const Workspace& workspace) {
+    TransitionOptions options;
+    options.largest_force = largest_force_share * workspace.max_force;
+    return options;
+  }
+
   Eigen::Vector3d displacementOf(const wire::Point& point) const {
     return lattice_.displacementOf(fromWire(point));
   }

@@ -152,7 +152,21 @@ std::optional<Start> TransitionSolver::linearize(State state, Failure& failure) 
     failure = failureOf(Cause::factorization_failed, here);
     return std::nullopt;
   }
-  return Start{std::move(state), std::move(sensitivity->solution)};
+  Start start = {std::move(state), std::move(sensitivity->solution)};
+  // The multiplier that balances the body best: near an equilibrium, that of it.
+  if (system_.multipliers() > 0) {
+    const Eigen::Matrix3d weight = tangent.border.transpose() * tangent.border;
+    start.exerted = start.state.multiplier -
+                    weight.inverse() * (tangent.border.transpose() *
+                                        here.residual.free.head(system_.unknowns()));
+  }
+  return start;
+}
+
+/// Whether the stiffness says that the force at the end of the way is not worth computing.
+bool TransitionSolver::givesUp(const Start& start, const Eigen::Vector3d& way) const {
+  return finger_ && isTooStrong((start.exerted + start.sensitivity.bottomRows<3>() * way) /
+                                beyond_force_margin);
 }
 
 /// The state with the tool at `displacement` that the predictor and the relaxation near the tool
@@ -267,7 +281,8 @@ Cause TransitionSolver::judge(NewtonResult& newton, bool last, Step& step) {
     setThirdDerivatives(system_, newton.state, sensitivity->solution, *finger_, step.equilibrium);
   }
   if (!isFinite(step.equilibrium)) return Cause::not_finite;
-  step.end = {std::move(newton.state), S};
+  const Eigen::Vector3d exerted = -step.equilibrium.force;
+  step.end = {std::move(newton.state), S, exerted};
   return Cause::none;
 }
 
@@ -301,7 +316,9 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
   const Eigen::Vector3d origin = start.state.displacement, whole = target - origin;
   const Start* from = &start;
   double at = 0, length = 1;  // fractions of the whole
-  while (at < 1) {
+  const bool gives_up = givesUp(start, whole);
+  if (gives_up) outcome.failure.cause = Cause::beyond_force;
+  while (at < 1 && !gives_up) {
     const double next = std::min(1.0, at + length);
     const bool last = next == 1;
     Step tried = step(*from, last ? target : Eigen::Vector3d(origin + next * whole), last,
@@ -316,6 +333,10 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
       if (tried.easy) length *= 2;
     } else {
       length = (next - at) / 2;
+    }
+    if (at < 1 && isTooStrong(reached.end.exerted)) {
+      outcome.failure = {.cause = Cause::beyond_force, .step_reached = at};
+      break;
     }
     const bool too_small = length < options_.smallest_step;
     const bool too_costly = outcome.cost.factorizations >= options_.max_factorizations;
