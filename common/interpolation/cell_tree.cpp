@@ -103,8 +103,8 @@ void CellTree::hang(CellSlot& slot) const {
   LeafPlace coarsest;
   for (std::size_t octant = 0; octant < 8; ++octant) {
     const LeafPlace place = leafBeside(slot.point, octant);
-    if (place.leaf >= 0 && (coarsest.leaf < 0 || leaves_[at(place.leaf)].level <
-                                                     leaves_[at(coarsest.leaf)].level))
+    if (place.leaf >= 0 &&
+        (coarsest.leaf < 0 || leaves_[at(place.leaf)].level < leaves_[at(coarsest.leaf)].level))
       coarsest = place;
   }
   if (isCorner(coarsest.local)) return;

@@ -10,10 +10,9 @@
 namespace palpate {
 namespace {
 
-// Of ghosts: the nearest solved points, up to so many times the distance of the first. Fewer lose
-// accuracy at the rim, more gain none.
+// Of ghosts: the nearest solved points, up to so many times the distance of the first, or
+// Kind::most_extrapolated_from. Fewer lose accuracy at the rim, more gain none.
 constexpr double ghost_reach = 2.2;
-constexpr std::size_t ghost_sources = 16;
 
 /// Chooses sources and fits.
 class Fitter {
@@ -56,7 +55,7 @@ class Fitter {
       return static_cast<double>(c.distance) >
              ghost_reach * ghost_reach * static_cast<double>(nearest.distance);
     });
-    const auto sources = choose(std::move(candidates), -1, ghost_sources);
+    const auto sources = choose(std::move(candidates), -1, fits_.kind().most_extrapolated_from);
     const auto edge =
         static_cast<std::int32_t>(std::ceil(std::sqrt(static_cast<double>(nearest.distance))));
     // A polynomial of high degree far from its sources overshoots: a lower one is tried instead.
@@ -108,7 +107,7 @@ class Fitter {
       }
     std::vector<Candidate> candidates;
     for (const std::int32_t number : numbers) candidates.push_back(candidate(center.point, number));
-    return choose(std::move(candidates), center.number, numbers.size());
+    return choose(std::move(candidates), center.number, fits_.kind().most_completed_from);
   }
 
   Candidate candidate(const LatticePoint& center, std::int32_t number) const {
@@ -179,19 +178,6 @@ Basis<3> quinticHermite(double t) {
   return basis;
 }
 
-/// All 27 derivatives of a leaf's interpolant: what a hanging corner takes over.
-EnergyJet jetInLeaf(const CellTree& tree, const std::vector<EnergyJet>& jets, std::int32_t leaf,
-                    const Eigen::Vector3d& local) {
-  const JetBasis basis = jetBasis(tree.edge(leaf), tree.spacing(), local);
-  using Column = Eigen::Matrix<double, 27, 1>;
-  EnergyJet result;
-  Eigen::Map<Column> sum(result.data());
-  sum.setZero();
-  for (std::size_t c = 0; c < 8; ++c)
-    sum += basis[c] * Eigen::Map<const Column>(jets[at(tree.corners(leaf)[c])].data());
-  return result;
-}
-
 }  // namespace
 
 std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTable& space,
@@ -232,14 +218,25 @@ std::vector<LocalPolynomial> ghostPolynomials(const CellTree& tree, const SpaceT
   return polynomials;
 }
 
-std::vector<EnergyJet> energyJets(const CellTree& tree,
-                                  const std::vector<LocalPolynomial>& polynomials) {
-  PALPATE_ASSERT(polynomials.size() == tree.slots().size(), "slotPolynomials made one per slot");
+std::vector<EnergyJet> slotJets(const CellTree& tree,
+                                const std::vector<LocalPolynomial>& polynomials) {
   std::vector<EnergyJet> jets;
   for (const LocalPolynomial& polynomial : polynomials)
     jets.push_back(jetOf(polynomial, tree.spacing()));
+  return jets;
+}
+
+std::vector<EnergyJet> energyJets(const CellTree& tree,
+                                  const std::vector<LocalPolynomial>& polynomials) {
+  PALPATE_ASSERT(polynomials.size() == tree.slots().size(), "slotPolynomials made one per slot");
+  std::vector<EnergyJet> jets = slotJets(tree, polynomials);
   fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
-    return jetInLeaf(tree, jets, leaf, local);
+    const auto numbers = jetInLeaf<double>(
+        axisFactors(tree.edge(leaf), tree.spacing(), local), 0.0,
+        [&](std::size_t c, std::size_t n) { return jets[at(tree.corners(leaf)[c])][n]; });
+    EnergyJet jet;
+    std::ranges::copy(numbers, jet.begin());
+    return jet;
   });
   return jets;
 }
@@ -252,22 +249,17 @@ EnergySample evaluateEnergy(const CellTree& tree, const std::vector<EnergyJet>& 
   return evaluateEnergy(corners, tree.edge(place.leaf), tree.spacing(), place.local);
 }
 
-JetBasis jetBasis(double edge, double spacing, const Eigen::Vector3d& local) {
+AxisFactors axisFactors(double edge, double spacing, const Eigen::Vector3d& local) {
   const double scale = edge / spacing;
-  const std::array<Basis<3>, 3> axes = {quinticHermite(local.x()), quinticHermite(local.y()),
-                                        quinticHermite(local.z())};
-  std::array<double, 13> powers;  // of the scale, -6 to 6
-  for (int n = -6; n <= 6; ++n) powers[at(n + 6)] = std::pow(scale, n);
-  JetBasis basis;
-  for (std::size_t c = 0; c < 8; ++c)
-    for (std::size_t a = 0; a < 27; ++a)
-      for (std::size_t b = 0; b < 27; ++b) {
-        const std::size_t order = b % 3 + b / 3 % 3 + b / 9, wanted = a % 3 + a / 3 % 3 + a / 9;
-        basis[c](static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) =
-            powers[6 + order - wanted] * axes[0][a % 3][c & 1][b % 3] *
-            axes[1][a / 3 % 3][c >> 1 & 1][b / 3 % 3] * axes[2][a / 9][c >> 2][b / 9];
-      }
-  return basis;
+  const std::array<double, 5> powers = {1 / (scale * scale), 1 / scale, 1, scale, scale * scale};
+  AxisFactors factors;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    factors[axis] = quinticHermite(local[static_cast<Eigen::Index>(axis)]);
+    for (std::size_t wanted = 0; wanted < 3; ++wanted)
+      for (auto& end : factors[axis][wanted])
+        for (std::size_t order = 0; order < 3; ++order) end[order] *= powers[2 + order - wanted];
+  }
+  return factors;
 }
 
 LeafBasis valueBasis(double edge, double spacing, const Eigen::Vector3d& local) noexcept {

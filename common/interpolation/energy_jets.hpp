@@ -45,6 +45,10 @@ std::vector<LocalPolynomial> slotPolynomials(const CellTree& tree, const SpaceTa
 std::vector<EnergyJet> energyJets(const CellTree& tree,
                                   const std::vector<LocalPolynomial>& polynomials);
 
+/// The same, those of hanging slots left to the caller.
+std::vector<EnergyJet> slotJets(const CellTree& tree,
+                                const std::vector<LocalPolynomial>& polynomials);
+
 /// The jets at the corners of a leaf, in its units: corner c has jets[c].
 using LeafJets = std::array<const EnergyJet*, 8>;
 
@@ -57,10 +61,33 @@ EnergySample evaluateEnergy(const CellTree& tree, const std::vector<EnergyJet>& 
 EnergySample evaluateEnergy(const LeafJets& corners, double edge, double spacing,
                             const Eigen::Vector3d& local) noexcept;
 
-/// What the 27 numbers of such a polynomial at a place in a leaf are of those at corner c: factors
-/// [c](number there, number at the corner). Both in units of the spacing.
-using JetBasis = std::array<Eigen::Matrix<double, 27, 27>, 8>;
-JetBasis jetBasis(double edge, double spacing, const Eigen::Vector3d& local);
+/// Along one axis, what the derivative of order `wanted` at a place in a leaf is of the one of
+/// order `known` at an end: factors [axis][wanted][end][known], all in units of the spacing.
+using AxisFactors = std::array<std::array<std::array<std::array<double, 3>, 2>, 3>, 3>;
+AxisFactors axisFactors(double edge, double spacing, const Eigen::Vector3d& local);
+
+/// The 27 numbers of such a polynomial at a place in a leaf, from those at its corners: known(c,
+/// n), of a type with sums and products with numbers. Axis after axis.
+template <class Factor, class Value, class Known>
+std::vector<Value> jetInLeaf(const AxisFactors& factors, const Value& zero, Known known) {
+  std::vector<Value> by_x(108, zero);  // [corner in y and z][orders in y and z][wanted in x]
+  std::vector<Value> by_y(54, zero);   // [corner in z][order in z][wanted in x, y]
+  std::vector<Value> by_z(27, zero);
+  const auto add = [&](auto& to, std::size_t at, const Value& value, std::size_t axis,
+                       std::size_t end, std::size_t order, std::size_t stride) {
+    for (std::size_t wanted = 0; wanted < 3; ++wanted)
+      to[at + stride * wanted] += static_cast<Factor>(factors[axis][wanted][end][order]) * value;
+  };
+  for (std::size_t c = 0; c < 8; ++c)
+    for (std::size_t n = 0; n < 27; ++n)
+      add(by_x, 27 * (c >> 1) + 3 * (n / 3), known(c, n), 0, c & 1, n % 3, 1);
+  for (std::size_t c = 0; c < 4; ++c)
+    for (std::size_t n = 0; n < 27; ++n)
+      add(by_y, 27 * (c >> 1) + 9 * (n / 9) + n % 3, by_x[27 * c + n], 1, c & 1, n / 3 % 3, 3);
+  for (std::size_t c = 0; c < 2; ++c)
+    for (std::size_t n = 0; n < 27; ++n) add(by_z, n % 9, by_y[27 * c + n], 2, c, n / 9, 9);
+  return by_z;
+}
 
 /// What the value of such a polynomial is of the 27 numbers at each corner: its factors.
 using LeafBasis = std::array<std::array<double, 27>, 8>;

@@ -52,12 +52,14 @@ class LocalFits {
     KnownOrders known = KnownOrders::curvature;
     int highest_extrapolated = LocalPolynomial::degree;
     int highest_completed = LocalPolynomial::degree;
+    std::size_t most_extrapolated_from = 16, most_completed_from = 26;  ///< sources, the nearest
   };
 
   /// `unit`: metres per lattice coordinate.
   explicit LocalFits(double unit) : LocalFits(unit, Kind()) {}
   LocalFits(double unit, Kind kind) : unit_(unit), kind_(kind) {}
 
+  const Kind& kind() const { return kind_; }
   /// The degree of extrapolations that so many sources support.
   int degreeFor(std::size_t sources) const;
 
@@ -85,6 +87,6 @@ class LocalFits {
 };
 
 /// For the energies of fingers, whose third derivatives are known.
-inline constexpr LocalFits::Kind finger_fit = {KnownOrders::third, 4, 5};
+inline constexpr LocalFits::Kind finger_fit = {KnownOrders::third, 4, 5, 16, 12};
 
 }  // namespace palpate

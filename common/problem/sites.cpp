@@ -128,15 +128,17 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
       if (pieces[n].free > 0) places.push_back(pieces[n].middle);
   }
   PALPATE_ASSERT(wanted == triangles.end(), "triangles are ascending");
-  return farthestPoints(
-      places, siteDistances(places, pieces, radius), [&](const Eigen::Vector3d& place, std::size_t taken) {
-        // The pieces are quick and look at the vertices alone; what they find is checked.
-        const bool may_stand =
-            mayStand(place, radius, pieces) &&
-            fingerWeights(mesh, fixed, place, radius).free_share >= least_free_share;
-        if (may_stand && taken == max_sites) refuse();
-        return may_stand;
-      });
+  return farthestPoints(places, siteDistances(places, pieces, radius),
+                        [&](const Eigen::Vector3d& place, std::size_t taken) {
+                          // The pieces are quick and look at the vertices alone; what they find is
+                          // checked.
+                          const bool may_stand =
+                              mayStand(place, radius, pieces) &&
+                              fingerWeights(mesh, fixed, place, radius).free_share >=
+                                  least_free_share;
+                          if (may_stand && taken == max_sites) refuse();
+                          return may_stand;
+                        });
 }
 
 }  // namespace palpate

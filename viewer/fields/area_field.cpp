@@ -22,9 +22,11 @@ constexpr double reach_in_distances = 1.4;
 constexpr std::size_t sites_of_station = 7, sites_of_judgement = 6;
 /// Of the kernel, in radii of the finger. From 1 to 2 the errors are the same within a third.
 constexpr double kernel_width = 1.5;
-/// A site stands farther from the others than places stand from the nearest: so much of what it
-/// lacks is theirs. Measured: docs/evaluation.md.
-constexpr double share_of_judgement = 0.5;
+/// What is likely of a bound in p (measured where third derivatives are fitted, here they are
+/// known) and of what a site lacks when the others around stand in for it (it stands farther from
+/// them than places stand from the nearest), and, of the force, what stations leave out. Chosen at
+/// 1000 exact solutions: docs/evaluation.md.
+constexpr double share_of_p_error = 0.4, share_of_lack = 0.2, share_of_force = 0.01;
 /// Of refinement (Accuracy::levels).
 constexpr std::size_t most_levels = 6;
 
@@ -213,6 +215,7 @@ void AreaField::interpolateToStations(const std::vector<const SpaceTable*>& spac
   inParallel(stationCount(), [&](std::size_t n) {
     Station& station = at_stations_[n];
     const CellTree& tree = trees_[station.tree];
+    station.jets.reserve(tree.slots().size());
     for (const CellSlot& slot : tree.slots())
       station.jets.push_back(slot.kind == SlotKind::hanging
                                  ? SiteJet::Zero()
@@ -226,8 +229,8 @@ void AreaField::interpolateToStations(const std::vector<const SpaceTable*>& spac
 void AreaField::judge(const std::vector<const SpaceTable*>& spaces,
                       const std::vector<SiteJets>& made, double width) {
   for (std::size_t site = 0; site < siteCount(); ++site)
-    judgements_.push_back({treeOf(*spaces[site], spaces[site]->splits), made[site].p_error,
-                           made[site].coverage});
+    judgements_.push_back(
+        {treeOf(*spaces[site], spaces[site]->splits), made[site].p_error, made[site].coverage});
   inParallel(siteCount(), [&](std::size_t site) {
     Judgement& judgement = judgements_[site];
     const Interpolation others(sites_.points(), sites_.points()[site], sites_of_judgement, site,
@@ -241,16 +244,16 @@ void AreaField::judge(const std::vector<const SpaceTable*>& spaces,
     for (std::size_t slot = 0; slot < lacks.size(); ++slot) {
       const auto number = spaces[site]->lattice.indexOf(tree.slots()[slot].point);
       if (!number || !isSolved(spaces[site]->points[at(*number)].tag)) continue;
-      const SiteJet difference =
-          others.at(made, tree.slots()[slot].point) - made[site].jets[slot];
+      const SiteJet difference = others.at(made, tree.slots()[slot].point) - made[site].jets[slot];
       lacks[slot] = Eigen::Vector3f(difference(1, 0), difference(3, 0), difference(9, 0)).norm() /
                     static_cast<float>(tree.spacing());
     }
     // What is not solved is no better known than the worst that is.
     const float worst = *std::ranges::max_element(lacks);
     for (std::size_t slot = 0; slot < lacks.size(); ++slot)
-      judgement.error[slot] +=
-          static_cast<float>(share_of_judgement) * (lacks[slot] < 0 ? worst : lacks[slot]);
+      judgement.error[slot] =
+          static_cast<float>(share_of_p_error) * judgement.error[slot] +
+          static_cast<float>(share_of_lack) * (lacks[slot] < 0 ? worst : lacks[slot]);
   });
 }
 
@@ -335,7 +338,7 @@ void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
     coverage += weight * static_cast<double>(trilinear(slots, place.local, judgement.coverage));
   }
   if (whole < std::numeric_limits<double>::min()) return;
-  sample.error_bound = error / whole;
+  sample.error_bound = error / whole + share_of_force * sample.force.norm();
   sample.coverage = std::clamp(coverage / whole, 0.0, 1.0);
   sample.inside = sample.coverage > 0;
 }

@@ -38,8 +38,8 @@ struct AreaSample : ForceSample {
 ///   could jump, and nothing special about thin lobes, rims or several bodies.
 /// E is twice continuously differentiable in s and in p.
 ///
-/// The error bound adds that of the interpolation in p and what each site lacks when it is
-/// interpolated from the others around it, times a measured factor.
+/// The error bound adds shares, which were measured, of that of the interpolation in p, of what
+/// each site lacks when it is interpolated from the others around it, and of the force.
 ///
 /// Immutable after construction: any thread may evaluate.
 class AreaField {

@@ -54,11 +54,15 @@ std::vector<float> largestAround(const CellTree& tree, const std::vector<double>
 
 SiteJet jetInLeaf(const CellTree& tree, std::span<const SiteJet> jets, std::int32_t leaf,
                   const Eigen::Vector3d& local) {
-  const JetBasis basis = jetBasis(tree.edge(leaf), tree.spacing(), local);
+  using Quantities = Eigen::Array<float, 1, place_quantities>;
+  const AxisFactors factors = axisFactors(tree.edge(leaf), tree.spacing(), local);
+  const auto numbers = jetInLeaf<float>(
+      factors, Quantities(Quantities::Zero()), [&](std::size_t c, std::size_t n) -> Quantities {
+        return jets[palpate::at(tree.corners(leaf)[c])].row(static_cast<Eigen::Index>(n)).array();
+      });
   SiteJet jet = SiteJet::Zero();
-  for (std::size_t c = 0; c < 8; ++c)
-    jet.topRows<27>() +=
-        basis[c].cast<float>() * jets[palpate::at(tree.corners(leaf)[c])].topRows<27>();
+  for (std::size_t n = 0; n < numbers.size(); ++n)
+    jet.row(static_cast<Eigen::Index>(n)) = numbers[n].matrix();
   return jet;
 }
 
@@ -68,8 +72,8 @@ SiteJet SiteJets::at(const LatticePoint& point) const {
     place = tree.leafBeside(point, octant);
   PALPATE_ASSERT(place.leaf >= 0, "trees of one area have the same ball");
   if (!isCorner(place.local)) return jetInLeaf(tree, jets, place.leaf, place.local);
-  const std::size_t corner = (place.local.x() > 0 ? 1 : 0) + (place.local.y() > 0 ? 2 : 0) +
-                             (place.local.z() > 0 ? 4 : 0);
+  const std::size_t corner =
+      (place.local.x() > 0 ? 1 : 0) + (place.local.y() > 0 ? 2 : 0) + (place.local.z() > 0 ? 4 : 0);
   return jets[palpate::at(tree.corners(place.leaf)[corner])];
 }
 
@@ -83,7 +87,7 @@ SiteJets::SiteJets(CellData data, const SpaceTable& space, SiteFits& fits) : tre
   setQuantity(jets, 0, energies);
   const auto jetsOf = [&](const SpaceTable& quantity, LocalFits& of_its_order) {
     auto ghosts = ghostPolynomials(tree, quantity, data.inconsistent, of_its_order);
-    return energyJets(
+    return slotJets(
         tree, slotPolynomials(tree, quantity, data.inconsistent, std::move(ghosts), of_its_order));
   };
   QuantityView view(space);
@@ -106,6 +110,9 @@ SiteJets::SiteJets(CellData data, const SpaceTable& space, SiteFits& fits) : tre
     };
     setQuantity(jets, static_cast<Eigen::Index>(4 + c), jetsOf(view.of(set), fits.slope));
   }
+  fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
+    return jetInLeaf(tree, jets, leaf, local);
+  });
 }
 
 }  // namespace palpate

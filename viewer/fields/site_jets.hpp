@@ -17,8 +17,8 @@ using SiteJet = Eigen::Matrix<float, 28, place_quantities>;
 struct SiteFits {
   explicit SiteFits(double unit)
       : energy(unit, finger_fit),
-        drive(unit, {KnownOrders::curvature, 3, 5}),
-        slope(unit, {KnownOrders::slope, 3, 4}) {}
+        drive(unit, {KnownOrders::curvature, 3, 4, 6, 12}),
+        slope(unit, {KnownOrders::slope, 3, 3, 6, 12}) {}
   LocalFits energy, drive, slope;
 };
 
@@ -28,7 +28,8 @@ struct SiteFits {
 /// are exact (but those by s alone, to the second); higher ones are fitted.
 struct SiteJets {
   /// `space` is that of a finger. Error when no point of it is solved.
-  SiteJets(const SpaceTable& space, SiteFits& fits) : SiteJets(CellData(space, fits.energy), space, fits) {}
+  SiteJets(const SpaceTable& space, SiteFits& fits)
+      : SiteJets(CellData(space, fits.energy), space, fits) {}
 
   /// At any lattice position that some leaf of the tree has in it or on it.
   SiteJet at(const LatticePoint& point) const;

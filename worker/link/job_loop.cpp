@@ -4,8 +4,8 @@
 #include <exception>
 
 #include "common/base/assertion.hpp"
-#include "common/wire/wire.hpp"
 #include "common/space/space_table.hpp"
+#include "common/wire/wire.hpp"
 #include "worker/solver/path.hpp"
 
 namespace palpate {

@@ -47,7 +47,7 @@ Pairs elementPart(const System& system, const State& state, const Eigen::MatrixX
 
 /// What B and its derivatives by s make of the displacements of the nodes: a vector each.
 struct Weighted {
-  std::array<Eigen::Vector3d, 3> first;                 ///< B'_j u
+  std::array<Eigen::Vector3d, 3> first;                  ///< B'_j u
   std::array<std::array<Eigen::Vector3d, 3>, 3> second;  ///< B''_jk u
 };
 

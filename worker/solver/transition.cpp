@@ -157,8 +157,8 @@ std::optional<Start> TransitionSolver::linearize(State state, Failure& failure) 
   if (system_.multipliers() > 0) {
     const Eigen::Matrix3d weight = tangent.border.transpose() * tangent.border;
     start.exerted = start.state.multiplier -
-                    weight.inverse() * (tangent.border.transpose() *
-                                        here.residual.free.head(system_.unknowns()));
+                    weight.inverse() *
+                        (tangent.border.transpose() * here.residual.free.head(system_.unknowns()));
   }
   return start;
 }

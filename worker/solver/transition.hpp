@@ -25,8 +25,8 @@ struct TransitionOptions {
   double largest_force = std::numeric_limits<double>::infinity();
 };
 
-/// A stiffness predicts too much force where the body softens: measured on a liver, 3 % of the
-/// points within largest_force are lost with 1, one in a thousand with 1.3.
+/// A stiffness predicts too much force where the body softens: of 7900 solved points of a liver,
+/// 4 % are skipped although they are within largest_force with 1, 1.4 % with 1.3.
 inline constexpr double beyond_force_margin = 1.3;
 
 /// A configuration that transitions start from: where it is, and its tangent predictor.

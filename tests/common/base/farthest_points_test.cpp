@@ -35,8 +35,9 @@ TEST(FarthestPoints, AreCloserWhereTheirDistanceIsSmaller) {
 }
 
 TEST(FarthestPoints, LeaveOutWhatIsRefused) {
-  const auto taken = farthestPoints(
-      line(11), apart(11, 0.026), [](const Eigen::Vector3d& place, std::size_t) { return place.x() < 0.095; });
+  const auto taken =
+      farthestPoints(line(11), apart(11, 0.026),
+                     [](const Eigen::Vector3d& place, std::size_t) { return place.x() < 0.095; });
   for (const Eigen::Vector3d& place : taken) EXPECT_LT(place.x(), 0.095);
   EXPECT_EQ(taken.at(1).x(), 0.09);
 }

@@ -62,6 +62,7 @@ TEST(Cause, EveryOneHasAWordOfItsOwnAndADescriptionThatBeginsWithIt) {
     EXPECT_FALSE(text.ends_with(": ")) << text;
   }
   EXPECT_EQ(causeOf(10), Cause::limit_point);
+  EXPECT_EQ(causeOf(11), Cause::beyond_force);
 }
 
 TEST(Cause, OfAnUnknownValueIsNone) {

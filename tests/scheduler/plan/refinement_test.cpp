@@ -152,6 +152,16 @@ TEST(Refinement, WorksWithOneConfigurationOnly) {
   EXPECT_NO_THROW(nextRefinement(space, scene));
 }
 
+TEST(Refinement, OfAFingerLooksOnlyWhereItIsPushedByForcesThatMatter) {
+  Scene scene = adaptiveScene(0.001);
+  SpaceTable space = solvedStart(scene, RidgeEnergy());
+  EXPECT_FALSE(nextRefinement(space, scene).empty());
+  space.patch.finger = Finger{Vector3d::Zero(), 0.02};
+  EXPECT_FALSE(nextRefinement(space, scene).empty());
+  scene.workspace.max_force = 1e-6;
+  EXPECT_TRUE(nextRefinement(space, scene).empty());
+}
+
 TEST(Refinement, RefusesWhatIsNotAdaptive) {
   const Scene scene = adaptiveScene(0.03);
   SpaceTable space = solvedStart(scene, RidgeEnergy());

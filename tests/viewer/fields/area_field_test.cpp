@@ -4,7 +4,6 @@
 
 #include <random>
 
-#include "tests/support/expect_error.hpp"
 #include "tests/viewer/fields/area_sample.hpp"
 
 namespace palpate {
@@ -155,11 +154,42 @@ TEST_F(AreaFieldTest, OneSiteAnswersAroundItself) {
   EXPECT_TRUE(std::isnan(single.evaluate(s, p).error_bound)) << "nothing tells";
 }
 
-TEST_F(AreaFieldTest, WantsTheSitesOnOneLattice) {
-  std::vector<SpaceTable> mixed = {PaperArea::space({0, 0, 0}), PaperArea::space({0.01, 0, 0})};
-  mixed[1].splits.push_back({});
-  test::expectError(ExitCode::failed, [&] { AreaField(pointersTo(mixed), {}); },
-                    {"one uniform lattice"});
+/// A station's lattice is finer where that of one of its sites is.
+TEST_F(AreaFieldTest, IsOneEnergyOverSitesThatAreRefinedAndOthers) {
+  std::vector<SpaceTable> mixed;
+  for (const SpaceTable& site : *spaces)
+    mixed.push_back(
+        PaperArea::space(site.patch.finger->center, site.patch.finger->center.x() > 0.001));
+  const AreaField area(pointersTo(mixed), PaperArea::plane(0.002));
+  constexpr double h = 1e-4;
+  for (int n = 0; n < 100; ++n) {
+    const Eigen::Vector3d s = drawPlace(), p = drawDisplacement();
+    const AreaSample here = area.evaluate(s, p);
+    EXPECT_LT((here.force - PaperArea::force(s, p)).norm(), 0.03);
+    EXPECT_LT((here.drive - PaperArea::drive(s, p)).norm(), 0.03);
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
+      const AreaSample up = area.evaluate(s, p + e), down = area.evaluate(s, p - e),
+                       on = area.evaluate(s + e, p), back = area.evaluate(s - e, p);
+      EXPECT_NEAR((up.energy - down.energy) / (2 * h), -here.force[i], 1e-3);
+      EXPECT_NEAR((on.energy - back.energy) / (2 * h), -here.drive[i], 1e-3);
+      EXPECT_LT(((up.force - down.force) / (2 * h) - here.stiffness.col(i)).norm(), 1);
+    }
+  }
+}
+
+TEST_F(AreaFieldTest, IsBetterWhereSitesAreRefined) {
+  std::vector<SpaceTable> refined;
+  for (const SpaceTable& site : *spaces)
+    refined.push_back(PaperArea::space(site.patch.finger->center, true));
+  const AreaField area(pointersTo(refined), PaperArea::plane(0.002));
+  double coarse = 0, fine = 0;
+  for (int n = 0; n < 200; ++n) {
+    const Eigen::Vector3d s = drawPlace(), p = 0.7 * drawDisplacement();
+    coarse += field->evaluate(s, p).error_bound;
+    fine += area.evaluate(s, p).error_bound;
+  }
+  EXPECT_LT(fine, coarse);
 }
 
 }  // namespace

@@ -54,26 +54,39 @@ struct PaperArea {
     return places;
   }
 
-  static SpaceTable space(const Eigen::Vector3d& s) {
+  static Equilibrium equilibrium(const Eigen::Vector3d& s, const Eigen::Vector3d& p) {
+    return {.force = force(s, p),
+            .stiffness = -g(s) * hessianF(p),
+            .energy = energy(s, p),
+            .drive = drive(s, p),
+            .drive_stiffness = -gradG(s) * gradF(p).transpose(),
+            .drive_slope = -f(p) * hessianG(s),
+            .stiffness_by_p = -g(s) * slopeOf(6 * cubed() * cubed().transpose(), cubed()),
+            .stiffness_by_s = -slopeOf(hessianF(p), gradG(s)),
+            .drive_slope_by_p = -slopeOf(hessianG(s), gradF(p))};
+  }
+
+  /// `refined`: the eight cells around the origin are halved.
+  static SpaceTable space(const Eigen::Vector3d& s, bool refined = false) {
+    constexpr std::int32_t divisions = 4;
     SpaceTable space;
     space.patch.name = "site";
     space.patch.finger = Finger{s, radius};
-    space.lattice = Lattice(reach, reach / 3);
+    space.lattice = Lattice(reach, reach / 3, divisions);
+    if (refined) {
+      for (const std::int32_t x : {-divisions, 0})
+        for (const std::int32_t y : {-divisions, 0})
+          for (const std::int32_t z : {-divisions, 0}) space.splits.push_back({{x, y, z}, 0});
+      for (std::int32_t x = -divisions; x <= divisions; x += divisions / 2)
+        for (std::int32_t y = -divisions; y <= divisions; y += divisions / 2)
+          for (std::int32_t z = -divisions; z <= divisions; z += divisions / 2)
+            if (!space.lattice.indexOf({x, y, z})) space.lattice.add({x, y, z});
+    }
     for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
-      const Eigen::Vector3d p = space.lattice.displacement(n);
       PointRecord& point = space.points.emplace_back();
       point.tag = Tag::expandable;
       point.parent = 0;
-      point.equilibrium = {.force = force(s, p),
-                           .stiffness = -g(s) * hessianF(p),
-                           .energy = energy(s, p),
-                           .drive = drive(s, p),
-                           .drive_stiffness = -gradG(s) * gradF(p).transpose(),
-                           .drive_slope = -f(p) * hessianG(s),
-                           .stiffness_by_p =
-                               -g(s) * slopeOf(6 * cubed() * cubed().transpose(), cubed()),
-                           .stiffness_by_s = -slopeOf(hessianF(p), gradG(s)),
-                           .drive_slope_by_p = -slopeOf(hessianG(s), gradF(p))};
+      point.equilibrium = equilibrium(s, space.lattice.displacement(n));
     }
     return space;
   }

@@ -118,6 +118,36 @@ TEST_F(FingerOnABlob, APlacedFingerIsThatOfAScene) {
   EXPECT_EQ(chosen.equilibrium.drive_slope, placed.drive_slope);
 }
 
+TEST_F(FingerOnABlob, IsPushedNoFurtherThanForcesMatter) {
+  clamp(test::mooneyRivlinScene());
+  const double force = equilibriumAt(center(), pushed).force.norm();
+  solver_.reset();
+  TransitionOptions options;
+  const auto reachWith = [&](double largest, const Eigen::Vector3d& target) {
+    options.largest_force = largest;
+    TransitionSolver solver(problem_, chooseKernels(), options);
+    Failure failure;
+    return solver.reach(*solver.startAtRest(failure), target).outcome;
+  };
+  EXPECT_TRUE(reachWith(force, pushed).converged);
+  // The stiffness at rest says that this will be too much: nothing is tried.
+  const Outcome predicted = reachWith(0.1 * force, pushed);
+  EXPECT_EQ(predicted.failure.cause, Cause::beyond_force);
+  EXPECT_EQ(predicted.cost.factorizations, 0);
+  EXPECT_FALSE(predicted.converged);
+}
+
+TEST_F(FingerOnABlob, StartsFromStoredFieldsWithTheForceThatTheyHave) {
+  clamp(test::mooneyRivlinScene());
+  solver_->chooseTool(0);
+  Failure failure;
+  const auto there = walk(*solver_, *solver_->startAtRest(failure), pushed, 2);
+  const auto start = solver_->startFrom(there.outcome.fields, pushed, failure);
+  ASSERT_TRUE(start) << describe(failure);
+  EXPECT_LT((start->exerted + there.outcome.equilibrium.force).norm(),
+            1e-3 * start->exerted.norm());
+}
+
 TEST_F(FingerOnABlob, IsNotPlacedOnWhatIsFixed) {
   clamp(test::mooneyRivlinScene());
   const Eigen::Vector3d on_the_fixed_side =
