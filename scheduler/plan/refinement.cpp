@@ -24,9 +24,8 @@ constexpr double likely_share = 0.2;
 /// Share of the ball in which the likely error must keep the accuracy: the rest are spots, next to
 /// jumps between branches, that swallow points without end.
 constexpr double enough = 0.998;
-/// Of a finger, whose neighbours share its error; and its cells are halved no more often.
+/// Of a finger, whose neighbours share its error.
 constexpr double enough_of_finger = 0.99;
-constexpr std::int32_t levels_of_finger = 2;
 
 /// Corners are solved outside of the ball up to so many edges of their leaf; farther ones stay
 /// ghosts, since pressing deeper than asked leads over folds that the ball does not have, and
@@ -65,7 +64,7 @@ class Inspection {
       const std::vector<LatticePoint> untried = untriedCorners(leaf);
       points.insert(untried.begin(), untried.end());
       const LatticeCell& cell = tree_.leaves()[at(leaf)];
-      if (untried.empty() && cell.level < levels() &&
+      if (untried.empty() && cell.level < accuracy_.levels &&
           (space_.lattice.divisions() >> cell.level) > 1)
         result.splits.push_back(cell);
     }
@@ -97,10 +96,6 @@ class Inspection {
     }
     worst_ratio_ = std::max(worst_ratio_, worst);
     if (worst > 1) poor_.push_back(leaf);
-  }
-
-  std::int32_t levels() const {
-    return space_.patch.finger ? std::min(accuracy_.levels, levels_of_finger) : accuracy_.levels;
   }
 
   /// Of a finger nothing is promised where it is not pushed to, or the force is too large.
