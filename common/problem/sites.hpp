@@ -10,8 +10,9 @@ namespace palpate {
 inline constexpr std::size_t max_sites = 5000;
 
 /// Sites of a finger of `radius` (metres) that cover these triangles of the mesh's surface: each is
-/// the place farthest from all before it, until none is farther than site_distance radii. Distances
-/// are straight, because the energy of a finger is a function of its position in space
+/// the place farthest from all before it, until none is farther than site_distance radii, down to
+/// 0.6 of that at rims and tips, where the energy changes faster with the place. Distances are
+/// straight, because the energy of a finger is a function of its position in space
 /// (finger_weights.hpp): a site serves both sides of a lobe that is thin against the finger.
 ///
 /// Left out are places where the finger would rest on `fixed` (sorted) by nearly half or more, or

@@ -11,7 +11,7 @@
 namespace palpate {
 
 /// Fingers of one radius are sites of one energy when every place between them is at most this many
-/// radii from the nearest; sites are then 0.6 to 1 radii apart.
+/// radii from the nearest; closer where the surface bends under them (common/problem/sites.hpp).
 inline constexpr double site_distance = 0.6;
 /// Places a little farther are still answered for: sites are chosen among places that lie apart.
 inline constexpr double answered_distance = 1.1 * site_distance;

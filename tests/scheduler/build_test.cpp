@@ -23,9 +23,10 @@ std::vector<SpaceTable> spaceOf(const std::vector<std::pair<Tag, Cause>>& ends) 
 TEST(ExitCodeOfABuild, IsThatOfWorkThatFailedAndNotOfPointsBeyondReach) {
   const std::pair<Tag, Cause> expandable{Tag::expandable, Cause::none},
       terminating{Tag::terminating, Cause::none}, unreachable{Tag::failed, Cause::unreachable},
-      failed{Tag::failed, Cause::step_budget};
+      too_strong{Tag::failed, Cause::beyond_force}, failed{Tag::failed, Cause::step_budget};
   EXPECT_EQ(exitCodeOf(spaceOf({expandable, terminating})), ExitCode::done);
   EXPECT_EQ(exitCodeOf(spaceOf({expandable, terminating, unreachable})), ExitCode::done);
+  EXPECT_EQ(exitCodeOf(spaceOf({expandable, terminating, too_strong})), ExitCode::done);
   EXPECT_EQ(exitCodeOf(spaceOf({expandable, failed, unreachable})), ExitCode::partly_failed);
 }
 

@@ -100,9 +100,23 @@ Eigen::Matrix<float, place_quantities, 4> expansionAt(const Eigen::Vector3d& d) 
   return factors.cast<float>();
 }
 
-}  // namespace
+/// Side by side on all cores.
+std::vector<SiteJets> makeSites(const std::vector<const SpaceTable*>& spaces) {
+  std::vector<std::optional<SiteJets>> parts(spaces.size());
+  // As many parts as threads, each with fits of its own.
+  const std::size_t n_parts = std::max(1u, std::thread::hardware_concurrency());
+  inParallel(n_parts, [&](std::size_t part) {
+    SiteFits fits(spaces.front()->lattice.unit());
+    for (std::size_t s = part; s < spaces.size(); s += n_parts) parts[s].emplace(*spaces[s], fits);
+  });
+  std::vector<SiteJets> made;
+  for (auto& part : parts) made.push_back(std::move(*part));
+  return made;
+}
 
 using JetColumn = Eigen::Matrix<float, 28, 1>;
+
+}  // namespace
 
 struct AreaField::LevelSum {
   bool begun = false;
@@ -157,19 +171,6 @@ AreaField::AreaField(const std::vector<const SpaceTable*>& spaces,
   setStations(surface, finger);
   interpolateToStations(spaces, made, kernel_width * finger);
   judge(spaces, made, kernel_width * finger);
-}
-
-std::vector<SiteJets> AreaField::makeSites(const std::vector<const SpaceTable*>& spaces) const {
-  std::vector<std::optional<SiteJets>> parts(spaces.size());
-  // As many parts as threads, each with fits of its own.
-  const std::size_t n_parts = std::max(1u, std::thread::hardware_concurrency());
-  inParallel(n_parts, [&](std::size_t part) {
-    SiteFits fits(spaces.front()->lattice.unit());
-    for (std::size_t s = part; s < spaces.size(); s += n_parts) parts[s].emplace(*spaces[s], fits);
-  });
-  std::vector<SiteJets> made;
-  for (auto& part : parts) made.push_back(std::move(*part));
-  return made;
 }
 
 /// The number of the tree of a lattice like that of a space, with these cells split.

@@ -73,7 +73,6 @@ class AreaField {
   /// Sums over the stations whose leaves around a displacement are on one level: all are the same.
   struct LevelSum;
 
-  std::vector<SiteJets> makeSites(const std::vector<const SpaceTable*>& spaces) const;
   std::size_t treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits);
   void setStations(const std::vector<Eigen::Vector3d>& surface, double radius);
   void interpolateToStations(const std::vector<const SpaceTable*>& spaces,

@@ -33,8 +33,8 @@ class HapticModel {
   explicit HapticModel(const Dataset& dataset, const HapticModelOptions& options = {});
 
   /// Makes the fields of one method for all spaces, side by side on all cores: some 0.2 s of
-  /// processor time for a space of 515 points and `potential`, some 15 s for the area of 280 sites
-  /// on 123 points, with the first method. Does nothing for a method that is
+  /// processor time for a space of 515 points and `potential`, some 12 s for the area of 315 sites
+  /// on 45 points, with the first method. Does nothing for a method that is
   /// prepared. Not twice at once for a method. Error for an unknown method.
   void prepare(std::size_t method);
   /// The same in this thread alone, until it is done or `stop` is requested; the next call goes on

@@ -18,15 +18,13 @@ using SixColumns = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;
 
 Pairs pairsOf(const SparsityPattern& pattern, const std::vector<double>& values,
               const SixColumns& x) {
-  Pairs sum = Pairs::Zero();
   SixColumns product = SixColumns::Zero(x.rows(), 6);
   for (std::size_t entry = 0; entry < values.size(); ++entry) {
     const std::int32_t row = pattern.row[entry] - 1, column = pattern.column[entry] - 1;
     product.row(row) += values[entry] * x.row(column);
     if (row != column) product.row(column) += values[entry] * x.row(row);
   }
-  sum.noalias() = x.transpose() * product;
-  return sum;
+  return x.transpose() * product;
 }
 
 /// d3 Pi [x_a, x_b, x_c] over b and c, a the column `along`.

@@ -178,7 +178,7 @@ TEST_F(AreaFieldTest, IsOneEnergyOverSitesThatAreRefinedAndOthers) {
   }
 }
 
-TEST_F(AreaFieldTest, IsBetterWhereSitesAreRefined) {
+TEST_F(AreaFieldTest, IsSurerWhereSitesAreRefined) {
   std::vector<SpaceTable> refined;
   for (const SpaceTable& site : *spaces)
     refined.push_back(PaperArea::space(site.patch.finger->center, true));
