@@ -23,7 +23,7 @@ void prepareFirstMethod(HapticModel& model) {
   // Beside, so that whoever waits for a large dataset sees that something happens.
   auto prepared = std::async(std::launch::async, [&] { model.prepare(0); });
   while (prepared.wait_for(tell_every) != std::future_status::ready)
-    spdlog::info("{}: preparing {}, {:.0f} % of {} active nodes", model.file(), model.methods()[0],
+    spdlog::info("{}: preparing {}, {:.0f} % of {} spaces", model.file(), model.methods()[0],
                  100 * model.preparedShare(0), model.spaces().size());
   prepared.get();
 }

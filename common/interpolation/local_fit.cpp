@@ -11,9 +11,9 @@ namespace {
 // Of one source at most: energy, three slopes, six curvatures, ten third derivatives, in the order
 // of the first terms.
 constexpr int most_data = KnownDerivatives::MaxRowsAtCompileTime;
-/// More factorisations are not kept, of up to 0.1 MB each: then all are made anew. With 200 an area
-/// of 280 sites took 1.6 times as long.
-constexpr std::size_t most_factors = 1000;
+/// More numbers of factorisations are not kept (4 MB): then all are made anew. The drives of a site
+/// share some 150 of them.
+constexpr Eigen::Index most_kept = 1 << 19;
 
 int total(const Orders& orders) { return orders[0] + orders[1] + orders[2]; }
 
@@ -150,9 +150,13 @@ const LocalFits::Factors& LocalFits::factorsOf(const std::vector<FitSource>& sou
     key.insert(key.end(), source.offset.begin(), source.offset.end());
   const auto found = factors_.find(key);
   if (found != factors_.end()) return found->second;
-  if (factors_.size() == most_factors) factors_.clear();
   const WeightedSystem system(sources, edge, from, degree, kind_.known,
                               from == 0 ? penalty_extrapolating : penalty_completing);
+  if (kept_ > most_kept) {
+    factors_.clear();
+    kept_ = 0;
+  }
+  kept_ += system.matrix.size();
   return factors_.emplace(std::move(key), Factors{system.matrix.householderQr(), system.weights})
       .first->second;
 }

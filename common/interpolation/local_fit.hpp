@@ -84,9 +84,10 @@ class LocalFits {
   double unit_;
   Kind kind_;
   std::map<Key, Factors> factors_;  ///< by the offsets of the sources
+  Eigen::Index kept_ = 0;           ///< numbers in them
 };
 
 /// For the energies of fingers, whose third derivatives are known.
-inline constexpr LocalFits::Kind finger_fit = {KnownOrders::third, 4, 5, 16, 12};
+inline constexpr LocalFits::Kind finger_fit = {KnownOrders::third, 4, 4, 4, 6};
 
 }  // namespace palpate

@@ -119,6 +119,20 @@ std::pair<Exact, Eigen::Vector3d> exactForce(TransitionSolver& solver, const Pro
   return {Exact::found, reached.outcome.equilibrium.force};
 }
 
+/// Of one query, the fastest of some rounds over all of them.
+double queryMicroseconds(const AreaField& area, const std::vector<Probe>& probes) {
+  double fastest = std::numeric_limits<double>::infinity(), sum = 0;
+  for (int round = 0; round < 20; ++round) {
+    const auto began = std::chrono::steady_clock::now();
+    for (const Probe& probe : probes)
+      sum += area.evaluate(probe.place, probe.displacement).force.x();
+    const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - began;
+    fastest = std::min(fastest, took.count() / static_cast<double>(probes.size()));
+  }
+  if (!std::isfinite(sum)) throw failure("an answered probe has no force");
+  return fastest;
+}
+
 Json run(const Options& options) {
   const Problem problem = loadProblem(options.scene);
   const Dataset dataset(options.dataset);
@@ -139,6 +153,7 @@ Json run(const Options& options) {
   Drawing drawing(problem.mesh, radius, problem.scene.workspace.radius, options.cone, options.seed);
   Errors of_area, of_nearest;
   std::vector<double> over_error;
+  std::vector<Probe> probes;
   int unsolved = 0, too_strong = 0, held = 0;
   while (static_cast<int>(of_area.relative.size()) < options.probes) {
     const Probe probe = drawing.draw();
@@ -151,6 +166,7 @@ Json run(const Options& options) {
     unsolved += outcome == Exact::none ? 1 : 0;
     too_strong += outcome == Exact::too_strong ? 1 : 0;
     if (outcome != Exact::found) continue;
+    probes.push_back(probe);
     of_area.record(sample.force, force, problem.scene.accuracy);
     const double error = (sample.force - force).norm();
     held += error <= sample.error_bound;
@@ -170,6 +186,7 @@ Json run(const Options& options) {
           {"sites", sites.size()},
           {"stations", area.stationCount()},
           {"preparing_seconds", preparing.count()},
+          {"query_us", queryMicroseconds(area, probes)},
           {"probes", options.probes},
           {"beyond_max_force", too_strong},
           {"without_solution", unsolved},

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <map>
 #include <memory>
 
@@ -46,9 +47,11 @@ class AreaField {
  public:
   /// `sites` are spaces of fingers of one radius, of one build; `surface` places of
   /// the body's surface, close together against the radius, stations among them. Side by side on
-  /// all cores. Error when a site has no solved point.
+  /// all cores; `sites_done` counts up to the number of sites, in which nearly all of the time
+  /// goes. Error when a site has no solved point.
   AreaField(const std::vector<const SpaceTable*>& sites,
-            const std::vector<Eigen::Vector3d>& surface);
+            const std::vector<Eigen::Vector3d>& surface,
+            std::atomic<std::size_t>* sites_done = nullptr);
 
   /// s: metres, where the surface is at rest; p: displacement, metres, any value. Beyond the ball
   /// the force is that at its nearest point, as ForceSample says; where no site is within reach of

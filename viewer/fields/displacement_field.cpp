@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 
+#include "common/base/assertion.hpp"
 #include "common/base/cpu_family.hpp"
 #include "common/base/error.hpp"
 
@@ -68,17 +69,36 @@ std::vector<Term> linearContinuation(const CellBranches& data, std::int32_t ghos
   return terms;
 }
 
-/// out = sum of factors[n] * rows[n].
-PALPATE_PER_CPU_FAMILY void combineRows(const std::array<const float*, 8>& rows,
-                                        const std::array<float, 8>& factors, float* out,
-                                        std::size_t size) noexcept {
-  for (std::size_t i = 0; i < size; ++i) {
-    float sum = factors[0] * rows[0][i] + factors[1] * rows[1][i] + factors[2] * rows[2][i] +
-                factors[3] * rows[3][i];
-    sum += factors[4] * rows[4][i] + factors[5] * rows[5][i] + factors[6] * rows[6][i] +
-           factors[7] * rows[7][i];
-    out[i] = sum;
+/// Orthonormal rows that span all `shapes`, a row each, to within `tolerance` in every entry; at
+/// each time the direction of the shape that they miss by most.
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+RowMajor modesOf(const RowMajor& shapes, double tolerance) {
+  RowMajor missed = shapes, modes(0, shapes.cols());
+  Eigen::VectorXd misses = missed.rowwise().lpNorm<Eigen::Infinity>();
+  for (Eigen::Index worst = 0; misses.maxCoeff(&worst) > tolerance;) {
+    PALPATE_ASSERT(modes.rows() < shapes.rows(), "as many modes as shapes miss nothing");
+    Eigen::RowVectorXd mode = missed.row(worst);
+    // Once more, because rounding leaves some of the others in it.
+    mode -= (mode * modes.transpose()) * modes;
+    mode.normalize();
+    missed -= (missed * mode.transpose()) * mode;
+    misses = missed.rowwise().lpNorm<Eigen::Infinity>();
+    modes.conservativeResize(modes.rows() + 1, Eigen::NoChange);
+    modes.bottomRows<1>() = mode;
   }
+  return modes;
+}
+
+/// Rows that are added at once: few passes over `out`, and no more pointers than registers.
+constexpr std::size_t rows_at_once = 4;
+
+/// out += sum of factors[n] * rows[n].
+PALPATE_PER_CPU_FAMILY void addRows(const std::array<const float*, rows_at_once>& rows,
+                                    const std::array<float, rows_at_once>& factors, float* out,
+                                    std::size_t size) noexcept {
+  for (std::size_t i = 0; i < size; ++i)
+    out[i] += factors[0] * rows[0][i] + factors[1] * rows[1][i] + factors[2] * rows[2][i] +
+              factors[3] * rows[3][i];
 }
 
 }  // namespace
@@ -88,28 +108,38 @@ DisplacementField::DisplacementField(const SpaceTable& space, std::span<const fl
 
 DisplacementField::DisplacementField(const CellBranches& data, std::size_t points,
                                      std::span<const float> displacements)
-    : tree_(data.tree), row_(displacements.size() / points) {
-  if (row_ == 0 || row_ % 3 != 0 || displacements.size() != row_ * points)
+    : tree_(data.tree) {
+  const std::size_t row = displacements.size() / points;
+  if (row == 0 || row % 3 != 0 || displacements.size() != row * points)
     throw failure("{} displacement values do not make three per node for {} lattice points",
                   displacements.size(), points);
-  // Solved rows first, then what is continued from them, then what hangs between both.
-  rows_.assign(tree_.slots().size() * row_, 0);
-  const auto slots = static_cast<std::int32_t>(tree_.slots().size());
-  for (std::int32_t s = 0; s < slots; ++s)
-    if (const CellSlot& slot = tree_.slots()[at(s)]; slot.kind == SlotKind::solved)
-      std::ranges::copy(displacements.subspan(at(slot.number) * row_, row_), row(s));
-  for (std::int32_t s = 0; s < slots; ++s)
-    if (tree_.slots()[at(s)].kind == SlotKind::ghost) continueGhost(data, s);
-  for (const std::int32_t s : tree_.hangingSlots()) {
-    const CellSlot& slot = tree_.slots()[at(s)];
-    evaluateIn({slot.leaf, slot.local}, row(s));
+  const std::vector<CellSlot>& slots = tree_.slots();
+  std::vector<std::int32_t> solved;
+  for (std::int32_t s = 0; s < std::ssize(slots); ++s)
+    if (slots[at(s)].kind == SlotKind::solved) solved.push_back(s);
+  const auto width = static_cast<Eigen::Index>(row);
+  RowMajor shapes(std::ssize(solved), width);
+  for (Eigen::Index n = 0; n < shapes.rows(); ++n) {
+    const float* from = displacements.data() + at(slots[at(solved[at(n)])].number) * row;
+    shapes.row(n) = Eigen::Map<const Eigen::RowVectorXf>(from, width).cast<double>();
   }
-}
-
-void DisplacementField::continueGhost(const CellBranches& data, std::int32_t ghost) {
-  for (const Term& term : linearContinuation(data, ghost))
-    for (std::size_t i = 0; i < row_; ++i)
-      row(ghost)[i] += static_cast<float>(term.factor) * row(term.slot)[i];
+  const RowMajor modes = modesOf(shapes, largest_shape_error * tree_.radius());
+  modes_ = modes.cast<float>();
+  // Solved slots first, then what is continued from them, then what hangs between both.
+  Eigen::MatrixXd shares = Eigen::MatrixXd::Zero(std::ssize(slots), modes.rows());
+  const Eigen::MatrixXd of_solved = shapes * modes.transpose();
+  for (Eigen::Index n = 0; n < shapes.rows(); ++n) shares.row(solved[at(n)]) = of_solved.row(n);
+  for (std::int32_t s = 0; s < std::ssize(slots); ++s)
+    if (slots[at(s)].kind == SlotKind::ghost)
+      for (const Term& term : linearContinuation(data, s))
+        shares.row(s) += term.factor * shares.row(term.slot);
+  for (const std::int32_t s : tree_.hangingSlots()) {
+    const CellSlot& slot = slots[at(s)];
+    const std::array<double, 8> weights = trilinearWeights(slot.local);
+    for (std::size_t c = 0; c < 8; ++c)
+      shares.row(s) += weights[c] * shares.row(tree_.corners(slot.leaf)[c]);
+  }
+  shares_ = shares.cast<float>();
 }
 
 bool DisplacementField::evaluate(const Eigen::Vector3d& displacement,
@@ -121,19 +151,26 @@ bool DisplacementField::evaluate(const Eigen::Vector3d& displacement,
     std::ranges::fill(out, 0.0f);
     return false;
   }
-  evaluateIn(place, out.data());
+  evaluateIn(place, out);
   return in_ball && !tree_.unsupported(place.leaf);
 }
 
-void DisplacementField::evaluateIn(const LeafPlace& place, float* out) const noexcept {
+void DisplacementField::evaluateIn(const LeafPlace& place, std::span<float> out) const noexcept {
   const std::array<double, 8> weights = trilinearWeights(place.local);
-  std::array<const float*, 8> rows;
-  std::array<float, 8> factors;
-  for (std::size_t c = 0; c < 8; ++c) {
-    rows[c] = rows_.data() + at(tree_.corners(place.leaf)[c]) * row_;
-    factors[c] = static_cast<float>(weights[c]);
+  std::ranges::fill(out, 0.0f);
+  // The last few are filled up with the first mode, times nothing.
+  for (std::size_t first = 0; first < modeCount(); first += rows_at_once) {
+    std::array<const float*, rows_at_once> rows;
+    std::array<float, rows_at_once> factors{};
+    rows.fill(modes_.data());
+    for (std::size_t n = 0; n < rows_at_once && first + n < modeCount(); ++n) {
+      const auto mode = static_cast<Eigen::Index>(first + n);
+      rows[n] = modes_.row(mode).data();
+      for (std::size_t c = 0; c < 8; ++c)
+        factors[n] += static_cast<float>(weights[c]) * shares_(tree_.corners(place.leaf)[c], mode);
+    }
+    addRows(rows, factors, out.data(), out.size());
   }
-  combineRows(rows, factors, out, row_);
 }
 
 }  // namespace palpate

@@ -13,11 +13,17 @@ namespace palpate {
 /// are not solved are continued from the up to 20 nearest that are, so that linear motions are
 /// exact, or from the nearest alone where those do not span the space.
 ///
-/// float32 throughout, one row of all nodes per corner, so that an evaluation streams eight rows
-/// through the cache; everything is copied, the dataset may go. Immutable: any number of threads
+/// Shapes are sums of a few orthogonal *modes*, as many as it takes for no coordinate of a stored
+/// shape to be off by more than `largest_shape_error`: a reduced basis, chosen greedily (Buffa et
+/// al., ESAIM: M2AN 46, 2012). A corner keeps its share of each, not a row of all nodes.
+///
+/// float32 throughout; everything is copied, the dataset may go. Immutable: any number of threads
 /// may evaluate at once.
 class DisplacementField {
  public:
+  /// In radii of the ball: a picture needs no more, and forces do not come from here.
+  static constexpr double largest_shape_error = 0.002;
+
   /// displacements: [point][node][axis], metres, a row per point of the space's lattice (of points
   /// that are not solved never read). Error when no corner of a cell is solved or their number does
   /// not fit.
@@ -29,16 +35,17 @@ class DisplacementField {
   /// not allocate, lock, throw or log.
   bool evaluate(const Eigen::Vector3d& displacement, std::span<float> out) const noexcept;
 
+  std::size_t modeCount() const { return static_cast<std::size_t>(modes_.rows()); }
+
  private:
+  using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   DisplacementField(const CellBranches& data, std::size_t points,
                     std::span<const float> displacements);
-  void continueGhost(const CellBranches& data, std::int32_t ghost);
-  void evaluateIn(const LeafPlace& place, float* out) const noexcept;
-  float* row(std::int32_t slot) { return rows_.data() + at(slot) * row_; }
+  void evaluateIn(const LeafPlace& place, std::span<float> out) const noexcept;
 
   CellTree tree_;
-  std::size_t row_ = 0;      ///< floats per row
-  std::vector<float> rows_;  ///< [slot][node][axis]
+  Rows modes_;   ///< [mode][node, axis]
+  Rows shares_;  ///< [slot][mode]
 };
 
 }  // namespace palpate

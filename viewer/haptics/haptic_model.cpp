@@ -36,20 +36,32 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
   }
   for (std::size_t method = 0; options.prepare && method < methods_.size(); ++method)
     prepare(method);
-  for (std::size_t s = 0; s < spaces_.size(); ++s) {
+  readShapes(dataset);
+}
+
+void HapticModel::readShapes(const Dataset& dataset) {
+  shapes_.resize(spaces_.size());
+  std::mutex reading;  // one at a time: a dataset is one file
+  inParallel(spaces_.size(), [&](std::size_t s) {
+    std::unique_lock lock(reading);
     const std::vector<float> displacements = dataset.surfaceDisplacements(s);
+    lock.unlock();
     PALPATE_ASSERT(
         displacements.size() == 3 * spaces_[s].points.size() * surface_.vertices().size(),
         "a dataset stores displacements of the nodes of its surface");
-    shapes_.push_back(std::make_unique<DisplacementField>(spaces_[s], displacements));
-  }
+    shapes_[s] = std::make_unique<DisplacementField>(spaces_[s], displacements);
+  });
+}
+
+std::size_t HapticModel::siteCount() const noexcept {
+  return spaces_.size() - at(std::ranges::count(area_of_space_, -1));
 }
 
 void HapticModel::makeAreas() {
   for (std::size_t a = 0; a < places_.size(); ++a) {
     std::vector<const SpaceTable*> sites;
     for (const std::size_t space : surface_.areas()[a].spaces) sites.push_back(&spaces_[space]);
-    areas_.push_back(std::make_shared<const AreaField>(sites, places_[a]));
+    areas_.push_back(std::make_shared<const AreaField>(sites, places_[a], &sites_done_));
   }
 }
 
@@ -80,8 +92,9 @@ void HapticModel::make(std::size_t method, std::size_t space) {
 
 double HapticModel::preparedShare(std::size_t method) const noexcept {
   if (method >= fields_.size()) return 0;
-  return static_cast<double>(fields_[method].made.load(std::memory_order_relaxed)) /
-         static_cast<double>(spaces_.size());
+  const std::size_t done = fields_[method].made.load(std::memory_order_relaxed) +
+                           sites_done_.load(std::memory_order_relaxed);
+  return static_cast<double>(done) / static_cast<double>(spaces_.size() + siteCount());
 }
 
 }  // namespace palpate

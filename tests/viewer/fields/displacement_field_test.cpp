@@ -103,6 +103,29 @@ TEST(DisplacementField, ReturnsTheStoredShapesAtLatticePoints) {
     }
 }
 
+TEST(DisplacementField, KeepsAsManyModesAsStoredShapesNeedForItsAccuracy) {
+  const SpaceTable space = solvedSpace(Lattice(radius, 0.005), StiffeningEnergy());
+  const double allowed = DisplacementField::largest_shape_error * radius;
+  EXPECT_EQ(fieldOf(space, curvedMotion()).modeCount(), 3) << "all nodes move alike";
+  for (const double noise : {0.4, 20.0}) {
+    std::vector<float> rows = rowsOf(space, curvedMotion());
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> spread(-1, 1);
+    for (float& value : rows) value += static_cast<float>(noise * allowed) * spread(random);
+    const DisplacementField field(space, rows);
+    if (noise < 1) {
+      EXPECT_EQ(field.modeCount(), 3);
+    } else {
+      EXPECT_GT(field.modeCount(), 5);
+    }
+    for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
+      const auto shape = shapeAt(field, space.lattice.displacement(n));
+      for (std::size_t i = 0; i < shape.size(); ++i)
+        EXPECT_NEAR(shape[i], rows[at(n) * shape.size() + i], 1.01 * allowed);
+    }
+  }
+}
+
 TEST(DisplacementField, ReproducesLinearMotionsOverTheWholeBallHolesIncluded) {
   const SpaceTable space = withHoles(solvedSpace(Lattice(radius, 0.005), StiffeningEnergy()));
   const DisplacementField field = fieldOf(space, linearMotion());
