@@ -94,12 +94,27 @@ bool isSealed(const std::filesystem::path& file, const Problem& problem, bool fo
   return false;
 }
 
+/// What can be asked of a space: half a spacing along x, or into the surface under a finger.
+std::string exampleOf(const SpaceTable& space, const Scene& scene) {
+  const ActivePatch& patch = space.patch;
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
+  std::string what = patch.name;
+  if (patch.finger) {
+    const auto site = std::ranges::find(scene.active, patch.name, &ActiveSelection::name);
+    if (site != scene.active.end() && !site->area.empty()) what = site->area;
+    const Eigen::Vector3d& s = patch.finger->center;
+    what += fmt::format(" --at {:.4f} {:.4f} {:.4f}", s.x(), s.y(), s.z());
+    if (!patch.finger->reach.outward.isZero()) direction = -patch.finger->reach.outward;
+  }
+  const Eigen::Vector3d p = scene.workspace.spacing / 2 * direction;
+  return fmt::format("--active {} --displacement {:.3g} {:.3g} {:.3g}", what, p.x(), p.y(), p.z());
+}
+
 ExitCode finish(const std::vector<SpaceTable>& spaces, const Scene& scene,
                 const std::filesystem::path& out, const std::string& how) {
   PALPATE_ASSERT(!spaces.empty(), "a scene has something to touch, and each of it a space");
-  fmt::print("{}\n{}: {}\nnext: palpate query '{}' --active {} --displacement {:.3g} 0 0\n",
-             summaryOf(spaces, scene), out.string(), how, out.string(), spaces.front().patch.name,
-             scene.workspace.spacing / 2);
+  fmt::print("{}\n{}: {}\nnext: palpate query '{}' {}\n", summaryOf(spaces, scene), out.string(),
+             how, out.string(), exampleOf(spaces.front(), scene));
   return exitCodeOf(spaces);
 }
 

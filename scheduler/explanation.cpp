@@ -67,13 +67,35 @@ std::string textOf(const wire::Explanation& e) {
 
 const SpaceTable& spaceNamed(const std::vector<SpaceTable>& spaces, const std::string& wanted) {
   if (wanted.empty() && spaces.size() == 1) return spaces.front();
-  std::string known;
+  constexpr std::size_t most_listed = 12;
+  std::vector<std::string> known;
   for (const SpaceTable& space : spaces) {
     if (space.patch.name == wanted) return space;
-    known += (known.empty() ? "" : ", ") + space.patch.name;
+    if (known.size() < most_listed) known.push_back(space.patch.name);
   }
-  if (wanted.empty()) throw badInput("--active is needed: the active nodes are {}", known);
-  throw badInput("--active {}: there is no active node of that name; there are: {}", wanted, known);
+  std::string names = fmt::format("{}", fmt::join(known, ", "));
+  if (spaces.size() > most_listed) names += fmt::format(", ... ({} in all)", spaces.size());
+  if (spaces.back().patch.finger) names += "; the one nearest to a place is found with --at X Y Z";
+  if (wanted.empty()) throw badInput("--active is needed: the active nodes are {}", names);
+  throw badInput("--active {}: there is no active node of that name; there are: {}", wanted, names);
+}
+
+const SpaceTable& siteNearest(const std::vector<SpaceTable>& spaces, const std::string& area,
+                              const Eigen::Vector3d& place) {
+  const SpaceTable* nearest = nullptr;
+  double least = std::numeric_limits<double>::infinity();
+  for (const SpaceTable& space : spaces) {
+    const ActivePatch& patch = space.patch;
+    if (!patch.finger ||
+        !(area.empty() || patch.name == area || patch.name.starts_with(area + "-")))
+      continue;
+    const double distance = (patch.finger->center - place).norm();
+    if (distance >= least) continue;
+    nearest = &space;
+    least = distance;
+  }
+  if (!nearest) throw badInput("--at: {} no finger", area.empty() ? "there is" : area + " is");
+  return *nearest;
 }
 
 wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spacings) {
@@ -120,6 +142,7 @@ namespace {
 struct ExplainOptions {
   std::string where;
   std::string active;
+  std::vector<double> at;                           ///< metres; none or three
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in spacings
   bool json = false;
 };
@@ -134,7 +157,10 @@ std::vector<SpaceTable> spacesIn(const std::string& where) {
 
 ExitCode run(const ExplainOptions& options) {
   const std::vector<SpaceTable> spaces = spacesIn(options.where);
-  const wire::Explanation explanation = explain(spaceNamed(spaces, options.active), options.point);
+  const SpaceTable& space =
+      options.at.empty() ? spaceNamed(spaces, options.active)
+                         : siteNearest(spaces, options.active, Eigen::Vector3d(options.at.data()));
+  const wire::Explanation explanation = explain(space, options.point);
   fmt::print("{}", options.json ? toJson(explanation) + '\n' : explanation.text());
   return ExitCode::done;
 }
@@ -144,6 +170,9 @@ std::function<ExitCode()> prepareExplain(CLI::App& app) {
   app.add_option("WHERE", options->where, "Dataset, OUT.h5, or a state directory")->required();
   app.add_option("--active", options->active,
                  "Name of the active node; may be left out where there is one");
+  app.add_option("--at", options->at,
+                 "Of a surface that a finger touches: its site nearest to this place, metres")
+      ->expected(3);
   app.add_option("I", options->point[0],
                  "Lattice coordinates of the point: its displacement is spacing * (I, J, K); "
                  "refined points have fractions")

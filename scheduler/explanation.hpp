@@ -6,8 +6,12 @@
 namespace palpate {
 
 /// The space of the active node with that name; without a name the only one. Error (bad input) that
-/// lists the names when there is no such one.
+/// lists the names, the first of many, when there is no such one.
 const SpaceTable& spaceNamed(const std::vector<SpaceTable>& spaces, const std::string& wanted);
+/// Of the sites of a finger's area, or of all without a name, the one nearest to a place, metres.
+/// Error (bad input) without any.
+const SpaceTable& siteNearest(const std::vector<SpaceTable>& spaces, const std::string& area,
+                              const Eigen::Vector3d& place);
 
 /// How a lattice point of one space, given in spacings, was reached: the chain of parents back to
 /// the origin; or why it was not: every attempt. `text` says it for people. Error (bad input),

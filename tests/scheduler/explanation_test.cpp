@@ -94,5 +94,24 @@ TEST_F(ExplanationTest, TheOnlyActiveNodeNeedsNoName) {
   test::expectBadInput([&] { spaceNamed(spaces, "toe"); }, {"toe", "tip, corner"});
 }
 
+TEST_F(ExplanationTest, OfASurfaceTheSiteNearestToAPlaceIsMeant) {
+  std::vector<SpaceTable> spaces(20, space);
+  for (std::size_t n = 1; n < spaces.size(); ++n) {
+    spaces[n].patch.name = fmt::format("skin-{}", n);
+    spaces[n].patch.finger = Finger{{0.01 * static_cast<double>(n), 0, 0}, 0.02};
+  }
+  spaces[19].patch.name = "other-1";
+  EXPECT_EQ(&siteNearest(spaces, "skin", {0.031, 0.001, 0}), &spaces[3]);
+  EXPECT_EQ(&siteNearest(spaces, "skin", {1, 0, 0}), &spaces[18]);
+  EXPECT_EQ(&siteNearest(spaces, "", {1, 0, 0}), &spaces[19]);
+  EXPECT_EQ(&siteNearest(spaces, "skin-7", {1, 0, 0}), &spaces[7]);
+  test::expectBadInput(
+      [&] {
+        siteNearest(spaces, "tip", {1, 0, 0});
+      },
+      {"--at", "tip is no finger"});
+  test::expectBadInput([&] { spaceNamed(spaces, "skin"); }, {"skin-1, skin-2", "(20 in all)"});
+}
+
 }  // namespace
 }  // namespace palpate

@@ -1,4 +1,5 @@
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -18,6 +19,12 @@ constexpr double clearance = 0.025;
 constexpr double pressed_share = 0.35, circle_share = 0.12;  ///< of the workspace's radius
 constexpr double largest_force = 1.5;  ///< N: it presses less deep where the force would be larger
 constexpr double travel_speed = 0.15;  ///< m/s, from one active node to the next
+constexpr double slide_speed = 0.1;    ///< m/s, from one site of a finger to the next, pressed in
+constexpr double slide_step = 0.005;   ///< m, between waypoints of such a way
+/// Then it lifts off, because a tool that lost contact, at a rim, finds it from outside again.
+constexpr std::size_t most_slid = 12;
+/// Between sites that it slides between, in radii of the finger; and how much the surface may turn.
+constexpr double longest_slide = 2, least_slide_cosine = 0.6;
 constexpr int circle_pieces = 16;
 constexpr int depth_steps = 64;
 constexpr double arc_step = std::numbers::pi / 9;
@@ -41,12 +48,14 @@ class PathWriter {
   std::vector<HandWaypoint> waypoints_;
 };
 
-/// Where a hand touches one active node.
+/// Where a hand touches one active node, or a site of a finger.
 struct Site {
   Eigen::Vector3d point, normal;  ///< on the surface at rest, m; outward
   double depth;                   ///< m
-  double radius;                  ///< m, of the circle
+  double radius;                  ///< m, of the circle; 0: none, it slides on to the next site
 };
+/// What is touched without leaving the surface: one active node, or sites, one after the other.
+using Stroke = std::vector<Site>;
 
 /// The largest depth up to `wanted` at which the force, and at all smaller depths, is bearable.
 double bearableDepth(const ForceField& field, const Eigen::Vector3d& normal, double wanted) {
@@ -58,23 +67,61 @@ double bearableDepth(const ForceField& field, const Eigen::Vector3d& normal, dou
   return wanted;
 }
 
-std::vector<Site> sitesOf(const HapticModel& model) {
+Site siteAt(const HapticModel& model, std::size_t space, const Eigen::Vector3d& point,
+            const Eigen::Vector3d& normal) {
+  const double reach = model.spaces()[space].lattice.radius();
+  const bool slides = model.spaces()[space].patch.finger.has_value();
+  return {point, normal, bearableDepth(model.field(0, space), normal, pressed_share * reach),
+          slides ? 0 : circle_share * reach};
+}
+
+/// Takes away the site that the hand goes on to: the nearest, and rather one on the same side.
+Site takeNext(std::vector<Site>& left, const Site& from) {
+  const auto next = std::ranges::min_element(left, {}, [&](const Site& site) {
+    return (site.point - from.point).norm() * (2 - site.normal.dot(from.normal));
+  });
+  const Site taken = *next;
+  left.erase(next);
+  return taken;
+}
+
+/// Over all sites of an area, each touched once.
+std::vector<Stroke> strokesOver(const HapticModel& model, const TouchArea& area) {
+  const TouchSurface& surface = model.surface();
+  std::vector<Site> left;
+  for (const std::size_t space : area.spaces) {
+    const NearestPoint at =
+        surface.nearestTouchable(model.spaces()[space].patch.finger.value().center);
+    left.push_back(siteAt(model, space, at.position, surface.normal(at)));
+  }
+  std::vector<Stroke> strokes;
+  for (Site at = takeNext(left, left.front());; at = takeNext(left, at)) {
+    const Site* const last = strokes.empty() ? nullptr : &strokes.back().back();
+    if (last && strokes.back().size() < most_slid &&
+        (last->point - at.point).norm() <= longest_slide * area.radius &&
+        last->normal.dot(at.normal) >= least_slide_cosine)
+      strokes.back().push_back(at);
+    else
+      strokes.push_back({at});
+    if (left.empty()) return strokes;
+  }
+}
+
+std::vector<Stroke> strokesOf(const HapticModel& model) {
   PALPATE_ASSERT(model.isPrepared(0), "forces bound how deep it presses");
-  std::vector<Site> sites;
+  std::vector<Stroke> strokes;
   const TouchSurface& surface = model.surface();
   for (std::size_t s = 0; s < model.spaces().size(); ++s) {
     const std::int32_t vertex = surface.activeVertex(s);
-    if (vertex < 0) continue;
-    const auto v = static_cast<std::size_t>(vertex);
-    const double reach = model.spaces()[s].lattice.radius();
-    const Eigen::Vector3d& normal = surface.vertexNormals()[v];
-    sites.push_back({surface.vertices()[v], normal,
-                     bearableDepth(model.field(0, s), normal, pressed_share * reach),
-                     circle_share * reach});
+    if (vertex < 0 || model.spaces()[s].patch.finger) continue;
+    strokes.push_back(
+        {siteAt(model, s, surface.vertices()[at(vertex)], surface.vertexNormals()[at(vertex)])});
   }
-  if (sites.empty())
+  for (const TouchArea& area : surface.areas())
+    for (Stroke& stroke : strokesOver(model, area)) strokes.push_back(std::move(stroke));
+  if (strokes.empty())
     throw badInput("{}: no active node lies on the surface that a hand can touch", model.file());
-  return sites;
+  return strokes;
 }
 
 /// Ways outside of a body.
@@ -153,16 +200,40 @@ void explore(const TouchSurface& surface, const Site& site, const Eigen::Vector3
   path.goTo(before, approach_seconds + press_seconds);
 }
 
+/// In at the first site, pressed in from each to the next along the surface, and out at the last.
+void slide(const TouchSurface& surface, const Stroke& stroke, const Eigen::Vector3d& after,
+           PathWriter& path) {
+  path.goTo(stroke.front().point, approach_seconds);
+  path.goTo(stroke.front().point - stroke.front().depth * stroke.front().normal, press_seconds);
+  for (std::size_t n = 1; n < stroke.size(); ++n) {
+    const Site &from = stroke[n - 1], &to = stroke[n];
+    const double way = (to.point - from.point).norm();
+    const int pieces = std::max(1, static_cast<int>(std::ceil(way / slide_step)));
+    for (int i = 1; i <= pieces; ++i) {
+      const double share = static_cast<double>(i) / pieces;
+      const NearestPoint at = surface.tree().nearest(from.point + share * (to.point - from.point));
+      path.goTo(at.position - std::lerp(from.depth, to.depth, share) * surface.normal(at),
+                way / pieces / slide_speed);
+    }
+  }
+  path.goTo(after, approach_seconds + press_seconds);
+}
+
 }  // namespace
 
 HandPath touchPath(const HapticModel& model) {
-  const std::vector<Site> sites = sitesOf(model);
+  const std::vector<Stroke> strokes = strokesOf(model);
   const Surroundings around(model.surface());
   PathWriter path;
-  path.goTo(around.before(sites.front()), 0);
-  for (std::size_t i = 0; i < sites.size(); ++i) {
-    explore(model.surface(), sites[i], around.before(sites[i]), path);
-    if (sites.size() > 1) around.walk(sites[i], sites[(i + 1) % sites.size()], path);
+  path.goTo(around.before(strokes.front().front()), 0);
+  for (std::size_t i = 0; i < strokes.size(); ++i) {
+    const Site &first = strokes[i].front(), &last = strokes[i].back();
+    if (first.radius > 0)
+      explore(model.surface(), first, around.before(first), path);
+    else
+      slide(model.surface(), strokes[i], around.before(last), path);
+    const Site& next = strokes[(i + 1) % strokes.size()].front();
+    if (strokes.size() > 1 || strokes[i].size() > 1) around.walk(last, next, path);
   }
   return HandPath(path.take(), HandPath::AtEnd::repeats, "path around " + model.name());
 }

@@ -27,7 +27,7 @@ constexpr double kernel_width = 1.5;
 /// known) and of what a site lacks when the others around stand in for it (it stands farther from
 /// them than places stand from the nearest), and, of the force, what stations leave out. Chosen at
 /// 1000 exact solutions: docs/evaluation.md.
-constexpr double share_of_p_error = 0.4, share_of_lack = 0.2, share_of_force = 0.01;
+constexpr double share_of_p_error = 0.3, share_of_lack = 0.2, share_of_force = 0.009;
 /// Of refinement (Accuracy::levels).
 constexpr std::size_t most_levels = 6;
 
@@ -261,30 +261,39 @@ void AreaField::judge(const std::vector<const SpaceTable*>& spaces,
                       const std::vector<SiteJets>& made, double width) {
   for (std::size_t site = 0; site < siteCount(); ++site)
     judgements_.push_back(
-        {treeOf(*spaces[site], spaces[site]->splits), made[site].p_error, made[site].coverage});
+        {treeOf(*spaces[site], spaces[site]->splits), made[site].p_error, {}, made[site].coverage});
   inParallel(siteCount(), [&](std::size_t site) {
     Judgement& judgement = judgements_[site];
     const Interpolation others(sites_.points(), sites_.points()[site], sites_of_judgement, site,
                                width);
     if (others.from.empty()) {
-      judgement.error.assign(judgement.error.size(), std::numeric_limits<float>::quiet_NaN());
+      judgement.lack.assign(judgement.error.size(), std::numeric_limits<float>::quiet_NaN());
       return;
     }
     const CellTree& tree = made[site].tree;
-    std::vector<float> lacks(tree.slots().size(), -1);
-    for (std::size_t slot = 0; slot < lacks.size(); ++slot) {
+    judgement.lack.assign(tree.slots().size(), -1);
+    float worst = 0, least = std::numeric_limits<float>::infinity();
+    for (std::size_t slot = 0; slot < judgement.lack.size(); ++slot) {
+      judgement.error[slot] *= static_cast<float>(share_of_p_error);
       const auto number = spaces[site]->lattice.indexOf(tree.slots()[slot].point);
-      if (!number || !isSolved(spaces[site]->points[at(*number)].tag)) continue;
-      const SiteJet difference = others.at(made, tree.slots()[slot].point) - made[site].jets[slot];
-      lacks[slot] = Eigen::Vector3f(difference(1, 0), difference(3, 0), difference(9, 0)).norm() /
-                    static_cast<float>(tree.spacing());
+      // The force at rest is zero, of which nothing is a share.
+      if (!number || *number == 0 || !isSolved(spaces[site]->points[at(*number)].tag)) continue;
+      const SiteJet& own = made[site].jets[slot];
+      const auto slopeOf = [](const SiteJet& jet) {
+        return Eigen::Vector3f(jet(1, 0), jet(3, 0), jet(9, 0));
+      };
+      const Eigen::Vector3f difference =
+          slopeOf(others.at(made, tree.slots()[slot].point)) - slopeOf(own);
+      const float lack = difference.norm() / slopeOf(own).norm();
+      judgement.lack[slot] = static_cast<float>(share_of_lack) * lack;
+      worst = std::max(worst, judgement.lack[slot]);
+      least = std::min(least, judgement.lack[slot]);
     }
-    // What is not solved is no better known than the worst that is.
-    const float worst = *std::ranges::max_element(lacks);
-    for (std::size_t slot = 0; slot < lacks.size(); ++slot)
-      judgement.error[slot] =
-          static_cast<float>(share_of_p_error) * judgement.error[slot] +
-          static_cast<float>(share_of_lack) * (lacks[slot] < 0 ? worst : lacks[slot]);
+    // What is not solved is no better known than the worst that is; near rest all is best.
+    for (std::size_t slot = 0; slot < judgement.lack.size(); ++slot)
+      if (judgement.lack[slot] < 0)
+        judgement.lack[slot] =
+            tree.slots()[slot].point == LatticePoint{0, 0, 0} ? std::min(least, worst) : worst;
   });
 }
 
@@ -353,7 +362,7 @@ AreaSample AreaField::inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p)
 
 void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                              AreaSample& sample) const noexcept {
-  double whole = 0, error = 0, coverage = 0;
+  double whole = 0, error = 0, lack = 0, coverage = 0;
   for (const std::int32_t site : sites_.near(s)) {
     const double x = (s - sites_.points()[at(site)]).norm() / sites_.reach();
     if (!(x < 1)) continue;
@@ -364,10 +373,11 @@ void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
     const LeafCorners& slots = tree.corners(place.leaf);
     whole += weight;
     error += weight * static_cast<double>(trilinear(slots, place.local, judgement.error));
+    lack += weight * static_cast<double>(trilinear(slots, place.local, judgement.lack));
     coverage += weight * static_cast<double>(trilinear(slots, place.local, judgement.coverage));
   }
   if (whole < std::numeric_limits<double>::min()) return;
-  sample.error_bound = error / whole + share_of_force * sample.force.norm();
+  sample.error_bound = error / whole + (lack / whole + share_of_force) * sample.force.norm();
   sample.coverage = std::clamp(coverage / whole, 0.0, 1.0);
   sample.inside = sample.coverage > 0;
 }

@@ -71,7 +71,9 @@ class AreaField {
   /// What is said about the error at a site, per slot of its lattice.
   struct Judgement {
     std::size_t tree = 0;
-    std::vector<float> error, coverage;
+    std::vector<float> error;     ///< N
+    std::vector<float> lack;      ///< of the force
+    std::vector<float> coverage;  ///< as ForceSample::coverage
   };
   /// Sums over the stations whose leaves around a displacement are on one level: all are the same.
   struct LevelSum;

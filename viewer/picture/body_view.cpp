@@ -1,5 +1,6 @@
 #include "viewer/picture/body_view.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 
@@ -38,6 +39,18 @@ void drawElements(GLenum kind, std::span<const std::uint32_t> indices) {
   glDrawElements(kind, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, indices.data());
 }
 
+/// Unit; of its two directions the one that turns less from -y, the front.
+Eigen::Vector3d thinnestAxis(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& point : points) middle += point / static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& point : points)
+    spread += (point - middle) * (point - middle).transpose();
+  const Eigen::Vector3d axis =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
+  return axis.y() > 0 ? Eigen::Vector3d(-axis) : axis;
+}
+
 }  // namespace
 
 BodyView::BodyView(const HapticModel& model)
@@ -55,15 +68,22 @@ BodyView::BodyView(const HapticModel& model)
 Eigen::Vector3d BodyView::bestView() const {
   const TouchSurface& surface = model_.surface();
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  double area = 0;
   for (std::size_t t = 0; t < surface.triangles().size(); ++t) {
     if (!surface.touchable(static_cast<std::int32_t>(t))) continue;
     const Triangle& corners = surface.triangles()[t];
     const auto vertex = [&](std::size_t n) -> const Eigen::Vector3d& {
       return surface.vertices()[at(corners[n])];
     };
-    normal += (vertex(1) - vertex(0)).cross(vertex(2) - vertex(0));
+    const Eigen::Vector3d doubled = (vertex(1) - vertex(0)).cross(vertex(2) - vertex(0));
+    normal += doubled;
+    area += doubled.norm();
   }
-  if (normal.norm() > 0) normal.normalize();
+  // Touched all around: from where the body looks widest, a little from above.
+  constexpr double least_lean = 0.2;
+  if (normal.norm() < least_lean * area)
+    return thinnestAxis(surface.vertices()) + 0.45 * Eigen::Vector3d::UnitZ();
+  normal.normalize();
   // From the side of the normal: an arrow toward the eye would be a dot.
   const Eigen::Vector3d right = Eigen::Vector3d::UnitY().cross(normal);
   return 0.8 * normal + 0.75 * right + 0.35 * Eigen::Vector3d::UnitY() +

@@ -26,7 +26,8 @@ class BodyView {
   /// m, at the end of the colours of the surface: a round number that grows with what was seen.
   double fullColour() const { return full_colour_; }
   /// From where the touchable surface is seen best, a direction of any length: along its mean
-  /// normal, and a little from above and beside it.
+  /// normal, and a little from above and beside it; of a body that is touched all around along its
+  /// thinnest axis.
   Eigen::Vector3d bestView() const;
   /// Where the active node of a space is at rest, m.
   Eigen::Vector3d originOf(std::size_t space) const;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/interpolation/branch_check.hpp"
 
@@ -51,7 +50,13 @@ SpaceTable thinned(const SpaceTable& space, std::int32_t factor) {
     LatticePoint point = coarse.lattice.point(n);
     for (std::int32_t& coordinate : point) coordinate *= step;
     const auto found = dense.indexOf(point);
-    PALPATE_ASSERT(found, "a lattice has every multiple of its spacing within the radius");
+    if (!found) {
+      // Of a part of the ball (PushedPart): nothing was computed there.
+      PointRecord& missing = coarse.points.emplace_back();
+      missing.tag = Tag::failed;
+      missing.cause = Cause::unreachable;
+      continue;
+    }
     number[*found] = n;
     coarse.points.push_back(space.points[*found]);
   }

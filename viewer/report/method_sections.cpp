@@ -95,6 +95,18 @@ std::string latticeTable(const Report& report) {
   return table({"lattice", "spacing, mm", "configurations", "factorizations they took"}, rows);
 }
 
+std::string areaCards(const AreaMeasures& area) {
+  return "<p class=\"how\">A finger anywhere on " + escaped(area.name) +
+         ":</p>\n<div class=\"cards\">\n" +
+         card(formatShare(area.bound.median), "of the force is the error bound, in the median") +
+         card(formatShare(area.bound.percentile_95), "is it at most at 95 % of places") +
+         card(std::to_string(area.sites), "sites on the surface") +
+         card(formatNumber(area.seconds_to_prepare) + " s", "to prepare its energy") +
+         card(formatNumber(1e-3 * area.nanoseconds, 2) + " us",
+              "per query, on the machine that made this page") +
+         "</div>\n";
+}
+
 }  // namespace
 
 std::vector<PlotSeries> methodSeries(const Report& report) {
@@ -105,6 +117,8 @@ std::vector<PlotSeries> methodSeries(const Report& report) {
 }
 
 std::string cards(const Report& report) {
+  // What is felt is the area; how methods do at single sites is below.
+  if (!report.areas.empty()) return areaCards(report.areas.front());
   const LatticeMeasures& lattice = shownLattice(report);
   PALPATE_ASSERT(lattice.methods.size() == report.methods.size(),
                  "every lattice was measured with every method, the default first");

@@ -72,6 +72,7 @@ class Reporter {
       measureLattice(lattice);
     }
     measureOtherNodes();
+    report_.areas = measureAreas(report_.open.front(), report_.target);
     samplePictures();
     return std::move(report_);
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "viewer/report/area_measures.hpp"
 #include "viewer/report/compared_lattice.hpp"
 #include "viewer/report/dataset_facts.hpp"
 #include "viewer/report/field_comparison.hpp"
@@ -71,6 +72,7 @@ struct Report {
   /// there are probes, else its densest part that leaves something out. Nothing when nothing can be
   /// measured.
   std::optional<std::size_t> measured;
+  std::vector<AreaMeasures> areas;         ///< of fingers, of the first dataset
   std::vector<NodeMeasures> nodes;         ///< all, as Dataset::spaces()
   std::size_t compared = 0;                ///< active nodes on which all methods were compared
   std::map<Cause, FailureCount> failures;  ///< of the first dataset

@@ -91,6 +91,21 @@ Json nodeJson(const Report& report, const NodeMeasures& node) {
           {"methods", methods}};
 }
 
+Json areaJson(const AreaMeasures& area) {
+  Json depths = Json::array();
+  for (const DepthMeasures& depth : area.depths)
+    depths.push_back(
+        {{"depth", depth.depth}, {"relative_bound", toJson(depth.bound)}, {"force", depth.force}});
+  return {{"name", area.name},
+          {"sites", area.sites},
+          {"stations", area.stations},
+          {"seconds_to_prepare", area.seconds_to_prepare},
+          {"nanoseconds_per_query", area.nanoseconds},
+          {"samples", area.samples},
+          {"relative_bound", toJson(area.bound)},
+          {"depths", depths}};
+}
+
 }  // namespace
 
 std::string reportJson(const Report& report) {
@@ -110,6 +125,8 @@ std::string reportJson(const Report& report) {
   for (const LatticeMeasures& lattice : report.lattices)
     json["lattices"].push_back(latticeJson(report, lattice));
   for (const NodeMeasures& node : report.nodes) json["nodes"].push_back(nodeJson(report, node));
+  json["areas"] = Json::array();
+  for (const AreaMeasures& area : report.areas) json["areas"].push_back(areaJson(area));
   json["failures"] = Json::object();
   for (const auto& [cause, count] : report.failures)
     json["failures"][std::string(name(cause))] = {

@@ -93,10 +93,11 @@ std::string figures(const std::string& content) {
 }
 
 std::string reportPage(const Report& report) {
-  const std::vector<Section> sections = {
+  std::vector<Section> sections = {
       frontierSection(report), loopsSection(report), boundsSection(report),
       nodesSection(report),    mapsSection(report),  curvesSection(report),
       failuresSection(report), sizesSection(report), provenanceSection(report)};
+  if (!report.areas.empty()) sections.insert(sections.begin(), areasSection(report));
   // The navigation has what there is, in the same order.
   std::string links, text;
   for (const Section& section : sections) {

@@ -32,6 +32,9 @@ Section mapsSection(const Report& report);
 /// Forces along the axes, of Report::pictures.
 Section curvesSection(const Report& report);
 
+/// Report::areas: bounds on a map of the organ, and over the displacement.
+Section areasSection(const Report& report);
+
 /// Failures of the first dataset, by cause.
 Section failuresSection(const Report& report);
 /// What takes the room in the files.

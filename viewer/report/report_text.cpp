@@ -98,6 +98,28 @@ std::string nodes(const Report& report) {
              report.methods.front(), shownLattice(report).label, cut));
 }
 
+std::string areas(const Report& report) {
+  std::string text;
+  for (const AreaMeasures& area : report.areas) {
+    static constexpr const char* row = "{:<12} {:>9} {:>9} {:>9} {:>9}\n";
+    text +=
+        "\n" + wrapped(fmt::format(
+                   "{}: a finger anywhere on the surface, {} sites, {} stations, prepared in {} "
+                   "s, {} ns per query. Error bound, share of the force:",
+                   area.name, area.sites, area.stations, formatNumber(area.seconds_to_prepare),
+                   formatNumber(area.nanoseconds, 3)));
+    text += fmt::format(row, "displacement", "median", "95 %", "99 %", "force, N");
+    for (const DepthMeasures& depth : area.depths)
+      text += fmt::format(row, fmt::format("{:g} mm", 1e3 * depth.depth),
+                          formatShare(depth.bound.median), formatShare(depth.bound.percentile_95),
+                          formatShare(depth.bound.percentile_99), formatNumber(depth.force));
+    text += fmt::format(row, "all", formatShare(area.bound.median),
+                        formatShare(area.bound.percentile_95),
+                        formatShare(area.bound.percentile_99), "");
+  }
+  return text;
+}
+
 std::string failures(const Report& report) {
   if (report.failures.empty()) return "";
   std::string text =
@@ -111,7 +133,8 @@ std::string failures(const Report& report) {
 }  // namespace
 
 std::string reportText(const Report& report) {
-  std::string text = header(report) + frontier(report) + nodes(report) + failures(report);
+  std::string text =
+      header(report) + areas(report) + frontier(report) + nodes(report) + failures(report);
   if (const std::string hint = hintForProbes(report); !hint.empty()) text += "\n" + wrapped(hint);
   return text;
 }

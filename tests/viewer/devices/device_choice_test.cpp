@@ -8,6 +8,7 @@
 
 #include "tests/support/command.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/finger_body.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/viewer/devices/tray_device.hpp"
@@ -89,6 +90,26 @@ TEST_F(DeviceChoice, TheDefaultPathComesDownOnTheActiveNodesThemselves) {
     };
     EXPECT_TRUE(std::any_of(path.waypoints().begin(), path.waypoints().end(), meets))
         << "space " << s;
+  }
+}
+
+TEST_F(DeviceChoice, TheDefaultPathSlidesOverAllSitesOfAFinger) {
+  test::FingerBody().seal(directory / "body.h5");
+  const HapticModel body(Dataset(directory / "body.h5"), {.methods = {"potential"}});
+  const HandPath path = touchPath(body);
+  EXPECT_TRUE(path.repeats());
+  for (std::size_t s = 0; s < body.spaces().size(); ++s) {
+    const Eigen::Vector3d site = body.spaces()[s].patch.finger->center;
+    double nearest = 1;
+    for (const HandWaypoint& waypoint : path.waypoints())
+      if (!body.surface().tree().nearest(waypoint.position).outside)
+        nearest = std::min(nearest, (waypoint.position - site).norm());
+    EXPECT_LT(nearest, 0.012) << "pressed in at site " << s;
+  }
+  for (double time = 0; time < path.duration(); time += 0.01) {
+    const HandTarget target = path.at(time);
+    if (body.surface().tree().nearest(target.position).outside) continue;
+    EXPECT_LT(target.velocity.norm(), 0.3);
   }
 }
 

@@ -178,7 +178,8 @@ TEST_F(AreaFieldTest, IsOneEnergyOverSitesThatAreRefinedAndOthers) {
   }
 }
 
-TEST_F(AreaFieldTest, IsSurerWhereSitesAreRefined) {
+/// Whose energy is exact in p with any spacing.
+TEST_F(AreaFieldTest, IsNoLessSureWhereSitesAreRefined) {
   std::vector<SpaceTable> refined;
   for (const SpaceTable& site : *spaces)
     refined.push_back(PaperArea::space(site.patch.finger->center, true));
@@ -189,7 +190,16 @@ TEST_F(AreaFieldTest, IsSurerWhereSitesAreRefined) {
     coarse += field->evaluate(s, p).error_bound;
     fine += area.evaluate(s, p).error_bound;
   }
-  EXPECT_LT(fine, coarse);
+  EXPECT_LE(fine, 1.001 * coarse);
+}
+
+TEST_F(AreaFieldTest, BoundsOfSmallForcesAreSmall) {
+  for (int n = 0; n < 100; ++n) {
+    const Eigen::Vector3d s = drawPlace(), p = drawDisplacement();
+    const AreaSample deep = field->evaluate(s, p), shallow = field->evaluate(s, 0.1 * p);
+    EXPECT_LT(shallow.error_bound,
+              1.5 * deep.error_bound * shallow.force.norm() / deep.force.norm());
+  }
 }
 
 }  // namespace

@@ -47,6 +47,21 @@ TEST(ThinnedSpace, KeepsFailuresAndAttemptsOfItsPointsOnly) {
   }
 }
 
+TEST(ThinnedSpace, OfAPartOfTheBallHasNothingInTheRest) {
+  const PushedPart part = {Eigen::Vector3d::UnitZ(), 0.2};
+  const SpaceTable dense = test::solvedSpace(Lattice(0.06, 0.01, 1, part), StiffeningEnergy());
+  const SpaceTable coarse = thinned(dense, 2);
+  int solved = 0;
+  for (std::int32_t n = 0; n < coarse.lattice.size(); ++n) {
+    if (isSolved(coarse.points[n].tag))
+      ++solved;
+    else
+      EXPECT_FALSE(part.contains(coarse.lattice.displacement(n)));
+  }
+  EXPECT_GT(solved, coarse.lattice.size() / 2);
+  EXPECT_LT(solved, coarse.lattice.size());
+}
+
 TEST(ThinnedSpace, LeavesRefinementOut) {
   SpaceTable dense = denseSpace(1024);
   const std::size_t uniform = dense.points.size();

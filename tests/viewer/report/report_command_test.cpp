@@ -11,6 +11,7 @@
 #include "common/base/whole_file.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/finger_body.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "viewer/fields/field_choice.hpp"
@@ -257,6 +258,23 @@ TEST_F(ReportCommand, OfNoConfigurationAtAllSaysWhyNoMethodCanBeMade) {
   for (const auto& [name, method] : report["lattices"][0]["methods"].items())
     EXPECT_TRUE(method["problem"].is_string()) << name;
   EXPECT_THAT(page(), HasSubstr("</html>"));
+}
+
+TEST_F(ReportCommand, OfAFingerSaysHowSureItIsOverTheSurface) {
+  test::FingerBody().seal(directory / "sample.h5");
+  options.html = directory / "report.html";
+  options.json = true;
+  std::ostringstream output;
+  ASSERT_EQ(report(options, output), ExitCode::done);
+  const nlohmann::json area = nlohmann::json::parse(output.str())["areas"].at(0);
+  EXPECT_EQ(area["name"], "top");
+  EXPECT_EQ(area["sites"], test::FingerBody().spaces.size());
+  EXPECT_GT(area["samples"], 10);
+  EXPECT_GT(area["relative_bound"]["median"], 0);
+  EXPECT_EQ(area["depths"].size(), 5U);
+  const std::string shown = readText(options.html, "page");
+  EXPECT_THAT(shown, AllOf(HasSubstr("id=\"areas\""), HasSubstr("from behind"),
+                           Not(HasSubstr("probes = 200"))));
 }
 
 TEST_F(ReportCommand, TakesSeveralDatasetsOfOneScene) {

@@ -1,0 +1,143 @@
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <numeric>
+
+#include "viewer/report/report_sections.hpp"
+#include "viewer/report/report_words.hpp"
+#include "viewer/report/slice_picture.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double map_width = 520, map_margin = 10;  // user units
+constexpr const char* not_answered = "#d9dee3";
+
+/// How a body is looked at: rows are right, up and towards the eye.
+struct MapView {
+  const char* title;
+  Eigen::Matrix3d axes;
+};
+
+/// From both sides of the axis along which the body is thinnest, z upwards where that is possible.
+std::array<MapView, 2> viewsOf(const Mesh& mesh) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& node : mesh.nodes)
+    middle += node / static_cast<double>(mesh.nodes.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& node : mesh.nodes)
+    spread += (node - middle) * (node - middle).transpose();
+  Eigen::Vector3d eye =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
+  if (eye.y() > 0) eye = -eye;
+  const Eigen::Vector3d up_hint =
+      std::abs(eye.z()) < 0.9 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
+  const auto axesFrom = [&](const Eigen::Vector3d& towards) {
+    Eigen::Matrix3d axes;
+    const Eigen::Vector3d right = up_hint.cross(towards).normalized();
+    axes << right.transpose(), towards.cross(right).transpose(), towards.transpose();
+    return axes;
+  };
+  return {MapView{"from the front", axesFrom(eye)}, MapView{"from behind", axesFrom(-eye)}};
+}
+
+/// The triangles that face the eye, the farthest first, each in its colour.
+std::string svgOf(const Mesh& mesh, const std::vector<double>& values, const ColourScale& scale,
+                  const MapView& view) {
+  std::vector<Eigen::Vector3d> seen;
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()),
+                  high = -low;
+  for (const Eigen::Vector3d& node : mesh.nodes) {
+    seen.emplace_back(view.axes * node);
+    low = low.cwiseMin(seen.back());
+    high = high.cwiseMax(seen.back());
+  }
+  const double unit = (map_width - 2 * map_margin) / (high.x() - low.x());
+  const double height = unit * (high.y() - low.y()) + 2 * map_margin;
+  const auto depth = [&](std::size_t t) {
+    const Triangle& c = mesh.surface[t];
+    return seen[at(c[0])].z() + seen[at(c[1])].z() + seen[at(c[2])].z();
+  };
+  std::vector<std::size_t> order(mesh.surface.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, {}, depth);
+  std::string svg =
+      fmt::format("<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\">\n", map_width, height);
+  for (const std::size_t t : order) {
+    const Triangle& c = mesh.surface[t];
+    const Eigen::Vector3d &p = seen[at(c[0])], &q = seen[at(c[1])], &r = seen[at(c[2])];
+    if ((q - p).cross(r - p).z() <= 0) continue;
+    const std::string colour =
+        std::isfinite(values[t]) ? scale.colourOf(values[t]) : std::string(not_answered);
+    svg += "<path d=\"";
+    for (const Eigen::Vector3d* corner : {&p, &q, &r})
+      svg += fmt::format("{}{:.1f} {:.1f}", corner == &p ? 'M' : 'L',
+                         map_margin + unit * (corner->x() - low.x()),
+                         map_margin + unit * (high.y() - corner->y()));
+    // Stroked alike, so that no seam shows between neighbours.
+    svg += fmt::format(
+        "z\" fill=\"{0}\" stroke=\"{0}\" stroke-width=\".6\"><title>{1}</title></path>\n", colour,
+        formatShare(values[t]));
+  }
+  return svg + "</svg>\n";
+}
+
+std::string colourKey(const ColourScale& scale) {
+  std::string key = "<p class=\"legend\">";
+  for (double value = scale.lowest(); value <= scale.highest() * 1.001; value *= std::sqrt(10.0))
+    key += fmt::format(
+        "<span><svg width=\"14\" height=\"14\"><rect width=\"14\" height=\"14\" "
+        "fill=\"{}\"/></svg>{}</span>",
+        scale.colourOf(value), formatShare(value));
+  return key + fmt::format(
+                   "<span><svg width=\"14\" height=\"14\"><rect width=\"14\" height=\"14\" "
+                   "fill=\"{}\"/></svg>not answered for</span></p>\n",
+                   not_answered);
+}
+
+std::string depthPlot(const AreaMeasures& area) {
+  Plot plot = {.title = "Over displacement",
+               .x = {"displacement, mm", false},
+               .y = {"bound, share of the force", true},
+               .series = {{.label = "median", .style = seriesStyle(0)},
+                          {.label = "95 %", .style = seriesStyle(1)}}};
+  for (const DepthMeasures& depth : area.depths) {
+    plot.series[0].add(1e3 * depth.depth, depth.bound.median);
+    plot.series[1].add(1e3 * depth.depth, depth.bound.percentile_95);
+  }
+  return "<div class=\"single\">" + svgOf(plot) + "</div>\n" + legendOf(plot.series);
+}
+
+}  // namespace
+
+Section areasSection(const Report& report) {
+  std::string html;
+  const Mesh& mesh = report.open.front().mesh();
+  for (const AreaMeasures& area : report.areas) {
+    html +=
+        "<h3>" + escaped(area.name) + "</h3>\n" +
+        table({"sites", "stations", "preparing, s", "query, ns", "median", "95 %", "99 %"},
+              tableRow({std::to_string(area.sites), std::to_string(area.stations),
+                        formatNumber(area.seconds_to_prepare), formatNumber(area.nanoseconds, 3),
+                        formatShare(area.bound.median), formatShare(area.bound.percentile_95),
+                        formatShare(area.bound.percentile_99)}));
+    const ColourScale scale(area.on_triangles);
+    html += colourKey(scale);
+    std::string maps;
+    for (const MapView& view : viewsOf(mesh))
+      maps += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n",
+                          svgOf(mesh, area.on_triangles, scale, view), view.title);
+    html += figures(maps) + depthPlot(area);
+  }
+  return {
+      "areas", "Over the surface",
+      "The error bound of the one energy that a finger feels anywhere on its area, as a share of "
+      "the force (where that is small, of the force at which the allowed error is the floor): "
+      "displacements within 45 degrees of the inward normal, by forces up to the largest of the "
+      "scene. A bound, not an error: it was measured to be some ten times the error, and to "
+      "hold at 99 % of places.",
+      html};
+}
+
+}  // namespace palpate
