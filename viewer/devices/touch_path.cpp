@@ -68,11 +68,10 @@ double bearableDepth(const ForceField& field, const Eigen::Vector3d& normal, dou
 }
 
 Site siteAt(const HapticModel& model, std::size_t space, const Eigen::Vector3d& point,
-            const Eigen::Vector3d& normal) {
+            const Eigen::Vector3d& normal, double radius) {
   const double reach = model.spaces()[space].lattice.radius();
-  const bool slides = model.spaces()[space].patch.finger.has_value();
   return {point, normal, bearableDepth(model.field(0, space), normal, pressed_share * reach),
-          slides ? 0 : circle_share * reach};
+          radius};
 }
 
 /// Takes away the site that the hand goes on to: the nearest, and rather one on the same side.
@@ -92,7 +91,7 @@ std::vector<Stroke> strokesOver(const HapticModel& model, const TouchArea& area)
   for (const std::size_t space : area.spaces) {
     const NearestPoint at =
         surface.nearestTouchable(model.spaces()[space].patch.finger.value().center);
-    left.push_back(siteAt(model, space, at.position, surface.normal(at)));
+    left.push_back(siteAt(model, space, at.position, surface.normal(at), 0));
   }
   std::vector<Stroke> strokes;
   for (Site at = takeNext(left, left.front());; at = takeNext(left, at)) {
@@ -111,11 +110,15 @@ std::vector<Stroke> strokesOf(const HapticModel& model) {
   PALPATE_ASSERT(model.isPrepared(0), "forces bound how deep it presses");
   std::vector<Stroke> strokes;
   const TouchSurface& surface = model.surface();
+  std::vector<bool> in_area(model.spaces().size());
+  for (const TouchArea& area : surface.areas())
+    for (const std::size_t space : area.spaces) in_area[space] = true;
   for (std::size_t s = 0; s < model.spaces().size(); ++s) {
     const std::int32_t vertex = surface.activeVertex(s);
-    if (vertex < 0 || model.spaces()[s].patch.finger) continue;
+    if (vertex < 0 || in_area[s]) continue;
     strokes.push_back(
-        {siteAt(model, s, surface.vertices()[at(vertex)], surface.vertexNormals()[at(vertex)])});
+        {siteAt(model, s, surface.vertices()[at(vertex)], surface.vertexNormals()[at(vertex)],
+                circle_share * model.spaces()[s].lattice.radius())});
   }
   for (const TouchArea& area : surface.areas())
     for (Stroke& stroke : strokesOver(model, area)) strokes.push_back(std::move(stroke));

@@ -289,11 +289,12 @@ void AreaField::judge(const std::vector<const SpaceTable*>& spaces,
       worst = std::max(worst, judgement.lack[slot]);
       least = std::min(least, judgement.lack[slot]);
     }
+    // Rest alone tells nothing.
+    if (worst == 0) worst = least = 1;
     // What is not solved is no better known than the worst that is; near rest all is best.
     for (std::size_t slot = 0; slot < judgement.lack.size(); ++slot)
       if (judgement.lack[slot] < 0)
-        judgement.lack[slot] =
-            tree.slots()[slot].point == LatticePoint{0, 0, 0} ? std::min(least, worst) : worst;
+        judgement.lack[slot] = tree.slots()[slot].point == LatticePoint{0, 0, 0} ? least : worst;
   });
 }
 

@@ -31,8 +31,6 @@ std::vector<std::int32_t> nearestSolved(const CellBranches& data, std::int32_t g
   std::vector<std::int32_t> solved;
   for (std::int32_t s = 0; s < std::ssize(data.tree.slots()); ++s)
     if (data.tree.slots()[at(s)].kind == SlotKind::solved) solved.push_back(s);
-  if (solved.empty())
-    throw failure("no corner of a cell was solved, so there is no shape to continue");
   const std::size_t kept = std::min(sources, solved.size());
   std::ranges::partial_sort(solved, solved.begin() + kept, {},
                             [&](std::int32_t slot) { return std::pair(distance(slot), slot); });
@@ -69,9 +67,10 @@ std::vector<Term> linearContinuation(const CellBranches& data, std::int32_t ghos
   return terms;
 }
 
-/// Orthonormal rows that span all `shapes`, a row each, to within `tolerance` in every entry; at
-/// each time the direction of the shape that they miss by most.
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Orthonormal rows that span all `shapes`, a row each, to within `tolerance` in every entry: each
+/// time the direction of the shape that those before it miss by most.
 RowMajor modesOf(const RowMajor& shapes, double tolerance) {
   RowMajor missed = shapes, modes(0, shapes.cols());
   Eigen::VectorXd misses = missed.rowwise().lpNorm<Eigen::Infinity>();
@@ -117,6 +116,8 @@ DisplacementField::DisplacementField(const CellBranches& data, std::size_t point
   std::vector<std::int32_t> solved;
   for (std::int32_t s = 0; s < std::ssize(slots); ++s)
     if (slots[at(s)].kind == SlotKind::solved) solved.push_back(s);
+  if (solved.empty())
+    throw failure("no corner of a cell was solved, so there is no shape to continue");
   const auto width = static_cast<Eigen::Index>(row);
   RowMajor shapes(std::ssize(solved), width);
   for (Eigen::Index n = 0; n < shapes.rows(); ++n) {

@@ -113,6 +113,22 @@ TEST_F(DeviceChoice, TheDefaultPathSlidesOverAllSitesOfAFinger) {
   }
 }
 
+TEST_F(DeviceChoice, TheDefaultPathPressesAFingerThatIsNoSiteOfAnArea) {
+  test::FingerBody one;
+  one.spaces.resize(1);
+  one.problem.active.resize(1);
+  one.problem.scene.active.resize(1);
+  one.problem.scene.active[0].area.clear();
+  one.seal(directory / "one.h5");
+  const HapticModel body(Dataset(directory / "one.h5"), {.methods = {"potential"}});
+  ASSERT_TRUE(body.surface().areas().empty());
+  const HandPath path = touchPath(body);
+  int inside = 0;
+  for (const HandWaypoint& waypoint : path.waypoints())
+    inside += body.surface().tree().nearest(waypoint.position).outside ? 0 : 1;
+  EXPECT_GT(inside, 10) << "it presses, and circles";
+}
+
 TEST_F(DeviceChoice, TheDefaultPathIsAFunctionOfTheModelAlone) {
   const HandPath a = touchPath(model()), b = touchPath(model());
   ASSERT_EQ(a.waypoints().size(), b.waypoints().size());
