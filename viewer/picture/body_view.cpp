@@ -1,12 +1,12 @@
 #include "viewer/picture/body_view.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
 #include "viewer/plot/round_numbers.hpp"
+#include "viewer/plot/widest_view.hpp"
 
 namespace palpate {
 namespace {
@@ -37,18 +37,6 @@ std::vector<bool> touchableTriangles(const TouchSurface& surface) {
 
 void drawElements(GLenum kind, std::span<const std::uint32_t> indices) {
   glDrawElements(kind, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, indices.data());
-}
-
-/// Unit; of its two directions the one that turns less from -y, the front.
-Eigen::Vector3d thinnestAxis(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& point : points) middle += point / static_cast<double>(points.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& point : points)
-    spread += (point - middle) * (point - middle).transpose();
-  const Eigen::Vector3d axis =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
-  return axis.y() > 0 ? Eigen::Vector3d(-axis) : axis;
 }
 
 }  // namespace
@@ -82,7 +70,7 @@ Eigen::Vector3d BodyView::bestView() const {
   // Touched all around: from where the body looks widest, a little from above.
   constexpr double least_lean = 0.2;
   if (normal.norm() < least_lean * area)
-    return thinnestAxis(surface.vertices()) + 0.45 * Eigen::Vector3d::UnitZ();
+    return widestView(surface.vertices()) + 0.45 * Eigen::Vector3d::UnitZ();
   normal.normalize();
   // From the side of the normal: an arrow toward the eye would be a dot.
   const Eigen::Vector3d right = Eigen::Vector3d::UnitY().cross(normal);

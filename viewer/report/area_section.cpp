@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
+#include "viewer/plot/widest_view.hpp"
 #include "viewer/report/report_sections.hpp"
 #include "viewer/report/report_words.hpp"
 #include "viewer/report/slice_picture.hpp"
@@ -22,15 +25,7 @@ struct MapView {
 
 /// From both sides of the axis along which the body is thinnest, z upwards where that is possible.
 std::array<MapView, 2> viewsOf(const Mesh& mesh) {
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& node : mesh.nodes)
-    middle += node / static_cast<double>(mesh.nodes.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& node : mesh.nodes)
-    spread += (node - middle) * (node - middle).transpose();
-  Eigen::Vector3d eye =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
-  if (eye.y() > 0) eye = -eye;
+  const Eigen::Vector3d eye = widestView(mesh.nodes);
   const Eigen::Vector3d up_hint =
       std::abs(eye.z()) < 0.9 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
   const auto axesFrom = [&](const Eigen::Vector3d& towards) {
