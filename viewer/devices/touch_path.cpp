@@ -79,7 +79,7 @@ Site takeNext(std::vector<Site>& left, const Site& from) {
   const auto next = std::ranges::min_element(left, {}, [&](const Site& site) {
     return (site.point - from.point).norm() * (2 - site.normal.dot(from.normal));
   });
-  const Site taken = *next;
+  Site taken = *next;
   left.erase(next);
   return taken;
 }

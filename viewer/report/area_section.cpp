@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "common/base/index.hpp"
 #include "viewer/plot/widest_view.hpp"
 #include "viewer/report/report_sections.hpp"
 #include "viewer/report/report_words.hpp"
@@ -80,11 +81,15 @@ std::string svgOf(const Mesh& mesh, const std::vector<double>& values, const Col
 
 std::string colourKey(const ColourScale& scale) {
   std::string key = "<p class=\"legend\">";
-  for (double value = scale.lowest(); value <= scale.highest() * 1.001; value *= std::sqrt(10.0))
+  // Two a decade.
+  const auto steps = std::lround(2 * std::log10(scale.highest() / scale.lowest()));
+  for (long n = 0; n <= steps; ++n) {
+    const double value = scale.lowest() * std::pow(10, 0.5 * static_cast<double>(n));
     key += fmt::format(
         "<span><svg width=\"14\" height=\"14\"><rect width=\"14\" height=\"14\" "
         "fill=\"{}\"/></svg>{}</span>",
         scale.colourOf(value), formatShare(value));
+  }
   return key + fmt::format(
                    "<span><svg width=\"14\" height=\"14\"><rect width=\"14\" height=\"14\" "
                    "fill=\"{}\"/></svg>not answered for</span></p>\n",
