@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <limits>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
@@ -63,6 +64,14 @@ std::string textOf(const wire::Explanation& e) {
   return text;
 }
 
+/// Sites are called AREA-NUMBER.
+bool isOrIsSiteOf(const std::string& name, const std::string& area) {
+  if (!name.starts_with(area)) return false;
+  const std::string rest = name.substr(area.size());
+  return rest.empty() || (rest.size() > 1 && rest.front() == '-' &&
+                          rest.find_first_not_of("0123456789", 1) == std::string::npos);
+}
+
 }  // namespace
 
 const SpaceTable& spaceNamed(const std::vector<SpaceTable>& spaces, const std::string& wanted) {
@@ -82,13 +91,12 @@ const SpaceTable& spaceNamed(const std::vector<SpaceTable>& spaces, const std::s
 
 const SpaceTable& siteNearest(const std::vector<SpaceTable>& spaces, const std::string& area,
                               const Eigen::Vector3d& place) {
+  if (!place.allFinite()) throw badInput("--at: a place has three finite numbers, metres");
   const SpaceTable* nearest = nullptr;
   double least = std::numeric_limits<double>::infinity();
   for (const SpaceTable& space : spaces) {
     const ActivePatch& patch = space.patch;
-    if (!patch.finger ||
-        !(area.empty() || patch.name == area || patch.name.starts_with(area + "-")))
-      continue;
+    if (!patch.finger || !(area.empty() || isOrIsSiteOf(patch.name, area))) continue;
     const double distance = (patch.finger->center - place).norm();
     if (distance >= least) continue;
     nearest = &space;
@@ -169,7 +177,7 @@ std::function<ExitCode()> prepareExplain(CLI::App& app) {
   auto options = std::make_shared<ExplainOptions>();
   app.add_option("WHERE", options->where, "Dataset, OUT.h5, or a state directory")->required();
   app.add_option("--active", options->active,
-                 "Name of the active node; may be left out where there is one");
+                 "Name of the active node; may be left out where there is one, or with --at");
   app.add_option("--at", options->at,
                  "Of a surface that a finger touches: its site nearest to this place, metres")
       ->expected(3);

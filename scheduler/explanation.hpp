@@ -9,7 +9,7 @@ namespace palpate {
 /// lists the names, the first of many, when there is no such one.
 const SpaceTable& spaceNamed(const std::vector<SpaceTable>& spaces, const std::string& wanted);
 /// Of the sites of a finger's area, or of all without a name, the one nearest to a place, metres.
-/// Error (bad input) without any.
+/// Error (bad input) without any, or for a place that is not finite.
 const SpaceTable& siteNearest(const std::vector<SpaceTable>& spaces, const std::string& area,
                               const Eigen::Vector3d& place);
 

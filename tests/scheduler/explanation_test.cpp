@@ -100,11 +100,13 @@ TEST_F(ExplanationTest, OfASurfaceTheSiteNearestToAPlaceIsMeant) {
     spaces[n].patch.name = fmt::format("skin-{}", n);
     spaces[n].patch.finger = Finger{{0.01 * static_cast<double>(n), 0, 0}, 0.02};
   }
-  spaces[19].patch.name = "other-1";
+  spaces[19].patch.name = "skin-left-1";
   EXPECT_EQ(&siteNearest(spaces, "skin", {0.031, 0.001, 0}), &spaces[3]);
   EXPECT_EQ(&siteNearest(spaces, "skin", {1, 0, 0}), &spaces[18]);
   EXPECT_EQ(&siteNearest(spaces, "", {1, 0, 0}), &spaces[19]);
   EXPECT_EQ(&siteNearest(spaces, "skin-7", {1, 0, 0}), &spaces[7]);
+  EXPECT_EQ(&siteNearest(spaces, "skin-left", {0, 0, 0}), &spaces[19]);
+  test::expectBadInput([&] { siteNearest(spaces, "skin", {NAN, 0, 0}); }, {"--at", "finite"});
   test::expectBadInput(
       [&] {
         siteNearest(spaces, "tip", {1, 0, 0});

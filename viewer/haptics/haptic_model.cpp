@@ -53,10 +53,6 @@ void HapticModel::readShapes(const Dataset& dataset) {
   });
 }
 
-std::size_t HapticModel::siteCount() const noexcept {
-  return spaces_.size() - at(std::ranges::count(area_of_space_, -1));
-}
-
 void HapticModel::makeAreas() {
   for (std::size_t a = 0; a < places_.size(); ++a) {
     std::vector<const SpaceTable*> sites;
@@ -92,9 +88,9 @@ void HapticModel::make(std::size_t method, std::size_t space) {
 
 double HapticModel::preparedShare(std::size_t method) const noexcept {
   if (method >= fields_.size()) return 0;
-  const std::size_t done = fields_[method].made.load(std::memory_order_relaxed) +
-                           sites_done_.load(std::memory_order_relaxed);
-  return static_cast<double>(done) / static_cast<double>(spaces_.size() + siteCount());
+  const std::size_t done = std::max(fields_[method].made.load(std::memory_order_relaxed),
+                                    sites_done_.load(std::memory_order_relaxed));
+  return static_cast<double>(done) / static_cast<double>(spaces_.size());
 }
 
 }  // namespace palpate

@@ -33,15 +33,15 @@ class HapticModel {
   explicit HapticModel(const Dataset& dataset, const HapticModelOptions& options = {});
 
   /// Makes the fields of one method for all spaces, side by side on all cores: some 0.2 s of
-  /// processor time for a space of 515 points and `potential`, some 8 s for the area of 315 sites
+  /// processor time for a space of 515 points and `potential`, some 12 s for the area of 315 sites
   /// on 37 solved points each, with the first method. Does nothing for a method that is prepared.
   /// Not twice at once for a method. Error for an unknown method.
   void prepare(std::size_t method);
   /// The same in this thread alone, until it is done or `stop` is requested; the next call goes on
   /// from there.
   void prepare(std::size_t method, const std::stop_token& stop);
-  /// How much of a method is prepared, 0 to 1; 0 for one that is not in methods(). Any thread;
-  /// waits for nothing.
+  /// Of how many spaces a method is prepared, or the sites of an area, which all methods share, 0
+  /// to 1; 0 for one that is not in methods(). Any thread; waits for nothing.
   double preparedShare(std::size_t method) const noexcept;
   /// Whether field() may be asked for a method. Any thread, real time.
   bool isPrepared(std::size_t method) const noexcept {
@@ -76,7 +76,6 @@ class HapticModel {
   };
   void make(std::size_t method, std::size_t space);
   void makeAreas();
-  std::size_t siteCount() const noexcept;
   void readShapes(const Dataset& dataset);
 
   std::string name_, file_;
