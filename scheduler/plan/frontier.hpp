@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "common/space/active_patch.hpp"
 #include "common/space/lattice.hpp"
 #include "common/space/tag.hpp"
 
@@ -25,6 +26,13 @@ constexpr Tag tagOf(double force, double max_force) {
 /// parents lie on one side of the point and tend to fail together, the rest from any side. A point
 /// has 26 neighbours, and a failing transition costs ten converging ones.
 inline constexpr int max_attempts_per_point = 8;
+/// Of a finger: what two or three parents do not reach lies behind a fold, with few exceptions.
+inline constexpr int max_attempts_of_finger = 3;
+
+/// Of a point of this active patch.
+constexpr int maxAttempts(const ActivePatch& patch) {
+  return patch.finger ? max_attempts_of_finger : max_attempts_per_point;
+}
 
 /// Decides which transitions of one uniform lattice are ready, from the lattice and the recorded
 /// endings alone: no clock, no workers, no order of arrival. So tags, parents and attempts are a

@@ -60,7 +60,7 @@ class Inspection {
     if (result.kept >= (space_.patch.finger ? enough_of_finger : enough)) return result;
     std::set<LatticePoint> points;
     for (const std::int32_t leaf : poor_) {
-      if (allTerminating(leaf) || isAtJump(leaf)) continue;
+      if (allTerminating(leaf) || isAtJump(leaf) || isAtEnd(leaf)) continue;
       const std::vector<LatticePoint> untried = untriedCorners(leaf);
       points.insert(untried.begin(), untried.end());
       const LatticeCell& cell = tree_.leaves()[at(leaf)];
@@ -129,6 +129,17 @@ class Inspection {
         if (edges.contains({std::min(a, b), std::max(a, b)})) return true;
       }
     return false;
+  }
+
+  /// Whether a part without answers begins here, which mostly lies behind a fold: smaller cells
+  /// would trace the fold, at many failing transitions a cell, and be as empty beyond it. One
+  /// halving shows where it is. Only of a finger, whose fits carry far into such cells.
+  bool isAtEnd(std::int32_t leaf) const {
+    if (!space_.patch.finger || tree_.leaves()[at(leaf)].level == 0) return false;
+    return std::ranges::any_of(tree_.corners(leaf), [this](std::int32_t corner) {
+      const auto number = space_.lattice.indexOf(slot(corner).point);
+      return number && !isSolved(space_.points[*number].tag);
+    });
   }
 
   std::vector<LatticePoint> untriedCorners(std::int32_t leaf) const {

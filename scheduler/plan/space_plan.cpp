@@ -47,7 +47,7 @@ SpacePlan::SpacePlan(const Problem& problem, std::uint32_t space)
     : problem_(&problem),
       space_(space),
       frontier_(uniformLattice(problem.scene, problem.active[space]),
-                problem.scene.workspace.max_force),
+                problem.scene.workspace.max_force, maxAttempts(problem.active[space])),
       positions_(frontier_.lattice()),
       points_(at(positions_.size())),
       attempts_(points_.size()),
@@ -158,7 +158,8 @@ std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) c
     if (static_cast<double>(distance) <= reach * reach)
       candidates.emplace_back(distance, squaredNorm(positions_.point(n)), n);
   }
-  const auto wanted = std::min<std::ptrdiff_t>(std::ssize(candidates), max_attempts_per_point);
+  const auto wanted =
+      std::min<std::ptrdiff_t>(std::ssize(candidates), maxAttempts(problem_->active[space_]));
   std::ranges::partial_sort(candidates, candidates.begin() + wanted);
   std::vector<std::int32_t> parents;
   for (const auto& [distance, norm, n] : std::span(candidates).first(wanted)) parents.push_back(n);

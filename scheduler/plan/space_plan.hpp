@@ -41,7 +41,7 @@ PointRecord solvedPoint(std::int32_t parent, const Outcome& outcome, const Conte
 ///   end, in steps_of_retry steps. Of all equilibria found for a point the one of least energy is
 ///   kept: the state that a hand coming from rest ends in. Repeated while that changes something.
 /// - cells: an adaptive scene asks nextRefinement for points; each is tried from the nearest
-///   expandable points, one after the other, at most max_attempts_per_point; then branches again,
+///   expandable points, one after the other, maxAttempts() at most; then branches again,
 ///   and so on until the accuracy is reached or nothing can improve it.
 /// - probes: scene.accuracy.probes held-out positions of the ball (probePositions), tried like
 ///   those.

@@ -63,6 +63,17 @@ SpaceTable refined(const SpaceTable& space, const Refinement& next,
   return result;
 }
 
+bool hasFailedCorner(const SpaceTable& space, const LatticeCell& cell) {
+  const std::int32_t edge = space.lattice.divisions() >> cell.level;
+  for (int c = 0; c < 8; ++c) {
+    LatticePoint corner = cell.lowest;
+    for (std::size_t axis = 0; axis < 3; ++axis) corner[axis] += ((c >> axis) & 1) * edge;
+    const auto number = space.lattice.indexOf(corner);
+    if (number && space.points[*number].tag == Tag::failed) return true;
+  }
+  return false;
+}
+
 TEST(Refinement, LeavesAnAccurateSpaceAlone) {
   const Scene scene = adaptiveScene(0.03);
   const Refinement next =
@@ -160,6 +171,32 @@ TEST(Refinement, OfAFingerLooksOnlyWhereItIsPushedByForcesThatMatter) {
   EXPECT_FALSE(nextRefinement(space, scene).empty());
   scene.workspace.max_force = 1e-6;
   EXPECT_TRUE(nextRefinement(space, scene).empty());
+}
+
+TEST(Refinement, OfAFingerHalvesCellsOnceWhereAnswersEnd) {
+  Scene scene = adaptiveScene(1e-5);
+  scene.accuracy.force_floor = 1e-6;
+  scene.accuracy.levels = 3;
+  const RidgeEnergy energy;
+  SpaceTable space = solvedStart(scene, energy);
+  space.patch.finger = Finger{Vector3d::Zero(), 0.02};
+  bool halved_beside_the_end = false, halved_twice_elsewhere = false;
+  for (int round = 0; round < 4; ++round) {
+    for (std::int32_t n = 0; n < space.lattice.size(); ++n)
+      if (space.lattice.displacement(n).z() > 0.04) space.points[n].tag = Tag::failed;
+    const Refinement next = nextRefinement(space, scene);
+    for (const LatticeCell& cell : next.splits) {
+      const bool at_the_end = hasFailedCorner(space, cell);
+      halved_beside_the_end |= cell.level == 0 && at_the_end;
+      halved_twice_elsewhere |= cell.level > 0;
+      EXPECT_FALSE(cell.level > 0 && at_the_end) << "traces what has no answers";
+    }
+    const Finger finger = *space.patch.finger;
+    space = refined(space, next, energy);
+    space.patch.finger = finger;
+  }
+  EXPECT_TRUE(halved_beside_the_end);
+  EXPECT_TRUE(halved_twice_elsewhere);
 }
 
 TEST(Refinement, RefusesWhatIsNotAdaptive) {

@@ -256,6 +256,17 @@ TEST_F(SpacePlanTest, AFailedPointHasTheCauseOfTheAttemptThatGotFurthest) {
   EXPECT_EQ(point.cause, Cause::wrong_inertia);
 }
 
+TEST_F(SpacePlanTest, APointOfAFingerIsGivenUpAfterFewerParentsThanThatOfANode) {
+  const LatticePoint hole = {1, 1, 0};
+  const auto all_but_the_hole = [&](const SpacePlan& plan, const Transition& transition) {
+    return plan.positions().point(transition.target) == hole ? failed() : smooth(plan, transition);
+  };
+  const std::size_t of_a_node = finished(all_but_the_hole).attempts.size();
+  problem.active[0].finger = Finger{Eigen::Vector3d::Zero(), 0.02};
+  EXPECT_EQ(finished(all_but_the_hole).attempts.size(), 3u);
+  EXPECT_EQ(of_a_node, 8u);
+}
+
 TEST_F(SpacePlanTest, RefusesWhatNobodyAskedFor) {
   SpacePlan plan(problem, 0);
   test::expectError(ExitCode::failed,
