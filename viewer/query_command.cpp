@@ -151,14 +151,9 @@ class Answers {
     if (options.method != QueryOptions{}.method)
       throw badInput("--method {}: between the sites of a finger there is only {}", options.method,
                      QueryOptions{}.method);
-    std::vector<const SpaceTable*> sites;
-    std::vector<Eigen::Vector3d> centers;
-    for (const std::size_t s : choice_.spaces) {
-      sites.push_back(&dataset.spaces()[s]);
-      centers.push_back(sites.back()->patch.finger->center);
-    }
+    const auto sites = chosenOf(dataset.spaces(), choice_.spaces);
     area_ = std::make_unique<AreaField>(
-        sites, placesAround(dataset.mesh(), centers, first_.patch.finger->radius));
+        sites, placesAround(dataset.mesh(), centersOf(sites), first_.patch.finger->radius));
   }
 
   /// The text of an answer, and whether it lies inside.

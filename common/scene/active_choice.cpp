@@ -36,6 +36,18 @@ ActiveChoice chooseActive(const Scene& scene, const std::string& name) {
   return choice;
 }
 
+std::vector<ActiveChoice> areasOf(const Scene& scene) {
+  std::vector<ActiveChoice> areas;
+  for (std::size_t s = 0; s < scene.active.size(); ++s) {
+    const std::string& name = scene.active[s].area;
+    if (name.empty()) continue;
+    auto area = std::ranges::find(areas, name, &ActiveChoice::name);
+    if (area == areas.end()) area = areas.insert(area, {{}, name, true});
+    area->spaces.push_back(s);
+  }
+  return areas;
+}
+
 void requirePlace(const ActiveChoice& choice, bool given) {
   if (choice.is_area && !given)
     throw badInput("\"{}\" is a surface that a finger touches; say where with --at X Y Z",

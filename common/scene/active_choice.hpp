@@ -15,6 +15,9 @@ struct ActiveChoice {
 /// input) that lists them: of an area its name and not its sites, which have names too.
 ActiveChoice chooseActive(const Scene& scene, const std::string& name);
 
+/// Every area with its sites, in the order of the scene.
+std::vector<ActiveChoice> areasOf(const Scene& scene);
+
 /// Error (bad input) when an area was chosen and no place in it, `at`, is given.
 void requirePlace(const ActiveChoice& choice, bool given);
 

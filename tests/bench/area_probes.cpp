@@ -137,15 +137,10 @@ Json run(const Options& options) {
   const Problem problem = loadProblem(options.scene);
   const Dataset dataset(options.dataset);
   const ActiveChoice choice = chooseActive(dataset.scene(), options.area);
-  std::vector<const SpaceTable*> sites;
-  std::vector<Eigen::Vector3d> centers;
-  for (const std::size_t s : choice.spaces) {
-    sites.push_back(&dataset.spaces()[s]);
-    centers.push_back(sites.back()->patch.finger.value().center);
-  }
+  const auto sites = chosenOf(dataset.spaces(), choice.spaces);
   const double radius = sites.front()->patch.finger.value().radius;
   const auto began = std::chrono::steady_clock::now();
-  const AreaField area(sites, placesAround(dataset.mesh(), centers, radius));
+  const AreaField area(sites, placesAround(dataset.mesh(), centersOf(sites), radius));
   const std::chrono::duration<double> preparing = std::chrono::steady_clock::now() - began;
   std::vector<std::unique_ptr<PotentialField>> fields(sites.size());
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -184,37 +185,57 @@ struct AreaField::LevelSum {
   }
 };
 
+std::vector<const SpaceTable*> chosenOf(const std::vector<SpaceTable>& spaces,
+                                        const std::vector<std::size_t>& chosen) {
+  std::vector<const SpaceTable*> sites;
+  for (const std::size_t space : chosen) sites.push_back(&spaces.at(space));
+  return sites;
+}
+
+std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sites) {
+  std::vector<Eigen::Vector3d> centers;
+  for (const SpaceTable* site : sites) centers.push_back(site->patch.finger.value().center);
+  return centers;
+}
+
+class AreaField::TreeMaker {
+ public:
+  explicit TreeMaker(std::vector<CellTree>& trees) : trees_(trees) {}
+
+  /// The number of the tree of a lattice like that of a space, with these cells split.
+  std::size_t treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits) {
+    const auto [known, is_new] = known_.try_emplace(splits, trees_.size());
+    if (is_new) {
+      SpaceTable table;
+      table.lattice = like.lattice;
+      table.points.resize(like.points.size());
+      table.points.front().tag = Tag::expandable;
+      table.splits = splits;
+      trees_.emplace_back(table);
+    }
+    return known->second;
+  }
+
+ private:
+  std::vector<CellTree>& trees_;
+  std::map<std::vector<LatticeCell>, std::size_t> known_;
+};
+
 AreaField::AreaField(const std::vector<const SpaceTable*>& spaces,
                      const std::vector<Eigen::Vector3d>& surface,
                      std::atomic<std::size_t>* sites_done)
     : radius_(spaces.at(0)->lattice.radius()) {
   const double finger = spaces.front()->patch.finger.value().radius;
-  std::vector<Eigen::Vector3d> centers;
-  for (const SpaceTable* space : spaces) {
-    centers.push_back(space->patch.finger.value().center);
+  for (const SpaceTable* space : spaces)
     PALPATE_ASSERT(space->lattice.radius() == radius_ &&
                        space->lattice.spacing() == spaces.front()->lattice.spacing(),
                    "the sites of an area are of one build");
-  }
-  sites_ = NearPoints(centers, reach_in_distances * site_distance * finger);
+  sites_ = NearPoints(centersOf(spaces), reach_in_distances * site_distance * finger);
   const std::vector<SiteJets> made = makeSites(spaces, sites_done);
   setStations(surface, finger);
-  interpolateToStations(spaces, made, kernel_width * finger);
-  judge(spaces, made, kernel_width * finger);
-}
-
-/// The number of the tree of a lattice like that of a space, with these cells split.
-std::size_t AreaField::treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits) {
-  const auto [known, is_new] = tree_of_splits_.try_emplace(splits, trees_.size());
-  if (is_new) {
-    SpaceTable table;
-    table.lattice = like.lattice;
-    table.points.resize(like.points.size());
-    table.points.front().tag = Tag::expandable;
-    table.splits = splits;
-    trees_.emplace_back(table);
-  }
-  return known->second;
+  TreeMaker maker(trees_);
+  interpolateToStations(spaces, made, kernel_width * finger, maker);
+  judge(spaces, made, kernel_width * finger, maker);
 }
 
 /// Of the surface near sites, spread evenly.
@@ -232,8 +253,10 @@ void AreaField::setStations(const std::vector<Eigen::Vector3d>& surface, double 
 }
 
 void AreaField::interpolateToStations(const std::vector<const SpaceTable*>& spaces,
-                                      const std::vector<SiteJets>& made, double width) {
+                                      const std::vector<SiteJets>& made, double width,
+                                      TreeMaker& maker) {
   std::vector<Interpolation> interpolations;
+  std::size_t n_jets = 0;
   for (const Eigen::Vector3d& station : stations_.points()) {
     interpolations.emplace_back(sites_.points(), station, sites_of_station, siteCount(), width);
     std::set<LatticeCell> cells;
@@ -241,27 +264,30 @@ void AreaField::interpolateToStations(const std::vector<const SpaceTable*>& spac
       cells.insert(spaces[site]->splits.begin(), spaces[site]->splits.end());
     std::vector<LatticeCell> splits(cells.begin(), cells.end());
     std::ranges::sort(splits, coarserFirst);
-    at_stations_.push_back({treeOf(*spaces.front(), splits), {}});
+    const std::size_t tree = maker.treeOf(*spaces.front(), splits);
+    at_stations_.push_back({tree, n_jets});
+    n_jets += trees_[tree].slots().size();
   }
+  jets_.resize(n_jets);
   inParallel(stationCount(), [&](std::size_t n) {
-    Station& station = at_stations_[n];
-    const CellTree& tree = trees_[station.tree];
-    station.jets.reserve(tree.slots().size());
-    for (const CellSlot& slot : tree.slots())
-      station.jets.push_back(slot.kind == SlotKind::hanging
-                                 ? SiteJet::Zero()
-                                 : interpolations[n].at(made, slot.point));
-    fillHanging(tree, station.jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
-      return jetInLeaf(tree, station.jets, leaf, local);
+    const CellTree& tree = trees_[at_stations_[n].tree];
+    const std::span jets = std::span(jets_).subspan(at_stations_[n].first_jet, tree.slots().size());
+    for (std::size_t slot = 0; slot < jets.size(); ++slot)
+      if (tree.slots()[slot].kind != SlotKind::hanging)
+        jets[slot] = interpolations[n].at(made, tree.slots()[slot].point);
+    fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
+      return jetInLeaf(tree, jets, leaf, local);
     });
   });
 }
 
 void AreaField::judge(const std::vector<const SpaceTable*>& spaces,
-                      const std::vector<SiteJets>& made, double width) {
+                      const std::vector<SiteJets>& made, double width, TreeMaker& maker) {
   for (std::size_t site = 0; site < siteCount(); ++site)
-    judgements_.push_back(
-        {treeOf(*spaces[site], spaces[site]->splits), made[site].p_error, {}, made[site].coverage});
+    judgements_.push_back({maker.treeOf(*spaces[site], spaces[site]->splits),
+                           made[site].p_error,
+                           {},
+                           made[site].coverage});
   inParallel(siteCount(), [&](std::size_t site) {
     Judgement& judgement = judgements_[site];
     const Interpolation others(sites_.points(), sites_.points()[site], sites_of_judgement, site,
@@ -342,7 +368,7 @@ AreaSample AreaField::inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p)
     Quantities values;
     const LeafCorners& slots = tree->corners(place.leaf);
     std::array<const float*, 8> jets;
-    for (std::size_t c = 0; c < 8; ++c) jets[c] = station.jets[at(slots[c])].data();
+    for (std::size_t c = 0; c < 8; ++c) jets[c] = jets_[station.first_jet + at(slots[c])].data();
     addJets(jets, factors.data(), level->value_factors.data(), level->corners.data(),
             values.data());
     const Eigen::Vector4d q = (expansion.transpose().lazyProduct(values)).eval().cast<double>();

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <map>
 #include <memory>
 
 #include "common/base/near_points.hpp"
@@ -17,6 +16,12 @@ struct AreaSample : ForceSample {
   /// along.
   Eigen::Vector3d drive = Eigen::Vector3d::Zero();
 };
+
+/// The chosen ones of all spaces, which outlive what is returned.
+std::vector<const SpaceTable*> chosenOf(const std::vector<SpaceTable>& spaces,
+                                        const std::vector<std::size_t>& chosen);
+/// Where the fingers of these spaces stand, metres.
+std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sites);
 
 /// One energy E(s, p) of a finger over an area, its place s and its displacement p: force = -dE/dp
 /// and drive = -dE/ds. So every loop in (s, p) is closed in energy, over places where other sites
@@ -46,9 +51,9 @@ struct AreaSample : ForceSample {
 class AreaField {
  public:
   /// `sites` are spaces of fingers of one radius, of one build; `surface` places of
-  /// the body's surface, close together against the radius, stations among them. Side by side on
-  /// all cores; `sites_done` counts up to the number of sites, in which nearly all of the time
-  /// goes. Error when a site has no solved point.
+  /// the body's surface around them, close together against the radius (placesAround of
+  /// common/problem/sites.hpp). Side by side on all cores; `sites_done` counts up to the number of
+  /// sites, in which nearly all of the time goes. Error when a site has no solved point.
   AreaField(const std::vector<const SpaceTable*>& sites,
             const std::vector<Eigen::Vector3d>& surface,
             std::atomic<std::size_t>* sites_done = nullptr);
@@ -63,10 +68,9 @@ class AreaField {
   std::size_t stationCount() const { return stations_.points().size(); }
 
  private:
-  /// The lattice of a station and what is interpolated to it, per slot.
+  /// The lattice of a station, and where what is interpolated to it begins in jets_.
   struct Station {
-    std::size_t tree = 0;
-    std::vector<SiteJet> jets;
+    std::size_t tree = 0, first_jet = 0;
   };
   /// What is said about the error at a site, per slot of its lattice.
   struct Judgement {
@@ -75,15 +79,16 @@ class AreaField {
     std::vector<float> lack;      ///< of the force
     std::vector<float> coverage;  ///< as ForceSample::coverage
   };
+  /// Makes trees_.
+  class TreeMaker;
   /// Sums over the stations whose leaves around a displacement are on one level: all are the same.
   struct LevelSum;
 
-  std::size_t treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits);
   void setStations(const std::vector<Eigen::Vector3d>& surface, double radius);
   void interpolateToStations(const std::vector<const SpaceTable*>& spaces,
-                             const std::vector<SiteJets>& made, double width);
+                             const std::vector<SiteJets>& made, double width, TreeMaker& maker);
   void judge(const std::vector<const SpaceTable*>& spaces, const std::vector<SiteJets>& made,
-             double width);
+             double width, TreeMaker& maker);
   AreaSample inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
   void addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                     AreaSample& sample) const noexcept;
@@ -91,9 +96,9 @@ class AreaField {
   double radius_ = 0;  ///< of the ball, m
   /// One for each way in which lattices are refined; of their slots only the places count.
   std::vector<CellTree> trees_;
-  std::map<std::vector<LatticeCell>, std::size_t> tree_of_splits_;
   NearPoints sites_, stations_;
   std::vector<Station> at_stations_;   ///< per station
+  std::vector<SiteJet> jets_;          ///< per slot of each station's tree
   std::vector<Judgement> judgements_;  ///< per site
 };
 

@@ -28,12 +28,9 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
   for (std::size_t a = 0; a < areas.size(); ++a)
     for (const std::size_t space : areas[a].spaces)
       area_of_space_[space] = static_cast<std::int32_t>(a);
-  for (const TouchArea& area : areas) {
-    std::vector<Eigen::Vector3d> sites;
-    for (const std::size_t space : area.spaces)
-      sites.push_back(spaces_[space].patch.finger->center);
-    places_.push_back(placesAround(dataset.mesh(), sites, area.radius));
-  }
+  for (const TouchArea& area : areas)
+    places_.push_back(
+        placesAround(dataset.mesh(), centersOf(chosenOf(spaces_, area.spaces)), area.radius));
   for (std::size_t method = 0; options.prepare && method < methods_.size(); ++method)
     prepare(method);
   readShapes(dataset);
@@ -54,11 +51,9 @@ void HapticModel::readShapes(const Dataset& dataset) {
 }
 
 void HapticModel::makeAreas() {
-  for (std::size_t a = 0; a < places_.size(); ++a) {
-    std::vector<const SpaceTable*> sites;
-    for (const std::size_t space : surface_.areas()[a].spaces) sites.push_back(&spaces_[space]);
-    areas_.push_back(std::make_shared<const AreaField>(sites, places_[a], &sites_done_));
-  }
+  for (std::size_t a = 0; a < places_.size(); ++a)
+    areas_.push_back(std::make_shared<const AreaField>(
+        chosenOf(spaces_, surface_.areas()[a].spaces), places_[a], &sites_done_));
 }
 
 void HapticModel::prepare(std::size_t method) {

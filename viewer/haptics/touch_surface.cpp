@@ -8,6 +8,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/scene/active_choice.hpp"
 
 namespace palpate {
 namespace {
@@ -39,20 +40,16 @@ std::vector<SpaceWeight> sharesFrom(std::vector<Candidate>& candidates) {
   return shares;
 }
 
-}  // namespace
-
-std::vector<TouchArea> areasOf(const Scene& scene, const std::vector<SpaceTable>& spaces) {
+std::vector<TouchArea> touchAreas(const Scene& scene, const std::vector<SpaceTable>& spaces) {
   std::vector<TouchArea> areas;
-  for (std::size_t s = 0; s < spaces.size(); ++s) {
-    const std::string& name = scene.active[s].area;
-    const auto& finger = spaces[s].patch.finger;
-    if (name.empty() || !finger) continue;
-    auto area = std::ranges::find(areas, name, &TouchArea::name);
-    if (area == areas.end()) area = areas.insert(areas.end(), {name, finger->radius, {}});
-    area->spaces.push_back(s);
+  for (ActiveChoice& area : areasOf(scene)) {
+    const double radius = spaces.at(area.spaces.front()).patch.finger.value().radius;
+    areas.push_back({std::move(area.name), radius, std::move(area.spaces)});
   }
   return areas;
 }
+
+}  // namespace
 
 TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
   const std::vector<std::int32_t>& nodes = dataset.surfaceNodes();
@@ -70,7 +67,7 @@ TouchSurface::TouchSurface(const Dataset& dataset, double reach) {
   setFaces();
   setNeighbors();
 
-  areas_ = areasOf(dataset.scene(), dataset.spaces());
+  areas_ = touchAreas(dataset.scene(), dataset.spaces());
   std::vector<bool> in_area(dataset.spaces().size());
   for (const TouchArea& area : areas_)
     for (const std::size_t space : area.spaces) in_area[space] = true;

@@ -45,9 +45,6 @@ struct TouchArea {
   std::vector<std::size_t> spaces;  ///< one per site
 };
 
-/// The areas of a scene whose spaces these are, in the order of their first sites.
-std::vector<TouchArea> areasOf(const Scene& scene, const std::vector<SpaceTable>& spaces);
-
 /// The surface of a body at rest, and where on it there are forces to feel.
 ///
 /// Every vertex near active nodes has weights of up to three configuration spaces: an active node,

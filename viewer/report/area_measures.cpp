@@ -32,30 +32,15 @@ std::array<Eigen::Vector3d, sideways + 1> directionsInto(const Eigen::Vector3d& 
 
 double medianOf(const std::vector<double>& values) { return spreadOf(values).median; }
 
-/// Areas by the names that --active takes.
-std::vector<std::string> areaNames(const Scene& scene) {
-  std::vector<std::string> names;
-  for (const ActiveSelection& active : scene.active)
-    if (!active.area.empty() && std::ranges::find(names, active.area) == names.end())
-      names.push_back(active.area);
-  return names;
-}
-
-AreaMeasures measureArea(const Dataset& dataset, const std::string& name,
+AreaMeasures measureArea(const Dataset& dataset, const ActiveChoice& choice,
                          const AccuracyTarget& target) {
-  const ActiveChoice choice = chooseActive(dataset.scene(), name);
-  std::vector<const SpaceTable*> spaces;
-  std::vector<Eigen::Vector3d> sites;
-  for (const std::size_t s : choice.spaces) {
-    spaces.push_back(&dataset.spaces()[s]);
-    sites.push_back(spaces.back()->patch.finger.value().center);
-  }
+  const auto spaces = chosenOf(dataset.spaces(), choice.spaces);
   const Mesh& mesh = dataset.mesh();
   const auto began = Clock::now();
   const AreaField area(spaces,
-                       placesAround(mesh, sites, spaces.front()->patch.finger.value().radius));
+                       placesAround(mesh, centersOf(spaces), spaces.front()->patch.finger->radius));
   AreaMeasures measures;
-  measures.name = name;
+  measures.name = choice.name;
   measures.sites = spaces.size();
   measures.stations = area.stationCount();
   measures.seconds_to_prepare = Seconds(Clock::now() - began).count();
@@ -108,8 +93,8 @@ AreaMeasures measureArea(const Dataset& dataset, const std::string& name,
 
 std::vector<AreaMeasures> measureAreas(const Dataset& dataset, const AccuracyTarget& target) {
   std::vector<AreaMeasures> measures;
-  for (const std::string& name : areaNames(dataset.scene()))
-    measures.push_back(measureArea(dataset, name, target));
+  for (const ActiveChoice& area : areasOf(dataset.scene()))
+    measures.push_back(measureArea(dataset, area, target));
   return measures;
 }
 

@@ -29,6 +29,14 @@ TEST(ActiveChoiceTest, IsANodeASiteOrAllSitesOfAnArea) {
   EXPECT_TRUE(area.is_area);
 }
 
+TEST(ActiveChoiceTest, KnowsTheAreasOfAScene) {
+  const std::vector<ActiveChoice> areas = areasOf(sceneOfNodesAndSites());
+  ASSERT_EQ(areas.size(), 1u);
+  EXPECT_EQ(areas[0].name, "skin");
+  EXPECT_THAT(areas[0].spaces, ElementsAre(0, 2));
+  EXPECT_TRUE(areasOf(Scene()).empty());
+}
+
 TEST(ActiveChoiceTest, NeedsNoNameWhereThereIsOneOnly) {
   Scene scene = sceneOfNodesAndSites();
   scene.active.erase(scene.active.begin() + 1);

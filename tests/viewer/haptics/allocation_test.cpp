@@ -56,12 +56,8 @@ TEST(ForceField, EvaluatesWithoutAllocatingWhereCornersAreMissingBranchesMeetAnd
 TEST(AreaField, EvaluatesWithoutAllocatingInsideAndOutside) {
   const test::FingerBody body;
   std::vector<const SpaceTable*> sites;
-  std::vector<Eigen::Vector3d> centers;
-  for (const SpaceTable& space : body.spaces) {
-    sites.push_back(&space);
-    centers.push_back(space.patch.finger->center);
-  }
-  const AreaField area(sites, placesAround(body.problem.mesh, centers, 0.02));
+  for (const SpaceTable& space : body.spaces) sites.push_back(&space);
+  const AreaField area(sites, placesAround(body.problem.mesh, centersOf(sites), 0.02));
   test::startCounting();
   double sum = 0;
   for (int n = 0; n < 1000; ++n)
