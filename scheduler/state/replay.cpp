@@ -29,8 +29,9 @@ Replay replay(const Problem& problem, const std::vector<StoredResult>& results) 
   const TransitionKey& key = known.begin()->first;
   throw failure(
       "the state directory holds {} results that nobody asked for (the first: space {}, "
-      "point {} from point {}): it is damaged; restore it from a copy, "
-      "or remove it to compute everything again",
+      "point {} from point {}): it is damaged, or another version of palpate began it, which asked "
+      "for others; go on with that one, restore it from a copy, or remove it to compute everything "
+      "again",
       known.size(), key.space, key.target, key.parent);
 }
 

@@ -440,7 +440,7 @@ TEST_F(CoordinatorTest, RefusesTablesWithResultsNobodyAskedFor) {
   StoredResult stray;
   stray.key = {0, 5, 1};
   test::expectError(ExitCode::failed, [&] { replay(world.problem, {stray}); },
-                    {"nobody asked for", "damaged"});
+                    {"nobody asked for", "damaged", "another version"});
 }
 
 }  // namespace
