@@ -131,9 +131,10 @@ class Inspection {
     return false;
   }
 
-  /// Whether a part without answers begins here, which mostly lies behind a fold: smaller cells
-  /// would trace the fold, at many failing transitions a cell, and be as empty beyond it. One
-  /// halving shows where it is. Only of a finger, whose fits carry far into such cells.
+  /// Whether a part without answers begins here, behind a fold or beyond the forces that matter:
+  /// smaller cells would trace its border, at many failing transitions a cell, and be as empty
+  /// beyond it. One halving shows where it is. Only of a finger: at sharp rims
+  /// up to half of its ball lies there.
   bool isAtEnd(std::int32_t leaf) const {
     if (!space_.patch.finger || tree_.leaves()[at(leaf)].level == 0) return false;
     return std::ranges::any_of(tree_.corners(leaf), [this](std::int32_t corner) {
