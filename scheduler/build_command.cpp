@@ -110,6 +110,12 @@ std::string exampleOf(const SpaceTable& space, const Scene& scene) {
   return fmt::format("--active {} --displacement {:.3g} {:.3g} {:.3g}", what, p.x(), p.y(), p.z());
 }
 
+std::vector<SpaceTable> spacesAndProbes(const Dataset& dataset) {
+  std::vector<SpaceTable> all = dataset.spaces();
+  all.insert(all.end(), dataset.probePlaces().begin(), dataset.probePlaces().end());
+  return all;
+}
+
 ExitCode finish(const std::vector<SpaceTable>& spaces, const Scene& scene,
                 const std::filesystem::path& out, const std::string& how) {
   PALPATE_ASSERT(!spaces.empty(), "a scene has something to touch, and each of it a space");
@@ -149,7 +155,7 @@ ExitCode carryOut(const BuildOrder& order, const std::string& endpoint,
   const std::filesystem::path out = order.out.empty() ? problem.scene.name + ".h5" : order.out;
   const std::string state = order.state.empty() ? out.string() + ".state" : order.state;
   if (isSealed(out, problem, order.force))
-    return finish(Dataset(out).spaces(), problem.scene, out,
+    return finish(spacesAndProbes(Dataset(out)), problem.scene, out,
                   "is already the dataset of this scene; nothing to do");
   // Before the state directory is made, and before hours of work.
   refuseUnwritable(out, "-o");

@@ -92,12 +92,14 @@ std::string causesLine(const char* title,
 }
 
 std::string probesOf(const std::vector<SpaceTable>& spaces) {
-  std::size_t probes = 0, solved = 0;
-  for (const SpaceTable& space : spaces) {
-    probes += space.probes.size();
-    for (const Probe& probe : space.probes) solved += isSolved(probe.record.tag);
-  }
-  return probes == 0 ? "" : fmt::format("probes: {}, {} solved\n", probes, solved);
+  wire::Status status;
+  wire::SpaceStatus sum;
+  for (const SpaceTable& space : spaces)
+    for (const Probe& probe : space.probes) addPoint(status, sum, probe.record);
+  if (sum.points() == 0) return "";
+  return fmt::format("probes: {}, {} solved within max_force, {} beyond it, {} not solved\n",
+                     sum.points(), sum.expandable(), sum.terminating(), sum.failed()) +
+         causesLine("probes not solved", status.failed_points());
 }
 
 std::string accuracyOf(const std::vector<SpaceTable>& spaces, const Scene& scene) {
@@ -106,6 +108,7 @@ std::string accuracyOf(const std::vector<SpaceTable>& spaces, const Scene& scene
   std::size_t counted = 0, keeping = 0;
   const std::string* worst_name = nullptr;
   for (const SpaceTable& space : spaces) {
+    if (space.patch.probe) continue;
     // Nothing can be refined around an origin that failed, and nothing estimated.
     if (!isSolved(space.points.front().tag)) continue;
     const Refinement state = nextRefinement(space, scene);
@@ -171,6 +174,7 @@ std::string progressBar(const wire::Status& status, std::size_t columns) {
 std::string summaryOf(const std::vector<SpaceTable>& spaces, const Scene& scene) {
   wire::Status status;
   for (const SpaceTable& space : spaces) {
+    if (space.patch.probe) continue;  // told by probesOf
     wire::SpaceStatus& row = *status.add_spaces();
     row.set_name(space.patch.name);
     row.set_stage(std::string(name(Stage::complete)));

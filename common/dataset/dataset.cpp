@@ -32,6 +32,16 @@ void refuseOtherFormats(const Reader& in, const std::string& file) {
         in.text(layout::generator_attribute));
 }
 
+/// Moves the places of probes, which stand behind all others, out of `spaces`.
+std::vector<SpaceTable> splitOff(std::vector<SpaceTable>& spaces) {
+  const auto first = std::ranges::find_if(
+      spaces, [](const SpaceTable& space) { return space.patch.probe.has_value(); });
+  std::vector<SpaceTable> places(std::make_move_iterator(first),
+                                 std::make_move_iterator(spaces.end()));
+  spaces.erase(first, spaces.end());
+  return places;
+}
+
 ContentId idIn(const Reader& in, const char* attribute) {
   const auto id = ContentId::fromHex(in.text(attribute));
   if (!id) throw in.damaged(attribute, "is not 64 hexadecimal digits");
@@ -81,6 +91,7 @@ struct Dataset::Impl {
         body(readMesh(in, scene)),
         spaces(readSpaces(in, scene, body.mesh)),
         fields(in, scene, body.mesh, spaces),
+        probe_places(splitOff(spaces)),
         content_id(idIn(in, layout::content_attribute)),
         build_id(idIn(in, layout::build_attribute)),
         kernel_family(in.text(layout::kernel_attribute)) {}
@@ -92,6 +103,7 @@ struct Dataset::Impl {
   StoredMesh body;
   std::vector<SpaceTable> spaces;
   FieldsReader fields;  ///< after what it reads from and for
+  std::vector<SpaceTable> probe_places;
   ContentId content_id, build_id;
   std::string kernel_family;
 };
@@ -110,6 +122,7 @@ const Scene& Dataset::scene() const { return impl_->scene; }
 const Mesh& Dataset::mesh() const { return impl_->body.mesh; }
 const std::vector<std::int32_t>& Dataset::fixedNodes() const { return impl_->body.fixed; }
 const std::vector<SpaceTable>& Dataset::spaces() const { return impl_->spaces; }
+const std::vector<SpaceTable>& Dataset::probePlaces() const { return impl_->probe_places; }
 
 const std::vector<std::int32_t>& Dataset::surfaceNodes() const { return impl_->body.surface; }
 const std::vector<std::int32_t>& Dataset::storedNodes() const { return impl_->body.stored; }

@@ -48,8 +48,11 @@ class Dataset {
   const Scene& scene() const;               ///< read from that text
   const Mesh& mesh() const;  ///< quadratic with P2 displacement; groups are not stored
   const std::vector<std::int32_t>& fixedNodes() const;  ///< sorted
-  /// One per active node, in the order of the scene.
+  /// One per active node, in the order of the scene; not those that only measure an area.
   const std::vector<SpaceTable>& spaces() const;
+  /// Where areas are measured, in the order of the scene: the origin and one probe each
+  /// (ActivePatch::probe).
+  const std::vector<SpaceTable>& probePlaces() const;
   /// The vertices on the surface, sorted: what is seen.
   const std::vector<std::int32_t>& surfaceNodes() const;
   /// The nodes whose displacements are kept, sorted: those of the surface, or all.

@@ -353,6 +353,7 @@ void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
     ActivePatch& patch = spaces[s].patch;
     patch.name = scene.active[s].name;
     patch.node = active[s];
+    patch.probe = scene.active[s].probe;
     const auto end = weight + static_cast<std::ptrdiff_t>(patch.nodes.size());
     if (isWeighted(scene.active[s])) patch.weights.assign(weight, end);
     weight = end;

@@ -142,6 +142,20 @@ void checkPatch(const Problem& problem, std::size_t number, const NodeSet& surfa
         patch.name, patch.nodes.size(), problem.fixed.size());
 }
 
+/// Both say the same, and the plan can find a position for it.
+void checkProbe(const Problem& problem, std::size_t number) {
+  const auto& probe = problem.active[number].probe;
+  if (probe != problem.scene.active[number].probe)
+    throw badInput("active \"{}\": its probe is not that of the scene",
+                   problem.active[number].name);
+  const Workspace& workspace = problem.scene.workspace;
+  const double least = 2 * workspace.spacing / lattice_divisions;
+  if (probe && !(probe->norm() >= least && probe->norm() <= workspace.radius))
+    throw badInput(
+        "active \"{}\": probe = {} is not of the workspace, {:.4g} to {:.4g} m from rest",
+        problem.active[number].name, placeText(*probe), least, workspace.radius);
+}
+
 Mesh readMesh(const Scene& scene, const std::string& scene_file) {
   std::error_code ignored;
   // Here the scene's file and key can be named; the readers know the mesh only.
@@ -168,6 +182,9 @@ void checkProblem(const Problem& problem) {
       throw badInput("patch {} is \"{}\" instead of the scene's \"{}\"", i, problem.active[i].name,
                      problem.scene.active[i].name);
     checkPatch(problem, i, surface);
+    checkProbe(problem, i);
+    if (i > 0 && problem.active[i - 1].probe && !problem.active[i].probe)
+      throw badInput("active \"{}\" stands behind the places of probes", problem.active[i].name);
   }
   checkRegions(problem);
   refuseLoosePieces(problem);
@@ -214,9 +231,21 @@ std::size_t storedBytes(const Scene& scene, const Mesh& mesh) {
 Lattice uniformLattice(const Scene& scene) { return uniformLattice(scene, {}); }
 
 Lattice uniformLattice(const Scene& scene, const ActivePatch& patch) {
-  const bool divided = scene.accuracy.adaptive() || scene.accuracy.probes > 0;
-  return {scene.workspace.radius, scene.workspace.spacing, divided ? lattice_divisions : 1,
+  const Workspace& workspace = scene.workspace;
+  if (patch.probe) return Lattice::ofRest(workspace.radius, workspace.spacing, lattice_divisions);
+  const bool divided = scene.accuracy.adaptive() || scene.accuracy.probes > 0 ||
+                       std::ranges::any_of(scene.active, &ActiveSelection::isProbe);
+  return {workspace.radius, workspace.spacing, divided ? lattice_divisions : 1,
           patch.finger ? patch.finger->reach : PushedPart{}};
+}
+
+std::int32_t probesIn(const Scene& scene, std::size_t space) {
+  const ActiveSelection& active = scene.active[space];
+  if (active.isProbe()) return 1;
+  const auto measures = [&](const ActiveSelection& other) {
+    return other.isProbe() && other.probe_of == active.area;
+  };
+  return std::ranges::any_of(scene.active, measures) ? 0 : scene.accuracy.probes;
 }
 
 Problem resolve(Scene scene, Mesh mesh) {
@@ -227,7 +256,7 @@ Problem resolve(Scene scene, Mesh mesh) {
   problem.region_of = selectRegions(scene.regions, mesh);
   problem.fibers = selectFibers(scene.regions, problem.region_of, mesh);
   problem.fixed = selectFixed(scene.fixed, mesh);
-  scene.active = expandSurfaces(scene.active, mesh, problem.fixed);
+  scene.active = expandSurfaces(scene, mesh, problem.fixed);
   for (const ActiveSelection& active : scene.active) {
     ActivePatch& patch = problem.active.emplace_back(selectPatch(active, mesh, problem.fixed));
     if (patch.finger && scene.contact == ContactMode::unilateral)

@@ -44,9 +44,13 @@ void checkProblem(const Problem& problem);
 inline constexpr std::int32_t lattice_divisions = 1024;
 
 /// The uniform lattice of a scene: with divisions when points or probes may be added to it. Of a
-/// finger only what its reach holds.
+/// finger only what its reach holds; of one that measures an area (ActivePatch::probe) the origin.
 Lattice uniformLattice(const Scene& scene);
 Lattice uniformLattice(const Scene& scene, const ActivePatch& patch);
+
+/// Held-out positions of one space: those of [accuracy], but of a site none where its area is
+/// measured at places of its own.
+std::int32_t probesIn(const Scene& scene, std::size_t space);
 
 /// Resolves the selectors of a scene on its mesh, which finishMesh has finished. Error (bad input),
 /// naming the scene's key, when
@@ -66,11 +70,10 @@ Lattice uniformLattice(const Scene& scene, const ActivePatch& patch);
 /// - the workspace radius exceeds 3 bounding-box diagonals.
 ///
 /// What is only doubtful is left to warningsOf (problem_warnings.hpp). An active `surface` is
-/// replaced by its nodes, or the sites of a finger: in the scene too, as if they had been written
-/// one by one. Distances
-/// "within a radius" allow 5e-13 of it for round-off. With P2 displacement the mesh gets its
-/// mid-edge nodes first (`mesh` has none). selection.hpp says what is
-/// selected.
+/// replaced by its nodes, or the sites of a finger and the places where it is probed: in the scene
+/// too, as if they had been written one by one, those of probes last. Distances "within a radius"
+/// allow 5e-13 of it for round-off. With P2 displacement the mesh gets its mid-edge nodes first
+/// (`mesh` has none). selection.hpp says what is selected.
 Problem resolve(Scene scene, Mesh mesh);
 
 /// readScene + read the mesh (by file ending) + resolve.

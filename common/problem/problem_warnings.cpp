@@ -179,7 +179,7 @@ class Doubts {
     std::set<double> small;
     std::vector<std::string> around;
     for (const ActivePatch& patch : problem_.active) {
-      if (!patch.finger) continue;
+      if (!patch.finger || patch.probe) continue;
       if (patch.finger->radius < quality_.mean_edge) small.insert(patch.finger->radius);
       if (isOnBothSides(problem_.mesh, *patch.finger)) around.push_back(patch.name);
     }

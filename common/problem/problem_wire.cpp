@@ -55,6 +55,10 @@ wire::Problem toMessage(const Problem& problem) {
       active.set_finger_outward(bytesOfArray(outward));
       active.set_finger_pull(patch.finger->reach.pull);
     }
+    if (patch.probe) {
+      const std::vector<Eigen::Vector3d> probe = {*patch.probe};
+      active.set_probe(bytesOfArray(probe));
+    }
   }
   for (const auto& [name, nodes] : problem.mesh.node_groups) {
     wire::NodeGroup& group = *message.add_node_groups();
@@ -79,6 +83,12 @@ std::optional<Finger> fingerFrom(const wire::ActivePatch& message) {
   return Finger{center.front(), message.finger_radius(), {outward.front(), message.finger_pull()}};
 }
 
+std::optional<Eigen::Vector3d> probeFrom(const wire::ActivePatch& message) {
+  const auto probe = arrayFrom<Eigen::Vector3d>(message.probe(), "the displacement of a probe");
+  if (probe.size() > 1) throw badInput("a finger has {} probes", probe.size());
+  return probe.empty() ? std::nullopt : std::optional(probe.front());
+}
+
 Problem fromMessage(const wire::Problem& message) {
   Problem problem;
   problem.scene = parseScene(message.scene_toml(), "its scene");
@@ -101,7 +111,7 @@ Problem fromMessage(const wire::Problem& message) {
     problem.active.push_back({active.name(), active.node(),
                               arrayFrom<std::int32_t>(active.nodes(), "the nodes of a patch"),
                               arrayFrom<double>(active.weights(), "the weights of a patch"),
-                              fingerFrom(active)});
+                              fingerFrom(active), probeFrom(active)});
   return problem;
 }
 

@@ -11,6 +11,7 @@
 #include "common/base/nearest_word.hpp"
 #include "common/mesh/bump_integrals.hpp"
 #include "common/problem/finger.hpp"
+#include "common/problem/probe_places.hpp"
 #include "common/problem/sites.hpp"
 
 namespace palpate {
@@ -124,11 +125,10 @@ NodeSet movableOf(const ActiveSelection& selection, const Mesh& mesh, const Node
   return movable;
 }
 
-/// One finger for each site on the triangles whose three corners `surface` selects.
-std::vector<ActiveSelection> sitesOf(const ActiveSelection& selection, const Mesh& mesh,
-                                     const NodeSet& surface, const NodeSet& fixed) {
+/// Those whose three corners `surface` selects.
+std::vector<std::int32_t> trianglesOf(const ActiveSelection& selection, const Mesh& mesh) {
   const std::string key = fmt::format("active \"{}\": surface", selection.name);
-  const NodeSet selected = selectOnSurface(*selection.surface, key, mesh, surface);
+  const NodeSet selected = selectOnSurface(*selection.surface, key, mesh, surfaceNodes(mesh));
   std::vector<std::int32_t> triangles;
   for (std::size_t t = 0; t < mesh.surface.size(); ++t)
     if (std::ranges::all_of(mesh.surface[t], [&](auto node) { return contains(selected, node); }))
@@ -138,10 +138,19 @@ std::vector<ActiveSelection> sitesOf(const ActiveSelection& selection, const Mes
         "{}: holds {} nodes of the surface, but no triangle with its three corners among them; "
         "make it larger",
         key, selected.size());
+  return triangles;
+}
+
+/// One finger for each site of a surface.
+std::vector<ActiveSelection> sitesOf(const ActiveSelection& selection, const Mesh& mesh,
+                                     const std::vector<std::int32_t>& triangles,
+                                     const NodeSet& fixed) {
   const std::vector<Eigen::Vector3d> sites = sitesOn(mesh, triangles, fixed, selection.radius);
   if (sites.empty())
     throw badInput(
-        "{}: everywhere in it a finger would rest on what is fixed; move it, or fix less", key);
+        "active \"{}\": surface: everywhere in it a finger would rest on what is fixed; "
+        "move it, or fix less",
+        selection.name);
   std::vector<ActiveSelection> fingers;
   for (const Eigen::Vector3d& site : sites) {
     ActiveSelection& one = fingers.emplace_back(selection);
@@ -149,6 +158,24 @@ std::vector<ActiveSelection> sitesOf(const ActiveSelection& selection, const Mes
     one.area = selection.name;
     one.surface.reset();
     one.near = site;
+  }
+  return fingers;
+}
+
+/// And one for each place where it is measured.
+std::vector<ActiveSelection> probesOf(const ActiveSelection& selection, const Mesh& mesh,
+                                      const std::vector<std::int32_t>& triangles,
+                                      const NodeSet& fixed, const Scene& scene) {
+  std::vector<ActiveSelection> fingers;
+  for (const auto& [place, displacement] :
+       probePlaces(mesh, triangles, fixed, selection.radius, scene.workspace.radius, scene.contact,
+                   scene.accuracy.probes)) {
+    ActiveSelection& one = fingers.emplace_back(selection);
+    one.name = fmt::format("{}-probe-{}", selection.name, fingers.size() - 1);
+    one.surface.reset();
+    one.near = place;
+    one.probe_of = selection.name;
+    one.probe = displacement;
   }
   return fingers;
 }
@@ -191,7 +218,9 @@ ActivePatch selectFinger(const ActiveSelection& selection, const Mesh& mesh, con
           ? fingerNear(fmt::format("active \"{}\": near", selection.name), mesh, *selection.near,
                        selection.radius)
           : Finger{mesh.nodes[selectActiveNode(selection, mesh, surface)], selection.radius};
-  return fingerPatch(selection.name, mesh, fixed, finger);
+  ActivePatch patch = fingerPatch(selection.name, mesh, fixed, finger);
+  patch.probe = selection.probe;
+  return patch;
 }
 
 /// The vertices `surface`, and the middles of their triangles' edges.
@@ -275,18 +304,21 @@ NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh) {
   return fixed;
 }
 
-std::vector<ActiveSelection> expandSurfaces(const std::vector<ActiveSelection>& selections,
-                                            const Mesh& mesh, const NodeSet& fixed) {
+std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh,
+                                            const NodeSet& fixed) {
   PALPATE_ASSERT(std::ranges::is_sorted(fixed), "selectFixed sorts them");
   const NodeSet surface = surfaceNodes(mesh);
-  std::vector<ActiveSelection> expanded;
-  for (const ActiveSelection& selection : selections) {
+  std::vector<ActiveSelection> expanded, probes;
+  for (const ActiveSelection& selection : scene.active) {
     if (!selection.surface) {
-      expanded.push_back(selection);
+      (selection.isProbe() ? probes : expanded).push_back(selection);
       continue;
     }
     if (selection.tool == ToolKind::finger) {
-      std::ranges::move(sitesOf(selection, mesh, surface, fixed), std::back_inserter(expanded));
+      const std::vector<std::int32_t> triangles = trianglesOf(selection, mesh);
+      std::ranges::move(sitesOf(selection, mesh, triangles, fixed), std::back_inserter(expanded));
+      std::ranges::move(probesOf(selection, mesh, triangles, fixed, scene),
+                        std::back_inserter(probes));
       continue;
     }
     for (const std::int32_t node : movableOf(selection, mesh, surface, fixed)) {
@@ -296,8 +328,9 @@ std::vector<ActiveSelection> expandSurfaces(const std::vector<ActiveSelection>& 
       one.node = node;
     }
   }
+  std::ranges::move(probes, std::back_inserter(expanded));
   std::set<std::string> names;
-  for (const ActiveSelection& one : selections)
+  for (const ActiveSelection& one : scene.active)
     if (one.surface && one.tool == ToolKind::finger) names.insert(one.name);  // of its area
   for (const ActiveSelection& one : expanded)
     if (!names.insert(one.name).second)

@@ -15,15 +15,16 @@ namespace palpate {
 /// or a group or node does not exist.
 NodeSet selectFixed(const FixedSelection& selection, const Mesh& mesh);
 
-/// The [[active]] tables with every `surface` replaced by one table for each vertex of the surface
-/// that it selects and that is not fixed, in the order of their numbers, called NAME-NODE; radius
-/// and tool are those of the table. For a finger instead one table for each site (sitesOn), called
-/// NAME-0, NAME-1, ..., `near` the site, with the area NAME; triangles belong to the surface whose
-/// three corners are selected. Error when a selector holds no vertex of the surface, when all
-/// that are selected are fixed, when a group does not exist, or when two active nodes have one name
-/// then.
-std::vector<ActiveSelection> expandSurfaces(const std::vector<ActiveSelection>& selections,
-                                            const Mesh& mesh, const NodeSet& fixed);
+/// The [[active]] tables of a scene with every `surface` replaced by one table for each vertex of
+/// the surface that it selects and that is not fixed, in the order of their numbers, called
+/// NAME-NODE; radius and tool are those of the table. For a finger instead one table for each site
+/// (sitesOn), called NAME-0, NAME-1, ..., `near` the site, with the area NAME; triangles belong to
+/// the surface whose three corners are selected. Behind all of them come the places where such
+/// areas are measured (probePlaces), scene.accuracy.probes each, called NAME-probe-0, and so on.
+/// Error when a selector holds no vertex of the surface, when all that are selected are fixed, when
+/// a group does not exist, or when two active nodes have one name then.
+std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh,
+                                            const NodeSet& fixed);
 
 /// The patch of an [[active]] table without `surface`. A rigid one holds all nodes within the
 /// radius, inner ones and mid-edge nodes too; a weighted one those of the surface, with their

@@ -11,6 +11,7 @@ namespace {
 std::vector<std::string> choicesOf(const Scene& scene) {
   std::vector<std::string> names;
   for (const ActiveSelection& active : scene.active) {
+    if (active.isProbe()) continue;  // measures what can be touched, and is not touched itself
     const std::string& name = active.area.empty() ? active.name : active.area;
     if (std::ranges::find(names, name) == names.end()) names.push_back(name);
   }
@@ -26,6 +27,7 @@ ActiveChoice chooseActive(const Scene& scene, const std::string& name) {
                    fmt::join(names, ", "));
   ActiveChoice choice = {{}, name.empty() ? names.front() : name};
   for (std::size_t s = 0; s < scene.active.size(); ++s) {
+    if (scene.active[s].isProbe()) continue;
     if (scene.active[s].name == choice.name) return {{s}, choice.name};
     if (scene.active[s].area == choice.name) choice.spaces.push_back(s);
   }
@@ -44,6 +46,14 @@ std::vector<ActiveChoice> areasOf(const Scene& scene) {
     auto area = std::ranges::find(areas, name, &ActiveChoice::name);
     if (area == areas.end()) area = areas.insert(area, {{}, name, true});
     area->spaces.push_back(s);
+  }
+  std::size_t place = 0;
+  for (const ActiveSelection& active : scene.active) {
+    if (!active.isProbe()) continue;
+    if (const auto area = std::ranges::find(areas, active.probe_of, &ActiveChoice::name);
+        area != areas.end())
+      area->probe_places.push_back(place);
+    ++place;
   }
   return areas;
 }

@@ -9,6 +9,8 @@ struct ActiveChoice {
   std::vector<std::size_t> spaces;  ///< one, or the sites of an area
   std::string name;                 ///< of the active node or the area
   bool is_area = false;
+  /// Where an area is measured (Dataset::probePlaces), of areasOf() alone.
+  std::vector<std::size_t> probe_places = {};
 };
 
 /// The active node or the area of this name; without a name the only one there is. Error (bad

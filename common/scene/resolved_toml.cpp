@@ -70,6 +70,9 @@ std::string activeToml(const ActiveSelection& active) {
                                  quotedToml(active.name), place, decimalToml(active.radius));
   if (active.tool != ToolKind::rigid) text += fmt::format("tool = \"{}\"\n", word(active.tool));
   if (!active.area.empty()) text += fmt::format("area = {}\n", quotedToml(active.area));
+  if (active.probe)
+    text += fmt::format("probe_of = {}\nprobe = {}  # m\n", quotedToml(active.probe_of),
+                        decimalToml(*active.probe));
   return text;
 }
 

@@ -208,6 +208,14 @@ ActiveSelection readActive(const TomlSection& section) {
   if (!active.area.empty() && (active.tool != ToolKind::finger || !isPlainName(active.area)))
     throw section.wrong("area", "\"{}\" must be a plain name, and is for tool = \"finger\" only",
                         active.area);
+  active.probe_of = section.optional("probe_of", &TomlSection::text).value_or("");
+  active.probe = section.optional("probe", &TomlSection::point);
+  if (active.probe_of.empty() == active.probe.has_value())
+    throw section.wrong("probe",
+                        "give probe_of, the area that is measured, and probe, a "
+                        "displacement [x, y, z], or neither");
+  if (active.probe && (active.tool != ToolKind::finger || active.surface || !active.area.empty()))
+    throw section.wrong("probe_of", "is for a single finger, tool = \"finger\", that is no site");
   if (active.tool != ToolKind::rigid && active.radius == 0)
     throw section.wrong("tool", "{} needs a radius greater than 0, over which it is the mean",
                         word(active.tool));
@@ -226,13 +234,25 @@ void checkAreas(const TomlSection& root, const std::vector<ActiveSelection>& act
     if (radius_of.contains(active.name))
       throw root.wrong("active", "\"{}\" is the name of an active node and of an area; rename one",
                        active.name);
+  for (const ActiveSelection& active : actives)
+    if (active.surface && active.tool == ToolKind::finger)
+      radius_of.emplace(active.name, active.radius);
+  for (const ActiveSelection& active : actives) {
+    if (!active.isProbe()) continue;
+    const auto area = radius_of.find(active.probe_of);
+    if (area == radius_of.end() || area->second != active.radius)
+      throw root.wrong("active",
+                       "\"{}\" is a probe of \"{}\", which is no area of fingers of its radius",
+                       active.name, active.probe_of);
+  }
 }
 
 std::vector<ActiveSelection> readActives(const TomlSection& root) {
   std::vector<ActiveSelection> actives;
   for (const toml::node& element : root.tables("active", "active node")) {
     const TomlSection section = root.inner(
-        "active", element, {"name", "near", "node", "surface", "radius", "tool", "area"});
+        "active", element,
+        {"name", "near", "node", "surface", "radius", "tool", "area", "probe_of", "probe"});
     actives.push_back(readActive(section));
     refuseTwin(section, actives, &ActiveSelection::name, "name", "active nodes are called");
   }

@@ -90,6 +90,11 @@ struct ActiveSelection {
   /// Of a finger: those of one area have one radius and are sites of one energy E(s, p), which
   /// answers between them too. Empty: by itself. Is the name of no active node.
   std::string area = {};
+  /// Of a finger that is no site but measures them: where the exact solution of the displacement
+  /// `probe` (metres) is compared with what the area `probe_of` answers. Both or none.
+  std::string probe_of = {};
+  std::optional<Eigen::Vector3d> probe = {};
+  bool isProbe() const { return probe.has_value(); }
   bool operator==(const ActiveSelection&) const = default;
 };
 
@@ -121,7 +126,9 @@ struct Accuracy {
   double force_error = 0;
   double force_floor = 0.01;  ///< N: an error below it is always allowed
   std::int32_t levels = 3;    ///< cells are halved at most so often, 0..6
-  std::int32_t probes = 0;    ///< 0..100000; exact solutions at held-out positions, per active node
+  /// 0..100000; exact solutions at held-out positions, per active node; of a surface that a finger
+  /// touches at so many random places of it (probe_places.hpp).
+  std::int32_t probes = 0;
   bool adaptive() const { return force_error > 0; }
   bool operator==(const Accuracy&) const = default;
 };

@@ -39,6 +39,9 @@ struct ActivePatch {
   /// Of a finger, which is centred anywhere on the surface: then the weights are fingerWeights
   /// (finger_weights.hpp) about it, and `node` is the nearest vertex among the nodes.
   std::optional<Finger> finger = {};
+  /// Of a finger where an area is measured: its space is the rest position and this one
+  /// displacement, metres.
+  std::optional<Eigen::Vector3d> probe = {};
 };
 
 }  // namespace palpate

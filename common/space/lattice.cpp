@@ -93,6 +93,19 @@ Lattice::Lattice(double radius, double spacing, std::int32_t divisions, const Pu
   for (std::int32_t n = 0; n < size(); ++n) index_of_[*placeInCube(points_[n])] = n;
 }
 
+Lattice Lattice::ofRest(double radius, double spacing, std::int32_t divisions) {
+  check(radius, spacing);
+  Lattice lattice;
+  lattice.radius_ = radius;
+  lattice.spacing_ = radius / ratioOf(radius, spacing);
+  lattice.divisions_ = divisions;
+  lattice.extent_ = 0;
+  lattice.uniform_size_ = 1;
+  lattice.points_ = {{0, 0, 0}};
+  lattice.index_of_ = {0};
+  return lattice;
+}
+
 std::optional<std::size_t> Lattice::placeInCube(const LatticePoint& point) const {
   std::size_t place = 0;
   for (const std::int32_t coordinate : point) {

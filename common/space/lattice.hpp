@@ -59,6 +59,9 @@ class Lattice {
   /// Of a part of the ball: its uniform points, and those within half a spacing of it.
   Lattice(double radius, double spacing, std::int32_t divisions = 1, const PushedPart& part = {});
 
+  /// The origin alone, for positions that are added.
+  static Lattice ofRest(double radius, double spacing, std::int32_t divisions);
+
   /// Error (bad input) unless both are > 0, radius >= spacing, and the lattice has no more than 10
   /// million points. Costs nothing.
   static void check(double radius, double spacing);

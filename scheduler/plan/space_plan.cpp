@@ -23,6 +23,14 @@ std::int64_t squaredDistance(const LatticePoint& a, const LatticePoint& b) {
   return squaredNorm({a[0] - b[0], a[1] - b[1], a[2] - b[2]});
 }
 
+/// The last one before it, seen from rest: so it never leaves the ball.
+LatticePoint positionOf(const Eigen::Vector3d& displacement, double unit) {
+  LatticePoint position{};
+  for (int axis = 0; axis < 3; ++axis)
+    position[axis] = static_cast<std::int32_t>(displacement[axis] / unit);
+  return position;
+}
+
 }  // namespace
 
 std::string_view name(Stage stage) {
@@ -51,7 +59,7 @@ SpacePlan::SpacePlan(const Problem& problem, std::uint32_t space)
       positions_(frontier_.lattice()),
       points_(at(positions_.size())),
       attempts_(points_.size()),
-      may_grow_(problem.scene.accuracy.adaptive()) {
+      may_grow_(problem.scene.accuracy.adaptive() && !problem.active[space].probe) {
   PALPATE_ASSERT(space < problem.active.size(), "a plan is that of one active node");
 }
 
@@ -70,7 +78,11 @@ bool SpacePlan::isOpen(const Transition& transition) const {
 }
 
 std::int32_t SpacePlan::stepsOf(const Transition& transition) const {
-  return stage_ == Stage::branches && isOpen(transition) ? steps_of_retry : 1;
+  if (!isOpen(transition)) return 1;
+  if (stage_ == Stage::branches) return steps_of_retry;
+  if (stage_ != Stage::probes || !problem_->active[space_].probe) return 1;
+  const double distance = positions_.displacement(transition.target).norm();
+  return static_cast<std::int32_t>(std::ceil(distance / (positions_.spacing() / 2)));
 }
 
 std::int32_t SpacePlan::openCount() const {
@@ -236,10 +248,16 @@ void SpacePlan::beginCells() {
 }
 
 void SpacePlan::beginProbes() {
-  const auto& finger = problem_->active[space_].finger;
-  const std::vector<LatticePoint> positions = probePositions(
-      positions_, problem_->scene.accuracy.probes, finger ? finger->reach : PushedPart{});
+  const ActivePatch& patch = problem_->active[space_];
   first_probe_ = size();  // from here on parentsNear() stops before them
+  if (patch.probe) {
+    const std::int32_t target = addPosition(positionOf(*patch.probe, positions_.unit()));
+    const bool from_rest = points_.front().tag == Tag::expandable;
+    return pursue(target, from_rest ? std::vector{0} : std::vector<std::int32_t>{}, false);
+  }
+  const std::vector<LatticePoint> positions =
+      probePositions(positions_, probesIn(problem_->scene, space_),
+                     patch.finger ? patch.finger->reach : PushedPart{});
   for (const LatticePoint& position : positions) {
     const std::int32_t target = addPosition(position);
     pursue(target, parentsNear(position), false);

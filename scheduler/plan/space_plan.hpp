@@ -43,8 +43,10 @@ PointRecord solvedPoint(std::int32_t parent, const Outcome& outcome, const Conte
 /// - cells: an adaptive scene asks nextRefinement for points; each is tried from the nearest
 ///   expandable points, one after the other, maxAttempts() at most; then branches again,
 ///   and so on until the accuracy is reached or nothing can improve it.
-/// - probes: scene.accuracy.probes held-out positions of the ball (probePositions), tried like
-///   those.
+/// - probes: probesIn() held-out positions of the ball (probePositions), tried like those.
+///
+/// Where a finger's area is measured (ActivePatch::probe) the lattice is the origin, and there is
+/// one probe, which is reached from there in steps of about half a spacing.
 ///
 /// Points are numbered as in the lattice; probes follow. Copyable, one thread at a time.
 class SpacePlan {

@@ -24,6 +24,24 @@ namespace {
 constexpr std::chrono::seconds pace_window{120};
 constexpr std::chrono::seconds between_samples{1};
 
+/// Of a space, or of all places where an area is measured: each is one point there.
+wire::SpaceStatus& rowFor(wire::Status& status, const ActiveSelection& active) {
+  if (!active.isProbe()) {
+    status.add_spaces()->set_name(active.name);
+    return *status.mutable_spaces()->rbegin();
+  }
+  const std::string area = "probes of " + active.probe_of;
+  for (wire::SpaceStatus& row : *status.mutable_spaces())
+    if (row.name() == area) return row;
+  status.add_spaces()->set_name(area);
+  return *status.mutable_spaces()->rbegin();
+}
+
+/// The least of all that stand in one row.
+void setStage(wire::SpaceStatus& row, Stage stage) {
+  if (row.stage().empty() || stage != Stage::complete) row.set_stage(std::string(name(stage)));
+}
+
 }  // namespace
 
 wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans,
@@ -33,11 +51,13 @@ wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plan
   status.set_scene(problem.scene.name);
   for (std::size_t p = 0; p < plans.size(); ++p) {
     const SpacePlan& plan = plans[p];
-    wire::SpaceStatus& space = *status.add_spaces();
-    space.set_name(problem.active[p].name);
-    space.set_stage(std::string(name(plan.stage())));
+    const ActiveSelection& active = problem.scene.active[p];
+    wire::SpaceStatus& row = rowFor(status, active);
+    setStage(row, plan.stage());
+    // Before it has a probe, a place of one counts too.
+    if (active.isProbe() && plan.size() == 1) addPoint(status, row, {});
     for (std::int32_t n = 0; n < plan.size(); ++n) {
-      addPoint(status, space, plan.point(n));
+      if (!active.isProbe() || n > 0) addPoint(status, row, plan.point(n));
       for (const FailedAttempt& attempt : plan.attempts(n))
         ++(*status.mutable_failed_attempts())[std::string(name(attempt.failure.cause))];
     }

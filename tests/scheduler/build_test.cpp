@@ -39,6 +39,23 @@ TEST(SummaryOfABuild, CountsFailedPointsByCause) {
               testing::HasSubstr("failed: 1 step_budget, 2 unreachable\n"));
 }
 
+TEST(SummaryOfABuild, TellsProbesApartFromPoints) {
+  auto spaces = spaceOf({{Tag::expandable, Cause::none}});
+  spaces.push_back(spaces.front());
+  spaces[1].patch.probe = Eigen::Vector3d(0, 0, 0.01);
+  spaces[1].patch.name = "skin-probe-0";
+  spaces[1].probes.emplace_back().record.tag = Tag::expandable;
+  spaces[1].probes.emplace_back().record.tag = Tag::terminating;
+  Probe& failed = spaces[1].probes.emplace_back();
+  failed.record.tag = Tag::failed;
+  failed.record.cause = Cause::beyond_force;
+  const std::string summary = summaryOf(spaces, Scene());
+  EXPECT_THAT(summary,
+              testing::HasSubstr("probes: 3, 1 solved within max_force, 1 beyond it, 1 not solved\n"
+                                 "probes not solved: 1 beyond_force\n"));
+  EXPECT_THAT(summary, testing::Not(testing::HasSubstr("skin-probe-0")));
+}
+
 TEST(Build, LeavesNoPointUnknownWhenTheOriginFails) {
   test::BuildWorld world;
   world.join("a", 2);

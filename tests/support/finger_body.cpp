@@ -45,13 +45,14 @@ Eigen::Vector3d FingerBody::drive(const Eigen::Vector3d& s, const Eigen::Vector3
   return -ConvexEnergy().energy(p) * factorGradient(s);
 }
 
-FingerBody::FingerBody() {
+FingerBody::FingerBody(std::int32_t probes) {
   Scene scene;
   scene.name = "fingered";
   scene.mesh = "fingered.msh";
   scene.regions[0].material = {.law = LawName::mooney_rivlin, .c10 = 1300, .c01 = 1280};
   scene.fixed.groups = {"zmin"};
   scene.workspace = {.radius = 0.03, .spacing = 0.01, .max_force = 8.5};
+  scene.accuracy.probes = probes;
   ActiveSelection active;
   active.name = "top";
   active.tool = ToolKind::finger;
@@ -72,6 +73,12 @@ FingerBody::FingerBody() {
       point.equilibrium = equilibriumAt(patch.finger->center, space.lattice.displacement(n));
       point.fields = fields(s, n).id();
     }
+    if (!patch.probe) continue;
+    Probe& probe = space.probes.emplace_back();
+    probe.displacement = *patch.probe;
+    probe.record.tag = Tag::expandable;
+    probe.record.parent = 0;
+    probe.record.equilibrium = equilibriumAt(patch.finger->center, *patch.probe);
   }
 }
 

@@ -4,10 +4,11 @@
 #include <chrono>
 #include <cmath>
 
-#include "common/base/parallel.hpp"
+#include "common/base/index.hpp"
 #include "common/problem/sites.hpp"
 #include "common/scene/active_choice.hpp"
 #include "viewer/fields/area_field.hpp"
+#include "viewer/fields/potential_field.hpp"
 
 namespace palpate {
 namespace {
@@ -30,27 +31,23 @@ std::array<Eigen::Vector3d, sideways + 1> directionsInto(const Eigen::Vector3d& 
           (along - normal).normalized(), (-along - normal).normalized()};
 }
 
+/// 1/N: makes an error relative to the force, or to that at which the floor is what is allowed.
+double relativeTo(double force, const AccuracyTarget& target) {
+  return 1 / std::max(force, target.force_floor / target.force_error);
+}
+
 double medianOf(const std::vector<double>& values) { return spreadOf(values).median; }
 
-AreaMeasures measureArea(const Dataset& dataset, const ActiveChoice& choice,
-                         const AccuracyTarget& target) {
-  const auto spaces = chosenOf(dataset.spaces(), choice.spaces);
-  const Mesh& mesh = dataset.mesh();
-  const auto began = Clock::now();
-  const AreaField area(spaces,
-                       placesAround(mesh, centersOf(spaces), spaces.front()->patch.finger->radius));
-  AreaMeasures measures;
-  measures.name = choice.name;
-  measures.sites = spaces.size();
-  measures.stations = area.stationCount();
-  measures.seconds_to_prepare = Seconds(Clock::now() - began).count();
+/// Per triangle of the mesh's surface and depth.
+using Samples = std::vector<std::array<std::vector<Sample>, depths.size()>>;
 
-  const double radius = spaces.front()->lattice.radius();
+/// Asks the area at the middle of every triangle.
+Samples samplesOf(const AreaField& area, const Dataset& dataset, double radius,
+                  const AccuracyTarget& target) {
+  const Mesh& mesh = dataset.mesh();
   const double largest_force = dataset.scene().workspace.max_force;
-  const auto n_triangles = mesh.surface.size();
-  std::vector<std::array<std::vector<Sample>, depths.size()>> found(n_triangles);
-  const auto asked = Clock::now();
-  for (std::size_t t = 0; t < n_triangles; ++t) {
+  Samples found(mesh.surface.size());
+  for (std::size_t t = 0; t < found.size(); ++t) {
     const Triangle& corners = mesh.surface[t];
     const Eigen::Vector3d &a = mesh.nodes[at(corners[0])], &b = mesh.nodes[at(corners[1])],
                           &c = mesh.nodes[at(corners[2])];
@@ -60,13 +57,13 @@ AreaMeasures measureArea(const Dataset& dataset, const ActiveChoice& choice,
         const AreaSample sample = area.evaluate(middle, depths[d] * radius * direction);
         const double force = sample.force.norm();
         if (!sample.inside || !std::isfinite(sample.error_bound) || force > largest_force) continue;
-        found[t][d].push_back(
-            {sample.error_bound / std::max(force, target.force_floor / target.force_error), force});
+        found[t][d].push_back({relativeTo(force, target) * sample.error_bound, force});
       }
   }
-  measures.nanoseconds = 1e9 * Seconds(Clock::now() - asked).count() /
-                         static_cast<double>(n_triangles * depths.size() * (sideways + 1));
+  return found;
+}
 
+void measureBounds(const Samples& found, double radius, AreaMeasures& measures) {
   std::vector<double> all;
   for (std::size_t d = 0; d < depths.size(); ++d) {
     std::vector<double> bounds, forces;
@@ -86,6 +83,81 @@ AreaMeasures measureArea(const Dataset& dataset, const ActiveChoice& choice,
       for (const Sample& sample : of_depth) bounds.push_back(sample.bound);
     measures.on_triangles.push_back(medianOf(bounds));
   }
+}
+
+/// The fields of sites alone, made when they are asked for.
+class NearestSite {
+ public:
+  explicit NearestSite(const std::vector<const SpaceTable*>& sites)
+      : sites_(sites), fields_(sites.size()) {}
+  Eigen::Vector3d force(const Eigen::Vector3d& place, const Eigen::Vector3d& displacement) {
+    const auto distance = [&](const SpaceTable* site) {
+      return (site->patch.finger->center - place).norm();
+    };
+    const auto nearest = std::ranges::min_element(sites_, {}, distance) - sites_.begin();
+    std::unique_ptr<PotentialField>& field = fields_[at(nearest)];
+    if (!field) field = std::make_unique<PotentialField>(*sites_[at(nearest)]);
+    return field->evaluate(displacement).force;
+  }
+
+ private:
+  const std::vector<const SpaceTable*>& sites_;
+  std::vector<std::unique_ptr<PotentialField>> fields_;
+};
+
+AreaProbes measureProbes(const AreaField& area, const std::vector<const SpaceTable*>& sites,
+                         const std::vector<const SpaceTable*>& places,
+                         const AccuracyTarget& target) {
+  AreaProbes measures;
+  std::vector<ForceComparison> of_area, of_nearest;
+  NearestSite nearest(sites);
+  for (const SpaceTable* place : places) {
+    ++measures.places;
+    // Without a rest position there is no probe either.
+    const Tag tag = place->probes.empty() ? Tag::failed : place->probes.front().record.tag;
+    const bool is_beyond =
+        tag == Tag::terminating || (tag == Tag::failed && !place->probes.empty() &&
+                                    place->probes.front().record.cause == Cause::beyond_force);
+    measures.beyond_force += is_beyond;
+    measures.unsolved += tag == Tag::failed && !is_beyond;
+    if (tag != Tag::expandable) continue;
+    const auto& [displacement, record] = place->probes.front();
+    const Eigen::Vector3d& center = place->patch.finger->center;
+    const AreaSample sample = area.evaluate(center, displacement);
+    measures.unanswered += !std::isfinite(sample.error_bound);
+    const Eigen::Vector3d& exact = record.equilibrium.force;
+    of_area.push_back({exact, sample.force, sample.error_bound});
+    of_nearest.push_back({exact, nearest.force(center, displacement)});
+    measures.comparisons.push_back(
+        {center, displacement.norm(),
+         relativeTo(exact.norm(), target) * (sample.force - exact).norm()});
+  }
+  measures.area = measureErrors(of_area, target);
+  measures.nearest_site = measureErrors(of_nearest, target);
+  return measures;
+}
+
+AreaMeasures measureArea(const Dataset& dataset, const ActiveChoice& choice,
+                         const AccuracyTarget& target) {
+  const auto spaces = chosenOf(dataset.spaces(), choice.spaces);
+  const auto began = Clock::now();
+  const AreaField area(spaces, placesAround(dataset.mesh(), centersOf(spaces),
+                                            spaces.front()->patch.finger->radius));
+  AreaMeasures measures;
+  measures.name = choice.name;
+  measures.sites = spaces.size();
+  measures.stations = area.stationCount();
+  measures.seconds_to_prepare = Seconds(Clock::now() - began).count();
+
+  const double radius = spaces.front()->lattice.radius();
+  const auto asked = Clock::now();
+  const Samples samples = samplesOf(area, dataset, radius, target);
+  measures.nanoseconds = 1e9 * Seconds(Clock::now() - asked).count() /
+                         static_cast<double>(samples.size() * depths.size() * (sideways + 1));
+  measureBounds(samples, radius, measures);
+  measures.probes =
+      measureProbes(area, spaces, chosenOf(dataset.probePlaces(), choice.probe_places), target);
+  for (const SpaceTable* site : spaces) measures.jumps += site->inconsistent_edges.size();
   return measures;
 }
 

@@ -12,9 +12,27 @@ struct DepthMeasures {
   double force = not_measured;  ///< N, mean
 };
 
-/// How sure the one energy of a finger's area is of its forces, by its own error bound: there are
-/// no exact solutions between sites in a dataset. Displacements press within 45 degrees of the
-/// inward normal, by forces up to the scene's largest.
+/// What exact solutions at random places of an area say of it: the dataset's probes. The others
+/// are those within the scene's largest force.
+struct AreaProbes {
+  std::size_t places = 0;
+  std::size_t beyond_force = 0;  ///< solved with more than max_force, or given up far beyond it
+  std::size_t unsolved = 0;      ///< continuation from rest did not reach them
+  std::size_t unanswered = 0;    ///< within the force, but the area gives no bound there
+  ErrorMeasures area;            ///< of all within the force, with the bounds
+  ErrorMeasures nearest_site;    ///< of what the space of the nearest site says alone
+  /// One within the force.
+  struct Comparison {
+    Eigen::Vector3d place;  ///< m
+    double depth;           ///< m, length of the displacement
+    double error;           ///< relative, as DepthMeasures::bound
+  };
+  std::vector<Comparison> comparisons;
+};
+
+/// How sure the one energy of a finger's area is of its forces, by its own error bound, and how
+/// wrong it is at the probes. Displacements of the bound press within 45 degrees of the inward
+/// normal, by forces up to the scene's largest; those of the probes are all that contact reaches.
 struct AreaMeasures {
   std::string name;
   std::size_t sites = 0, stations = 0;
@@ -25,6 +43,8 @@ struct AreaMeasures {
   /// Per triangle of the mesh's surface: median of the relative bound in its middle; NaN where the
   /// area does not answer.
   std::vector<double> on_triangles;
+  AreaProbes probes;
+  std::size_t jumps = 0;  ///< lattice edges of the sites whose ends are on different branches
 };
 
 /// Of all areas of a dataset, in the order of the scene. Takes seconds each, on all cores.

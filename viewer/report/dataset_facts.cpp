@@ -70,6 +70,23 @@ std::vector<ArraySize> arraySizes(const std::string& file) {
   return sizes;
 }
 
+void countProbes(const std::vector<SpaceTable>& spaces, DatasetFacts& facts) {
+  for (const SpaceTable& space : spaces) {
+    facts.probes += space.probes.size();
+    for (const Probe& probe : space.probes) {
+      facts.solved_probes += isSolved(probe.record.tag);
+      facts.terminating_probes += probe.record.tag == Tag::terminating;
+    }
+  }
+}
+
+void countFailedProbes(const std::vector<SpaceTable>& spaces,
+                       std::map<Cause, FailureCount>& failures) {
+  for (const SpaceTable& space : spaces)
+    for (const Probe& probe : space.probes)
+      if (probe.record.tag == Tag::failed) ++failures[probe.record.cause].probes;
+}
+
 }  // namespace
 
 DatasetFacts factsOf(const Dataset& dataset) {
@@ -79,13 +96,10 @@ DatasetFacts factsOf(const Dataset& dataset) {
   facts.bytes = std::filesystem::file_size(dataset.file(), ignored);
   for (const SpaceTable& space : dataset.spaces()) {
     facts.lattice_points += space.points.size();
-    facts.probes += space.probes.size();
     for (const PointRecord& point : space.points) facts.configurations += isSolved(point.tag);
-    for (const Probe& probe : space.probes) {
-      facts.solved_probes += isSolved(probe.record.tag);
-      facts.terminating_probes += probe.record.tag == Tag::terminating;
-    }
   }
+  countProbes(dataset.spaces(), facts);
+  countProbes(dataset.probePlaces(), facts);
   PALPATE_ASSERT(
       facts.solved_probes <= facts.probes && facts.configurations <= facts.lattice_points,
       "what is solved is a part of all");
@@ -99,9 +113,9 @@ std::map<Cause, FailureCount> failuresOf(const Dataset& dataset) {
     for (const PointRecord& point : space.points)
       if (point.tag == Tag::failed) ++failures[point.cause].points;
     for (const FailedAttempt& attempt : space.attempts) ++failures[attempt.failure.cause].attempts;
-    for (const Probe& probe : space.probes)
-      if (probe.record.tag == Tag::failed) ++failures[probe.record.cause].probes;
   }
+  countFailedProbes(dataset.spaces(), failures);
+  countFailedProbes(dataset.probePlaces(), failures);
   return failures;
 }
 

@@ -95,9 +95,15 @@ std::string latticeTable(const Report& report) {
   return table({"lattice", "spacing, mm", "configurations", "factorizations they took"}, rows);
 }
 
-std::string areaCards(const AreaMeasures& area) {
+std::string areaCards(const AreaMeasures& area, const Report& report) {
+  std::string probes;
+  if (area.probes.area.count > 0)
+    probes = card(formatShare(area.probes.area.within_target),
+                  "of exact solutions within " + describeTarget(report)) +
+             card(formatShare(area.probes.area.relative.median),
+                  "of the force is the error, in the median");
   return "<p class=\"how\">A finger anywhere on " + escaped(area.name) +
-         ":</p>\n<div class=\"cards\">\n" +
+         ":</p>\n<div class=\"cards\">\n" + probes +
          card(formatShare(area.bound.median), "of the force is the error bound, in the median") +
          card(formatShare(area.bound.percentile_95), "is it at most at 95 % of places") +
          card(std::to_string(area.sites), "sites on the surface") +
@@ -118,7 +124,7 @@ std::vector<PlotSeries> methodSeries(const Report& report) {
 
 std::string cards(const Report& report) {
   // What is felt is the area; how methods do at single sites is below.
-  if (!report.areas.empty()) return areaCards(report.areas.front());
+  if (!report.areas.empty()) return areaCards(report.areas.front(), report);
   const LatticeMeasures& lattice = shownLattice(report);
   PALPATE_ASSERT(lattice.methods.size() == report.methods.size(),
                  "every lattice was measured with every method, the default first");

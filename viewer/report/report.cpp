@@ -73,6 +73,9 @@ class Reporter {
     }
     measureOtherNodes();
     report_.areas = measureAreas(report_.open.front(), report_.target);
+    std::size_t sites = 0;
+    for (const AreaMeasures& area : report_.areas) sites += area.sites;
+    report_.areas_alone = sites == spaces();
     samplePictures();
     return std::move(report_);
   }

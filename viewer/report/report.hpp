@@ -72,7 +72,10 @@ struct Report {
   /// there are probes, else its densest part that leaves something out. Nothing when nothing can be
   /// measured.
   std::optional<std::size_t> measured;
-  std::vector<AreaMeasures> areas;         ///< of fingers, of the first dataset
+  std::vector<AreaMeasures> areas;  ///< of fingers, of the first dataset
+  /// All that can be touched are fingers' areas. What is measured of their sites as active nodes is
+  /// not what is felt, and text and page leave it out.
+  bool areas_alone = false;
   std::vector<NodeMeasures> nodes;         ///< all, as Dataset::spaces()
   std::size_t compared = 0;                ///< active nodes on which all methods were compared
   std::map<Cause, FailureCount> failures;  ///< of the first dataset

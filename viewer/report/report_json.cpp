@@ -103,7 +103,15 @@ Json areaJson(const AreaMeasures& area) {
           {"nanoseconds_per_query", area.nanoseconds},
           {"samples", area.samples},
           {"relative_bound", toJson(area.bound)},
-          {"depths", depths}};
+          {"depths", depths},
+          {"inconsistent_edges", area.jumps},
+          {"probes",
+           {{"places", area.probes.places},
+            {"beyond_max_force", area.probes.beyond_force},
+            {"not_reached", area.probes.unsolved},
+            {"not_answered", area.probes.unanswered},
+            {"area", toJson(area.probes.area)},
+            {"nearest_site", toJson(area.probes.nearest_site)}}}};
 }
 
 }  // namespace

@@ -93,11 +93,14 @@ std::string figures(const std::string& content) {
 }
 
 std::string reportPage(const Report& report) {
-  std::vector<Section> sections = {
-      frontierSection(report), loopsSection(report), boundsSection(report),
-      nodesSection(report),    mapsSection(report),  curvesSection(report),
-      failuresSection(report), sizesSection(report), provenanceSection(report)};
-  if (!report.areas.empty()) sections.insert(sections.begin(), areasSection(report));
+  std::vector<Section> sections;
+  if (!report.areas.empty()) sections.push_back(areasSection(report));
+  if (!report.areas_alone)
+    for (const auto section :
+         {frontierSection, loopsSection, boundsSection, nodesSection, mapsSection, curvesSection})
+      sections.push_back(section(report));
+  for (const auto section : {failuresSection, sizesSection, provenanceSection})
+    sections.push_back(section(report));
   // The navigation has what there is, in the same order.
   std::string links, text;
   for (const Section& section : sections) {
@@ -112,7 +115,8 @@ std::string reportPage(const Report& report) {
              "<title>{0}: speed against error</title>\n<style>{1}</style></head>\n<body><main>\n"
              "<h1>{0}: how accurate, and how fast</h1>\n<p class=\"lead\">{2}, {3}. {4}</p>\n",
              escaped(scene.name), page_style, countNodes(report.nodes.size()),
-             escaped(scene.mesh.filename().string()), escaped(describeHeldOut(report))) +
+             escaped(scene.mesh.filename().string()),
+             report.areas_alone ? "" : escaped(describeHeldOut(report))) +
          note(hintForProbes(report)) + cards(report) + "<nav>" + links + "</nav>\n" + text +
          "</main></body></html>\n";
 }

@@ -35,7 +35,7 @@ std::string header(const Report& report) {
                                 facts.configurations, facts.lattice_points,
                                 describeBall(report.open[d]), formatBytes(facts.bytes)));
   }
-  return text + wrapped(describeHeldOut(report));
+  return report.areas_alone ? text : text + wrapped(describeHeldOut(report));
 }
 
 constexpr const char* frontier_row = "{:<16}{:>7}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>10}{:>9}{:>8}\n";
@@ -116,6 +116,7 @@ std::string areas(const Report& report) {
     text += fmt::format(row, "all", formatShare(area.bound.median),
                         formatShare(area.bound.percentile_95),
                         formatShare(area.bound.percentile_99), "");
+    text += "\n" + wrapped(describeProbes(area, report));
   }
   return text;
 }
@@ -133,8 +134,9 @@ std::string failures(const Report& report) {
 }  // namespace
 
 std::string reportText(const Report& report) {
-  std::string text =
-      header(report) + areas(report) + frontier(report) + nodes(report) + failures(report);
+  std::string text = header(report) + areas(report);
+  if (!report.areas_alone) text += frontier(report) + nodes(report);
+  text += failures(report);
   if (const std::string hint = hintForProbes(report); !hint.empty()) text += "\n" + wrapped(hint);
   return text;
 }

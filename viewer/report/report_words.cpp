@@ -45,6 +45,31 @@ std::string hintForProbes(const Report& report) {
          "used for nothing but measuring.";
 }
 
+std::string describeProbes(const AreaMeasures& area, const Report& report) {
+  const AreaProbes& probes = area.probes;
+  if (probes.places == 0)
+    return "There are no exact solutions between sites in this dataset: put \"[accuracy] probes = "
+           "200\" into the scene, and build again.";
+  std::string text = fmt::format(
+      "Exact solutions at {} random places, of displacements that contact reaches: {} within "
+      "max_force, {} beyond it, {} not reached from rest.",
+      probes.places, probes.area.count, probes.beyond_force, probes.unsolved);
+  if (probes.area.count > 0)
+    text += fmt::format(
+        " Of those within it {} keep {}, of what the nearest site says alone {}. The error is {} "
+        "of the force in the median, {} at 95 %; the bound holds at {}, and is {} times the error.",
+        formatShare(probes.area.within_target), describeTarget(report),
+        formatShare(probes.nearest_site.within_target), formatShare(probes.area.relative.median),
+        formatShare(probes.area.relative.percentile_95), formatShare(probes.area.bound_holds),
+        formatNumber(probes.area.bound_over_error, 3));
+  if (probes.unanswered > 0)
+    text += fmt::format(" {} lie where the area does not answer.", probes.unanswered);
+  if (area.jumps > 0)
+    text += fmt::format(" {} edges between lattice points of its sites join different branches.",
+                        area.jumps);
+  return text;
+}
+
 std::string describeTarget(const Report& report) {
   return fmt::format("max({:.3g} % of |force|, {:.3g} N){}", 100 * report.target.force_error,
                      report.target.force_floor,

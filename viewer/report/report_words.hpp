@@ -15,6 +15,9 @@ std::vector<std::string> describeGaps(const Report& report);
 /// What to do for better held-out solutions; empty when there are probes.
 std::string hintForProbes(const Report& report);
 
+/// What the probes of a finger's area say of it, or how to get some.
+std::string describeProbes(const AreaMeasures& area, const Report& report);
+
 /// "max(3 % of |force|, 0.01 N), as the scene asks".
 std::string describeTarget(const Report& report);
 

@@ -75,18 +75,21 @@ BuildCost buildCost(const Problem& problem, const MeasuredWays& measured) {
   cost.reached = reached / lattice.size();
 
   const Accuracy& accuracy = problem.scene.accuracy;
-  const auto n_spaces = static_cast<double>(problem.active.size());
+  double n_spaces = 0, uniform_points = 0, probes = 0;
+  for (std::size_t s = 0; s < problem.active.size(); ++s) {
+    probes += probesIn(problem.scene, s);
+    if (problem.active[s].probe) continue;
+    ++n_spaces;
+    uniform_points += uniformLattice(problem.scene, problem.active[s]).size();
+  }
   const double seconds_each = waiting * seconds / lattice.size();
   const auto bytes_each = static_cast<double>(storedBytes(problem.scene, problem.mesh));
   const auto estimate = [&](double points_of_space) {
     const double points = n_spaces * points_of_space;
-    const double configurations = points + n_spaces * accuracy.probes;
+    const double configurations = points + probes;
     return Estimate{configurations, configurations * seconds_each, points * bytes_each};
   };
-  double points = 0;
-  for (const ActivePatch& patch : problem.active)
-    points += uniformLattice(problem.scene, patch).size();
-  cost.least = cost.most = estimate(points / n_spaces);
+  cost.least = cost.most = estimate(uniform_points / n_spaces);
   if (accuracy.adaptive())
     cost.most = estimate(lattice.size() +
                          static_cast<double>(cellsInBall(lattice)) * std::pow(8, accuracy.levels));

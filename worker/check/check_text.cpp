@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "common/base/assertion.hpp"
 #include "common/problem/problem_warnings.hpp"
@@ -113,11 +114,21 @@ void printDevice(const Scene& scene) {
                scene.workspace.max_force);
 }
 
-void printAccuracy(const Accuracy& accuracy) {
+void printAccuracy(const Scene& scene) {
+  const Accuracy& accuracy = scene.accuracy;
   if (accuracy.adaptive())
     fmt::print("accuracy   force to {:.3g} % or {:.3g} N: cells are halved up to {} times\n",
                100 * accuracy.force_error, accuracy.force_floor, accuracy.levels);
-  if (accuracy.probes > 0) fmt::print("probes     {} in each space\n", accuracy.probes);
+  std::map<std::string, int> places;
+  bool in_spaces = false;
+  for (std::size_t s = 0; s < scene.active.size(); ++s)
+    if (scene.active[s].isProbe())
+      ++places[scene.active[s].probe_of];
+    else
+      in_spaces = in_spaces || probesIn(scene, s) > 0;
+  for (const auto& [area, count] : places)
+    fmt::print("probes     at {} places of \"{}\"\n", count, area);
+  if (in_spaces) fmt::print("probes     {} in each space\n", accuracy.probes);
 }
 
 void printCost(const SceneReport& report) {
@@ -159,7 +170,7 @@ void printSceneReport(const SceneReport& report) {
       report.lattice.radius(), report.lattice.spacing(), report.lattice.size(),
       report.spaces.size(), scene.accuracy.adaptive() ? "at least " : "",
       report.cost.least.configurations);
-  printAccuracy(scene.accuracy);
+  printAccuracy(scene);
   printCost(report);
   for (const std::string& warning : report.warnings) fmt::print("warning    {}\n", warning);
 }

@@ -21,6 +21,7 @@ std::vector<SceneReport::Space> spacesOf(const Problem& problem) {
   std::vector<SceneReport::Space> spaces;
   for (std::size_t s = 0; s < problem.active.size(); ++s) {
     const ActivePatch& patch = problem.active[s];
+    if (patch.probe) continue;
     const std::size_t moved = patch.weights.empty() ? patch.nodes.size() : 0;
     spaces.push_back({&patch, word(problem.scene.active[s].tool),
                       patch.finger ? patch.finger->center : problem.mesh.nodes[patch.node],

@@ -190,6 +190,24 @@ TEST_F(SealedDataset, GivesBackFingersAndWhatDrivesThem) {
   EXPECT_EQ(found.drive_slope_by_p, sealed.drive_slope_by_p);
 }
 
+TEST_F(SealedDataset, KeepsPlacesOfProbesApartFromWhatIsTouched) {
+  const test::FingerBody body(5);
+  body.seal(directory / "probed.h5");
+  const Dataset dataset(directory / "probed.h5");
+  ASSERT_EQ(dataset.spaces().size(), body.spaces.size() - 5);
+  ASSERT_EQ(dataset.probePlaces().size(), 5u);
+  const SpaceTable &place = dataset.probePlaces()[3],
+                   &sealed = body.spaces[dataset.spaces().size() + 3];
+  EXPECT_EQ(place.patch.probe, sealed.patch.probe);
+  EXPECT_EQ(place.lattice.size(), 1);
+  EXPECT_EQ(place.probes.at(0).record.equilibrium.force,
+            sealed.probes.at(0).record.equilibrium.force);
+  EXPECT_TRUE(dataset.spaces().back().probes.empty());
+  EXPECT_EQ(dataset.fields(dataset.spaces().size() - 1, 7).displacement.size(),
+            3 * dataset.storedNodes().size());
+  EXPECT_NO_THROW(dataset.verifyAll());
+}
+
 TEST_F(SealedDataset, RefusesFieldsWithPressuresOfAnotherSpace) {
   SampleDataset quadratic(PressureSpace::p1, DisplacementSpace::p2);
   quadratic.problem.scene.discretization.pressure = PressureSpace::p2;

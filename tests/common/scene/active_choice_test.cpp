@@ -37,6 +37,18 @@ TEST(ActiveChoiceTest, KnowsTheAreasOfAScene) {
   EXPECT_TRUE(areasOf(Scene()).empty());
 }
 
+TEST(ActiveChoiceTest, IsNoPlaceWhereAnAreaIsMeasured) {
+  Scene scene = sceneOfNodesAndSites();
+  for (const char* name : {"skin-probe-0", "skin-probe-1"})
+    scene.active.push_back({.name = name,
+                            .tool = ToolKind::finger,
+                            .probe_of = "skin",
+                            .probe = Eigen::Vector3d(0, 0, 0.01)});
+  test::expectBadInput([&] { chooseActive(scene, "skin-probe-0"); }, {"skin, tip"});
+  EXPECT_THAT(chooseActive(scene, "skin").spaces, ElementsAre(0, 2));
+  EXPECT_THAT(areasOf(scene).at(0).probe_places, ElementsAre(0, 1));
+}
+
 TEST(ActiveChoiceTest, NeedsNoNameWhereThereIsOneOnly) {
   Scene scene = sceneOfNodesAndSites();
   scene.active.erase(scene.active.begin() + 1);

@@ -537,6 +537,23 @@ TEST(Scene, FingersOfOneAreaAreAlikeAndItsNameIsItsOwn) {
           {"\"skin\"", "active node and of an area"});
 }
 
+TEST(Scene, AFingerMayMeasureAnArea) {
+  const std::string site = "radius = 0.02\ntool = \"finger\"\narea = \"skin\"\n",
+                    place = "\n[[active]]\nname = \"b\"\nnear = [0, 0, 0]\ntool = \"finger\"\n",
+                    probe = place + "radius = 0.02\nprobe_of = \"skin\"\n";
+  std::string text = liver;
+  text.replace(text.find("radius = 0.0\n"), 13, site + probe + "probe = [0, 0.01, 0]\n");
+  const Scene scene = parse(text);
+  EXPECT_TRUE(scene.active.at(1).isProbe());
+  EXPECT_EQ(scene.active[1].probe_of, "skin");
+  EXPECT_EQ(parse(resolvedToml(scene)).active, scene.active);
+  refuses("radius = 0.0\n", site + probe, {"active.probe", "neither"});
+  refuses("radius = 0.0\n", site + probe + "probe = [0, 0, 1]\narea = \"skin\"\n",
+          {"active.probe_of", "no site"});
+  const std::string other = place + "radius = 0.03\nprobe_of = \"skin\"\nprobe = [0, 0, 1]\n";
+  refuses("radius = 0.0\n", site + other, {"\"b\" is a probe of \"skin\"", "its radius"});
+}
+
 TEST(Scene, RefusesAPressureThatDoesNotGoWithTheLaw) {
   refuses("\"P1-stabilized\"", "\"none\"",
           {"discretization.pressure", "incompressible", "needs a pressure"});

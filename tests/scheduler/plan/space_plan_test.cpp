@@ -267,6 +267,43 @@ TEST_F(SpacePlanTest, APointOfAFingerIsGivenUpAfterFewerParentsThanThatOfANode) 
   EXPECT_EQ(of_a_node, 8u);
 }
 
+/// Where an area is measured.
+struct ProbePlacePlan : SpacePlanTest {
+  ProbePlacePlan() {
+    problem.scene.accuracy = {.force_error = 0.03, .probes = 7};
+    problem.active[0].finger = Finger{Eigen::Vector3d::Zero(), 0.02};
+    problem.active[0].probe = problem.scene.active[0].probe = probe;
+  }
+  const Eigen::Vector3d probe = {0.011, -0.02, 0.025};
+};
+
+TEST_F(ProbePlacePlan, IsTheRestPositionAndOneProbeReachedInStepsOfHalfASpacing) {
+  std::vector<std::int32_t> steps;
+  const SpaceTable table =
+      finished([&](const SpacePlan& plan, const Transition& transition) -> Outcome {
+        steps.push_back(plan.stepsOf(transition));
+        return smooth(plan, transition);
+      });
+  EXPECT_THAT(steps, testing::ElementsAre(1, 4));  // 34 mm
+  EXPECT_EQ(table.points.size(), 1u);
+  ASSERT_EQ(table.probes.size(), 1u);
+  EXPECT_EQ(table.probes[0].record.tag, Tag::expandable);
+  EXPECT_EQ(table.probes[0].record.parent, 0);
+  EXPECT_LT((table.probes[0].displacement - probe).norm(), 0.02 / lattice_divisions * 2);
+  EXPECT_LE(table.probes[0].displacement.norm(), probe.norm());
+  EXPECT_EQ(faultOf(table), "");
+}
+
+TEST_F(ProbePlacePlan, SaysWhyItsProbeCouldNotBeSolved) {
+  const SpaceTable table = finished([&](const SpacePlan& plan, const Transition& transition) {
+    return transition.target == 0 ? smooth(plan, transition) : failed();
+  });
+  EXPECT_EQ(table.probes.at(0).record.cause, Cause::step_budget);
+  const SpaceTable without_rest =
+      finished([](const SpacePlan&, const Transition&) { return failed(); });
+  EXPECT_EQ(without_rest.probes.at(0).record.cause, Cause::unreachable);
+}
+
 TEST_F(SpacePlanTest, RefusesWhatNobodyAskedFor) {
   SpacePlan plan(problem, 0);
   test::expectError(ExitCode::failed,

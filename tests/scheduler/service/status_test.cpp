@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/expect_error.hpp"
+#include "tests/support/finger_body.hpp"
 
 namespace palpate {
 namespace {
@@ -17,6 +18,20 @@ TEST(Status, SurvivesJson) {
   EXPECT_EQ(back.eta_seconds(), 12.5);
   EXPECT_EQ(back.failed_attempts().at("step_budget"), 3);
   test::expectError(ExitCode::failed, [] { statusFromJson("<html>"); }, {"not a status"});
+}
+
+TEST(Status, HasOneRowForAllPlacesWhereAnAreaIsMeasured) {
+  const Problem problem = test::FingerBody(5).problem;
+  std::vector<SpacePlan> plans;
+  for (std::uint32_t space = 0; space < problem.active.size(); ++space)
+    plans.emplace_back(problem, space);
+  const wire::Status status = statusOf(problem, plans, {}, {});
+  ASSERT_EQ(status.spaces_size(), static_cast<int>(problem.active.size()) - 4);
+  const wire::SpaceStatus& row = *status.spaces().rbegin();
+  EXPECT_EQ(row.name(), "probes of top");
+  EXPECT_EQ(row.points(), 5);
+  EXPECT_EQ(row.unknown(), 5);
+  EXPECT_EQ(row.stage(), "lattice");
 }
 
 using namespace std::chrono_literals;

@@ -274,7 +274,29 @@ TEST_F(ReportCommand, OfAFingerSaysHowSureItIsOverTheSurface) {
   EXPECT_EQ(area["depths"].size(), 5U);
   const std::string shown = readText(options.html, "page");
   EXPECT_THAT(shown, AllOf(HasSubstr("id=\"areas\""), HasSubstr("from behind"),
-                           Not(HasSubstr("probes = 200"))));
+                           HasSubstr("probes = 200"), Not(HasSubstr("id=\"loops\""))));
+}
+
+TEST_F(ReportCommand, OfAFingerMeasuresWithItsProbes) {
+  test::FingerBody(40).seal(directory / "sample.h5");
+  options.html = directory / "report.html";
+  options.json = true;
+  std::ostringstream output, shown;
+  ASSERT_EQ(report(options, output), ExitCode::done);
+  const nlohmann::json probes = nlohmann::json::parse(output.str())["areas"].at(0)["probes"];
+  EXPECT_EQ(probes["places"], 40);
+  EXPECT_EQ(probes["area"]["count"], 40);
+  EXPECT_EQ(probes["not_answered"], 0);
+  EXPECT_GT(probes["area"]["within_target"], probes["nearest_site"]["within_target"]);
+  EXPECT_LT(probes["area"]["relative"]["median"],
+            0.2 * probes["nearest_site"]["relative"]["median"].get<double>());
+  EXPECT_GE(probes["area"]["bound_holds"], 0.9);
+  EXPECT_THAT(readText(options.html, "page"),
+              AllOf(HasSubstr("<circle"), HasSubstr("error at probes")));
+  options.json = false;
+  ASSERT_EQ(report(options, shown), ExitCode::done);
+  EXPECT_THAT(shown.str(), AllOf(HasSubstr("Exact solutions at 40 random places"),
+                                 Not(HasSubstr("loop  ns per"))));
 }
 
 TEST_F(ReportCommand, TakesSeveralDatasetsOfOneScene) {

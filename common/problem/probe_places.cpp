@@ -1,0 +1,59 @@
+#include "common/problem/probe_places.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/index.hpp"
+#include "common/mesh/surface_pieces.hpp"
+#include "common/problem/finger.hpp"
+
+namespace palpate {
+namespace {
+
+/// Drawn for each that is wanted, at most: half a ball takes four on average, and a finger may
+/// stand on half of the surface.
+constexpr std::int64_t most_draws = 100;
+
+/// Element n of the sequence that fills the unit cube most evenly: multiples of the powers of 1/g,
+/// where g^5 = g + 1.
+Eigen::Vector4d quasiRandom(std::int64_t n) {
+  constexpr double g = 1.1673039782614187;
+  Eigen::Vector4d x;
+  double stride = 1;
+  for (double& component : x) {
+    stride /= g;
+    const double turns = 0.5 + static_cast<double>(n) * stride;
+    component = turns - std::floor(turns);
+  }
+  return x;
+}
+
+}  // namespace
+
+std::vector<ProbePlace> probePlaces(const Mesh& mesh, const std::vector<std::int32_t>& triangles,
+                                    const NodeSet& fixed, double radius, double reach,
+                                    ContactMode contact, std::int32_t count) {
+  std::vector<Eigen::Vector3d> middles;
+  std::vector<double> areas;  // of all pieces up to here, m^2
+  double area = 0;
+  for (const std::int32_t triangle : triangles)
+    forEachPiece(mesh, triangle, place_distance * radius, [&](const SurfacePiece& piece) {
+      middles.push_back(piece.middle);
+      areas.push_back(area += piece.area);
+    });
+  std::vector<ProbePlace> found;
+  for (std::int64_t n = 1; n <= most_draws * count && std::ssize(found) < count; ++n) {
+    const Eigen::Vector4d x = quasiRandom(n);
+    const Eigen::Vector3d p = reach * (2 * x.tail<3>().array() - 1);
+    if (p.norm() > reach) continue;
+    const auto piece = std::ranges::lower_bound(areas, x[0] * area) - areas.begin();
+    const Finger finger = {middles[at(piece)], radius};
+    if (fingerWeights(mesh, fixed, finger.center, radius).free_share < least_free_share) continue;
+    const PushedPart part =
+        contact == ContactMode::unilateral ? pushedAround(mesh, finger) : PushedPart{};
+    if (part.contains(p)) found.push_back({finger.center, p});
+  }
+  return found;
+}
+
+}  // namespace palpate
