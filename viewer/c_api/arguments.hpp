@@ -10,6 +10,8 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "common/base/error.hpp"
@@ -78,6 +80,8 @@ constexpr std::size_t firstSize(const palpate_open_options*) { return 32; }
 constexpr std::size_t firstSize(const palpate_dataset_info*) { return 64; }
 constexpr std::size_t firstSize(const palpate_space_info*) { return 72; }
 constexpr std::size_t firstSize(const palpate_sample*) { return 136; }
+constexpr std::size_t firstSize(const palpate_area_info*) { return 40; }
+constexpr std::size_t firstSize(const palpate_area_sample*) { return 184; }
 constexpr std::size_t firstSize(const palpate_contact_options*) { return 48; }
 constexpr std::size_t firstSize(const palpate_touch*) { return 360; }
 constexpr std::size_t firstSize(const palpate_profile*) { return 40; }
@@ -137,7 +141,8 @@ void giveForce(Struct& to, const ForceSample& sample) noexcept {
 }
 
 inline bool isNumber(const char* function, const char* what, std::int32_t number,
-                     std::int32_t count) noexcept {
+                     std::ptrdiff_t count) noexcept {
+  if (count == 0) return refuse("{}: there is no {} in this dataset", function, what);
   return (number >= 0 && number < count) ||
          refuse("{}: there is no {} {}; they are numbered 0 to {}", function, what, number,
                 count - 1);
@@ -190,6 +195,26 @@ bool takeOptions(const char* function, const Struct* options, Struct& chosen) no
   if (!sizeIsKnown(function, "options", options)) return false;
   chosen = taken(options, chosen);
   return true;
+}
+
+/// Number of the element with a name; when there is none that is recorded with all names.
+template <class Elements, class NameOf>
+palpate_status findNamed(const char* function, const char* what, std::string_view name,
+                         const Elements& elements, NameOf nameOf, std::int32_t* number) noexcept {
+  const auto found = std::ranges::find(elements, name, nameOf);
+  if (found != elements.end()) {
+    *number = static_cast<std::int32_t>(found - elements.begin());
+    return PALPATE_OK;
+  }
+  // Only now: what is found needs no memory, so that looking up is cheap.
+  std::string names;
+  const palpate_status status = withoutExceptions(function, [&] {
+    for (const auto& element : elements)
+      names += (names.empty() ? "" : ", ") + std::string(nameOf(element));
+  });
+  if (status != PALPATE_OK) return status;
+  return fail(PALPATE_INVALID_ARGUMENT, "{}: there is no {} \"{}\"; there are: {}", function, what,
+              name, names);
 }
 
 /// Numbers in `triples` vertices or triangles.

@@ -50,6 +50,14 @@ LoadedDataset::LoadedDataset(const Dataset& dataset, const HapticModelOptions& o
                  "the numbers of spaces are those of the dataset");
   for (std::size_t s = 0; s < model.spaces().size(); ++s)
     spaces.push_back(infoOf(dataset, model.spaces()[s], model.surface().activeVertex(s)));
+  for (const TouchArea& area : model.surface().areas()) {
+    palpate_area_info& of_area = areas.emplace_back();
+    of_area.size = sizeof of_area;
+    of_area.name = area.name.c_str();
+    of_area.finger_radius = area.radius;
+    of_area.workspace_radius = model.spaces()[area.spaces.front()].lattice.radius();
+    of_area.site_count = static_cast<std::int32_t>(area.spaces.size());
+  }
 }
 
 }  // namespace palpate

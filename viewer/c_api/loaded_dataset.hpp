@@ -19,6 +19,7 @@ struct LoadedDataset {
   const std::string content_id;
   palpate_dataset_info info{};  ///< its texts belong to this object
   std::vector<palpate_space_info> spaces;
+  std::vector<palpate_area_info> areas;  ///< as HapticModel::surface().areas()
 };
 
 }  // namespace palpate

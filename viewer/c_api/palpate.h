@@ -196,6 +196,55 @@ PALPATE_API palpate_status palpate_displacements(const palpate_dataset* dataset,
                                                  const double displacement[3], float* displacements,
                                                  size_t capacity, int32_t* inside);
 
+/* ---- areas ---- */
+
+/* A surface that a finger of finite size touches: one energy E(s, p) of the finger's place s and
+ * its displacement p, which answers anywhere between the sites that were solved. Contacts use it
+ * by themselves; with this family a simulator asks it directly. Areas are numbered 0 upwards, in
+ * the order of the scene. Their sites are spaces too, each alone. */
+
+typedef struct palpate_area_info {
+  size_t size;
+  const char* name;        /* in the scene; owned by the dataset */
+  double finger_radius;    /* m */
+  double workspace_radius; /* m: displacements up to this long were solved */
+  int32_t site_count;
+  int32_t reserved; /* 0 */
+} palpate_area_info;
+
+/* The answer to one place and displacement. Force, stiffness and drive are always finite. */
+typedef struct palpate_area_sample {
+  size_t size;
+  double force[3];     /* N, on the tool: -dE/dp */
+  double stiffness[9]; /* N/m, row major: the exact derivative of force by p */
+  double drive[3];     /* N, -dE/ds along the surface: where the tissue slides the finger to */
+  double at[3];        /* m, the place that was asked: on the surface at rest */
+  double energy;       /* J */
+  double error_bound;  /* as in palpate_sample, and the next two */
+  double coverage;
+  int32_t inside;   /* 1: on the area, in the workspace ball, with something solved around */
+  int32_t triangle; /* of the surface, that `at` lies in */
+} palpate_area_sample;
+
+/* How many areas there are; 0 where a scene has no finger. Any thread, real time. */
+PALPATE_API palpate_status palpate_dataset_area_count(const palpate_dataset* dataset,
+                                                      int32_t* count);
+/* Fills in *info. Any thread, real time. */
+PALPATE_API palpate_status palpate_dataset_area(const palpate_dataset* dataset, int32_t area,
+                                                palpate_area_info* info);
+/* Number of an area. PALPATE_INVALID_ARGUMENT, listing the names there are, when there is none. Any
+ * thread. */
+PALPATE_API palpate_status palpate_dataset_find_area(const palpate_dataset* dataset,
+                                                     const char* name, int32_t* area);
+
+/* Force and drive of the finger of an area. at: anywhere; the nearest point of the surface at rest
+ * is meant, m. displacement: of the finger from there, m; outside of the workspace ball as in
+ * palpate_query. A place or displacement that is not finite gives no force and inside = 0. Any
+ * thread, real time (wait-free). */
+PALPATE_API palpate_status palpate_area_query(const palpate_dataset* dataset, int32_t area,
+                                              const double at[3], const double displacement[3],
+                                              palpate_area_sample* sample);
+
 /* ---- contact ---- */
 
 /* A point tool on the body: finds where it touches, blends spaces there, slides with friction. */

@@ -36,26 +36,6 @@ HapticModelOptions modelOptions(const palpate_open_options& given) {
   return options;
 }
 
-/// Number of the element with a name; when there is none that is recorded with all names.
-template <class Elements, class NameOf>
-palpate_status find(const char* function, const char* what, std::string_view name,
-                    const Elements& elements, NameOf nameOf, std::int32_t* number) noexcept {
-  const auto found = std::ranges::find(elements, name, nameOf);
-  if (found != elements.end()) {
-    *number = static_cast<std::int32_t>(found - elements.begin());
-    return PALPATE_OK;
-  }
-  // Only now: what is found needs no memory, so that looking up is cheap.
-  std::string names;
-  const palpate_status status = withoutExceptions(function, [&] {
-    for (const auto& element : elements)
-      names += (names.empty() ? "" : ", ") + std::string(nameOf(element));
-  });
-  if (status != PALPATE_OK) return status;
-  return fail(PALPATE_INVALID_ARGUMENT, "{}: there is no {} \"{}\"; there are: {}", function, what,
-              name, names);
-}
-
 }  // namespace
 
 palpate_status palpate_dataset_open(const char* file, const palpate_open_options* options,
@@ -105,7 +85,7 @@ palpate_status palpate_dataset_find_space(const palpate_dataset* dataset, const 
   if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "name", name) ||
       !isThere(__func__, "space", space))
     return PALPATE_INVALID_ARGUMENT;
-  return find(
+  return findNamed(
       __func__, "active node", name, dataset->loaded->spaces,
       [](const palpate_space_info& info) { return info.name; }, space);
 }
@@ -122,8 +102,8 @@ palpate_status palpate_dataset_find_method(const palpate_dataset* dataset, const
   if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "name", name) ||
       !isThere(__func__, "method", method))
     return PALPATE_INVALID_ARGUMENT;
-  return find(__func__, "prepared method", name, dataset->loaded->model.methods(), std::identity(),
-              method);
+  return findNamed(__func__, "prepared method", name, dataset->loaded->model.methods(),
+                   std::identity(), method);
 }
 
 palpate_status palpate_dataset_vertices(const palpate_dataset* dataset, double* vertices,

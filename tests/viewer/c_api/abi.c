@@ -76,6 +76,26 @@ int main(void) {
   MEMBER(palpate_sample, inside);
   MEMBER(palpate_sample, reserved);
 
+  STRUCT(palpate_area_info);
+  MEMBER(palpate_area_info, size);
+  MEMBER(palpate_area_info, name);
+  MEMBER(palpate_area_info, finger_radius);
+  MEMBER(palpate_area_info, workspace_radius);
+  MEMBER(palpate_area_info, site_count);
+  MEMBER(palpate_area_info, reserved);
+
+  STRUCT(palpate_area_sample);
+  MEMBER(palpate_area_sample, size);
+  MEMBER(palpate_area_sample, force);
+  MEMBER(palpate_area_sample, stiffness);
+  MEMBER(palpate_area_sample, drive);
+  MEMBER(palpate_area_sample, at);
+  MEMBER(palpate_area_sample, energy);
+  MEMBER(palpate_area_sample, error_bound);
+  MEMBER(palpate_area_sample, coverage);
+  MEMBER(palpate_area_sample, inside);
+  MEMBER(palpate_area_sample, triangle);
+
   STRUCT(palpate_contact_options);
   MEMBER(palpate_contact_options, size);
   MEMBER(palpate_contact_options, mode);

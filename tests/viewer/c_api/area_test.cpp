@@ -1,0 +1,121 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/finger_body.hpp"
+#include "tests/viewer/c_api/counting_malloc.hpp"
+#include "tests/viewer/c_api/sample_file.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A cube whose top a finger touches.
+class CArea : public ::testing::Test {
+ protected:
+  struct File {
+    File() { body.seal(path()); }
+    std::filesystem::path path() const { return directory.path() / "fingered.h5"; }
+    test::FingerBody body;
+    test::TemporaryDirectory directory;
+  };
+  static palpate_dataset* dataset() {
+    static const File file;
+    static const test::DatasetHandle handle = test::open(file.path());
+    return handle.get();
+  }
+
+  palpate_area_sample query(const Eigen::Vector3d& place, const Eigen::Vector3d& p) {
+    auto sample = test::sized<palpate_area_sample>();
+    EXPECT_EQ(palpate_area_query(dataset(), 0, place.data(), p.data(), &sample), PALPATE_OK)
+        << palpate_last_error();
+    return sample;
+  }
+};
+
+TEST_F(CArea, SaysWhatItIs) {
+  std::int32_t count = -1, number = -1;
+  ASSERT_EQ(palpate_dataset_area_count(dataset(), &count), PALPATE_OK);
+  EXPECT_EQ(count, 1);
+  ASSERT_EQ(palpate_dataset_find_area(dataset(), "top", &number), PALPATE_OK);
+  EXPECT_EQ(number, 0);
+  auto info = test::sized<palpate_area_info>();
+  ASSERT_EQ(palpate_dataset_area(dataset(), 0, &info), PALPATE_OK);
+  EXPECT_STREQ(info.name, "top");
+  EXPECT_EQ(info.finger_radius, 0.02);
+  EXPECT_EQ(info.workspace_radius, 0.03);
+  EXPECT_EQ(info.site_count, test::describe(dataset()).space_count);
+}
+
+TEST_F(CArea, AnswersForceStiffnessAndDriveAtThePlaceOfTheSurfaceThatIsNearest) {
+  const Eigen::Vector3d above(0.043, 0.055, 0.12), p(0.002, -0.001, -0.009);
+  const palpate_area_sample sample = query(above, p);
+  const Eigen::Vector3d s(sample.at), force = test::FingerBody::force(s, p);
+  EXPECT_LT((s - Eigen::Vector3d(0.043, 0.055, 0.1)).norm(), 1e-12);
+  EXPECT_LT((Eigen::Vector3d(sample.force) - force).norm(), 0.01 * force.norm());
+  EXPECT_EQ(sample.inside, 1);
+  EXPECT_EQ(sample.drive[2], 0);  // along the surface
+  EXPECT_NEAR(sample.energy, test::FingerBody::energy(s, p), 1e-2 * sample.energy);
+  EXPECT_GT(sample.error_bound, 0);
+  constexpr double h = 1e-5;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d step = h * Eigen::Vector3d::Unit(i);
+    const palpate_area_sample more = query(above, p + step), less = query(above, p - step);
+    EXPECT_NEAR((more.energy - less.energy) / (2 * h), -sample.force[i], 1e-5);
+    EXPECT_NEAR((more.force[i] - less.force[i]) / (2 * h), sample.stiffness[4 * i], 1e-2);
+    if (i == 2) continue;
+    const double by_s = (query(above + step, p).energy - query(above - step, p).energy) / (2 * h);
+    EXPECT_NEAR(by_s, -sample.drive[i], 1e-5);
+  }
+}
+
+TEST_F(CArea, IsNotInsideBeyondItsSurfaceOrBallAndForReadingsThatAreNotFinite) {
+  const Eigen::Vector3d top(0.05, 0.05, 0.1), p(0, 0, -0.01);
+  EXPECT_EQ(query({0.05, 0.05, -0.1}, p).inside, 0);
+  EXPECT_EQ(query(top, 4 * p).inside, 0);
+  for (const palpate_area_sample& none :
+       {query({test::nan_value, 0, 0}, p), query(top, {0, test::nan_value, 0})}) {
+    EXPECT_EQ(none.inside, 0);
+    EXPECT_EQ(Eigen::Vector3d(none.force), Eigen::Vector3d::Zero());
+    EXPECT_EQ(none.triangle, -1);
+  }
+}
+
+TEST_F(CArea, QueriesDoNotAllocate) {
+  if (test::allocationCount() < 0) GTEST_SKIP() << "a sanitizer has an allocator of its own";
+  auto sample = test::sized<palpate_area_sample>();
+  const long before = test::allocationCount();
+  for (int n = 0; n < 100; ++n) {
+    const double place[3] = {1e-3 * n, 0.05, 0.1},
+                 p[3] = {0, 0, n == 50 ? test::nan_value : -1e-4 * n};
+    ASSERT_EQ(palpate_area_query(dataset(), 0, place, p, &sample), PALPATE_OK);
+  }
+  EXPECT_EQ(test::allocationCount(), before);
+}
+
+TEST_F(CArea, RefusesWhatNamesNothing) {
+  const double x[3] = {0, 0, 0};
+  std::int32_t number = -1;
+  auto info = test::sized<palpate_area_info>();
+  auto sample = test::sized<palpate_area_sample>();
+  const auto refused = [](palpate_status status, const char* why) {
+    EXPECT_EQ(status, PALPATE_INVALID_ARGUMENT);
+    EXPECT_THAT(palpate_last_error(), HasSubstr(why));
+  };
+  refused(palpate_area_query(dataset(), 1, x, x, &sample), "no area 1; they are numbered 0 to 0");
+  refused(palpate_area_query(dataset(), 0, nullptr, x, &sample), "at is NULL");
+  refused(palpate_area_query(dataset(), 0, x, nullptr, &sample), "displacement is NULL");
+  refused(palpate_dataset_find_area(dataset(), "top-0", &number),
+          "no area \"top-0\"; there are: top");
+  refused(palpate_dataset_area_count(dataset(), nullptr), "count is NULL");
+  info.size = 8;
+  refused(palpate_dataset_area(dataset(), 0, &info), "info->size is 8");
+  const test::SampleFile of_nodes;
+  const test::DatasetHandle nodes = test::open(of_nodes.path());
+  ASSERT_EQ(palpate_dataset_area_count(nodes.get(), &number), PALPATE_OK);
+  EXPECT_EQ(number, 0);
+  refused(palpate_area_query(nodes.get(), 0, x, x, &sample), "no area in this dataset");
+}
+
+}  // namespace
+}  // namespace palpate

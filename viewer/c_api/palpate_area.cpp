@@ -1,0 +1,67 @@
+#include "viewer/c_api/arguments.hpp"
+#include "viewer/c_api/loaded_dataset.hpp"
+
+using namespace palpate;
+
+namespace {
+
+/// At the place of the surface at rest that is nearest to `near`.
+palpate_area_sample sampleOf(const HapticModel& model, std::int32_t area,
+                             const Eigen::Vector3d& near, const Eigen::Vector3d& displacement) {
+  palpate_area_sample given{};
+  given.triangle = -1;
+  if (!near.allFinite() || !displacement.allFinite()) {
+    given.error_bound = std::numeric_limits<double>::quiet_NaN();
+    return given;
+  }
+  const TouchSurface& surface = model.surface();
+  const NearestPoint place = surface.tree().nearest(near);
+  const AreaSample sample = model.area(at(area)).evaluate(place.position, displacement);
+  giveForce(given, sample);
+  const Eigen::Vector3d& normal = surface.faceNormal(place.triangle);
+  give(given.drive, Eigen::Vector3d(sample.drive - normal.dot(sample.drive) * normal));
+  give(given.at, place.position);
+  given.triangle = place.triangle;
+  if (surface.areaOf(place.triangle) != area) given.inside = 0;
+  return given;
+}
+
+}  // namespace
+
+palpate_status palpate_dataset_area_count(const palpate_dataset* dataset, std::int32_t* count) {
+  if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "count", count))
+    return PALPATE_INVALID_ARGUMENT;
+  *count = static_cast<std::int32_t>(dataset->loaded->areas.size());
+  return PALPATE_OK;
+}
+
+palpate_status palpate_dataset_area(const palpate_dataset* dataset, std::int32_t area,
+                                    palpate_area_info* info) {
+  if (!isThere(__func__, "dataset", dataset) || !sizeIsKnown(__func__, "info", info) ||
+      !isNumber(__func__, "area", area, std::ssize(dataset->loaded->areas)))
+    return PALPATE_INVALID_ARGUMENT;
+  give(info, dataset->loaded->areas[at(area)]);
+  return PALPATE_OK;
+}
+
+palpate_status palpate_dataset_find_area(const palpate_dataset* dataset, const char* name,
+                                         std::int32_t* area) {
+  if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "name", name) ||
+      !isThere(__func__, "area", area))
+    return PALPATE_INVALID_ARGUMENT;
+  return findNamed(
+      __func__, "area", name, dataset->loaded->areas,
+      [](const palpate_area_info& info) { return info.name; }, area);
+}
+
+palpate_status palpate_area_query(const palpate_dataset* dataset, std::int32_t area,
+                                  const double at[3], const double displacement[3],
+                                  palpate_area_sample* sample) {
+  if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "at", at) ||
+      !isThere(__func__, "displacement", displacement) ||
+      !sizeIsKnown(__func__, "sample", sample) ||
+      !isNumber(__func__, "area", area, std::ssize(dataset->loaded->areas)))
+    return PALPATE_INVALID_ARGUMENT;
+  give(sample, sampleOf(dataset->loaded->model, area, vectorOf(at), vectorOf(displacement)));
+  return PALPATE_OK;
+}
