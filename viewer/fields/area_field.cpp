@@ -59,16 +59,21 @@ std::vector<std::size_t> nearestOf(const std::vector<Eigen::Vector3d>& points,
 }
 
 /// The quantities at a place from those of sites around it.
-struct Interpolation {
+class Interpolation {
+ public:
   Interpolation(const std::vector<Eigen::Vector3d>& sites, const Eigen::Vector3d& place,
                 std::size_t count, std::size_t except, double width)
-      : from(nearestOf(sites, place, count, except)) {
-    std::vector<Eigen::Vector3d> chosen;
-    for (const std::size_t site : from) chosen.push_back(sites[site]);
-    if (!chosen.empty()) coefficients = hermiteCoefficients(place, chosen, width);
+      : from(nearestOf(sites, place, count, except)), place_(place), width_(width) {
+    for (const std::size_t site : from) centers_.push_back(sites[site]);
   }
 
-  SiteJet at(const std::vector<SiteJets>& made, const LatticePoint& point) const {
+  /// What is extrapolated at a site counts less than what is solved.
+  SiteJet at(const std::vector<SiteJets>& made, const LatticePoint& point) {
+    std::vector<bool> solved;
+    for (const std::size_t site : from) solved.push_back(made[site].isSolvedAt(point));
+    const auto [known, is_new] = coefficients_.try_emplace(solved);
+    if (is_new) known->second = hermiteCoefficients(place_, centers_, solved, width_);
+    const Eigen::MatrixXf& coefficients = known->second;
     SiteJet sum = SiteJet::Zero();
     for (std::size_t n = 0; n < from.size(); ++n) {
       const Eigen::Matrix<float, place_quantities, place_quantities> block =
@@ -79,8 +84,13 @@ struct Interpolation {
     return sum;
   }
 
-  std::vector<std::size_t> from;
-  Eigen::MatrixXf coefficients;
+  const std::vector<std::size_t> from;
+
+ private:
+  const Eigen::Vector3d place_;
+  const double width_;
+  std::vector<Eigen::Vector3d> centers_;
+  std::map<std::vector<bool>, Eigen::MatrixXf> coefficients_;  ///< by which of them are solved
 };
 
 /// Q(d) = E - T . d - d . (dT/ds) d / 2 as factors of the quantities, and those of its derivatives
@@ -272,9 +282,10 @@ void AreaField::interpolateToStations(const std::vector<const SpaceTable*>& spac
   inParallel(stationCount(), [&](std::size_t n) {
     const CellTree& tree = trees_[at_stations_[n].tree];
     const std::span jets = std::span(jets_).subspan(at_stations_[n].first_jet, tree.slots().size());
+    Interpolation interpolation = interpolations[n];  // what it keeps goes with it
     for (std::size_t slot = 0; slot < jets.size(); ++slot)
       if (tree.slots()[slot].kind != SlotKind::hanging)
-        jets[slot] = interpolations[n].at(made, tree.slots()[slot].point);
+        jets[slot] = interpolation.at(made, tree.slots()[slot].point);
     fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
       return jetInLeaf(tree, jets, leaf, local);
     });
@@ -290,8 +301,7 @@ void AreaField::judge(const std::vector<const SpaceTable*>& spaces,
                            made[site].coverage});
   inParallel(siteCount(), [&](std::size_t site) {
     Judgement& judgement = judgements_[site];
-    const Interpolation others(sites_.points(), sites_.points()[site], sites_of_judgement, site,
-                               width);
+    Interpolation others(sites_.points(), sites_.points()[site], sites_of_judgement, site, width);
     if (others.from.empty()) {
       judgement.lack.assign(judgement.error.size(), std::numeric_limits<float>::quiet_NaN());
       return;

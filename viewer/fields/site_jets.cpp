@@ -1,5 +1,7 @@
 #include "viewer/fields/site_jets.hpp"
 
+#include <algorithm>
+
 #include "common/interpolation/field_error.hpp"
 #include "viewer/fields/potential_field.hpp"
 
@@ -50,6 +52,11 @@ std::vector<float> largestAround(const CellTree& tree, const std::vector<double>
   return largest;
 }
 
+/// Of a place that is a corner of its leaf.
+std::size_t cornerAt(const Eigen::Vector3d& local) {
+  return (local.x() > 0 ? 1 : 0) + (local.y() > 0 ? 2 : 0) + (local.z() > 0 ? 4 : 0);
+}
+
 }  // namespace
 
 SiteJet jetInLeaf(const CellTree& tree, std::span<const SiteJet> jets, std::int32_t leaf,
@@ -66,15 +73,26 @@ SiteJet jetInLeaf(const CellTree& tree, std::span<const SiteJet> jets, std::int3
   return jet;
 }
 
-SiteJet SiteJets::at(const LatticePoint& point) const {
+LeafPlace SiteJets::placeOf(const LatticePoint& point) const {
   LeafPlace place;
   for (std::size_t octant = 0; place.leaf < 0 && octant < 8; ++octant)
     place = tree.leafBeside(point, octant);
   PALPATE_ASSERT(place.leaf >= 0, "trees of one area have the same ball");
+  return place;
+}
+
+SiteJet SiteJets::at(const LatticePoint& point) const {
+  const LeafPlace place = placeOf(point);
   if (!isCorner(place.local)) return jetInLeaf(tree, jets, place.leaf, place.local);
-  const std::size_t corner =
-      (place.local.x() > 0 ? 1 : 0) + (place.local.y() > 0 ? 2 : 0) + (place.local.z() > 0 ? 4 : 0);
-  return jets[palpate::at(tree.corners(place.leaf)[corner])];
+  return jets[palpate::at(tree.corners(place.leaf)[cornerAt(place.local)])];
+}
+
+bool SiteJets::isSolvedAt(const LatticePoint& point) const {
+  const LeafPlace place = placeOf(point);
+  const LeafCorners& corners = tree.corners(place.leaf);
+  const auto isSolved = [&](std::int32_t slot) { return coverage[palpate::at(slot)] == 1; };
+  return isCorner(place.local) ? isSolved(corners[cornerAt(place.local)])
+                               : std::ranges::all_of(corners, isSolved);
 }
 
 SiteJets::SiteJets(CellData data, const SpaceTable& space, SiteFits& fits) : tree(data.tree) {

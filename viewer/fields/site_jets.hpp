@@ -33,6 +33,8 @@ struct SiteJets {
 
   /// At any lattice position that some leaf of the tree has in it or on it.
   SiteJet at(const LatticePoint& point) const;
+  /// Whether that stands on solved points of one branch alone; else it is extrapolated.
+  bool isSolvedAt(const LatticePoint& point) const;
 
   CellTree tree;
   std::vector<SiteJet> jets;    ///< per slot
@@ -41,6 +43,8 @@ struct SiteJets {
 
  private:
   SiteJets(CellData data, const SpaceTable& space, SiteFits& fits);
+  /// A leaf that the position is in or on.
+  LeafPlace placeOf(const LatticePoint& point) const;
 };
 
 /// What a leaf with these jets at the slots of its tree interpolates at a place in it.

@@ -30,10 +30,13 @@ const std::vector<Eigen::Vector3d> some_sites = {{0, 0, 0},
                                                  {-0.012, 0.008, 0},
                                                  {0.01, -0.011, 0}};
 
+const std::vector<bool> all_solved(some_sites.size(), true);
+
 TEST(HermiteKernelTest, IsExactAtTheSites) {
   const Eigen::VectorXf data = quantitiesAt(some_sites);
   for (std::size_t s = 0; s < some_sites.size(); ++s) {
-    const Eigen::VectorXf found = hermiteCoefficients(some_sites[s], some_sites, 0.03) * data;
+    const Eigen::VectorXf found =
+        hermiteCoefficients(some_sites[s], some_sites, all_solved, 0.03) * data;
     const Eigen::VectorXf exact = quantitiesAt({some_sites[s]});
     EXPECT_LT((found - exact).norm(), 1e-3 * exact.norm());
   }
@@ -42,11 +45,28 @@ TEST(HermiteKernelTest, IsExactAtTheSites) {
 TEST(HermiteKernelTest, InterpolatesAllTenQuantitiesBetweenThem) {
   const Eigen::VectorXf data = quantitiesAt(some_sites);
   const Eigen::Vector3d between(0.004, 0.005, 0);
-  const Eigen::VectorXf found = hermiteCoefficients(between, some_sites, 0.03) * data,
+  const Eigen::VectorXf found = hermiteCoefficients(between, some_sites, all_solved, 0.03) * data,
                         exact = quantitiesAt({between});
   EXPECT_NEAR(found[0], exact[0], 1e-3 * exact[0]);
   EXPECT_LT((found.segment<3>(1) - exact.segment<3>(1)).norm(), 0.02 * exact.segment<3>(1).norm());
   EXPECT_LT((found.tail<6>() - exact.tail<6>()).norm(), 0.4 * exact.tail<6>().norm());
+}
+
+TEST(HermiteKernelTest, BelievesLessWhatIsExtrapolated) {
+  Eigen::VectorXf data = quantitiesAt(some_sites);
+  std::vector<bool> solved = all_solved;
+  solved[1] = false;
+  // A drive and a slope as wrong as they are large.
+  data.segment<9>(place_quantities + 1) *= -1;
+  const auto errorAt = [&](const Eigen::Vector3d& place, const std::vector<bool>& known) {
+    return std::abs((hermiteCoefficients(place, some_sites, known, 0.03) * data)[0] -
+                    quantitiesAt({place})[0]);
+  };
+  const Eigen::Vector3d between(0.008, 0.004, 0.001);
+  EXPECT_LT(errorAt(between, solved), 0.3F * errorAt(between, all_solved));
+  // The solved ones stay exact.
+  for (const std::size_t site : {0, 2, 3, 4})
+    EXPECT_LT(errorAt(some_sites[site], solved), 1e-4F * data[0]);
 }
 
 }  // namespace
