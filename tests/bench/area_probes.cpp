@@ -1,6 +1,8 @@
 // How wrong the energy of a finger's area is between its sites: exact solutions at random places
-// and displacements against the dataset, and beside it what the nearest site alone says, which is
-// the paper's way. Prints one JSON object.
+// and displacements against the dataset, and beside it what others would say: the nearest site
+// alone, which is the paper's way; the blend of the forces of the three nearest, by barycentric
+// coordinates; and the same energy from sites that are as far from each other everywhere, which are
+// fewer at rims. Prints one JSON object.
 //
 // Places are uniform over the surface that the sites answer for, displacements over what of the
 // ball presses within `cone` of the inward normal. Those whose exact force is beyond the scene's
@@ -12,9 +14,12 @@
 #include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <random>
 
 #include "common/base/error.hpp"
+#include "common/base/farthest_points.hpp"
+#include "common/base/index.hpp"
 #include "common/dataset/dataset.hpp"
 #include "common/mesh/surface_pieces.hpp"
 #include "common/mesh/surface_point.hpp"
@@ -78,10 +83,71 @@ double quantile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
+/// What single sites say.
+class SingleSites {
+ public:
+  explicit SingleSites(const std::vector<const SpaceTable*>& sites)
+      : sites_(sites), fields_(sites.size()) {}
+
+  Eigen::Vector3d nearest(const Probe& probe) { return forceOf(nearestOf(probe)[0], probe); }
+
+  /// Each of the three by its barycentric coordinate; those outside of their triangle as on it.
+  Eigen::Vector3d blended(const Probe& probe) {
+    const std::array<std::size_t, 3> corners = nearestOf(probe);
+    Eigen::Matrix<double, 3, 2> edges;
+    edges << centerOf(corners[1]) - centerOf(corners[0]),
+        centerOf(corners[2]) - centerOf(corners[0]);
+    const Eigen::Vector2d inner =
+        edges.colPivHouseholderQr().solve(probe.place - centerOf(corners[0]));
+    Eigen::Vector3d weights(1 - inner.sum(), inner[0], inner[1]);
+    weights = weights.cwiseMax(0) / weights.cwiseMax(0).sum();
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    for (int c = 0; c < 3; ++c) force += weights[c] * forceOf(corners[at(c)], probe);
+    return force;
+  }
+
+ private:
+  const Eigen::Vector3d& centerOf(std::size_t site) const {
+    return sites_[site]->patch.finger->center;
+  }
+  std::array<std::size_t, 3> nearestOf(const Probe& probe) const {
+    std::vector<std::size_t> numbers(sites_.size());
+    std::iota(numbers.begin(), numbers.end(), 0);
+    std::ranges::partial_sort(numbers, numbers.begin() + 3, {}, [&](std::size_t site) {
+      return (centerOf(site) - probe.place).norm();
+    });
+    return {numbers[0], numbers[1], numbers[2]};
+  }
+  Eigen::Vector3d forceOf(std::size_t site, const Probe& probe) {
+    if (!fields_[site]) fields_[site] = std::make_unique<PotentialField>(*sites_[site]);
+    return fields_[site]->evaluate(probe.displacement).force;
+  }
+
+  const std::vector<const SpaceTable*>& sites_;
+  std::vector<std::unique_ptr<PotentialField>> fields_;
+};
+
+/// Those of `sites` that a rule without rims would leave.
+std::vector<const SpaceTable*> evenly(const std::vector<const SpaceTable*>& sites, double radius) {
+  const std::vector<Eigen::Vector3d> centers = centersOf(sites);
+  const std::vector<double> distances(sites.size(), site_distance * radius);
+  const auto any = [](const Eigen::Vector3d&, std::size_t) { return true; };
+  std::vector<const SpaceTable*> chosen;
+  for (const Eigen::Vector3d& center : farthestPoints(centers, distances, any))
+    chosen.push_back(sites[at(std::ranges::find(centers, center) - centers.begin())]);
+  return chosen;
+}
+
 /// Errors of one way of answering.
 struct Errors {
-  std::vector<double> relative;
-  int kept = 0;
+  std::vector<double> relative, over_error;
+  int kept = 0, held = 0;
+  void record(const AreaSample& sample, const Eigen::Vector3d& exact, const Accuracy& wanted) {
+    record(sample.force, exact, wanted);
+    const double error = (sample.force - exact).norm();
+    held += error <= sample.error_bound;
+    over_error.push_back(sample.error_bound / error);
+  }
   void record(const Eigen::Vector3d& found, const Eigen::Vector3d& exact, const Accuracy& wanted) {
     const double error = (found - exact).norm();
     relative.push_back(error / exact.norm());
@@ -89,10 +155,15 @@ struct Errors {
     kept += error <= std::max(share * exact.norm(), wanted.force_floor);
   }
   Json toJson() const {
-    return {{"kept", kept / std::max(1.0, static_cast<double>(relative.size()))},
-            {"median", quantile(relative, 0.5)},
-            {"p90", quantile(relative, 0.9)},
-            {"p97", quantile(relative, 0.97)}};
+    const double count = std::max(1.0, static_cast<double>(relative.size()));
+    Json json = {{"kept", kept / count},
+                 {"median", quantile(relative, 0.5)},
+                 {"p90", quantile(relative, 0.9)},
+                 {"p97", quantile(relative, 0.97)}};
+    if (over_error.empty()) return json;
+    json["bound_holds"] = held / count;
+    json["bound_over_error_median"] = quantile(over_error, 0.5);
+    return json;
   }
 };
 
@@ -142,14 +213,16 @@ Json run(const Options& options) {
   const auto began = std::chrono::steady_clock::now();
   const AreaField area(sites, placesAround(dataset.mesh(), centersOf(sites), radius));
   const std::chrono::duration<double> preparing = std::chrono::steady_clock::now() - began;
-  std::vector<std::unique_ptr<PotentialField>> fields(sites.size());
+  const std::vector<const SpaceTable*> even = evenly(sites, radius);
+  const AreaField even_area(even, placesAround(dataset.mesh(), centersOf(even), radius));
+  if (sites.size() < 3) throw badInput("{}: three sites are blended at least", choice.name);
+  SingleSites single(sites);
 
   TransitionSolver solver(problem, chooseKernels());
   Drawing drawing(problem.mesh, radius, problem.scene.workspace.radius, options.cone, options.seed);
-  Errors of_area, of_nearest;
-  std::vector<double> over_error;
+  Errors of_area, of_even, of_blend, of_nearest;
   std::vector<Probe> probes;
-  int unsolved = 0, too_strong = 0, held = 0;
+  int unsolved = 0, too_strong = 0;
   while (static_cast<int>(of_area.relative.size()) < options.probes) {
     const Probe probe = drawing.draw();
     const AreaSample sample = area.evaluate(probe.place, probe.displacement);
@@ -162,19 +235,11 @@ Json run(const Options& options) {
     too_strong += outcome == Exact::too_strong ? 1 : 0;
     if (outcome != Exact::found) continue;
     probes.push_back(probe);
-    of_area.record(sample.force, force, problem.scene.accuracy);
-    const double error = (sample.force - force).norm();
-    held += error <= sample.error_bound;
-    over_error.push_back(sample.error_bound / error);
-    const auto nearest = static_cast<std::size_t>(
-        std::ranges::min_element(sites, {},
-                                 [&](const SpaceTable* site) {
-                                   return (site->patch.finger->center - probe.place).norm();
-                                 }) -
-        sites.begin());
-    if (!fields[nearest]) fields[nearest] = std::make_unique<PotentialField>(*sites[nearest]);
-    of_nearest.record(fields[nearest]->evaluate(probe.displacement).force, force,
-                      problem.scene.accuracy);
+    const Accuracy& wanted = problem.scene.accuracy;
+    of_area.record(sample, force, wanted);
+    of_even.record(even_area.evaluate(probe.place, probe.displacement), force, wanted);
+    of_blend.record(single.blended(probe), force, wanted);
+    of_nearest.record(single.nearest(probe), force, wanted);
   }
   return {{"benchmark", "area_probes"},
           {"scene", problem.scene.name},
@@ -186,9 +251,10 @@ Json run(const Options& options) {
           {"beyond_max_force", too_strong},
           {"without_solution", unsolved},
           {"area", of_area.toJson()},
-          {"nearest_site", of_nearest.toJson()},
-          {"bound_holds", held / static_cast<double>(options.probes)},
-          {"bound_over_error_median", quantile(over_error, 0.5)}};
+          {"uniform_sites", even.size()},
+          {"area_of_uniform_sites", of_even.toJson()},
+          {"barycentric_blend", of_blend.toJson()},
+          {"nearest_site", of_nearest.toJson()}};
 }
 
 }  // namespace

@@ -55,7 +55,10 @@ class Reporter {
     report_.failures = failuresOf(report_.open.front());
     for (ComparedLattice& lattice : latticesIn(report_.open))
       report_.lattices.push_back({std::move(lattice), 0, 0, {}, {}, {}});
-    compared_ = evenly(spaces(), options.compared_nodes);
+    report_.areas_alone = std::ranges::all_of(
+        report_.open.front().scene().active,
+        [](const ActiveSelection& active) { return !active.area.empty() || active.isProbe(); });
+    compared_ = evenly(spaces(), report_.areas_alone ? 1 : options.compared_nodes);
     report_.compared = compared_.size();
   }
 
@@ -71,12 +74,9 @@ class Reporter {
       timeMethods(lattice);
       measureLattice(lattice);
     }
-    measureOtherNodes();
+    if (!report_.areas_alone) measureOtherNodes();
     report_.areas = measureAreas(report_.open.front(), report_.target);
-    std::size_t sites = 0;
-    for (const AreaMeasures& area : report_.areas) sites += area.sites;
-    report_.areas_alone = sites == spaces();
-    samplePictures();
+    if (!report_.areas_alone) samplePictures();
     return std::move(report_);
   }
 

@@ -73,8 +73,8 @@ struct Report {
   /// measured.
   std::optional<std::size_t> measured;
   std::vector<AreaMeasures> areas;  ///< of fingers, of the first dataset
-  /// All that can be touched are fingers' areas. What is measured of their sites as active nodes is
-  /// not what is felt, and text and page leave it out.
+  /// All that can be touched are fingers' areas. What their sites are as active nodes is not what
+  /// is felt: methods are compared on one of them only, and text and page leave it out.
   bool areas_alone = false;
   std::vector<NodeMeasures> nodes;         ///< all, as Dataset::spaces()
   std::size_t compared = 0;                ///< active nodes on which all methods were compared
