@@ -96,7 +96,8 @@ const SpaceTable& siteNearest(const std::vector<SpaceTable>& spaces, const std::
   double least = std::numeric_limits<double>::infinity();
   for (const SpaceTable& space : spaces) {
     const ActivePatch& patch = space.patch;
-    if (!patch.finger || !(area.empty() || isOrIsSiteOf(patch.name, area))) continue;
+    if (!patch.finger || patch.probe) continue;
+    if (!area.empty() && !isOrIsSiteOf(patch.name, area)) continue;
     const double distance = (patch.finger->center - place).norm();
     if (distance >= least) continue;
     nearest = &space;

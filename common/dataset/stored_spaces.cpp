@@ -412,6 +412,9 @@ std::vector<SpaceTable> readSpaces(const Reader& in, const Scene& scene, const M
   for (const SpaceTable& space : spaces)
     if (const std::string fault = faultOf(space); !fault.empty())
       throw in.damaged("space " + space.patch.name, fault);
+  if (!std::ranges::is_partitioned(spaces,
+                                   [](const SpaceTable& space) { return !space.patch.probe; }))
+    throw in.damaged(name_path, "have places of probes before what can be touched");
   return spaces;
 }
 

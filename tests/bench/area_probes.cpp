@@ -191,17 +191,41 @@ std::pair<Exact, Eigen::Vector3d> exactForce(TransitionSolver& solver, const Pro
 }
 
 /// Of one query, the fastest of some rounds over all of them.
-double queryMicroseconds(const AreaField& area, const std::vector<Probe>& probes) {
+template <class Round>
+double microseconds(int rounds, std::size_t queries, Round round) {
   double fastest = std::numeric_limits<double>::infinity(), sum = 0;
-  for (int round = 0; round < 20; ++round) {
+  for (int n = 0; n < rounds; ++n) {
     const auto began = std::chrono::steady_clock::now();
+    sum += round();
+    const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - began;
+    fastest = std::min(fastest, took.count() / static_cast<double>(queries));
+  }
+  if (!std::isfinite(sum)) throw failure("an answered place has no force or energy");
+  return fastest;
+}
+
+/// At random places: most of what is read comes from the memory.
+double randomMicroseconds(const AreaField& area, const std::vector<Probe>& probes) {
+  return microseconds(20, probes.size(), [&] {
+    double sum = 0;
     for (const Probe& probe : probes)
       sum += area.evaluate(probe.place, probe.displacement).force.x();
-    const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - began;
-    fastest = std::min(fastest, took.count() / static_cast<double>(probes.size()));
-  }
-  if (!std::isfinite(sum)) throw failure("an answered probe has no force");
-  return fastest;
+    return sum;
+  });
+}
+
+/// Along strokes of 10 mm from each place, 0.1 mm a query, as a hand slides at 1 kHz.
+double slidingMicroseconds(const AreaField& area, const std::vector<Probe>& probes) {
+  constexpr std::size_t steps = 100;
+  const Eigen::Vector3d step(1e-4, 0, 0);
+  return microseconds(3, steps * probes.size(), [&] {
+    double sum = 0;
+    for (const Probe& probe : probes)
+      for (std::size_t n = 0; n < steps; ++n)
+        sum += area.evaluate(probe.place + static_cast<double>(n) * step, probe.displacement)
+                   .force.x();
+    return sum;
+  });
 }
 
 Json run(const Options& options) {
@@ -246,7 +270,8 @@ Json run(const Options& options) {
           {"sites", sites.size()},
           {"stations", area.stationCount()},
           {"preparing_seconds", preparing.count()},
-          {"query_us", queryMicroseconds(area, probes)},
+          {"query_us", randomMicroseconds(area, probes)},
+          {"sliding_query_us", slidingMicroseconds(area, probes)},
           {"probes", options.probes},
           {"beyond_max_force", too_strong},
           {"without_solution", unsolved},

@@ -106,6 +106,8 @@ TEST_F(ExplanationTest, OfASurfaceTheSiteNearestToAPlaceIsMeant) {
   EXPECT_EQ(&siteNearest(spaces, "", {1, 0, 0}), &spaces[19]);
   EXPECT_EQ(&siteNearest(spaces, "skin-7", {1, 0, 0}), &spaces[7]);
   EXPECT_EQ(&siteNearest(spaces, "skin-left", {0, 0, 0}), &spaces[19]);
+  spaces[3].patch.probe = Eigen::Vector3d(0, 0, 0.01);  // a place where the area is measured
+  EXPECT_EQ(&siteNearest(spaces, "", {0.031, 0.001, 0}), &spaces[4]);
   test::expectBadInput([&] { siteNearest(spaces, "skin", {NAN, 0, 0}); }, {"--at", "finite"});
   test::expectBadInput(
       [&] {
