@@ -76,15 +76,15 @@ TEST_F(CArea, AnswersForceStiffnessAndDriveAtThePlaceOfTheSurfaceThatIsNearest) 
   EXPECT_EQ(sample.drive[2], 0);  // along the surface
   EXPECT_NEAR(sample.energy, test::FingerBody::energy(s, p), 1e-2 * sample.energy);
   EXPECT_GT(sample.error_bound, 0);
-  constexpr double h = 1e-5;
+  constexpr double h = 1e-4;  // energies are sums of single precision
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3d step = h * Eigen::Vector3d::Unit(i);
     const palpate_area_sample more = query(above, p + step), less = query(above, p - step);
-    EXPECT_NEAR((more.energy - less.energy) / (2 * h), -sample.force[i], 1e-5);
+    EXPECT_NEAR((more.energy - less.energy) / (2 * h), -sample.force[i], 1e-3);
     EXPECT_NEAR((more.force[i] - less.force[i]) / (2 * h), sample.stiffness[4 * i], 1e-2);
     if (i == 2) continue;
     const double by_s = (query(above + step, p).energy - query(above - step, p).energy) / (2 * h);
-    EXPECT_NEAR(by_s, -sample.drive[i], 1e-5);
+    EXPECT_NEAR(by_s, -sample.drive[i], 1e-3);
   }
 }
 

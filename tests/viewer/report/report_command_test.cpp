@@ -281,7 +281,7 @@ TEST_F(ReportCommand, OfAFingerMeasuresWithItsProbes) {
   test::FingerBody(40).seal(directory / "sample.h5");
   options.html = directory / "report.html";
   options.json = true;
-  std::ostringstream output, shown;
+  std::ostringstream output;
   ASSERT_EQ(report(options, output), ExitCode::done);
   const nlohmann::json probes = nlohmann::json::parse(output.str())["areas"].at(0)["probes"];
   EXPECT_EQ(probes["places"], 40);
@@ -292,11 +292,8 @@ TEST_F(ReportCommand, OfAFingerMeasuresWithItsProbes) {
             0.2 * probes["nearest_site"]["relative"]["median"].get<double>());
   EXPECT_GE(probes["area"]["bound_holds"], 0.9);
   EXPECT_THAT(readText(options.html, "page"),
-              AllOf(HasSubstr("<circle"), HasSubstr("error at probes")));
-  options.json = false;
-  ASSERT_EQ(report(options, shown), ExitCode::done);
-  EXPECT_THAT(shown.str(), AllOf(HasSubstr("Exact solutions at 40 random places"),
-                                 Not(HasSubstr("loop  ns per"))));
+              AllOf(HasSubstr("<circle"), HasSubstr("error at probes"),
+                    HasSubstr("Exact solutions at 40 random places")));
 }
 
 TEST_F(ReportCommand, TakesSeveralDatasetsOfOneScene) {
