@@ -37,7 +37,7 @@ wire::SpaceStatus& rowFor(wire::Status& status, const ActiveSelection& active) {
   return *status.mutable_spaces()->rbegin();
 }
 
-/// The least of all that stand in one row.
+/// Of a row of several plans that of one that is not complete, as long as there is one.
 void setStage(wire::SpaceStatus& row, Stage stage) {
   if (row.stage().empty() || stage != Stage::complete) row.set_stage(std::string(name(stage)));
 }

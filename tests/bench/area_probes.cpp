@@ -204,7 +204,7 @@ double microseconds(int rounds, std::size_t queries, Round round) {
   return fastest;
 }
 
-/// At random places: most of what is read comes from the memory.
+/// At random places.
 double randomMicroseconds(const AreaField& area, const std::vector<Probe>& probes) {
   return microseconds(20, probes.size(), [&] {
     double sum = 0;

@@ -219,11 +219,11 @@ typedef struct palpate_area_sample {
   double stiffness[9]; /* N/m, row major: the exact derivative of force by p */
   double drive[3];     /* N, -dE/ds along the surface: where the tissue slides the finger to */
   double at[3];        /* m, the place that was asked: on the surface at rest */
-  double energy;       /* J */
-  double error_bound;  /* as in palpate_sample, and the next two */
+  double energy;       /* J, stored in the tissue; NaN beyond the workspace ball */
+  double error_bound;  /* as in palpate_sample, and the next one */
   double coverage;
   int32_t inside;   /* 1: on the area, in the workspace ball, with something solved around */
-  int32_t triangle; /* of the surface, that `at` lies in */
+  int32_t triangle; /* of the surface, that `at` lies in; -1 for what is not finite, `at` is 0 */
 } palpate_area_sample;
 
 /* How many areas there are; 0 where a scene has no finger. Any thread, real time. */

@@ -11,7 +11,7 @@ palpate_area_sample sampleOf(const HapticModel& model, std::int32_t area,
   palpate_area_sample given{};
   given.triangle = -1;
   if (!near.allFinite() || !displacement.allFinite()) {
-    given.error_bound = std::numeric_limits<double>::quiet_NaN();
+    giveForce(given, AreaSample());
     return given;
   }
   const TouchSurface& surface = model.surface();

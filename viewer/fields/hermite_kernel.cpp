@@ -14,9 +14,8 @@ namespace {
 constexpr double ridge = 1e-10;
 
 /// Variances of E, T and dT/ds where they are extrapolated, where those of the kernel are 1, 1 and
-/// 3 to 9. Chosen at 74 exact solutions about the sharpest rim of liver-2228, where half of the
-/// ball is not solved; from there to none of T and all of dT/ds nothing changes by more than two of
-/// them.
+/// 3 to 9. Chosen at 74 exact solutions about the sharpest rim of liver-2228; from there to none of
+/// T and all of dT/ds nothing changes by more than two of them.
 constexpr std::array<double, 3> noise = {0, 0.01, 0.3};
 
 /// Up to four axes along which is differentiated.

@@ -80,11 +80,11 @@ TEST_F(CArea, AnswersForceStiffnessAndDriveAtThePlaceOfTheSurfaceThatIsNearest) 
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3d step = h * Eigen::Vector3d::Unit(i);
     const palpate_area_sample more = query(above, p + step), less = query(above, p - step);
-    EXPECT_NEAR((more.energy - less.energy) / (2 * h), -sample.force[i], 1e-3);
+    EXPECT_NEAR((more.energy - less.energy) / (2 * h), -sample.force[i], 1e-4);
     EXPECT_NEAR((more.force[i] - less.force[i]) / (2 * h), sample.stiffness[4 * i], 1e-2);
     if (i == 2) continue;
     const double by_s = (query(above + step, p).energy - query(above - step, p).energy) / (2 * h);
-    EXPECT_NEAR(by_s, -sample.drive[i], 1e-3);
+    EXPECT_NEAR(by_s, -sample.drive[i], 1e-4);
   }
 }
 
@@ -97,8 +97,8 @@ TEST_F(CArea, IsNotInsideBeyondItsSurfaceOrBallAndAllocatesNowhere) {
     EXPECT_EQ(none.inside, 0);
     EXPECT_EQ(Eigen::Vector3d(none.force), Eigen::Vector3d::Zero());
     EXPECT_EQ(none.triangle, -1);
+    EXPECT_TRUE(std::isnan(none.energy) && std::isnan(none.error_bound));
   }
-  if (test::allocationCount() < 0) GTEST_SKIP() << "a sanitizer has an allocator of its own";
   auto sample = test::sized<palpate_area_sample>();
   palpate_dataset* const opened = dataset();
   int failures = 0;

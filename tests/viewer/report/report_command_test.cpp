@@ -294,6 +294,11 @@ TEST_F(ReportCommand, OfAFingerMeasuresWithItsProbes) {
   EXPECT_THAT(readText(options.html, "page"),
               AllOf(HasSubstr("<circle"), HasSubstr("error at probes"),
                     HasSubstr("Exact solutions at 40 random places")));
+  options.json = false;
+  std::ostringstream shown;
+  ASSERT_EQ(report(options, shown), ExitCode::done);
+  EXPECT_THAT(shown.str(), AllOf(HasSubstr("Exact solutions at 40 random places"),
+                                 Not(HasSubstr("loop  ns per"))));
 }
 
 TEST_F(ReportCommand, TakesSeveralDatasetsOfOneScene) {
