@@ -231,12 +231,9 @@ std::vector<EnergyJet> energyJets(const CellTree& tree,
   PALPATE_ASSERT(polynomials.size() == tree.slots().size(), "slotPolynomials made one per slot");
   std::vector<EnergyJet> jets = slotJets(tree, polynomials);
   fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
-    const auto numbers = jetInLeaf<double>(
+    return jetInLeaf<double>(
         axisFactors(tree.edge(leaf), tree.spacing(), local), 0.0,
         [&](std::size_t c, std::size_t n) { return jets[at(tree.corners(leaf)[c])][n]; });
-    EnergyJet jet;
-    std::ranges::copy(numbers, jet.begin());
-    return jet;
   });
   return jets;
 }

@@ -69,23 +69,27 @@ AxisFactors axisFactors(double edge, double spacing, const Eigen::Vector3d& loca
 /// The 27 numbers of such a polynomial at a place in a leaf, from those at its corners: known(c,
 /// n), of a type with sums and products with numbers. Axis after axis.
 template <class Factor, class Value, class Known>
-std::vector<Value> jetInLeaf(const AxisFactors& factors, const Value& zero, Known known) {
-  std::vector<Value> by_x(108, zero);  // [corner in y and z][orders in y and z][wanted in x]
-  std::vector<Value> by_y(54, zero);   // [corner in z][order in z][wanted in x, y]
-  std::vector<Value> by_z(27, zero);
-  const auto add = [&](auto& to, std::size_t at, const Value& value, std::size_t axis,
+std::array<Value, 27> jetInLeaf(const AxisFactors& factors, const Value& zero, Known known) {
+  std::array<Value, 108> by_x;  // [corner in y and z][orders in y and z][wanted in x]
+  std::array<Value, 54> by_y;   // [corner in z][order in z][wanted in x, y]
+  std::array<Value, 27> by_z;
+  by_x.fill(zero);
+  by_y.fill(zero);
+  by_z.fill(zero);
+  const auto add = [&](Value* to, std::size_t at, const Value& value, std::size_t axis,
                        std::size_t end, std::size_t order, std::size_t stride) {
     for (std::size_t wanted = 0; wanted < 3; ++wanted)
       to[at + stride * wanted] += static_cast<Factor>(factors[axis][wanted][end][order]) * value;
   };
   for (std::size_t c = 0; c < 8; ++c)
     for (std::size_t n = 0; n < 27; ++n)
-      add(by_x, 27 * (c >> 1) + 3 * (n / 3), known(c, n), 0, c & 1, n % 3, 1);
+      add(by_x.data(), 27 * (c >> 1) + 3 * (n / 3), known(c, n), 0, c & 1, n % 3, 1);
   for (std::size_t c = 0; c < 4; ++c)
     for (std::size_t n = 0; n < 27; ++n)
-      add(by_y, 27 * (c >> 1) + 9 * (n / 9) + n % 3, by_x[27 * c + n], 1, c & 1, n / 3 % 3, 3);
+      add(by_y.data(), 27 * (c >> 1) + 9 * (n / 9) + n % 3, by_x[27 * c + n], 1, c & 1, n / 3 % 3,
+          3);
   for (std::size_t c = 0; c < 2; ++c)
-    for (std::size_t n = 0; n < 27; ++n) add(by_z, n % 9, by_y[27 * c + n], 2, c, n / 9, 9);
+    for (std::size_t n = 0; n < 27; ++n) add(by_z.data(), n % 9, by_y[27 * c + n], 2, c, n / 9, 9);
   return by_z;
 }
 

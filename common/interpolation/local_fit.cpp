@@ -1,6 +1,7 @@
 #include "common/interpolation/local_fit.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
@@ -11,8 +12,8 @@ namespace {
 // Of one source at most: energy, three slopes, six curvatures, ten third derivatives, in the order
 // of the first terms.
 constexpr int most_data = KnownDerivatives::MaxRowsAtCompileTime;
-/// More numbers of factorisations are not kept (4 MB): then all are made anew. The drives of a site
-/// share some 150 of them.
+/// Numbers of factorisations that are kept (4 MB), and as many that were used before those. The
+/// drives of a site share some 150 of them.
 constexpr Eigen::Index most_kept = 1 << 19;
 
 int total(const Orders& orders) { return orders[0] + orders[1] + orders[2]; }
@@ -150,12 +151,17 @@ const LocalFits::Factors& LocalFits::factorsOf(const std::vector<FitSource>& sou
     key.insert(key.end(), source.offset.begin(), source.offset.end());
   const auto found = factors_.find(key);
   if (found != factors_.end()) return found->second;
-  const WeightedSystem system(sources, edge, from, degree, kind_.known,
-                              from == 0 ? penalty_extrapolating : penalty_completing);
+  const auto older = older_.find(key);
+  if (older != older_.end()) {
+    kept_ += older->second.qr.matrixQR().size();
+    return factors_.insert(older_.extract(older)).position->second;
+  }
   if (kept_ > most_kept) {
-    factors_.clear();
+    older_ = std::exchange(factors_, {});
     kept_ = 0;
   }
+  const WeightedSystem system(sources, edge, from, degree, kind_.known,
+                              from == 0 ? penalty_extrapolating : penalty_completing);
   kept_ += system.matrix.size();
   return factors_.emplace(std::move(key), Factors{system.matrix.householderQr(), system.weights})
       .first->second;

@@ -13,6 +13,9 @@ namespace {
 /// Of the mean of unit normals: a half where the surface turns by a right angle under the finger.
 constexpr double both_sides = 0.35;
 
+/// Of the angle by which what is pushed leans at most, 75 degrees.
+constexpr double lean_cosine = 0.25881904510252074, lean_sine = 0.9659258262890683;
+
 /// Of the unit normals, by the bump of the finger.
 Eigen::Vector3d meanNormal(const Mesh& mesh, const Finger& finger) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -52,7 +55,7 @@ bool isFinger(const Finger& finger) {
   const PushedPart& reach = finger.reach;
   const double length = reach.outward.norm();
   return finger.center.allFinite() && finger.radius > 0 &&
-         (length == 0 || std::abs(length - 1) < 1e-12) && reach.pull >= 0 && reach.pull <= 1;
+         (length == 0 || std::abs(length - 1) < 1e-12) && reach.pull >= -1 && reach.pull <= 1;
 }
 
 ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet& fixed,
@@ -74,11 +77,15 @@ ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet
   return patch;
 }
 
+PushedPart pushedAt(const Eigen::Vector3d& normal) { return {normal, -lean_cosine}; }
+
 PushedPart pushedAround(const Mesh& mesh, const Finger& finger) {
   const Eigen::Vector3d mean = meanNormal(mesh, finger);
-  const double length = mean.norm(), cosine = 2 * length - 1;
-  if (!(cosine > 0)) return {};
-  return {mean / length, std::sqrt(1 - std::min(1.0, cosine * cosine))};
+  const double length = mean.norm();
+  const double cosine = std::clamp(2 * length - 1, -1.0, 1.0);  // of a
+  const double sine = std::sqrt(1 - cosine * cosine);
+  if (!(sine * lean_cosine + cosine * lean_sine > 0)) return {};
+  return {mean / length, sine * lean_sine - cosine * lean_cosine};
 }
 
 bool isOnBothSides(const Mesh& mesh, const Finger& finger) {

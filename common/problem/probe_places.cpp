@@ -33,12 +33,13 @@ Eigen::Vector4d quasiRandom(std::int64_t n) {
 std::vector<ProbePlace> probePlaces(const Mesh& mesh, const std::vector<std::int32_t>& triangles,
                                     const NodeSet& fixed, double radius, double reach,
                                     ContactMode contact, std::int32_t count) {
-  std::vector<Eigen::Vector3d> middles;
+  std::vector<Eigen::Vector3d> middles, normals;
   std::vector<double> areas;  // of all pieces up to here, m^2
   double area = 0;
   for (const std::int32_t triangle : triangles)
     forEachPiece(mesh, triangle, place_distance * radius, [&](const SurfacePiece& piece) {
       middles.push_back(piece.middle);
+      normals.push_back(normalOf(mesh, triangle));
       areas.push_back(area += piece.area);
     });
   std::vector<ProbePlace> found;
@@ -50,7 +51,7 @@ std::vector<ProbePlace> probePlaces(const Mesh& mesh, const std::vector<std::int
     const Finger finger = {middles[at(piece)], radius};
     if (fingerWeights(mesh, fixed, finger.center, radius).free_share < least_free_share) continue;
     const PushedPart part =
-        contact == ContactMode::unilateral ? pushedAround(mesh, finger) : PushedPart{};
+        contact == ContactMode::unilateral ? pushedAt(normals[at(piece)]) : PushedPart{};
     if (part.contains(p)) found.push_back({finger.center, p});
   }
   return found;

@@ -26,7 +26,7 @@ struct LatticeEdge {
 /// p . outward <= pull |p|. By default all of it.
 struct PushedPart {
   Eigen::Vector3d outward = Eigen::Vector3d::Zero();  ///< unit; zero: all of the ball
-  double pull = 1;                                    ///< 0 to 1; 1: all of the ball
+  double pull = 1;                                    ///< -1 to 1; 1: all of the ball
   bool operator==(const PushedPart&) const = default;
   /// With room: metres that p may lie outside of it.
   bool contains(const Eigen::Vector3d& p, double room = 0) const {

@@ -1,6 +1,7 @@
 #include "viewer/fields/area_field.hpp"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -8,18 +9,19 @@
 #include <set>
 #include <thread>
 
-#include "common/base/cpu_family.hpp"
 #include "common/base/farthest_points.hpp"
 #include "common/base/parallel.hpp"
+#include "viewer/fields/jet_sums.hpp"
 
 namespace palpate {
 namespace {
 
 /// A station is at most this many radii of the finger from any place, sites as site_distance says.
-constexpr double station_distance = 0.4;
-/// Of a point, in the distances that such points may be from places: at the farthest place two or
-/// three still share.
-constexpr double reach_in_distances = 1.4;
+constexpr double station_distance = 0.3;
+/// How far a station and what is said about a site reach, in those distances. Stations: as little
+/// as leaves no gap, since the nearest one knows best, and each takes its time. Sites: at the
+/// farthest place two or three still share.
+constexpr double station_reach = 1.2, site_reach = 1.4;
 /// What a station is interpolated from, and a site from the others.
 constexpr std::size_t sites_of_station = 7, sites_of_judgement = 6;
 /// Of the kernel, in radii of the finger. From 1 to 2 the errors are the same within a third.
@@ -28,7 +30,7 @@ constexpr double kernel_width = 1.5;
 /// known) and of what a site lacks when the others around stand in for it (it stands farther from
 /// them than places stand from the nearest), and, of the force, what stations leave out. Chosen at
 /// 1000 exact solutions: docs/evaluation.md.
-constexpr double share_of_p_error = 0.3, share_of_lack = 0.2, share_of_force = 0.009;
+constexpr double share_of_p_error = 0.3, share_of_lack = 0.2, share_of_force = 0.004;
 /// Of refinement (Accuracy::levels).
 constexpr std::size_t most_levels = 6;
 
@@ -67,19 +69,24 @@ class Interpolation {
     for (const std::size_t site : from) centers_.push_back(sites[site]);
   }
 
-  /// What is extrapolated at a site counts less than what is solved.
-  SiteJet at(const std::vector<SiteJets>& made, const LatticePoint& point) {
-    std::vector<bool> solved;
-    for (const std::size_t site : from) solved.push_back(made[site].isSolvedAt(point));
-    const auto [known, is_new] = coefficients_.try_emplace(solved);
-    if (is_new) known->second = hermiteCoefficients(place_, centers_, solved, width_);
-    const Eigen::MatrixXf& coefficients = known->second;
-    SiteJet sum = SiteJet::Zero();
+  /// The first ones of the quantities. What is extrapolated at a site counts less than what is
+  /// solved.
+  template <int quantities = place_quantities>
+  Eigen::Matrix<float, SiteJet::RowsAtCompileTime, quantities> at(const std::vector<SiteJets>& made,
+                                                                  const LatticePoint& point) {
+    std::array<LeafPlace, sites_of_station> places;
+    std::bitset<sites_of_station> solved;
     for (std::size_t n = 0; n < from.size(); ++n) {
-      const Eigen::Matrix<float, place_quantities, place_quantities> block =
-          coefficients.middleCols<place_quantities>(place_quantities *
-                                                    static_cast<Eigen::Index>(n));
-      sum += made[from[n]].at(point).lazyProduct(block.transpose());
+      places[n] = made[from[n]].placeOf(point);
+      solved[n] = made[from[n]].isSolvedAt(places[n]);
+    }
+    const Eigen::MatrixXf& coefficients = coefficientsFor(solved);
+    Eigen::Matrix<float, SiteJet::RowsAtCompileTime, quantities> sum = decltype(sum)::Zero();
+    for (std::size_t n = 0; n < from.size(); ++n) {
+      const Eigen::Matrix<float, quantities, place_quantities> block =
+          coefficients.block<quantities, place_quantities>(
+              0, place_quantities * static_cast<Eigen::Index>(n));
+      sum += made[from[n]].at(places[n]).lazyProduct(block.transpose());
     }
     return sum;
   }
@@ -87,29 +94,43 @@ class Interpolation {
   const std::vector<std::size_t> from;
 
  private:
+  const Eigen::MatrixXf& coefficientsFor(const std::bitset<sites_of_station>& solved) {
+    const auto [known, is_new] = coefficients_.try_emplace(solved.to_ulong());
+    if (is_new) {
+      std::vector<bool> of_sites;
+      for (std::size_t n = 0; n < from.size(); ++n) of_sites.push_back(solved[n]);
+      known->second = hermiteCoefficients(place_, centers_, of_sites, width_);
+    }
+    return known->second;
+  }
+
   const Eigen::Vector3d place_;
   const double width_;
   std::vector<Eigen::Vector3d> centers_;
-  std::map<std::vector<bool>, Eigen::MatrixXf> coefficients_;  ///< by which of them are solved
+  std::map<std::uint64_t, Eigen::MatrixXf> coefficients_;  ///< by which of them are solved
 };
 
-/// Q(d) = E - T . d - d . (dT/ds) d / 2 as factors of the quantities, and those of its derivatives
-/// by d.
-Eigen::Matrix<float, place_quantities, 4> expansionAt(const Eigen::Vector3d& d) noexcept {
-  Eigen::Matrix<double, place_quantities, 4> factors = decltype(factors)::Zero();
-  factors(0, 0) = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    factors(1 + axis, 0) = -d[axis];
-    factors(1 + axis, 1 + axis) = -1;
-  }
+/// Q(d) = E - T . d - d . (dT/ds) d / 2: what Q is of each quantity.
+JetSums::Quantities expansionAt(const Eigen::Vector3f& d) noexcept {
+  JetSums::Quantities factors;
+  factors << 1, -d, JetSums::Quantities::Zero().tail<6>();
   for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
-    const auto row = static_cast<Eigen::Index>(4 + c);
     const auto [a, b] = symmetric_axes[c];
-    factors(row, 0) = -(a == b ? 0.5 : 1.0) * d[a] * d[b];
-    factors(row, 1 + a) -= d[b];
-    if (a != b) factors(row, 1 + b) -= d[a];
+    factors[static_cast<Eigen::Index>(4 + c)] = -(a == b ? 0.5f : 1.0f) * d[a] * d[b];
   }
-  return factors.cast<float>();
+  return factors;
+}
+
+/// dQ/dd = -T - (dT/ds) d, from the quantities.
+Eigen::Vector3f slopeAt(const Eigen::Vector3f& d, const JetSums::Quantities& quantities) noexcept {
+  Eigen::Vector3f slope = -quantities.segment<3>(1);
+  for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
+    const auto [a, b] = symmetric_axes[c];
+    const float quantity = quantities[static_cast<Eigen::Index>(4 + c)];
+    slope[a] -= quantity * d[b];
+    if (a != b) slope[b] -= quantity * d[a];
+  }
+  return slope;
 }
 
 /// Side by side on all cores.
@@ -130,53 +151,19 @@ std::vector<SiteJets> makeSites(const std::vector<const SpaceTable*>& spaces,
   return made;
 }
 
-constexpr std::size_t jet_numbers = SiteJet::RowsAtCompileTime;
-using JetColumn = Eigen::Matrix<float, SiteJet::RowsAtCompileTime, 1>;
-using Quantities = Eigen::Matrix<float, place_quantities, 1>;
-
-/// What the jets at the corners of a leaf add: sums[corner] += jet * factors, and the `values` that
-/// the quantities have where value_factors[corner] are the factors of a value. One pass over the
-/// jets, which do not fit into the first cache: nearly all the time of a query.
-PALPATE_PER_CPU_FAMILY void addJets(const std::array<const float*, 8>& jets, const float* factors,
-                                    const JetColumn* value_factors, JetColumn* sums,
-                                    float* values) noexcept {
-  for (std::size_t q = 0; q < place_quantities; ++q) {
-    std::array<float, jet_numbers> products{};
-    for (std::size_t c = 0; c < 8; ++c) {
-      const float* const jet = jets[c] + q * jet_numbers;
-      const float* const to_value = value_factors[c].data();
-      float* const sum = sums[c].data();
-      for (std::size_t n = 0; n < jet_numbers; ++n) {
-        sum[n] += factors[q] * jet[n];
-        products[n] += to_value[n] * jet[n];
-      }
-    }
-    values[q] = 0;
-    for (const float product : products) values[q] += product;
-  }
-}
-
 }  // namespace
 
 struct AreaField::LevelSum {
   bool begun = false;
   double edge = 0;
   Eigen::Vector3d local;
-  // Of each corner the factors of a value, and the sum of w Q, whose polynomial is that of E times
-  // the sum of w.
-  std::array<JetColumn, 8> value_factors, corners;
+  JetSums sums;  ///< of w Q, whose polynomial is that of E times the sum of w
 
   void begin(double leaf_edge, double spacing, const Eigen::Vector3d& place) noexcept {
     begun = true;
     edge = leaf_edge;
     local = place;
-    const LeafBasis basis = valueBasis(edge, spacing, local);
-    for (std::size_t c = 0; c < 8; ++c) {
-      value_factors[c].setZero();
-      for (std::size_t n = 0; n < basis[c].size(); ++n)
-        value_factors[c][static_cast<Eigen::Index>(n)] = static_cast<float>(basis[c][n]);
-      corners[c].setZero();
-    }
+    sums.begin(valueBasis(edge, spacing, local));
   }
 
   /// Adds what the sum says to a sample, over `whole`.
@@ -184,8 +171,7 @@ struct AreaField::LevelSum {
     std::array<EnergyJet, 8> jets;
     LeafJets leaf;
     for (std::size_t c = 0; c < 8; ++c) {
-      for (std::size_t n = 0; n < jets[c].size(); ++n)
-        jets[c][n] = static_cast<double>(corners[c][static_cast<Eigen::Index>(n)]) / whole;
+      for (std::size_t n = 0; n < jets[c].size(); ++n) jets[c][n] = sums.sum(c, n) / whole;
       leaf[c] = &jets[c];
     }
     const EnergySample energy = evaluateEnergy(leaf, edge, spacing, local);
@@ -240,7 +226,7 @@ AreaField::AreaField(const std::vector<const SpaceTable*>& spaces,
     PALPATE_ASSERT(space->lattice.radius() == radius_ &&
                        space->lattice.spacing() == spaces.front()->lattice.spacing(),
                    "the sites of an area are of one build");
-  sites_ = NearPoints(centersOf(spaces), reach_in_distances * site_distance * finger);
+  sites_ = NearPoints(centersOf(spaces), site_reach * site_distance * finger);
   const std::vector<SiteJets> made = makeSites(spaces, sites_done);
   setStations(surface, finger);
   TreeMaker maker(trees_);
@@ -258,8 +244,8 @@ void AreaField::setStations(const std::vector<Eigen::Vector3d>& surface, double 
       places.push_back(place);
   const auto any = [](const Eigen::Vector3d&, std::size_t) { return true; };
   const std::vector<double> distances(places.size(), station_distance * radius);
-  stations_ = NearPoints(farthestPoints(places, distances, any),
-                         reach_in_distances * station_distance * radius);
+  stations_ =
+      NearPoints(farthestPoints(places, distances, any), station_reach * station_distance * radius);
 }
 
 void AreaField::interpolateToStations(const std::vector<const SpaceTable*>& spaces,
@@ -295,42 +281,38 @@ void AreaField::interpolateToStations(const std::vector<const SpaceTable*>& spac
 void AreaField::judge(const std::vector<const SpaceTable*>& spaces,
                       const std::vector<SiteJets>& made, double width, TreeMaker& maker) {
   for (std::size_t site = 0; site < siteCount(); ++site)
-    judgements_.push_back({maker.treeOf(*spaces[site], spaces[site]->splits),
-                           made[site].p_error,
-                           {},
-                           made[site].coverage});
+    judgements_.push_back({maker.treeOf(*spaces[site], spaces[site]->splits), {}});
   inParallel(siteCount(), [&](std::size_t site) {
-    Judgement& judgement = judgements_[site];
+    const SiteJets& own = made[site];
+    std::vector<Doubt>& doubts = judgements_[site].doubts;
+    for (std::size_t slot = 0; slot < own.jets.size(); ++slot)
+      doubts.push_back({static_cast<float>(share_of_p_error) * own.p_error[slot],
+                        std::numeric_limits<float>::quiet_NaN(), own.coverage[slot]});
     Interpolation others(sites_.points(), sites_.points()[site], sites_of_judgement, site, width);
-    if (others.from.empty()) {
-      judgement.lack.assign(judgement.error.size(), std::numeric_limits<float>::quiet_NaN());
-      return;
-    }
-    const CellTree& tree = made[site].tree;
-    judgement.lack.assign(tree.slots().size(), -1);
+    if (others.from.empty()) return;
+    const CellTree& tree = own.tree;
     float worst = 0, least = std::numeric_limits<float>::infinity();
-    for (std::size_t slot = 0; slot < judgement.lack.size(); ++slot) {
-      judgement.error[slot] *= static_cast<float>(share_of_p_error);
+    for (std::size_t slot = 0; slot < doubts.size(); ++slot) {
       const auto number = spaces[site]->lattice.indexOf(tree.slots()[slot].point);
       // The force at rest is zero, of which nothing is a share.
       if (!number || *number == 0 || !isSolved(spaces[site]->points[at(*number)].tag)) continue;
-      const SiteJet& own = made[site].jets[slot];
-      const auto slopeOf = [](const SiteJet& jet) {
+      const auto slopeOf = [](const auto& jet) {
         return Eigen::Vector3f(jet(1, 0), jet(3, 0), jet(9, 0));
       };
+      const Eigen::Vector3f slope = slopeOf(own.jets[slot]);
       const Eigen::Vector3f difference =
-          slopeOf(others.at(made, tree.slots()[slot].point)) - slopeOf(own);
-      const float lack = difference.norm() / slopeOf(own).norm();
-      judgement.lack[slot] = static_cast<float>(share_of_lack) * lack;
-      worst = std::max(worst, judgement.lack[slot]);
-      least = std::min(least, judgement.lack[slot]);
+          slopeOf(others.at<1>(made, tree.slots()[slot].point)) - slope;
+      const float lack = static_cast<float>(share_of_lack) * difference.norm() / slope.norm();
+      doubts[slot].lack = lack;
+      worst = std::max(worst, lack);
+      least = std::min(least, lack);
     }
     // Rest alone tells nothing.
     if (worst == 0) worst = least = 1;
     // What is not solved is no better known than the worst that is; near rest all is best.
-    for (std::size_t slot = 0; slot < judgement.lack.size(); ++slot)
-      if (judgement.lack[slot] < 0)
-        judgement.lack[slot] = tree.slots()[slot].point == LatticePoint{0, 0, 0} ? least : worst;
+    for (std::size_t slot = 0; slot < doubts.size(); ++slot)
+      if (std::isnan(doubts[slot].lack))
+        doubts[slot].lack = tree.slots()[slot].point == LatticePoint{0, 0, 0} ? least : worst;
   });
 }
 
@@ -373,18 +355,16 @@ AreaSample AreaField::inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p)
     }
     const Wendland w(x);
     const Eigen::Vector3d w_slope = w.slope_over_x / (stations_.reach() * stations_.reach()) * d;
-    const auto expansion = expansionAt(d);
-    const Quantities factors = static_cast<float>(w.value) * expansion.col(0);
-    Quantities values;
+    const Eigen::Vector3f offset = d.cast<float>();
+    const JetSums::Quantities factors = expansionAt(offset);
     const LeafCorners& slots = tree->corners(place.leaf);
-    std::array<const float*, 8> jets;
-    for (std::size_t c = 0; c < 8; ++c) jets[c] = jets_[station.first_jet + at(slots[c])].data();
-    addJets(jets, factors.data(), level->value_factors.data(), level->corners.data(),
-            values.data());
-    const Eigen::Vector4d q = (expansion.transpose().lazyProduct(values)).eval().cast<double>();
+    std::array<const SiteJet*, 8> jets;
+    for (std::size_t c = 0; c < 8; ++c) jets[c] = &jets_[station.first_jet + at(slots[c])];
+    const JetSums::Quantities values = level->sums.add(jets, static_cast<float>(w.value) * factors);
     whole += w.value;
     whole_slope += w_slope;
-    slope += w_slope * q[0] + w.value * q.tail<3>();
+    slope += static_cast<double>(factors.dot(values)) * w_slope +
+             w.value * slopeAt(offset, values).cast<double>();
   }
   if (whole < std::numeric_limits<double>::min()) return {};
   AreaSample sample;
@@ -404,14 +384,21 @@ void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
     const double x = (s - sites_.points()[at(site)]).norm() / sites_.reach();
     if (!(x < 1)) continue;
     const double weight = Wendland(x).value;
+    whole += weight;
     const Judgement& judgement = judgements_[at(site)];
     const CellTree& tree = trees_[judgement.tree];
     const LeafPlace place = tree.find(p);
     const LeafCorners& slots = tree.corners(place.leaf);
-    whole += weight;
-    error += weight * static_cast<double>(trilinear(slots, place.local, judgement.error));
-    lack += weight * static_cast<double>(trilinear(slots, place.local, judgement.lack));
-    coverage += weight * static_cast<double>(trilinear(slots, place.local, judgement.coverage));
+    const std::array<double, 8> weights = trilinearWeights(place.local);
+    double covered = 0;
+    for (std::size_t c = 0; c < 8; ++c) {
+      const Doubt& doubt = judgement.doubts[at(slots[c])];
+      error += weight * weights[c] * static_cast<double>(doubt.error);
+      lack += weight * weights[c] * static_cast<double>(doubt.lack);
+      covered += weights[c] * static_cast<double>(doubt.coverage);
+    }
+    // Rounded, so that what is solved on all sides is covered.
+    coverage += weight * static_cast<double>(static_cast<float>(covered));
   }
   if (whole < std::numeric_limits<double>::min()) return;
   sample.error_bound = error / whole + (lack / whole + share_of_force) * sample.force.norm();

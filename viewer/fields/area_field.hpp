@@ -72,12 +72,14 @@ class AreaField {
   struct Station {
     std::size_t tree = 0, first_jet = 0;
   };
-  /// What is said about the error at a site, per slot of its lattice.
+  /// What is said about the error at a slot of a site's lattice: N, share of the force, and as
+  /// ForceSample::coverage.
+  struct Doubt {
+    float error = 0, lack = 0, coverage = 0;
+  };
   struct Judgement {
     std::size_t tree = 0;
-    std::vector<float> error;     ///< N
-    std::vector<float> lack;      ///< of the force
-    std::vector<float> coverage;  ///< as ForceSample::coverage
+    std::vector<Doubt> doubts;  ///< per slot of the tree
   };
   /// Makes trees_.
   class TreeMaker;

@@ -96,11 +96,12 @@ Eigen::MatrixXf hermiteCoefficients(const Eigen::Vector3d& place,
   PALPATE_ASSERT(!sites.empty() && sites.size() == solved.size() && width > 0,
                  "something is interpolated over some distance");
   const Eigen::Index n = place_quantities * static_cast<Eigen::Index>(sites.size());
-  Eigen::MatrixXd matrix(n, n), to_place(place_quantities, n);
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n, n), to_place(place_quantities, n);
   for (std::size_t column = 0; column < sites.size(); ++column) {
     const auto c = static_cast<Eigen::Index>(place_quantities * column);
     to_place.middleCols<place_quantities>(c) = blockOf(place, sites[column], width);
-    for (std::size_t row = 0; row < sites.size(); ++row)
+    // Of the symmetric matrix ldlt() reads what is below the diagonal.
+    for (std::size_t row = column; row < sites.size(); ++row)
       matrix.block<place_quantities, place_quantities>(
           static_cast<Eigen::Index>(place_quantities * row), c) =
           blockOf(sites[row], sites[column], width);

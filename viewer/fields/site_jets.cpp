@@ -81,14 +81,12 @@ LeafPlace SiteJets::placeOf(const LatticePoint& point) const {
   return place;
 }
 
-SiteJet SiteJets::at(const LatticePoint& point) const {
-  const LeafPlace place = placeOf(point);
+SiteJet SiteJets::at(const LeafPlace& place) const {
   if (!isCorner(place.local)) return jetInLeaf(tree, jets, place.leaf, place.local);
   return jets[palpate::at(tree.corners(place.leaf)[cornerAt(place.local)])];
 }
 
-bool SiteJets::isSolvedAt(const LatticePoint& point) const {
-  const LeafPlace place = placeOf(point);
+bool SiteJets::isSolvedAt(const LeafPlace& place) const {
   const LeafCorners& corners = tree.corners(place.leaf);
   const auto isSolved = [&](std::int32_t slot) { return coverage[palpate::at(slot)] == 1; };
   return isCorner(place.local) ? isSolved(corners[cornerAt(place.local)])

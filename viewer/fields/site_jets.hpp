@@ -31,10 +31,11 @@ struct SiteJets {
   SiteJets(const SpaceTable& space, SiteFits& fits)
       : SiteJets(CellData(space, fits.energy), space, fits) {}
 
-  /// At any lattice position that some leaf of the tree has in it or on it.
-  SiteJet at(const LatticePoint& point) const;
+  /// A leaf that a lattice position is in or on. Trees of one area have the same ball.
+  LeafPlace placeOf(const LatticePoint& point) const;
+  SiteJet at(const LeafPlace& place) const;
   /// Whether that stands on solved points of one branch alone; else it is extrapolated.
-  bool isSolvedAt(const LatticePoint& point) const;
+  bool isSolvedAt(const LeafPlace& place) const;
 
   CellTree tree;
   std::vector<SiteJet> jets;    ///< per slot
@@ -43,8 +44,6 @@ struct SiteJets {
 
  private:
   SiteJets(CellData data, const SpaceTable& space, SiteFits& fits);
-  /// A leaf that the position is in or on.
-  LeafPlace placeOf(const LatticePoint& point) const;
 };
 
 /// What a leaf with these jets at the slots of its tree interpolates at a place in it.

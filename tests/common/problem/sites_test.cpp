@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <numeric>
 #include <random>
 
@@ -158,11 +159,13 @@ TEST_F(FingerScene, ReachesWhatPushingNeedsUnlessItIsGlued) {
   scene.active[0].near = Eigen::Vector3d(0.11, 0.09, 0.2);
   const PushedPart flat = resolved().active[0].finger->reach;
   EXPECT_LT((flat.outward - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
-  EXPECT_LT(flat.pull, 1e-6) << "the surface is flat under it";
+  EXPECT_NEAR(flat.pull, -std::cos(75 * M_PI / 180), 1e-6) << "the surface is flat under it";
   scene.active[0].near = Eigen::Vector3d(0.2, 0.09, 0.2);
   const PushedPart edge = resolved().active[0].finger->reach;
   EXPECT_NEAR(edge.outward.x(), edge.outward.z(), 0.01);
-  EXPECT_GT(edge.pull, 0.8) << "two sides are under it";
+  // Of normals half x, half z, a = acos(sqrt(2) - 1).
+  EXPECT_NEAR(edge.pull, std::sin(75 * M_PI / 180 - std::asin(std::numbers::sqrt2 - 1)), 0.01)
+      << "two sides are under it";
   const ContentId pushing = problemId(resolved());
   scene.contact = ContactMode::glued;
   EXPECT_EQ(resolved().active[0].finger->reach, PushedPart{});

@@ -1,0 +1,64 @@
+#include "viewer/fields/jet_sums.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace palpate {
+namespace {
+
+struct JetSumsOfALeaf : ::testing::Test {
+  JetSumsOfALeaf() {
+    for (auto& station : stations)
+      for (SiteJet& jet : station)
+        jet = SiteJet::NullaryExpr([this] { return static_cast<float>(number()); });
+    sums.begin(basis);
+  }
+  double number() { return std::uniform_real_distribution<double>(-1, 1)(random); }
+  static std::array<const SiteJet*, 8> corners(const std::array<SiteJet, 8>& jets) {
+    std::array<const SiteJet*, 8> pointers;
+    for (std::size_t c = 0; c < 8; ++c) pointers[c] = &jets[c];
+    return pointers;
+  }
+
+  std::mt19937 random{11};
+  std::array<std::array<SiteJet, 8>, 3> stations;
+  const LeafBasis basis = valueBasis(0.5, 1, {0.3, 0.8, 0.1});
+  JetSums sums;
+};
+
+TEST_F(JetSumsOfALeaf, AreThoseOfAllQuantitiesAndStations) {
+  Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(27, 8);
+  for (const auto& station : stations) {
+    const JetSums::Quantities factors =
+        JetSums::Quantities::NullaryExpr([this] { return static_cast<float>(number()); });
+    for (int c = 0; c < 8; ++c)
+      expected.col(c) += station[at(c)].topRows<27>().cast<double>() * factors.cast<double>();
+    sums.add(corners(station), factors);
+  }
+  for (int c = 0; c < 8; ++c)
+    for (int n = 0; n < 27; ++n) EXPECT_NEAR(sums.sum(at(c), at(n)), expected(n, c), 1e-5);
+}
+
+TEST_F(JetSumsOfALeaf, SayWhatTheQuantitiesAreAtThePlace) {
+  for (const auto& station : stations) {
+    const JetSums::Quantities values = sums.add(corners(station), JetSums::Quantities::Ones());
+    for (int q = 0; q < place_quantities; ++q) {
+      double expected = 0;
+      for (int c = 0; c < 8; ++c)
+        for (int n = 0; n < 27; ++n)
+          expected += basis[at(c)][at(n)] * static_cast<double>(station[at(c)](n, q));
+      EXPECT_NEAR(values[q], expected, 1e-5);
+    }
+  }
+}
+
+TEST_F(JetSumsOfALeaf, BeginAnew) {
+  sums.add(corners(stations[0]), JetSums::Quantities::Ones());
+  sums.begin(basis);
+  for (std::size_t c = 0; c < 8; ++c)
+    for (std::size_t n = 0; n < 27; ++n) EXPECT_EQ(sums.sum(c, n), 0);
+}
+
+}  // namespace
+}  // namespace palpate

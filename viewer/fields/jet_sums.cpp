@@ -1,0 +1,69 @@
+#include "viewer/fields/jet_sums.hpp"
+
+#include <cstring>
+
+#include "common/base/cpu_family.hpp"
+
+namespace palpate {
+namespace {
+
+/// One register of AVX-512, two of AVX2.
+using Pack = float __attribute__((vector_size(jet_lanes * sizeof(float))));
+
+[[gnu::always_inline]] inline Pack load(const float* numbers) {
+  Pack pack;
+  std::memcpy(&pack, numbers, sizeof pack);
+  return pack;
+}
+
+/// Of 8 corners: packs of value_factors and sums, jets of ten columns; one pass over the jets,
+/// which are in no cache when a hand comes to a new place.
+PALPATE_PER_CPU_FAMILY void addJets(const std::array<const SiteJet*, 8>& jets, const float* factors,
+                                    const float* value_factors, float* sums,
+                                    float* values) noexcept {
+  Pack products[place_quantities] = {};
+  for (std::size_t c = 0; c < 8; ++c) {
+    const float* const jet = jets[c]->data();
+    float* const sum = sums + 2 * jet_lanes * c;
+    const Pack low_factors = load(value_factors + 2 * jet_lanes * c),
+               high_factors = load(value_factors + 2 * jet_lanes * c + jet_lanes);
+    Pack low_sum = load(sum), high_sum = load(sum + jet_lanes);
+#pragma GCC unroll 10
+    for (std::size_t q = 0; q < place_quantities; ++q) {
+      const Pack low = load(jet + jet_numbers * q),
+                 high = load(jet + jet_numbers * (q + 1) - jet_lanes);
+      low_sum += factors[q] * low;
+      high_sum += factors[q] * high;
+      products[q] += low_factors * low;
+      products[q] += high_factors * high;
+    }
+    std::memcpy(sum, &low_sum, sizeof low_sum);
+    std::memcpy(sum + jet_lanes, &high_sum, sizeof high_sum);
+  }
+  for (std::size_t q = 0; q < place_quantities; ++q) {
+    values[q] = 0;
+    for (std::size_t lane = 0; lane < jet_lanes; ++lane) values[q] += products[q][lane];
+  }
+}
+
+}  // namespace
+
+void JetSums::begin(const LeafBasis& basis) noexcept {
+  for (std::size_t c = 0; c < basis.size(); ++c) {
+    sums_[c].fill(0);
+    Packs& factors = value_factors_[c];
+    factors.fill(0);
+    for (std::size_t n = 0; n < jet_lanes; ++n) factors[n] = static_cast<float>(basis[c][n]);
+    for (std::size_t n = jet_lanes; n < basis[c].size(); ++n)
+      factors[n + overlap] = static_cast<float>(basis[c][n]);
+  }
+}
+
+JetSums::Quantities JetSums::add(const std::array<const SiteJet*, 8>& jets,
+                                 const Quantities& factors) noexcept {
+  Quantities values;
+  addJets(jets, factors.data(), value_factors_.front().data(), sums_.front().data(), values.data());
+  return values;
+}
+
+}  // namespace palpate
