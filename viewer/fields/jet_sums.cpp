@@ -8,10 +8,10 @@ namespace palpate {
 namespace {
 
 /// One register of AVX-512, two of AVX2.
-using Pack = float __attribute__((vector_size(jet_lanes * sizeof(float))));
+using JetPack = float __attribute__((vector_size(jet_lanes * sizeof(float))));
 
-[[gnu::always_inline]] inline Pack load(const float* numbers) {
-  Pack pack;
+[[gnu::always_inline]] inline JetPack load(const float* numbers) {
+  JetPack pack;
   std::memcpy(&pack, numbers, sizeof pack);
   return pack;
 }
@@ -21,17 +21,17 @@ using Pack = float __attribute__((vector_size(jet_lanes * sizeof(float))));
 PALPATE_PER_CPU_FAMILY void addJets(const std::array<const SiteJet*, 8>& jets, const float* factors,
                                     const float* value_factors, float* sums,
                                     float* values) noexcept {
-  Pack products[place_quantities] = {};
+  JetPack products[place_quantities] = {};
   for (std::size_t c = 0; c < 8; ++c) {
     const float* const jet = jets[c]->data();
     float* const sum = sums + 2 * jet_lanes * c;
-    const Pack low_factors = load(value_factors + 2 * jet_lanes * c),
-               high_factors = load(value_factors + 2 * jet_lanes * c + jet_lanes);
-    Pack low_sum = load(sum), high_sum = load(sum + jet_lanes);
+    const JetPack low_factors = load(value_factors + 2 * jet_lanes * c),
+                  high_factors = load(value_factors + 2 * jet_lanes * c + jet_lanes);
+    JetPack low_sum = load(sum), high_sum = load(sum + jet_lanes);
 #pragma GCC unroll 10
     for (std::size_t q = 0; q < place_quantities; ++q) {
-      const Pack low = load(jet + jet_numbers * q),
-                 high = load(jet + jet_numbers * (q + 1) - jet_lanes);
+      const JetPack low = load(jet + jet_numbers * q),
+                    high = load(jet + jet_numbers * (q + 1) - jet_lanes);
       low_sum += factors[q] * low;
       high_sum += factors[q] * high;
       products[q] += low_factors * low;
