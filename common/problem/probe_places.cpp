@@ -5,6 +5,7 @@
 
 #include "common/base/index.hpp"
 #include "common/mesh/surface_pieces.hpp"
+#include "common/mesh/surface_point.hpp"
 #include "common/problem/finger.hpp"
 
 namespace palpate {

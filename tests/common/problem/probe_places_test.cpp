@@ -4,6 +4,7 @@
 
 #include <numeric>
 
+#include "common/base/error.hpp"
 #include "common/mesh/surface_point.hpp"
 #include "common/problem/finger.hpp"
 #include "common/problem/problem.hpp"
@@ -48,8 +49,8 @@ TEST_F(ProbePlacesOnACube, FillSurfaceAndBallEvenly) {
     up += displacement.z() > 0;
   }
   for (const int side : sides) EXPECT_NEAR(side, count / 5.3, 12);
-  EXPECT_NEAR(inner, count / 8, 10);
-  EXPECT_NEAR(up, count / 2, 12);
+  EXPECT_NEAR(inner, count / 8.0, 10);
+  EXPECT_NEAR(up, count / 2.0, 12);
 }
 
 TEST_F(ProbePlacesOnACube, AreTheSameEachTimeAndFewerAreTheFirst) {
