@@ -33,9 +33,9 @@ ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet
 Finger fingerNear(const std::string& what, const Mesh& mesh, const Eigen::Vector3d& near,
                   double radius);
 
-/// What a finger that only pushes reaches at a place of the surface with this normal: displacements
-/// that lean from the inward normal by at most 75 degrees. It slides before it leans farther; the
-/// virtual hand's lean by less than 72 degrees for 99 % of its time.
+/// What a finger that only pushes reaches at a place of the surface with this outward unit normal:
+/// displacements that lean from the inward normal by at most 75 degrees. It slides before it leans
+/// farther; the virtual hand's lean by less than 72 degrees for 99 % of its time.
 PushedPart pushedAt(const Eigen::Vector3d& normal);
 
 /// What it reaches at all places under the finger. The surface there turns by about the angle a

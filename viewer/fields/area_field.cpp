@@ -18,10 +18,9 @@ namespace {
 
 /// A station is at most this many radii of the finger from any place, sites as site_distance says.
 constexpr double station_distance = 0.3;
-/// How far a station and what is said about a site reach, in those distances. Stations: as little
-/// as leaves no gap, since the nearest one knows best, and each takes its time. Sites: at the
-/// farthest place two or three still share.
-constexpr double station_reach = 1.2, site_reach = 1.4;
+/// Of a station and a site, in the distances that such points may be from places: at the farthest
+/// place two or three still share. Less makes blends steeper, and drives worse.
+constexpr double reach_in_distances = 1.4;
 /// What a station is interpolated from, and a site from the others.
 constexpr std::size_t sites_of_station = 7, sites_of_judgement = 6;
 /// Of the kernel, in radii of the finger. From 1 to 2 the errors are the same within a third.
@@ -226,7 +225,7 @@ AreaField::AreaField(const std::vector<const SpaceTable*>& spaces,
     PALPATE_ASSERT(space->lattice.radius() == radius_ &&
                        space->lattice.spacing() == spaces.front()->lattice.spacing(),
                    "the sites of an area are of one build");
-  sites_ = NearPoints(centersOf(spaces), site_reach * site_distance * finger);
+  sites_ = NearPoints(centersOf(spaces), reach_in_distances * site_distance * finger);
   const std::vector<SiteJets> made = makeSites(spaces, sites_done);
   setStations(surface, finger);
   TreeMaker maker(trees_);
@@ -244,8 +243,8 @@ void AreaField::setStations(const std::vector<Eigen::Vector3d>& surface, double 
       places.push_back(place);
   const auto any = [](const Eigen::Vector3d&, std::size_t) { return true; };
   const std::vector<double> distances(places.size(), station_distance * radius);
-  stations_ =
-      NearPoints(farthestPoints(places, distances, any), station_reach * station_distance * radius);
+  stations_ = NearPoints(farthestPoints(places, distances, any),
+                         reach_in_distances * station_distance * radius);
 }
 
 void AreaField::interpolateToStations(const std::vector<const SpaceTable*>& spaces,

@@ -11,7 +11,7 @@ namespace palpate {
 inline constexpr std::size_t jet_numbers = SiteJet::RowsAtCompileTime, jet_lanes = 16;
 
 /// Sums of SiteJets over their quantities at the corners of one leaf: nearly all the time of a
-/// query of an area goes in here.
+/// query of an area goes in here. In single precision; one thread.
 class JetSums {
  public:
   using Quantities = Eigen::Matrix<float, place_quantities, 1>;
@@ -20,7 +20,7 @@ class JetSums {
   void begin(const LeafBasis& basis) noexcept;
   /// Adds jet * factors at each corner. Returns the values that the quantities have. Real time.
   Quantities add(const std::array<const SiteJet*, 8>& jets, const Quantities& factors) noexcept;
-  /// What has been summed at a corner.
+  /// What has been summed at a corner: of the 27 numbers, in the units of the jets.
   double sum(std::size_t corner, std::size_t number) const noexcept {
     return sums_[corner][number < jet_lanes ? number : number + overlap];
   }
