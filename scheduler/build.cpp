@@ -10,22 +10,32 @@ Build::Build(Problem problem, const std::filesystem::path& state, CoordinatorSet
       problem_bytes_(encodeProblem(problem_)),
       directory_(state),
       store_(directory_, problem_, problem_bytes_),
-      journal_(directory_.path(), store_.committed()),
-      coordinator_(problem_, problem_bytes_, store_, journal_, std::chrono::steady_clock::now(),
-                   settings) {}
+      coordinator_(problem_, problem_bytes_, store_, std::chrono::steady_clock::now(), settings) {}
+
+JournalRecord Build::recordOf(std::size_t space, std::int32_t point) const {
+  const SpacePlan& plan = coordinator_.plans()[space];
+  const Lattice& positions = plan.positions();
+  auto record = store_.find({static_cast<std::uint32_t>(space), positions.point(point),
+                             positions.point(plan.point(point).parent)});
+  PALPATE_ASSERT(record, "a plan moves on with recorded results only");
+  return std::move(*record);
+}
+
+void Build::verify() const {
+  const std::vector<SpacePlan>& plans = coordinator_.plans();
+  for (std::size_t space = 0; space < plans.size(); ++space)
+    for (std::int32_t n = 0; n < plans[space].size(); ++n)
+      if (isSolved(plans[space].point(n).tag)) recordOf(space, n);
+}
 
 std::vector<SpaceTable> Build::seal(const std::filesystem::path& file) {
   PALPATE_ASSERT(coordinator_.complete(), "a dataset holds every point of its scene");
-  const std::vector<SpacePlan>& plans = coordinator_.plans();
-  std::vector<SpaceTable> tables = spaceTables(plans);
+  std::vector<SpaceTable> tables = spaceTables(coordinator_.plans());
   const auto fields = [&](std::size_t space, std::int32_t point) {
-    const auto kept =
-        store_.find({static_cast<std::uint32_t>(space), point, plans[space].point(point).parent});
-    PALPATE_ASSERT(kept, "a plan moves on with recorded results only");
-    return NodalFields::decode(journal_.read(kept->where).payload, problem_.mesh.nodes.size(),
+    return NodalFields::decode(recordOf(space, point).payload, problem_.mesh.nodes.size(),
                                pressureNodes(problem_));
   };
-  sealDataset(file, problem_, tables, store_.build().kernel_family, fields);
+  sealDataset(file, problem_, tables, store_.kernelFamily(), fields);
   return tables;
 }
 

@@ -19,15 +19,21 @@ class Build {
   const Problem& problem() const { return problem_; }
   Coordinator& coordinator() { return coordinator_; }
   const StateDirectory& directory() const { return directory_; }
+  /// Reads every record that the dataset of a complete build is made of. DamagedRecord when one is
+  /// not what was written.
+  void verify() const;
+  /// Marks a damaged record: the next Build in this directory computes it again.
+  void drop(const DamagedRecord& damage) { store_.drop(damage.where()); }
   /// Writes the dataset of a complete build; returns its tables.
   std::vector<SpaceTable> seal(const std::filesystem::path& file);
 
  private:
+  JournalRecord recordOf(std::size_t space, std::int32_t point) const;
+
   const Problem problem_;
   const std::string problem_bytes_;
   StateDirectory directory_;
   JobStore store_;
-  Journal journal_;
   Coordinator coordinator_;
 };
 

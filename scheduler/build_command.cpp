@@ -126,10 +126,11 @@ ExitCode finish(const std::vector<SpaceTable>& spaces, const Scene& scene,
 
 /// What `build` and `serve` are asked for alike.
 struct BuildOrder {
-  std::string scene;   ///< a TOML file
-  std::string out;     ///< the dataset; empty: NAME.h5 in the current directory
-  std::string state;   ///< the state directory; empty: OUT.state
-  bool force = false;  ///< replace `out` when it holds something else
+  std::string scene;                     ///< a TOML file
+  std::string out;                       ///< the dataset; empty: NAME.h5 in the current directory
+  std::string state;                     ///< the state directory; empty: OUT.state
+  bool force = false;                    ///< replace `out` when it holds something else
+  std::optional<unsigned> hung_after_s;  ///< of a solve; nothing: from what solves took so far
 };
 
 /// Declares SCENE, -o, --state and --force on `app`, which must not outlive `order`.
@@ -142,14 +143,62 @@ void addOptions(CLI::App& app, BuildOrder& order) {
   app.add_option("--state", order.state,
                  "Directory for unfinished work, on a local disk [OUTPUT.state]");
   app.add_flag("--force", order.force, "Replace OUTPUT when it holds something else");
+  app.add_option(
+         "--hung-after", order.hung_after_s,
+         "A worker whose solve takes longer than so many seconds ends, and another is asked "
+         "[30 times the longest so far, 120 at least]")
+      ->check(CLI::Range(1U, 7U * 24 * 3600));
+}
+
+/// Brings the build that a server works for to its end and calls `seal`, then lets the workers
+/// leave. Unless it is stopped, or stuck: then it returns the exit code.
+using Compute = std::function<ExitCode(Server&, Coordinator&, const std::function<void()>& seal)>;
+
+/// Tells what the exit code of a build that came to no end means.
+ExitCode tellWhy(const Coordinator& coordinator, const std::string& state, ExitCode when_stopped) {
+  if (!coordinator.stuck()) {
+    tell("stopped; everything finished is kept in {}. The same command goes on from there.\n",
+         state);
+    return when_stopped;
+  }
+  tell(
+      "not sealed: everything is computed but what workers ended on, {} transition(s) set aside "
+      "(see above, and palpate status {}). When the reason is gone, palpate retry {} and the same "
+      "command again try them anew.\n",
+      coordinator.asideCount(), state, state);
+  return ExitCode::failed;
+}
+
+/// The tables of the dataset `out`, sealed by a server at `endpoint`, which gets the port that was
+/// chosen; none when the build was stopped or is stuck, and what
+/// `compute` returned then.
+std::pair<std::vector<SpaceTable>, ExitCode> sealedBy(const Compute& compute, Build& build,
+                                                      std::string& endpoint,
+                                                      const std::filesystem::path& out,
+                                                      const std::string& state) {
+  Coordinator& coordinator = build.coordinator();
+  if (coordinator.complete()) return {build.seal(out), ExitCode::done};
+  if (coordinator.found() > 0)
+    spdlog::info("going on: {} results are recorded in {}", coordinator.found(), state);
+  zmq::context_t context;
+  Server server(context, endpoint);
+  endpoint = server.endpoint();
+  build.directory().announce(endpoint);
+  std::vector<SpaceTable> tables;
+  const ExitCode when_stopped = compute(server, coordinator, [&] {
+    // As long as there are workers that could compute it again.
+    build.verify();
+    coordinator.dismiss();
+    server.turn(coordinator, milliseconds(0));
+    tables = build.seal(out);
+  });
+  return {tables, when_stopped};
 }
 
 /// From the scene to the sealed dataset, which is what stdout then tells; nothing to do when `out`
-/// is that already. `compute` brings the build that a server at `endpoint` works for to its end,
-/// unless it is stopped: then it returns the exit code. Error before anything is computed when the
-/// scene is wrong, `out` holds something else, or its folder is not there.
-ExitCode carryOut(const BuildOrder& order, const std::string& endpoint,
-                  const std::function<ExitCode(Server&, Coordinator&)>& compute) {
+/// is that already. Error before anything is computed when the scene is wrong, `out` holds
+/// something else, or its folder is not there.
+ExitCode carryOut(const BuildOrder& order, std::string endpoint, const Compute& compute) {
   Problem problem = loadProblem(order.scene);
   logWarnings(problem);
   const std::filesystem::path out = order.out.empty() ? problem.scene.name + ".h5" : order.out;
@@ -162,37 +211,35 @@ ExitCode carryOut(const BuildOrder& order, const std::string& endpoint,
 
   catchInterrupts();
   const auto began = Clock::now();
-  Build build(std::move(problem), state);
-  Coordinator& coordinator = build.coordinator();
-  if (!coordinator.complete()) {
-    if (coordinator.found() > 0)
-      spdlog::info("going on: {} results are recorded in {}", coordinator.found(), state);
-    zmq::context_t context;
-    Server server(context, endpoint);
-    build.directory().announce(server.endpoint());
-    const ExitCode when_stopped = compute(server, coordinator);
-    if (!coordinator.complete()) {
-      tell("stopped; everything finished is kept in {}. The same command goes on from there.\n",
-           state);
-      return when_stopped;
+  CoordinatorSettings settings;
+  if (order.hung_after_s) settings.hung_after = std::chrono::seconds(*order.hung_after_s);
+  for (;;) {
+    Build build(problem, state, settings);
+    try {
+      const auto [tables, when_stopped] = sealedBy(compute, build, endpoint, out, state);
+      if (tables.empty()) return tellWhy(build.coordinator(), state, when_stopped);
+      const double seconds = std::chrono::duration<double>(Clock::now() - began).count();
+      return finish(tables, build.problem().scene, out,
+                    fmt::format("sealed after {:.1f} s", seconds));
+    } catch (const DamagedRecord& damage) {
+      spdlog::warn("{}: it is dropped, and computed again", damage.what());
+      build.drop(damage);
     }
   }
-  const std::vector<SpaceTable> spaces = build.seal(out);
-  const double seconds = std::chrono::duration<double>(Clock::now() - began).count();
-  return finish(spaces, build.problem().scene, out, fmt::format("sealed after {:.1f} s", seconds));
 }
 
-/// Answers messages and shows progress until the build is complete or stopped, by a message or a
-/// signal. `each_turn` is called a few times a second at least.
+/// Answers messages and shows progress until the build is complete, stuck or stopped, by a message
+/// or a signal. `each_turn` is called a few times a second at least.
 void serveUntilDone(Server& server, Coordinator& coordinator,
                     const std::function<void()>& each_turn = {}) {
   Progress progress;
-  while (!coordinator.complete() && !coordinator.stopping()) {
+  while (!coordinator.complete() && !coordinator.stopping() && !coordinator.stuck()) {
     server.turn(coordinator, longest_turn);
     if (each_turn) each_turn();
     progress.show(coordinator);
     if (interrupted()) coordinator.stop(Clock::now());
   }
+  if (coordinator.stuck()) coordinator.dismiss();
   progress.end();
 }
 
@@ -209,11 +256,12 @@ struct BuildOptions {
   int workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
 
-ExitCode compute(Server& server, Coordinator& coordinator, int workers) {
+ExitCode compute(Server& server, Coordinator& coordinator, const std::function<void()>& seal,
+                 int workers) {
   // How long workers may take to finish what they hold.
   constexpr milliseconds drain_limit{15000};
   WorkerPool pool({programBeside("palpate-worker").string(), "work", "--connect", server.endpoint(),
-                   "-j", "1", "--quiet"});
+                   "--alone", "--quiet"});
   for (int n = 0; n < workers; ++n) pool.start();
 
   std::int64_t recorded = 0;
@@ -236,6 +284,7 @@ ExitCode compute(Server& server, Coordinator& coordinator, int workers) {
     }
   };
   serveUntilDone(server, coordinator, replaceEnded);
+  if (coordinator.complete()) seal();
   for (const auto deadline = Clock::now() + drain_limit;
        pool.running() > 0 && Clock::now() < deadline; pool.reap())
     server.turn(coordinator, longest_turn);
@@ -254,9 +303,10 @@ std::function<ExitCode()> prepareBuild(CLI::App& app) {
       "Exit codes: 0 done, 1 failed, 2 bad scene or usage, 3 done but some points failed, "
       "130 interrupted.");
   return [options] {
-    return carryOut(options->order, "tcp://127.0.0.1:*", [&](Server& server, Coordinator& build) {
-      return compute(server, build, options->workers);
-    });
+    return carryOut(options->order, "tcp://127.0.0.1:*",
+                    [&](Server& server, Coordinator& build, const std::function<void()>& seal) {
+                      return compute(server, build, seal, options->workers);
+                    });
   };
 }
 
@@ -268,11 +318,12 @@ struct ServeOptions {
   bool insecure = false;
 };
 
-ExitCode serve(Server& server, Coordinator& coordinator) {
+ExitCode serve(Server& server, Coordinator& coordinator, const std::function<void()>& seal) {
   // How long workers may take to finish what they hold and leave.
   constexpr std::chrono::seconds drain_limit{30};
   spdlog::info("listening on {}", server.endpoint());
   serveUntilDone(server, coordinator);
+  if (coordinator.complete()) seal();
   for (const auto deadline = Clock::now() + drain_limit;
        !coordinator.deserted(Clock::now()) && Clock::now() < deadline;)
     server.turn(coordinator, longest_turn);

@@ -161,7 +161,7 @@ std::vector<SpaceTable> spacesIn(const std::string& where) {
   if (!std::filesystem::is_directory(where)) return Dataset(where).spaces();
   StoredTables tables(where);
   const Problem problem = decodeProblem(tables.build().problem);
-  return spaceTables(replay(problem, tables.results()).plans);
+  return spaceTables(replay(problem, readResults(where, tables.build().build).results).plans);
 }
 
 ExitCode run(const ExplainOptions& options) {

@@ -57,14 +57,18 @@ struct StatusOptions {
 wire::Status storedStatus(const std::filesystem::path& directory) {
   StoredTables tables(directory);
   const Problem problem = decodeProblem(tables.build().problem);
-  const Replay replayed = replay(problem, tables.results());
+  const RecordedResults recorded = readResults(directory, tables.build().build);
+  for (const std::string& damage : recorded.damage)
+    spdlog::warn("{}; what was recorded there will be computed again", damage);
+  const Replay replayed = replay(problem, recorded.results);
   std::vector<wire::WorkerStatus> servers = tables.servers();
   // What the tables last said; no scheduler runs that they could be idle or busy for.
   for (wire::WorkerStatus& row : servers)
     if (row.state() != "lost") row.set_state("left");
   wire::Status status = statusOf(problem, replayed.plans, servers, tables.counters());
   status.set_build(tables.build().build.hex());
-  status.set_state(tables.build().complete ? "complete" : "stopped");
+  const bool complete = std::ranges::all_of(replayed.plans, &SpacePlan::complete);
+  status.set_state(complete ? "complete" : "stopped");
   return status;
 }
 
@@ -115,6 +119,43 @@ ExitCode stop(const std::string& where) {
   return ExitCode::done;
 }
 
+// ---- retry ----
+
+/// Of a directory in which nobody works.
+std::int64_t retryStored(const std::filesystem::path& directory) {
+  // What is no state directory is refused before one is made of it.
+  const StoredTables there{directory};
+  return forgetLosses(StateDirectory(directory));
+}
+
+ExitCode retry(const std::string& where) {
+  const std::string endpoint = endpointOf(where);
+  std::int64_t transitions = 0;
+  if (endpoint.empty()) {
+    transitions = retryStored(where);
+  } else {
+    wire::Message question;
+    question.mutable_retry_request();
+    const wire::Message answer = ask(endpoint, question);
+    if (!answer.has_retry_reply())
+      throw failure("{}: what answers there is not a Palpate scheduler", endpoint);
+    transitions = answer.retry_reply().transitions();
+  }
+  fmt::print("{}: {} transition(s) that were set aside {}\n", where, transitions,
+             endpoint.empty() ? "will be tried again by the next build" : "are tried again");
+  return ExitCode::done;
+}
+
+std::function<ExitCode()> prepareRetry(CLI::App& app) {
+  auto where = std::make_shared<std::string>(default_endpoint);
+  app.add_option("WHERE", *where, "Scheduler, tcp://HOST:PORT, or a state directory")
+      ->capture_default_str();
+  app.footer(
+      "A transition is set aside after five workers ended while they solved it; the rest of the\n"
+      "build goes on without it.");
+  return [where] { return retry(*where); };
+}
+
 std::function<ExitCode()> prepareStop(CLI::App& app) {
   auto where = std::make_shared<std::string>(default_endpoint);
   app.add_option("WHERE", *where, "Scheduler, tcp://HOST:PORT, or its state directory")
@@ -123,6 +164,9 @@ std::function<ExitCode()> prepareStop(CLI::App& app) {
 }
 
 }  // namespace
+
+const Verb retry_verb = {"retry", "Try again what was set aside because workers ended on it",
+                         prepareRetry};
 
 const Verb status_verb = {
     "status", "How far a build is: points, rate, time left, workers, failures", prepareStatus};

@@ -192,6 +192,10 @@ std::string describe(const wire::Status& status) {
     text += progressLine(status) + '\n';
   text += causesLine("failed points", status.failed_points()) +
           causesLine("failed transitions", status.failed_attempts());
+  if (status.set_aside() > 0)
+    text += fmt::format(
+        "set aside, because workers ended on them: {} transition(s); see palpate retry\n",
+        status.set_aside());
   for (const wire::WorkerStatus& w : status.workers())
     text += fmt::format("worker {} on {}: {}, {} results, heard {:.0f} s ago\n", w.pid(), w.host(),
                         w.state(), w.results(), w.heard_seconds_ago());

@@ -12,6 +12,8 @@ extern const Verb serve_verb;
 extern const Verb status_verb;
 /// `palpate stop`: ends a scheduler in such a way that it can go on.
 extern const Verb stop_verb;
+/// `palpate retry`: tries again what was set aside.
+extern const Verb retry_verb;
 /// `palpate explain`: how one lattice point was reached, or why it was not.
 extern const Verb explain_verb;
 

@@ -1,4 +1,5 @@
 #include <array>
+#include <cstdlib>
 
 #include "worker/elements/blas_kernels.hpp"
 #include "worker/elements/kernel_family.hpp"
@@ -26,5 +27,7 @@ const Verb kernels_verb = {"kernels", "The kernels that solve on this machine",
 int main(int argc, char** argv) {
   chooseBlasKernels(argv);
   const std::array verbs = {check_verb, work_verb, solve_verb, kernels_verb};
-  return runProgram(argc, argv, "palpate-worker: everything that solves", verbs);
+  const int code = runProgram(argc, argv, "palpate-worker: everything that solves", verbs);
+  if (solver_left_running) std::_Exit(code);
+  return code;
 }

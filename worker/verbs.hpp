@@ -13,4 +13,8 @@ extern const Verb work_verb;
 /// `palpate solve`: exact solutions, no scheduler.
 extern const Verb solve_verb;
 
+/// A solver thread is still at work though its program wants to end: it must end without a return
+/// from main(), which would take away what that thread uses.
+extern bool solver_left_running;
+
 }  // namespace palpate

@@ -5,6 +5,8 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <deque>
+#include <future>
 #include <thread>
 
 #include "worker/link/job_loop.hpp"
@@ -17,36 +19,92 @@ namespace {
 struct WorkOptions {
   LinkOptions link;
   int workers = 1;
+  bool alone = false;  ///< nobody watches this process but who started it
 };
 
-/// The solver thread, which must end before the mailbox goes: also when the link ends with an
-/// error.
-struct SolverThread {
-  Mailbox& mailbox;
-  std::thread thread;
-  ~SolverThread() {
-    mailbox.forgetJobs();
-    mailbox.close();
-    thread.join();
+/// The solver thread. A solve cannot be interrupted, and one that hangs never ends: what is still
+/// at work a moment after the link has ended is left running.
+class SolverThread {
+ public:
+  SolverThread(std::shared_ptr<Mailbox> mailbox, const ElementKernels& kernels)
+      : mailbox_(std::move(mailbox)), ended_(std::make_shared<std::promise<void>>()) {
+    thread_ = std::thread([mailbox = mailbox_, ended = ended_, &kernels] {
+      solveJobs(*mailbox, kernels);
+      ended->set_value();
+    });
   }
+  ~SolverThread() {
+    mailbox_->forgetJobs();
+    mailbox_->close();
+    constexpr std::chrono::milliseconds moment{200};
+    if (ended_->get_future().wait_for(moment) == std::future_status::ready) {
+      thread_.join();
+    } else {
+      thread_.detach();
+      solver_left_running = true;
+    }
+  }
+  SolverThread(const SolverThread&) = delete;
+  SolverThread& operator=(const SolverThread&) = delete;
+
+ private:
+  std::shared_ptr<Mailbox> mailbox_;
+  std::shared_ptr<std::promise<void>> ended_;
+  std::thread thread_;
 };
 
 ExitCode runOneWorker(const WorkOptions& options) {
   catchInterrupts();
   const ElementKernels& kernels = chooseKernels();
   zmq::context_t context;
-  Mailbox mailbox;
-  SchedulerLink link(context, mailbox, kernels, options.link);
-  SolverThread solver{mailbox, std::thread([&] { solveJobs(mailbox, kernels); })};
+  const auto mailbox = std::make_shared<Mailbox>();
+  SchedulerLink link(context, *mailbox, kernels, options.link);
+  const SolverThread solver(mailbox, kernels);
   const ExitCode end = link.run();
   if (end == ExitCode::done) spdlog::info("no more work");
   return end;
 }
 
-/// Starts `palpate-worker work ... -j 1`, which dies with this process.
-pid_t startChild(const WorkOptions& options) {
-  const std::string give_up = std::to_string(options.link.give_up_s),
-                    drain = std::to_string(options.link.drain_s);
+/// For the command line of a child.
+std::string hexOf(const std::string& bytes) {
+  const std::vector<unsigned char> numbers(bytes.begin(), bytes.end());
+  return fmt::format("{:02x}", fmt::join(numbers, ""));
+}
+
+std::string bytesOf(const std::string& hex) {
+  std::string bytes;
+  for (std::size_t at = 0; at + 1 < hex.size(); at += 2)
+    bytes.push_back(static_cast<char>(std::stoi(hex.substr(at, 2), nullptr, 16)));
+  return bytes;
+}
+
+using Clock = std::chrono::steady_clock;
+
+/// One of the processes that a supervisor keeps running.
+struct Child {
+  std::string id;  ///< as the scheduler knows it
+  Clock::time_point started;
+};
+
+/// Starts `palpate-worker work ... --alone`, which dies with this process.
+pid_t startChild(const WorkOptions& options, const std::string& id,
+                 const std::vector<std::string>& ended) {
+  // Before fork(): memory may not be allocated behind it.
+  std::vector<std::string> words = {"palpate-worker",
+                                    "work",
+                                    "--alone",
+                                    "--connect",
+                                    options.link.endpoint,
+                                    "--give-up",
+                                    std::to_string(options.link.give_up_s),
+                                    "--drain",
+                                    std::to_string(options.link.drain_s),
+                                    "--id",
+                                    hexOf(id)};
+  for (const std::string& other : ended) words.insert(words.end(), {"--ended", hexOf(other)});
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child < 0) throw failure("fork: {}", errnoText());
@@ -54,51 +112,92 @@ pid_t startChild(const WorkOptions& options) {
   // Not SIGKILL: what is solved when the parent dies is still delivered.
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(1);
-  execl("/proc/self/exe", "palpate-worker", "work", "--connect", options.link.endpoint.c_str(),
-        "-j", "1", "--give-up", give_up.c_str(), "--drain", drain.c_str(),
-        static_cast<char*>(nullptr));
+  // Signals of a terminal reach the supervisor, which passes them on once.
+  setpgid(0, 0);
+  execv("/proc/self/exe", arguments.data());
   _exit(127);
 }
 
-/// Keeps N workers running. One that dies by a signal is replaced, unless it lived so short that
-/// replacing it is pointless.
-ExitCode superviseWorkers(const WorkOptions& options) {
-  using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::seconds short_life{10};
-  catchInterrupts();
-  std::map<pid_t, Clock::time_point> children;  // and when each was started
-  const auto start = [&] { children[startChild(options)] = Clock::now(); };
-  for (int n = 0; n < options.workers; ++n) start();
+/// Keeps so many workers running as are wanted. One that dies is replaced, after a pause when it
+/// lived short, and its successor tells the scheduler: what workers die on again and again is set
+/// aside there.
+class Supervisor {
+ public:
+  explicit Supervisor(const WorkOptions& options) : options_(&options) {}
 
-  ExitCode result = ExitCode::done;
-  bool forwarded = false;
-  while (!children.empty()) {
-    if (interrupted() && !forwarded) {
-      for (const auto& [pid, started] : children) kill(pid, SIGTERM);
-      forwarded = true;
+  ExitCode run() {
+    catchInterrupts();
+    for (int n = 0; n < options_->workers; ++n) start();
+    while (!children_.empty() || !pauses_.empty()) {
+      if (interrupted()) endOthers();
+      while (!pauses_.empty() && Clock::now() >= pauses_.front()) {
+        pauses_.pop_front();
+        start();
+      }
+      if (!reapOne()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
+    return interrupted() ? ExitCode::interrupted : result_;
+  }
+
+ private:
+  static constexpr std::chrono::seconds short_life{10};
+  static constexpr std::chrono::milliseconds first_pause{500};
+  /// So many in a row that died right after their start, on one machine: it is not the work.
+  static constexpr int most_short_lives = 8;
+
+  void start() {
+    Child child{randomWorkerId(), Clock::now()};
+    const pid_t pid = startChild(*options_, child.id, ended_);
+    ended_.clear();
+    children_.emplace(pid, std::move(child));
+  }
+
+  void endOthers() {
+    pauses_.clear();
+    if (std::exchange(ending_, true)) return;
+    for (const auto& [pid, child] : children_) kill(pid, SIGTERM);
+  }
+
+  /// False when none ended.
+  bool reapOne() {
     int status = 0;
     const pid_t pid = waitpid(-1, &status, WNOHANG);
-    if (pid < 0 && errno != EINTR) throw failure("waitpid: {}", errnoText());
-    if (pid <= 0) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-      continue;
+    if (pid < 0 && errno != EINTR && errno != ECHILD) throw failure("waitpid: {}", errnoText());
+    if (pid <= 0) return false;
+    const auto child = children_.extract(pid);
+    if (child.empty()) return true;  // of the shell whose place this program took
+    if (ending_) return true;
+    if (!WIFSIGNALED(status)) {
+      // A failure says why: it is refused, hears nothing, or has no memory. Another would fail too.
+      const bool done = WEXITSTATUS(status) == static_cast<int>(ExitCode::done);
+      if (!done) result_ = ExitCode::failed;
+      // The scheduler needs nobody any more; who has not reached it yet would wait for it in vain.
+      if (done) endOthers();
+      return true;
     }
-    const auto child = children.extract(pid);
-    if (child.empty()) continue;  // of the shell whose place this program took
-    const bool killed = WIFSIGNALED(status) && !interrupted();
-    if (killed && Clock::now() - child.mapped() > short_life) {
-      spdlog::warn("worker {} died of signal {}; starting another", pid, WTERMSIG(status));
-      start();
-      continue;
+    ended_.push_back(child.mapped().id);
+    const bool lived_short = Clock::now() - child.mapped().started < short_life;
+    short_lives_ = lived_short ? short_lives_ + 1 : 0;
+    const int number = WTERMSIG(status);
+    if (short_lives_ >= most_short_lives) {
+      spdlog::error("worker {} died of signal {}, like {} before it right after their start", pid,
+                    number, most_short_lives - 1);
+      result_ = ExitCode::failed;
+      return true;
     }
-    if (killed)
-      spdlog::error("worker {} died of signal {} right after its start", pid, WTERMSIG(status));
-    // 1 is a failure that says why; 130 and 0 are what was asked for.
-    if (killed || (WIFEXITED(status) && WEXITSTATUS(status) == 1)) result = ExitCode::failed;
+    spdlog::warn("worker {} died of signal {}; starting another", pid, number);
+    pauses_.push_back(Clock::now() + short_lives_ * first_pause);
+    return true;
   }
-  return interrupted() ? ExitCode::interrupted : result;
-}
+
+  const WorkOptions* options_;
+  std::map<pid_t, Child> children_;
+  std::deque<Clock::time_point> pauses_;  ///< when to start another, in order
+  std::vector<std::string> ended_;        ///< of which the scheduler is to be told
+  int short_lives_ = 0;                   ///< in a row
+  bool ending_ = false;                   ///< all were told to end
+  ExitCode result_ = ExitCode::done;
+};
 
 std::function<ExitCode()> prepareWork(CLI::App& app) {
   auto options = std::make_shared<WorkOptions>();
@@ -115,16 +214,29 @@ std::function<ExitCode()> prepareWork(CLI::App& app) {
                  "On SIGTERM, wait at most this many seconds for the solve in work")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  // What a supervisor tells its children.
+  app.add_flag("--alone", options->alone)->group("");
+  app.add_option_function<std::string>(
+         "--id", [options](const std::string& hex) { options->link.worker_id = bytesOf(hex); })
+      ->group("");
+  app.add_option_function<std::vector<std::string>>("--ended",
+                                                    [options](const std::vector<std::string>& all) {
+                                                      for (const std::string& hex : all)
+                                                        options->link.ended.push_back(bytesOf(hex));
+                                                    })
+      ->group("");
   app.footer(
       "Workers keep nothing: start and stop them at any time, "
       "on any machine that reaches the scheduler.");
   return [options] {
     checkEndpoint(options->link.endpoint);
-    return options->workers == 1 ? runOneWorker(*options) : superviseWorkers(*options);
+    return options->alone ? runOneWorker(*options) : Supervisor(*options).run();
   };
 }
 
 }  // namespace
+
+bool solver_left_running = false;
 
 const Verb work_verb = {"work", "Solve for a scheduler, on this or any other machine", prepareWork};
 

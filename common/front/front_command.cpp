@@ -21,7 +21,7 @@ struct Route {
   const char* program;
 };
 
-constexpr std::array<Route, 14> routes = {{{"check", "palpate-worker"},
+constexpr std::array<Route, 15> routes = {{{"check", "palpate-worker"},
                                            {"build", "palpate-scheduler"},
                                            {"query", "palpate-viewer"},
                                            {"solve", "palpate-worker"},
@@ -29,6 +29,7 @@ constexpr std::array<Route, 14> routes = {{{"check", "palpate-worker"},
                                            {"work", "palpate-worker"},
                                            {"status", "palpate-scheduler"},
                                            {"stop", "palpate-scheduler"},
+                                           {"retry", "palpate-scheduler"},
                                            {"explain", "palpate-scheduler"},
                                            {"verify", "palpate-verify"},
                                            {"report", "palpate-viewer"},
@@ -54,6 +55,7 @@ On several machines
   work     Run workers for it, here or anywhere
   status   How far it is: tags, rate, time left, workers, failures by cause
   stop     Let it finish what is running, and end it; serve goes on later
+  retry    Try again what was set aside because workers ended on it
   explain  How a lattice point was reached, or why it failed
 
 With a haptic device elsewhere

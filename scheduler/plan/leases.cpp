@@ -6,9 +6,10 @@
 
 namespace palpate {
 
-void Leases::add(const TransitionKey& key) {
+void Leases::add(const TransitionKey& key, const Losses& before) {
   const auto [where, fresh] = entries_.try_emplace(key);
   PALPATE_ASSERT(fresh, "a transition becomes ready once");
+  where->second.losses = before;
   putBack(key, where->second);
 }
 
@@ -28,14 +29,14 @@ std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t wo
     const TransitionKey key{space, target, parent};
     Entry& entry = entries_.at(key);
     // A suspect is handed out alone, so that the next death names it.
-    const bool alone = entry.losses >= losses_before_alone;
+    const bool alone = entry.losses.suspected >= losses_before_alone;
     if (alone && !job.empty()) break;
     takeFromWaiting(key);
     entry.worker = worker;
     entry.job = handout.job;
-    ++entry.attempt;
+    ++entry.losses.attempts;
     job.push_back(key);
-    handout.targets.push_back({target, entry.attempt});
+    handout.targets.push_back({target, entry.losses.attempts});
     if (alone || job.size() == limit) break;
   }
   PALPATE_ASSERT(!job.empty(), "a start is among the waiting ones as long as a target is");
@@ -63,28 +64,51 @@ void Leases::giveBack(const std::string& worker) {
     for (const TransitionKey& key : keys) putBack(key, entries_.at(key));
 }
 
-std::vector<TransitionKey> Leases::workerDied(const std::string& worker,
-                                              std::optional<TransitionKey> solving) {
-  const Jobs jobs = endLeases(worker);
-  if (jobs.empty()) return {};
-  // The last heartbeat may be older than the solve that killed it: the next in order is as suspect
-  // as the one it named.
-  const TransitionKey next_in_order = jobs.begin()->second.front();
-  const bool alone = entries_.at(next_in_order).losses >= losses_before_alone;
+Leases::Suspects Leases::suspectsOf(const std::string& worker,
+                                    std::optional<TransitionKey> solving) const {
+  Suspects suspects{.named = solving, .next = {}};
+  if (const Jobs& jobs = jobsOf(worker); !jobs.empty()) {
+    // The last heartbeat may be older than the solve that killed it: the next in order is as
+    // suspect as the one it named.
+    suspects.next = jobs.begin()->second.front();
+    suspects.alone = entries_.at(*suspects.next).losses.suspected >= losses_before_alone;
+  }
+  return suspects;
+}
 
-  std::vector<TransitionKey> given_up;
-  for (const auto& [job, keys] : jobs)
-    for (const TransitionKey& key : keys) {
-      Entry& entry = entries_.at(key);
-      const bool named = solving == key;
-      if (named || key == next_in_order) ++entry.losses;
-      if (named || (alone && key == next_in_order)) ++entry.deaths;
-      if (entry.deaths >= deaths_before_giving_up)
-        given_up.push_back(key);
-      else
-        putBack(key, entry);
-    }
-  return given_up;
+std::vector<std::pair<TransitionKey, Losses>> Leases::blame(const Suspects& suspects) {
+  std::vector<std::pair<TransitionKey, Losses>> known;
+  for (const auto& key : std::set{suspects.named, suspects.next}) {
+    const auto found = key ? entries_.find(*key) : entries_.end();
+    if (found == entries_.end()) continue;
+    Entry& entry = found->second;
+    const bool waits = entry.worker.empty() && !isAside(entry);
+    ++entry.losses.suspected;
+    if (key == suspects.named || suspects.alone) ++entry.losses.deaths;
+    if (waits && isAside(entry)) takeFromWaiting(*key);
+    known.emplace_back(*key, entry.losses);
+  }
+  return known;
+}
+
+bool Leases::stuck() const {
+  return !entries_.empty() && waiting_count_ == 0 &&
+         std::ranges::all_of(by_worker_, [](const auto& jobs) { return jobs.second.empty(); });
+}
+
+std::vector<TransitionKey> Leases::aside() const {
+  std::vector<TransitionKey> aside;
+  for (const auto& [key, entry] : entries_)
+    if (isAside(entry)) aside.push_back(key);
+  return aside;
+}
+
+void Leases::retry() {
+  for (auto& [key, entry] : entries_) {
+    const bool was_aside = isAside(entry);
+    entry.losses = {.attempts = entry.losses.attempts};
+    if (was_aside) putBack(key, entry);
+  }
 }
 
 const Leases::Jobs& Leases::jobsOf(const std::string& worker) const {
@@ -107,13 +131,14 @@ std::vector<TransitionKey> Leases::openOf(const std::string& worker, std::uint64
 
 void Leases::putBack(const TransitionKey& key, Entry& entry) {
   entry.worker.clear();
+  if (isAside(entry)) return;
   waiting_[{key.parent, key.space}].insert(key.target);
   ++waiting_count_;
 }
 
 void Leases::takeFromWaiting(const TransitionKey& key) {
   const auto group = waiting_.find({key.parent, key.space});
-  // What was given up is finished without waiting.
+  // What is set aside does not wait.
   if (group == waiting_.end() || group->second.erase(key.target) == 0) return;
   if (group->second.empty()) waiting_.erase(group);
   --waiting_count_;

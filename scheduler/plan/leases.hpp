@@ -36,14 +36,23 @@ inline constexpr std::size_t max_targets_per_job = 26;
 /// death names it.
 inline constexpr int losses_before_alone = 2;
 
-/// A transition that was being solved when this many workers died is not handed out again. Five,
-/// because workers also die for reasons that have nothing to do with what they solve, and giving up
-/// changes the dataset.
-inline constexpr int deaths_before_giving_up = 5;
+/// A transition that was being solved when this many workers died is set aside. Five, because
+/// workers also die for reasons that have nothing to do with what they solve.
+inline constexpr int deaths_before_aside = 5;
+
+/// What is known of a transition from workers that ended while they had it. It outlives a run of
+/// the scheduler.
+struct Losses {
+  std::uint32_t attempts = 0;  ///< hand-outs so far
+  int suspected = 0;           ///< workers that ended with it next in order, or named
+  int deaths = 0;              ///< those that it is known to have ended
+  auto operator<=>(const Losses&) const = default;
+};
 
 /// Ready transitions and who is solving them. A transition is waiting, then leased to one worker,
-/// then finished; a lost worker's leases wait again under the next attempt number. Grouping into
-/// jobs depends on timing; results must not.
+/// then finished; a lost worker's leases wait again under the next attempt number. One that workers
+/// died on is set aside: it is handed out no more until retry(), but a result of it is still
+/// welcome. Grouping into jobs depends on timing; results must not.
 ///
 /// Workers are named by any string. One thread at a time.
 class Leases {
@@ -52,22 +61,32 @@ class Leases {
   /// taken for ours.
   explicit Leases(std::uint64_t first_job = 0) : last_job_(first_job) {}
 
-  /// A transition became ready. It must not be known already.
-  void add(const TransitionKey& key);
+  /// A transition became ready, with what earlier runs know of it. It must not be known already.
+  void add(const TransitionKey& key, const Losses& before = {});
   /// The next job for `worker`: targets around one start, nearest to the origin first, and few
   /// enough that `workers` workers all get some. Nothing when nothing waits.
   std::optional<Handout> handOut(const std::string& worker, std::size_t workers);
   /// The transition has an outcome, whoever found it.
   void finish(const TransitionKey& key);
 
-  /// Ends the leases of a worker that lives (it said goodbye, or it never got the job); they wait
-  /// again.
+  /// Ends the leases of a worker, which blames nothing; they wait again.
   void giveBack(const std::string& worker);
-  /// Ends the leases of a worker that died, while solving `solving` when that is known. Returns the
-  /// transitions that are given up: they are neither waiting nor leased any more, but to be
-  /// finished.
-  std::vector<TransitionKey> workerDied(const std::string& worker,
-                                        std::optional<TransitionKey> solving);
+  /// What a worker that ends now would be blamed on: the target it was `solving`, when that is
+  /// known, and the next in order.
+  struct Suspects {
+    std::optional<TransitionKey> named, next;
+    bool alone = false;  ///< `next` was handed out by itself
+  };
+  Suspects suspectsOf(const std::string& worker, std::optional<TransitionKey> solving) const;
+  /// The process of a worker ended with these in its hands, which it holds no more. Returns those
+  /// that are still open, with what is known of them now.
+  std::vector<std::pair<TransitionKey, Losses>> blame(const Suspects& suspects);
+  /// Only what is set aside is left: nothing waits, and nobody solves.
+  bool stuck() const;
+  /// Those that are set aside, in order.
+  std::vector<TransitionKey> aside() const;
+  /// They wait again, and nothing is held against any transition.
+  void retry();
 
   std::size_t waiting() const { return waiting_count_; }
   /// Everything that was added is finished.
@@ -83,15 +102,16 @@ class Leases {
 
  private:
   struct Entry {
-    std::uint32_t attempt = 0;
-    int losses = 0;
-    int deaths = 0;
+    Losses losses;
     std::string worker;  ///< empty: not leased
     std::uint64_t job = 0;
   };
   /// (parent, space): parents are numbered from the origin outward.
   using Start = std::pair<std::int32_t, std::uint32_t>;
 
+  static bool isAside(const Entry& entry) {
+    return entry.worker.empty() && entry.losses.deaths >= deaths_before_aside;
+  }
   void putBack(const TransitionKey& key, Entry& entry);
   void takeFromWaiting(const TransitionKey& key);
   Jobs endLeases(const std::string& worker);

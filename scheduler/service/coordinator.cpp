@@ -4,10 +4,10 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
-#include "scheduler/state/replay.hpp"
 
 namespace palpate {
 namespace {
@@ -15,6 +15,8 @@ namespace {
 constexpr std::chrono::seconds servers_written_every{5};
 /// Of a flood of bad messages the first ones tell what there is to tell.
 constexpr std::int64_t bad_messages_logged = 20;
+/// Of so many workers that went it is remembered what they had.
+constexpr std::size_t most_departed = 4096;
 
 std::string randomBytes(std::size_t count) {
   if (sodium_init() < 0) throw failure("libsodium could not be initialised");
@@ -26,35 +28,43 @@ std::string randomBytes(std::size_t count) {
 }  // namespace
 
 Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobStore& store,
-                         Journal& journal, Time now, CoordinatorSettings settings)
+                         Time now, CoordinatorSettings settings)
     : problem_(&problem),
       problem_bytes_(std::make_shared<const std::string>(std::move(problem_bytes))),
       build_(problemId(problem)),
       check_(problem),
       store_(&store),
-      journal_(&journal),
       settings_(settings),
       incarnation_(randomBytes(16)),
-      registry_(store.build().kernel_family),
-      group_(store, journal),
-      counters_(store.counters()),
+      losses_(store.tables().losses()),
+      registry_(store.kernelFamily()),
+      group_(store),
+      counters_(store.tables().counters()),
       started_(now),
+      last_turn_(now),
       servers_written_(now),
       pace_(now) {
   ++counters_["runs"];
   // The upper half of a job number is the run, so that two runs never use the same.
   leases_ = Leases(static_cast<std::uint64_t>(counters_["runs"]) << 32);
-  const std::vector<StoredResult> results = store_->results();
+  StoredResults results = store_->takeFound();
   found_ = results.size();
-  Replay replayed = replay(problem, results);
+  for (const auto& [key, result] : results)
+    longest_solve_ = std::max(longest_solve_, result.outcome.cost.seconds);
+  Replay replayed = replay(problem, std::move(results));
   plans_ = std::move(replayed.plans);
+  spare_ = std::move(replayed.spare);
+  // Where something was lost, what it led to is asked for again in time.
+  if (!store_->damaged()) refuseSpare(spare_);
   PALPATE_ASSERT(plans_.size() == problem.active.size(), "every active node has its plan");
-  for (const TransitionKey& key : replayed.missing) leases_.add(key);
-  store_->writeCounters(counters_);
+  add(replayed.missing);
+  store_->tables().writeCounters(counters_);
+  store_->tables().showAll(plans_);
   finishIfComplete(now);
 }
 
 void Coordinator::receive(const Incoming& incoming, Time now) {
+  noteOwnGap(now);
   const wire::Message& message = incoming.message;
   const std::string& peer = incoming.peer;
   if (message.has_hello()) return hello(peer, message.hello(), now);
@@ -63,6 +73,10 @@ void Coordinator::receive(const Incoming& incoming, Time now) {
   if (message.has_stop_request()) {
     send(peer).mutable_stop_reply()->set_stopping(true);
     return stop(now);
+  }
+  if (message.has_retry_request()) {
+    send(peer).mutable_retry_reply()->set_transitions(static_cast<std::uint32_t>(retry()));
+    return;
   }
   Worker* const worker = registry_.ofPeer(peer);
   if (worker == nullptr) {
@@ -74,6 +88,7 @@ void Coordinator::receive(const Incoming& incoming, Time now) {
     return;
   }
   worker->heard = now;
+  worker->probed.reset();
   if (message.has_problem_request()) return sendProblem(*worker);
   if (message.has_request()) return request(*worker, message.request());
   if (message.has_fields_request()) return sendFields(*worker, message.fields_request());
@@ -90,6 +105,7 @@ void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time 
     send(peer).mutable_refused()->set_reason(objection);
     return;
   }
+  for (const std::string& ended : hello.ended()) processEnded(ended, now);
   if (const Worker* before = registry_.ofPeer(peer); before && before->id != hello.worker()) {
     leases_.giveBack(before->id);
     registry_.remove(*before, "left", now);
@@ -105,7 +121,7 @@ void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time 
   welcome.set_incarnation(incarnation_);
   welcome.set_build(std::string(build_.bytes()));
   welcome.set_heartbeat_ms(static_cast<std::uint32_t>(settings_.heartbeat.count()));
-  if (stopping_ || complete()) drain(peer);
+  if (stopping_ || dismissed_) drain(peer);
 }
 
 void Coordinator::goodbye(Worker& worker, const wire::Goodbye& goodbye, Time now) {
@@ -116,7 +132,7 @@ void Coordinator::goodbye(Worker& worker, const wire::Goodbye& goodbye, Time now
 
 void Coordinator::request(Worker& worker, const wire::Request& request) {
   // It may have missed the first word to leave.
-  if (stopping_ || complete()) return drain(worker.peer);
+  if (stopping_ || dismissed_) return drain(worker.peer);
   worker.addCredit(request.credit());
 }
 
@@ -127,14 +143,15 @@ void Coordinator::sendProblem(const Worker& worker) {
 }
 
 void Coordinator::sendFields(const Worker& worker, const wire::FieldsRequest& request) {
-  std::optional<StoredResult> found;
+  std::optional<JournalRecord> found;
   if (const auto key = keyOf(request.space(), request.point(), request.point()))
-    if (const PointRecord& point = plans_[key->space].point(key->target); isSolved(point.tag))
-      found = store_->find({key->space, key->target, point.parent});
-  // The point may have another equilibrium by now than the one the job started from.
-  const bool known = found && found->header.fields_id() == request.id();
+    // The point may have another equilibrium by now than the one the job started from.
+    if (const PointRecord& point = plans_[key->space].point(key->target);
+        isSolved(point.tag) && point.fields.bytes() == request.id())
+      found = store_->find(resultKeyOf({key->space, key->target, point.parent}));
+  const bool known = found.has_value();
   std::shared_ptr<const std::string> payload;
-  if (known) payload = std::make_shared<const std::string>(journal_->read(found->where).payload);
+  if (known) payload = std::make_shared<const std::string>(std::move(found->payload));
   wire::FieldsReply& reply = *send(worker.peer, payload).mutable_fields_reply();
   reply.set_id(request.id());
   reply.set_unknown(!known);
@@ -152,7 +169,7 @@ void Coordinator::heartbeat(Worker& worker, const wire::Heartbeat& heartbeat, Ti
     worker.idle_since = now;
   }
   send(worker.peer).mutable_heartbeat_reply()->set_incarnation(incarnation_);
-  if (stopping_ || complete()) drain(worker.peer);
+  if (stopping_ || dismissed_) drain(worker.peer);
 }
 
 void Coordinator::result(Worker& worker, const Incoming& incoming, Time now) {
@@ -160,7 +177,7 @@ void Coordinator::result(Worker& worker, const Incoming& incoming, Time now) {
   // Who delivers is at work, whatever its last heartbeat said.
   worker.idle_since.reset();
   if (const std::string objection =
-          check_.objectionTo(message, incoming.payload, registry_.kernelFamily());
+          check_.objectionTo(message, incoming.payload, worker.kernel_family);
       !objection.empty())
     return badMessage(worker.peer, objection);
   const auto key = keyOf(message.space(), message.target(), message.parent());
@@ -169,19 +186,38 @@ void Coordinator::result(Worker& worker, const Incoming& incoming, Time now) {
   if (waiting != nullptr) {
     duplicate(worker, waiting->result.header, message);
   } else if (plans_[key->space].isOpen({key->target, key->parent})) {
+    if (registry_.kernelFamily().empty()) settleKernels(worker.kernel_family, now);
     ++worker.results;
     leases_.finish(*key);
-    group_.add({*key, message, *fromWire(message), {}}, incoming.payload, now);
+    group_.add(*key, {message, *fromWire(message)}, incoming.payload, now);
     waiting = group_.find(*key);
-  } else if (const auto recorded = store_->find(*key)) {
+  } else if (const auto recorded = store_->find(palpate::keyOf(message))) {
     // Its acknowledgement was lost, or a worker taken for dead finished after all.
-    duplicate(worker, recorded->header, message);
+    wire::Result first;
+    const bool readable = first.ParseFromString(recorded->header);
+    PALPATE_ASSERT(readable, "what is recorded was read when it was found, or written by us");
+    duplicate(worker, first, message);
     return acknowledge(worker.peer, message);
   } else {
     return badMessage(worker.peer, "nobody asked for this result");
   }
   waiting->senders.insert(worker.peer);
   if (group_.size() >= settings_.group_results) commitGroup(now);
+}
+
+void Coordinator::settleKernels(const std::string& family, Time now) {
+  registry_.setKernelFamily(family);
+  std::vector<const Worker*> others;
+  for (const auto& [id, worker] : registry_.all())
+    if (worker.kernel_family != family) others.push_back(&worker);
+  for (const Worker* worker : others) {
+    const std::string objection = registry_.objectionToKernels(worker->kernel_family);
+    spdlog::warn("worker {} on {} is sent away: {}", worker->pid, worker->host, objection);
+    ++counters_["refused_workers"];
+    send(worker->peer).mutable_refused()->set_reason(objection);
+    leases_.giveBack(worker->id);
+    registry_.remove(*worker, "left", now);
+  }
 }
 
 void Coordinator::duplicate(const Worker& worker, const wire::Result& first,
@@ -217,16 +253,31 @@ void Coordinator::commitGroup(Time now) {
   if (group_.size() == 0) return;
   // Plans move on only after this: what they ask for next may rest on what is in the group.
   const ResultGroup::Members durable = group_.commit();
+  std::vector<Tables::Changed> changed;
   for (const auto& [key, member] : durable) {
     for (const std::string& peer : member.senders) acknowledge(peer, member.result.header);
     SpacePlan& plan = plans_[key.space];
     plan.record({key.target, key.parent}, member.result.outcome, fieldsOf(member.result.header));
+    changed.push_back({key.space, key.target});
     ++recorded_;
+    longest_solve_ = std::max(longest_solve_, member.result.outcome.cost.seconds);
     converged_ += member.result.outcome.converged;
-    for (const Transition& ready : plan.takeReady())
-      leases_.add({key.space, ready.target, ready.parent});
+    add(settle(plan, key.space, spare_));
   }
+  store_->tables().show(plans_, changed);
   finishIfComplete(now);
+}
+
+void Coordinator::add(const std::vector<TransitionKey>& ready) {
+  for (const TransitionKey& key : ready) {
+    const auto known = losses_.find(key);
+    leases_.add(key, known == losses_.end() ? Losses() : known->second);
+  }
+}
+
+ResultKey Coordinator::resultKeyOf(const TransitionKey& key) const {
+  const Lattice& positions = plans_[key.space].positions();
+  return {key.space, positions.point(key.target), positions.point(key.parent)};
 }
 
 std::optional<TransitionKey> Coordinator::keyOf(std::uint32_t space, const wire::Point& target,
@@ -245,20 +296,41 @@ bool Coordinator::deserted(Time now) const {
   });
 }
 
-bool Coordinator::complete() const { return store_->build().complete; }
-
 void Coordinator::finishIfComplete(Time now) {
   if (complete() || !std::ranges::all_of(plans_, &SpacePlan::complete)) return;
   PALPATE_ASSERT(group_.size() == 0 && leases_.empty(),
                  "a complete plan waits for no result, and nobody solves for it");
-  store_->complete(plans_);
+  complete_ = true;
+  store_->tables().showAll(plans_);
   writeServers(now);
+}
+
+void Coordinator::dismiss() {
+  dismissed_ = true;
   drainAll();
 }
 
-void Coordinator::advance(Time now) {
-  takeBackFromTheIdle(now);
-  loseSilentWorkers(now);
+void Coordinator::noteOwnGap(Time now) {
+  const auto gap = now - std::exchange(last_turn_, now);
+  if (gap < settings_.own_gap) return;
+  spdlog::warn(
+      "this scheduler did nothing for {:.0f} s (stopped, suspended, or without processor "
+      "time): no worker is blamed for the silence",
+      std::chrono::duration<double>(gap).count());
+  for (auto& [id, worker] : registry_.all()) {
+    worker.heard += gap;
+    if (worker.idle_since) *worker.idle_since += gap;
+    if (worker.probed) *worker.probed += gap;
+  }
+}
+
+void Coordinator::advance(Time now, bool all_read) {
+  noteOwnGap(now);
+  if (all_read) {
+    takeBackFromTheIdle(now);
+    probeSilentWorkers(now);
+    loseSilentWorkers(now);
+  }
   if (groupIsDue(now)) commitGroup(now);
   handOutJobs();
   if (now - servers_written_ >= servers_written_every) writeServers(now);
@@ -300,6 +372,7 @@ void Coordinator::sendJob(const std::string& peer, const Handout& handout) {
   PALPATE_ASSERT(!handout.targets.empty(), "a hand-out without targets would be no job");
   wire::Job& job = *send(peer).mutable_job();
   job.set_id(handout.job);  // which heartbeats name
+  job.set_hung_after_s(static_cast<std::uint32_t>(hungAfter().count()));
   job.set_space(handout.space);
   *job.mutable_start() = toWire(plan.positions().point(handout.parent));
   // The origin is its own parent: it is solved from the rest state, which has no id.
@@ -314,6 +387,15 @@ void Coordinator::sendJob(const std::string& peer, const Handout& handout) {
     entry.set_attempt(target.attempt);
     entry.set_steps(static_cast<std::uint32_t>(plan.stepsOf({target.point, handout.parent})));
   }
+}
+
+std::chrono::seconds Coordinator::hungAfter() const {
+  if (settings_.hung_after) return *settings_.hung_after;
+  if (longest_solve_ <= 0) return settings_.hung_without_any;
+  // A week is no limit any more; a worker may claim any cost.
+  constexpr double most = 7 * 24 * 3600;
+  const double seconds = std::min(settings_.hung_factor * longest_solve_, most);
+  return std::max(settings_.hung_at_least, std::chrono::seconds(std::llround(seconds)));
 }
 
 void Coordinator::takeBackFromTheIdle(Time now) {
@@ -332,53 +414,78 @@ void Coordinator::loseSilentWorkers(Time now) {
   std::vector<const Worker*> silent;
   for (const auto& [id, worker] : registry_.all())
     if (now - worker.heard >= settings_.worker_lost) silent.push_back(&worker);
-  for (const Worker* worker : silent) workerDied(*worker, now, "says nothing any more");
+  for (const Worker* worker : silent) {
+    spdlog::warn("worker {} on {} says nothing any more; {} targets are handed out again",
+                 worker->pid, worker->host, leases_.leasedTo(worker->id));
+    lose(*worker, now);
+  }
+}
+
+void Coordinator::probeSilentWorkers(Time now) {
+  const auto patience = settings_.silent_heartbeats * settings_.heartbeat;
+  for (auto& [id, worker] : registry_.all()) {
+    if (now - worker.heard < patience || leases_.leasedTo(id) == 0) continue;
+    if (worker.probed && now - *worker.probed < settings_.heartbeat) continue;
+    worker.probed = now;
+    send(worker.peer).mutable_heartbeat_reply()->set_incarnation(incarnation_);
+  }
+}
+
+/// Nobody is to blame as long as its process is not known to have ended.
+void Coordinator::lose(const Worker& worker, Time now) {
+  departed_.emplace_back(worker.id, leases_.suspectsOf(worker.id, worker.solving));
+  if (departed_.size() > most_departed) departed_.pop_front();
+  leases_.giveBack(worker.id);
+  // Who was told to leave, and is gone, is not lost.
+  const bool was_to_leave = stopping_ || dismissed_;
+  if (!was_to_leave) ++counters_["lost_workers"];
+  registry_.remove(worker, was_to_leave ? "left" : "lost", now);
 }
 
 void Coordinator::peerUnreachable(const std::string& peer, Time now) {
   const Worker* worker = registry_.ofPeer(peer);
   if (worker == nullptr) return;
-  // Its connection broke, which says nothing about what it was solving: nobody is to blame.
-  spdlog::info("worker {} on {} cannot be reached", worker->pid, worker->host);
-  leases_.giveBack(worker->id);
-  ++counters_["lost_workers"];
-  registry_.remove(*worker, "lost", now);
+  spdlog::info("worker {} on {} cannot be reached; {} targets are handed out again", worker->pid,
+               worker->host, leases_.leasedTo(worker->id));
+  lose(*worker, now);
 }
 
 void Coordinator::workerProcessEnded(std::uint32_t pid, Time now) {
-  if (const Worker* worker = registry_.ofProcess(pid))
-    workerDied(*worker, now, "ended unexpectedly");
+  if (const Worker* worker = registry_.ofProcess(pid)) processEnded(std::string(worker->id), now);
 }
 
-void Coordinator::workerDied(const Worker& worker, Time now, const char* why) {
-  spdlog::warn("worker {} on {} {}; {} targets are handed out again", worker.pid, worker.host, why,
-               leases_.leasedTo(worker.id));
-  // The worker goes with its registration, so its leases are ended first.
-  const std::vector<TransitionKey> given_up = leases_.workerDied(worker.id, worker.solving);
-  ++counters_["lost_workers"];
-  registry_.remove(worker, "lost", now);
-  for (const TransitionKey& key : given_up) giveUp(key, now);
+void Coordinator::processEnded(const std::string& worker_id, Time now) {
+  if (const Worker* worker = registry_.find(worker_id)) {
+    spdlog::warn("worker {} on {} ended unexpectedly; {} targets are handed out again", worker->pid,
+                 worker->host, leases_.leasedTo(worker_id));
+    lose(*worker, now);
+  }
+  const auto departed =
+      std::ranges::find(departed_, worker_id, [](const auto& entry) { return entry.first; });
+  // It left, or an earlier run of this scheduler knew it.
+  if (departed == departed_.end()) return;
+  blame(departed->second);
+  departed_.erase(departed);
 }
 
-void Coordinator::giveUp(const TransitionKey& key, Time now) {
-  const Lattice& positions = plans_[key.space].positions();
-  const LatticePoint& point = positions.point(key.target);
-  spdlog::error(
-      "space {}, point ({}, {}, {}): {} workers died while they solved it; "
-      "it is not tried from there again",
-      key.space, point[0], point[1], point[2], deaths_before_giving_up);
-  Outcome outcome;
-  outcome.failure.cause = Cause::worker_lost;
-  // Recorded as if a worker had said so: a restart must not try it five times again.
-  wire::Result header;
-  header.set_build(std::string(build_.bytes()));
-  header.set_space(key.space);
-  *header.mutable_target() = toWire(point);
-  *header.mutable_parent() = toWire(positions.point(key.parent));
-  header.set_kernel_family(registry_.kernelFamily());
-  toWire(outcome, "", header);
-  leases_.finish(key);
-  group_.add({key, header, outcome, {}}, "", now);
+void Coordinator::blame(const Leases::Suspects& suspects) {
+  for (const auto& [key, losses] : leases_.blame(suspects)) {
+    store_->tables().writeLosses(key, losses);
+    if (losses.deaths != deaths_before_aside) continue;
+    const auto& [space, target, parent] = resultKeyOf(key);
+    spdlog::error(
+        "space {}, point ({}, {}, {}) from ({}, {}, {}): {} workers ended while they solved it; it "
+        "is set aside, and the rest goes on without it",
+        space, target[0], target[1], target[2], parent[0], parent[1], parent[2], losses.deaths);
+  }
+}
+
+std::int32_t Coordinator::retry() {
+  const auto aside = static_cast<std::int32_t>(leases_.aside().size());
+  leases_.retry();
+  losses_.clear();
+  store_->tables().forgetLosses();
+  return aside;
 }
 
 void Coordinator::stop(Time now) {
@@ -394,8 +501,9 @@ void Coordinator::writeServers(Time now) {
   std::vector<wire::WorkerStatus> rows = registry_.takeDeparted();
   const std::vector<wire::WorkerStatus> present = registry_.rows(leases_, now);
   rows.insert(rows.end(), present.begin(), present.end());
-  store_->writeServers(rows);
-  store_->writeCounters(counters_);
+  store_->checkPresence();
+  store_->tables().writeServers(rows);
+  store_->tables().writeCounters(counters_);
   servers_written_ = now;
 }
 
@@ -423,6 +531,7 @@ void Coordinator::acknowledge(const std::string& peer, const wire::Result& resul
 wire::Status Coordinator::status(Time now) const {
   wire::Status status = statusOf(*problem_, plans_, registry_.rows(leases_, now), counters_);
   status.set_build(build_.hex());
+  status.set_set_aside(static_cast<std::int32_t>(asideCount()));
   status.set_state(complete() ? "complete" : stopping_ ? "stopping" : "running");
   status.set_recorded(static_cast<std::int32_t>(recorded_));
   status.set_seconds(std::chrono::duration<double>(now - started_).count());

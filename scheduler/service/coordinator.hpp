@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <memory>
 
 #include "common/wire/wire.hpp"
@@ -8,8 +9,7 @@
 #include "scheduler/service/result_check.hpp"
 #include "scheduler/service/status.hpp"
 #include "scheduler/service/worker_registry.hpp"
-#include "scheduler/state/job_store.hpp"
-#include "scheduler/state/journal.hpp"
+#include "scheduler/state/replay.hpp"
 #include "scheduler/state/result_group.hpp"
 
 namespace palpate {
@@ -25,12 +25,23 @@ struct CoordinatorSettings {
   /// How often workers say that they live. Cheap; it also names the target whose solve would kill a
   /// worker.
   std::chrono::milliseconds heartbeat{1000};
-  /// A worker that says nothing for so long is taken for dead. Shorter than network outages costs
-  /// work done twice.
+  /// What a worker that says nothing for so long holds is handed out again. Shorter than network
+  /// outages costs work done twice.
   std::chrono::milliseconds worker_lost{60000};
+  /// A worker that is silent for so many heartbeats is sent something, since a connection that
+  /// broke shows when something is sent.
+  int silent_heartbeats = 3;
+  /// A scheduler that does nothing for so long was stopped, or had no time: what its workers said
+  /// meanwhile lies unread, and no silence of that time counts.
+  std::chrono::milliseconds own_gap{3000};
   /// A worker that says it solves nothing while it holds leases for so long never got them, or
   /// forgot them.
   std::chrono::milliseconds idle_with_leases{30000};
+  /// A solve that takes so many times the longest one recorded is hung; and not before it took
+  /// hung_at_least, or hung_without_any when nothing is recorded yet.
+  double hung_factor = 30;
+  std::chrono::seconds hung_at_least{120}, hung_without_any{3600};
+  std::optional<std::chrono::seconds> hung_after;  ///< instead of all that
   /// Group commit: results wait for others at most so long, and at most so many share one sync and
   /// one transaction.
   std::chrono::milliseconds group_age{20};
@@ -44,20 +55,22 @@ struct CoordinatorSettings {
 /// A result is acknowledged after ResultGroup::commit (docs/state.md). Only then does the plan move
 /// on. Construction replays what is recorded, so a restart goes on where the last run was.
 ///
-/// Errors of journal or tables leave as exceptions; the object must not be used afterwards, and
-/// nothing was acknowledged that is not on disk.
+/// Errors of journal or tables leave as exceptions, and DamagedRecord where a result that is needed
+/// cannot be read any more; the object must not be used afterwards, and nothing was acknowledged
+/// that is not on disk.
 class Coordinator {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
   /// All references must outlive this object. `problem_bytes` is encodeProblem(problem).
-  Coordinator(const Problem& problem, std::string problem_bytes, JobStore& store, Journal& journal,
-              Time now, CoordinatorSettings settings = {});
+  Coordinator(const Problem& problem, std::string problem_bytes, JobStore& store, Time now,
+              CoordinatorSettings settings = {});
 
   void receive(const Incoming& incoming, Time now);
-  /// Whatever time brings: commits a group that is due, gives up silent workers, hands out jobs.
-  /// Call after every batch of messages and at nextDeadline.
-  void advance(Time now);
+  /// Whatever time brings: commits a group that is due, takes back what silent workers hold, hands
+  /// out jobs. Call after every batch of messages and at nextDeadline. `all_read`: no message waits
+  /// that would show that a silent worker is not silent.
+  void advance(Time now, bool all_read = true);
   /// Everything to be sent, in order.
   std::vector<Outgoing> takeOutbox() { return std::exchange(outbox_, {}); }
   /// advance() has something to do then.
@@ -72,7 +85,12 @@ class Coordinator {
   void stop(Time now);
   bool stopping() const { return stopping_; }
   /// Every space is complete and recorded.
-  bool complete() const;
+  bool complete() const { return complete_; }
+  /// All is recorded but transitions that are set aside, because workers died on them.
+  bool stuck() const { return !complete_ && group_.size() == 0 && leases_.stuck(); }
+  std::size_t asideCount() const { return leases_.aside().size(); }
+  /// The dataset can do without workers: they are told to leave.
+  void dismiss();
   /// Workers that said hello and neither left nor were lost.
   std::size_t workers() const { return registry_.all().size(); }
   /// No worker said anything for three heartbeats: after Drain they have all left.
@@ -99,6 +117,8 @@ class Coordinator {
   void badMessage(const std::string& peer, const std::string& why);
 
   // From a result to the plan.
+  void settleKernels(const std::string& family, Time now);
+  ResultKey resultKeyOf(const TransitionKey& key) const;
   std::optional<TransitionKey> keyOf(std::uint32_t space, const wire::Point& target,
                                      const wire::Point& parent) const;
   void duplicate(const Worker& worker, const wire::Result& first, const wire::Result& second);
@@ -110,9 +130,15 @@ class Coordinator {
   void handOutJobs();
   void sendJob(const std::string& peer, const Handout& handout);
   void takeBackFromTheIdle(Time now);
+  void noteOwnGap(Time now);
+  void probeSilentWorkers(Time now);
   void loseSilentWorkers(Time now);
-  void workerDied(const Worker& worker, Time now, const char* why);
-  void giveUp(const TransitionKey& key, Time now);
+  void lose(const Worker& worker, Time now);
+  void processEnded(const std::string& worker_id, Time now);
+  void blame(const Leases::Suspects& suspects);
+  std::chrono::seconds hungAfter() const;
+  void add(const std::vector<TransitionKey>& ready);
+  std::int32_t retry();
 
   void writeServers(Time now);
   wire::Message& send(const std::string& peer,
@@ -126,24 +152,29 @@ class Coordinator {
   ContentId build_;
   ResultCheck check_;
   JobStore* store_;
-  Journal* journal_;
   CoordinatorSettings settings_;
   std::string incarnation_;  ///< 16 random bytes
 
   std::vector<SpacePlan> plans_;
+  StoredResults spare_;  ///< recorded, and not asked for yet (Replay)
   Leases leases_;
+  std::map<TransitionKey, Losses> losses_;  ///< of earlier runs
   WorkerRegistry registry_;
+  /// Of workers that went without a word, the latest last: their processes may prove to have ended.
+  std::deque<std::pair<std::string, Leases::Suspects>> departed_;
   ResultGroup group_;
   std::vector<Outgoing> outbox_;
 
   Counters counters_;
   Time started_;
+  Time last_turn_;
   Time servers_written_;
   Pace pace_;
   std::size_t found_ = 0;
   std::int64_t converged_ = 0;  ///< of recorded_
   std::int64_t recorded_ = 0;
-  bool stopping_ = false;
+  double longest_solve_ = 0;  ///< s, of all results; 0 before the first
+  bool stopping_ = false, complete_ = false, dismissed_ = false;
 };
 
 }  // namespace palpate

@@ -29,7 +29,7 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const std::stri
   if (!outcome) return "a result that makes no sense";
   if (result.payload_bytes() != payload.size())
     return "a result whose payload has another length than it says";
-  if (result.kernel_family() != kernel_family) return "a result of another kernel family";
+  if (result.kernel_family() != kernel_family) return "a result of other kernels than its worker's";
   // A failure has no payload to check; its step is shown to people and ranks its cause.
   if (!outcome->converged) {
     const double reached = outcome->failure.step_reached;
@@ -48,10 +48,7 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const std::stri
 }
 
 bool ResultCheck::agree(const wire::Result& first, const wire::Result& second) {
-  const bool only_workers_died =
-      first.has_failure() &&
-      first.failure().cause() == static_cast<std::uint32_t>(Cause::worker_lost);
-  return only_workers_died || reproducibleBytes(first) == reproducibleBytes(second);
+  return reproducibleBytes(first) == reproducibleBytes(second);
 }
 
 }  // namespace palpate

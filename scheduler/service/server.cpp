@@ -22,13 +22,15 @@ void Server::turn(Coordinator& coordinator, std::chrono::milliseconds longest) {
       std::chrono::ceil<std::chrono::milliseconds>(coordinator.nextDeadline() - Clock::now());
   PALPATE_ASSERT(longest.count() >= 0, "poll() takes less than 0 for ever");
   waitForMessages(socket_, std::clamp(until_deadline, std::chrono::milliseconds(0), longest));
-  for (int n = 0; n < messages_per_turn; ++n) {
-    const auto incoming = receiveMessage(socket_, true);
-    if (!incoming) break;
-    coordinator.receive(*incoming, Clock::now());
+  bool all_read = false;
+  for (int n = 0; n < messages_per_turn && !all_read; ++n) {
+    if (const auto incoming = receiveMessage(socket_, true))
+      coordinator.receive(*incoming, Clock::now());
+    else
+      all_read = true;
   }
   // After all messages that are there, so that their results share a group.
-  coordinator.advance(Clock::now());
+  coordinator.advance(Clock::now(), all_read);
   // A peer that is gone, or does not read, gives its leases back, which may make new messages.
   for (auto outbox = coordinator.takeOutbox(); !outbox.empty(); outbox = coordinator.takeOutbox())
     for (const Outgoing& outgoing : outbox) {

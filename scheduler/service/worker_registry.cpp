@@ -45,20 +45,22 @@ std::string WorkerRegistry::objectionTo(const wire::Hello& hello) const {
   if (hello.worker().empty() || hello.worker().size() > longest_id)
     return "its id is missing or too long";
   if (hello.kernel_family().empty()) return "it does not say which kernel family it uses";
-  if (!kernel_family_.empty() && hello.kernel_family() != kernel_family_)
-    return fmt::format(
-        "this build is computed with the {} kernels, the worker would use {}, "
-        "and the last bits would depend on who solved what: use machines with {} in this build, "
-        "or see PALPATE_KERNELS and OPENBLAS_CORETYPE in docs/solver.md",
-        kernel_family_, hello.kernel_family(), kernel_family_);
-  return "";
+  return objectionToKernels(hello.kernel_family());
+}
+
+std::string WorkerRegistry::objectionToKernels(const std::string& family) const {
+  if (kernel_family_.empty() || family == kernel_family_) return "";
+  return fmt::format(
+      "this build is computed with the {} kernels, the worker would use {}, "
+      "and the last bits would depend on who solved what: use machines with {} in this build, "
+      "or see PALPATE_KERNELS and OPENBLAS_CORETYPE in docs/solver.md",
+      kernel_family_, family, kernel_family_);
 }
 
 Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello, Time now) {
   const Worker* before = ofPeer(peer);
   PALPATE_ASSERT(before == nullptr || before->id == hello.worker(),
                  "a peer is one worker: the one it was has been removed");
-  kernel_family_ = hello.kernel_family();
   // A worker that connects anew comes from another peer; the old one is nobody then.
   Worker& worker = workers_[hello.worker()];
   id_of_peer_.erase(worker.peer);
@@ -70,6 +72,7 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
             .credit = 0,
             .heard = now,
             .solving = {},
+            .probed = {},
             .idle_since = {},
             .results = worker.results};
   id_of_peer_[peer] = worker.id;
@@ -92,6 +95,11 @@ Worker* WorkerRegistry::ofPeer(const std::string& peer) {
 Worker* WorkerRegistry::ofProcess(std::uint32_t pid) {
   const auto found =
       std::ranges::find(workers_, pid, [](const auto& entry) { return entry.second.pid; });
+  return found == workers_.end() ? nullptr : &found->second;
+}
+
+Worker* WorkerRegistry::find(const std::string& id) {
+  const auto found = workers_.find(id);
   return found == workers_.end() ? nullptr : &found->second;
 }
 

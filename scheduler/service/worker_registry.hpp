@@ -20,6 +20,8 @@ struct Worker {
   Time heard;                ///< when its last message came
   /// As its last heartbeat said; nothing when it solves none of what it was given.
   std::optional<TransitionKey> solving;
+  /// When it was last asked for a sign of life, because it was silent.
+  std::optional<Time> probed;
   /// Since when its heartbeats say that it solves nothing, although it holds leases.
   std::optional<Time> idle_since;
   std::int32_t results = 0;  ///< recorded ones, of this run
@@ -38,15 +40,19 @@ class WorkerRegistry {
   using Workers = std::map<std::string, Worker>;  ///< by id
 
   /// `kernel_family` of the results that are recorded; empty when there are none: then the first
-  /// worker decides.
+  /// result decides.
   explicit WorkerRegistry(std::string kernel_family) : kernel_family_(std::move(kernel_family)) {}
 
-  /// The kernels that every worker of this build uses; empty before the first.
+  /// The kernels that every result of this build is computed with; empty before the first.
   const std::string& kernelFamily() const { return kernel_family_; }
+  /// The first result came from these.
+  void setKernelFamily(const std::string& family) { kernel_family_ = family; }
 
   /// Why this worker may not join, as a clause that says what to do; empty when it may. All workers
   /// must give the same bits: same protocol, version and kernels.
   std::string objectionTo(const wire::Hello& hello) const;
+  /// The same of kernels alone.
+  std::string objectionToKernels(const std::string& family) const;
   /// Adds a worker without objection, or begins anew with one that is known: no credit, nothing in
   /// work. The peer must not be that of another worker.
   Worker& admit(const std::string& peer, const wire::Hello& hello, Time now);
@@ -57,6 +63,8 @@ class WorkerRegistry {
   Worker* ofPeer(const std::string& peer);
   /// The first with this process number on any host; null when there is none.
   Worker* ofProcess(std::uint32_t pid);
+  /// Null when there is none.
+  Worker* find(const std::string& id);
   Worker& at(const std::string& id) { return workers_.at(id); }
   Workers& all() { return workers_; }
   const Workers& all() const { return workers_; }

@@ -4,43 +4,171 @@
 #include <sys/stat.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
-#include <cstddef>
+#include <charconv>
 #include <cstring>
-#include <fstream>
 
 #include "common/base/assertion.hpp"
-#include "common/base/error.hpp"
 
 namespace palpate {
 namespace {
 
 /// What a record begins with; its header and its payload follow.
 struct Head {
-  std::array<char, 4> magic = {'P', 'J', 'R', '1'};
-  std::uint32_t header_bytes = 0, payload_bytes = 0;
-  std::uint32_t crc = 0;
-};
-static_assert(sizeof(Head) == 16, "as docs/state.md says it");
+  static constexpr std::string_view whole = "PJR2", dropped = "PJRX";
 
-/// Over the two lengths in the head and what follows it.
-std::uint32_t crcOf(const std::string& record) {
-  const auto* bytes = reinterpret_cast<const Bytef*>(record.data());
-  const uLong of_lengths = crc32_z(0, bytes + offsetof(Head, header_bytes), 8);
+  std::array<char, 4> magic = {'P', 'J', 'R', '2'};
+  std::uint32_t header_bytes = 0, payload_bytes = 0;
+  std::uint32_t header_crc = 0;  ///< over the two lengths and the header
+  std::uint32_t payload_crc = 0;
+
+  bool is(std::string_view kind) const {
+    return std::string_view(magic.data(), magic.size()) == kind;
+  }
+  std::uint64_t recordBytes() const {
+    return sizeof(Head) + std::uint64_t{header_bytes} + payload_bytes;
+  }
+};
+static_assert(sizeof(Head) == 20, "as docs/state.md says it");
+
+std::uint32_t crcOf(std::string_view bytes, uLong before = 0) {
   return static_cast<std::uint32_t>(
-      crc32_z(of_lengths, bytes + sizeof(Head), record.size() - sizeof(Head)));
+      crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
-/// Reads up to `length` bytes at `offset`; fewer at the end of the file.
-std::string readAt(const std::filesystem::path& path, std::uint64_t offset, std::uint64_t length) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw failure("{}: cannot open: {}", path.string(), errnoText());
-  std::string bytes(length, '\0');
-  file.seekg(static_cast<std::streamoff>(offset));
-  file.read(bytes.data(), static_cast<std::streamsize>(length));
-  if (file.bad()) throw failure("{}: cannot read: {}", path.string(), errnoText());
-  bytes.resize(static_cast<std::size_t>(file.gcount()));
-  return bytes;
+std::uint32_t headerCrcOf(const Head& head, std::string_view header) {
+  const std::array<std::uint32_t, 2> lengths = {head.header_bytes, head.payload_bytes};
+  return crcOf(header, crcOf({reinterpret_cast<const char*>(lengths.data()), sizeof lengths}));
+}
+
+/// A segment, open for reading.
+class SegmentFile {
+ public:
+  explicit SegmentFile(std::filesystem::path path)
+      : path_(std::move(path)), file_(open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
+    struct stat info {};
+    if (file_ && fstat(file_.get(), &info) != 0)
+      throw failure("{}: cannot look at: {}", path_.string(), errnoText());
+    if (!file_ && errno != ENOENT)
+      throw failure("{}: cannot open: {}", path_.string(), errnoText());
+    bytes_ = file_ ? static_cast<std::uint64_t>(info.st_size) : 0;
+  }
+
+  bool exists() const { return static_cast<bool>(file_); }
+  std::uint64_t size() const { return bytes_; }
+  const std::filesystem::path& path() const { return path_; }
+
+  /// Up to `length` bytes at `offset`; fewer at the end of the file. A sector that the disk cannot
+  /// read any more is damage like any other: it reads as nothing.
+  std::string read(std::uint64_t offset, std::uint64_t length) const {
+    length = offset < bytes_ ? std::min(length, bytes_ - offset) : 0;
+    std::string bytes(length, '\0');
+    std::size_t done = 0;
+    while (done < bytes.size()) {
+      const ssize_t n = pread(file_.get(), bytes.data() + done, bytes.size() - done,
+                              static_cast<off_t>(offset + done));
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0 && errno != EIO) throw failure("{}: cannot read: {}", path_.string(), errnoText());
+      if (n <= 0) break;
+      done += static_cast<std::size_t>(n);
+    }
+    bytes.resize(done);
+    return bytes;
+  }
+
+  /// Of a record that begins at `offset`, its head and its header, when both are whole and the rest
+  /// fits into the file.
+  std::optional<std::pair<Head, std::string>> headAt(std::uint64_t offset) const {
+    Head head;
+    const std::string bytes = read(offset, sizeof head);
+    if (bytes.size() < sizeof head) return std::nullopt;
+    std::memcpy(&head, bytes.data(), sizeof head);
+    if (!head.is(Head::whole) && !head.is(Head::dropped)) return std::nullopt;
+    if (head.recordBytes() > bytes_ - offset) return std::nullopt;
+    std::string header = read(offset + sizeof head, head.header_bytes);
+    if (header.size() != head.header_bytes || headerCrcOf(head, header) != head.header_crc)
+      return std::nullopt;
+    return std::pair(head, std::move(header));
+  }
+  bool payloadIsWhole(std::uint64_t offset, const Head& head) const {
+    const std::string payload = read(offset + sizeof head + head.header_bytes, head.payload_bytes);
+    return payload.size() == head.payload_bytes && crcOf(payload) == head.payload_crc;
+  }
+
+  /// Where the next record begins, at `offset` or behind it; the end of the file when none does.
+  std::uint64_t findRecord(std::uint64_t offset) const {
+    constexpr std::uint64_t window = 1u << 20;
+    constexpr std::string_view common_part = Head::whole.substr(0, 3);
+    while (offset < bytes_) {
+      // Windows overlap by a magic word less one byte.
+      const std::string bytes = read(offset, window);
+      for (std::size_t at = bytes.find(common_part); at != std::string::npos;
+           at = bytes.find(common_part, at + 1))
+        if (headAt(offset + at)) return offset + at;
+      // What cannot be read is passed in the pages that disks lose.
+      constexpr std::uint64_t page = 4096;
+      const bool whole = bytes.size() == std::min(window, bytes_ - offset);
+      offset = whole ? offset + window - (common_part.size() - 1)
+                     : ((offset + bytes.size()) / page + 1) * page;
+    }
+    return bytes_;
+  }
+
+ private:
+  std::filesystem::path path_;
+  FileDescriptor file_;
+  std::uint64_t bytes_ = 0;
+};
+
+/// The numbers of the segments in a directory, in order.
+std::vector<std::uint32_t> segmentsIn(const std::filesystem::path& directory) {
+  constexpr std::string_view prefix = "segment-", suffix = ".dat";
+  std::vector<std::uint32_t> numbers;
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(prefix) || !name.ends_with(suffix)) continue;
+    const std::string digits =
+        name.substr(prefix.size(), name.size() - prefix.size() - suffix.size());
+    std::uint32_t number = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+    if (error == std::errc() && end == digits.data() + digits.size() && number > 0)
+      numbers.push_back(number);
+  }
+  std::ranges::sort(numbers);
+  return numbers;
+}
+
+void scanSegment(const SegmentFile& file, std::uint32_t number, bool last, JournalScan& found) {
+  const auto gap = [&](std::uint64_t from, std::uint64_t to, const char* what) {
+    found.gaps.push_back(
+        fmt::format("{}: bytes {} to {}: {}", file.path().string(), from, to, what));
+  };
+  std::uint64_t behind_last = 0;
+  for (std::uint64_t at = 0; at < file.size();) {
+    auto record = file.headAt(at);
+    if (!record) {
+      at = file.findRecord(at + 1);
+      continue;
+    }
+    auto& [head, header] = *record;
+    const std::uint64_t next = at + head.recordBytes();
+    // Only here may a header stand before half a payload without any damage: the disk kept one part
+    // of a write and not the other.
+    const bool torn = last && head.is(Head::whole) && !file.payloadIsWhole(at, head);
+    if (!torn) {
+      if (at > behind_last) gap(behind_last, at, "no record can be read there");
+      if (head.is(Head::dropped))
+        gap(at, next, "a damaged record, which was dropped");
+      else
+        found.records.push_back({{number, at, next - at}, std::move(header)});
+      behind_last = next;
+    }
+    at = next;
+  }
+  if (!last && behind_last < file.size())
+    gap(behind_last, file.size(), "no record can be read there");
+  found.end = {number, behind_last};
 }
 
 /// So that files made in it survive a crash.
@@ -52,24 +180,57 @@ void syncDirectory(const std::filesystem::path& directory) {
 
 }  // namespace
 
-Journal::Journal(std::filesystem::path directory, JournalEnd committed, std::uint64_t segment_bytes)
-    : directory_(std::move(directory)), segment_bytes_(segment_bytes), end_(committed) {
-  // A segment without a committed record may not have been made before the crash.
-  openSegment(committed.offset == 0);
-  struct stat info {};
-  if (fstat(file_.get(), &info) != 0)
-    throw failure("{}: cannot look at: {}", segmentPath(end_.segment).string(), errnoText());
-  if (static_cast<std::uint64_t>(info.st_size) < committed.offset)
-    throw failure(
-        "{}: has {} bytes, but {} were committed: the state directory is damaged; "
-        "restore it from a copy, or remove it to compute everything again",
-        segmentPath(end_.segment).string(), info.st_size, committed.offset);
-  // What lies behind was never acknowledged, and may be half a record.
-  if (ftruncate(file_.get(), static_cast<off_t>(committed.offset)) != 0)
-    throw failure("{}: cannot truncate: {}", segmentPath(end_.segment).string(), errnoText());
-  for (std::uint32_t later = end_.segment + 1; std::filesystem::remove(segmentPath(later));
-       ++later) {
+std::filesystem::path JournalReader::segmentPath(std::uint32_t segment) const {
+  return directory_ / fmt::format("segment-{:06}.dat", segment);
+}
+
+JournalScan JournalReader::scan() const {
+  JournalScan found;
+  std::uint32_t expected = 1;
+  const std::vector<std::uint32_t> numbers = segmentsIn(directory_);
+  for (const std::uint32_t number : numbers) {
+    for (; expected < number; ++expected)
+      found.gaps.push_back(fmt::format("{}: is missing", segmentPath(expected).string()));
+    ++expected;
+    scanSegment(SegmentFile(segmentPath(number)), number, number == numbers.back(), found);
   }
+  return found;
+}
+
+JournalRecord JournalReader::read(const JournalPosition& position) const {
+  const SegmentFile file(segmentPath(position.segment));
+  auto record = file.headAt(position.offset);
+  const auto damaged = [&](const char* what) {
+    return DamagedRecord(position, fmt::format("{}: the record at byte {} is damaged ({})",
+                                               file.path().string(), position.offset, what));
+  };
+  if (!file.exists()) throw damaged("the file is missing");
+  if (!record || !record->first.is(Head::whole)) throw damaged("its head or its header");
+  const Head& head = record->first;
+  if (head.recordBytes() != position.length) throw damaged("another one lies there");
+  std::string payload =
+      file.read(position.offset + sizeof head + head.header_bytes, head.payload_bytes);
+  if (payload.size() != head.payload_bytes || crcOf(payload) != head.payload_crc)
+    throw damaged("its payload");
+  return {std::move(record->second), std::move(payload)};
+}
+
+std::string JournalReader::readHeader(const JournalPosition& position) const {
+  const SegmentFile file(segmentPath(position.segment));
+  auto record = file.headAt(position.offset);
+  if (!record || !record->first.is(Head::whole) || record->first.recordBytes() != position.length)
+    throw DamagedRecord(position, fmt::format("{}: the record at byte {} is damaged",
+                                              file.path().string(), position.offset));
+  return std::move(record->second);
+}
+
+Journal::Journal(std::filesystem::path directory, JournalEnd end, std::uint64_t segment_bytes)
+    : JournalReader(std::move(directory)), segment_bytes_(segment_bytes), end_(end) {
+  present_ = segmentsIn(directory_);
+  openSegment();
+  if (ftruncate(file_.get(), static_cast<off_t>(end.offset)) != 0)
+    throw failure("{}: cannot truncate: {}", segmentPath(end_.segment).string(), errnoText());
+  sync();
   syncDirectory(directory_);
 }
 
@@ -79,18 +240,18 @@ JournalPosition Journal::append(std::string_view header, std::string_view payloa
     // The full one is synced: later syncs reach only the segment that is open.
     ++end_.segment;
     end_.offset = 0;
-    openSegment(true);
+    openSegment();
     syncDirectory(directory_);
   }
   PALPATE_ASSERT(std::max(header.size(), payload.size()) <= UINT32_MAX,
                  "a message and its payload are far below 4 GiB (max_payload_bytes)");
   Head head{.header_bytes = static_cast<std::uint32_t>(header.size()),
-            .payload_bytes = static_cast<std::uint32_t>(payload.size())};
+            .payload_bytes = static_cast<std::uint32_t>(payload.size()),
+            .payload_crc = crcOf(payload)};
+  head.header_crc = headerCrcOf(head, header);
   std::string record(reinterpret_cast<const char*>(&head), sizeof head);
   record += header;
   record += payload;
-  head.crc = crcOf(record);
-  std::memcpy(record.data(), &head, sizeof head);
   writeAll(record);
   const JournalPosition position{end_.segment, end_.offset, record.size()};
   end_.offset += record.size();
@@ -106,40 +267,44 @@ void Journal::sync() {
         segmentPath(end_.segment).string(), errnoText());
 }
 
-JournalRecord Journal::read(const JournalPosition& position) const {
+void Journal::drop(const JournalPosition& position) {
   const std::filesystem::path path = segmentPath(position.segment);
-  const auto damaged = [&](const char* what) {
-    return failure(
-        "{}: record at byte {} is damaged ({}): restore the state directory from a copy, "
-        "or remove it to compute everything again",
-        path.string(), position.offset, what);
-  };
-  const std::string bytes = readAt(path, position.offset, position.length);
-  // The position is that of the tables, so lengths that differ are damage on either side.
-  Head head;
-  if (bytes.size() != position.length || bytes.size() < sizeof head) throw damaged("cut off");
-  std::memcpy(&head, bytes.data(), sizeof head);
-  if (head.magic != Head{}.magic) throw damaged("no record begins here");
-  if (sizeof head + head.header_bytes + head.payload_bytes != position.length)
-    throw damaged("wrong length");
-  if (head.crc != crcOf(bytes)) throw damaged("wrong checksum");
-  return {bytes.substr(sizeof head, head.header_bytes),
-          bytes.substr(sizeof head + head.header_bytes)};
+  const FileDescriptor file(open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  if (!file && errno == ENOENT) return;
+  const auto offset = static_cast<off_t>(position.offset);
+  const std::string_view mark = Head::dropped;
+  struct stat info {};
+  if (!file || fstat(file.get(), &info) != 0)
+    throw failure("{}: cannot open: {}", path.string(), errnoText());
+  // Of a file that was cut off, nothing is left to be marked.
+  if (info.st_size < offset + static_cast<off_t>(position.length)) return;
+  if (pwrite(file.get(), mark.data(), mark.size(), offset) != static_cast<ssize_t>(mark.size()) ||
+      fdatasync(file.get()) != 0)
+    throw failure("{}: cannot mark the damaged record at byte {}: {}", path.string(),
+                  position.offset, errnoText());
 }
 
-std::filesystem::path Journal::segmentPath(std::uint32_t segment) const {
-  return directory_ / fmt::format("segment-{:06}.dat", segment);
-}
-
-void Journal::openSegment(bool create) {
-  const std::filesystem::path path = segmentPath(end_.segment);
-  file_ = FileDescriptor(open(path.c_str(), O_RDWR | O_CLOEXEC | (create ? O_CREAT : 0), 0644));
-  if (!file_ && errno == ENOENT)
+void Journal::checkPresence() const {
+  struct stat mine {};
+  if (fstat(file_.get(), &mine) != 0)
+    throw failure("{}: cannot look at: {}", segmentPath(end_.segment).string(), errnoText());
+  for (const std::uint32_t segment : present_) {
+    struct stat info {};
+    const std::filesystem::path path = segmentPath(segment);
+    const bool there = stat(path.c_str(), &info) == 0;
+    if (there && (segment != end_.segment || info.st_ino == mine.st_ino)) continue;
     throw failure(
-        "{}: is missing: the state directory is damaged; restore it from a copy, "
-        "or remove it to compute everything again",
-        path.string());
+        "{}: was {} while this scheduler works with it: put it back, or start again, and what was "
+        "in it is computed anew",
+        path.string(), there ? "replaced" : "removed");
+  }
+}
+
+void Journal::openSegment() {
+  const std::filesystem::path path = segmentPath(end_.segment);
+  file_ = FileDescriptor(open(path.c_str(), O_RDWR | O_CLOEXEC | O_CREAT, 0600));
   if (!file_) throw failure("{}: cannot open: {}", path.string(), errnoText());
+  if (std::ranges::find(present_, end_.segment) == present_.end()) present_.push_back(end_.segment);
 }
 
 void Journal::writeAll(std::string_view bytes) {

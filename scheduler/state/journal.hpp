@@ -2,9 +2,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "common/base/error.hpp"
 #include "scheduler/state/file_descriptor.hpp"
 
 namespace palpate {
@@ -29,21 +32,66 @@ struct JournalRecord {
   std::string payload;
 };
 
-/// Every result, append-only, in DIRECTORY/segment-000001.dat and so on. Layout of a record
-/// (docs/state.md): "PJR1", header bytes u32, payload bytes u32, CRC-32 u32 over the two lengths,
-/// the header and the payload; header; payload.
+/// A record is not what was written, and costs itself: it can be dropped (Journal::drop) and
+/// computed again. The message names file and offset.
+class DamagedRecord : public Error {
+ public:
+  DamagedRecord(const JournalPosition& where, const std::string& message)
+      : Error(ExitCode::failed, message), where_(where) {}
+  const JournalPosition& where() const { return where_; }
+
+ private:
+  JournalPosition where_;
+};
+
+/// What is in a journal.
+struct JournalScan {
+  struct Found {
+    JournalPosition where;
+    std::string header;
+  };
+  /// Records whose header is whole, in the order of appending; those of the last segment with a
+  /// whole payload too.
+  std::vector<Found> records;
+  /// Stretches between them that hold no whole record, for people: damage, or what was dropped. Not
+  /// what lies behind the last record, which a crash may leave.
+  std::vector<std::string> gaps;
+  JournalEnd end;  ///< behind the last record
+};
+
+/// The journal in a directory, for reading: DIRECTORY/segment-000001.dat and so on. Layout of a
+/// record (docs/state.md): "PJR2", header bytes u32, payload bytes u32, CRC-32 u32 over the two
+/// lengths and the header, CRC-32 u32 over the payload; header; payload.
 ///
-/// A record counts once sync() returned *and* the caller has stored end() durably; what lies behind
-/// the stored end after a crash is cut off when the journal is opened. One thread. Every failure of
-/// a write or a sync is an Error after which the journal must not be used: what the kernel kept of
-/// the failed write is unknown.
-class Journal {
+/// Reading depends on nothing but these files. It may go on while a scheduler appends.
+class JournalReader {
+ public:
+  explicit JournalReader(std::filesystem::path directory) : directory_(std::move(directory)) {}
+
+  /// Finds all records, whatever lies between them. Reads every header, and of the last segment,
+  /// where a crash leaves half a record, all.
+  JournalScan scan() const;
+  /// Reads a record back. DamagedRecord when it is not what was written, or not there.
+  JournalRecord read(const JournalPosition& position) const;
+  /// Its header alone, likewise.
+  std::string readHeader(const JournalPosition& position) const;
+
+ protected:
+  std::filesystem::path segmentPath(std::uint32_t segment) const;
+
+  std::filesystem::path directory_;
+};
+
+/// Every result, append-only. A record counts once sync() has returned. One thread. Every failure
+/// of a write or a sync is an Error after which the journal must not be used: what the kernel kept
+/// of the failed write is unknown.
+class Journal : public JournalReader {
  public:
   static constexpr std::uint64_t default_segment_bytes = 256ull << 20;
 
-  /// Opens for appending at `committed`; truncates the segment there and removes later segments.
-  /// Error when the journal is shorter than that: something committed is missing.
-  Journal(std::filesystem::path directory, JournalEnd committed,
+  /// Opens for appending at `end` (JournalScan::end): truncates the segment there, which holds half
+  /// a record at most, and syncs, so that what a killed run left counts from now on.
+  Journal(std::filesystem::path directory, JournalEnd end,
           std::uint64_t segment_bytes = default_segment_bytes);
 
   /// Appends without syncing. A full segment is synced and closed first.
@@ -52,18 +100,20 @@ class Journal {
   void sync();
   JournalEnd end() const { return end_; }
 
-  /// Reads a record back. Error, naming file and offset, when it is damaged or missing.
-  JournalRecord read(const JournalPosition& position) const;
+  /// Marks a damaged record, so that no later scan takes its header for a result. Durable when it
+  /// returns.
+  void drop(const JournalPosition& position);
+  /// Error when a segment was removed, or the one that is written was replaced by another file.
+  void checkPresence() const;
 
  private:
-  std::filesystem::path segmentPath(std::uint32_t segment) const;
-  void openSegment(bool create);
+  void openSegment();
   void writeAll(std::string_view bytes);
 
-  std::filesystem::path directory_;
   std::uint64_t segment_bytes_;
   JournalEnd end_;
-  FileDescriptor file_;
+  std::vector<std::uint32_t> present_;  ///< segments that were there, or were made
+  FileDescriptor file_;                 ///< of the one that is written
 };
 
 }  // namespace palpate

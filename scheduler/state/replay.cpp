@@ -1,38 +1,47 @@
 #include "scheduler/state/replay.hpp"
 
 #include "common/base/assertion.hpp"
-#include "common/base/error.hpp"
 
 namespace palpate {
 
-Replay replay(const Problem& problem, const std::vector<StoredResult>& results) {
-  std::map<TransitionKey, const StoredResult*> known;
-  for (const StoredResult& result : results) known.emplace(result.key, &result);
+std::vector<TransitionKey> settle(SpacePlan& plan, std::uint32_t space, StoredResults& known) {
+  std::vector<TransitionKey> missing;
+  for (auto ready = plan.takeReady(); !ready.empty(); ready = plan.takeReady())
+    for (const Transition& transition : ready) {
+      const Lattice& positions = plan.positions();
+      const auto found = known.find(
+          {space, positions.point(transition.target), positions.point(transition.parent)});
+      if (found == known.end()) {
+        missing.push_back({space, transition.target, transition.parent});
+        continue;
+      }
+      const StoredResult result = std::move(known.extract(found).mapped());
+      plan.record(transition, result.outcome, fieldsOf(result.header));
+    }
+  return missing;
+}
+
+Replay replay(const Problem& problem, StoredResults results) {
   Replay replayed;
+  replayed.spare = std::move(results);
   for (std::uint32_t space = 0; space < problem.active.size(); ++space) {
     SpacePlan& plan = replayed.plans.emplace_back(problem, space);
-    for (auto ready = plan.takeReady(); !ready.empty(); ready = plan.takeReady())
-      for (const Transition& transition : ready) {
-        const TransitionKey key{space, transition.target, transition.parent};
-        const auto found = known.find(key);
-        if (found == known.end()) {
-          replayed.missing.push_back(key);
-          continue;
-        }
-        plan.record(transition, found->second->outcome, fieldsOf(found->second->header));
-        known.erase(found);
-      }
+    const std::vector<TransitionKey> missing = settle(plan, space, replayed.spare);
+    replayed.missing.insert(replayed.missing.end(), missing.begin(), missing.end());
     PALPATE_ASSERT(plan.complete() || plan.openCount() > 0,
                    "a plan that asks for nothing has nothing left to do");
   }
-  if (known.empty()) return replayed;
-  const TransitionKey& key = known.begin()->first;
+  return replayed;
+}
+
+void refuseSpare(const StoredResults& spare) {
+  if (spare.empty()) return;
+  const auto& [space, target, parent] = spare.begin()->first;
   throw failure(
       "the state directory holds {} results that nobody asked for (the first: space {}, "
-      "point {} from point {}): it is damaged, or another version of palpate began it, which asked "
-      "for others; go on with that one, restore it from a copy, or remove it to compute everything "
-      "again",
-      known.size(), key.space, key.target, key.parent);
+      "point ({}, {}, {}) from ({}, {}, {})): another version of palpate began it, which asked for "
+      "others; go on with that one, or remove the directory to compute everything again",
+      spare.size(), space, target[0], target[1], target[2], parent[0], parent[1], parent[2]);
 }
 
 std::vector<SpaceTable> spaceTables(const std::vector<SpacePlan>& plans) {

@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-void ResultGroup::add(StoredResult result, std::string payload, Time now) {
-  const TransitionKey key = result.key;
+void ResultGroup::add(const TransitionKey& key, StoredResult result, std::string payload,
+                      Time now) {
   const bool fresh =
       members_.try_emplace(key, Member{std::move(result), std::move(payload), {}}).second;
   PALPATE_ASSERT(fresh, "a second result of a transition is a duplicate of the first");
@@ -19,15 +19,8 @@ ResultGroup::Member* ResultGroup::find(const TransitionKey& key) {
 
 ResultGroup::Members ResultGroup::commit() {
   PALPATE_ASSERT(since_.has_value() == !members_.empty(), "the first member starts the clock");
-  std::vector<StoredResult> results;
-  for (auto& [key, member] : members_) {
-    member.result.where =
-        journal_->append(member.result.header.SerializeAsString(), member.payload);
-    results.push_back(member.result);
-  }
-  journal_->sync();
-  // Only now: a row whose record the disk may still lose would be a hole that no replay can fill.
-  store_->record(results, journal_->end());
+  for (const auto& [key, member] : members_) store_->append(member.result.header, member.payload);
+  store_->commit();
   since_.reset();
   return std::exchange(members_, {});
 }

@@ -2,16 +2,57 @@
 
 #include <spdlog/spdlog.h>
 #include <sqlite3.h>
+#include <unistd.h>
+
+#include <cstdlib>
 
 #include "common/base/assertion.hpp"
-#include "common/base/error.hpp"
 
 namespace palpate {
 
+namespace {
+
+/// The files of a database, copied: SQLite cannot read one that was left in WAL mode where it may
+/// not write. Gone with the object.
+class CopiedDatabase {
+ public:
+  explicit CopiedDatabase(const std::filesystem::path& file) {
+    std::string folder = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
+    if (mkdtemp(folder.data()) == nullptr)
+      throw failure("{}: cannot make a folder to read {} in: {}", folder, file.string(),
+                    errnoText());
+    folder_ = folder;
+    for (const char* part : {"", "-wal"})
+      if (const auto from = file.string() + part; std::filesystem::exists(from))
+        std::filesystem::copy_file(from, folder_ / (file.filename().string() + part));
+  }
+  ~CopiedDatabase() {
+    std::error_code error;
+    std::filesystem::remove_all(folder_, error);
+    if (error) spdlog::warn("{}: cannot remove: {}", folder_.string(), error.message());
+  }
+  CopiedDatabase(const CopiedDatabase&) = delete;
+  CopiedDatabase& operator=(const CopiedDatabase&) = delete;
+  std::filesystem::path in(const std::filesystem::path& file) const {
+    return folder_ / file.filename();
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+}  // namespace
+
 Database::Database(const std::filesystem::path& file, Access access) : file_(file) {
+  std::filesystem::path opened = file;
+  if (access == Access::read_only && ::access(file.parent_path().c_str(), W_OK) != 0) {
+    const auto copy = std::make_shared<const CopiedDatabase>(file);
+    opened = copy->in(file);
+    copy_ = copy;
+  }
   const int flags = access == Access::read_only ? SQLITE_OPEN_READONLY
                                                 : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
-  if (sqlite3_open_v2(file.c_str(), &handle_, flags, nullptr) != SQLITE_OK) {
+  if (sqlite3_open_v2(opened.c_str(), &handle_, flags, nullptr) != SQLITE_OK) {
     const std::string reason = handle_ == nullptr ? "out of memory" : sqlite3_errmsg(handle_);
     sqlite3_close(handle_);
     throw failure("{}: cannot open: {}", file.string(), reason);
@@ -21,6 +62,7 @@ Database::Database(const std::filesystem::path& file, Access access) : file_(fil
 }
 
 Database::~Database() {
+  // Null of one that was moved from, which is no error.
   if (sqlite3_close(handle_) != SQLITE_OK)
     spdlog::warn("{}: statements were still open when it was closed", file_.string());
 }
@@ -30,13 +72,13 @@ void Database::execute(const std::string& sql) {
     fail(sql.substr(0, 60));
 }
 
-int Database::changes() const { return sqlite3_changes(handle_); }
-
 void Database::fail(const std::string& doing) const {
   if (sqlite3_errcode(handle_) == SQLITE_FULL)
     throw failure(
         "{}: the disk is full: make room and start again; everything acknowledged is kept",
         file_.string());
+  if (const int code = sqlite3_errcode(handle_); code == SQLITE_CORRUPT || code == SQLITE_NOTADB)
+    throw DamagedDatabase(file_, sqlite3_errmsg(handle_));
   throw failure("{}: {} ({})", file_.string(), sqlite3_errmsg(handle_), doing);
 }
 

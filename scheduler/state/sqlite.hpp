@@ -4,34 +4,49 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
+
+#include "common/base/error.hpp"
 
 struct sqlite3;
 struct sqlite3_stmt;
 
 namespace palpate {
 
+/// The file is no database, or its pages contradict each other.
+class DamagedDatabase : public Error {
+ public:
+  DamagedDatabase(const std::filesystem::path& file, const std::string& what)
+      : Error(ExitCode::failed, fmt::format("{}: damaged: {}", file.string(), what)) {}
+};
+
 /// An SQLite connection. Every return code is checked; failures are Errors that name the file.
 /// Never carried across fork().
 class Database {
  public:
+  /// read_only: also where nobody may write. SQLite itself cannot read a database in WAL mode
+  /// there, so a copy is read.
   enum class Access { read_write_create, read_only };
   Database(const std::filesystem::path& file, Access access);
   ~Database();
-  Database(const Database&) = delete;
-  Database& operator=(const Database&) = delete;
+  Database(Database&& other) noexcept
+      : file_(std::move(other.file_)),
+        copy_(std::move(other.copy_)),
+        handle_(std::exchange(other.handle_, nullptr)) {}
+  Database& operator=(Database&&) = delete;
 
   /// Runs one or more statements without results.
   void execute(const std::string& sql);
-  /// Rows changed by the last statement.
-  int changes() const;
   sqlite3* handle() const { return handle_; }
   const std::filesystem::path& file() const { return file_; }
   [[noreturn]] void fail(const std::string& doing) const;
 
  private:
   std::filesystem::path file_;
+  std::shared_ptr<const void> copy_;  ///< what is read instead; null: the file itself
   sqlite3* handle_ = nullptr;
 };
 

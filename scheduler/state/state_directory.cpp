@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <sys/vfs.h>
 
 #include <array>
@@ -25,37 +26,49 @@ void refuseNetworkFileSystem(const std::filesystem::path& path) {
         path.string(), name);
 }
 
-FileDescriptor takeLock(const std::filesystem::path& file) {
-  FileDescriptor lock(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
-  if (!lock) throw failure("{}: cannot open: {}", file.string(), errnoText());
+std::string holderOf(const std::filesystem::path& directory) {
+  std::ifstream file(directory / "lock");
+  std::string pid;
+  return std::getline(file, pid) && !pid.empty() ? pid : "unknown";
+}
+
+/// On the folder, so that nothing that is removed in it sets the lock free.
+FileDescriptor takeLock(const std::filesystem::path& directory) {
+  FileDescriptor lock(open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!lock) throw failure("{}: cannot open: {}", directory.string(), errnoText());
   // liveEndpoint() holds the lock for a moment to look at it.
   for (int tries = 0; flock(lock.get(), LOCK_EX | LOCK_NB) != 0; ++tries) {
     if (errno == EWOULDBLOCK && tries < 10) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
       continue;
     }
-    if (errno != EWOULDBLOCK) throw failure("{}: cannot lock: {}", file.string(), errnoText());
-    std::array<char, 32> text{};
-    const ssize_t n = pread(lock.get(), text.data(), text.size() - 1, 0);
+    if (errno != EWOULDBLOCK) throw failure("{}: cannot lock: {}", directory.string(), errnoText());
     throw failure(
         "{} is in use by process {}, another scheduler: wait for it, stop it, "
         "or use another --state directory",
-        file.parent_path().string(), n > 0 ? std::string(text.data()) : "unknown");
+        directory.string(), holderOf(directory));
   }
-  const std::string pid = std::to_string(getpid());
-  if (ftruncate(lock.get(), 0) != 0 ||
-      pwrite(lock.get(), pid.data(), pid.size(), 0) != static_cast<ssize_t>(pid.size()))
-    throw failure("{}: cannot write: {}", file.string(), errnoText());
   return lock;
+}
+
+/// Whole or not at all, and readable by its owner alone.
+void writeSmallFile(const std::filesystem::path& file, const std::string& text) {
+  const std::filesystem::path aside = file.string() + ".tmp";
+  const FileDescriptor out(open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+  if (!out) throw failure("{}: cannot open: {}", aside.string(), errnoText());
+  if (write(out.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+    throw failure("{}: cannot write: {}", aside.string(), errnoText());
+  if (rename(aside.c_str(), file.c_str()) != 0)
+    throw failure("{}: cannot rename: {}", aside.string(), errnoText());
 }
 
 }  // namespace
 
 const char* networkFileSystem(long type) {
   static const std::map<unsigned long, const char*> names = {
-      {0x6969, "NFS"},     {0x517B, "SMB"},        {0xFF534D42, "SMB"},
-      {0xFE534D42, "SMB"}, {0x0BD00BD0, "Lustre"}, {0x47504653, "GPFS"},
-      {0x5346414F, "AFS"}, {0x00C36400, "Ceph"},   {0x19830326, "BeeGFS"}};
+      {0x6969, "NFS"},        {0x517B, "SMB"},      {0xFF534D42, "SMB"}, {0xFE534D42, "SMB"},
+      {0x0BD00BD0, "Lustre"}, {0x47504653, "GPFS"}, {0x5346414F, "AFS"}, {0x00C36400, "Ceph"},
+      {0x19830326, "BeeGFS"}, {0x65735546, "FUSE"}, {0x01021997, "9p"}};
   // The number is an unsigned one of 32 bits, which some systems extend with its sign.
   const auto found = names.find(static_cast<unsigned long>(type) & 0xffffffff);
   return found == names.end() ? nullptr : found->second;
@@ -63,7 +76,7 @@ const char* networkFileSystem(long type) {
 
 StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) {
   std::error_code error;
-  std::filesystem::create_directory(path, error);
+  const bool made = std::filesystem::create_directory(path, error);
   if (error == std::errc::no_such_file_or_directory)
     throw failure(
         "{}: cannot make this state directory: there is no folder {} to make it in: "
@@ -71,23 +84,34 @@ StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) 
         path.string(), (path / ".").lexically_normal().parent_path().parent_path().string());
   if (error)
     throw failure("{}: cannot make this state directory: {}", path.string(), error.message());
+  if (made) std::filesystem::permissions(path, std::filesystem::perms::owner_all);
   refuseNetworkFileSystem(path);
-  lock_ = takeLock(path / "lock");
+  lock_ = takeLock(path);
+  writeSmallFile(path / "lock", std::to_string(getpid()) + '\n');
   std::filesystem::remove(path / "endpoint", error);
   if (error) throw failure("{}: cannot remove: {}", (path / "endpoint").string(), error.message());
 }
 
 void StateDirectory::announce(const std::string& endpoint) const {
-  const std::filesystem::path aside = path_ / "endpoint.tmp";
-  std::ofstream file(aside);
-  file << endpoint << '\n';
-  file.close();
-  if (!file) throw failure("{}: cannot write", aside.string());
-  std::filesystem::rename(aside, path_ / "endpoint");
+  writeSmallFile(path_ / "endpoint", endpoint + '\n');
+}
+
+void StateDirectory::checkPresence() const {
+  struct stat held {};
+  struct stat there {};
+  if (fstat(lock_.get(), &held) != 0)
+    throw failure("{}: cannot look at: {}", path_.string(), errnoText());
+  if (stat(path_.c_str(), &there) == 0 && there.st_ino == held.st_ino &&
+      there.st_dev == held.st_dev)
+    return;
+  throw failure(
+      "{}: was removed or replaced while this scheduler works in it: nothing more can be kept; put "
+      "it back and start again, or start with another --state",
+      path_.string());
 }
 
 std::optional<std::string> StateDirectory::liveEndpoint(const std::filesystem::path& directory) {
-  const FileDescriptor lock(open((directory / "lock").c_str(), O_RDONLY | O_CLOEXEC));
+  const FileDescriptor lock(open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!lock || flock(lock.get(), LOCK_SH | LOCK_NB) == 0) return std::nullopt;
   std::ifstream file(directory / "endpoint");
   std::string endpoint;

@@ -8,13 +8,15 @@
 
 namespace palpate {
 
-/// The folder that holds one build: state.db, segment-NNNNNN.dat, lock and endpoint. Holding this
-/// object means being its only scheduler.
+/// The folder that holds one build: segment-NNNNNN.dat, state.db, lock and endpoint. Holding this
+/// object means being its only scheduler: the lock is on the folder itself, and the file `lock`
+/// only says who holds it.
 class StateDirectory {
  public:
   /// Makes the folder when it is not there (but not those above it, which would hide a mistyped
   /// name), refuses network file systems (SQLite's WAL and flock do not work on them), and takes
-  /// the lock. Error "in use by process N" when another scheduler holds it.
+  /// the lock. What it makes is for the owner alone. Error "in use by process N" when another
+  /// scheduler holds it.
   explicit StateDirectory(const std::filesystem::path& path);
 
   /// Writes where the scheduler listens into the folder, all at once, so that `status` and `stop`
@@ -22,6 +24,9 @@ class StateDirectory {
   void announce(const std::string& endpoint) const;
   /// The endpoint that the scheduler now holding `directory` announced; nothing when none holds it.
   static std::optional<std::string> liveEndpoint(const std::filesystem::path& directory);
+
+  /// Error when the folder was removed or replaced by another.
+  void checkPresence() const;
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path database() const { return databaseIn(path_); }
@@ -31,7 +36,7 @@ class StateDirectory {
 
  private:
   std::filesystem::path path_;
-  FileDescriptor lock_;
+  FileDescriptor lock_;  ///< the folder
 };
 
 /// The name of a network file system by its statfs number, nullptr for a local one.

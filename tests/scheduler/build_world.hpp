@@ -104,10 +104,18 @@ class BuildWorld {
   Coordinator& coordinator() { return build_->coordinator(); }
   Build& build() { return *build_; }
 
+  /// In steps that a scheduler makes which is not stopped meanwhile.
   void pass(std::chrono::milliseconds time) {
-    now += time;
-    settle();
+    constexpr std::chrono::milliseconds longest{1000};
+    do {
+      const auto step = std::min(time, longest);
+      now += step;
+      time -= step;
+      settle();
+    } while (time.count() > 0);
   }
+  /// The scheduler does nothing meanwhile.
+  void sleep(std::chrono::milliseconds time) { now += time; }
   void send(const std::string& peer, const wire::Message& message,
             const std::string& payload = "") {
     coordinator().receive({peer, message, payload}, now);

@@ -4,9 +4,7 @@
 #include <fstream>
 
 #include "tests/support/command.hpp"
-#include "tests/support/meshes.hpp"
-#include "tests/support/temporary_directory.hpp"
-#include "tests/system/process.hpp"
+#include "tests/system/small_build.hpp"
 
 /// The real programs, from a scene to a sealed dataset, with kills.
 namespace palpate {
@@ -15,60 +13,7 @@ namespace {
 using test::Process;
 using testing::HasSubstr;
 
-struct SystemTest : testing::Test {
-  test::TemporaryDirectory directory;
-
-  SystemTest() { writeScene(directory.path(), 1300); }
-
-  /// A cube with two active nodes and 257 lattice points around each. Tool forces grow beyond
-  /// max_force on one side.
-  static void writeScene(const std::filesystem::path& where, double c10) {
-    test::writeGmsh22(test::cubeMesh(0.1, 3), where / "cube.msh");
-    std::ofstream(where / "cube.toml")
-        << "name = \"cube\"\nmesh = \"cube.msh\"\n"
-        << "[material]\nlaw = \"mooney-rivlin\"\nc10 = " << c10 << "\nc01 = 1280.0\n"
-        << "[fixed]\nbelow = { axis = \"x\", fraction = 0.15 }\n"
-        << "[[active]]\nname = \"tip\"\nnear = [0.1, 0.0667, 0.0667]\n"
-        << "[[active]]\nname = \"corner\"\nnear = [0.1, 0.1, 0.1]\n"
-        << "[workspace]\nradius = 0.04\nspacing = 0.01\nmax_force = 2.0\n";
-  }
-
-  std::unique_ptr<Process> start(const std::string& program, std::vector<std::string> arguments) {
-    return std::make_unique<Process>(program, std::move(arguments), directory.path());
-  }
-  std::unique_ptr<Process> startBuild(const std::string& out, const std::string& workers) {
-    return start("palpate-scheduler", {"build", "cube.toml", "-o", out, "-j", workers});
-  }
-  /// Exit codes of a finished build: some points may have failed.
-  static void expectFinished(Process& process) {
-    const int code = process.wait();
-    EXPECT_TRUE(code == 0 || code == 3) << code << "\n" << process.output();
-  }
-  std::string undisturbed() {
-    auto build = startBuild("undisturbed.h5", "1");
-    expectFinished(*build);
-    return test::contentOf(directory / "undisturbed.h5");
-  }
-  std::uintmax_t journaled(const std::string& state) const {
-    std::error_code none_yet;
-    const auto size =
-        std::filesystem::file_size(directory / state / "segment-000001.dat", none_yet);
-    return none_yet ? 0 : size;
-  }
-  /// Waits until the journal grew by `bytes`, or the process ended. False in that case.
-  bool journalGrows(Process& process, const std::string& state, std::uintmax_t bytes) const {
-    const std::uintmax_t goal = journaled(state) + bytes;
-    EXPECT_TRUE(test::eventually([&] { return !process.running() || journaled(state) >= goal; }));
-    return process.running();
-  }
-  std::string endpointIn(const std::string& state) const {
-    EXPECT_TRUE(
-        test::eventually([&] { return !test::contentOf(directory / state / "endpoint").empty(); }));
-    std::string endpoint = test::contentOf(directory / state / "endpoint");
-    endpoint.pop_back();
-    return endpoint;
-  }
-};
+struct SystemTest : test::SmallBuild {};
 
 TEST_F(SystemTest, RefusesAFolderThatIsNotThereBeforeAnythingIsComputed) {
   for (const std::vector<std::string>& where : {std::vector<std::string>{"-o", "nowhere/out.h5"},

@@ -58,6 +58,18 @@ wire::Heartbeat Mailbox::progress() {
   return progress_;
 }
 
+std::optional<std::chrono::seconds> Mailbox::hungFor() {
+  const std::lock_guard lock(mutex_);
+  const auto at_it = std::chrono::steady_clock::now() - since_;
+  if (!progress_.solving() || hung_after_.count() == 0 || at_it <= hung_after_) return std::nullopt;
+  return std::chrono::duration_cast<std::chrono::seconds>(at_it);
+}
+
+void Mailbox::forgive(std::chrono::steady_clock::duration gap) {
+  const std::lock_guard lock(mutex_);
+  since_ += gap;
+}
+
 std::optional<ReadyJob> Mailbox::next() {
   std::unique_lock lock(mutex_);
   progress_.set_solving(false);
@@ -71,6 +83,8 @@ std::optional<ReadyJob> Mailbox::next() {
   progress_.set_job(job.job.id());
   // Until begin() names a target, the solver makes the start ready, which may kill it too.
   *progress_.mutable_target() = job.job.start();
+  since_ = std::chrono::steady_clock::now();
+  hung_after_ = std::chrono::seconds(job.job.hung_after_s());
   return job;
 }
 
@@ -79,6 +93,7 @@ bool Mailbox::begin(std::uint64_t job, const wire::Point& target) {
   PALPATE_ASSERT(progress_.solving() && progress_.job() == job,
                  "targets are of the job last taken");
   *progress_.mutable_target() = target;
+  since_ = std::chrono::steady_clock::now();
   return !forget_current_;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <memory>
@@ -49,6 +50,11 @@ class Mailbox {
   std::optional<std::string> solverError();
   /// What the solver is doing now, as heartbeats tell it.
   wire::Heartbeat progress();
+  /// For how long the solver has been at its present target, or at making its start ready, when
+  /// that is longer than the job allows (wire::Job.hung_after_s).
+  std::optional<std::chrono::seconds> hungFor();
+  /// This process did nothing for so long, the solver neither.
+  void forgive(std::chrono::steady_clock::duration gap);
   /// Readable while there is something to take; for poll().
   int wakeUpDescriptor() const { return event_; }
 
@@ -71,6 +77,8 @@ class Mailbox {
   std::deque<ReadyJob> jobs_;
   std::vector<FinishedTarget> finished_;
   wire::Heartbeat progress_;
+  std::chrono::steady_clock::time_point since_;  ///< the solver is at what progress_ says
+  std::chrono::seconds hung_after_{0};           ///< 0: no limit
   bool forget_current_ = false, closed_ = false;
   std::optional<std::string> error_;
 };

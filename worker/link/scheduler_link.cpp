@@ -5,6 +5,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
+#include <cstdlib>
 
 #include "common/base/assertion.hpp"
 #include "common/base/program.hpp"
@@ -23,12 +25,9 @@ constexpr std::chrono::milliseconds deliver_again_after{10000};
 constexpr std::chrono::milliseconds reconnect_after{20000};
 /// Jobs asked for in advance: the one in work and one that hides the network.
 constexpr std::uint32_t jobs_in_advance = 2;
-
-std::string randomId() {
-  std::string id(16, '\0');
-  randombytes_buf(id.data(), id.size());
-  return id;
-}
+/// A worker that does nothing for so long was stopped, or had no processor time: neither the
+/// scheduler's silence nor its solver's counts.
+constexpr std::chrono::milliseconds own_gap{3000};
 
 std::string hostName() {
   std::array<char, 256> name{};
@@ -43,20 +42,34 @@ auto keyOf(const ResultOrAck& message) {
   return std::tuple(message.space(), fromWire(message.target()), fromWire(message.parent()));
 }
 
+/// Without a goodbye: the scheduler is to know what this process ended on. Nothing less ends a
+/// thread that never returns.
+[[noreturn]] void endHungProcess(std::chrono::seconds at_it) {
+  spdlog::error(
+      "the solver hangs: {} s at one target, many times the longest of this build; this worker "
+      "ends itself, and its targets go to others",
+      at_it.count());
+  raise(SIGKILL);
+  std::abort();
+}
+
 }  // namespace
+
+std::string randomWorkerId() {
+  std::string id(16, '\0');
+  if (sodium_init() < 0) throw failure("libsodium could not be initialised");
+  randombytes_buf(id.data(), id.size());
+  return id;
+}
 
 SchedulerLink::SchedulerLink(zmq::context_t& context, Mailbox& mailbox,
                              const ElementKernels& kernels, LinkOptions options)
-    : context_(context),
-      mailbox_(mailbox),
-      kernels_(kernels),
-      options_(std::move(options)),
-      worker_id_(randomId()) {}
+    : context_(context), mailbox_(mailbox), kernels_(kernels), options_(std::move(options)) {}
 
 void SchedulerLink::connect() {
   socket_ = makeDealer(context_);
   // A leading zero byte is reserved by ZeroMQ, so the routing id is not the bare random id.
-  socket_.set(zmq::sockopt::routing_id, "w" + worker_id_);
+  socket_.set(zmq::sockopt::routing_id, "w" + options_.worker_id);
   connectDealer(socket_, options_.endpoint);
   last_connected_ = Clock::now();
   last_sent_hello_ = {};
@@ -74,7 +87,8 @@ void SchedulerLink::sayHello() {
   wire::Hello& hello = *message.mutable_hello();
   hello.set_protocol(protocol_version);
   hello.set_version(version());
-  hello.set_worker(worker_id_);
+  hello.set_worker(options_.worker_id);
+  for (const std::string& ended : options_.ended) hello.add_ended(ended);
   hello.set_host(hostName());
   hello.set_pid(static_cast<std::uint32_t>(getpid()));
   hello.set_kernel_family(arithmetic(kernels_));
@@ -271,15 +285,33 @@ void SchedulerLink::beat() {
     deliverAgain();
 }
 
+void SchedulerLink::sayGoodbye(const char* reason) {
+  wire::Message message;
+  message.mutable_goodbye()->set_reason(reason);
+  send(message);
+  // LINGER is 0; give the goodbye a moment to leave.
+  socket_.set(zmq::sockopt::linger, 500);
+}
+
+void SchedulerLink::forgiveOwnGap() {
+  const auto now = Clock::now();
+  const auto gap = now - std::exchange(last_turn_, now);
+  if (gap < own_gap) return;
+  last_heard_ += gap;
+  mailbox_.forgive(gap);
+}
+
 ExitCode SchedulerLink::run() {
   connect();
-  last_heard_ = Clock::now();
+  last_heard_ = last_turn_ = Clock::now();
   std::optional<Clock::time_point> interrupted_at;
   for (;;) {
     waitForMessages(socket_, poll_interval, mailbox_.wakeUpDescriptor());
+    forgiveOwnGap();
     while (const auto incoming = receiveMessage(socket_, false)) handle(*incoming);
     deliverFinished();
     if (const auto error = mailbox_.solverError()) throw failure("the solver stopped: {}", *error);
+    if (const auto hung = mailbox_.hungFor()) endHungProcess(*hung);
 
     const auto now = Clock::now();
     if (interrupted() && !interrupted_at) {
@@ -287,16 +319,13 @@ ExitCode SchedulerLink::run() {
       drain();
     }
     if (draining_ && unacknowledged_.empty() && !mailbox_.progress().solving()) {
-      if (finished_) return ExitCode::done;
-      wire::Message message;
-      message.mutable_goodbye()->set_reason(interrupted_at ? "interrupted" : "drained");
-      send(message);
-      // LINGER is 0; give the goodbye a moment to leave.
-      socket_.set(zmq::sockopt::linger, 500);
-      return interrupted_at ? ExitCode::interrupted : ExitCode::done;
+      sayGoodbye(interrupted_at ? "interrupted" : finished_ ? "no more work" : "drained");
+      return interrupted_at && !finished_ ? ExitCode::interrupted : ExitCode::done;
     }
-    if (interrupted_at && now - *interrupted_at > Seconds(options_.drain_s))
+    if (interrupted_at && now - *interrupted_at > Seconds(options_.drain_s)) {
+      sayGoodbye("interrupted in a solve");
       return ExitCode::interrupted;
+    }
     if (now - last_heard_ > Seconds(options_.give_up_s))
       throw failure("no word from {} for {} s: is the scheduler running, and is this its address?",
                     options_.endpoint, options_.give_up_s);

@@ -10,6 +10,9 @@
 
 namespace palpate {
 
+/// 16 random bytes.
+std::string randomWorkerId();
+
 struct LinkOptions {
   /// Of the scheduler, as checkEndpoint() wants it.
   std::string endpoint = default_endpoint;
@@ -17,6 +20,10 @@ struct LinkOptions {
   double give_up_s = 15 * 60;
   /// On SIGTERM: how long to wait until the target in work is done and acknowledged.
   double drain_s = 10;
+  /// Its own name, 1 to 64 bytes, and those of the workers in whose place it was started because
+  /// their processes ended, which the scheduler is told.
+  std::string worker_id = randomWorkerId();
+  std::vector<std::string> ended;
 };
 
 /// A worker's side of the protocol (docs/wire.md): says hello, asks for work, fetches start
@@ -31,8 +38,9 @@ class SchedulerLink {
                 LinkOptions options);
 
   /// Serves until there is no more work (done), or SIGINT or SIGTERM came and what was in work was
-  /// delivered or handed back (interrupted). Error when the scheduler refuses this worker or says
-  /// nothing for LinkOptions::give_up_s, or when the solver thread gave up.
+  /// delivered or handed back (interrupted), within LinkOptions::drain_s whatever the solver does.
+  /// Error when the scheduler refuses this worker or says nothing for LinkOptions::give_up_s, when
+  /// the solver thread gave up. A solve that hangs ends the process (SIGKILL).
   ExitCode run();
 
  private:
@@ -57,6 +65,8 @@ class SchedulerLink {
   void beat();
   void forgetWork();
   void drain();
+  void sayGoodbye(const char* reason);
+  void forgiveOwnGap();
   void startReadyJobs();
   std::shared_ptr<const NodalFields> cached(const ContentId& id);
   void remember(const ContentId& id, const std::string& payload);
@@ -65,14 +75,14 @@ class SchedulerLink {
   Mailbox& mailbox_;
   const ElementKernels& kernels_;
   const LinkOptions options_;
-  const std::string worker_id_;  ///< 16 random bytes
   zmq::socket_t socket_;
 
   std::string incarnation_;  ///< of the scheduler; empty before Welcome
   ContentId build_;
   std::shared_ptr<const Problem> problem_;
   std::chrono::milliseconds heartbeat_{1000};
-  Clock::time_point last_heard_, last_sent_hello_, last_beat_, last_connected_, last_delivered_;
+  Clock::time_point last_turn_, last_heard_, last_sent_hello_, last_beat_, last_connected_,
+      last_delivered_;
   bool draining_ = false;  ///< no more jobs are asked for
   bool finished_ = false;  ///< Drain said the build is complete
 

@@ -21,8 +21,22 @@ constexpr int short_of_reals = -8, short_of_integers = -9;
 /// SCOTCH orders about as well but differently in every process, so its factors differ in the last
 /// bits.
 constexpr int ordering_pord = 4;
+/// It could not allocate integers or reals, INFOG(2) of them.
+constexpr int no_integers = -7, no_reals = -13;
 constexpr int workspace_percent = 50;  ///< ICNTL(14); avoids nearly all retries
 constexpr int workspace_retries = 4;
+
+/// A machine without memory says nothing about the body: Error, where a matrix that cannot be
+/// factorised is an answer.
+void refuseWithoutMemory(int infog1, int infog2) {
+  if (infog1 != no_integers && infog1 != no_reals) return;
+  // Negative values are millions (MUMPS manual, INFOG(2)).
+  const double numbers = infog2 >= 0 ? infog2 : -1e6 * infog2;
+  throw failure(
+      "out of memory: MUMPS could not allocate {:.3g} numbers (INFOG(1) = {}): give this process "
+      "more memory, or start fewer workers on this machine",
+      numbers, infog1);
+}
 
 /// Structure, real type and entry point of one of MUMPS's arithmetics.
 template <class Structure, class Real, void (*call)(Structure*)>
@@ -71,6 +85,7 @@ class Mumps : public LinearSolver {
       if (result.infog1 != short_of_reals && result.infog1 != short_of_integers) break;
       control(14) *= 2;
     }
+    refuseWithoutMemory(result.infog1, result.infog2);
     result.ok = result.infog1 >= 0;
     result.negative_pivots = infog(12);
     return result;
@@ -85,7 +100,10 @@ class Mumps : public LinearSolver {
     data_.rhs = columns_.data();
     data_.nrhs = static_cast<MUMPS_INT>(columns_.cols());
     data_.lrhs = static_cast<MUMPS_INT>(columns_.rows());
-    if (run(substitute) < 0) return false;
+    if (run(substitute) < 0) {
+      refuseWithoutMemory(infog(1), infog(2));
+      return false;
+    }
     right_hand_sides = columns_.template cast<double>().array().rowwise() * scale.array();
     return true;
   }

@@ -52,7 +52,8 @@ class LinearSolver {
   virtual ~LinearSolver() = default;
 
   /// values: one per pattern entry, upper triangle. When MUMPS runs out of workspace (INFOG(1) =
-  /// -8, -9) it is given twice as much, at most four times.
+  /// -8, -9) it is given twice as much, at most four times. Error when the machine has no memory
+  /// left (-7, -13), which is no answer about the body.
   [[nodiscard]] virtual Factorization factorize(const std::vector<double>& values) = 0;
 
   /// Overwrites each column of `right_hand_sides` (n x k, column-major) with its solution. Only

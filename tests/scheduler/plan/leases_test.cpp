@@ -18,6 +18,14 @@ struct LeasesTest : testing::Test {
   Handout handOut(const std::string& worker, std::size_t workers = 1) {
     return leases.handOut(worker, workers).value();
   }
+  /// The worker's process ended; returns what that speaks against.
+  std::vector<TransitionKey> die(const std::string& worker, std::optional<TransitionKey> solving) {
+    const Leases::Suspects suspects = leases.suspectsOf(worker, solving);
+    leases.giveBack(worker);
+    std::vector<TransitionKey> keys;
+    for (const auto& [key, losses] : leases.blame(suspects)) keys.push_back(key);
+    return keys;
+  }
   static std::vector<std::int32_t> points(const Handout& handout) {
     std::vector<std::int32_t> points;
     for (const auto& target : handout.targets) points.push_back(target.point);
@@ -61,7 +69,7 @@ TEST_F(LeasesTest, JobNumbersGoOnAfterTheFirst) {
 TEST_F(LeasesTest, ALostWorkersTargetsAreHandedOutUnderTheNextAttempt) {
   addTargets(0, 1, 1);
   EXPECT_EQ(handOut("a").targets[0].attempt, 1u);
-  EXPECT_TRUE(leases.workerDied("a", std::nullopt).empty());
+  leases.giveBack("a");
   EXPECT_EQ(leases.waiting(), 1u);
   EXPECT_EQ(handOut("b").targets[0].attempt, 2u);
 }
@@ -83,8 +91,7 @@ TEST_F(LeasesTest, ATargetLostTwiceIsHandedOutAlone) {
   addTargets(0, 1, 3);
   for (const char* worker : {"a", "b"}) {
     EXPECT_EQ(handOut(worker).targets.size(), 2u);
-    leases.workerDied(worker, TransitionKey{0, 2, 0});
-    leases.giveBack(worker);
+    die(worker, TransitionKey{0, 2, 0});
   }
   // Target 1 was next in order at both deaths and target 2 was named.
   EXPECT_THAT(points(handOut("c")), ElementsAre(1));
@@ -92,33 +99,72 @@ TEST_F(LeasesTest, ATargetLostTwiceIsHandedOutAlone) {
   EXPECT_THAT(points(handOut("c")), ElementsAre(3));
 }
 
-TEST_F(LeasesTest, ATargetThatKillsFiveWorkersIsGivenUp) {
+TEST_F(LeasesTest, ATargetThatKillsFiveWorkersIsSetAsideUntilItIsRetried) {
   addTargets(0, 1, 1);
-  for (int death = 1; death < deaths_before_giving_up; ++death) {
+  for (int death = 1; death <= deaths_before_aside; ++death) {
+    EXPECT_FALSE(leases.stuck());
     handOut("a");
-    EXPECT_TRUE(leases.workerDied("a", TransitionKey{0, 1, 0}).empty());
+    EXPECT_THAT(die("a", TransitionKey{0, 1, 0}), ElementsAre(TransitionKey{0, 1, 0}));
   }
-  handOut("a");
-  EXPECT_THAT(leases.workerDied("a", TransitionKey{0, 1, 0}), ElementsAre(TransitionKey{0, 1, 0}));
   EXPECT_EQ(leases.waiting(), 0u);
-  EXPECT_FALSE(leases.empty()) << "its outcome is still to come";
+  EXPECT_THAT(leases.aside(), ElementsAre(TransitionKey{0, 1, 0}));
+  EXPECT_TRUE(leases.stuck());
+  EXPECT_FALSE(leases.handOut("a", 1));
+  leases.retry();
+  EXPECT_TRUE(leases.aside().empty());
+  EXPECT_EQ(handOut("a").targets[0].attempt, deaths_before_aside + 1u);
+}
+
+TEST_F(LeasesTest, ALateResultOfWhatIsSetAsideIsWelcome) {
+  addTargets(0, 1, 1);
+  for (int death = 0; death < deaths_before_aside; ++death) {
+    handOut("a");
+    die("a", TransitionKey{0, 1, 0});
+  }
+  leases.finish({0, 1, 0});
+  EXPECT_TRUE(leases.empty());
+  EXPECT_FALSE(leases.stuck());
+}
+
+TEST_F(LeasesTest, WhatEarlierRunsKnowCounts) {
+  leases.add({0, 1, 0}, {.attempts = 9, .suspected = 5, .deaths = deaths_before_aside});
+  leases.add({0, 2, 0}, {.attempts = 3, .suspected = 0, .deaths = deaths_before_aside - 1});
+  EXPECT_EQ(leases.aside().size(), 1u);
+  EXPECT_EQ(handOut("a").targets[0].attempt, 4u);
+  die("a", TransitionKey{0, 2, 0});
+  EXPECT_TRUE(leases.stuck());
+}
+
+TEST_F(LeasesTest, BlameMayComeLaterThanTheLoss) {
+  addTargets(0, 1, 1);
+  for (int death = 0; death < deaths_before_aside; ++death) {
+    handOut("a");
+    const Leases::Suspects suspects = leases.suspectsOf("a", TransitionKey{0, 1, 0});
+    leases.giveBack("a");
+    EXPECT_EQ(leases.waiting(), 1u);
+    leases.blame(suspects);
+  }
+  EXPECT_EQ(leases.waiting(), 0u);
+  EXPECT_TRUE(leases.stuck());
+  leases.finish({0, 1, 0});
+  EXPECT_TRUE(leases.blame({.named = TransitionKey{0, 1, 0}, .next = {}}).empty())
+      << "what is finished is blamed on nobody";
 }
 
 TEST_F(LeasesTest, AKillerThatNoHeartbeatNamesIsFoundOnceItIsAlone) {
   addTargets(0, 1, 4);
-  std::vector<TransitionKey> given_up;
   int deaths = 0;
-  while (given_up.empty() && deaths < 100) {
+  while (leases.aside().empty() && deaths < 100) {
     const Handout job = handOut("a");
     if (job.targets.front().point != 1) {
       for (const auto& target : job.targets) leases.finish({0, target.point, 0});
       continue;
     }
-    given_up = leases.workerDied("a", std::nullopt);
+    die("a", std::nullopt);
     ++deaths;
   }
-  EXPECT_THAT(given_up, ElementsAre(TransitionKey{0, 1, 0}));
-  EXPECT_EQ(deaths, losses_before_alone + deaths_before_giving_up);
+  EXPECT_THAT(leases.aside(), ElementsAre(TransitionKey{0, 1, 0}));
+  EXPECT_EQ(deaths, losses_before_alone + deaths_before_aside);
 }
 
 TEST_F(LeasesTest, AGoodbyeBlamesNobody) {

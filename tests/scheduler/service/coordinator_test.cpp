@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <random>
 
-#include "scheduler/state/replay.hpp"
 #include "tests/scheduler/build_world.hpp"
 #include "tests/support/expect_error.hpp"
 
@@ -115,6 +115,9 @@ TEST_F(CoordinatorTest, CommitsAtOnceWhileAWorkerWaitsForWork) {
 TEST_F(CoordinatorTest, FinishesTheBuildAndTellsTheWorkersToLeave) {
   world.join("a", 2);
   world.finish({"a"});
+  EXPECT_TRUE(world.take("a", Message::kDrain).empty()) << "they may be needed to mend damage";
+  world.coordinator().dismiss();
+  world.settle();
   const auto drains = world.take("a", Message::kDrain);
   ASSERT_FALSE(drains.empty());
   EXPECT_TRUE(drains.back().drain().finished());
@@ -173,12 +176,29 @@ TEST_F(CoordinatorTest, RefusesWorkersThatWouldNotGiveTheSameBits) {
   other = test::helloOf("a");
   other.mutable_hello()->set_version("0.0.0");
   EXPECT_THAT(refusalOf(other), testing::HasSubstr("palpate 0.0.0"));
-  world.send("b", test::helloOf("b"));
-  other = test::helloOf("a");
+  solveOrigins();
+  other = test::helloOf("b");
   other.mutable_hello()->set_kernel_family("avx512");
-  EXPECT_THAT(refusalOf(other),
+  world.send("b", other);
+  EXPECT_THAT(world.take("b", Message::kRefused).at(0).refused().reason(),
               testing::AllOf(testing::HasSubstr("avx512"), testing::HasSubstr("baseline")));
   EXPECT_EQ(world.coordinator().workers(), 1u);
+}
+
+/// The first Hello once decided: one from nonsense/42 that left at once kept every honest worker
+/// out.
+TEST_F(CoordinatorTest, TheFirstResultSendsWorkersWithOtherKernelsAway) {
+  Message other = test::helloOf("other");
+  other.mutable_hello()->set_kernel_family("nonsense/42");
+  world.send("other", other);
+  world.request("other", 1);
+  EXPECT_EQ(world.takeJobs("other").size(), 1u);
+  solveOrigins();
+  EXPECT_EQ(world.take("other", Message::kRefused).size(), 1u);
+  EXPECT_EQ(world.coordinator().workers(), 1u);
+  for (const wire::Job& job : world.takeJobs("a")) world.deliver("a", job);
+  world.request("a", 1);
+  world.finish({"a"});
 }
 
 TEST_F(CoordinatorTest, RemembersTheKernelFamilyOfRecordedResults) {
@@ -313,6 +333,50 @@ TEST_F(CoordinatorTest, GivesASilentWorkersTargetToAnotherAndTakesTheLateAnswer)
   EXPECT_EQ(world.counter("duplicate_results"), 1);
 }
 
+/// A frozen container, a stalled disk: what the workers said meanwhile lies unread.
+TEST_F(CoordinatorTest, ASchedulerThatWasStoppedBlamesNobody) {
+  world.join("a", 2);
+  const auto jobs = world.takeJobs("a");
+  for (int n = 0; n < 8; ++n) {
+    world.sleep(62s);
+    world.settle();
+    EXPECT_EQ(world.coordinator().workers(), 1u);
+    world.pass(1s);
+    world.beat("a", &jobs[0]);
+  }
+  EXPECT_EQ(world.counter("lost_workers"), 0);
+  world.deliver("a", jobs[0]);
+  world.pass(25ms);
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u);
+}
+
+TEST_F(CoordinatorTest, JudgesNoSilenceBeforeEverythingIsRead) {
+  world.join("a", 2);
+  world.takeJobs("a");
+  for (int second = 0; second < 100; ++second) {
+    world.now += 1s;
+    world.coordinator().advance(world.now, false);
+  }
+  EXPECT_EQ(world.coordinator().workers(), 1u);
+  world.settle();
+  EXPECT_EQ(world.coordinator().workers(), 0u);
+}
+
+/// A killed process shows only when something is sent to it.
+TEST_F(CoordinatorTest, SendsSomethingToABusyWorkerThatIsSilentForThreeHeartbeats) {
+  world.join("a", 2);
+  world.join("idle", 0);
+  world.inbox.clear();
+  world.pass(2900ms);
+  EXPECT_TRUE(world.take("a", Message::kHeartbeatReply).empty());
+  world.pass(3s);
+  EXPECT_GE(world.take("a", Message::kHeartbeatReply).size(), 2u);
+  EXPECT_TRUE(world.take("idle", Message::kHeartbeatReply).empty());
+  world.coordinator().peerUnreachable("a", world.now);
+  world.join("b", 2);
+  EXPECT_EQ(world.takeJobs("b").size(), 2u);
+}
+
 TEST_F(CoordinatorTest, HeartbeatsKeepALeaseForHours) {
   world.join("a", 2);
   const auto jobs = world.takeJobs("a");
@@ -377,30 +441,130 @@ TEST_F(CoordinatorTest, SharesWhatIsReadyAmongTheWorkersThatHoldLeast) {
   for (const char* peer : {"a", "b", "c"}) EXPECT_EQ(world.takeJobs(peer).size(), 1u) << peer;
 }
 
-TEST_F(CoordinatorTest, ATargetThatKillsItsWorkersFailsAndTheBuildGoesOn) {
-  const auto kills = [](const wire::Job& job) {
-    return job.space() == 0 && fromWire(job.targets(0).point()) == LatticePoint{0, 0, 0};
-  };
-  world.join("other", 1, 1000);
-  for (std::uint32_t pid = 1; pid <= 5; ++pid) {
-    const std::string peer = fmt::format("w{}", pid);
-    std::vector<wire::Job> jobs = world.takeJobs("other");
-    for (const wire::Job& job : jobs)
-      if (kills(job)) {
-        world.beat("other", &job);
-        world.coordinator().workerProcessEnded(1000, world.now);
-        world.join("other", 1, 1000);
-      }
+TEST_F(CoordinatorTest, ASolveIsHungThirtyTimesTheLongestOneLater) {
+  world.join("a", 1);
+  EXPECT_EQ(world.takeJobs("a").at(0).hung_after_s(), 3600u) << "nothing is known yet";
+  for (const auto& [seconds, limit] : {std::pair(0.25, 120u), {10, 300u}, {1e300, 604800u}}) {
+    test::BuildWorld other;
+    other.join("a", 1);
+    const wire::Job job = other.takeJobs("a").at(0);
+    auto [result, payload] = test::solve(other.problem, job.space(), {}, {});
+    result.mutable_cost()->set_seconds(seconds);
+    Message message;
+    *message.mutable_result() = result;
+    other.send("a", message, payload);
+    other.pass(25ms);
+    other.request("a", 1);
+    EXPECT_EQ(other.takeJobs("a").at(0).hung_after_s(), limit);
+    other.restart();
+    other.join("a", 1);
+    EXPECT_EQ(other.takeJobs("a").at(0).hung_after_s(), limit) << "also after a restart";
   }
-  world.pass(25ms);
-  EXPECT_EQ(world.coordinator().plans()[0].point(0).cause, Cause::worker_lost);
-  EXPECT_EQ(world.counter("lost_workers"), 5);
+}
+
+TEST_F(CoordinatorTest, SilenceAndBrokenConnectionsBlameNothing) {
+  for (std::uint32_t n = 1; n <= 12; ++n) {
+    const std::string peer = fmt::format("w{}", n);
+    world.join(peer, 1, n);
+    for (const wire::Job& job : world.takeJobs(peer)) world.beat(peer, &job);
+    if (n % 2 == 0)
+      world.pass(61s);
+    else
+      world.coordinator().peerUnreachable(peer, world.now);
+  }
+  EXPECT_EQ(world.counter("lost_workers"), 12);
   world.join("a", 2);
-  for (const wire::Job& job : world.takeJobs("other")) world.deliver("other", job);
-  world.request("other", 1);
-  world.finish({"a", "other"});
-  EXPECT_EQ(world.coordinator().plans()[0].point(0).tag, Tag::failed);
-  EXPECT_EQ(world.coordinator().plans()[1].point(0).tag, Tag::expandable);
+  EXPECT_EQ(world.takeJobs("a").size(), 2u);
+  EXPECT_FALSE(world.coordinator().stuck());
+}
+
+/// Five processes end on the origin of space 0, after which it is set aside.
+struct SetAsideTest : CoordinatorTest {
+  static bool kills(const wire::Job& job) {
+    return job.space() == 0 && fromWire(job.targets(0).point()) == LatticePoint{0, 0, 0};
+  }
+  void killFive() {
+    for (int death = 0; death < deaths_before_aside; ++death) {
+      world.join("victim", 1, 1000);
+      for (const wire::Job& job : world.takeJobs("victim")) {
+        ASSERT_TRUE(kills(job));
+        world.beat("victim", &job);
+      }
+      world.coordinator().workerProcessEnded(1000, world.now);
+    }
+  }
+  /// All but that.
+  void finishTheRest() {
+    world.join("a", 1);
+    for (int turns = 0; !world.coordinator().stuck(); ++turns) {
+      ASSERT_LT(turns, 10000);
+      for (const wire::Job& job : world.takeJobs("a")) {
+        ASSERT_FALSE(kills(job));
+        world.deliver("a", job);
+        world.request("a", 1);
+      }
+      world.pass(25ms);
+    }
+  }
+  ContentId undisturbed() {
+    test::BuildWorld calm;
+    calm.join("a", 1);
+    calm.finish({"a"});
+    return calm.sealedContent();
+  }
+};
+
+TEST_F(SetAsideTest, TheRestGoesOnAndNothingIsSealedWithoutIt) {
+  killFive();
+  EXPECT_EQ(world.counter("lost_workers"), 5);
+  finishTheRest();
+  EXPECT_FALSE(world.coordinator().complete());
+  EXPECT_EQ(world.coordinator().status(world.now).set_aside(), 1);
+  EXPECT_EQ(world.coordinator().plans()[0].point(0).tag, Tag::unknown);
+  EXPECT_TRUE(world.coordinator().plans()[1].complete());
+}
+
+TEST_F(SetAsideTest, ARestartRemembersAndRetryTriesAgain) {
+  killFive();
+  finishTheRest();
+  world.restart();
+  EXPECT_TRUE(world.coordinator().stuck());
+  Message retry;
+  retry.mutable_retry_request();
+  world.send("operator", retry);
+  const auto replies = world.take("operator", Message::kRetryReply);
+  ASSERT_EQ(replies.size(), 1u);
+  EXPECT_EQ(replies[0].retry_reply().transitions(), 1u);
+  EXPECT_FALSE(world.coordinator().stuck());
+  world.join("a", 1);
+  world.finish({"a"});
+  EXPECT_EQ(world.sealedContent(), undisturbed()) << "no death leaves a trace";
+}
+
+TEST_F(SetAsideTest, ALateResultReplacesIt) {
+  killFive();
+  world.join("a", 0);
+  world.deliver("a", 0, toWire(LatticePoint{}), toWire(LatticePoint{}));
+  world.request("a", 1);
+  world.finish({"a"});
+  EXPECT_EQ(world.sealedContent(), undisturbed());
+}
+
+TEST_F(SetAsideTest, AnotherWorkerTellsWhichProcessesEnded) {
+  for (int death = 0; death < deaths_before_aside; ++death) {
+    const std::string id = fmt::format("remote{}", death);
+    world.join(id, 1);
+    for (const wire::Job& job : world.takeJobs(id)) world.beat(id, &job);
+    // Half of them are noticed before, by their broken connections.
+    if (death % 2 == 0) world.coordinator().peerUnreachable(id, world.now);
+    Message hello = test::helloOf(id + "-next");
+    hello.mutable_hello()->add_ended(id);
+    world.send("next", hello);
+    Message goodbye;
+    goodbye.mutable_goodbye();
+    world.send("next", goodbye);
+  }
+  EXPECT_EQ(world.coordinator().status(world.now).set_aside(), 1);
 }
 
 TEST_F(CoordinatorTest, StopsWithoutHandingOutMoreAndGoesOnLater) {
@@ -435,12 +599,51 @@ TEST_F(CoordinatorTest, TellsPeopleHowFarItIs) {
   EXPECT_THAT(json, testing::HasSubstr("\"host\":\"here\""));
 }
 
-TEST_F(CoordinatorTest, RefusesTablesWithResultsNobodyAskedFor) {
-  const Lattice lattice(0.02, 0.01);
-  StoredResult stray;
-  stray.key = {0, 5, 1};
-  test::expectError(ExitCode::failed, [&] { replay(world.problem, {stray}); },
-                    {"nobody asked for", "damaged", "another version"});
+TEST_F(CoordinatorTest, RefusesAJournalWithResultsNobodyAskedFor) {
+  {
+    const auto [header, payload] = test::solve(world.problem, 0, {1, 0, 0}, {0, 0, 0});
+    test::TemporaryDirectory directory;
+    const StateDirectory held(directory / "state");
+    JobStore store(held, world.problem, encodeProblem(world.problem));
+    store.append(header, payload);
+    store.commit();
+    std::filesystem::copy(directory / "state", world.directory / "stray");
+  }
+  test::expectError(ExitCode::failed, [&] { Build(world.problem, world.directory / "stray"); },
+                    {"nobody asked for", "another version"});
+}
+
+/// Whatever of a journal is damaged, what is left of it is used, and the dataset is the same.
+TEST_F(CoordinatorTest, ADamagedJournalCostsWhatIsDamagedAndEndsInTheSameBytes) {
+  world.join("a", 1);
+  world.finish({"a"});
+  const ContentId undisturbed = world.sealedContent();
+  const std::size_t all = world.coordinator().plans().size() + world.coordinator().recorded();
+  const std::filesystem::path segment = world.directory / "state/segment-000001.dat";
+  const auto size = std::filesystem::file_size(segment);
+  std::mt19937 random(7);
+  for (int round = 0; round < 40; ++round) {
+    {
+      std::fstream file(segment, std::ios::binary | std::ios::in | std::ios::out);
+      // Early ones too: all that follows from the origin is not asked for before it is back.
+      const auto byte = round == 0 ? 100 : random() % size;
+      file.seekp(static_cast<std::streamoff>(byte));
+      file.write("damage", 6);
+    }
+    for (bool sealed = false; !sealed;) {
+      world.restart();
+      EXPECT_GE(world.coordinator().found() + 4, all / 2) << "most of it is still there";
+      world.join("a", 1);
+      try {
+        world.finish({"a"});
+        world.build().verify();
+        EXPECT_EQ(world.sealedContent(), undisturbed);
+        sealed = true;
+      } catch (const DamagedRecord& damage) {
+        world.build().drop(damage);
+      }
+    }
+  }
 }
 
 }  // namespace

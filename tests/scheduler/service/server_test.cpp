@@ -85,7 +85,22 @@ TEST_F(ServerTest, CarriesAWorkerFromHelloToTheEnd) {
     request(worker, 1);
     for (int turns = 0; turns < 3; ++turns) server.turn(build.coordinator(), 5ms);
   }
+  build.coordinator().dismiss();
   EXPECT_TRUE(expect(worker, Message::kDrain).message.drain().finished());
+}
+
+/// Nothing is sent to a worker at work for minutes: only a probe shows that it is gone.
+TEST_F(ServerTest, NoticesWithinSecondsThatABusyWorkersConnectionBroke) {
+  zmq::socket_t worker = connect();
+  join(worker, "w");
+  request(worker, 1);
+  expect(worker, Message::kJob);
+  worker.close();
+  const auto patience = std::chrono::steady_clock::now() + 30s;
+  while (build.coordinator().workers() > 0 && std::chrono::steady_clock::now() < patience)
+    server.turn(build.coordinator(), 50ms);
+  EXPECT_EQ(build.coordinator().workers(), 0u);
+  EXPECT_EQ(counter("lost_workers"), 1);
 }
 
 TEST_F(ServerTest, StillServesAfterGarbage) {

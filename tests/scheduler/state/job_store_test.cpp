@@ -15,183 +15,203 @@ namespace {
 struct JobStoreTest : testing::Test {
   test::TemporaryDirectory directory;
   const Problem problem = test::cubeProblem();
-  const Lattice lattice{0.02, 0.01};
   const std::filesystem::path state = directory / "state";
+  const std::filesystem::path segment = state / "segment-000001.dat";
 
   JobStore open(const StateDirectory& held) { return {held, problem, encodeProblem(problem)}; }
 
-  StoredResult result(std::uint32_t space, std::int32_t target, std::int32_t parent) {
-    StoredResult stored;
-    stored.key = {space, target, parent};
-    stored.header = test::solve(problem, space, lattice.point(target), lattice.point(parent)).first;
-    stored.outcome = *fromWire(stored.header);
-    stored.where = {1, 100, 50};
-    return stored;
+  std::pair<wire::Result, std::string> result(std::uint32_t space, const LatticePoint& target,
+                                              const LatticePoint& parent) {
+    return test::solve(problem, space, target, parent);
   }
-  void alter(const std::string& sql) {
-    Database(StateDirectory::databaseIn(state), Database::Access::read_write_create).execute(sql);
+  /// The origin and its neighbours along x, of space 0.
+  void recordThree() {
+    const StateDirectory held(state);
+    JobStore store = open(held);
+    for (const LatticePoint& target : {LatticePoint{0, 0, 0}, {1, 0, 0}, {-1, 0, 0}}) {
+      const auto [header, payload] = result(0, target, {0, 0, 0});
+      store.append(header, payload);
+    }
+    store.commit();
   }
+  void flip(std::uint64_t byte) {
+    std::fstream file(segment, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekg(static_cast<std::streamoff>(byte));
+    const char there = static_cast<char>(file.get());
+    file.seekp(static_cast<std::streamoff>(byte));
+    file.put(static_cast<char>(there ^ 0x10));
+  }
+  RecordedResults found() { return readResults(state, problemId(problem)); }
 };
 
-TEST_F(JobStoreTest, BeginsWithEveryPointUnknown) {
-  const StateDirectory held(state);
-  JobStore store = open(held);
-  EXPECT_EQ(store.committed(), JournalEnd());
-  EXPECT_TRUE(store.results().empty());
-  EXPECT_FALSE(store.build().complete);
-  Database database(held.database(), Database::Access::read_only);
-  Statement count(database, "SELECT COUNT(*) FROM configurations WHERE tag = 'unknown'");
-  ASSERT_TRUE(count.step());
-  EXPECT_EQ(count.integer(0), 2 * lattice.size());
-}
-
 TEST_F(JobStoreTest, GivesBackResultsToTheLastBitAfterReopening) {
-  StoredResult origin = result(0, 0, 0);
+  auto [header, payload] = result(0, {}, {});
   const double minus_zero = -0.0;
-  origin.header.mutable_equilibrium()->set_energy(minus_zero);
+  header.mutable_equilibrium()->set_energy(minus_zero);
   {
     const StateDirectory held(state);
     JobStore store = open(held);
-    const std::vector<StoredResult> results = {origin};
-    store.record(results, {2, 777});
+    EXPECT_EQ(store.kernelFamily(), "");
+    store.append(header, payload);
+    EXPECT_FALSE(store.knows({0, {}, {}})) << "it is not synced yet";
+    store.commit();
+    EXPECT_TRUE(store.knows({0, {}, {}}));
   }
   const StateDirectory held(state);
   JobStore store = open(held);
-  EXPECT_EQ(store.committed(), (JournalEnd{2, 777}));
-  EXPECT_EQ(store.build().kernel_family, "baseline");
-  const auto found = store.find({0, 0, 0});
-  ASSERT_TRUE(found);
-  EXPECT_EQ(found->header.SerializeAsString(), origin.header.SerializeAsString());
-  EXPECT_TRUE(std::signbit(found->outcome.equilibrium.energy));
-  EXPECT_EQ(found->where, origin.where);
-  EXPECT_FALSE(store.find({0, 1, 0}));
-  EXPECT_FALSE(store.find({1, 0, 0}));
+  EXPECT_EQ(store.kernelFamily(), "baseline");
+  const StoredResults results = store.takeFound();
+  ASSERT_EQ(results.size(), 1u);
+  const StoredResult& found = results.at({0, {}, {}});
+  EXPECT_EQ(found.header.SerializeAsString(), header.SerializeAsString());
+  EXPECT_TRUE(std::signbit(found.outcome.equilibrium.energy));
+  EXPECT_EQ(store.find({0, {}, {}})->payload, payload);
+  EXPECT_FALSE(store.find({0, {1, 0, 0}, {}}));
+  EXPECT_FALSE(store.find({1, {}, {}}));
 }
 
-TEST_F(JobStoreTest, KeepsTheOrderInWhichAPointWasTried) {
+TEST_F(JobStoreTest, ADamagedHeaderCostsItsResultAlone) {
+  recordThree();
+  flip(found().where.at({0, {1, 0, 0}, {}}).offset + 40);
   const StateDirectory held(state);
   JobStore store = open(held);
-  std::vector<StoredResult> results;
-  for (const std::int32_t parent : {7, 3, 5}) {
-    results.push_back(result(1, 20, parent));
-    Outcome failed;
-    failed.failure.cause = Cause::step_budget;
-    results.back().header.clear_equilibrium();
-    results.back().header.clear_fields_id();
-    toWire(failed, "", results.back().header);
-    results.back().outcome = failed;
+  EXPECT_TRUE(store.damaged());
+  EXPECT_EQ(store.takeFound().size(), 2u);
+  EXPECT_FALSE(store.knows({0, {1, 0, 0}, {}}));
+}
+
+TEST_F(JobStoreTest, WhatIsDroppedIsNotThereAnyMoreAndCanBeRecordedAgain) {
+  recordThree();
+  const ResultKey key{0, {1, 0, 0}, {}};
+  const auto [header, payload] = result(0, key.target, key.parent);
+  {
+    const StateDirectory held(state);
+    JobStore store = open(held);
+    const JournalPosition where = found().where.at(key);
+    flip(where.offset + where.length - 1);
+    try {
+      store.find(key);
+      ADD_FAILURE() << "damage went unnoticed";
+    } catch (const DamagedRecord& damage) {
+      EXPECT_EQ(damage.where(), where);
+      store.drop(damage.where());
+    }
   }
-  store.record(results, {1, 150});
-  std::vector<std::int32_t> parents;
-  for (const StoredResult& stored : store.results()) parents.push_back(stored.key.parent);
-  EXPECT_THAT(parents, testing::ElementsAre(7, 3, 5));
-  EXPECT_TRUE(store.find({1, 20, 3}));
-}
-
-TEST_F(JobStoreTest, KeepsAnotherEquilibriumOfASolvedPointBesideIt) {
   const StateDirectory held(state);
   JobStore store = open(held);
-  StoredResult first = result(0, 20, 7), second = first;
-  ASSERT_TRUE(first.outcome.converged);
-  second.key.parent = 3;
-  *second.header.mutable_parent() = toWire(lattice.point(3));
-  store.record(std::vector<StoredResult>{first}, {1, 150});
-  store.record(std::vector<StoredResult>{second}, {1, 150});
-  const std::vector<StoredResult> results = store.results();
-  ASSERT_EQ(results.size(), 2u);
-  EXPECT_EQ(results[0].key, first.key);
-  EXPECT_EQ(results[1].key, second.key);
-  EXPECT_TRUE(results[1].outcome.converged);
-  EXPECT_TRUE(store.find(second.key));
+  EXPECT_TRUE(store.damaged());
+  EXPECT_FALSE(store.knows(key));
+  store.append(header, payload);
+  store.commit();
+  EXPECT_EQ(store.find(key)->payload, payload);
+  EXPECT_EQ(found().results.size(), 3u);
 }
 
-TEST_F(JobStoreTest, TakesPointsThatAreNotInTheUniformLattice) {
-  const StateDirectory held(state);
-  JobStore store = open(held);
-  StoredResult refined = result(0, 7, 0);
-  refined.key.target = 1234;
-  *refined.header.mutable_target() = toWire({512, 0, -512});
-  store.record(std::vector<StoredResult>{refined}, {1, 150});
-  ASSERT_TRUE(store.find(refined.key));
-  EXPECT_EQ(store.results().at(0).key, refined.key);
+TEST_F(JobStoreTest, TheTablesCanBeMadeAgainFromTheJournal) {
+  recordThree();
+  for (const char* what : {"removed", "overwritten", "cut off"}) {
+    const std::filesystem::path file = StateDirectory::databaseIn(state);
+    if (std::string(what) == "removed") std::filesystem::remove(file);
+    if (std::string(what) == "overwritten") std::ofstream(file) << std::string(50000, 'x');
+    if (std::string(what) == "cut off")
+      std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+    const StateDirectory held(state);
+    JobStore store = open(held);
+    EXPECT_EQ(store.takeFound().size(), 3u) << what;
+    EXPECT_EQ(problemId(decodeProblem(StoredTables(state).build().problem)), problemId(problem));
+  }
 }
 
-TEST_F(JobStoreTest, RecordsAGroupWhollyOrNotAtAll) {
-  const StateDirectory held(state);
-  JobStore store = open(held);
-  const std::vector<StoredResult> twice = {result(0, 0, 0), result(0, 0, 0)};
-  test::expectError(ExitCode::failed,
-                    [&] {
-                      store.record(twice, {1, 500});
-                    },
-                    {"point 0 of space 0", "twice"});
-  EXPECT_TRUE(store.results().empty());
-  EXPECT_EQ(store.committed(), JournalEnd());
-}
-
-TEST_F(JobStoreTest, ShowsEveryPointAsItsPlanLeavesItAtTheEnd) {
-  const StateDirectory held(state);
-  JobStore store = open(held);
-  SpacePlan plan(problem, 0);
-  plan.takeReady();
-  Outcome failed;
-  failed.failure.cause = Cause::wrong_inertia;
-  plan.record({0, 0}, failed, {});
-  store.complete(std::vector<SpacePlan>{plan});
-  EXPECT_TRUE(store.build().complete);
-  Database database(held.database(), Database::Access::read_only);
-  Statement query(database,
-                  "SELECT cause, COUNT(*) FROM configurations WHERE tag = 'failed' GROUP BY cause "
-                  "ORDER BY cause DESC");
-  ASSERT_TRUE(query.step());
-  EXPECT_EQ(query.text(0), "wrong_inertia");
-  EXPECT_EQ(query.integer(1), 1);
-  ASSERT_TRUE(query.step());
-  EXPECT_EQ(query.text(0), "unreachable");
-  EXPECT_EQ(query.integer(1), lattice.size() - 1);
+TEST_F(JobStoreTest, NoFlippedBitOfTheTablesReachesAResult) {
+  recordThree();
+  const auto whole = found();
+  const std::filesystem::path file = StateDirectory::databaseIn(state);
+  std::ifstream stream(file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  for (std::size_t byte = 0; byte < bytes.size(); byte += 997) {
+    std::string damaged = bytes;
+    damaged[byte] = static_cast<char>(damaged[byte] ^ 0x10);
+    std::ofstream(file, std::ios::binary | std::ios::trunc) << damaged;
+    std::filesystem::remove(file.string() + "-wal");
+    const StateDirectory held(state);
+    try {
+      JobStore store = open(held);
+      for (const auto& [key, result] : store.takeFound())
+        EXPECT_EQ(result.header.SerializeAsString(),
+                  whole.results.at(key).header.SerializeAsString());
+    } catch (const Error& error) {
+      // The version, the build, or that it is ours: then it says so.
+      EXPECT_EQ(error.exitCode(), ExitCode::usage) << error.what();
+    }
+  }
 }
 
 TEST_F(JobStoreTest, ShowsPeopleWhatAPointIsAndWhereItCameFrom) {
   const StateDirectory held(state);
   JobStore store = open(held);
-  const StoredResult solved = result(0, 0, 0);
-  store.record(std::vector<StoredResult>{solved}, {1, 150});
-  Database database(held.database(), Database::Access::read_only);
-  Statement query(database,
-                  "SELECT i, tag, parent, force, factorizations, cause FROM configurations "
-                  "WHERE space = 0 AND point IN (0, 1) ORDER BY point");
-  ASSERT_TRUE(query.step());
-  EXPECT_EQ(query.text(1), "expandable");
-  EXPECT_EQ(query.integer(2), 0);
-  EXPECT_EQ(query.real(3), solved.outcome.equilibrium.force.norm());
-  EXPECT_EQ(query.integer(4), solved.outcome.cost.factorizations);
-  EXPECT_EQ(query.text(5), "none");
-  ASSERT_TRUE(query.step());
-  EXPECT_EQ(query.text(1), "unknown");
-  EXPECT_EQ(query.integer(2), -1);
+  std::vector<SpacePlan> plans;
+  plans.emplace_back(problem, 0u);
+  plans[0].takeReady();
+  store.tables().showAll(plans);
+  const auto rows = [&](const std::string& condition) {
+    Database database(held.database(), Database::Access::read_only);
+    Statement count(database, "SELECT COUNT(*) FROM configurations WHERE " + condition);
+    EXPECT_TRUE(count.step());
+    return count.integer(0);
+  };
+  EXPECT_EQ(rows("tag = 'unknown'"), plans[0].size());
+  const auto [header, payload] = result(0, {}, {});
+  plans[0].record({0, 0}, *fromWire(header), fieldsOf(header));
+  store.tables().show(plans, std::vector<Tables::Changed>{{0, 0}});
+  EXPECT_EQ(
+      rows("tag = 'expandable' AND point = 0 AND parent = 0 AND force > 0 AND cause = 'none'"), 1);
+  EXPECT_EQ(rows("tag = 'unknown' AND parent = -1 AND force IS NULL"), plans[0].size() - 1);
+}
+
+TEST_F(JobStoreTest, RemembersOnWhichTransitionsWorkersEnded) {
+  const TransitionKey key{1, 5, 2};
+  {
+    const StateDirectory held(state);
+    open(held).tables().writeLosses(key, {7, 4, 5});
+  }
+  {
+    const StateDirectory held(state);
+    EXPECT_EQ(open(held).tables().losses().at(key), (Losses{7, 4, 5}));
+    EXPECT_EQ(forgetLosses(held), 1) << "as many were set aside";
+  }
+  const StateDirectory held(state);
+  EXPECT_TRUE(open(held).tables().losses().empty());
 }
 
 TEST_F(JobStoreTest, RefusesTheDirectoryOfAnotherScene) {
-  { open(StateDirectory(state)); }
+  recordThree();
   const Problem other = test::cubeProblem(2000);
-  const StateDirectory held(state);
-  test::expectBadInput([&] { JobStore(held, other, encodeProblem(other)); },
+  const auto openOther = [&] {
+    const StateDirectory held(state);
+    JobStore(held, other, encodeProblem(other));
+  };
+  test::expectBadInput(openOther,
                        {"scene \"cube\"", problemId(problem).shortHex(), "another --state"});
+  std::filesystem::remove(StateDirectory::databaseIn(state));
+  test::expectBadInput(openOther, {"another build", problemId(problem).shortHex()});
 }
 
 TEST_F(JobStoreTest, RefusesOtherVersionsAndOtherDatabases) {
   { open(StateDirectory(state)); }
+  const auto alter = [&](const std::string& sql) {
+    Database(StateDirectory::databaseIn(state), Database::Access::read_write_create).execute(sql);
+  };
   alter("PRAGMA user_version = 2");
   test::expectBadInput([&] { open(StateDirectory(state)); },
                        {"an older Palpate", "version 2", "go on with the older one"});
-  test::expectBadInput([&] { StoredTables(state).results(); }, {"an older Palpate"});
+  test::expectBadInput([&] { const StoredTables tables{state}; }, {"an older Palpate"});
   alter("PRAGMA user_version = 99");
   test::expectBadInput([&] { open(StateDirectory(state)); }, {"newer Palpate", "99"});
   alter("PRAGMA application_id = 1");
   test::expectBadInput([&] { open(StateDirectory(state)); }, {"not one of Palpate's"});
 }
 
-TEST_F(JobStoreTest, RefusesAFileThatIsNoDatabase) {
+TEST_F(JobStoreTest, RefusesAFileThatIsNoDatabaseWhereThereIsNoJournal) {
   std::filesystem::create_directories(state);
   std::ofstream(StateDirectory::databaseIn(state)) << std::string(5000, 'x');
   test::expectError(ExitCode::failed, [&] { open(StateDirectory(state)); },
@@ -205,22 +225,62 @@ TEST_F(JobStoreTest, CanBeReadWhileASchedulerWrites) {
   worker.set_worker("abcdef0123");
   worker.set_state("busy");
   worker.set_heard_seconds_ago(3);
-  store.writeServers(std::vector{worker});
-  store.writeCounters({{"runs", 2}});
+  store.tables().writeServers(std::vector{worker});
+  store.tables().writeCounters({{"runs", 2}});
   StoredTables tables(state);
-  const std::vector<StoredResult> results = {result(0, 0, 0)};
-  store.record(results, {1, 150});
-  EXPECT_TRUE(tables.results().empty()) << "a snapshot of the moment it was opened";
-  EXPECT_EQ(StoredTables(state).results().size(), 1u);
+  const auto [header, payload] = result(0, {}, {});
+  store.append(header, payload);
+  store.commit();
+  store.tables().writeCounters({{"runs", 3}});
+  EXPECT_EQ(tables.counters()["runs"], 2) << "a snapshot of the moment it was opened";
+  EXPECT_EQ(found().results.size(), 1u);
   ASSERT_EQ(tables.servers().size(), 1u);
   EXPECT_EQ(tables.servers()[0].state(), "busy");
   EXPECT_NEAR(tables.servers()[0].heard_seconds_ago(), 3, 60);
-  EXPECT_EQ(tables.counters()["runs"], 2);
   EXPECT_EQ(problemId(decodeProblem(tables.build().problem)), problemId(problem));
 }
 
+/// SQLite itself cannot read a database in WAL mode where it may not write.
+TEST_F(JobStoreTest, CanBeReadWhereNobodyMayWrite) {
+  recordThree();
+  constexpr uid_t nobody = 65534;
+  const bool root = geteuid() == 0;
+  std::vector<std::filesystem::path> all = {state};
+  for (const auto& entry : std::filesystem::directory_iterator(state)) all.push_back(entry.path());
+  all.push_back(directory.path());
+  for (const std::filesystem::path& path : all)
+    ASSERT_TRUE(!root || chown(path.c_str(), nobody, nobody) == 0);
+  using std::filesystem::perms;
+  std::filesystem::permissions(state, perms::owner_read | perms::owner_exec);
+  const pid_t child = fork();
+  if (child == 0) {
+    try {
+      const bool dropped = !root || setuid(nobody) == 0;
+      const bool read = dropped && problemId(decodeProblem(StoredTables(state).build().problem)) ==
+                                       problemId(problem);
+      _exit(read && found().results.size() == 3 && !StateDirectory::liveEndpoint(state) ? 0 : 1);
+    } catch (const std::exception& error) {
+      tell("{}\n", error.what());
+      _exit(2);
+    }
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+  std::filesystem::permissions(state, perms::owner_all);
+}
+
 TEST_F(JobStoreTest, SaysWhenADirectoryHoldsNoState) {
-  test::expectBadInput([&] { StoredTables(directory.path()); }, {"not a state directory"});
+  test::expectBadInput([&] { const StoredTables tables{directory.path()}; },
+                       {"not a state directory"});
+}
+
+TEST_F(JobStoreTest, IsForItsOwnerAlone) {
+  recordThree();
+  for (const auto& file : {state, segment, StateDirectory::databaseIn(state), state / "lock"})
+    EXPECT_EQ(std::filesystem::status(file).permissions() & std::filesystem::perms(077),
+              std::filesystem::perms::none)
+        << file;
 }
 
 TEST(StateDirectory, LetsOnlyOneSchedulerIn) {
@@ -228,6 +288,24 @@ TEST(StateDirectory, LetsOnlyOneSchedulerIn) {
   const StateDirectory first(directory / "state");
   test::expectError(ExitCode::failed, [&] { StateDirectory(directory / "state"); },
                     {"in use by process", std::to_string(getpid())});
+}
+
+TEST(StateDirectory, LetsNoSecondOneInThoughItsLockFileWasRemoved) {
+  test::TemporaryDirectory directory;
+  const StateDirectory first(directory / "state");
+  std::filesystem::remove(directory / "state/lock");
+  test::expectError(ExitCode::failed, [&] { StateDirectory(directory / "state"); },
+                    {"in use by process"});
+}
+
+TEST(StateDirectory, NoticesThatItWasRemovedOrReplaced) {
+  test::TemporaryDirectory directory;
+  const StateDirectory held(directory / "state");
+  held.checkPresence();
+  std::filesystem::rename(directory / "state", directory / "aside");
+  test::expectError(ExitCode::failed, [&] { held.checkPresence(); }, {"removed or replaced"});
+  std::filesystem::create_directory(directory / "state");
+  test::expectError(ExitCode::failed, [&] { held.checkPresence(); }, {"removed or replaced"});
 }
 
 TEST(StateDirectory, DoesNotMakeTheFoldersOfAMistypedName) {
@@ -251,34 +329,25 @@ TEST(StateDirectory, TellsWhereItsSchedulerListensAsLongAsItLives) {
 TEST(StateDirectory, KnowsNetworkFileSystems) {
   EXPECT_STREQ(networkFileSystem(0x6969), "NFS");
   EXPECT_STREQ(networkFileSystem(0x0BD00BD0), "Lustre");
+  EXPECT_STREQ(networkFileSystem(0x65735546), "FUSE");
+  EXPECT_STREQ(networkFileSystem(0x01021997), "9p");
   EXPECT_EQ(networkFileSystem(0xEF53), nullptr);
 }
 
-/// Dies right after the journal was synced, before the transaction, and right after the
-/// transaction, before the acknowledgement: what was committed is there, what was not is asked for
-/// again.
-TEST(Recovery, AKillBetweenJournalAndTransactionLosesNothingAcknowledged) {
+/// Dies right after an append that nothing synced, and right after a commit that nobody was told
+/// of: what was committed is there, and what was appended is whole or absent.
+TEST(Recovery, AKillBetweenAppendAndCommitLosesNothingAcknowledged) {
   test::TemporaryDirectory directory;
   const Problem problem = test::cubeProblem();
-  const Lattice lattice(0.02, 0.01);
-  const auto origin = [&](std::uint32_t space) {
-    StoredResult stored{
-        {space, 0, 0}, test::solve(problem, space, {0, 0, 0}, {0, 0, 0}).first, {}, {}};
-    stored.outcome = *fromWire(stored.header);
-    return stored;
-  };
-  const std::string fields = test::solve(problem, 0, {0, 0, 0}, {0, 0, 0}).second;
   const pid_t child = fork();
   if (child == 0) {
     const StateDirectory held(directory / "state");
     JobStore store(held, problem, encodeProblem(problem));
-    Journal journal(held.path(), store.committed());
-    std::vector<StoredResult> first = {origin(0)};
-    first[0].where = journal.append(first[0].header.SerializeAsString(), fields);
-    journal.sync();
-    store.record(first, journal.end());
-    journal.append(origin(1).header.SerializeAsString(), fields);
-    journal.sync();
+    for (const std::uint32_t space : {0u, 1u}) {
+      const auto [header, payload] = test::solve(problem, space, {}, {});
+      store.append(header, payload);
+      if (space == 0) store.commit();
+    }
     kill(getpid(), SIGKILL);
   }
   int status = 0;
@@ -287,13 +356,10 @@ TEST(Recovery, AKillBetweenJournalAndTransactionLosesNothingAcknowledged) {
 
   const StateDirectory held(directory / "state");
   JobStore store(held, problem, encodeProblem(problem));
-  ASSERT_GT(std::filesystem::file_size(directory / "state/segment-000001.dat"),
-            store.committed().offset);
-  Journal journal(held.path(), store.committed());
-  EXPECT_EQ(std::filesystem::file_size(directory / "state/segment-000001.dat"),
-            store.committed().offset);
-  ASSERT_EQ(store.results().size(), 1u);
-  EXPECT_EQ(journal.read(store.results()[0].where).payload, fields);
+  EXPECT_FALSE(store.damaged());
+  EXPECT_EQ(store.takeFound().size(), 2u) << "a kill loses nothing that was written";
+  for (const std::uint32_t space : {0u, 1u})
+    EXPECT_EQ(store.find({space, {}, {}})->payload, test::solve(problem, space, {}, {}).second);
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 #include "scheduler/state/journal.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <csignal>
 #include <fstream>
 #include <iterator>
-#include <random>
 
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -15,6 +15,8 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
 
 struct JournalTest : testing::Test {
   test::TemporaryDirectory directory;
@@ -27,10 +29,20 @@ struct JournalTest : testing::Test {
   static void writeFile(const fs::path& file, const std::string& bytes) {
     std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
   }
+
+  Journal open(std::uint64_t segment_bytes = Journal::default_segment_bytes) {
+    return {directory.path(), scan().end, segment_bytes};
+  }
+  JournalScan scan() { return JournalReader(directory.path()).scan(); }
+  std::vector<std::string> headers() {
+    std::vector<std::string> headers;
+    for (const JournalScan::Found& record : scan().records) headers.push_back(record.header);
+    return headers;
+  }
 };
 
 TEST_F(JournalTest, ReadsBackWhatWasAppended) {
-  Journal journal(directory.path(), {});
+  Journal journal = open();
   const auto a = journal.append("head", std::string(100000, 'x'));
   const auto b = journal.append("", "");
   const auto c = journal.append(std::string("\0nul", 4), "p");
@@ -41,79 +53,126 @@ TEST_F(JournalTest, ReadsBackWhatWasAppended) {
   EXPECT_EQ(journal.read(c).header, std::string("\0nul", 4));
 }
 
-TEST_F(JournalTest, GoesOnAfterTheCommittedEndAndForgetsWhatLiesBehindIt) {
-  JournalPosition kept, again;
-  JournalEnd committed;
-  {
-    Journal journal(directory.path(), {});
-    kept = journal.append("kept", "1");
-    committed = journal.end();
-    journal.append("not committed", "2");
-    journal.sync();
-  }
-  Journal journal(directory.path(), committed);
-  EXPECT_EQ(fs::file_size(first), committed.offset);
-  again = journal.append("again", "3");
-  EXPECT_EQ(again.offset, committed.offset);
-  EXPECT_EQ(journal.read(kept).header, "kept");
-  EXPECT_EQ(journal.read(again).header, "again");
-}
-
-TEST_F(JournalTest, RollsToANewSegmentAndRemovesUncommittedOnes) {
-  JournalEnd committed;
-  std::vector<JournalPosition> positions;
-  {
-    Journal journal(directory.path(), {}, 100);
-    for (int n = 0; n < 10; ++n)
-      positions.push_back(journal.append("h", std::string(60, static_cast<char>('a' + n))));
-    journal.sync();
-    EXPECT_EQ(journal.end().segment, 5u);
-    for (int n = 0; n < 10; ++n) EXPECT_EQ(journal.read(positions[n]).payload[0], 'a' + n);
-    committed = {positions[3].segment, positions[3].offset + positions[3].length};
-  }
-  Journal journal(directory.path(), committed, 100);
-  EXPECT_FALSE(fs::exists(directory / "segment-000003.dat"));
-  EXPECT_FALSE(fs::exists(directory / "segment-000005.dat"));
-  EXPECT_EQ(journal.read(positions[3]).payload[0], 'd');
-  EXPECT_EQ(journal.append("h", "p").segment, 3u);
-}
-
-TEST_F(JournalTest, CutAtEveryLengthItSaysWhatIsMissing) {
+TEST_F(JournalTest, IsFoundWholeByAScanOfItsFilesAlone) {
   JournalPosition last;
-  JournalEnd committed;
   {
-    Journal journal(directory.path(), {});
-    journal.append("first", "payload");
-    last = journal.append("second", "payload");
+    Journal journal = open(100);
+    for (const char* header : {"a", "b", "c", "d", "e"})
+      last = journal.append(header, std::string(60, 'p'));
     journal.sync();
-    committed = journal.end();
+    EXPECT_EQ(journal.end().segment, 3u);
+  }
+  const JournalScan found = scan();
+  EXPECT_THAT(headers(), ElementsAre("a", "b", "c", "d", "e"));
+  EXPECT_EQ(found.records.back().where, last);
+  EXPECT_EQ(found.end, (JournalEnd{last.segment, last.offset + last.length}));
+  EXPECT_TRUE(found.gaps.empty());
+  Journal again = open(100);
+  EXPECT_EQ(again.append("f", "").segment, 3u) << "the last segment has room";
+  again.sync();
+  EXPECT_EQ(headers().size(), 6u);
+}
+
+TEST_F(JournalTest, CutAtEveryLengthItKeepsWhatIsWholeAndGoesOnThere) {
+  std::size_t first_record = 0;
+  {
+    Journal journal = open();
+    first_record = journal.append("first", "payload").length;
+    journal.append("second", "payload");
+    journal.sync();
   }
   const std::string whole = contentOf(first);
   for (std::size_t length = 0; length < whole.size(); ++length) {
     writeFile(first, whole.substr(0, length));
-    test::expectError(ExitCode::failed, [&] { Journal(directory.path(), committed); },
-                      {"segment-000001.dat", "damaged"});
+    EXPECT_TRUE(scan().gaps.empty()) << "what a crash leaves is no damage";
+    Journal journal = open();
+    EXPECT_EQ(fs::file_size(first), length < first_record ? 0 : first_record);
+    journal.append("third", "");
+    journal.sync();
+    if (length < first_record)
+      EXPECT_THAT(headers(), ElementsAre("third"));
+    else
+      EXPECT_THAT(headers(), ElementsAre("first", "third"));
   }
-  writeFile(first, whole + "torn tail");
-  EXPECT_EQ(Journal(directory.path(), committed).read(last).header, "second");
 }
 
-TEST_F(JournalTest, NoticesEveryFlippedBit) {
-  Journal journal(directory.path(), {});
-  const auto position = journal.append("header", "payload");
+/// The record in the middle costs itself, and the ones around it are found.
+TEST_F(JournalTest, NoticesEveryFlippedBitAndLosesThatRecordAlone) {
+  Journal journal = open();
+  journal.append("before", "payload");
+  const JournalPosition middle = journal.append("middle", "payload");
+  const JournalPosition after = journal.append("after", "payload");
   journal.sync();
   const std::string whole = contentOf(first);
-  for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
+  for (std::size_t bit = 8 * middle.offset; bit < 8 * after.offset; ++bit) {
     std::string damaged = whole;
     damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << bit % 8));
     writeFile(first, damaged);
-    test::expectError(ExitCode::failed, [&] { journal.read(position); },
-                      {"segment-000001.dat", "damaged"});
+    EXPECT_THROW(journal.read(middle), DamagedRecord);
+    EXPECT_EQ(journal.read(after).header, "after");
+    EXPECT_THAT(headers(), ElementsAre("before", "after"));
+    EXPECT_THAT(scan().gaps, ElementsAre(HasSubstr("segment-000001.dat")));
   }
 }
 
+TEST_F(JournalTest, FindsRecordsBehindDamageThatIsLongerThanAnyBuffer) {
+  Journal journal = open();
+  journal.append("damaged", std::string(3 << 20, 'P'));
+  journal.append("after", "payload");
+  journal.sync();
+  std::string bytes = contentOf(first);
+  bytes[5] = '\x7f';  // the length of its header
+  writeFile(first, bytes);
+  EXPECT_THAT(headers(), ElementsAre("after"));
+}
+
+TEST_F(JournalTest, ADamagedPayloadOfAnEarlierSegmentShowsWhenItIsRead) {
+  Journal journal = open(100);
+  const JournalPosition early = journal.append("early", std::string(200, 'p'));
+  const JournalPosition late = journal.append("late", "p");
+  journal.sync();
+  ASSERT_NE(early.segment, late.segment);
+  std::string bytes = contentOf(first);
+  bytes[early.length - 1] ^= 1;
+  writeFile(first, bytes);
+  EXPECT_THAT(headers(), ElementsAre("early", "late"));
+  EXPECT_THROW(journal.read(early), DamagedRecord);
+  journal.drop(early);
+  EXPECT_THAT(headers(), ElementsAre("late"));
+  EXPECT_THAT(scan().gaps, ElementsAre(HasSubstr("dropped")));
+}
+
+TEST_F(JournalTest, ASegmentThatIsMissingCostsWhatWasInIt) {
+  {
+    Journal journal = open(10);
+    for (const char* header : {"one", "two", "three"}) journal.append(header, "payload");
+    journal.sync();
+  }
+  fs::remove(directory / "segment-000002.dat");
+  EXPECT_THAT(headers(), ElementsAre("one", "three"));
+  EXPECT_THAT(scan().gaps, ElementsAre(HasSubstr("segment-000002.dat: is missing")));
+  open(10).checkPresence();
+}
+
+TEST_F(JournalTest, NoticesThatASegmentWasRemovedOrReplacedUnderIt) {
+  Journal journal = open(10);
+  journal.append("one", "payload");
+  journal.append("two", "payload");
+  journal.sync();
+  journal.checkPresence();
+  fs::rename(first, directory / "aside");
+  test::expectError(ExitCode::failed, [&] { journal.checkPresence(); },
+                    {"segment-000001.dat", "removed"});
+  fs::rename(directory / "aside", first);
+  const fs::path written = directory / "segment-000002.dat";
+  fs::rename(written, directory / "aside");
+  fs::copy_file(directory / "aside", written);
+  test::expectError(ExitCode::failed, [&] { journal.checkPresence(); },
+                    {"segment-000002.dat", "replaced"});
+}
+
 TEST_F(JournalTest, AFullDiskIsAnErrorThatSaysWhatToDo) {
-  Journal journal(directory.path(), {});
+  Journal journal = open();
   struct rlimit before {};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);

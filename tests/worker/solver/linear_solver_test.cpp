@@ -1,10 +1,18 @@
 #include "worker/solver/linear_solver.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
 #include <limits>
 #include <stdexcept>
+
+#include "common/base/error.hpp"
+#include "common/base/index.hpp"
 
 namespace palpate {
 namespace {
@@ -59,6 +67,41 @@ TEST(LinearSolver, PassesOverANullSpaceWhenToldThereIsOne) {
   ASSERT_TRUE(solver->solve(x));
   EXPECT_DOUBLE_EQ(x(0), 3);
   EXPECT_DOUBLE_EQ(x(2), 5);
+}
+
+/// A band of 20,000 unknowns, whose factor takes 24 MB, where 8 are left.
+TEST(LinearSolverDeathTest, WithoutMemoryIsAnErrorAndNoAnswer) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the sanitizer's own memory does not fit under the limit";
+#endif
+  constexpr int unknowns = 20000, band = 150;
+  std::vector<std::vector<std::int32_t>> all(unknowns);
+  for (int row = 0; row < unknowns; ++row)
+    for (int column = row; column < std::min(row + band, unknowns); ++column)
+      all[at(row)].push_back(column);
+  const SparsityPattern pattern = patternOf(all);
+  std::vector<double> values(pattern.row.size(), 0.001);
+  for (int row = 0; row < unknowns; ++row) values[at(pattern.entryOf(row, row))] = unknowns;
+  const auto factorizeInLittle = [&] {
+    // OpenBLAS takes its own memory at its first product.
+    const auto small = LinearSolver::of(tridiagonal(), Precision::double_precision, false);
+    static_cast<void>(small->factorize(indefinite));
+    const auto solver = LinearSolver::of(pattern, Precision::double_precision, false);
+    std::ifstream statm("/proc/self/statm");
+    rlim_t pages = 0;
+    statm >> pages;
+    const rlim_t room = pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + (8u << 20);
+    const struct rlimit limit = {room, room};
+    if (setrlimit(RLIMIT_AS, &limit) != 0) std::_Exit(3);
+    try {
+      static_cast<void>(solver->factorize(values));
+      std::_Exit(4);
+    } catch (const Error& error) {
+      std::fputs(error.what(), stderr);
+      std::_Exit(static_cast<int>(error.exitCode()));
+    }
+  };
+  EXPECT_EXIT(factorizeInLittle(), testing::ExitedWithCode(1), "out of memory");
 }
 
 TEST(LinearSolver, ReportsNotANumberAsAFailure) {

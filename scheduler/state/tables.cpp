@@ -1,0 +1,257 @@
+#include "scheduler/state/tables.hpp"
+
+#include <fcntl.h>
+#include <spdlog/spdlog.h>
+
+#include <limits>
+
+#include "common/base/assertion.hpp"
+#include "common/base/error.hpp"
+#include "common/base/program.hpp"
+
+namespace palpate {
+namespace {
+
+/// "PLPT", so that file(1) and we know the database for ours.
+constexpr std::int64_t application_id = 0x504c5054;
+
+/// Nothing of a build rests on these tables: they are there for people, for `status` of a directory
+/// where nobody works, and (losses) for the next run.
+constexpr const char* schema = R"sql(
+CREATE TABLE meta (key TEXT PRIMARY KEY, value ANY) STRICT;
+CREATE TABLE counters (name TEXT PRIMARY KEY, value INTEGER NOT NULL) STRICT;
+CREATE TABLE servers (
+  worker TEXT PRIMARY KEY, host TEXT NOT NULL, pid INTEGER NOT NULL, kernel_family TEXT NOT NULL,
+  state TEXT NOT NULL CHECK (state IN ('idle', 'busy', 'lost', 'left')),
+  heard_at REAL NOT NULL, results INTEGER NOT NULL) STRICT;
+CREATE TABLE losses (
+  space INTEGER, target INTEGER, parent INTEGER, attempts INTEGER NOT NULL, suspected INTEGER NOT NULL,
+  deaths INTEGER NOT NULL, PRIMARY KEY (space, target, parent)) STRICT, WITHOUT ROWID;
+CREATE TABLE spaces (space INTEGER PRIMARY KEY, name TEXT NOT NULL) STRICT;
+CREATE TABLE configurations (
+  space INTEGER, point INTEGER, i INTEGER NOT NULL, j INTEGER NOT NULL, k INTEGER NOT NULL,
+  tag TEXT NOT NULL CHECK (tag IN ('unknown', 'expandable', 'terminating', 'failed')),
+  cause TEXT NOT NULL, parent INTEGER NOT NULL, force REAL, factorizations INTEGER NOT NULL,
+  PRIMARY KEY (space, point)) STRICT, WITHOUT ROWID;
+)sql";
+
+std::int64_t pragma(Database& database, const std::string& name) {
+  Statement query(database, "PRAGMA " + name);
+  return query.step() ? query.integer(0) : 0;
+}
+
+template <class Value = std::string>
+Value meta(Database& database, const std::string& key) {
+  Statement query(database, "SELECT value FROM meta WHERE key = ?");
+  if (!query.bind(key).step()) return Value();
+  if constexpr (std::is_integral_v<Value>)
+    return query.integer<Value>(0);
+  else
+    return query.text(0);
+}
+
+void checkVersion(Database& database) {
+  const std::string file = database.file().string();
+  if (pragma(database, "application_id") != application_id)
+    throw badInput("{}: is a database, but not one of Palpate's", file);
+  const std::int64_t found = pragma(database, "user_version");
+  const std::string_view age = found > StoredTables::schema_version ? "newer" : "older";
+  if (found != StoredTables::schema_version)
+    throw badInput(
+        "{}: was made by {} {} Palpate (state version {}, "
+        "this is palpate {} with state version {}): go on with the {} one, "
+        "or use another --state directory",
+        file, age == "older" ? "an" : "a", age, found, version(), StoredTables::schema_version,
+        age);
+}
+
+std::filesystem::path existingDatabase(const std::filesystem::path& directory) {
+  std::filesystem::path file = StateDirectory::databaseIn(directory);
+  if (!std::filesystem::exists(file))
+    throw badInput("{}: is not a state directory of Palpate: there is no {} in it",
+                   directory.string(), file.filename().string());
+  return file;
+}
+
+/// DamagedDatabase when they contradict each other, or say nothing of a build although they are
+/// ours.
+void checkPages(Database& database) {
+  Statement check(database, "PRAGMA quick_check(1)");
+  if (!check.step()) throw DamagedDatabase(database.file(), "it cannot be checked");
+  if (check.text(0) != "ok") throw DamagedDatabase(database.file(), check.text(0));
+  if (pragma(database, "schema_version") == 0) return;
+  checkVersion(database);
+  if (!ContentId::fromHex(meta(database, "build")))
+    throw DamagedDatabase(database.file(), "no build id in it");
+}
+
+/// The tables in the directory for writing. What SQLite finds damaged is put aside first: all that
+/// a build needs is in the journal.
+Database openForWriting(const StateDirectory& directory) {
+  const std::filesystem::path file = directory.database();
+  // SQLite would make it for everybody to read; the files beside it follow.
+  const FileDescriptor mine(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  if (!mine) throw failure("{}: cannot open: {}", file.string(), errnoText());
+  try {
+    Database database(file, Database::Access::read_write_create);
+    checkPages(database);
+    return database;
+  } catch (const DamagedDatabase& damage) {
+    if (!std::filesystem::exists(directory.path() / "segment-000001.dat")) throw;
+    spdlog::warn("{}: put aside as {}.damaged and made anew: nothing of a build rests on it",
+                 damage.what(), file.string());
+    std::filesystem::rename(file, file.string() + ".damaged");
+    for (const char* part : {"-wal", "-shm"}) std::filesystem::remove(file.string() + part);
+  }
+  return {file, Database::Access::read_write_create};
+}
+
+}  // namespace
+
+StoredTables::StoredTables(const std::filesystem::path& directory)
+    : database_(existingDatabase(directory), Database::Access::read_only) {
+  // Left open: everything is read as of now, whatever the scheduler writes meanwhile.
+  database_.execute("BEGIN");
+  readBuild();
+}
+
+void StoredTables::readBuild() {
+  checkVersion(database_);
+  const auto build = ContentId::fromHex(meta(database_, "build"));
+  if (!build) throw DamagedDatabase(database_.file(), "no build id in it");
+  build_ = {*build, meta(database_, "scene_name"), meta(database_, "problem")};
+}
+
+std::vector<wire::WorkerStatus> StoredTables::servers() {
+  std::vector<wire::WorkerStatus> rows;
+  Statement query(database_,
+                  "SELECT worker, host, pid, kernel_family, state, "
+                  "(julianday('now') - 2440587.5) * 86400.0 - heard_at, results "
+                  "FROM servers ORDER BY host, pid");
+  while (query.step()) {
+    wire::WorkerStatus& row = rows.emplace_back();
+    row.set_worker(query.text(0));
+    row.set_host(query.text(1));
+    row.set_pid(query.integer<std::uint32_t>(2));
+    row.set_kernel_family(query.text(3));
+    row.set_state(query.text(4));
+    row.set_heard_seconds_ago(query.real(5));
+    row.set_results(query.integer<std::int32_t>(6));
+  }
+  return rows;
+}
+
+Counters StoredTables::counters() {
+  Counters counters;
+  Statement query(database_, "SELECT name, value FROM counters");
+  while (query.step()) counters[query.text(0)] = query.integer(1);
+  return counters;
+}
+
+Tables::Tables(const StateDirectory& directory, const Problem& problem,
+               const std::string& problem_bytes)
+    : StoredTables(openForWriting(directory)) {
+  database_.execute(
+      "PRAGMA page_size = 8192; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL");
+  if (pragma(database_, "schema_version") == 0) create(problem, problem_bytes);
+  readBuild();
+  if (const ContentId wanted = problemId(problem); build_.build != wanted)
+    throw badInput(
+        "{}: holds build {} of scene \"{}\", "
+        "but this is build {} of scene \"{}\" (scene or mesh changed): "
+        "use another --state directory, or remove that one if its results are not needed",
+        directory.path().string(), build_.build.shortHex(), build_.scene_name, wanted.shortHex(),
+        problem.scene.name);
+  write_point_.emplace(
+      database_, "INSERT OR REPLACE INTO configurations VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+}
+
+void Tables::create(const Problem& problem, const std::string& problem_bytes) {
+  // All or nothing: a database without its meta would belong to no build.
+  inTransaction(database_, [&] {
+    database_.execute(schema);
+    database_.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
+                                  application_id, schema_version));
+    Statement put_meta(database_, "INSERT INTO meta VALUES (?, ?)");
+    put_meta.run("build", problemId(problem).hex());
+    put_meta.run("scene_name", problem.scene.name);
+    put_meta.run("problem", Blob{problem_bytes});
+    put_meta.run("made_by", std::string("palpate ") + version());
+    Statement add_space(database_, "INSERT INTO spaces VALUES (?, ?)");
+    for (std::size_t space = 0; space < problem.active.size(); ++space)
+      add_space.run(space, problem.active[space].name);
+  });
+}
+
+void Tables::show(std::span<const SpacePlan> plans, std::span<const Changed> changed) {
+  inTransaction(database_, [&] {
+    for (const auto& [space, point] : changed) writePoint(space, point, plans[space]);
+  });
+}
+
+void Tables::showAll(std::span<const SpacePlan> plans) {
+  inTransaction(database_, [&] {
+    database_.execute("DELETE FROM configurations");
+    for (std::size_t space = 0; space < plans.size(); ++space)
+      for (std::int32_t n = 0; n < plans[space].size(); ++n) writePoint(space, n, plans[space]);
+  });
+}
+
+void Tables::writePoint(std::size_t space, std::int32_t number, const SpacePlan& plan) {
+  const PointRecord& point = plan.point(number);
+  const LatticePoint& position = plan.positions().point(number);
+  const double force = isSolved(point.tag) ? point.equilibrium.force.norm()
+                                           : std::numeric_limits<double>::quiet_NaN();
+  write_point_->run(space, number, position[0], position[1], position[2], name(point.tag),
+                    name(point.cause), point.parent, force, point.cost.factorizations);
+}
+
+void Tables::writeServers(std::span<const wire::WorkerStatus> servers) {
+  inTransaction(database_, [&] {
+    Statement insert(database_,
+                     "INSERT OR REPLACE INTO servers VALUES (?, ?, ?, ?, ?, "
+                     "(julianday('now') - 2440587.5) * 86400.0 - ?, ?)");
+    for (const wire::WorkerStatus& row : servers)
+      insert.run(row.worker(), row.host(), row.pid(), row.kernel_family(), row.state(),
+                 row.heard_seconds_ago(), row.results());
+  });
+}
+
+void Tables::writeCounters(const Counters& counters) {
+  inTransaction(database_, [&] {
+    Statement insert(database_, "INSERT OR REPLACE INTO counters VALUES (?, ?)");
+    for (const auto& [name, value] : counters) insert.run(name, value);
+  });
+}
+
+void Tables::writeLosses(const TransitionKey& key, const Losses& losses) {
+  inTransaction(database_, [&] {
+    Statement(database_, "INSERT OR REPLACE INTO losses VALUES (?, ?, ?, ?, ?, ?)")
+        .run(key.space, key.target, key.parent, losses.attempts, losses.suspected, losses.deaths);
+  });
+}
+
+std::map<TransitionKey, Losses> Tables::losses() {
+  std::map<TransitionKey, Losses> losses;
+  Statement query(database_,
+                  "SELECT space, target, parent, attempts, suspected, deaths FROM losses");
+  using Number = std::int32_t;
+  while (query.step())
+    losses[{query.integer<std::uint32_t>(0), query.integer<Number>(1), query.integer<Number>(2)}] =
+        {query.integer<std::uint32_t>(3), query.integer<int>(4), query.integer<int>(5)};
+  return losses;
+}
+
+void Tables::forgetLosses() { database_.execute("DELETE FROM losses"); }
+
+std::int64_t forgetLosses(const StateDirectory& directory) {
+  Database database(directory.database(), Database::Access::read_write_create);
+  checkVersion(database);
+  Statement count(database, "SELECT COUNT(*) FROM losses WHERE deaths >= ?");
+  const std::int64_t aside = count.bind(deaths_before_aside).step() ? count.integer(0) : 0;
+  count.reset();
+  database.execute("DELETE FROM losses");
+  return aside;
+}
+
+}  // namespace palpate

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+
+#include "proto/palpate.pb.h"
+#include "scheduler/plan/leases.hpp"
+#include "scheduler/plan/space_plan.hpp"
+#include "scheduler/state/sqlite.hpp"
+#include "scheduler/state/state_directory.hpp"
+
+namespace palpate {
+
+/// What a state directory is about.
+struct StoredBuild {
+  ContentId build;
+  std::string scene_name;
+  std::string problem;  ///< encodeProblem
+};
+
+/// Counters of a build by name (docs/state.md).
+using Counters = std::map<std::string, std::int64_t>;
+
+/// The tables of a build (SQLite, docs/state.md) for reading. Opened by name they are a snapshot of
+/// the moment of construction, also while a scheduler writes them. They hold no result: those are
+/// in the journal, and what the tables say of them is for people. One thread.
+class StoredTables {
+ public:
+  static constexpr int schema_version = 4;
+
+  /// Error (bad input) when `directory` is not a state directory, or that of another version. It
+  /// need not be writable.
+  explicit StoredTables(const std::filesystem::path& directory);
+
+  const StoredBuild& build() const { return build_; }
+  /// The workers, each named by its whole id in hexadecimal.
+  std::vector<wire::WorkerStatus> servers();
+  Counters counters();
+
+ protected:
+  explicit StoredTables(Database database) : database_(std::move(database)) {}
+  /// Error (bad input) when the tables are not ours, or of another version.
+  void readBuild();
+
+  Database database_;
+  StoredBuild build_;
+};
+
+/// The same tables for their one writer, which owns the StateDirectory. Nothing that an
+/// acknowledgement promises rests on them, so they are not synced with every group: after a power
+/// cut they are those of some moment before, and showAll() brings them up to date. Errors of the
+/// database are fatal for the scheduler. One thread.
+class Tables : public StoredTables {
+ public:
+  /// Opens the tables in `directory`, or makes them. `problem_bytes` is encodeProblem(problem).
+  /// Error (bad input) when they belong to another build, naming its scene, or to another version.
+  /// Tables that SQLite finds damaged are put aside (state.db.damaged) and made anew.
+  Tables(const StateDirectory& directory, const Problem& problem, const std::string& problem_bytes);
+
+  /// Shows these points (by number) of a space as its plan has them.
+  struct Changed {
+    std::uint32_t space = 0;
+    std::int32_t point = -1;
+  };
+  void show(std::span<const SpacePlan> plans, std::span<const Changed> changed);
+  /// Every point of every space.
+  void showAll(std::span<const SpacePlan> plans);
+
+  /// Replaces the rows of these workers, heard_seconds_ago as of now.
+  void writeServers(std::span<const wire::WorkerStatus> servers);
+  void writeCounters(const Counters& counters);
+
+  /// What is known of workers that ended while they solved a transition, which outlives a run.
+  void writeLosses(const TransitionKey& key, const Losses& losses);
+  std::map<TransitionKey, Losses> losses();
+  void forgetLosses();
+
+ private:
+  void create(const Problem& problem, const std::string& problem_bytes);
+  void writePoint(std::size_t space, std::int32_t number, const SpacePlan& plan);
+
+  std::optional<Statement> write_point_;  ///< once the tables are there
+};
+
+/// Of a directory in which no scheduler works; returns how many transitions were set aside.
+std::int64_t forgetLosses(const StateDirectory& directory);
+
+}  // namespace palpate

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/support/meshes.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "tests/system/process.hpp"
+
+namespace palpate::test {
+
+/// A build of some seconds by the real programs.
+struct SmallBuild : testing::Test {
+  TemporaryDirectory directory;
+
+  /// `cells`: of the cube, along an edge.
+  explicit SmallBuild(int cells = 3) : cells_(cells) { writeScene(directory.path(), 1300); }
+
+  /// A cube with two active nodes and 257 lattice points around each. Tool forces grow beyond
+  /// max_force on one side.
+  void writeScene(const std::filesystem::path& where, double c10) const {
+    writeGmsh22(cubeMesh(0.1, cells_), where / "cube.msh");
+    std::ofstream(where / "cube.toml")
+        << "name = \"cube\"\nmesh = \"cube.msh\"\n"
+        << "[material]\nlaw = \"mooney-rivlin\"\nc10 = " << c10 << "\nc01 = 1280.0\n"
+        << "[fixed]\nbelow = { axis = \"x\", fraction = 0.15 }\n"
+        << "[[active]]\nname = \"tip\"\nnear = [0.1, 0.0667, 0.0667]\n"
+        << "[[active]]\nname = \"corner\"\nnear = [0.1, 0.1, 0.1]\n"
+        << "[workspace]\nradius = 0.04\nspacing = 0.01\nmax_force = 2.0\n";
+  }
+
+  std::unique_ptr<Process> start(const std::string& program, std::vector<std::string> arguments) {
+    return std::make_unique<Process>(program, std::move(arguments), directory.path());
+  }
+  std::unique_ptr<Process> startBuild(const std::string& out, const std::string& workers) {
+    return start("palpate-scheduler", {"build", "cube.toml", "-o", out, "-j", workers});
+  }
+  /// Exit codes of a finished build: some points may have failed.
+  static void expectFinished(Process& process) {
+    const int code = process.wait();
+    EXPECT_TRUE(code == 0 || code == 3) << code << "\n" << process.output();
+  }
+  std::string undisturbed() {
+    auto build = startBuild("undisturbed.h5", "1");
+    expectFinished(*build);
+    return contentOf(directory / "undisturbed.h5");
+  }
+  std::uintmax_t journaled(const std::string& state) const {
+    std::error_code none_yet;
+    const auto size =
+        std::filesystem::file_size(directory / state / "segment-000001.dat", none_yet);
+    return none_yet ? 0 : size;
+  }
+  /// Waits until the journal grew by `bytes`, or the process ended. False in that case.
+  bool journalGrows(Process& process, const std::string& state, std::uintmax_t bytes) const {
+    const std::uintmax_t goal = journaled(state) + bytes;
+    EXPECT_TRUE(eventually([&] { return !process.running() || journaled(state) >= goal; }));
+    return process.running();
+  }
+  std::string endpointIn(const std::string& state) const {
+    EXPECT_TRUE(eventually([&] { return !contentOf(directory / state / "endpoint").empty(); }));
+    std::string endpoint = contentOf(directory / state / "endpoint");
+    endpoint.pop_back();
+    return endpoint;
+  }
+
+ private:
+  int cells_;
+};
+
+}  // namespace palpate::test
