@@ -1,5 +1,6 @@
 #include <spdlog/spdlog.h>
 #include <sys/ioctl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -169,6 +170,15 @@ ExitCode tellWhy(const Coordinator& coordinator, const std::string& state, ExitC
   return ExitCode::failed;
 }
 
+/// Every peer takes a descriptor, and the usual limit is 1024.
+void allowAsManyPeers() {
+  struct rlimit limit {};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) throw failure("getrlimit: {}", errnoText());
+  limit.rlim_cur = limit.rlim_max;
+  if (setrlimit(RLIMIT_NOFILE, &limit) != 0)
+    spdlog::warn("more than {} workers may not find room: {}", limit.rlim_cur, errnoText());
+}
+
 /// The tables of the dataset `out`, sealed by a server at `endpoint`, which gets the port that was
 /// chosen; none when the build was stopped or is stuck, and what
 /// `compute` returned then.
@@ -181,6 +191,7 @@ std::pair<std::vector<SpaceTable>, ExitCode> sealedBy(const Compute& compute, Bu
   if (coordinator.found() > 0)
     spdlog::info("going on: {} results are recorded in {}", coordinator.found(), state);
   zmq::context_t context;
+  allowAsManyPeers();
   Server server(context, endpoint);
   endpoint = server.endpoint();
   build.directory().announce(endpoint);

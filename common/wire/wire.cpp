@@ -33,6 +33,11 @@ zmq::socket_t makeSocket(zmq::context_t& context, zmq::socket_type type) {
   return socket;
 }
 
+/// Where the address is one of IPv6; otherwise names would be looked up there first.
+void useIPv6(zmq::socket_t& socket, std::string_view endpoint) {
+  socket.set(zmq::sockopt::ipv6, endpoint.starts_with("tcp://["));
+}
+
 /// A host and behind it a port; * is any free one, for those who listen.
 bool hasPort(std::string_view endpoint) {
   const std::string_view address = endpoint.substr(std::string_view("tcp://").size());
@@ -172,8 +177,14 @@ void checkEndpoint(const std::string& endpoint) {
 
 std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint) {
   checkEndpoint(endpoint);
+  // A name is looked up by those who connect only.
+  constexpr std::string_view by_name = "tcp://localhost:";
+  const std::string address = endpoint.starts_with(by_name)
+                                  ? "tcp://127.0.0.1:" + endpoint.substr(by_name.size())
+                                  : endpoint;
   try {
-    socket.bind(endpoint);
+    useIPv6(socket, address);
+    socket.bind(address);
   } catch (const zmq::error_t& error) {
     if (error.num() == EADDRINUSE)
       throw failure(
@@ -187,6 +198,7 @@ std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint) {
 void connectDealer(zmq::socket_t& socket, const std::string& endpoint) {
   checkEndpoint(endpoint);
   try {
+    useIPv6(socket, endpoint);
     socket.connect(endpoint);
   } catch (const zmq::error_t& error) {
     throw badInput("cannot connect to {}: {}", endpoint, error.what());

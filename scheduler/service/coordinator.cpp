@@ -312,7 +312,7 @@ void Coordinator::dismiss() {
 
 void Coordinator::noteOwnGap(Time now) {
   const auto gap = now - std::exchange(last_turn_, now);
-  if (gap < settings_.own_gap) return;
+  if (gap < settings_.own_gap || registry_.all().empty()) return;
   spdlog::warn(
       "this scheduler did nothing for {:.0f} s (stopped, suspended, or without processor "
       "time): no worker is blamed for the silence",

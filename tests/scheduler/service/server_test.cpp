@@ -103,6 +103,15 @@ TEST_F(ServerTest, NoticesWithinSecondsThatABusyWorkersConnectionBroke) {
   EXPECT_EQ(counter("lost_workers"), 1);
 }
 
+TEST_F(ServerTest, ListensOnLocalhostByNameAndByItsNewerAddress) {
+  for (const auto& [wanted, is] :
+       {std::pair("tcp://localhost:*", "tcp://127.0.0.1:"), {"tcp://[::1]:*", "tcp://[::1]:"}}) {
+    const Server other(context, wanted);
+    EXPECT_TRUE(other.endpoint().starts_with(is)) << other.endpoint();
+    EXPECT_TRUE(isOnThisMachineOnly(other.endpoint()));
+  }
+}
+
 TEST_F(ServerTest, StillServesAfterGarbage) {
   zmq::socket_t hostile = connect();
   sendRaw(hostile, {""});
