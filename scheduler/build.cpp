@@ -5,12 +5,13 @@
 
 namespace palpate {
 
-Build::Build(Problem problem, const std::filesystem::path& state, CoordinatorSettings settings)
+Build::Build(Problem problem, const std::filesystem::path& state, Coordinator::Time now,
+             CoordinatorSettings settings)
     : problem_(std::move(problem)),
       problem_bytes_(encodeProblem(problem_)),
       directory_(state),
       store_(directory_, problem_, problem_bytes_),
-      coordinator_(problem_, problem_bytes_, store_, std::chrono::steady_clock::now(), settings) {}
+      coordinator_(problem_, problem_bytes_, store_, now, settings) {}
 
 JournalRecord Build::recordOf(std::size_t space, std::int32_t point) const {
   const SpacePlan& plan = coordinator_.plans()[space];

@@ -11,8 +11,10 @@ namespace palpate {
 /// directory.
 class Build {
  public:
-  /// Opens or makes the state of this problem in `state`, and goes on where the last run was.
-  Build(Problem problem, const std::filesystem::path& state, CoordinatorSettings settings = {});
+  /// Opens or makes the state of this problem in `state`, and goes on where the last run was. `now`
+  /// is of the clock that the coordinator is told later.
+  Build(Problem problem, const std::filesystem::path& state, Coordinator::Time now,
+        CoordinatorSettings settings = {});
   Build(const Build&) = delete;
   Build& operator=(const Build&) = delete;
 

@@ -225,7 +225,7 @@ ExitCode carryOut(const BuildOrder& order, std::string endpoint, const Compute& 
   CoordinatorSettings settings;
   if (order.hung_after_s) settings.hung_after = std::chrono::seconds(*order.hung_after_s);
   for (;;) {
-    Build build(problem, state, settings);
+    Build build(problem, state, Clock::now(), settings);
     try {
       const auto [tables, when_stopped] = sealedBy(compute, build, endpoint, out, state);
       if (tables.empty()) return tellWhy(build.coordinator(), state, when_stopped);

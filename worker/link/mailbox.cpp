@@ -30,7 +30,7 @@ void Mailbox::put(ReadyJob job) {
 void Mailbox::forgetJobs() {
   const std::lock_guard lock(mutex_);
   jobs_.clear();
-  forget_current_ = progress_.solving();
+  forget_current_ = progress_.heartbeat.solving();
 }
 
 void Mailbox::close() {
@@ -53,60 +53,62 @@ std::optional<std::string> Mailbox::solverError() {
   return error_;
 }
 
-wire::Heartbeat Mailbox::progress() {
+Mailbox::Progress Mailbox::progress() {
   const std::lock_guard lock(mutex_);
   return progress_;
 }
 
-std::optional<std::chrono::seconds> Mailbox::hungFor() {
-  const std::lock_guard lock(mutex_);
-  const auto at_it = std::chrono::steady_clock::now() - since_;
-  if (!progress_.solving() || hung_after_.count() == 0 || at_it <= hung_after_) return std::nullopt;
-  return std::chrono::duration_cast<std::chrono::seconds>(at_it);
-}
-
-void Mailbox::forgive(std::chrono::steady_clock::duration gap) {
-  const std::lock_guard lock(mutex_);
-  since_ += gap;
-}
-
 std::optional<ReadyJob> Mailbox::next() {
   std::unique_lock lock(mutex_);
-  progress_.set_solving(false);
+  rest();
+  changed_.wait(lock, [this] { return closed_ || !jobs_.empty(); });
+  return take();
+}
+
+std::optional<ReadyJob> Mailbox::tryNext() {
+  const std::lock_guard lock(mutex_);
+  rest();
+  return take();
+}
+
+void Mailbox::rest() {
+  progress_.heartbeat.set_solving(false);
   // Whatever was to be forgotten was the job before this one.
   forget_current_ = false;
-  changed_.wait(lock, [this] { return closed_ || !jobs_.empty(); });
+}
+
+std::optional<ReadyJob> Mailbox::take() {
   if (jobs_.empty()) return std::nullopt;
   ReadyJob job = std::move(jobs_.front());
   jobs_.pop_front();
-  progress_.set_solving(true);
-  progress_.set_job(job.job.id());
+  progress_.heartbeat.set_solving(true);
+  progress_.heartbeat.set_job(job.job.id());
   // Until begin() names a target, the solver makes the start ready, which may kill it too.
-  *progress_.mutable_target() = job.job.start();
-  since_ = std::chrono::steady_clock::now();
-  hung_after_ = std::chrono::seconds(job.job.hung_after_s());
+  *progress_.heartbeat.mutable_target() = job.job.start();
+  ++progress_.begun;
+  progress_.hung_after = std::chrono::seconds(job.job.hung_after_s());
   return job;
 }
 
 bool Mailbox::begin(std::uint64_t job, const wire::Point& target) {
   const std::lock_guard lock(mutex_);
-  PALPATE_ASSERT(progress_.solving() && progress_.job() == job,
+  PALPATE_ASSERT(progress_.heartbeat.solving() && progress_.heartbeat.job() == job,
                  "targets are of the job last taken");
-  *progress_.mutable_target() = target;
-  since_ = std::chrono::steady_clock::now();
+  *progress_.heartbeat.mutable_target() = target;
+  ++progress_.begun;
   return !forget_current_;
 }
 
 void Mailbox::finish(FinishedTarget target) {
   const std::lock_guard lock(mutex_);
-  PALPATE_ASSERT(progress_.solving(), "a target is finished while its job is in work");
+  PALPATE_ASSERT(progress_.heartbeat.solving(), "a target is finished while its job is in work");
   finished_.push_back(std::move(target));
   wakeNetwork();
 }
 
 void Mailbox::solverEnds(const std::string& error) {
   const std::lock_guard lock(mutex_);
-  progress_.set_solving(false);
+  progress_.heartbeat.set_solving(false);
   if (!error.empty()) error_ = error;
   wakeNetwork();
 }

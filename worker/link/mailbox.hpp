@@ -48,19 +48,22 @@ class Mailbox {
   std::vector<FinishedTarget> takeFinished();
   /// The reason when the solver gave up with an exception.
   std::optional<std::string> solverError();
-  /// What the solver is doing now, as heartbeats tell it.
-  wire::Heartbeat progress();
-  /// For how long the solver has been at its present target, or at making its start ready, when
-  /// that is longer than the job allows (wire::Job.hung_after_s).
-  std::optional<std::chrono::seconds> hungFor();
-  /// This process did nothing for so long, the solver neither.
-  void forgive(std::chrono::steady_clock::duration gap);
+  /// What the solver is doing now.
+  struct Progress {
+    wire::Heartbeat heartbeat;  ///< as the scheduler is told
+    std::uint64_t begun = 0;    ///< starts made ready and targets, so far
+    /// One of them that takes longer hangs (wire::Job.hung_after_s); 0: no limit.
+    std::chrono::seconds hung_after{0};
+  };
+  Progress progress();
   /// Readable while there is something to take; for poll().
   int wakeUpDescriptor() const { return event_; }
 
   // Solver side.
   /// Waits for a job. Nothing: closed, end the thread.
   std::optional<ReadyJob> next();
+  /// The same without waiting. Nothing also when there is no job.
+  std::optional<ReadyJob> tryNext();
   /// Call before each target. False: the job was forgotten, go on with next().
   [[nodiscard]] bool begin(std::uint64_t job, const wire::Point& target);
   /// Leaves a target for the network thread and wakes it.
@@ -69,6 +72,8 @@ class Mailbox {
   void solverEnds(const std::string& error);
 
  private:
+  void rest();
+  std::optional<ReadyJob> take();
   void wakeNetwork();
 
   const int event_;  ///< eventfd
@@ -76,9 +81,7 @@ class Mailbox {
   std::condition_variable changed_;
   std::deque<ReadyJob> jobs_;
   std::vector<FinishedTarget> finished_;
-  wire::Heartbeat progress_;
-  std::chrono::steady_clock::time_point since_;  ///< the solver is at what progress_ says
-  std::chrono::seconds hung_after_{0};           ///< 0: no limit
+  Progress progress_;
   bool forget_current_ = false, closed_ = false;
   std::optional<std::string> error_;
 };

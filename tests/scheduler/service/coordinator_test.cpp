@@ -609,7 +609,8 @@ TEST_F(CoordinatorTest, RefusesAJournalWithResultsNobodyAskedFor) {
     store.commit();
     std::filesystem::copy(directory / "state", world.directory / "stray");
   }
-  test::expectError(ExitCode::failed, [&] { Build(world.problem, world.directory / "stray"); },
+  test::expectError(ExitCode::failed,
+                    [&] { Build(world.problem, world.directory / "stray", world.now); },
                     {"nobody asked for", "another version"});
 }
 

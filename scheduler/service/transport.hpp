@@ -1,0 +1,24 @@
+#pragma once
+
+#include "scheduler/service/coordinator.hpp"
+
+namespace palpate {
+
+/// Messages of peers, whatever carries them. Neither call waits.
+class Transport {
+ public:
+  Transport() = default;
+  Transport(const Transport&) = delete;
+  Transport& operator=(const Transport&) = delete;
+  virtual ~Transport() = default;
+
+  /// The next one that came in; nothing when there is none.
+  virtual std::optional<Incoming> receive() = 0;
+  virtual Sent send(const Outgoing& message) = 0;
+};
+
+/// One turn of a scheduler: feeds what came in to the coordinator (of a flood a part, so that
+/// deadlines and answers do not wait for it), lets it act, and sends what it says.
+void exchange(Coordinator& coordinator, Transport& transport, Coordinator::Time now);
+
+}  // namespace palpate

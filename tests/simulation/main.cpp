@@ -1,0 +1,259 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tests/simulation/world.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+struct Options {
+  std::uint64_t seeds = 1000, first = 1;
+  unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
+  std::vector<std::size_t> only;  ///< accidents of the history, by number
+  bool json = false, list_planted = false, story = false;
+  std::string planted;
+};
+
+/// In memory, where a sync costs nothing.
+std::filesystem::path makeFolder() {
+  const char* memory = "/dev/shm";
+  const std::filesystem::path base =
+      access(memory, W_OK | X_OK) == 0 ? memory : std::filesystem::temp_directory_path();
+  std::string name = (base / "palpate-simulation-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr)
+    throw std::runtime_error(name + ": cannot be made: " + std::strerror(errno));
+  return name;
+}
+
+class Folder {
+ public:
+  Folder() : path_(makeFolder()) {}
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// What many seeds came to.
+struct Summary {
+  std::uint64_t seeds = 0;
+  double simulated = 0;
+  std::vector<std::uint64_t> failed;
+  std::map<std::string, std::uint64_t> active;  ///< seeds in which an accident was felt
+
+  void add(std::uint64_t seed, const Outcome& outcome) {
+    ++seeds;
+    simulated += outcome.simulated;
+    if (outcome.broken) failed.push_back(seed);
+    for (const auto& [accident, count] : outcome.felt)
+      if (count > 0) ++active[std::string(nameOf(accident))];
+  }
+  void add(const Summary& other) {
+    seeds += other.seeds;
+    simulated += other.simulated;
+    failed.insert(failed.end(), other.failed.begin(), other.failed.end());
+    for (const auto& [name, count] : other.active) active[name] += count;
+  }
+};
+
+nlohmann::json toJson(const Summary& summary) {
+  return {{"seeds", summary.seeds},
+          {"failed", summary.failed.size()},
+          {"failed_seeds", summary.failed},
+          {"simulated_seconds", summary.simulated},
+          {"faults", summary.active}};
+}
+
+Summary fromJson(const nlohmann::json& json) {
+  Summary summary;
+  summary.seeds = json.at("seeds");
+  summary.simulated = json.at("simulated_seconds");
+  summary.failed = json.at("failed_seeds").get<std::vector<std::uint64_t>>();
+  summary.active = json.at("faults").get<std::map<std::string, std::uint64_t>>();
+  return summary;
+}
+
+std::vector<Event> historyFor(std::uint64_t seed, const std::vector<std::size_t>& only) {
+  const std::vector<Event> all = historyOf(seed);
+  if (only.empty()) return all;
+  std::vector<Event> some;
+  for (const std::size_t n : only)
+    if (n < all.size()) some.push_back(all[n]);
+  return some;
+}
+
+/// One process's share: every `of`-th seed.
+Summary runShare(const Options& options, unsigned share, unsigned of) {
+  const Folder folder;
+  const Scenario scenario = makeScenario(folder.path());
+  Summary summary;
+  for (std::uint64_t n = share; n < options.seeds; n += of) {
+    const std::uint64_t seed = options.first + n;
+    summary.add(seed,
+                simulate(scenario, seed, historyFor(seed, options.only), folder.path() / "world"));
+  }
+  return summary;
+}
+
+/// The seeds, shared among processes: a simulation has its process to itself.
+Summary runAll(const Options& options) {
+  std::vector<std::pair<pid_t, int>> children;
+  for (unsigned share = 0; share < options.jobs; ++share) {
+    std::array<int, 2> ends{};
+    if (pipe(ends.data()) != 0)
+      throw std::runtime_error("pipe: " + std::string(std::strerror(errno)));
+    const pid_t child = fork();
+    if (child < 0) throw std::runtime_error("fork: " + std::string(std::strerror(errno)));
+    if (child == 0) {
+      close(ends[0]);
+      int code = 1;
+      try {
+        const std::string text = toJson(runShare(options, share, options.jobs)).dump();
+        if (write(ends[1], text.data(), text.size()) == static_cast<ssize_t>(text.size())) code = 0;
+      } catch (const std::exception& error) {
+        fmt::print(stderr, "simulation: {}\n", error.what());
+      }
+      _exit(code);
+    }
+    close(ends[1]);
+    children.emplace_back(child, ends[0]);
+  }
+  Summary all;
+  bool whole = true;
+  for (const auto& [child, end] : children) {
+    std::string text;
+    std::array<char, 1 << 16> chunk{};
+    for (ssize_t n = 0; (n = read(end, chunk.data(), chunk.size())) > 0;)
+      text.append(chunk.data(), static_cast<std::size_t>(n));
+    close(end);
+    int status = 0;
+    waitpid(child, &status, 0);
+    whole = whole && status == 0;
+    if (status == 0) all.add(fromJson(nlohmann::json::parse(text)));
+  }
+  if (!whole) throw std::runtime_error("a process of the simulation did not end well");
+  std::ranges::sort(all.failed);
+  return all;
+}
+
+/// Leaves out what is not needed to break it, one accident after another.
+std::vector<std::size_t> minimised(const Scenario& scenario, std::uint64_t seed,
+                                   std::vector<std::size_t> needed,
+                                   const std::filesystem::path& folder) {
+  for (bool smaller = true; smaller;) {
+    smaller = false;
+    for (std::size_t n = needed.size(); n-- > 0;) {
+      std::vector<std::size_t> fewer = needed;
+      fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(n));
+      std::vector<Event> events;
+      for (const std::size_t event : fewer) events.push_back(historyOf(seed)[event]);
+      if (!simulate(scenario, seed, events, folder).broken) continue;
+      needed = std::move(fewer);
+      smaller = true;
+    }
+  }
+  return needed;
+}
+
+/// Prints how a seed fails with as few accidents as possible.
+void explain(const Options& options, std::uint64_t seed) {
+  const Folder folder;
+  const Scenario scenario = makeScenario(folder.path());
+  const std::vector<Event> all = historyOf(seed);
+  std::vector<std::size_t> numbers = options.only;
+  if (numbers.empty())
+    for (std::size_t n = 0; n < all.size(); ++n) numbers.push_back(n);
+  const std::vector<std::size_t> needed =
+      minimised(scenario, seed, numbers, folder.path() / "world");
+  std::vector<Event> events;
+  for (const std::size_t n : needed) events.push_back(all[n]);
+  const Outcome outcome = simulate(scenario, seed, events, folder.path() / "world");
+  fmt::print("seed {} fails {}\n", seed, outcome.broken.value_or("(not alone)"));
+  for (const std::string& line : outcome.story) fmt::print("  {}\n", line);
+  fmt::print("{} of its {} accidents do it; again: --seeds 1 --first {}{}{} --story\n",
+             needed.size(), all.size(), seed, needed.empty() ? "" : " --only ",
+             fmt::join(needed, ","));
+}
+
+int run(const Options& options) {
+  const auto began = std::chrono::steady_clock::now();
+  const Summary summary = runAll(options);
+  const double took =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  constexpr std::size_t explained = 3;
+  for (std::size_t n = 0; n < std::min(explained, summary.failed.size()); ++n)
+    explain(options, summary.failed[n]);
+  nlohmann::json json = toJson(summary);
+  json["seconds"] = took;
+  if (options.json) {
+    fmt::print("{}\n", json.dump());
+  } else {
+    fmt::print(
+        "{} seeds from {}, {:.0f} s simulated in {:.1f} s ({:.0f} times real time, {:.1f} "
+        "seeds/s)\n",
+        summary.seeds, options.first, summary.simulated, took, summary.simulated / took,
+        static_cast<double>(summary.seeds) / took);
+    for (const auto& [name, seeds] : summary.active)
+      fmt::print("  {:22} in {:5.1f} % of the seeds\n", name,
+                 100.0 * static_cast<double>(seeds) / static_cast<double>(summary.seeds));
+    fmt::print("{} failed\n", summary.failed.size());
+  }
+  return summary.failed.empty() ? 0 : 1;
+}
+
+int showStory(const Options& options) {
+  const Folder folder;
+  const Scenario scenario = makeScenario(folder.path());
+  const Outcome outcome = simulate(scenario, options.first, historyFor(options.first, options.only),
+                                   folder.path() / "world");
+  for (const std::string& line : outcome.story) fmt::print("{}\n", line);
+  fmt::print("{}\n", outcome.broken ? "broken " + *outcome.broken : "whole");
+  return outcome.broken ? 1 : 0;
+}
+
+int main(int count, char** words) {
+  Options options;
+  CLI::App app(
+      "Simulates scheduler, workers, network, disk and clocks under many seeds, with accidents, in "
+      "one thread each (tests/simulation/README.md)");
+  app.add_option("--seeds", options.seeds, "So many, one after another")->capture_default_str();
+  app.add_option("--first", options.first, "The first of them")->capture_default_str();
+  app.add_option("-j,--jobs", options.jobs, "Processes")->check(CLI::Range(1, 1024));
+  app.add_option("--only", options.only, "Of each history only the accidents with these numbers")
+      ->delimiter(',');
+  app.add_flag("--story", options.story, "Tell what happens under the first seed");
+  app.add_flag("--json", options.json, "The last line of the output is JSON");
+  app.add_option("--planted", options.planted,
+                 "Simulate with this defect planted, or with each (all): the seeds must find it");
+  app.add_flag("--list-planted", options.list_planted, "Name the defects that can be planted");
+  CLI11_PARSE(app, count, words);
+  spdlog::set_level(options.story ? spdlog::level::debug : spdlog::level::off);
+  if (options.story) return showStory(options);
+  return run(options);
+}
+
+}  // namespace
+}  // namespace palpate::simulation
+
+int main(int count, char** words) {
+  try {
+    return palpate::simulation::main(count, words);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "simulation: {}\n", error.what());
+    return 1;
+  }
+}

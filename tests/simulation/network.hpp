@@ -1,0 +1,85 @@
+#pragma once
+
+#include <deque>
+#include <limits>
+#include <map>
+
+#include "common/wire/wire.hpp"
+#include "scheduler/service/coordinator.hpp"
+#include "tests/simulation/history.hpp"
+#include "tests/simulation/random.hpp"
+
+namespace palpate::simulation {
+
+/// Seconds since the beginning of a simulation, as nobody in it can know them.
+using Seconds = double;
+inline constexpr Seconds never = std::numeric_limits<Seconds>::infinity();
+
+/// Connections between one scheduler and its workers, as ZeroMQ makes them: a worker's side
+/// connects again by itself; messages of a connection that broke are lost; the scheduler's side
+/// knows a peer from its first message until its connection is seen to be broken. Within a
+/// connection messages keep their order, unless an accident says otherwise.
+class Network {
+ public:
+  explicit Network(std::uint64_t seed) : random_(seed) {}
+
+  // The ends. A worker is named by its peer id.
+  void join(const std::string& worker, Seconds now);
+  /// The process ended: its system says so to the other end, if that can be reached.
+  void leave(const std::string& worker, Seconds now);
+  /// It makes its socket anew.
+  void reconnect(const std::string& worker, Seconds now);
+  void schedulerStarts() { scheduler_up_ = true; }
+  void schedulerEnds();
+  /// A scheduler whose machine lost power says nothing to anybody.
+  Sent toWorker(const std::string& worker, const wire::Message& message, std::string payload,
+                Seconds now);
+  void toScheduler(const std::string& worker, const wire::Message& message,
+                   std::string_view payload, Seconds now);
+
+  // What arrived by now.
+  std::optional<Incoming> forScheduler(Seconds now);
+  std::optional<Incoming> forWorker(const std::string& worker, Seconds now);
+  /// When the next message arrives at this end; infinity when none is on its way.
+  Seconds nextForScheduler() const;
+  Seconds nextForWorker(const std::string& worker) const;
+
+  /// `worker` empty: all of them.
+  void happen(const Event& event, const std::string& worker);
+  /// How often each kind of accident was felt.
+  const std::map<Accident, std::uint64_t>& felt() const { return felt_; }
+  /// The longest queue so far.
+  std::size_t mostWaiting() const { return most_waiting_; }
+
+ private:
+  using Queue = std::multimap<Seconds, Incoming>;  ///< by when they arrive
+  struct Line {
+    Queue to_worker, to_scheduler;
+    Seconds last_to_worker = 0, last_to_scheduler = 0;  ///< arrivals, for the order
+    bool known = false;                                 ///< the scheduler's side has a route
+    Seconds connects_at = 0;                            ///< the worker's side tries again then
+    bool connected = false;                             ///< as the worker's side believes
+    bool dead_end = false;  ///< half open: what the scheduler sends goes nowhere
+    bool gone = false;
+  };
+  struct Trouble {
+    Event event;
+    std::string worker;
+  };
+
+  bool troubled(Accident accident, const std::string& worker, Seconds now);
+  const Trouble* trouble(Accident accident, const std::string& worker, Seconds now) const;
+  bool cut(bool to_worker, const std::string& worker, Seconds now);
+  void post(Queue& queue, Seconds& last, Incoming letter, const std::string& worker, Seconds now);
+  void breakLine(Line& line, Seconds now);
+  void connectAgain(const std::string& worker, Line& line, Seconds now);
+
+  Random random_;
+  std::map<std::string, Line> lines_;
+  std::vector<Trouble> troubles_;
+  std::map<Accident, std::uint64_t> felt_;
+  bool scheduler_up_ = false;
+  std::size_t most_waiting_ = 0;
+};
+
+}  // namespace palpate::simulation

@@ -1,0 +1,158 @@
+#include "tests/simulation/scheduler.hpp"
+
+#include <limits>
+
+namespace palpate::simulation {
+namespace {
+
+constexpr Seconds turn_every = 0.5;
+/// How long `serve` waits for workers to leave (scheduler/build_command.cpp).
+constexpr Seconds drain_limit = 30;
+constexpr int most_damages = 200;
+
+}  // namespace
+
+SchedulerProcess::SchedulerProcess(Network& network, Disk& disk, Ledger& ledger,
+                                   const Problem& problem, std::filesystem::path folder,
+                                   Random& random)
+    : network_(network),
+      disk_(disk),
+      ledger_(ledger),
+      problem_(problem),
+      folder_(std::move(folder)),
+      clock_(random) {}
+
+SchedulerProcess::~SchedulerProcess() = default;
+
+void SchedulerProcess::end(State state) {
+  build_.reset();
+  network_.schedulerEnds();
+  state_ = state;
+}
+
+/// What a process does of itself: an Error ends it, being killed too.
+void SchedulerProcess::guarded(const std::function<void()>& step) {
+  try {
+    step();
+  } catch (const Error& error) {
+    last_error_ = error.what();
+    end(State::down);
+  } catch (const std::filesystem::filesystem_error& error) {
+    last_error_ = error.what();
+    end(State::down);
+  } catch (const Broken&) {
+    throw;
+  } catch (const std::logic_error& error) {
+    if (!disk_.dead()) throw Broken(error.what());
+    end(State::down);
+  }
+  // Killed in the middle of something that does not mind (a log, a file that goes).
+  if (disk_.dead() && build_) end(State::down);
+}
+
+void SchedulerProcess::open(Seconds now) {
+  build_ = std::make_unique<Build>(problem_, stateDirectory(), clock_.at(now));
+  state_ = State::running;
+  network_.schedulerStarts();
+}
+
+void SchedulerProcess::start(Seconds now) {
+  last_error_.clear();
+  next_turn_ = now_ = now;
+  guarded([&] { open(now); });
+}
+
+Seconds SchedulerProcess::nextWake(Seconds now) const {
+  if (!build_) return never;
+  Seconds next = std::min(next_turn_, network_.nextForScheduler());
+  const Coordinator& coordinator = build_->coordinator();
+  next = std::min(next, now + clock_.secondsUntil(coordinator.nextDeadline(), now));
+  return std::max({next, stopped_until_, now});
+}
+
+void SchedulerProcess::wake(Seconds now) {
+  if (!build_ || now < stopped_until_) return;
+  now_ = now;
+  next_turn_ = now + turn_every;
+  guarded([&] {
+    try {
+      turn(now);
+    } catch (const DamagedRecord& damage) {
+      // As `serve` and `build` do it: what cannot be read any more is computed again.
+      if (++damages_ > most_damages)
+        throw Broken("a damaged record stays, however often it is dropped");
+      build_->drop(damage);
+      end(State::down);
+      open(now);
+    }
+  });
+}
+
+void SchedulerProcess::turn(Seconds now) {
+  Coordinator& coordinator = build_->coordinator();
+  exchange(coordinator, *this, clock_.at(now));
+  if (disk_.dead()) return;
+  if (state_ == State::running) {
+    if (coordinator.complete()) return seal(now);
+    if (coordinator.stopping() || coordinator.stuck()) {
+      coordinator.dismiss();
+      leaves_at_ = now + drain_limit;
+      state_ = State::leaving;
+    }
+  } else if (coordinator.deserted(clock_.at(now)) || now >= leaves_at_) {
+    end(coordinator.complete() ? State::sealed
+        : coordinator.stuck()  ? State::stuck
+                               : State::stopped);
+  }
+}
+
+void SchedulerProcess::seal(Seconds now) {
+  build_->verify();
+  build_->coordinator().dismiss();
+  exchange(build_->coordinator(), *this, clock_.at(now));
+  build_->seal(dataset());
+  leaves_at_ = now + drain_limit;
+  state_ = State::leaving;
+}
+
+void SchedulerProcess::kill() {
+  if (!build_) return;
+  disk_.die();
+  end(State::down);
+}
+
+void SchedulerProcess::stop(Seconds from, Seconds until, bool clock_too) {
+  if (until <= stopped_until_) return;
+  if (clock_too) clock_.leap(-(until - std::max(from, stopped_until_)));
+  stopped_until_ = until;
+}
+
+void SchedulerProcess::askToStop(Seconds now) {
+  if (build_ && state_ == State::running)
+    guarded([&] { build_->coordinator().stop(clock_.at(now)); });
+}
+
+std::optional<Incoming> SchedulerProcess::receive() {
+  // A process that was killed in between reads nothing.
+  if (disk_.dead()) return std::nullopt;
+  return network_.forScheduler(now_);
+}
+
+Sent SchedulerProcess::send(const Outgoing& outgoing) {
+  if (disk_.dead()) return Sent::yes;
+  const wire::Message& message = outgoing.message;
+  if (message.has_result_ack()) {
+    const wire::ResultAck& ack = message.result_ack();
+    ledger_.acknowledged.insert({ack.space(), fromWire(ack.target()), fromWire(ack.parent())});
+  }
+  if (message.has_job())
+    for (const wire::Target& target : message.job().targets()) {
+      const ResultKey key = {message.job().space(), fromWire(target.point()),
+                             fromWire(message.job().start())};
+      if (ledger_.acknowledged.contains(key) && !ledger_.spoiled.contains(key))
+        throw Broken("a result that was acknowledged is asked for again");
+    }
+  return network_.toWorker(outgoing.peer, message, outgoing.payload ? *outgoing.payload : "", now_);
+}
+
+}  // namespace palpate::simulation

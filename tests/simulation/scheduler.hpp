@@ -1,0 +1,77 @@
+#pragma once
+
+#include <functional>
+#include <set>
+#include <stdexcept>
+
+#include "scheduler/build.hpp"
+#include "scheduler/service/transport.hpp"
+#include "tests/simulation/disk.hpp"
+#include "tests/simulation/worker.hpp"
+
+namespace palpate::simulation {
+
+/// What the service must never do was done. The message says what.
+class Broken : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What the outside world knows of the results of a build, whatever became of the scheduler.
+struct Ledger {
+  std::set<ResultKey> acknowledged;
+  /// Their records were damaged by an accident: they may be computed again.
+  std::set<ResultKey> spoiled;
+};
+
+/// A scheduler process: the real Build with everything in it, and the steps that `serve` makes
+/// around it (scheduler/build_command.cpp).
+class SchedulerProcess : private Transport {
+ public:
+  SchedulerProcess(Network& network, Disk& disk, Ledger& ledger, const Problem& problem,
+                   std::filesystem::path folder, Random& random);
+  ~SchedulerProcess() override;
+
+  enum class State : std::uint8_t { down, running, leaving, sealed, stopped, stuck };
+  State state() const { return state_; }
+  bool up() const { return build_ != nullptr; }
+  std::filesystem::path stateDirectory() const { return folder_ / "state"; }
+  std::filesystem::path dataset() const { return folder_ / "out.h5"; }
+
+  void start(Seconds now);
+  Seconds nextWake(Seconds now) const;
+  void wake(Seconds now);
+
+  /// SIGKILL: now, while it waits.
+  void kill();
+  void stop(Seconds from, Seconds until, bool clock_too);
+  void leap(Seconds by) { clock_.leap(by); }
+  void askToStop(Seconds now);
+  Coordinator& coordinator() { return build_->coordinator(); }
+  /// Why it ended by itself last; empty when it was not by an error.
+  const std::string& lastError() const { return last_error_; }
+
+ private:
+  std::optional<Incoming> receive() override;
+  Sent send(const Outgoing& message) override;
+
+  void guarded(const std::function<void()>& step);
+  void open(Seconds now);
+  void turn(Seconds now);
+  void seal(Seconds now);
+  void end(State state);
+
+  Network& network_;
+  Disk& disk_;
+  Ledger& ledger_;
+  const Problem& problem_;
+  const std::filesystem::path folder_;
+  ProcessClock clock_;
+  Seconds now_ = 0, stopped_until_ = 0, next_turn_ = 0, leaves_at_ = 0;
+  std::unique_ptr<Build> build_;
+  State state_ = State::down;
+  std::string last_error_;
+  int damages_ = 0;
+};
+
+}  // namespace palpate::simulation

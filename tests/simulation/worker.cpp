@@ -1,0 +1,153 @@
+#include "tests/simulation/worker.hpp"
+
+#include <limits>
+
+#include "common/base/error.hpp"
+#include "tests/support/solved_table.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+/// The product's thread looks every 50 ms; what it looks for takes seconds.
+constexpr Seconds looks_every = 0.4;
+
+}  // namespace
+
+WorkerProcess::WorkerProcess(Network& network, SolverWorld& world, const std::string& id,
+                             std::vector<std::string> ended, Seconds now, Random random)
+    : network_(network),
+      world_(world),
+      id_(id),
+      peer_("w" + id),
+      random_(random),
+      clock_(random_),
+      now_(now),
+      mailbox_(std::make_unique<Mailbox>()),
+      next_turn_(now) {
+  SessionOptions options;
+  options.worker_id = id;
+  options.ended = std::move(ended);
+  options.host = "simulated";
+  options.pid = 1;
+  options.kernel_family = "baseline";
+  const auto send = [this](const wire::Message& message, std::string_view payload) {
+    network_.toScheduler(peer_, message, payload, now_);
+  };
+  session_ = std::make_unique<WorkerSession>(*mailbox_, options, send, clock_.at(now));
+  network_.join(peer_, now);
+}
+
+Seconds WorkerProcess::nextWake(Seconds now) const {
+  if (end_) return never;
+  Seconds next = std::min(next_turn_, network_.nextForWorker(peer_));
+  if (work_ && !hangs_) next = std::min(next, work_->done_at);
+  return std::max({next, stopped_until_, now});
+}
+
+void WorkerProcess::endsWith(End end, Seconds now) {
+  if (end == End::killed && work_)
+    died_on_ = {work_->job.job.space(), fromWire(work_->job.job.targets(work_->target).point())};
+  end_ = end;
+  work_.reset();
+  network_.leave(peer_, now);
+}
+
+void WorkerProcess::kill(Seconds now) {
+  if (!end_) endsWith(End::killed, now);
+}
+
+void WorkerProcess::stop(Seconds from, Seconds until, bool clock_too) {
+  if (until <= stopped_until_) return;
+  const Seconds more = until - std::max(from, stopped_until_);
+  if (clock_too) clock_.leap(-more);
+  if (work_) work_->done_at += more;
+  stopped_until_ = until;
+}
+
+void WorkerProcess::interrupt(Seconds now) {
+  if (!end_) session_->interrupt(clock_.at(now));
+}
+
+void WorkerProcess::beginTarget(Seconds now) {
+  const wire::Job& job = work_->job.job;
+  const wire::Target& target = job.targets(work_->target);
+  if (!mailbox_->begin(job.id(), target.point())) {
+    work_.reset();
+    return;
+  }
+  hangs_ = std::exchange(hang_next_, false);
+  if (hangs_) ++felt_[Accident::hung_solver];
+  Seconds takes = random_.between(0.2, 4);
+  if (longer_ > 0) {
+    ++felt_[Accident::slow_solve];
+    takes += std::exchange(longer_, 0);
+  }
+  work_->done_at = now + takes;
+}
+
+void WorkerProcess::finishTarget() {
+  const wire::Job& job = work_->job.job;
+  const wire::Target& target = job.targets(work_->target);
+  auto [result, payload] =
+      test::solve(*world_.problem, job.space(), fromWire(target.point()), fromWire(job.start()));
+  result.set_job(job.id());
+  result.set_attempt(target.attempt());
+  mailbox_->finish(
+      {std::move(result), std::move(payload), work_->target + 1 == job.targets_size()});
+}
+
+void WorkerProcess::solve(Seconds now) {
+  if (hangs_) return;
+  while (work_ && work_->done_at <= now) {
+    const wire::Job& job = work_->job.job;
+    const auto deadly =
+        world_.deadly.find({job.space(), fromWire(job.targets(work_->target).point())});
+    if (deadly != world_.deadly.end() && now < deadly->second) {
+      ++felt_[Accident::deadly_transition];
+      return endsWith(End::killed, now);
+    }
+    if (no_memory_) {
+      ++felt_[Accident::out_of_memory];
+      work_.reset();
+      mailbox_->solverEnds("out of memory");
+      return;
+    }
+    finishTarget();
+    if (++work_->target < job.targets_size())
+      beginTarget(now);
+    else
+      work_.reset();
+  }
+  // As the solver's thread: next() is what says that nothing is solved any more.
+  if (work_ || no_memory_) return;
+  if (auto job = mailbox_->tryNext()) {
+    work_ = Work{std::move(*job), 0, 0};
+    beginTarget(now);
+  }
+}
+
+void WorkerProcess::wake(Seconds now) {
+  if (end_ || now < stopped_until_) return;
+  now_ = now;
+  next_turn_ = now + looks_every;
+  solve(now);
+  if (end_) return;
+  try {
+    while (const auto incoming = network_.forWorker(peer_, now))
+      session_->receive(*incoming, clock_.at(now));
+    switch (session_->advance(clock_.at(now))) {
+      case WorkerSession::Next::go_on: break;
+      case WorkerSession::Next::connect:
+        network_.reconnect(peer_, now);
+        session_->connected(clock_.at(now));
+        break;
+      case WorkerSession::Next::end: return endsWith(End::left, now);
+      case WorkerSession::Next::killed: return endsWith(End::killed, now);
+    }
+  } catch (const Error&) {
+    return endsWith(End::failed, now);
+  }
+  solve(now);  // what has just arrived
+}
+
+}  // namespace palpate::simulation

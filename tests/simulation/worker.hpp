@@ -1,0 +1,95 @@
+#pragma once
+
+#include "tests/simulation/network.hpp"
+#include "worker/link/worker_session.hpp"
+
+namespace palpate::simulation {
+
+/// The monotonic clock of a process: runs a little too fast or slow, may leap, never goes back.
+class ProcessClock {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  ProcessClock() = default;
+  explicit ProcessClock(Random& random)
+      : offset_(random.between(0, 1e5)), rate_(random.between(0.99, 1.01)) {}
+
+  Time at(Seconds now) const {
+    return Time(std::chrono::duration_cast<Time::duration>(
+        std::chrono::duration<double>(offset_ + rate_ * now)));
+  }
+  void leap(Seconds by) { offset_ += by; }
+  Seconds secondsUntil(Time time, Seconds now) const {
+    return std::chrono::duration<double>(time - at(now)).count() / rate_;
+  }
+
+ private:
+  double offset_ = 0, rate_ = 1;
+};
+
+/// What a solver finds in the table, and how it is hindered. Shared by all workers.
+struct SolverWorld {
+  const Problem* problem = nullptr;
+  /// Transitions that kill who solves them, until this time.
+  std::map<std::tuple<std::uint32_t, LatticePoint>, Seconds> deadly;
+};
+
+/// A worker process: a real session and mailbox, a solver that looks up what it is asked for, and
+/// whatever happens to processes. Its solver is a thread of its own there, here a state.
+class WorkerProcess {
+ public:
+  /// `ended`: whom it replaces. Outlived by what it refers to.
+  WorkerProcess(Network& network, SolverWorld& world, const std::string& id,
+                std::vector<std::string> ended, Seconds now, Random random);
+
+  /// How it ended; nothing as long as it lives.
+  enum class End : std::uint8_t { left, failed, killed };
+  const std::optional<End>& end() const { return end_; }
+  const std::string& id() const { return id_; }
+  const std::string& peer() const { return peer_; }
+  /// It was solving when it was killed.
+  const std::optional<std::tuple<std::uint32_t, LatticePoint>>& diedOn() const { return died_on_; }
+  std::size_t unacknowledged() const { return session_->unacknowledged(); }
+
+  Seconds nextWake(Seconds now) const;
+  void wake(Seconds now);
+
+  void kill(Seconds now);
+  /// Its processes stand still. `clock_too`: its machine is suspended.
+  void stop(Seconds from, Seconds until, bool clock_too);
+  void leap(Seconds by) { clock_.leap(by); }
+  void interrupt(Seconds now);
+  void hangNext() { hang_next_ = true; }
+  void runOutOfMemory() { no_memory_ = true; }
+  void solveSlowly(Seconds longer) { longer_ = longer; }
+  /// Accidents that were armed and came to pass.
+  const std::map<Accident, std::uint64_t>& felt() const { return felt_; }
+
+ private:
+  struct Work {
+    ReadyJob job;
+    int target = 0;
+    Seconds done_at = 0;
+  };
+
+  void solve(Seconds now);
+  void beginTarget(Seconds now);
+  void finishTarget();
+  void endsWith(End end, Seconds now);
+
+  Network& network_;
+  SolverWorld& world_;
+  std::string id_, peer_;
+  Random random_;
+  ProcessClock clock_;
+  Seconds now_ = 0;
+  std::unique_ptr<Mailbox> mailbox_;
+  std::unique_ptr<WorkerSession> session_;
+  std::optional<Work> work_;
+  std::optional<End> end_;
+  std::optional<std::tuple<std::uint32_t, LatticePoint>> died_on_;
+  std::map<Accident, std::uint64_t> felt_;
+  Seconds stopped_until_ = 0, next_turn_ = 0, longer_ = 0;
+  bool hang_next_ = false, hangs_ = false, no_memory_ = false;
+};
+
+}  // namespace palpate::simulation

@@ -1,0 +1,474 @@
+#include "tests/simulation/world.hpp"
+
+#include <fmt/format.h>
+#include <sodium.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "common/base/whole_file.hpp"
+#include "common/dataset/dataset.hpp"
+#include "scheduler/state/replay.hpp"
+#include "tests/support/solved_table.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+Random random_bytes(0);
+
+/// What libsodium gives to those who ask for random bytes, from now on: the same under each seed.
+void seedRandomBytes(std::uint64_t seed) {
+  static randombytes_implementation ours = {
+      .implementation_name = [] { return "seeded"; },
+      .random = [] { return static_cast<std::uint32_t>(random_bytes.next()); },
+      .stir = nullptr,
+      .uniform = nullptr,
+      .buf =
+          [](void* const bytes, const std::size_t count) {
+            for (std::size_t n = 0; n < count; ++n)
+              static_cast<unsigned char*>(bytes)[n] =
+                  static_cast<unsigned char>(random_bytes.next());
+          },
+      .close = nullptr};
+  random_bytes = Random(seed);
+  randombytes_set_implementation(&ours);
+}
+
+/// Once nothing goes wrong any more: the longest patience there is (a first solve that hangs ends
+/// after an hour), and the work itself.
+constexpr Seconds patience = 2 * 3600;
+/// A worker gives up after a quarter of an hour without a word.
+constexpr Seconds goes_home_within = 16 * 60;
+constexpr Seconds scheduler_restarts_after = 2, worker_replaced_after = 1;
+constexpr std::size_t most_workers_known = 100, most_unacknowledged = 400, most_letters = 20000;
+
+/// Everything that happens under one seed.
+class World {
+ public:
+  World(const Scenario& scenario, std::uint64_t seed, const std::vector<Event>& history,
+        const std::filesystem::path& folder)
+      : scenario_(scenario),
+        history_(history),
+        folder_(folder),
+        random_(seed),
+        disk_(folder, random_.next()),
+        network_(random_.next()),
+        scheduler_(network_, disk_, ledger_, scenario.problem, folder, random_) {
+    solver_world_.problem = &scenario.problem;
+    const std::size_t workers = 1 + random_.below(4);
+    places_.resize(workers);
+    for (Place& place : places_) place.starts_at = random_.between(0, 3);
+  }
+
+  Outcome run() {
+    Outcome outcome;
+    try {
+      while (!over()) step();
+      check(sameAsEver(), "the dataset that was sealed is another than undisturbed");
+    } catch (const std::exception& error) {
+      outcome.broken = fmt::format("at {:.3f} s: {}", now_, error.what());
+    }
+    outcome.simulated = now_;
+    outcome.felt = felt_;
+    for (const auto& [kind, count] : network_.felt()) outcome.felt[kind] += count;
+    for (const auto& [fault, count] : disk_.felt()) outcome.felt[accidentOf(fault)] += count;
+    for (const Place& place : places_) note(place, outcome.felt);
+    outcome.story = std::move(story_);
+    return outcome;
+  }
+
+ private:
+  /// Where a worker runs, and another when it has gone.
+  struct Place {
+    std::unique_ptr<WorkerProcess> worker;
+    Seconds starts_at = 0;
+    std::vector<std::string> ended;  ///< of which the next one tells
+  };
+
+  static void note(const Place& place, std::map<Accident, std::uint64_t>& felt) {
+    if (!place.worker) return;
+    for (const auto& [kind, count] : place.worker->felt()) felt[kind] += count;
+  }
+  static Accident accidentOf(DiskFault fault) {
+    switch (fault) {
+      case DiskFault::write_error: return Accident::write_error;
+      case DiskFault::short_write: return Accident::short_write;
+      case DiskFault::sync_error: return Accident::sync_error;
+      case DiskFault::rename_error: return Accident::rename_error;
+      case DiskFault::full: break;
+    }
+    return Accident::full_disk;
+  }
+  static void check(bool holds, const std::string& otherwise) {
+    if (!holds) throw Broken(otherwise);
+  }
+  void tell(const std::string& what) {
+    story_.push_back(fmt::format("{:10.3f} s  {}", now_, what));
+  }
+
+  bool over() const {
+    return scheduler_.state() == SchedulerProcess::State::sealed &&
+           std::ranges::all_of(places_, [](const Place& place) { return !place.worker; });
+  }
+
+  void step() {
+    Seconds next = scheduler_.nextWake(now_);
+    if (!scheduler_.up() && !sealed()) next = std::min(next, scheduler_starts_at_);
+    for (const Place& place : places_)
+      next = std::min(next, place.worker ? place.worker->nextWake(now_)
+                            : sealed()   ? never
+                                         : place.starts_at);
+    if (next_event_ < history_.size()) next = std::min(next, history_[next_event_].at);
+    if (full_until_) next = std::min(next, *full_until_);
+    check(next < never, "nobody has anything to do, and nothing is sealed");
+    now_ = std::max(now_, next);
+    check(now_ < accidents_end_s + patience, "nothing is sealed hours after the last accident");
+    if (sealed_at_) check(now_ < *sealed_at_ + goes_home_within, "a worker does not go home");
+
+    if (full_until_ && now_ >= *full_until_) {
+      disk_.setFull(false);
+      full_until_.reset();
+    }
+    while (next_event_ < history_.size() && history_[next_event_].at <= now_)
+      happen(history_[next_event_++]);
+    turnScheduler();
+    for (Place& place : places_) turnWorker(place);
+    check(network_.mostWaiting() < most_letters, "messages pile up");
+  }
+
+  bool sealed() const { return scheduler_.state() == SchedulerProcess::State::sealed; }
+
+  // ---- The scheduler and who runs it ----
+
+  void turnScheduler() {
+    if (scheduler_.up()) {
+      scheduler_.wake(now_);
+    } else if (!sealed() && now_ >= scheduler_starts_at_) {
+      if (scheduler_.state() == SchedulerProcess::State::stuck) retryDirectory();
+      scheduler_.start(now_);
+      tables_made_ = tables_made_ || scheduler_.up();
+      tell(scheduler_.up() ? "the scheduler starts" : "the scheduler does not start");
+    } else {
+      return;
+    }
+    if (!scheduler_.up())
+      afterEnd();
+    else
+      checkScheduler();
+  }
+
+  void checkScheduler() {
+    const Coordinator& coordinator = scheduler_.coordinator();
+    check(coordinator.workers() < most_workers_known, "workers that are gone are never forgotten");
+    // Tables that were damaged may claim anything of the past.
+    if (!tables_hurt_)
+      check(static_cast<int>(coordinator.asideCount()) * deaths_before_aside <= deaths_,
+            "a transition was set aside that fewer workers died on");
+  }
+
+  void afterEnd() {
+    const bool killed = disk_.dead();
+    const bool hurt = disk_.takeHurt() || killed;
+    const std::string& error = scheduler_.lastError();
+    using State = SchedulerProcess::State;
+    const State state = scheduler_.state();
+    tell(killed                    ? "the scheduler was killed"
+         : state == State::sealed  ? "sealed, and the scheduler ends"
+         : state == State::stuck   ? "the scheduler ends: some are set aside"
+         : state == State::stopped ? "the scheduler ends as it was told"
+                                   : "the scheduler ends: " + error);
+    check(state != State::down || hurt || tables_hurt_,
+          "the scheduler ended without a reason: " + error);
+    if (power_is_cut_) {
+      disk_.cutPower();
+      tables_made_ = false;
+      power_is_cut_ = false;
+      tell("the power was cut, and is back");
+    }
+    disk_.revive();
+    disk_.doNotKill();
+    disk_.disarm();
+    scheduler_starts_at_ = now_ + scheduler_restarts_after;
+    if (sealed()) sealed_at_ = now_;
+    checkDirectory();
+  }
+
+  /// What lies in the folder, as long as nobody works there.
+  void checkDirectory() {
+    const std::filesystem::path directory = scheduler_.stateDirectory();
+    if (std::filesystem::exists(scheduler_.dataset()))
+      check(sameAsEver(), "a dataset is there that is not whole, or another than undisturbed");
+    if (!std::filesystem::exists(directory)) {
+      check(ledger_.acknowledged.empty(), "the state directory is gone");
+      return;
+    }
+    const JournalScan scan = JournalReader(directory).scan();
+    std::set<ResultKey> recorded;
+    for (const JournalScan::Found& found : scan.records) {
+      const ResultKey key = keyIn(found.header);
+      check(recorded.insert(key).second || ledger_.spoiled.contains(key),
+            "a result is recorded twice");
+    }
+    for (const ResultKey& key : ledger_.acknowledged)
+      check(recorded.contains(key) || ledger_.spoiled.contains(key),
+            "a result that was acknowledged is not recorded");
+    checkTables(directory);
+  }
+
+  void checkTables(const std::filesystem::path& directory) {
+    // Half made, or half on disk: the next start makes them whole.
+    if (tables_hurt_ || !tables_made_) return;
+    try {
+      StoredTables tables(directory);
+      const Counters counters = tables.counters();
+      const auto divergent = counters.find("divergent_results");
+      check(divergent == counters.end() || divergent->second == 0,
+            "a result is taken for another than the recorded one");
+    } catch (const Error& error) {
+      throw Broken(std::string("the tables cannot be read: ") + error.what());
+    }
+  }
+
+  static ResultKey keyIn(const std::string& header) {
+    wire::Result result;
+    check(result.ParseFromString(header), "a record in the journal cannot be read");
+    return keyOf(result);
+  }
+
+  bool sameAsEver() const {
+    return readText(scheduler_.dataset(), "the dataset") == scenario_.sealed;
+  }
+
+  void retryDirectory() {
+    forgetLosses(StateDirectory(scheduler_.stateDirectory()));
+    tell("palpate retry");
+    deaths_ = 0;
+  }
+
+  // ---- Workers and who replaces them ----
+
+  void turnWorker(Place& place) {
+    if (!place.worker) {
+      if (sealed() || now_ < place.starts_at) return;
+      const std::string id = fmt::format("worker-{:03}", ++workers_started_);
+      place.worker = std::make_unique<WorkerProcess>(
+          network_, solver_world_, id, std::move(place.ended), now_, Random(random_.next()));
+      place.ended.clear();
+    }
+    WorkerProcess& worker = *place.worker;
+    if (worker.nextWake(now_) <= now_) worker.wake(now_);
+    check(worker.unacknowledged() < most_unacknowledged, "a worker keeps more and more results");
+    if (!worker.end()) return;
+    const bool killed = worker.end() == WorkerProcess::End::killed;
+    if (killed) {
+      place.ended.push_back(worker.id());
+      ++deaths_;
+    }
+    tell(fmt::format("{} {}", worker.id(),
+                     killed                                       ? "died"
+                     : worker.end() == WorkerProcess::End::failed ? "failed"
+                                                                  : "left"));
+    note(place, felt_);
+    place.worker.reset();
+    place.starts_at = now_ + worker_replaced_after;
+  }
+
+  // ---- Accidents ----
+
+  void happen(const Event& event) {
+    tell(describe(event));
+    const Seconds until = event.at + event.length;
+    Place& place = places_[event.who % places_.size()];
+    WorkerProcess* const worker = place.worker.get();
+    const auto felt = [&] { ++felt_[event.accident]; };
+    switch (event.accident) {
+      case Accident::slow_network:
+      case Accident::lost_messages:
+      case Accident::doubled_messages:
+      case Accident::reordered_messages:
+      case Accident::cut_to_worker:
+      case Accident::cut_to_scheduler:
+      case Accident::cut_both_ways:
+      case Accident::reset:
+      case Accident::half_open:
+      case Accident::narrow_link:
+        return network_.happen(event, worker && event.who % 3 != 0 ? worker->peer() : "");
+      default: break;
+    }
+    if (worker != nullptr) happenToWorker(event, *worker);
+    if (scheduler_.up()) happenToScheduler(event);
+    switch (event.accident) {
+      case Accident::full_disk:
+        disk_.setFull(true);
+        full_until_ = std::max(full_until_.value_or(0), until);
+        break;
+      case Accident::journal_rot: return rotJournal(event);
+      case Accident::table_rot: return rotTables(event);
+      case Accident::tables_lost:
+        if (scheduler_.up() || !std::filesystem::exists(tables())) break;
+        felt();
+        tables_hurt_ = true;
+        std::filesystem::remove(tables());
+        break;
+      case Accident::lock_file_removed:
+        if (std::filesystem::remove(scheduler_.stateDirectory() / "lock")) felt();
+        break;
+      case Accident::deadly_transition:
+        solver_world_.deadly[{static_cast<std::uint32_t>(event.who % 2), someTarget(event)}] =
+            event.at + 3 * event.length;
+        break;
+      default: break;
+    }
+  }
+
+  void happenToWorker(const Event& event, WorkerProcess& worker) {
+    const Seconds until = event.at + event.length;
+    switch (event.accident) {
+      case Accident::kill_worker: worker.kill(now_); break;
+      case Accident::stop_worker: worker.stop(now_, until, false); break;
+      case Accident::suspend_worker: worker.stop(now_, until, true); break;
+      case Accident::worker_clock_jump: worker.leap(event.length); break;
+      case Accident::interrupt_worker: worker.interrupt(now_); break;
+      case Accident::hung_solver: return worker.hangNext();  // felt when it does
+      case Accident::out_of_memory: return worker.runOutOfMemory();
+      case Accident::slow_solve: return worker.solveSlowly(event.length);
+      default: return;
+    }
+    ++felt_[event.accident];
+  }
+
+  void happenToScheduler(const Event& event) {
+    const Seconds until = event.at + event.length;
+    // Some in the middle of the next writes, some while it waits.
+    const int changes = static_cast<int>(event.how_much * 40);
+    switch (event.accident) {
+      case Accident::power_cut: power_is_cut_ = true; [[fallthrough]];
+      case Accident::kill_scheduler:
+        if (changes > 0) {
+          disk_.killAfter(changes);
+        } else {
+          scheduler_.kill();
+          afterEnd();
+        }
+        break;
+      case Accident::stop_scheduler: scheduler_.stop(now_, until, false); break;
+      case Accident::suspend_scheduler: scheduler_.stop(now_, until, true); break;
+      case Accident::scheduler_clock_jump: scheduler_.leap(event.length); break;
+      case Accident::ask_to_stop:
+        scheduler_.askToStop(now_);
+        if (!scheduler_.up()) afterEnd();
+        break;
+      case Accident::second_scheduler: startSecond(); break;
+      case Accident::write_error: return disk_.arm(DiskFault::write_error);
+      case Accident::short_write: return disk_.arm(DiskFault::short_write);
+      case Accident::sync_error: return disk_.arm(DiskFault::sync_error);
+      case Accident::rename_error: return disk_.arm(DiskFault::rename_error);
+      default: return;
+    }
+    ++felt_[event.accident];
+  }
+
+  void startSecond() {
+    try {
+      const StateDirectory second(scheduler_.stateDirectory());
+    } catch (const Error&) {
+      return;
+    }
+    throw Broken("two schedulers share a state directory");
+  }
+
+  LatticePoint someTarget(const Event& event) const {
+    const auto coordinate = [&](int shift) {
+      return static_cast<std::int32_t>((event.who >> shift) % 3) - 1;
+    };
+    return {coordinate(4), coordinate(8), coordinate(12)};
+  }
+
+  std::filesystem::path tables() const {
+    return StateDirectory::databaseIn(scheduler_.stateDirectory());
+  }
+
+  void rotJournal(const Event& event) {
+    const std::filesystem::path segment = scheduler_.stateDirectory() / "segment-000001.dat";
+    std::error_code none;
+    const std::uintmax_t size = std::filesystem::file_size(segment, none);
+    if (none || size == 0) return;
+    const std::uint64_t byte = event.who % size;
+    for (const JournalScan::Found& found :
+         JournalReader(scheduler_.stateDirectory()).scan().records)
+      if (byte >= found.where.offset && byte < found.where.offset + found.where.length)
+        ledger_.spoiled.insert(keyIn(found.header));
+    disk_.flip(segment, byte, static_cast<int>(event.how_much * 7.99));
+    ++felt_[event.accident];
+  }
+
+  void rotTables(const Event& event) {
+    std::error_code none;
+    const std::filesystem::path file = tables().string() + (event.who % 2 == 0 ? "" : "-wal");
+    const std::uintmax_t size = std::filesystem::file_size(file, none);
+    if (none || size == 0) return;
+    tables_hurt_ = true;
+    disk_.flip(file, (event.who / 2) % size, static_cast<int>(event.how_much * 7.99));
+    ++felt_[event.accident];
+  }
+
+  const Scenario& scenario_;
+  const std::vector<Event>& history_;
+  const std::filesystem::path folder_;
+  Random random_;
+  Disk disk_;
+  Network network_;
+  Ledger ledger_;
+  SolverWorld solver_world_;
+  SchedulerProcess scheduler_;
+  std::vector<Place> places_;
+  Seconds now_ = 0, scheduler_starts_at_ = 0;
+  std::size_t next_event_ = 0;
+  std::optional<Seconds> full_until_, sealed_at_;
+  bool power_is_cut_ = false, tables_hurt_ = false, tables_made_ = false;
+  int deaths_ = 0, workers_started_ = 0;
+  std::map<Accident, std::uint64_t> felt_;
+  std::vector<std::string> story_;
+};
+
+}  // namespace
+
+Outcome simulate(const Scenario& scenario, std::uint64_t seed, const std::vector<Event>& history,
+                 const std::filesystem::path& folder) {
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directory(folder);
+  seedRandomBytes(seed);
+  Outcome outcome = World(scenario, seed, history, folder).run();
+  std::filesystem::remove_all(folder);
+  return outcome;
+}
+
+Scenario makeScenario(const std::filesystem::path& folder) {
+  Scenario scenario{test::cubeProblem(), {}};
+  std::vector<SpacePlan> plans;
+  std::map<TransitionKey, std::string> fields;
+  for (std::uint32_t space = 0; space < scenario.problem.active.size(); ++space) {
+    SpacePlan& plan = plans.emplace_back(scenario.problem, space);
+    for (auto ready = plan.takeReady(); !ready.empty(); ready = plan.takeReady())
+      for (const Transition& transition : ready) {
+        const Lattice& positions = plan.positions();
+        auto [result, payload] =
+            test::solve(scenario.problem, space, positions.point(transition.target),
+                        positions.point(transition.parent));
+        plan.record(transition, *fromWire(result), fieldsOf(result));
+        fields[{space, transition.target, transition.parent}] = std::move(payload);
+      }
+  }
+  const std::filesystem::path file = folder / "undisturbed.h5";
+  sealDataset(file, scenario.problem, spaceTables(plans), "baseline",
+              [&](std::size_t space, std::int32_t point) {
+                const TransitionKey key = {static_cast<std::uint32_t>(space), point,
+                                           plans[space].point(point).parent};
+                return NodalFields::decode(fields.at(key), scenario.problem.mesh.nodes.size(),
+                                           pressureNodes(scenario.problem));
+              });
+  scenario.sealed = readText(file, "the dataset");
+  return scenario;
+}
+
+}  // namespace palpate::simulation

@@ -1,0 +1,323 @@
+#include "worker/link/worker_session.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "common/base/assertion.hpp"
+#include "common/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+/// Start configurations kept: many hundred of a coarse mesh, dozens of a fine one.
+constexpr std::size_t cache_limit_bytes = 64u << 20;
+constexpr std::chrono::milliseconds hello_interval{1000};
+/// An acknowledgement takes milliseconds; this long without one, the result or the acknowledgement
+/// was lost on the way.
+constexpr std::chrono::milliseconds deliver_again_after{10000};
+/// Without any word from the scheduler for this long, the socket is made anew.
+constexpr std::chrono::milliseconds reconnect_after{20000};
+/// Jobs asked for in advance: the one in work and one that hides the network.
+constexpr std::uint32_t jobs_in_advance = 2;
+/// A worker that does nothing for so long was stopped, or had no processor time: neither the
+/// scheduler's silence nor its solver's counts.
+constexpr std::chrono::milliseconds own_gap{3000};
+
+using Seconds = std::chrono::duration<double>;
+
+/// (space, target, parent): the key of a result.
+template <class ResultOrAck>
+auto keyOf(const ResultOrAck& message) {
+  return std::tuple(message.space(), fromWire(message.target()), fromWire(message.parent()));
+}
+
+}  // namespace
+
+WorkerSession::WorkerSession(Mailbox& mailbox, SessionOptions options, Send send, Time now)
+    : mailbox_(mailbox),
+      options_(std::move(options)),
+      send_(std::move(send)),
+      last_turn_(now),
+      last_heard_(now),
+      last_connected_(now),
+      last_sent_hello_(now - hello_interval),
+      begun_at_(now) {}
+
+void WorkerSession::connected(Time now) {
+  last_connected_ = now;
+  last_sent_hello_ = now - hello_interval;
+  incarnation_.clear();
+}
+
+void WorkerSession::sayHello(Time now) {
+  wire::Message message;
+  wire::Hello& hello = *message.mutable_hello();
+  hello.set_protocol(protocol_version);
+  hello.set_version(version());
+  hello.set_worker(options_.worker_id);
+  for (const std::string& ended : options_.ended) hello.add_ended(ended);
+  hello.set_host(options_.host);
+  hello.set_pid(options_.pid);
+  hello.set_kernel_family(options_.kernel_family);
+  send_(message, {});
+  last_sent_hello_ = now;
+}
+
+void WorkerSession::requestJobs(std::uint32_t credit) {
+  if (draining_) return;
+  wire::Message message;
+  message.mutable_request()->set_credit(credit);
+  send_(message, {});
+}
+
+void WorkerSession::forgetWork() {
+  waiting_.clear();
+  mailbox_.forgetJobs();
+}
+
+void WorkerSession::receive(const Incoming& incoming, Time now) {
+  forgiveOwnGap(now);
+  const wire::Message& message = incoming.message;
+  // What cannot be read is no sign that a scheduler lives: the silence goes on.
+  if (message.body_case() == wire::Message::BODY_NOT_SET) return;
+  last_heard_ = now;
+  if (message.has_refused())
+    throw failure("the scheduler at {} refused this worker: {}", options_.endpoint,
+                  message.refused().reason());
+  if (message.has_welcome()) return handleWelcome(message.welcome(), now);
+  if (message.has_problem_reply()) return handleProblem(message.problem_reply(), incoming.payload);
+  if (message.has_job()) return handleJob(message.job());
+  if (message.has_fields_reply())
+    return handleFields(message.fields_reply(), incoming.payload, now);
+  if (message.has_result_ack()) return void(unacknowledged_.erase(keyOf(message.result_ack())));
+  if (message.has_heartbeat_reply()) return handleHeartbeat(message.heartbeat_reply(), now);
+  if (message.has_drain()) {
+    finished_ = message.drain().finished();
+    return drain();
+  }
+  spdlog::warn("the scheduler sent a message that is not for workers");
+}
+
+void WorkerSession::handleHeartbeat(const wire::HeartbeatReply& reply, Time now) {
+  // Another incarnation knows nothing of us, of our jobs, nor of results it did not acknowledge.
+  if (incarnation_.empty() || reply.incarnation() == incarnation_) return;
+  spdlog::info("the scheduler was restarted; introducing this worker again");
+  introduceAgain(now);
+}
+
+void WorkerSession::drain() {
+  draining_ = true;
+  forgetWork();
+}
+
+void WorkerSession::handleWelcome(const wire::Welcome& welcome, Time now) {
+  // The answer to a hello that was said twice.
+  if (incarnation_ == welcome.incarnation()) return;
+  const auto build = ContentId::fromBytes(welcome.build());
+  if (!build) throw failure("the scheduler at {} sent a damaged welcome", options_.endpoint);
+  incarnation_ = welcome.incarnation();
+  heartbeat_ =
+      std::chrono::milliseconds(std::clamp<std::uint32_t>(welcome.heartbeat_ms(), 50, 60000));
+  forgetWork();
+  // Of another build nothing is worth keeping, and jobs are asked for when its problem is here.
+  if (*build != build_ || !problem_) {
+    build_ = *build;
+    problem_.reset();
+    unacknowledged_.clear();
+    cache_.clear();
+    wire::Message message;
+    message.mutable_problem_request();
+    send_(message, {});
+    return;
+  }
+  deliverAgain(now);
+  requestJobs(jobs_in_advance);
+}
+
+void WorkerSession::deliverAgain(Time now) {
+  for (const auto& [key, finished] : unacknowledged_) deliver(finished, now);
+}
+
+void WorkerSession::deliver(const FinishedTarget& finished, Time now) {
+  wire::Message message;
+  *message.mutable_result() = finished.result;
+  send_(message, finished.fields);
+  last_delivered_ = now;
+}
+
+/// The scheduler takes back what a worker holds that says hello again, and hands it out anew.
+void WorkerSession::introduceAgain(Time now) {
+  incarnation_.clear();
+  forgetWork();
+  sayHello(now);
+}
+
+void WorkerSession::handleProblem(const wire::ProblemReply& reply, const std::string& payload) {
+  // Asked for twice, or by an earlier welcome.
+  if (problem_ || reply.build() != build_.bytes()) return;
+  auto problem = std::make_shared<Problem>(decodeProblem(payload));
+  // The bits of every result rest on it, so that it is compared whole.
+  if (problemId(*problem) != build_)
+    throw failure("the problem that the scheduler at {} sent is not build {}", options_.endpoint,
+                  build_.shortHex());
+  problem_ = std::move(problem);
+  spdlog::info("working on \"{}\", {} nodes, {} kernels", problem_->scene.name,
+               problem_->mesh.nodes.size(), options_.kernel_family);
+  requestJobs(jobs_in_advance);
+}
+
+void WorkerSession::handleJob(const wire::Job& job) {
+  if (!problem_ || draining_) return;
+  const bool sensible = job.space() < problem_->active.size() && job.targets_size() > 0 &&
+                        (job.start_id().empty() || job.start_id().size() == 32);
+  if (!sensible) {
+    spdlog::warn("the scheduler sent job {} that makes no sense here; ignored", job.id());
+    return;
+  }
+  waiting_.push_back(job);
+  const auto id = ContentId::fromBytes(job.start_id());
+  if (id && !cached(*id)) {
+    wire::Message message;
+    wire::FieldsRequest& request = *message.mutable_fields_request();
+    request.set_id(job.start_id());
+    request.set_space(job.space());
+    *request.mutable_point() = job.start();
+    send_(message, {});
+  }
+  startReadyJobs();
+}
+
+void WorkerSession::handleFields(const wire::FieldsReply& reply, const std::string& payload,
+                                 Time now) {
+  const auto id = ContentId::fromBytes(reply.id());
+  if (!id || !problem_) return;
+  if (reply.unknown() || ContentId::of(payload) != *id) {
+    spdlog::warn("the scheduler could not send start configuration {}; its jobs are handed back",
+                 id->shortHex());
+    introduceAgain(now);
+    return;
+  }
+  remember(*id, payload);
+  startReadyJobs();
+}
+
+void WorkerSession::startReadyJobs() {
+  while (!waiting_.empty()) {
+    std::shared_ptr<const NodalFields> start;
+    // In their order, even if a later one has its start here: the scheduler counts on it when it
+    // guesses which target killed a worker.
+    if (const auto id = ContentId::fromBytes(waiting_.front().start_id())) {
+      start = cached(*id);
+      if (!start) return;
+    }
+    mailbox_.put({problem_, std::move(waiting_.front()), std::move(start)});
+    waiting_.pop_front();
+  }
+}
+
+std::shared_ptr<const NodalFields> WorkerSession::cached(const ContentId& id) {
+  const auto found = std::ranges::find(cache_, id, [](const auto& entry) { return entry.first; });
+  if (found == cache_.end()) return nullptr;
+  cache_.splice(cache_.begin(), cache_, found);
+  return found->second;
+}
+
+void WorkerSession::remember(const ContentId& id, const std::string& payload) {
+  if (cached(id)) return;
+  PALPATE_ASSERT(problem_, "start configurations are those of a problem");
+  const std::size_t n_nodes = problem_->mesh.nodes.size(), n_pressures = pressureNodes(*problem_);
+  cache_.emplace_front(
+      id, std::make_shared<const NodalFields>(NodalFields::decode(payload, n_nodes, n_pressures)));
+  // All fields of a problem are equally long. The newest stays, however long it is.
+  const std::size_t most = std::max<std::size_t>(1, cache_limit_bytes / payload.size());
+  if (cache_.size() > most) cache_.pop_back();
+}
+
+void WorkerSession::deliverFinished(Time now) {
+  for (FinishedTarget& finished : mailbox_.takeFinished()) {
+    const wire::Result& result = finished.result;
+    if (result.build() != build_.bytes()) continue;  // of a build that this scheduler left behind
+    // The next job is likely to start where this one ended. Without the problem it is fetched.
+    if (const auto id = ContentId::fromBytes(result.fields_id()); id && problem_)
+      remember(*id, finished.fields);
+    deliver(finished, now);
+    if (finished.last_of_job) requestJobs(1);
+    unacknowledged_.insert_or_assign(keyOf(result), std::move(finished));
+  }
+}
+
+void WorkerSession::beat(Time now) {
+  wire::Message message;
+  *message.mutable_heartbeat() = mailbox_.progress().heartbeat;
+  send_(message, {});
+  last_beat_ = now;
+  if (!unacknowledged_.empty() && now - last_delivered_ > deliver_again_after) deliverAgain(now);
+}
+
+void WorkerSession::sayGoodbye(const char* reason) {
+  wire::Message message;
+  message.mutable_goodbye()->set_reason(reason);
+  send_(message, {});
+}
+
+void WorkerSession::forgiveOwnGap(Time now) {
+  const auto gap = now - std::exchange(last_turn_, now);
+  if (gap < own_gap) return;
+  last_heard_ += gap;
+  begun_at_ += gap;
+}
+
+bool WorkerSession::solverHangs(Time now) {
+  const Mailbox::Progress progress = mailbox_.progress();
+  if (std::exchange(begun_, progress.begun) != progress.begun) begun_at_ = now;
+  const auto limit = progress.hung_after;
+  if (!progress.heartbeat.solving() || limit.count() == 0 || now - begun_at_ <= limit) return false;
+  spdlog::error(
+      "the solver hangs: {} s at one target, many times the longest of this build; this worker "
+      "ends itself, and its targets go to others",
+      std::chrono::duration_cast<std::chrono::seconds>(now - begun_at_).count());
+  return true;
+}
+
+void WorkerSession::interrupt(Time now) {
+  if (interrupted_at_) return;
+  interrupted_at_ = now;
+  drain();
+}
+
+ExitCode WorkerSession::exitCode() const {
+  return interrupted_at_ && !finished_ ? ExitCode::interrupted : ExitCode::done;
+}
+
+WorkerSession::Next WorkerSession::advance(Time now) {
+  forgiveOwnGap(now);
+  deliverFinished(now);
+  if (const auto error = mailbox_.solverError()) throw failure("the solver stopped: {}", *error);
+  // Without a goodbye: the scheduler is to know what this process ended on.
+  if (solverHangs(now)) return Next::killed;
+  if (draining_ && unacknowledged_.empty() && !mailbox_.progress().heartbeat.solving()) {
+    sayGoodbye(interrupted_at_ ? "interrupted" : finished_ ? "no more work" : "drained");
+    return Next::end;
+  }
+  if (interrupted_at_ && now - *interrupted_at_ > Seconds(options_.drain_s)) {
+    sayGoodbye("interrupted in a solve");
+    return Next::end;
+  }
+  if (now - last_heard_ > Seconds(options_.give_up_s))
+    throw failure("no word from {} for {} s: is the scheduler running, and is this its address?",
+                  options_.endpoint, options_.give_up_s);
+  if (now - std::max(last_heard_, last_connected_) > reconnect_after) {
+    spdlog::warn("no word from {} for {} s; connecting anew", options_.endpoint,
+                 std::chrono::duration_cast<std::chrono::seconds>(now - last_heard_).count());
+    return Next::connect;
+  }
+  if (incarnation_.empty()) {
+    if (now - last_sent_hello_ >= hello_interval) sayHello(now);
+  } else if (now - last_beat_ > heartbeat_) {
+    beat(now);
+  }
+  return Next::go_on;
+}
+
+}  // namespace palpate
