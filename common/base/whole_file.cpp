@@ -57,8 +57,7 @@ void replaceFile(const std::filesystem::path& file,
     throw;
   }
   // A rename is on disk only when its folder is.
-  const std::filesystem::path folder = file.parent_path();
-  syncToDisk(folder.empty() ? "." : folder, O_DIRECTORY);
+  syncFolder(file.parent_path());
 }
 
 void replaceFile(const std::filesystem::path& file, std::string_view bytes, std::string_view what) {
@@ -73,6 +72,10 @@ void replaceFile(const std::filesystem::path& file, std::string_view bytes, std:
           "{}: cannot write the {}: {}; check the folder, its permissions and the space left",
           file.string(), what, errno == 0 ? "the system does not say why" : errnoText());
   });
+}
+
+void syncFolder(const std::filesystem::path& folder) {
+  syncToDisk(folder.empty() ? "." : folder, O_DIRECTORY);
 }
 
 void refuseUnwritable(const std::filesystem::path& file, const char* option) {

@@ -22,6 +22,10 @@ void replaceFile(const std::filesystem::path& file,
 /// The same with the bytes of the new file, which `what` ("page", "picture") names in errors.
 void replaceFile(const std::filesystem::path& file, std::string_view bytes, std::string_view what);
 
+/// So that files made, renamed or removed in `folder` (empty: the current one) are that after a
+/// power cut too. Error when the disk fails.
+void syncFolder(const std::filesystem::path& folder);
+
 /// Error unless the folder of `file` is there and may be written: to be asked before hours of work.
 /// `option`: what names another file, for the message.
 void refuseUnwritable(const std::filesystem::path& file, const char* option);

@@ -133,6 +133,7 @@ void Coordinator::goodbye(Worker& worker, const wire::Goodbye& goodbye, Time now
 void Coordinator::request(Worker& worker, const wire::Request& request) {
   // It may have missed the first word to leave.
   if (stopping_ || dismissed_) return drain(worker.peer);
+  if (request.afresh()) worker.credit = 0;
   worker.addCredit(request.credit());
 }
 
@@ -197,9 +198,14 @@ void Coordinator::result(Worker& worker, const Incoming& incoming, Time now) {
     const bool readable = first.ParseFromString(recorded->header);
     PALPATE_ASSERT(readable, "what is recorded was read when it was found, or written by us");
     duplicate(worker, first, message);
-    return acknowledge(worker.peer, message);
+    acknowledgement(worker.peer, message);
+    return;
   } else {
-    return badMessage(worker.peer, "nobody asked for this result");
+    // Of a transition that what was lost led to, or of another's imagination. As long as it is not
+    // answered, an honest worker keeps it and does not leave.
+    ++counters_["unwanted_results"];
+    acknowledgement(worker.peer, message).set_unwanted(true);
+    return;
   }
   waiting->senders.insert(worker.peer);
   if (group_.size() >= settings_.group_results) commitGroup(now);
@@ -255,7 +261,7 @@ void Coordinator::commitGroup(Time now) {
   const ResultGroup::Members durable = group_.commit();
   std::vector<Tables::Changed> changed;
   for (const auto& [key, member] : durable) {
-    for (const std::string& peer : member.senders) acknowledge(peer, member.result.header);
+    for (const std::string& peer : member.senders) acknowledgement(peer, member.result.header);
     SpacePlan& plan = plans_[key.space];
     plan.record({key.target, key.parent}, member.result.outcome, fieldsOf(member.result.header));
     changed.push_back({key.space, key.target});
@@ -521,11 +527,12 @@ void Coordinator::drainAll() {
   for (const auto& [id, worker] : registry_.all()) drain(worker.peer);
 }
 
-void Coordinator::acknowledge(const std::string& peer, const wire::Result& result) {
+wire::ResultAck& Coordinator::acknowledgement(const std::string& peer, const wire::Result& result) {
   wire::ResultAck& ack = *send(peer).mutable_result_ack();
   ack.set_space(result.space());
   *ack.mutable_target() = result.target();
   *ack.mutable_parent() = result.parent();
+  return ack;
 }
 
 wire::Status Coordinator::status(Time now) const {

@@ -143,7 +143,8 @@ class Coordinator {
   void writeServers(Time now);
   wire::Message& send(const std::string& peer,
                       std::shared_ptr<const std::string> payload = nullptr);
-  void acknowledge(const std::string& peer, const wire::Result& result);
+  /// Says that the result is recorded, unless more is said.
+  wire::ResultAck& acknowledgement(const std::string& peer, const wire::Result& result);
   void drain(const std::string& peer);
   void drainAll();
 

@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "common/base/assertion.hpp"
+#include "common/base/whole_file.hpp"
 
 namespace palpate {
 namespace {
@@ -171,13 +172,6 @@ void scanSegment(const SegmentFile& file, std::uint32_t number, bool last, Journ
   found.end = {number, behind_last};
 }
 
-/// So that files made in it survive a crash.
-void syncDirectory(const std::filesystem::path& directory) {
-  const FileDescriptor handle(open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!handle || fsync(handle.get()) != 0)
-    throw failure("{}: cannot sync: {}", directory.string(), errnoText());
-}
-
 }  // namespace
 
 std::filesystem::path JournalReader::segmentPath(std::uint32_t segment) const {
@@ -225,13 +219,16 @@ std::string JournalReader::readHeader(const JournalPosition& position) const {
 }
 
 Journal::Journal(std::filesystem::path directory, JournalEnd end, std::uint64_t segment_bytes)
-    : JournalReader(std::move(directory)), segment_bytes_(segment_bytes), end_(end) {
+    : JournalReader(std::move(directory)),
+      segment_bytes_(segment_bytes),
+      end_(end),
+      synced_(end.offset) {
   present_ = segmentsIn(directory_);
   openSegment();
   if (ftruncate(file_.get(), static_cast<off_t>(end.offset)) != 0)
     throw failure("{}: cannot truncate: {}", segmentPath(end_.segment).string(), errnoText());
   sync();
-  syncDirectory(directory_);
+  syncFolder(directory_);
 }
 
 JournalPosition Journal::append(std::string_view header, std::string_view payload) {
@@ -239,9 +236,9 @@ JournalPosition Journal::append(std::string_view header, std::string_view payloa
     sync();
     // The full one is synced: later syncs reach only the segment that is open.
     ++end_.segment;
-    end_.offset = 0;
+    end_.offset = synced_ = 0;
     openSegment();
-    syncDirectory(directory_);
+    syncFolder(directory_);
   }
   PALPATE_ASSERT(std::max(header.size(), payload.size()) <= UINT32_MAX,
                  "a message and its payload are far below 4 GiB (max_payload_bytes)");
@@ -259,12 +256,19 @@ JournalPosition Journal::append(std::string_view header, std::string_view payloa
 }
 
 void Journal::sync() {
-  // Never tried again: after a failed sync the kernel may take the lost pages for written.
-  if (fdatasync(file_.get()) != 0)
-    throw failure(
-        "{}: fdatasync: {}: the disk does not keep what is written; "
-        "nothing since the last acknowledgement counts",
-        segmentPath(end_.segment).string(), errnoText());
+  if (fdatasync(file_.get()) == 0) {
+    synced_ = end_.offset;
+    return;
+  }
+  const std::string reason = errnoText();
+  // Never tried again: the kernel may take the lost pages for written from now on. It would show
+  // them to the next run too, which would count on them.
+  const bool cut_off = ftruncate(file_.get(), static_cast<off_t>(synced_)) == 0;
+  throw failure(
+      "{}: fdatasync: {}: the disk does not keep what is written; nothing since the last "
+      "acknowledgement counts{}",
+      segmentPath(end_.segment).string(), reason,
+      cut_off ? "" : fmt::format(" (cut the file to {} bytes before you start again)", synced_));
 }
 
 void Journal::drop(const JournalPosition& position) {

@@ -96,7 +96,8 @@ class Journal : public JournalReader {
 
   /// Appends without syncing. A full segment is synced and closed first.
   JournalPosition append(std::string_view header, std::string_view payload);
-  /// fdatasync; afterwards everything before end() survives a crash.
+  /// fdatasync; afterwards everything before end() survives a crash. When it fails, what was
+  /// appended since the last one is cut off.
   void sync();
   JournalEnd end() const { return end_; }
 
@@ -112,6 +113,7 @@ class Journal : public JournalReader {
 
   std::uint64_t segment_bytes_;
   JournalEnd end_;
+  std::uint64_t synced_;  ///< of the segment that is written, so many bytes survive a crash
   std::vector<std::uint32_t> present_;  ///< segments that were there, or were made
   FileDescriptor file_;                 ///< of the one that is written
 };

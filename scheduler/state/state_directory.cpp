@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "common/base/error.hpp"
+#include "common/base/whole_file.hpp"
 
 namespace palpate {
 namespace {
@@ -76,17 +77,21 @@ const char* networkFileSystem(long type) {
 
 StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) {
   std::error_code error;
+  const std::filesystem::path above = (path / ".").lexically_normal().parent_path().parent_path();
   const bool made = std::filesystem::create_directory(path, error);
   if (error == std::errc::no_such_file_or_directory)
     throw failure(
         "{}: cannot make this state directory: there is no folder {} to make it in: "
         "make that first, or give another --state",
-        path.string(), (path / ".").lexically_normal().parent_path().parent_path().string());
+        path.string(), above.string());
   if (error)
     throw failure("{}: cannot make this state directory: {}", path.string(), error.message());
   if (made) std::filesystem::permissions(path, std::filesystem::perms::owner_all);
   refuseNetworkFileSystem(path);
   lock_ = takeLock(path);
+  // Otherwise a power cut could take it away with all that is synced in it. Later is too late: what
+  // is in a folder that has tables was promised to somebody.
+  if (!std::filesystem::exists(database())) syncFolder(above);
   writeSmallFile(path / "lock", std::to_string(getpid()) + '\n');
   std::filesystem::remove(path / "endpoint", error);
   if (error) throw failure("{}: cannot remove: {}", (path / "endpoint").string(), error.message());

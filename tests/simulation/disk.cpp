@@ -119,17 +119,18 @@ int Disk::open(const char* path, int flags, mode_t mode) {
   const int file = calls::open(path, flags, mode);
   open_.erase(file);
   if (file < 0) return file;
-  if (makes) {
-    node = std::make_shared<Node>();
-    node->path = name;
-    names_[folderOf(name)][name] = node;
-    renamed(folderOf(name));
-  }
   if (empties) node->dirty.clear();
   if (!node && names_.contains(name)) {
     node = std::make_shared<Node>();  // the root
     node->path = name;
     node->folder = true;
+  }
+  if (!node) {
+    node = std::make_shared<Node>();
+    node->path = name;
+    node->streamed = !makes;
+    names_[folderOf(name)][name] = node;
+    renamed(folderOf(name));
   }
   if (node) open_[file] = node;
   return file;
@@ -180,6 +181,7 @@ int Disk::sync(int file) {
     return -1;
   }
   const std::string now = node.path.empty() ? node.orphaned : readAll(node.path);
+  if (node.streamed) node.dirty = {{0, now.size()}};
   node.durable.resize(now.size());
   for (const auto& [begin, end] : node.dirty)
     if (begin < now.size())
@@ -237,7 +239,9 @@ std::string Disk::after(const Node& node) {
   const std::string now = node.path.empty() ? node.orphaned : readAll(node.path);
   std::string left = node.durable;
   if (now.size() < left.size() && random_.chance(0.5)) left.resize(now.size());
-  for (const auto& [begin, end] : node.dirty)
+  auto dirty = node.dirty;
+  if (node.streamed && now != left) dirty = {{0, now.size()}};
+  for (const auto& [begin, end] : dirty)
     for (std::size_t at = begin; at < std::min(end, now.size());) {
       const std::size_t next = std::min({(at / sector + 1) * sector, end, now.size()});
       if (random_.chance(0.5)) {

@@ -70,7 +70,8 @@ class Disk {
  private:
   struct Node {
     bool folder = false;
-    std::string durable;                                     ///< what was synced
+    bool streamed = false;  ///< the C library's streams write it, which nobody sees
+    std::string durable;    ///< what was synced
     std::vector<std::pair<std::size_t, std::size_t>> dirty;  ///< written since: begin, end
     std::string orphaned;                                    ///< content when its name went
     std::string path;                                        ///< now; empty: none

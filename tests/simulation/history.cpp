@@ -70,8 +70,8 @@ std::vector<Event> historyOf(std::uint64_t seed) {
   std::vector<Event> events;
   if (possible.empty()) return events;
   const std::size_t count = 1 + random.below(random.chance(0.2) ? 40 : 12);
-  // A build without accidents takes about 40 s.
-  const double span = random.chance(0.5) ? 40 : 120;
+  // A build without accidents takes some minutes.
+  const double span = random.chance(0.5) ? 50 : 200;
   for (std::size_t n = 0; n < count; ++n) {
     Event event;
     event.accident = possible[random.below(possible.size())];

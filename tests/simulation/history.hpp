@@ -65,7 +65,7 @@ struct Event {
 std::string describe(const Event& event);
 
 /// All accidents happen before this, and all that last have ended.
-inline constexpr double accidents_end_s = 240;
+inline constexpr double accidents_end_s = 300;
 
 /// What happens under this seed, in order of time. Some kinds are left out of each, so that the
 /// others show alone.

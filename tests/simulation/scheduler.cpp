@@ -141,7 +141,7 @@ std::optional<Incoming> SchedulerProcess::receive() {
 Sent SchedulerProcess::send(const Outgoing& outgoing) {
   if (disk_.dead()) return Sent::yes;
   const wire::Message& message = outgoing.message;
-  if (message.has_result_ack()) {
+  if (message.has_result_ack() && !message.result_ack().unwanted()) {
     const wire::ResultAck& ack = message.result_ack();
     ledger_.acknowledged.insert({ack.space(), fromWire(ack.target()), fromWire(ack.parent())});
   }

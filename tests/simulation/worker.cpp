@@ -119,7 +119,7 @@ void WorkerProcess::solve(Seconds now) {
       work_.reset();
   }
   // As the solver's thread: next() is what says that nothing is solved any more.
-  if (work_ || no_memory_) return;
+  if (work_ || mailbox_->solverError()) return;
   if (auto job = mailbox_->tryNext()) {
     work_ = Work{std::move(*job), 0, 0};
     beginTarget(now);

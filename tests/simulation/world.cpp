@@ -34,11 +34,11 @@ void seedRandomBytes(std::uint64_t seed) {
   randombytes_set_implementation(&ours);
 }
 
-/// Once nothing goes wrong any more: the longest patience there is (a first solve that hangs ends
-/// after an hour), and the work itself.
-constexpr Seconds patience = 2 * 3600;
-/// A worker gives up after a quarter of an hour without a word.
-constexpr Seconds goes_home_within = 16 * 60;
+/// Once nothing goes wrong any more: the work itself, and for each solve that hangs an hour,
+/// because the first one may take so long.
+constexpr Seconds patience = 3600, patience_with_the_hung = 3700;
+/// A worker gives up after a quarter of an hour without a word, not counting what it slept.
+constexpr Seconds goes_home_within = 20 * 60;
 constexpr Seconds scheduler_restarts_after = 2, worker_replaced_after = 1;
 constexpr std::size_t most_workers_known = 100, most_unacknowledged = 400, most_letters = 20000;
 
@@ -55,6 +55,8 @@ class World {
         network_(random_.next()),
         scheduler_(network_, disk_, ledger_, scenario.problem, folder, random_) {
     solver_world_.problem = &scenario.problem;
+    const auto hung = std::ranges::count(history, Accident::hung_solver, &Event::accident);
+    patience_ = accidents_end_s + patience + static_cast<double>(hung) * patience_with_the_hung;
     const std::size_t workers = 1 + random_.below(4);
     places_.resize(workers);
     for (Place& place : places_) place.starts_at = random_.between(0, 3);
@@ -122,7 +124,7 @@ class World {
     if (full_until_) next = std::min(next, *full_until_);
     check(next < never, "nobody has anything to do, and nothing is sealed");
     now_ = std::max(now_, next);
-    check(now_ < accidents_end_s + patience, "nothing is sealed hours after the last accident");
+    check(now_ < patience_, "nothing is sealed hours after the last accident");
     if (sealed_at_) check(now_ < *sealed_at_ + goes_home_within, "a worker does not go home");
 
     if (full_until_ && now_ >= *full_until_) {
@@ -240,9 +242,14 @@ class World {
   }
 
   void retryDirectory() {
-    forgetLosses(StateDirectory(scheduler_.stateDirectory()));
     tell("palpate retry");
     deaths_ = 0;
+    try {
+      forgetLosses(StateDirectory(scheduler_.stateDirectory()));
+    } catch (const Error& error) {
+      // Damaged tables are put aside by the next start, and with them what they knew of deaths.
+      check(tables_hurt_ || disk_.takeHurt(), error.what());
+    }
   }
 
   // ---- Workers and who replaces them ----
@@ -311,7 +318,9 @@ class World {
         std::filesystem::remove(tables());
         break;
       case Accident::lock_file_removed:
-        if (std::filesystem::remove(scheduler_.stateDirectory() / "lock")) felt();
+        if (std::error_code none;
+            std::filesystem::remove(scheduler_.stateDirectory() / "lock", none))
+          felt();
         break;
       case Accident::deadly_transition:
         solver_world_.deadly[{static_cast<std::uint32_t>(event.who % 2), someTarget(event)}] =
@@ -422,7 +431,7 @@ class World {
   SolverWorld solver_world_;
   SchedulerProcess scheduler_;
   std::vector<Place> places_;
-  Seconds now_ = 0, scheduler_starts_at_ = 0;
+  Seconds now_ = 0, scheduler_starts_at_ = 0, patience_ = 0;
   std::size_t next_event_ = 0;
   std::optional<Seconds> full_until_, sealed_at_;
   bool power_is_cut_ = false, tables_hurt_ = false, tables_made_ = false;

@@ -13,9 +13,9 @@ namespace {
 /// Start configurations kept: many hundred of a coarse mesh, dozens of a fine one.
 constexpr std::size_t cache_limit_bytes = 64u << 20;
 constexpr std::chrono::milliseconds hello_interval{1000};
-/// An acknowledgement takes milliseconds; this long without one, the result or the acknowledgement
-/// was lost on the way.
-constexpr std::chrono::milliseconds deliver_again_after{10000};
+/// Answers and acknowledgements take milliseconds; this long without one, it or what was said was
+/// lost on the way: a connection that breaks and is made anew loses what it carried.
+constexpr std::chrono::milliseconds say_again_after{10000};
 /// Without any word from the scheduler for this long, the socket is made anew.
 constexpr std::chrono::milliseconds reconnect_after{20000};
 /// Jobs asked for in advance: the one in work and one that hides the network.
@@ -64,11 +64,13 @@ void WorkerSession::sayHello(Time now) {
   last_sent_hello_ = now;
 }
 
-void WorkerSession::requestJobs(std::uint32_t credit) {
+void WorkerSession::requestJobs(std::uint32_t credit, bool afresh, Time now) {
   if (draining_) return;
   wire::Message message;
   message.mutable_request()->set_credit(credit);
+  message.mutable_request()->set_afresh(afresh);
   send_(message, {});
+  last_asked_ = now;
 }
 
 void WorkerSession::forgetWork() {
@@ -86,8 +88,9 @@ void WorkerSession::receive(const Incoming& incoming, Time now) {
     throw failure("the scheduler at {} refused this worker: {}", options_.endpoint,
                   message.refused().reason());
   if (message.has_welcome()) return handleWelcome(message.welcome(), now);
-  if (message.has_problem_reply()) return handleProblem(message.problem_reply(), incoming.payload);
-  if (message.has_job()) return handleJob(message.job());
+  if (message.has_problem_reply())
+    return handleProblem(message.problem_reply(), incoming.payload, now);
+  if (message.has_job()) return handleJob(message.job(), now);
   if (message.has_fields_reply())
     return handleFields(message.fields_reply(), incoming.payload, now);
   if (message.has_result_ack()) return void(unacknowledged_.erase(keyOf(message.result_ack())));
@@ -120,19 +123,18 @@ void WorkerSession::handleWelcome(const wire::Welcome& welcome, Time now) {
   heartbeat_ =
       std::chrono::milliseconds(std::clamp<std::uint32_t>(welcome.heartbeat_ms(), 50, 60000));
   forgetWork();
+  // Whoever told it to leave is not there any more.
+  draining_ = interrupted_at_.has_value();
   // Of another build nothing is worth keeping, and jobs are asked for when its problem is here.
   if (*build != build_ || !problem_) {
     build_ = *build;
     problem_.reset();
     unacknowledged_.clear();
     cache_.clear();
-    wire::Message message;
-    message.mutable_problem_request();
-    send_(message, {});
-    return;
+    return askForProblem(now);
   }
   deliverAgain(now);
-  requestJobs(jobs_in_advance);
+  requestJobs(jobs_in_advance, true, now);
 }
 
 void WorkerSession::deliverAgain(Time now) {
@@ -153,7 +155,8 @@ void WorkerSession::introduceAgain(Time now) {
   sayHello(now);
 }
 
-void WorkerSession::handleProblem(const wire::ProblemReply& reply, const std::string& payload) {
+void WorkerSession::handleProblem(const wire::ProblemReply& reply, const std::string& payload,
+                                  Time now) {
   // Asked for twice, or by an earlier welcome.
   if (problem_ || reply.build() != build_.bytes()) return;
   auto problem = std::make_shared<Problem>(decodeProblem(payload));
@@ -164,10 +167,27 @@ void WorkerSession::handleProblem(const wire::ProblemReply& reply, const std::st
   problem_ = std::move(problem);
   spdlog::info("working on \"{}\", {} nodes, {} kernels", problem_->scene.name,
                problem_->mesh.nodes.size(), options_.kernel_family);
-  requestJobs(jobs_in_advance);
+  requestJobs(jobs_in_advance, true, now);
 }
 
-void WorkerSession::handleJob(const wire::Job& job) {
+void WorkerSession::askForProblem(Time now) {
+  wire::Message message;
+  message.mutable_problem_request();
+  send_(message, {});
+  last_asked_ = now;
+}
+
+void WorkerSession::askForStart(const wire::Job& job, Time now) {
+  wire::Message message;
+  wire::FieldsRequest& request = *message.mutable_fields_request();
+  request.set_id(job.start_id());
+  request.set_space(job.space());
+  *request.mutable_point() = job.start();
+  send_(message, {});
+  last_asked_ = now;
+}
+
+void WorkerSession::handleJob(const wire::Job& job, Time now) {
   if (!problem_ || draining_) return;
   const bool sensible = job.space() < problem_->active.size() && job.targets_size() > 0 &&
                         (job.start_id().empty() || job.start_id().size() == 32);
@@ -176,15 +196,8 @@ void WorkerSession::handleJob(const wire::Job& job) {
     return;
   }
   waiting_.push_back(job);
-  const auto id = ContentId::fromBytes(job.start_id());
-  if (id && !cached(*id)) {
-    wire::Message message;
-    wire::FieldsRequest& request = *message.mutable_fields_request();
-    request.set_id(job.start_id());
-    request.set_space(job.space());
-    *request.mutable_point() = job.start();
-    send_(message, {});
-  }
+  if (const auto id = ContentId::fromBytes(job.start_id()); id && !cached(*id))
+    askForStart(job, now);
   startReadyJobs();
 }
 
@@ -242,7 +255,7 @@ void WorkerSession::deliverFinished(Time now) {
     if (const auto id = ContentId::fromBytes(result.fields_id()); id && problem_)
       remember(*id, finished.fields);
     deliver(finished, now);
-    if (finished.last_of_job) requestJobs(1);
+    if (finished.last_of_job) requestJobs(1, false, now);
     unacknowledged_.insert_or_assign(keyOf(result), std::move(finished));
   }
 }
@@ -252,7 +265,17 @@ void WorkerSession::beat(Time now) {
   *message.mutable_heartbeat() = mailbox_.progress().heartbeat;
   send_(message, {});
   last_beat_ = now;
-  if (!unacknowledged_.empty() && now - last_delivered_ > deliver_again_after) deliverAgain(now);
+  if (now - last_asked_ > say_again_after) askAgain(message.heartbeat().solving(), now);
+  if (!unacknowledged_.empty() && now - last_delivered_ > say_again_after) deliverAgain(now);
+}
+
+void WorkerSession::askAgain(bool solving, Time now) {
+  if (!problem_)
+    askForProblem(now);
+  else if (!waiting_.empty())
+    askForStart(waiting_.front(), now);
+  else if (!solving)
+    requestJobs(jobs_in_advance, true, now);
 }
 
 void WorkerSession::sayGoodbye(const char* reason) {

@@ -69,10 +69,12 @@ class WorkerSession {
   using ResultKey = std::tuple<std::uint32_t, LatticePoint, LatticePoint>;
 
   void sayHello(Time now);
-  void requestJobs(std::uint32_t credit);
+  void requestJobs(std::uint32_t credit, bool afresh, Time now);
   void handleWelcome(const wire::Welcome& welcome, Time now);
-  void handleProblem(const wire::ProblemReply& reply, const std::string& payload);
-  void handleJob(const wire::Job& job);
+  void handleProblem(const wire::ProblemReply& reply, const std::string& payload, Time now);
+  void askForProblem(Time now);
+  void askForStart(const wire::Job& job, Time now);
+  void handleJob(const wire::Job& job, Time now);
   void handleFields(const wire::FieldsReply& reply, const std::string& payload, Time now);
   void handleHeartbeat(const wire::HeartbeatReply& reply, Time now);
   void deliverFinished(Time now);
@@ -80,6 +82,7 @@ class WorkerSession {
   void deliverAgain(Time now);
   void introduceAgain(Time now);
   void beat(Time now);
+  void askAgain(bool solving, Time now);
   void forgetWork();
   void drain();
   void sayGoodbye(const char* reason);
@@ -98,7 +101,7 @@ class WorkerSession {
   std::shared_ptr<const Problem> problem_;
   std::chrono::milliseconds heartbeat_{1000};
   Time last_turn_, last_heard_, last_connected_;
-  Time last_sent_hello_, last_beat_, last_delivered_;
+  Time last_sent_hello_, last_beat_, last_delivered_, last_asked_;
   std::optional<Time> interrupted_at_;
   bool draining_ = false;  ///< no more jobs are asked for
   bool finished_ = false;  ///< Drain said the build is complete
