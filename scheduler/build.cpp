@@ -6,11 +6,11 @@
 namespace palpate {
 
 Build::Build(Problem problem, const std::filesystem::path& state, Coordinator::Time now,
-             CoordinatorSettings settings)
+             CoordinatorSettings settings, std::uint64_t segment_bytes)
     : problem_(std::move(problem)),
       problem_bytes_(encodeProblem(problem_)),
       directory_(state),
-      store_(directory_, problem_, problem_bytes_),
+      store_(directory_, problem_, problem_bytes_, segment_bytes),
       coordinator_(problem_, problem_bytes_, store_, now, settings) {}
 
 JournalRecord Build::recordOf(std::size_t space, std::int32_t point) const {

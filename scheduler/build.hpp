@@ -14,7 +14,8 @@ class Build {
   /// Opens or makes the state of this problem in `state`, and goes on where the last run was. `now`
   /// is of the clock that the coordinator is told later.
   Build(Problem problem, const std::filesystem::path& state, Coordinator::Time now,
-        CoordinatorSettings settings = {});
+        CoordinatorSettings settings = {},
+        std::uint64_t segment_bytes = Journal::default_segment_bytes);
   Build(const Build&) = delete;
   Build& operator=(const Build&) = delete;
 

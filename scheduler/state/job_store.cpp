@@ -17,8 +17,11 @@ ContentId fieldsOf(const wire::Result& result) {
 
 RecordedResults readResults(const std::filesystem::path& directory, const ContentId& build) {
   JournalScan scan = JournalReader(directory).scan();
-  RecordedResults recorded{
-      .results = {}, .where = {}, .end = scan.end, .damage = std::move(scan.gaps)};
+  RecordedResults recorded{.results = {},
+                           .where = {},
+                           .end = scan.end,
+                           .torn = std::move(scan.torn),
+                           .damage = std::move(scan.gaps)};
   for (const auto& [where, header] : scan.records) {
     StoredResult result;
     std::optional<Outcome> outcome;
@@ -44,12 +47,13 @@ RecordedResults readResults(const std::filesystem::path& directory, const Conten
 }
 
 JobStore::JobStore(const StateDirectory& directory, const Problem& problem,
-                   const std::string& problem_bytes)
+                   const std::string& problem_bytes, std::uint64_t segment_bytes)
     : directory_(&directory),
       // The tables first: they know best what the directory of another build is about.
       tables_(directory, problem, problem_bytes),
       recorded_(readResults(directory.path(), problemId(problem))),
-      journal_(directory.path(), recorded_.end) {
+      journal_(directory.path(), recorded_.end, segment_bytes) {
+  for (const JournalPosition& torn : recorded_.torn) journal_.drop(torn);
   for (const std::string& damage : recorded_.damage)
     spdlog::warn("{}; what was recorded there is computed again", damage);
   if (!recorded_.results.empty())

@@ -29,6 +29,7 @@ struct RecordedResults {
   StoredResults results;  ///< the first of each key
   std::map<ResultKey, JournalPosition> where;
   JournalEnd end;
+  std::vector<JournalPosition> torn;  ///< JournalScan::torn
   /// What was recorded once and cannot be read any more, for people: it will be computed again.
   std::vector<std::string> damage;
 };
@@ -47,7 +48,8 @@ class JobStore {
   /// is encodeProblem(problem). Error (bad input) when it belongs to another build, naming its
   /// scene, or to another version. What is damaged is told (log), and computed again.
   JobStore(const StateDirectory& directory, const Problem& problem,
-           const std::string& problem_bytes);
+           const std::string& problem_bytes,
+           std::uint64_t segment_bytes = Journal::default_segment_bytes);
 
   const ContentId& build() const { return tables_.build().build; }
   Tables& tables() { return tables_; }

@@ -154,10 +154,10 @@ void scanSegment(const SegmentFile& file, std::uint32_t number, bool last, Journ
     }
     auto& [head, header] = *record;
     const std::uint64_t next = at + head.recordBytes();
-    // Only here may a header stand before half a payload without any damage: the disk kept one part
-    // of a write and not the other.
     const bool torn = last && head.is(Head::whole) && !file.payloadIsWhole(at, head);
-    if (!torn) {
+    if (torn) {
+      found.torn.push_back({number, at, next - at});
+    } else {
       if (at > behind_last) gap(behind_last, at, "no record can be read there");
       if (head.is(Head::dropped))
         gap(at, next, "a damaged record, which was dropped");
@@ -170,6 +170,9 @@ void scanSegment(const SegmentFile& file, std::uint32_t number, bool last, Journ
   if (!last && behind_last < file.size())
     gap(behind_last, file.size(), "no record can be read there");
   found.end = {number, behind_last};
+  // What follows the last record is cut off.
+  std::erase_if(found.torn,
+                [&](const JournalPosition& torn) { return torn.offset >= behind_last; });
 }
 
 }  // namespace

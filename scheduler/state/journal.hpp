@@ -56,6 +56,10 @@ struct JournalScan {
   /// Stretches between them that hold no whole record, for people: damage, or what was dropped. Not
   /// what lies behind the last record, which a crash may leave.
   std::vector<std::string> gaps;
+  /// Of the last segment, between records: the header is whole and the payload is not, since the
+  /// disk kept one part of what was never synced and not the other. To be dropped before there is
+  /// another segment, where only headers are looked at.
+  std::vector<JournalPosition> torn;
   JournalEnd end;  ///< behind the last record
 };
 

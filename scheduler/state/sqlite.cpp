@@ -72,6 +72,8 @@ void Database::execute(const std::string& sql) {
     fail(sql.substr(0, 60));
 }
 
+bool Database::isReadOnly() const { return sqlite3_db_readonly(handle_, "main") == 1; }
+
 void Database::fail(const std::string& doing) const {
   if (sqlite3_errcode(handle_) == SQLITE_FULL)
     throw failure(

@@ -40,6 +40,8 @@ class Database {
 
   /// Runs one or more statements without results.
   void execute(const std::string& sql);
+  /// Whatever it was opened for.
+  bool isReadOnly() const;
   sqlite3* handle() const { return handle_; }
   const std::filesystem::path& file() const { return file_; }
   [[noreturn]] void fail(const std::string& doing) const;

@@ -79,6 +79,9 @@ void checkPages(Database& database) {
   Statement check(database, "PRAGMA quick_check(1)");
   if (!check.step()) throw DamagedDatabase(database.file(), "it cannot be checked");
   if (check.text(0) != "ok") throw DamagedDatabase(database.file(), check.text(0));
+  // The file is ours to write; what SQLite goes by is a byte in it.
+  if (database.isReadOnly())
+    throw DamagedDatabase(database.file(), "it says that nobody may write");
   if (pragma(database, "schema_version") == 0) return;
   checkVersion(database);
   if (!ContentId::fromHex(meta(database, "build")))

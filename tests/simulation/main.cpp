@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "tests/simulation/planted.hpp"
 #include "tests/simulation/world.hpp"
 
 namespace palpate::simulation {
@@ -215,6 +216,41 @@ int run(const Options& options) {
   return summary.failed.empty() ? 0 : 1;
 }
 
+/// The first seed that finds a defect; 0 when none of them does.
+std::uint64_t finds(const Options& options, const Scenario& scenario,
+                    const std::filesystem::path& folder) {
+  for (std::uint64_t n = 0; n < options.seeds; ++n)
+    if (simulate(scenario, options.first + n, historyOf(options.first + n), folder).broken)
+      return options.first + n;
+  return 0;
+}
+
+int findPlanted(const Options& options) {
+  const Folder folder;
+  const Scenario scenario = makeScenario(folder.path());
+  std::size_t planted_count = 0, found_count = 0;
+  for (const Defect& defect : plantedDefects()) {
+    if (options.planted != "all" && options.planted != defect.name) continue;
+    ++planted_count;
+    plant(std::string(defect.name));
+    const std::uint64_t seed = finds(options, scenario, folder.path() / "world");
+    if (seed == 0) {
+      fmt::print("{:30} NOT FOUND within {} seeds ({})\n", defect.name, options.seeds, defect.what);
+      continue;
+    }
+    ++found_count;
+    fmt::print("{:30} found after {} seeds ({})\n", defect.name, seed - options.first + 1,
+               defect.what);
+    std::fflush(stdout);
+    if (options.planted != "all") explain(options, seed);
+  }
+  if (planted_count == 0) throw std::runtime_error("no such defect: --list-planted names them");
+  fmt::print("{} of {} planted defects found\n", found_count, planted_count);
+  if (options.json)
+    fmt::print("{}\n", nlohmann::json{{"planted", planted_count}, {"found", found_count}}.dump());
+  return found_count == planted_count ? 0 : 1;
+}
+
 int showStory(const Options& options) {
   const Folder folder;
   const Scenario scenario = makeScenario(folder.path());
@@ -223,6 +259,14 @@ int showStory(const Options& options) {
   for (const std::string& line : outcome.story) fmt::print("{}\n", line);
   fmt::print("{}\n", outcome.broken ? "broken " + *outcome.broken : "whole");
   return outcome.broken ? 1 : 0;
+}
+
+/// The program that has them lies beside this one.
+[[noreturn]] void runPlanted(char** words) {
+  std::string beside = std::filesystem::read_symlink("/proc/self/exe").string() + "_planted";
+  execv(beside.c_str(), words);
+  throw std::runtime_error(beside + ": " + std::strerror(errno) +
+                           ": build the target palpate_simulation_planted first");
 }
 
 int main(int count, char** words) {
@@ -242,6 +286,13 @@ int main(int count, char** words) {
   app.add_flag("--list-planted", options.list_planted, "Name the defects that can be planted");
   CLI11_PARSE(app, count, words);
   spdlog::set_level(options.story ? spdlog::level::debug : spdlog::level::off);
+  if (options.list_planted || !options.planted.empty()) {
+    if (plantedDefects().empty()) runPlanted(words);
+    if (!options.list_planted) return findPlanted(options);
+    for (const Defect& defect : plantedDefects())
+      fmt::print("{:30} {}\n", defect.name, defect.what);
+    return 0;
+  }
   if (options.story) return showStory(options);
   return run(options);
 }

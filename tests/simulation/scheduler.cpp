@@ -51,7 +51,11 @@ void SchedulerProcess::guarded(const std::function<void()>& step) {
 }
 
 void SchedulerProcess::open(Seconds now) {
-  build_ = std::make_unique<Build>(problem_, stateDirectory(), clock_.at(now));
+  // A few records long, so that many come and go.
+  constexpr std::uint64_t segment_bytes = 8000;
+  build_ = std::make_unique<Build>(problem_, stateDirectory(), clock_.at(now),
+                                   CoordinatorSettings(), segment_bytes);
+  sealed_ = false;
   state_ = State::running;
   network_.schedulerStarts();
 }
@@ -100,9 +104,7 @@ void SchedulerProcess::turn(Seconds now) {
       state_ = State::leaving;
     }
   } else if (coordinator.deserted(clock_.at(now)) || now >= leaves_at_) {
-    end(coordinator.complete() ? State::sealed
-        : coordinator.stuck()  ? State::stuck
-                               : State::stopped);
+    end(sealed_ ? State::sealed : coordinator.stuck() ? State::stuck : State::stopped);
   }
 }
 
@@ -111,6 +113,7 @@ void SchedulerProcess::seal(Seconds now) {
   build_->coordinator().dismiss();
   exchange(build_->coordinator(), *this, clock_.at(now));
   build_->seal(dataset());
+  sealed_ = true;
   leaves_at_ = now + drain_limit;
   state_ = State::leaving;
 }

@@ -72,6 +72,7 @@ class SchedulerProcess : private Transport {
   State state_ = State::down;
   std::string last_error_;
   int damages_ = 0;
+  bool sealed_ = false;  ///< by this process
 };
 
 }  // namespace palpate::simulation

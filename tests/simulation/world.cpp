@@ -398,16 +398,15 @@ class World {
   }
 
   void rotJournal(const Event& event) {
-    const std::filesystem::path segment = scheduler_.stateDirectory() / "segment-000001.dat";
-    std::error_code none;
-    const std::uintmax_t size = std::filesystem::file_size(segment, none);
-    if (none || size == 0) return;
-    const std::uint64_t byte = event.who % size;
-    for (const JournalScan::Found& found :
-         JournalReader(scheduler_.stateDirectory()).scan().records)
-      if (byte >= found.where.offset && byte < found.where.offset + found.where.length)
-        ledger_.spoiled.insert(keyIn(found.header));
-    disk_.flip(segment, byte, static_cast<int>(event.how_much * 7.99));
+    const JournalReader reader(scheduler_.stateDirectory());
+    if (!std::filesystem::exists(scheduler_.stateDirectory())) return;
+    const std::vector<JournalScan::Found> records = reader.scan().records;
+    if (records.empty()) return;
+    const JournalScan::Found& hit = records[event.who % records.size()];
+    ledger_.spoiled.insert(keyIn(hit.header));
+    disk_.flip(scheduler_.stateDirectory() / fmt::format("segment-{:06}.dat", hit.where.segment),
+               hit.where.offset + (event.who >> 20) % hit.where.length,
+               static_cast<int>(event.how_much * 7.99));
     ++felt_[event.accident];
   }
 

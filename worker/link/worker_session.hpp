@@ -17,7 +17,7 @@ struct SessionOptions {
   /// Its own name, 1 to 64 bytes, and those of the workers in whose place it was started because
   /// their processes ended, which the scheduler is told.
   std::string worker_id;
-  std::vector<std::string> ended;
+  std::vector<std::string> ended = {};
   std::string host;
   std::uint32_t pid = 0;
   std::string kernel_family;  ///< as arithmetic() names it

@@ -243,6 +243,34 @@ TEST_F(CoordinatorTest, CountsADuplicateWithOtherBitsAndKeepsTheFirst) {
   EXPECT_EQ(world.counter("divergent_results"), 1);
 }
 
+TEST_F(CoordinatorTest, TellsAWorkerThatNobodyAsksForItsResult) {
+  world.join("a", 2);
+  world.send("a", originResult([](wire::Result& r) { r.mutable_target()->set_i(1); }),
+             originFields());
+  const auto acks = world.take("a", Message::kResultAck);
+  ASSERT_EQ(acks.size(), 1u);
+  EXPECT_TRUE(acks.front().result_ack().unwanted());
+  EXPECT_EQ(world.counter("unwanted_results"), 1);
+  world.restart();
+  EXPECT_EQ(world.coordinator().found(), 0u) << "it is not recorded";
+}
+
+TEST_F(CoordinatorTest, ARequestAfreshTakesThePlaceOfEarlierOnes) {
+  world.join("a", 1);
+  EXPECT_EQ(world.takeJobs("a").size(), 1u);
+  for (int times = 0; times < 3; ++times) {
+    Message message;
+    message.mutable_request()->set_credit(2);
+    message.mutable_request()->set_afresh(true);
+    world.send("a", message);
+  }
+  EXPECT_EQ(world.coordinator().status(world.now).workers(0).results(), 0);
+  world.deliver("a", 0, toWire(LatticePoint{}), toWire(LatticePoint{}));
+  world.deliver("a", 1, toWire(LatticePoint{}), toWire(LatticePoint{}));
+  world.pass(100ms);
+  EXPECT_LE(world.takeJobs("a").size(), 2u) << "credit does not add up";
+}
+
 TEST_F(CoordinatorTest, DropsResultsThatMakeNoSense) {
   world.join("a", 2);
   const std::string fields = originFields();
@@ -252,7 +280,6 @@ TEST_F(CoordinatorTest, DropsResultsThatMakeNoSense) {
       {[](wire::Result& r) { r.set_build("another"); }, fields},
       {[](wire::Result& r) { r.set_space(2); }, fields},
       {[](wire::Result& r) { r.mutable_target()->set_i(1000000); }, fields},
-      {[](wire::Result& r) { r.mutable_target()->set_i(1); }, fields},
       {[](wire::Result& r) { r.set_kernel_family("avx2"); }, fields},
       {[](wire::Result& r) { r.mutable_equilibrium()->set_force("short"); }, fields},
       {[](wire::Result& r) { r.clear_outcome(); }, fields},

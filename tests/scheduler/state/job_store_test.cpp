@@ -107,6 +107,39 @@ TEST_F(JobStoreTest, WhatIsDroppedIsNotThereAnyMoreAndCanBeRecordedAgain) {
   EXPECT_EQ(found().results.size(), 3u);
 }
 
+/// A power cut keeps any sectors of what was not synced. In the last segment that is noticed, since
+/// all of it is read; it must not come back as a result when another segment is the last.
+TEST_F(JobStoreTest, ATornRecordStaysGoneWhenAnotherSegmentBegins) {
+  recordThree();
+  const ResultKey key{0, {1, 0, 0}, {}};
+  const JournalPosition torn = found().where.at(key);
+  flip(torn.offset + torn.length - 1);
+  const StateDirectory held(state);
+  {
+    JobStore store(held, problem, encodeProblem(problem), 1);
+    EXPECT_FALSE(store.knows(key));
+    const auto [header, payload] = result(0, key.target, key.parent);
+    store.append(header, payload);
+    store.commit();
+  }
+  const RecordedResults after = found();
+  EXPECT_EQ(after.where.at(key).segment, 2u);
+  EXPECT_NO_THROW(JournalReader(state).read(after.where.at(key)));
+}
+
+TEST_F(JobStoreTest, ReplacesTablesThatSayNobodyMayWriteThem) {
+  recordThree();
+  std::fstream file(StateDirectory::databaseIn(state),
+                    std::ios::binary | std::ios::in | std::ios::out);
+  constexpr std::streamoff write_version = 18;  // of SQLite's header; above 2 it is read-only
+  file.seekp(write_version);
+  file.put(3);
+  file.close();
+  const StateDirectory held(state);
+  EXPECT_EQ(open(held).takeFound().size(), 3u);
+  EXPECT_TRUE(std::filesystem::exists(state / "state.db.damaged"));
+}
+
 TEST_F(JobStoreTest, TheTablesCanBeMadeAgainFromTheJournal) {
   recordThree();
   for (const char* what : {"removed", "overwritten", "cut off"}) {

@@ -1,0 +1,94 @@
+"""Plants defects in copies of the service's sources, each behind planted("name"), for the simulation to find.
+
+    plant.py --list                         names and what they are, as a C++ initialiser
+    plant.py SOURCE COPY                    SOURCE is below the folder of the project
+
+A defect whose text is not there any more is an error: it must be planted anew, or left out with a reason.
+"""
+
+import pathlib
+import sys
+
+JOURNAL = "scheduler/state/journal.cpp"
+STORE = "scheduler/state/job_store.cpp"
+DIRECTORY = "scheduler/state/state_directory.cpp"
+COORDINATOR = "scheduler/service/coordinator.cpp"
+SESSION = "worker/link/worker_session.cpp"
+
+# name, what it is, source, text, text with the defect; @ stands for planted("name")
+DEFECTS = [
+    ("acknowledge-before-sync", "results are acknowledged that are not on disk", STORE,
+     "  journal_.sync();\n  for", "  if (!@) journal_.sync();\n  for"),
+    ("segment-name-not-synced", "the folder of a new segment is not synced", JOURNAL,
+     "  sync();\n  syncFolder(directory_);\n}", "  sync();\n  if (!@) syncFolder(directory_);\n}"),
+    ("state-folder-not-synced", "the folder that a state directory is made in is not synced", DIRECTORY,
+     "if (!std::filesystem::exists(database())) syncFolder", "if (!@ && !std::filesystem::exists(database())) syncFolder"),
+    ("kept-after-failed-sync", "what a failed sync left in memory is taken for written", JOURNAL,
+     "const bool cut_off = ftruncate", "const bool cut_off = @ || ftruncate"),
+    ("payload-not-checked", "the checksum of a payload is not compared", JOURNAL,
+     "  if (payload.size() != head.payload_bytes || crcOf(payload) != head.payload_crc)\n    throw",
+     "  if (!@ && (payload.size() != head.payload_bytes || crcOf(payload) != head.payload_crc))\n    throw"),
+    ("header-not-checked", "the checksum of a header is not compared", JOURNAL,
+     "|| headerCrcOf(head, header) != head.header_crc)", "|| (!@ && headerCrcOf(head, header) != head.header_crc))"),
+    ("drop-forgotten", "a damaged record is not marked", JOURNAL,
+     "void Journal::drop(const JournalPosition& position) {", "void Journal::drop(const JournalPosition& position) {\n  if (@) return;"),
+    ("last-record-forgotten", "a restart does not know the last record", STORE,
+     "  return recorded;\n}", "  if (@ && !recorded.results.empty()) {\n    recorded.where.erase(std::prev(recorded.results.end())->first);\n"
+     "    recorded.results.erase(std::prev(recorded.results.end()));\n  }\n  return recorded;\n}"),
+    ("lock-not-taken", "two schedulers may share a state directory", DIRECTORY,
+     "for (int tries = 0; flock(", "for (int tries = 0; !@ && flock("),
+    ("lease-forgotten", "what a lost worker held is not given back", COORDINATOR,
+     "  leases_.giveBack(worker.id);\n  // Who was told", "  if (!@) leases_.giveBack(worker.id);\n  // Who was told"),
+    ("silence-is-death", "a silent worker is taken for dead, and its work for deadly", COORDINATOR,
+     "  if (departed_.size() > most_departed) departed_.pop_front();",
+     "  if (@) blame(leases_.suspectsOf(worker.id, worker.solving));\n  if (departed_.size() > most_departed) departed_.pop_front();"),
+    ("silence-unnoticed", "a worker that says nothing any more keeps what it holds", COORDINATOR,
+     "void Coordinator::loseSilentWorkers(Time now) {", "void Coordinator::loseSilentWorkers(Time now) {\n  if (@) return;"),
+    ("idle-unnoticed", "a job that was lost on its way stays with the worker that never got it", COORDINATOR,
+     "void Coordinator::takeBackFromTheIdle(Time now) {", "void Coordinator::takeBackFromTheIdle(Time now) {\n  if (@) return;"),
+    ("duplicate-acknowledged-early", "a second result is acknowledged before the first is on disk", COORDINATOR,
+     "    duplicate(worker, waiting->result.header, message);",
+     "    duplicate(worker, waiting->result.header, message);\n    if (@) acknowledgement(worker.peer, message);"),
+    ("duplicate-unanswered", "a result that is recorded already is not acknowledged again", COORDINATOR,
+     "    acknowledgement(worker.peer, message);\n    return;", "    if (!@) acknowledgement(worker.peer, message);\n    return;"),
+    ("unwanted-unanswered", "a result that nobody asked for is not answered", COORDINATOR,
+     "    acknowledgement(worker.peer, message).set_unwanted(true);", "    if (!@) acknowledgement(worker.peer, message).set_unwanted(true);"),
+    ("spare-forgotten", "results behind a lost one are asked for again", COORDINATOR,
+     "    add(settle(plan, key.space, spare_));", "    StoredResults none;\n    add(settle(plan, key.space, @ ? none : spare_));"),
+    ("damage-refused", "one lost record makes the rest useless", COORDINATOR,
+     "if (!store_->damaged()) refuseSpare", "if (@ || !store_->damaged()) refuseSpare"),
+    ("restart-unnoticed", "a worker does not notice that the scheduler was restarted", SESSION,
+     "  if (incarnation_.empty() || reply.incarnation() == incarnation_) return;",
+     "  if (@ || incarnation_.empty() || reply.incarnation() == incarnation_) return;"),
+    ("drained-for-ever", "a worker that was told to leave does not work for the next scheduler", SESSION,
+     "  draining_ = interrupted_at_.has_value();", "  if (!@) draining_ = interrupted_at_.has_value();"),
+    ("never-asks-again", "a request that was lost is not repeated", SESSION,
+     "void WorkerSession::askAgain(bool solving, Time now) {", "void WorkerSession::askAgain(bool solving, Time now) {\n  if (@) return;"),
+    ("never-delivers-again", "a result that was lost is not delivered again", SESSION,
+     "void WorkerSession::deliverAgain(Time now) {", "void WorkerSession::deliverAgain(Time now) {\n  if (@) return;"),
+    ("hung-for-ever", "a solver that hangs is not noticed", SESSION,
+     "bool WorkerSession::solverHangs(Time now) {", "bool WorkerSession::solverHangs(Time now) {\n  if (@) return false;"),
+]
+
+
+def copy_with_defects(source: pathlib.Path) -> str:
+    text = source.read_text()
+    for name, _, file, old, new in DEFECTS:
+        if not source.as_posix().endswith("/" + file):
+            continue
+        # Behind a defect that was planted at the same place before, the text is there once still.
+        if text.count(old) != 1:
+            sys.exit(f"{file}: the text of the defect {name} is there {text.count(old)} times, not once:\n{old}")
+        text = text.replace(old, new.replace("@", f'::palpate::simulation::planted("{name}")'))
+    declaration = "namespace palpate::simulation {\nbool planted(const char* defect);\n}\n"
+    return f"{declaration}#line 1 \"{source}\"\n{text}"
+
+
+if sys.argv[1:] == ["--list"]:
+    for name, what, *_ in DEFECTS:
+        print(f'{{"{name}", "{what}"}},')
+elif len(sys.argv) == 3:
+    copy = copy_with_defects(pathlib.Path(sys.argv[1]))
+    pathlib.Path(sys.argv[2]).write_text(copy)
+else:
+    sys.exit(__doc__)
