@@ -191,7 +191,7 @@ TEST_F(WorkerSessionTest, WorksForTheNextSchedulerWhenTheOneThatSentItAwayIsGone
   welcome("second");
   acknowledge();
   EXPECT_EQ(pass(3s), Next::go_on);
-  EXPECT_EQ(count(Message::kRequest), 2) << "of the finished job, and of the new scheduler";
+  EXPECT_EQ(count(Message::kRequest), 1);
 }
 
 TEST_F(WorkerSessionTest, LeavesWithinItsTimeWhatIsSolvedBehind) {
@@ -228,7 +228,10 @@ TEST_F(WorkerSessionTest, ConnectsAnewAndThenGivesUpWhenNobodyAnswers) {
   EXPECT_EQ(pass(3s), Next::connect);
   session.connected(now);
   const auto tryForEver = [&] {
-    while (pass(20s) == Next::connect) session.connected(now);
+    for (int times = 0; times < 100; ++times) {
+      pass(30s);
+      session.connected(now);
+    }
   };
   test::expectError(ExitCode::failed, tryForEver, {"no word from"});
 }
