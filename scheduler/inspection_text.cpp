@@ -134,9 +134,10 @@ std::string describe(const Inspection& found, const std::filesystem::path& direc
 std::string inspectionJson(const Inspection& found, const std::filesystem::path& directory,
                            const std::vector<std::string>& repaired) {
   auto lost = nlohmann::ordered_json::array();
-  for (const Inspection::LostPoint& point : found.lost)
-    lost.push_back(
-        {{"active", point.active}, {"point", point.point}, {"divisions", point.divisions}});
+  for (const auto& [active, p, divisions] : found.lost)
+    lost.push_back({{"active", active},
+                    {"point", {{"i", p[0]}, {"j", p[1]}, {"k", p[2]}}},
+                    {"divisions", divisions}});
   const nlohmann::ordered_json report = {{"directory", directory.string()},
                                          {"scene", found.scene_name},
                                          {"build", found.build ? found.build->hex() : ""},

@@ -10,7 +10,6 @@
 namespace palpate {
 namespace {
 
-using test::Process;
 using testing::HasSubstr;
 
 struct SystemTest : test::SmallBuild {};

@@ -340,10 +340,19 @@ TEST_F(InspectionTest, FindsADirectoryInWhichNothingIsRecordedYetWhole) {
   const fs::path fresh = directory / "fresh";
   {
     const StateDirectory held(fresh);
-    Tables(held, problem, encodeProblem(problem));
+    const Tables tables(held, problem, encodeProblem(problem));
     EXPECT_TRUE(inspect(held).whole());
   }
   EXPECT_TRUE(inspect(fresh).whole()) << describe(inspect(fresh), fresh);
+}
+
+TEST_F(InspectionTest, IsToldToProgramsAsOneObject) {
+  flip(segment, whereIs(first_step).offset + whereIs(first_step).length - 1);
+  const std::string json = inspectionJson(look(), state, {"a step"});
+  EXPECT_THAT(json, HasSubstr("\"build\":\"" + problemId(problem).hex() + "\",\"whole\":false"));
+  EXPECT_THAT(json, HasSubstr(R"({"active":"tip","point":{"i":1,"j":0,"k":0},"divisions":)"));
+  EXPECT_THAT(json, HasSubstr(R"("repaired":["a step"])"));
+  EXPECT_THAT(json, Not(HasSubstr("\n")));
 }
 
 /// Ended after any of its steps, a repair that begins again ends the same.
