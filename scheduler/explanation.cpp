@@ -12,16 +12,11 @@
 #include "common/wire/wire.hpp"
 #include "scheduler/service/status.hpp"
 #include "scheduler/state/replay.hpp"
+#include "scheduler/status_text.hpp"
 #include "scheduler/verbs.hpp"
 
 namespace palpate {
 namespace {
-
-/// Coordinates in spacings: "(1, 0.5, 0)".
-std::string nameOf(const LatticePoint& p, std::int32_t divisions) {
-  const Eigen::Array3d spacings = Eigen::Array3d(p[0], p[1], p[2]) / divisions;
-  return fmt::format("({:g}, {:g}, {:g})", spacings[0], spacings[1], spacings[2]);
-}
 
 std::int32_t numberOf(const Lattice& lattice, const Eigen::Vector3d& in_spacings) {
   const Eigen::Array3d coordinates = lattice.divisions() * in_spacings;
@@ -42,7 +37,7 @@ std::int32_t numberOf(const Lattice& lattice, const Eigen::Vector3d& in_spacings
 
 std::string textOf(const wire::Explanation& e) {
   const std::string where = fmt::format("{}: point {}, displacement ({:g}, {:g}, {:g}) m",
-                                        e.active(), nameOf(fromWire(e.point()), e.divisions()),
+                                        e.active(), pointText(fromWire(e.point()), e.divisions()),
                                         e.displacement(0), e.displacement(1), e.displacement(2));
   std::string text =
       fmt::format("{}: {}{}\n", where, e.tag(), e.cause().empty() ? "" : ", " + e.cause());
@@ -52,11 +47,12 @@ std::string textOf(const wire::Explanation& e) {
         "  {:<14} force ({:.4g}, {:.4g}, {:.4g}) N, energy {:.4g} J, min det F {:.3g}, "
         "{} iterations in {} steps\n",
         // + 0.0: nobody wants to read -0.
-        nameOf(fromWire(s.point()), e.divisions()), s.force(0) + 0.0, s.force(1) + 0.0,
+        pointText(fromWire(s.point()), e.divisions()), s.force(0) + 0.0, s.force(1) + 0.0,
         s.force(2) + 0.0, s.energy(), s.min_det_f(), s.newton_iterations(), s.steps());
   if (e.attempts_size() > 0) text += "tried without success:\n";
   for (const wire::FailedTry& t : e.attempts())
-    text += fmt::format("  from {}: {}\n", nameOf(fromWire(t.parent()), e.divisions()), t.text());
+    text +=
+        fmt::format("  from {}: {}\n", pointText(fromWire(t.parent()), e.divisions()), t.text());
   if (e.path_size() > 0 || e.attempts_size() > 0) return text;
   text += e.cause().empty() ? "no transition to it was tried yet: the build has not come so far"
                             : describe(Failure{.cause = Cause::unreachable});

@@ -1,3 +1,5 @@
+#include <spdlog/spdlog.h>
+
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <thread>
@@ -10,7 +12,7 @@
 #include "scheduler/status_text.hpp"
 #include "scheduler/verbs.hpp"
 
-// What a running scheduler is asked: `status` and `stop`.
+// What a running scheduler is asked: `status`, `stop` and `retry`.
 
 namespace palpate {
 namespace {
@@ -47,6 +49,36 @@ std::string endpointOf(const std::string& where) {
   return StateDirectory::liveEndpoint(where).value_or("");
 }
 
+/// What the tables of a directory are about; nothing when they cannot be read.
+std::optional<ContentId> buildIn(const std::filesystem::path& directory) {
+  try {
+    return StoredTables(directory).build().build;
+  } catch (const Error& error) {
+    spdlog::warn("{}", error.what());
+    return std::nullopt;
+  }
+}
+
+/// The status of the scheduler that answers at `endpoint`. Error when `where` is a state directory
+/// and that scheduler is one of another build: somebody took the endpoint over.
+wire::Status askStatus(const std::string& endpoint, const std::string& where) {
+  wire::Message question;
+  question.mutable_status_request();
+  const wire::Message answer = ask(endpoint, question);
+  if (!answer.has_status_reply())
+    throw failure("{}: what answers there is not a Palpate scheduler", endpoint);
+  wire::Status status = statusFromJson(answer.status_reply().json());
+  if (endpoint == where) return status;
+  if (const auto build = buildIn(where); build && build->hex() != status.build())
+    throw failure(
+        "{}: a scheduler of another build (scene \"{}\", build {}) answers at {}, "
+        "where the one that works in this directory (build {}, process {}) should: "
+        "end the wrong one, and start this one again at an endpoint of its own",
+        where, status.scene(), status.build().substr(0, 12), endpoint, build->shortHex(),
+        StateDirectory::holder(where).value_or("ended"));
+  return status;
+}
+
 struct StatusOptions {
   std::string where = default_endpoint;
   bool watch = false;
@@ -74,13 +106,7 @@ wire::Status storedStatus(const std::filesystem::path& directory) {
 
 wire::Status statusOfBuild(const std::string& where) {
   const std::string endpoint = endpointOf(where);
-  if (endpoint.empty()) return storedStatus(where);
-  wire::Message question;
-  question.mutable_status_request();
-  const wire::Message answer = ask(endpoint, question);
-  if (!answer.has_status_reply())
-    throw failure("{}: what answers there is not a Palpate scheduler", endpoint);
-  return statusFromJson(answer.status_reply().json());
+  return endpoint.empty() ? storedStatus(where) : askStatus(endpoint, where);
 }
 
 ExitCode showStatus(const StatusOptions& options) {
@@ -111,6 +137,7 @@ std::function<ExitCode()> prepareStatus(CLI::App& app) {
 ExitCode stop(const std::string& where) {
   const std::string endpoint = endpointOf(where);
   if (endpoint.empty()) throw failure("{}: no scheduler is working there now", where);
+  if (endpoint != where) askStatus(endpoint, where);
   wire::Message question;
   question.mutable_stop_request();
   if (!ask(endpoint, question).stop_reply().stopping())
@@ -134,6 +161,7 @@ ExitCode retry(const std::string& where) {
   if (endpoint.empty()) {
     transitions = retryStored(where);
   } else {
+    if (endpoint != where) askStatus(endpoint, where);
     wire::Message question;
     question.mutable_retry_request();
     const wire::Message answer = ask(endpoint, question);

@@ -158,6 +158,11 @@ std::string progressLine(const wire::Status& status, std::size_t columns) {
   return line;
 }
 
+std::string pointText(const LatticePoint& p, std::int32_t divisions) {
+  const Eigen::Array3d spacings = Eigen::Array3d(p[0], p[1], p[2]) / divisions;
+  return fmt::format("({:g}, {:g}, {:g})", spacings[0], spacings[1], spacings[2]);
+}
+
 std::string progressBar(const wire::Status& status, std::size_t columns) {
   const std::size_t brackets = 3;  // and a space
   const std::size_t room = std::max<std::size_t>(columns, 1) - 1;

@@ -22,6 +22,10 @@ std::string progressLine(const wire::Status& status, std::size_t columns = std::
 /// fills the last one, where some terminals begin a new row.
 std::string progressBar(const wire::Status& status, std::size_t columns);
 
+/// A point of a lattice whose coordinates count in 1/divisions of a spacing, in spacings:
+/// "(1, 0.5, 0)".
+std::string pointText(const LatticePoint& point, std::int32_t divisions);
+
 /// "7 s", "12 min", "3 h 20 min".
 std::string durationText(double seconds);
 

@@ -14,6 +14,8 @@ extern const Verb status_verb;
 extern const Verb stop_verb;
 /// `palpate retry`: tries again what was set aside.
 extern const Verb retry_verb;
+/// `palpate check` of a state directory: whether it is whole, and what it costs where it is not.
+extern const Verb check_state_verb;
 /// `palpate explain`: how one lattice point was reached, or why it was not.
 extern const Verb explain_verb;
 

@@ -28,6 +28,9 @@ std::function<ExitCode()> prepareCheck(CLI::App& app) {
       ->required()
       ->type_name("FILE");
   app.add_flag("--json", options->json, "One JSON object, lengths in metres");
+  app.footer(
+      "Of a state directory, palpate check DIRECTORY tells whether it is whole, and repairs it\n"
+      "with --repair: see palpate-scheduler check --help.");
   return [options] { return check(*options); };
 }
 

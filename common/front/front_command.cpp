@@ -19,9 +19,11 @@ namespace {
 struct Route {
   std::string_view verb;
   const char* program;
+  /// Where the verb is about a folder instead: a state directory is the scheduler's.
+  const char* program_of_directory = nullptr;
 };
 
-constexpr std::array<Route, 15> routes = {{{"check", "palpate-worker"},
+constexpr std::array<Route, 15> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
                                            {"build", "palpate-scheduler"},
                                            {"query", "palpate-viewer"},
                                            {"solve", "palpate-worker"},
@@ -57,6 +59,7 @@ On several machines
   stop     Let it finish what is running, and end it; serve goes on later
   retry    Try again what was set aside because workers ended on it
   explain  How a lattice point was reached, or why it failed
+  check    Of a state directory: whether it is whole; repair it
 
 With a haptic device elsewhere
   device   Lend a haptic device of this machine to a simulator on another
@@ -99,6 +102,17 @@ int refuseVerb(std::string_view verb) {
   return static_cast<int>(ExitCode::usage);
 }
 
+bool namesDirectory(const std::string& argument) {
+  std::error_code none;
+  return std::filesystem::is_directory(argument, none);
+}
+
+const char* programFor(const Route& route, const std::vector<std::string>& arguments) {
+  return route.program_of_directory != nullptr && std::ranges::any_of(arguments, namesDirectory)
+             ? route.program_of_directory
+             : route.program;
+}
+
 /// Replaces this process by the program beside it. Returns only when that fails.
 int become(const Route& route, std::vector<std::string> arguments) {
   std::error_code error;
@@ -107,7 +121,8 @@ int become(const Route& route, std::vector<std::string> arguments) {
     tell("palpate: cannot find where it is installed: /proc/self/exe: {}\n", error.message());
     return static_cast<int>(ExitCode::failed);
   }
-  const std::string program = self.parent_path() / route.program;
+  const std::vector<std::string> of_verb(arguments.begin() + 1, arguments.end());
+  const std::string program = self.parent_path() / programFor(route, of_verb);
   arguments.insert(arguments.begin(), program);
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());

@@ -120,6 +120,49 @@ void checkRegions(const Problem& problem) {
         throw badInput("a fibre of length {} is not a direction", fiber.norm());
 }
 
+/// The nodes of a tetrahedron, its corners first.
+std::vector<std::int32_t> allNodesOf(const Mesh& mesh, std::size_t element) {
+  std::vector<std::int32_t> nodes(mesh.tetrahedra[element].begin(), mesh.tetrahedra[element].end());
+  if (!mesh.mid_edge_nodes.empty())
+    nodes.insert(nodes.end(), mesh.mid_edge_nodes[element].begin(),
+                 mesh.mid_edge_nodes[element].end());
+  return nodes;
+}
+
+/// A pressure keeps the volume of the elements around it. Where all their nodes are held, some by
+/// the tool and some for good, every displacement changes a volume that nothing can give back.
+void refuseSqueezed(const Problem& problem, const ActivePatch& patch) {
+  const PressureSpace pressure = problem.scene.discretization.pressure;
+  const bool exact = pressure == PressureSpace::p1 || pressure == PressureSpace::p2;
+  if (!exact || !patch.weights.empty()) return;
+  enum Holder : std::uint8_t { nobody = 0, support = 1, tool = 2 };
+  const Mesh& mesh = problem.mesh;
+  std::vector<std::uint8_t> holder(mesh.nodes.size(), nobody), keeps(holder.size(), 0);
+  for (const std::int32_t node : problem.fixed) holder[node] = support;
+  for (const std::int32_t node : patch.nodes) holder[node] = tool;
+  std::vector<std::size_t> squeezed;
+  for (std::size_t element = 0; element < mesh.tetrahedra.size(); ++element) {
+    const Material& material = problem.scene.regions[problem.region_of[element]].material;
+    if (!isMixed(material)) continue;
+    const std::vector<std::int32_t> nodes = allNodesOf(mesh, element);
+    const auto heldBy = [&](Holder who) {
+      return std::ranges::count(nodes, who, [&](std::int32_t node) { return holder[node]; });
+    };
+    const bool can_move = heldBy(nobody) > 0 || !isIncompressible(material);
+    if (!can_move && heldBy(support) > 0 && heldBy(tool) > 0) squeezed.push_back(element);
+    for (const std::int32_t node : nodes)
+      if (can_move) keeps[node] = 1;
+  }
+  for (const std::size_t element : squeezed)
+    for (const std::int32_t node : allNodesOf(mesh, element))
+      if (!keeps[node] && (pressure == PressureSpace::p2 || node < mesh.vertices()))
+        throw badInput(
+            "active \"{}\": its patch and the fixed nodes hold all nodes around node {} at {}, "
+            "those of {} too, so that its volume cannot be kept when the tool moves: "
+            "make radius smaller, fix less, or give the material a bulk modulus",
+            patch.name, node, placeText(mesh.nodes[node]), placeOf(mesh, element));
+}
+
 void checkPatch(const Problem& problem, std::size_t number, const NodeSet& surface) {
   const ActivePatch& patch = problem.active[number];
   checkWeights(patch, problem.scene.active[number].tool);
@@ -140,6 +183,7 @@ void checkPatch(const Problem& problem, std::size_t number, const NodeSet& surfa
         "active \"{}\": its patch of {} nodes and the {} fixed nodes are the whole body: "
         "nothing is left to solve for; make radius smaller",
         patch.name, patch.nodes.size(), problem.fixed.size());
+  refuseSqueezed(problem, patch);
 }
 
 /// Both say the same, and the plan can find a position for it.
@@ -173,6 +217,7 @@ Mesh readMesh(const Scene& scene, const std::string& scene_file) {
 
 void checkProblem(const Problem& problem) {
   checkFixed(problem);
+  checkRegions(problem);
   const NodeSet surface = surfaceNodes(problem.mesh);
   if (problem.active.size() != problem.scene.active.size())
     throw badInput("{} patches for the {} active nodes of the scene", problem.active.size(),
@@ -186,7 +231,6 @@ void checkProblem(const Problem& problem) {
     if (i > 0 && problem.active[i - 1].probe && !problem.active[i].probe)
       throw badInput("active \"{}\" stands behind the places of probes", problem.active[i].name);
   }
-  checkRegions(problem);
   refuseLoosePieces(problem);
   Lattice::check(problem.scene.workspace.radius, problem.scene.workspace.spacing);
   const double radius = problem.scene.workspace.radius,

@@ -1,5 +1,10 @@
 #include "common/wire/wire.hpp"
 
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -48,6 +53,44 @@ bool hasPort(std::string_view endpoint) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
   return text == "*" ||
          (error == std::errc() && end == text.data() + text.size() && port > 0 && port <= 65535);
+}
+
+/// Whether a process listens at the socket file. One that was killed leaves a file that refuses.
+bool isListenedAt(const std::string& path) {
+  struct sockaddr_un address {};
+  address.sun_family = AF_UNIX;
+  PALPATE_ASSERT(path.size() < sizeof address.sun_path, "longer ones were refused");
+  path.copy(address.sun_path, path.size());
+  const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (probe < 0) throw failure("ipc://{}: cannot look who listens there: {}", path, errnoText());
+  const bool connected =
+      connect(probe, reinterpret_cast<const struct sockaddr*>(&address), sizeof address) == 0;
+  // EAGAIN: it has more connections waiting than it takes.
+  const bool listening = connected || errno == EAGAIN || errno == EACCES;
+  close(probe);
+  return listening;
+}
+
+/// libzmq removes whatever lies at the path before it listens there, the socket of a scheduler that
+/// lives as well.
+void refuseTakenPath(const std::string& endpoint) {
+  constexpr std::string_view ipc = "ipc://";
+  if (!endpoint.starts_with(ipc)) return;
+  const std::string path = endpoint.substr(ipc.size());
+  // An abstract name is no file, and * one that libzmq chooses.
+  if (path.starts_with('@') || path == "*") return;
+  if (path.size() >= sizeof(sockaddr_un::sun_path))
+    throw badInput("{}: the path is too long for a socket: it may have {} bytes", endpoint,
+                   sizeof(sockaddr_un::sun_path) - 1);
+  struct stat info {};
+  if (lstat(path.c_str(), &info) != 0) return;
+  if (!S_ISSOCK(info.st_mode))
+    throw failure("{}: there is a file of that name which is no socket: choose another path",
+                  endpoint);
+  if (isListenedAt(path))
+    throw failure(
+        "{} is in use by another program: stop it (palpate stop {}) or choose another path",
+        endpoint, endpoint);
 }
 
 /// Doubles as raw bytes; nothing when the length is wrong or a value is not finite.
@@ -182,6 +225,7 @@ std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint) {
   const std::string address = endpoint.starts_with(by_name)
                                   ? "tcp://127.0.0.1:" + endpoint.substr(by_name.size())
                                   : endpoint;
+  refuseTakenPath(address);
   try {
     useIPv6(socket, address);
     socket.bind(address);

@@ -75,7 +75,8 @@ zmq::socket_t makeDealer(zmq::context_t& context);
 void checkEndpoint(const std::string& endpoint);
 
 /// Binds, and turns "address already in use" and the like into an Error that names the endpoint and
-/// what to do. Returns the endpoint with the port that the system chose (for tcp://127.0.0.1:*).
+/// what to do; a socket file at which nobody listens any more is replaced. Returns the endpoint
+/// with the port that the system chose (for tcp://127.0.0.1:*).
 std::string bindRouter(zmq::socket_t& socket, const std::string& endpoint);
 
 /// Connects, in the background. Error (bad input) when the endpoint makes no sense.

@@ -17,11 +17,9 @@ ContentId fieldsOf(const wire::Result& result) {
 
 RecordedResults readResults(const std::filesystem::path& directory, const ContentId& build) {
   JournalScan scan = JournalReader(directory).scan();
-  RecordedResults recorded{.results = {},
-                           .where = {},
-                           .end = scan.end,
-                           .torn = std::move(scan.torn),
-                           .damage = std::move(scan.gaps)};
+  RecordedResults recorded{
+      .results = {}, .where = {}, .end = scan.end, .torn = std::move(scan.torn), .damage = {}};
+  for (JournalGap& gap : scan.gaps) recorded.damage.push_back(std::move(gap.text));
   for (const auto& [where, header] : scan.records) {
     StoredResult result;
     std::optional<Outcome> outcome;

@@ -140,10 +140,15 @@ std::vector<std::uint32_t> segmentsIn(const std::filesystem::path& directory) {
   return numbers;
 }
 
+constexpr const char* no_record = "no record can be read there";
+
 void scanSegment(const SegmentFile& file, std::uint32_t number, bool last, JournalScan& found) {
-  const auto gap = [&](std::uint64_t from, std::uint64_t to, const char* what) {
+  using Kind = JournalGap::Kind;
+  const auto gap = [&](Kind kind, std::uint64_t from, std::uint64_t to, const char* what) {
     found.gaps.push_back(
-        fmt::format("{}: bytes {} to {}: {}", file.path().string(), from, to, what));
+        {kind,
+         {number, from, to - from},
+         fmt::format("{}: bytes {} to {}: {}", file.path().string(), from, to, what)});
   };
   std::uint64_t behind_last = 0;
   for (std::uint64_t at = 0; at < file.size();) {
@@ -158,24 +163,39 @@ void scanSegment(const SegmentFile& file, std::uint32_t number, bool last, Journ
     if (torn) {
       found.torn.push_back({number, at, next - at});
     } else {
-      if (at > behind_last) gap(behind_last, at, "no record can be read there");
+      if (at > behind_last) gap(Kind::damaged, behind_last, at, no_record);
       if (head.is(Head::dropped))
-        gap(at, next, "a damaged record, which was dropped");
+        gap(Kind::dropped, at, next, "a damaged record, which was dropped");
       else
         found.records.push_back({{number, at, next - at}, std::move(header)});
       behind_last = next;
     }
     at = next;
   }
-  if (!last && behind_last < file.size())
-    gap(behind_last, file.size(), "no record can be read there");
+  if (!last && behind_last < file.size()) gap(Kind::damaged, behind_last, file.size(), no_record);
+  // Only what stands in the place of a missing segment is empty and not the last.
+  if (!last && file.size() == 0) gap(Kind::dropped, 0, 0, "a segment that was missing");
   found.end = {number, behind_last};
   // What follows the last record is cut off.
   std::erase_if(found.torn,
                 [&](const JournalPosition& torn) { return torn.offset >= behind_last; });
 }
 
+/// What is written over the head of a record that is dropped: the word alone where the lengths can
+/// be read, so that the rest of the head stays; else a head whose record is the whole stretch.
+std::string markFor(const SegmentFile& file, const JournalPosition& position) {
+  const auto there = file.headAt(position.offset);
+  const bool lengths_known = there && there->first.recordBytes() == position.length;
+  if (lengths_known || position.length < sizeof(Head)) return std::string(Head::dropped);
+  Head head{.magic = {'P', 'J', 'R', 'X'},
+            .payload_bytes = static_cast<std::uint32_t>(position.length - sizeof(Head))};
+  head.header_crc = headerCrcOf(head, "");
+  return {reinterpret_cast<const char*>(&head), sizeof head};
+}
+
 }  // namespace
+
+std::vector<std::uint32_t> JournalReader::segments() const { return segmentsIn(directory_); }
 
 std::filesystem::path JournalReader::segmentPath(std::uint32_t segment) const {
   return directory_ / fmt::format("segment-{:06}.dat", segment);
@@ -187,7 +207,9 @@ JournalScan JournalReader::scan() const {
   const std::vector<std::uint32_t> numbers = segmentsIn(directory_);
   for (const std::uint32_t number : numbers) {
     for (; expected < number; ++expected)
-      found.gaps.push_back(fmt::format("{}: is missing", segmentPath(expected).string()));
+      found.gaps.push_back({JournalGap::Kind::missing,
+                            {.segment = expected},
+                            fmt::format("{}: is missing", segmentPath(expected).string())});
     ++expected;
     scanSegment(SegmentFile(segmentPath(number)), number, number == numbers.back(), found);
   }
@@ -279,7 +301,7 @@ void Journal::drop(const JournalPosition& position) {
   const FileDescriptor file(open(path.c_str(), O_WRONLY | O_CLOEXEC));
   if (!file && errno == ENOENT) return;
   const auto offset = static_cast<off_t>(position.offset);
-  const std::string_view mark = Head::dropped;
+  const std::string mark = markFor(SegmentFile(path), position);
   struct stat info {};
   if (!file || fstat(file.get(), &info) != 0)
     throw failure("{}: cannot open: {}", path.string(), errnoText());
@@ -289,6 +311,17 @@ void Journal::drop(const JournalPosition& position) {
       fdatasync(file.get()) != 0)
     throw failure("{}: cannot mark the damaged record at byte {}: {}", path.string(),
                   position.offset, errnoText());
+}
+
+void Journal::fillMissing() {
+  if (present_.empty()) return;
+  for (std::uint32_t segment = 1; segment < present_.back(); ++segment) {
+    const std::filesystem::path path = segmentPath(segment);
+    const FileDescriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+    if (!file) throw failure("{}: cannot make: {}", path.string(), errnoText());
+  }
+  syncFolder(directory_);
+  present_ = segmentsIn(directory_);
 }
 
 void Journal::checkPresence() const {

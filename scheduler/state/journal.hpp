@@ -44,6 +44,18 @@ class DamagedRecord : public Error {
   JournalPosition where_;
 };
 
+/// A stretch of a journal that holds no whole record.
+struct JournalGap {
+  enum class Kind : std::uint8_t {
+    damaged,  ///< no record can be read there
+    missing,  ///< the whole segment
+    dropped,  ///< it was damaged or missing, and marked so: nobody looks for a record there again
+  };
+  Kind kind = Kind::damaged;
+  JournalPosition where;  ///< length 0: the whole segment
+  std::string text;       ///< for people, with the file
+};
+
 /// What is in a journal.
 struct JournalScan {
   struct Found {
@@ -53,9 +65,8 @@ struct JournalScan {
   /// Records whose header is whole, in the order of appending; those of the last segment with a
   /// whole payload too.
   std::vector<Found> records;
-  /// Stretches between them that hold no whole record, for people: damage, or what was dropped. Not
-  /// what lies behind the last record, which a crash may leave.
-  std::vector<std::string> gaps;
+  /// Stretches between them. Not what lies behind the last record, which a crash may leave.
+  std::vector<JournalGap> gaps;
   /// Of the last segment, between records: the header is whole and the payload is not, since the
   /// disk kept one part of what was never synced and not the other. To be dropped before there is
   /// another segment, where only headers are looked at.
@@ -79,10 +90,11 @@ class JournalReader {
   JournalRecord read(const JournalPosition& position) const;
   /// Its header alone, likewise.
   std::string readHeader(const JournalPosition& position) const;
-
- protected:
+  /// The numbers of the segments that are there, in order.
+  std::vector<std::uint32_t> segments() const;
   std::filesystem::path segmentPath(std::uint32_t segment) const;
 
+ protected:
   std::filesystem::path directory_;
 };
 
@@ -105,9 +117,11 @@ class Journal : public JournalReader {
   void sync();
   JournalEnd end() const { return end_; }
 
-  /// Marks a damaged record, so that no later scan takes its header for a result. Durable when it
-  /// returns.
+  /// Marks a damaged record, or a stretch where none can be read, so that no later scan takes what
+  /// is there for a result. Durable when it returns.
   void drop(const JournalPosition& position);
+  /// Puts empty files in the place of segments that are missing, which marks them likewise.
+  void fillMissing();
   /// Error when a segment was removed, or the one that is written was replaced by another file.
   void checkPresence() const;
 

@@ -41,17 +41,21 @@ class CopiedDatabase {
   std::filesystem::path folder_;
 };
 
+bool mayWriteIn(const std::filesystem::path& folder) { return access(folder.c_str(), W_OK) == 0; }
+
 }  // namespace
 
 Database::Database(const std::filesystem::path& file, Access access) : file_(file) {
   std::filesystem::path opened = file;
-  if (access == Access::read_only && ::access(file.parent_path().c_str(), W_OK) != 0) {
+  const bool from_copy = access == Access::read_copy ||
+                         (access == Access::read_only && !mayWriteIn(file.parent_path()));
+  if (from_copy) {
     const auto copy = std::make_shared<const CopiedDatabase>(file);
     opened = copy->in(file);
     copy_ = copy;
   }
-  const int flags = access == Access::read_only ? SQLITE_OPEN_READONLY
-                                                : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  const int flags = access == Access::read_write_create ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE
+                                                        : SQLITE_OPEN_READONLY;
   if (sqlite3_open_v2(opened.c_str(), &handle_, flags, nullptr) != SQLITE_OK) {
     const std::string reason = handle_ == nullptr ? "out of memory" : sqlite3_errmsg(handle_);
     sqlite3_close(handle_);
@@ -140,6 +144,10 @@ std::int64_t Statement::integerIn(int column) const {
 }
 
 double Statement::real(int column) const { return sqlite3_column_double(handle_, column); }
+
+bool Statement::null(int column) const {
+  return sqlite3_column_type(handle_, column) == SQLITE_NULL;
+}
 
 std::string Statement::text(int column) const {
   // In this order: asking for the length first could convert the value and move it.

@@ -28,8 +28,9 @@ class DamagedDatabase : public Error {
 class Database {
  public:
   /// read_only: also where nobody may write. SQLite itself cannot read a database in WAL mode
-  /// there, so a copy is read.
-  enum class Access { read_write_create, read_only };
+  /// there, so a copy is read. read_copy: that copy in any case, so that no file beside it is made
+  /// or changed; only of a database that nobody writes.
+  enum class Access { read_write_create, read_only, read_copy };
   Database(const std::filesystem::path& file, Access access);
   ~Database();
   Database(Database&& other) noexcept
@@ -88,6 +89,7 @@ class Statement {
     return static_cast<Integer>(integerIn(column));
   }
   double real(int column) const;
+  bool null(int column) const;
   std::string text(int column) const;  ///< or the bytes of a BLOB
 
  private:

@@ -37,7 +37,7 @@ std::string holderOf(const std::filesystem::path& directory) {
 FileDescriptor takeLock(const std::filesystem::path& directory) {
   FileDescriptor lock(open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!lock) throw failure("{}: cannot open: {}", directory.string(), errnoText());
-  // liveEndpoint() holds the lock for a moment to look at it.
+  // holder() holds the lock for a moment to look at it.
   for (int tries = 0; flock(lock.get(), LOCK_EX | LOCK_NB) != 0; ++tries) {
     if (errno == EWOULDBLOCK && tries < 10) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -115,9 +115,14 @@ void StateDirectory::checkPresence() const {
       path_.string());
 }
 
-std::optional<std::string> StateDirectory::liveEndpoint(const std::filesystem::path& directory) {
+std::optional<std::string> StateDirectory::holder(const std::filesystem::path& directory) {
   const FileDescriptor lock(open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!lock || flock(lock.get(), LOCK_SH | LOCK_NB) == 0) return std::nullopt;
+  return holderOf(directory);
+}
+
+std::optional<std::string> StateDirectory::liveEndpoint(const std::filesystem::path& directory) {
+  if (!holder(directory)) return std::nullopt;
   std::ifstream file(directory / "endpoint");
   std::string endpoint;
   if (!std::getline(file, endpoint)) return std::nullopt;

@@ -24,6 +24,9 @@ class StateDirectory {
   void announce(const std::string& endpoint) const;
   /// The endpoint that the scheduler now holding `directory` announced; nothing when none holds it.
   static std::optional<std::string> liveEndpoint(const std::filesystem::path& directory);
+  /// The process number of whoever holds the lock of `directory`, "unknown" when it cannot be read;
+  /// nothing when nobody does.
+  static std::optional<std::string> holder(const std::filesystem::path& directory);
 
   /// Error when the folder was removed or replaced by another.
   void checkPresence() const;

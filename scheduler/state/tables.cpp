@@ -103,16 +103,21 @@ Database openForWriting(const StateDirectory& directory) {
     if (!std::filesystem::exists(directory.path() / "segment-000001.dat")) throw;
     spdlog::warn("{}: put aside as {}.damaged and made anew: nothing of a build rests on it",
                  damage.what(), file.string());
-    std::filesystem::rename(file, file.string() + ".damaged");
-    for (const char* part : {"-wal", "-shm"}) std::filesystem::remove(file.string() + part);
+    putTablesAside(directory);
   }
   return {file, Database::Access::read_write_create};
 }
 
 }  // namespace
 
-StoredTables::StoredTables(const std::filesystem::path& directory)
-    : database_(existingDatabase(directory), Database::Access::read_only) {
+void putTablesAside(const StateDirectory& directory) {
+  const std::string file = directory.database().string();
+  std::filesystem::rename(file, file + ".damaged");
+  for (const char* part : {"-wal", "-shm"}) std::filesystem::remove(file + part);
+}
+
+StoredTables::StoredTables(const std::filesystem::path& directory, Database::Access access)
+    : database_(existingDatabase(directory), access) {
   // Left open: everything is read as of now, whatever the scheduler writes meanwhile.
   database_.execute("BEGIN");
   readBuild();
@@ -123,6 +128,32 @@ void StoredTables::readBuild() {
   const auto build = ContentId::fromHex(meta(database_, "build"));
   if (!build) throw DamagedDatabase(database_.file(), "no build id in it");
   build_ = {*build, meta(database_, "scene_name"), meta(database_, "problem")};
+}
+
+void StoredTables::verify() {
+  Statement check(database_, "PRAGMA integrity_check(1)");
+  if (!check.step()) throw DamagedDatabase(database_.file(), "it cannot be checked");
+  if (check.text(0) != "ok") throw DamagedDatabase(database_.file(), check.text(0));
+}
+
+void StoredTables::eachPoint(const std::function<void(const PointRow&)>& visit) {
+  Statement query(database_,
+                  "SELECT space, point, i, j, k, tag, cause, parent, force, factorizations "
+                  "FROM configurations ORDER BY space, point");
+  using Number = std::int32_t;
+  while (query.step()) {
+    PointRow row{
+        .space = query.integer<std::uint32_t>(0),
+        .number = query.integer<Number>(1),
+        .position = {query.integer<Number>(2), query.integer<Number>(3), query.integer<Number>(4)},
+        .tag = query.text(5),
+        .cause = query.text(6),
+        .parent = query.integer<Number>(7),
+        .force = std::nullopt,
+        .factorizations = query.integer<Number>(9)};
+    if (!query.null(8)) row.force = query.real(8);
+    visit(row);
+  }
 }
 
 std::vector<wire::WorkerStatus> StoredTables::servers() {
@@ -188,25 +219,37 @@ void Tables::create(const Problem& problem, const std::string& problem_bytes) {
 
 void Tables::show(std::span<const SpacePlan> plans, std::span<const Changed> changed) {
   inTransaction(database_, [&] {
-    for (const auto& [space, point] : changed) writePoint(space, point, plans[space]);
+    for (const auto& [space, point] : changed) writePoint(rowOf(space, point, plans[space]));
   });
 }
 
 void Tables::showAll(std::span<const SpacePlan> plans) {
   inTransaction(database_, [&] {
     database_.execute("DELETE FROM configurations");
-    for (std::size_t space = 0; space < plans.size(); ++space)
-      for (std::int32_t n = 0; n < plans[space].size(); ++n) writePoint(space, n, plans[space]);
+    for (std::uint32_t space = 0; space < plans.size(); ++space)
+      for (std::int32_t n = 0; n < plans[space].size(); ++n)
+        writePoint(rowOf(space, n, plans[space]));
   });
 }
 
-void Tables::writePoint(std::size_t space, std::int32_t number, const SpacePlan& plan) {
+PointRow rowOf(std::uint32_t space, std::int32_t number, const SpacePlan& plan) {
   const PointRecord& point = plan.point(number);
-  const LatticePoint& position = plan.positions().point(number);
-  const double force = isSolved(point.tag) ? point.equilibrium.force.norm()
-                                           : std::numeric_limits<double>::quiet_NaN();
-  write_point_->run(space, number, position[0], position[1], position[2], name(point.tag),
-                    name(point.cause), point.parent, force, point.cost.factorizations);
+  PointRow row{.space = space,
+               .number = number,
+               .position = plan.positions().point(number),
+               .tag = std::string(name(point.tag)),
+               .cause = std::string(name(point.cause)),
+               .parent = point.parent,
+               .force = std::nullopt,
+               .factorizations = point.cost.factorizations};
+  if (isSolved(point.tag)) row.force = point.equilibrium.force.norm();
+  return row;
+}
+
+void Tables::writePoint(const PointRow& row) {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  write_point_->run(row.space, row.number, row.position[0], row.position[1], row.position[2],
+                    row.tag, row.cause, row.parent, row.force.value_or(none), row.factorizations);
 }
 
 void Tables::writeServers(std::span<const wire::WorkerStatus> servers) {

@@ -19,6 +19,20 @@ struct StoredBuild {
   std::string problem;  ///< encodeProblem
 };
 
+/// What the tables say of one point.
+struct PointRow {
+  std::uint32_t space = 0;
+  std::int32_t number = 0;
+  LatticePoint position = {};
+  std::string tag, cause;
+  std::int32_t parent = -1;
+  std::optional<double> force;  ///< its length, N; of a solved point
+  std::int32_t factorizations = 0;
+  bool operator==(const PointRow&) const = default;
+};
+/// What they should say of a point of `plan`, which is that of `space`.
+PointRow rowOf(std::uint32_t space, std::int32_t number, const SpacePlan& plan);
+
 /// Counters of a build by name (docs/state.md).
 using Counters = std::map<std::string, std::int64_t>;
 
@@ -30,10 +44,15 @@ class StoredTables {
   static constexpr int schema_version = 4;
 
   /// Error (bad input) when `directory` is not a state directory, or that of another version. It
-  /// need not be writable.
-  explicit StoredTables(const std::filesystem::path& directory);
+  /// need not be writable; with Access::read_copy nothing in it is touched.
+  explicit StoredTables(const std::filesystem::path& directory,
+                        Database::Access access = Database::Access::read_only);
 
   const StoredBuild& build() const { return build_; }
+  /// DamagedDatabase when what is in the file contradicts itself. Reads all of it.
+  void verify();
+  /// Every row about a point, by space and number.
+  void eachPoint(const std::function<void(const PointRow&)>& visit);
   /// The workers, each named by its whole id in hexadecimal.
   std::vector<wire::WorkerStatus> servers();
   Counters counters();
@@ -78,10 +97,14 @@ class Tables : public StoredTables {
 
  private:
   void create(const Problem& problem, const std::string& problem_bytes);
-  void writePoint(std::size_t space, std::int32_t number, const SpacePlan& plan);
+  void writePoint(const PointRow& row);
 
   std::optional<Statement> write_point_;  ///< once the tables are there
 };
+
+/// Renames damaged tables to state.db.damaged, so that the next ones are made anew; one that is
+/// there already is replaced.
+void putTablesAside(const StateDirectory& directory);
 
 /// Of a directory in which no scheduler works; returns how many transitions were set aside.
 std::int64_t forgetLosses(const StateDirectory& directory);

@@ -10,7 +10,6 @@
 namespace palpate {
 namespace {
 
-using test::Process;
 using testing::HasSubstr;
 
 struct SystemTest : test::SmallBuild {};
@@ -106,6 +105,47 @@ TEST_F(SystemTest, WorkersOutliveTheirScheduler) {
   expectFinished(*scheduler);
   EXPECT_EQ(worker->wait(), 0) << worker->output();
   EXPECT_EQ(test::contentOf(directory / "served.h5"), undisturbed());
+}
+
+TEST_F(SystemTest, ASecondSchedulerIsRefusedASocketAtWhichTheFirstListens) {
+  const auto serve = [&](const std::string& state) {
+    return start("palpate-scheduler", {"serve", "cube.toml", "--listen", "ipc://scheduler.ipc",
+                                       "--state", state, "-o", state + ".h5"});
+  };
+  auto first = serve("first");
+  endpointIn("first");
+  auto second = serve("second");
+  EXPECT_EQ(second->wait(), 1);
+  EXPECT_THAT(second->output(), HasSubstr("ipc://scheduler.ipc is in use"));
+  auto worker = start("palpate-worker", {"work", "--connect", "ipc://scheduler.ipc", "-j", "1"});
+  expectFinished(*first);
+  EXPECT_EQ(worker->wait(), 0) << worker->output();
+}
+
+/// The file `endpoint` leads to another one, which took the address over.
+TEST_F(SystemTest, TheSchedulerOfAnotherBuildIsNotTakenForThatOfADirectory) {
+  std::filesystem::create_directory(directory / "other");
+  writeScene(directory / "other", 2000);
+  const auto serve = [&](const std::string& scene, const std::string& state) {
+    return start("palpate-scheduler", {"serve", scene, "--listen", "tcp://127.0.0.1:*", "--state",
+                                       state, "-o", state + ".h5"});
+  };
+  auto mine = serve("cube.toml", "mine");
+  auto other = serve("other/cube.toml", "others");
+  endpointIn("mine");
+  const auto run = [&](const std::string& verb) {
+    auto process = start("palpate-scheduler", {verb, "mine"});
+    const int code = process->wait();
+    return std::pair(code, process->output());
+  };
+  EXPECT_EQ(run("status").first, 0);
+  std::ofstream(directory / "mine/endpoint") << endpointIn("others") << "\n";
+  for (const char* verb : {"status", "stop", "retry"}) {
+    const auto [code, output] = run(verb);
+    EXPECT_EQ(code, 1) << verb;
+    EXPECT_THAT(output, HasSubstr("another build")) << verb;
+  }
+  EXPECT_TRUE(mine->running() && other->running());
 }
 
 TEST_F(SystemTest, AnInterruptedBuildGoesOn) {

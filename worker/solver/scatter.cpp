@@ -51,7 +51,8 @@ Scatter::Scatter(const Unknowns& unknowns, const SparsityPattern& pattern,
 std::int32_t Scatter::rowSlot(const Place& place) const {
   const std::int32_t unknown = unknowns_.at(place);
   if (unknown < 0) return unknowns_.count() + tool_rows;
-  return held_[unknown] ? unknowns_.count() + place.component : unknown;
+  if (!held_[unknown]) return unknown;
+  return unknowns_.count() + (place.component == pressure_component ? tool_rows : place.component);
 }
 
 std::int32_t Scatter::entrySlot(const Place& place_a, const Place& place_b) const {
@@ -61,6 +62,8 @@ std::int32_t Scatter::entrySlot(const Place& place_a, const Place& place_b) cons
   const std::int32_t a = unknowns_.at(place_a), b = unknowns_.at(place_b);
   const int i = place_a.component, j = place_b.component;
   if (a < 0 || b < 0) return sink;
+  // Of an element that moves as a whole: moving it on changes no volume.
+  if ((held_[a] && i == pressure_component) || (held_[b] && j == pressure_component)) return sink;
   if (held_[a] && held_[b]) return a == b ? tool_begin + i : tool_begin + tool_diagonal + 3 * i + j;
   if (held_[a]) return coupling_begin + 3 * b + i;
   if (held_[b]) return coupling_begin + 3 * a + j;
@@ -86,7 +89,8 @@ void Scatter::findSlots(std::int32_t number) {
   }
 }
 
-void Scatter::hold(const std::vector<std::int32_t>& nodes, bool by_tool) {
+void Scatter::hold(const std::vector<std::int32_t>& nodes, const std::vector<std::int32_t>& idle,
+                   bool by_tool) {
   std::vector<std::int32_t> changed;
   for (const std::int32_t node : nodes) {
     for (int i = 0; i < 3; ++i) {
@@ -96,6 +100,8 @@ void Scatter::hold(const std::vector<std::int32_t>& nodes, bool by_tool) {
     }
     changed.insert(changed.end(), batches_.of_node[node].begin(), batches_.of_node[node].end());
   }
+  for (const std::int32_t node : idle)
+    held_[unknowns_.at({node, pressure_component})] = by_tool ? 1 : 0;
   sortUnique(changed);
   for (const std::int32_t batch : changed) findSlots(batch);
 }

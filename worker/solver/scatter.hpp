@@ -13,7 +13,7 @@ SparsityPattern patternOf(const Unknowns& unknowns, const ElementBatches& batche
 
 /// Adds the equations of elements up to those of the body. What falls on a displacement that a
 /// rigid tool holds goes to the tool's three equations, and its coupling to the others beside the
-/// matrix; what falls on a fixed one goes nowhere.
+/// matrix; what falls on a fixed one, or on a pressure that is held, goes nowhere.
 ///
 /// The sums of one assembly live here: clear, add, read. Slots are looked up once, when the tool
 /// changes. One thread.
@@ -23,8 +23,9 @@ class Scatter {
   Scatter(const Unknowns& unknowns, const SparsityPattern& pattern, const ElementBatches& batches);
 
   /// The displacements of these nodes, none of them fixed, are the tool's from now on, or not any
-  /// more.
-  void hold(const std::vector<std::int32_t>& nodes, bool by_tool);
+  /// more; the pressures at `idle`, some of these nodes, stay as they are meanwhile.
+  void hold(const std::vector<std::int32_t>& nodes, const std::vector<std::int32_t>& idle,
+            bool by_tool);
   bool isHeld(std::int32_t unknown) const { return held_[unknown] != 0; }
 
   void clearRows() { std::fill(rows_.begin(), rows_.end(), 0.0); }

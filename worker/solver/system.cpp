@@ -50,7 +50,7 @@ System::System(BodyModel model, const ElementKernels& kernels)
 
 std::optional<std::int32_t> System::expectedNegativePivots() const {
   if (!isInfSupStable(model_.discretization)) return std::nullopt;
-  return unknowns_.pressures() + multipliers();
+  return unknowns_.pressures() - static_cast<std::int32_t>(idle_.size()) + multipliers();
 }
 
 const Tool* System::rigidTool() const {
@@ -62,7 +62,8 @@ const Tool* System::weightedTool() const {
 }
 
 void System::releaseTool() {
-  if (const Tool* rigid = rigidTool()) sums_.hold(rigid->nodes, false);
+  if (const Tool* rigid = rigidTool()) sums_.hold(rigid->nodes, idle_, false);
+  idle_.clear();
   border_.resize(unknowns(), 0);
   tool_.reset();
 }
@@ -70,7 +71,13 @@ void System::releaseTool() {
 void System::chooseTool(Tool tool) {
   releaseTool();
   tool_ = std::move(tool);
-  if (const Tool* rigid = rigidTool()) sums_.hold(rigid->nodes, true);
+  if (const Tool* rigid = rigidTool()) {
+    idle_ = idlePressures(model_, rigid->nodes);
+    std::erase_if(idle_, [&](std::int32_t node) {
+      return unknowns_.at({node, pressure_component}) < 0;
+    });
+    sums_.hold(rigid->nodes, idle_, true);
+  }
   if (const Tool* weighted = weightedTool()) {
     border_.setZero(unknowns(), 3);
     for (std::size_t n = 0; n < weighted->nodes.size(); ++n)
@@ -96,7 +103,8 @@ State System::moved(const State& state, const Eigen::VectorXd& step, double fact
     for (int i = 0; i < 3; ++i)
       if (const std::int32_t unknown = unknowns_.at({node, i}); unknown >= 0)
         ofNode(next.u, node)[i] += factor * step[unknown];
-    if (const std::int32_t pressure = unknowns_.at({node, pressure_component}); pressure >= 0)
+    if (const std::int32_t pressure = unknowns_.at({node, pressure_component});
+        pressure >= 0 && !sums_.isHeld(pressure))
       next.q[node] += factor * step[pressure];
   }
   next.displacement = displacement;

@@ -61,7 +61,8 @@ struct Neighborhood {
 ///
 ///   L(u, q) - load . u  [+ multiplier . (p - B (u - u_rest))  with a weighted tool, B the weights]
 ///
-/// What a rigid tool holds stays in the system as rows of the identity, and the multipliers of a
+/// What a rigid tool holds stays in the system as rows of the identity, pressures that say nothing
+/// then (idlePressures) among it, and the multipliers of a
 /// weighted tool stand beside it as a border, so that one sparsity pattern, and with it one
 /// analysis, serves every tool.
 ///
@@ -79,9 +80,9 @@ class System {
   std::int32_t unknowns() const { return unknowns_.count(); }
   std::int32_t multipliers() const { return static_cast<std::int32_t>(border_.cols()); }
   /// Negative eigenvalues of the matrix of a Newton step at a stable equilibrium: one for each
-  /// pressure unknown and each multiplier. Nothing where displacement and pressure violate the
-  /// inf-sup condition: the spurious modes have eigenvalues near zero of either sign, so that the
-  /// count says nothing.
+  /// pressure unknown that is not held and each multiplier. Nothing where displacement and pressure
+  /// violate the inf-sup condition: the spurious modes have eigenvalues near zero of either sign,
+  /// so that the count says nothing.
   std::optional<std::int32_t> expectedNegativePivots() const;
   const Unknowns& numbers() const { return unknowns_; }  ///< which unknown is where
   const SparsityPattern& pattern() const { return pattern_; }
@@ -156,7 +157,8 @@ class System {
   mutable Scatter sums_;  ///< of the assembly that is going on
 
   std::optional<Tool> tool_;
-  Eigen::MatrixXd border_;  ///< Tangent::border
+  std::vector<std::int32_t> idle_;  ///< idlePressures of a rigid tool_, those with an unknown
+  Eigen::MatrixXd border_;          ///< Tangent::border
   double load_factor_ = 1;
   double total_load_ = 0;  ///< newtons
   State rest_;

@@ -29,7 +29,32 @@ std::vector<std::uint8_t> nodesWithPressure(const BodyModel& model) {
   return with_pressure;
 }
 
+/// Whether the pressure of an element stands in no term but that of its volume.
+bool isMultiplier(const BodyModel& model, std::size_t element) {
+  const std::uint16_t region = model.region_of[element];
+  return pressureSpaceOf(model, region) != PressureSpace::p1_stabilized &&
+         isIncompressible(model.materials[region]);
+}
+
 }  // namespace
+
+std::vector<std::int32_t> idlePressures(const BodyModel& model,
+                                        const std::vector<std::int32_t>& tool_nodes) {
+  std::vector<std::uint8_t> inside(model.mesh.nodes.size(), 0), speaks = inside;
+  for (const std::int32_t node : tool_nodes) inside[node] = 1;
+  for (std::size_t element = 0; element < model.mesh.tetrahedra.size(); ++element) {
+    const int pressures = pressureNodes(pressureSpaceOf(model, model.region_of[element]));
+    if (pressures == 0) continue;
+    const std::vector<std::int32_t> nodes = nodesOf(model.mesh, element);
+    const bool rigid = std::ranges::all_of(nodes, [&](std::int32_t node) { return inside[node]; });
+    if (rigid && isMultiplier(model, element)) continue;
+    for (int b = 0; b < pressures; ++b) speaks[nodes[b]] = 1;
+  }
+  std::vector<std::int32_t> idle;
+  for (const std::int32_t node : tool_nodes)
+    if (!speaks[node]) idle.push_back(node);
+  return idle;
+}
 
 // Node by node, so that the unknowns of an element stand near each other in the matrix.
 Unknowns::Unknowns(const BodyModel& model) : number_(4 * model.mesh.nodes.size(), -1) {

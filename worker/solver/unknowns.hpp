@@ -33,4 +33,10 @@ class Unknowns {
   std::vector<std::int32_t> number_;  ///< nNodes x 4
 };
 
+/// The nodes whose pressure says nothing while a rigid tool holds these nodes (sorted): all
+/// elements around move with it as a whole, so that no volume can change, and neither a
+/// stabilisation nor a bulk modulus gives the pressure a row of its own. Ascending.
+std::vector<std::int32_t> idlePressures(const BodyModel& model,
+                                        const std::vector<std::int32_t>& tool_nodes);
+
 }  // namespace palpate

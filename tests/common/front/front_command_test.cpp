@@ -37,6 +37,21 @@ TEST_F(FrontCommand, StartsTheProgramBesideItAndReturnsItsExitCode) {
   EXPECT_EQ(palpate("check x").output, "palpate-worker:check x\n");
 }
 
+TEST_F(FrontCommand, AsksTheSchedulerToCheckADirectoryAndTheWorkerToCheckAScene) {
+  std::filesystem::create_directory(directory / "x.h5.state");
+  std::filesystem::create_directory(directory / "check");
+  const std::string state = (directory / "x.h5.state").string();
+  EXPECT_EQ(palpate("check " + state + " --json").output,
+            "palpate-scheduler:check " + state + " --json\n");
+  EXPECT_EQ(palpate("check --repair " + state).output,
+            "palpate-scheduler:check --repair " + state + "\n");
+  EXPECT_EQ(palpate("check x.toml").output, "palpate-worker:check x.toml\n");
+  EXPECT_EQ(palpate("solve " + state).output, "palpate-worker:solve " + state + "\n");
+  EXPECT_EQ(test::runCommand("cd " + directory.path().string() + " && ./palpate check").output,
+            "palpate-worker:check\n")
+      << "the verb itself is no directory";
+}
+
 TEST_F(FrontCommand, WorksThroughALinkElsewhere) {
   const test::TemporaryDirectory elsewhere;
   std::filesystem::create_symlink(directory / "palpate", elsewhere / "palpate");

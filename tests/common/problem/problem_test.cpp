@@ -181,6 +181,28 @@ TEST_F(Problem, RefusesAPatchThatLeavesNothingToSolveFor) {
   refuses({"active \"top\"", "whole body", "radius"});
 }
 
+/// All around the fixed nodes below it.
+TEST_F(Problem, RefusesAPatchThatWithTheFixedNodesLeavesAVolumeNoWayToBeKept) {
+  scene.active[0].near = Eigen::Vector3d(0, 0.1, 0.05);
+  scene.active[0].radius = 0.08;
+  for (const DisplacementSpace displacement : {DisplacementSpace::p1, DisplacementSpace::p2}) {
+    scene.discretization.displacement = displacement;
+    scene.discretization.pressure = PressureSpace::p1;
+    refuses({"active \"top\"", "volume cannot be kept", "make radius smaller", "bulk"});
+    scene.regions[0].material.bulk = 40000;
+    EXPECT_NO_THROW(resolved()) << "the volume may give";
+    scene.regions[0].material.bulk.reset();
+  }
+  scene.discretization = {DisplacementSpace::p1, PressureSpace::p1_stabilized};
+  EXPECT_NO_THROW(resolved()) << "the stabilisation lets it";
+}
+
+TEST_F(Problem, TakesAPatchThatHoldsWholeElementsByItself) {
+  scene.discretization = {DisplacementSpace::p2, PressureSpace::p1};
+  scene.active[0].radius = 0.09;
+  EXPECT_NO_THROW(resolved());
+}
+
 TEST_F(Problem, RefusesABodyThatCanTurn) {
   scene.fixed = {};
   scene.fixed.nodes = {0, 1, 4};

@@ -1,9 +1,15 @@
 #include "common/wire/wire.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <filesystem>
+#include <fstream>
 
 #include "tests/support/causes.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace palpate {
 namespace {
@@ -21,6 +27,59 @@ TEST(Endpoint, IsRefusedSayingHowToWriteOne) {
        {"", "localhost:7411", "http://localhost:7411", "tcp://", "tcp://localhost", "tcp://:7411",
         "tcp://localhost:", "tcp://localhost:99999", "tcp://localhost:7411x"})
     expectBadInput([&] { checkEndpoint(bad); }, {"tcp://HOST:PORT"});
+}
+
+/// libzmq itself would take the path over, and the first one would never hear of it.
+TEST(Endpoint, OfASocketFileIsRefusedWhileAnotherListensThere) {
+  const test::TemporaryDirectory directory;
+  const std::string endpoint = "ipc://" + (directory / "s").string();
+  zmq::context_t context;
+  zmq::socket_t second = makeRouter(context);
+  {
+    zmq::context_t first_context;
+    zmq::socket_t first = makeRouter(first_context);
+    bindRouter(first, endpoint);
+    test::expectError(ExitCode::failed, [&] { bindRouter(second, endpoint); },
+                      {endpoint, "in use by another program", "another path"});
+    zmq::socket_t dealer = makeDealer(context);
+    dealer.set(zmq::sockopt::immediate, false);
+    connectDealer(dealer, endpoint);
+    wire::Message question;
+    question.mutable_status_request();
+    EXPECT_EQ(sendMessage(dealer, "", question), Sent::yes);
+    ASSERT_TRUE(waitForMessages(first, std::chrono::seconds(10)));
+    while (!receiveMessage(first, true)) waitForMessages(first, std::chrono::milliseconds(100));
+  }
+  EXPECT_TRUE(std::filesystem::exists(directory / "s"));
+  EXPECT_EQ(bindRouter(second, endpoint), endpoint) << "once the first has ended";
+}
+
+/// As after a kill: the file is there, and nobody behind it.
+TEST(Endpoint, OfASocketFileThatWasLeftBehindIsTaken) {
+  const test::TemporaryDirectory directory;
+  const std::string path = directory / "s";
+  struct sockaddr_un address {};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  const int killed = socket(AF_UNIX, SOCK_STREAM, 0);
+  ASSERT_EQ(bind(killed, reinterpret_cast<struct sockaddr*>(&address), sizeof address), 0);
+  close(killed);
+  ASSERT_TRUE(std::filesystem::exists(path));
+  zmq::context_t context;
+  zmq::socket_t socket = makeRouter(context);
+  EXPECT_EQ(bindRouter(socket, "ipc://" + path), "ipc://" + path);
+}
+
+TEST(Endpoint, OfAFileThatIsNoSocketIsRefusedAndTheFileKept) {
+  const test::TemporaryDirectory directory;
+  const std::string path = directory / "thesis.tex";
+  std::ofstream(path) << "years of work";
+  zmq::context_t context;
+  zmq::socket_t socket = makeRouter(context);
+  test::expectError(ExitCode::failed, [&] { bindRouter(socket, "ipc://" + path); },
+                    {path, "no socket"});
+  EXPECT_EQ(std::filesystem::file_size(path), 13u);
+  expectBadInput([&] { bindRouter(socket, "ipc://" + std::string(200, 'x')); }, {"too long"});
 }
 
 TEST(WireResult, CarriesFailuresOfEveryCauseThatStopsTransitions) {

@@ -39,6 +39,11 @@ struct JournalTest : testing::Test {
     for (const JournalScan::Found& record : scan().records) headers.push_back(record.header);
     return headers;
   }
+  std::vector<std::string> gaps() {
+    std::vector<std::string> texts;
+    for (const JournalGap& gap : scan().gaps) texts.push_back(gap.text);
+    return texts;
+  }
 };
 
 TEST_F(JournalTest, ReadsBackWhatWasAppended) {
@@ -111,7 +116,7 @@ TEST_F(JournalTest, NoticesEveryFlippedBitAndLosesThatRecordAlone) {
     EXPECT_THROW(journal.read(middle), DamagedRecord);
     EXPECT_EQ(journal.read(after).header, "after");
     EXPECT_THAT(headers(), ElementsAre("before", "after"));
-    EXPECT_THAT(scan().gaps, ElementsAre(HasSubstr("segment-000001.dat")));
+    EXPECT_THAT(gaps(), ElementsAre(HasSubstr("segment-000001.dat")));
   }
 }
 
@@ -139,7 +144,67 @@ TEST_F(JournalTest, ADamagedPayloadOfAnEarlierSegmentShowsWhenItIsRead) {
   EXPECT_THROW(journal.read(early), DamagedRecord);
   journal.drop(early);
   EXPECT_THAT(headers(), ElementsAre("late"));
-  EXPECT_THAT(scan().gaps, ElementsAre(HasSubstr("dropped")));
+  EXPECT_THAT(gaps(), ElementsAre(HasSubstr("dropped")));
+}
+
+/// Whatever of it is damaged: its head may be what cannot be read.
+TEST_F(JournalTest, WhatWasDroppedIsToldAsThatAndNotAsDamageAgain) {
+  Journal journal = open();
+  journal.append("before", "payload");
+  const JournalPosition middle = journal.append("middle", "payload");
+  journal.append("after", "payload");
+  journal.sync();
+  const std::string whole = contentOf(first);
+  for (std::uint64_t byte = middle.offset; byte < middle.offset + middle.length; ++byte) {
+    std::string damaged = whole;
+    damaged[byte] = static_cast<char>(damaged[byte] ^ 0x20);
+    writeFile(first, damaged);
+    ASSERT_EQ(scan().gaps.size(), 1u);
+    EXPECT_EQ(scan().gaps[0].kind, JournalGap::Kind::damaged);
+    EXPECT_EQ(scan().gaps[0].where, middle);
+    for (int again = 0; again < 2; ++again) {
+      journal.drop(middle);
+      ASSERT_EQ(scan().gaps.size(), 1u);
+      EXPECT_EQ(scan().gaps[0].kind, JournalGap::Kind::dropped);
+      EXPECT_EQ(scan().gaps[0].where, middle);
+      EXPECT_THAT(headers(), ElementsAre("before", "after"));
+    }
+    EXPECT_EQ(fs::file_size(first), whole.size());
+  }
+}
+
+TEST_F(JournalTest, TheFirstRecordsCanBeDroppedTogetherWhenNoneOfThemCanBeRead) {
+  {
+    Journal journal = open();
+    for (const char* header : {"one", "two", "three"}) journal.append(header, "payload");
+    journal.sync();
+  }
+  std::string bytes = contentOf(first);
+  bytes[0] = bytes[20 + 3 + 7] = 'x';
+  writeFile(first, bytes);
+  ASSERT_EQ(scan().gaps.size(), 1u);
+  Journal journal = open();
+  journal.drop(scan().gaps[0].where);
+  EXPECT_EQ(scan().gaps[0].kind, JournalGap::Kind::dropped);
+  EXPECT_THAT(headers(), ElementsAre("three"));
+}
+
+TEST_F(JournalTest, EmptyFilesMarkThatSegmentsWereMissing) {
+  {
+    Journal journal = open(10);
+    for (const char* header : {"one", "two", "three"}) journal.append(header, "payload");
+    journal.sync();
+  }
+  fs::remove(directory / "segment-000001.dat");
+  fs::remove(directory / "segment-000002.dat");
+  for (int again = 0; again < 2; ++again) {
+    Journal journal = open(10);
+    journal.fillMissing();
+    journal.checkPresence();
+    EXPECT_THAT(gaps(), ElementsAre(HasSubstr("segment-000001.dat"), HasSubstr("was missing")));
+    EXPECT_EQ(scan().gaps[0].kind, JournalGap::Kind::dropped);
+    EXPECT_THAT(headers(), ElementsAre("three"));
+  }
 }
 
 TEST_F(JournalTest, ASegmentThatIsMissingCostsWhatWasInIt) {
@@ -150,7 +215,7 @@ TEST_F(JournalTest, ASegmentThatIsMissingCostsWhatWasInIt) {
   }
   fs::remove(directory / "segment-000002.dat");
   EXPECT_THAT(headers(), ElementsAre("one", "three"));
-  EXPECT_THAT(scan().gaps, ElementsAre(HasSubstr("segment-000002.dat: is missing")));
+  EXPECT_THAT(gaps(), ElementsAre(HasSubstr("segment-000002.dat: is missing")));
   open(10).checkPresence();
 }
 

@@ -252,6 +252,32 @@ TEST_F(SystemTest, HasPressuresOnlyWhereAMixedMaterialIs) {
   EXPECT_EQ(system.restState().q.size(), static_cast<std::size_t>(model.mesh.vertices()));
 }
 
+/// A tool that holds all nodes of elements: the pressures among them alone have no equation.
+TEST_F(SystemTest, HoldsThePressuresThatSayNothingWhileTheToolHoldsAllAroundThem) {
+  const auto half = [](const Formulation& formulation) {
+    BodyModel model = test::freeBody(test::distortedBoxMesh({0.1, 0.05, 0.05}, {3, 1, 1}),
+                                     formulation.discretization, formulation.material);
+    test::fix(model, "xmin");
+    Tool tool;
+    for (std::int32_t node = 0; node < static_cast<std::int32_t>(model.mesh.nodes.size()); ++node)
+      if (model.mesh.nodes[static_cast<std::size_t>(node)].x() > 0.05) tool.nodes.push_back(node);
+    model.tools = {tool};
+    return model;
+  };
+  for (const Formulation& formulation : oneFormulationPerElement()) {
+    prepare(half(formulation));
+    expectResidualIsTheDerivativeOfTheEnergy(formulation.name);
+    expectTangentIsTheDerivativeOfTheResidual(formulation.name);
+    if (!isInfSupStable(formulation.discretization)) continue;
+    const Eigen::MatrixXd K = dense();
+    EXPECT_TRUE(K.fullPivLu().isInvertible()) << formulation.name;
+    system_->releaseTool();
+    system_->chooseTool(0);
+    system_->assemble(state_, residual_, tangent_);
+    EXPECT_EQ(dense(), K) << formulation.name << ": the same when it is chosen again";
+  }
+}
+
 TEST_F(SystemTest, ExpectsNoInertiaOfElementsWithSpuriousPressures) {
   for (const Discretization& element : test::everyElement()) {
     const bool unstable = test::nameOf(element) == "P1/P1" || test::nameOf(element) == "P2/P2";

@@ -1,0 +1,166 @@
+#include "scheduler/inspection_text.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "scheduler/status_text.hpp"
+
+namespace palpate {
+namespace {
+
+/// More of one kind are only counted.
+constexpr std::size_t most_told = 20;
+
+std::string sizeText(std::uint64_t bytes) {
+  if (bytes < 10'000) return fmt::format("{} bytes", bytes);
+  if (bytes < 10'000'000) return fmt::format("{} kB", bytes / 1000);
+  return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
+}
+
+std::string countText(std::size_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+/// A line for each, the first of many.
+std::string linesOf(std::string_view kind, const std::vector<JournalDamage>& places) {
+  std::string lines;
+  for (std::size_t n = 0; n < std::min(places.size(), most_told); ++n)
+    lines += fmt::format("           {}: {}\n", kind, places[n].text);
+  if (places.size() > most_told)
+    lines += fmt::format("           {}: {} more\n", kind, places.size() - most_told);
+  return lines;
+}
+
+std::string journalText(const Inspection& found) {
+  std::string text = fmt::format("journal    {}, {}, {}\n", countText(found.segments, "segment"),
+                                 countText(found.records, "whole record"), sizeText(found.bytes)) +
+                     linesOf("damaged", found.damage) + linesOf("foreign", found.foreign);
+  if (!found.dropped.empty())
+    text += fmt::format("           note: {}, dropped earlier\n",
+                        countText(found.dropped.size(), "damaged place"));
+  if (found.unfinished > 0 && !found.scheduler)
+    text += fmt::format(
+        "           note: {} behind the last record, as a crash leaves them; "
+        "the next start cuts them off\n",
+        countText(found.unfinished, "byte"));
+  return text;
+}
+
+std::string tablesText(const Inspection& found) {
+  using TableState = Inspection::TableState;
+  if (found.tables == TableState::damaged)
+    return fmt::format("tables     {}; {}\n", found.tables_text,
+                       "nothing of a build rests on them, they can be made again");
+  if (found.tables == TableState::missing)
+    return "tables     none; the next start of the build makes them from the journal\n";
+  if (found.scheduler) return "tables     whole; not compared with the journal, which grows\n";
+  if (found.wrong_rows > 0)
+    return fmt::format("tables     {} not what the journal says; they can be made again\n",
+                       countText(found.wrong_rows, "row"));
+  if (found.rows_behind > 0)
+    return fmt::format(
+        "tables     whole, {} behind the journal; the next start brings them up to date\n",
+        countText(found.rows_behind, "row"));
+  return "tables     whole, and say what the journal says\n";
+}
+
+std::string costText(const Inspection& found) {
+  std::string text;
+  if (!found.lost.empty()) {
+    std::vector<std::string> points;
+    for (const Inspection::LostPoint& lost : found.lost) {
+      if (points.size() == most_told) break;
+      points.push_back(lost.active + ' ' + pointText(lost.point, lost.divisions));
+    }
+    if (found.lost.size() > most_told)
+      points.push_back(fmt::format("{} more", found.lost.size() - most_told));
+    text = fmt::format("cost       {} computed again: {}\n", countText(found.lost.size(), "point"),
+                       fmt::join(points, ", "));
+  }
+  if (found.spare > 0)
+    text += fmt::format("           {} nobody asks for {}\n", countText(found.spare, "result"),
+                        found.damage.empty() && found.dropped.empty()
+                            ? "although nothing is lost: another version of palpate began this "
+                              "directory; go on with that one"
+                            : "before what was lost is there again");
+  return text;
+}
+
+std::string verdictText(const Inspection& found, const std::filesystem::path& directory) {
+  if (found.whole()) return "whole: the next start of the build goes on from all of it\n";
+  if (!found.foreign.empty())
+    return "damaged: records of several builds; put the segments of the other build elsewhere\n";
+  if (found.scheduler)
+    return "damaged: the scheduler that works there drops what it meets, and computes it again\n";
+  return fmt::format(
+      "damaged: the next start of the build computes again what is lost; palpate check {} --repair "
+      "drops what is damaged now\n",
+      directory.string());
+}
+
+const char* wordOf(Inspection::TableState state) {
+  switch (state) {
+    case Inspection::TableState::whole: return "whole";
+    case Inspection::TableState::missing: return "missing";
+    case Inspection::TableState::damaged: break;
+  }
+  return "damaged";
+}
+
+nlohmann::ordered_json placesJson(const std::vector<JournalDamage>& places) {
+  auto list = nlohmann::ordered_json::array();
+  for (const JournalDamage& place : places)
+    list.push_back({{"segment", place.where.segment},
+                    {"byte", place.where.offset},
+                    {"bytes", place.where.length},
+                    {"text", place.text}});
+  return list;
+}
+
+}  // namespace
+
+std::string describe(const Inspection& found, const std::filesystem::path& directory) {
+  std::string text = fmt::format("state      {}: ", directory.string());
+  text += found.scene_name.empty() ? "scene unknown" : "scene " + found.scene_name;
+  text += fmt::format(", build {}\n", found.build ? found.build->shortHex() : "unknown");
+  if (found.scheduler)
+    text += fmt::format("           process {} works there: what it wrote until now was read\n",
+                        *found.scheduler);
+  text += journalText(found) + tablesText(found) + costText(found);
+  for (const std::string& file : found.leftovers)
+    text += fmt::format("leftover   {}: nobody needs it, it may be removed\n", file);
+  return text + verdictText(found, directory);
+}
+
+std::string inspectionJson(const Inspection& found, const std::filesystem::path& directory,
+                           const std::vector<std::string>& repaired) {
+  auto lost = nlohmann::ordered_json::array();
+  for (const auto& [active, p, divisions] : found.lost)
+    lost.push_back({{"active", active},
+                    {"point", {{"i", p[0]}, {"j", p[1]}, {"k", p[2]}}},
+                    {"divisions", divisions}});
+  const nlohmann::ordered_json report = {{"directory", directory.string()},
+                                         {"scene", found.scene_name},
+                                         {"build", found.build ? found.build->hex() : ""},
+                                         {"whole", found.whole()},
+                                         {"scheduler", found.scheduler.value_or("")},
+                                         {"segments", found.segments},
+                                         {"records", found.records},
+                                         {"bytes", found.bytes},
+                                         {"unfinished_bytes", found.unfinished},
+                                         {"damaged", placesJson(found.damage)},
+                                         {"foreign", placesJson(found.foreign)},
+                                         {"dropped", found.dropped.size()},
+                                         {"tables",
+                                          {{"state", wordOf(found.tables)},
+                                           {"text", found.tables_text},
+                                           {"wrong_rows", found.wrong_rows},
+                                           {"rows_behind", found.rows_behind}}},
+                                         {"computed_again", lost},
+                                         {"spare_results", found.spare},
+                                         {"leftovers", found.leftovers},
+                                         {"repaired", repaired}};
+  // Names of files need not be UTF-8.
+  return report.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace palpate

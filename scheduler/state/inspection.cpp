@@ -1,0 +1,332 @@
+#include "scheduler/state/inspection.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "common/base/assertion.hpp"
+#include "common/wire/wire.hpp"
+
+namespace palpate {
+namespace {
+
+/// Why the tables' word about their own build cannot be right; empty when it can.
+std::string objectionTo(const StoredBuild& build) {
+  try {
+    return problemId(decodeProblem(build.problem)) == build.build
+               ? ""
+               : "the problem in them is not that of their build id";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+/// The problem in a database that may be damaged elsewhere.
+std::optional<Problem> problemIn(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  try {
+    Database database(file, Database::Access::read_copy);
+    Statement query(database, "SELECT value FROM meta WHERE key = 'problem'");
+    return query.step() ? std::optional(decodeProblem(query.text(0))) : std::nullopt;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+/// Looks at one state directory, step by step; what it finds is in `found`.
+class Inspector {
+ public:
+  Inspector(std::filesystem::path directory, std::optional<std::string> scheduler)
+      : directory_(std::move(directory)), journal_(directory_) {
+    found_.scheduler = std::move(scheduler);
+  }
+
+  Inspection look() {
+    // The tables first: a scheduler writes them after the journal, so that what they know by now
+    // must be in the journal then.
+    readTables();
+    readJournal();
+    if (found_.segments == 0 && found_.tables != Inspection::TableState::whole)
+      throw badInput("{}: is not a state directory of Palpate: there is no journal in it, and {}",
+                     directory_.string(),
+                     found_.tables_text.empty() ? "no state.db" : found_.tables_text);
+    if (!found_.problem) salvageProblem();
+    if (found_.problem) compare();
+    listLeftovers();
+    return std::move(found_);
+  }
+
+ private:
+  void readTables() {
+    const std::filesystem::path file = StateDirectory::databaseIn(directory_);
+    std::error_code none;
+    if (const auto size = std::filesystem::file_size(file, none); none || size == 0) {
+      found_.tables = Inspection::TableState::missing;
+      return;
+    }
+    try {
+      // Beside a scheduler a copy would be torn, and its files are there anyway.
+      tables_.emplace(directory_,
+                      found_.scheduler ? Database::Access::read_only : Database::Access::read_copy);
+      tables_->verify();
+      takeBuild(tables_->build());
+    } catch (const DamagedDatabase& damage) {
+      tablesAreDamaged(damage.what());
+    }
+  }
+
+  void takeBuild(const StoredBuild& build) {
+    if (const std::string objection = objectionTo(build); !objection.empty())
+      return tablesAreDamaged(fmt::format("{}: damaged: {}", pathOfTables(), objection));
+    found_.build = build.build;
+    found_.scene_name = build.scene_name;
+    found_.problem = decodeProblem(build.problem);
+  }
+
+  void tablesAreDamaged(std::string text) {
+    found_.tables = Inspection::TableState::damaged;
+    found_.tables_text = std::move(text);
+    tables_.reset();
+  }
+
+  std::string pathOfTables() const { return StateDirectory::databaseIn(directory_).string(); }
+
+  void readJournal() {
+    JournalScan scan = journal_.scan();
+    found_.end = scan.end;
+    for (const std::uint32_t segment : journal_.segments()) {
+      ++found_.segments;
+      found_.bytes += std::filesystem::file_size(journal_.segmentPath(segment));
+      if (segment == scan.end.segment)
+        found_.unfinished =
+            std::filesystem::file_size(journal_.segmentPath(segment)) - scan.end.offset;
+    }
+    for (JournalGap& gap : scan.gaps) takeGap(gap);
+    for (const JournalScan::Found& record : scan.records) readRecord(record);
+  }
+
+  void takeGap(JournalGap& gap) {
+    if (gap.kind == JournalGap::Kind::dropped) {
+      found_.dropped.push_back(std::move(gap.text));
+      return;
+    }
+    JournalDamage damage{gap.where, std::move(gap.text), std::nullopt};
+    try {
+      wire::Result result;
+      if (gap.kind == JournalGap::Kind::damaged &&
+          result.ParseFromString(journal_.readHeader(gap.where)))
+        damage.key = keyOf(result);
+    } catch (const DamagedRecord&) {
+      // Not one record whose payload alone is damaged.
+    }
+    found_.damage.push_back(std::move(damage));
+  }
+
+  void readRecord(const JournalScan::Found& record) {
+    const auto add = [&](std::vector<JournalDamage>& list, const std::string& what,
+                         const std::optional<ResultKey>& key) {
+      list.push_back({record.where,
+                      fmt::format("{}: the record at byte {}: {}",
+                                  journal_.segmentPath(record.where.segment).string(),
+                                  record.where.offset, what),
+                      key});
+    };
+    StoredResult result;
+    std::optional<Outcome> outcome;
+    if (result.header.ParseFromString(record.header)) outcome = fromWire(result.header);
+    if (!outcome) return add(found_.damage, "a result that makes no sense", std::nullopt);
+    const ResultKey key = keyOf(result.header);
+    if (!found_.build) found_.build = ContentId::fromBytes(result.header.build());
+    if (!found_.build || result.header.build() != found_.build->bytes())
+      return add(found_.foreign, "a result of another build", key);
+    try {
+      const std::string payload = journal_.read(record.where).payload;
+      if (const std::string what = objectionToFields(result.header, payload); !what.empty())
+        return add(found_.damage, what, key);
+    } catch (const DamagedRecord& damage) {
+      found_.damage.push_back({record.where, damage.what(), key});
+      return;
+    }
+    ++found_.records;
+    result.outcome = std::move(*outcome);
+    recorded_.insert(key);
+    results_.try_emplace(key, std::move(result));
+  }
+
+  /// Whether these are the fields that later transitions start from.
+  std::string objectionToFields(const wire::Result& result, const std::string& payload) const {
+    if (payload.size() != result.payload_bytes())
+      return "its payload has another length than its header says";
+    if (!result.has_equilibrium()) return "";
+    if (ContentId::of(payload).bytes() != result.fields_id())
+      return "its payload has another content id than its header says";
+    if (!found_.problem) return "";
+    try {
+      NodalFields::decode(payload, found_.problem->mesh.nodes.size(),
+                          pressureNodes(*found_.problem));
+      return "";
+    } catch (const Error& error) {
+      return error.what();
+    }
+  }
+
+  /// From tables that are damaged elsewhere, or were put aside.
+  void salvageProblem() {
+    for (const char* part : {"", ".damaged"}) {
+      std::optional<Problem> problem = problemIn(pathOfTables() + part);
+      if (!problem) continue;
+      const ContentId id = problemId(*problem);
+      if (found_.build.value_or(id) != id) continue;
+      found_.build = id;
+      found_.scene_name = problem->scene.name;
+      found_.problem = std::move(problem);
+      return;
+    }
+  }
+
+  void compare() {
+    replayed_ = replay(*found_.problem, std::move(results_));
+    found_.spare = replayed_.spare.size();
+    for (const JournalDamage& damage : found_.damage)
+      if (damage.key && damage.key->space < found_.problem->active.size())
+        lost_.emplace(damage.key->space, damage.key->target);
+    if (tables_ && !found_.scheduler) compareTables();
+    for (const auto& [space, point] : lost_)
+      found_.lost.push_back({found_.problem->active[space].name, point,
+                             replayed_.plans[space].positions().divisions()});
+  }
+
+  void compareTables() {
+    std::size_t rows = 0;
+    try {
+      tables_->eachPoint([&](const PointRow& row) {
+        ++rows;
+        compareRow(row);
+      });
+    } catch (const DamagedDatabase& damage) {
+      return tablesAreDamaged(damage.what());
+    }
+    if (!std::ranges::all_of(found_.damage, [](const auto& damage) { return !!damage.key; }))
+      loseWhatIsAskedForAgain();
+    std::size_t expected = 0;
+    for (const SpacePlan& plan : replayed_.plans) expected += static_cast<std::size_t>(plan.size());
+    if (expected > rows) found_.rows_behind += expected - rows;
+  }
+
+  void compareRow(const PointRow& row) {
+    if (row.space >= replayed_.plans.size()) {
+      ++found_.wrong_rows;
+      return;
+    }
+    if (row.tag != name(Tag::unknown)) told_.emplace(row.space, row.number);
+    const SpacePlan& plan = replayed_.plans[row.space];
+    const bool there = row.number >= 0 && row.number < plan.size();
+    const PointRow expected = there ? rowOf(row.space, row.number, plan) : PointRow();
+    if (there && row == expected) return;
+    const bool moved = there && row.position != expected.position;
+    const bool same_result = there && row.parent >= 0 && row.parent == expected.parent;
+    if (moved || same_result)
+      ++found_.wrong_rows;
+    else if (isAhead(row, plan))
+      lost_.emplace(row.space, row.position);
+    else
+      ++found_.rows_behind;
+  }
+
+  /// What the plans ask for of points that the tables knew was recorded once.
+  void loseWhatIsAskedForAgain() {
+    for (const TransitionKey& key : replayed_.missing)
+      if (told_.contains({key.space, key.target}))
+        lost_.emplace(key.space, replayed_.plans[key.space].positions().point(key.target));
+  }
+
+  /// A row about a result that is not in the journal, which is written first.
+  bool isAhead(const PointRow& row, const SpacePlan& plan) const {
+    if (row.tag == name(Tag::unknown)) return false;
+    if (row.number < 0 || row.number >= plan.size() || row.parent >= plan.size()) return true;
+    if (row.parent < 0) return plan.point(row.number).tag == Tag::unknown;
+    return !recorded_.contains({row.space, row.position, plan.positions().point(row.parent)});
+  }
+
+  void listLeftovers() {
+    const std::set<std::string> known = {"state.db.damaged", "lock.tmp", "endpoint.tmp"};
+    for (const auto& entry : std::filesystem::directory_iterator(directory_))
+      if (known.contains(entry.path().filename().string()))
+        found_.leftovers.push_back(entry.path().string());
+    std::ranges::sort(found_.leftovers);
+  }
+
+  std::filesystem::path directory_;
+  JournalReader journal_;
+  std::optional<StoredTables> tables_;
+  std::set<ResultKey> recorded_;
+  StoredResults results_;  ///< until they are replayed
+  Replay replayed_;
+  std::set<std::pair<std::uint32_t, std::int32_t>> told_;  ///< points that the tables know
+  std::set<std::pair<std::uint32_t, LatticePoint>> lost_;
+  Inspection found_;
+};
+
+/// From the journal as it is now.
+void remakeTables(const StateDirectory& held, const Problem& problem) {
+  Tables tables(held, problem, encodeProblem(problem));
+  tables.showAll(replay(problem, readResults(held.path(), problemId(problem)).results).plans);
+}
+
+void refuseSeveralBuilds(const StateDirectory& held, const Inspection& found) {
+  if (found.foreign.empty()) return;
+  throw failure(
+      "{}: {} record(s) are of another build (the first: {}); nothing was changed: "
+      "put the segments of the other build elsewhere, or remove those that are not needed",
+      held.path().string(), found.foreign.size(), found.foreign.front().text);
+}
+
+}  // namespace
+
+bool Inspection::whole() const {
+  const bool left_over = spare > 0 && dropped.empty();
+  return damage.empty() && foreign.empty() && lost.empty() && !left_over && wrong_rows == 0 &&
+         tables != TableState::damaged;
+}
+
+Inspection inspect(const std::filesystem::path& directory) {
+  if (!std::filesystem::is_directory(directory))
+    throw badInput("{}: is not a state directory of Palpate: no directory", directory.string());
+  const auto scheduler = StateDirectory::holder(directory);
+  Inspection found = Inspector(directory, scheduler).look();
+  // One that began meanwhile wrote what was being read.
+  if (const auto begun = StateDirectory::holder(directory); !scheduler && begun)
+    found = Inspector(directory, begun).look();
+  return found;
+}
+
+Inspection inspect(const StateDirectory& held) {
+  return Inspector(held.path(), std::nullopt).look();
+}
+
+std::vector<std::string> repair(const StateDirectory& held, const Inspection& found) {
+  refuseSeveralBuilds(held, found);
+  std::vector<std::string> done;
+  Journal journal(held.path(), found.end);
+  if (found.unfinished > 0)
+    done.push_back(fmt::format("{} bytes behind the last record cut off", found.unfinished));
+  journal.fillMissing();
+  for (const JournalDamage& damage : found.damage)
+    if (damage.where.length > 0) journal.drop(damage.where);
+  if (!found.damage.empty())
+    done.push_back(fmt::format("{} damaged place(s) of the journal dropped", found.damage.size()));
+  using TableState = Inspection::TableState;
+  const std::filesystem::path tables = held.database();
+  if (found.tables == TableState::damaged) {
+    putTablesAside(held);
+    done.push_back(fmt::format("{0} put aside as {0}.damaged", tables.string()));
+  }
+  const bool stale = found.tables != TableState::whole || found.wrong_rows > 0 ||
+                     found.rows_behind > 0 || !found.lost.empty() || !found.damage.empty();
+  if (stale && found.problem) {
+    remakeTables(held, *found.problem);
+    done.push_back(fmt::format("{} made from the journal", tables.string()));
+  }
+  return done;
+}
+
+}  // namespace palpate

@@ -1,0 +1,376 @@
+#include "scheduler/state/inspection.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "scheduler/inspection_text.hpp"
+#include "tests/scheduler/build_world.hpp"
+#include "tests/support/expect_error.hpp"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::SizeIs;
+using TableState = Inspection::TableState;
+
+std::string contentOf(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// The state directory of a build that was finished and left.
+struct InspectionTest : testing::Test {
+  InspectionTest() {
+    test::BuildWorld world;
+    world.join("a", 8);
+    world.finish({"a"});
+    undisturbed = world.sealedContent();
+    fs::copy(world.directory / "state", state);
+    // As its scheduler leaves them when it ends.
+    alter("PRAGMA wal_checkpoint(TRUNCATE)");
+  }
+
+  test::TemporaryDirectory directory;
+  const Problem problem = test::cubeProblem();
+  const fs::path state = directory / "state";
+  const fs::path segment = state / "segment-000001.dat";
+  const fs::path database = StateDirectory::databaseIn(state);
+  ContentId undisturbed;
+
+  Inspection look() { return inspect(state); }
+  std::vector<std::string> mend() {
+    const StateDirectory held(state);
+    return repair(held, inspect(held));
+  }
+  RecordedResults recorded() { return readResults(state, problemId(problem)); }
+  JournalPosition whereIs(const ResultKey& key) { return recorded().where.at(key); }
+  void flip(const fs::path& file, std::uint64_t byte) {
+    std::fstream stream(file, std::ios::binary | std::ios::in | std::ios::out);
+    stream.seekg(static_cast<std::streamoff>(byte));
+    const char there = static_cast<char>(stream.get());
+    stream.seekp(static_cast<std::streamoff>(byte));
+    stream.put(static_cast<char>(there ^ 0x10));
+  }
+  void alter(const std::string& sql) {
+    Database(database, Database::Access::read_write_create).execute(sql);
+  }
+  /// The page that the rows of points begin with, and no other.
+  void damageRows() {
+    std::streamoff page = 0;
+    {
+      Database tables(database, Database::Access::read_only);
+      Statement query(tables, "SELECT rootpage FROM sqlite_master WHERE name = 'configurations'");
+      ASSERT_TRUE(query.step());
+      page = query.integer<std::streamoff>(0);
+    }
+    std::fstream stream(database, std::ios::binary | std::ios::in | std::ios::out);
+    stream.seekp((page - 1) * 8192);
+    stream << std::string(8192, 'x');
+  }
+  /// Names and bytes of all files.
+  std::map<std::string, std::string> files() {
+    std::map<std::string, std::string> all;
+    for (const auto& entry : fs::directory_iterator(state))
+      all[entry.path().filename().string()] = contentOf(entry.path());
+    return all;
+  }
+  /// As the next start of the build finds it.
+  Replay replayed() { return replay(problem, recorded().results); }
+  void expectWholeAfterRepair() {
+    mend();
+    const Inspection found = look();
+    EXPECT_TRUE(found.whole()) << describe(found, state);
+    EXPECT_THAT(mend(), IsEmpty()) << "nothing is left to be done";
+  }
+};
+
+/// A result that every build of this problem has: the first step along x.
+const ResultKey first_step{0, {1, 0, 0}, {0, 0, 0}};
+
+TEST_F(InspectionTest, FindsAFinishedBuildWhole) {
+  const Inspection found = look();
+  EXPECT_TRUE(found.whole()) << describe(found, state);
+  EXPECT_EQ(found.build, problemId(problem));
+  EXPECT_EQ(found.scene_name, "cube");
+  EXPECT_EQ(found.segments, 1u);
+  EXPECT_EQ(found.records, recorded().results.size());
+  EXPECT_EQ(found.bytes, fs::file_size(segment));
+  EXPECT_EQ(found.tables, TableState::whole);
+  EXPECT_EQ(found.rows_behind, 0u);
+  EXPECT_THAT(found.lost, IsEmpty());
+  EXPECT_EQ(found.spare, 0u);
+  EXPECT_THAT(describe(found, state), AllOf(HasSubstr("scene cube"), HasSubstr("whole: ")));
+}
+
+TEST_F(InspectionTest, ChangesNothingWhateverItFinds) {
+  flip(segment, whereIs(first_step).offset + 60);
+  const auto before = files();
+  look();
+  EXPECT_EQ(files(), before);
+  std::ofstream(database, std::ios::binary) << std::string(50000, 'x');
+  const auto overwritten = files();
+  EXPECT_EQ(look().tables, TableState::damaged);
+  EXPECT_EQ(files(), overwritten);
+}
+
+TEST_F(InspectionTest, ReadsADirectoryThatNobodyMayWrite) {
+  constexpr uid_t nobody = 65534;
+  const bool root = geteuid() == 0;
+  std::vector<fs::path> all = {directory.path(), state};
+  for (const auto& entry : fs::directory_iterator(state)) all.push_back(entry.path());
+  for (const fs::path& path : all) ASSERT_TRUE(!root || chown(path.c_str(), nobody, nobody) == 0);
+  fs::permissions(state, fs::perms::owner_read | fs::perms::owner_exec);
+  const pid_t child = fork();
+  if (child == 0) {
+    try {
+      const bool dropped = !root || setuid(nobody) == 0;
+      _exit(dropped && look().whole() ? 0 : 1);
+    } catch (const std::exception& error) {
+      tell("{}\n", error.what());
+      _exit(2);
+    }
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+  fs::permissions(state, fs::perms::owner_all);
+}
+
+TEST_F(InspectionTest, EveryFlippedBitOfARecordCostsItsPointAndIsRepaired) {
+  const JournalPosition where = whereIs(first_step);
+  const std::string whole = contentOf(segment), tables = contentOf(database);
+  for (std::uint64_t byte = 0; byte < where.length; byte += 37) {
+    flip(segment, where.offset + byte);
+    const Inspection found = look();
+    ASSERT_THAT(found.damage, SizeIs(1));
+    EXPECT_EQ(found.damage[0].where, where);
+    EXPECT_THAT(found.damage[0].text, HasSubstr("segment-000001.dat"));
+    EXPECT_THAT(describe(found, state),
+                AllOf(HasSubstr("tip (1, 0, 0)"), HasSubstr("--repair"), HasSubstr("damaged: ")));
+    expectWholeAfterRepair();
+    EXPECT_THAT(look().dropped, SizeIs(1));
+    EXPECT_FALSE(recorded().where.contains(first_step));
+    std::ofstream(segment, std::ios::binary) << whole;
+    std::ofstream(database, std::ios::binary) << tables;
+  }
+}
+
+TEST_F(InspectionTest, ARepairedBuildGoesOnAndEndsAsIfNothingHadHappened) {
+  flip(segment, whereIs(first_step).offset + 60);
+  flip(segment, whereIs({1, {0, 1, 0}, {0, 0, 0}}).offset + 5);
+  expectWholeAfterRepair();
+  test::BuildWorld world;
+  for (const auto& entry : fs::directory_iterator(state))
+    fs::copy_file(entry.path(), world.directory / "state" / entry.path().filename(),
+                  fs::copy_options::overwrite_existing);
+  world.restart();
+  world.join("a", 8);
+  world.finish({"a"});
+  EXPECT_EQ(world.sealedContent(), undisturbed);
+}
+
+TEST_F(InspectionTest, AMissingSegmentCostsWhatWasInItAndIsMarked) {
+  {
+    // The last records in a segment of their own, in front of which one is missing.
+    const std::string bytes = contentOf(segment);
+    const JournalPosition where = whereIs(first_step);
+    std::ofstream(state / "segment-000003.dat", std::ios::binary)
+        << bytes.substr(where.offset + where.length);
+    fs::resize_file(segment, where.offset);
+  }
+  const Inspection found = look();
+  ASSERT_THAT(found.damage, SizeIs(1));
+  EXPECT_THAT(found.damage[0].text, HasSubstr("segment-000002.dat: is missing"));
+  EXPECT_THAT(describe(found, state), HasSubstr("tip (1, 0, 0)")) << "the tables remember it";
+  expectWholeAfterRepair();
+}
+
+TEST_F(InspectionTest, ATailThatWasLostShowsInTheTables) {
+  const std::size_t whole = recorded().results.size();
+  fs::resize_file(segment, fs::file_size(segment) / 2);
+  const Inspection found = look();
+  EXPECT_FALSE(found.whole()) << describe(found, state);
+  EXPECT_THAT(found.damage, IsEmpty());
+  EXPECT_GT(found.unfinished, 0u);
+  EXPECT_GT(found.lost.size(), 5u);
+  EXPECT_LT(found.records, whole);
+  expectWholeAfterRepair();
+  EXPECT_EQ(recorded().results.size(), found.records);
+}
+
+/// As after a power cut: the journal is synced, they are not.
+TEST_F(InspectionTest, TablesThatAreBehindAreNoDamage) {
+  alter(
+      "UPDATE configurations SET tag = 'unknown', cause = 'none', parent = -1, force = NULL, "
+      "factorizations = 0 WHERE point % 3 = 1");
+  const Inspection found = look();
+  EXPECT_TRUE(found.whole()) << describe(found, state);
+  EXPECT_GT(found.rows_behind, 10u);
+  expectWholeAfterRepair();
+  EXPECT_EQ(look().rows_behind, 0u);
+}
+
+TEST_F(InspectionTest, RowsThatContradictTheJournalAreWrittenAnew) {
+  alter("UPDATE configurations SET force = force + 1 WHERE space = 1 AND force IS NOT NULL");
+  const Inspection found = look();
+  EXPECT_GT(found.wrong_rows, 5u);
+  EXPECT_FALSE(found.whole());
+  EXPECT_THAT(found.lost, IsEmpty());
+  expectWholeAfterRepair();
+}
+
+TEST_F(InspectionTest, DamagedTablesAreMadeAgainWhereTheirProblemCanStillBeRead) {
+  damageRows();
+  const Inspection found = look();
+  EXPECT_EQ(found.tables, TableState::damaged);
+  EXPECT_TRUE(found.problem);
+  expectWholeAfterRepair();
+  EXPECT_EQ(look().tables, TableState::whole);
+  EXPECT_THAT(look().leftovers, ElementsAre(HasSubstr("state.db.damaged")));
+  EXPECT_EQ(StoredTables(state).build().build, problemId(problem));
+}
+
+TEST_F(InspectionTest, TablesOfWhichNothingCanBeReadAreLeftToTheNextStart) {
+  std::ofstream(database, std::ios::binary) << std::string(50000, 'x');
+  EXPECT_EQ(look().tables, TableState::damaged);
+  EXPECT_FALSE(look().problem);
+  EXPECT_EQ(look().records, recorded().results.size());
+  expectWholeAfterRepair();
+  EXPECT_EQ(look().tables, TableState::missing);
+}
+
+TEST_F(InspectionTest, TellsWhateverBitOfTheTablesIsFlipped) {
+  const std::string bytes = contentOf(database);
+  for (std::size_t byte = 40; byte < bytes.size(); byte += 997) {
+    std::ofstream(database, std::ios::binary) << bytes;
+    flip(database, byte);
+    try {
+      const Inspection found = look();
+      EXPECT_EQ(found.records, recorded().results.size());
+      EXPECT_EQ(found.damage.size() + found.foreign.size(), 0u);
+    } catch (const Error& error) {
+      // The version, the build, or that it is ours.
+      EXPECT_EQ(error.exitCode(), ExitCode::usage) << byte << ": " << error.what();
+    }
+  }
+}
+
+TEST_F(InspectionTest, ARecordThatLiesAboutItsFieldsIsDamaged) {
+  const StateDirectory held(state);
+  JournalPosition where;
+  {
+    auto [header, payload] = test::solve(problem, 0, {}, {});
+    payload[0] ^= 1;
+    Journal journal(state, recorded().end);
+    where = journal.append(header.SerializeAsString(), payload);
+    journal.append("no result", "");
+    journal.sync();
+  }
+  const Inspection found = inspect(held);
+  ASSERT_THAT(found.damage, SizeIs(2));
+  EXPECT_EQ(found.damage[0].where, where);
+  EXPECT_THAT(found.damage[0].text, HasSubstr("content id"));
+  EXPECT_THAT(found.damage[1].text, HasSubstr("makes no sense"));
+  repair(held, found);
+  EXPECT_TRUE(inspect(held).whole()) << describe(inspect(held), state);
+}
+
+TEST_F(InspectionTest, RecordsOfAnotherBuildAreToldAndNeverTouched) {
+  const Problem other = test::cubeProblem(2000);
+  flip(segment, whereIs(first_step).offset + 60);
+  {
+    const auto [header, payload] = test::solve(other, 0, {}, {});
+    Journal journal(state, recorded().end);
+    journal.append(header.SerializeAsString(), payload);
+    journal.sync();
+  }
+  const auto before = files();
+  const Inspection found = look();
+  EXPECT_THAT(found.foreign, SizeIs(1));
+  EXPECT_FALSE(found.whole());
+  const StateDirectory held(state);
+  test::expectError(ExitCode::failed, [&] { repair(held, found); },
+                    {"another build", "nothing was changed"});
+  EXPECT_EQ(contentOf(segment), before.at("segment-000001.dat"));
+}
+
+TEST_F(InspectionTest, ResultsThatNobodyAskedForAreToldWhereNothingIsLost) {
+  {
+    const auto [header, payload] = test::solve(problem, 0, {0, 0, 2}, {0, 0, -1});
+    Journal journal(state, recorded().end);
+    journal.append(header.SerializeAsString(), payload);
+    journal.sync();
+  }
+  const Inspection found = look();
+  EXPECT_EQ(found.spare, 1u);
+  EXPECT_FALSE(found.whole());
+  EXPECT_THAT(describe(found, state), HasSubstr("another version of palpate"));
+}
+
+TEST_F(InspectionTest, TellsThatASchedulerWorksThere) {
+  const StateDirectory held(state);
+  alter("UPDATE configurations SET tag = 'unknown', parent = -1, force = NULL");
+  const Inspection found = look();
+  EXPECT_EQ(found.scheduler, std::to_string(getpid()));
+  EXPECT_TRUE(found.whole()) << "its tables are those of another moment";
+  EXPECT_THAT(describe(found, state), HasSubstr("works there"));
+}
+
+TEST_F(InspectionTest, RefusesWhatIsNoStateDirectory) {
+  fs::create_directory(directory / "empty");
+  for (const char* name : {"empty", "missing"})
+    test::expectBadInput([&] { inspect(directory / name); }, {name, "not a state directory"});
+  EXPECT_TRUE(fs::is_empty(directory / "empty"));
+  EXPECT_FALSE(fs::exists(directory / "missing"));
+  alter("PRAGMA user_version = 2");
+  test::expectBadInput([&] { look(); }, {"an older Palpate"});
+}
+
+TEST_F(InspectionTest, FindsADirectoryInWhichNothingIsRecordedYetWhole) {
+  const fs::path fresh = directory / "fresh";
+  {
+    const StateDirectory held(fresh);
+    const Tables tables(held, problem, encodeProblem(problem));
+    EXPECT_TRUE(inspect(held).whole());
+  }
+  EXPECT_TRUE(inspect(fresh).whole()) << describe(inspect(fresh), fresh);
+}
+
+TEST_F(InspectionTest, IsToldToProgramsAsOneObject) {
+  flip(segment, whereIs(first_step).offset + whereIs(first_step).length - 1);
+  const std::string json = inspectionJson(look(), state, {"a step"});
+  EXPECT_THAT(json, HasSubstr("\"build\":\"" + problemId(problem).hex() + "\",\"whole\":false"));
+  EXPECT_THAT(json, HasSubstr(R"({"active":"tip","point":{"i":1,"j":0,"k":0},"divisions":)"));
+  EXPECT_THAT(json, HasSubstr(R"("repaired":["a step"])"));
+  EXPECT_THAT(json, Not(HasSubstr("\n")));
+}
+
+/// Ended after any of its steps, a repair that begins again ends the same.
+TEST_F(InspectionTest, ARepairThatWasKilledGoesOn) {
+  flip(segment, whereIs(first_step).offset + 60);
+  damageRows();
+  {
+    const StateDirectory held(state);
+    const Inspection found = inspect(held);
+    Journal journal(state, found.end);
+    journal.drop(found.damage.at(0).where);
+    putTablesAside(held);
+  }
+  EXPECT_EQ(look().tables, TableState::missing);
+  EXPECT_TRUE(look().problem) << "from the tables that were put aside";
+  expectWholeAfterRepair();
+  EXPECT_EQ(look().tables, TableState::whole);
+}
+
+}  // namespace
+}  // namespace palpate
