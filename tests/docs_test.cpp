@@ -180,6 +180,27 @@ TEST(Docs, EveryFolderWithCodeSaysInFifteenLinesWhatItHolds) {
   EXPECT_THAT(wrong, ::testing::IsEmpty());
 }
 
+/// Every `Suite.Case` of a page that promises something.
+TEST(Docs, EveryTestThatHoldsAPromiseIsThere) {
+  std::set<std::string> tests;
+  const std::regex begins(R"(^TEST(_F|_P)?\((\w+), *(\w+)\))");
+  for (const std::string& file : sourceTree().files)
+    if (file.ends_with("_test.cpp"))
+      for (const std::string& line : sourceTree().lines(file))
+        if (std::smatch found; std::regex_search(line, found, begins))
+          tests.insert(found.str(2) + "." + found.str(3));
+  std::vector<std::string> missing;
+  int named = 0;
+  const std::regex name("`([A-Z]\\w+\\.[A-Z]\\w+)`");
+  for (const Line& line : proseOf("docs/service.md"))
+    for (std::sregex_iterator at(line.text.begin(), line.text.end(), name), end; at != end; ++at) {
+      ++named;
+      if (!tests.contains(at->str(1))) missing.push_back(line.where + ": " + at->str(1));
+    }
+  EXPECT_THAT(missing, ::testing::IsEmpty());
+  EXPECT_GT(named, 30);
+}
+
 TEST(Docs, NoLineOfProseIsWiderThan120Columns) {
   std::vector<std::string> wide;
   for (const std::string& page : pages())

@@ -60,8 +60,6 @@ DEFECTS = [
     ("restart-unnoticed", "a worker does not notice that the scheduler was restarted", SESSION,
      "  if (incarnation_.empty() || reply.incarnation() == incarnation_) return;",
      "  if (@ || incarnation_.empty() || reply.incarnation() == incarnation_) return;"),
-    ("drained-for-ever", "a worker that was told to leave does not work for the next scheduler", SESSION,
-     "  draining_ = interrupted_at_.has_value();", "  if (!@) draining_ = interrupted_at_.has_value();"),
     ("never-asks-again", "a request that was lost is not repeated", SESSION,
      "void WorkerSession::askAgain(bool solving, Time now) {", "void WorkerSession::askAgain(bool solving, Time now) {\n  if (@) return;"),
     ("never-delivers-again", "a result that was lost is not delivered again", SESSION,

@@ -41,6 +41,8 @@ constexpr Seconds patience = 3600, patience_with_the_hung = 3700;
 constexpr Seconds goes_home_within = 20 * 60;
 constexpr Seconds scheduler_restarts_after = 2, worker_replaced_after = 1;
 constexpr std::size_t most_workers_known = 100, most_unacknowledged = 400, most_letters = 20000;
+/// Some tens of thousands are usual.
+constexpr std::int64_t most_steps = 1'000'000;
 
 /// Everything that happens under one seed.
 class World {
@@ -114,6 +116,7 @@ class World {
   }
 
   void step() {
+    check(++steps_ < most_steps, "they talk without end, and nothing comes of it");
     Seconds next = scheduler_.nextWake(now_);
     if (!scheduler_.up() && !sealed()) next = std::min(next, scheduler_starts_at_);
     for (const Place& place : places_)
@@ -191,8 +194,21 @@ class World {
     disk_.doNotKill();
     disk_.disarm();
     scheduler_starts_at_ = now_ + scheduler_restarts_after;
-    if (sealed()) sealed_at_ = now_;
+    if (sealed()) {
+      sealed_at_ = now_;
+      checkLeft();
+    }
     checkDirectory();
+  }
+
+  /// When all has been quiet for a while, nobody is left with something to deliver.
+  void checkLeft() const {
+    constexpr Seconds quiet = 100;
+    for (const Event& event : history_)
+      if (now_ < event.at + event.length + quiet) return;
+    for (const Place& place : places_)
+      check(!place.worker || place.worker->unacknowledged() == 0,
+            "a worker is left with results that nobody took");
   }
 
   /// What lies in the folder, as long as nobody works there.
@@ -435,6 +451,7 @@ class World {
   std::optional<Seconds> full_until_, sealed_at_;
   bool power_is_cut_ = false, tables_hurt_ = false, tables_made_ = false;
   int deaths_ = 0, workers_started_ = 0;
+  std::int64_t steps_ = 0;
   std::map<Accident, std::uint64_t> felt_;
   std::vector<std::string> story_;
 };
