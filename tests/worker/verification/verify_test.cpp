@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <ostream>
 #include <string>
 
 #include "tests/support/command.hpp"
+#include "tests/support/long_tests.hpp"
 #include "worker/verification/case.hpp"
 #include "worker/verification/meshes.hpp"
 #include "worker/verification/quadrature.hpp"
@@ -41,8 +41,7 @@ class LongVerification : public Verification {};
 TEST_P(Verification, IsWithinItsTolerances) { holdToItsTolerances(); }
 
 TEST_P(LongVerification, IsWithinItsTolerances) {
-  const char* asked = std::getenv("PALPATE_LONG_TESTS");
-  if (asked == nullptr || *asked == '\0')
+  if (!test::longTestsAreWanted())
     GTEST_SKIP() << "this problem takes long and was NOT checked; "
                     "set PALPATE_LONG_TESTS=1 (deploy/test --all does)";
   holdToItsTolerances();
