@@ -104,7 +104,8 @@ bool Disk::strikes(DiskFault fault, int error) {
 }
 
 void Disk::hurts(DiskFault fault, int error) {
-  hurt_ = true;
+  // Whoever writes has to go on where a short write ended.
+  hurt_ = hurt_ || fault != DiskFault::short_write;
   ++felt_[fault];
   errno = error;
 }

@@ -50,7 +50,7 @@ class Disk {
   void setFull(bool full) { full_ = full; }
   /// How often each fault was felt.
   const std::map<DiskFault, std::uint64_t>& felt() const { return felt_; }
-  /// Some fault was felt since the last call.
+  /// A fault that ends a process was felt since the last call.
   bool takeHurt() { return std::exchange(hurt_, false); }
   /// Nobody may have a file open. Everything that is there afterwards is on disk.
   void cutPower();

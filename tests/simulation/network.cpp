@@ -29,9 +29,8 @@ void Network::leave(const std::string& worker, Seconds now) {
   line.connected = false;
   line.to_worker.clear();
   // What was sent before still arrives; the end of the connection arrives behind it, or never.
-  if (!cut(false, worker, now) && !line.dead_end) {
-    if (line.to_scheduler.empty()) line.known = false;
-  }
+  const bool seen = !cut(false, worker, now) && !line.dead_end;
+  if (seen && line.to_scheduler.empty()) line.known = false;
 }
 
 void Network::reconnect(const std::string& worker, Seconds now) {

@@ -31,7 +31,6 @@ class Network {
   void reconnect(const std::string& worker, Seconds now);
   void schedulerStarts() { scheduler_up_ = true; }
   void schedulerEnds();
-  /// A scheduler whose machine lost power says nothing to anybody.
   Sent toWorker(const std::string& worker, const wire::Message& message, std::string payload,
                 Seconds now);
   void toScheduler(const std::string& worker, const wire::Message& message,

@@ -45,8 +45,6 @@ Seconds WorkerProcess::nextWake(Seconds now) const {
 }
 
 void WorkerProcess::endsWith(End end, Seconds now) {
-  if (end == End::killed && work_)
-    died_on_ = {work_->job.job.space(), fromWire(work_->job.job.targets(work_->target).point())};
   end_ = end;
   work_.reset();
   network_.leave(peer_, now);

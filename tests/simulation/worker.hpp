@@ -46,8 +46,6 @@ class WorkerProcess {
   const std::optional<End>& end() const { return end_; }
   const std::string& id() const { return id_; }
   const std::string& peer() const { return peer_; }
-  /// It was solving when it was killed.
-  const std::optional<std::tuple<std::uint32_t, LatticePoint>>& diedOn() const { return died_on_; }
   std::size_t unacknowledged() const { return session_->unacknowledged(); }
 
   Seconds nextWake(Seconds now) const;
@@ -86,7 +84,6 @@ class WorkerProcess {
   std::unique_ptr<WorkerSession> session_;
   std::optional<Work> work_;
   std::optional<End> end_;
-  std::optional<std::tuple<std::uint32_t, LatticePoint>> died_on_;
   std::map<Accident, std::uint64_t> felt_;
   Seconds stopped_until_ = 0, next_turn_ = 0, longer_ = 0;
   bool hang_next_ = false, hangs_ = false, no_memory_ = false;
