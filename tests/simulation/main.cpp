@@ -11,6 +11,7 @@
 
 #include "tests/simulation/planted.hpp"
 #include "tests/simulation/world.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -24,30 +25,10 @@ struct Options {
 };
 
 /// In memory, where a sync costs nothing.
-std::filesystem::path makeFolder() {
+std::filesystem::path whereToWork() {
   const char* memory = "/dev/shm";
-  const std::filesystem::path base =
-      access(memory, W_OK | X_OK) == 0 ? memory : std::filesystem::temp_directory_path();
-  std::string name = (base / "palpate-simulation-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr)
-    throw std::runtime_error(name + ": cannot be made: " + std::strerror(errno));
-  return name;
+  return access(memory, W_OK | X_OK) == 0 ? memory : std::filesystem::temp_directory_path();
 }
-
-class Folder {
- public:
-  Folder() : path_(makeFolder()) {}
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// What many seeds came to.
 struct Summary {
@@ -99,7 +80,7 @@ std::vector<Event> historyFor(std::uint64_t seed, const std::vector<std::size_t>
 
 /// One process's share: every `of`-th seed.
 Summary runShare(const Options& options, unsigned share, unsigned of) {
-  const Folder folder;
+  const test::TemporaryDirectory folder(whereToWork());
   const Scenario scenario = makeScenario(folder.path());
   Summary summary;
   for (std::uint64_t n = share; n < options.seeds; n += of) {
@@ -172,7 +153,7 @@ std::vector<std::size_t> minimised(const Scenario& scenario, std::uint64_t seed,
 
 /// Prints how a seed fails with as few accidents as possible.
 void explain(const Options& options, std::uint64_t seed) {
-  const Folder folder;
+  const test::TemporaryDirectory folder(whereToWork());
   const Scenario scenario = makeScenario(folder.path());
   const std::vector<Event> all = historyOf(seed);
   std::vector<std::size_t> numbers = options.only;
@@ -226,7 +207,7 @@ std::uint64_t finds(const Options& options, const Scenario& scenario,
 }
 
 int findPlanted(const Options& options) {
-  const Folder folder;
+  const test::TemporaryDirectory folder(whereToWork());
   const Scenario scenario = makeScenario(folder.path());
   std::size_t planted_count = 0, found_count = 0;
   for (const Defect& defect : plantedDefects()) {
@@ -252,7 +233,7 @@ int findPlanted(const Options& options) {
 }
 
 int showStory(const Options& options) {
-  const Folder folder;
+  const test::TemporaryDirectory folder(whereToWork());
   const Scenario scenario = makeScenario(folder.path());
   const Outcome outcome = simulate(scenario, options.first, historyFor(options.first, options.only),
                                    folder.path() / "world");

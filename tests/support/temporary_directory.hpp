@@ -12,8 +12,9 @@ namespace palpate::test {
 /// A fresh directory that is removed with everything in it when this object goes.
 class TemporaryDirectory {
  public:
-  TemporaryDirectory() {
-    std::string name = (std::filesystem::temp_directory_path() / "palpate-test-XXXXXX").string();
+  explicit TemporaryDirectory(
+      const std::filesystem::path& where = std::filesystem::temp_directory_path()) {
+    std::string name = (where / "palpate-test-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr) throw failure("cannot make a directory like {}", name);
     path_ = name;
   }
