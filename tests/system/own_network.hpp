@@ -1,0 +1,51 @@
+#pragma once
+
+#include <fcntl.h>
+#include <sched.h>
+#include <unistd.h>
+
+#include <string>
+
+#include "tests/support/command.hpp"
+
+namespace palpate::test {
+
+/// Networks of this test alone, where root may make them: no other program takes its ports, and
+/// nothing is left of them when it ends, however it ends. Else what there is.
+///
+/// What is started belongs to the network that this process is in at that moment.
+class OwnNetwork {
+ public:
+  OwnNetwork() : before_(current()) {
+    if (unshare(CLONE_NEWNET) != 0 || runCommand("ip link set lo up").exit_code != 0) return;
+    here_ = current();
+  }
+  ~OwnNetwork() {
+    if (before_ >= 0) setns(before_, CLONE_NEWNET);
+    for (const int network : {before_, here_, there_})
+      if (network >= 0) close(network);
+  }
+  OwnNetwork(const OwnNetwork&) = delete;
+  OwnNetwork& operator=(const OwnNetwork&) = delete;
+
+  /// A second network, joined to the first by one cable: 10.77.0.1 here, 10.77.0.2 there. False
+  /// where that cannot be.
+  bool joinAnother() {
+    if (here_ < 0 || unshare(CLONE_NEWNET) != 0) return false;
+    there_ = current();
+    const std::string here = "/proc/" + std::to_string(getpid()) + "/fd/" + std::to_string(here_);
+    bool joined = run("ip link set lo up && ip link add there type veth peer name here netns " +
+                      here + " && ip addr add 10.77.0.2/24 dev there && ip link set there up");
+    goHere();
+    return joined && run("ip addr add 10.77.0.1/24 dev here && ip link set here up");
+  }
+  void goHere() const { setns(here_, CLONE_NEWNET); }
+  void goThere() const { setns(there_, CLONE_NEWNET); }
+
+ private:
+  static int current() { return open("/proc/self/ns/net", O_RDONLY | O_CLOEXEC); }
+  static bool run(const std::string& commands) { return runCommand(commands).exit_code == 0; }
+  int before_, here_ = -1, there_ = -1;
+};
+
+}  // namespace palpate::test
