@@ -1,0 +1,318 @@
+// How many results a scheduler makes durable in a second, what they cost it, and how far the disk
+// alone would come: a real `palpate-scheduler serve` on a port of this machine, and workers in this
+// process that speak the real protocol and answer at once with the small results of a linear body.
+// Before and after, records of that size are appended and synced in groups of 64.
+// Prints one JSON object. Nothing here is checked: times belong to the machine, and to its disk.
+//
+//   palpate_durable_bench [--seconds 10] [--workers 4] [--directory DIR]
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <zmq.hpp>
+
+#include "common/base/error.hpp"
+#include "common/base/program.hpp"
+#include "common/mesh/node_set.hpp"
+#include "common/problem/problem.hpp"
+#include "common/wire/wire.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "tests/system/process.hpp"
+
+namespace palpate {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The scene in `directory`: a cube of 64 nodes, half of its surface active, 200,000 points, which
+/// no machine finishes in the time.
+void writeScene(const std::filesystem::path& directory) {
+  const Mesh mesh = test::cubeMesh(0.1, 3);
+  test::writeGmsh22(mesh, directory / "cube.msh");
+  std::ofstream scene(directory / "cube.toml");
+  scene << "name = \"cube\"\nmesh = \"cube.msh\"\n"
+        << "[material]\nlaw = \"mooney-rivlin\"\nc10 = 1300.0\nc01 = 1280.0\n"
+        << "[fixed]\nbelow = { axis = \"x\", fraction = 0.15 }\n"
+        << "[workspace]\nradius = 0.05\nspacing = 0.00357\nmax_force = 100.0\n";
+  int active = 0;
+  for (const std::int32_t node : surfaceNodes(mesh))
+    if (mesh.nodes[static_cast<std::size_t>(node)].x() > 0.05 && active < 20)
+      scene << "[[active]]\nname = \"skin-" << ++active << "\"\nnode = " << node << "\n";
+}
+
+/// What a linear body would answer: one branch, everything converges.
+std::pair<wire::Result, std::string> answer(const Problem& problem, std::uint32_t space,
+                                            const wire::Point& target, const wire::Point& parent) {
+  constexpr double stiffness = 50;  // N/m
+  // Of a scene that does not refine, coordinates are in spacings.
+  const LatticePoint at = fromWire(target);
+  const Eigen::Vector3d p = problem.scene.workspace.spacing * Eigen::Vector3d(at[0], at[1], at[2]);
+  Outcome outcome;
+  outcome.converged = true;
+  outcome.cost = {3, 1, 1, 1e-4};
+  outcome.equilibrium.force = -stiffness * p;
+  outcome.equilibrium.stiffness = -stiffness * Eigen::Matrix3d::Identity();
+  outcome.equilibrium.energy = stiffness / 2 * p.squaredNorm();
+  for (const Eigen::Vector3d& x : problem.mesh.nodes)
+    for (int i = 0; i < 3; ++i)
+      outcome.fields.displacement.push_back(static_cast<float>(p[i] * x.x() / 0.1));
+  outcome.fields.pressure.assign(pressureNodes(problem), static_cast<float>(p.norm()));
+  wire::Result result;
+  result.set_build(std::string(problemId(problem).bytes()));
+  result.set_space(space);
+  *result.mutable_target() = target;
+  *result.mutable_parent() = parent;
+  result.set_kernel_family("none");
+  const std::string payload = outcome.fields.encode();
+  toWire(outcome, payload, result);
+  return {result, payload};
+}
+
+/// A worker that solves in no time. Acknowledgements are counted; nothing is sent again, because
+/// nobody goes away.
+class FakeWorker {
+ public:
+  FakeWorker(zmq::context_t& context, const std::string& endpoint, int number)
+      : socket_(makeDealer(context)) {
+    const std::string id = fmt::format("fake-worker-{:04}", number);
+    socket_.set(zmq::sockopt::routing_id, id);
+    connectDealer(socket_, endpoint);
+    hello_ = Clock::now() - std::chrono::hours(1);
+    wire::Hello& hello = *introduction_.mutable_hello();
+    hello.set_protocol(protocol_version);
+    hello.set_version(version());
+    hello.set_worker(id);
+    hello.set_host("here");
+    hello.set_pid(static_cast<std::uint32_t>(getpid()));
+    hello.set_kernel_family("none");
+  }
+
+  zmq::socket_t& socket() { return socket_; }
+  std::size_t acknowledged() const { return acknowledged_; }
+  std::size_t payloadBytes() const { return payload_bytes_; }
+
+  /// Answers everything that came.
+  void turn() {
+    // Until the scheduler is there, messages are dropped.
+    if (!welcome_ && secondsSince(hello_) > 0.2) {
+      send(introduction_);
+      hello_ = Clock::now();
+    }
+    while (const auto incoming = receiveMessage(socket_, false)) handle(*incoming);
+    if (welcome_ && secondsSince(beat_) > 1) {
+      wire::Message message;
+      message.mutable_heartbeat();
+      send(message);
+      beat_ = Clock::now();
+    }
+  }
+
+ private:
+  void handle(const Incoming& incoming) {
+    const wire::Message& message = incoming.message;
+    if (message.has_refused()) throw failure("refused: {}", message.refused().reason());
+    if (message.has_result_ack()) {
+      ++acknowledged_;
+    } else if (message.has_welcome() && !welcome_) {
+      welcome_ = true;
+      wire::Message request;
+      request.mutable_problem_request();
+      send(request);
+    } else if (message.has_problem_reply() && !problem_) {
+      problem_ = decodeProblem(incoming.payload);
+      requestJobs(2);
+    } else if (message.has_job()) {
+      for (const wire::Target& target : message.job().targets()) {
+        auto [result, payload] =
+            answer(*problem_, message.job().space(), target.point(), message.job().start());
+        result.set_job(message.job().id());
+        result.set_attempt(target.attempt());
+        payload_bytes_ = payload.size();
+        wire::Message delivery;
+        *delivery.mutable_result() = std::move(result);
+        send(delivery, payload);
+      }
+      requestJobs(1);
+    }
+  }
+  void requestJobs(std::uint32_t credit) {
+    wire::Message message;
+    message.mutable_request()->set_credit(credit);
+    send(message);
+  }
+  void send(const wire::Message& message, const std::string& payload = {}) {
+    if (sendMessage(socket_, "", message, payload) != Sent::yes && welcome_)
+      throw failure("the scheduler does not take messages");
+  }
+
+  zmq::socket_t socket_;
+  wire::Message introduction_;
+  std::optional<Problem> problem_;
+  bool welcome_ = false;
+  Clock::time_point hello_, beat_;
+  std::size_t acknowledged_ = 0, payload_bytes_ = 0;
+};
+
+/// What a process has used and written so far.
+struct Usage {
+  double processor_seconds = 0;
+  double written = 0;  ///< bytes, handed to the system
+  double to_disk = 0;  ///< bytes, in whole pages
+};
+
+Usage usageOf(pid_t pid) {
+  const std::string proc = "/proc/" + std::to_string(pid);
+  // The name, in parentheses, may hold anything.
+  const std::string stat = test::contentOf(proc + "/stat");
+  std::istringstream fields(stat.substr(stat.rfind(')') + 2));
+  std::string skipped;
+  for (int n = 3; n < 14; ++n) fields >> skipped;
+  double user = 0, system = 0;
+  fields >> user >> system;
+  Usage usage{(user + system) / static_cast<double>(sysconf(_SC_CLK_TCK))};
+  std::ifstream io(proc + "/io");
+  std::string name;
+  for (double bytes = 0; io >> name >> bytes;) {
+    if (name == "wchar:") usage.written = bytes;
+    if (name == "write_bytes:") usage.to_disk = bytes;
+  }
+  return usage;
+}
+
+/// How many groups of so many bytes are appended and synced in a second.
+double syncsPerSecond(const std::filesystem::path& directory, std::size_t bytes, double seconds) {
+  const std::filesystem::path path = directory / "raw";
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+  if (file < 0) throw failure("{}: {}", path.string(), errnoText());
+  const std::string group(bytes, 'x');
+  const auto began = Clock::now();
+  int syncs = 0;
+  for (; secondsSince(began) < seconds; ++syncs)
+    if (write(file, group.data(), bytes) != static_cast<ssize_t>(bytes) || fdatasync(file) != 0)
+      throw failure("{}: {}", path.string(), errnoText());
+  const double taken = secondsSince(began);
+  close(file);
+  std::filesystem::remove(path);
+  return syncs / taken;
+}
+
+struct Options {
+  double seconds = 10;
+  int workers = 4;
+  std::string directory;
+};
+
+void measure(const Options& options, const std::filesystem::path& directory) {
+  constexpr std::size_t group = 64;
+  writeScene(directory);
+  test::Process scheduler("palpate-scheduler",
+                          {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state",
+                           "state", "-o", "cube.h5", "--quiet"},
+                          directory);
+  std::string endpoint;
+  if (!test::eventually([&] {
+        endpoint = test::contentOf(directory / "state" / "endpoint");
+        return !endpoint.empty() || !scheduler.running();
+      }) ||
+      endpoint.empty())
+    throw failure("the scheduler does not listen: {}", scheduler.output());
+  endpoint.pop_back();
+
+  zmq::context_t context;
+  std::vector<FakeWorker> workers;
+  for (int n = 0; n < options.workers; ++n) workers.emplace_back(context, endpoint, n);
+  std::vector<zmq::pollitem_t> sockets;
+  for (FakeWorker& worker : workers)
+    sockets.push_back({worker.socket().handle(), 0, ZMQ_POLLIN, 0});
+  const auto acknowledged = [&] {
+    std::size_t sum = 0;
+    for (const FakeWorker& worker : workers) sum += worker.acknowledged();
+    return sum;
+  };
+  const auto workFor = [&](double seconds) {
+    for (const auto began = Clock::now(); secondsSince(began) < seconds;) {
+      zmq::poll(sockets, std::chrono::milliseconds(10));
+      for (FakeWorker& worker : workers) worker.turn();
+      if (!scheduler.running()) throw failure("the scheduler ended: {}", scheduler.output());
+    }
+  };
+  const auto journal = [&] {
+    return static_cast<double>(
+        std::filesystem::file_size(directory / "state" / "segment-000001.dat"));
+  };
+  // The first steps from rest are few; then there is always enough to do.
+  const auto began = Clock::now();
+  while (acknowledged() < 500 && secondsSince(began) < 60) workFor(0.05);
+  const std::size_t first = acknowledged();
+  if (first < 500) throw failure("nothing is acknowledged: {}", scheduler.output());
+  const double record = journal() / static_cast<double>(first);
+  const auto group_bytes = static_cast<std::size_t>(group * record);
+
+  const double disk_before = syncsPerSecond(directory, group_bytes, options.seconds / 5);
+  const Usage before = usageOf(scheduler.pid());
+  const std::size_t done_before = acknowledged();
+  const double journal_before = journal();
+  const auto measured = Clock::now();
+  workFor(options.seconds);
+  const double seconds = secondsSince(measured);
+  const auto results = static_cast<double>(acknowledged() - done_before);
+  const Usage after = usageOf(scheduler.pid());
+  const double journaled = journal() - journal_before;
+  scheduler.stop(SIGKILL);
+  const double disk_after = syncsPerSecond(directory, group_bytes, options.seconds / 5);
+
+  const double rate = results / seconds, syncs = (disk_before + disk_after) / 2,
+               disk = group * syncs;
+  fmt::print(
+      "{{\"workers\":{},\"seconds\":{:.2f},\"results\":{},\"results_per_second\":{:.0f},"
+      "\"scheduler_cpu_us_per_result\":{:.1f},\"scheduler_cpu_share\":{:.2f},"
+      "\"payload_bytes\":{},\"journal_bytes_per_result\":{:.0f},"
+      "\"written_bytes_per_result\":{:.0f},\"to_disk_bytes_per_result\":{:.0f},"
+      "\"disk_syncs_per_second\":[{:.0f},{:.0f}],\"disk_results_per_second\":{:.0f},"
+      "\"share_of_the_disk\":{:.2f}}}\n",
+      options.workers, seconds, results, rate,
+      1e6 * (after.processor_seconds - before.processor_seconds) / results,
+      (after.processor_seconds - before.processor_seconds) / seconds, workers[0].payloadBytes(),
+      journaled / results, (after.written - before.written) / results,
+      (after.to_disk - before.to_disk) / results, disk_before, disk_after, disk, rate / disk);
+}
+
+int run(int argc, char** argv) {
+  Options options;
+  CLI::App app{"Results a second that a scheduler makes durable"};
+  app.add_option("--seconds", options.seconds, "How long it is measured")->capture_default_str();
+  app.add_option("--workers", options.workers, "Workers, all in this process")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--directory", options.directory, "A folder on the disk that is measured [/tmp]")
+      ->check(CLI::ExistingDirectory);
+  CLI11_PARSE(app, argc, argv);
+  if (!options.directory.empty()) setenv("TMPDIR", options.directory.c_str(), 1);
+  const test::TemporaryDirectory directory;
+  measure(options, directory.path());
+  return 0;
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  try {
+    return palpate::run(argc, argv);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
+}
