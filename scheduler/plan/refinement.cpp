@@ -33,9 +33,9 @@ constexpr double enough_of_finger = 0.99;
 constexpr double reach_outside = 0.25;
 
 /// One look at a configuration space.
-class Inspection {
+class CellInspection {
  public:
-  Inspection(const SpaceTable& space, const Scene& scene)
+  CellInspection(const SpaceTable& space, const Scene& scene)
       : space_(space),
         accuracy_(scene.accuracy),
         max_force_(scene.workspace.max_force),
@@ -187,7 +187,7 @@ Refinement nextRefinement(const SpaceTable& space, const Scene& scene) {
   if (space.lattice.divisions() != lattice_divisions)
     throw failure("active node {}: its lattice has {} divisions where a refined one has {}",
                   space.patch.name, space.lattice.divisions(), lattice_divisions);
-  return Inspection(space, scene).refine();
+  return CellInspection(space, scene).refine();
 }
 
 }  // namespace palpate

@@ -224,12 +224,11 @@ class Inspector {
     if (there && row == expected) return;
     const bool moved = there && row.position != expected.position;
     const bool same_result = there && row.parent >= 0 && row.parent == expected.parent;
-    if (moved || same_result)
-      ++found_.wrong_rows;
-    else if (isAhead(row, plan))
+    const bool wrong = moved || same_result;
+    if (!wrong && isAhead(row, plan))
       lost_.emplace(row.space, row.position);
     else
-      ++found_.rows_behind;
+      ++(wrong ? found_.wrong_rows : found_.rows_behind);
   }
 
   /// What the plans ask for of points that the tables knew was recorded once.

@@ -56,6 +56,7 @@ void SchedulerProcess::open(Seconds now) {
   build_ = std::make_unique<Build>(problem_, stateDirectory(), clock_.at(now),
                                    CoordinatorSettings(), segment_bytes);
   sealed_ = false;
+  opened_at_ = now;
   state_ = State::running;
   network_.schedulerStarts();
 }

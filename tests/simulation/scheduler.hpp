@@ -47,6 +47,8 @@ class SchedulerProcess : private Transport {
   void stop(Seconds from, Seconds until, bool clock_too);
   void leap(Seconds by) { clock_.leap(by); }
   void askToStop(Seconds now);
+  /// Since when there is this coordinator.
+  Seconds openedAt() const { return opened_at_; }
   Coordinator& coordinator() { return build_->coordinator(); }
   /// Why it ended by itself last; empty when it was not by an error.
   const std::string& lastError() const { return last_error_; }
@@ -67,7 +69,7 @@ class SchedulerProcess : private Transport {
   const Problem& problem_;
   const std::filesystem::path folder_;
   ProcessClock clock_;
-  Seconds now_ = 0, stopped_until_ = 0, next_turn_ = 0, leaves_at_ = 0;
+  Seconds now_ = 0, stopped_until_ = 0, next_turn_ = 0, leaves_at_ = 0, opened_at_ = 0;
   std::unique_ptr<Build> build_;
   State state_ = State::down;
   std::string last_error_;

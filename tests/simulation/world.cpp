@@ -151,7 +151,6 @@ class World {
     } else if (!sealed() && now_ >= scheduler_starts_at_) {
       if (scheduler_.state() == SchedulerProcess::State::stuck) retryDirectory();
       scheduler_.start(now_);
-      scheduler_started_at_ = now_;
       tables_made_ = tables_made_ || scheduler_.up();
       tell(scheduler_.up() ? "the scheduler starts" : "the scheduler does not start");
     } else {
@@ -203,10 +202,11 @@ class World {
   }
 
   /// When all has been quiet for a while, nobody is left with something to deliver. (A scheduler
-  /// that has everything when it starts listens to nobody; workers that miss it give up in time.)
+  /// that has everything soon after its start does not wait for those that have not found it again:
+  /// they give up in time.)
   void checkLeft() const {
     constexpr Seconds quiet = 100;
-    if (now_ < scheduler_started_at_ + quiet) return;
+    if (now_ < scheduler_.openedAt() + quiet) return;
     for (const Event& event : history_)
       if (now_ < event.at + event.length + quiet) return;
     for (const Place& place : places_)
@@ -449,7 +449,7 @@ class World {
   SolverWorld solver_world_;
   SchedulerProcess scheduler_;
   std::vector<Place> places_;
-  Seconds now_ = 0, scheduler_starts_at_ = 0, scheduler_started_at_ = 0, patience_ = 0;
+  Seconds now_ = 0, scheduler_starts_at_ = 0, patience_ = 0;
   std::size_t next_event_ = 0;
   std::optional<Seconds> full_until_, sealed_at_;
   bool power_is_cut_ = false, tables_hurt_ = false, tables_made_ = false;
