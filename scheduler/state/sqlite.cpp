@@ -4,6 +4,7 @@
 #include <sqlite3.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdlib>
 
 #include "common/base/assertion.hpp"
@@ -79,7 +80,8 @@ void Database::execute(const std::string& sql) {
 bool Database::isReadOnly() const { return sqlite3_db_readonly(handle_, "main") == 1; }
 
 void Database::fail(const std::string& doing) const {
-  if (sqlite3_errcode(handle_) == SQLITE_FULL)
+  // SQLite's own index of the write-ahead log finds no room: that is an input/output error there.
+  if (sqlite3_errcode(handle_) == SQLITE_FULL || sqlite3_system_errno(handle_) == ENOSPC)
     throw failure(
         "{}: the disk is full: make room and start again; everything acknowledged is kept",
         file_.string());

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <fstream>
 
+#include "tests/support/long_tests.hpp"
 #include "tests/system/small_build.hpp"
 
 /// What happens to machines at night, with the real programs: threads that hang, files that are
@@ -19,6 +20,7 @@ namespace palpate {
 namespace {
 
 using test::Process;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -235,6 +237,23 @@ TEST_F(AccidentTest, AStateDirectoryThatIsTakenAwayEndsTheSchedulerWithAWord) {
   auto another = work(endpointIn("served"));
   expectFinished(*again);
   EXPECT_EQ(test::contentOf(directory / "served.h5"), undisturbed());
+}
+
+TEST_F(AccidentTest, AMachineThatWasSuspendedLosesNobody) {
+  // Longer than any silence of a worker that is forgiven, when there is time for it.
+  const std::chrono::seconds asleep(test::longTestsAreWanted() ? 65 : 4);
+  auto build = startBuild("out.h5", "2");
+  ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));
+  const std::vector<pid_t> workers = build->children();
+  build->signal(SIGSTOP);
+  for (const pid_t worker : workers) kill(worker, SIGSTOP);
+  std::this_thread::sleep_for(asleep);
+  for (const pid_t worker : workers) kill(worker, SIGCONT);
+  build->signal(SIGCONT);
+  expectFinished(*build);
+  EXPECT_THAT(build->output(),
+              AllOf(HasSubstr("no worker is blamed"), Not(HasSubstr("handed out again"))));
+  EXPECT_EQ(test::contentOf(directory / "out.h5"), undisturbed());
 }
 
 }  // namespace

@@ -149,9 +149,7 @@ struct PowerCut {
   bool sealed = false;       ///< the build had said so
 };
 
-struct PowerCutTest : test::SmallBuild {
-  std::mt19937 dice{test::testSeed()};
-
+struct DiskTest : test::SmallBuild {
   void SetUp() override {
     std::string why = whyNothingCanBeMounted();
     if (why.empty()) {
@@ -159,15 +157,23 @@ struct PowerCutTest : test::SmallBuild {
       why = disk.format();
       if (why.empty()) why = disk.mounted();
     }
-    if (!why.empty()) GTEST_SKIP() << "power cuts were NOT tested: " << why;
+    if (!why.empty()) GTEST_SKIP() << "disks and power cuts were NOT tested: " << why;
   }
-
-  int atMost(int largest) { return std::uniform_int_distribution(0, largest)(dice); }
 
   std::unique_ptr<Process> buildOn(const Disk& disk) {
     const std::string out = disk.root().filename().string() + "/out.h5";
     return start("palpate-scheduler", {"build", "cube.toml", "-o", out, "-j", "2"});
   }
+
+  static std::string journalOn(const Disk& disk) {
+    return contentOf(disk.root() / "out.h5.state" / "segment-000001.dat");
+  }
+};
+
+struct PowerCutTest : DiskTest {
+  std::mt19937 dice;
+
+  int atMost(int largest) { return std::uniform_int_distribution(0, largest)(dice); }
 
   /// Of the scheduler that works on `disk`; 0 when it does not answer yet.
   std::size_t recordedOn(const Disk& disk) {
@@ -177,10 +183,6 @@ struct PowerCutTest : test::SmallBuild {
     const auto found = nlohmann::json::parse(status.output, nullptr, false);
     return found.is_object() && found.contains("recorded") ? found["recorded"].get<std::size_t>()
                                                            : 0;
-  }
-
-  static std::string journalOn(const Disk& disk) {
-    return contentOf(disk.root() / "out.h5.state" / "segment-000001.dat");
   }
 
   /// Cuts at random moments of one run, which begins with `found` results, until it ends; or until
@@ -300,6 +302,29 @@ TEST_F(PowerCutTest, NorIsItByTwoHundred) {
     GTEST_SKIP() << "200 power cuts take minutes and were NOT tested; set PALPATE_LONG_TESTS=1 "
                     "(deploy/test --all does)";
   cutAndRecover(200);
+}
+
+TEST_F(DiskTest, AFullOneEndsTheBuildWhichGoesOnWhenThereIsRoom) {
+  const Disk disk(directory.path(), "live");
+  ASSERT_EQ(disk.format(), "");
+  ASSERT_EQ(disk.mounted(), "");
+  const std::filesystem::path filler = disk.root() / "filler";
+  // Not for the tables; not for the journal; not for the dataset.
+  for (const std::uintmax_t room : {20u << 10, 60u << 10, 300u << 10, 600u << 10}) {
+    SCOPED_TRACE(std::to_string(room) + " bytes are free");
+    test::runCommand("dd if=/dev/zero bs=4k of='" + filler.string() + "'");
+    std::filesystem::resize_file(filler, std::filesystem::file_size(filler) - room);
+    sync();
+    auto build = buildOn(disk);
+    EXPECT_EQ(build->wait(), 1);
+    EXPECT_THAT(build->output(), testing::ContainsRegex("No space left|the disk is full"));
+    EXPECT_FALSE(std::filesystem::exists(disk.root() / "out.h5"));
+    std::filesystem::remove(filler);
+    sync();  // until then the room is not free
+  }
+  auto build = buildOn(disk);
+  expectFinished(*build);
+  EXPECT_TRUE(contentOf(disk.root() / "out.h5") == undisturbed());
 }
 
 }  // namespace
