@@ -121,7 +121,7 @@ void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time 
   welcome.set_incarnation(incarnation_);
   welcome.set_build(std::string(build_.bytes()));
   welcome.set_heartbeat_ms(static_cast<std::uint32_t>(settings_.heartbeat.count()));
-  if (stopping_ || dismissed_) drain(peer);
+  if (everybodyIsToLeave()) drain(peer);
 }
 
 void Coordinator::goodbye(Worker& worker, const wire::Goodbye& goodbye, Time now) {
@@ -132,7 +132,7 @@ void Coordinator::goodbye(Worker& worker, const wire::Goodbye& goodbye, Time now
 
 void Coordinator::request(Worker& worker, const wire::Request& request) {
   // It may have missed the first word to leave.
-  if (stopping_ || dismissed_) return drain(worker.peer);
+  if (everybodyIsToLeave()) return drain(worker.peer);
   if (request.afresh()) worker.credit = 0;
   worker.addCredit(request.credit());
 }
@@ -170,7 +170,7 @@ void Coordinator::heartbeat(Worker& worker, const wire::Heartbeat& heartbeat, Ti
     worker.idle_since = now;
   }
   send(worker.peer).mutable_heartbeat_reply()->set_incarnation(incarnation_);
-  if (stopping_ || dismissed_) drain(worker.peer);
+  if (everybodyIsToLeave()) drain(worker.peer);
 }
 
 void Coordinator::result(Worker& worker, const Incoming& incoming, Time now) {
@@ -442,15 +442,18 @@ void Coordinator::lose(const Worker& worker, Time now) {
   departed_.emplace_back(worker.id, leases_.suspectsOf(worker.id, worker.solving));
   if (departed_.size() > most_departed) departed_.pop_front();
   leases_.giveBack(worker.id);
-  // Who was told to leave, and is gone, is not lost.
-  const bool was_to_leave = stopping_ || dismissed_;
-  if (!was_to_leave) ++counters_["lost_workers"];
-  registry_.remove(worker, was_to_leave ? "left" : "lost", now);
+  if (!everybodyIsToLeave()) ++counters_["lost_workers"];
+  registry_.remove(worker, everybodyIsToLeave() ? "left" : "lost", now);
 }
 
 void Coordinator::peerUnreachable(const std::string& peer, Time now) {
   const Worker* worker = registry_.ofPeer(peer);
   if (worker == nullptr) return;
+  // Its goodbye may wait unread behind what could not be sent to it any more.
+  if (everybodyIsToLeave() && leases_.leasedTo(worker->id) == 0) {
+    spdlog::info("worker {} on {} left", worker->pid, worker->host);
+    return lose(*worker, now);
+  }
   spdlog::info("worker {} on {} cannot be reached; {} targets are handed out again", worker->pid,
                worker->host, leases_.leasedTo(worker->id));
   lose(*worker, now);

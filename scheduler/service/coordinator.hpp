@@ -133,6 +133,8 @@ class Coordinator {
   void noteOwnGap(Time now);
   void probeSilentWorkers(Time now);
   void loseSilentWorkers(Time now);
+  /// Who was told to leave, and is gone, is not lost.
+  bool everybodyIsToLeave() const { return stopping_ || dismissed_; }
   void lose(const Worker& worker, Time now);
   void processEnded(const std::string& worker_id, Time now);
   void blame(const Leases::Suspects& suspects);

@@ -171,7 +171,7 @@ struct DiskTest : test::SmallBuild {
 };
 
 struct PowerCutTest : DiskTest {
-  std::mt19937 dice;
+  std::mt19937 dice{test::testSeed()};
 
   int atMost(int largest) { return std::uniform_int_distribution(0, largest)(dice); }
 
