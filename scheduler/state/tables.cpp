@@ -50,11 +50,28 @@ Value meta(Database& database, const std::string& key) {
     return query.text(0);
 }
 
+/// The program that made the tables, as they say in another place; empty when they are not ours.
+std::string makerOf(Database& database) {
+  Statement meta_there(database,
+                       "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND name = 'meta'");
+  return meta_there.step() && meta_there.integer(0) == 1 ? meta(database, "made_by") : "";
+}
+
+std::string thisProgram() { return std::string("palpate ") + version(); }
+
+/// DamagedDatabase where two places contradict each other: a bit of one of them flipped.
 void checkVersion(Database& database) {
   const std::string file = database.file().string();
-  if (pragma(database, "application_id") != application_id)
+  const std::string maker = makerOf(database);
+  if (pragma(database, "application_id") != application_id) {
+    if (maker.starts_with("palpate "))
+      throw DamagedDatabase(database.file(), "made by " + maker + ", and marked as another's");
     throw badInput("{}: is a database, but not one of Palpate's", file);
+  }
   const std::int64_t found = pragma(database, "user_version");
+  if (found != StoredTables::schema_version && maker == thisProgram())
+    throw DamagedDatabase(database.file(),
+                          fmt::format("made by this program, and of state version {}", found));
   const std::string_view age = found > StoredTables::schema_version ? "newer" : "older";
   if (found != StoredTables::schema_version)
     throw badInput(
@@ -73,9 +90,18 @@ std::filesystem::path existingDatabase(const std::filesystem::path& directory) {
   return file;
 }
 
+/// Whether the build id is that of the problem beside it.
+bool isOfItsProblem(Database& database, const ContentId& build) {
+  try {
+    return problemId(decodeProblem(meta(database, "problem"))) == build;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 /// DamagedDatabase when they contradict each other, or say nothing of a build although they are
-/// ours.
-void checkPages(Database& database) {
+/// ours, or name another build than `wanted` which they do not hold.
+void checkPages(Database& database, const ContentId& wanted) {
   Statement check(database, "PRAGMA quick_check(1)");
   if (!check.step()) throw DamagedDatabase(database.file(), "it cannot be checked");
   if (check.text(0) != "ok") throw DamagedDatabase(database.file(), check.text(0));
@@ -84,20 +110,22 @@ void checkPages(Database& database) {
     throw DamagedDatabase(database.file(), "it says that nobody may write");
   if (pragma(database, "schema_version") == 0) return;
   checkVersion(database);
-  if (!ContentId::fromHex(meta(database, "build")))
-    throw DamagedDatabase(database.file(), "no build id in it");
+  const auto build = ContentId::fromHex(meta(database, "build"));
+  if (!build) throw DamagedDatabase(database.file(), "no build id in it");
+  if (*build != wanted && !isOfItsProblem(database, *build))
+    throw DamagedDatabase(database.file(), "the build id is not that of the problem in it");
 }
 
 /// The tables in the directory for writing. What SQLite finds damaged is put aside first: all that
 /// a build needs is in the journal.
-Database openForWriting(const StateDirectory& directory) {
+Database openForWriting(const StateDirectory& directory, const ContentId& wanted) {
   const std::filesystem::path file = directory.database();
   // SQLite would make it for everybody to read; the files beside it follow.
   const FileDescriptor mine(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
   if (!mine) throw failure("{}: cannot open: {}", file.string(), errnoText());
   try {
     Database database(file, Database::Access::read_write_create);
-    checkPages(database);
+    checkPages(database, wanted);
     return database;
   } catch (const DamagedDatabase& damage) {
     if (!std::filesystem::exists(directory.path() / "segment-000001.dat")) throw;
@@ -184,7 +212,7 @@ Counters StoredTables::counters() {
 
 Tables::Tables(const StateDirectory& directory, const Problem& problem,
                const std::string& problem_bytes)
-    : StoredTables(openForWriting(directory)) {
+    : StoredTables(openForWriting(directory, problemId(problem))) {
   database_.execute(
       "PRAGMA page_size = 8192; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL");
   if (pragma(database_, "schema_version") == 0) create(problem, problem_bytes);
@@ -210,7 +238,7 @@ void Tables::create(const Problem& problem, const std::string& problem_bytes) {
     put_meta.run("build", problemId(problem).hex());
     put_meta.run("scene_name", problem.scene.name);
     put_meta.run("problem", Blob{problem_bytes});
-    put_meta.run("made_by", std::string("palpate ") + version());
+    put_meta.run("made_by", thisProgram());
     Statement add_space(database_, "INSERT INTO spaces VALUES (?, ?)");
     for (std::size_t space = 0; space < problem.active.size(); ++space)
       add_space.run(space, problem.active[space].name);

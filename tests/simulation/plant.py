@@ -52,8 +52,6 @@ DEFECTS = [
      "    duplicate(worker, waiting->result.header, message);\n    if (@) acknowledgement(worker.peer, message);"),
     ("duplicate-unanswered", "a result that is recorded already is not acknowledged again", COORDINATOR,
      "    acknowledgement(worker.peer, message);\n    return;", "    if (!@) acknowledgement(worker.peer, message);\n    return;"),
-    ("unwanted-unanswered", "a result that nobody asked for is not answered", COORDINATOR,
-     "    acknowledgement(worker.peer, message).set_unwanted(true);", "    if (!@) acknowledgement(worker.peer, message).set_unwanted(true);"),
     ("spare-forgotten", "results behind a lost one are asked for again", COORDINATOR,
      "    add(settle(plan, key.space, spare_));", "    StoredResults none;\n    add(settle(plan, key.space, @ ? none : spare_));"),
     ("damage-refused", "one lost record makes the rest useless", COORDINATOR,

@@ -332,6 +332,7 @@ TEST_F(InspectionTest, RefusesWhatIsNoStateDirectory) {
     test::expectBadInput([&] { inspect(directory / name); }, {name, "not a state directory"});
   EXPECT_TRUE(fs::is_empty(directory / "empty"));
   EXPECT_FALSE(fs::exists(directory / "missing"));
+  alter("UPDATE meta SET value = 'palpate 0.0.1' WHERE key = 'made_by'");
   alter("PRAGMA user_version = 2");
   test::expectBadInput([&] { look(); }, {"an older Palpate"});
 }
