@@ -40,6 +40,12 @@ std::int64_t pragma(Database& database, const std::string& name) {
   return query.step() ? query.integer(0) : 0;
 }
 
+/// Nothing was made in it yet, whatever its header says.
+bool isEmpty(Database& database) {
+  Statement objects(database, "SELECT COUNT(*) FROM sqlite_master");
+  return objects.step() && objects.integer(0) == 0;
+}
+
 template <class Value = std::string>
 Value meta(Database& database, const std::string& key) {
   Statement query(database, "SELECT value FROM meta WHERE key = ?");
@@ -108,7 +114,7 @@ void checkPages(Database& database, const ContentId& wanted) {
   // The file is ours to write; what SQLite goes by is a byte in it.
   if (database.isReadOnly())
     throw DamagedDatabase(database.file(), "it says that nobody may write");
-  if (pragma(database, "schema_version") == 0) return;
+  if (isEmpty(database)) return;
   checkVersion(database);
   const auto build = ContentId::fromHex(meta(database, "build"));
   if (!build) throw DamagedDatabase(database.file(), "no build id in it");
@@ -215,7 +221,7 @@ Tables::Tables(const StateDirectory& directory, const Problem& problem,
     : StoredTables(openForWriting(directory, problemId(problem))) {
   database_.execute(
       "PRAGMA page_size = 8192; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL");
-  if (pragma(database_, "schema_version") == 0) create(problem, problem_bytes);
+  if (isEmpty(database_)) create(problem, problem_bytes);
   readBuild();
   if (const ContentId wanted = problemId(problem); build_.build != wanted)
     throw badInput(

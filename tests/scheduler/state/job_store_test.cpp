@@ -254,6 +254,16 @@ TEST_F(JobStoreTest, RefusesOtherVersionsAndOtherDatabases) {
   test::expectBadInput([&] { open(StateDirectory(state)); }, {"not one of Palpate's"});
 }
 
+/// As a power cut leaves one of which nothing but the first page was on disk.
+TEST_F(JobStoreTest, MakesItsTablesInADatabaseWithoutAnyWhateverItsHeaderSays) {
+  recordThree();
+  const std::filesystem::path file = StateDirectory::databaseIn(state);
+  for (const char* part : {"", "-wal", "-shm"}) std::filesystem::remove(file.string() + part);
+  Database(file, Database::Access::read_write_create).execute("PRAGMA schema_version = 1073741824");
+  const StateDirectory held(state);
+  EXPECT_EQ(open(held).takeFound().size(), 3U);
+}
+
 TEST_F(JobStoreTest, RefusesAFileThatIsNoDatabaseWhereThereIsNoJournal) {
   std::filesystem::create_directories(state);
   std::ofstream(StateDirectory::databaseIn(state)) << std::string(5000, 'x');
