@@ -8,6 +8,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/whole_file.hpp"
+#include "common/keys/key_options.hpp"
 #include "common/problem/problem_warnings.hpp"
 #include "scheduler/build.hpp"
 #include "scheduler/status_text.hpp"
@@ -153,7 +154,7 @@ void addOptions(CLI::App& app, BuildOrder& order) {
 
 /// Brings the build that a server works for to its end and calls `seal`, then lets the workers
 /// leave. Unless it is stopped, or stuck: then it returns the exit code.
-using Compute = std::function<ExitCode(Server&, Coordinator&, const std::function<void()>& seal)>;
+using Compute = std::function<ExitCode(Server&, Build&, const std::function<void()>& seal)>;
 
 /// Tells what the exit code of a build that came to no end means.
 ExitCode tellWhy(const Coordinator& coordinator, const std::string& state, ExitCode when_stopped) {
@@ -179,11 +180,18 @@ void allowAsManyPeers() {
     spdlog::warn("more than {} workers may not find room: {}", limit.rlim_cur, errnoText());
 }
 
-/// The tables of the dataset `out`, sealed by a server at `endpoint`, which gets the port that was
+/// Where a server listens, and for whom.
+struct Listening {
+  std::string endpoint;
+  bool own_keys = false;          ///< those of the state directory, which the server's workers get
+  std::optional<KeyFolder> keys;  ///< else; nothing: for everybody
+};
+
+/// The tables of the dataset `out`, sealed by a server at `where`, which gets the port that was
 /// chosen; none when the build was stopped or is stuck, and what
 /// `compute` returned then.
 std::pair<std::vector<SpaceTable>, ExitCode> sealedBy(const Compute& compute, Build& build,
-                                                      std::string& endpoint,
+                                                      Listening& where,
                                                       const std::filesystem::path& out,
                                                       const std::string& state) {
   Coordinator& coordinator = build.coordinator();
@@ -192,11 +200,17 @@ std::pair<std::vector<SpaceTable>, ExitCode> sealedBy(const Compute& compute, Bu
     spdlog::info("going on: {} results are recorded in {}", coordinator.found(), state);
   zmq::context_t context;
   allowAsManyPeers();
-  Server server(context, endpoint);
-  endpoint = server.endpoint();
-  build.directory().announce(endpoint);
+  if (where.own_keys) {
+    where.keys = KeyFolder(build.directory().keys());
+    // Of this run alone: a damaged one keeps nobody from going on.
+    where.keys->replaceOwn();
+  }
+  Server server(context, where.endpoint, where.keys);
+  where.endpoint = server.endpoint();
+  build.directory().announce(
+      {where.endpoint, where.keys ? std::optional(where.keys->path()) : std::nullopt});
   std::vector<SpaceTable> tables;
-  const ExitCode when_stopped = compute(server, coordinator, [&] {
+  const ExitCode when_stopped = compute(server, build, [&] {
     // As long as there are workers that could compute it again.
     build.verify();
     coordinator.dismiss();
@@ -209,7 +223,7 @@ std::pair<std::vector<SpaceTable>, ExitCode> sealedBy(const Compute& compute, Bu
 /// From the scene to the sealed dataset, which is what stdout then tells; nothing to do when `out`
 /// is that already. Error before anything is computed when the scene is wrong, `out` holds
 /// something else, or its folder is not there.
-ExitCode carryOut(const BuildOrder& order, std::string endpoint, const Compute& compute) {
+ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compute) {
   Problem problem = loadProblem(order.scene);
   logWarnings(problem);
   const std::filesystem::path out = order.out.empty() ? problem.scene.name + ".h5" : order.out;
@@ -227,7 +241,7 @@ ExitCode carryOut(const BuildOrder& order, std::string endpoint, const Compute& 
   for (;;) {
     Build build(problem, state, Clock::now(), settings);
     try {
-      const auto [tables, when_stopped] = sealedBy(compute, build, endpoint, out, state);
+      const auto [tables, when_stopped] = sealedBy(compute, build, where, out, state);
       if (tables.empty()) return tellWhy(build.coordinator(), state, when_stopped);
       const double seconds = std::chrono::duration<double>(Clock::now() - began).count();
       return finish(tables, build.problem().scene, out,
@@ -267,12 +281,12 @@ struct BuildOptions {
   int workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
 
-ExitCode compute(Server& server, Coordinator& coordinator, const std::function<void()>& seal,
-                 int workers) {
+ExitCode compute(Server& server, Build& build, const std::function<void()>& seal, int workers) {
+  Coordinator& coordinator = build.coordinator();
   // How long workers may take to finish what they hold.
   constexpr milliseconds drain_limit{15000};
   WorkerPool pool({programBeside("palpate-worker").string(), "work", "--connect", server.endpoint(),
-                   "--alone", "--quiet"});
+                   "--keys", build.directory().keys().string(), "--alone", "--quiet"});
   for (int n = 0; n < workers; ++n) pool.start();
 
   std::int64_t recorded = 0;
@@ -314,8 +328,8 @@ std::function<ExitCode()> prepareBuild(CLI::App& app) {
       "Exit codes: 0 done, 1 failed, 2 bad scene or usage, 3 done but some points failed, "
       "130 interrupted.");
   return [options] {
-    return carryOut(options->order, "tcp://127.0.0.1:*",
-                    [&](Server& server, Coordinator& build, const std::function<void()>& seal) {
+    return carryOut(options->order, {.endpoint = "tcp://127.0.0.1:*", .own_keys = true, .keys = {}},
+                    [&](Server& server, Build& build, const std::function<void()>& seal) {
                       return compute(server, build, seal, options->workers);
                     });
   };
@@ -326,10 +340,11 @@ std::function<ExitCode()> prepareBuild(CLI::App& app) {
 struct ServeOptions {
   BuildOrder order;
   std::string endpoint = default_endpoint;
-  bool insecure = false;
+  KeyOptions keys;
 };
 
-ExitCode serve(Server& server, Coordinator& coordinator, const std::function<void()>& seal) {
+ExitCode serve(Server& server, Build& build, const std::function<void()>& seal) {
+  Coordinator& coordinator = build.coordinator();
   // How long workers may take to finish what they hold and leave.
   constexpr std::chrono::seconds drain_limit{30};
   spdlog::info("listening on {}", server.endpoint());
@@ -348,21 +363,18 @@ std::function<ExitCode()> prepareServe(CLI::App& app) {
       "Directory for unfinished work, on a local disk");
   app.add_option("--listen", options->endpoint, "Where workers connect, tcp://HOST:PORT")
       ->capture_default_str();
-  app.add_flag("--insecure", options->insecure,
-               "Listen beyond this machine although workers need no key");
+  options->keys.addTo(app,
+                      "Ask for no keys: whoever reaches the port takes and delivers work, and "
+                      "stops the build");
   app.footer(
       "Ends when the dataset is sealed, or when it is stopped; the same command then goes on.\n"
       "Exit codes: 0 done or stopped, 1 failed, 2 bad scene or usage, "
       "3 done but some points failed, 130 interrupted.");
   return [options] {
     checkEndpoint(options->endpoint);
-    if (!isOnThisMachineOnly(options->endpoint) && !options->insecure)
-      throw badInput(
-          "--listen {}: anyone who reaches that port could take and deliver work, "
-          "since there are no keys yet: listen on 127.0.0.1, "
-          "or say --insecure on a network you trust",
-          options->endpoint);
-    return carryOut(options->order, options->endpoint, serve);
+    return carryOut(
+        options->order,
+        {.endpoint = options->endpoint, .own_keys = false, .keys = options->keys.keys()}, serve);
   };
 }
 

@@ -5,8 +5,9 @@
 #include <thread>
 
 #include "common/base/error.hpp"
+#include "common/keys/key_options.hpp"
 #include "common/problem/problem.hpp"
-#include "common/wire/wire.hpp"
+#include "common/wire/curve.hpp"
 #include "scheduler/service/status.hpp"
 #include "scheduler/state/replay.hpp"
 #include "scheduler/status_text.hpp"
@@ -19,19 +20,46 @@ namespace {
 
 constexpr std::chrono::seconds watch_every{1};
 
-/// Asks a scheduler one thing and waits for the answer. Error when none comes within 5 s, or the
-/// endpoint makes no sense.
-wire::Message ask(const std::string& endpoint, const wire::Message& question) {
+/// Who is asked: a scheduler, or a state directory, and with which keys.
+struct Asked {
+  std::string where = default_endpoint;
+  KeyOptions keys;
+
+  void addTo(CLI::App& app) {
+    app.add_option("WHERE", where, "Scheduler, tcp://HOST:PORT, or a state directory")
+        ->capture_default_str();
+    keys.addTo(app, "Ask without a key, of a scheduler that asks for none");
+  }
+};
+
+/// Where a scheduler listens, and the keys to ask it with; nothing: it asks for none.
+struct Reachable {
+  std::string endpoint;
+  std::optional<KeyFolder> keys;
+};
+
+/// Asks a scheduler one thing and waits for the answer. Error when none comes within 5 s, it does
+/// not let this key ask that, or the endpoint makes no sense.
+wire::Message ask(const Reachable& scheduler, const wire::Message& question) {
+  const std::string& endpoint = scheduler.endpoint;
   constexpr std::chrono::duration<double> patience{5};
   zmq::context_t context;
   zmq::socket_t socket = makeDealer(context);
   // The question waits until there is a connection.
   socket.set(zmq::sockopt::immediate, false);
+  if (scheduler.keys) proveAsClient(socket, *scheduler.keys, endpoint);
+  HandshakeWatch handshakes(context, socket);
   connectDealer(socket, endpoint);
   if (sendMessage(socket, "", question) != Sent::yes) throw failure("{}: cannot send", endpoint);
   const auto deadline = std::chrono::steady_clock::now() + patience;
   while (std::chrono::steady_clock::now() < deadline) {
-    if (auto answer = receiveMessage(socket, false)) return std::move(answer->message);
+    if (auto answer = receiveMessage(socket, false)) {
+      if (answer->message.has_refused())
+        throw failure("{}: refused: {}", endpoint, answer->message.refused().reason());
+      return std::move(answer->message);
+    }
+    if (const std::string trouble = handshakes.trouble(); !trouble.empty())
+      throw failure("{}: {}", endpoint, trouble);
     if (!waitForMessages(socket, std::chrono::milliseconds(100)))
       throw Error(ExitCode::interrupted, "interrupted");
   }
@@ -39,14 +67,19 @@ wire::Message ask(const std::string& endpoint, const wire::Message& question) {
                 patience.count());
 }
 
-/// The endpoint that `where` means: itself when it is tcp:// or ipc://, else that of the scheduler
-/// which now works in the state directory `where`; empty when none does. Error (bad input) when it
-/// is neither.
-std::string endpointOf(const std::string& where) {
-  if (where.starts_with("tcp://") || where.starts_with("ipc://")) return where;
+/// The scheduler that is meant: that at tcp:// or ipc://, else the one which now works in the state
+/// directory, with the keys that it says; nothing when none does. Error (bad input) when it is
+/// neither.
+std::optional<Reachable> schedulerOf(const Asked& asked) {
+  const std::string& where = asked.where;
+  if (where.starts_with("tcp://") || where.starts_with("ipc://"))
+    return Reachable{where, asked.keys.keys()};
   if (!std::filesystem::is_directory(where))
     throw badInput("\"{}\" is neither tcp://HOST:PORT nor a state directory", where);
-  return StateDirectory::liveEndpoint(where).value_or("");
+  const auto address = StateDirectory::liveAddress(where);
+  if (!address) return std::nullopt;
+  return Reachable{address->endpoint,
+                   address->keys ? std::optional(KeyFolder(*address->keys)) : std::nullopt};
 }
 
 /// What the tables of a directory are about; nothing when they cannot be read.
@@ -59,12 +92,13 @@ std::optional<ContentId> buildIn(const std::filesystem::path& directory) {
   }
 }
 
-/// The status of the scheduler that answers at `endpoint`. Error when `where` is a state directory
-/// and that scheduler is one of another build: somebody took the endpoint over.
-wire::Status askStatus(const std::string& endpoint, const std::string& where) {
+/// The status of the scheduler that answers. Error when `where` is a state directory and that
+/// scheduler is one of another build: somebody took the endpoint over.
+wire::Status askStatus(const Reachable& scheduler, const std::string& where) {
+  const std::string& endpoint = scheduler.endpoint;
   wire::Message question;
   question.mutable_status_request();
-  const wire::Message answer = ask(endpoint, question);
+  const wire::Message answer = ask(scheduler, question);
   if (!answer.has_status_reply())
     throw failure("{}: what answers there is not a Palpate scheduler", endpoint);
   wire::Status status = statusFromJson(answer.status_reply().json());
@@ -80,7 +114,7 @@ wire::Status askStatus(const std::string& endpoint, const std::string& where) {
 }
 
 struct StatusOptions {
-  std::string where = default_endpoint;
+  Asked asked;
   bool watch = false;
   bool json = false;
 };
@@ -104,16 +138,16 @@ wire::Status storedStatus(const std::filesystem::path& directory) {
   return status;
 }
 
-wire::Status statusOfBuild(const std::string& where) {
-  const std::string endpoint = endpointOf(where);
-  return endpoint.empty() ? storedStatus(where) : askStatus(endpoint, where);
+wire::Status statusOfBuild(const Asked& asked) {
+  const auto scheduler = schedulerOf(asked);
+  return scheduler ? askStatus(*scheduler, asked.where) : storedStatus(asked.where);
 }
 
 ExitCode showStatus(const StatusOptions& options) {
   catchInterrupts();
   const bool redraw = options.watch && !options.json && isatty(STDOUT_FILENO) == 1;
   for (;;) {
-    const wire::Status status = statusOfBuild(options.where);
+    const wire::Status status = statusOfBuild(options.asked);
     fmt::print("{}{}", redraw ? "\x1b[H\x1b[2J" : "",
                options.json ? toJson(status) + '\n' : describe(status));
     std::fflush(stdout);
@@ -126,23 +160,22 @@ ExitCode showStatus(const StatusOptions& options) {
 
 std::function<ExitCode()> prepareStatus(CLI::App& app) {
   auto options = std::make_shared<StatusOptions>();
-  app.add_option("WHERE", options->where, "Scheduler, tcp://HOST:PORT, or a state directory")
-      ->capture_default_str();
+  options->asked.addTo(app);
   app.add_flag("--watch", options->watch,
                "Again every second, until the build is complete or stops");
   app.add_flag("--json", options->json, "One JSON object per line (docs/commands.md)");
   return [options] { return showStatus(*options); };
 }
 
-ExitCode stop(const std::string& where) {
-  const std::string endpoint = endpointOf(where);
-  if (endpoint.empty()) throw failure("{}: no scheduler is working there now", where);
-  if (endpoint != where) askStatus(endpoint, where);
+ExitCode stop(const Asked& asked) {
+  const auto scheduler = schedulerOf(asked);
+  if (!scheduler) throw failure("{}: no scheduler is working there now", asked.where);
+  if (scheduler->endpoint != asked.where) askStatus(*scheduler, asked.where);
   wire::Message question;
   question.mutable_stop_request();
-  if (!ask(endpoint, question).stop_reply().stopping())
-    throw failure("{}: the scheduler did not agree to stop", endpoint);
-  fmt::print("{}: stopping; the same command goes on from what is recorded\n", endpoint);
+  if (!ask(*scheduler, question).stop_reply().stopping())
+    throw failure("{}: the scheduler did not agree to stop", scheduler->endpoint);
+  fmt::print("{}: stopping; the same command goes on from what is recorded\n", scheduler->endpoint);
   return ExitCode::done;
 }
 
@@ -155,40 +188,38 @@ std::int64_t retryStored(const std::filesystem::path& directory) {
   return forgetLosses(StateDirectory(directory));
 }
 
-ExitCode retry(const std::string& where) {
-  const std::string endpoint = endpointOf(where);
+ExitCode retry(const Asked& asked) {
+  const auto scheduler = schedulerOf(asked);
   std::int64_t transitions = 0;
-  if (endpoint.empty()) {
-    transitions = retryStored(where);
+  if (!scheduler) {
+    transitions = retryStored(asked.where);
   } else {
-    if (endpoint != where) askStatus(endpoint, where);
+    if (scheduler->endpoint != asked.where) askStatus(*scheduler, asked.where);
     wire::Message question;
     question.mutable_retry_request();
-    const wire::Message answer = ask(endpoint, question);
+    const wire::Message answer = ask(*scheduler, question);
     if (!answer.has_retry_reply())
-      throw failure("{}: what answers there is not a Palpate scheduler", endpoint);
+      throw failure("{}: what answers there is not a Palpate scheduler", scheduler->endpoint);
     transitions = answer.retry_reply().transitions();
   }
-  fmt::print("{}: {} transition(s) that were set aside {}\n", where, transitions,
-             endpoint.empty() ? "will be tried again by the next build" : "are tried again");
+  fmt::print("{}: {} transition(s) that were set aside {}\n", asked.where, transitions,
+             scheduler ? "are tried again" : "will be tried again by the next build");
   return ExitCode::done;
 }
 
 std::function<ExitCode()> prepareRetry(CLI::App& app) {
-  auto where = std::make_shared<std::string>(default_endpoint);
-  app.add_option("WHERE", *where, "Scheduler, tcp://HOST:PORT, or a state directory")
-      ->capture_default_str();
+  auto asked = std::make_shared<Asked>();
+  asked->addTo(app);
   app.footer(
       "A transition is set aside after five workers ended while they solved it; the rest of the\n"
       "build goes on without it.");
-  return [where] { return retry(*where); };
+  return [asked] { return retry(*asked); };
 }
 
 std::function<ExitCode()> prepareStop(CLI::App& app) {
-  auto where = std::make_shared<std::string>(default_endpoint);
-  app.add_option("WHERE", *where, "Scheduler, tcp://HOST:PORT, or its state directory")
-      ->capture_default_str();
-  return [where] { return stop(*where); };
+  auto asked = std::make_shared<Asked>();
+  asked->addTo(app);
+  return [asked] { return stop(*asked); };
 }
 
 }  // namespace

@@ -16,6 +16,8 @@ extern const Verb stop_verb;
 extern const Verb retry_verb;
 /// `palpate check` of a state directory: whether it is whole, and what it costs where it is not.
 extern const Verb check_state_verb;
+/// `palpate key`: the keys of this user.
+extern const Verb key_verb;
 /// `palpate explain`: how one lattice point was reached, or why it was not.
 extern const Verb explain_verb;
 

@@ -49,6 +49,7 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
   app.add_option("--device", options->device, deviceHelp())
       ->type_name("WORD")
       ->capture_default_str();
+  options->keys.addTo(app, "Take a device on the network that asks for no key");
   app.add_option("--profile", options->profile,
                  "Limits of force and stiffness as of this device; default: the device's own")
       ->check(oneOf(device_words));

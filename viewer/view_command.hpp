@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/program.hpp"
+#include "common/keys/key_options.hpp"
 #include "common/scene/scene.hpp"
 
 namespace palpate {
@@ -13,6 +13,7 @@ namespace palpate {
 struct ViewOptions {
   std::vector<std::filesystem::path> datasets;  ///< at least one; the first is felt first
   std::string device = "virtual";               ///< a word of device_choice.hpp
+  KeyOptions keys = {};                         ///< for a device on the network
   std::string profile;                          ///< of device_profiles; empty: the device's own
   std::string method = "potential";
   std::optional<ContactMode> contact;  ///< none: what the scene says

@@ -56,7 +56,8 @@ class ViewSession {
     // The device last: until then nothing that fails leaves it with a force.
     loaded_ = load();
     if (!options_.headless) openPicture();
-    device_ = openDevice(options_.device, {&loaded_->first(), 1 / options_.rate, wantedProfile()});
+    device_ = openDevice(options_.device,
+                         {&loaded_->first(), 1 / options_.rate, wantedProfile(), options_.keys});
     makeTick();
     if (!options_.record.empty())
       recorder_.emplace(describeRun(loaded_->pointers(), *device_, tick_->options()));

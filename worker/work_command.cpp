@@ -9,6 +9,7 @@
 #include <future>
 #include <thread>
 
+#include "common/keys/key_options.hpp"
 #include "worker/link/job_loop.hpp"
 #include "worker/link/scheduler_link.hpp"
 #include "worker/verbs.hpp"
@@ -18,6 +19,7 @@ namespace {
 
 struct WorkOptions {
   LinkOptions link;
+  KeyOptions keys;
   int workers = 1;
   bool alone = false;  ///< nobody watches this process but who started it
 };
@@ -101,6 +103,8 @@ pid_t startChild(const WorkOptions& options, const std::string& id,
                                     std::to_string(options.link.drain_s),
                                     "--id",
                                     hexOf(id)};
+  if (options.keys.insecure) words.emplace_back("--insecure");
+  if (!options.keys.folder.empty()) words.insert(words.end(), {"--keys", options.keys.folder});
   for (const std::string& other : ended) words.insert(words.end(), {"--ended", hexOf(other)});
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -214,6 +218,7 @@ std::function<ExitCode()> prepareWork(CLI::App& app) {
                  "On SIGTERM, wait at most this many seconds for the solve in work")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  options->keys.addTo(app, "Connect without a key, to a scheduler that asks for none");
   // What a supervisor tells its children.
   app.add_flag("--alone", options->alone)->group("");
   app.add_option_function<std::string>(
@@ -230,6 +235,7 @@ std::function<ExitCode()> prepareWork(CLI::App& app) {
       "on any machine that reaches the scheduler.");
   return [options] {
     checkEndpoint(options->link.endpoint);
+    options->link.keys = options->keys.keys();
     return options->alone ? runOneWorker(*options) : Supervisor(*options).run();
   };
 }

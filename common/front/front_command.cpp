@@ -23,7 +23,7 @@ struct Route {
   const char* program_of_directory = nullptr;
 };
 
-constexpr std::array<Route, 15> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
+constexpr std::array<Route, 16> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
                                            {"build", "palpate-scheduler"},
                                            {"query", "palpate-viewer"},
                                            {"solve", "palpate-worker"},
@@ -33,6 +33,7 @@ constexpr std::array<Route, 15> routes = {{{"check", "palpate-worker", "palpate-
                                            {"stop", "palpate-scheduler"},
                                            {"retry", "palpate-scheduler"},
                                            {"explain", "palpate-scheduler"},
+                                           {"key", "palpate-scheduler"},
                                            {"verify", "palpate-verify"},
                                            {"report", "palpate-viewer"},
                                            {"doctor", "palpate-viewer"},
@@ -59,6 +60,7 @@ On several machines
   stop     Let it finish what is running, and end it; serve goes on later
   retry    Try again what was set aside because workers ended on it
   explain  How a lattice point was reached, or why it failed
+  key      Keys: make one, let other machines and people in, withdraw them
   check    Of a state directory: whether it is whole; repair it
 
 With a haptic device elsewhere

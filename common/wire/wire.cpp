@@ -162,6 +162,11 @@ Sent sendMessage(zmq::socket_t& socket, std::string_view peer, const wire::Messa
   return Sent::yes;
 }
 
+std::optional<PublicKey> senderOf(zmq::message_t& frame) {
+  const char* const hex = zmq_msg_gets(frame.handle(), "User-Id");
+  return hex == nullptr ? std::nullopt : PublicKey::fromHex(hex);
+}
+
 std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router) {
   Incoming incoming;
   bool intact = true;
@@ -175,6 +180,7 @@ std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router) {
         incoming.peer = frame.to_string();
       } else if (frame_number == 1) {
         intact = incoming.message.ParseFromArray(frame.data(), static_cast<int>(frame.size()));
+        if (router) incoming.key = senderOf(frame);
       } else if (incoming.payload.size() + frame.size() <= max_payload_bytes) {
         incoming.payload.append(frame.data<char>(), frame.size());
       } else {

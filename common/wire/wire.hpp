@@ -8,6 +8,7 @@
 #include <string_view>
 #include <zmq.hpp>
 
+#include "common/keys/key_pair.hpp"
 #include "common/space/configuration.hpp"
 #include "common/space/lattice.hpp"
 #include "proto/palpate.pb.h"
@@ -42,7 +43,7 @@ auto repeatWhenInterrupted(Call call) {
 /// Where `serve` listens and `status`, `stop`, `work` connect when nothing is said.
 inline constexpr const char* default_endpoint = "tcp://127.0.0.1:7411";
 
-/// Whether nobody beyond this machine reaches what listens at `endpoint`; who does needs no key.
+/// Whether nobody beyond this machine reaches what listens at `endpoint`.
 bool isOnThisMachineOnly(const std::string& endpoint);
 
 /// A message as it came in.
@@ -50,6 +51,10 @@ struct Incoming {
   std::string peer;  ///< routing id on a ROUTER, empty on a DEALER
   wire::Message message;
   std::string payload;  ///< the concatenated payload frames
+  /// Whose key it came under; nothing where no keys are asked for (curve.hpp).
+  std::optional<PublicKey> key = {};
+  /// Why its sender may not say this; empty when it may. Nothing else of the message counts then.
+  std::string refusal = {};
 };
 
 /// What became of a message we wanted to send. `unroutable`: the peer is gone. `full`: it does not
@@ -60,6 +65,9 @@ enum class Sent : std::uint8_t { yes, unroutable, full };
 /// other ZeroMQ failure.
 [[nodiscard]] Sent sendMessage(zmq::socket_t& socket, std::string_view peer,
                                const wire::Message& message, std::string_view payload = {});
+
+/// The key under which a frame came through a Gatekeeper (curve.hpp); nothing where there is none.
+std::optional<PublicKey> senderOf(zmq::message_t& frame);
 
 /// The next message without blocking. Nothing when there is none. A message that does not parse,
 /// has an empty body, or has too large a payload is returned with message.body_case() ==

@@ -98,6 +98,12 @@ void Coordinator::receive(const Incoming& incoming, Time now) {
   badMessage(peer, "workers do not send that");
 }
 
+void Coordinator::refuse(const Incoming& incoming, Time now) {
+  send(incoming.peer).mutable_refused()->set_reason(incoming.refusal);
+  badMessage(incoming.peer, incoming.refusal);
+  if (const Worker* worker = registry_.ofPeer(incoming.peer)) lose(*worker, now);
+}
+
 void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time now) {
   if (const std::string objection = registry_.objectionTo(hello); !objection.empty()) {
     spdlog::warn("worker {} on {} was refused: {}", hello.pid(), hello.host(), objection);

@@ -67,6 +67,9 @@ class Coordinator {
               CoordinatorSettings settings = {});
 
   void receive(const Incoming& incoming, Time now);
+  /// A message whose sender may not say it: is told why, and if it was a worker, it is none any
+  /// more.
+  void refuse(const Incoming& incoming, Time now);
   /// Whatever time brings: commits a group that is due, takes back what silent workers hold, hands
   /// out jobs. Call after every batch of messages and at nextDeadline. `all_read`: no message waits
   /// that would show that a silent worker is not silent.

@@ -5,9 +5,34 @@
 #include "common/base/assertion.hpp"
 
 namespace palpate {
+namespace {
 
-Server::Server(zmq::context_t& context, const std::string& endpoint)
-    : socket_(makeRouter(context)), endpoint_(bindRouter(socket_, endpoint)) {}
+/// What one must be to say this; nothing of what servers alone say.
+std::optional<Role> roleFor(const wire::Message& message) {
+  using wire::Message;
+  switch (message.body_case()) {
+    case Message::kHello:
+    case Message::kProblemRequest:
+    case Message::kRequest:
+    case Message::kFieldsRequest:
+    case Message::kResult:
+    case Message::kHeartbeat:
+    case Message::kGoodbye: return Role::worker;
+    case Message::kStatusRequest: return Role::observer;
+    case Message::kStopRequest:
+    case Message::kRetryRequest: return Role::operator_;
+    default: return std::nullopt;
+  }
+}
+
+}  // namespace
+
+Server::Server(zmq::context_t& context, const std::string& endpoint,
+               const std::optional<KeyFolder>& keys)
+    : socket_(makeRouter(context)) {
+  if (keys) gatekeeper_.emplace(context, socket_, *keys);
+  endpoint_ = bindRouter(socket_, endpoint);
+}
 
 void Server::turn(Coordinator& coordinator, std::chrono::milliseconds longest) {
   using Clock = std::chrono::steady_clock;
@@ -18,7 +43,22 @@ void Server::turn(Coordinator& coordinator, std::chrono::milliseconds longest) {
   exchange(coordinator, *this, Clock::now());
 }
 
-std::optional<Incoming> Server::receive() { return receiveMessage(socket_, true); }
+std::optional<Incoming> Server::receive() {
+  auto incoming = receiveMessage(socket_, true);
+  if (incoming) incoming->refusal = refusalOf(*incoming);
+  return incoming;
+}
+
+std::string Server::refusalOf(const Incoming& incoming) {
+  if (!gatekeeper_) return "";
+  const auto wanted = roleFor(incoming.message);
+  const Roles roles = gatekeeper_->rolesOf(incoming.key);
+  if (roles.none()) return "its key is not let in any more";
+  if (!wanted || roles.has(*wanted)) return "";
+  return fmt::format(
+      "its key has the role {}, and this needs {}: palpate key allow, where the server runs",
+      wordsOf(roles), wordOf(*wanted));
+}
 
 Sent Server::send(const Outgoing& message) {
   const std::string_view payload = message.payload ? *message.payload : std::string_view();

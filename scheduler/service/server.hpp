@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/wire/curve.hpp"
 #include "scheduler/service/transport.hpp"
 
 namespace palpate {
@@ -7,8 +8,10 @@ namespace palpate {
 /// The ROUTER socket in front of a Coordinator. One thread; never blocks but in turn().
 class Server : private Transport {
  public:
-  /// Binds `endpoint` (tcp://127.0.0.1:* lets the system choose a port). Error when it is in use.
-  Server(zmq::context_t& context, const std::string& endpoint);
+  /// Binds `endpoint` (tcp://127.0.0.1:* lets the system choose a port) for those whom `keys` lets
+  /// in, or without any for everybody. Error when it is in use.
+  Server(zmq::context_t& context, const std::string& endpoint,
+         const std::optional<KeyFolder>& keys = std::nullopt);
 
   /// Where it listens, with the port that was chosen.
   const std::string& endpoint() const { return endpoint_; }
@@ -20,7 +23,11 @@ class Server : private Transport {
  private:
   std::optional<Incoming> receive() override;
   Sent send(const Outgoing& message) override;
+  /// Why the sender may not say this; empty when it may.
+  std::string refusalOf(const Incoming& incoming);
 
+  /// Nothing: everybody may say everything. Before the socket: it goes after it.
+  std::optional<Gatekeeper> gatekeeper_;
   zmq::socket_t socket_;
   std::string endpoint_;
 };

@@ -11,7 +11,8 @@ void exchange(Coordinator& coordinator, Transport& transport, Coordinator::Time 
   bool all_read = false;
   for (int n = 0; n < messages_per_turn && !all_read; ++n) {
     if (const auto incoming = transport.receive())
-      coordinator.receive(*incoming, now);
+      incoming->refusal.empty() ? coordinator.receive(*incoming, now)
+                                : coordinator.refuse(*incoming, now);
     else
       all_read = true;
   }

@@ -97,8 +97,10 @@ StateDirectory::StateDirectory(const std::filesystem::path& path) : path_(path) 
   if (error) throw failure("{}: cannot remove: {}", (path / "endpoint").string(), error.message());
 }
 
-void StateDirectory::announce(const std::string& endpoint) const {
-  writeSmallFile(path_ / "endpoint", endpoint + '\n');
+void StateDirectory::announce(const Address& address) const {
+  std::string text = address.endpoint + '\n';
+  if (address.keys) text += std::filesystem::absolute(*address.keys).string() + '\n';
+  writeSmallFile(path_ / "endpoint", text);
 }
 
 void StateDirectory::checkPresence() const {
@@ -121,12 +123,14 @@ std::optional<std::string> StateDirectory::holder(const std::filesystem::path& d
   return holderOf(directory);
 }
 
-std::optional<std::string> StateDirectory::liveEndpoint(const std::filesystem::path& directory) {
+std::optional<StateDirectory::Address> StateDirectory::liveAddress(
+    const std::filesystem::path& directory) {
   if (!holder(directory)) return std::nullopt;
   std::ifstream file(directory / "endpoint");
-  std::string endpoint;
-  if (!std::getline(file, endpoint)) return std::nullopt;
-  return endpoint;
+  Address address;
+  if (!std::getline(file, address.endpoint)) return std::nullopt;
+  if (std::string keys; std::getline(file, keys)) address.keys = keys;
+  return address;
 }
 
 }  // namespace palpate

@@ -19,11 +19,19 @@ class StateDirectory {
   /// scheduler holds it.
   explicit StateDirectory(const std::filesystem::path& path);
 
-  /// Writes where the scheduler listens into the folder, all at once, so that `status` and `stop`
-  /// find it there. What an earlier run wrote is gone since construction.
-  void announce(const std::string& endpoint) const;
-  /// The endpoint that the scheduler now holding `directory` announced; nothing when none holds it.
-  static std::optional<std::string> liveEndpoint(const std::filesystem::path& directory);
+  /// Where a scheduler listens, and the folder of the keys it lives by; without one it asks for
+  /// none.
+  struct Address {
+    std::string endpoint;
+    std::optional<std::filesystem::path> keys;
+  };
+  /// Writes it into the folder, all at once, so that `status` and `stop` find it there. What an
+  /// earlier run wrote is gone since construction.
+  void announce(const Address& address) const;
+  /// What the scheduler now holding `directory` announced; nothing when none holds it.
+  static std::optional<Address> liveAddress(const std::filesystem::path& directory);
+  /// Where a build keeps the keys that it and its workers alone use.
+  std::filesystem::path keys() const { return path_ / "keys"; }
   /// The process number of whoever holds the lock of `directory`, "unknown" when it cannot be read;
   /// nothing when nobody does.
   static std::optional<std::string> holder(const std::filesystem::path& directory);

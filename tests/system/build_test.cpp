@@ -227,13 +227,6 @@ TEST_F(SystemTest, ASecondSchedulerAndAnotherSceneAreToldWhatIsWrong) {
   EXPECT_THAT(other->output(), HasSubstr("another --state"));
 }
 
-TEST_F(SystemTest, ListeningBeyondThisMachineNeedsAWord) {
-  auto serve = start("palpate-scheduler",
-                     {"serve", "cube.toml", "--listen", "tcp://0.0.0.0:*", "--state", "state"});
-  EXPECT_EQ(serve->wait(), 2);
-  EXPECT_THAT(serve->output(), HasSubstr("--insecure"));
-}
-
 TEST_F(SystemTest, RefusesToReplaceAFileThatIsNoDatasetOfThisScene) {
   std::ofstream(directory / "out.h5") << "precious";
   auto build = startBuild("out.h5", "1");

@@ -255,7 +255,7 @@ TEST_F(RemoteWorkerTest, WhatAKilledOneHeldIsHandedOutAgainWithoutWaitingForItsS
   const std::string address = two_networks ? "10.77.0.1" : "127.0.0.1";
   auto scheduler =
       start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://" + address + ":*",
-                                  "--insecure", "--state", "served", "-o", "served.h5"});
+                                  "--state", "served", "-o", "served.h5"});
   const std::string endpoint = endpointIn("served");
   auto near = work(endpoint);
   if (two_networks) network.goThere();

@@ -46,6 +46,8 @@ class Process {
     pid_ = fork();
     if (pid_ != 0) return;
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    // Not those of who runs the tests.
+    setenv("PALPATE_KEYS", (directory / "keys").c_str(), 1);
     const int out = open(output_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
     if (out < 0 || dup2(out, STDOUT_FILENO) < 0 || dup2(out, STDERR_FILENO) < 0 ||
         chdir(directory.c_str()) != 0)

@@ -64,9 +64,8 @@ struct SmallBuild : testing::Test {
   }
   std::string endpointIn(const std::string& state) const {
     EXPECT_TRUE(eventually([&] { return !contentOf(directory / state / "endpoint").empty(); }));
-    std::string endpoint = contentOf(directory / state / "endpoint");
-    endpoint.pop_back();
-    return endpoint;
+    const std::string address = contentOf(directory / state / "endpoint");
+    return address.substr(0, address.find('\n'));
   }
 
  private:

@@ -122,8 +122,8 @@ void checkDeviceWord(const std::string& text) {
 
 std::unique_ptr<HapticDevice> openDevice(const std::string& text, const DeviceContext& context) {
   if (isEndpoint(text))
-    return std::make_unique<NetworkDevice>(
-        NetworkDeviceOptions{.endpoint = text, .fallback = context.profile});
+    return std::make_unique<NetworkDevice>(NetworkDeviceOptions{
+        .endpoint = text, .keys = context.keys.keys(), .fallback = context.profile});
   const Word word = split(text);
   return openerOf(text, word).open(word, context);
 }

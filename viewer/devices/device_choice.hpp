@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "common/keys/key_options.hpp"
 #include "viewer/haptics/haptic_device.hpp"
 
 namespace palpate {
@@ -18,6 +19,7 @@ struct DeviceContext {
   /// Of devices that have no limits of their own: virtual hand, mouse; and of a network device
   /// until it told its own.
   DeviceProfile profile = device_profiles.front();
+  KeyOptions keys = {};  ///< for a device on the network
 };
 
 /// The word of --device when there is none.

@@ -48,18 +48,13 @@ void look(const HapticDevice& device, const DeviceServer& server, Told& told) {
 
 ExitCode serveDevice(const DeviceCommandOptions& options) {
   checkEndpoint(options.endpoint);
-  if (!isOnThisMachineOnly(options.endpoint) && !options.insecure)
-    throw badInput(
-        "--listen {}: anyone who reaches that port could push the hand, "
-        "since there are no keys yet: listen on 127.0.0.1 and use a tunnel, "
-        "or say --insecure on a network you trust",
-        options.endpoint);
+  const std::optional<KeyFolder> keys = options.keys.keys();
   // Before the device is opened: Ctrl-C must not end us with a force on.
   catchInterrupts();
   DeviceContext context;
   context.period = 1 / options.rate;
   const auto device = openDevice(options.device, context);
-  const DeviceServer server(*device, options.endpoint, options.rate);
+  const DeviceServer server(*device, options.endpoint, options.rate, keys);
   spdlog::info("{} can be had at {}; Ctrl-C ends", device->name(), server.endpoint());
   for (Told told; !interrupted(); std::this_thread::sleep_for(look_interval))
     look(*device, server, told);
@@ -78,10 +73,10 @@ Verb deviceVerb() {
             app.add_option("--rate", options->rate, "Readings per second")
                 ->check(CLI::Range(1.0, 1e5))
                 ->capture_default_str();
-            app.add_flag("--insecure", options->insecure,
-                         "Listen beyond this machine although there are no keys");
+            options->keys.addTo(app, "Ask for no keys: whoever reaches the port pushes the hand");
             app.footer(
-                "Over there: palpate view ... --device tcp://HOST:PORT. "
+                "Over there: palpate view ... --device tcp://HOST:PORT, with a key that is let in "
+                "here as a simulator.\n"
                 "The force is zero whenever the simulator is silent.\n"
                 "Exit codes: 1 failed, 2 wrong usage, 130 interrupted.");
             return std::function<ExitCode()>([options] { return serveDevice(*options); });

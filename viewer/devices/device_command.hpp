@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "common/base/program.hpp"
+#include "common/keys/key_options.hpp"
 
 namespace palpate {
 
@@ -10,12 +10,11 @@ struct DeviceCommandOptions {
   std::string endpoint;          ///< where to listen
   std::string device = "haply";  ///< openDevice()
   double rate = 1000;            ///< Hz
-  bool insecure = false;         ///< listen beyond this machine
+  KeyOptions keys = {};
 };
 
 /// `palpate device`: lends a device of this machine to a simulator on another (DeviceServer), until
-/// it is interrupted. Error (bad input) for a wrong word or endpoint, or one beyond this machine
-/// without `insecure`.
+/// it is interrupted. Error (bad input) for a wrong word or endpoint, or keys that cannot be read.
 ExitCode serveDevice(const DeviceCommandOptions& options);
 
 /// The verb `device` of palpate-viewer.

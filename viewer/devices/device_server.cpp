@@ -16,13 +16,15 @@ constexpr std::size_t longest_trouble = 500;
 
 }  // namespace
 
-DeviceServer::DeviceServer(HapticDevice& device, const std::string& endpoint, double rate)
+DeviceServer::DeviceServer(HapticDevice& device, const std::string& endpoint, double rate,
+                           const std::optional<KeyFolder>& keys)
     : device_(device),
       profile_(device.profile()),
       context_(1),
       socket_(makeDeviceRouter(context_)) {
   if (!(rate >= 1) || !(rate <= 1e5))
     throw badInput("a device cannot be read {} times a second; give a rate from 1 to 100000", rate);
+  if (keys) gatekeeper_.emplace(context_, socket_, *keys);
   endpoint_ = bindRouter(socket_, endpoint);
   thread_ = std::jthread([this, rate](const std::stop_token& stop) { run(stop, rate); });
 }
@@ -70,6 +72,11 @@ void DeviceServer::turn() {
 void DeviceServer::handle(const IncomingDeviceMessage& incoming) {
   const wire::DeviceMessage& message = incoming.message;
   const bool of_holder = !holder_.empty() && incoming.peer == holder_;
+  if (gatekeeper_ && !gatekeeper_->rolesOf(incoming.key).has(Role::simulator)) {
+    if (of_holder) release();
+    return refuse(incoming.peer,
+                  "your key has not the role of a simulator: palpate key allow, where it is lent");
+  }
   if (of_holder) last_heard_ = Clock::now();
   switch (message.body_case()) {
     case wire::DeviceMessage::kGreeting: return greet(incoming.peer, message.greeting());
@@ -83,32 +90,38 @@ void DeviceServer::handle(const IncomingDeviceMessage& incoming) {
   }
 }
 
-void DeviceServer::greet(const std::string& peer, const wire::DeviceGreeting& greeting) {
+void DeviceServer::refuse(const std::string& peer, const std::string& why) {
   wire::DeviceMessage answer;
-  if (greeting.protocol() != device_protocol) {
-    answer.mutable_refused()->set_reason(fmt::format(
-        "it speaks version {} of the protocol, you speak {}: use the same version of palpate",
-        device_protocol, greeting.protocol()));
-  } else if (!holder_.empty() && holder_ != peer) {
-    answer.mutable_refused()->set_reason("another simulator holds the device");
-  } else {
-    // Also of the holder itself: a client that greets again has forgotten what it sent.
-    release();
-    wire::DeviceHello& hello = *answer.mutable_hello();
-    hello.set_protocol(device_protocol);
-    hello.set_name(device_.name());
-    hello.set_max_force(profile_.max_force);
-    hello.set_max_stiffness(profile_.max_stiffness);
-    hello.set_workspace_radius(profile_.workspace_radius);
-    hello.set_has_buttons(device_.hasButtons());
-    hello.set_lives_in_scene(device_.livesInScene());
-    holder_ = peer;
-    last_heard_ = Clock::now();
-    // Readings are numbered on: a force that was held back may not answer a newer one
-    last_force_ = 0;
+  answer.mutable_refused()->set_reason(why);
+  sendDeviceMessage(socket_, peer, answer);
+}
+
+void DeviceServer::greet(const std::string& peer, const wire::DeviceGreeting& greeting) {
+  if (greeting.protocol() != device_protocol)
+    return refuse(peer, fmt::format("it speaks version {} of the protocol, you speak {}: use the "
+                                    "same version of palpate",
+                                    device_protocol, greeting.protocol()));
+  if (!holder_.empty() && holder_ != peer)
+    return refuse(peer, "another simulator holds the device");
+  // Also of the holder itself: a client that greets again has forgotten what it sent.
+  release();
+  holder_ = peer;
+  last_heard_ = Clock::now();
+  // Readings are numbered on: a force that was held back may not answer a newer one
+  last_force_ = 0;
+  {
     const std::lock_guard lock(mutex_);
     state_.held = true;
   }
+  wire::DeviceMessage answer;
+  wire::DeviceHello& hello = *answer.mutable_hello();
+  hello.set_protocol(device_protocol);
+  hello.set_name(device_.name());
+  hello.set_max_force(profile_.max_force);
+  hello.set_max_stiffness(profile_.max_stiffness);
+  hello.set_workspace_radius(profile_.workspace_radius);
+  hello.set_has_buttons(device_.hasButtons());
+  hello.set_lives_in_scene(device_.livesInScene());
   sendDeviceMessage(socket_, peer, answer);
 }
 

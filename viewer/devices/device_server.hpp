@@ -9,6 +9,7 @@
 #include <thread>
 #include <zmq.hpp>
 
+#include "common/wire/curve.hpp"
 #include "viewer/devices/device_wire.hpp"
 #include "viewer/haptics/haptic_device.hpp"
 
@@ -35,9 +36,11 @@ class DeviceServer {
   };
 
   /// The device must outlive this object and be used by nobody else. endpoint: port * lets the
-  /// system choose. rate: Hz, at which the device is read, 1 to 100000. Error when it cannot listen
-  /// there, and (bad input) for another rate.
-  DeviceServer(HapticDevice& device, const std::string& endpoint, double rate = 1000);
+  /// system choose. rate: Hz, at which the device is read, 1 to 100000. keys: only who has the role
+  /// of a simulator there gets the device; nothing: anybody. Error when it cannot listen there, and
+  /// (bad input) for another rate.
+  DeviceServer(HapticDevice& device, const std::string& endpoint, double rate = 1000,
+               const std::optional<KeyFolder>& keys = std::nullopt);
 
   /// With the port that the system chose.
   const std::string& endpoint() const { return endpoint_; }
@@ -50,6 +53,7 @@ class DeviceServer {
   void run(const std::stop_token& stop, double rate);
   void turn();
   void handle(const IncomingDeviceMessage& incoming);
+  void refuse(const std::string& peer, const std::string& why);
   void greet(const std::string& peer, const wire::DeviceGreeting& greeting);
   void follow(const wire::DeviceForce& force);
   void release();
@@ -62,6 +66,7 @@ class DeviceServer {
   HapticDevice& device_;
   const DeviceProfile profile_;
   zmq::context_t context_;
+  std::optional<Gatekeeper> gatekeeper_;  ///< before the socket: it goes after it
   zmq::socket_t socket_;
   std::string endpoint_;
 

@@ -68,7 +68,8 @@ std::optional<IncomingDeviceMessage> receiveDeviceMessage(zmq::socket_t& socket,
   PALPATE_ASSERT(!frames.empty(), "what was received has a frame");
   IncomingDeviceMessage incoming;
   if (router) incoming.peer = frames.front().to_string();
-  const zmq::message_t& body = frames.back();
+  zmq::message_t& body = frames.back();
+  if (router) incoming.key = senderOf(body);
   const std::size_t expected = router ? 2 : 1;
   if (frames.size() != expected ||
       !incoming.message.ParseFromArray(body.data(), static_cast<int>(body.size())))

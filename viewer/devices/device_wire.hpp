@@ -7,6 +7,7 @@
 #include <string_view>
 #include <zmq.hpp>
 
+#include "common/keys/key_pair.hpp"
 #include "proto/device.pb.h"
 #include "viewer/haptics/haptic_device.hpp"
 
@@ -20,8 +21,9 @@ inline constexpr std::uint32_t device_protocol = 2;
 inline constexpr const char* default_device_endpoint = "tcp://127.0.0.1:7412";
 
 struct IncomingDeviceMessage {
-  std::string peer;             ///< routing id on a ROUTER, empty on a DEALER
-  wire::DeviceMessage message;  ///< BODY_NOT_SET when it made no sense: count it and drop it
+  std::string peer;              ///< routing id on a ROUTER, empty on a DEALER
+  wire::DeviceMessage message;   ///< BODY_NOT_SET when it made no sense: count it and drop it
+  std::optional<PublicKey> key;  ///< whose it came under; nothing where no keys are asked for
 };
 
 /// ROUTER of a device, DEALER of its client: short queues, since only the newest matters, and

@@ -22,8 +22,10 @@ NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
     : options_(std::move(options)),
       context_(1),
       socket_(makeDeviceDealer(context_)),
+      handshakes_(context_, socket_),
       max_force_(options_.fallback.max_force) {
   traits_.profile = options_.fallback;
+  if (options_.keys) proveAsClient(socket_, *options_.keys, options_.endpoint);
   connectDealer(socket_, options_.endpoint);
   connection_trouble_ = fmt::format(
       "no device answers at {}: start one there with palpate device --listen", options_.endpoint);
@@ -57,6 +59,8 @@ void NetworkDevice::turn() {
   waitForMessages(socket_, poll_interval);
   const std::uint64_t before = last_reading_;
   while (const auto incoming = receiveDeviceMessage(socket_, false)) handle(incoming->message);
+  if (const std::string trouble = handshakes_.trouble(); !trouble.empty())
+    connection_trouble_ = fmt::format("{}: {}", options_.endpoint, trouble);
   const auto now = Clock::now();
   if (connected_ && now - last_heard_ > DeviceExchange::silence) {
     connected_ = false;

@@ -7,6 +7,7 @@
 #include <thread>
 #include <zmq.hpp>
 
+#include "common/wire/curve.hpp"
 #include "viewer/devices/device_exchange.hpp"
 #include "viewer/devices/device_wire.hpp"
 
@@ -14,6 +15,7 @@ namespace palpate {
 
 struct NetworkDeviceOptions {
   std::string endpoint;  ///< tcp://HOST:PORT or ipc://PATH, where a DeviceServer listens
+  std::optional<KeyFolder> keys = {};  ///< nothing: it asks for none
   /// Limits to go by when no device answered within `wait`.
   DeviceProfile fallback = device_profiles.front();
   std::chrono::milliseconds wait{2000};
@@ -60,6 +62,7 @@ class NetworkDevice : public ThreadedDevice {
   // Of the thread of the device.
   zmq::context_t context_;
   zmq::socket_t socket_;
+  HandshakeWatch handshakes_;
   bool greeted_ = false;    ///< the device said its limits
   bool connected_ = false;  ///< and sends readings
   double max_force_ = 0;    ///< N, the least of all that was said

@@ -50,10 +50,22 @@ SchedulerLink::SchedulerLink(zmq::context_t& context, Mailbox& mailbox,
     : context_(context), mailbox_(mailbox), kernels_(kernels), options_(std::move(options)) {}
 
 void SchedulerLink::connect() {
+  handshakes_.reset();
   socket_ = makeDealer(context_);
+  // Read again each time: keys may be replaced while workers run.
+  if (options_.keys) proveAsClient(socket_, *options_.keys, options_.endpoint);
+  handshakes_.emplace(context_, socket_);
   // A leading zero byte is reserved by ZeroMQ, so the routing id is not the bare random id.
   socket_.set(zmq::sockopt::routing_id, "w" + options_.worker_id);
   connectDealer(socket_, options_.endpoint);
+}
+
+/// Once: it is tried again, since a key may be let in while this worker waits.
+void SchedulerLink::tellHandshakeTrouble() {
+  std::string trouble = handshakes_->trouble();
+  if (trouble.empty() || trouble == told_) return;
+  spdlog::warn("{} is not reached: {}; trying again", options_.endpoint, trouble);
+  told_ = std::move(trouble);
 }
 
 ExitCode SchedulerLink::run() {
@@ -65,6 +77,7 @@ ExitCode SchedulerLink::run() {
   WorkerSession session(mailbox_, sessionOf(options_, kernels_), send, Clock::now());
   for (bool draining = false;;) {
     waitForMessages(socket_, poll_interval, mailbox_.wakeUpDescriptor());
+    tellHandshakeTrouble();
     while (const auto incoming = receiveMessage(socket_, false))
       session.receive(*incoming, Clock::now());
     if (interrupted() && !std::exchange(draining, true)) {

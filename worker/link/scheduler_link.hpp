@@ -1,6 +1,7 @@
 #pragma once
 
 #include "common/base/error.hpp"
+#include "common/wire/curve.hpp"
 #include "worker/elements/kernel_family.hpp"
 #include "worker/link/worker_session.hpp"
 
@@ -12,6 +13,7 @@ std::string randomWorkerId();
 struct LinkOptions {
   /// Of the scheduler, as checkEndpoint() wants it.
   std::string endpoint = default_endpoint;
+  std::optional<KeyFolder> keys;  ///< nothing: the scheduler asks for none
   double give_up_s = SessionOptions().give_up_s;
   double drain_s = SessionOptions().drain_s;  ///< counted from SIGTERM
   std::string worker_id = randomWorkerId();
@@ -33,12 +35,15 @@ class SchedulerLink {
 
  private:
   void connect();
+  void tellHandshakeTrouble();
 
   zmq::context_t& context_;
   Mailbox& mailbox_;
   const ElementKernels& kernels_;
   const LinkOptions options_;
   zmq::socket_t socket_;
+  std::optional<HandshakeWatch> handshakes_;  ///< behind the socket: it goes first
+  std::string told_;                          ///< of them
 };
 
 }  // namespace palpate

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "scheduler/build.hpp"
 #include "scheduler/service/status.hpp"
 #include "tests/scheduler/build_world.hpp"
@@ -127,6 +129,101 @@ TEST_F(ServerTest, StillServesAfterGarbage) {
   join(worker, "w");
   request(worker, 1);
   expect(worker, Message::kJob);
+}
+
+// ---- Keys ----
+
+/// The same server, and clients with keys of their own.
+struct KeyedServerTest : ServerTest {
+  const KeyFolder keys{directory / "keys"};
+
+  void SetUp() override {
+    // What the one without keys listens at is of no use here.
+    keyed.emplace(keyed_context, "tcp://127.0.0.1:*", keys);
+  }
+  void TearDown() override { keyed.reset(); }
+
+  KeyFolder person(const char* name, const char* roles) const {
+    const KeyFolder folder(directory / name);
+    keys.allow({folder.ownOrNew().open(), rolesOf(roles), name});
+    folder.trust(keys.own().open(), "*");
+    return folder;
+  }
+  zmq::socket_t connectAs(const KeyFolder& folder) {
+    zmq::socket_t socket = makeDealer(context);
+    socket.set(zmq::sockopt::immediate, false);
+    proveAsClient(socket, folder, keyed->endpoint());
+    socket.connect(keyed->endpoint());
+    return socket;
+  }
+  /// What it is answered, by kind.
+  Message answerTo(zmq::socket_t& socket, const Message& question) {
+    send(socket, question);
+    for (int turns = 0; turns < 1000; ++turns) {
+      keyed->turn(build.coordinator(), 10ms);
+      if (auto incoming = receiveMessage(socket, false)) return incoming->message;
+    }
+    ADD_FAILURE() << "no answer";
+    return {};
+  }
+
+  zmq::context_t keyed_context;
+  std::optional<Server> keyed;
+};
+
+Message statusRequest() {
+  Message message;
+  message.mutable_status_request();
+  return message;
+}
+
+Message stopRequest() {
+  Message message;
+  message.mutable_stop_request();
+  return message;
+}
+
+TEST_F(KeyedServerTest, EachRoleMaySayWhatIsItsAndNothingElse) {
+  // The list is read again within a second; so that nobody waits for it, first all keys.
+  const KeyFolder node = person("node", "worker"), viewer = person("viewer", "observer"),
+                  boss = person("boss", "operator");
+  keyed.reset();
+  keyed.emplace(keyed_context, "tcp://127.0.0.1:*", keys);
+  zmq::socket_t worker = connectAs(node), observer = connectAs(viewer), operator_ = connectAs(boss);
+  EXPECT_TRUE(answerTo(worker, test::helloOf("w")).has_welcome());
+  EXPECT_TRUE(answerTo(observer, statusRequest()).has_status_reply());
+  EXPECT_NE(answerTo(observer, stopRequest()).refused().reason().find("needs operator"),
+            std::string::npos);
+  EXPECT_NE(answerTo(observer, test::helloOf("o")).refused().reason().find("needs worker"),
+            std::string::npos);
+  EXPECT_EQ(build.coordinator().workers(), 1U) << "an observer is none";
+  EXPECT_FALSE(build.coordinator().stopping());
+  EXPECT_TRUE(answerTo(operator_, statusRequest()).has_status_reply());
+  EXPECT_TRUE(answerTo(operator_, stopRequest()).has_stop_reply());
+}
+
+TEST_F(KeyedServerTest, AWorkerWhoseKeyIsWithdrawnIsSentAwayAndItsWorkHandedOutAgain) {
+  const KeyFolder node = person("node", "worker");
+  keyed.reset();
+  keyed.emplace(keyed_context, "tcp://127.0.0.1:*", keys);
+  zmq::socket_t worker = connectAs(node);
+  ASSERT_TRUE(answerTo(worker, test::helloOf("w")).has_welcome());
+  Message message;
+  message.mutable_request()->set_credit(1);
+  ASSERT_TRUE(answerTo(worker, message).has_job());
+  keys.withdraw("node");
+  message.mutable_heartbeat();
+  Message answer;
+  for (int tries = 0; tries < 500 && !answer.has_refused(); ++tries) {
+    answer = answerTo(worker, message);
+    std::this_thread::sleep_for(10ms);
+  }
+  EXPECT_NE(answer.refused().reason().find("not let in any more"), std::string::npos);
+  EXPECT_EQ(build.coordinator().workers(), 0U);
+  zmq::socket_t other = connectAs(keys);
+  ASSERT_TRUE(answerTo(other, test::helloOf("other")).has_welcome());
+  message.mutable_request()->set_credit(1);
+  EXPECT_TRUE(answerTo(other, message).has_job());
 }
 
 TEST_F(ServerTest, RefusesAWorkerOfAnotherVersion) {

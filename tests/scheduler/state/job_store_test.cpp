@@ -311,7 +311,7 @@ TEST_F(JobStoreTest, CanBeReadWhereNobodyMayWrite) {
       const bool dropped = !root || setuid(nobody) == 0;
       const bool read = dropped && problemId(decodeProblem(StoredTables(state).build().problem)) ==
                                        problemId(problem);
-      _exit(read && found().results.size() == 3 && !StateDirectory::liveEndpoint(state) ? 0 : 1);
+      _exit(read && found().results.size() == 3 && !StateDirectory::liveAddress(state) ? 0 : 1);
     } catch (const std::exception& error) {
       tell("{}\n", error.what());
       _exit(2);
@@ -370,13 +370,16 @@ TEST(StateDirectory, DoesNotMakeTheFoldersOfAMistypedName) {
 
 TEST(StateDirectory, TellsWhereItsSchedulerListensAsLongAsItLives) {
   test::TemporaryDirectory directory;
-  EXPECT_FALSE(StateDirectory::liveEndpoint(directory.path()));
+  EXPECT_FALSE(StateDirectory::liveAddress(directory.path()));
   {
     const StateDirectory held(directory.path());
-    held.announce("tcp://127.0.0.1:1234");
-    EXPECT_EQ(StateDirectory::liveEndpoint(directory.path()), "tcp://127.0.0.1:1234");
+    held.announce({"tcp://127.0.0.1:1234", {}});
+    EXPECT_EQ(StateDirectory::liveAddress(directory.path())->endpoint, "tcp://127.0.0.1:1234");
+    EXPECT_FALSE(StateDirectory::liveAddress(directory.path())->keys);
+    held.announce({"tcp://127.0.0.1:1234", held.keys()});
+    EXPECT_EQ(StateDirectory::liveAddress(directory.path())->keys, held.keys());
   }
-  EXPECT_FALSE(StateDirectory::liveEndpoint(directory.path()));
+  EXPECT_FALSE(StateDirectory::liveAddress(directory.path()));
 }
 
 TEST(StateDirectory, KnowsNetworkFileSystems) {

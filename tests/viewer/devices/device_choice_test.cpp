@@ -145,8 +145,12 @@ TEST_F(DeviceChoice, OpensEachKindByItsWord) {
       openDevice(std::string("plugin:") + CIRCLE_DEVICE + ":circle:radius=0.01", {})->name(),
       HasSubstr("circle"));
   test::TrayDevice tray;
-  const DeviceServer server(tray, {"tcp://127.0.0.1:*"});
-  EXPECT_THAT(openDevice(server.endpoint(), {})->name(), HasSubstr("tray"));
+  const KeyFolder keys(directory / "keys");
+  const DeviceServer server(tray, "tcp://127.0.0.1:*", 1000, keys);
+  EXPECT_THAT(openDevice(server.endpoint(), {.keys = {.folder = keys.path()}})->name(),
+              HasSubstr("tray"));
+  const DeviceServer open(tray, "tcp://127.0.0.1:*");
+  EXPECT_THAT(openDevice(open.endpoint(), {.keys = {.insecure = true}})->name(), HasSubstr("tray"));
 }
 
 TEST(DeviceWord, UnknownOnesAreRefusedWithAListAndTheNearest) {
@@ -177,18 +181,13 @@ TEST(DeviceWord, MissingPartsAreAskedFor) {
   expectBadInput([] { openDevice("tcp://host", {}); }, {"tcp://host"});
 }
 
-TEST(DeviceCommand, RefusesToListenBeyondThisMachineUnlessTold) {
-  DeviceCommandOptions options;
-  options.endpoint = "tcp://0.0.0.0:7412";
-  expectBadInput([&] { serveDevice(options); }, {"0.0.0.0", "--insecure", "tunnel"});
-}
-
 TEST(DeviceCommand, LendsADeviceUntilItIsInterrupted) {
   const test::TemporaryDirectory directory;
   const std::string log = (directory / "log").string();
   // In the background of a shell SIGINT is ignored; SIGTERM means the same.
   const auto result = test::runCommand(
-      PALPATE_BIN_DIR
+      "PALPATE_KEYS='" + (directory / "keys").string() +
+      "' " PALPATE_BIN_DIR
       "/palpate-viewer device --listen 'tcp://127.0.0.1:*' --device plugin:" CIRCLE_DEVICE " > " +
       log + " 2>&1 & for i in $(seq 400); do grep -q 'can be had at' " + log +
       " && break; sleep 0.05; done; kill -TERM $!; wait $!; code=$?; cat " + log + "; exit $code");

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "tests/support/expect_error.hpp"
+#include "tests/support/temporary_directory.hpp"
 #include "tests/viewer/devices/polling.hpp"
 #include "tests/viewer/devices/stalling_relay.hpp"
 #include "tests/viewer/devices/tray_device.hpp"
@@ -57,6 +58,31 @@ TEST_F(NetworkDeviceTest, TakesOverTheLimitsOfTheFarDevice) {
   EXPECT_FALSE(device->livesInScene());
   EXPECT_TRUE(device->hasButtons());
   EXPECT_THAT(device->name(), HasSubstr("tray"));
+}
+
+TEST_F(NetworkDeviceTest, IsLentToSimulatorsWithAKeyAlone) {
+  const test::TemporaryDirectory directory;
+  const KeyFolder here(directory / "here"), there(directory / "there");
+  there.ownOrNew();
+  server.reset();
+  here.allow({there.ownOrNew().open(), rolesOf("observer"), "there"});
+  DeviceServer lent(tray, "tcp://127.0.0.1:*", 1000, here);
+  there.trust(here.own().open(), "*");
+  {
+    NetworkDevice refused({.endpoint = lent.endpoint(), .keys = there, .wait = 1ms});
+    EXPECT_TRUE(eventually([&] {
+      return refused.trouble().find("role of a simulator") != std::string::npos;
+    })) << refused.trouble();
+    EXPECT_FALSE(lent.state().held);
+    here.allow({there.own().open(), rolesOf("simulator"), "there"});
+    EXPECT_TRUE(eventually([&] { return lent.state().held; })) << refused.trouble();
+    here.withdraw("there");
+    EXPECT_TRUE(eventually([&] { return !lent.state().held; })) << "within a second";
+  }
+  NetworkDevice stranger({.endpoint = lent.endpoint(), .wait = 1ms});
+  EXPECT_TRUE(eventually([&] {
+    return stranger.trouble().find("--insecure") != std::string::npos;
+  })) << stranger.trouble();
 }
 
 TEST_F(NetworkDeviceTest, ReadingsArrive) {

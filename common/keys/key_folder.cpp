@@ -1,0 +1,257 @@
+#include "common/keys/key_folder.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
+#include "common/base/text_lines.hpp"
+#include "common/base/whole_file.hpp"
+
+namespace palpate {
+namespace {
+
+struct RoleWord {
+  std::string_view word;
+  Role role;
+};
+
+constexpr std::array<RoleWord, 4> role_words = {{{"worker", Role::worker},
+                                                 {"observer", Role::observer},
+                                                 {"operator", Role::operator_},
+                                                 {"simulator", Role::simulator}}};
+
+/// Error unless nobody but this user and root could read or change it. False when it is not there.
+bool isPrivate(const std::filesystem::path& path, mode_t wanted) {
+  struct stat info {};
+  if (stat(path.c_str(), &info) != 0) {
+    if (errno == ENOENT || errno == ENOTDIR) return false;
+    throw failure("{}: cannot look at: {}", path.string(), errnoText());
+  }
+  if (info.st_uid != geteuid() && info.st_uid != 0)
+    throw badInput("{}: belongs to another user, who could change the keys: use a folder of yours",
+                   path.string());
+  if ((info.st_mode & 077) != 0)
+    throw badInput("{}: others may read or change it (mode {:04o}): chmod {:04o} '{}'",
+                   path.string(), info.st_mode & 07777, wanted, path.string());
+  return true;
+}
+
+/// The lines of a file of this folder without comments; none when it is not there.
+std::optional<TextLines> privateLines(const std::filesystem::path& file) {
+  if (!isPrivate(file.parent_path(), 0700) || !isPrivate(file, 0600)) return std::nullopt;
+  std::string text = readText(file, "key file");
+  for (std::size_t at = text.find('#'); at != std::string::npos; at = text.find('#', at)) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    text.erase(at, end - at);
+  }
+  return TextLines(std::move(text), file.string());
+}
+
+PublicKey takeKey(TextLines& lines) {
+  const std::string_view word = lines.takeWord();
+  if (const auto key = PublicKey::fromHex(word)) return *key;
+  throw lines.wrong("\"{}\" is no key: 64 hexadecimal digits, as palpate key show prints them",
+                    word);
+}
+
+void makePrivateFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (folder.has_parent_path()) std::filesystem::create_directories(folder.parent_path(), error);
+  if (!error && std::filesystem::create_directory(folder, error))
+    std::filesystem::permissions(folder, std::filesystem::perms::owner_all, error);
+  if (error)
+    throw failure("{}: cannot make this folder for keys: {}: give --keys another", folder.string(),
+                  error.message());
+  isPrivate(folder, 0700);
+}
+
+/// Replaces `file` by one that was never open to others.
+void writePrivate(const std::filesystem::path& file, const std::string& text) {
+  makePrivateFolder(file.parent_path());
+  replaceFile(file, [&](const std::filesystem::path& aside) {
+    std::error_code ignored;
+    std::filesystem::remove(aside, ignored);
+    const int out = open(aside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    if (out < 0) throw failure("{}: cannot make: {}", aside.string(), errnoText());
+    const bool written = write(out, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+    const std::string reason = errnoText();
+    close(out);
+    if (!written) throw failure("{}: cannot write: {}", aside.string(), reason);
+  });
+}
+
+std::string lineOf(const KeyPair& own) { return hexOf(own.secret()) + '\n'; }
+
+std::filesystem::path ownFile(const std::filesystem::path& folder) { return folder / "own.key"; }
+
+void writeAllowed(const KeyFolder& folder, const std::vector<AllowedKey>& keys) {
+  std::string text = "# Whom servers let in: key, roles, name. palpate key allow and withdraw.\n";
+  for (const AllowedKey& key : keys)
+    text += fmt::format("{} {} {}\n", key.key.hex(), wordsOf(key.roles), key.name);
+  writePrivate(folder.allowedFile(), text);
+}
+
+}  // namespace
+
+void Roles::add(Role role) {
+  bits_ |= static_cast<unsigned>(role);
+  if (role == Role::operator_) add(Role::observer);
+}
+
+Roles Roles::all() {
+  Roles roles;
+  for (const RoleWord& entry : role_words) roles.add(entry.role);
+  return roles;
+}
+
+Roles rolesOf(std::string_view words) {
+  Roles roles;
+  for (std::size_t at = 0; at <= words.size();) {
+    const std::size_t end = std::min(words.find(',', at), words.size());
+    const std::string_view word = words.substr(at, end - at);
+    const auto* const known = std::ranges::find(role_words, word, &RoleWord::word);
+    if (known == role_words.end())
+      throw badInput(
+          "\"{}\" is no role: worker, observer, operator, simulator, or several with "
+          "commas between them",
+          word);
+    roles.add(known->role);
+    at = end + 1;
+  }
+  return roles;
+}
+
+std::string wordOf(Role role) {
+  return std::string(std::ranges::find(role_words, role, &RoleWord::role)->word);
+}
+
+std::string wordsOf(const Roles& roles) {
+  std::string words;
+  for (const RoleWord& entry : role_words) {
+    if (!roles.has(entry.role)) continue;
+    if (!words.empty()) words += ',';
+    words += entry.word;
+  }
+  return words;
+}
+
+bool KeyFolder::hasOwn() const { return std::filesystem::exists(ownFile(folder_)); }
+
+KeyPair KeyFolder::own() const {
+  auto lines = privateLines(ownFile(folder_));
+  if (!lines)
+    throw badInput("{}: there is no key of yours: palpate key new makes one",
+                   ownFile(folder_).string());
+  const auto secret = lines->advance() ? keyBytesOf(lines->takeWord()) : std::nullopt;
+  if (!secret || lines->advance())
+    throw badInput("{}: is no key (64 hexadecimal digits): palpate key new --replace makes another",
+                   ownFile(folder_).string());
+  return KeyPair(*secret);
+}
+
+KeyPair KeyFolder::ownOrNew() const {
+  if (hasOwn()) return own();
+  makePrivateFolder(folder_);
+  // A name that a second one who makes a key does not take.
+  const std::filesystem::path aside = folder_ / fmt::format("own.key.{}", getpid());
+  writePrivate(aside, lineOf(KeyPair::make()));
+  const bool first = link(aside.c_str(), ownFile(folder_).c_str()) == 0;
+  const int reason = errno;
+  std::error_code ignored;
+  std::filesystem::remove(aside, ignored);
+  if (!first && reason != EEXIST)
+    throw failure("{}: cannot make: {}", ownFile(folder_).string(), std::strerror(reason));
+  syncFolder(folder_);
+  return own();
+}
+
+KeyPair KeyFolder::replaceOwn() const {
+  writePrivate(ownFile(folder_), lineOf(KeyPair::make()));
+  return own();
+}
+
+std::vector<AllowedKey> KeyFolder::allowed() const {
+  std::vector<AllowedKey> keys;
+  auto lines = privateLines(allowedFile());
+  while (lines && lines->advance()) {
+    AllowedKey entry;
+    entry.key = takeKey(*lines);
+    const std::string_view words = lines->takeWord();
+    try {
+      entry.roles = rolesOf(words);
+    } catch (const Error& error) {
+      throw lines->wrong("{}", error.what());
+    }
+    entry.name = lines->rest();
+    keys.push_back(std::move(entry));
+  }
+  return keys;
+}
+
+void KeyFolder::allow(const AllowedKey& key) const {
+  std::vector<AllowedKey> keys = allowed();
+  std::erase_if(keys, [&](const AllowedKey& other) { return other.key == key.key; });
+  keys.push_back(key);
+  writeAllowed(*this, keys);
+}
+
+bool KeyFolder::withdraw(const std::string& name_or_key) const {
+  std::vector<AllowedKey> keys = allowed();
+  const auto removed = std::erase_if(keys, [&](const AllowedKey& key) {
+    return key.key.hex() == name_or_key || key.name == name_or_key;
+  });
+  if (removed > 0) writeAllowed(*this, keys);
+  return removed > 0;
+}
+
+std::vector<std::pair<std::string, PublicKey>> KeyFolder::servers() const {
+  std::vector<std::pair<std::string, PublicKey>> servers;
+  auto lines = privateLines(folder_ / "servers");
+  while (lines && lines->advance()) {
+    const PublicKey key = takeKey(*lines);
+    servers.emplace_back(lines->takeWord(), key);
+    if (servers.back().first.empty())
+      throw lines->wrong("the endpoint of the server is missing; * stands for all");
+    lines->expectEndOfLine();
+  }
+  return servers;
+}
+
+PublicKey KeyFolder::serverAt(const std::string& endpoint) const {
+  const auto all = servers();
+  for (const std::string& wanted : {endpoint, std::string("*")})
+    for (const auto& [where, key] : all)
+      if (where == wanted) return key;
+  return own().open();
+}
+
+void KeyFolder::trust(const PublicKey& key, const std::string& endpoint) const {
+  auto all = servers();
+  std::erase_if(all, [&](const auto& entry) { return entry.first == endpoint; });
+  all.emplace_back(endpoint, key);
+  std::string text =
+      "# The keys of servers: key, endpoint (* for all others). palpate key trust.\n";
+  for (const auto& [where, of] : all) text += fmt::format("{} {}\n", of.hex(), where);
+  writePrivate(folder_ / "servers", text);
+}
+
+KeyFolder chosenKeyFolder(const std::string& option) {
+  if (!option.empty()) return KeyFolder(option);
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::filesystem::path(value == nullptr ? "" : value);
+  };
+  if (const auto folder = variable("PALPATE_KEYS"); !folder.empty()) return KeyFolder(folder);
+  if (const auto config = variable("XDG_CONFIG_HOME"); config.is_absolute())
+    return KeyFolder(config / "palpate" / "keys");
+  if (const auto home = variable("HOME"); home.is_absolute())
+    return KeyFolder(home / ".config" / "palpate" / "keys");
+  throw badInput(
+      "there is no folder for keys, as HOME is not set: give --keys FOLDER, or set PALPATE_KEYS");
+}
+
+}  // namespace palpate

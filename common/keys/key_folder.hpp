@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/keys/key_pair.hpp"
+
+namespace palpate {
+
+/// What the holder of a key may do. A set of them is their sum.
+enum class Role : std::uint8_t {
+  worker = 1,     ///< takes work and delivers results
+  observer = 2,   ///< reads the status
+  operator_ = 4,  ///< stops a build, tries again; reads the status
+  simulator = 8,  ///< takes a haptic device and pushes the hand that holds it
+};
+class Roles {
+ public:
+  Roles() = default;
+  /// An operator is an observer.
+  void add(Role role);
+  bool has(Role role) const { return (bits_ & static_cast<unsigned>(role)) != 0; }
+  bool none() const { return bits_ == 0; }
+  static Roles all();
+  bool operator==(const Roles&) const = default;
+
+ private:
+  unsigned bits_ = 0;
+};
+
+/// "worker,operator" and back. Error (bad input) for a word that is no role, which lists them.
+Roles rolesOf(std::string_view words);
+std::string wordsOf(const Roles& roles);
+std::string wordOf(Role role);
+
+/// A key that a server lets in.
+struct AllowedKey {
+  PublicKey key;
+  Roles roles;
+  std::string name;  ///< for people; may be empty
+};
+
+/// The folder with the keys of one user (docs/security.md):
+///
+///   own.key   the own secret, 64 hexadecimal digits; a server's and a client's alike
+///   allowed   whom servers of this user let in: KEY ROLES NAME, a line each
+///   servers   which keys the servers have that this user's clients talk to: KEY ENDPOINT
+///
+/// # begins a comment. Folder and files must belong to this user (or root) and be closed to others
+/// (0700, 0600); Error (bad input), which says how to mend it, when they are not, or make no sense.
+/// Changes replace a file whole. Any thread may read; nothing is kept in memory.
+class KeyFolder {
+ public:
+  /// Touches nothing.
+  explicit KeyFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  const std::filesystem::path& path() const { return folder_; }
+  std::filesystem::path allowedFile() const { return folder_ / "allowed"; }
+
+  bool hasOwn() const;
+  KeyPair own() const;
+  /// The own key, made before when there is none, with the folder. Two that make one at the same
+  /// time get the same.
+  KeyPair ownOrNew() const;
+  /// A new one in the place of the old.
+  KeyPair replaceOwn() const;
+
+  /// In the order of the file; the own key is not among them.
+  std::vector<AllowedKey> allowed() const;
+  /// In the place of what the same key had before.
+  void allow(const AllowedKey& key) const;
+  /// By its name or its digits. False when there is no such.
+  bool withdraw(const std::string& name_or_key) const;
+
+  /// The key of the server at `endpoint`: of its line, else of the line for "*"; else the own key:
+  /// a user whose machines share this folder needs no list.
+  PublicKey serverAt(const std::string& endpoint) const;
+  /// `endpoint` may be "*".
+  void trust(const PublicKey& key, const std::string& endpoint) const;
+  /// Lines of `servers`: endpoint and key.
+  std::vector<std::pair<std::string, PublicKey>> servers() const;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+/// The folder that `option` (--keys) names; else $PALPATE_KEYS, $XDG_CONFIG_HOME/palpate/keys or
+/// $HOME/.config/palpate/keys. Error (bad input) when nothing of that is known.
+KeyFolder chosenKeyFolder(const std::string& option);
+
+}  // namespace palpate

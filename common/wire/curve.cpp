@@ -1,0 +1,144 @@
+#include "common/wire/curve.hpp"
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+#include <zmq.h>
+
+#include <atomic>
+#include <cstring>
+
+#include "common/base/error.hpp"
+#include "common/wire/wire.hpp"
+
+namespace palpate {
+namespace {
+
+void setOption(zmq::socket_t& socket, int option, const void* value, std::size_t bytes) {
+  if (zmq_setsockopt(socket.handle(), option, value, bytes) != 0)
+    throw failure("ZeroMQ takes no keys: {} (is its libzmq built without CURVE?)",
+                  zmq_strerror(zmq_errno()));
+}
+
+void setKey(zmq::socket_t& socket, int option, const KeyBytes& key) {
+  setOption(socket, option, key.data(), key.size());
+}
+
+/// All frames of a message; nothing when there is none.
+std::vector<std::string> takeFrames(zmq::socket_t& socket) {
+  std::vector<std::string> frames;
+  zmq::message_t frame;
+  do {
+    if (!repeatWhenInterrupted([&] { return socket.recv(frame, zmq::recv_flags::dontwait); }))
+      break;
+    frames.push_back(frame.to_string());
+  } while (frame.more());
+  return frames;
+}
+
+void sendFrames(zmq::socket_t& socket, const std::vector<std::string>& frames) {
+  for (std::size_t n = 0; n < frames.size(); ++n)
+    socket.send(zmq::buffer(frames[n]),
+                n + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
+}
+
+/// With an own key.
+const KeyFolder& madeSure(const KeyFolder& keys) {
+  keys.ownOrNew();
+  return keys;
+}
+
+}  // namespace
+
+void proveAsClient(zmq::socket_t& socket, const KeyPair& own, const PublicKey& server) {
+  setKey(socket, ZMQ_CURVE_SERVERKEY, server.bytes());
+  setKey(socket, ZMQ_CURVE_PUBLICKEY, own.open().bytes());
+  setKey(socket, ZMQ_CURVE_SECRETKEY, own.secret());
+}
+
+void proveAsClient(zmq::socket_t& socket, const KeyFolder& keys, const std::string& endpoint) {
+  const KeyPair own = isOnThisMachineOnly(endpoint) ? keys.ownOrNew() : keys.own();
+  proveAsClient(socket, own, keys.serverAt(endpoint));
+}
+
+Gatekeeper::Gatekeeper(zmq::context_t& context, zmq::socket_t& socket, const KeyFolder& keys)
+    : questions_(context, zmq::socket_type::rep),
+      // One of the two tells when the list cannot be read.
+      to_connect_(madeSure(keys), false),
+      to_say_(keys),
+      wake_up_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  if (wake_up_ < 0) throw failure("eventfd: {}", errnoText());
+  socket.set(zmq::sockopt::curve_server, true);
+  setKey(socket, ZMQ_CURVE_SECRETKEY, keys.own().secret());
+  constexpr std::string_view domain = "palpate";
+  setOption(socket, ZMQ_ZAP_DOMAIN, domain.data(), domain.size());
+  questions_.set(zmq::sockopt::linger, 0);
+  // ZeroMQ asks who listens there. Were there nobody, it would let everybody in, and their messages
+  // would carry no key.
+  questions_.bind("inproc://zeromq.zap.01");
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      waitForMessages(questions_, std::chrono::milliseconds(1000), wake_up_);
+      answer();
+    }
+  });
+}
+
+Gatekeeper::~Gatekeeper() {
+  thread_.request_stop();
+  eventfd_write(wake_up_, 1);
+  thread_.join();
+  close(wake_up_);
+}
+
+void Gatekeeper::answer() {
+  // version, request, domain, address, identity, mechanism, credentials
+  const std::vector<std::string> request = takeFrames(questions_);
+  if (request.empty()) return;
+  const auto key = request.size() == 7 && request[5] == "CURVE" ? PublicKey::fromBytes(request[6])
+                                                                : std::nullopt;
+  const bool admitted = key && !to_connect_.rolesOf(*key).none();
+  sendFrames(questions_, {"1.0", request.size() > 1 ? request[1] : "", admitted ? "200" : "400",
+                          admitted ? "" : "not let in", admitted ? key->hex() : "", ""});
+}
+
+Roles Gatekeeper::rolesOf(const std::optional<PublicKey>& sender) {
+  return sender ? to_say_.rolesOf(*sender) : Roles();
+}
+
+HandshakeWatch::HandshakeWatch(zmq::context_t& context, zmq::socket_t& socket)
+    : events_(context, zmq::socket_type::pair) {
+  static std::atomic<int> count{0};
+  const std::string endpoint = fmt::format("inproc://handshakes-{}", ++count);
+  constexpr int wanted = ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
+                         ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
+  if (zmq_socket_monitor(socket.handle(), endpoint.c_str(), wanted) != 0)
+    throw failure("ZeroMQ does not watch a socket: {}", zmq_strerror(zmq_errno()));
+  events_.set(zmq::sockopt::linger, 0);
+  events_.connect(endpoint);
+}
+
+std::string HandshakeWatch::trouble() {
+  std::string newest;
+  for (auto frames = takeFrames(events_); !frames.empty(); frames = takeFrames(events_)) {
+    std::uint16_t event = 0;
+    if (frames.front().size() < sizeof event) continue;
+    std::memcpy(&event, frames.front().data(), sizeof event);
+    switch (event) {
+      case ZMQ_EVENT_HANDSHAKE_FAILED_AUTH:
+        newest =
+            "it does not let this key in (palpate key show prints it; palpate key allow, where "
+            "that runs, lets it in)";
+        break;
+      case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
+        newest = "it uses keys and this side does not, or the other way round (--insecure)";
+        break;
+      default:
+        newest =
+            "it has another key than is known here (palpate key show prints it there; palpate "
+            "key trust takes it), or it uses no keys (--insecure)";
+    }
+  }
+  return newest;
+}
+
+}  // namespace palpate

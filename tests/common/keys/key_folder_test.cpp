@@ -1,0 +1,209 @@
+#include "common/keys/key_folder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <thread>
+
+#include "common/keys/admission.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace palpate {
+namespace {
+
+using test::expectBadInput;
+using testing::ElementsAre;
+using testing::Pair;
+
+struct KeyFolderTest : testing::Test {
+  test::TemporaryDirectory directory;
+  const KeyFolder folder{directory / "config" / "keys"};
+
+  static Roles roles(const char* words) { return rolesOf(words); }
+  static mode_t modeOf(const std::filesystem::path& path) {
+    struct stat info {};
+    EXPECT_EQ(stat(path.c_str(), &info), 0) << path;
+    return info.st_mode & 07777;
+  }
+  void write(const char* file, const std::string& text) const {
+    std::ofstream(folder.path() / file) << text;
+    ASSERT_EQ(chmod((folder.path() / file).c_str(), 0600), 0);
+  }
+};
+
+TEST(KeyPair, IsTheOneOfItsSecret) {
+  // RFC 7748, section 6.1: Bob.
+  const auto secret =
+      keyBytesOf("5dab087e624a8a4b79e17f8b83800ee66f3bb1292618b6fd1c2f8b27ff88e0eb");
+  ASSERT_TRUE(secret);
+  EXPECT_EQ(KeyPair(*secret).open().hex(),
+            "de9edb7d7b7dc1b4d35b61c2ece435373f8343c85b78674dadfc7e146f882b4f");
+  EXPECT_NE(KeyPair::make().secret(), KeyPair::make().secret());
+}
+
+TEST(PublicKey, IsSixtyFourHexadecimalDigitsAndNothingElse) {
+  const PublicKey key = KeyPair::make().open();
+  EXPECT_EQ(PublicKey::fromHex(key.hex()), key);
+  for (const std::string& wrong : {std::string(), key.hex().substr(1), key.hex() + "0",
+                                   "g" + key.hex().substr(1), " " + key.hex().substr(1)})
+    EXPECT_FALSE(PublicKey::fromHex(wrong)) << wrong;
+  EXPECT_FALSE(PublicKey::fromBytes(std::string(31, 'x')));
+}
+
+TEST(Roles, OfAnOperatorAreThoseOfAnObserverToo) {
+  EXPECT_TRUE(rolesOf("operator").has(Role::observer));
+  EXPECT_FALSE(rolesOf("operator").has(Role::worker));
+  EXPECT_EQ(wordsOf(rolesOf("simulator,worker")), "worker,simulator");
+  EXPECT_TRUE(Roles().none());
+}
+
+TEST(Roles, ThatDoNotExistAreRefusedWithAListOfThoseThatDo) {
+  for (const char* wrong : {"", "root", "worker,", "worker operator"})
+    expectBadInput([&] { rolesOf(wrong); }, {"worker, observer, operator, simulator"});
+}
+
+TEST_F(KeyFolderTest, MakesAKeyThatNobodyElseCanRead) {
+  EXPECT_FALSE(folder.hasOwn());
+  expectBadInput([&] { folder.own(); }, {"own.key", "palpate key new"});
+  const PublicKey key = folder.ownOrNew().open();
+  EXPECT_EQ(folder.own().open(), key);
+  EXPECT_EQ(folder.ownOrNew().open(), key) << "once";
+  EXPECT_EQ(modeOf(folder.path()), 0700);
+  EXPECT_EQ(modeOf(folder.path() / "own.key"), 0600);
+  EXPECT_NE(folder.replaceOwn().open(), key);
+}
+
+TEST_F(KeyFolderTest, GivesTwoThatMakeAKeyAtTheSameTimeTheSame) {
+  for (int round = 0; round < 20; ++round) {
+    const KeyFolder shared(directory / std::to_string(round));
+    std::array<PublicKey, 2> made;
+    {
+      // One in a process of its own, as programs are.
+      const pid_t child = fork();
+      if (child == 0) {
+        shared.ownOrNew();
+        _exit(0);
+      }
+      made[0] = shared.ownOrNew().open();
+      int status = 0;
+      ASSERT_EQ(waitpid(child, &status, 0), child);
+      EXPECT_EQ(status, 0);
+    }
+    made[1] = shared.own().open();
+    EXPECT_EQ(made[0], made[1]);
+  }
+}
+
+TEST_F(KeyFolderTest, IsRefusedWhenOthersCouldReadOrChangeIt) {
+  folder.ownOrNew();
+  ASSERT_EQ(chmod(folder.path().c_str(), 0750), 0);
+  expectBadInput([&] { folder.own(); }, {"chmod 0700", folder.path().string()});
+  ASSERT_EQ(chmod(folder.path().c_str(), 0700), 0);
+  for (const char* file : {"own.key", "allowed", "servers"}) {
+    if (std::string(file) != "own.key") write(file, "");
+    ASSERT_EQ(chmod((folder.path() / file).c_str(), 0640), 0);
+    expectBadInput([&] { folder.own(), folder.allowed(), folder.servers(); }, {"chmod 0600", file});
+    ASSERT_EQ(chmod((folder.path() / file).c_str(), 0600), 0);
+  }
+}
+
+TEST_F(KeyFolderTest, SaysWhichLineMakesNoSense) {
+  folder.ownOrNew();
+  const std::string key = KeyPair::make().open().hex();
+  write("allowed", "# nobody\n\n" + key + " worker,king node\n");
+  expectBadInput([&] { folder.allowed(); }, {"allowed:3", "\"king\""});
+  write("allowed", key.substr(1) + " worker\n");
+  expectBadInput([&] { folder.allowed(); }, {"allowed:1", "64"});
+  write("servers", key + "\n");
+  expectBadInput([&] { folder.servers(); }, {"servers:1", "endpoint"});
+  write("own.key", "secret\n");
+  expectBadInput([&] { folder.own(); }, {"own.key", "--replace"});
+}
+
+TEST_F(KeyFolderTest, KeepsWhomItLetsInUntilTheyAreWithdrawn) {
+  const PublicKey first = KeyPair::make().open(), second = KeyPair::make().open();
+  folder.allow({first, roles("worker"), "node one"});
+  folder.allow({second, roles("observer"), ""});
+  folder.allow({first, roles("worker,operator"), "node 1"});
+  ASSERT_EQ(folder.allowed().size(), 2U);
+  EXPECT_EQ(folder.allowed()[1].name, "node 1");
+  EXPECT_TRUE(folder.allowed()[1].roles.has(Role::operator_));
+  EXPECT_EQ(modeOf(folder.allowedFile()), 0600);
+  EXPECT_TRUE(folder.withdraw("node 1"));
+  EXPECT_TRUE(folder.withdraw(second.hex()));
+  EXPECT_FALSE(folder.withdraw(second.hex()));
+  EXPECT_TRUE(folder.allowed().empty());
+}
+
+TEST_F(KeyFolderTest, KnowsAServerByItsEndpointElseByTheStarElseByTheOwnKey) {
+  const PublicKey own = folder.ownOrNew().open();
+  const PublicKey one = KeyPair::make().open(), any = KeyPair::make().open();
+  EXPECT_EQ(folder.serverAt("tcp://head:7411"), own);
+  folder.trust(any, "*");
+  folder.trust(KeyPair::make().open(), "tcp://head:7411");
+  folder.trust(one, "tcp://head:7411");
+  EXPECT_EQ(folder.serverAt("tcp://head:7411"), one);
+  EXPECT_EQ(folder.serverAt("tcp://other:7411"), any);
+  EXPECT_THAT(folder.servers(), ElementsAre(Pair("*", any), Pair("tcp://head:7411", one)));
+}
+
+TEST_F(KeyFolderTest, IsChosenByWordByVariableOrByHome) {
+  EXPECT_EQ(chosenKeyFolder("here").path(), "here");
+  setenv("PALPATE_KEYS", "/from/variable", 1);
+  EXPECT_EQ(chosenKeyFolder("").path(), "/from/variable");
+  unsetenv("PALPATE_KEYS");
+  setenv("XDG_CONFIG_HOME", "/config", 1);
+  EXPECT_EQ(chosenKeyFolder("").path(), "/config/palpate/keys");
+  unsetenv("XDG_CONFIG_HOME");
+  setenv("HOME", "/home/somebody", 1);
+  EXPECT_EQ(chosenKeyFolder("").path(), "/home/somebody/.config/palpate/keys");
+  unsetenv("HOME");
+  expectBadInput([] { chosenKeyFolder(""); }, {"HOME", "--keys", "PALPATE_KEYS"});
+}
+
+struct AdmissionTest : KeyFolderTest {
+  const PublicKey own = folder.ownOrNew().open(), other = KeyPair::make().open();
+
+  static bool eventuallyLets(Admission& admission, const PublicKey& key, bool in) {
+    for (int tries = 0; tries < 500; ++tries) {
+      if (!admission.rolesOf(key).none() == in) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+  }
+};
+
+TEST_F(AdmissionTest, LetsTheOwnKeyDoEverythingAndStrangersNothing) {
+  Admission admission(folder);
+  EXPECT_EQ(admission.rolesOf(own), Roles::all());
+  EXPECT_TRUE(admission.rolesOf(other).none());
+}
+
+TEST_F(AdmissionTest, LearnsOfKeysThatAreLetInAndWithdrawnWhileItRuns) {
+  Admission admission(folder);
+  folder.allow({other, roles("worker"), "node"});
+  EXPECT_TRUE(eventuallyLets(admission, other, true));
+  EXPECT_EQ(admission.rolesOf(other), roles("worker"));
+  folder.withdraw("node");
+  EXPECT_TRUE(eventuallyLets(admission, other, false));
+}
+
+TEST_F(AdmissionTest, KeepsTheLastGoodListWhenANewOneMakesNoSense) {
+  folder.allow({other, roles("worker"), "node"});
+  Admission admission(folder);
+  write("allowed", "nonsense\n");
+  const PublicKey third = KeyPair::make().open();
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  EXPECT_FALSE(admission.rolesOf(other).none());
+  write("allowed", third.hex() + " observer\n");
+  EXPECT_TRUE(eventuallyLets(admission, third, true));
+  EXPECT_TRUE(admission.rolesOf(other).none());
+}
+
+}  // namespace
+}  // namespace palpate

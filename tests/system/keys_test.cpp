@@ -1,0 +1,116 @@
+#include <gmock/gmock.h>
+
+#include "tests/support/command.hpp"
+#include "tests/system/small_build.hpp"
+
+/// Keys as people use them: palpate key, serve, work, status, stop, each user with a folder.
+namespace palpate {
+namespace {
+
+using test::Process;
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+
+struct KeysTest : test::SmallBuild {
+  /// A command of `user`, in the test's folder.
+  test::CommandResult run(const std::string& user, const std::string& command) const {
+    return test::runCommand("cd '" + directory.path().string() + "' && PALPATE_KEYS='" +
+                            (directory / user).string() + "' " + PALPATE_BIN_DIR "/palpate " +
+                            command);
+  }
+  void expectDone(const std::string& user, const std::string& command) const {
+    const auto result = run(user, command);
+    EXPECT_EQ(result.exit_code, 0) << command << ": " << result.output;
+  }
+  std::string keyOf(const std::string& user) const {
+    return run(user, "key show").output.substr(0, 64);
+  }
+  void serve(std::vector<std::string> more = {}) {
+    std::vector<std::string> words = {"serve",   "cube.toml", "--listen", "tcp://127.0.0.1:*",
+                                      "--state", "state",     "-o",       "out.h5"};
+    words.insert(words.end(), more.begin(), more.end());
+    scheduler = start("palpate-scheduler", words);
+    endpoint = endpointIn("state");
+  }
+  std::unique_ptr<Process> workAs(const std::string& user) {
+    return start("palpate-worker", {"work", "--alone", "--connect", endpoint, "--keys", user});
+  }
+
+  std::unique_ptr<Process> scheduler;
+  std::string endpoint;
+};
+
+TEST_F(KeysTest, AnotherUserGetsInOnlyAfterBothKnowEachOthersKeys) {
+  serve({"--keys", "head"});
+  expectDone("node", "key new");
+  EXPECT_THAT(run("node", "status " + endpoint).output, HasSubstr("palpate key trust"));
+  expectDone("node", "key trust " + keyOf("head"));
+  EXPECT_THAT(run("node", "status " + endpoint).output, HasSubstr("palpate key allow"));
+  expectDone("head", "key allow " + keyOf("node") + " worker 'node one'");
+  EXPECT_TRUE(test::eventually([&] {
+    return run("node", "status " + endpoint).output.find("needs observer") != std::string::npos;
+  }));
+  EXPECT_THAT(run("node", "stop " + endpoint).output, HasSubstr("needs operator"));
+  auto worker = workAs("node");
+  EXPECT_EQ(worker->wait(), 0) << worker->output();
+  expectFinished(*scheduler);
+  EXPECT_TRUE(test::contentOf(directory / "out.h5") == undisturbed());
+}
+
+TEST_F(KeysTest, AWorkerWaitsForItsKeyToBeLetInAndLeavesWhenItIsWithdrawn) {
+  serve({"--keys", "head"});
+  expectDone("node", "key new");
+  expectDone("node", "key trust " + keyOf("head"));
+  auto worker = workAs("node");
+  EXPECT_TRUE(test::eventually(
+      [&] { return worker->output().find("does not let this key in") != std::string::npos; }));
+  expectDone("head", "key allow " + keyOf("node") + " worker node");
+  EXPECT_TRUE(test::eventually([&] {
+    return scheduler->output().find("joined") != std::string::npos || !worker->running();
+  }));
+  if (scheduler->running()) expectDone("head", "key withdraw node");
+  // It may have finished before.
+  EXPECT_THAT(worker->wait(), testing::AnyOf(0, 1)) << worker->output();
+  EXPECT_THAT(worker->output(),
+              testing::AnyOf(HasSubstr("not let in any more"), HasSubstr("no more work")));
+}
+
+TEST_F(KeysTest, OfABuildAreItsOwnAndItsStateDirectoryKnowsThem) {
+  auto build = startBuild("out.h5", "2");
+  ASSERT_TRUE(journalGrows(*build, "out.h5.state", 1));
+  EXPECT_THAT(run("anybody", "status " + endpointIn("out.h5.state")).output,
+              AllOf(HasSubstr("another key"), Not(HasSubstr("scene"))));
+  EXPECT_THAT(run("anybody", "status out.h5.state").output, HasSubstr("scene cube"));
+  expectFinished(*build);
+}
+
+TEST_F(KeysTest, ABuildNeedsNoHome) {
+  const auto result = test::runCommand("cd '" + directory.path().string() +
+                                       "' && env -u HOME -u PALPATE_KEYS " PALPATE_BIN_DIR
+                                       "/palpate build cube.toml -o out.h5 -j 1");
+  EXPECT_THAT(result.exit_code, testing::AnyOf(0, 3)) << result.output;
+}
+
+TEST_F(KeysTest, WithoutThemEverybodyIsLetInAndThatHasToBeTyped) {
+  serve({"--insecure"});
+  EXPECT_THAT(run("anybody", "status " + endpoint + " --insecure").output, HasSubstr("scene cube"));
+  EXPECT_THAT(run("anybody", "status state").output, HasSubstr("scene cube"));
+  EXPECT_THAT(run("anybody", "status " + endpoint).output, HasSubstr("--insecure"));
+  auto worker = start("palpate-worker", {"work", "-j", "2", "--connect", endpoint, "--insecure"});
+  EXPECT_EQ(worker->wait(), 0) << worker->output();
+  expectFinished(*scheduler);
+}
+
+TEST_F(KeysTest, ThatOthersMayReadAreRefused) {
+  expectDone("head", "key new");
+  test::runCommand("chmod 755 '" + (directory / "head").string() + "'");
+  auto refused = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
+                                             "--state", "state", "--keys", "head"});
+  EXPECT_EQ(refused->wait(), 2);
+  EXPECT_THAT(refused->output(), ContainsRegex("chmod 0700.*head"));
+}
+
+}  // namespace
+}  // namespace palpate
