@@ -23,7 +23,9 @@ inline CpuFamily cpuFamily() {
 /// Before a function: it is compiled once per CpuFamily, and the machine's own version is called.
 /// For loops whose last bits need not be the same everywhere; elsewhere cpuFamily() chooses, so
 /// that the choice can be recorded. Functions that it inlines are compiled with it.
-#ifdef __SANITIZE_THREAD__  // which is not ready yet when the loader chooses
+/// Once only under the thread sanitizer, which is not ready yet when the loader chooses, and by
+/// Clang, which makes the fuzzers: it does not inline vectors that are wider than the default.
+#if defined(__SANITIZE_THREAD__) || defined(__clang__)
 #define PALPATE_PER_CPU_FAMILY
 #else
 #define PALPATE_PER_CPU_FAMILY [[gnu::target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")]]

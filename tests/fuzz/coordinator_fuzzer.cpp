@@ -1,0 +1,169 @@
+#include "common/base/program.hpp"
+#include "scheduler/service/coordinator.hpp"
+#include "tests/fuzz/fuzzer.hpp"
+#include "tests/support/solved_table.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace palpate::fuzz {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// What a peer does next, by its first byte; others are taken modulo `peer_deeds`.
+enum PeerDeed : unsigned char {
+  says_anything,     ///< a Message and a payload, as they stand
+  says_hello,        ///< as a worker that is welcome
+  asks_for_jobs,     ///< with a credit
+  delivers,          ///< all of its oldest job, as it is
+  delivers_changed,  ///< its first target, fields of the Result overwritten by others, with its
+                     ///< fields
+  passes_time,       ///< ms, up to a minute
+  goes_away,         ///< its connection breaks
+  peer_deeds
+};
+
+/// A build of a small problem, and two peers that say what the input says.
+class FuzzedScheduler {
+ public:
+  FuzzedScheduler()
+      : directory_(folder_ / "state"),
+        store_(directory_, problem(), problemBytes(), 1 << 20),
+        coordinator_(problem(), problemBytes(), store_, now_) {}
+
+  void follow(Choices& choices) {
+    const std::string peer = choices.oneOf(2) == 0 ? "a" : "b";
+    wire::Message message;
+    switch (choices.oneOf(peer_deeds)) {
+      case says_anything: {
+        const std::string_view bytes = choices.takeBytes();
+        if (!message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) message.Clear();
+        say(peer, message, std::string(choices.takeBytes()));
+        break;
+      }
+      case says_hello:
+        message.mutable_hello()->set_protocol(protocol_version);
+        message.mutable_hello()->set_version(version());
+        message.mutable_hello()->set_worker(peer);
+        message.mutable_hello()->set_kernel_family("baseline");
+        say(peer, message);
+        break;
+      case asks_for_jobs:
+        message.mutable_request()->set_credit(choices.take<std::uint32_t>());
+        say(peer, message);
+        break;
+      case delivers: deliver(peer); break;
+      case delivers_changed: deliverChanged(peer, choices.takeBytes()); break;
+      case passes_time: now_ += choices.take<std::uint16_t>() * 1ms; break;
+      case goes_away: coordinator_.peerUnreachable(peer, now_); break;
+      default: break;
+    }
+    coordinator_.advance(now_);
+    hear();
+  }
+
+  /// What is recorded must be what the next run goes on from.
+  void end() {
+    coordinator_.stop(now_);
+    toJson(coordinator_.status(now_));
+    replay(problem(), readResults(folder_ / "state", problemId(problem())).results);
+  }
+
+ private:
+  static const Problem& problem() {
+    static const Problem cube = test::cubeProblem();
+    return cube;
+  }
+  static const std::string& problemBytes() {
+    static const std::string bytes = encodeProblem(problem());
+    return bytes;
+  }
+
+  void say(const std::string& peer, const wire::Message& message, const std::string& payload = "") {
+    coordinator_.receive({peer, message, payload}, now_);
+    hear();
+  }
+
+  void hear() {
+    for (Outgoing& outgoing : coordinator_.takeOutbox())
+      if (outgoing.message.has_job())
+        jobs_[outgoing.peer].push_back(std::move(*outgoing.message.mutable_job()));
+  }
+
+  std::optional<wire::Job> oldestJob(const std::string& peer) {
+    std::deque<wire::Job>& jobs = jobs_[peer];
+    if (jobs.empty()) return std::nullopt;
+    wire::Job job = std::move(jobs.front());
+    jobs.pop_front();
+    return job;
+  }
+
+  void deliver(const std::string& peer) {
+    const std::optional<wire::Job> job = oldestJob(peer);
+    if (!job) return;
+    for (const wire::Target& target : job->targets()) {
+      auto [result, payload] =
+          test::solve(problem(), job->space(), fromWire(target.point()), fromWire(job->start()));
+      wire::Message message;
+      *message.mutable_result() = std::move(result);
+      say(peer, message, payload);
+    }
+  }
+
+  void deliverChanged(const std::string& peer, std::string_view changes) {
+    const std::optional<wire::Job> job = oldestJob(peer);
+    if (!job) return;
+    auto [result, payload] = test::solve(problem(), job->space(), fromWire(job->targets(0).point()),
+                                         fromWire(job->start()));
+    wire::Result other;
+    if (other.ParseFromArray(changes.data(), static_cast<int>(changes.size())))
+      result.MergeFrom(other);
+    wire::Message message;
+    *message.mutable_result() = std::move(result);
+    say(peer, message, payload);
+  }
+
+  test::TemporaryDirectory folder_;
+  StateDirectory directory_;
+  JobStore store_;
+  Coordinator::Time now_ = Coordinator::Time() + 1h;
+  Coordinator coordinator_;
+  std::map<std::string, std::deque<wire::Job>> jobs_;
+};
+
+void followPeers(std::string_view bytes) {
+  Choices choices(bytes);
+  FuzzedScheduler scheduler;
+  // Each costs a moment of the disk.
+  for (int deeds = 0; deeds < 100 && !choices.done(); ++deeds) scheduler.follow(choices);
+  scheduler.end();
+}
+
+std::vector<std::string> peerSeeds() {
+  wire::Result costly;
+  costly.mutable_cost()->set_newton_iterations(7);
+  costly.mutable_cost()->set_seconds(1e9);
+  wire::Result failed;
+  failed.mutable_failure()->set_cause(2);
+  wire::Message beat;
+  beat.mutable_heartbeat()->set_solving(true);
+  beat.mutable_heartbeat()->mutable_target()->set_i(1);
+  wire::Message ask;
+  ask.mutable_fields_request()->set_id(std::string(32, 'x'));
+  ask.mutable_fields_request()->mutable_point();
+  Script build, lost;
+  build.op(0).op(says_hello).op(0).op(asks_for_jobs).put(std::uint32_t{4});
+  for (int turn = 0; turn < 8; ++turn)
+    build.op(0).op(delivers).op(0).op(asks_for_jobs).put(std::uint32_t{2});
+  lost.op(1).op(says_hello).op(1).op(asks_for_jobs).put(std::uint32_t{2});
+  lost.op(1).op(delivers_changed).putBytes(costly.SerializeAsString());
+  lost.op(1).op(delivers_changed).putBytes(failed.SerializeAsString());
+  for (const wire::Message& message : {beat, ask})
+    lost.op(1).op(says_anything).putBytes(message.SerializeAsString()).putBytes("");
+  lost.op(0).op(passes_time).put(std::uint16_t{65000}).op(1).op(goes_away);
+  return {build.text(), lost.text()};
+}
+
+const Registration coordinator_fuzzer({"coordinator", followPeers, peerSeeds});
+
+}  // namespace
+}  // namespace palpate::fuzz

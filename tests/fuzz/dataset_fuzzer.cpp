@@ -1,0 +1,28 @@
+#include "common/dataset/dataset.hpp"
+#include "tests/fuzz/fuzzer.hpp"
+#include "tests/support/sample_dataset.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace palpate::fuzz {
+namespace {
+
+/// Any file. What comes of one whose hashes are right is for the fuzzer dataset_values.
+void readDatasetFile(std::string_view bytes) {
+  static const test::TemporaryDirectory directory;
+  const std::filesystem::path file = directory / "fuzzed.h5";
+  putInto(file, bytes);
+  const Dataset dataset(file);
+  dataset.verifyAll();
+}
+
+std::vector<std::string> datasetSeeds() {
+  const test::TemporaryDirectory directory;
+  test::SampleDataset sample;
+  sample.seal(directory / "sample.h5");
+  return {contentOf(directory / "sample.h5")};
+}
+
+const Registration dataset_fuzzer({"dataset", readDatasetFile, datasetSeeds});
+
+}  // namespace
+}  // namespace palpate::fuzz

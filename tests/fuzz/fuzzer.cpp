@@ -1,0 +1,51 @@
+#include "tests/fuzz/fuzzer.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+namespace palpate::fuzz {
+
+std::vector<Fuzzer>& fuzzers() {
+  static std::vector<Fuzzer> all;
+  return all;
+}
+
+void feed(const Fuzzer& fuzzer, std::string_view bytes) {
+  spdlog::set_level(spdlog::level::off);
+  try {
+    fuzzer.read(bytes);
+  } catch (const Error&) {
+    // As it should be: most inputs are no good.
+  }
+}
+
+void writeSeeds(const Fuzzer& fuzzer, const std::filesystem::path& folder) {
+  std::size_t number = 0;
+  for (const std::string& seed : fuzzer.seeds())
+    putInto(folder / fmt::format("seed-{}", number++), seed);
+}
+
+void require(bool condition, const char* what) {
+  if (condition) return;
+  std::fprintf(stderr, "fuzzer: %s\n", what);
+  std::abort();
+}
+
+std::string contentOf(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw failure("{}: cannot open", file.string());
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void putInto(const std::filesystem::path& file, std::string_view bytes) {
+  std::ofstream out(file, std::ios::binary | std::ios::trunc);
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  if (!out) throw failure("{}: cannot write", file.string());
+}
+
+}  // namespace palpate::fuzz

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "common/mesh/mesh_reader.hpp"
+#include "tests/fuzz/fuzzer.hpp"
+
+namespace palpate::fuzz {
+
+/// What the programs do first with a mesh that was read.
+inline void useMesh(Mesh mesh) {
+  const MeshQuality quality = measure(mesh);
+  require(quality.volume > 0 && quality.pieces > 0, "a mesh that was read has no body");
+  require(!surfaceNodes(mesh).empty(), "a mesh that was read has no surface");
+  for (const auto& [name, vectors] : mesh.element_vectors)
+    require(vectors.size() == mesh.tetrahedra.size(), "not one vector per tetrahedron");
+  addMidEdgeNodes(mesh);
+  require(pieceOfNode(mesh).size() == mesh.nodes.size(), "a node belongs to no piece");
+}
+
+}  // namespace palpate::fuzz

@@ -1,0 +1,193 @@
+#include <filesystem>
+
+#include "scheduler/build.hpp"
+#include "scheduler/service/coordinator.hpp"
+#include "scheduler/state/inspection.hpp"
+#include "tests/fuzz/fuzzer.hpp"
+#include "tests/support/solved_table.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace palpate::fuzz {
+namespace {
+
+/// What happens to a whole state directory, by its first byte.
+enum StateChange : unsigned char {
+  overwrites_tables,   ///< bytes of state.db from an offset on
+  overwrites_journal,  ///< likewise of the segment
+  cuts_tables,         ///< to a length
+  cuts_journal,
+  appends_record,   ///< a header and a payload, as a record whose checksums are right
+  appends_changed,  ///< the first result, fields overwritten by others, likewise
+  changes_row,      ///< a number of counters, losses or configurations
+  changes_meta,     ///< a value of meta
+  changes_file,     ///< content of lock or endpoint
+  state_changes
+};
+
+constexpr const char* numbers_in_tables[] = {
+    "INSERT OR REPLACE INTO counters VALUES ('runs', ?)",
+    "INSERT OR REPLACE INTO counters VALUES ('bad_messages', ?)",
+    "INSERT OR REPLACE INTO losses VALUES (?, 0, 0, 1, 1, 1)",
+    "INSERT OR REPLACE INTO losses VALUES (0, ?, 0, 1, 1, 1)",
+    "INSERT OR REPLACE INTO losses VALUES (0, 0, 0, ?, 1, 1)",
+    "INSERT OR REPLACE INTO losses VALUES (0, 0, 0, 1, 1, ?)",
+    "UPDATE configurations SET space = ? WHERE point = 3",
+    "UPDATE configurations SET point = ? WHERE point = 2",
+    "UPDATE configurations SET i = ? WHERE point = 1",
+    "UPDATE configurations SET parent = ? WHERE point < 2",
+    "UPDATE configurations SET factorizations = ?"};
+constexpr const char* texts_in_meta[] = {"build", "scene_name", "problem"};
+
+/// A directory with a few results, which is made once, and copies of it.
+class FuzzedState {
+ public:
+  FuzzedState() {
+    std::filesystem::remove_all(copy());
+    std::filesystem::copy(original().path() / "state", copy());
+  }
+
+  void follow(Choices& choices) {
+    switch (choices.oneOf(state_changes)) {
+      case overwrites_tables: return overwrite(tables(), choices);
+      case overwrites_journal: return overwrite(segment(), choices);
+      case cuts_tables: return cut(tables(), choices.take<std::uint32_t>());
+      case cuts_journal: return cut(segment(), choices.take<std::uint32_t>());
+      case appends_record: {
+        const std::string_view header = choices.takeBytes();
+        return append(header, choices.takeBytes());
+      }
+      case appends_changed: return appendChanged(choices.takeBytes());
+      case changes_row: {
+        const char* const sql = numbers_in_tables[choices.oneOf(std::size(numbers_in_tables))];
+        return changeTables(sql, choices.take<std::int64_t>());
+      }
+      case changes_meta: {
+        const char* const key = texts_in_meta[choices.oneOf(std::size(texts_in_meta))];
+        return changeTables(fmt::format("UPDATE meta SET value = ? WHERE key = '{}'", key),
+                            choices.takeBytes());
+      }
+      case changes_file: {
+        const char* const name = choices.oneOf(2) == 0 ? "lock" : "endpoint";
+        return putInto(copy() / name, choices.takeBytes());
+      }
+      default: return;
+    }
+  }
+
+  /// All that programs do with a directory: look at it, look again while it is held, repair it, and
+  /// go on with the build.
+  void use() const {
+    StateDirectory::liveEndpoint(copy());
+    try {
+      inspect(copy());
+      StoredTables stored(copy());
+      stored.servers();
+      stored.counters();
+    } catch (const Error&) {
+      // The tables may be damaged, or say that they are of another version.
+    }
+    {
+      const StateDirectory held(copy());
+      StateDirectory::liveEndpoint(copy());
+      repair(held, inspect(held));
+      const Inspection again = inspect(held);
+      require(again.tables != Inspection::TableState::damaged && again.wrong_rows == 0,
+              "repaired tables are not whole");
+    }
+    const Problem problem = test::cubeProblem();
+    Build build(problem, copy(), Coordinator::Time() + std::chrono::hours(1));
+    build.coordinator().advance(Coordinator::Time() + std::chrono::hours(1));
+  }
+
+ private:
+  static const test::TemporaryDirectory& original() {
+    static const test::TemporaryDirectory directory;
+    static const bool made = [] {
+      const StateDirectory state(directory.path() / "state");
+      const Problem problem = test::cubeProblem();
+      JobStore store(state, problem, encodeProblem(problem));
+      const auto now = Coordinator::Time() + std::chrono::hours(1);
+      Coordinator coordinator(problem, encodeProblem(problem), store, now);
+      for (const auto& [header, payload] : firstResults()) store.append(header, payload);
+      store.commit();
+      return true;
+    }();
+    require(made, "there is a directory to begin with");
+    return directory;
+  }
+  static std::filesystem::path copy() { return original().path() / "copy"; }
+  static std::filesystem::path tables() { return copy() / "state.db"; }
+  static std::filesystem::path segment() { return copy() / "segment-000001.dat"; }
+
+  /// Of both origins, and of what is around the first.
+  static std::vector<std::pair<wire::Result, std::string>> firstResults() {
+    const Problem problem = test::cubeProblem();
+    std::vector<std::pair<wire::Result, std::string>> results = {
+        test::solve(problem, 0, {0, 0, 0}, {0, 0, 0}),
+        test::solve(problem, 1, {0, 0, 0}, {0, 0, 0})};
+    for (const LatticePoint& target : {LatticePoint{-1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {0, 0, 1}})
+      results.push_back(test::solve(problem, 0, target, {0, 0, 0}));
+    return results;
+  }
+
+  static void overwrite(const std::filesystem::path& file, Choices& choices) {
+    std::string content = contentOf(file);
+    const std::size_t offset = choices.take<std::uint32_t>() % (content.size() + 1);
+    const std::string_view bytes = choices.takeBytes().substr(0, content.size() - offset);
+    content.replace(offset, bytes.size(), bytes);
+    putInto(file, content);
+  }
+  static void cut(const std::filesystem::path& file, std::uint32_t length) {
+    std::filesystem::resize_file(
+        file, std::min<std::uintmax_t>(length, std::filesystem::file_size(file)));
+  }
+  static void append(std::string_view header, std::string_view payload) {
+    Journal(copy(), JournalReader(copy()).scan().end).append(header, payload);
+  }
+  static void appendChanged(std::string_view changes) {
+    auto [result, payload] = firstResults().front();
+    wire::Result other;
+    if (other.ParseFromArray(changes.data(), static_cast<int>(changes.size())))
+      result.MergeFrom(other);
+    append(result.SerializeAsString(), payload);
+  }
+  template <class Value>
+  static void changeTables(const std::string& sql, const Value& value) {
+    Database database(tables(), Database::Access::read_write_create);
+    Statement(database, sql).run(value);
+  }
+};
+
+void useState(std::string_view bytes) {
+  Choices choices(bytes);
+  FuzzedState state;
+  for (int changes = 0; changes < 8 && !choices.done(); ++changes) state.follow(choices);
+  state.use();
+}
+
+std::vector<std::string> stateSeeds() {
+  wire::Result other_build, far, failed;
+  other_build.set_build(std::string(32, 'x'));
+  far.mutable_target()->set_i(2000000000);
+  far.set_space(7);
+  failed.mutable_failure()->set_cause(3);
+  std::vector<std::string> seeds = {
+      "",
+      Script().op(overwrites_tables).put(std::uint32_t{40}).putBytes("damaged").text(),
+      Script().op(overwrites_journal).put(std::uint32_t{700}).putBytes("damaged").text(),
+      Script().op(cuts_tables).put(std::uint32_t{5000}).text(),
+      Script().op(cuts_journal).put(std::uint32_t{900}).text(),
+      Script().op(appends_record).putBytes("header").putBytes("payload").text(),
+      Script().op(changes_row).op(0).put(std::int64_t{1} << 40).text(),
+      Script().op(changes_row).op(6).put(std::int64_t{5}).text(),
+      Script().op(changes_meta).op(2).putBytes("no problem").text(),
+      Script().op(changes_file).op(1).putBytes("tcp://127.0.0.1:1\n").text()};
+  for (const wire::Result& result : {other_build, far, failed})
+    seeds.push_back(Script().op(appends_changed).putBytes(result.SerializeAsString()).text());
+  return seeds;
+}
+
+const Registration state_fuzzer({"state", useState, stateSeeds});
+
+}  // namespace
+}  // namespace palpate::fuzz

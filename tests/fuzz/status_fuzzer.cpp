@@ -1,0 +1,43 @@
+#include "scheduler/service/status.hpp"
+#include "scheduler/status_text.hpp"
+#include "tests/fuzz/fuzzer.hpp"
+
+namespace palpate::fuzz {
+namespace {
+
+/// What `status` shows of the answer of whoever listens there.
+void readStatus(std::string_view bytes) {
+  const wire::Status status = statusFromJson(std::string(bytes));
+  describe(status);
+  progressLine(status);
+  require(toJson(statusFromJson(toJson(status))) == toJson(status),
+          "a status is not read as it was written");
+}
+
+std::vector<std::string> statusSeeds() {
+  wire::Status status;
+  status.set_scene("liver");
+  status.set_build("0123456789abcdef0123456789abcdef");
+  status.set_state("running");
+  wire::SpaceStatus& space = *status.add_spaces();
+  space.set_name("tip");
+  space.set_points(515);
+  space.set_unknown(200);
+  space.set_expandable(300);
+  space.set_failed(15);
+  space.set_stage("lattice");
+  wire::WorkerStatus& worker = *status.add_workers();
+  worker.set_worker("01234567");
+  worker.set_host("here");
+  worker.set_state("busy");
+  status.set_seconds(12.5);
+  status.set_eta_seconds(70);
+  (*status.mutable_failed_points())["unreachable"] = 3;
+  (*status.mutable_counters())["bad_messages"] = 1;
+  return {toJson(status)};
+}
+
+const Registration status_fuzzer({"status", readStatus, statusSeeds});
+
+}  // namespace
+}  // namespace palpate::fuzz

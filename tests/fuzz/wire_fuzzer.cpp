@@ -1,0 +1,59 @@
+#include "common/wire/wire.hpp"
+#include "scheduler/service/status.hpp"
+#include "tests/fuzz/frames.hpp"
+#include "tests/fuzz/fuzzer.hpp"
+#include "tests/support/solved_table.hpp"
+
+namespace palpate::fuzz {
+namespace {
+
+/// A result that is taken is one that can be sent on.
+void readResult(const wire::Result& result) {
+  const std::optional<Outcome> outcome = fromWire(result);
+  if (!outcome) return;
+  wire::Result again;
+  toWire(*outcome, "fields", again);
+  require(fromWire(again).has_value(), "an outcome is not read as it was written");
+}
+
+/// The first byte says for whom, then come the frames of one message.
+void readWireMessage(std::string_view bytes) {
+  Choices choices(bytes);
+  const bool router = choices.oneOf(2) == 1;
+  static SocketPair sockets;
+  sockets.send(choices);
+  for (;;) {
+    const std::optional<Incoming> incoming = receiveMessage(sockets.receiver(), router);
+    if (!incoming) break;
+    if (incoming->message.has_result()) readResult(incoming->message.result());
+  }
+}
+
+std::string frames(const wire::Message& message, const std::string& payload = "") {
+  Script script;
+  script.op(1).putBytes("peer").putBytes(message.SerializeAsString());
+  if (!payload.empty()) script.putBytes(payload);
+  return script.text();
+}
+
+std::vector<std::string> wireSeeds() {
+  const Problem problem = test::cubeProblem();
+  std::vector<std::string> seeds;
+  for (const LatticePoint& target : {LatticePoint{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}) {
+    const auto [result, payload] = test::solve(problem, 0, target, {0, 0, 0});
+    wire::Message message;
+    *message.mutable_result() = result;
+    seeds.push_back(frames(message, payload));
+  }
+  wire::Message hello;
+  hello.mutable_hello()->set_worker("worker");
+  hello.mutable_hello()->add_ended("another");
+  wire::Message job;
+  *job.mutable_job()->add_targets()->mutable_point() = toWire(LatticePoint{-1, 0, 2});
+  return {seeds[0], seeds[1], seeds[2], seeds[3], frames(hello), frames(job)};
+}
+
+const Registration wire_fuzzer({"wire", readWireMessage, wireSeeds});
+
+}  // namespace
+}  // namespace palpate::fuzz
