@@ -58,6 +58,8 @@ class VtkText {
     } else if (section == "CELL_DATA" || section == "POINT_DATA") {
       in_cell_data_ = section == "CELL_DATA";
       tuples_ = lines_.takeCount("the number of tuples");
+      // Else "no data of no cells" would be taken for data of all that follow.
+      if (in_cell_data_ && types_.empty()) throw lines_.wrong("CELL_DATA before CELL_TYPES");
       if (in_cell_data_ && tuples_ != types_.size())
         throw lines_.wrong("data of {} cells where there are {}", tuples_, types_.size());
     } else if (section == "METADATA") {

@@ -135,6 +135,11 @@ TEST_F(VtkReader, RefusesWhatItCannotReadNamingTheLine) {
   expectBadInput([] { readVtk("nothing.vtk"); }, {"nothing.vtk", "No such file"});
 }
 
+TEST_F(VtkReader, RefusesDataOfCellsThatItDoesNotKnowYet) {
+  refuses(grid_3, "CELLS 3 20", "CELL_DATA 0\nVECTORS early float\nCELLS 3 20",
+          {"body.vtk:10", "CELL_DATA before CELL_TYPES"});
+}
+
 TEST_F(VtkReader, SurvivesACutAndAnyByteReplaced) {
   for (const std::string original : {grid_3, grid_5})
     for (std::size_t at = 0; at < original.size(); ++at)
