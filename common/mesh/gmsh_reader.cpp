@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <set>
 #include <tuple>
@@ -142,6 +143,14 @@ class GmshText {
   /// A number that the file gives to a node, an element, an entity or a group.
   std::int64_t takeTag(const char* what) { return lines_.take<std::int64_t>(what); }
 
+  /// The number of a physical group, negative where Gmsh turned the orientation.
+  std::int64_t takeGroup() {
+    const std::int64_t group = takeTag("the number of a physical group");
+    if (group == std::numeric_limits<std::int64_t>::min())
+      throw lines_.wrong("{} is the number of no physical group", group);
+    return std::abs(group);
+  }
+
   int takeDimension() {
     const auto dimension = lines_.take<int>("a dimension");
     if (dimension < 0 || dimension > 3)
@@ -173,7 +182,7 @@ class GmshText {
         const std::size_t n_physical =
             lines_.takeCount("the number of physical groups of an entity");
         for (std::size_t n = 0; n < n_physical; ++n)
-          physical_of_entity_[entity].insert(std::abs(takeTag("the number of a physical group")));
+          physical_of_entity_[entity].insert(takeGroup());
       });
   }
 
@@ -298,8 +307,10 @@ class GmshText {
       const std::size_t n_tags = lines_.takeCount("the number of tags");
       std::int64_t physical = 0;  // no group
       for (std::size_t n = 0; n < n_tags; ++n) {
-        const std::int64_t group = takeTag("a tag");
-        if (n == 0) physical = std::abs(group);  // negative where the orientation was turned
+        if (n == 0)
+          physical = takeGroup();
+        else
+          takeTag("a tag");
       }
       addElement(tag, type, {dimension, physical});
     });

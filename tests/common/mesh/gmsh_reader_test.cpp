@@ -231,6 +231,8 @@ TEST_F(GmshReader, RefusesInconsistentFilesNamingTheLine) {
   refuses(tetrahedron_22, "$Nodes\n5", "$Nodes\n4", {"body.msh:15", "$EndNodes"});
   refuses(tetrahedron_22, "$Nodes\n5", "$Nodes\n99999999999", {"body.msh:10", "cannot be"});
   refuses(tetrahedron_22, "3 4 2 7", "3 77 2 7", {"body.msh:21", "type 77"});
+  refuses(tetrahedron_22, "3 4 2 7", "3 4 2 -9223372036854775808",
+          {"body.msh:21", "-9223372036854775808 is the number of no physical group"});
   refuses(tetrahedron_41, "3 4 7 1000000007", "3 5 7 1000000007", {"5 nodes were announced", "4"});
 }
 
