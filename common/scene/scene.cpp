@@ -344,6 +344,8 @@ Scene readTables(const toml::table& table, const std::string& source) {
                    .value_or(std::filesystem::path(source).stem().string());
   scene.mesh =
       root.require("mesh", "the mesh file, relative to the scene file", &TomlSection::text);
+  if (!scene.mesh.has_filename())
+    throw root.wrong("mesh", "\"{}\" is a folder; name the mesh file", scene.mesh.string());
   scene.regions = readRegions(root);
   scene.discretization = readDiscretization(root, scene.regions);
   scene.gravity = readGravity(root, scene.regions);

@@ -60,7 +60,10 @@ double TomlSection::metres(double length) const {
 }
 
 double TomlSection::positiveLength(std::string_view key, const toml::node& node) const {
-  return metres(positive(key, node));
+  const double length = metres(positive(key, node));
+  // The smallest numbers there are, in a smaller unit than metres, are no lengths any more.
+  if (!(length > 0)) throw wrong(key, "must be greater than 0, in metres too");
+  return length;
 }
 
 Eigen::Vector3d TomlSection::vector(std::string_view key, const toml::node& node) const {

@@ -280,6 +280,14 @@ TEST(Scene, RefusesImpossibleValues) {
   refuses("radius = 0.0\n", "radius = -0.1\n", {"active.radius", "negative"});
   refuses("\"tip\"", "\"tip of it\"", {"active.name", "letters"});
   refuses("near = ", "node = 3\nnear = ", {"either near", "or node"});
+  refuses("\"liver.msh\"", "\"liver/\"", {"scene.toml:2", "mesh", "\"liver/\" is a folder"});
+}
+
+TEST(Scene, RefusesLengthsThatAreNoneInMetres) {
+  std::string text = everything;
+  text.insert(text.find("[fixed]\n") + 8, "sphere = { center = [0, 0, 0], radius = 4e-324 }\n");
+  expectBadInput([&] { parseScene(text, "scene.toml"); },
+                 {"fixed.sphere.radius", "greater than 0, in metres too"});
 }
 
 TEST(Scene, ReadsSurfacesWithTheSelectorsOfFixed) {
