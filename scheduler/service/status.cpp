@@ -2,6 +2,8 @@
 
 #include <google/protobuf/util/json_util.h>
 
+#include <limits>
+
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 
@@ -100,6 +102,23 @@ std::string toJson(const google::protobuf::Message& message) {
   return json;
 }
 
+namespace {
+
+/// Whether the counts of all spaces, and their sums, can be those of a build.
+bool countsMakeSense(const wire::Status& status) {
+  std::int64_t sum = 0;
+  for (const wire::SpaceStatus& space : status.spaces()) {
+    for (const std::int32_t count :
+         {space.unknown(), space.expandable(), space.terminating(), space.failed()})
+      if (count < 0 || count > space.points()) return false;
+    if (space.points() < 0) return false;
+    sum += space.points();
+  }
+  return sum <= std::numeric_limits<std::int32_t>::max();
+}
+
+}  // namespace
+
 wire::Status statusFromJson(const std::string& json) {
   wire::Status status;
   google::protobuf::util::JsonParseOptions options;
@@ -108,6 +127,8 @@ wire::Status statusFromJson(const std::string& json) {
   if (const auto result = google::protobuf::util::JsonStringToMessage(json, &status, options);
       !result.ok())
     throw failure("the answer is not a status: {}", result.ToString());
+  if (!countsMakeSense(status))
+    throw failure("the answer is not a status: its numbers of points are impossible");
   return status;
 }
 

@@ -17,7 +17,8 @@ wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plan
 
 /// One line of JSON with the field names of proto/palpate.proto and every field in it.
 std::string toJson(const google::protobuf::Message& message);
-/// The status that toJson wrote; unknown fields are passed over. Error when the text is not one.
+/// The status that toJson wrote; unknown fields are passed over. Error when the text is not one, or
+/// its numbers of points cannot be.
 wire::Status statusFromJson(const std::string& json);
 
 /// How fast a build goes: equilibria found per second, over the last two minutes of this run.

@@ -20,6 +20,18 @@ TEST(Status, SurvivesJson) {
   test::expectError(ExitCode::failed, [] { statusFromJson("<html>"); }, {"not a status"});
 }
 
+TEST(Status, IsNoneWithNumbersOfPointsThatCannotBe) {
+  const auto refuse = [](const std::string& spaces) {
+    test::expectError(ExitCode::failed, [&] { statusFromJson(R"({"spaces":[)" + spaces + "]}"); },
+                      {"not a status", "numbers of points are impossible"});
+  };
+  refuse(R"({"points":2147483647,"unknown":-1})");
+  refuse(R"({"points":-2})");
+  refuse(R"({"points":3,"failed":4})");
+  refuse(R"({"points":2000000000},{"points":2000000000})");
+  EXPECT_EQ(statusFromJson(R"({"spaces":[{"points":3,"failed":3}]})").spaces(0).failed(), 3);
+}
+
 TEST(Status, HasOneRowForAllPlacesWhereAnAreaIsMeasured) {
   const Problem problem = test::FingerBody(5).problem;
   std::vector<SpacePlan> plans;
