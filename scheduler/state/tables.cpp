@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "common/base/assertion.hpp"
@@ -34,6 +35,13 @@ CREATE TABLE configurations (
   cause TEXT NOT NULL, parent INTEGER NOT NULL, force REAL, factorizations INTEGER NOT NULL,
   PRIMARY KEY (space, point)) STRICT, WITHOUT ROWID;
 )sql";
+
+/// A number that is counted on from: of damaged tables as near to what is there as counting allows.
+template <class Number>
+Number counted(const Statement& query, int column) {
+  constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max() / 2;
+  return static_cast<Number>(std::clamp<std::int64_t>(query.integer(column), 0, most));
+}
 
 std::int64_t pragma(Database& database, const std::string& name) {
   Statement query(database, "PRAGMA " + name);
@@ -212,7 +220,7 @@ std::vector<wire::WorkerStatus> StoredTables::servers() {
 Counters StoredTables::counters() {
   Counters counters;
   Statement query(database_, "SELECT name, value FROM counters");
-  while (query.step()) counters[query.text(0)] = query.integer(1);
+  while (query.step()) counters[query.text(0)] = counted<std::int64_t>(query, 1);
   return counters;
 }
 
@@ -318,7 +326,7 @@ std::map<TransitionKey, Losses> Tables::losses() {
   using Number = std::int32_t;
   while (query.step())
     losses[{query.integer<std::uint32_t>(0), query.integer<Number>(1), query.integer<Number>(2)}] =
-        {query.integer<std::uint32_t>(3), query.integer<int>(4), query.integer<int>(5)};
+        {counted<std::uint32_t>(query, 3), counted<int>(query, 4), counted<int>(query, 5)};
   return losses;
 }
 

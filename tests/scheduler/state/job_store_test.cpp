@@ -222,6 +222,27 @@ TEST_F(JobStoreTest, RemembersOnWhichTransitionsWorkersEnded) {
   EXPECT_TRUE(open(held).tables().losses().empty());
 }
 
+TEST_F(JobStoreTest, CanCountOnFromAnythingThatTheTablesSay) {
+  recordThree();
+  {
+    Database tables(state / "state.db", Database::Access::read_write_create);
+    tables.execute(
+        "INSERT OR REPLACE INTO counters VALUES ('runs', 9223372036854775807), ('lost_workers', -5);"
+        "INSERT INTO losses VALUES (0, 1, 0, 4294967295, 2147483647, -2147483648)");
+  }
+  const StateDirectory held(state);
+  JobStore store = open(held);
+  for (const auto& [name, value] : store.tables().counters()) {
+    EXPECT_GE(value, 0) << name;
+    EXPECT_LT(value, std::numeric_limits<std::int32_t>::max()) << name;
+  }
+  const Losses losses = store.tables().losses().at({0, 1, 0});
+  EXPECT_LT(losses.attempts, 4294967295u);
+  EXPECT_GT(losses.suspected, 0);
+  EXPECT_LT(losses.suspected, 2147483647);
+  EXPECT_EQ(losses.deaths, 0);
+}
+
 TEST_F(JobStoreTest, RefusesTheDirectoryOfAnotherScene) {
   recordThree();
   const Problem other = test::cubeProblem(2000);
