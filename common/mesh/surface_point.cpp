@@ -40,8 +40,15 @@ Eigen::Vector3d nearestInTriangle(const std::array<Eigen::Vector3d, 3>& corners,
   return {va / sum, vb / sum, vc / sum};
 }
 
-SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& point) {
-  PALPATE_ASSERT(point.allFinite() && !mesh.surface.empty(), "readers refuse anything else");
+Eigen::Vector3d withinSquares(const Eigen::Vector3d& point) noexcept {
+  constexpr double far = 1e9;  // m; to a body there, all directions are one
+  const double largest = point.cwiseAbs().maxCoeff();
+  return largest > far ? Eigen::Vector3d(point / largest * far) : point;
+}
+
+SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& place) {
+  PALPATE_ASSERT(place.allFinite() && !mesh.surface.empty(), "readers refuse anything else");
+  const Eigen::Vector3d point = withinSquares(place);
   SurfacePoint nearest;
   double least = std::numeric_limits<double>::infinity();
   for (std::int32_t triangle = 0; at(triangle) < mesh.surface.size(); ++triangle) {

@@ -16,9 +16,13 @@ struct SurfacePoint {
 Eigen::Vector3d nearestInTriangle(const std::array<Eigen::Vector3d, 3>& corners,
                                   const Eigen::Vector3d& point) noexcept;
 
-/// The point of the mesh's surface at rest that is nearest to `point` (metres, finite). Looks at
+/// A finite point, metres; instead of one that is farther away than squares of numbers reach, one
+/// in its direction to which the same of a body is nearest. Real time.
+Eigen::Vector3d withinSquares(const Eigen::Vector3d& point) noexcept;
+
+/// The point of the mesh's surface at rest that is nearest to `place` (metres, finite). Looks at
 /// every triangle: a tree for many queries is in viewer/haptics.
-SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& point);
+SurfacePoint nearestOnSurface(const Mesh& mesh, const Eigen::Vector3d& place);
 
 /// Where a point of the surface is at rest, metres, and the outward unit normal of its triangle.
 Eigen::Vector3d positionOf(const Mesh& mesh, const SurfacePoint& point);

@@ -1,3 +1,4 @@
+#include "common/mesh/surface_point.hpp"
 #include "viewer/c_api/arguments.hpp"
 #include "viewer/c_api/loaded_dataset.hpp"
 
@@ -15,7 +16,7 @@ palpate_area_sample sampleOf(const HapticModel& model, std::int32_t area,
     return given;
   }
   const TouchSurface& surface = model.surface();
-  const NearestPoint place = surface.tree().nearest(near);
+  const NearestPoint place = surface.tree().nearest(withinSquares(near));
   const AreaSample sample = model.area(at(area)).evaluate(place.position, displacement);
   giveForce(given, sample);
   const Eigen::Vector3d& normal = surface.faceNormal(place.triangle);

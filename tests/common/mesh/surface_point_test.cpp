@@ -20,6 +20,15 @@ TEST(SurfacePointTest, IsTheNearestOfAllTriangles) {
   }
 }
 
+TEST(SurfacePointTest, IsThereForPlacesWhoseDistanceHasNoSquare) {
+  const Mesh mesh = test::cubeMesh(0.2, 3);
+  for (const double far : {1e10, 1e200, 1.7e308}) {
+    const SurfacePoint point = nearestOnSurface(mesh, {far, far, -far});
+    ASSERT_GE(point.triangle, 0) << far;
+    EXPECT_LT((positionOf(mesh, point) - Eigen::Vector3d(0.2, 0.2, 0)).norm(), 1e-6) << far;
+  }
+}
+
 TEST(SurfacePointTest, NormalsPointOutward) {
   const Mesh mesh = test::cubeMesh(0.2, 3);
   const SurfacePoint top = nearestOnSurface(mesh, {0.1, 0.08, 0.3});

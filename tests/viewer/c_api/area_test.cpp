@@ -88,6 +88,13 @@ TEST_F(CArea, AnswersForceStiffnessAndDriveAtThePlaceOfTheSurfaceThatIsNearest) 
   }
 }
 
+TEST_F(CArea, AnswersForPlacesWhoseDistanceHasNoSquare) {
+  const palpate_area_sample sample = query({0, 0, 1e200}, {0, 0, -0.01});
+  EXPECT_GE(sample.triangle, 0);
+  EXPECT_NEAR(sample.at[2], 0.1, 1e-9);
+  EXPECT_TRUE(Eigen::Vector3d(sample.force).allFinite());
+}
+
 TEST_F(CArea, IsNotInsideBeyondItsSurfaceOrBallAndAllocatesNowhere) {
   const Eigen::Vector3d top(0.05, 0.05, 0.1), p(0, 0, -0.01);
   EXPECT_EQ(query({0.05, 0.05, -0.1}, p).inside, 0);
