@@ -177,7 +177,9 @@ ArrayInfo Reader::inspect(const std::string& path) const {
   // No small file may ask for all the memory there is.
   const double largest =
       static_cast<double>(file_size_) * (layout == H5D_CHUNKED ? max_gzip_ratio : 1);
-  if (bytesReadAtOnce(info) > largest)
+  // Nor for more rows than it has bytes, though they had none in it, or were empty.
+  const bool too_many_rows = !info.shape.empty() && info.shape[0] > file_size_;
+  if (too_many_rows || bytesReadAtOnce(info) > largest)
     throw damaged(path, "impossible shape " + describe(info.shape));
 
   const auto hash =

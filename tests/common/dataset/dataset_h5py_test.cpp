@@ -185,6 +185,19 @@ TEST_F(ChangedDataset, IsRefusedForWrongShapesAndTypes) {
   EXPECT_THAT(errorAfterForging("del f['points/energy']"), HasSubstr("/points/energy: is missing"));
 }
 
+/// Rows that were never written take no room in a file, and empty ones never do.
+TEST_F(ChangedDataset, IsRefusedForMoreRowsThanItHasBytes) {
+  const auto extra = [](const char* shape, const char* type, const char* chunks) {
+    return fmt::format(
+        "f.create_dataset('extra', {}, '{}', chunks={}).attrs['blake2b'] = np.bytes_('0' * 64)",
+        shape, type, chunks);
+  };
+  EXPECT_THAT(errorAfter(extra("(2**50, 3)", "<f4", "(64, 3)")),
+              HasSubstr("/extra: impossible shape 1125899906842624 x 3"));
+  EXPECT_THAT(errorAfter(extra("(2**50, 0)", "<f4", "None")), HasSubstr("impossible shape"));
+  EXPECT_THAT(errorAfter(extra("(2**31 - 1, 0)", "<i4", "None")), HasSubstr("impossible shape"));
+}
+
 TEST_F(ChangedDataset, IsRefusedForImpossibleValues) {
   EXPECT_THAT(errorAfterForging("f['points/tag'][3] = 4"), HasSubstr("/points/tag: holds 4"));
   EXPECT_THAT(errorAfterForging("f['points/parent'][3] = 33"),
