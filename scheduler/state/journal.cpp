@@ -15,6 +15,9 @@
 namespace palpate {
 namespace {
 
+/// Of six digits; of default_segment_bytes they hold 256 TB.
+constexpr std::uint32_t most_segments = 999999;
+
 /// What a record begins with; its header and its payload follow.
 struct Head {
   static constexpr std::string_view whole = "PJR2", dropped = "PJRX";
@@ -122,7 +125,11 @@ class SegmentFile {
   std::uint64_t bytes_ = 0;
 };
 
-/// The numbers of the segments in a directory, in order.
+std::string segmentName(std::uint32_t segment) { return fmt::format("segment-{:06}.dat", segment); }
+
+/// The numbers of the segments in a directory, in order. Only names that we write count: another
+/// spelling of a number would be a second file of it, and a number of more digits as many missing
+/// segments.
 std::vector<std::uint32_t> segmentsIn(const std::filesystem::path& directory) {
   constexpr std::string_view prefix = "segment-", suffix = ".dat";
   std::vector<std::uint32_t> numbers;
@@ -133,7 +140,8 @@ std::vector<std::uint32_t> segmentsIn(const std::filesystem::path& directory) {
         name.substr(prefix.size(), name.size() - prefix.size() - suffix.size());
     std::uint32_t number = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-    if (error == std::errc() && end == digits.data() + digits.size() && number > 0)
+    if (error == std::errc() && end == digits.data() + digits.size() && number > 0 &&
+        number <= most_segments && name == segmentName(number))
       numbers.push_back(number);
   }
   std::ranges::sort(numbers);
@@ -142,6 +150,12 @@ std::vector<std::uint32_t> segmentsIn(const std::filesystem::path& directory) {
 
 constexpr const char* no_record = "no record can be read there";
 
+/// A stretch that is too short for the head of a dropped record, but begins like one (markFor).
+bool isMarked(const SegmentFile& file, std::uint64_t from, std::uint64_t to) {
+  return to - from < sizeof(Head) &&
+         file.read(from, to - from).starts_with(Head::dropped.substr(0, to - from));
+}
+
 void scanSegment(const SegmentFile& file, std::uint32_t number, bool last, JournalScan& found) {
   using Kind = JournalGap::Kind;
   const auto gap = [&](Kind kind, std::uint64_t from, std::uint64_t to, const char* what) {
@@ -149,6 +163,12 @@ void scanSegment(const SegmentFile& file, std::uint32_t number, bool last, Journ
         {kind,
          {number, from, to - from},
          fmt::format("{}: bytes {} to {}: {}", file.path().string(), from, to, what)});
+  };
+  const auto stretch = [&](std::uint64_t from, std::uint64_t to) {
+    if (isMarked(file, from, to))
+      gap(Kind::dropped, from, to, "too little for a record, which was dropped");
+    else
+      gap(Kind::damaged, from, to, no_record);
   };
   std::uint64_t behind_last = 0;
   for (std::uint64_t at = 0; at < file.size();) {
@@ -163,7 +183,7 @@ void scanSegment(const SegmentFile& file, std::uint32_t number, bool last, Journ
     if (torn) {
       found.torn.push_back({number, at, next - at});
     } else {
-      if (at > behind_last) gap(Kind::damaged, behind_last, at, no_record);
+      if (at > behind_last) stretch(behind_last, at);
       if (head.is(Head::dropped))
         gap(Kind::dropped, at, next, "a damaged record, which was dropped");
       else
@@ -172,7 +192,7 @@ void scanSegment(const SegmentFile& file, std::uint32_t number, bool last, Journ
     }
     at = next;
   }
-  if (!last && behind_last < file.size()) gap(Kind::damaged, behind_last, file.size(), no_record);
+  if (!last && behind_last < file.size()) stretch(behind_last, file.size());
   // Only what stands in the place of a missing segment is empty and not the last.
   if (!last && file.size() == 0) gap(Kind::dropped, 0, 0, "a segment that was missing");
   found.end = {number, behind_last};
@@ -182,11 +202,13 @@ void scanSegment(const SegmentFile& file, std::uint32_t number, bool last, Journ
 }
 
 /// What is written over the head of a record that is dropped: the word alone where the lengths can
-/// be read, so that the rest of the head stays; else a head whose record is the whole stretch.
+/// be read, so that the rest of the head stays; else a head whose record is the whole stretch, or
+/// as much of the word as fits into it: what follows is whole.
 std::string markFor(const SegmentFile& file, const JournalPosition& position) {
   const auto there = file.headAt(position.offset);
   const bool lengths_known = there && there->first.recordBytes() == position.length;
-  if (lengths_known || position.length < sizeof(Head)) return std::string(Head::dropped);
+  if (lengths_known || position.length < sizeof(Head))
+    return std::string(Head::dropped.substr(0, position.length));
   Head head{.magic = {'P', 'J', 'R', 'X'},
             .payload_bytes = static_cast<std::uint32_t>(position.length - sizeof(Head))};
   head.header_crc = headerCrcOf(head, "");
@@ -198,7 +220,7 @@ std::string markFor(const SegmentFile& file, const JournalPosition& position) {
 std::vector<std::uint32_t> JournalReader::segments() const { return segmentsIn(directory_); }
 
 std::filesystem::path JournalReader::segmentPath(std::uint32_t segment) const {
-  return directory_ / fmt::format("segment-{:06}.dat", segment);
+  return directory_ / segmentName(segment);
 }
 
 JournalScan JournalReader::scan() const {
@@ -260,6 +282,9 @@ JournalPosition Journal::append(std::string_view header, std::string_view payloa
   if (end_.offset >= segment_bytes_) {
     sync();
     // The full one is synced: later syncs reach only the segment that is open.
+    if (end_.segment == most_segments)
+      throw failure("{}: there is no number for another segment: use another --state directory",
+                    segmentPath(end_.segment).string());
     ++end_.segment;
     end_.offset = synced_ = 0;
     openSegment();

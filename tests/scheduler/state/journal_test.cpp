@@ -173,6 +173,26 @@ TEST_F(JournalTest, WhatWasDroppedIsToldAsThatAndNotAsDamageAgain) {
   }
 }
 
+TEST_F(JournalTest, AStretchThatIsTooShortForARecordIsDroppedWithoutWhatFollowsIt) {
+  Journal journal = open();
+  const JournalPosition before = journal.append("before", "payload");
+  journal.append("after", "payload");
+  journal.sync();
+  const std::string whole = contentOf(first);
+  for (const std::uint64_t length : {1, 2, 3, 4, 19}) {
+    const JournalPosition stray{1, before.length, length};
+    writeFile(first, std::string(whole).insert(before.length, length, 'x'));
+    ASSERT_EQ(scan().gaps.size(), 1u);
+    EXPECT_EQ(scan().gaps[0].kind, JournalGap::Kind::damaged);
+    EXPECT_EQ(scan().gaps[0].where, stray);
+    journal.drop(stray);
+    EXPECT_THAT(headers(), ElementsAre("before", "after")) << length;
+    ASSERT_EQ(scan().gaps.size(), 1u);
+    EXPECT_EQ(scan().gaps[0].kind, JournalGap::Kind::dropped);
+    EXPECT_EQ(scan().gaps[0].where, stray);
+  }
+}
+
 TEST_F(JournalTest, TheFirstRecordsCanBeDroppedTogetherWhenNoneOfThemCanBeRead) {
   {
     Journal journal = open();
@@ -217,6 +237,18 @@ TEST_F(JournalTest, ASegmentThatIsMissingCostsWhatWasInIt) {
   EXPECT_THAT(headers(), ElementsAre("one", "three"));
   EXPECT_THAT(gaps(), ElementsAre(HasSubstr("segment-000002.dat: is missing")));
   open(10).checkPresence();
+}
+
+TEST_F(JournalTest, FilesWithNamesThatItNeverWritesAreNoSegments) {
+  Journal journal = open();
+  journal.append("record", "");
+  journal.sync();
+  for (const char* name : {"segment-1.dat", "segment-0000002.dat", "segment-4000000000.dat",
+                           "segment-1000000.dat", "segment-000000.dat", "segment-.dat"})
+    fs::copy_file(first, directory / name);
+  EXPECT_THAT(journal.segments(), ElementsAre(1u));
+  EXPECT_THAT(headers(), ElementsAre("record"));
+  EXPECT_TRUE(scan().gaps.empty());
 }
 
 TEST_F(JournalTest, NoticesThatASegmentWasRemovedOrReplacedUnderIt) {
