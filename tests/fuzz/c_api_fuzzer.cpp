@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "tests/fuzz/fuzzer.hpp"
-#include "tests/support/sample_dataset.hpp"
+#include "tests/support/finger_body.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "viewer/c_api/palpate.h"
 
@@ -23,6 +23,7 @@ enum ApiCall : unsigned char {
   creates_guard,
   limits_force,
   opens_file,
+  switches_dataset,  ///< to the other one of two: active nodes, or an area
   api_calls
 };
 
@@ -86,25 +87,35 @@ class Simulator {
       case creates_guard: return createGuard(choices);
       case limits_force: return limitForce(choices);
       case opens_file: return openFile(choices);
+      case switches_dataset: with_area_ = !with_area_; return;
       default: return;
     }
   }
 
  private:
-  static palpate_dataset* dataset() {
-    static const auto opened = [] {
-      const test::TemporaryDirectory directory;
-      test::SampleDataset().seal(directory / "sample.h5");
-      palpate_dataset* made = nullptr;
-      require(palpate_dataset_open((directory / "sample.h5").c_str(), nullptr, &made) == PALPATE_OK,
-              palpate_last_error());
-      return std::unique_ptr<palpate_dataset, void (*)(palpate_dataset*)>(made,
-                                                                          palpate_dataset_close);
-    }();
-    return opened.get();
+  using Handle = std::unique_ptr<palpate_dataset, void (*)(palpate_dataset*)>;
+
+  template <class Body>
+  static Handle open(const Body& body) {
+    const test::TemporaryDirectory directory;
+    body.seal(directory / "body.h5");
+    palpate_dataset* made = nullptr;
+    require(palpate_dataset_open((directory / "body.h5").c_str(), nullptr, &made) == PALPATE_OK,
+            palpate_last_error());
+    return {made, palpate_dataset_close};
+  }
+  palpate_dataset* dataset() const {
+    static const Handle of_nodes = open(test::SampleDataset()), of_area = open(test::FingerBody());
+    return with_area_ ? of_area.get() : of_nodes.get();
+  }
+  std::size_t vertexNumbers() const {
+    palpate_dataset_info info{};
+    info.size = sizeof info;
+    require(palpate_dataset_describe(dataset(), &info) == PALPATE_OK, palpate_last_error());
+    return 3 * static_cast<std::size_t>(info.vertex_count);
   }
 
-  static void describe(Choices& choices) {
+  void describe(Choices& choices) {
     auto info = toBeFilled<palpate_dataset_info>(choices);
     answered(palpate_dataset_describe(dataset(), &info));
     auto space = toBeFilled<palpate_space_info>(choices);
@@ -118,15 +129,15 @@ class Simulator {
     auto profile = toBeFilled<palpate_profile>(choices);
     answered(palpate_device_profile(name.c_str(), &profile));
     // No larger than it is said to be.
-    std::vector<double> numbers(choices.oneOf(200));
+    std::vector<double> numbers(8 * choices.oneOf(200));
     answered(palpate_dataset_vertices(dataset(), numbers.data(), numbers.size()));
-    std::vector<std::int32_t> triangles(choices.oneOf(200));
+    std::vector<std::int32_t> triangles(8 * choices.oneOf(200));
     answered(palpate_dataset_triangles(dataset(), triangles.data(), triangles.size()));
-    std::vector<std::uint8_t> touchable(choices.oneOf(200));
+    std::vector<std::uint8_t> touchable(8 * choices.oneOf(200));
     answered(palpate_dataset_touchable(dataset(), touchable.data(), touchable.size()));
   }
 
-  static void query(Choices& choices) {
+  void query(Choices& choices) {
     const auto p = place(choices);
     const auto space = static_cast<std::int32_t>(choices.take<std::int8_t>()),
                method = static_cast<std::int32_t>(choices.take<std::int8_t>());
@@ -135,9 +146,9 @@ class Simulator {
       require(allFinite(sample.force) && allFinite(sample.stiffness), "a force is not finite");
   }
 
-  static void askForShape(Choices& choices) {
+  void askForShape(Choices& choices) {
     const auto p = place(choices);
-    std::vector<float> shape(choices.oneOf(200));
+    std::vector<float> shape(8 * choices.oneOf(200));
     std::int32_t inside = 0;
     answered(palpate_displacements(dataset(), choices.take<std::int8_t>(), p.data(), shape.data(),
                                    shape.size(), &inside));
@@ -158,18 +169,18 @@ class Simulator {
     if (answered(palpate_contact_update(contact_, tool.data(), hold, &touch)) != PALPATE_OK) return;
     require(allFinite(touch.force) && allFinite(touch.stiffness), "a touch is not finite");
     touch_ = touch;
-    std::vector<float> shape(3 * 26);
+    std::vector<float> shape(vertexNumbers());
     answered(palpate_touch_displacements(dataset(), &touch, shape.data(), shape.size()));
     if (choices.oneOf(16) == 0) answered(palpate_contact_release(contact_));
   }
 
-  static void drawTouch(Choices& choices) {
+  void drawTouch(Choices& choices) {
     const auto touch = given<palpate_touch>(choices);
-    std::vector<float> shape(3 * 26);
+    std::vector<float> shape(vertexNumbers());
     answered(palpate_touch_displacements(dataset(), &touch, shape.data(), shape.size()));
   }
 
-  static void askForArea(Choices& choices) {
+  void askForArea(Choices& choices) {
     std::int32_t count = 0;
     answered(palpate_dataset_area_count(dataset(), &count));
     auto info = toBeFilled<palpate_area_info>(choices);
@@ -214,6 +225,7 @@ class Simulator {
     palpate_dataset_close(other);
   }
 
+  bool with_area_ = false;
   palpate_contact* contact_ = nullptr;
   palpate_guard* guard_ = nullptr;
   palpate_touch touch_ = [] {
@@ -243,7 +255,14 @@ std::vector<std::string> apiSeeds() {
   look.op(asks_for_shape).op(1).put(std::array<std::int16_t, 3>{100, 0, 0}).op(100).op(1);
   look.op(describes).op(1).op(1).put(std::int32_t{1}).put(std::int32_t{0}).putBytes("tip").op(1);
   look.op(150).op(150).op(100);
-  return {press.text(), look.text()};
+  Script area;
+  area.op(switches_dataset).op(asks_for_area).op(1).put(std::int8_t{0}).op(1);
+  area.put(std::array<std::int16_t, 3>{4300, 5500, 12000}).op(1);
+  area.put(std::array<std::int16_t, 3>{200, -100, -900}).op(1).put(std::int8_t{0});
+  Script far;
+  far.op(switches_dataset).op(asks_for_area).op(1).put(std::int8_t{0}).op(0);
+  far.put(std::array<double, 3>{0, 1e200, 0}).op(1).put(std::array<std::int16_t, 3>{0, 0, -900});
+  return {press.text(), look.text(), area.text() + press.text(), far.text()};
 }
 
 const Registration c_api_fuzzer({"c_api", callApi, apiSeeds});

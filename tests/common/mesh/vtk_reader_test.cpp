@@ -137,7 +137,7 @@ TEST_F(VtkReader, RefusesWhatItCannotReadNamingTheLine) {
 
 TEST_F(VtkReader, RefusesDataOfCellsThatItDoesNotKnowYet) {
   refuses(grid_3, "CELLS 3 20", "CELL_DATA 0\nVECTORS early float\nCELLS 3 20",
-          {"body.vtk:10", "CELL_DATA before CELL_TYPES"});
+          {"body.vtk:9", "CELL_DATA before CELL_TYPES"});
 }
 
 TEST_F(VtkReader, SurvivesACutAndAnyByteReplaced) {
