@@ -13,6 +13,10 @@
 namespace palpate {
 namespace {
 
+/// ZeroMQ asks who listens there. Were there nobody, it would let everybody in, and their messages
+/// would carry no key.
+constexpr const char* zap_endpoint = "inproc://zeromq.zap.01";
+
 void setOption(zmq::socket_t& socket, int option, const void* value, std::size_t bytes) {
   if (zmq_setsockopt(socket.handle(), option, value, bytes) != 0)
     throw failure("ZeroMQ takes no keys: {} (is its libzmq built without CURVE?)",
@@ -72,9 +76,7 @@ Gatekeeper::Gatekeeper(zmq::context_t& context, zmq::socket_t& socket, const Key
   constexpr std::string_view domain = "palpate";
   setOption(socket, ZMQ_ZAP_DOMAIN, domain.data(), domain.size());
   questions_.set(zmq::sockopt::linger, 0);
-  // ZeroMQ asks who listens there. Were there nobody, it would let everybody in, and their messages
-  // would carry no key.
-  questions_.bind("inproc://zeromq.zap.01");
+  questions_.bind(zap_endpoint);
   thread_ = std::jthread([this](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       waitForMessages(questions_, std::chrono::milliseconds(1000), wake_up_);
@@ -88,6 +90,8 @@ Gatekeeper::~Gatekeeper() {
   eventfd_write(wake_up_, 1);
   thread_.join();
   close(wake_up_);
+  // At once: a socket that closes keeps its name for a moment.
+  zmq_unbind(questions_.handle(), zap_endpoint);
 }
 
 void Gatekeeper::answer() {

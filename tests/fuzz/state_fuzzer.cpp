@@ -77,7 +77,7 @@ class FuzzedState {
   /// All that programs do with a directory: look at it, look again while it is held, repair it, and
   /// go on with the build.
   void use() const {
-    StateDirectory::liveEndpoint(copy());
+    StateDirectory::liveAddress(copy());
     try {
       inspect(copy());
       StoredTables stored(copy());
@@ -88,7 +88,7 @@ class FuzzedState {
     }
     {
       const StateDirectory held(copy());
-      StateDirectory::liveEndpoint(copy());
+      StateDirectory::liveAddress(copy());
       repair(held, inspect(held));
       const Inspection again = inspect(held);
       require(again.tables != Inspection::TableState::damaged && again.wrong_rows == 0,
