@@ -16,7 +16,7 @@ struct KeyOrder {
   std::string endpoint = "*";
 };
 
-PublicKey keyOf(const std::string& hex) {
+PublicKey writtenKey(const std::string& hex) {
   if (const auto key = PublicKey::fromHex(hex)) return *key;
   throw badInput("\"{}\" is no key: 64 hexadecimal digits, as palpate key show prints them", hex);
 }
@@ -43,7 +43,7 @@ ExitCode show(const KeyOrder& order) {
 
 ExitCode allow(const KeyOrder& order) {
   const KeyFolder folder = chosenKeyFolder(order.folder);
-  folder.allow({keyOf(order.key), rolesOf(order.roles), order.name});
+  folder.allow({writtenKey(order.key), rolesOf(order.roles), order.name});
   fmt::print("let in by servers with the keys in {}, running ones too\n", folder.path().string());
   return ExitCode::done;
 }
@@ -60,7 +60,7 @@ ExitCode withdraw(const KeyOrder& order) {
 ExitCode trust(const KeyOrder& order) {
   const KeyFolder folder = chosenKeyFolder(order.folder);
   if (order.endpoint != "*") checkEndpoint(order.endpoint);
-  folder.trust(keyOf(order.key), order.endpoint);
+  folder.trust(writtenKey(order.key), order.endpoint);
   fmt::print("known as the key of {}\n",
              order.endpoint == "*" ? "every server without a line of its own" : order.endpoint);
   return ExitCode::done;

@@ -21,7 +21,7 @@ struct RoleWord {
 
 constexpr std::array<RoleWord, 4> role_words = {{{"worker", Role::worker},
                                                  {"observer", Role::observer},
-                                                 {"operator", Role::operator_},
+                                                 {"operator", Role::system_operator},
                                                  {"simulator", Role::simulator}}};
 
 /// Error unless nobody but this user and root could read or change it. False when it is not there.
@@ -99,7 +99,7 @@ void writeAllowed(const KeyFolder& folder, const std::vector<AllowedKey>& keys) 
 
 void Roles::add(Role role) {
   bits_ |= static_cast<unsigned>(role);
-  if (role == Role::operator_) add(Role::observer);
+  if (role == Role::system_operator) add(Role::observer);
 }
 
 Roles Roles::all() {

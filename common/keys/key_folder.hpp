@@ -13,10 +13,10 @@ namespace palpate {
 
 /// What the holder of a key may do. A set of them is their sum.
 enum class Role : std::uint8_t {
-  worker = 1,     ///< takes work and delivers results
-  observer = 2,   ///< reads the status
-  operator_ = 4,  ///< stops a build, tries again; reads the status
-  simulator = 8,  ///< takes a haptic device and pushes the hand that holds it
+  worker = 1,           ///< takes work and delivers results
+  observer = 2,         ///< reads the status
+  system_operator = 4,  ///< stops a build, tries again; reads the status
+  simulator = 8,        ///< takes a haptic device and pushes the hand that holds it
 };
 class Roles {
  public:

@@ -60,6 +60,7 @@ void proveAsClient(zmq::socket_t& socket, const KeyPair& own, const PublicKey& s
 }
 
 void proveAsClient(zmq::socket_t& socket, const KeyFolder& keys, const std::string& endpoint) {
+  checkEndpoint(endpoint);
   const KeyPair own = isOnThisMachineOnly(endpoint) ? keys.ownOrNew() : keys.own();
   proveAsClient(socket, own, keys.serverAt(endpoint));
 }

@@ -14,7 +14,8 @@ namespace palpate {
 /// For a socket that will be connected, to a server with the key `server`.
 void proveAsClient(zmq::socket_t& socket, const KeyPair& own, const PublicKey& server);
 /// The same as the keys of a user have it for `endpoint`. On this machine a key is made when there
-/// is none, as a server does; Error (bad input) elsewhere, where nobody could know it.
+/// is none, as a server does; Error (bad input) elsewhere, where nobody could know it, and for an
+/// endpoint that makes no sense.
 void proveAsClient(zmq::socket_t& socket, const KeyFolder& keys, const std::string& endpoint);
 
 /// Of a server that will be bound: only clients that know its key, and that it lets in, get

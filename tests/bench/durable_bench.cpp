@@ -22,6 +22,7 @@
 #include "common/base/program.hpp"
 #include "common/mesh/node_set.hpp"
 #include "common/problem/problem.hpp"
+#include "common/wire/curve.hpp"
 #include "common/wire/wire.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -84,10 +85,12 @@ std::pair<wire::Result, std::string> answer(const Problem& problem, std::uint32_
 /// nobody goes away.
 class FakeWorker {
  public:
-  FakeWorker(zmq::context_t& context, const std::string& endpoint, int number)
+  FakeWorker(zmq::context_t& context, const std::string& endpoint, const KeyFolder& keys,
+             int number)
       : socket_(makeDealer(context)) {
     const std::string id = fmt::format("fake-worker-{:04}", number);
     socket_.set(zmq::sockopt::routing_id, id);
+    proveAsClient(socket_, keys, endpoint);
     connectDealer(socket_, endpoint);
     hello_ = Clock::now() - std::chrono::hours(1);
     wire::Hello& hello = *introduction_.mutable_hello();
@@ -223,16 +226,16 @@ void measure(const Options& options, const std::filesystem::path& directory) {
                           directory);
   std::string endpoint;
   if (!test::eventually([&] {
-        endpoint = test::contentOf(directory / "state" / "endpoint");
+        endpoint = test::endpointAnnouncedIn(directory / "state");
         return !endpoint.empty() || !scheduler.running();
       }) ||
       endpoint.empty())
     throw failure("the scheduler does not listen: {}", scheduler.output());
-  endpoint.pop_back();
 
   zmq::context_t context;
   std::vector<FakeWorker> workers;
-  for (int n = 0; n < options.workers; ++n) workers.emplace_back(context, endpoint, n);
+  for (int n = 0; n < options.workers; ++n)
+    workers.emplace_back(context, endpoint, KeyFolder(directory / "keys"), n);
   std::vector<zmq::pollitem_t> sockets;
   for (FakeWorker& worker : workers)
     sockets.push_back({worker.socket().handle(), 0, ZMQ_POLLIN, 0});

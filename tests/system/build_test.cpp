@@ -139,7 +139,9 @@ TEST_F(SystemTest, TheSchedulerOfAnotherBuildIsNotTakenForThatOfADirectory) {
     return std::pair(code, process->output());
   };
   EXPECT_EQ(run("status").first, 0);
-  std::ofstream(directory / "mine/endpoint") << endpointIn("others") << "\n";
+  endpointIn("others");
+  std::filesystem::copy_file(directory / "others/endpoint", directory / "mine/endpoint",
+                             std::filesystem::copy_options::overwrite_existing);
   for (const char* verb : {"status", "stop", "retry"}) {
     const auto [code, output] = run(verb);
     EXPECT_EQ(code, 1) << verb;

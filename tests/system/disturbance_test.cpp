@@ -65,9 +65,8 @@ class DisturbedBuild {
       startScheduler();
     }
     if (endpoint_.empty()) {
-      endpoint_ = test::contentOf(directory_ / state_ / "endpoint");
+      endpoint_ = test::endpointAnnouncedIn(directory_ / state_);
       if (endpoint_.empty()) return;
-      endpoint_.pop_back();
     }
     if (workers_ && !workers_->running()) supervisorEnded(workers_->wait());
     if (workers_ || finished_) return;

@@ -33,6 +33,12 @@ inline std::string contentOf(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+/// Where the scheduler that works in `state` listens; empty when it has not said so yet.
+inline std::string endpointAnnouncedIn(const std::filesystem::path& state) {
+  const std::string address = contentOf(state / "endpoint");
+  return address.substr(0, address.find('\n'));
+}
+
 /// A program of the project in its own process, its output in a file. Killed when this object goes.
 class Process {
  public:

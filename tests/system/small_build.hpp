@@ -63,9 +63,8 @@ struct SmallBuild : testing::Test {
     return process.running();
   }
   std::string endpointIn(const std::string& state) const {
-    EXPECT_TRUE(eventually([&] { return !contentOf(directory / state / "endpoint").empty(); }));
-    const std::string address = contentOf(directory / state / "endpoint");
-    return address.substr(0, address.find('\n'));
+    EXPECT_TRUE(eventually([&] { return !endpointAnnouncedIn(directory / state).empty(); }));
+    return endpointAnnouncedIn(directory / state);
   }
 
  private:

@@ -132,7 +132,7 @@ TEST_F(KeyFolderTest, KeepsWhomItLetsInUntilTheyAreWithdrawn) {
   folder.allow({first, roles("worker,operator"), "node 1"});
   ASSERT_EQ(folder.allowed().size(), 2U);
   EXPECT_EQ(folder.allowed()[1].name, "node 1");
-  EXPECT_TRUE(folder.allowed()[1].roles.has(Role::operator_));
+  EXPECT_TRUE(folder.allowed()[1].roles.has(Role::system_operator));
   EXPECT_EQ(modeOf(folder.allowedFile()), 0600);
   EXPECT_TRUE(folder.withdraw("node 1"));
   EXPECT_TRUE(folder.withdraw(second.hex()));

@@ -227,7 +227,8 @@ TEST_F(JobStoreTest, CanCountOnFromAnythingThatTheTablesSay) {
   {
     Database tables(state / "state.db", Database::Access::read_write_create);
     tables.execute(
-        "INSERT OR REPLACE INTO counters VALUES ('runs', 9223372036854775807), ('lost_workers', -5);"
+        "INSERT OR REPLACE INTO counters VALUES ('runs', 9223372036854775807);"
+        "INSERT OR REPLACE INTO counters VALUES ('lost_workers', -5);"
         "INSERT INTO losses VALUES (0, 1, 0, 4294967295, 2147483647, -2147483648)");
   }
   const StateDirectory held(state);
