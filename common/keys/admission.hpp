@@ -1,7 +1,7 @@
 #pragma once
 
 #include <chrono>
-#include <ctime>
+#include <cstdint>
 #include <map>
 
 #include "common/keys/key_folder.hpp"

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdlib>
 
 #include "common/base/text_lines.hpp"
@@ -155,7 +156,6 @@ KeyPair KeyFolder::own() const {
 
 KeyPair KeyFolder::ownOrNew() const {
   if (hasOwn()) return own();
-  makePrivateFolder(folder_);
   // A name that a second one who makes a key does not take.
   const std::filesystem::path aside = folder_ / fmt::format("own.key.{}", getpid());
   writePrivate(aside, lineOf(KeyPair::make()));
@@ -193,6 +193,13 @@ std::vector<AllowedKey> KeyFolder::allowed() const {
 }
 
 void KeyFolder::allow(const AllowedKey& key) const {
+  // A name with a line break in it would let another key in.
+  const auto breaks = [](char c) {
+    return std::iscntrl(static_cast<unsigned char>(c)) || c == '#';
+  };
+  if (std::ranges::any_of(key.name, breaks))
+    throw badInput("\"{}\" is no name: it may have no line break, control character or #",
+                   key.name);
   std::vector<AllowedKey> keys = allowed();
   std::erase_if(keys, [&](const AllowedKey& other) { return other.key == key.key; });
   keys.push_back(key);
@@ -200,6 +207,7 @@ void KeyFolder::allow(const AllowedKey& key) const {
 }
 
 bool KeyFolder::withdraw(const std::string& name_or_key) const {
+  if (name_or_key.empty()) return false;  // those without a name have their digits
   std::vector<AllowedKey> keys = allowed();
   const auto removed = std::erase_if(keys, [&](const AllowedKey& key) {
     return key.key.hex() == name_or_key || key.name == name_or_key;

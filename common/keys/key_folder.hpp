@@ -71,7 +71,8 @@ class KeyFolder {
 
   /// In the order of the file; the own key is not among them.
   std::vector<AllowedKey> allowed() const;
-  /// In the place of what the same key had before.
+  /// In the place of what the same key had before. Error (bad input) for a name that would be more
+  /// than the rest of one line.
   void allow(const AllowedKey& key) const;
   /// By its name or its digits. False when there is no such.
   bool withdraw(const std::string& name_or_key) const;

@@ -41,8 +41,10 @@ std::vector<std::string> takeFrames(zmq::socket_t& socket) {
 
 void sendFrames(zmq::socket_t& socket, const std::vector<std::string>& frames) {
   for (std::size_t n = 0; n < frames.size(); ++n)
-    socket.send(zmq::buffer(frames[n]),
-                n + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
+    repeatWhenInterrupted([&] {
+      return socket.send(zmq::buffer(frames[n]),
+                         n + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
+    });
 }
 
 /// With an own key.
@@ -88,7 +90,7 @@ Gatekeeper::Gatekeeper(zmq::context_t& context, zmq::socket_t& socket, const Key
 
 Gatekeeper::~Gatekeeper() {
   thread_.request_stop();
-  eventfd_write(wake_up_, 1);
+  eventfd_write(wake_up_, 1);  // should it fail, the thread looks within a second
   thread_.join();
   close(wake_up_);
   // At once: a socket that closes keeps its name for a moment.

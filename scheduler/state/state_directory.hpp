@@ -8,9 +8,9 @@
 
 namespace palpate {
 
-/// The folder that holds one build: segment-NNNNNN.dat, state.db, lock and endpoint. Holding this
-/// object means being its only scheduler: the lock is on the folder itself, and the file `lock`
-/// only says who holds it.
+/// The folder that holds one build: segment-NNNNNN.dat, state.db, lock, endpoint and keys. Holding
+/// this object means being its only scheduler: the lock is on the folder itself, and the file
+/// `lock` only says who holds it.
 class StateDirectory {
  public:
   /// Makes the folder when it is not there (but not those above it, which would hide a mistyped

@@ -140,6 +140,15 @@ TEST_F(KeyFolderTest, KeepsWhomItLetsInUntilTheyAreWithdrawn) {
   EXPECT_TRUE(folder.allowed().empty());
 }
 
+TEST_F(KeyFolderTest, TakesNoNameThatWouldLetAnotherKeyIn) {
+  const PublicKey key = KeyPair::make().open(), other = KeyPair::make().open();
+  for (const std::string& name : {"node\n" + other.hex() + " operator", std::string("node # 1")})
+    expectBadInput([&] { folder.allow({key, roles("worker"), name}); }, {"no name"});
+  folder.allow({key, roles("worker"), ""});
+  EXPECT_FALSE(folder.withdraw("")) << "no name is not a name";
+  EXPECT_EQ(folder.allowed().size(), 1U);
+}
+
 TEST_F(KeyFolderTest, KnowsAServerByItsEndpointElseByTheStarElseByTheOwnKey) {
   const PublicKey own = folder.ownOrNew().open();
   const PublicKey one = KeyPair::make().open(), any = KeyPair::make().open();
