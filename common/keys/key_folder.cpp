@@ -62,8 +62,9 @@ PublicKey takeKey(TextLines& lines) {
 void makePrivateFolder(const std::filesystem::path& folder) {
   std::error_code error;
   if (folder.has_parent_path()) std::filesystem::create_directories(folder.parent_path(), error);
-  if (!error && std::filesystem::create_directory(folder, error))
-    std::filesystem::permissions(folder, std::filesystem::perms::owner_all, error);
+  // With its mode from its first instant: another program may look at it between two calls.
+  if (!error && mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
+    error = {errno, std::generic_category()};
   if (error)
     throw failure("{}: cannot make this folder for keys: {}: give --keys another", folder.string(),
                   error.message());

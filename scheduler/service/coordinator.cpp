@@ -13,6 +13,8 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::seconds servers_written_every{5};
+/// When somebody came meanwhile: people look for the worker that they just started.
+constexpr std::chrono::seconds newcomers_written_after{1};
 /// Of a flood of bad messages the first ones tell what there is to tell.
 constexpr std::int64_t bad_messages_logged = 20;
 /// Of so many workers that went it is remembered what they had.
@@ -43,6 +45,7 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
       started_(now),
       last_turn_(now),
       servers_written_(now),
+      peer_log_(now),
       pace_(now) {
   ++counters_["runs"];
   // The upper half of a job number is the run, so that two runs never use the same.
@@ -106,7 +109,8 @@ void Coordinator::refuse(const Incoming& incoming, Time now) {
 
 void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time now) {
   if (const std::string objection = registry_.objectionTo(hello); !objection.empty()) {
-    spdlog::warn("worker {} on {} was refused: {}", hello.pid(), hello.host(), objection);
+    peer_log_.warn(now, "worker {} on {} was refused: {}", hello.pid(), printable(hello.host()),
+                   objection);
     ++counters_["refused_workers"];
     send(peer).mutable_refused()->set_reason(objection);
     return;
@@ -119,9 +123,9 @@ void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time 
   // A worker that introduces itself again has forgotten what it was given.
   leases_.giveBack(hello.worker());
   const Worker& worker = registry_.admit(peer, hello, now);
-  spdlog::info("worker {} on {} joined ({} kernels)", worker.pid, worker.host,
-               worker.kernel_family);
-  servers_written_ = now - servers_written_every;  // the tables name it from the next turn on
+  peer_log_.info(now, "worker {} on {} joined ({} kernels)", worker.pid, worker.host,
+                 worker.kernel_family);
+  newcomers_ = true;
 
   wire::Welcome& welcome = *send(peer).mutable_welcome();
   welcome.set_incarnation(incarnation_);
@@ -131,7 +135,8 @@ void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time 
 }
 
 void Coordinator::goodbye(Worker& worker, const wire::Goodbye& goodbye, Time now) {
-  spdlog::info("worker {} on {} left: {}", worker.pid, worker.host, goodbye.reason());
+  peer_log_.info(now, "worker {} on {} left: {}", worker.pid, worker.host,
+                 printable(goodbye.reason(), 200));
   leases_.giveBack(worker.id);
   registry_.remove(worker, "left", now);
 }
@@ -191,7 +196,7 @@ void Coordinator::result(Worker& worker, const Incoming& incoming, Time now) {
   if (!key) return badMessage(worker.peer, "a result for a point that does not exist");
   ResultGroup::Member* waiting = group_.find(*key);
   if (waiting != nullptr) {
-    duplicate(worker, waiting->result.header, message);
+    duplicate(worker, waiting->result.header, message, now);
   } else if (plans_[key->space].isOpen({key->target, key->parent})) {
     if (registry_.kernelFamily().empty()) settleKernels(worker.kernel_family, now);
     ++worker.results;
@@ -203,7 +208,7 @@ void Coordinator::result(Worker& worker, const Incoming& incoming, Time now) {
     wire::Result first;
     const bool readable = first.ParseFromString(recorded->header);
     PALPATE_ASSERT(readable, "what is recorded was read when it was found, or written by us");
-    duplicate(worker, first, message);
+    duplicate(worker, first, message, now);
     acknowledgement(worker.peer, message);
     return;
   } else {
@@ -224,7 +229,7 @@ void Coordinator::settleKernels(const std::string& family, Time now) {
     if (worker.kernel_family != family) others.push_back(&worker);
   for (const Worker* worker : others) {
     const std::string objection = registry_.objectionToKernels(worker->kernel_family);
-    spdlog::warn("worker {} on {} is sent away: {}", worker->pid, worker->host, objection);
+    peer_log_.warn(now, "worker {} on {} is sent away: {}", worker->pid, worker->host, objection);
     ++counters_["refused_workers"];
     send(worker->peer).mutable_refused()->set_reason(objection);
     leases_.giveBack(worker->id);
@@ -233,11 +238,12 @@ void Coordinator::settleKernels(const std::string& family, Time now) {
 }
 
 void Coordinator::duplicate(const Worker& worker, const wire::Result& first,
-                            const wire::Result& second) {
+                            const wire::Result& second, Time now) {
   ++counters_["duplicate_results"];
   if (ResultCheck::agree(first, second)) return;
   ++counters_["divergent_results"];
-  spdlog::error(
+  peer_log_.error(
+      now,
       "space {}, point ({}, {}, {}): worker {} on {} found other bits than the recorded ones; "
       "the first result is kept. One of the two machines computes wrongly",
       second.space(), second.target().i(), second.target().j(), second.target().k(), worker.pid,
@@ -345,12 +351,12 @@ void Coordinator::advance(Time now, bool all_read) {
   }
   if (groupIsDue(now)) commitGroup(now);
   handOutJobs();
-  if (now - servers_written_ >= servers_written_every) writeServers(now);
+  if (now >= serversDue()) writeServers(now);
   pace_.note(now, converged_);
 }
 
 Coordinator::Time Coordinator::nextDeadline() const {
-  Time deadline = servers_written_ + servers_written_every;
+  Time deadline = serversDue();
   if (group_.since()) deadline = std::min(deadline, *group_.since() + settings_.group_age);
   for (const auto& [id, worker] : registry_.all()) {
     deadline = std::min(deadline, worker.heard + settings_.worker_lost);
@@ -413,8 +419,8 @@ std::chrono::seconds Coordinator::hungAfter() const {
 void Coordinator::takeBackFromTheIdle(Time now) {
   for (auto& [id, worker] : registry_.all()) {
     if (!worker.idle_since || now - *worker.idle_since < settings_.idle_with_leases) continue;
-    spdlog::warn("worker {} on {} does not solve what it was given: it is handed out again",
-                 worker.pid, worker.host);
+    peer_log_.warn(now, "worker {} on {} does not solve what it was given: it is handed out again",
+                   worker.pid, worker.host);
     worker.addCredit(leases_.jobsOf(id).size());
     worker.idle_since.reset();
     leases_.giveBack(id);
@@ -427,8 +433,8 @@ void Coordinator::loseSilentWorkers(Time now) {
   for (const auto& [id, worker] : registry_.all())
     if (now - worker.heard >= settings_.worker_lost) silent.push_back(&worker);
   for (const Worker* worker : silent) {
-    spdlog::warn("worker {} on {} says nothing any more; {} targets are handed out again",
-                 worker->pid, worker->host, leases_.leasedTo(worker->id));
+    peer_log_.warn(now, "worker {} on {} says nothing any more; {} targets are handed out again",
+                   worker->pid, worker->host, leases_.leasedTo(worker->id));
     lose(*worker, now);
   }
 }
@@ -457,11 +463,11 @@ void Coordinator::peerUnreachable(const std::string& peer, Time now) {
   if (worker == nullptr) return;
   // Its goodbye may wait unread behind what could not be sent to it any more.
   if (everybodyIsToLeave() && leases_.leasedTo(worker->id) == 0) {
-    spdlog::info("worker {} on {} left", worker->pid, worker->host);
+    peer_log_.info(now, "worker {} on {} left", worker->pid, worker->host);
     return lose(*worker, now);
   }
-  spdlog::info("worker {} on {} cannot be reached; {} targets are handed out again", worker->pid,
-               worker->host, leases_.leasedTo(worker->id));
+  peer_log_.info(now, "worker {} on {} cannot be reached; {} targets are handed out again",
+                 worker->pid, worker->host, leases_.leasedTo(worker->id));
   lose(*worker, now);
 }
 
@@ -471,8 +477,8 @@ void Coordinator::workerProcessEnded(std::uint32_t pid, Time now) {
 
 void Coordinator::processEnded(const std::string& worker_id, Time now) {
   if (const Worker* worker = registry_.find(worker_id)) {
-    spdlog::warn("worker {} on {} ended unexpectedly; {} targets are handed out again", worker->pid,
-                 worker->host, leases_.leasedTo(worker_id));
+    peer_log_.warn(now, "worker {} on {} ended unexpectedly; {} targets are handed out again",
+                   worker->pid, worker->host, leases_.leasedTo(worker_id));
     lose(*worker, now);
   }
   const auto departed =
@@ -512,6 +518,10 @@ void Coordinator::stop(Time now) {
   writeServers(now);
 }
 
+Coordinator::Time Coordinator::serversDue() const {
+  return servers_written_ + (newcomers_ ? newcomers_written_after : servers_written_every);
+}
+
 void Coordinator::writeServers(Time now) {
   std::vector<wire::WorkerStatus> rows = registry_.takeDeparted();
   const std::vector<wire::WorkerStatus> present = registry_.rows(leases_, now);
@@ -520,6 +530,7 @@ void Coordinator::writeServers(Time now) {
   store_->tables().writeServers(rows);
   store_->tables().writeCounters(counters_);
   servers_written_ = now;
+  newcomers_ = false;
 }
 
 wire::Message& Coordinator::send(const std::string& peer,

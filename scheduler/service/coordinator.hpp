@@ -6,6 +6,7 @@
 #include "common/wire/wire.hpp"
 #include "scheduler/plan/leases.hpp"
 #include "scheduler/plan/space_plan.hpp"
+#include "scheduler/service/peer_log.hpp"
 #include "scheduler/service/result_check.hpp"
 #include "scheduler/service/status.hpp"
 #include "scheduler/service/worker_registry.hpp"
@@ -124,7 +125,8 @@ class Coordinator {
   ResultKey resultKeyOf(const TransitionKey& key) const;
   std::optional<TransitionKey> keyOf(std::uint32_t space, const wire::Point& target,
                                      const wire::Point& parent) const;
-  void duplicate(const Worker& worker, const wire::Result& first, const wire::Result& second);
+  void duplicate(const Worker& worker, const wire::Result& first, const wire::Result& second,
+                 Time now);
   bool groupIsDue(Time now) const;
   void commitGroup(Time now);
   void finishIfComplete(Time now);
@@ -145,6 +147,7 @@ class Coordinator {
   void add(const std::vector<TransitionKey>& ready);
   std::int32_t retry();
 
+  Time serversDue() const;
   void writeServers(Time now);
   wire::Message& send(const std::string& peer,
                       std::shared_ptr<const std::string> payload = nullptr);
@@ -175,6 +178,8 @@ class Coordinator {
   Time started_;
   Time last_turn_;
   Time servers_written_;
+  bool newcomers_ = false;  ///< since then
+  PeerLog peer_log_;
   Pace pace_;
   std::size_t found_ = 0;
   std::int64_t converged_ = 0;  ///< of recorded_

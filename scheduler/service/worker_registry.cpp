@@ -5,11 +5,13 @@
 #include "common/base/assertion.hpp"
 #include "common/base/program.hpp"
 #include "common/wire/wire.hpp"
+#include "scheduler/service/peer_log.hpp"
 
 namespace palpate {
 namespace {
 
 constexpr std::size_t longest_id = 64;
+constexpr std::size_t longest_family = 64;
 
 wire::WorkerStatus rowOf(const Worker& worker, const char* state, Worker::Time now) {
   wire::WorkerStatus row;
@@ -41,10 +43,15 @@ std::string WorkerRegistry::objectionTo(const wire::Hello& hello) const {
     return fmt::format(
         "this scheduler is palpate {}, the worker palpate {}: "
         "results of two versions may differ, so install the same on both",
-        version(), hello.version());
+        version(), printable(hello.version()));
   if (hello.worker().empty() || hello.worker().size() > longest_id)
     return "its id is missing or too long";
   if (hello.kernel_family().empty()) return "it does not say which kernel family it uses";
+  if (hello.kernel_family() != printable(hello.kernel_family(), longest_family))
+    return "the name of its kernel family is too long, or not printable";
+  if (workers_.size() >= most_workers && !workers_.contains(hello.worker()))
+    return fmt::format("{} workers are here already, which is all that a scheduler serves",
+                       most_workers);
   return objectionToKernels(hello.kernel_family());
 }
 
@@ -66,7 +73,7 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
   id_of_peer_.erase(worker.peer);
   worker = {.id = hello.worker(),
             .peer = peer,
-            .host = hello.host(),
+            .host = printable(hello.host()),
             .pid = hello.pid(),
             .kernel_family = hello.kernel_family(),
             .credit = 0,
@@ -82,7 +89,8 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
 void WorkerRegistry::remove(const Worker& worker, const char* state, Time now) {
   PALPATE_ASSERT(workers_.contains(worker.id), "a worker goes once");
   // The tables would otherwise show it at work until it comes back.
-  departed_.push_back(rowOf(worker, state, now));
+  if (worker.results > 0 || departed_.size() < most_departed_rows)
+    departed_.push_back(rowOf(worker, state, now));
   id_of_peer_.erase(worker.peer);
   workers_.erase(workers_.find(worker.id));
 }

@@ -13,7 +13,7 @@ struct Worker {
 
   std::string id;    ///< of its Hello, 1 to 64 bytes: the same over reconnections
   std::string peer;  ///< where messages to it go
-  std::string host;
+  std::string host;  ///< printable, as is its family: people see them
   std::uint32_t pid = 0;
   std::string kernel_family;
   std::uint32_t credit = 0;  ///< jobs it can take now
@@ -38,6 +38,10 @@ class WorkerRegistry {
  public:
   using Time = Worker::Time;
   using Workers = std::map<std::string, Worker>;  ///< by id
+  /// More at once are refused. Some ten times what one scheduler was ever seen to feed.
+  static constexpr std::size_t most_workers = 10000;
+  /// Of those who went without a result since the last call, so many rows are kept.
+  static constexpr std::size_t most_departed_rows = 1000;
 
   /// `kernel_family` of the results that are recorded; empty when there are none: then the first
   /// result decides.

@@ -302,6 +302,13 @@ void Tables::writeServers(std::span<const wire::WorkerStatus> servers) {
     for (const wire::WorkerStatus& row : servers)
       insert.run(row.worker(), row.host(), row.pid(), row.kernel_family(), row.state(),
                  row.heard_seconds_ago(), row.results());
+    // Who comes and goes without a result could fill the disk. A replaced row is a new one.
+    Statement(
+        database_,
+        "DELETE FROM servers WHERE results = 0 AND state IN ('lost', 'left') AND rowid NOT IN "
+        "(SELECT rowid FROM servers WHERE results = 0 AND state IN ('lost', 'left') "
+        "ORDER BY rowid DESC LIMIT ?)")
+        .run(most_idle_departed);
   });
 }
 

@@ -86,6 +86,8 @@ class Tables : public StoredTables {
   /// Every point of every space.
   void showAll(std::span<const SpacePlan> plans);
 
+  /// Of workers that went without any result, the latest so many keep their rows.
+  static constexpr std::int64_t most_idle_departed = 1000;
   /// Replaces the rows of these workers, heard_seconds_ago as of now.
   void writeServers(std::span<const wire::WorkerStatus> servers);
   void writeCounters(const Counters& counters);

@@ -315,6 +315,29 @@ TEST_F(JobStoreTest, CanBeReadWhileASchedulerWrites) {
   EXPECT_EQ(problemId(decodeProblem(tables.build().problem)), problemId(problem));
 }
 
+TEST_F(JobStoreTest, KeepsTheRowsOfWhoDeliveredAndTheLatestOfWhoOnlyCameAndWent) {
+  const StateDirectory held(state);
+  JobStore store = open(held);
+  const auto rowsOf = [](int first, int count, int results) {
+    std::vector<wire::WorkerStatus> rows(static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) {
+      wire::WorkerStatus& row = rows[static_cast<std::size_t>(i)];
+      row.set_worker(fmt::format("{:02}-{:06}", results, first + i));
+      row.set_state("left");
+      row.set_results(results);
+    }
+    return rows;
+  };
+  constexpr int most = Tables::most_idle_departed;
+  store.tables().writeServers(rowsOf(0, 2 * most, 1));
+  for (int round = 0; round < 5; ++round)
+    store.tables().writeServers(rowsOf(round * most, most, 0));
+  const auto rows = StoredTables(state).servers();
+  ASSERT_EQ(rows.size(), static_cast<std::size_t>(3 * most));
+  EXPECT_TRUE(std::ranges::any_of(
+      rows, [](const auto& row) { return row.worker() == fmt::format("00-{:06}", 5 * most - 1); }));
+}
+
 /// SQLite itself cannot read a database in WAL mode where it may not write.
 TEST_F(JobStoreTest, CanBeReadWhereNobodyMayWrite) {
   recordThree();

@@ -1,0 +1,33 @@
+#include "scheduler/service/peer_log.hpp"
+
+#include <algorithm>
+
+namespace palpate {
+
+bool PeerLog::mayTell(Time now) {
+  const std::int64_t earned = std::max<std::int64_t>(0, (now - filled_) / interval);
+  filled_ += earned * interval;
+  lines_ = std::min(burst, lines_ + earned);
+  if (lines_ == 0) {
+    ++left_out_;
+    return false;
+  }
+  --lines_;
+  if (left_out_ > 0) {
+    const std::int64_t left_out = std::exchange(left_out_, 0);
+    spdlog::warn(
+        "workers come, go or are refused faster than anybody reads: {} lines about them "
+        "were left out; palpate status counts them",
+        left_out);
+  }
+  return true;
+}
+
+std::string printable(std::string_view text, std::size_t most) {
+  std::string plain(text.substr(0, most));
+  std::ranges::replace_if(
+      plain, [](unsigned char c) { return c < 0x20 || c > 0x7e; }, '?');
+  return plain;
+}
+
+}  // namespace palpate
