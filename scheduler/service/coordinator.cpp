@@ -13,8 +13,11 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::seconds servers_written_every{5};
-/// When somebody came meanwhile: people look for the worker that they just started.
-constexpr std::chrono::seconds newcomers_written_after{1};
+/// When somebody came meanwhile: at once, since people look for the worker that they just started;
+/// with many it takes a while for each, or a flood of newcomers would have all rows written again
+/// for every one of them.
+constexpr std::chrono::milliseconds newcomers_written_after{1};  // times:
+constexpr std::size_t workers_per_wait = 8;
 /// Of a flood of bad messages the first ones tell what there is to tell.
 constexpr std::int64_t bad_messages_logged = 20;
 /// Of so many workers that went it is remembered what they had.
@@ -519,7 +522,8 @@ void Coordinator::stop(Time now) {
 }
 
 Coordinator::Time Coordinator::serversDue() const {
-  return servers_written_ + (newcomers_ ? newcomers_written_after : servers_written_every);
+  const auto waits = static_cast<int>(registry_.all().size() / workers_per_wait);
+  return servers_written_ + (newcomers_ ? waits * newcomers_written_after : servers_written_every);
 }
 
 void Coordinator::writeServers(Time now) {
