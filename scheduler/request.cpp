@@ -8,6 +8,7 @@
 #include "common/keys/key_options.hpp"
 #include "common/problem/problem.hpp"
 #include "common/wire/curve.hpp"
+#include "common/wire/wire.hpp"
 #include "scheduler/service/status.hpp"
 #include "scheduler/state/replay.hpp"
 #include "scheduler/status_text.hpp"
