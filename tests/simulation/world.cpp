@@ -262,9 +262,9 @@ class World {
 
   void retryDirectory() {
     tell("palpate retry");
-    deaths_ = 0;
     try {
       forgetLosses(StateDirectory(scheduler_.stateDirectory()));
+      deaths_ = 0;
     } catch (const Error& error) {
       // Damaged tables are put aside by the next start, and with them what they knew of deaths.
       check(tables_hurt_ || disk_.takeHurt(), error.what());
