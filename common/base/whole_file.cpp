@@ -74,6 +74,18 @@ void replaceFile(const std::filesystem::path& file, std::string_view bytes, std:
   });
 }
 
+bool writeAt(int descriptor, std::uint64_t offset, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = pwrite(descriptor, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (n < 0 && errno == EINTR) continue;
+    if (n == 0) errno = ENOSPC;
+    if (n <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(n));
+    offset += static_cast<std::uint64_t>(n);
+  }
+  return true;
+}
+
 void syncFolder(const std::filesystem::path& folder) {
   syncToDisk(folder.empty() ? "." : folder, O_DIRECTORY);
 }

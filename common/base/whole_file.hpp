@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -21,6 +22,10 @@ void replaceFile(const std::filesystem::path& file,
 
 /// The same with the bytes of the new file, which `what` ("page", "picture") names in errors.
 void replaceFile(const std::filesystem::path& file, std::string_view bytes, std::string_view what);
+
+/// Writes all of `bytes` at `offset` of an open file, however little the system takes at a time.
+/// False, with errno, when it takes no more.
+bool writeAt(int descriptor, std::uint64_t offset, std::string_view bytes);
 
 /// So that files made, renamed or removed in `folder` (empty: the current one) are that after a
 /// power cut too. Error when the disk fails.

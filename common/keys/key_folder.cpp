@@ -79,7 +79,7 @@ void writePrivate(const std::filesystem::path& file, const std::string& text) {
     std::filesystem::remove(aside, ignored);
     const int out = open(aside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     if (out < 0) throw failure("{}: cannot make: {}", aside.string(), errnoText());
-    const bool written = write(out, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+    const bool written = writeAt(out, 0, text);
     const std::string reason = errnoText();
     close(out);
     if (!written) throw failure("{}: cannot write: {}", aside.string(), reason);

@@ -332,8 +332,7 @@ void Journal::drop(const JournalPosition& position) {
     throw failure("{}: cannot open: {}", path.string(), errnoText());
   // Of a file that was cut off, nothing is left to be marked.
   if (info.st_size < offset + static_cast<off_t>(position.length)) return;
-  if (pwrite(file.get(), mark.data(), mark.size(), offset) != static_cast<ssize_t>(mark.size()) ||
-      fdatasync(file.get()) != 0)
+  if (!writeAt(file.get(), position.offset, mark) || fdatasync(file.get()) != 0)
     throw failure("{}: cannot mark the damaged record at byte {}: {}", path.string(),
                   position.offset, errnoText());
 }
@@ -373,17 +372,10 @@ void Journal::openSegment() {
 }
 
 void Journal::writeAll(std::string_view bytes) {
-  std::size_t written = 0;
-  while (written < bytes.size()) {
-    const ssize_t n = pwrite(file_.get(), bytes.data() + written, bytes.size() - written,
-                             static_cast<off_t>(end_.offset + written));
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0)
-      throw failure(
-          "{}: cannot write: {}: make room and start again; everything acknowledged is kept",
-          segmentPath(end_.segment).string(), n < 0 ? errnoText() : "nothing was written");
-    written += static_cast<std::size_t>(n);
-  }
+  if (!writeAt(file_.get(), end_.offset, bytes))
+    throw failure(
+        "{}: cannot write: {}: make room and start again; everything acknowledged is kept",
+        segmentPath(end_.segment).string(), errnoText());
 }
 
 }  // namespace palpate
