@@ -92,6 +92,11 @@ class Simulator {
     }
   }
 
+  static void openDatasets() {
+    ofNodes();
+    ofArea();
+  }
+
  private:
   using Handle = std::unique_ptr<palpate_dataset, void (*)(palpate_dataset*)>;
 
@@ -104,10 +109,15 @@ class Simulator {
             palpate_last_error());
     return {made, palpate_dataset_close};
   }
-  palpate_dataset* dataset() const {
-    static const Handle of_nodes = open(test::SampleDataset()), of_area = open(test::FingerBody());
-    return with_area_ ? of_area.get() : of_nodes.get();
+  static palpate_dataset* ofNodes() {
+    static const Handle opened = open(test::SampleDataset());
+    return opened.get();
   }
+  static palpate_dataset* ofArea() {
+    static const Handle opened = open(test::FingerBody());
+    return opened.get();
+  }
+  palpate_dataset* dataset() const { return with_area_ ? ofArea() : ofNodes(); }
   std::size_t vertexNumbers() const {
     palpate_dataset_info info{};
     info.size = sizeof info;
@@ -265,7 +275,7 @@ std::vector<std::string> apiSeeds() {
   return {press.text(), look.text(), area.text() + press.text(), far.text()};
 }
 
-const Registration c_api_fuzzer({"c_api", callApi, apiSeeds});
+const Registration c_api_fuzzer({"c_api", callApi, apiSeeds, Simulator::openDatasets});
 
 }  // namespace
 }  // namespace palpate::fuzz

@@ -21,6 +21,8 @@ struct Fuzzer {
   void (*read)(std::string_view bytes);
   /// Inputs to begin with, as the program's own writers make them: they do not go out of date.
   std::vector<std::string> (*seeds)();
+  /// What all inputs share and takes long: before the first of them, since each has a time limit.
+  void (*prepare)() = nullptr;
 };
 
 /// Those of this program.

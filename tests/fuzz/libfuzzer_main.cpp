@@ -9,14 +9,17 @@ using palpate::fuzz::fuzzers;
 
 /// `FUZZER --seeds FOLDER` writes the fuzzer's own seeds and does nothing else.
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
-  if (*argc != 3 || std::string_view((*argv)[1]) != "--seeds") return 0;
+  const palpate::fuzz::Fuzzer& fuzzer = fuzzers().front();
+  const bool seeds = *argc == 3 && std::string_view((*argv)[1]) == "--seeds";
   try {
-    palpate::fuzz::writeSeeds(fuzzers().front(), (*argv)[2]);
+    if (seeds) palpate::fuzz::writeSeeds(fuzzer, (*argv)[2]);
+    if (!seeds && fuzzer.prepare != nullptr) fuzzer.prepare();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     std::_Exit(1);
   }
-  std::exit(0);
+  if (seeds) std::exit(0);
+  return 0;
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
