@@ -1,6 +1,7 @@
 #include "scheduler/service/peer_log.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace palpate {
 
@@ -17,7 +18,7 @@ bool PeerLog::mayTell(Time now) {
     const std::int64_t left_out = std::exchange(left_out_, 0);
     spdlog::warn(
         "workers come, go or are refused faster than anybody reads: {} lines about them "
-        "were left out; palpate status counts them",
+        "were left out; palpate status says how many are here, were refused or lost",
         left_out);
   }
   return true;

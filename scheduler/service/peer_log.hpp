@@ -10,7 +10,8 @@
 namespace palpate {
 
 /// Lines of the log that peers cause. Peers come and go as often as they like, and the disk must
-/// not fill with it: what is beyond the budget is left out, and the next line says how much.
+/// not fill with it: what is beyond the budget is left out, and the next line says how much. One
+/// thread.
 class PeerLog {
  public:
   using Time = std::chrono::steady_clock::time_point;

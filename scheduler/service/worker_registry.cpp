@@ -6,6 +6,7 @@
 #include "common/base/program.hpp"
 #include "common/wire/wire.hpp"
 #include "scheduler/service/peer_log.hpp"
+#include "scheduler/state/tables.hpp"
 
 namespace palpate {
 namespace {
@@ -89,7 +90,7 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
 void WorkerRegistry::remove(const Worker& worker, const char* state, Time now) {
   PALPATE_ASSERT(workers_.contains(worker.id), "a worker goes once");
   // The tables would otherwise show it at work until it comes back.
-  if (worker.results > 0 || departed_.size() < most_departed_rows)
+  if (worker.results > 0 || std::ssize(departed_) < Tables::most_idle_departed)
     departed_.push_back(rowOf(worker, state, now));
   id_of_peer_.erase(worker.peer);
   workers_.erase(workers_.find(worker.id));

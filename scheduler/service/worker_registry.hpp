@@ -40,8 +40,6 @@ class WorkerRegistry {
   using Workers = std::map<std::string, Worker>;  ///< by id
   /// More at once are refused. Some ten times what one scheduler was ever seen to feed.
   static constexpr std::size_t most_workers = 10000;
-  /// Of those who went without a result since the last call, so many rows are kept.
-  static constexpr std::size_t most_departed_rows = 1000;
 
   /// `kernel_family` of the results that are recorded; empty when there are none: then the first
   /// result decides.
@@ -75,7 +73,7 @@ class WorkerRegistry {
 
   /// Rows of the table of servers, with whole ids: who is there now, busy when `leases` says so.
   std::vector<wire::WorkerStatus> rows(const Leases& leases, Time now) const;
-  /// Those of who went since the last call.
+  /// Those of who went since the last call; without a result, no more than the table keeps.
   std::vector<wire::WorkerStatus> takeDeparted() { return std::exchange(departed_, {}); }
 
  private:

@@ -15,7 +15,7 @@ std::string bytesOf(const wire::Status& status) {
     google::protobuf::io::StringOutputStream to(&bytes);
     google::protobuf::io::CodedOutputStream out(&to);
     out.SetSerializationDeterministic(true);
-    status.SerializeToCodedStream(&out);
+    require(status.SerializeToCodedStream(&out), "a status cannot be written");
   }
   return bytes;
 }
