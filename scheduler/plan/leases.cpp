@@ -78,13 +78,15 @@ Leases::Suspects Leases::suspectsOf(const std::string& worker,
 
 std::vector<std::pair<TransitionKey, Losses>> Leases::blame(const Suspects& suspects) {
   std::vector<std::pair<TransitionKey, Losses>> known;
+  // One end is one death: of what it said it was solving, unless that has its outcome by now.
+  const bool is_named = suspects.named && entries_.contains(*suspects.named);
   for (const auto& key : std::set{suspects.named, suspects.next}) {
     const auto found = key ? entries_.find(*key) : entries_.end();
     if (found == entries_.end()) continue;
     Entry& entry = found->second;
     const bool waits = entry.worker.empty() && !isAside(entry);
     ++entry.losses.suspected;
-    if (key == suspects.named || suspects.alone) ++entry.losses.deaths;
+    if (is_named ? key == suspects.named : suspects.alone) ++entry.losses.deaths;
     if (waits && isAside(entry)) takeFromWaiting(*key);
     known.emplace_back(*key, entry.losses);
   }

@@ -125,6 +125,8 @@ void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time 
   }
   // A worker that introduces itself again has forgotten what it was given.
   leases_.giveBack(hello.worker());
+  // It lives: what it had when it was lost did not end it.
+  std::erase_if(departed_, [&](const auto& entry) { return entry.first == hello.worker(); });
   const Worker& worker = registry_.admit(peer, hello, now);
   peer_log_.info(now, "worker {} on {} joined ({} kernels)", worker.pid, worker.host,
                  worker.kernel_family);

@@ -169,7 +169,8 @@ class Coordinator {
   Leases leases_;
   std::map<TransitionKey, Losses> losses_;  ///< of earlier runs
   WorkerRegistry registry_;
-  /// Of workers that went without a word, the latest last: their processes may prove to have ended.
+  /// Of workers that went without a word and did not come back, the latest last: their processes
+  /// may prove to have ended.
   std::deque<std::pair<std::string, Leases::Suspects>> departed_;
   ResultGroup group_;
   std::vector<Outgoing> outbox_;

@@ -167,6 +167,20 @@ TEST_F(LeasesTest, AKillerThatNoHeartbeatNamesIsFoundOnceItIsAlone) {
   EXPECT_EQ(deaths, losses_before_alone + deaths_before_aside);
 }
 
+/// A worker that never got its first job dies on its second.
+TEST_F(LeasesTest, OneEndIsOneDeath) {
+  leases.add({0, 1, 0}, {.attempts = 9, .suspected = 9, .deaths = deaths_before_aside - 1});
+  leases.add({0, 2, 1}, {.attempts = 9, .suspected = 0, .deaths = deaths_before_aside - 2});
+  EXPECT_THAT(points(handOut("a")), ElementsAre(1));
+  EXPECT_THAT(points(handOut("a")), ElementsAre(2));
+  die("a", TransitionKey{0, 2, 1});
+  EXPECT_TRUE(leases.aside().empty());
+  EXPECT_THAT(points(handOut("a")), ElementsAre(1));
+  EXPECT_THAT(points(handOut("a")), ElementsAre(2));
+  die("a", TransitionKey{0, 2, 1});
+  EXPECT_THAT(leases.aside(), ElementsAre(TransitionKey{0, 2, 1}));
+}
+
 TEST_F(LeasesTest, AGoodbyeBlamesNobody) {
   addTargets(0, 1, 1);
   for (int n = 0; n < 20; ++n) {

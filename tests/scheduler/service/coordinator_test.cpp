@@ -619,6 +619,27 @@ TEST_F(SetAsideTest, AnotherWorkerTellsWhichProcessesEnded) {
   EXPECT_EQ(world.coordinator().status(world.now).set_aside(), 1);
 }
 
+/// What it had when its connection broke is none of its end, and its end counts once, however often
+/// its successor tells of it.
+TEST_F(SetAsideTest, AWorkerThatCameBackEndsOnceAndOnWhatItHadLast) {
+  for (int death = 0; death < deaths_before_aside - 1; ++death) {
+    const std::string id = fmt::format("remote{}", death);
+    for (int connection = 0; connection < 2; ++connection) {
+      world.join(id, 1);
+      for (const wire::Job& job : world.takeJobs(id)) world.beat(id, &job);
+      world.coordinator().peerUnreachable(id, world.now);
+    }
+    Message hello = test::helloOf(id + "-next");
+    hello.mutable_hello()->add_ended(id);
+    world.send("next", hello);
+    world.send("next", hello);
+    Message goodbye;
+    goodbye.mutable_goodbye();
+    world.send("next", goodbye);
+  }
+  EXPECT_EQ(world.coordinator().status(world.now).set_aside(), 0) << "four are not five";
+}
+
 TEST_F(CoordinatorTest, StopsWithoutHandingOutMoreAndGoesOnLater) {
   world.join("a", 1);
   const auto jobs = world.takeJobs("a");
