@@ -27,6 +27,8 @@ class Build {
   void verify() const;
   /// Marks a damaged record: the next Build in this directory computes it again.
   void drop(const DamagedRecord& damage) { store_.drop(damage.where()); }
+  /// Keeps these workers out: the next Build in this directory computes again what they gave.
+  void keepOut(const LiarsFound& found) { store_.keepOut(found.liars()); }
   /// Writes the dataset of a complete build; returns its tables.
   std::vector<SpaceTable> seal(const std::filesystem::path& file);
 

@@ -163,11 +163,18 @@ ExitCode tellWhy(const Coordinator& coordinator, const std::string& state, ExitC
          state);
     return when_stopped;
   }
-  tell(
-      "not sealed: everything is computed but what workers ended on, {} transition(s) set aside "
-      "(see above, and palpate status {}). When the reason is gone, palpate retry {} and the same "
-      "command again try them anew.\n",
-      coordinator.asideCount(), state, state);
+  if (coordinator.disputedCount() > 0)
+    tell(
+        "not sealed: of {} result(s) workers found different bits (see above), and there is no "
+        "other worker to say who is right. The same command again asks more of them; use a third "
+        "machine where you can.\n",
+        coordinator.disputedCount());
+  if (coordinator.asideCount() > 0)
+    tell(
+        "not sealed: everything is computed but what workers ended on, {} transition(s) set aside "
+        "(see above, and palpate status {}). When the reason is gone, palpate retry {} and the "
+        "same command again try them anew.\n",
+        coordinator.asideCount(), state, state);
   return ExitCode::failed;
 }
 
@@ -249,6 +256,8 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
     } catch (const DamagedRecord& damage) {
       spdlog::warn("{}: it is dropped, and computed again", damage.what());
       build.drop(damage);
+    } catch (const LiarsFound& found) {
+      build.keepOut(found);
     }
   }
 }

@@ -134,7 +134,12 @@ wire::Status storedStatus(const std::filesystem::path& directory) {
     if (row.state() != "lost") row.set_state("left");
   wire::Status status = statusOf(problem, replayed.plans, servers, tables.counters());
   status.set_build(tables.build().build.hex());
-  const bool complete = std::ranges::all_of(replayed.plans, &SpacePlan::complete);
+  addKeptOut(status, tables.keptOut());
+  const std::map<TransitionKey, bool> checks = tables.checks();
+  status.set_checks_open(static_cast<std::int32_t>(checks.size()));
+  status.set_disputed(static_cast<std::int32_t>(
+      std::ranges::count_if(checks, [](const auto& check) { return check.second; })));
+  const bool complete = checks.empty() && std::ranges::all_of(replayed.plans, &SpacePlan::complete);
   status.set_state(complete ? "complete" : "stopped");
   return status;
 }

@@ -91,6 +91,16 @@ std::string causesLine(const char* title,
   return text.empty() ? "" : fmt::format("{}: {}\n", title, text);
 }
 
+/// "kept out: the machine node7, key 0a1b2c3d4e5f: REASON" and a line feed.
+std::string keptOutLine(const wire::KeptOut& who) {
+  std::string text = fmt::format("kept out: the {}", who.kind());
+  if (!who.worker().empty()) text += fmt::format(" {} on", who.worker().substr(0, 8));
+  if (!who.host().empty()) text += " " + who.host();
+  if (!who.key().empty())
+    text += fmt::format("{} {}", who.host().empty() ? "" : ", key", who.key().substr(0, 12));
+  return fmt::format("{}: {}\n", text, who.reason());
+}
+
 std::string probesOf(const std::vector<SpaceTable>& spaces) {
   wire::Status status;
   wire::SpaceStatus sum;
@@ -201,10 +211,16 @@ std::string describe(const wire::Status& status) {
     text += fmt::format(
         "set aside, because workers ended on them: {} transition(s); see palpate retry\n",
         status.set_aside());
+  if (status.disputed() > 0)
+    text +=
+        fmt::format("disputed: {} result(s), which workers found differently; others are asked\n",
+                    status.disputed());
+  for (const wire::KeptOut& k : status.kept_out()) text += keptOutLine(k);
   for (const wire::WorkerStatus& w : status.workers())
     text += fmt::format("worker {} on {}: {}, {} results, heard {:.0f} s ago\n", w.pid(), w.host(),
                         w.state(), w.results(), w.heard_seconds_ago());
-  for (const char* alarm : {"divergent_results", "bad_messages", "lost_workers", "refused_workers"})
+  for (const char* alarm : {"divergent_results", "bad_messages", "lost_workers", "refused_workers",
+                            "unchecked_results"})
     if (const auto found = status.counters().find(alarm);
         found != status.counters().end() && found->second > 0)
       text += fmt::format("{}: {}\n", alarm, found->second);

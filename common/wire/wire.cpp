@@ -43,6 +43,27 @@ void useIPv6(zmq::socket_t& socket, std::string_view endpoint) {
   socket.set(zmq::sockopt::ipv6, endpoint.starts_with("tcp://["));
 }
 
+/// What nobody of this protocol wrote, and would be kept and handed on.
+bool hasUnknownFields(const google::protobuf::Message& message) {
+  const google::protobuf::Reflection& fields = *message.GetReflection();
+  if (!fields.GetUnknownFields(message).empty()) return true;
+  std::vector<const google::protobuf::FieldDescriptor*> present;
+  fields.ListFields(message, &present);
+  return std::ranges::any_of(present, [&](const google::protobuf::FieldDescriptor* field) {
+    using google::protobuf::FieldDescriptor;
+    if (field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) return false;
+    if (!field->is_repeated()) return hasUnknownFields(fields.GetMessage(message, field));
+    for (int n = 0; n < fields.FieldSize(message, field); ++n)
+      if (hasUnknownFields(fields.GetRepeatedMessage(message, field, n))) return true;
+    return false;
+  });
+}
+
+/// Another version of the program says who it is, or why not, with more words than this one knows.
+bool isReadable(const wire::Message& message) {
+  return message.has_hello() || message.has_refused() || !hasUnknownFields(message);
+}
+
 /// A host and behind it a port; * is any free one, for those who listen.
 bool hasPort(std::string_view endpoint) {
   const std::string_view address = endpoint.substr(std::string_view("tcp://").size());
@@ -179,7 +200,8 @@ std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router) {
       if (frame_number == 0) {
         incoming.peer = frame.to_string();
       } else if (frame_number == 1) {
-        intact = incoming.message.ParseFromArray(frame.data(), static_cast<int>(frame.size()));
+        intact = incoming.message.ParseFromArray(frame.data(), static_cast<int>(frame.size())) &&
+                 isReadable(incoming.message);
         if (router) incoming.key = senderOf(frame);
       } else if (incoming.payload.size() + frame.size() <= max_payload_bytes) {
         incoming.payload.append(frame.data<char>(), frame.size());

@@ -18,7 +18,7 @@
 namespace palpate {
 
 /// Raised with every incompatible change; Hello carries it and the scheduler refuses another one.
-inline constexpr std::uint32_t protocol_version = 1;
+inline constexpr std::uint32_t protocol_version = 2;
 
 /// Payload frames are at most this long: libzmq's heartbeat takes one large frame on a slow link
 /// for silence.
@@ -70,7 +70,8 @@ enum class Sent : std::uint8_t { yes, unroutable, full };
 std::optional<PublicKey> senderOf(zmq::message_t& frame);
 
 /// The next message without blocking. Nothing when there is none. A message that does not parse,
-/// has an empty body, or has too large a payload is returned with message.body_case() ==
+/// has fields that this program does not know (but for those by which two versions of it tell each
+/// other apart), an empty body, or too large a payload is returned with message.body_case() ==
 /// BODY_NOT_SET: count it and drop it.
 std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router);
 

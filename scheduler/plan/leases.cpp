@@ -24,23 +24,50 @@ std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t wo
   const auto [parent, space] = waiting_.begin()->first;
   const std::set<std::int32_t> targets = waiting_.begin()->second;
   Handout handout{++last_job_, space, parent, {}};
-  auto& job = by_worker_[worker][handout.job];
+  const auto& job = by_worker_[worker][handout.job];
   for (const std::int32_t target : targets) {
     const TransitionKey key{space, target, parent};
-    Entry& entry = entries_.at(key);
+    const Entry& entry = entries_.at(key);
     // A suspect is handed out alone, so that the next death names it.
     const bool alone = entry.losses.suspected >= losses_before_alone;
     if (alone && !job.empty()) break;
-    takeFromWaiting(key);
-    entry.worker = worker;
-    entry.job = handout.job;
-    ++entry.losses.attempts;
-    job.push_back(key);
-    handout.targets.push_back({target, entry.losses.attempts});
+    handout.targets.push_back(lease(key, worker, handout.job));
     if (alone || job.size() == limit) break;
   }
   PALPATE_ASSERT(!job.empty(), "a start is among the waiting ones as long as a target is");
   return handout;
+}
+
+Handout::Target Leases::lease(const TransitionKey& key, const std::string& worker,
+                              std::uint64_t job) {
+  takeFromWaiting(key);
+  Entry& entry = entries_.at(key);
+  entry.worker = worker;
+  entry.job = job;
+  ++entry.losses.attempts;
+  by_worker_[worker][job].push_back(key);
+  return {key.target, entry.losses.attempts};
+}
+
+void Leases::addCheck(const TransitionKey& key) {
+  const auto [where, fresh] = entries_.try_emplace(key);
+  PALPATE_ASSERT(fresh, "what is open needs no check, and one at a time is enough");
+  where->second.is_check = true;
+  putBack(key, where->second);
+}
+
+std::optional<Handout> Leases::handOutCheck(const std::string& worker, const May& may) {
+  const auto found = std::ranges::find_if(waiting_checks_, may);
+  if (found == waiting_checks_.end()) return std::nullopt;
+  const TransitionKey key = *found;
+  Handout handout{++last_job_, key.space, key.parent, {}};
+  handout.targets.push_back(lease(key, worker, handout.job));
+  return handout;
+}
+
+bool Leases::isCheck(const TransitionKey& key) const {
+  const auto found = entries_.find(key);
+  return found != entries_.end() && found->second.is_check;
 }
 
 void Leases::finish(const TransitionKey& key) {
@@ -134,11 +161,16 @@ std::vector<TransitionKey> Leases::openOf(const std::string& worker, std::uint64
 void Leases::putBack(const TransitionKey& key, Entry& entry) {
   entry.worker.clear();
   if (isAside(entry)) return;
+  if (entry.is_check) {
+    waiting_checks_.insert(key);
+    return;
+  }
   waiting_[{key.parent, key.space}].insert(key.target);
   ++waiting_count_;
 }
 
 void Leases::takeFromWaiting(const TransitionKey& key) {
+  if (waiting_checks_.erase(key) == 1) return;
   const auto group = waiting_.find({key.parent, key.space});
   // What is set aside does not wait.
   if (group == waiting_.end() || group->second.erase(key.target) == 0) return;

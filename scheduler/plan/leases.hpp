@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <set>
 #include <string>
 #include <utility>
@@ -54,6 +55,8 @@ struct Losses {
 /// died on is set aside: it is handed out no more until retry(), but a result of it is still
 /// welcome. Grouping into jobs depends on timing; results must not.
 ///
+/// One that is finished can be asked for again, as a check, which not every worker may take.
+///
 /// Workers are named by any string. One thread at a time.
 class Leases {
  public:
@@ -69,6 +72,15 @@ class Leases {
   /// The transition has an outcome, whoever found it.
   void finish(const TransitionKey& key);
 
+  /// A transition that is finished is to be solved once more. It must not be a check already.
+  void addCheck(const TransitionKey& key);
+  /// A job of one check that waits and that `worker` `may` take; nothing when there is none.
+  using May = std::function<bool(const TransitionKey&)>;
+  std::optional<Handout> handOutCheck(const std::string& worker, const May& may);
+  /// Whether it is a check, waiting or leased; finish() ends it.
+  bool isCheck(const TransitionKey& key) const;
+  const std::set<TransitionKey>& waitingChecks() const { return waiting_checks_; }
+
   /// Ends the leases of a worker, which blames nothing; they wait again.
   void giveBack(const std::string& worker);
   /// What a worker that ends now would be blamed on: the target it was `solving`, when that is
@@ -81,7 +93,7 @@ class Leases {
   /// The process of a worker ended with these in its hands, which it holds no more. Returns those
   /// that are still open, with what is known of them now.
   std::vector<std::pair<TransitionKey, Losses>> blame(const Suspects& suspects);
-  /// Only what is set aside is left: nothing waits, and nobody solves.
+  /// Only what is set aside, or checks, is left: nothing waits, and nobody solves.
   bool stuck() const;
   /// Those that are set aside, in order.
   std::vector<TransitionKey> aside() const;
@@ -105,6 +117,7 @@ class Leases {
     Losses losses;
     std::string worker;  ///< empty: not leased
     std::uint64_t job = 0;
+    bool is_check = false;
   };
   /// (parent, space): parents are numbered from the origin outward.
   using Start = std::pair<std::int32_t, std::uint32_t>;
@@ -113,11 +126,13 @@ class Leases {
     return entry.worker.empty() && entry.losses.deaths >= deaths_before_aside;
   }
   void putBack(const TransitionKey& key, Entry& entry);
+  Handout::Target lease(const TransitionKey& key, const std::string& worker, std::uint64_t job);
   void takeFromWaiting(const TransitionKey& key);
   Jobs endLeases(const std::string& worker);
 
   std::map<TransitionKey, Entry> entries_;
   std::map<Start, std::set<std::int32_t>> waiting_;
+  std::set<TransitionKey> waiting_checks_;
   std::map<std::string, Jobs> by_worker_;
   std::size_t waiting_count_ = 0;
   std::uint64_t last_job_;

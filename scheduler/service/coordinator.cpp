@@ -1,13 +1,12 @@
 #include "scheduler/service/coordinator.hpp"
 
-#include <sodium.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "common/base/assertion.hpp"
-#include "common/base/error.hpp"
+#include "common/base/random_bytes.hpp"
 
 namespace palpate {
 namespace {
@@ -23,13 +22,6 @@ constexpr std::int64_t bad_messages_logged = 20;
 /// Of so many workers that went it is remembered what they had.
 constexpr std::size_t most_departed = 4096;
 
-std::string randomBytes(std::size_t count) {
-  if (sodium_init() < 0) throw failure("libsodium could not be initialised");
-  std::string bytes(count, '\0');
-  randombytes_buf(bytes.data(), bytes.size());
-  return bytes;
-}
-
 }  // namespace
 
 Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobStore& store,
@@ -38,11 +30,13 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
       problem_bytes_(std::make_shared<const std::string>(std::move(problem_bytes))),
       build_(problemId(problem)),
       check_(problem),
+      seal_(store.tables().secret()),
+      checks_(settings.spot_checks, store.tables().secret()),
       store_(&store),
       settings_(settings),
       incarnation_(randomBytes(16)),
       losses_(store.tables().losses()),
-      registry_(store.kernelFamily()),
+      registry_(store.kernelFamily(), store.keptOut()),
       group_(store),
       counters_(store.tables().counters()),
       started_(now),
@@ -61,9 +55,10 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
   plans_ = std::move(replayed.plans);
   spare_ = std::move(replayed.spare);
   // Where something was lost, what it led to is asked for again in time.
-  if (!store_->damaged()) refuseSpare(spare_);
+  if (!store_->damaged() && replayed.settled.stale.empty()) refuseSpare(spare_);
   PALPATE_ASSERT(plans_.size() == problem.active.size(), "every active node has its plan");
-  add(replayed.missing);
+  add(replayed.settled);
+  reopenChecks();
   store_->tables().writeCounters(counters_);
   store_->tables().showAll(plans_);
   finishIfComplete(now);
@@ -73,7 +68,7 @@ void Coordinator::receive(const Incoming& incoming, Time now) {
   noteOwnGap(now);
   const wire::Message& message = incoming.message;
   const std::string& peer = incoming.peer;
-  if (message.has_hello()) return hello(peer, message.hello(), now);
+  if (message.has_hello()) return hello(incoming, now);
   if (message.has_status_request())
     return send(peer).mutable_status_reply()->set_json(toJson(status(now)));
   if (message.has_stop_request()) {
@@ -110,8 +105,11 @@ void Coordinator::refuse(const Incoming& incoming, Time now) {
   if (const Worker* worker = registry_.ofPeer(incoming.peer)) lose(*worker, now);
 }
 
-void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time now) {
-  if (const std::string objection = registry_.objectionTo(hello); !objection.empty()) {
+void Coordinator::hello(const Incoming& incoming, Time now) {
+  const std::string& peer = incoming.peer;
+  const wire::Hello& hello = incoming.message.hello();
+  if (const std::string objection = registry_.objectionTo(hello, incoming.key);
+      !objection.empty()) {
     peer_log_.warn(now, "worker {} on {} was refused: {}", hello.pid(), printable(hello.host()),
                    objection);
     ++counters_["refused_workers"];
@@ -127,7 +125,7 @@ void Coordinator::hello(const std::string& peer, const wire::Hello& hello, Time 
   leases_.giveBack(hello.worker());
   // It lives: what it had when it was lost did not end it.
   std::erase_if(departed_, [&](const auto& entry) { return entry.first == hello.worker(); });
-  const Worker& worker = registry_.admit(peer, hello, now);
+  const Worker& worker = registry_.admit(peer, hello, incoming.key, now);
   peer_log_.info(now, "worker {} on {} joined ({} kernels)", worker.pid, worker.host,
                  worker.kernel_family);
   newcomers_ = true;
@@ -166,6 +164,9 @@ void Coordinator::sendFields(const Worker& worker, const wire::FieldsRequest& re
     if (const PointRecord& point = plans_[key->space].point(key->target);
         isSolved(point.tag) && point.fields.bytes() == request.id())
       found = store_->find(resultKeyOf({key->space, key->target, point.parent}));
+  if (!found)
+    if (const auto solver = checks_.solverOfStart(request.id()))
+      found = store_->find(resultKeyOf(*solver));
   const bool known = found.has_value();
   std::shared_ptr<const std::string> payload;
   if (known) payload = std::make_shared<const std::string>(std::move(found->payload));
@@ -199,31 +200,53 @@ void Coordinator::result(Worker& worker, const Incoming& incoming, Time now) {
     return badMessage(worker.peer, objection);
   const auto key = keyOf(message.space(), message.target(), message.parent());
   if (!key) return badMessage(worker.peer, "a result for a point that does not exist");
-  ResultGroup::Member* waiting = group_.find(*key);
-  if (waiting != nullptr) {
+  // Who keeps results over the loss of our secret has them solved again.
+  if (!seal_.isSealOf({worker.id, palpate::keyOf(message), message.start_id()}, message.lease())) {
+    badMessage(worker.peer, "a result that it was not asked for");
+    return unwanted(worker, message);
+  }
+  if (ResultGroup::Member* waiting = group_.find(*key)) {
     duplicate(worker, waiting->result.header, message, now);
+    waiting->senders.insert(worker.peer);
   } else if (plans_[key->space].isOpen({key->target, key->parent})) {
-    if (registry_.kernelFamily().empty()) settleKernels(worker.kernel_family, now);
-    ++worker.results;
-    leases_.finish(*key);
-    group_.add(*key, {message, *fromWire(message)}, incoming.payload, now);
-    waiting = group_.find(*key);
+    if (message.start_id() != startIdOf(plans_[key->space], {key->target, key->parent}))
+      return unwanted(worker, message);
+    take(worker, *key, incoming, now);
   } else if (const auto recorded = store_->find(palpate::keyOf(message))) {
-    // Its acknowledgement was lost, or a worker taken for dead finished after all.
     wire::Result first;
     const bool readable = first.ParseFromString(recorded->header);
     PALPATE_ASSERT(readable, "what is recorded was read when it was found, or written by us");
-    duplicate(worker, first, message, now);
+    if (message.start_id() != first.start_id()) return unwanted(worker, message);
     acknowledgement(worker.peer, message);
-    return;
+    compare(worker, *key, first, message, now);
   } else {
-    // Of a transition that what was lost led to, or of another's imagination. As long as it is not
-    // answered, an honest worker keeps it and does not leave.
-    ++counters_["unwanted_results"];
-    acknowledgement(worker.peer, message).set_unwanted(true);
-    return;
+    unwanted(worker, message);
   }
-  waiting->senders.insert(worker.peer);
+}
+
+/// Of a transition that what was lost led to, or of another's imagination. As long as it is not
+/// answered, an honest worker keeps it and does not leave.
+void Coordinator::unwanted(const Worker& worker, const wire::Result& result) {
+  ++counters_["unwanted_results"];
+  acknowledgement(worker.peer, result).set_unwanted(true);
+}
+
+/// The first result of a transition.
+void Coordinator::take(Worker& worker, const TransitionKey& key, const Incoming& incoming,
+                       Time now) {
+  if (registry_.kernelFamily().empty()) settleKernels(worker.kernel_family, now);
+  ++worker.results;
+  leases_.finish(key);
+  StoredResult stored{incoming.message.result(), *fromWire(incoming.message.result())};
+  stored.header.clear_lease();
+  *stored.header.mutable_given_by() = worker.provenance();
+  const SpotChecks::Picked picked =
+      checks_.pick(resultKeyOf(key), worker.results, lookOf(key, stored.outcome));
+  group_.add(key, std::move(stored), incoming.payload, now);
+  ResultGroup::Member& member = *group_.find(key);
+  member.is_checked = picked != SpotChecks::Picked::no;
+  member.is_odd = picked == SpotChecks::Picked::as_odd;
+  member.senders.insert(worker.peer);
   if (group_.size() >= settings_.group_results) commitGroup(now);
 }
 
@@ -245,14 +268,7 @@ void Coordinator::settleKernels(const std::string& family, Time now) {
 void Coordinator::duplicate(const Worker& worker, const wire::Result& first,
                             const wire::Result& second, Time now) {
   ++counters_["duplicate_results"];
-  if (ResultCheck::agree(first, second)) return;
-  ++counters_["divergent_results"];
-  peer_log_.error(
-      now,
-      "space {}, point ({}, {}, {}): worker {} on {} found other bits than the recorded ones; "
-      "the first result is kept. One of the two machines computes wrongly",
-      second.space(), second.target().i(), second.target().j(), second.target().k(), worker.pid,
-      worker.host);
+  if (!ResultCheck::agree(first, second)) differs(worker, first, second, now);
 }
 
 void Coordinator::badMessage(const std::string& peer, const std::string& why) {
@@ -286,13 +302,16 @@ void Coordinator::commitGroup(Time now) {
     longest_solve_ = std::max(longest_solve_, member.result.outcome.cost.seconds);
     converged_ += member.result.outcome.converged;
     add(settle(plan, key.space, spare_));
+    if (member.is_checked) openCheck(key, member.result.header);
+    if (member.is_odd) openCheckOfStart(key);
   }
   store_->tables().show(plans_, changed);
   finishIfComplete(now);
 }
 
-void Coordinator::add(const std::vector<TransitionKey>& ready) {
-  for (const TransitionKey& key : ready) {
+void Coordinator::add(const Settled& settled) {
+  for (const ResultKey& stale : settled.stale) store_->drop(stale);
+  for (const TransitionKey& key : settled.missing) {
     const auto known = losses_.find(key);
     leases_.add(key, known == losses_.end() ? Losses() : known->second);
   }
@@ -321,6 +340,7 @@ bool Coordinator::deserted(Time now) const {
 
 void Coordinator::finishIfComplete(Time now) {
   if (complete() || !std::ranges::all_of(plans_, &SpacePlan::complete)) return;
+  if (checks_.openCount() > 0) return;
   PALPATE_ASSERT(group_.size() == 0 && leases_.empty(),
                  "a complete plan waits for no result, and nobody solves for it");
   complete_ = true;
@@ -345,6 +365,7 @@ void Coordinator::noteOwnGap(Time now) {
     if (worker.idle_since) *worker.idle_since += gap;
     if (worker.probed) *worker.probed += gap;
   }
+  if (only_checks_left_) *only_checks_left_ += gap;
 }
 
 void Coordinator::advance(Time now, bool all_read) {
@@ -356,6 +377,7 @@ void Coordinator::advance(Time now, bool all_read) {
   }
   if (groupIsDue(now)) commitGroup(now);
   handOutJobs();
+  giveUpChecks(now);
   if (now >= serversDue()) writeServers(now);
   pace_.note(now, converged_);
 }
@@ -373,41 +395,46 @@ Coordinator::Time Coordinator::nextDeadline() const {
 
 /// To the workers that hold least, so that all have something when there is little.
 void Coordinator::handOutJobs() {
-  if (stopping_ || complete() || leases_.waiting() == 0) return;
+  const bool checks_wait = !leases_.waitingChecks().empty();
+  if (stopping_ || complete() || (leases_.waiting() == 0 && !checks_wait)) return;
   using Load = std::pair<std::size_t, std::string>;  // targets it holds, id
   std::set<Load> by_load;
   for (const auto& [id, worker] : registry_.all())
     if (worker.credit > 0) by_load.emplace(leases_.leasedTo(id), id);
   while (!by_load.empty()) {
     const std::string id = by_load.extract(by_load.begin()).value().second;
-    const auto handout = leases_.handOut(id, registry_.all().size());
-    if (!handout) return;
     Worker& worker = registry_.at(id);
+    // There are few of them, and they are to show what is wrong before much rests on it.
+    auto handout =
+        leases_.handOutCheck(id, [&](const TransitionKey& key) { return mayCheck(key, worker); });
+    if (!handout) handout = leases_.handOut(id, registry_.all().size());
+    if (!handout && !checks_wait) return;
+    if (!handout) continue;
     PALPATE_ASSERT(worker.credit > 0, "only workers that asked for a job are in the list");
     worker.idle_since.reset();
     if (--worker.credit > 0) by_load.emplace(leases_.leasedTo(id), id);
-    sendJob(worker.peer, *handout);
+    sendJob(worker, *handout);
   }
 }
 
-void Coordinator::sendJob(const std::string& peer, const Handout& handout) {
+void Coordinator::sendJob(const Worker& worker, const Handout& handout) {
   const SpacePlan& plan = plans_[handout.space];
   PALPATE_ASSERT(!handout.targets.empty(), "a hand-out without targets would be no job");
-  wire::Job& job = *send(peer).mutable_job();
+  wire::Job& job = *send(worker.peer).mutable_job();
   job.set_id(handout.job);  // which heartbeats name
   job.set_hung_after_s(static_cast<std::uint32_t>(hungAfter().count()));
   job.set_space(handout.space);
   *job.mutable_start() = toWire(plan.positions().point(handout.parent));
-  // The origin is its own parent: it is solved from the rest state, which has no id.
-  if (handout.targets.front().point != handout.parent) {
-    const PointRecord& start = plan.point(handout.parent);
-    PALPATE_ASSERT(isSolved(start.tag), "a plan asks for transitions from solved points only");
-    job.set_start_id(std::string(start.fields.bytes()));
-  }
+  // Whatever goes to several targets is none of the rest state, which has a job of its own.
+  const TransitionKey first = {handout.space, handout.targets.front().point, handout.parent};
+  job.set_start_id(checks_.isOpen(first) ? checks_.startOf(first).id
+                                         : startIdOf(plan, {first.target, first.parent}));
   for (const Handout::Target& target : handout.targets) {
     wire::Target& entry = *job.add_targets();
     *entry.mutable_point() = toWire(plan.positions().point(target.point));
     entry.set_attempt(target.attempt);
+    const ResultKey key = resultKeyOf({handout.space, target.point, handout.parent});
+    entry.set_lease(seal_.sealOf({worker.id, key, job.start_id()}));
     entry.set_steps(static_cast<std::uint32_t>(plan.stepsOf({target.point, handout.parent})));
   }
 }
@@ -565,6 +592,9 @@ wire::Status Coordinator::status(Time now) const {
   wire::Status status = statusOf(*problem_, plans_, registry_.rows(leases_, now), counters_);
   status.set_build(build_.hex());
   status.set_set_aside(static_cast<std::int32_t>(asideCount()));
+  status.set_checks_open(static_cast<std::int32_t>(checks_.openCount()));
+  status.set_disputed(static_cast<std::int32_t>(checks_.disputedCount()));
+  addKeptOut(status, store_->keptOut());
   status.set_state(complete() ? "complete" : stopping_ ? "stopping" : "running");
   status.set_recorded(static_cast<std::int32_t>(recorded_));
   status.set_seconds(std::chrono::duration<double>(now - started_).count());

@@ -6,8 +6,10 @@
 #include "common/wire/wire.hpp"
 #include "scheduler/plan/leases.hpp"
 #include "scheduler/plan/space_plan.hpp"
+#include "scheduler/service/lease_seal.hpp"
 #include "scheduler/service/peer_log.hpp"
 #include "scheduler/service/result_check.hpp"
+#include "scheduler/service/spot_checks.hpp"
 #include "scheduler/service/status.hpp"
 #include "scheduler/service/worker_registry.hpp"
 #include "scheduler/state/replay.hpp"
@@ -47,6 +49,7 @@ struct CoordinatorSettings {
   /// one transaction.
   std::chrono::milliseconds group_age{20};
   std::size_t group_results = 64;
+  SpotCheckSettings spot_checks;
 };
 
 /// What every message means: takes messages and the time, keeps plans, leases, registry and the
@@ -56,9 +59,12 @@ struct CoordinatorSettings {
 /// A result is acknowledged after ResultGroup::commit (docs/state.md). Only then does the plan move
 /// on. Construction replays what is recorded, so a restart goes on where the last run was.
 ///
+/// Some results are solved again by other workers (SpotChecks). Plans do not wait for that, only
+/// the end of the build does.
+///
 /// Errors of journal or tables leave as exceptions, and DamagedRecord where a result that is needed
-/// cannot be read any more; the object must not be used afterwards, and nothing was acknowledged
-/// that is not on disk.
+/// cannot be read any more, LiarsFound where some were wrong; the object must not be used
+/// afterwards, and nothing was acknowledged that is not on disk.
 class Coordinator {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -90,9 +96,17 @@ class Coordinator {
   bool stopping() const { return stopping_; }
   /// Every space is complete and recorded.
   bool complete() const { return complete_; }
-  /// All is recorded but transitions that are set aside, because workers died on them.
-  bool stuck() const { return !complete_ && group_.size() == 0 && leases_.stuck(); }
+  /// All is recorded but transitions that are set aside, because workers died on them, and disputed
+  /// ones for which there is no other worker to ask.
+  bool stuck() const {
+    return !complete_ && group_.size() == 0 && leases_.stuck() &&
+           (leases_.waitingChecks().empty() || checks_hopeless_);
+  }
   std::size_t asideCount() const { return leases_.aside().size(); }
+  /// Whether another worker is asked for what is recorded, or is to be.
+  bool isChecked(const TransitionKey& key) const { return checks_.isOpen(key); }
+  /// Results that two workers found differently.
+  std::size_t disputedCount() const { return checks_.disputedCount(); }
   /// The dataset can do without workers: they are told to leave.
   void dismiss();
   /// Workers that said hello and neither left nor were lost.
@@ -111,7 +125,7 @@ class Coordinator {
 
  private:
   // Messages of workers.
-  void hello(const std::string& peer, const wire::Hello& hello, Time now);
+  void hello(const Incoming& incoming, Time now);
   void request(Worker& worker, const wire::Request& request);
   void sendProblem(const Worker& worker);
   void sendFields(const Worker& worker, const wire::FieldsRequest& request);
@@ -121,6 +135,9 @@ class Coordinator {
   void badMessage(const std::string& peer, const std::string& why);
 
   // From a result to the plan.
+  void take(Worker& worker, const TransitionKey& key, const Incoming& incoming, Time now);
+  void unwanted(const Worker& worker, const wire::Result& result);
+  SpotChecks::Look lookOf(const TransitionKey& key, const Outcome& outcome) const;
   void settleKernels(const std::string& family, Time now);
   ResultKey resultKeyOf(const TransitionKey& key) const;
   std::optional<TransitionKey> keyOf(std::uint32_t space, const wire::Point& target,
@@ -131,9 +148,24 @@ class Coordinator {
   void commitGroup(Time now);
   void finishIfComplete(Time now);
 
+  // What other workers solve again (coordinator_checks.cpp).
+  void reopenChecks();
+  std::optional<wire::Result> recordedInPlan(const TransitionKey& key) const;
+  bool hasStart(const TransitionKey& key, const std::string& start_id) const;
+  void openCheck(const TransitionKey& key, const wire::Result& first, bool disputed = false);
+  void openCheckOfStart(const TransitionKey& key);
+  void compare(const Worker& worker, const TransitionKey& key, const wire::Result& first,
+               const wire::Result& second, Time now);
+  void differs(const Worker& worker, const wire::Result& first, const wire::Result& second,
+               Time now);
+  void conclude(const TransitionKey& key, const SpotChecks::Verdict& verdict);
+  void closeCheck(const TransitionKey& key);
+  bool mayCheck(const TransitionKey& key, const Worker& worker) const;
+  void giveUpChecks(Time now);
+
   // From the plan to workers.
   void handOutJobs();
-  void sendJob(const std::string& peer, const Handout& handout);
+  void sendJob(const Worker& worker, const Handout& handout);
   void takeBackFromTheIdle(Time now);
   void noteOwnGap(Time now);
   void probeSilentWorkers(Time now);
@@ -144,7 +176,7 @@ class Coordinator {
   void processEnded(const std::string& worker_id, Time now);
   void blame(const Leases::Suspects& suspects);
   std::chrono::seconds hungAfter() const;
-  void add(const std::vector<TransitionKey>& ready);
+  void add(const Settled& settled);
   std::int32_t retry();
 
   Time serversDue() const;
@@ -160,6 +192,8 @@ class Coordinator {
   std::shared_ptr<const std::string> problem_bytes_;
   ContentId build_;
   ResultCheck check_;
+  LeaseSeal seal_;
+  SpotChecks checks_;
   JobStore* store_;
   CoordinatorSettings settings_;
   std::string incarnation_;  ///< 16 random bytes
@@ -187,6 +221,8 @@ class Coordinator {
   std::int64_t recorded_ = 0;
   double longest_solve_ = 0;  ///< s, of all results; 0 before the first
   bool stopping_ = false, complete_ = false, dismissed_ = false;
+  std::optional<Time> only_checks_left_;  ///< since then
+  bool checks_hopeless_ = false;          ///< nobody is there who could do them
 };
 
 }  // namespace palpate

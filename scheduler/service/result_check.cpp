@@ -1,26 +1,79 @@
 #include "scheduler/service/result_check.hpp"
 
+#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/base/error.hpp"
-#include "common/space/configuration.hpp"
+#include "common/base/index.hpp"
 #include "common/wire/wire.hpp"
 
 namespace palpate {
 namespace {
 
-/// The part of a result that must be the same bits whoever computes it.
-std::string reproducibleBytes(wire::Result result) {
-  // Who asked for it and how long it took depends on timing, everything else on the scene.
-  result.clear_job();
-  result.clear_attempt();
-  if (result.has_cost()) result.mutable_cost()->clear_seconds();
-  return result.SerializeAsString();
+/// The solver stops at 1e-9 of the force on the tool, and 1e-10 of what it takes to shear an
+/// element (NewtonOptions); whoever is a thousand times less accurate is no solver of ours.
+constexpr double largest_residual = 1e-6;
+/// Fields are float32, and a weighted tool is where its nodes are on average.
+constexpr double place_tolerance = 1e-4;
+constexpr double odd_force = 0.05, odd_energy = 0.003;
+/// Far more than any transition is worth.
+constexpr std::int32_t most_steps = 1'000'000;
+
+bool isPlausible(const Cost& cost) {
+  const auto counts = {cost.newton_iterations, cost.factorizations, cost.steps};
+  return std::ranges::all_of(counts, [](auto n) { return n >= 0 && n <= most_steps; }) &&
+         std::isfinite(cost.seconds) && cost.seconds >= 0;
+}
+
+std::string objectionToFailure(const Failure& failure, const Mesh& mesh) {
+  if (!(failure.step_reached >= 0 && failure.step_reached <= 1))
+    return "a failure with an impossible step";
+  if (failure.element < -1 || failure.element >= std::ssize(mesh.tetrahedra))
+    return "a failure in an element that does not exist";
+  if (failure.negative_pivots < 0 || failure.expected_negative_pivots < 0)
+    return "a failure with an impossible inertia";
+  return "";
+}
+
+Eigen::Vector3d displacementOf(const NodalFields& fields, std::int32_t node) {
+  const float* const u = &fields.displacement[3 * at(node)];
+  return {u[0], u[1], u[2]};
+}
+
+/// The tool as a whole, as it is prescribed.
+Eigen::Vector3d displacementOf(const NodalFields& fields, const ActivePatch& patch) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (std::size_t n = 0; n < patch.nodes.size(); ++n)
+    mean += patch.weights[n] * displacementOf(fields, patch.nodes[n]);
+  return mean;
+}
+
+bool isSymmetric(const Eigen::Matrix3d& matrix) { return matrix == matrix.transpose(); }
+
+bool isDriven(const Equilibrium& e) {
+  return !(e.drive.isZero(0) && e.drive_stiffness.isZero(0) && e.drive_slope.isZero(0) &&
+           e.stiffness_by_p.isZero(0) && e.stiffness_by_s.isZero(0) &&
+           e.drive_slope_by_p.isZero(0));
+}
+
+bool holdsBack(const Eigen::Matrix3d& stiffness) {
+  const Eigen::LLT<Eigen::Matrix3d> factors(-stiffness);
+  return factors.info() == Eigen::Success;
+}
+
+bool isZero(const NodalFields& fields) {
+  return std::ranges::all_of(fields.displacement, [](float u) { return u == 0; });
 }
 
 }  // namespace
 
-ResultCheck::ResultCheck(const Problem& problem) : problem_(&problem), build_(problemId(problem)) {}
+ResultCheck::ResultCheck(const Problem& problem)
+    : problem_(&problem),
+      build_(problemId(problem)),
+      lattice_(uniformLattice(problem.scene)),
+      diameter_(boundingBox(problem.mesh).diagonal().norm()) {}
 
 std::string ResultCheck::objectionTo(const wire::Result& result, const std::string& payload,
                                      const std::string& kernel_family) const {
@@ -30,25 +83,79 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const std::stri
   if (result.payload_bytes() != payload.size())
     return "a result whose payload has another length than it says";
   if (result.kernel_family() != kernel_family) return "a result of other kernels than its worker's";
+  if (result.space() >= problem_->active.size()) return "a result of a space that does not exist";
+  if (!isPlausible(outcome->cost)) return "a result with impossible costs";
   // A failure has no payload to check; its step is shown to people and ranks its cause.
-  if (!outcome->converged) {
-    const double reached = outcome->failure.step_reached;
-    return std::isfinite(reached) && reached >= 0 && reached <= 1
-               ? ""
-               : "a failure with an impossible step";
-  }
+  if (!outcome->converged) return objectionToFailure(outcome->failure, problem_->mesh);
   if (ContentId::of(payload).bytes() != result.fields_id())
     return "a result whose payload has another content id";
   try {
-    NodalFields::decode(payload, problem_->mesh.nodes.size(), pressureNodes(*problem_));
+    return objectionTo(
+        result, *outcome,
+        NodalFields::decode(payload, problem_->mesh.nodes.size(), pressureNodes(*problem_)));
   } catch (const Error& error) {
     return error.what();
   }
-  return "";
+}
+
+std::string ResultCheck::objectionTo(const wire::Result& result, const Outcome& outcome,
+                                     const NodalFields& fields) const {
+  const Equilibrium& e = outcome.equilibrium;
+  const ActivePatch& patch = problem_->active[result.space()];
+  const Scene& scene = problem_->scene;
+  if (scene.workspace.reject_inverted && !(e.min_det_F > 0)) return "an inverted element";
+  const double force_scale = e.force.norm() + e.stiffness.norm() * diameter_;
+  if (!(outcome.residual >= 0 && outcome.residual <= largest_residual * force_scale))
+    return "a residual that is no equilibrium's";
+  if (!isSymmetric(e.stiffness) || !isSymmetric(e.drive_slope))
+    return "derivatives that are not symmetric";
+  if (isDriven(e) && !patch.finger) return "a drive of what is no finger";
+  for (const std::int32_t node : problem_->fixed)
+    if (!displacementOf(fields, node).isZero(0)) return "a fixed node that moved";
+
+  // Under gravity the tool is displaced from a rest position that only solvers know.
+  if (!scene.gravity.isZero()) return "";
+  const Eigen::Vector3d p = lattice_.displacementOf(fromWire(result.target()));
+  const double tolerance = place_tolerance * std::max(p.norm(), 1e-3 * scene.workspace.spacing);
+  const auto isThere = [&](const Eigen::Vector3d& u) { return (u - p).norm() <= tolerance; };
+  const bool there = patch.weights.empty()
+                         ? std::ranges::all_of(patch.nodes,
+                                               [&](std::int32_t node) {
+                                                 return isThere(displacementOf(fields, node));
+                                               })
+                         : isThere(displacementOf(fields, patch));
+  if (!there) return "a tool that is elsewhere";
+  if (!p.isZero(0)) return "";
+  if (!isZero(fields) || !e.force.isZero(0) || e.energy != 0) return "a rest that is none";
+  return holdsBack(e.stiffness) ? "" : "a rest that is not stable";
+}
+
+std::string ResultCheck::reproducibleBytes(wire::Result result) {
+  // Who asked for it and how long it took depends on timing, everything else on the scene.
+  result.clear_job();
+  result.clear_attempt();
+  result.clear_lease();
+  result.clear_given_by();
+  if (result.has_cost()) result.mutable_cost()->clear_seconds();
+  return result.SerializeAsString();
 }
 
 bool ResultCheck::agree(const wire::Result& first, const wire::Result& second) {
   return reproducibleBytes(first) == reproducibleBytes(second);
+}
+
+double oddnessBeside(const Equilibrium& parent, const Equilibrium& found,
+                     const Eigen::Vector3d& way) {
+  const double force = parent.force.norm() + found.force.norm();
+  const double work = -(parent.force + found.force).dot(way) / 2 +
+                      way.dot((found.stiffness - parent.stiffness) * way) / 12;
+  const Eigen::Vector3d rise = (parent.stiffness + found.stiffness) * way / 2;
+  const double by_energy =
+      std::abs(found.energy - parent.energy - work) / (odd_energy * force * way.norm() / 2);
+  const double by_force = (found.force - parent.force - rise).norm() / (odd_force * force);
+  const double oddness = std::max(by_energy, by_force);
+  // Without any force nothing follows from anything.
+  return std::isnan(oddness) ? std::numeric_limits<double>::infinity() : oddness;
 }
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "scheduler/service/worker_registry.hpp"
 
 namespace palpate {
 
@@ -75,6 +76,17 @@ wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plan
   for (const auto& [name, value] : counters)
     (*status.mutable_counters())[name] = static_cast<std::int32_t>(value);
   return status;
+}
+
+void addKeptOut(wire::Status& status, const std::vector<KeptOut>& kept_out) {
+  for (const auto& [kind, who, reason] : kept_out) {
+    wire::KeptOut& row = *status.add_kept_out();
+    row.set_kind(std::string(name(kind)));
+    if (kind == KeptOut::Kind::process) row.set_worker(hexOfId(who.worker()));
+    if (kind != KeptOut::Kind::key) row.set_host(who.host());
+    if (const auto key = PublicKey::fromBytes(who.key())) row.set_key(key->hex());
+    row.set_reason(reason);
+  }
 }
 
 void Pace::note(Time now, std::int64_t found) {

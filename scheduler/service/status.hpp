@@ -15,6 +15,8 @@ void addPoint(wire::Status& status, wire::SpaceStatus& space, const PointRecord&
 wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans,
                       const std::vector<wire::WorkerStatus>& servers, const Counters& counters);
 
+void addKeptOut(wire::Status& status, const std::vector<KeptOut>& kept_out);
+
 /// One line of JSON with the field names of proto/palpate.proto and every field in it.
 std::string toJson(const google::protobuf::Message& message);
 /// The status that toJson wrote; unknown fields are passed over. Error when the text is not one, or

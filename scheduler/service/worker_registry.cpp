@@ -16,8 +16,7 @@ constexpr std::size_t longest_family = 64;
 
 wire::WorkerStatus rowOf(const Worker& worker, const char* state, Worker::Time now) {
   wire::WorkerStatus row;
-  const std::vector<unsigned char> id(worker.id.begin(), worker.id.end());
-  row.set_worker(fmt::format("{:02x}", fmt::join(id, "")));
+  row.set_worker(hexOfId(worker.id));
   row.set_host(worker.host);
   row.set_pid(worker.pid);
   row.set_kernel_family(worker.kernel_family);
@@ -27,13 +26,30 @@ wire::WorkerStatus rowOf(const Worker& worker, const char* state, Worker::Time n
   return row;
 }
 
+wire::Provenance provenanceOf(const std::string& id, const std::string& host,
+                              const std::optional<PublicKey>& key) {
+  wire::Provenance who;
+  who.set_worker(id);
+  who.set_host(host);
+  if (key) who.set_key(key->bytes().data(), key->bytes().size());
+  return who;
+}
+
 }  // namespace
+
+std::string hexOfId(std::string_view id) {
+  const std::vector<unsigned char> bytes(id.begin(), id.end());
+  return fmt::format("{:02x}", fmt::join(bytes, ""));
+}
 
 void Worker::addCredit(std::uint64_t jobs) {
   credit = static_cast<std::uint32_t>(std::min<std::uint64_t>(most_credit, credit + jobs));
 }
 
-std::string WorkerRegistry::objectionTo(const wire::Hello& hello) const {
+wire::Provenance Worker::provenance() const { return provenanceOf(id, host, key); }
+
+std::string WorkerRegistry::objectionTo(const wire::Hello& hello,
+                                        const std::optional<PublicKey>& key) const {
   if (hello.protocol() != protocol_version)
     return fmt::format(
         "this scheduler speaks protocol {}, the worker protocol {}: "
@@ -53,6 +69,13 @@ std::string WorkerRegistry::objectionTo(const wire::Hello& hello) const {
   if (workers_.size() >= most_workers && !workers_.contains(hello.worker()))
     return fmt::format("{} workers are here already, which is all that a scheduler serves",
                        most_workers);
+  const wire::Provenance who = provenanceOf(hello.worker(), printable(hello.host()), key);
+  for (const KeptOut& liar : kept_out_)
+    if (liar.covers(who))
+      return fmt::format(
+          "this {} is kept out of this build, because {}: see that it computes as the others do "
+          "(palpate verify), and let it work in another build",
+          name(liar.kind), liar.reason);
   return objectionToKernels(hello.kernel_family());
 }
 
@@ -65,7 +88,8 @@ std::string WorkerRegistry::objectionToKernels(const std::string& family) const 
       kernel_family_, family, kernel_family_);
 }
 
-Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello, Time now) {
+Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
+                              const std::optional<PublicKey>& key, Time now) {
   const Worker* before = ofPeer(peer);
   PALPATE_ASSERT(before == nullptr || before->id == hello.worker(),
                  "a peer is one worker: the one it was has been removed");
@@ -74,6 +98,7 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
   id_of_peer_.erase(worker.peer);
   worker = {.id = hello.worker(),
             .peer = peer,
+            .key = key,
             .host = printable(hello.host()),
             .pid = hello.pid(),
             .kernel_family = hello.kernel_family(),

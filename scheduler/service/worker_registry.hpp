@@ -2,8 +2,10 @@
 
 #include <chrono>
 
+#include "common/keys/key_pair.hpp"
 #include "proto/palpate.pb.h"
 #include "scheduler/plan/leases.hpp"
+#include "scheduler/state/kept_out.hpp"
 
 namespace palpate {
 
@@ -11,9 +13,10 @@ namespace palpate {
 struct Worker {
   using Time = std::chrono::steady_clock::time_point;
 
-  std::string id;    ///< of its Hello, 1 to 64 bytes: the same over reconnections
-  std::string peer;  ///< where messages to it go
-  std::string host;  ///< printable, as is its family: people see them
+  std::string id;                ///< of its Hello, 1 to 64 bytes: the same over reconnections
+  std::string peer;              ///< where messages to it go
+  std::optional<PublicKey> key;  ///< under which it said Hello
+  std::string host;              ///< printable, as is its family: people see them
   std::uint32_t pid = 0;
   std::string kernel_family;
   std::uint32_t credit = 0;  ///< jobs it can take now
@@ -26,10 +29,16 @@ struct Worker {
   std::optional<Time> idle_since;
   std::int32_t results = 0;  ///< recorded ones, of this run
 
+  /// As results tell who gave them.
+  wire::Provenance provenance() const;
+
   /// Room for `jobs` more, but never for more than most_credit: what a worker hoards, others lack.
   void addCredit(std::uint64_t jobs);
   static constexpr std::uint32_t most_credit = 64;
 };
+
+/// A worker's id as people see it.
+std::string hexOfId(std::string_view id);
 
 /// Who is there: the workers that said Hello and neither left nor were lost, by id and by peer.
 /// What they hold is for Leases to know. One thread; references to workers last until they are
@@ -42,8 +51,9 @@ class WorkerRegistry {
   static constexpr std::size_t most_workers = 10000;
 
   /// `kernel_family` of the results that are recorded; empty when there are none: then the first
-  /// result decides.
-  explicit WorkerRegistry(std::string kernel_family) : kernel_family_(std::move(kernel_family)) {}
+  /// result decides. `kept_out`: whom nobody lets in.
+  explicit WorkerRegistry(std::string kernel_family, std::vector<KeptOut> kept_out = {})
+      : kernel_family_(std::move(kernel_family)), kept_out_(std::move(kept_out)) {}
 
   /// The kernels that every result of this build is computed with; empty before the first.
   const std::string& kernelFamily() const { return kernel_family_; }
@@ -52,12 +62,13 @@ class WorkerRegistry {
 
   /// Why this worker may not join, as a clause that says what to do; empty when it may. All workers
   /// must give the same bits: same protocol, version and kernels.
-  std::string objectionTo(const wire::Hello& hello) const;
+  std::string objectionTo(const wire::Hello& hello, const std::optional<PublicKey>& key) const;
   /// The same of kernels alone.
   std::string objectionToKernels(const std::string& family) const;
   /// Adds a worker without objection, or begins anew with one that is known: no credit, nothing in
   /// work. The peer must not be that of another worker.
-  Worker& admit(const std::string& peer, const wire::Hello& hello, Time now);
+  Worker& admit(const std::string& peer, const wire::Hello& hello,
+                const std::optional<PublicKey>& key, Time now);
   /// It is gone: "left" or "lost", as the tables will say.
   void remove(const Worker& worker, const char* state, Time now);
 
@@ -78,6 +89,7 @@ class WorkerRegistry {
 
  private:
   std::string kernel_family_;
+  std::vector<KeptOut> kept_out_;
   Workers workers_;
   std::map<std::string, std::string> id_of_peer_;
   std::vector<wire::WorkerStatus> departed_;

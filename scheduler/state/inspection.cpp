@@ -233,7 +233,7 @@ class Inspector {
 
   /// What the plans ask for of points that the tables knew was recorded once.
   void loseWhatIsAskedForAgain() {
-    for (const TransitionKey& key : replayed_.missing)
+    for (const TransitionKey& key : replayed_.settled.missing)
       if (told_.contains({key.space, key.target}))
         lost_.emplace(key.space, replayed_.plans[key.space].positions().point(key.target));
   }

@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
 #include "common/base/assertion.hpp"
 #include "common/wire/wire.hpp"
 
@@ -19,7 +21,15 @@ RecordedResults readResults(const std::filesystem::path& directory, const Conten
   JournalScan scan = JournalReader(directory).scan();
   RecordedResults recorded{
       .results = {}, .where = {}, .end = scan.end, .torn = std::move(scan.torn), .damage = {}};
-  for (JournalGap& gap : scan.gaps) recorded.damage.push_back(std::move(gap.text));
+  // All that a liar gave may have been dropped.
+  constexpr std::size_t most_told = 8;
+  std::size_t dropped = 0;
+  for (JournalGap& gap : scan.gaps)
+    if (gap.kind != JournalGap::Kind::dropped || ++dropped <= most_told)
+      recorded.damage.push_back(std::move(gap.text));
+  if (dropped > most_told)
+    recorded.damage.push_back(
+        fmt::format("{} more records, which were dropped", dropped - most_told));
   for (const auto& [where, header] : scan.records) {
     StoredResult result;
     std::optional<Outcome> outcome;
@@ -54,8 +64,31 @@ JobStore::JobStore(const StateDirectory& directory, const Problem& problem,
   for (const JournalPosition& torn : recorded_.torn) journal_.drop(torn);
   for (const std::string& damage : recorded_.damage)
     spdlog::warn("{}; what was recorded there is computed again", damage);
+  dropWhatLiarsGave();
   if (!recorded_.results.empty())
     kernel_family_ = recorded_.results.begin()->second.header.kernel_family();
+}
+
+void JobStore::dropWhatLiarsGave() {
+  kept_out_ = tables_.keptOut();
+  std::vector<ResultKey> theirs;
+  for (const auto& [key, result] : recorded_.results) {
+    const wire::Provenance& giver = result.header.given_by();
+    const auto isTheirs = [&giver](const KeptOut& liar) { return liar.covers(giver); };
+    if (std::ranges::any_of(kept_out_, isTheirs)) theirs.push_back(key);
+  }
+  if (theirs.empty()) return;
+  for (const ResultKey& key : theirs) drop(key);
+  recorded_.damage.push_back(
+      fmt::format("{} results are of workers that are kept out", theirs.size()));
+}
+
+void JobStore::drop(const ResultKey& key) {
+  const auto where = recorded_.where.find(key);
+  PALPATE_ASSERT(where != recorded_.where.end(), "what is dropped was recorded");
+  journal_.drop(where->second);
+  recorded_.where.erase(where);
+  recorded_.results.erase(key);
 }
 
 void JobStore::append(const wire::Result& header, std::string_view payload) {

@@ -17,7 +17,7 @@ ResultKey keyOf(const wire::Result& result);
 /// The id of a result's nodal fields; all zero of a failure.
 ContentId fieldsOf(const wire::Result& result);
 
-/// One result: its header exactly as the worker sent it.
+/// One result: its header as the worker sent it, less the lease, and who gave it.
 struct StoredResult {
   wire::Result header;
   Outcome outcome;  ///< of the header; without fields
@@ -60,6 +60,12 @@ class JobStore {
   /// Some of what earlier runs left was lost or dropped.
   bool damaged() const { return !recorded_.damage.empty(); }
 
+  /// Whose results are neither taken nor kept.
+  const std::vector<KeptOut>& keptOut() const { return kept_out_; }
+  /// Keeps these out too. Their results are dropped when the directory is opened next: this object
+  /// must not be used afterwards.
+  void keepOut(std::span<const KeptOut> liars) { tables_.keepOut(liars); }
+
   /// Appends a result that is not recorded yet. It is recorded once commit() has returned.
   void append(const wire::Result& header, std::string_view payload);
   /// Makes all that was appended durable.
@@ -71,17 +77,22 @@ class JobStore {
   std::optional<JournalRecord> find(const ResultKey& key) const;
   /// The next scheduler computes this record again.
   void drop(const JournalPosition& damaged) { journal_.drop(damaged); }
+  /// A recorded result that is to be computed again: it is not recorded any more.
+  void drop(const ResultKey& key);
 
   /// Error when the directory, its lock or a segment was removed or replaced meanwhile.
   void checkPresence() const;
 
  private:
+  void dropWhatLiarsGave();
+
   const StateDirectory* directory_;
   Tables tables_;
   RecordedResults recorded_;
   Journal journal_;
   std::vector<std::pair<ResultKey, JournalPosition>> appended_;  ///< not committed yet
   std::string kernel_family_;
+  std::vector<KeptOut> kept_out_;
 };
 
 }  // namespace palpate

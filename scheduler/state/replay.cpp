@@ -4,21 +4,35 @@
 
 namespace palpate {
 
-std::vector<TransitionKey> settle(SpacePlan& plan, std::uint32_t space, StoredResults& known) {
-  std::vector<TransitionKey> missing;
+std::string startIdOf(const SpacePlan& plan, const Transition& transition) {
+  // The origin is its own parent: it is solved from the rest state, which has no id.
+  if (transition.target == transition.parent) return "";
+  const PointRecord& start = plan.point(transition.parent);
+  PALPATE_ASSERT(isSolved(start.tag), "a plan asks for transitions from solved points only");
+  return std::string(start.fields.bytes());
+}
+
+Settled settle(SpacePlan& plan, std::uint32_t space, StoredResults& known) {
+  Settled settled;
   for (auto ready = plan.takeReady(); !ready.empty(); ready = plan.takeReady())
     for (const Transition& transition : ready) {
       const Lattice& positions = plan.positions();
       const auto found = known.find(
           {space, positions.point(transition.target), positions.point(transition.parent)});
       if (found == known.end()) {
-        missing.push_back({space, transition.target, transition.parent});
+        settled.missing.push_back({space, transition.target, transition.parent});
         continue;
       }
-      const StoredResult result = std::move(known.extract(found).mapped());
+      const auto [key, result] = *found;
+      known.erase(found);
+      if (result.header.start_id() != startIdOf(plan, transition)) {
+        settled.stale.push_back(key);
+        settled.missing.push_back({space, transition.target, transition.parent});
+        continue;
+      }
       plan.record(transition, result.outcome, fieldsOf(result.header));
     }
-  return missing;
+  return settled;
 }
 
 Replay replay(const Problem& problem, StoredResults results) {
@@ -26,8 +40,10 @@ Replay replay(const Problem& problem, StoredResults results) {
   replayed.spare = std::move(results);
   for (std::uint32_t space = 0; space < problem.active.size(); ++space) {
     SpacePlan& plan = replayed.plans.emplace_back(problem, space);
-    const std::vector<TransitionKey> missing = settle(plan, space, replayed.spare);
-    replayed.missing.insert(replayed.missing.end(), missing.begin(), missing.end());
+    const auto [missing, stale] = settle(plan, space, replayed.spare);
+    Settled& all = replayed.settled;
+    all.missing.insert(all.missing.end(), missing.begin(), missing.end());
+    all.stale.insert(all.stale.end(), stale.begin(), stale.end());
     PALPATE_ASSERT(plan.complete() || plan.openCount() > 0,
                    "a plan that asks for nothing has nothing left to do");
   }

@@ -4,15 +4,25 @@
 
 namespace palpate {
 
+/// What a transition of a plan starts from, as jobs and results name it: the id of its parent's
+/// fields; empty when that is the rest state.
+std::string startIdOf(const SpacePlan& plan, const Transition& transition);
+
+/// What becomes of results when they are put into a plan.
+struct Settled {
+  std::vector<TransitionKey> missing;  ///< ready, and not known: to be solved
+  /// Known, but from another start than the plan has: what their parent was, is no more. They are
+  /// among the missing.
+  std::vector<ResultKey> stale;
+};
 /// Records in `plan`, of `space`, what `known` holds of the transitions that are ready, and of
-/// those that this makes ready, and so on; takes it out of `known`. Returns those that are not
-/// known: they are to be solved.
-std::vector<TransitionKey> settle(SpacePlan& plan, std::uint32_t space, StoredResults& known);
+/// those that this makes ready, and so on; takes it out of `known`.
+Settled settle(SpacePlan& plan, std::uint32_t space, StoredResults& known);
 
 /// Where the recorded results leave a build.
 struct Replay {
-  std::vector<SpacePlan> plans;        ///< one per active node of the problem
-  std::vector<TransitionKey> missing;  ///< ready, and not recorded
+  std::vector<SpacePlan> plans;  ///< one per active node of the problem
+  Settled settled;               ///< of all of them
   /// Results that the plans have not asked for yet. They will, where what led there was lost.
   StoredResults spare;
 };

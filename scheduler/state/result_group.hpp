@@ -19,6 +19,8 @@ class ResultGroup {
     StoredResult result;
     std::string payload;
     std::set<std::string> senders;  ///< peers that wait for the acknowledgement; may be empty
+    bool is_checked = false;        ///< others solve it again
+    bool is_odd = false;            ///< and what it was reached from
   };
   using Members = std::map<TransitionKey, Member>;
 

@@ -9,6 +9,7 @@
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/program.hpp"
+#include "common/base/random_bytes.hpp"
 
 namespace palpate {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 constexpr std::int64_t application_id = 0x504c5054;
 
 /// Nothing of a build rests on these tables: they are there for people, for `status` of a directory
-/// where nobody works, and (losses) for the next run.
+/// where nobody works, and (losses, checks, kept_out, the secret) for the next run.
 constexpr const char* schema = R"sql(
 CREATE TABLE meta (key TEXT PRIMARY KEY, value ANY) STRICT;
 CREATE TABLE counters (name TEXT PRIMARY KEY, value INTEGER NOT NULL) STRICT;
@@ -28,6 +29,12 @@ CREATE TABLE servers (
 CREATE TABLE losses (
   space INTEGER, target INTEGER, parent INTEGER, attempts INTEGER NOT NULL, suspected INTEGER NOT NULL,
   deaths INTEGER NOT NULL, PRIMARY KEY (space, target, parent)) STRICT, WITHOUT ROWID;
+CREATE TABLE kept_out (
+  kind TEXT NOT NULL CHECK (kind IN ('process', 'machine', 'key')), worker BLOB NOT NULL,
+  host TEXT NOT NULL, key BLOB NOT NULL, reason TEXT NOT NULL) STRICT;
+CREATE TABLE checks (
+  space INTEGER, target INTEGER, parent INTEGER, disputed INTEGER NOT NULL,
+  PRIMARY KEY (space, target, parent)) STRICT, WITHOUT ROWID;
 CREATE TABLE spaces (space INTEGER PRIMARY KEY, name TEXT NOT NULL) STRICT;
 CREATE TABLE configurations (
   space INTEGER, point INTEGER, i INTEGER NOT NULL, j INTEGER NOT NULL, k INTEGER NOT NULL,
@@ -35,6 +42,11 @@ CREATE TABLE configurations (
   cause TEXT NOT NULL, parent INTEGER NOT NULL, force REAL, factorizations INTEGER NOT NULL,
   PRIMARY KEY (space, point)) STRICT, WITHOUT ROWID;
 )sql";
+
+constexpr std::size_t secret_bytes = 32;
+
+/// They are not synced with every group.
+constexpr const char* synchronous_as_a_rule = "PRAGMA synchronous = NORMAL";
 
 /// A number that is counted on from: of damaged tables as near to what is there as counting allows.
 template <class Number>
@@ -224,11 +236,37 @@ Counters StoredTables::counters() {
   return counters;
 }
 
+std::vector<KeptOut> StoredTables::keptOut() {
+  using Kind = KeptOut::Kind;
+  std::vector<KeptOut> found;
+  Statement query(database_, "SELECT kind, worker, host, key, reason FROM kept_out ORDER BY rowid");
+  while (query.step()) {
+    KeptOut& one = found.emplace_back();
+    for (const Kind kind : {Kind::process, Kind::machine, Kind::key})
+      if (query.text(0) == name(kind)) one.kind = kind;
+    one.who.set_worker(query.text(1));
+    one.who.set_host(query.text(2));
+    one.who.set_key(query.text(3));
+    one.reason = query.text(4);
+  }
+  return found;
+}
+
+std::map<TransitionKey, bool> StoredTables::checks() {
+  std::map<TransitionKey, bool> checks;
+  Statement query(database_, "SELECT space, target, parent, disputed FROM checks");
+  using Number = std::int32_t;
+  while (query.step())
+    checks[{query.integer<std::uint32_t>(0), query.integer<Number>(1), query.integer<Number>(2)}] =
+        query.integer(3) != 0;
+  return checks;
+}
+
 Tables::Tables(const StateDirectory& directory, const Problem& problem,
                const std::string& problem_bytes)
     : StoredTables(openForWriting(directory, problemId(problem))) {
-  database_.execute(
-      "PRAGMA page_size = 8192; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL");
+  database_.execute("PRAGMA page_size = 8192; PRAGMA journal_mode = WAL");
+  database_.execute(synchronous_as_a_rule);
   if (isEmpty(database_)) create(problem, problem_bytes);
   readBuild();
   if (const ContentId wanted = problemId(problem); build_.build != wanted)
@@ -253,6 +291,7 @@ void Tables::create(const Problem& problem, const std::string& problem_bytes) {
     put_meta.run("scene_name", problem.scene.name);
     put_meta.run("problem", Blob{problem_bytes});
     put_meta.run("made_by", thisProgram());
+    put_meta.run("secret", Blob{randomBytes(secret_bytes)});
     Statement add_space(database_, "INSERT INTO spaces VALUES (?, ?)");
     for (std::size_t space = 0; space < problem.active.size(); ++space)
       add_space.run(space, problem.active[space].name);
@@ -335,6 +374,36 @@ std::map<TransitionKey, Losses> Tables::losses() {
     losses[{query.integer<std::uint32_t>(0), query.integer<Number>(1), query.integer<Number>(2)}] =
         {counted<std::uint32_t>(query, 3), counted<int>(query, 4), counted<int>(query, 5)};
   return losses;
+}
+
+void Tables::keepOut(std::span<const KeptOut> liars) {
+  // As a rule these tables may lose their last moments. Not this: what it drops is dropped.
+  database_.execute("PRAGMA synchronous = FULL");
+  inTransaction(database_, [&] {
+    Statement insert(database_, "INSERT INTO kept_out VALUES (?, ?, ?, ?, ?)");
+    for (const auto& [kind, who, reason] : liars)
+      insert.run(std::string(name(kind)), Blob{who.worker()}, who.host(), Blob{who.key()}, reason);
+  });
+  database_.execute(synchronous_as_a_rule);
+}
+
+void Tables::writeCheck(const TransitionKey& key, bool disputed) {
+  Statement(database_, "INSERT OR REPLACE INTO checks VALUES (?, ?, ?, ?)")
+      .run(key.space, key.target, key.parent, disputed ? 1 : 0);
+}
+
+void Tables::forgetCheck(const TransitionKey& key) {
+  Statement(database_, "DELETE FROM checks WHERE space = ? AND target = ? AND parent = ?")
+      .run(key.space, key.target, key.parent);
+}
+
+std::string Tables::secret() {
+  std::string secret = meta(database_, "secret");
+  if (secret.size() == secret_bytes) return secret;
+  // Of damaged tables. What was signed with the old one is solved again.
+  secret = randomBytes(secret_bytes);
+  Statement(database_, "INSERT OR REPLACE INTO meta VALUES ('secret', ?)").run(Blob{secret});
+  return secret;
 }
 
 void Tables::forgetLosses() { database_.execute("DELETE FROM losses"); }

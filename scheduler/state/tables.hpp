@@ -7,6 +7,7 @@
 #include "proto/palpate.pb.h"
 #include "scheduler/plan/leases.hpp"
 #include "scheduler/plan/space_plan.hpp"
+#include "scheduler/state/kept_out.hpp"
 #include "scheduler/state/sqlite.hpp"
 #include "scheduler/state/state_directory.hpp"
 
@@ -41,7 +42,7 @@ using Counters = std::map<std::string, std::int64_t>;
 /// in the journal, and what the tables say of them is for people. One thread.
 class StoredTables {
  public:
-  static constexpr int schema_version = 4;
+  static constexpr int schema_version = 5;
 
   /// Error (bad input) when `directory` is not a state directory, or that of another version. It
   /// need not be writable; with Access::read_copy nothing in it is touched.
@@ -56,6 +57,9 @@ class StoredTables {
   /// The workers, each named by its whole id in hexadecimal.
   std::vector<wire::WorkerStatus> servers();
   Counters counters();
+  std::vector<KeptOut> keptOut();
+  /// Results that are being solved again by other workers; whether two results differ.
+  std::map<TransitionKey, bool> checks();
 
  protected:
   explicit StoredTables(Database database) : database_(std::move(database)) {}
@@ -96,6 +100,15 @@ class Tables : public StoredTables {
   void writeLosses(const TransitionKey& key, const Losses& losses);
   std::map<TransitionKey, Losses> losses();
   void forgetLosses();
+
+  /// From now on, whatever happens: synced when it returns.
+  void keepOut(std::span<const KeptOut> liars);
+
+  /// A check outlives a run.
+  void writeCheck(const TransitionKey& key, bool disputed);
+  void forgetCheck(const TransitionKey& key);
+  /// 32 bytes that nobody else knows.
+  std::string secret();
 
  private:
   void create(const Problem& problem, const std::string& problem_bytes);

@@ -25,6 +25,7 @@
 #include "common/wire/curve.hpp"
 #include "common/wire/wire.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/solved_table.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/system/process.hpp"
 
@@ -66,19 +67,11 @@ std::pair<wire::Result, std::string> answer(const Problem& problem, std::uint32_
   outcome.equilibrium.force = -stiffness * p;
   outcome.equilibrium.stiffness = -stiffness * Eigen::Matrix3d::Identity();
   outcome.equilibrium.energy = stiffness / 2 * p.squaredNorm();
-  for (const Eigen::Vector3d& x : problem.mesh.nodes)
-    for (int i = 0; i < 3; ++i)
-      outcome.fields.displacement.push_back(static_cast<float>(p[i] * x.x() / 0.1));
+  outcome.fields = test::fieldsOf(problem, space, at, [&](std::size_t n) -> Eigen::Vector3d {
+    return p * problem.mesh.nodes[n].x() / 0.1;
+  });
   outcome.fields.pressure.assign(pressureNodes(problem), static_cast<float>(p.norm()));
-  wire::Result result;
-  result.set_build(std::string(problemId(problem).bytes()));
-  result.set_space(space);
-  *result.mutable_target() = target;
-  *result.mutable_parent() = parent;
-  result.set_kernel_family("none");
-  const std::string payload = outcome.fields.encode();
-  toWire(outcome, payload, result);
-  return {result, payload};
+  return test::resultOf(problem, space, at, fromWire(parent), outcome);
 }
 
 /// A worker that solves in no time. Acknowledgements are counted; nothing is sent again, because
@@ -99,7 +92,7 @@ class FakeWorker {
     hello.set_worker(id);
     hello.set_host("here");
     hello.set_pid(static_cast<std::uint32_t>(getpid()));
-    hello.set_kernel_family("none");
+    hello.set_kernel_family("baseline");
   }
 
   zmq::socket_t& socket() { return socket_; }
@@ -140,8 +133,7 @@ class FakeWorker {
       for (const wire::Target& target : message.job().targets()) {
         auto [result, payload] =
             answer(*problem_, message.job().space(), target.point(), message.job().start());
-        result.set_job(message.job().id());
-        result.set_attempt(target.attempt());
+        test::answer(message.job(), target, result);
         payload_bytes_ = payload.size();
         wire::Message delivery;
         *delivery.mutable_result() = std::move(result);

@@ -68,6 +68,7 @@ TEST(Build, LeavesNoPointUnknownWhenTheOriginFails) {
     result.clear_fields_id();
     toWire(stuck, "", result);
     result.clear_payload_bytes();
+    world.prove("a", result);
     world.send("a", message);
   }
   world.pass(std::chrono::milliseconds(25));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -34,7 +35,16 @@ inline wire::Message helloOf(const std::string& id, std::uint32_t pid = 1) {
 /// go in by hand and what comes out is sorted by peer.
 class BuildWorld {
  public:
-  explicit BuildWorld(CoordinatorSettings settings = {}) : settings_(settings) { start(); }
+  /// Nothing is solved twice, so that tests say who solves what.
+  static CoordinatorSettings withoutChecks() {
+    CoordinatorSettings settings;
+    settings.spot_checks = SpotCheckSettings::none();
+    return settings;
+  }
+  explicit BuildWorld(CoordinatorSettings settings = withoutChecks(), Problem of = cubeProblem())
+      : problem(std::move(of)), settings_(settings) {
+    start();
+  }
 
   /// As after a kill: everything that is not on disk is gone.
   void restart() {
@@ -90,10 +100,19 @@ class BuildWorld {
   }
   void deliver(const std::string& peer, std::uint32_t space, const wire::Point& target,
                const wire::Point& parent) {
-    auto [result, payload] = solve(problem, space, fromWire(target), fromWire(parent));
+    auto [result, payload] = solver(problem, space, fromWire(target), fromWire(parent));
+    prove(peer, result);
+    if (falsify) falsify(peer, result, payload);
     wire::Message message;
     *message.mutable_result() = result;
     send(peer, message, payload);
+  }
+  /// Says what a result has to say of the job that asked this peer for it last, if one did.
+  void prove(const std::string& peer, wire::Result& result) const {
+    const auto asked = leases_.find({peer, keyOf(result)});
+    if (asked == leases_.end()) return;
+    result.set_start_id(asked->second.start_id());
+    result.set_lease(asked->second.lease());
   }
   void deliver(const std::string& peer, const wire::Job& job) {
     for (const wire::Target& target : job.targets())
@@ -141,19 +160,35 @@ class BuildWorld {
   }
 
   TemporaryDirectory directory;
-  const Problem problem = cubeProblem();
+  const Problem problem;
   Coordinator::Time now = std::chrono::steady_clock::now();
   std::map<std::string, std::vector<Outgoing>> inbox;
+  /// The table in which workers look their answers up, and what liars make of them.
+  std::function<std::pair<wire::Result, std::string>(const Problem&, std::uint32_t,
+                                                     const LatticePoint&, const LatticePoint&)>
+      solver = solve;
+  std::function<void(const std::string& peer, wire::Result&, std::string& payload)> falsify;
 
  private:
   void start() { build_ = std::make_unique<Build>(problem, directory / "state", now, settings_); }
   void collect() {
-    for (Outgoing& outgoing : coordinator().takeOutbox())
+    for (Outgoing& outgoing : coordinator().takeOutbox()) {
+      if (outgoing.message.has_job()) note(outgoing.peer, outgoing.message.job());
       inbox[outgoing.peer].push_back(std::move(outgoing));
+    }
+  }
+  void note(const std::string& peer, const wire::Job& job) {
+    for (const wire::Target& target : job.targets()) {
+      wire::Result& asked =
+          leases_[{peer, {job.space(), fromWire(target.point()), fromWire(job.start())}}];
+      asked.set_start_id(job.start_id());
+      asked.set_lease(target.lease());
+    }
   }
 
   CoordinatorSettings settings_;
   std::unique_ptr<Build> build_;
+  std::map<std::pair<std::string, ResultKey>, wire::Result> leases_;
 };
 
 }  // namespace palpate::test

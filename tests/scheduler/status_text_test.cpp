@@ -68,5 +68,24 @@ TEST(ProgressLine, GivesNoTimeWhileOnlyBranchesAreSolved) {
   EXPECT_THAT(progressLine(status), HasSubstr(" 1 s or more left"));
 }
 
+TEST(Describe, NamesWhoIsKeptOutAndWhatIsDisputed) {
+  wire::Status status;
+  status.set_disputed(2);
+  wire::KeptOut& machine = *status.add_kept_out();
+  machine.set_kind("machine");
+  machine.set_host("node7");
+  machine.set_key(std::string(64, 'a'));
+  machine.set_reason("its result of space 0 differs");
+  wire::KeptOut& process = *status.add_kept_out();
+  process.set_kind("process");
+  process.set_worker("0a1b2c3d4e5f");
+  process.set_host("node8");
+  const std::string text = describe(status);
+  EXPECT_THAT(text, testing::HasSubstr("disputed: 2 result(s)"));
+  EXPECT_THAT(text, testing::HasSubstr(
+                        "kept out: the machine node7, key aaaaaaaaaaaa: its result of space 0"));
+  EXPECT_THAT(text, testing::HasSubstr("kept out: the process 0a1b2c3d on node8: "));
+}
+
 }  // namespace
 }  // namespace palpate

@@ -14,13 +14,15 @@ constexpr int most_damages = 200;
 
 SchedulerProcess::SchedulerProcess(Network& network, Disk& disk, Ledger& ledger,
                                    const Problem& problem, std::filesystem::path folder,
-                                   Random& random)
+                                   const SpotCheckSettings& spot_checks, Random& random)
     : network_(network),
       disk_(disk),
       ledger_(ledger),
       problem_(problem),
       folder_(std::move(folder)),
-      clock_(random) {}
+      clock_(random) {
+  settings_.spot_checks = spot_checks;
+}
 
 SchedulerProcess::~SchedulerProcess() = default;
 
@@ -53,8 +55,8 @@ void SchedulerProcess::guarded(const std::function<void()>& step) {
 void SchedulerProcess::open(Seconds now) {
   // A few records long, so that many come and go.
   constexpr std::uint64_t segment_bytes = 8000;
-  build_ = std::make_unique<Build>(problem_, stateDirectory(), clock_.at(now),
-                                   CoordinatorSettings(), segment_bytes);
+  build_ =
+      std::make_unique<Build>(problem_, stateDirectory(), clock_.at(now), settings_, segment_bytes);
   sealed_ = false;
   opened_at_ = now;
   state_ = State::running;
@@ -89,6 +91,8 @@ void SchedulerProcess::wake(Seconds now) {
       build_->drop(damage);
       end(State::down);
       open(now);
+    } catch (const LiarsFound& found) {
+      throw Broken(std::string("an honest worker is kept out: ") + found.what());
     }
   });
 }
@@ -117,6 +121,12 @@ void SchedulerProcess::seal(Seconds now) {
   sealed_ = true;
   leaves_at_ = now + drain_limit;
   state_ = State::leaving;
+}
+
+bool SchedulerProcess::isChecked(const ResultKey& key) const {
+  const Lattice& positions = build_->coordinator().plans()[key.space].positions();
+  const auto target = positions.indexOf(key.target), parent = positions.indexOf(key.parent);
+  return target && parent && build_->coordinator().isChecked({key.space, *target, *parent});
 }
 
 void SchedulerProcess::kill() {
@@ -153,7 +163,7 @@ Sent SchedulerProcess::send(const Outgoing& outgoing) {
     for (const wire::Target& target : message.job().targets()) {
       const ResultKey key = {message.job().space(), fromWire(target.point()),
                              fromWire(message.job().start())};
-      if (ledger_.acknowledged.contains(key) && !ledger_.spoiled.contains(key))
+      if (ledger_.acknowledged.contains(key) && !ledger_.spoiled.contains(key) && !isChecked(key))
         throw Broken("a result that was acknowledged is asked for again");
     }
   return network_.toWorker(outgoing.peer, message, outgoing.payload ? *outgoing.payload : "", now_);

@@ -29,7 +29,8 @@ struct Ledger {
 class SchedulerProcess : private Transport {
  public:
   SchedulerProcess(Network& network, Disk& disk, Ledger& ledger, const Problem& problem,
-                   std::filesystem::path folder, Random& random);
+                   std::filesystem::path folder, const SpotCheckSettings& spot_checks,
+                   Random& random);
   ~SchedulerProcess() override;
 
   enum class State : std::uint8_t { down, running, leaving, sealed, stopped, stuck };
@@ -62,12 +63,14 @@ class SchedulerProcess : private Transport {
   void turn(Seconds now);
   void seal(Seconds now);
   void end(State state);
+  bool isChecked(const ResultKey& key) const;
 
   Network& network_;
   Disk& disk_;
   Ledger& ledger_;
   const Problem& problem_;
   const std::filesystem::path folder_;
+  CoordinatorSettings settings_;
   ProcessClock clock_;
   Seconds now_ = 0, stopped_until_ = 0, next_turn_ = 0, leaves_at_ = 0, opened_at_ = 0;
   std::unique_ptr<Build> build_;

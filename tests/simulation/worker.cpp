@@ -88,8 +88,7 @@ void WorkerProcess::finishTarget() {
   const wire::Target& target = job.targets(work_->target);
   auto [result, payload] =
       test::solve(*world_.problem, job.space(), fromWire(target.point()), fromWire(job.start()));
-  result.set_job(job.id());
-  result.set_attempt(target.attempt());
+  test::answer(job, target, result);
   mailbox_->finish(
       {std::move(result), std::move(payload), work_->target + 1 == job.targets_size()});
 }

@@ -25,6 +25,49 @@ inline Problem cubeProblem(double c10 = 1300) {
   return resolve(scene, cubeMesh(0.1, 2));
 }
 
+/// The header that a worker makes of an outcome, and its payload.
+inline std::pair<wire::Result, std::string> resultOf(const Problem& problem, std::uint32_t space,
+                                                     const LatticePoint& target,
+                                                     const LatticePoint& parent,
+                                                     const Outcome& outcome) {
+  wire::Result result;
+  result.set_build(std::string(problemId(problem).bytes()));
+  result.set_space(space);
+  *result.mutable_target() = toWire(target);
+  *result.mutable_parent() = toWire(parent);
+  result.set_kernel_family("baseline");
+  const std::string payload = outcome.converged ? outcome.fields.encode() : std::string();
+  toWire(outcome, payload, result);
+  return {result, payload};
+}
+
+/// Says in a result what it has to say of the job that asked for it.
+inline void answer(const wire::Job& job, const wire::Target& target, wire::Result& result) {
+  result.set_job(job.id());
+  result.set_attempt(target.attempt());
+  result.set_start_id(job.start_id());
+  result.set_lease(target.lease());
+}
+
+/// Fields that say `elsewhere(n)` of a node, but have the tool and what is fixed where they are.
+template <class Elsewhere>
+NodalFields fieldsOf(const Problem& problem, std::uint32_t space, const LatticePoint& target,
+                     const Elsewhere& elsewhere) {
+  NodalFields fields;
+  const auto put = [&](std::size_t node, const Eigen::Vector3d& u) {
+    for (std::size_t i = 0; i < 3; ++i)
+      fields.displacement[3 * node + i] = static_cast<float>(u[static_cast<Eigen::Index>(i)]);
+  };
+  fields.displacement.resize(3 * problem.mesh.nodes.size());
+  if (target == LatticePoint{}) return fields;
+  for (std::size_t n = 0; n < problem.mesh.nodes.size(); ++n) put(n, elsewhere(n));
+  for (const std::int32_t n : problem.fixed)
+    put(static_cast<std::size_t>(n), Eigen::Vector3d::Zero());
+  const Eigen::Vector3d p = uniformLattice(problem.scene).displacementOf(target);
+  for (const std::int32_t n : problem.active.at(space).nodes) put(static_cast<std::size_t>(n), p);
+  return fields;
+}
+
 /// What a worker would answer: a pure function of the transition. About a quarter of the
 /// transitions fail and some points lie beyond max_force. Forces of neighbours contradict each
 /// other, so that branches are looked for.
@@ -43,29 +86,48 @@ inline std::pair<wire::Result, std::string> solve(const Problem& problem, std::u
   outcome.converged = origin || dice % 100 >= 25;
   if (outcome.converged) {
     const double norm = std::sqrt(static_cast<double>(squaredNorm(target)));
-    outcome.equilibrium.force = {-3 * norm - 0.1 * static_cast<double>(dice % 40), 0.5,
-                                 1e-3 / (1 + norm)};
-    outcome.equilibrium.energy =
-        norm + 0.01 * static_cast<double>(dice % 7);  // another branch, another energy
-    const std::size_t nodes = problem.mesh.nodes.size();
-    for (std::size_t n = 0; n < 3 * nodes; ++n)
-      outcome.fields.displacement.push_back(static_cast<float>(dice % 1000) +
-                                            static_cast<float>(n));
-    outcome.fields.pressure.assign(nodes, static_cast<float>(dice % 77));
+    if (!origin) {
+      outcome.equilibrium.force = {-3 * norm - 0.1 * static_cast<double>(dice % 40), 0.5,
+                                   1e-3 / (1 + norm)};
+      outcome.equilibrium.energy =
+          norm + 0.01 * static_cast<double>(dice % 7);  // another branch, another energy
+    }
+    outcome.equilibrium.stiffness = -50 * Eigen::Matrix3d::Identity();
+    outcome.fields = fieldsOf(problem, space, target, [&](std::size_t n) {
+      const auto first = static_cast<double>(dice % 1000 + 3 * n);
+      return Eigen::Vector3d(first, first + 1, first + 2);
+    });
+    outcome.fields.pressure.assign(problem.mesh.nodes.size(), static_cast<float>(dice % 77));
   } else {
     outcome.failure.cause = static_cast<Cause>(1 + dice % 7);
     outcome.failure.step_reached = static_cast<double>(dice % 11) / 11;
     outcome.failure.residual = dice % 2 == 0 ? std::nan("") : 1;
   }
-  wire::Result result;
-  result.set_build(std::string(problemId(problem).bytes()));
-  result.set_space(space);
-  *result.mutable_target() = toWire(target);
-  *result.mutable_parent() = toWire(parent);
-  result.set_kernel_family("baseline");
-  const std::string payload = outcome.converged ? outcome.fields.encode() : std::string();
-  toWire(outcome, payload, result);
-  return {result, payload};
+  return resultOf(problem, space, target, parent, outcome);
+}
+
+/// The same of a body that stiffens, E = k p^2 / 2 + c p^4: everything converges, and every result
+/// follows from those beside it.
+inline std::pair<wire::Result, std::string> solveSmoothly(const Problem& problem,
+                                                          std::uint32_t space,
+                                                          const LatticePoint& target,
+                                                          const LatticePoint& parent) {
+  constexpr double k = 100, c = 2e4;
+  const Eigen::Vector3d p = uniformLattice(problem.scene).displacementOf(target);
+  const double square = p.squaredNorm();
+  Outcome outcome;
+  outcome.converged = true;
+  outcome.cost = {3 + parent[0], 1, 1, 0.25};
+  outcome.equilibrium.energy = k * square / 2 + c * square * square;
+  outcome.equilibrium.force = Eigen::Vector3d::Zero() - (k + 4 * c * square) * p;
+  const Eigen::Matrix3d slope =
+      (k + 4 * c * square) * Eigen::Matrix3d::Identity() + 8 * c * p * p.transpose();
+  outcome.equilibrium.stiffness = -(slope + slope.transpose()) / 2;
+  outcome.fields = fieldsOf(problem, space, target, [&](std::size_t n) -> Eigen::Vector3d {
+    return p * problem.mesh.nodes[n].x();
+  });
+  outcome.fields.pressure.assign(problem.mesh.nodes.size(), static_cast<float>(p.norm()));
+  return resultOf(problem, space, target, parent, outcome);
 }
 
 }  // namespace palpate::test

@@ -73,6 +73,8 @@ class ProblemSolver {
     *result.mutable_parent() = job.start();
     result.set_job(job.id());
     result.set_attempt(target.attempt());
+    result.set_start_id(job.start_id());
+    result.set_lease(target.lease());
     result.set_kernel_family(arithmetic(solver_.system().kernels()));
   }
 

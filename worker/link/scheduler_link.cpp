@@ -1,6 +1,5 @@
 #include "worker/link/scheduler_link.hpp"
 
-#include <sodium.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -9,6 +8,7 @@
 #include <cstdlib>
 
 #include "common/base/program.hpp"
+#include "common/base/random_bytes.hpp"
 
 namespace palpate {
 namespace {
@@ -38,12 +38,7 @@ void endAnyway(double drain_s) { alarm(static_cast<unsigned>(std::ceil(drain_s))
 
 }  // namespace
 
-std::string randomWorkerId() {
-  std::string id(16, '\0');
-  if (sodium_init() < 0) throw failure("libsodium could not be initialised");
-  randombytes_buf(id.data(), id.size());
-  return id;
-}
+std::string randomWorkerId() { return randomBytes(16); }
 
 SchedulerLink::SchedulerLink(zmq::context_t& context, Mailbox& mailbox,
                              const ElementKernels& kernels, LinkOptions options)

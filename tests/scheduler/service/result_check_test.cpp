@@ -1,5 +1,6 @@
 #include "scheduler/service/result_check.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/scheduler/build_world.hpp"
@@ -21,6 +22,111 @@ TEST(ResultCheck, TakesFailuresOfEveryCauseThatStopsTransitions) {
     EXPECT_EQ(check.objectionTo(result, "", "baseline").empty(), stopsTransitions(cause))
         << name(cause);
   }
+}
+
+/// Results of a body that stiffens, and what was made of them.
+struct JudgedResult : testing::Test {
+  const Problem problem = test::cubeProblem();
+  const ResultCheck check{problem};
+
+  std::string objectionTo(const LatticePoint& target,
+                          const std::function<void(Outcome&)>& change = {}) const {
+    auto [result, payload] = test::solveSmoothly(problem, 0, target, {});
+    Outcome outcome = *fromWire(result);
+    outcome.fields =
+        NodalFields::decode(payload, problem.mesh.nodes.size(), pressureNodes(problem));
+    if (change) change(outcome);
+    payload = outcome.fields.encode();
+    toWire(outcome, payload, result);
+    return check.objectionTo(result, payload, "baseline");
+  }
+};
+
+TEST_F(JudgedResult, HonestOnesPass) {
+  EXPECT_EQ(objectionTo({}), "");
+  EXPECT_EQ(objectionTo({1, 0, -1}), "");
+}
+
+TEST_F(JudgedResult, NoSolverOfOursLeavesThese) {
+  const LatticePoint there = {1, 0, -1};
+  using testing::HasSubstr;
+  EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.equilibrium.min_det_F = -0.1; }),
+              HasSubstr("inverted"));
+  EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.residual = 0.1; }), HasSubstr("residual"));
+  EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.residual = std::nan(""); }),
+              HasSubstr("residual"));
+  EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.equilibrium.stiffness(0, 1) += 1e-9; }),
+              HasSubstr("symmetric"));
+  EXPECT_THAT(objectionTo(there,
+                          [](Outcome& o) {
+                            o.equilibrium.drive = {1, 0, 0};
+                          }),
+              HasSubstr("drive"));
+  EXPECT_THAT(objectionTo(there,
+                          [&](Outcome& o) {
+                            o.fields.displacement[3 * static_cast<std::size_t>(problem.fixed[0])] =
+                                1e-9F;
+                          }),
+              HasSubstr("fixed node"));
+  EXPECT_THAT(objectionTo(there,
+                          [&](Outcome& o) {
+                            const auto tool = static_cast<std::size_t>(problem.active[0].node);
+                            o.fields.displacement[3 * tool] += 1e-3F;
+                          }),
+              HasSubstr("elsewhere"));
+  EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.cost.factorizations = -1; }),
+              HasSubstr("costs"));
+  EXPECT_THAT(objectionTo(there, [](Outcome& o) { o.cost.seconds = std::nan(""); }),
+              HasSubstr("costs"));
+}
+
+TEST_F(JudgedResult, TheRestStateIsExactlyOne) {
+  using testing::HasSubstr;
+  EXPECT_THAT(objectionTo({},
+                          [](Outcome& o) {
+                            o.equilibrium.force = {1e-300, 0, 0};
+                          }),
+              HasSubstr("rest"));
+  EXPECT_THAT(objectionTo({}, [](Outcome& o) { o.equilibrium.energy = 1e-300; }),
+              HasSubstr("rest"));
+  EXPECT_THAT(objectionTo({}, [](Outcome& o) { o.fields.displacement.back() = 1e-30F; }),
+              HasSubstr("rest"));
+  EXPECT_THAT(objectionTo({}, [](Outcome& o) { o.equilibrium.stiffness *= -1; }),
+              HasSubstr("not stable"));
+}
+
+TEST(ResultCheck, RefusesFailuresThatCannotBe) {
+  const Problem problem = test::cubeProblem();
+  const ResultCheck check(problem);
+  const auto objectionTo = [&](const std::function<void(wire::Failure&)>& change) {
+    wire::Result result;
+    result.set_build(std::string(problemId(problem).bytes()));
+    result.set_kernel_family("baseline");
+    result.mutable_failure()->set_cause(1);
+    change(*result.mutable_failure());
+    return check.objectionTo(result, "", "baseline");
+  };
+  EXPECT_EQ(objectionTo([](wire::Failure&) {}), "");
+  EXPECT_NE(objectionTo([](wire::Failure& f) { f.set_step_reached(1.5); }), "");
+  EXPECT_NE(objectionTo([](wire::Failure& f) { f.set_element(1'000'000); }), "");
+  EXPECT_NE(objectionTo([](wire::Failure& f) { f.set_negative_pivots(-1); }), "");
+}
+
+TEST(Oddness, OfForcesAndEnergiesThatFollowFromEachOtherIsSmallAndOfOthersLarge) {
+  const Problem problem = test::cubeProblem();
+  const auto at = [&](const LatticePoint& point) {
+    return fromWire(test::solveSmoothly(problem, 0, point, {}).first)->equilibrium;
+  };
+  const LatticePoint from = {1, 0, 0}, to = {1, 1, 0};
+  const Eigen::Vector3d way(0, problem.scene.workspace.spacing, 0);
+  EXPECT_LT(oddnessBeside(at(from), at(to), way), 2);
+  Equilibrium wrong = at(to);
+  wrong.energy *= 1.1;
+  EXPECT_GT(oddnessBeside(at(from), wrong, way), 10);
+  wrong = at(to);
+  wrong.force *= 1.5;
+  EXPECT_GT(oddnessBeside(at(from), wrong, way), 5);
+  EXPECT_EQ(oddnessBeside({}, {}, way), std::numeric_limits<double>::infinity());
 }
 
 }  // namespace

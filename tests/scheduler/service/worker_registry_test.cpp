@@ -19,7 +19,7 @@ struct WorkerRegistryTest : testing::Test {
     return test::helloOf(id, pid).hello();
   }
   Worker& admit(const std::string& peer, const std::string& id, std::uint32_t pid = 1) {
-    return registry.admit(peer, hello(id, pid), now);
+    return registry.admit(peer, hello(id, pid), {}, now);
   }
 };
 
@@ -27,38 +27,38 @@ TEST_F(WorkerRegistryTest, TheFirstResultDecidesTheKernelsAndNotTheFirstWorker) 
   wire::Hello other = hello("b");
   other.set_kernel_family("avx512");
   admit("p", "a");
-  EXPECT_EQ(registry.objectionTo(other), "");
+  EXPECT_EQ(registry.objectionTo(other, {}), "");
   registry.setKernelFamily("baseline");
-  EXPECT_THAT(registry.objectionTo(other), testing::HasSubstr("baseline"));
+  EXPECT_THAT(registry.objectionTo(other, {}), testing::HasSubstr("baseline"));
 }
 
 TEST_F(WorkerRegistryTest, AWorkerWithoutAnIdOrKernelsMayNotJoin) {
   wire::Hello nameless = hello("");
-  EXPECT_THAT(registry.objectionTo(nameless), testing::HasSubstr("id"));
-  EXPECT_THAT(registry.objectionTo(hello(std::string(65, 'x'))), testing::HasSubstr("id"));
+  EXPECT_THAT(registry.objectionTo(nameless, {}), testing::HasSubstr("id"));
+  EXPECT_THAT(registry.objectionTo(hello(std::string(65, 'x')), {}), testing::HasSubstr("id"));
   wire::Hello without = hello("a");
   without.clear_kernel_family();
-  EXPECT_THAT(registry.objectionTo(without), testing::HasSubstr("kernel family"));
+  EXPECT_THAT(registry.objectionTo(without, {}), testing::HasSubstr("kernel family"));
   for (const std::string& name : {std::string("\x1b[2J"), std::string(65, 'x')}) {
     wire::Hello unprintable = hello("a");
     unprintable.set_kernel_family(name);
-    EXPECT_THAT(registry.objectionTo(unprintable), testing::HasSubstr("not printable"));
+    EXPECT_THAT(registry.objectionTo(unprintable, {}), testing::HasSubstr("not printable"));
   }
 }
 
 TEST_F(WorkerRegistryTest, WhatAWorkerCallsItselfCannotMoveACursor) {
   wire::Hello escaping = hello("a");
   escaping.set_host("\x1b[2Jnode\n7 " + std::string(1000, 'x'));
-  EXPECT_EQ(registry.admit("p", escaping, now).host, "?[2Jnode?7 " + std::string(53, 'x'));
+  EXPECT_EQ(registry.admit("p", escaping, {}, now).host, "?[2Jnode?7 " + std::string(53, 'x'));
   escaping.set_version("\x1b[2J");
-  EXPECT_THAT(registry.objectionTo(escaping), testing::HasSubstr("palpate ?[2J:"));
+  EXPECT_THAT(registry.objectionTo(escaping, {}), testing::HasSubstr("palpate ?[2J:"));
 }
 
 TEST_F(WorkerRegistryTest, IsFullOneDayAndStillTakesBackWhoIsKnown) {
   for (std::size_t i = 0; i < WorkerRegistry::most_workers; ++i)
     admit(std::to_string(i), std::to_string(i));
-  EXPECT_THAT(registry.objectionTo(hello("one more")), testing::HasSubstr("10000 workers"));
-  EXPECT_EQ(registry.objectionTo(hello("7")), "");
+  EXPECT_THAT(registry.objectionTo(hello("one more"), {}), testing::HasSubstr("10000 workers"));
+  EXPECT_EQ(registry.objectionTo(hello("7"), {}), "");
 }
 
 TEST_F(WorkerRegistryTest, AWorkerThatComesBackKeepsItsResultsAndNothingElse) {

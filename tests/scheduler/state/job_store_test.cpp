@@ -203,7 +203,7 @@ TEST_F(JobStoreTest, ShowsPeopleWhatAPointIsAndWhereItCameFrom) {
   plans[0].record({0, 0}, *fromWire(header), fieldsOf(header));
   store.tables().show(plans, std::vector<Tables::Changed>{{0, 0}});
   EXPECT_EQ(
-      rows("tag = 'expandable' AND point = 0 AND parent = 0 AND force > 0 AND cause = 'none'"), 1);
+      rows("tag = 'expandable' AND point = 0 AND parent = 0 AND force = 0 AND cause = 'none'"), 1);
   EXPECT_EQ(rows("tag = 'unknown' AND parent = -1 AND force IS NULL"), plans[0].size() - 1);
 }
 

@@ -1,0 +1,136 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "scheduler/state/job_store.hpp"
+
+namespace palpate {
+
+struct SpotCheckSettings {
+  /// Of all results.
+  double share = 0.01;
+  /// Of a worker's nth result: this / n, so that one that is broken from the start is found at
+  /// once.
+  double share_of_first = 0.25;
+  /// Of all results, those that look oddest (oddnessBeside).
+  double share_of_odd = 0.005;
+  /// Failures, as long as they are fewer than this share of all results, and a few more: what costs
+  /// the dataset a point is not taken from one worker alone.
+  double share_of_failed = 0.005;
+  std::int64_t failed_at_least = 8;
+  /// More at once are not begun: work goes first.
+  std::size_t most_open = 256;
+
+  static SpotCheckSettings none() {
+    return {.share = 0,
+            .share_of_first = 0,
+            .share_of_odd = 0,
+            .share_of_failed = 0,
+            .failed_at_least = 0,
+            .most_open = 0};
+  }
+};
+
+/// What one worker found for a transition: two that found the same bits have the same digest.
+struct Opinion {
+  wire::Provenance giver;
+  std::string digest;
+};
+/// The one that a result is; `giver` is told by those who took it.
+Opinion opinionOf(const wire::Result& result, const wire::Provenance& giver);
+
+/// Which results are solved again by other workers, and what these found. Two workers that agree
+/// are right, and whoever differs from them is wrong; as long as none agree, others are asked.
+///
+/// Knows nothing of messages, plans or time. One thread.
+class SpotChecks {
+ public:
+  /// `secret`: who does not know it cannot tell which results are checked.
+  SpotChecks(const SpotCheckSettings& settings, std::string secret);
+
+  /// How a result looks.
+  struct Look {
+    bool failed = false;
+    double oddness = 0;  ///< of an equilibrium: oddnessBeside what it was reached from
+  };
+  /// Why a result is checked, the `nth` of its worker, from 1. To be asked once of every result.
+  enum class Picked : std::uint8_t { no, by_lot, as_failed, as_odd };
+  Picked pick(const ResultKey& key, std::int64_t nth, const Look& look);
+  /// There is room for one more.
+  bool hasRoom() const { return open_.size() < settings_.most_open; }
+
+  /// What a check starts from, which its point may not have any more when somebody asks.
+  struct Start {
+    std::string id;           ///< wire::Job.start_id
+    TransitionKey solved_by;  ///< whose recorded fields have it
+  };
+  /// Begins: `first` is what is recorded. It must not be open. `disputed`: somebody, who is not
+  /// known any more, found something else.
+  void open(const TransitionKey& key, Opinion first, Start start, bool disputed = false);
+  const Start& startOf(const TransitionKey& key) const { return open_.at(key).start; }
+  /// Of an open check; nothing when none starts there.
+  std::optional<TransitionKey> solverOfStart(std::string_view id) const;
+  bool isOpen(const TransitionKey& key) const { return open_.contains(key); }
+  /// It was opened once, by this object.
+  bool wasOpened(const TransitionKey& key) const { return begun_.contains(key); }
+  /// Two opinions differ.
+  bool isDisputed(const TransitionKey& key) const { return open_.at(key).disputed; }
+  std::size_t openCount() const { return open_.size(); }
+  std::size_t disputedCount() const;
+
+  /// It gave no opinion.
+  bool isNew(const TransitionKey& key, const wire::Provenance& worker) const;
+  /// It is of none of the machines that an opinion came from.
+  bool isElsewhere(const TransitionKey& key, const wire::Provenance& worker) const;
+
+  /// Who is right and who is wrong. `wrong` is empty when all agreed.
+  struct Verdict {
+    std::vector<wire::Provenance> right, wrong;
+  };
+  /// One more opinion of an open check, of a worker that is new to it; what is decided then, and
+  /// the check is closed. Nothing: it is disputed.
+  std::optional<Verdict> hear(const TransitionKey& key, Opinion opinion);
+  /// Without a verdict.
+  void close(const TransitionKey& key) { open_.erase(key); }
+
+ private:
+  SpotCheckSettings settings_;
+  std::string secret_;
+  struct Check {
+    std::vector<Opinion> opinions;
+    Start start;
+    bool disputed = false;
+  };
+  std::map<TransitionKey, Check> open_;
+  bool isOdd(double oddness);
+
+  std::set<TransitionKey> begun_;
+  std::int64_t results_ = 0, failed_checked_ = 0;
+  std::vector<double> oddness_;  ///< of the latest results, in a ring
+  std::size_t next_ = 0;         ///< to be overwritten
+  double odd_from_;              ///< the share of them that is odder is share_of_odd
+};
+
+/// Results were wrong, and those who gave them are to be kept out (JobStore::keepOut); the next
+/// Build in the directory computes again what they gave.
+class LiarsFound : public Error {
+ public:
+  explicit LiarsFound(std::vector<KeptOut> liars)
+      : Error(ExitCode::failed, liars.front().reason), liars_(std::move(liars)) {}
+  const std::vector<KeptOut>& liars() const { return liars_; }
+
+ private:
+  std::vector<KeptOut> liars_;
+};
+
+/// Whom a verdict keeps out, besides `before`: the process alone where another on its machine was
+/// right, else the machine; and the key, where two of its machines are kept out already and nobody
+/// with that key was right. `reason` is for people.
+std::vector<KeptOut> keptOutBy(const SpotChecks::Verdict& verdict,
+                               const std::vector<KeptOut>& before, const std::string& reason);
+
+}  // namespace palpate

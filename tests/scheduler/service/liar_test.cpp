@@ -1,0 +1,262 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <iostream>
+#include <random>
+
+#include "tests/scheduler/build_world.hpp"
+#include "tests/support/long_tests.hpp"
+
+// Workers that are broken, or lie: what becomes of the dataset, and of them.
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+using wire::Message;
+
+/// Of more points, so that one in a hundred is one.
+Problem wideProblem() {
+  Scene scene = test::cubeProblem().scene;
+  scene.workspace.radius = 0.03;
+  return resolve(scene, test::cubeMesh(0.1, 2));
+}
+
+/// A build by three workers on three machines.
+struct LiarWorld : test::BuildWorld {
+  explicit LiarWorld(CoordinatorSettings settings = {}) : BuildWorld(settings, wideProblem()) {
+    solver = test::solveSmoothly;
+  }
+
+  /// What the scheduler says against it; empty when it lets it in.
+  std::string joinFrom(const std::string& host, const std::string& peer) {
+    Message hello = test::helloOf(peer);
+    hello.mutable_hello()->set_host(host);
+    send(peer, hello);
+    const auto refused = take(peer, Message::kRefused);
+    if (!refused.empty()) return refused[0].refused().reason();
+    request(peer, 1);
+    return "";
+  }
+  void joinAll() {
+    for (const std::string peer : {"a", "b", "c"}) joinFrom("machine-" + peer, peer);
+  }
+
+  /// Until it is complete, or stuck; who is found out is kept out, and the build goes on.
+  void finishWhateverComes() {
+    for (int found = 0; found < 10; ++found) {
+      try {
+        joinAll();
+        for (int turns = 0; !coordinator().complete() && !coordinator().stuck(); ++turns) {
+          ASSERT_LT(turns, 20000) << "the build does not end";
+          for (const std::string peer : {"a", "b", "c"})
+            for (const wire::Job& job : takeJobs(peer)) {
+              deliver(peer, job);
+              request(peer, 1);
+            }
+          pass(25ms);
+        }
+        return;
+      } catch (const LiarsFound& liars) {
+        build().keepOut(liars);
+        restart();
+      }
+    }
+    FAIL() << "liars without end";
+  }
+};
+
+/// The header and payload of another outcome in the place of what was found.
+void change(wire::Result& result, std::string& payload,
+            const std::function<void(Outcome&)>& falsify) {
+  std::optional<Outcome> outcome = fromWire(result);
+  ASSERT_TRUE(outcome);
+  falsify(*outcome);
+  if (!outcome->converged) {
+    payload.clear();
+    result.clear_fields_id();
+  }
+  toWire(*outcome, payload, result);
+  if (!outcome->converged) result.clear_payload_bytes();
+}
+
+using Lie = std::function<void(wire::Result&, std::string&)>;
+/// What a result says of forces, and so what a hand feels, falsified by a tenth or more.
+const std::vector<Lie>& lies() {
+  static const std::vector<Lie> all = {
+      [](wire::Result& r, std::string& payload) {
+        change(r, payload, [](Outcome& o) { o.equilibrium.force *= 1.1; });
+      },
+      [](wire::Result& r, std::string& payload) {
+        change(r, payload, [](Outcome& o) { o.equilibrium.energy *= 1.1; });
+      },
+      [](wire::Result& r, std::string& payload) {
+        change(r, payload, [](Outcome& o) { o.equilibrium.stiffness *= 1.2; });
+      },
+      [](wire::Result& r, std::string& payload) {
+        change(r, payload, [](Outcome& o) {
+          o.converged = false;
+          o.failure = {.cause = Cause::iteration_limit, .step_reached = 0.5};
+        });
+      }};
+  return all;
+}
+
+ContentId honestContent() {
+  LiarWorld world(test::BuildWorld::withoutChecks());
+  world.finishWhateverComes();
+  return world.sealedContent();
+}
+
+struct LiarTest : testing::Test {
+  /// "b" tells this lie in its nth result, from 0.
+  void lieOnce(LiarWorld& world, int nth, const Lie& lie) {
+    world.falsify = [&lie, nth, told = 0](const std::string& peer, wire::Result& result,
+                                          std::string& payload) mutable {
+      if (peer == "b" && told++ == nth) lie(result, payload);
+    };
+  }
+};
+
+TEST_F(LiarTest, AnHonestBuildIsCheckedAndEndsTheSame) {
+  LiarWorld world;
+  world.finishWhateverComes();
+  EXPECT_EQ(world.sealedContent(), honestContent());
+  const auto checked = world.counter("checked_results");
+  EXPECT_GE(checked, 3);
+  EXPECT_LE(checked, 30) << "of 246";
+  EXPECT_EQ(world.counter("unchecked_results"), 0);
+}
+
+TEST_F(LiarTest, ALieOfAnyKindIsFoundAndAllOfItsWorkerComputedAgain) {
+  const ContentId honest = honestContent();
+  for (std::size_t kind = 0; kind < lies().size(); ++kind) {
+    LiarWorld world;
+    lieOnce(world, 40, lies()[kind]);
+    world.finishWhateverComes();
+    EXPECT_EQ(world.sealedContent(), honest) << "lie " << kind;
+    const wire::Status status = world.coordinator().status(world.now);
+    ASSERT_EQ(status.kept_out_size(), 1) << "lie " << kind;
+    EXPECT_EQ(status.kept_out(0).kind(), "machine");
+    EXPECT_EQ(status.kept_out(0).host(), "machine-b");
+    EXPECT_THAT(world.joinFrom("machine-b", "b again"),
+                testing::HasSubstr("kept out of this build"));
+    EXPECT_EQ(world.joinFrom("machine-a", "a again"), "");
+  }
+}
+
+TEST_F(LiarTest, OneThatIsWrongFromTheStartIsFoundSoon) {
+  LiarWorld world;
+  int told = 0;
+  world.falsify = [&](const std::string& peer, wire::Result& result, std::string& payload) {
+    if (peer != "b" || fromWire(result.target()) == LatticePoint{}) return;
+    ++told;
+    lies()[0](result, payload);
+  };
+  world.finishWhateverComes();
+  EXPECT_LT(told, 30);
+  EXPECT_EQ(world.sealedContent(), honestContent());
+}
+
+TEST_F(LiarTest, ARestartOfTheSchedulerForgetsNoCheckAndNobodyWhoIsKeptOut) {
+  CoordinatorSettings settings;
+  settings.spot_checks.share = 1;
+  LiarWorld world(settings);
+  world.joinFrom("machine-a", "a");
+  for (int jobs = 0; jobs < 6; ++jobs)
+    for (const wire::Job& job : world.takeJobs("a")) {
+      world.deliver("a", job);
+      world.request("a", 1);
+      world.pass(25ms);
+    }
+  const int open = world.coordinator().status(world.now).checks_open();
+  EXPECT_GT(open, 2);
+  world.restart();
+  EXPECT_EQ(world.coordinator().status(world.now).checks_open(), open);
+  lieOnce(world, 5, lies()[0]);
+  world.finishWhateverComes();
+  EXPECT_EQ(world.coordinator().status(world.now).kept_out_size(), 1);
+  world.restart();
+  EXPECT_THAT(world.joinFrom("machine-b", "b"), testing::HasSubstr("kept out"));
+  EXPECT_EQ(world.sealedContent(), honestContent());
+}
+
+/// Of two, nobody can say who is right.
+TEST_F(LiarTest, WithoutAThirdWorkerADisputeEndsTheBuildAndAThirdOneSettlesIt) {
+  LiarWorld world;
+  world.joinFrom("machine-a", "a");
+  world.joinFrom("machine-b", "b");
+  lieOnce(world, 40, lies()[0]);
+  for (int turns = 0; !world.coordinator().complete() && !world.coordinator().stuck(); ++turns) {
+    ASSERT_LT(turns, 20000);
+    for (const std::string peer : {"a", "b"})
+      for (const wire::Job& job : world.takeJobs(peer)) {
+        world.deliver(peer, job);
+        world.request(peer, 1);
+      }
+    world.pass(25ms);
+  }
+  EXPECT_TRUE(world.coordinator().stuck());
+  EXPECT_EQ(world.coordinator().disputedCount(), 1u);
+  world.restart();
+  EXPECT_FALSE(world.coordinator().stuck()) << "others may come";
+  world.finishWhateverComes();
+  EXPECT_EQ(world.coordinator().status(world.now).kept_out_size(), 1);
+  EXPECT_EQ(world.sealedContent(), honestContent());
+}
+
+TEST_F(LiarTest, AWorkerAloneIsNotCheckedAndTheBuildSaysSo) {
+  LiarWorld world;
+  world.joinFrom("machine-a", "a");
+  world.finish({"a"});
+  EXPECT_GT(world.counter("unchecked_results"), 0);
+  EXPECT_EQ(world.sealedContent(), honestContent());
+}
+
+/// Workers that take no more work, or hoard it, hold no build up at its end.
+TEST_F(LiarTest, ChecksThatNobodyAsksForAreGivenUpAfterAMinute) {
+  LiarWorld world;
+  world.joinFrom("machine-a", "a");
+  world.send("b", test::helloOf("b"));
+  for (int turns = 0; !world.coordinator().complete(); ++turns) {
+    ASSERT_LT(turns, 20000);
+    for (const wire::Job& job : world.takeJobs("a")) {
+      world.deliver("a", job);
+      world.request("a", 1);
+    }
+    world.beat("b");
+    world.pass(50ms);
+  }
+  EXPECT_GT(world.counter("unchecked_results"), 0);
+}
+
+/// One worker of three falsifies one in a hundred of its results, in one of four ways. Most builds
+/// are too small for more than one lie.
+TEST_F(LiarTest, OfManyBuildsWithALiarAllButOneInAHundredAreMendedOrRefused) {
+  const int builds = test::longTestsAreWanted() ? 1000 : 30;
+  const ContentId honest = honestContent();
+  int with_lies = 0, spoiled = 0, found = 0;
+  for (int seed = 0; seed < builds; ++seed) {
+    LiarWorld world;
+    std::mt19937 random(static_cast<unsigned>(seed));
+    int told = 0;
+    world.falsify = [&](const std::string& peer, wire::Result& result, std::string& payload) {
+      if (peer != "b" || fromWire(result.target()) == LatticePoint{} || random() % 100 != 0) return;
+      ++told;
+      lies()[random() % lies().size()](result, payload);
+    };
+    world.finishWhateverComes();
+    with_lies += told > 0;
+    const bool kept_out = world.coordinator().status(world.now).kept_out_size() > 0;
+    found += kept_out;
+    EXPECT_LE(kept_out, told > 0) << "seed " << seed << ": nobody honest is kept out";
+    spoiled += world.coordinator().complete() && world.sealedContent() != honest;
+  }
+  std::cout << fmt::format("{} builds, {} with lies, {} liars found, {} datasets spoiled\n", builds,
+                           with_lies, found, spoiled);
+  EXPECT_GE(with_lies, builds / 3) << "or nothing was tried";
+  EXPECT_LE(100 * spoiled, with_lies);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,168 @@
+#include "scheduler/service/spot_checks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace palpate {
+namespace {
+
+wire::Provenance who(const std::string& worker, const std::string& host = "here",
+                     const std::string& key = "") {
+  wire::Provenance provenance;
+  provenance.set_worker(worker);
+  provenance.set_host(host);
+  provenance.set_key(key);
+  return provenance;
+}
+
+struct SpotChecksTest : testing::Test {
+  const TransitionKey key = {0, 1, 0};
+  SpotChecks checks{{}, std::string(32, 's')};
+
+  std::vector<std::string> wrongOnes(const SpotChecks::Verdict& verdict) {
+    std::vector<std::string> ids;
+    for (const wire::Provenance& liar : verdict.wrong) ids.push_back(liar.worker());
+    return ids;
+  }
+  /// By lot, because they are odd, or have failed.
+  static int picked(SpotChecks& checks, int results, const SpotChecks::Look& look = {}) {
+    int count = 0;
+    for (int n = 0; n < results; ++n) count += isPicked(checks, n, look);
+    return count;
+  }
+  static bool isPicked(SpotChecks& checks, int n, const SpotChecks::Look& look = {},
+                       int nth = 1'000'000) {
+    return checks.pick({0, {n, 0, 0}, {}}, nth, look) != SpotChecks::Picked::no;
+  }
+};
+
+TEST_F(SpotChecksTest, OneInAHundredIsPickedWhoeverAsks) {
+  EXPECT_NEAR(picked(checks, 20000), 200, 60);
+  SpotChecks again({}, std::string(32, 's')), others({}, std::string(32, 't'));
+  int same = 0, alike = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const bool it = isPicked(checks, n);
+    same += it == isPicked(again, n);
+    alike += it && isPicked(others, n);
+  }
+  EXPECT_EQ(same, 20000) << "a restart picks the same";
+  EXPECT_LT(alike, 20) << "without the secret nobody can tell";
+}
+
+TEST_F(SpotChecksTest, MoreOfAWorkersFirstOnes) {
+  int count = 0;
+  for (int build = 0; build < 200; ++build) {
+    SpotChecks of_build({}, fmt::format("{:032}", build));
+    for (int n = 0; n < 20; ++n) count += isPicked(of_build, n, {}, n + 1);
+  }
+  EXPECT_NEAR(count, 180, 40) << "1 in 4, 1 in 8, 1 in 12 ...";
+}
+
+TEST_F(SpotChecksTest, FailuresArePickedWithinABudget) {
+  const int count = picked(checks, 10000, {.failed = true});
+  EXPECT_GE(count, 120);
+  EXPECT_LE(count, 200) << "1 % by lot, 0.5 % because they failed, and 8";
+  SpotChecks early({}, std::string(32, 's'));
+  EXPECT_EQ(picked(early, 8, {.failed = true}), 8);
+}
+
+/// A body whose honest results are odd, too, has odder ones when somebody lies.
+TEST_F(SpotChecksTest, TheOddestArePickedWhateverIsUsual) {
+  for (const double usual : {1e-6, 1.0, 50.0}) {
+    SpotChecks of_body({}, std::string(32, 's'));
+    std::mt19937 random(7);
+    std::exponential_distribution<double> oddness(1 / usual);
+    int honest = 0;
+    constexpr int results = 20000;
+    for (int n = 0; n < results; ++n)
+      honest += isPicked(of_body, n, {.oddness = std::min(oddness(random), 7 * usual)});
+    EXPECT_LE(honest, 0.02 * results + 100) << usual;
+    for (int n = 0; n < 5; ++n)
+      EXPECT_TRUE(isPicked(of_body, results + n, {.oddness = 8 * usual})) << usual;
+  }
+}
+
+TEST_F(SpotChecksTest, BeforeMuchIsKnownWhatIsOddOnALiverIsPicked) {
+  EXPECT_TRUE(isPicked(checks, 1, {.oddness = 3.1}));
+  EXPECT_TRUE(isPicked(checks, 2, {.oddness = std::numeric_limits<double>::infinity()}));
+}
+
+TEST_F(SpotChecksTest, TwoThatAgreeAreRight) {
+  checks.open(key, {who("a"), "x"}, {});
+  const auto verdict = checks.hear(key, {who("b"), "x"});
+  ASSERT_TRUE(verdict);
+  EXPECT_TRUE(verdict->wrong.empty());
+  EXPECT_EQ(verdict->right.size(), 2u);
+  EXPECT_FALSE(checks.isOpen(key));
+  EXPECT_TRUE(checks.wasOpened(key));
+}
+
+TEST_F(SpotChecksTest, AThirdDecidesWhichOfTwoIsWrong) {
+  checks.open(key, {who("a"), "x"}, {});
+  EXPECT_FALSE(checks.hear(key, {who("b"), "y"}));
+  EXPECT_TRUE(checks.isDisputed(key));
+  EXPECT_EQ(checks.disputedCount(), 1u);
+  const auto verdict = checks.hear(key, {who("c"), "y"});
+  ASSERT_TRUE(verdict);
+  EXPECT_EQ(wrongOnes(*verdict), std::vector<std::string>{"a"});
+  checks.open(key, {who("a"), "x"}, {});
+  checks.hear(key, {who("b"), "y"});
+  EXPECT_EQ(wrongOnes(*checks.hear(key, {who("c"), "x"})), std::vector<std::string>{"b"});
+}
+
+TEST_F(SpotChecksTest, AsLongAsNoneAgreeOthersAreAsked) {
+  checks.open(key, {who("a"), "x"}, {});
+  EXPECT_FALSE(checks.hear(key, {who("b"), "y"}));
+  EXPECT_FALSE(checks.hear(key, {who("c"), "z"}));
+  const auto verdict = checks.hear(key, {who("d"), "y"});
+  ASSERT_TRUE(verdict);
+  EXPECT_EQ(wrongOnes(*verdict), (std::vector<std::string>{"a", "c"}));
+}
+
+TEST_F(SpotChecksTest, NobodyIsAskedTwice) {
+  checks.open(key, {who("a", "one"), "x"}, {});
+  EXPECT_FALSE(checks.isNew(key, who("a", "elsewhere")));
+  EXPECT_TRUE(checks.isNew(key, who("b", "one")));
+  EXPECT_FALSE(checks.isElsewhere(key, who("b", "one")));
+  EXPECT_TRUE(checks.isElsewhere(key, who("b", "two")));
+  EXPECT_TRUE(checks.isElsewhere(key, who("b", "one", "key"))) << "another's machine of that name";
+}
+
+using Kind = KeptOut::Kind;
+
+Kind kindOf(const SpotChecks::Verdict& verdict, const std::vector<KeptOut>& before = {}) {
+  return keptOutBy(verdict, before, "why").at(0).kind;
+}
+
+TEST(KeptOutBy, TheMachineUnlessOthersOnItWereRight) {
+  EXPECT_EQ(kindOf({{who("b", "two"), who("c", "three")}, {who("a", "one")}}), Kind::machine);
+  EXPECT_EQ(kindOf({{who("b", "one"), who("c", "three")}, {who("a", "one")}}), Kind::process);
+}
+
+TEST(KeptOutBy, AKeyOnceTwoOfItsMachinesWereFound) {
+  const std::vector<KeptOut> before = {{Kind::machine, who("x", "eight", "k"), ""},
+                                       {Kind::machine, who("y", "nine", "k"), ""}};
+  const wire::Provenance liar = who("a", "one", "k");
+  EXPECT_EQ(kindOf({{who("b", "two", "l"), who("c", "three", "m")}, {liar}}, before), Kind::key);
+  EXPECT_EQ(kindOf({{who("b", "two", "k"), who("c", "three", "m")}, {liar}}, before), Kind::machine)
+      << "honest ones share it";
+  EXPECT_EQ(kindOf({{who("b", "two"), who("c", "three")}, {who("a", "one")}}, before),
+            Kind::machine)
+      << "it has none";
+}
+
+TEST(KeptOut, CoversWhatItSays) {
+  const wire::Provenance liar = who("a", "one", "k");
+  const KeptOut process{Kind::process, liar, ""}, machine{Kind::machine, liar, ""},
+      key{Kind::key, liar, ""};
+  EXPECT_TRUE(process.covers(who("a", "elsewhere")));
+  EXPECT_FALSE(process.covers(who("b", "one", "k")));
+  EXPECT_TRUE(machine.covers(who("b", "one", "k")));
+  EXPECT_FALSE(machine.covers(who("b", "one", "l")));
+  EXPECT_TRUE(key.covers(who("b", "two", "k")));
+  EXPECT_FALSE(key.covers(who("b", "two", "l")));
+}
+
+}  // namespace
+}  // namespace palpate
