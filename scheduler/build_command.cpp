@@ -191,6 +191,7 @@ void allowAsManyPeers() {
 struct Listening {
   std::string endpoint;
   bool own_keys = false;          ///< those of the state directory, which the server's workers get
+  bool nobody_else = false;       ///< there is one worker, and no other will come
   std::optional<KeyFolder> keys;  ///< else; nothing: for everybody
 };
 
@@ -244,6 +245,9 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
   catchInterrupts();
   const auto began = Clock::now();
   CoordinatorSettings settings;
+  settings.keys_tell_who = !where.own_keys;
+  if (where.keys) settings.spot_checks.trusted_key = where.keys->ownOrNew().open();
+  if (where.nobody_else) settings.checks_wait = milliseconds(0);
   if (order.hung_after_s) settings.hung_after = std::chrono::seconds(*order.hung_after_s);
   for (;;) {
     Build build(problem, state, Clock::now(), settings);
@@ -337,7 +341,11 @@ std::function<ExitCode()> prepareBuild(CLI::App& app) {
       "Exit codes: 0 done, 1 failed, 2 bad scene or usage, 3 done but some points failed, "
       "130 interrupted.");
   return [options] {
-    return carryOut(options->order, {.endpoint = "tcp://127.0.0.1:*", .own_keys = true, .keys = {}},
+    return carryOut(options->order,
+                    {.endpoint = "tcp://127.0.0.1:*",
+                     .own_keys = true,
+                     .nobody_else = options->workers == 1,
+                     .keys = {}},
                     [&](Server& server, Build& build, const std::function<void()>& seal) {
                       return compute(server, build, seal, options->workers);
                     });
@@ -381,9 +389,12 @@ std::function<ExitCode()> prepareServe(CLI::App& app) {
       "3 done but some points failed, 130 interrupted.");
   return [options] {
     checkEndpoint(options->endpoint);
-    return carryOut(
-        options->order,
-        {.endpoint = options->endpoint, .own_keys = false, .keys = options->keys.keys()}, serve);
+    return carryOut(options->order,
+                    {.endpoint = options->endpoint,
+                     .own_keys = false,
+                     .nobody_else = false,
+                     .keys = options->keys.keys()},
+                    serve);
   };
 }
 

@@ -135,7 +135,7 @@ wire::Status storedStatus(const std::filesystem::path& directory) {
   wire::Status status = statusOf(problem, replayed.plans, servers, tables.counters());
   status.set_build(tables.build().build.hex());
   addKeptOut(status, tables.keptOut());
-  const std::map<TransitionKey, bool> checks = tables.checks();
+  const std::map<ResultKey, bool> checks = tables.checks();
   status.set_checks_open(static_cast<std::int32_t>(checks.size()));
   status.set_disputed(static_cast<std::int32_t>(
       std::ranges::count_if(checks, [](const auto& check) { return check.second; })));

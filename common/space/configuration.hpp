@@ -60,6 +60,13 @@ struct Equilibrium {
 /// Whether every number of it is finite.
 bool isFinite(const Equilibrium& equilibrium);
 
+/// Whether it says anything of how the energy changes with s: a finger's.
+inline bool hasDrive(const Equilibrium& e) {
+  return !(e.drive.isZero(0) && e.drive_stiffness.isZero(0) && e.drive_slope.isZero(0) &&
+           e.stiffness_by_p.isZero(0) && e.stiffness_by_s.isZero(0) &&
+           e.drive_slope_by_p.isZero(0));
+}
+
 /// How much work an answer took. Everything but `seconds` is reproducible.
 struct Cost {
   std::int32_t newton_iterations = 0;

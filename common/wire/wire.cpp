@@ -129,12 +129,6 @@ std::string matrixBytes(const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::Ro
   return {reinterpret_cast<const char*>(rows.data()), at(rows.size()) * sizeof(double)};
 }
 
-bool hasDrive(const Equilibrium& e) {
-  return !(e.drive.isZero(0) && e.drive_stiffness.isZero(0) && e.drive_slope.isZero(0) &&
-           e.stiffness_by_p.isZero(0) && e.stiffness_by_s.isZero(0) &&
-           e.drive_slope_by_p.isZero(0));
-}
-
 void driveToWire(const Equilibrium& equilibrium, wire::Equilibrium& message) {
   if (!hasDrive(equilibrium)) return;
   message.set_drive(equilibrium.drive.data(), 3 * sizeof(double));

@@ -65,11 +65,6 @@ std::optional<Handout> Leases::handOutCheck(const std::string& worker, const May
   return handout;
 }
 
-bool Leases::isCheck(const TransitionKey& key) const {
-  const auto found = entries_.find(key);
-  return found != entries_.end() && found->second.is_check;
-}
-
 void Leases::finish(const TransitionKey& key) {
   const auto found = entries_.find(key);
   PALPATE_ASSERT(found != entries_.end(), "what has an outcome was handed out, or still waits");

@@ -72,13 +72,12 @@ class Leases {
   /// The transition has an outcome, whoever found it.
   void finish(const TransitionKey& key);
 
-  /// A transition that is finished is to be solved once more. It must not be a check already.
+  /// A transition that is finished is to be solved once more. It must not be a check already;
+  /// finish() ends it.
   void addCheck(const TransitionKey& key);
   /// A job of one check that waits and that `worker` `may` take; nothing when there is none.
   using May = std::function<bool(const TransitionKey&)>;
   std::optional<Handout> handOutCheck(const std::string& worker, const May& may);
-  /// Whether it is a check, waiting or leased; finish() ends it.
-  bool isCheck(const TransitionKey& key) const;
   const std::set<TransitionKey>& waitingChecks() const { return waiting_checks_; }
 
   /// Ends the leases of a worker, which blames nothing; they wait again.

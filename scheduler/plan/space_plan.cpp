@@ -78,7 +78,7 @@ bool SpacePlan::isOpen(const Transition& transition) const {
 }
 
 std::int32_t SpacePlan::stepsOf(const Transition& transition) const {
-  if (!isOpen(transition)) return 1;
+  PALPATE_ASSERT(isOpen(transition), "what is recorded says itself how it was solved");
   if (stage_ == Stage::branches) return steps_of_retry;
   if (stage_ != Stage::probes || !problem_->active[space_].probe) return 1;
   const double distance = positions_.displacement(transition.target).norm();

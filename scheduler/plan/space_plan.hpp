@@ -56,6 +56,8 @@ class SpacePlan {
   /// The transitions that became ready since the last call. Each stays open until it is recorded.
   std::vector<Transition> takeReady();
   bool isOpen(const Transition& transition) const;
+  /// It was open once, and record() took its outcome.
+  bool isRecorded(const Transition& transition) const { return tried_.contains(transition); }
   /// Steps that a worker divides this open transition into, 1 as a rule.
   std::int32_t stepsOf(const Transition& transition) const;
   /// Records the outcome of an open transition; `fields` names its nodal fields when it converged.

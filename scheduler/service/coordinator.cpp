@@ -36,6 +36,7 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
       settings_(settings),
       incarnation_(randomBytes(16)),
       losses_(store.tables().losses()),
+      due_checks_(store.tables().checks()),
       registry_(store.kernelFamily(), store.keptOut()),
       group_(store),
       counters_(store.tables().counters()),
@@ -49,8 +50,11 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
   leases_ = Leases(static_cast<std::uint64_t>(counters_["runs"]) << 32);
   StoredResults results = store_->takeFound();
   found_ = results.size();
-  for (const auto& [key, result] : results)
+  for (const auto& [key, result] : results) {
     longest_solve_ = std::max(longest_solve_, result.outcome.cost.seconds);
+    // Its workers may come back any moment.
+    keys_heard_[result.header.given_by().key()] = now;
+  }
   Replay replayed = replay(problem, std::move(results));
   plans_ = std::move(replayed.plans);
   spare_ = std::move(replayed.spare);
@@ -58,7 +62,7 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
   if (!store_->damaged() && replayed.settled.stale.empty()) refuseSpare(spare_);
   PALPATE_ASSERT(plans_.size() == problem.active.size(), "every active node has its plan");
   add(replayed.settled);
-  reopenChecks();
+  openChecks();
   store_->tables().writeCounters(counters_);
   store_->tables().showAll(plans_);
   finishIfComplete(now);
@@ -108,8 +112,8 @@ void Coordinator::refuse(const Incoming& incoming, Time now) {
 void Coordinator::hello(const Incoming& incoming, Time now) {
   const std::string& peer = incoming.peer;
   const wire::Hello& hello = incoming.message.hello();
-  if (const std::string objection = registry_.objectionTo(hello, incoming.key);
-      !objection.empty()) {
+  const auto key = settings_.keys_tell_who ? incoming.key : std::nullopt;
+  if (const std::string objection = registry_.objectionTo(hello, key); !objection.empty()) {
     peer_log_.warn(now, "worker {} on {} was refused: {}", hello.pid(), printable(hello.host()),
                    objection);
     ++counters_["refused_workers"];
@@ -125,10 +129,11 @@ void Coordinator::hello(const Incoming& incoming, Time now) {
   leases_.giveBack(hello.worker());
   // It lives: what it had when it was lost did not end it.
   std::erase_if(departed_, [&](const auto& entry) { return entry.first == hello.worker(); });
-  const Worker& worker = registry_.admit(peer, hello, incoming.key, now);
+  const Worker& worker = registry_.admit(peer, hello, key, now);
   peer_log_.info(now, "worker {} on {} joined ({} kernels)", worker.pid, worker.host,
                  worker.kernel_family);
   newcomers_ = true;
+  keys_heard_[worker.provenance.key()] = now;
 
   wire::Welcome& welcome = *send(peer).mutable_welcome();
   welcome.set_incarnation(incarnation_);
@@ -141,6 +146,7 @@ void Coordinator::goodbye(Worker& worker, const wire::Goodbye& goodbye, Time now
   peer_log_.info(now, "worker {} on {} left: {}", worker.pid, worker.host,
                  printable(goodbye.reason(), 200));
   leases_.giveBack(worker.id);
+  keys_heard_[worker.provenance.key()] = now;
   registry_.remove(worker, "left", now);
 }
 
@@ -165,8 +171,7 @@ void Coordinator::sendFields(const Worker& worker, const wire::FieldsRequest& re
         isSolved(point.tag) && point.fields.bytes() == request.id())
       found = store_->find(resultKeyOf({key->space, key->target, point.parent}));
   if (!found)
-    if (const auto solver = checks_.solverOfStart(request.id()))
-      found = store_->find(resultKeyOf(*solver));
+    if (const auto solver = checks_.solverOfStart(request.id())) found = store_->find(*solver);
   const bool known = found.has_value();
   std::shared_ptr<const std::string> payload;
   if (known) payload = std::make_shared<const std::string>(std::move(found->payload));
@@ -206,7 +211,11 @@ void Coordinator::result(Worker& worker, const Incoming& incoming, Time now) {
     return unwanted(worker, message);
   }
   if (ResultGroup::Member* waiting = group_.find(*key)) {
-    duplicate(worker, waiting->result.header, message, now);
+    const wire::Result& first = waiting->result.header;
+    if (!duplicate(worker, first, message, now)) {
+      if (first.given_by().worker() == worker.id) throw contradiction(worker, message);
+      waiting->is_checked = waiting->is_disputed = true;
+    }
     waiting->senders.insert(worker.peer);
   } else if (plans_[key->space].isOpen({key->target, key->parent})) {
     if (message.start_id() != startIdOf(plans_[key->space], {key->target, key->parent}))
@@ -239,7 +248,13 @@ void Coordinator::take(Worker& worker, const TransitionKey& key, const Incoming&
   leases_.finish(key);
   StoredResult stored{incoming.message.result(), *fromWire(incoming.message.result())};
   stored.header.clear_lease();
-  *stored.header.mutable_given_by() = worker.provenance();
+  *stored.header.mutable_given_by() = worker.provenance;
+  const SpacePlan& plan = plans_[key.space];
+  stored.header.set_steps(static_cast<std::uint32_t>(plan.stepsOf({key.target, key.parent})));
+  stored.header.clear_start_parent();
+  if (!stored.header.start_id().empty())
+    *stored.header.mutable_start_parent() =
+        toWire(plan.positions().point(plan.point(key.parent).parent));
   const SpotChecks::Picked picked =
       checks_.pick(resultKeyOf(key), worker.results, lookOf(key, stored.outcome));
   group_.add(key, std::move(stored), incoming.payload, now);
@@ -265,10 +280,13 @@ void Coordinator::settleKernels(const std::string& family, Time now) {
   }
 }
 
-void Coordinator::duplicate(const Worker& worker, const wire::Result& first,
+/// Counts it, and tells when it is another result. Whether it is the same.
+bool Coordinator::duplicate(const Worker& worker, const wire::Result& first,
                             const wire::Result& second, Time now) {
   ++counters_["duplicate_results"];
-  if (!ResultCheck::agree(first, second)) differs(worker, first, second, now);
+  if (ResultCheck::agree(first, second)) return true;
+  differs(worker, first, second, now);
+  return false;
 }
 
 void Coordinator::badMessage(const std::string& peer, const std::string& why) {
@@ -290,6 +308,8 @@ bool Coordinator::groupIsDue(Time now) const {
 
 void Coordinator::commitGroup(Time now) {
   if (group_.size() == 0) return;
+  // Before they are durable, or one that is killed in between would never be checked.
+  for (const auto& [key, member] : group_.members()) noteChecks(member);
   // Plans move on only after this: what they ask for next may rest on what is in the group.
   const ResultGroup::Members durable = group_.commit();
   std::vector<Tables::Changed> changed;
@@ -302,15 +322,14 @@ void Coordinator::commitGroup(Time now) {
     longest_solve_ = std::max(longest_solve_, member.result.outcome.cost.seconds);
     converged_ += member.result.outcome.converged;
     add(settle(plan, key.space, spare_));
-    if (member.is_checked) openCheck(key, member.result.header);
-    if (member.is_odd) openCheckOfStart(key);
   }
+  openChecks();
   store_->tables().show(plans_, changed);
   finishIfComplete(now);
 }
 
 void Coordinator::add(const Settled& settled) {
-  for (const ResultKey& stale : settled.stale) store_->drop(stale);
+  store_->drop(settled.stale);
   for (const TransitionKey& key : settled.missing) {
     const auto known = losses_.find(key);
     leases_.add(key, known == losses_.end() ? Losses() : known->second);
@@ -340,7 +359,9 @@ bool Coordinator::deserted(Time now) const {
 
 void Coordinator::finishIfComplete(Time now) {
   if (complete() || !std::ranges::all_of(plans_, &SpacePlan::complete)) return;
-  if (checks_.openCount() > 0) return;
+  openChecks();
+  forgetChecksOfNothing();
+  if (checks_.openCount() + due_checks_.size() > 0) return;
   PALPATE_ASSERT(group_.size() == 0 && leases_.empty(),
                  "a complete plan waits for no result, and nobody solves for it");
   complete_ = true;
@@ -397,6 +418,7 @@ Coordinator::Time Coordinator::nextDeadline() const {
 void Coordinator::handOutJobs() {
   const bool checks_wait = !leases_.waitingChecks().empty();
   if (stopping_ || complete() || (leases_.waiting() == 0 && !checks_wait)) return;
+  const std::map<TransitionKey, Apart> wanted = wantedOfChecks();
   using Load = std::pair<std::size_t, std::string>;  // targets it holds, id
   std::set<Load> by_load;
   for (const auto& [id, worker] : registry_.all())
@@ -405,8 +427,8 @@ void Coordinator::handOutJobs() {
     const std::string id = by_load.extract(by_load.begin()).value().second;
     Worker& worker = registry_.at(id);
     // There are few of them, and they are to show what is wrong before much rests on it.
-    auto handout =
-        leases_.handOutCheck(id, [&](const TransitionKey& key) { return mayCheck(key, worker); });
+    auto handout = leases_.handOutCheck(
+        id, [&](const TransitionKey& key) { return mayCheck(key, worker, wanted.at(key)); });
     if (!handout) handout = leases_.handOut(id, registry_.all().size());
     if (!handout && !checks_wait) return;
     if (!handout) continue;
@@ -427,15 +449,18 @@ void Coordinator::sendJob(const Worker& worker, const Handout& handout) {
   *job.mutable_start() = toWire(plan.positions().point(handout.parent));
   // Whatever goes to several targets is none of the rest state, which has a job of its own.
   const TransitionKey first = {handout.space, handout.targets.front().point, handout.parent};
-  job.set_start_id(checks_.isOpen(first) ? checks_.startOf(first).id
-                                         : startIdOf(plan, {first.target, first.parent}));
+  const bool is_check = checks_.isOpen(resultKeyOf(first));
+  job.set_start_id(is_check ? checks_.startOf(resultKeyOf(first)).id
+                            : startIdOf(plan, {first.target, first.parent}));
   for (const Handout::Target& target : handout.targets) {
     wire::Target& entry = *job.add_targets();
     *entry.mutable_point() = toWire(plan.positions().point(target.point));
     entry.set_attempt(target.attempt);
     const ResultKey key = resultKeyOf({handout.space, target.point, handout.parent});
     entry.set_lease(seal_.sealOf({worker.id, key, job.start_id()}));
-    entry.set_steps(static_cast<std::uint32_t>(plan.stepsOf({target.point, handout.parent})));
+    entry.set_steps(is_check
+                        ? checks_.startOf(key).steps
+                        : static_cast<std::uint32_t>(plan.stepsOf({target.point, handout.parent})));
   }
 }
 
@@ -486,6 +511,7 @@ void Coordinator::lose(const Worker& worker, Time now) {
   departed_.emplace_back(worker.id, leases_.suspectsOf(worker.id, worker.solving));
   if (departed_.size() > most_departed) departed_.pop_front();
   leases_.giveBack(worker.id);
+  keys_heard_[worker.provenance.key()] = now;
   if (!everybodyIsToLeave()) ++counters_["lost_workers"];
   registry_.remove(worker, everybodyIsToLeave() ? "left" : "lost", now);
 }
@@ -592,7 +618,7 @@ wire::Status Coordinator::status(Time now) const {
   wire::Status status = statusOf(*problem_, plans_, registry_.rows(leases_, now), counters_);
   status.set_build(build_.hex());
   status.set_set_aside(static_cast<std::int32_t>(asideCount()));
-  status.set_checks_open(static_cast<std::int32_t>(checks_.openCount()));
+  status.set_checks_open(static_cast<std::int32_t>(checks_.openCount() + due_checks_.size()));
   status.set_disputed(static_cast<std::int32_t>(checks_.disputedCount()));
   addKeptOut(status, store_->keptOut());
   status.set_state(complete() ? "complete" : stopping_ ? "stopping" : "running");

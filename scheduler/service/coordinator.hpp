@@ -50,6 +50,13 @@ struct CoordinatorSettings {
   std::chrono::milliseconds group_age{20};
   std::size_t group_results = 64;
   SpotCheckSettings spot_checks;
+  /// Checks that none of the workers that are there may do are given up after this, when all else
+  /// is done: others may come back. 0 where nobody else will.
+  std::chrono::milliseconds checks_wait{15000};
+  /// A key that was not heard of for so long is not reckoned with.
+  std::chrono::minutes keys_remembered{10};
+  /// Keys are those of people and machines, and not of this run alone.
+  bool keys_tell_who = true;
 };
 
 /// What every message means: takes messages and the time, keeps plans, leases, registry and the
@@ -104,7 +111,9 @@ class Coordinator {
   }
   std::size_t asideCount() const { return leases_.aside().size(); }
   /// Whether another worker is asked for what is recorded, or is to be.
-  bool isChecked(const TransitionKey& key) const { return checks_.isOpen(key); }
+  bool isChecked(const ResultKey& key) const {
+    return checks_.isOpen(key) || due_checks_.contains(key);
+  }
   /// Results that two workers found differently.
   std::size_t disputedCount() const { return checks_.disputedCount(); }
   /// The dataset can do without workers: they are told to leave.
@@ -142,26 +151,31 @@ class Coordinator {
   ResultKey resultKeyOf(const TransitionKey& key) const;
   std::optional<TransitionKey> keyOf(std::uint32_t space, const wire::Point& target,
                                      const wire::Point& parent) const;
-  void duplicate(const Worker& worker, const wire::Result& first, const wire::Result& second,
+  bool duplicate(const Worker& worker, const wire::Result& first, const wire::Result& second,
                  Time now);
   bool groupIsDue(Time now) const;
   void commitGroup(Time now);
   void finishIfComplete(Time now);
 
   // What other workers solve again (coordinator_checks.cpp).
-  void reopenChecks();
-  std::optional<wire::Result> recordedInPlan(const TransitionKey& key) const;
-  bool hasStart(const TransitionKey& key, const std::string& start_id) const;
-  void openCheck(const TransitionKey& key, const wire::Result& first, bool disputed = false);
-  void openCheckOfStart(const TransitionKey& key);
+  void noteChecks(const ResultGroup::Member& member);
+  void noteCheck(const ResultKey& key, bool disputed);
+  void openChecks();
+  bool openCheck(const ResultKey& key, bool disputed);
+  void forgetChecksOfNothing();
+  bool isRecordedInPlan(const ResultKey& key) const;
   void compare(const Worker& worker, const TransitionKey& key, const wire::Result& first,
                const wire::Result& second, Time now);
   void differs(const Worker& worker, const wire::Result& first, const wire::Result& second,
                Time now);
-  void conclude(const TransitionKey& key, const SpotChecks::Verdict& verdict);
-  void closeCheck(const TransitionKey& key);
-  bool mayCheck(const TransitionKey& key, const Worker& worker) const;
+  LiarsFound contradiction(const Worker& worker, const wire::Result& result);
+  void conclude(const ResultKey& key, const SpotChecks::Verdict& verdict);
+  LiarsFound liarsFound(std::vector<KeptOut> liars);
+  std::map<TransitionKey, Apart> wantedOfChecks() const;
+  bool mayCheck(const TransitionKey& key, const Worker& worker, Apart wanted) const;
   void giveUpChecks(Time now);
+  bool isHopeless(const TransitionKey& check, Apart wanted) const;
+  void giveUp(const TransitionKey& check);
 
   // From the plan to workers.
   void handOutJobs();
@@ -202,6 +216,9 @@ class Coordinator {
   StoredResults spare_;  ///< recorded, and not asked for yet (Replay)
   Leases leases_;
   std::map<TransitionKey, Losses> losses_;  ///< of earlier runs
+  /// To be opened, as soon as they are recorded and there is room; whether they are disputed.
+  std::map<ResultKey, bool> due_checks_;
+  std::map<std::string, Time> keys_heard_;  ///< of workers, when they came and when they went
   WorkerRegistry registry_;
   /// Of workers that went without a word and did not come back, the latest last: their processes
   /// may prove to have ended.
@@ -222,7 +239,7 @@ class Coordinator {
   double longest_solve_ = 0;  ///< s, of all results; 0 before the first
   bool stopping_ = false, complete_ = false, dismissed_ = false;
   std::optional<Time> only_checks_left_;  ///< since then
-  bool checks_hopeless_ = false;          ///< nobody is there who could do them
+  bool checks_hopeless_ = false;          ///< nobody came who could do them
 };
 
 }  // namespace palpate

@@ -22,6 +22,11 @@ std::string textOf(const ResultKey& key) {
                      target[2], parent[0], parent[1], parent[2]);
 }
 
+/// Of a result that has a start.
+ResultKey solverOfStart(const wire::Result& header) {
+  return {header.space(), fromWire(header.parent()), fromWire(header.start_parent())};
+}
+
 }  // namespace
 
 SpotChecks::Look Coordinator::lookOf(const TransitionKey& key, const Outcome& outcome) const {
@@ -35,125 +40,146 @@ SpotChecks::Look Coordinator::lookOf(const TransitionKey& key, const Outcome& ou
   return {.oddness = oddnessBeside(plan.point(key.parent).equilibrium, outcome.equilibrium, way)};
 }
 
-/// Those that an earlier run left.
-void Coordinator::reopenChecks() {
-  for (const auto& [key, disputed] : store_->tables().checks()) {
-    if (const auto first = recordedInPlan(key))
-      openCheck(key, *first, disputed);
-    else
-      store_->tables().forgetCheck(key);
-  }
+void Coordinator::noteChecks(const ResultGroup::Member& member) {
+  const wire::Result& header = member.result.header;
+  if (member.is_checked) noteCheck(palpate::keyOf(header), member.is_disputed);
+  if (!member.is_odd || !header.has_start_parent()) return;
+  // What it was reached from may be what is wrong.
+  const ResultKey start = solverOfStart(header);
+  if (!checks_.wasOpened(start)) noteCheck(start, false);
 }
 
-/// Nothing when it is not recorded, or not yet in its plan, since what led there is computed again,
-/// or when the tables name what there cannot be.
-std::optional<wire::Result> Coordinator::recordedInPlan(const TransitionKey& key) const {
-  if (key.space >= plans_.size()) return std::nullopt;
-  const SpacePlan& plan = plans_[key.space];
-  for (const std::int32_t n : {key.target, key.parent})
-    if (n < 0 || n >= plan.size()) return std::nullopt;
-  if (plan.isOpen({key.target, key.parent})) return std::nullopt;
-  try {
-    const auto record = store_->find(resultKeyOf(key));
-    wire::Result result;
-    if (record && result.ParseFromString(record->header) && hasStart(key, result.start_id()))
-      return result;
-  } catch (const DamagedRecord&) {
-    // Found out, and computed again, when it is needed.
-  }
-  return std::nullopt;
-}
-
-/// Whether what the transition starts from is still what it was.
-bool Coordinator::hasStart(const TransitionKey& key, const std::string& start_id) const {
-  const SpacePlan& plan = plans_[key.space];
-  const bool is_solved = key.target == key.parent || isSolved(plan.point(key.parent).tag);
-  return is_solved && start_id == startIdOf(plan, {key.target, key.parent});
-}
-
-void Coordinator::openCheck(const TransitionKey& key, const wire::Result& first, bool disputed) {
-  // Another equilibrium of the start may have taken its place with this very result.
-  if (!hasStart(key, first.start_id()) || (!checks_.hasRoom() && !disputed)) return;
-  const TransitionKey solver_of_start = {key.space, key.parent,
-                                         plans_[key.space].point(key.parent).parent};
-  checks_.open(key, opinionOf(first, first.given_by()), {first.start_id(), solver_of_start},
-               disputed);
-  leases_.addCheck(key);
+/// Whatever happens from now on, it is opened once it is recorded.
+void Coordinator::noteCheck(const ResultKey& key, bool disputed) {
+  due_checks_[key] = disputed;
   store_->tables().writeCheck(key, disputed);
 }
 
-/// What a result that is odd was reached from may be what is wrong.
-void Coordinator::openCheckOfStart(const TransitionKey& key) {
-  const TransitionKey start = {key.space, key.parent, plans_[key.space].point(key.parent).parent};
-  if (key.target == key.parent || checks_.wasOpened(start)) return;
-  const auto record = store_->find(resultKeyOf(start));
-  PALPATE_ASSERT(record, "a plan moves on with recorded results only");
+void Coordinator::openChecks() {
+  // Disputes are few, and the end waits for them.
+  std::erase_if(due_checks_, [&](const auto& due) {
+    const auto& [key, disputed] = due;
+    return (disputed || checks_.hasRoom()) && openCheck(key, disputed);
+  });
+}
+
+/// Whether it could be opened: not before its plan has it.
+bool Coordinator::openCheck(const ResultKey& key, bool disputed) {
+  if (checks_.isOpen(key)) return true;
+  if (!isRecordedInPlan(key)) return false;
+  std::optional<JournalRecord> record;
+  try {
+    record = store_->find(key);
+  } catch (const DamagedRecord&) {
+    // Found out, and computed again, before the end.
+  }
   wire::Result first;
-  const bool readable = first.ParseFromString(record->header);
-  PALPATE_ASSERT(readable, "what is recorded was read when it was found, or written by us");
-  openCheck(start, first);
+  if (!record || !first.ParseFromString(record->header)) return false;
+  SpotChecks::Start start = {.id = first.start_id(), .solved_by = {}, .steps = first.steps()};
+  if (first.has_start_parent()) start.solved_by = solverOfStart(first);
+  checks_.open(key, opinionOf(first, first.given_by()), std::move(start), disputed);
+  leases_.addCheck(*keyOf(key.space, toWire(key.target), toWire(key.parent)));
+  return true;
+}
+
+bool Coordinator::isRecordedInPlan(const ResultKey& key) const {
+  const auto known = keyOf(key.space, toWire(key.target), toWire(key.parent));
+  // In work once more, since what was recorded is lost: then it is checked when it comes.
+  return known && plans_[known->space].isRecorded({known->target, known->parent}) &&
+         !group_.has(*known);
+}
+
+/// When all is solved: of results that no plan asked for in the end, and of damaged ones, which are
+/// found before the seal.
+void Coordinator::forgetChecksOfNothing() {
+  if (!checks_.hasRoom()) return;
+  std::erase_if(due_checks_, [&](const auto& due) {
+    store_->tables().forgetCheck(due.first);
+    return true;
+  });
 }
 
 /// A second result of what is recorded: because it was asked for as a check, or its acknowledgement
 /// was lost, or a worker taken for dead finished after all.
 void Coordinator::compare(const Worker& worker, const TransitionKey& key, const wire::Result& first,
                           const wire::Result& second, Time now) {
-  const wire::Provenance who = worker.provenance();
-  const bool was_open = checks_.isOpen(key);
-  if (!was_open) {
-    duplicate(worker, first, second, now);
-    if (ResultCheck::agree(first, second)) return;
-    openCheck(key, first, true);
-    if (!checks_.isOpen(key) || !checks_.isNew(key, who)) return;
-  } else if (!checks_.isNew(key, who)) {
-    return duplicate(worker, first, second, now);
+  const ResultKey name = resultKeyOf(key);
+  const Opinion opinion = opinionOf(second, worker.provenance);
+  const bool was_open = checks_.isOpen(name);
+  if (!was_open || checks_.apart(name, worker.provenance) == Apart::same_process) {
+    if (duplicate(worker, first, second, now) || complete_) return;
+    if (first.given_by().worker() == worker.id || (was_open && checks_.contradicts(name, opinion)))
+      throw contradiction(worker, second);
+    if (was_open) return;
+    noteCheck(name, true);
+    openChecks();
+    if (!checks_.isOpen(name)) return;
   }
   leases_.finish(key);
-  const auto verdict = checks_.hear(key, opinionOf(second, who));
-  if (verdict) return conclude(key, *verdict);
-  if (was_open) differs(worker, first, second, now);
+  const auto verdict = checks_.hear(name, opinion);
+  if (verdict) return conclude(name, *verdict);
+  if (was_open && !ResultCheck::agree(first, second)) differs(worker, first, second, now);
   leases_.addCheck(key);
-  store_->tables().writeCheck(key, true);
+  store_->tables().writeCheck(name, true);
 }
 
 void Coordinator::differs(const Worker& worker, const wire::Result& first,
                           const wire::Result& second, Time now) {
   ++counters_["divergent_results"];
   peer_log_.error(now, "{}: {} found other bits than {}: others are asked who is right",
-                  textOf(palpate::keyOf(second)), nameOf(worker.provenance()),
+                  textOf(palpate::keyOf(second)), nameOf(worker.provenance),
                   nameOf(first.given_by()));
 }
 
-void Coordinator::conclude(const TransitionKey& key, const SpotChecks::Verdict& verdict) {
-  store_->tables().forgetCheck(key);
+/// Who gives two results of one transition needs no others to be found wrong.
+LiarsFound Coordinator::contradiction(const Worker& worker, const wire::Result& result) {
+  return liarsFound({{KeptOut::Kind::process, worker.provenance,
+                      fmt::format("it gave two results of {}", textOf(palpate::keyOf(result)))}});
+}
+
+void Coordinator::conclude(const ResultKey& key, const SpotChecks::Verdict& verdict) {
   ++counters_["checked_results"];
-  if (verdict.wrong.empty()) return finishIfComplete(last_turn_);
+  if (verdict.wrong.empty()) {
+    store_->tables().forgetCheck(key);
+    openChecks();
+    return finishIfComplete(last_turn_);
+  }
+  // The check stays in the tables: what is computed again is checked again, and should the liars
+  // not be kept out, because this is killed, somebody finds them once more.
   const std::string reason = fmt::format("its result of {} differs from what {} others found",
-                                         textOf(resultKeyOf(key)), verdict.right.size());
-  counters_["wrong_results"] += std::ssize(verdict.wrong);
+                                         textOf(key), verdict.right.size());
+  throw liarsFound(keptOutBy(verdict, store_->keptOut(), reason));
+}
+
+LiarsFound Coordinator::liarsFound(std::vector<KeptOut> liars) {
+  counters_["wrong_results"] += std::ssize(liars);
   store_->tables().writeCounters(counters_);
-  std::vector<KeptOut> liars = keptOutBy(verdict, store_->keptOut(), reason);
   for (const KeptOut& liar : liars)
     spdlog::error("{} is kept out ({}): {}; all that it gave is computed again", nameOf(liar.who),
                   name(liar.kind), liar.reason);
-  throw LiarsFound(std::move(liars));
+  return LiarsFound(std::move(liars));
 }
 
-void Coordinator::closeCheck(const TransitionKey& key) {
-  checks_.close(key);
-  leases_.finish(key);
-  store_->tables().forgetCheck(key);
-  ++counters_["unchecked_results"];
+/// How far a worker has to be from those who solved what waits to be solved again: as far as
+/// somebody is, or was a while ago.
+std::map<TransitionKey, Apart> Coordinator::wantedOfChecks() const {
+  std::map<TransitionKey, Apart> wanted;
+  if (leases_.waitingChecks().empty()) return wanted;
+  Crowd crowd;
+  for (const auto& [key, heard] : keys_heard_)
+    if (last_turn_ - heard < settings_.keys_remembered) crowd.keys.insert(key);
+  for (const auto& [id, worker] : registry_.all()) {
+    crowd.keys.insert(worker.provenance.key());
+    crowd.machines.emplace(worker.provenance.key(), worker.provenance.host());
+  }
+  for (const TransitionKey& key : leases_.waitingChecks())
+    wanted.emplace(key, checks_.wanted(resultKeyOf(key), crowd));
+  return wanted;
 }
 
-/// Somebody who did not solve it, and of another machine where there is one.
-bool Coordinator::mayCheck(const TransitionKey& key, const Worker& worker) const {
-  const wire::Provenance who = worker.provenance();
-  if (!checks_.isNew(key, who)) return false;
-  return checks_.isElsewhere(key, who) ||
-         std::ranges::none_of(registry_.all(), [&](const auto& other) {
-           return checks_.isElsewhere(key, other.second.provenance());
-         });
+bool Coordinator::mayCheck(const TransitionKey& key, const Worker& worker, Apart wanted) const {
+  const Apart apart = checks_.apart(resultKeyOf(key), worker.provenance);
+  return apart != Apart::same_process && apart >= wanted;
 }
 
 /// The build is done but for checks that nobody does: for want of another worker, or because those
@@ -163,17 +189,34 @@ void Coordinator::giveUpChecks(Time now) {
   if (complete() || group_.size() > 0 || !leases_.stuck() || leases_.waitingChecks().empty())
     return only_checks_left_.reset();
   if (!only_checks_left_) only_checks_left_ = now;
-  const std::set<TransitionKey> waiting = leases_.waitingChecks();
-  const bool somebody_may = std::ranges::any_of(waiting, [&](const TransitionKey& key) {
-    return std::ranges::any_of(registry_.all(),
-                               [&](const auto& other) { return mayCheck(key, other.second); });
-  });
-  checks_hopeless_ = (!somebody_may && !registry_.all().empty()) ||
-                     now - *only_checks_left_ >= settings_.worker_lost;
-  if (!checks_hopeless_) return;
-  for (const TransitionKey& key : waiting)
-    if (!checks_.isDisputed(key)) closeCheck(key);
-  finishIfComplete(now);
+  const auto waited = now - *only_checks_left_;
+  checks_hopeless_ = waited >= settings_.worker_lost;
+  if (waited < settings_.checks_wait) return;
+  bool some = true;
+  while (some && !complete()) {
+    some = false;
+    for (const auto& [key, wanted] : wantedOfChecks())
+      if (isHopeless(key, wanted)) {
+        giveUp(key);
+        some = true;
+      }
+    finishIfComplete(now);  // which opens others
+  }
+}
+
+bool Coordinator::isHopeless(const TransitionKey& check, Apart wanted) const {
+  if (checks_.isDisputed(resultKeyOf(check))) return false;
+  return checks_hopeless_ || std::ranges::none_of(registry_.all(), [&](const auto& other) {
+           return mayCheck(check, other.second, wanted);
+         });
+}
+
+void Coordinator::giveUp(const TransitionKey& check) {
+  const ResultKey key = resultKeyOf(check);
+  checks_.close(key);
+  leases_.finish(check);
+  store_->tables().forgetCheck(key);
+  ++counters_["unchecked_results"];
 }
 
 }  // namespace palpate

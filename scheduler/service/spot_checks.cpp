@@ -18,12 +18,18 @@ constexpr std::size_t remembered_looks = 2048, looks_to_judge_by = 32, looks_bet
 /// Before there are enough: three times the worst that was measured (oddnessBeside).
 constexpr double odd_at_first = 3;
 
+Apart apartFrom(const wire::Provenance& a, const wire::Provenance& b) {
+  if (a.worker() == b.worker()) return Apart::same_process;
+  if (a.key() != b.key()) return Apart::other_key;
+  return a.host() == b.host() ? Apart::same_machine : Apart::same_key;
+}
+
 bool isOfOneMachine(const wire::Provenance& a, const wire::Provenance& b) {
   return a.host() == b.host() && a.key() == b.key();
 }
 
-bool isOfOneProcess(const wire::Provenance& a, const wire::Provenance& b) {
-  return a.worker() == b.worker();
+bool hasKeyOfOneOf(const wire::Provenance& who, const std::vector<wire::Provenance>& others) {
+  return std::ranges::any_of(others, [&](const auto& other) { return other.key() == who.key(); });
 }
 
 /// Between 0 and 1, from the secret and the transition alone.
@@ -92,13 +98,13 @@ bool SpotChecks::isOdd(double oddness) {
   return odd;
 }
 
-std::optional<TransitionKey> SpotChecks::solverOfStart(std::string_view id) const {
+std::optional<ResultKey> SpotChecks::solverOfStart(std::string_view id) const {
   for (const auto& [key, check] : open_)
     if (!id.empty() && check.start.id == id) return check.start.solved_by;
   return std::nullopt;
 }
 
-void SpotChecks::open(const TransitionKey& key, Opinion first, Start start, bool disputed) {
+void SpotChecks::open(const ResultKey& key, Opinion first, Start start, bool disputed) {
   const bool fresh =
       open_.emplace(key, Check{{std::move(first)}, std::move(start), disputed}).second;
   PALPATE_ASSERT(fresh, "a result is checked once at a time");
@@ -110,48 +116,74 @@ std::size_t SpotChecks::disputedCount() const {
       std::ranges::count_if(open_, [](const auto& check) { return check.second.disputed; }));
 }
 
-bool SpotChecks::isNew(const TransitionKey& key, const wire::Provenance& worker) const {
-  return std::ranges::none_of(open_.at(key).opinions, [&](const Opinion& opinion) {
-    return isOfOneProcess(opinion.giver, worker);
+Apart SpotChecks::apart(const ResultKey& key, const wire::Provenance& worker) const {
+  Apart least = Apart::other_key;
+  for (const Opinion& opinion : open_.at(key).opinions)
+    least = std::min(least, apartFrom(opinion.giver, worker));
+  return least;
+}
+
+Apart SpotChecks::wanted(const ResultKey& key, const Crowd& crowd) const {
+  std::set<std::string> keys;
+  std::set<std::pair<std::string, std::string>> machines;
+  for (const Opinion& opinion : open_.at(key).opinions) {
+    const wire::Provenance& giver = opinion.giver;
+    if (crowd.keys.contains(giver.key())) keys.insert(giver.key());
+    if (crowd.machines.contains({giver.key(), giver.host()}))
+      machines.emplace(giver.key(), giver.host());
+  }
+  if (keys.size() < crowd.keys.size()) return Apart::other_key;
+  return machines.size() < crowd.machines.size() ? Apart::same_key : Apart::same_machine;
+}
+
+bool SpotChecks::contradicts(const ResultKey& key, const Opinion& opinion) const {
+  return std::ranges::any_of(open_.at(key).opinions, [&](const Opinion& earlier) {
+    return apartFrom(earlier.giver, opinion.giver) == Apart::same_process &&
+           earlier.digest != opinion.digest;
   });
 }
 
-bool SpotChecks::isElsewhere(const TransitionKey& key, const wire::Provenance& worker) const {
-  return std::ranges::none_of(open_.at(key).opinions, [&](const Opinion& opinion) {
-    return isOfOneMachine(opinion.giver, worker);
-  });
-}
-
-std::optional<SpotChecks::Verdict> SpotChecks::hear(const TransitionKey& key, Opinion opinion) {
-  PALPATE_ASSERT(isNew(key, opinion.giver), "nobody agrees with himself");
+std::optional<SpotChecks::Verdict> SpotChecks::hear(const ResultKey& key, Opinion opinion) {
+  PALPATE_ASSERT(apart(key, opinion.giver) != Apart::same_process, "nobody agrees with himself");
   Check& check = open_.at(key);
-  const auto agrees = [&](const Opinion& other) { return other.digest == opinion.digest; };
-  const bool decided = std::ranges::any_of(check.opinions, agrees);
   check.opinions.push_back(opinion);
-  check.disputed = !decided;
-  if (!decided) return std::nullopt;
   Verdict verdict;
   for (const Opinion& each : check.opinions)
-    (agrees(each) ? verdict.right : verdict.wrong).push_back(each.giver);
+    (each.digest == opinion.digest ? verdict.right : verdict.wrong).push_back(each.giver);
+  check.disputed = !isDecided(verdict);
+  if (check.disputed) return std::nullopt;
   open_.erase(key);
   return verdict;
+}
+
+bool SpotChecks::isDecided(const Verdict& verdict) const {
+  const auto& [right, wrong] = verdict;
+  if (right.size() < 2) return false;
+  const auto differ = [&](const auto& who) { return who.key() != right.front().key(); };
+  const auto isTrusted = [&](const auto& who) {
+    return settings_.trusted_key && PublicKey::fromBytes(who.key()) == settings_.trusted_key;
+  };
+  return std::ranges::any_of(right, differ) || std::ranges::any_of(right, isTrusted) ||
+         std::ranges::none_of(wrong, differ);
 }
 
 std::vector<KeptOut> keptOutBy(const SpotChecks::Verdict& verdict,
                                const std::vector<KeptOut>& before, const std::string& reason) {
   using Kind = KeptOut::Kind;
-  constexpr int machines_of_a_key = 2;
+  constexpr std::size_t machines_of_a_key = 2;
   std::vector<KeptOut> kept_out;
   for (const wire::Provenance& liar : verdict.wrong) {
-    const auto rightWith = [&](auto same) {
-      return std::ranges::any_of(verdict.right,
-                                 [&](const wire::Provenance& r) { return same(r, liar); });
-    };
-    const auto sameKey = [](const auto& a, const auto& b) { return a.key() == b.key(); };
-    const auto known = std::ranges::count_if(
-        before, [&](const KeptOut& other) { return other.who.key() == liar.key(); });
-    Kind kind = rightWith(isOfOneMachine) ? Kind::process : Kind::machine;
-    if (!liar.key().empty() && known >= machines_of_a_key && !rightWith(sameKey)) kind = Kind::key;
+    std::set<std::string> others;
+    for (const KeptOut& other : before)
+      if (other.kind == Kind::machine && other.who.key() == liar.key() &&
+          other.who.host() != liar.host())
+        others.insert(other.who.host());
+    const bool machine_is_right = std::ranges::any_of(
+        verdict.right, [&](const wire::Provenance& r) { return isOfOneMachine(r, liar); });
+    Kind kind = machine_is_right ? Kind::process : Kind::machine;
+    if (!liar.key().empty() && others.size() >= machines_of_a_key &&
+        !hasKeyOfOneOf(liar, verdict.right))
+      kind = Kind::key;
     kept_out.push_back({kind, liar, reason});
   }
   return kept_out;

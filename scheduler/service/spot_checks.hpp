@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/keys/key_pair.hpp"
 #include "scheduler/state/job_store.hpp"
 
 namespace palpate {
@@ -23,7 +24,9 @@ struct SpotCheckSettings {
   double share_of_failed = 0.005;
   std::int64_t failed_at_least = 8;
   /// More at once are not begun: work goes first.
-  std::size_t most_open = 256;
+  std::size_t most_open = 64;
+  /// Under which nobody lies on purpose: the scheduler's own.
+  std::optional<PublicKey> trusted_key = std::nullopt;
 
   static SpotCheckSettings none() {
     return {.share = 0,
@@ -43,8 +46,20 @@ struct Opinion {
 /// The one that a result is; `giver` is told by those who took it.
 Opinion opinionOf(const wire::Result& result, const wire::Provenance& giver);
 
-/// Which results are solved again by other workers, and what these found. Two workers that agree
-/// are right, and whoever differs from them is wrong; as long as none agree, others are asked.
+/// How far a worker is from all that found a result. Whom a host belongs to is what it says itself,
+/// a key is proved.
+enum class Apart : std::uint8_t { same_process, same_machine, same_key, other_key };
+
+/// Keys and machines (key and host) of the workers that a check can reckon with.
+struct Crowd {
+  std::set<std::string> keys;
+  std::set<std::pair<std::string, std::string>> machines;
+};
+
+/// Which results are solved again by other workers, and what these found. Two that agree are right
+/// and whoever differs from them is wrong, where they have two keys, or one that is trusted, or
+/// where nobody with another key differs: whoever has a key can be as many workers as he likes. As
+/// long as that decides nothing, others are asked.
 ///
 /// Knows nothing of messages, plans or time. One thread.
 class SpotChecks {
@@ -63,29 +78,32 @@ class SpotChecks {
   /// There is room for one more.
   bool hasRoom() const { return open_.size() < settings_.most_open; }
 
-  /// What a check starts from, which its point may not have any more when somebody asks.
+  /// How a recorded result was solved, which its point may not tell any more.
   struct Start {
-    std::string id;           ///< wire::Job.start_id
-    TransitionKey solved_by;  ///< whose recorded fields have it
+    std::string id;                      ///< wire::Job.start_id
+    std::optional<ResultKey> solved_by;  ///< whose recorded fields have it; nothing: the rest state
+    std::uint32_t steps = 0;             ///< wire::Target.steps
   };
   /// Begins: `first` is what is recorded. It must not be open. `disputed`: somebody, who is not
   /// known any more, found something else.
-  void open(const TransitionKey& key, Opinion first, Start start, bool disputed = false);
-  const Start& startOf(const TransitionKey& key) const { return open_.at(key).start; }
+  void open(const ResultKey& key, Opinion first, Start start, bool disputed = false);
+  const Start& startOf(const ResultKey& key) const { return open_.at(key).start; }
   /// Of an open check; nothing when none starts there.
-  std::optional<TransitionKey> solverOfStart(std::string_view id) const;
-  bool isOpen(const TransitionKey& key) const { return open_.contains(key); }
+  std::optional<ResultKey> solverOfStart(std::string_view id) const;
+  bool isOpen(const ResultKey& key) const { return open_.contains(key); }
   /// It was opened once, by this object.
-  bool wasOpened(const TransitionKey& key) const { return begun_.contains(key); }
+  bool wasOpened(const ResultKey& key) const { return begun_.contains(key); }
   /// Two opinions differ.
-  bool isDisputed(const TransitionKey& key) const { return open_.at(key).disputed; }
+  bool isDisputed(const ResultKey& key) const { return open_.at(key).disputed; }
   std::size_t openCount() const { return open_.size(); }
   std::size_t disputedCount() const;
 
-  /// It gave no opinion.
-  bool isNew(const TransitionKey& key, const wire::Provenance& worker) const;
-  /// It is of none of the machines that an opinion came from.
-  bool isElsewhere(const TransitionKey& key, const wire::Provenance& worker) const;
+  /// From all who gave an opinion; same_process: it gave one itself.
+  Apart apart(const ResultKey& key, const wire::Provenance& worker) const;
+  /// How far a worker has to be: as far as one of the crowd may be.
+  Apart wanted(const ResultKey& key, const Crowd& crowd) const;
+  /// It says now what it did not say before.
+  bool contradicts(const ResultKey& key, const Opinion& opinion) const;
 
   /// Who is right and who is wrong. `wrong` is empty when all agreed.
   struct Verdict {
@@ -93,22 +111,23 @@ class SpotChecks {
   };
   /// One more opinion of an open check, of a worker that is new to it; what is decided then, and
   /// the check is closed. Nothing: it is disputed.
-  std::optional<Verdict> hear(const TransitionKey& key, Opinion opinion);
+  std::optional<Verdict> hear(const ResultKey& key, Opinion opinion);
   /// Without a verdict.
-  void close(const TransitionKey& key) { open_.erase(key); }
+  void close(const ResultKey& key) { open_.erase(key); }
 
  private:
-  SpotCheckSettings settings_;
-  std::string secret_;
   struct Check {
     std::vector<Opinion> opinions;
     Start start;
     bool disputed = false;
   };
-  std::map<TransitionKey, Check> open_;
   bool isOdd(double oddness);
+  bool isDecided(const Verdict& verdict) const;
 
-  std::set<TransitionKey> begun_;
+  SpotCheckSettings settings_;
+  std::string secret_;
+  std::map<ResultKey, Check> open_;
+  std::set<ResultKey> begun_;
   std::int64_t results_ = 0, failed_checked_ = 0;
   std::vector<double> oddness_;  ///< of the latest results, in a ring
   std::size_t next_ = 0;         ///< to be overwritten
@@ -128,8 +147,8 @@ class LiarsFound : public Error {
 };
 
 /// Whom a verdict keeps out, besides `before`: the process alone where another on its machine was
-/// right, else the machine; and the key, where two of its machines are kept out already and nobody
-/// with that key was right. `reason` is for people.
+/// right, else the machine; and the key, where two other machines of it are kept out already and
+/// nobody with that key was right. `reason` is for people.
 std::vector<KeptOut> keptOutBy(const SpotChecks::Verdict& verdict,
                                const std::vector<KeptOut>& before, const std::string& reason);
 

@@ -46,8 +46,6 @@ void Worker::addCredit(std::uint64_t jobs) {
   credit = static_cast<std::uint32_t>(std::min<std::uint64_t>(most_credit, credit + jobs));
 }
 
-wire::Provenance Worker::provenance() const { return provenanceOf(id, host, key); }
-
 std::string WorkerRegistry::objectionTo(const wire::Hello& hello,
                                         const std::optional<PublicKey>& key) const {
   if (hello.protocol() != protocol_version)
@@ -98,6 +96,7 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
   id_of_peer_.erase(worker.peer);
   worker = {.id = hello.worker(),
             .peer = peer,
+            .provenance = provenanceOf(hello.worker(), printable(hello.host()), key),
             .key = key,
             .host = printable(hello.host()),
             .pid = hello.pid(),

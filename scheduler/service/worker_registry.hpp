@@ -15,6 +15,7 @@ struct Worker {
 
   std::string id;                ///< of its Hello, 1 to 64 bytes: the same over reconnections
   std::string peer;              ///< where messages to it go
+  wire::Provenance provenance;   ///< as results tell who gave them
   std::optional<PublicKey> key;  ///< under which it said Hello
   std::string host;              ///< printable, as is its family: people see them
   std::uint32_t pid = 0;
@@ -28,9 +29,6 @@ struct Worker {
   /// Since when its heartbeats say that it solves nothing, although it holds leases.
   std::optional<Time> idle_since;
   std::int32_t results = 0;  ///< recorded ones, of this run
-
-  /// As results tell who gave them.
-  wire::Provenance provenance() const;
 
   /// Room for `jobs` more, but never for more than most_credit: what a worker hoards, others lack.
   void addCredit(std::uint64_t jobs);

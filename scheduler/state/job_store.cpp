@@ -61,7 +61,7 @@ JobStore::JobStore(const StateDirectory& directory, const Problem& problem,
       tables_(directory, problem, problem_bytes),
       recorded_(readResults(directory.path(), problemId(problem))),
       journal_(directory.path(), recorded_.end, segment_bytes) {
-  for (const JournalPosition& torn : recorded_.torn) journal_.drop(torn);
+  journal_.dropAll(recorded_.torn);
   for (const std::string& damage : recorded_.damage)
     spdlog::warn("{}; what was recorded there is computed again", damage);
   dropWhatLiarsGave();
@@ -78,17 +78,21 @@ void JobStore::dropWhatLiarsGave() {
     if (std::ranges::any_of(kept_out_, isTheirs)) theirs.push_back(key);
   }
   if (theirs.empty()) return;
-  for (const ResultKey& key : theirs) drop(key);
+  drop(theirs);
   recorded_.damage.push_back(
       fmt::format("{} results are of workers that are kept out", theirs.size()));
 }
 
-void JobStore::drop(const ResultKey& key) {
-  const auto where = recorded_.where.find(key);
-  PALPATE_ASSERT(where != recorded_.where.end(), "what is dropped was recorded");
-  journal_.drop(where->second);
-  recorded_.where.erase(where);
-  recorded_.results.erase(key);
+void JobStore::drop(const std::vector<ResultKey>& keys) {
+  std::vector<JournalPosition> positions;
+  for (const ResultKey& key : keys) {
+    const auto where = recorded_.where.find(key);
+    PALPATE_ASSERT(where != recorded_.where.end(), "what is dropped was recorded");
+    positions.push_back(where->second);
+    recorded_.where.erase(where);
+    recorded_.results.erase(key);
+  }
+  journal_.dropAll(std::move(positions));
 }
 
 void JobStore::append(const wire::Result& header, std::string_view payload) {

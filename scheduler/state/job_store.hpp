@@ -1,18 +1,10 @@
 #pragma once
 
 #include "scheduler/state/journal.hpp"
+#include "scheduler/state/result_key.hpp"
 #include "scheduler/state/tables.hpp"
 
 namespace palpate {
-
-/// What names a result within a build, as results say it themselves. Unlike a TransitionKey it
-/// needs no plan to be read.
-struct ResultKey {
-  std::uint32_t space = 0;
-  LatticePoint target = {}, parent = {};
-  auto operator<=>(const ResultKey&) const = default;
-};
-ResultKey keyOf(const wire::Result& result);
 
 /// The id of a result's nodal fields; all zero of a failure.
 ContentId fieldsOf(const wire::Result& result);
@@ -77,8 +69,8 @@ class JobStore {
   std::optional<JournalRecord> find(const ResultKey& key) const;
   /// The next scheduler computes this record again.
   void drop(const JournalPosition& damaged) { journal_.drop(damaged); }
-  /// A recorded result that is to be computed again: it is not recorded any more.
-  void drop(const ResultKey& key);
+  /// Recorded results that are to be computed again: they are not recorded any more.
+  void drop(const std::vector<ResultKey>& keys);
 
   /// Error when the directory, its lock or a segment was removed or replaced meanwhile.
   void checkPresence() const;

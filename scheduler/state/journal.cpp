@@ -8,6 +8,7 @@
 #include <array>
 #include <charconv>
 #include <cstring>
+#include <utility>
 
 #include "common/base/assertion.hpp"
 #include "common/base/whole_file.hpp"
@@ -321,20 +322,34 @@ void Journal::sync() {
       cut_off ? "" : fmt::format(" (cut the file to {} bytes before you start again)", synced_));
 }
 
-void Journal::drop(const JournalPosition& position) {
-  const std::filesystem::path path = segmentPath(position.segment);
+void Journal::dropAll(std::vector<JournalPosition> positions) {
+  std::ranges::sort(positions, {}, &JournalPosition::segment);
+  for (auto next = positions.begin(); next != positions.end();) {
+    const auto first = next;
+    next = std::find_if(first, positions.end(), [&](const JournalPosition& position) {
+      return position.segment != first->segment;
+    });
+    dropIn(first->segment, {first, next});
+  }
+}
+
+void Journal::dropIn(std::uint32_t segment, std::span<const JournalPosition> positions) {
+  const std::filesystem::path path = segmentPath(segment);
   const FileDescriptor file(open(path.c_str(), O_WRONLY | O_CLOEXEC));
   if (!file && errno == ENOENT) return;
-  const auto offset = static_cast<off_t>(position.offset);
-  const std::string mark = markFor(SegmentFile(path), position);
   struct stat info {};
   if (!file || fstat(file.get(), &info) != 0)
     throw failure("{}: cannot open: {}", path.string(), errnoText());
-  // Of a file that was cut off, nothing is left to be marked.
-  if (info.st_size < offset + static_cast<off_t>(position.length)) return;
-  if (!writeAt(file.get(), position.offset, mark) || fdatasync(file.get()) != 0)
-    throw failure("{}: cannot mark the damaged record at byte {}: {}", path.string(),
-                  position.offset, errnoText());
+  const SegmentFile reader(path);
+  for (const JournalPosition& position : positions) {
+    // Of a file that was cut off, nothing is left to be marked.
+    if (std::cmp_less(info.st_size, position.offset + position.length)) continue;
+    if (!writeAt(file.get(), position.offset, markFor(reader, position)))
+      throw failure("{}: cannot mark the damaged record at byte {}: {}", path.string(),
+                    position.offset, errnoText());
+  }
+  if (fdatasync(file.get()) != 0)
+    throw failure("{}: cannot sync what was marked in it: {}", path.string(), errnoText());
 }
 
 void Journal::fillMissing() {

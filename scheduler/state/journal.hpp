@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -117,9 +118,10 @@ class Journal : public JournalReader {
   void sync();
   JournalEnd end() const { return end_; }
 
-  /// Marks a damaged record, or a stretch where none can be read, so that no later scan takes what
-  /// is there for a result. Durable when it returns.
-  void drop(const JournalPosition& position);
+  /// Marks damaged records, or stretches where none can be read, so that no later scan takes what
+  /// is there for a result. Durable when it returns; each segment is synced once.
+  void dropAll(std::vector<JournalPosition> positions);
+  void drop(const JournalPosition& position) { dropAll({position}); }
   /// Puts empty files in the place of segments that are missing, which marks them likewise.
   void fillMissing();
   /// Error when a segment was removed, or the one that is written was replaced by another file.
@@ -127,6 +129,7 @@ class Journal : public JournalReader {
 
  private:
   void openSegment();
+  void dropIn(std::uint32_t segment, std::span<const JournalPosition> positions);
   void writeAll(std::string_view bytes);
 
   std::uint64_t segment_bytes_;

@@ -7,7 +7,8 @@ namespace palpate {
 void ResultGroup::add(const TransitionKey& key, StoredResult result, std::string payload,
                       Time now) {
   const bool fresh =
-      members_.try_emplace(key, Member{std::move(result), std::move(payload), {}, false, false})
+      members_
+          .try_emplace(key, Member{std::move(result), std::move(payload), {}, false, false, false})
           .second;
   PALPATE_ASSERT(fresh, "a second result of a transition is a duplicate of the first");
   if (!since_) since_ = now;

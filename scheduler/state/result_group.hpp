@@ -20,6 +20,7 @@ class ResultGroup {
     std::string payload;
     std::set<std::string> senders;  ///< peers that wait for the acknowledgement; may be empty
     bool is_checked = false;        ///< others solve it again
+    bool is_disputed = false;       ///< another found something else
     bool is_odd = false;            ///< and what it was reached from
   };
   using Members = std::map<TransitionKey, Member>;
@@ -30,6 +31,8 @@ class ResultGroup {
   void add(const TransitionKey& key, StoredResult result, std::string payload, Time now);
   /// Null when the transition is not in the group.
   Member* find(const TransitionKey& key);
+  bool has(const TransitionKey& key) const { return members_.contains(key); }
+  const Members& members() const { return members_; }
   std::size_t size() const { return members_.size(); }
   /// When the first of them came; nothing when there is none.
   std::optional<Time> since() const { return since_; }

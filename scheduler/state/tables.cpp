@@ -33,8 +33,9 @@ CREATE TABLE kept_out (
   kind TEXT NOT NULL CHECK (kind IN ('process', 'machine', 'key')), worker BLOB NOT NULL,
   host TEXT NOT NULL, key BLOB NOT NULL, reason TEXT NOT NULL) STRICT;
 CREATE TABLE checks (
-  space INTEGER, target INTEGER, parent INTEGER, disputed INTEGER NOT NULL,
-  PRIMARY KEY (space, target, parent)) STRICT, WITHOUT ROWID;
+  space INTEGER, i INTEGER, j INTEGER, k INTEGER, from_i INTEGER, from_j INTEGER, from_k INTEGER,
+  disputed INTEGER NOT NULL,
+  PRIMARY KEY (space, i, j, k, from_i, from_j, from_k)) STRICT, WITHOUT ROWID;
 CREATE TABLE spaces (space INTEGER PRIMARY KEY, name TEXT NOT NULL) STRICT;
 CREATE TABLE configurations (
   space INTEGER, point INTEGER, i INTEGER NOT NULL, j INTEGER NOT NULL, k INTEGER NOT NULL,
@@ -252,13 +253,16 @@ std::vector<KeptOut> StoredTables::keptOut() {
   return found;
 }
 
-std::map<TransitionKey, bool> StoredTables::checks() {
-  std::map<TransitionKey, bool> checks;
-  Statement query(database_, "SELECT space, target, parent, disputed FROM checks");
-  using Number = std::int32_t;
+std::map<ResultKey, bool> StoredTables::checks() {
+  std::map<ResultKey, bool> checks;
+  Statement query(database_, "SELECT space, i, j, k, from_i, from_j, from_k, disputed FROM checks");
+  const auto pointAt = [&](int column) {
+    using Coordinate = LatticePoint::value_type;
+    return LatticePoint{query.integer<Coordinate>(column), query.integer<Coordinate>(column + 1),
+                        query.integer<Coordinate>(column + 2)};
+  };
   while (query.step())
-    checks[{query.integer<std::uint32_t>(0), query.integer<Number>(1), query.integer<Number>(2)}] =
-        query.integer(3) != 0;
+    checks[{query.integer<std::uint32_t>(0), pointAt(1), pointAt(4)}] = query.integer(7) != 0;
   return checks;
 }
 
@@ -387,14 +391,18 @@ void Tables::keepOut(std::span<const KeptOut> liars) {
   database_.execute(synchronous_as_a_rule);
 }
 
-void Tables::writeCheck(const TransitionKey& key, bool disputed) {
-  Statement(database_, "INSERT OR REPLACE INTO checks VALUES (?, ?, ?, ?)")
-      .run(key.space, key.target, key.parent, disputed ? 1 : 0);
+void Tables::writeCheck(const ResultKey& key, bool disputed) {
+  const auto& [space, to, from] = key;
+  Statement(database_, "INSERT OR REPLACE INTO checks VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
+      .run(space, to[0], to[1], to[2], from[0], from[1], from[2], disputed ? 1 : 0);
 }
 
-void Tables::forgetCheck(const TransitionKey& key) {
-  Statement(database_, "DELETE FROM checks WHERE space = ? AND target = ? AND parent = ?")
-      .run(key.space, key.target, key.parent);
+void Tables::forgetCheck(const ResultKey& key) {
+  const auto& [space, to, from] = key;
+  Statement(database_,
+            "DELETE FROM checks WHERE space = ? AND i = ? AND j = ? AND k = ? "
+            "AND from_i = ? AND from_j = ? AND from_k = ?")
+      .run(space, to[0], to[1], to[2], from[0], from[1], from[2]);
 }
 
 std::string Tables::secret() {

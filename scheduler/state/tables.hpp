@@ -8,6 +8,7 @@
 #include "scheduler/plan/leases.hpp"
 #include "scheduler/plan/space_plan.hpp"
 #include "scheduler/state/kept_out.hpp"
+#include "scheduler/state/result_key.hpp"
 #include "scheduler/state/sqlite.hpp"
 #include "scheduler/state/state_directory.hpp"
 
@@ -58,8 +59,8 @@ class StoredTables {
   std::vector<wire::WorkerStatus> servers();
   Counters counters();
   std::vector<KeptOut> keptOut();
-  /// Results that are being solved again by other workers; whether two results differ.
-  std::map<TransitionKey, bool> checks();
+  /// Results that others are to solve again, or will be once they are recorded; whether two differ.
+  std::map<ResultKey, bool> checks();
 
  protected:
   explicit StoredTables(Database database) : database_(std::move(database)) {}
@@ -105,8 +106,8 @@ class Tables : public StoredTables {
   void keepOut(std::span<const KeptOut> liars);
 
   /// A check outlives a run.
-  void writeCheck(const TransitionKey& key, bool disputed);
-  void forgetCheck(const TransitionKey& key);
+  void writeCheck(const ResultKey& key, bool disputed);
+  void forgetCheck(const ResultKey& key);
   /// 32 bytes that nobody else knows.
   std::string secret();
 

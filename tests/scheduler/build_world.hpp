@@ -70,7 +70,9 @@ class BuildWorld {
   void sleep(std::chrono::milliseconds time) { now += time; }
   void send(const std::string& peer, const wire::Message& message,
             const std::string& payload = "") {
-    coordinator().receive({peer, message, payload}, now);
+    Incoming incoming{peer, message, payload};
+    if (const auto key = key_of.find(peer); key != key_of.end()) incoming.key = key->second;
+    coordinator().receive(incoming, now);
     collect();
   }
   void settle() {
@@ -113,6 +115,8 @@ class BuildWorld {
     if (asked == leases_.end()) return;
     result.set_start_id(asked->second.start_id());
     result.set_lease(asked->second.lease());
+    // In so many steps it comes to other bits.
+    result.mutable_cost()->set_steps(static_cast<std::int32_t>(asked->second.steps()));
   }
   void deliver(const std::string& peer, const wire::Job& job) {
     for (const wire::Target& target : job.targets())
@@ -163,6 +167,8 @@ class BuildWorld {
   const Problem problem;
   Coordinator::Time now = std::chrono::steady_clock::now();
   std::map<std::string, std::vector<Outgoing>> inbox;
+  /// Of peers that have one.
+  std::map<std::string, PublicKey> key_of;
   /// The table in which workers look their answers up, and what liars make of them.
   std::function<std::pair<wire::Result, std::string>(const Problem&, std::uint32_t,
                                                      const LatticePoint&, const LatticePoint&)>
@@ -183,6 +189,7 @@ class BuildWorld {
           leases_[{peer, {job.space(), fromWire(target.point()), fromWire(job.start())}}];
       asked.set_start_id(job.start_id());
       asked.set_lease(target.lease());
+      asked.set_steps(target.steps());
     }
   }
 

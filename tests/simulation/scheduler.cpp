@@ -123,12 +123,6 @@ void SchedulerProcess::seal(Seconds now) {
   state_ = State::leaving;
 }
 
-bool SchedulerProcess::isChecked(const ResultKey& key) const {
-  const Lattice& positions = build_->coordinator().plans()[key.space].positions();
-  const auto target = positions.indexOf(key.target), parent = positions.indexOf(key.parent);
-  return target && parent && build_->coordinator().isChecked({key.space, *target, *parent});
-}
-
 void SchedulerProcess::kill() {
   if (!build_) return;
   disk_.die();
@@ -163,7 +157,8 @@ Sent SchedulerProcess::send(const Outgoing& outgoing) {
     for (const wire::Target& target : message.job().targets()) {
       const ResultKey key = {message.job().space(), fromWire(target.point()),
                              fromWire(message.job().start())};
-      if (ledger_.acknowledged.contains(key) && !ledger_.spoiled.contains(key) && !isChecked(key))
+      if (ledger_.acknowledged.contains(key) && !ledger_.spoiled.contains(key) &&
+          !build_->coordinator().isChecked(key))
         throw Broken("a result that was acknowledged is asked for again");
     }
   return network_.toWorker(outgoing.peer, message, outgoing.payload ? *outgoing.payload : "", now_);

@@ -63,7 +63,6 @@ class SchedulerProcess : private Transport {
   void turn(Seconds now);
   void seal(Seconds now);
   void end(State state);
-  bool isChecked(const ResultKey& key) const;
 
   Network& network_;
   Disk& disk_;

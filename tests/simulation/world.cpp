@@ -491,6 +491,7 @@ Scenario makeScenario(const std::filesystem::path& folder) {
         auto [result, payload] =
             test::solve(scenario.problem, space, positions.point(transition.target),
                         positions.point(transition.parent));
+        result.mutable_cost()->set_steps(plan.stepsOf(transition));
         plan.record(transition, *fromWire(result), fieldsOf(result));
         fields[{space, transition.target, transition.parent}] = std::move(payload);
       }

@@ -261,11 +261,17 @@ TEST_F(CoordinatorTest, AcknowledgesADuplicateAndKeepsOneRecord) {
 }
 
 TEST_F(CoordinatorTest, CountsADuplicateWithOtherBitsAndKeepsTheFirst) {
-  solveOrigins();
+  world.join("a", 2);
+  world.coordinator().peerUnreachable("a", world.now);
+  world.join("b", 2);
+  for (const wire::Job& job : world.takeJobs("b")) world.deliver("b", job);
+  world.pass(25ms);
+  world.join("a", 0);
   world.send("a",
              originResult([](wire::Result& r) { r.mutable_equilibrium()->set_residual(1e-300); }),
              originFields());
   EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u);
+  EXPECT_EQ(world.coordinator().disputedCount(), 1u);
   EXPECT_EQ(world.counter("divergent_results"), 1);
 }
 

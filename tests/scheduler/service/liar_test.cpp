@@ -230,6 +230,104 @@ TEST_F(LiarTest, ChecksThatNobodyAsksForAreGivenUpAfterAMinute) {
   EXPECT_GT(world.counter("unchecked_results"), 0);
 }
 
+/// They retry in several steps where branches contradict each other: whoever checks that has to.
+TEST_F(LiarTest, WhatWasSolvedInSeveralStepsIsCheckedInAsMany) {
+  CoordinatorSettings settings;
+  settings.spot_checks.share = 1;
+  LiarWorld world(settings);
+  world.solver = test::solve;
+  world.finishWhateverComes();
+  EXPECT_TRUE(world.coordinator().complete());
+  EXPECT_EQ(world.coordinator().status(world.now).kept_out_size(), 0);
+  EXPECT_EQ(world.counter("divergent_results"), 0);
+  EXPECT_GT(world.counter("checked_results"), world.coordinator().recorded() / 2);
+  int in_steps = 0;
+  for (const auto& [key, result] :
+       readResults(world.directory / "state", problemId(world.problem)).results)
+    in_steps += result.header.steps() > 1;
+  EXPECT_GT(in_steps, 10) << "or nothing was tried";
+}
+
+/// What a check was of may be recorded again: a restart between the verdict and what follows, a
+/// liar whose results led there.
+TEST_F(LiarTest, WhatIsFoundOutAndNotKeptOutBecauseOfAKillIsFoundAgain) {
+  const ContentId honest = honestContent();
+  LiarWorld world;
+  lieOnce(world, 40, lies()[0]);
+  const auto workUntilFound = [&] {
+    world.joinAll();
+    for (int turns = 0; turns < 20000 && !world.coordinator().complete(); ++turns) {
+      for (const std::string peer : {"a", "b", "c"})
+        for (const wire::Job& job : world.takeJobs(peer)) {
+          world.deliver(peer, job);
+          world.request(peer, 1);
+        }
+      world.pass(25ms);
+    }
+  };
+  EXPECT_THROW(workUntilFound(), LiarsFound);
+  world.restart();
+  world.finishWhateverComes();
+  EXPECT_EQ(world.coordinator().status(world.now).kept_out_size(), 1);
+  EXPECT_EQ(world.sealedContent(), honest);
+}
+
+TEST_F(LiarTest, WhoGivesTwoResultsOfOneTransitionIsKeptOut) {
+  LiarWorld world(test::BuildWorld::withoutChecks());
+  world.joinFrom("machine-b", "b");
+  const wire::Job job = world.takeJobs("b").at(0);
+  world.deliver("b", job);
+  world.pass(25ms);
+  lieOnce(world, 0, [](wire::Result& r, std::string&) { r.mutable_cost()->set_steps(77); });
+  EXPECT_THROW(world.deliver("b", job), LiarsFound);
+}
+
+/// The last checks are of its results, and it is back before the others.
+TEST_F(LiarTest, ChecksWaitForThoseWhoMayComeBack) {
+  CoordinatorSettings settings;
+  settings.spot_checks.share = 1;
+  LiarWorld world(settings);
+  world.joinFrom("machine-a", "a");
+  for (int turns = 0; turns < 400; ++turns) {
+    for (const wire::Job& job : world.takeJobs("a")) {
+      world.deliver("a", job);
+      world.request("a", 1);
+    }
+    world.pass(25ms);
+  }
+  ASSERT_FALSE(world.coordinator().complete());
+  world.restart();
+  world.joinFrom("machine-a", "a");
+  world.pass(14s);
+  EXPECT_FALSE(world.coordinator().complete());
+  EXPECT_GT(world.coordinator().status(world.now).checks_open(), 200);
+  world.beat("a");
+  world.pass(2s);
+  EXPECT_TRUE(world.coordinator().complete()) << "nobody came";
+  EXPECT_GT(world.counter("unchecked_results"), 200);
+}
+
+TEST_F(LiarTest, WhoeverHasOneKeyDoesNotCheckHimselfUnderAnotherName) {
+  CoordinatorSettings settings;
+  settings.spot_checks.share = 1;
+  LiarWorld world(settings);
+  const PublicKey liar = KeyPair::make().open(), honest = KeyPair::make().open();
+  world.key_of = {{"l1", liar}, {"l2", liar}, {"h", honest}};
+  world.joinFrom("machine-l1", "l1");
+  const wire::Job first = world.takeJobs("l1").at(0);
+  world.deliver("l1", first);
+  world.pass(25ms);
+  world.joinFrom("machine-h", "h");
+  world.joinFrom("machine-l2", "l2");
+  const auto isFirst = [&](const wire::Job& job) {
+    return job.space() == first.space() &&
+           fromWire(job.targets(0).point()) == fromWire(first.targets(0).point());
+  };
+  world.request("l2", 8);
+  EXPECT_TRUE(std::ranges::none_of(world.takeJobs("l2"), isFirst));
+  EXPECT_TRUE(std::ranges::any_of(world.takeJobs("h"), isFirst));
+}
+
 /// One worker of three falsifies one in a hundred of its results, in one of four ways. Most builds
 /// are too small for more than one lie.
 TEST_F(LiarTest, OfManyBuildsWithALiarAllButOneInAHundredAreMendedOrRefused) {

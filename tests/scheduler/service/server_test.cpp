@@ -19,7 +19,8 @@ struct ServerTest : testing::Test {
   test::TemporaryDirectory directory;
   const Problem problem = test::cubeProblem();
   zmq::context_t context;
-  Build build{problem, directory / "state", std::chrono::steady_clock::now()};
+  Build build{problem, directory / "state", std::chrono::steady_clock::now(),
+              test::BuildWorld::withoutChecks()};
   Server server{context, "tcp://127.0.0.1:*"};
 
   zmq::socket_t connect() {

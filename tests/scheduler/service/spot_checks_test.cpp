@@ -17,7 +17,7 @@ wire::Provenance who(const std::string& worker, const std::string& host = "here"
 }
 
 struct SpotChecksTest : testing::Test {
-  const TransitionKey key = {0, 1, 0};
+  const ResultKey key = {0, {1, 0, 0}, {}};
   SpotChecks checks{{}, std::string(32, 's')};
 
   std::vector<std::string> wrongOnes(const SpotChecks::Verdict& verdict) {
@@ -122,11 +122,48 @@ TEST_F(SpotChecksTest, AsLongAsNoneAgreeOthersAreAsked) {
 
 TEST_F(SpotChecksTest, NobodyIsAskedTwice) {
   checks.open(key, {who("a", "one"), "x"}, {});
-  EXPECT_FALSE(checks.isNew(key, who("a", "elsewhere")));
-  EXPECT_TRUE(checks.isNew(key, who("b", "one")));
-  EXPECT_FALSE(checks.isElsewhere(key, who("b", "one")));
-  EXPECT_TRUE(checks.isElsewhere(key, who("b", "two")));
-  EXPECT_TRUE(checks.isElsewhere(key, who("b", "one", "key"))) << "another's machine of that name";
+  EXPECT_EQ(checks.apart(key, who("a", "elsewhere")), Apart::same_process);
+  EXPECT_EQ(checks.apart(key, who("b", "one")), Apart::same_machine);
+  EXPECT_EQ(checks.apart(key, who("b", "two")), Apart::same_key);
+  EXPECT_EQ(checks.apart(key, who("b", "one", "key")), Apart::other_key)
+      << "another's machine of that name";
+  EXPECT_FALSE(checks.contradicts(key, {who("a"), "x"}));
+  EXPECT_TRUE(checks.contradicts(key, {who("a"), "y"}));
+  EXPECT_FALSE(checks.contradicts(key, {who("b"), "y"}));
+}
+
+TEST_F(SpotChecksTest, OthersAreAskedWhoAreAsFarAwayAsThereAre) {
+  checks.open(key, {who("a", "one", "k"), "x"}, {});
+  EXPECT_EQ(checks.wanted(key, {{"k"}, {{"k", "one"}}}), Apart::same_machine);
+  EXPECT_EQ(checks.wanted(key, {{"k"}, {{"k", "one"}, {"k", "two"}}}), Apart::same_key);
+  EXPECT_EQ(checks.wanted(key, {{"k"}, {{"k", "two"}}}), Apart::same_key) << "the first is gone";
+  EXPECT_EQ(checks.wanted(key, {{"k", "l"}, {{"k", "two"}}}), Apart::other_key)
+      << "whose machines were here a while ago";
+  EXPECT_EQ(checks.wanted(key, {{"l"}, {{"l", "one"}}}), Apart::other_key);
+}
+
+/// Who has a key can be as many workers, on as many machines, as he likes.
+TEST_F(SpotChecksTest, OneKeyDoesNotOutvoteAnotherUnlessItIsTrusted) {
+  const auto vote = [&](SpotChecks& asked) {
+    asked.open(key, {who("a", "one", "k"), "x"}, {});
+    EXPECT_FALSE(asked.hear(key, {who("m", "m1", "liar"), "y"}));
+    EXPECT_FALSE(asked.hear(key, {who("n", "m2", "liar"), "y"}));
+    EXPECT_TRUE(asked.isDisputed(key));
+  };
+  vote(checks);
+  EXPECT_EQ(wrongOnes(*checks.hear(key, {who("b", "two", "third"), "x"})),
+            (std::vector<std::string>{"m", "n"}));
+
+  SpotChecks again({}, std::string(32, 's'));
+  vote(again);
+  EXPECT_FALSE(again.hear(key, {who("b", "two", "k"), "x"})) << "two against two";
+
+  const PublicKey own = KeyPair::make().open();
+  const std::string bytes(own.bytes().begin(), own.bytes().end());
+  SpotChecks at_home({.trusted_key = own}, std::string(32, 's'));
+  vote(at_home);
+  const auto verdict = at_home.hear(key, {who("b", "two", bytes), "x"});
+  EXPECT_EQ(wrongOnes(*verdict), (std::vector<std::string>{"m", "n"}));
 }
 
 using Kind = KeptOut::Kind;
@@ -147,6 +184,11 @@ TEST(KeptOutBy, AKeyOnceTwoOfItsMachinesWereFound) {
   EXPECT_EQ(kindOf({{who("b", "two", "l"), who("c", "three", "m")}, {liar}}, before), Kind::key);
   EXPECT_EQ(kindOf({{who("b", "two", "k"), who("c", "three", "m")}, {liar}}, before), Kind::machine)
       << "honest ones share it";
+  const std::vector<KeptOut> processes = {{Kind::process, who("x", "eight", "k"), ""},
+                                          {Kind::process, who("y", "nine", "k"), ""}};
+  EXPECT_EQ(kindOf({{who("b", "two", "l"), who("c", "three", "m")}, {liar}}, processes),
+            Kind::machine)
+      << "one of many on their machines";
   EXPECT_EQ(kindOf({{who("b", "two"), who("c", "three")}, {who("a", "one")}}, before),
             Kind::machine)
       << "it has none";
