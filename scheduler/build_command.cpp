@@ -213,7 +213,7 @@ std::pair<std::vector<SpaceTable>, ExitCode> sealedBy(const Compute& compute, Bu
     // Of this run alone: a damaged one keeps nobody from going on.
     where.keys->replaceOwn();
   }
-  Server server(context, where.endpoint, where.keys);
+  Server server(context, build.problem(), where.endpoint, where.keys);
   where.endpoint = server.endpoint();
   build.directory().announce(
       {where.endpoint, where.keys ? std::optional(where.keys->path()) : std::nullopt});

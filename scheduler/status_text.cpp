@@ -220,7 +220,7 @@ std::string describe(const wire::Status& status) {
     text += fmt::format("worker {} on {}: {}, {} results, heard {:.0f} s ago\n", w.pid(), w.host(),
                         w.state(), w.results(), w.heard_seconds_ago());
   for (const char* alarm : {"divergent_results", "bad_messages", "lost_workers", "refused_workers",
-                            "unchecked_results"})
+                            "unchecked_results", "closed_connections"})
     if (const auto found = status.counters().find(alarm);
         found != status.counters().end() && found->second > 0)
       text += fmt::format("{}: {}\n", alarm, found->second);

@@ -242,6 +242,10 @@ void checkProblem(const Problem& problem) {
         radius, diagonal);
 }
 
+std::size_t fieldsBytes(const Problem& problem) {
+  return sizeof(float) * (3 * problem.mesh.nodes.size() + pressureNodes(problem));
+}
+
 std::size_t pressureNodes(const Problem& problem) {
   return pressureNodes(problem.scene.discretization.pressure, problem.mesh);
 }

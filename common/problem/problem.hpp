@@ -24,6 +24,8 @@ struct Problem {
 /// Number of nodes that have a pressure in NodalFields: none, the vertices, or all nodes. (Where no
 /// material around a node is mixed its pressure is zero and no unknown.)
 std::size_t pressureNodes(const Problem& problem);
+/// NodalFields::encode() of an equilibrium of this problem.
+std::size_t fieldsBytes(const Problem& problem);
 std::size_t pressureNodes(PressureSpace pressure, const Mesh& mesh);
 
 // What a dataset keeps of the nodal fields of a configuration (Storage).

@@ -17,12 +17,34 @@
 namespace palpate {
 namespace {
 
+zmq::send_flags flagsOf(bool more) {
+  return zmq::send_flags::dontwait | (more ? zmq::send_flags::sndmore : zmq::send_flags::none);
+}
+
 bool sendFrame(zmq::socket_t& socket, std::string_view bytes, bool more) {
-  const auto flags =
-      zmq::send_flags::dontwait | (more ? zmq::send_flags::sndmore : zmq::send_flags::none);
   return repeatWhenInterrupted([&] {
-    return socket.send(zmq::const_buffer(bytes.data(), bytes.size()), flags).has_value();
+    return socket.send(zmq::const_buffer(bytes.data(), bytes.size()), flagsOf(more)).has_value();
   });
+}
+
+/// `send_part` sends one frame of the payload.
+template <class SendPart>
+Sent sendInFrames(zmq::socket_t& socket, std::string_view peer, const wire::Message& message,
+                  std::string_view payload, const SendPart& send_part) {
+  // Once the first frame was accepted, libzmq accepts the rest of the message too.
+  try {
+    if (!peer.empty() && !sendFrame(socket, peer, true)) return Sent::full;
+    if (!sendFrame(socket, message.SerializeAsString(), !payload.empty())) return Sent::full;
+    for (std::size_t at = 0; at < payload.size(); at += payload_frame_bytes) {
+      const bool more = at + payload_frame_bytes < payload.size();
+      if (!send_part(payload.substr(at, payload_frame_bytes), more))
+        throw failure("ZeroMQ took the first frames of a message and then refused the next");
+    }
+  } catch (const zmq::error_t& error) {
+    if (error.num() == EHOSTUNREACH) return Sent::unroutable;
+    throw failure("ZeroMQ send: {}", error.what());
+  }
+  return Sent::yes;
 }
 
 zmq::socket_t makeSocket(zmq::context_t& context, zmq::socket_type type) {
@@ -161,20 +183,35 @@ bool isOnThisMachineOnly(const std::string& endpoint) {
 
 Sent sendMessage(zmq::socket_t& socket, std::string_view peer, const wire::Message& message,
                  std::string_view payload) {
-  // Once the first frame was accepted, libzmq accepts the rest of the message too.
-  try {
-    if (!peer.empty() && !sendFrame(socket, peer, true)) return Sent::full;
-    if (!sendFrame(socket, message.SerializeAsString(), !payload.empty())) return Sent::full;
-    for (std::size_t at = 0; at < payload.size(); at += payload_frame_bytes) {
-      const bool more = at + payload_frame_bytes < payload.size();
-      if (!sendFrame(socket, payload.substr(at, payload_frame_bytes), more))
-        throw failure("ZeroMQ took the first frames of a message and then refused the next");
-    }
-  } catch (const zmq::error_t& error) {
-    if (error.num() == EHOSTUNREACH) return Sent::unroutable;
-    throw failure("ZeroMQ send: {}", error.what());
-  }
-  return Sent::yes;
+  return sendInFrames(socket, peer, message, payload, [&](std::string_view bytes, bool more) {
+    return sendFrame(socket, bytes, more);
+  });
+}
+
+Sent sendMessage(zmq::socket_t& socket, std::string_view peer, const wire::Message& message,
+                 const std::shared_ptr<const std::string>& payload) {
+  using Owner = std::shared_ptr<const std::string>;
+  const std::string_view bytes = payload ? *payload : std::string_view();
+  return sendInFrames(socket, peer, message, bytes, [&](std::string_view part, bool more) {
+    // ZeroMQ takes what it only reads for changeable, and gives it back from a thread of its own.
+    zmq::message_t frame(
+        const_cast<char*>(part.data()), part.size(),
+        [](void*, void* owner) { delete static_cast<Owner*>(owner); }, new Owner(payload));
+    return repeatWhenInterrupted([&] { return socket.send(frame, flagsOf(more)).has_value(); });
+  });
+}
+
+std::size_t bytesOnWire(std::size_t frame_bytes, bool with_keys) {
+  // ZMTP 3: flags, length in 1 or 8 bytes; CURVE: a command's name, nonce, and authenticator.
+  const std::size_t body = frame_bytes + (with_keys ? 33 : 0);
+  return body + (body < 256 ? 2 : 9);
+}
+
+std::size_t bytesOnWire(const wire::Message& message, std::size_t payload_bytes, bool with_keys) {
+  std::size_t sum = bytesOnWire(message.ByteSizeLong(), with_keys);
+  for (std::size_t at = 0; at < payload_bytes; at += payload_frame_bytes)
+    sum += bytesOnWire(std::min(payload_frame_bytes, payload_bytes - at), with_keys);
+  return sum;
 }
 
 std::optional<PublicKey> senderOf(zmq::message_t& frame) {
@@ -196,12 +233,16 @@ std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router) {
       } else if (frame_number == 1) {
         intact = incoming.message.ParseFromArray(frame.data(), static_cast<int>(frame.size())) &&
                  isReadable(incoming.message);
-        if (router) incoming.key = senderOf(frame);
+        if (router) {
+          incoming.key = senderOf(frame);
+          incoming.connection = zmq_msg_get(frame.handle(), ZMQ_SRCFD);
+        }
       } else if (incoming.payload.size() + frame.size() <= max_payload_bytes) {
         incoming.payload.append(frame.data<char>(), frame.size());
       } else {
         intact = false;
       }
+      if (frame_number > 0) incoming.bytes += bytesOnWire(frame.size(), incoming.key.has_value());
       ++frame_number;
     } while (frame.more());
   } catch (const zmq::error_t& error) {
@@ -217,9 +258,11 @@ zmq::socket_t makeRouter(zmq::context_t& context) {
   socket.set(zmq::sockopt::router_mandatory, true);
   // A worker that comes back under its old name takes its place over.
   socket.set(zmq::sockopt::router_handover, true);
+  // What workers say in one frame is a result without its fields, or a part of those.
+  socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(2 * payload_frame_bytes));
   socket.set(zmq::sockopt::backlog, 4096);
   socket.set(zmq::sockopt::sndhwm, 4096);
-  socket.set(zmq::sockopt::rcvhwm, 4096);
+  socket.set(zmq::sockopt::rcvhwm, router_queue_length);
   return socket;
 }
 

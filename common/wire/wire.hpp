@@ -20,6 +20,9 @@ namespace palpate {
 /// Raised with every incompatible change; Hello carries it and the scheduler refuses another one.
 inline constexpr std::uint32_t protocol_version = 2;
 
+/// So many messages of one connection wait in a ROUTER; then the others have to.
+inline constexpr int router_queue_length = 16;
+
 /// Payload frames are at most this long: libzmq's heartbeat takes one large frame on a slow link
 /// for silence.
 inline constexpr std::size_t payload_frame_bytes = 64 * 1024;
@@ -55,6 +58,9 @@ struct Incoming {
   std::optional<PublicKey> key = {};
   /// Why its sender may not say this; empty when it may. Nothing else of the message counts then.
   std::string refusal = {};
+  int connection = -1;        ///< descriptor of the connection it came over
+  std::size_t bytes = 0;      ///< that it took there
+  bool reads_slowly = false;  ///< its sender has not read what it was sent: it gets nothing large
 };
 
 /// What became of a message we wanted to send. `unroutable`: the peer is gone. `full`: it does not
@@ -65,6 +71,16 @@ enum class Sent : std::uint8_t { yes, unroutable, full };
 /// other ZeroMQ failure.
 [[nodiscard]] Sent sendMessage(zmq::socket_t& socket, std::string_view peer,
                                const wire::Message& message, std::string_view payload = {});
+
+/// The same with a payload that is not copied: what peers do not read costs nothing.
+[[nodiscard]] Sent sendMessage(zmq::socket_t& socket, std::string_view peer,
+                               const wire::Message& message,
+                               const std::shared_ptr<const std::string>& payload);
+
+/// What a frame of so many bytes takes on a connection, and a message without routing id;
+/// `with_keys`: encrypted (CURVE).
+std::size_t bytesOnWire(std::size_t frame_bytes, bool with_keys);
+std::size_t bytesOnWire(const wire::Message& message, std::size_t payload_bytes, bool with_keys);
 
 /// The key under which a frame came through a Gatekeeper (curve.hpp); nothing where there is none.
 std::optional<PublicKey> senderOf(zmq::message_t& frame);

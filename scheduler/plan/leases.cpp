@@ -13,12 +13,14 @@ void Leases::add(const TransitionKey& key, const Losses& before) {
   putBack(key, where->second);
 }
 
-std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t workers) {
+std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t workers,
+                                       std::size_t most) {
+  PALPATE_ASSERT(most > 0, "a job without targets would be none");
   if (waiting_count_ == 0) return std::nullopt;
   const std::size_t share = 2 * std::max<std::size_t>(workers, 1);
   // Half of an even share, so that the last jobs of a stage are small and end together.
-  const std::size_t limit =
-      std::clamp<std::size_t>((waiting_count_ + share - 1) / share, 1, max_targets_per_job);
+  const std::size_t limit = std::clamp<std::size_t>((waiting_count_ + share - 1) / share, 1,
+                                                    std::min(most, max_targets_per_job));
 
   // Nearest to the origin first: what lies there makes most others ready.
   const auto [parent, space] = waiting_.begin()->first;
@@ -84,6 +86,32 @@ void Leases::finish(const TransitionKey& key) {
 void Leases::giveBack(const std::string& worker) {
   for (const auto& [job, keys] : endLeases(worker))
     for (const TransitionKey& key : keys) putBack(key, entries_.at(key));
+}
+
+std::optional<Leases::Last> Leases::lastOf(const std::string& worker) const {
+  const Jobs& jobs = jobsOf(worker);
+  if (jobs.empty()) return std::nullopt;
+  const Entry& last = entries_.at(jobs.rbegin()->second.back());
+  return Last{last.losses.attempts, last.is_check};
+}
+
+bool Leases::onlyChecksLeft() const {
+  const auto isCheck = [&](const TransitionKey& key) { return entries_.at(key).is_check; };
+  return waiting_count_ == 0 && std::ranges::all_of(by_worker_, [&](const auto& of_worker) {
+           return std::ranges::all_of(of_worker.second, [&](const auto& job) {
+             return std::ranges::all_of(job.second, isCheck);
+           });
+         });
+}
+
+void Leases::giveBackLast(const std::string& worker) {
+  Jobs& jobs = by_worker_.at(worker);
+  PALPATE_ASSERT(!jobs.empty(), "who holds nothing gives nothing back");
+  const auto job = std::prev(jobs.end());
+  const TransitionKey last = job->second.back();
+  job->second.pop_back();
+  if (job->second.empty()) jobs.erase(job);
+  putBack(last, entries_.at(last));
 }
 
 Leases::Suspects Leases::suspectsOf(const std::string& worker,

@@ -67,8 +67,10 @@ class Leases {
   /// A transition became ready, with what earlier runs know of it. It must not be known already.
   void add(const TransitionKey& key, const Losses& before = {});
   /// The next job for `worker`: targets around one start, nearest to the origin first, and few
-  /// enough that `workers` workers all get some. Nothing when nothing waits.
-  std::optional<Handout> handOut(const std::string& worker, std::size_t workers);
+  /// enough that `workers` workers all get some, and no more than `most`. Nothing when nothing
+  /// waits.
+  std::optional<Handout> handOut(const std::string& worker, std::size_t workers,
+                                 std::size_t most = max_targets_per_job);
   /// The transition has an outcome, whoever found it.
   void finish(const TransitionKey& key);
 
@@ -82,6 +84,16 @@ class Leases {
 
   /// Ends the leases of a worker, which blames nothing; they wait again.
   void giveBack(const std::string& worker);
+  /// What a worker holds that it would come to last; nothing when it holds nothing.
+  struct Last {
+    std::uint32_t attempts = 0;  ///< how often it was handed out
+    bool is_check = false;
+  };
+  std::optional<Last> lastOf(const std::string& worker) const;
+  /// Nothing waits but checks, and nobody solves anything else.
+  bool onlyChecksLeft() const;
+  /// Ends that lease alone.
+  void giveBackLast(const std::string& worker);
   /// What a worker that ends now would be blamed on: the target it was `solving`, when that is
   /// known, and the next in order.
   struct Suspects {

@@ -21,6 +21,19 @@ constexpr std::size_t workers_per_wait = 8;
 constexpr std::int64_t bad_messages_logged = 20;
 /// Of so many workers that went it is remembered what they had.
 constexpr std::size_t most_departed = 4096;
+/// Targets of a worker that has delivered nothing: one, and another when it is done.
+constexpr std::size_t newcomers_hold = 2;
+/// And of any: two jobs.
+constexpr std::size_t workers_hold = 2 * max_targets_per_job;
+/// Large answers to one peer in a turn: it has read none of them when it asks.
+constexpr int large_in_a_turn = 2;
+/// Workers that ended, of one Hello: a supervisor tells of one.
+constexpr int most_ended = 64;
+
+bool asksForMuch(const wire::Message& message) {
+  return message.has_status_request() || message.has_problem_request() ||
+         message.has_fields_request();
+}
 
 }  // namespace
 
@@ -73,8 +86,13 @@ void Coordinator::receive(const Incoming& incoming, Time now) {
   const wire::Message& message = incoming.message;
   const std::string& peer = incoming.peer;
   if (message.has_hello()) return hello(incoming, now);
+  // It asks again.
+  if (asksForMuch(message) && (incoming.reads_slowly || ++large_answers_[peer] > large_in_a_turn)) {
+    ++counters_["unread_answers"];
+    return;
+  }
   if (message.has_status_request())
-    return send(peer).mutable_status_reply()->set_json(toJson(status(now)));
+    return send(peer).mutable_status_reply()->set_json(recentStatus(now));
   if (message.has_stop_request()) {
     send(peer).mutable_stop_reply()->set_stopping(true);
     return stop(now);
@@ -120,7 +138,8 @@ void Coordinator::hello(const Incoming& incoming, Time now) {
     send(peer).mutable_refused()->set_reason(objection);
     return;
   }
-  for (const std::string& ended : hello.ended()) processEnded(ended, now);
+  for (int n = 0; n < std::min(hello.ended_size(), most_ended); ++n)
+    processEnded(hello.ended(n), now);
   if (const Worker* before = registry_.ofPeer(peer); before && before->id != hello.worker()) {
     leases_.giveBack(before->id);
     registry_.remove(*before, "left", now);
@@ -245,6 +264,7 @@ void Coordinator::take(Worker& worker, const TransitionKey& key, const Incoming&
                        Time now) {
   if (registry_.kernelFamily().empty()) settleKernels(worker.kernel_family, now);
   ++worker.results;
+  noteDelivery(worker, now);
   leases_.finish(key);
   StoredResult stored{incoming.message.result(), *fromWire(incoming.message.result())};
   stored.header.clear_lease();
@@ -385,6 +405,7 @@ void Coordinator::noteOwnGap(Time now) {
     worker.heard += gap;
     if (worker.idle_since) *worker.idle_since += gap;
     if (worker.probed) *worker.probed += gap;
+    worker.moved += gap;
   }
   if (only_checks_left_) *only_checks_left_ += gap;
 }
@@ -393,11 +414,12 @@ void Coordinator::advance(Time now, bool all_read) {
   noteOwnGap(now);
   if (all_read) {
     takeBackFromTheIdle(now);
+    takeBackForTheIdle(now);
     probeSilentWorkers(now);
     loseSilentWorkers(now);
   }
   if (groupIsDue(now)) commitGroup(now);
-  handOutJobs();
+  handOutJobs(now);
   giveUpChecks(now);
   if (now >= serversDue()) writeServers(now);
   pace_.note(now, converged_);
@@ -414,29 +436,98 @@ Coordinator::Time Coordinator::nextDeadline() const {
   return deadline;
 }
 
-/// To the workers that hold least, so that all have something when there is little.
-void Coordinator::handOutJobs() {
+/// So much a worker may hold in all. Whoever takes work and does none has little of it.
+std::size_t Coordinator::roomOf(const Worker& worker) const {
+  const bool has_none = worker.overdue_until && last_turn_ < *worker.overdue_until;
+  const std::size_t most =
+      has_none ? std::size_t{0}
+               : std::clamp<std::size_t>(worker.earned, newcomers_hold, workers_hold);
+  return most - std::min(most, leases_.leasedTo(worker.id));
+}
+
+/// To the workers that hold least, so that all have something when there is little, and first to
+/// those that are known to do what they are given.
+void Coordinator::handOutJobs(Time now) {
   const bool checks_wait = !leases_.waitingChecks().empty();
   if (stopping_ || complete() || (leases_.waiting() == 0 && !checks_wait)) return;
   const std::map<TransitionKey, Apart> wanted = wantedOfChecks();
-  using Load = std::pair<std::size_t, std::string>;  // targets it holds, id
+  // Newcomer, targets it holds; of newcomers those first that were given nothing for longest.
+  using Load = std::tuple<bool, std::size_t, Time, std::string>;
   std::set<Load> by_load;
-  for (const auto& [id, worker] : registry_.all())
-    if (worker.credit > 0) by_load.emplace(leases_.leasedTo(id), id);
+  const auto queue = [&](const Worker& worker) {
+    if (worker.credit > 0 && roomOf(worker) > 0)
+      by_load.emplace(worker.earned == 0, leases_.leasedTo(worker.id),
+                      worker.earned == 0 ? worker.moved : Time(), worker.id);
+  };
+  for (const auto& [id, worker] : registry_.all()) queue(worker);
   while (!by_load.empty()) {
-    const std::string id = by_load.extract(by_load.begin()).value().second;
+    const std::string id = std::get<std::string>(by_load.extract(by_load.begin()).value());
     Worker& worker = registry_.at(id);
+    const std::size_t room = roomOf(worker);
+    if (leases_.leasedTo(id) == 0) worker.moved = now;
     // There are few of them, and they are to show what is wrong before much rests on it.
     auto handout = leases_.handOutCheck(
         id, [&](const TransitionKey& key) { return mayCheck(key, worker, wanted.at(key)); });
-    if (!handout) handout = leases_.handOut(id, registry_.all().size());
+    if (!handout) handout = leases_.handOut(id, registry_.all().size(), room);
     if (!handout && !checks_wait) return;
     if (!handout) continue;
     PALPATE_ASSERT(worker.credit > 0, "only workers that asked for a job are in the list");
     worker.idle_since.reset();
-    if (--worker.credit > 0) by_load.emplace(leases_.leasedTo(id), id);
+    --worker.credit;
+    queue(worker);
     sendJob(worker, *handout);
   }
+}
+
+std::chrono::duration<double> Coordinator::patienceWith(std::uint32_t attempts) const {
+  if (between_results_ <= 0) return settings_.overdue_without_any;
+  // Who was slow with it may not be to blame.
+  constexpr std::uint32_t most_doubled = 3;
+  const double times = std::exp2(std::min(attempts, most_doubled + 1) - 1.0);
+  return times * std::max<std::chrono::duration<double>>(
+                     settings_.overdue_at_least,
+                     std::chrono::duration<double>(settings_.overdue_factor * between_results_));
+}
+
+/// When nothing waits, and somebody who is known to work has nothing to do, what others do not come
+/// to is put back, the last first. Whoever finds it first is right, as always.
+void Coordinator::takeBackForTheIdle(Time now) {
+  if (stopping_ || complete() || leases_.waiting() > 0) return;
+  const bool all_are_new = std::ranges::none_of(
+      registry_.all(), [](const auto& entry) { return entry.second.earned > 0; });
+  auto idle = std::ranges::count_if(registry_.all(), [&](const auto& entry) {
+    const Worker& worker = entry.second;
+    return worker.credit > 0 && (worker.earned > 0 || all_are_new) &&
+           leases_.leasedTo(worker.id) == 0 && roomOf(worker) > 0;
+  });
+  for (auto& [id, worker] : registry_.all()) {
+    if (idle == 0) return;
+    const auto last = leases_.lastOf(id);
+    // Of checks: giveUpChecks.
+    if (!last || last->is_check || now - worker.moved < patienceWith(last->attempts)) continue;
+    takeBackLast(worker, now);
+    --idle;
+  }
+}
+
+void Coordinator::takeBackLast(Worker& worker, Time now) {
+  if (!worker.overdue_until)
+    peer_log_.info(now, "worker {} on {} holds what others could do: they are given it", worker.pid,
+                   worker.host);
+  ++counters_["overdue_targets"];
+  leases_.giveBackLast(worker.id);
+  worker.overdue_until = now + settings_.overdue_pause;
+  worker.earned = 0;
+}
+
+void Coordinator::noteDelivery(Worker& worker, Time now) {
+  const double taken = std::chrono::duration<double>(now - worker.moved).count();
+  constexpr double weight = 1.0 / 64;
+  between_results_ =
+      between_results_ <= 0 ? taken : between_results_ + weight * (taken - between_results_);
+  worker.moved = now;
+  worker.overdue_until.reset();
+  ++worker.earned;
 }
 
 void Coordinator::sendJob(const Worker& worker, const Handout& handout) {
@@ -499,7 +590,9 @@ void Coordinator::loseSilentWorkers(Time now) {
 void Coordinator::probeSilentWorkers(Time now) {
   const auto patience = settings_.silent_heartbeats * settings_.heartbeat;
   for (auto& [id, worker] : registry_.all()) {
-    if (now - worker.heard < patience || leases_.leasedTo(id) == 0) continue;
+    // Or had work, which others were given meanwhile.
+    const bool at_work = leases_.leasedTo(id) > 0 || worker.overdue_until;
+    if (now - worker.heard < patience || !at_work) continue;
     if (worker.probed && now - *worker.probed < settings_.heartbeat) continue;
     worker.probed = now;
     send(worker.peer).mutable_heartbeat_reply()->set_incarnation(incarnation_);
@@ -527,6 +620,12 @@ void Coordinator::peerUnreachable(const std::string& peer, Time now) {
   peer_log_.info(now, "worker {} on {} cannot be reached; {} targets are handed out again",
                  worker->pid, worker->host, leases_.leasedTo(worker->id));
   lose(*worker, now);
+}
+
+void Coordinator::noteClosed(const Connections::Closed& closed, Time now) {
+  if (closed.count == 0) return;
+  counters_["closed_connections"] += closed.count;
+  for (const std::string& why : closed.why) peer_log_.warn(now, "{}", why);
 }
 
 void Coordinator::workerProcessEnded(std::uint32_t pid, Time now) {
@@ -612,6 +711,19 @@ wire::ResultAck& Coordinator::acknowledgement(const std::string& peer, const wir
   *ack.mutable_target() = result.target();
   *ack.mutable_parent() = result.parent();
   return ack;
+}
+
+const std::string& Coordinator::recentStatus(Time now) {
+  // s, as it was measured: whoever asks without end costs a twentieth of a processor.
+  constexpr double by_point = 4e-8, by_worker = 3e-6, times = 20;
+  double cost = by_worker * static_cast<double>(registry_.all().size());
+  for (const SpacePlan& plan : plans_) cost += by_point * plan.size();
+  const std::chrono::duration<double> good_for(std::max(0.02, times * cost));
+  if (recent_status_.empty() || now - recent_status_made_ >= good_for) {
+    recent_status_ = toJson(status(now));
+    recent_status_made_ = now;
+  }
+  return recent_status_;
 }
 
 wire::Status Coordinator::status(Time now) const {

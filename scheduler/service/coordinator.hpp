@@ -3,6 +3,7 @@
 #include <deque>
 #include <memory>
 
+#include "common/wire/connections.hpp"
 #include "common/wire/wire.hpp"
 #include "scheduler/plan/leases.hpp"
 #include "scheduler/plan/space_plan.hpp"
@@ -40,6 +41,13 @@ struct CoordinatorSettings {
   /// A worker that says it solves nothing while it holds leases for so long never got them, or
   /// forgot them.
   std::chrono::milliseconds idle_with_leases{30000};
+  /// A worker from which nothing came for so many times as long as it usually takes between two
+  /// results of one, and for overdue_at_least (overdue_without_any when nothing is recorded yet),
+  /// holds up others that have nothing to do: they are given some of it.
+  double overdue_factor = 8;
+  std::chrono::seconds overdue_at_least{2}, overdue_without_any{30};
+  /// And it is given none for so long, if it delivers nothing.
+  std::chrono::seconds overdue_pause{30};
   /// A solve that takes so many times the longest one recorded is hung; and not before it took
   /// hung_at_least, or hung_without_any when nothing is recorded yet.
   double hung_factor = 30;
@@ -89,12 +97,17 @@ class Coordinator {
   /// that would show that a silent worker is not silent.
   void advance(Time now, bool all_read = true);
   /// Everything to be sent, in order.
-  std::vector<Outgoing> takeOutbox() { return std::exchange(outbox_, {}); }
+  std::vector<Outgoing> takeOutbox() {
+    large_answers_.clear();
+    return std::exchange(outbox_, {});
+  }
   /// advance() has something to do then.
   Time nextDeadline() const;
 
   /// A message could not be delivered: the peer is gone, or reads nothing.
   void peerUnreachable(const std::string& peer, Time now);
+  /// Connections were closed because they cost too much.
+  void noteClosed(const Connections::Closed& closed, Time now);
   /// The local process `pid` ended by itself: what it was solving may have killed it.
   void workerProcessEnded(std::uint32_t pid, Time now);
 
@@ -164,7 +177,7 @@ class Coordinator {
   bool openCheck(const ResultKey& key, bool disputed);
   void forgetChecksOfNothing();
   bool isRecordedInPlan(const ResultKey& key) const;
-  void compare(const Worker& worker, const TransitionKey& key, const wire::Result& first,
+  void compare(Worker& worker, const TransitionKey& key, const wire::Result& first,
                const wire::Result& second, Time now);
   void differs(const Worker& worker, const wire::Result& first, const wire::Result& second,
                Time now);
@@ -174,11 +187,17 @@ class Coordinator {
   std::map<TransitionKey, Apart> wantedOfChecks() const;
   bool mayCheck(const TransitionKey& key, const Worker& worker, Apart wanted) const;
   void giveUpChecks(Time now);
+  bool asksForWork(const Worker& worker) const;
   bool isHopeless(const TransitionKey& check, Apart wanted) const;
   void giveUp(const TransitionKey& check);
 
   // From the plan to workers.
-  void handOutJobs();
+  void handOutJobs(Time now);
+  std::size_t roomOf(const Worker& worker) const;
+  void takeBackForTheIdle(Time now);
+  std::chrono::duration<double> patienceWith(std::uint32_t attempts) const;
+  void takeBackLast(Worker& worker, Time now);
+  void noteDelivery(Worker& worker, Time now);
   void sendJob(const Worker& worker, const Handout& handout);
   void takeBackFromTheIdle(Time now);
   void noteOwnGap(Time now);
@@ -193,6 +212,7 @@ class Coordinator {
   void add(const Settled& settled);
   std::int32_t retry();
 
+  const std::string& recentStatus(Time now);
   Time serversDue() const;
   void writeServers(Time now);
   wire::Message& send(const std::string& peer,
@@ -225,20 +245,26 @@ class Coordinator {
   std::deque<std::pair<std::string, Leases::Suspects>> departed_;
   ResultGroup group_;
   std::vector<Outgoing> outbox_;
+  std::map<std::string, int> large_answers_;  ///< in it, by peer
 
   Counters counters_;
   Time started_;
   Time last_turn_;
   Time servers_written_;
-  bool newcomers_ = false;  ///< since then
+  bool newcomers_ = false;     ///< since then
+  std::string recent_status_;  ///< JSON
+  Time recent_status_made_;
   PeerLog peer_log_;
   Pace pace_;
   std::size_t found_ = 0;
   std::int64_t converged_ = 0;  ///< of recorded_
   std::int64_t recorded_ = 0;
   double longest_solve_ = 0;  ///< s, of all results; 0 before the first
+  /// s, between two results of a worker, as it was lately; 0 before the first.
+  double between_results_ = 0;
   bool stopping_ = false, complete_ = false, dismissed_ = false;
   std::optional<Time> only_checks_left_;  ///< since then
+  bool checks_relaxed_ = false;           ///< since checks_wait: whoever asks for work will do
   bool checks_hopeless_ = false;          ///< nobody came who could do them
 };
 

@@ -89,25 +89,30 @@ bool Coordinator::isRecordedInPlan(const ResultKey& key) const {
          !group_.has(*known);
 }
 
-/// When all is solved: of results that no plan asked for in the end, and of damaged ones, which are
-/// found before the seal.
+/// When all is solved: of results that no plan asked for in the end. Damaged ones are found before
+/// the seal, and checked when they are computed again.
 void Coordinator::forgetChecksOfNothing() {
   if (!checks_.hasRoom()) return;
   std::erase_if(due_checks_, [&](const auto& due) {
-    store_->tables().forgetCheck(due.first);
+    if (!isRecordedInPlan(due.first)) store_->tables().forgetCheck(due.first);
     return true;
   });
 }
 
 /// A second result of what is recorded: because it was asked for as a check, or its acknowledgement
 /// was lost, or a worker taken for dead finished after all.
-void Coordinator::compare(const Worker& worker, const TransitionKey& key, const wire::Result& first,
+void Coordinator::compare(Worker& worker, const TransitionKey& key, const wire::Result& first,
                           const wire::Result& second, Time now) {
   const ResultKey name = resultKeyOf(key);
   const Opinion opinion = opinionOf(second, worker.provenance);
   const bool was_open = checks_.isOpen(name);
   if (!was_open || checks_.apart(name, worker.provenance) == Apart::same_process) {
-    if (duplicate(worker, first, second, now) || complete_) return;
+    if (duplicate(worker, first, second, now)) {
+      // Others were given it meanwhile.
+      if (first.given_by().worker() != worker.id) worker.overdue_until.reset();
+      return;
+    }
+    if (complete_) return;
     if (first.given_by().worker() == worker.id || (was_open && checks_.contradicts(name, opinion)))
       throw contradiction(worker, second);
     if (was_open) return;
@@ -116,6 +121,7 @@ void Coordinator::compare(const Worker& worker, const TransitionKey& key, const 
     if (!checks_.isOpen(name)) return;
   }
   leases_.finish(key);
+  noteDelivery(worker, now);
   const auto verdict = checks_.hear(name, opinion);
   if (verdict) return conclude(name, *verdict);
   if (was_open && !ResultCheck::agree(first, second)) differs(worker, first, second, now);
@@ -133,8 +139,22 @@ void Coordinator::differs(const Worker& worker, const wire::Result& first,
 
 /// Who gives two results of one transition needs no others to be found wrong.
 LiarsFound Coordinator::contradiction(const Worker& worker, const wire::Result& result) {
-  return liarsFound({{KeptOut::Kind::process, worker.provenance,
-                      fmt::format("it gave two results of {}", textOf(palpate::keyOf(result)))}});
+  const std::string reason =
+      fmt::format("it gave two results of {}", textOf(palpate::keyOf(result)));
+  // Who shares its machine, and its key, may have nothing to do with it; but who has a key of his
+  // own comes back under as many names as he likes.
+  wire::Provenance neighbour = worker.provenance;
+  neighbour.clear_worker();
+  SpotChecks::Verdict verdict = {.right = {neighbour}, .wrong = {worker.provenance}};
+  std::vector<KeptOut> liars = keptOutBy(verdict, store_->keptOut(), reason);
+  constexpr std::ptrdiff_t of_a_key = 4;
+  const auto before = std::ranges::count_if(store_->keptOut(), [&](const KeptOut& other) {
+    return other.who.key() == worker.provenance.key();
+  });
+  const auto& trusted = settings_.spot_checks.trusted_key;
+  if (worker.key && worker.key != trusted && before >= of_a_key)
+    liars.front().kind = KeptOut::Kind::key;
+  return liarsFound(std::move(liars));
 }
 
 void Coordinator::conclude(const ResultKey& key, const SpotChecks::Verdict& verdict) {
@@ -167,8 +187,9 @@ std::map<TransitionKey, Apart> Coordinator::wantedOfChecks() const {
   if (leases_.waitingChecks().empty()) return wanted;
   Crowd crowd;
   for (const auto& [key, heard] : keys_heard_)
-    if (last_turn_ - heard < settings_.keys_remembered) crowd.keys.insert(key);
+    if (!checks_relaxed_ && last_turn_ - heard < settings_.keys_remembered) crowd.keys.insert(key);
   for (const auto& [id, worker] : registry_.all()) {
+    if (checks_relaxed_ && !asksForWork(worker)) continue;
     crowd.keys.insert(worker.provenance.key());
     crowd.machines.emplace(worker.provenance.key(), worker.provenance.host());
   }
@@ -183,15 +204,23 @@ bool Coordinator::mayCheck(const TransitionKey& key, const Worker& worker, Apart
 }
 
 /// The build is done but for checks that nobody does: for want of another worker, or because those
-/// that are there do not ask for work.
+/// that are there do not ask for work, or do not do what they were given.
 void Coordinator::giveUpChecks(Time now) {
   checks_hopeless_ = false;
-  if (complete() || group_.size() > 0 || !leases_.stuck() || leases_.waitingChecks().empty())
+  if (stopping_ || complete() || group_.size() > 0 || checks_.openCount() == 0 ||
+      !leases_.onlyChecksLeft()) {
+    checks_relaxed_ = false;
     return only_checks_left_.reset();
+  }
   if (!only_checks_left_) only_checks_left_ = now;
   const auto waited = now - *only_checks_left_;
   checks_hopeless_ = waited >= settings_.worker_lost;
-  if (waited < settings_.checks_wait) return;
+  checks_relaxed_ = waited >= settings_.checks_wait;
+  if (!checks_relaxed_) return;
+  for (auto& [id, worker] : registry_.all())
+    if (const auto last = leases_.lastOf(id);
+        last && now - worker.moved >= patienceWith(last->attempts))
+      takeBackLast(worker, now);
   bool some = true;
   while (some && !complete()) {
     some = false;
@@ -204,10 +233,16 @@ void Coordinator::giveUpChecks(Time now) {
   }
 }
 
+/// And does what it is given, as far as anybody knows.
+bool Coordinator::asksForWork(const Worker& worker) const {
+  const std::size_t held = leases_.leasedTo(worker.id);
+  return held + roomOf(worker) > 0 && (worker.credit > 0 || held > 0);
+}
+
 bool Coordinator::isHopeless(const TransitionKey& check, Apart wanted) const {
   if (checks_.isDisputed(resultKeyOf(check))) return false;
   return checks_hopeless_ || std::ranges::none_of(registry_.all(), [&](const auto& other) {
-           return mayCheck(check, other.second, wanted);
+           return asksForWork(other.second) && mayCheck(check, other.second, wanted);
          });
 }
 

@@ -25,11 +25,17 @@ std::optional<Role> roleFor(const wire::Message& message) {
   }
 }
 
+/// Of a message without its payload, generously.
+constexpr std::size_t header_bytes = 8192;
+
 }  // namespace
 
-Server::Server(zmq::context_t& context, const std::string& endpoint,
+Server::Server(zmq::context_t& context, const Problem& problem, const std::string& endpoint,
                const std::optional<KeyFolder>& keys)
-    : socket_(makeRouter(context)) {
+    : socket_(makeRouter(context)),
+      connections_(
+          context, socket_,
+          PeerLimits::forMessagesOf(fieldsBytes(problem) + header_bytes, router_queue_length)) {
   if (keys) gatekeeper_.emplace(context, socket_, *keys);
   endpoint_ = bindRouter(socket_, endpoint);
 }
@@ -45,7 +51,11 @@ void Server::turn(Coordinator& coordinator, std::chrono::milliseconds longest) {
 
 std::optional<Incoming> Server::receive() {
   auto incoming = receiveMessage(socket_, true);
-  if (incoming) incoming->refusal = refusalOf(*incoming);
+  if (!incoming) return incoming;
+  incoming->refusal = refusalOf(*incoming);
+  if (!connections_.received(incoming->connection, incoming->peer, incoming->bytes))
+    incoming->message.Clear();
+  incoming->reads_slowly = connections_.isBehind(incoming->peer);
   return incoming;
 }
 
@@ -61,8 +71,12 @@ std::string Server::refusalOf(const Incoming& incoming) {
 }
 
 Sent Server::send(const Outgoing& message) {
-  const std::string_view payload = message.payload ? *message.payload : std::string_view();
-  return sendMessage(socket_, message.peer, message.message, payload);
+  const Sent sent = sendMessage(socket_, message.peer, message.message, message.payload);
+  if (sent == Sent::yes)
+    connections_.sent(message.peer,
+                      bytesOnWire(message.message, message.payload ? message.payload->size() : 0,
+                                  gatekeeper_.has_value()));
+  return sent;
 }
 
 }  // namespace palpate

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/wire/connections.hpp"
 #include "common/wire/curve.hpp"
 #include "scheduler/service/transport.hpp"
 
@@ -9,8 +10,9 @@ namespace palpate {
 class Server : private Transport {
  public:
   /// Binds `endpoint` (tcp://127.0.0.1:* lets the system choose a port) for those whom `keys` lets
-  /// in, or without any for everybody. Error when it is in use.
-  Server(zmq::context_t& context, const std::string& endpoint,
+  /// in, or without any for everybody. Who sends more than results of this problem can be is let
+  /// go. Error when it is in use.
+  Server(zmq::context_t& context, const Problem& problem, const std::string& endpoint,
          const std::optional<KeyFolder>& keys = std::nullopt);
 
   /// Where it listens, with the port that was chosen.
@@ -23,12 +25,14 @@ class Server : private Transport {
  private:
   std::optional<Incoming> receive() override;
   Sent send(const Outgoing& message) override;
+  Connections::Closed takeClosed() override { return connections_.takeClosed(); }
   /// Why the sender may not say this; empty when it may.
   std::string refusalOf(const Incoming& incoming);
 
   /// Nothing: everybody may say everything. Before the socket: it goes after it.
   std::optional<Gatekeeper> gatekeeper_;
   zmq::socket_t socket_;
+  Connections connections_;
   std::string endpoint_;
 };
 

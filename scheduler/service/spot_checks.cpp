@@ -157,7 +157,7 @@ std::optional<SpotChecks::Verdict> SpotChecks::hear(const ResultKey& key, Opinio
 }
 
 bool SpotChecks::isDecided(const Verdict& verdict) const {
-  const auto& [right, wrong] = verdict;
+  const std::vector<wire::Provenance>&right = verdict.right, &wrong = verdict.wrong;
   if (right.size() < 2) return false;
   const auto differ = [&](const auto& who) { return who.key() != right.front().key(); };
   const auto isTrusted = [&](const auto& who) {
@@ -171,6 +171,7 @@ std::vector<KeptOut> keptOutBy(const SpotChecks::Verdict& verdict,
                                const std::vector<KeptOut>& before, const std::string& reason) {
   using Kind = KeptOut::Kind;
   constexpr std::size_t machines_of_a_key = 2;
+  constexpr std::ptrdiff_t processes_of_a_machine = 2;
   std::vector<KeptOut> kept_out;
   for (const wire::Provenance& liar : verdict.wrong) {
     std::set<std::string> others;
@@ -180,7 +181,10 @@ std::vector<KeptOut> keptOutBy(const SpotChecks::Verdict& verdict,
         others.insert(other.who.host());
     const bool machine_is_right = std::ranges::any_of(
         verdict.right, [&](const wire::Provenance& r) { return isOfOneMachine(r, liar); });
-    Kind kind = machine_is_right ? Kind::process : Kind::machine;
+    const auto processes = std::ranges::count_if(
+        before, [&](const KeptOut& other) { return isOfOneMachine(other.who, liar); });
+    const bool one_of_many = machine_is_right && processes < processes_of_a_machine;
+    Kind kind = one_of_many ? Kind::process : Kind::machine;
     if (!liar.key().empty() && others.size() >= machines_of_a_key &&
         !hasKeyOfOneOf(liar, verdict.right))
       kind = Kind::key;

@@ -147,8 +147,8 @@ class LiarsFound : public Error {
 };
 
 /// Whom a verdict keeps out, besides `before`: the process alone where another on its machine was
-/// right, else the machine; and the key, where two other machines of it are kept out already and
-/// nobody with that key was right. `reason` is for people.
+/// right, unless two of it are kept out already, else the machine; and the key, where two other
+/// machines of it are kept out already and nobody with that key was right. `reason` is for people.
 std::vector<KeptOut> keptOutBy(const SpotChecks::Verdict& verdict,
                                const std::vector<KeptOut>& before, const std::string& reason);
 

@@ -16,6 +16,7 @@ void exchange(Coordinator& coordinator, Transport& transport, Coordinator::Time 
     else
       all_read = true;
   }
+  coordinator.noteClosed(transport.takeClosed(), now);
   // After all messages that are there, so that their results share a group.
   coordinator.advance(now, all_read);
   // A peer that is gone, or does not read, gives its leases back, which may make new messages.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/wire/connections.hpp"
 #include "scheduler/service/coordinator.hpp"
 
 namespace palpate {
@@ -15,6 +16,8 @@ class Transport {
   /// The next one that came in; nothing when there is none.
   virtual std::optional<Incoming> receive() = 0;
   virtual Sent send(const Outgoing& message) = 0;
+  /// Connections that cost too much, and were closed since the last call.
+  virtual Connections::Closed takeClosed() { return {}; }
 };
 
 /// One turn of a scheduler: feeds what came in to the coordinator (of a flood a part, so that

@@ -106,7 +106,10 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
             .solving = {},
             .probed = {},
             .idle_since = {},
-            .results = worker.results};
+            .results = worker.results,
+            .earned = 0,
+            .moved = now,
+            .overdue_until = worker.overdue_until};
   id_of_peer_[peer] = worker.id;
   return worker;
 }

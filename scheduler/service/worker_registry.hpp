@@ -29,6 +29,12 @@ struct Worker {
   /// Since when its heartbeats say that it solves nothing, although it holds leases.
   std::optional<Time> idle_since;
   std::int32_t results = 0;  ///< recorded ones, of this run
+  /// Results since it came, or since others had to be given what it held: as many it may hold.
+  std::uint32_t earned = 0;
+  /// It was given work when it had none, or delivered some.
+  Time moved{};
+  /// It held what others had to be given, and gets nothing before then, or before it delivers.
+  std::optional<Time> overdue_until;
 
   /// Room for `jobs` more, but never for more than most_credit: what a worker hoards, others lack.
   void addCredit(std::uint64_t jobs);

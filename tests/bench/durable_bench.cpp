@@ -4,7 +4,7 @@
 // Before and after, records of that size are appended and synced in groups of 64.
 // Prints one JSON object. Nothing here is checked: times belong to the machine, and to its disk.
 //
-//   palpate_durable_bench [--seconds 10] [--workers 4] [--directory DIR]
+//   palpate_durable_bench [--seconds 10] [--workers 4] [--directory DIR] [--insecure]
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -13,19 +13,11 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
-#include <map>
-#include <optional>
 #include <sstream>
 #include <zmq.hpp>
 
 #include "common/base/error.hpp"
-#include "common/base/program.hpp"
-#include "common/mesh/node_set.hpp"
-#include "common/problem/problem.hpp"
-#include "common/wire/curve.hpp"
-#include "common/wire/wire.hpp"
-#include "tests/support/meshes.hpp"
-#include "tests/support/solved_table.hpp"
+#include "tests/support/table_worker.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/system/process.hpp"
 
@@ -37,128 +29,6 @@ using Clock = std::chrono::steady_clock;
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
-
-/// The scene in `directory`: a cube of 64 nodes, half of its surface active, 200,000 points, which
-/// no machine finishes in the time.
-void writeScene(const std::filesystem::path& directory) {
-  const Mesh mesh = test::cubeMesh(0.1, 3);
-  test::writeGmsh22(mesh, directory / "cube.msh");
-  std::ofstream scene(directory / "cube.toml");
-  scene << "name = \"cube\"\nmesh = \"cube.msh\"\n"
-        << "[material]\nlaw = \"mooney-rivlin\"\nc10 = 1300.0\nc01 = 1280.0\n"
-        << "[fixed]\nbelow = { axis = \"x\", fraction = 0.15 }\n"
-        << "[workspace]\nradius = 0.05\nspacing = 0.00357\nmax_force = 100.0\n";
-  int active = 0;
-  for (const std::int32_t node : surfaceNodes(mesh))
-    if (mesh.nodes[static_cast<std::size_t>(node)].x() > 0.05 && active < 20)
-      scene << "[[active]]\nname = \"skin-" << ++active << "\"\nnode = " << node << "\n";
-}
-
-/// What a linear body would answer: one branch, everything converges.
-std::pair<wire::Result, std::string> answer(const Problem& problem, std::uint32_t space,
-                                            const wire::Point& target, const wire::Point& parent) {
-  constexpr double stiffness = 50;  // N/m
-  // Of a scene that does not refine, coordinates are in spacings.
-  const LatticePoint at = fromWire(target);
-  const Eigen::Vector3d p = problem.scene.workspace.spacing * Eigen::Vector3d(at[0], at[1], at[2]);
-  Outcome outcome;
-  outcome.converged = true;
-  outcome.cost = {3, 1, 1, 1e-4};
-  outcome.equilibrium.force = -stiffness * p;
-  outcome.equilibrium.stiffness = -stiffness * Eigen::Matrix3d::Identity();
-  outcome.equilibrium.energy = stiffness / 2 * p.squaredNorm();
-  outcome.fields = test::fieldsOf(problem, space, at, [&](std::size_t n) -> Eigen::Vector3d {
-    return p * problem.mesh.nodes[n].x() / 0.1;
-  });
-  outcome.fields.pressure.assign(pressureNodes(problem), static_cast<float>(p.norm()));
-  return test::resultOf(problem, space, at, fromWire(parent), outcome);
-}
-
-/// A worker that solves in no time. Acknowledgements are counted; nothing is sent again, because
-/// nobody goes away.
-class FakeWorker {
- public:
-  FakeWorker(zmq::context_t& context, const std::string& endpoint, const KeyFolder& keys,
-             int number)
-      : socket_(makeDealer(context)) {
-    const std::string id = fmt::format("fake-worker-{:04}", number);
-    socket_.set(zmq::sockopt::routing_id, id);
-    proveAsClient(socket_, keys, endpoint);
-    connectDealer(socket_, endpoint);
-    hello_ = Clock::now() - std::chrono::hours(1);
-    wire::Hello& hello = *introduction_.mutable_hello();
-    hello.set_protocol(protocol_version);
-    hello.set_version(version());
-    hello.set_worker(id);
-    hello.set_host("here");
-    hello.set_pid(static_cast<std::uint32_t>(getpid()));
-    hello.set_kernel_family("baseline");
-  }
-
-  zmq::socket_t& socket() { return socket_; }
-  std::size_t acknowledged() const { return acknowledged_; }
-  std::size_t payloadBytes() const { return payload_bytes_; }
-
-  /// Answers everything that came.
-  void turn() {
-    // Until the scheduler is there, messages are dropped.
-    if (!welcome_ && secondsSince(hello_) > 0.2) {
-      send(introduction_);
-      hello_ = Clock::now();
-    }
-    while (const auto incoming = receiveMessage(socket_, false)) handle(*incoming);
-    if (welcome_ && secondsSince(beat_) > 1) {
-      wire::Message message;
-      message.mutable_heartbeat();
-      send(message);
-      beat_ = Clock::now();
-    }
-  }
-
- private:
-  void handle(const Incoming& incoming) {
-    const wire::Message& message = incoming.message;
-    if (message.has_refused()) throw failure("refused: {}", message.refused().reason());
-    if (message.has_result_ack()) {
-      ++acknowledged_;
-    } else if (message.has_welcome() && !welcome_) {
-      welcome_ = true;
-      wire::Message request;
-      request.mutable_problem_request();
-      send(request);
-    } else if (message.has_problem_reply() && !problem_) {
-      problem_ = decodeProblem(incoming.payload);
-      requestJobs(2);
-    } else if (message.has_job()) {
-      for (const wire::Target& target : message.job().targets()) {
-        auto [result, payload] =
-            answer(*problem_, message.job().space(), target.point(), message.job().start());
-        test::answer(message.job(), target, result);
-        payload_bytes_ = payload.size();
-        wire::Message delivery;
-        *delivery.mutable_result() = std::move(result);
-        send(delivery, payload);
-      }
-      requestJobs(1);
-    }
-  }
-  void requestJobs(std::uint32_t credit) {
-    wire::Message message;
-    message.mutable_request()->set_credit(credit);
-    send(message);
-  }
-  void send(const wire::Message& message, const std::string& payload = {}) {
-    if (sendMessage(socket_, "", message, payload) != Sent::yes && welcome_)
-      throw failure("the scheduler does not take messages");
-  }
-
-  zmq::socket_t socket_;
-  wire::Message introduction_;
-  std::optional<Problem> problem_;
-  bool welcome_ = false;
-  Clock::time_point hello_, beat_;
-  std::size_t acknowledged_ = 0, payload_bytes_ = 0;
-};
 
 /// What a process has used and written so far.
 struct Usage {
@@ -207,15 +77,17 @@ struct Options {
   double seconds = 10;
   int workers = 4;
   std::string directory;
+  bool insecure = false;
 };
 
 void measure(const Options& options, const std::filesystem::path& directory) {
   constexpr std::size_t group = 64;
-  writeScene(directory);
-  test::Process scheduler("palpate-scheduler",
-                          {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state",
-                           "state", "-o", "cube.h5", "--quiet"},
-                          directory);
+  test::writeEndlessScene(directory, 3, 20);
+  std::vector<std::string> arguments = {"serve",   "cube.toml", "--listen", "tcp://127.0.0.1:*",
+                                        "--state", "state",     "-o",       "cube.h5",
+                                        "--quiet"};
+  if (options.insecure) arguments.emplace_back("--insecure");
+  test::Process scheduler("palpate-scheduler", arguments, directory);
   std::string endpoint;
   if (!test::eventually([&] {
         endpoint = test::endpointAnnouncedIn(directory / "state");
@@ -225,21 +97,23 @@ void measure(const Options& options, const std::filesystem::path& directory) {
     throw failure("the scheduler does not listen: {}", scheduler.output());
 
   zmq::context_t context;
-  std::vector<FakeWorker> workers;
+  std::vector<test::TableWorker> workers;
   for (int n = 0; n < options.workers; ++n)
-    workers.emplace_back(context, endpoint, KeyFolder(directory / "keys"), n);
+    workers.emplace_back(
+        context, endpoint,
+        options.insecure ? std::nullopt : std::optional(KeyFolder(directory / "keys")), n);
   std::vector<zmq::pollitem_t> sockets;
-  for (FakeWorker& worker : workers)
+  for (test::TableWorker& worker : workers)
     sockets.push_back({worker.socket().handle(), 0, ZMQ_POLLIN, 0});
   const auto acknowledged = [&] {
     std::size_t sum = 0;
-    for (const FakeWorker& worker : workers) sum += worker.acknowledged();
+    for (const test::TableWorker& worker : workers) sum += worker.acknowledged();
     return sum;
   };
   const auto workFor = [&](double seconds) {
     for (const auto began = Clock::now(); secondsSince(began) < seconds;) {
       zmq::poll(sockets, std::chrono::milliseconds(10));
-      for (FakeWorker& worker : workers) worker.turn();
+      for (test::TableWorker& worker : workers) worker.turn();
       if (!scheduler.running()) throw failure("the scheduler ended: {}", scheduler.output());
     }
   };
@@ -293,6 +167,7 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--directory", options.directory, "A folder on the disk that is measured [/tmp]")
       ->check(CLI::ExistingDirectory);
+  app.add_flag("--insecure", options.insecure, "Without keys");
   CLI11_PARSE(app, argc, argv);
   if (!options.directory.empty()) setenv("TMPDIR", options.directory.c_str(), 1);
   const test::TemporaryDirectory directory;

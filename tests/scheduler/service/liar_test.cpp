@@ -119,12 +119,14 @@ struct LiarTest : testing::Test {
 };
 
 TEST_F(LiarTest, AnHonestBuildIsCheckedAndEndsTheSame) {
-  LiarWorld world;
+  CoordinatorSettings settings;
+  settings.spot_checks.share = 0.1;
+  LiarWorld world(settings);
   world.finishWhateverComes();
   EXPECT_EQ(world.sealedContent(), honestContent());
   const auto checked = world.counter("checked_results");
-  EXPECT_GE(checked, 3);
-  EXPECT_LE(checked, 30) << "of 246";
+  EXPECT_GE(checked, 8);
+  EXPECT_LE(checked, 80) << "of 246";
   EXPECT_EQ(world.counter("unchecked_results"), 0);
 }
 
@@ -206,7 +208,9 @@ TEST_F(LiarTest, WithoutAThirdWorkerADisputeEndsTheBuildAndAThirdOneSettlesIt) {
 }
 
 TEST_F(LiarTest, AWorkerAloneIsNotCheckedAndTheBuildSaysSo) {
-  LiarWorld world;
+  CoordinatorSettings settings;
+  settings.spot_checks.share = 0.2;
+  LiarWorld world(settings);
   world.joinFrom("machine-a", "a");
   world.finish({"a"});
   EXPECT_GT(world.counter("unchecked_results"), 0);
@@ -215,7 +219,9 @@ TEST_F(LiarTest, AWorkerAloneIsNotCheckedAndTheBuildSaysSo) {
 
 /// Workers that take no more work, or hoard it, hold no build up at its end.
 TEST_F(LiarTest, ChecksThatNobodyAsksForAreGivenUpAfterAMinute) {
-  LiarWorld world;
+  CoordinatorSettings settings;
+  settings.spot_checks.share = 0.2;
+  LiarWorld world(settings);
   world.joinFrom("machine-a", "a");
   world.send("b", test::helloOf("b"));
   for (int turns = 0; !world.coordinator().complete(); ++turns) {
@@ -253,7 +259,12 @@ TEST_F(LiarTest, WhatWasSolvedInSeveralStepsIsCheckedInAsMany) {
 TEST_F(LiarTest, WhatIsFoundOutAndNotKeptOutBecauseOfAKillIsFoundAgain) {
   const ContentId honest = honestContent();
   LiarWorld world;
-  lieOnce(world, 40, lies()[0]);
+  // Not where it checks another: that lie is recorded nowhere.
+  world.falsify = [&, told = 0](const std::string& peer, wire::Result& result,
+                                std::string& payload) mutable {
+    if (peer != "b" || world.coordinator().isChecked(keyOf(result))) return;
+    if (told++ == 40) lies()[0](result, payload);
+  };
   const auto workUntilFound = [&] {
     world.joinAll();
     for (int turns = 0; turns < 20000 && !world.coordinator().complete(); ++turns) {
@@ -267,8 +278,10 @@ TEST_F(LiarTest, WhatIsFoundOutAndNotKeptOutBecauseOfAKillIsFoundAgain) {
   };
   EXPECT_THROW(workUntilFound(), LiarsFound);
   world.restart();
+  EXPECT_GT(world.coordinator().status(world.now).checks_open(), 0);
   world.finishWhateverComes();
-  EXPECT_EQ(world.coordinator().status(world.now).kept_out_size(), 1);
+  EXPECT_EQ(world.coordinator().status(world.now).kept_out_size(), 1)
+      << toJson(world.coordinator().status(world.now));
   EXPECT_EQ(world.sealedContent(), honest);
 }
 
@@ -326,6 +339,58 @@ TEST_F(LiarTest, WhoeverHasOneKeyDoesNotCheckHimselfUnderAnotherName) {
   world.request("l2", 8);
   EXPECT_TRUE(std::ranges::none_of(world.takeJobs("l2"), isFirst));
   EXPECT_TRUE(std::ranges::any_of(world.takeJobs("h"), isFirst));
+}
+
+/// As long as others with the first key ask for work, it cannot keep them from checking each other.
+TEST_F(LiarTest, AnotherKeyThatDoesNothingKeepsNobodyFromChecking) {
+  CoordinatorSettings settings;
+  settings.spot_checks.share = 1;
+  LiarWorld world(settings);
+  const PublicKey liar = KeyPair::make().open(), honest = KeyPair::make().open();
+  world.key_of = {{"l", liar}, {"a", honest}, {"b", honest}};
+  world.send("l", test::helloOf("l"));
+  world.joinFrom("machine-a", "a");
+  world.joinFrom("machine-b", "b");
+  for (int turns = 0; turns < 3000 && !world.coordinator().complete(); ++turns) {
+    for (const std::string peer : {"a", "b"})
+      for (const wire::Job& job : world.takeJobs(peer)) {
+        world.deliver(peer, job);
+        world.request(peer, 1);
+      }
+    world.beat("l");
+    world.pass(50ms);
+  }
+  EXPECT_TRUE(world.coordinator().complete());
+  EXPECT_EQ(world.counter("unchecked_results"), 0);
+  EXPECT_GT(world.counter("checked_results"), 200);
+}
+
+TEST_F(LiarTest, WhoContradictsHimselfUnderOneKeyIsKeptOutWithItInTheEnd) {
+  LiarWorld world(test::BuildWorld::withoutChecks());
+  const PublicKey liar = KeyPair::make().open();
+  lieOnce(world, 0, [](wire::Result&, std::string&) {});
+  bool kept_out = false;
+  for (int round = 0; round < 8 && !kept_out; ++round) {
+    const std::string name = "liar " + std::to_string(round);
+    world.key_of[name] = liar;
+    kept_out = !world.joinFrom("machine-" + std::to_string(round), name).empty();
+    if (kept_out) break;
+    const wire::Job job = world.takeJobs(name).at(0);
+    world.deliver(name, job);
+    world.pass(25ms);
+    world.falsify = [](const std::string&, wire::Result& r, std::string&) {
+      r.mutable_cost()->set_newton_iterations(77);
+    };
+    try {
+      world.deliver(name, job);
+      FAIL() << "nobody minds";
+    } catch (const LiarsFound& found) {
+      world.build().keepOut(found);
+      world.restart();
+    }
+    world.falsify = nullptr;
+  }
+  EXPECT_TRUE(kept_out);
 }
 
 /// One worker of three falsifies one in a hundred of its results, in one of four ways. Most builds

@@ -21,7 +21,7 @@ struct ServerTest : testing::Test {
   zmq::context_t context;
   Build build{problem, directory / "state", std::chrono::steady_clock::now(),
               test::BuildWorld::withoutChecks()};
-  Server server{context, "tcp://127.0.0.1:*"};
+  Server server{context, problem, "tcp://127.0.0.1:*"};
 
   zmq::socket_t connect() {
     zmq::socket_t socket = makeDealer(context);
@@ -110,7 +110,7 @@ TEST_F(ServerTest, NoticesWithinSecondsThatABusyWorkersConnectionBroke) {
 TEST_F(ServerTest, ListensOnLocalhostByNameAndByItsNewerAddress) {
   for (const auto& [wanted, is] :
        {std::pair("tcp://localhost:*", "tcp://127.0.0.1:"), {"tcp://[::1]:*", "tcp://[::1]:"}}) {
-    const Server other(context, wanted);
+    const Server other(context, problem, wanted);
     EXPECT_TRUE(other.endpoint().starts_with(is)) << other.endpoint();
     EXPECT_TRUE(isOnThisMachineOnly(other.endpoint()));
   }
@@ -141,7 +141,7 @@ struct KeyedServerTest : ServerTest {
 
   void SetUp() override {
     // What the one without keys listens at is of no use here.
-    keyed.emplace(keyed_context, "tcp://127.0.0.1:*", keys);
+    keyed.emplace(keyed_context, problem, "tcp://127.0.0.1:*", keys);
   }
   void TearDown() override { keyed.reset(); }
 
@@ -190,7 +190,7 @@ TEST_F(KeyedServerTest, EachRoleMaySayWhatIsItsAndNothingElse) {
   const KeyFolder node = person("node", "worker"), viewer = person("viewer", "observer"),
                   boss = person("boss", "operator");
   keyed.reset();
-  keyed.emplace(keyed_context, "tcp://127.0.0.1:*", keys);
+  keyed.emplace(keyed_context, problem, "tcp://127.0.0.1:*", keys);
   zmq::socket_t worker = connectAs(node), observer = connectAs(viewer), operator_ = connectAs(boss);
   EXPECT_TRUE(answerTo(worker, test::helloOf("w")).has_welcome());
   EXPECT_TRUE(answerTo(observer, statusRequest()).has_status_reply());
@@ -207,7 +207,7 @@ TEST_F(KeyedServerTest, EachRoleMaySayWhatIsItsAndNothingElse) {
 TEST_F(KeyedServerTest, AWorkerWhoseKeyIsWithdrawnIsSentAwayAndItsWorkHandedOutAgain) {
   const KeyFolder node = person("node", "worker");
   keyed.reset();
-  keyed.emplace(keyed_context, "tcp://127.0.0.1:*", keys);
+  keyed.emplace(keyed_context, problem, "tcp://127.0.0.1:*", keys);
   zmq::socket_t worker = connectAs(node);
   ASSERT_TRUE(answerTo(worker, test::helloOf("w")).has_welcome());
   Message message;
@@ -281,7 +281,7 @@ TEST_F(ServerTest, AnswersPeopleBesideWorkers) {
 }
 
 TEST_F(ServerTest, SaysThatAPortIsInUse) {
-  test::expectError(ExitCode::failed, [&] { Server(context, server.endpoint()); },
+  test::expectError(ExitCode::failed, [&] { Server(context, problem, server.endpoint()); },
                     {server.endpoint(), "in use"});
 }
 

@@ -177,6 +177,14 @@ TEST(KeptOutBy, TheMachineUnlessOthersOnItWereRight) {
   EXPECT_EQ(kindOf({{who("b", "one"), who("c", "three")}, {who("a", "one")}}), Kind::process);
 }
 
+TEST(KeptOutBy, TheMachineOnceTwoOfItsProcessesWereFound) {
+  const SpotChecks::Verdict verdict = {{who("b", "one"), who("c", "three")}, {who("a", "one")}};
+  EXPECT_EQ(kindOf(verdict, {{Kind::process, who("x", "one"), ""}}), Kind::process);
+  EXPECT_EQ(
+      kindOf(verdict, {{Kind::process, who("x", "one"), ""}, {Kind::process, who("y", "one"), ""}}),
+      Kind::machine);
+}
+
 TEST(KeptOutBy, AKeyOnceTwoOfItsMachinesWereFound) {
   const std::vector<KeptOut> before = {{Kind::machine, who("x", "eight", "k"), ""},
                                        {Kind::machine, who("y", "nine", "k"), ""}};

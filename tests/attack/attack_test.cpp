@@ -1,0 +1,342 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+
+#include <functional>
+#include <iostream>
+
+#include "tests/attack/fortress.hpp"
+#include "tests/support/long_tests.hpp"
+
+// What docs/security.md says is held, against real sockets of this machine. An attack runs at the
+// lowest priority, as if it came from elsewhere, and from an address of its own.
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+using wire::Message;
+
+/// Sends what it likes, as libzmq lets it.
+class Attacker {
+ public:
+  Attacker(zmq::context_t& context, const test::Fortress& fortress, const KeyFolder& keys,
+           int buffered = 1000)
+      : socket_(context, zmq::socket_type::dealer) {
+    socket_.set(zmq::sockopt::linger, 0);
+    socket_.set(zmq::sockopt::sndhwm, buffered);
+    socket_.set(zmq::sockopt::reconnect_ivl, 10);
+    proveAsClient(socket_, keys, fortress.endpoint());
+    const std::string& endpoint = fortress.endpoint();
+    socket_.connect(fmt::format("tcp://127.0.1.{}:0;{}", address,
+                                endpoint.substr(std::string("tcp://").size())));
+  }
+  zmq::socket_t& socket() { return socket_; }
+
+  /// Of all attackers that are made from now on, 127.0.1.N: what one did is not held against the
+  /// next.
+  static inline int address = 1;
+
+  bool sendFrame(const std::string& frame, bool more = false) {
+    return socket_
+        .send(zmq::buffer(frame),
+              zmq::send_flags::dontwait | (more ? zmq::send_flags::sndmore : zmq::send_flags::none))
+        .has_value();
+  }
+  bool say(const Message& message, const std::string& payload = "") {
+    return sendMessage(socket_, "", message, payload) == Sent::yes;
+  }
+  void hello(const std::string& id) {
+    Message message;
+    wire::Hello& hello = *message.mutable_hello();
+    hello.set_protocol(protocol_version);
+    hello.set_version(version());
+    hello.set_worker(id);
+    hello.set_host("elsewhere");
+    hello.set_pid(1);
+    hello.set_kernel_family("baseline");
+    say(message);
+  }
+  /// Whatever came is read, and not looked at.
+  void read() {
+    while (receiveMessage(socket_, false)) continue;
+  }
+
+ private:
+  zmq::socket_t socket_;
+};
+
+/// One step of an attack; it is called again and again.
+using Step = std::function<void()>;
+using Attack = std::function<Step(zmq::context_t&, test::Fortress&)>;
+
+struct AttackTest : testing::Test {
+  static void SetUpTestSuite() {
+    if (test::longTestsAreWanted()) fortress = std::make_unique<test::Fortress>();
+  }
+  void SetUp() override {
+    if (!fortress) GTEST_SKIP() << "two minutes of attacks; set PALPATE_LONG_TESTS=1 to run them";
+  }
+  static void TearDownTestSuite() { fortress.reset(); }
+  static inline std::unique_ptr<test::Fortress> fortress;
+
+  /// Honest work, the status and memory, while it goes on and beside it while it does not. One of
+  /// these counters of the scheduler tells that the attack reached it.
+  static void withstand(const std::string& what, const std::vector<std::string>& traces,
+                        const Attack& attack) {
+    fortress->statusAfter();
+    const auto traced = [&] {
+      std::int64_t sum = 0;
+      for (const std::string& trace : traces) sum += fortress->counter(trace);
+      return sum;
+    };
+    const std::int64_t traced_before = traced();
+    ++Attacker::address;
+    std::atomic<bool> ready = false, attacking = false;
+    std::atomic<std::int64_t> steps = 0;
+    std::jthread enemy([&](const std::stop_token& stop) {
+      // Threads that libzmq makes have it from their maker.
+      setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), 19);
+      zmq::context_t context;
+      const Step step = attack(context, *fortress);
+      ready = true;
+      while (!stop.stop_requested())
+        if (attacking) {
+          step();
+          ++steps;
+        } else {
+          std::this_thread::sleep_for(1ms);
+        }
+    });
+    const double memory_before = fortress->mostMemory();
+    double quiet = 0, attacked = 0;
+    std::vector<std::chrono::milliseconds> waits;
+    while (!ready) std::this_thread::sleep_for(1ms);
+    for (int round = 0; round < 4; ++round) {
+      quiet += fortress->rate(1s);
+      attacking = true;
+      for (int n = 0; n < 2; ++n) {
+        attacked += fortress->rate(500ms) / 2;
+        waits.push_back(fortress->statusAfter());
+      }
+      attacking = false;
+    }
+    ASSERT_TRUE(fortress->stands()) << fortress->log();
+    std::ranges::sort(waits);
+    const auto wait = waits[waits.size() * 3 / 4];
+    const double memory = fortress->mostMemory();
+    std::cout << fmt::format(
+        "{}: {:.0f} results a second, {:.0f} while attacked ({:.2f}); status after {} ms, at most "
+        "{} ms; {:.0f} MB at most, {:.0f} before; {} steps, {} noticed\n",
+        what, quiet / 4, attacked / 4, attacked / quiet, wait.count(), waits.back().count(), memory,
+        memory_before, steps.load(), traced() - traced_before);
+    EXPECT_GT(steps, 0);
+    if (!traces.empty()) {
+      EXPECT_GT(traced(), traced_before) << "nothing reached it";
+    }
+    EXPECT_GE(attacked, 0.8 * quiet) << "honest work";
+    EXPECT_LE(wait, 200ms) << "the status";
+    EXPECT_LE(memory, 200) << "MB";
+  }
+};
+
+std::string randomText(std::size_t bytes) { return std::string(bytes, '\x5a'); }
+
+TEST_F(AttackTest, OfMessagesWithoutEndByAWorker) {
+  withstand("messages without end", {"closed_connections"},
+            [](zmq::context_t& context, test::Fortress& target) {
+              auto enemy = std::make_shared<Attacker>(context, target,
+                                                      target.stranger("endless", "worker"), 1);
+              return [enemy, n = 0]() mutable {
+                // Their library gives it away when it is whole: 20 MB.
+                if (!enemy->sendFrame(randomText(60000), ++n % 350 != 0))
+                  std::this_thread::sleep_for(1ms);
+              };
+            });
+}
+
+TEST_F(AttackTest, OfLargeFrames) {
+  withstand("frames of 600 MB", {}, [](zmq::context_t& context, test::Fortress& target) {
+    auto enemy = std::make_shared<Attacker>(context, target, target.stranger("large", "worker"), 1);
+    auto frame = std::make_shared<std::string>(600 << 20, 'x');
+    return [enemy, frame] {
+      zmq::message_t message(frame->data(), frame->size(), nullptr);
+      if (!enemy->socket().send(message, zmq::send_flags::dontwait))
+        std::this_thread::sleep_for(5ms);
+    };
+  });
+}
+
+TEST_F(AttackTest, OfWorkersThatAskForTheProblemAndReadNothing) {
+  withstand("slow readers", {"unread_answers", "closed_connections"},
+            [](zmq::context_t& context, test::Fortress& target) {
+              const KeyFolder keys = target.stranger("slow", "worker");
+              auto enemies = std::make_shared<std::vector<Attacker>>();
+              for (int n = 0; n < 20; ++n) {
+                enemies->emplace_back(context, target, keys);
+                enemies->back().socket().set(zmq::sockopt::rcvhwm, 1);
+                enemies->back().hello("slow-" + std::to_string(n));
+              }
+              return [enemies] {
+                Message ask;
+                ask.mutable_problem_request();
+                for (Attacker& enemy : *enemies) enemy.say(ask);
+                std::this_thread::sleep_for(1ms);
+              };
+            });
+}
+
+TEST_F(AttackTest, OfWorkersThatHoardWork) {
+  withstand("hoarders", {}, [](zmq::context_t& context, test::Fortress& target) {
+    const KeyFolder keys = target.stranger("hoarder", "worker");
+    auto enemies = std::make_shared<std::vector<Attacker>>();
+    for (int n = 0; n < 30; ++n) enemies->emplace_back(context, target, keys);
+    return [enemies, round = 0]() mutable {
+      for (std::size_t n = 0; n < enemies->size(); ++n) {
+        Attacker& enemy = (*enemies)[n];
+        if (round % 100 == 0) enemy.hello("hoarder-" + std::to_string(n));
+        Message request, beat;
+        request.mutable_request()->set_credit(4'000'000'000);
+        beat.mutable_heartbeat()->set_solving(true);
+        enemy.say(request);
+        enemy.say(beat);
+        enemy.read();
+      }
+      ++round;
+      std::this_thread::sleep_for(50ms);
+    };
+  });
+  EXPECT_GE(fortress->workers(), 34u);
+}
+
+TEST_F(AttackTest, OfHellosWithoutEnd) {
+  withstand("hellos", {"closed_connections"}, [](zmq::context_t& context, test::Fortress& target) {
+    auto enemy = std::make_shared<Attacker>(context, target, target.stranger("hello", "worker"));
+    return [enemy, n = 0]() mutable {
+      enemy->hello("worker-" + std::to_string(++n));
+      enemy->read();
+    };
+  });
+}
+
+TEST_F(AttackTest, OfSmallMessagesThatMeanNothing) {
+  withstand("garbage", {"bad_messages", "closed_connections"},
+            [](zmq::context_t& context, test::Fortress& target) {
+              const KeyFolder keys = target.stranger("garbage", "worker");
+              auto enemies = std::make_shared<std::vector<Attacker>>();
+              for (int n = 0; n < 10; ++n) enemies->emplace_back(context, target, keys);
+              return [enemies] {
+                for (Attacker& enemy : *enemies) {
+                  enemy.sendFrame("\xff\xff");
+                  enemy.read();
+                }
+              };
+            });
+}
+
+TEST_F(AttackTest, OfQuestionsForTheStatus) {
+  withstand("questions", {"closed_connections", "unread_answers"},
+            [](zmq::context_t& context, test::Fortress& target) {
+              const KeyFolder keys = target.stranger("curious", "observer");
+              auto enemies = std::make_shared<std::vector<Attacker>>();
+              for (int n = 0; n < 10; ++n) enemies->emplace_back(context, target, keys);
+              return [enemies] {
+                Message question;
+                question.mutable_status_request();
+                for (Attacker& enemy : *enemies) {
+                  enemy.say(question);
+                  enemy.read();
+                }
+              };
+            });
+}
+
+TEST_F(AttackTest, OfResultsThatNobodyAskedFor) {
+  withstand("forged results", {"bad_messages", "closed_connections"},
+            [](zmq::context_t& context, test::Fortress& target) {
+              auto enemy =
+                  std::make_shared<Attacker>(context, target, target.stranger("forger", "worker"));
+              enemy->hello("forger");
+              return [enemy] {
+                Message message;
+                wire::Result& result = *message.mutable_result();
+                result.set_build(std::string(32, 'b'));
+                result.mutable_equilibrium()->set_energy(1e300);
+                enemy->say(message, randomText(40000));
+                enemy->read();
+              };
+            });
+}
+
+/// What an observer says that workers and operators may say.
+TEST_F(AttackTest, OfAnObserverThatWantsMore) {
+  withstand("an observer", {"bad_messages"}, [](zmq::context_t& context, test::Fortress& target) {
+    auto enemy =
+        std::make_shared<Attacker>(context, target, target.stranger("observer", "observer"));
+    return [enemy] {
+      Message stop;
+      stop.mutable_stop_request();
+      enemy->say(stop);
+      enemy->hello("observer");
+      enemy->read();
+    };
+  });
+}
+
+/// A socket without ZeroMQ, connected.
+class RawConnection {
+ public:
+  explicit RawConnection(const std::string& endpoint) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port =
+        htons(static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1))));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    connected_ = connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+  }
+  RawConnection(RawConnection&& other) noexcept
+      : socket_(std::exchange(other.socket_, -1)), connected_(other.connected_) {}
+  RawConnection& operator=(RawConnection&&) = delete;
+  ~RawConnection() {
+    if (socket_ >= 0) close(socket_);
+  }
+  bool send(const std::string& bytes) const {
+    return connected_ && ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT) ==
+                             static_cast<ssize_t>(bytes.size());
+  }
+
+ private:
+  int socket_;
+  bool connected_ = false;
+};
+
+TEST_F(AttackTest, OfConnectionsThatSayNothing) {
+  withstand("idle connections", {}, [](zmq::context_t&, test::Fortress& target) {
+    auto held = std::make_shared<std::deque<RawConnection>>();
+    return [held, &target] {
+      held->emplace_back(target.endpoint());
+      if (held->size() > 1300) held->pop_front();
+      std::this_thread::sleep_for(1ms);
+    };
+  });
+}
+
+TEST_F(AttackTest, OfStrangersWithoutAKey) {
+  withstand("strangers", {}, [](zmq::context_t&, test::Fortress& target) {
+    auto held = std::make_shared<std::deque<RawConnection>>();
+    return [held, &target, n = 0]() mutable {
+      held->emplace_back(target.endpoint());
+      // A greeting that is none, and half of one.
+      held->back().send(++n % 2 == 0 ? randomText(100000)
+                                     : std::string("\xff\0\0\0\0\0\0\0\x01\x7f", 10));
+      if (held->size() > 100) held->pop_front();
+      std::this_thread::sleep_for(1ms);
+    };
+  });
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,169 @@
+#pragma once
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <zmq.hpp>
+
+#include "common/base/error.hpp"
+#include "common/base/program.hpp"
+#include "common/mesh/node_set.hpp"
+#include "common/problem/problem.hpp"
+#include "common/wire/curve.hpp"
+#include "common/wire/wire.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/solved_table.hpp"
+
+/// Workers that speak the real protocol and look their answers up, for tests and benchmarks of a
+/// real scheduler.
+namespace palpate::test {
+
+/// The scene cube.toml in `directory`: a cube of (cells + 1)^3 nodes, so many of its surface
+/// active, and 11,500 points of each, which no machine finishes in the time.
+inline void writeEndlessScene(const std::filesystem::path& directory, int cells, int patches) {
+  const Mesh mesh = cubeMesh(0.1, cells);
+  writeGmsh22(mesh, directory / "cube.msh");
+  std::ofstream scene(directory / "cube.toml");
+  scene << "name = \"cube\"\nmesh = \"cube.msh\"\n"
+        << "[material]\nlaw = \"mooney-rivlin\"\nc10 = 1300.0\nc01 = 1280.0\n"
+        << "[fixed]\nbelow = { axis = \"x\", fraction = 0.15 }\n"
+        << "[workspace]\nradius = 0.05\nspacing = 0.00357\nmax_force = 100.0\n";
+  int active = 0;
+  for (const std::int32_t node : surfaceNodes(mesh))
+    if (mesh.nodes[static_cast<std::size_t>(node)].x() > 0.05 && active < patches)
+      scene << "[[active]]\nname = \"skin-" << ++active << "\"\nnode = " << node << "\n";
+}
+
+/// What a linear body would answer: one branch, everything converges.
+inline std::pair<wire::Result, std::string> solveLinearly(const Problem& problem,
+                                                          std::uint32_t space,
+                                                          const wire::Point& target,
+                                                          const wire::Point& parent) {
+  constexpr double stiffness = 50;  // N/m
+  // Of a scene that does not refine, coordinates are in spacings.
+  const LatticePoint at = fromWire(target);
+  const Eigen::Vector3d p = problem.scene.workspace.spacing * Eigen::Vector3d(at[0], at[1], at[2]);
+  Outcome outcome;
+  outcome.converged = true;
+  outcome.cost = {3, 1, 1, 1e-4};
+  outcome.equilibrium.force = -stiffness * p;
+  outcome.equilibrium.stiffness = -stiffness * Eigen::Matrix3d::Identity();
+  outcome.equilibrium.energy = stiffness / 2 * p.squaredNorm();
+  outcome.fields = fieldsOf(problem, space, at, [&](std::size_t n) -> Eigen::Vector3d {
+    return p * problem.mesh.nodes[n].x() / 0.1;
+  });
+  outcome.fields.pressure.assign(pressureNodes(problem), static_cast<float>(p.norm()));
+  return resultOf(problem, space, at, fromWire(parent), outcome);
+}
+
+/// A worker that solves in no time, or as if elsewhere: a solve takes `pause`, and no processor
+/// here. Acknowledgements are counted; nothing is sent again, because nobody goes away.
+class TableWorker {
+ public:
+  TableWorker(zmq::context_t& context, const std::string& endpoint,
+              const std::optional<KeyFolder>& keys, int number,
+              std::chrono::milliseconds pause = {})
+      : socket_(makeDealer(context)), pause_(pause) {
+    const std::string id = fmt::format("table-worker-{:04}", number);
+    socket_.set(zmq::sockopt::routing_id, id);
+    if (keys) proveAsClient(socket_, *keys, endpoint);
+    connectDealer(socket_, endpoint);
+    hello_ = Clock::now() - std::chrono::hours(1);
+    wire::Hello& hello = *introduction_.mutable_hello();
+    hello.set_protocol(protocol_version);
+    hello.set_version(version());
+    hello.set_worker(id);
+    hello.set_host("here");
+    hello.set_pid(static_cast<std::uint32_t>(getpid()));
+    hello.set_kernel_family("baseline");
+  }
+
+  zmq::socket_t& socket() { return socket_; }
+  std::size_t acknowledged() const { return acknowledged_; }
+  std::size_t payloadBytes() const { return payload_bytes_; }
+
+  /// Answers everything that came, and is due.
+  void turn() {
+    // Until the scheduler is there, messages are dropped.
+    if (!welcome_ && Clock::now() - hello_ > std::chrono::milliseconds(200)) {
+      send(introduction_);
+      hello_ = Clock::now();
+    }
+    while (const auto incoming = receiveMessage(socket_, false)) handle(*incoming);
+    for (; !work_.empty() && work_.front().due <= Clock::now(); work_.pop_front())
+      deliver(work_.front());
+    if (welcome_ && Clock::now() - beat_ > std::chrono::seconds(1)) {
+      wire::Message message;
+      message.mutable_heartbeat();
+      send(message);
+      beat_ = Clock::now();
+    }
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Solve {
+    Clock::time_point due;
+    wire::Job job;  ///< without the other targets it would do
+    wire::Target target;
+    bool last = false;  ///< of its job
+  };
+
+  void handle(const Incoming& incoming) {
+    const wire::Message& message = incoming.message;
+    if (message.has_refused()) throw failure("refused: {}", message.refused().reason());
+    if (message.has_result_ack()) {
+      ++acknowledged_;
+    } else if (message.has_welcome() && !welcome_) {
+      welcome_ = true;
+      wire::Message request;
+      request.mutable_problem_request();
+      send(request);
+    } else if (message.has_problem_reply() && !problem_) {
+      problem_ = decodeProblem(incoming.payload);
+      requestJobs(2);
+    } else if (message.has_job()) {
+      for (const wire::Target& target : message.job().targets()) {
+        const auto begins = work_.empty() ? Clock::now() : work_.back().due;
+        const bool last = &target == &*message.job().targets().rbegin();
+        work_.push_back({begins + pause_, message.job(), target, last});
+      }
+    }
+  }
+  void deliver(const Solve& solve) {
+    auto [result, payload] =
+        solveLinearly(*problem_, solve.job.space(), solve.target.point(), solve.job.start());
+    answer(solve.job, solve.target, result);
+    payload_bytes_ = payload.size();
+    wire::Message delivery;
+    *delivery.mutable_result() = std::move(result);
+    send(delivery, payload);
+    if (solve.last) requestJobs(1);
+  }
+  void requestJobs(std::uint32_t credit) {
+    wire::Message message;
+    message.mutable_request()->set_credit(credit);
+    send(message);
+  }
+  void send(const wire::Message& message, const std::string& payload = {}) {
+    if (sendMessage(socket_, "", message, payload) != Sent::yes && welcome_)
+      throw failure("the scheduler does not take messages");
+  }
+
+  zmq::socket_t socket_;
+  std::chrono::milliseconds pause_;
+  std::deque<Solve> work_;
+  wire::Message introduction_;
+  std::optional<Problem> problem_;
+  bool welcome_ = false;
+  Clock::time_point hello_, beat_;
+  std::size_t acknowledged_ = 0, payload_bytes_ = 0;
+};
+
+}  // namespace palpate::test
