@@ -159,11 +159,12 @@ TEST_F(AttackTest, OfMessagesWithoutEndByAWorker) {
 }
 
 TEST_F(AttackTest, OfLargeFrames) {
+  // It is not copied, and must outlive the threads of libzmq that send it.
+  static const std::string frame(600 << 20, 'x');
   withstand("frames of 600 MB", {}, [](zmq::context_t& context, test::Fortress& target) {
     auto enemy = std::make_shared<Attacker>(context, target, target.stranger("large", "worker"), 1);
-    auto frame = std::make_shared<std::string>(600 << 20, 'x');
-    return [enemy, frame] {
-      zmq::message_t message(frame->data(), frame->size(), nullptr);
+    return [enemy] {
+      zmq::message_t message(const_cast<char*>(frame.data()), frame.size(), nullptr);
       if (!enemy->socket().send(message, zmq::send_flags::dontwait))
         std::this_thread::sleep_for(5ms);
     };
