@@ -133,6 +133,8 @@ struct BuildOrder {
   std::string state;                     ///< the state directory; empty: OUT.state
   bool force = false;                    ///< replace `out` when it holds something else
   std::optional<unsigned> hung_after_s;  ///< of a solve; nothing: from what solves took so far
+  /// Of all results, solved again by another worker.
+  double spot_checks_percent = 100 * SpotCheckSettings{}.share;
 };
 
 /// Declares SCENE, -o, --state and --force on `app`, which must not outlive `order`.
@@ -150,6 +152,11 @@ void addOptions(CLI::App& app, BuildOrder& order) {
          "A worker whose solve takes longer than so many seconds ends, and another is asked "
          "[30 times the longest so far, 120 at least]")
       ->check(CLI::Range(1U, 7U * 24 * 3600));
+  app.add_option("--spot-checks", order.spot_checks_percent,
+                 "Percent of the results that another worker solves again, beside those that look "
+                 "odd; 0: none")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 100.0));
 }
 
 /// Brings the build that a server works for to its end and calls `seal`, then lets the workers
@@ -246,6 +253,7 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
   const auto began = Clock::now();
   CoordinatorSettings settings;
   settings.keys_tell_who = !where.own_keys;
+  settings.spot_checks = SpotCheckSettings::ofShare(order.spot_checks_percent / 100);
   if (where.keys) settings.spot_checks.trusted_key = where.keys->ownOrNew().open();
   if (where.nobody_else) settings.checks_wait = milliseconds(0);
   if (order.hung_after_s) settings.hung_after = std::chrono::seconds(*order.hung_after_s);

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "common/base/error.hpp"
+#include "common/base/printable.hpp"
 #include "common/keys/key_options.hpp"
 #include "common/problem/problem.hpp"
 #include "common/wire/curve.hpp"
@@ -56,7 +57,8 @@ wire::Message ask(const Reachable& scheduler, const wire::Message& question) {
   while (std::chrono::steady_clock::now() < deadline) {
     if (auto answer = receiveMessage(socket, false)) {
       if (answer->message.has_refused())
-        throw failure("{}: refused: {}", endpoint, answer->message.refused().reason());
+        throw failure("{}: refused: {}", endpoint,
+                      printable(answer->message.refused().reason(), longest_reason));
       return std::move(answer->message);
     }
     if (const std::string trouble = handshakes.trouble(); !trouble.empty())

@@ -178,7 +178,13 @@ void Connections::accepted(int descriptor) {
   connection.address = *address;
   connection.cookie = cookieOf(descriptor);
   connection.flooded = isShutOut(*address);
-  if (connection.flooded) shut(descriptor, connection);
+  if (connection.flooded) return shut(descriptor, connection);
+  if (!isFullOfEnded()) return;
+  const std::string why = fmt::format(
+      "others that ended may have left {} bytes that were not received yet", left_by_ended_);
+  if (!std::exchange(told_of_ended_, true)) return close(descriptor, connection, why);
+  shut(descriptor, connection);
+  ++closed_count_;
 }
 
 void Connections::forget(int descriptor) {
@@ -186,6 +192,8 @@ void Connections::forget(int descriptor) {
   if (found == connections_.end()) return;
   const auto peer = of_peer_.find(found->second.peer);
   if (peer != of_peer_.end() && peer->second == descriptor) of_peer_.erase(peer);
+  // What came after the last look is not known any more.
+  left_by_ended_ += limits_.unread;
   connections_.erase(found);
 }
 
@@ -327,6 +335,12 @@ bool Connections::received(int connection, const std::string& peer, std::size_t 
   from.acknowledged_before = traffic ? traffic->acknowledged : 0;
   of_peer_[peer] = connection;
   return true;
+}
+
+void Connections::receivedAll() {
+  const std::lock_guard lock(mutex_);
+  left_by_ended_ = 0;
+  told_of_ended_ = false;
 }
 
 void Connections::sent(const std::string& peer, std::size_t bytes) {

@@ -17,7 +17,8 @@ struct PeerLimits {
   /// What came in of one connection and was not received yet. libzmq counts messages, and none
   /// before its last frame: of one that never ends it would keep everything.
   std::size_t unread;
-  /// Of all connections together.
+  /// Of all connections together; and once more of those that ended, since whole messages outlive
+  /// theirs: as long as so much may be left of them, nobody new is let in.
   std::size_t unread_in_all;
   /// What one was sent and has not read: with more it is behind.
   std::size_t behind = 65536;
@@ -61,6 +62,8 @@ class Connections {
   /// descriptor, Incoming::connection). False when that was closed because it floods: nobody cares
   /// what it says.
   bool received(int connection, const std::string& peer, std::size_t bytes);
+  /// The ROUTER had nothing more to give: what connections left that ended is received too.
+  void receivedAll();
   /// A message was given to libzmq for `peer`.
   void sent(const std::string& peer, std::size_t bytes);
   /// Whether much of what it was sent is still on its way: it gets nothing large until then.
@@ -116,6 +119,7 @@ class Connections {
   Connection* ofPeer(const std::string& peer);
   static std::uint64_t owed(const Connection& connection);
   bool isShutOut(const std::string& address) const;
+  bool isFullOfEnded() const { return left_by_ended_ > limits_.unread_in_all; }
 
   PeerLimits limits_;
   zmq::socket_t* router_;
@@ -125,6 +129,8 @@ class Connections {
   std::map<int, Connection> connections_;
   std::map<std::string, int> of_peer_;
   std::map<std::string, Floods> floods_;  ///< by address
+  std::size_t left_by_ended_ = 0;         ///< bytes, at most
+  bool told_of_ended_ = false;            ///< once until it is received
   std::vector<std::string> closed_;
   std::int64_t closed_count_ = 0;
   std::jthread thread_;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/base/assertion.hpp"
+#include "common/base/printable.hpp"
 #include "common/base/random_bytes.hpp"
 
 namespace palpate {
@@ -21,10 +22,6 @@ constexpr std::size_t workers_per_wait = 8;
 constexpr std::int64_t bad_messages_logged = 20;
 /// Of so many workers that went it is remembered what they had.
 constexpr std::size_t most_departed = 4096;
-/// Targets of a worker that has delivered nothing: one, and another when it is done.
-constexpr std::size_t newcomers_hold = 2;
-/// And of any: two jobs.
-constexpr std::size_t workers_hold = 2 * max_targets_per_job;
 /// Large answers to one peer in a turn: it has read none of them when it asks.
 constexpr int large_in_a_turn = 2;
 /// Workers that ended, of one Hello: a supervisor tells of one.
@@ -51,6 +48,7 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
       losses_(store.tables().losses()),
       due_checks_(store.tables().checks()),
       registry_(store.kernelFamily(), store.keptOut()),
+      allotment_(settings.allotment),
       group_(store),
       counters_(store.tables().counters()),
       started_(now),
@@ -183,6 +181,10 @@ void Coordinator::sendProblem(const Worker& worker) {
 }
 
 void Coordinator::sendFields(const Worker& worker, const wire::FieldsRequest& request) {
+  if (unread_starts_.bytes() > settings_.unread_starts) {
+    ++counters_["unread_answers"];
+    return;
+  }
   std::optional<JournalRecord> found;
   if (const auto key = keyOf(request.space(), request.point(), request.point()))
     // The point may have another equilibrium by now than the one the job started from.
@@ -193,7 +195,7 @@ void Coordinator::sendFields(const Worker& worker, const wire::FieldsRequest& re
     if (const auto solver = checks_.solverOfStart(request.id())) found = store_->find(*solver);
   const bool known = found.has_value();
   std::shared_ptr<const std::string> payload;
-  if (known) payload = std::make_shared<const std::string>(std::move(found->payload));
+  if (known) payload = unread_starts_.add(std::move(found->payload));
   wire::FieldsReply& reply = *send(worker.peer, payload).mutable_fields_reply();
   reply.set_id(request.id());
   reply.set_unknown(!known);
@@ -264,7 +266,7 @@ void Coordinator::take(Worker& worker, const TransitionKey& key, const Incoming&
                        Time now) {
   if (registry_.kernelFamily().empty()) settleKernels(worker.kernel_family, now);
   ++worker.results;
-  noteDelivery(worker, now);
+  allotment_.noteDelivery(worker, now);
   leases_.finish(key);
   StoredResult stored{incoming.message.result(), *fromWire(incoming.message.result())};
   stored.header.clear_lease();
@@ -436,12 +438,9 @@ Coordinator::Time Coordinator::nextDeadline() const {
   return deadline;
 }
 
-/// So much a worker may hold in all. Whoever takes work and does none has little of it.
+/// Of what it may hold.
 std::size_t Coordinator::roomOf(const Worker& worker) const {
-  const bool has_none = worker.overdue_until && last_turn_ < *worker.overdue_until;
-  const std::size_t most =
-      has_none ? std::size_t{0}
-               : std::clamp<std::size_t>(worker.earned, newcomers_hold, workers_hold);
+  const std::size_t most = allotment_.limitOf(worker, last_turn_);
   return most - std::min(most, leases_.leasedTo(worker.id));
 }
 
@@ -464,7 +463,7 @@ void Coordinator::handOutJobs(Time now) {
     const std::string id = std::get<std::string>(by_load.extract(by_load.begin()).value());
     Worker& worker = registry_.at(id);
     const std::size_t room = roomOf(worker);
-    if (leases_.leasedTo(id) == 0) worker.moved = now;
+    if (leases_.leasedTo(id) == 0) allotment_.noteFirst(worker, now);
     // There are few of them, and they are to show what is wrong before much rests on it.
     auto handout = leases_.handOutCheck(
         id, [&](const TransitionKey& key) { return mayCheck(key, worker, wanted.at(key)); });
@@ -477,16 +476,6 @@ void Coordinator::handOutJobs(Time now) {
     queue(worker);
     sendJob(worker, *handout);
   }
-}
-
-std::chrono::duration<double> Coordinator::patienceWith(std::uint32_t attempts) const {
-  if (between_results_ <= 0) return settings_.overdue_without_any;
-  // Who was slow with it may not be to blame.
-  constexpr std::uint32_t most_doubled = 3;
-  const double times = std::exp2(std::min(attempts, most_doubled + 1) - 1.0);
-  return times * std::max<std::chrono::duration<double>>(
-                     settings_.overdue_at_least,
-                     std::chrono::duration<double>(settings_.overdue_factor * between_results_));
 }
 
 /// When nothing waits, and somebody who is known to work has nothing to do, what others do not come
@@ -504,7 +493,7 @@ void Coordinator::takeBackForTheIdle(Time now) {
     if (idle == 0) return;
     const auto last = leases_.lastOf(id);
     // Of checks: giveUpChecks.
-    if (!last || last->is_check || now - worker.moved < patienceWith(last->attempts)) continue;
+    if (!last || last->is_check || !allotment_.isOverdue(worker, last->attempts, now)) continue;
     takeBackLast(worker, now);
     --idle;
   }
@@ -516,18 +505,7 @@ void Coordinator::takeBackLast(Worker& worker, Time now) {
                    worker.host);
   ++counters_["overdue_targets"];
   leases_.giveBackLast(worker.id);
-  worker.overdue_until = now + settings_.overdue_pause;
-  worker.earned = 0;
-}
-
-void Coordinator::noteDelivery(Worker& worker, Time now) {
-  const double taken = std::chrono::duration<double>(now - worker.moved).count();
-  constexpr double weight = 1.0 / 64;
-  between_results_ =
-      between_results_ <= 0 ? taken : between_results_ + weight * (taken - between_results_);
-  worker.moved = now;
-  worker.overdue_until.reset();
-  ++worker.earned;
+  allotment_.noteOverdue(worker, now);
 }
 
 void Coordinator::sendJob(const Worker& worker, const Handout& handout) {

@@ -7,11 +7,13 @@
 #include "common/wire/wire.hpp"
 #include "scheduler/plan/leases.hpp"
 #include "scheduler/plan/space_plan.hpp"
+#include "scheduler/service/allotment.hpp"
 #include "scheduler/service/lease_seal.hpp"
 #include "scheduler/service/peer_log.hpp"
 #include "scheduler/service/result_check.hpp"
 #include "scheduler/service/spot_checks.hpp"
 #include "scheduler/service/status.hpp"
+#include "scheduler/service/unread_payloads.hpp"
 #include "scheduler/service/worker_registry.hpp"
 #include "scheduler/state/replay.hpp"
 #include "scheduler/state/result_group.hpp"
@@ -41,13 +43,7 @@ struct CoordinatorSettings {
   /// A worker that says it solves nothing while it holds leases for so long never got them, or
   /// forgot them.
   std::chrono::milliseconds idle_with_leases{30000};
-  /// A worker from which nothing came for so many times as long as it usually takes between two
-  /// results of one, and for overdue_at_least (overdue_without_any when nothing is recorded yet),
-  /// holds up others that have nothing to do: they are given some of it.
-  double overdue_factor = 8;
-  std::chrono::seconds overdue_at_least{2}, overdue_without_any{30};
-  /// And it is given none for so long, if it delivers nothing.
-  std::chrono::seconds overdue_pause{30};
+  AllotmentSettings allotment;
   /// A solve that takes so many times the longest one recorded is hung; and not before it took
   /// hung_at_least, or hung_without_any when nothing is recorded yet.
   double hung_factor = 30;
@@ -57,6 +53,9 @@ struct CoordinatorSettings {
   /// one transaction.
   std::chrono::milliseconds group_age{20};
   std::size_t group_results = 64;
+  /// Bytes of start configurations that lie unread with workers; beyond it none is answered, and
+  /// workers ask again.
+  std::size_t unread_starts = std::size_t{256} << 20;
   SpotCheckSettings spot_checks;
   /// Checks that none of the workers that are there may do are given up after this, when all else
   /// is done: others may come back. 0 where nobody else will.
@@ -195,9 +194,7 @@ class Coordinator {
   void handOutJobs(Time now);
   std::size_t roomOf(const Worker& worker) const;
   void takeBackForTheIdle(Time now);
-  std::chrono::duration<double> patienceWith(std::uint32_t attempts) const;
   void takeBackLast(Worker& worker, Time now);
-  void noteDelivery(Worker& worker, Time now);
   void sendJob(const Worker& worker, const Handout& handout);
   void takeBackFromTheIdle(Time now);
   void noteOwnGap(Time now);
@@ -240,12 +237,14 @@ class Coordinator {
   std::map<ResultKey, bool> due_checks_;
   std::map<std::string, Time> keys_heard_;  ///< of workers, when they came and when they went
   WorkerRegistry registry_;
+  Allotment allotment_;
   /// Of workers that went without a word and did not come back, the latest last: their processes
   /// may prove to have ended.
   std::deque<std::pair<std::string, Leases::Suspects>> departed_;
   ResultGroup group_;
   std::vector<Outgoing> outbox_;
   std::map<std::string, int> large_answers_;  ///< in it, by peer
+  UnreadPayloads unread_starts_;
 
   Counters counters_;
   Time started_;
@@ -260,8 +259,6 @@ class Coordinator {
   std::int64_t converged_ = 0;  ///< of recorded_
   std::int64_t recorded_ = 0;
   double longest_solve_ = 0;  ///< s, of all results; 0 before the first
-  /// s, between two results of a worker, as it was lately; 0 before the first.
-  double between_results_ = 0;
   bool stopping_ = false, complete_ = false, dismissed_ = false;
   std::optional<Time> only_checks_left_;  ///< since then
   bool checks_relaxed_ = false;           ///< since checks_wait: whoever asks for work will do

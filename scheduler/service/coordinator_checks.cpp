@@ -121,7 +121,7 @@ void Coordinator::compare(Worker& worker, const TransitionKey& key, const wire::
     if (!checks_.isOpen(name)) return;
   }
   leases_.finish(key);
-  noteDelivery(worker, now);
+  allotment_.noteDelivery(worker, now);
   const auto verdict = checks_.hear(name, opinion);
   if (verdict) return conclude(name, *verdict);
   if (was_open && !ResultCheck::agree(first, second)) differs(worker, first, second, now);
@@ -219,7 +219,7 @@ void Coordinator::giveUpChecks(Time now) {
   if (!checks_relaxed_) return;
   for (auto& [id, worker] : registry_.all())
     if (const auto last = leases_.lastOf(id);
-        last && now - worker.moved >= patienceWith(last->attempts))
+        last && allotment_.isOverdue(worker, last->attempts, now))
       takeBackLast(worker, now);
   bool some = true;
   while (some && !complete()) {

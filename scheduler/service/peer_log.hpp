@@ -4,8 +4,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <string>
-#include <string_view>
 
 namespace palpate {
 
@@ -45,9 +43,5 @@ class PeerLog {
   std::int64_t lines_ = burst;
   std::int64_t left_out_ = 0;
 };
-
-/// What a peer called something, for logs and terminals: at most `most` bytes of it, and ? for all
-/// that is not printable ASCII, so that it cannot move a cursor or begin a line of its own.
-std::string printable(std::string_view text, std::size_t most = 64);
 
 }  // namespace palpate

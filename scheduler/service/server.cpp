@@ -51,7 +51,10 @@ void Server::turn(Coordinator& coordinator, std::chrono::milliseconds longest) {
 
 std::optional<Incoming> Server::receive() {
   auto incoming = receiveMessage(socket_, true);
-  if (!incoming) return incoming;
+  if (!incoming) {
+    connections_.receivedAll();
+    return incoming;
+  }
   incoming->refusal = refusalOf(*incoming);
   if (!connections_.received(incoming->connection, incoming->peer, incoming->bytes))
     incoming->message.Clear();

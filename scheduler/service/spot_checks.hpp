@@ -18,16 +18,22 @@ struct SpotCheckSettings {
   /// once.
   double share_of_first = 0.25;
   /// Of all results, those that look oddest (oddnessBeside).
-  double share_of_odd = 0.005;
+  double share_of_odd = 0.003;
   /// Failures, as long as they are fewer than this share of all results, and a few more: what costs
   /// the dataset a point is not taken from one worker alone.
-  double share_of_failed = 0.005;
+  double share_of_failed = 0.0025;
   std::int64_t failed_at_least = 8;
   /// More at once are not begun: work goes first.
   std::size_t most_open = 64;
   /// Under which nobody lies on purpose: the scheduler's own.
   std::optional<PublicKey> trusted_key = std::nullopt;
 
+  /// Of all results; 0: none, whatever they look like.
+  static SpotCheckSettings ofShare(double share) {
+    SpotCheckSettings settings = share > 0 ? SpotCheckSettings{} : none();
+    settings.share = share;
+    return settings;
+  }
   static SpotCheckSettings none() {
     return {.share = 0,
             .share_of_first = 0,

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "common/base/assertion.hpp"
+#include "common/base/printable.hpp"
 #include "common/base/program.hpp"
 #include "common/wire/wire.hpp"
-#include "scheduler/service/peer_log.hpp"
 #include "scheduler/state/tables.hpp"
 
 namespace palpate {
@@ -108,6 +108,7 @@ Worker& WorkerRegistry::admit(const std::string& peer, const wire::Hello& hello,
             .idle_since = {},
             .results = worker.results,
             .earned = 0,
+            .between_results = 0,
             .moved = now,
             .overdue_until = worker.overdue_until};
   id_of_peer_[peer] = worker.id;

@@ -31,6 +31,8 @@ struct Worker {
   std::int32_t results = 0;  ///< recorded ones, of this run
   /// Results since it came, or since others had to be given what it held: as many it may hold.
   std::uint32_t earned = 0;
+  /// s, between its results, as it was lately; 0 before the first.
+  double between_results = 0;
   /// It was given work when it had none, or delivered some.
   Time moved{};
   /// It held what others had to be given, and gets nothing before then, or before it delivers.

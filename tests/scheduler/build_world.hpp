@@ -39,7 +39,8 @@ class BuildWorld {
   static CoordinatorSettings withoutChecks() {
     CoordinatorSettings settings;
     settings.spot_checks = SpotCheckSettings::none();
-    settings.overdue_at_least = settings.overdue_without_any = std::chrono::hours(24 * 365);
+    AllotmentSettings& allotment = settings.allotment;
+    allotment.overdue_at_least = allotment.overdue_without_any = std::chrono::hours(24 * 365);
     return settings;
   }
   explicit BuildWorld(CoordinatorSettings settings = withoutChecks(), Problem of = cubeProblem())

@@ -2,6 +2,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/printable.hpp"
 #include "common/base/program.hpp"
 #include "common/wire/wire.hpp"
 
@@ -77,8 +78,8 @@ void NetworkDevice::handle(const wire::DeviceMessage& message) {
   switch (message.body_case()) {
     case wire::DeviceMessage::kHello: return accept(message.hello());
     case wire::DeviceMessage::kRefused:
-      connection_trouble_ =
-          fmt::format("{} refuses: {}", options_.endpoint, message.refused().reason());
+      connection_trouble_ = fmt::format("{} refuses: {}", options_.endpoint,
+                                        printable(message.refused().reason(), longest_reason));
       return;
     case wire::DeviceMessage::kReading: {
       if (!greeted_) return;  // its limits are not known

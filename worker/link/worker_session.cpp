@@ -6,6 +6,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/printable.hpp"
 
 namespace palpate {
 namespace {
@@ -86,7 +87,7 @@ void WorkerSession::receive(const Incoming& incoming, Time now) {
   last_heard_ = now;
   if (message.has_refused())
     throw failure("the scheduler at {} refused this worker: {}", options_.endpoint,
-                  message.refused().reason());
+                  printable(message.refused().reason(), longest_reason));
   if (message.has_welcome()) return handleWelcome(message.welcome(), now);
   if (message.has_problem_reply())
     return handleProblem(message.problem_reply(), incoming.payload, now);

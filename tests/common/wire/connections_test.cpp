@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <thread>
 
 #include "common/wire/wire.hpp"
@@ -52,7 +53,9 @@ struct ConnectionsTest : testing::Test {
   /// As those do that serve; what came.
   std::optional<Incoming> receive() {
     auto incoming = receiveMessage(router, true);
-    if (incoming && !connections->received(incoming->connection, incoming->peer, incoming->bytes))
+    if (!incoming)
+      connections->receivedAll();
+    else if (!connections->received(incoming->connection, incoming->peer, incoming->bytes))
       return std::nullopt;
     return incoming;
   }
@@ -159,6 +162,67 @@ TEST_F(ConnectionsTest, TogetherTheyMayNotCostMoreThanTheLimitOfAll) {
     if (const auto closed = connections->takeClosed(); closed.count > 0) why = closed.why.at(0);
   }
   EXPECT_NE(why.find("and more of others"), std::string::npos) << why;
+}
+
+/// Whole messages outlive their connection: who fills his queue, and comes back, could do so for
+/// as long as nobody receives.
+TEST_F(ConnectionsTest, WhatThoseLeaveThatEndedIsLimitedToo) {
+  watch({.unread = 1 << 20, .unread_in_all = 6 << 20});
+  Connections::Closed closed;
+  int came = 0;
+  for (; came < 40 && closed.count == 0; ++came) {
+    zmq::socket_t peer = connectFrom("127.0.0.1");
+    peer.set(zmq::sockopt::linger, 1000);
+    for (int frame = 0; frame < 10; ++frame) sendFrame(peer, 50000, frame < 9);
+    peer.close();
+    std::this_thread::sleep_for(50ms);
+    closed = connections->takeClosed();
+  }
+  ASSERT_GT(closed.count, 0);
+  EXPECT_GE(came, 6);
+  EXPECT_NE(closed.why.at(0).find("others that ended may have left"), std::string::npos)
+      << closed.why.at(0);
+  int left = 0;
+  while (receiveMessage(router, true)) ++left;
+  EXPECT_GE(left, 5) << "or there was nothing to limit";
+
+  connections->receivedAll();
+  zmq::socket_t later = connectFrom("127.0.0.1");
+  say(later);
+  EXPECT_TRUE(await()) << "it was received: others are let in again";
+}
+
+/// ROUTER_HANDOVER leaves the connection open that another took the name of.
+TEST_F(ConnectionsTest, WhoComesAgainUnderItsNameLeavesNoDescriptorBehindForLong) {
+  PeerLimits limits = small;
+  limits.silence = 1s;
+  watch(limits);
+  const auto descriptors = [] {
+    return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
+  };
+  std::vector<zmq::socket_t> peers;
+  constexpr std::ptrdiff_t times = 40;
+  // Each has a mailbox of its own.
+  for (int n = 0; n < times; ++n) {
+    peers.emplace_back(context, zmq::socket_type::dealer);
+    peers.back().set(zmq::sockopt::linger, 0);
+    peers.back().set(zmq::sockopt::reconnect_ivl, -1);
+    peers.back().set(zmq::sockopt::routing_id, "the same");
+  }
+  const auto before = descriptors();
+  for (zmq::socket_t& peer : peers) {
+    peer.connect("tcp://127.0.0.1:" + port);
+    say(peer);
+    ASSERT_TRUE(await());
+  }
+  std::ptrdiff_t more = times;
+  for (int n = 0; n < 5000 && more > 4; ++n) {
+    std::this_thread::sleep_for(1ms);
+    more = descriptors() - before;
+    say(peers.back());
+    receive();
+  }
+  EXPECT_LE(more, 4) << "both ends of the last one";
 }
 
 TEST_F(ConnectionsTest, KnowWhoDoesNotReadWhatItWasSent) {

@@ -93,6 +93,27 @@ TEST_F(CoordinatorTest, NamesTheStartOfLaterJobsAndServesItsFields) {
   EXPECT_TRUE(world.inbox["a"][1].message.fields_reply().unknown());
 }
 
+/// Each has a copy of its own in memory until its peer reads it.
+TEST_F(CoordinatorTest, AnswersNoStartsWhileTooManyLieUnread) {
+  CoordinatorSettings settings = test::BuildWorld::withoutChecks();
+  settings.unread_starts = 2 * originFields().size();
+  test::BuildWorld narrow(settings);
+  narrow.join("a", 2);
+  for (const wire::Job& job : narrow.takeJobs("a")) narrow.deliver("a", job);
+  narrow.pass(25ms);
+  narrow.request("a", 1);
+  const wire::Job job = narrow.takeJobs("a").at(0);
+  Message ask;
+  ask.mutable_fields_request()->set_id(job.start_id());
+  ask.mutable_fields_request()->set_space(job.space());
+  *ask.mutable_fields_request()->mutable_point() = job.start();
+  for (int n = 0; n < 10; ++n) narrow.send("a", ask);
+  EXPECT_EQ(narrow.take("a", Message::kFieldsReply).size(), 3u);
+  EXPECT_EQ(narrow.counter("unread_answers"), 7);
+  narrow.send("a", ask);
+  EXPECT_EQ(narrow.take("a", Message::kFieldsReply).size(), 1u) << "the others were read";
+}
+
 TEST_F(CoordinatorTest, AcknowledgesOnlyWhatIsOnDisk) {
   world.join("a", 2);
   const auto jobs = world.takeJobs("a");

@@ -1,0 +1,59 @@
+#include "scheduler/service/allotment.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+using Seconds = std::chrono::duration<double>;
+
+/// Targets of a worker that has delivered nothing: one, and another when it is done.
+constexpr std::size_t newcomers_hold = 2;
+/// And of any: two jobs.
+constexpr std::size_t workers_hold = 2 * max_targets_per_job;
+/// Of the latest in a mean: of all workers, of one.
+constexpr double weight_of_all = 1.0 / 64, weight_of_one = 1.0 / 16;
+
+void follow(double& mean, double latest, double weight) {
+  mean = mean <= 0 ? latest : mean + weight * (latest - mean);
+}
+
+}  // namespace
+
+std::size_t Allotment::limitOf(const Worker& worker, Time now) const {
+  if (worker.overdue_until && now < *worker.overdue_until) return 0;
+  std::size_t most = workers_hold;
+  // One that is slow, or delivers now and then, would be the last to end with as much as others.
+  if (between_results_ > 0 && worker.between_results > between_results_)
+    most = static_cast<std::size_t>(static_cast<double>(most) * between_results_ /
+                                    worker.between_results);
+  most = std::max(most, newcomers_hold);
+  return std::clamp<std::size_t>(worker.earned, newcomers_hold, most);
+}
+
+void Allotment::noteDelivery(Worker& worker, Time now) {
+  const double taken = Seconds(now - worker.moved).count();
+  follow(between_results_, taken, weight_of_all);
+  follow(worker.between_results, taken, weight_of_one);
+  worker.moved = now;
+  worker.overdue_until.reset();
+  ++worker.earned;
+}
+
+bool Allotment::isOverdue(const Worker& worker, std::uint32_t attempts, Time now) const {
+  const auto held = now - worker.moved;
+  if (between_results_ <= 0) return held >= settings_.overdue_without_any;
+  // Who was slow with it may not be to blame.
+  constexpr std::uint32_t most_doubled = 3;
+  const double times = std::exp2(std::min(attempts, most_doubled + 1) - 1.0);
+  return held >= times * std::max<Seconds>(settings_.overdue_at_least,
+                                           Seconds(settings_.overdue_factor * between_results_));
+}
+
+void Allotment::noteOverdue(Worker& worker, Time now) const {
+  worker.overdue_until = now + settings_.overdue_pause;
+  worker.earned = 0;
+}
+
+}  // namespace palpate
