@@ -55,7 +55,7 @@ struct CoordinatorSettings {
   std::size_t group_results = 64;
   /// Bytes of start configurations that lie unread with workers; beyond it none is answered, and
   /// workers ask again.
-  std::size_t unread_starts = std::size_t{256} << 20;
+  std::size_t unread_starts = std::size_t{96} << 20;
   SpotCheckSettings spot_checks;
   /// Checks that none of the workers that are there may do are given up after this, when all else
   /// is done: others may come back. 0 where nobody else will.

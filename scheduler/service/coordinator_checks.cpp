@@ -44,9 +44,9 @@ void Coordinator::noteChecks(const ResultGroup::Member& member) {
   const wire::Result& header = member.result.header;
   if (member.is_checked) noteCheck(palpate::keyOf(header), member.is_disputed);
   if (!member.is_odd || !header.has_start_parent()) return;
-  // What it was reached from may be what is wrong.
-  const ResultKey start = solverOfStart(header);
-  if (!checks_.wasOpened(start)) noteCheck(start, false);
+  if (const ResultKey start = solverOfStart(header);
+      !due_checks_.contains(start) && checks_.pickStart(start))
+    noteCheck(start, false);
 }
 
 /// Whatever happens from now on, it is opened once it is recorded.

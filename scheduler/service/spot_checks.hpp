@@ -23,6 +23,10 @@ struct SpotCheckSettings {
   /// the dataset a point is not taken from one worker alone.
   double share_of_failed = 0.0025;
   std::int64_t failed_at_least = 8;
+  /// What looks odd or failed is left out beyond this share of all results, those by lot counted,
+  /// and a few: solving twice costs as much as solving.
+  double share_in_all = 0.02;
+  std::int64_t at_least = 8;
   /// More at once are not begun: work goes first.
   std::size_t most_open = 64;
   /// Under which nobody lies on purpose: the scheduler's own.
@@ -40,6 +44,8 @@ struct SpotCheckSettings {
             .share_of_odd = 0,
             .share_of_failed = 0,
             .failed_at_least = 0,
+            .share_in_all = 0,
+            .at_least = 0,
             .most_open = 0};
   }
 };
@@ -81,6 +87,8 @@ class SpotChecks {
   /// Why a result is checked, the `nth` of its worker, from 1. To be asked once of every result.
   enum class Picked : std::uint8_t { no, by_lot, as_failed, as_odd };
   Picked pick(const ResultKey& key, std::int64_t nth, const Look& look);
+  /// Whether the result that an odd one was reached from is checked too: it may be what is wrong.
+  bool pickStart(const ResultKey& key);
   /// There is room for one more.
   bool hasRoom() const { return open_.size() < settings_.most_open; }
 
@@ -97,8 +105,6 @@ class SpotChecks {
   /// Of an open check; nothing when none starts there.
   std::optional<ResultKey> solverOfStart(std::string_view id) const;
   bool isOpen(const ResultKey& key) const { return open_.contains(key); }
-  /// It was opened once, by this object.
-  bool wasOpened(const ResultKey& key) const { return begun_.contains(key); }
   /// Two opinions differ.
   bool isDisputed(const ResultKey& key) const { return open_.at(key).disputed; }
   std::size_t openCount() const { return open_.size(); }
@@ -128,13 +134,14 @@ class SpotChecks {
     bool disputed = false;
   };
   bool isOdd(double oddness);
+  bool hasBudget() const;
   bool isDecided(const Verdict& verdict) const;
 
   SpotCheckSettings settings_;
   std::string secret_;
   std::map<ResultKey, Check> open_;
   std::set<ResultKey> begun_;
-  std::int64_t results_ = 0, failed_checked_ = 0;
+  std::int64_t results_ = 0, picked_ = 0, failed_picked_ = 0;
   std::vector<double> oddness_;  ///< of the latest results, in a ring
   std::size_t next_ = 0;         ///< to be overwritten
   double odd_from_;              ///< the share of them that is odder is share_of_odd

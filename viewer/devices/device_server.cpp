@@ -13,6 +13,8 @@ constexpr auto holder_silence = 1s;
 constexpr auto trouble_interval = 100ms;
 constexpr auto longest_validity = 1s;
 constexpr std::size_t longest_trouble = 500;
+/// An honest client says as much in two seconds; what is more is a flood.
+constexpr int messages_per_turn = 2048;
 
 }  // namespace
 
@@ -53,7 +55,12 @@ void DeviceServer::run(const std::stop_token& stop, double rate) {
 
 void DeviceServer::turn() {
   // All of them: of several forces that wait the newest is the one to hold.
-  while (const auto incoming = receiveDeviceMessage(socket_, true)) handle(*incoming);
+  // Of a flood a part: whatever happens, the force ends in time.
+  for (int n = 0; n < messages_per_turn; ++n) {
+    const auto incoming = receiveDeviceMessage(socket_, true);
+    if (!incoming) break;
+    handle(*incoming);
+  }
   const auto now = Clock::now();
   if (!holder_.empty() && now - last_heard_ > holder_silence) release();
   if (pushing_ && now > valid_until_) {

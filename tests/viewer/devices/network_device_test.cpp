@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <thread>
 
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -320,6 +321,25 @@ TEST(DeviceServer, LetsGoWhenNoForceCameForAsLongAsTheLastWasValid) {
   EXPECT_TRUE(eventually([&] { return tray.force().isZero(); }));
   EXPECT_GE(server.state().lapses, 1U);
   EXPECT_TRUE(eventually([&] { return client.push(++number, 1, 0.5), tray.force().x() == 1; }));
+}
+
+/// Messages without end are no reason to hold a force: the device is read and written all the same.
+TEST(DeviceServer, LetsGoWhileOthersFloodIt) {
+  test::TrayDevice tray;
+  DeviceServer server(tray, {"tcp://127.0.0.1:*"});
+  std::vector<std::jthread> floods;
+  for (int n = 0; n < 3; ++n)
+    floods.emplace_back([&](const std::stop_token& stop) {
+      NearSide flood(server.endpoint());
+      while (!stop.stop_requested()) flood.sendRaw("no message");
+    });
+  ASSERT_TRUE(eventually([&] { return server.state().garbage > 10000; }));
+  NearSide client(server.endpoint());
+  client.greet();
+  client.expect(wire::DeviceMessage::kHello);
+  std::uint64_t number = 0;
+  ASSERT_TRUE(eventually([&] { return client.push(++number, 1.5, 0.5), tray.force().x() == 1.5; }));
+  EXPECT_TRUE(eventually([&] { return tray.force().isZero(); }));
 }
 
 TEST(DeviceServer, TrustsNoForce) {
