@@ -16,7 +16,7 @@ namespace palpate::test {
 class Fortress {
  public:
   Fortress() {
-    writeEndlessScene(directory_.path(), 10, 4);
+    writeEndlessScene(directory_.path(), 10, 8);  // for four minutes
     scheduler_.emplace(
         "palpate-scheduler",
         std::vector<std::string>{"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state",
