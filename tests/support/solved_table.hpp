@@ -25,6 +25,13 @@ inline Problem cubeProblem(double c10 = 1300) {
   return resolve(scene, cubeMesh(0.1, 2));
 }
 
+/// The same with 123 points around each: so many that one in a hundred is one.
+inline Problem wideProblem() {
+  Scene scene = cubeProblem().scene;
+  scene.workspace.radius = 0.03;
+  return resolve(scene, cubeMesh(0.1, 2));
+}
+
 /// The header that a worker makes of an outcome, and its payload.
 inline std::pair<wire::Result, std::string> resultOf(const Problem& problem, std::uint32_t space,
                                                      const LatticePoint& target,

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "tests/scheduler/build_world.hpp"
+#include "tests/support/lies.hpp"
 #include "tests/support/long_tests.hpp"
 
 // Workers that are broken, or lie: what becomes of the dataset, and of them.
@@ -15,16 +16,10 @@ namespace {
 using namespace std::chrono_literals;
 using wire::Message;
 
-/// Of more points, so that one in a hundred is one.
-Problem wideProblem() {
-  Scene scene = test::cubeProblem().scene;
-  scene.workspace.radius = 0.03;
-  return resolve(scene, test::cubeMesh(0.1, 2));
-}
-
 /// A build by three workers on three machines.
 struct LiarWorld : test::BuildWorld {
-  explicit LiarWorld(CoordinatorSettings settings = {}) : BuildWorld(settings, wideProblem()) {
+  explicit LiarWorld(CoordinatorSettings settings = {})
+      : BuildWorld(settings, test::wideProblem()) {
     solver = test::solveSmoothly;
   }
 
@@ -66,41 +61,7 @@ struct LiarWorld : test::BuildWorld {
   }
 };
 
-/// The header and payload of another outcome in the place of what was found.
-void change(wire::Result& result, std::string& payload,
-            const std::function<void(Outcome&)>& falsify) {
-  std::optional<Outcome> outcome = fromWire(result);
-  ASSERT_TRUE(outcome);
-  falsify(*outcome);
-  if (!outcome->converged) {
-    payload.clear();
-    result.clear_fields_id();
-  }
-  toWire(*outcome, payload, result);
-  if (!outcome->converged) result.clear_payload_bytes();
-}
-
-using Lie = std::function<void(wire::Result&, std::string&)>;
-/// What a result says of forces, and so what a hand feels, falsified by a tenth or more.
-const std::vector<Lie>& lies() {
-  static const std::vector<Lie> all = {
-      [](wire::Result& r, std::string& payload) {
-        change(r, payload, [](Outcome& o) { o.equilibrium.force *= 1.1; });
-      },
-      [](wire::Result& r, std::string& payload) {
-        change(r, payload, [](Outcome& o) { o.equilibrium.energy *= 1.1; });
-      },
-      [](wire::Result& r, std::string& payload) {
-        change(r, payload, [](Outcome& o) { o.equilibrium.stiffness *= 1.2; });
-      },
-      [](wire::Result& r, std::string& payload) {
-        change(r, payload, [](Outcome& o) {
-          o.converged = false;
-          o.failure = {.cause = Cause::iteration_limit, .step_reached = 0.5};
-        });
-      }};
-  return all;
-}
+using test::lies;
 
 ContentId honestContent() {
   LiarWorld world(test::BuildWorld::withoutChecks());
@@ -110,9 +71,9 @@ ContentId honestContent() {
 
 struct LiarTest : testing::Test {
   /// "b" tells this lie in its nth result, from 0.
-  void lieOnce(LiarWorld& world, int nth, const Lie& lie) {
-    world.falsify = [&lie, nth, told = 0](const std::string& peer, wire::Result& result,
-                                          std::string& payload) mutable {
+  void lieOnce(LiarWorld& world, int nth, const test::Lie& lie) {
+    world.falsify = [lie, nth, told = 0](const std::string& peer, wire::Result& result,
+                                         std::string& payload) mutable {
       if (peer == "b" && told++ == nth) lie(result, payload);
     };
   }
