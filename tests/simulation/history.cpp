@@ -10,6 +10,9 @@ namespace palpate::simulation {
 namespace {
 
 constexpr auto kinds = static_cast<std::size_t>(Accident::count);
+/// That any history may have.
+constexpr auto common_kinds = static_cast<std::size_t>(Accident::lying_worker);
+constexpr double share_with_liars = 0.25;
 constexpr std::array<std::string_view, kinds> names = {"slow_network",
                                                        "lost_messages",
                                                        "doubled_messages",
@@ -44,7 +47,9 @@ constexpr std::array<std::string_view, kinds> names = {"slow_network",
                                                        "hung_solver",
                                                        "out_of_memory",
                                                        "slow_solve",
-                                                       "deadly_transition"};
+                                                       "deadly_transition",
+                                                       "lying_worker",
+                                                       "kill_at_verdict"};
 
 /// Most accidents last a moment, some longer than any patience.
 double lengthOf(Random& random) {
@@ -52,7 +57,31 @@ double lengthOf(Random& random) {
   return random.between(0.01, longest);
 }
 
+Event randomEvent(Accident accident, Random& random, double span) {
+  Event event;
+  event.accident = accident;
+  event.at = random.between(0, span);
+  event.length = std::min(lengthOf(random), accidents_end_s - event.at);
+  event.who = random.next() >> 1;
+  event.how_much = random.between(0, 1);
+  return event;
+}
+
+/// One machine lies, from some time on. Whoever finds it out may be killed.
+void addLiar(std::vector<Event>& events, std::uint64_t seed) {
+  Random random(seed ^ 0x6c696172);
+  events.push_back(randomEvent(Accident::lying_worker, random, 60));
+  if (random.chance(0.5)) events.push_back(randomEvent(Accident::kill_at_verdict, random, 60));
+}
+
+std::vector<Event> inOrder(std::vector<Event> events) {
+  std::ranges::sort(events, {}, &Event::at);
+  return events;
+}
+
 }  // namespace
+
+bool mayHaveLiar(std::uint64_t seed) { return Random(seed ^ 0x6c696573).chance(share_with_liars); }
 
 std::string_view nameOf(Accident accident) { return names[static_cast<std::size_t>(accident)]; }
 
@@ -65,24 +94,19 @@ std::vector<Event> historyOf(std::uint64_t seed) {
   Random random(seed ^ 0x68697374);
   std::vector<Accident> possible;
   const double share = random.between(0.1, 0.9);
-  for (std::size_t kind = 0; kind < kinds; ++kind)
+  for (std::size_t kind = 0; kind < common_kinds; ++kind)
     if (random.chance(share)) possible.push_back(static_cast<Accident>(kind));
   std::vector<Event> events;
-  if (possible.empty()) return events;
+  if (mayHaveLiar(seed)) addLiar(events, seed);
+  if (possible.empty()) return inOrder(std::move(events));
   const std::size_t count = 1 + random.below(random.chance(0.2) ? 40 : 12);
   // A build without accidents takes some minutes.
   const double span = random.chance(0.5) ? 50 : 200;
   for (std::size_t n = 0; n < count; ++n) {
-    Event event;
-    event.accident = possible[random.below(possible.size())];
-    event.at = random.between(0, span);
-    event.length = std::min(lengthOf(random), accidents_end_s - event.at);
-    event.who = random.next() >> 1;
-    event.how_much = random.between(0, 1);
-    events.push_back(event);
+    const Accident accident = possible[random.below(possible.size())];
+    events.push_back(randomEvent(accident, random, span));
   }
-  std::ranges::sort(events, {}, &Event::at);
-  return events;
+  return inOrder(std::move(events));
 }
 
 }  // namespace palpate::simulation

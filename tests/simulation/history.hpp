@@ -50,6 +50,9 @@ enum class Accident : std::uint8_t {
   slow_solve,
   // What they work on.
   deadly_transition,
+  // Where mayHaveLiar().
+  lying_worker,
+  kill_at_verdict,
   count
 };
 std::string_view nameOf(Accident accident);
@@ -66,6 +69,10 @@ std::string describe(const Event& event);
 
 /// All accidents happen before this, and all that last have ended.
 inline constexpr double accidents_end_s = 300;
+
+/// Whether one of the workers lies under this seed. So that fewer accidents are still the same
+/// history, the rest of what is simulated depends on this, and not on whether it does.
+bool mayHaveLiar(std::uint64_t seed);
 
 /// What happens under this seed, in order of time. Some kinds are left out of each, so that the
 /// others show alone.

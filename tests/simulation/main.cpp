@@ -36,6 +36,9 @@ struct Summary {
   double simulated = 0;
   std::vector<std::uint64_t> failed;
   std::map<std::string, std::uint64_t> active;  ///< seeds in which an accident was felt
+  std::uint64_t lied = 0;                       ///< seeds under which the scheduler was told lies
+  std::uint64_t found_out = 0;                  ///< and somebody was kept out
+  std::vector<std::uint64_t> spoiled;           ///< and nobody found it out
 
   void add(std::uint64_t seed, const Outcome& outcome) {
     ++seeds;
@@ -43,21 +46,33 @@ struct Summary {
     if (outcome.broken) failed.push_back(seed);
     for (const auto& [accident, count] : outcome.felt)
       if (count > 0) ++active[std::string(nameOf(accident))];
+    lied += outcome.lies > 0;
+    found_out += outcome.verdicts > 0;
+    if (outcome.spoiled) spoiled.push_back(seed);
   }
   void add(const Summary& other) {
     seeds += other.seeds;
     simulated += other.simulated;
     failed.insert(failed.end(), other.failed.begin(), other.failed.end());
     for (const auto& [name, count] : other.active) active[name] += count;
+    lied += other.lied;
+    found_out += other.found_out;
+    spoiled.insert(spoiled.end(), other.spoiled.begin(), other.spoiled.end());
   }
+  /// More than one in a hundred of those in which there were lies, where that can be told.
+  bool tooManySpoiled() const {
+    constexpr std::uint64_t enough = 100, one_in = 100;
+    return lied >= enough && one_in * spoiled.size() > lied;
+  }
+  bool isBad() const { return !failed.empty() || tooManySpoiled(); }
 };
 
 nlohmann::json toJson(const Summary& summary) {
-  return {{"seeds", summary.seeds},
-          {"failed", summary.failed.size()},
-          {"failed_seeds", summary.failed},
-          {"simulated_seconds", summary.simulated},
-          {"faults", summary.active}};
+  return {{"seeds", summary.seeds},          {"failed", summary.failed.size()},
+          {"failed_seeds", summary.failed},  {"simulated_seconds", summary.simulated},
+          {"faults", summary.active},        {"lied", summary.lied},
+          {"found_out", summary.found_out},  {"spoiled", summary.spoiled.size()},
+          {"spoiled_seeds", summary.spoiled}};
 }
 
 Summary fromJson(const nlohmann::json& json) {
@@ -66,6 +81,9 @@ Summary fromJson(const nlohmann::json& json) {
   summary.simulated = json.at("simulated_seconds");
   summary.failed = json.at("failed_seeds").get<std::vector<std::uint64_t>>();
   summary.active = json.at("faults").get<std::map<std::string, std::uint64_t>>();
+  summary.lied = json.at("lied");
+  summary.found_out = json.at("found_out");
+  summary.spoiled = json.at("spoiled_seeds").get<std::vector<std::uint64_t>>();
   return summary;
 }
 
@@ -81,12 +99,12 @@ std::vector<Event> historyFor(std::uint64_t seed, const std::vector<std::size_t>
 /// One process's share: every `of`-th seed.
 Summary runShare(const Options& options, unsigned share, unsigned of) {
   const test::TemporaryDirectory folder(whereToWork());
-  const Scenario scenario = makeScenario(folder.path());
+  const Scenarios scenarios(folder.path());
   Summary summary;
   for (std::uint64_t n = share; n < options.seeds; n += of) {
     const std::uint64_t seed = options.first + n;
     summary.add(seed,
-                simulate(scenario, seed, historyFor(seed, options.only), folder.path() / "world"));
+                simulate(scenarios, seed, historyFor(seed, options.only), folder.path() / "world"));
   }
   return summary;
 }
@@ -129,11 +147,12 @@ Summary runAll(const Options& options) {
   }
   if (!whole) throw std::runtime_error("a process of the simulation did not end well");
   std::ranges::sort(all.failed);
+  std::ranges::sort(all.spoiled);
   return all;
 }
 
 /// Leaves out what is not needed to break it, one accident after another.
-std::vector<std::size_t> minimised(const Scenario& scenario, std::uint64_t seed,
+std::vector<std::size_t> minimised(const Scenarios& scenarios, std::uint64_t seed,
                                    std::vector<std::size_t> needed,
                                    const std::filesystem::path& folder) {
   for (bool smaller = true; smaller;) {
@@ -143,7 +162,7 @@ std::vector<std::size_t> minimised(const Scenario& scenario, std::uint64_t seed,
       fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(n));
       std::vector<Event> events;
       for (const std::size_t event : fewer) events.push_back(historyOf(seed)[event]);
-      if (!simulate(scenario, seed, events, folder).broken) continue;
+      if (!simulate(scenarios, seed, events, folder).broken) continue;
       needed = std::move(fewer);
       smaller = true;
     }
@@ -154,21 +173,28 @@ std::vector<std::size_t> minimised(const Scenario& scenario, std::uint64_t seed,
 /// Prints how a seed fails with as few accidents as possible.
 void explain(const Options& options, std::uint64_t seed) {
   const test::TemporaryDirectory folder(whereToWork());
-  const Scenario scenario = makeScenario(folder.path());
+  const Scenarios scenarios(folder.path());
   const std::vector<Event> all = historyOf(seed);
   std::vector<std::size_t> numbers = options.only;
   if (numbers.empty())
     for (std::size_t n = 0; n < all.size(); ++n) numbers.push_back(n);
   const std::vector<std::size_t> needed =
-      minimised(scenario, seed, numbers, folder.path() / "world");
+      minimised(scenarios, seed, numbers, folder.path() / "world");
   std::vector<Event> events;
   for (const std::size_t n : needed) events.push_back(all[n]);
-  const Outcome outcome = simulate(scenario, seed, events, folder.path() / "world");
+  const Outcome outcome = simulate(scenarios, seed, events, folder.path() / "world");
   fmt::print("seed {} fails {}\n", seed, outcome.broken.value_or("(not alone)"));
   for (const std::string& line : outcome.story) fmt::print("  {}\n", line);
   fmt::print("{} of its {} accidents do it; again: --seeds 1 --first {}{}{} --story\n",
              needed.size(), all.size(), seed, needed.empty() ? "" : " --only ",
              fmt::join(needed, ","));
+}
+
+void tellSpoiled(const Summary& summary) {
+  fmt::print("lies under {} seeds, found out under {}, spoiled datasets: {}{}{}{}\n", summary.lied,
+             summary.found_out, summary.spoiled.size(), summary.spoiled.empty() ? "" : ", seeds ",
+             fmt::join(summary.spoiled, ","),
+             summary.tooManySpoiled() ? ": more than one in a hundred" : "");
 }
 
 int run(const Options& options) {
@@ -192,38 +218,42 @@ int run(const Options& options) {
     for (const auto& [name, seeds] : summary.active)
       fmt::print("  {:22} in {:5.1f} % of the seeds\n", name,
                  100.0 * static_cast<double>(seeds) / static_cast<double>(summary.seeds));
+    tellSpoiled(summary);
     fmt::print("{} failed\n", summary.failed.size());
   }
-  return summary.failed.empty() ? 0 : 1;
+  return summary.isBad() ? 1 : 0;
 }
 
-/// The first seed that finds a defect; 0 when none of them does.
-std::uint64_t finds(const Options& options, const Scenario& scenario,
-                    const std::filesystem::path& folder) {
-  for (std::uint64_t n = 0; n < options.seeds; ++n)
-    if (simulate(scenario, options.first + n, historyOf(options.first + n), folder).broken)
-      return options.first + n;
-  return 0;
+/// What the seeds come to until they have found a defect, or are all.
+Summary untilFound(const Options& options, const Scenarios& scenarios,
+                   const std::filesystem::path& folder) {
+  Summary summary;
+  while (summary.seeds < options.seeds && !summary.isBad()) {
+    const std::uint64_t seed = options.first + summary.seeds;
+    summary.add(seed, simulate(scenarios, seed, historyOf(seed), folder));
+  }
+  return summary;
 }
 
 int findPlanted(const Options& options) {
   const test::TemporaryDirectory folder(whereToWork());
-  const Scenario scenario = makeScenario(folder.path());
+  const Scenarios scenarios(folder.path());
   std::size_t planted_count = 0, found_count = 0;
   for (const Defect& defect : plantedDefects()) {
     if (options.planted != "all" && options.planted != defect.name) continue;
     ++planted_count;
     plant(std::string(defect.name));
-    const std::uint64_t seed = finds(options, scenario, folder.path() / "world");
-    if (seed == 0) {
+    const Summary summary = untilFound(options, scenarios, folder.path() / "world");
+    if (!summary.isBad()) {
       fmt::print("{:30} NOT FOUND within {} seeds ({})\n", defect.name, options.seeds, defect.what);
       continue;
     }
     ++found_count;
-    fmt::print("{:30} found after {} seeds ({})\n", defect.name, seed - options.first + 1,
-               defect.what);
+    fmt::print("{:30} found after {} seeds ({})\n", defect.name, summary.seeds, defect.what);
     std::fflush(stdout);
-    if (options.planted != "all") explain(options, seed);
+    if (options.planted == "all") continue;
+    if (summary.failed.empty()) tellSpoiled(summary);
+    for (const std::uint64_t seed : summary.failed) explain(options, seed);
   }
   if (planted_count == 0) throw std::runtime_error("no such defect: --list-planted names them");
   fmt::print("{} of {} planted defects found\n", found_count, planted_count);
@@ -234,11 +264,13 @@ int findPlanted(const Options& options) {
 
 int showStory(const Options& options) {
   const test::TemporaryDirectory folder(whereToWork());
-  const Scenario scenario = makeScenario(folder.path());
-  const Outcome outcome = simulate(scenario, options.first, historyFor(options.first, options.only),
-                                   folder.path() / "world");
+  const Scenarios scenarios(folder.path());
+  const Outcome outcome = simulate(
+      scenarios, options.first, historyFor(options.first, options.only), folder.path() / "world");
   for (const std::string& line : outcome.story) fmt::print("{}\n", line);
-  fmt::print("{}\n", outcome.broken ? "broken " + *outcome.broken : "whole");
+  fmt::print("{}\n", outcome.broken    ? "broken " + *outcome.broken
+                     : outcome.spoiled ? "spoiled by lies that nobody found out"
+                                       : "whole");
   return outcome.broken ? 1 : 0;
 }
 

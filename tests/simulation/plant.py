@@ -13,6 +13,7 @@ JOURNAL = "scheduler/state/journal.cpp"
 STORE = "scheduler/state/job_store.cpp"
 DIRECTORY = "scheduler/state/state_directory.cpp"
 COORDINATOR = "scheduler/service/coordinator.cpp"
+CHECKS = "scheduler/service/spot_checks.cpp"
 SESSION = "worker/link/worker_session.cpp"
 
 # name, what it is, source, text, text with the defect; @ stands for planted("name")
@@ -57,6 +58,16 @@ DEFECTS = [
      "    add(settle(plan, key.space, spare_));", "    StoredResults none;\n    add(settle(plan, key.space, @ ? none : spare_));"),
     ("damage-refused", "one lost record makes the rest useless", COORDINATOR,
      "if (!store_->damaged() && ", "if ((@ || !store_->damaged()) && "),
+    ("kept-out-forgotten", "a restart forgets who is kept out", STORE,
+     "  kept_out_ = tables_.keptOut();", "  if (!@) kept_out_ = tables_.keptOut();"),
+    ("lies-kept", "what somebody gave who is kept out stays recorded", STORE,
+     "  if (theirs.empty()) return;", "  if (@ || theirs.empty()) return;"),
+    ("checks-forgotten", "a restart forgets what others are to solve again", COORDINATOR,
+     "      due_checks_(store.tables().checks()),", "      due_checks_(@ ? std::map<ResultKey, bool>() : store.tables().checks()),"),
+    ("nothing-checked", "no result is solved again by another", CHECKS,
+     "  ++results_;\n", "  ++results_;\n  if (@) return Picked::no;\n"),
+    ("one-decides", "of two who differ the later one is right", CHECKS,
+     "  if (right.size() < 2) return false;", "  if (right.size() < (@ ? 1 : 2)) return false;"),
     ("restart-unnoticed", "a worker does not notice that the scheduler was restarted", SESSION,
      "  if (incarnation_.empty() || reply.incarnation() == incarnation_) return;",
      "  if (@ || incarnation_.empty() || reply.incarnation() == incarnation_) return;"),

@@ -57,6 +57,9 @@ void SchedulerProcess::open(Seconds now) {
   constexpr std::uint64_t segment_bytes = 8000;
   build_ =
       std::make_unique<Build>(problem_, stateDirectory(), clock_.at(now), settings_, segment_bytes);
+  // It may have been killed after they were written, before it was told.
+  if (ledger_.verdicts > 0) ledger_.noteKeptOut(StoredTables(stateDirectory()).keptOut());
+  ledger_.cleaned_of = ledger_.kept_out;
   sealed_ = false;
   opened_at_ = now;
   state_ = State::running;
@@ -89,12 +92,32 @@ void SchedulerProcess::wake(Seconds now) {
       if (++damages_ > most_damages)
         throw Broken("a damaged record stays, however often it is dropped");
       build_->drop(damage);
-      end(State::down);
-      open(now);
+      openAnew(now);
     } catch (const LiarsFound& found) {
-      throw Broken(std::string("an honest worker is kept out: ") + found.what());
+      keepOut(found, now);
     }
   });
+}
+
+/// As `serve` and `build` do it: what they gave is computed again.
+void SchedulerProcess::keepOut(const LiarsFound& found, Seconds now) {
+  ledger_.noteVerdict(found, stateDirectory());
+  if (const auto changes = std::exchange(kill_at_verdict_, std::nullopt)) {
+    ++felt_[Accident::kill_at_verdict];
+    if (*changes == 0) return disk_.die();
+    disk_.killAfter(*changes);
+  }
+  build_->keepOut(found);
+  if (disk_.dead()) return;
+  ledger_.noteKeptOut(found.liars());
+  openAnew(now);
+}
+
+void SchedulerProcess::openAnew(Seconds now) {
+  const bool stopping = build_->coordinator().stopping();
+  end(State::down);
+  open(now);
+  if (stopping) build_->coordinator().stop(clock_.at(now));
 }
 
 void SchedulerProcess::turn(Seconds now) {
@@ -109,14 +132,23 @@ void SchedulerProcess::turn(Seconds now) {
       state_ = State::leaving;
     }
   } else if (coordinator.deserted(clock_.at(now)) || now >= leaves_at_) {
-    end(sealed_ ? State::sealed : coordinator.stuck() ? State::stuck : State::stopped);
+    leave();
   }
+}
+
+void SchedulerProcess::leave() {
+  const Coordinator& coordinator = build_->coordinator();
+  const bool stuck = !sealed_ && coordinator.stuck();
+  if (stuck && coordinator.asideCount() + coordinator.disputedCount() == 0)
+    throw Broken("the scheduler is stuck and does not say why");
+  end(sealed_ ? State::sealed : stuck ? State::stuck : State::stopped);
 }
 
 void SchedulerProcess::seal(Seconds now) {
   build_->verify();
   build_->coordinator().dismiss();
   exchange(build_->coordinator(), *this, clock_.at(now));
+  ledger_.noteSealed(stateDirectory(), build_->coordinator().plans());
   build_->seal(dataset());
   sealed_ = true;
   leaves_at_ = now + drain_limit;
@@ -143,7 +175,10 @@ void SchedulerProcess::askToStop(Seconds now) {
 std::optional<Incoming> SchedulerProcess::receive() {
   // A process that was killed in between reads nothing.
   if (disk_.dead()) return std::nullopt;
-  return network_.forScheduler(now_);
+  auto incoming = network_.forScheduler(now_);
+  if (incoming && incoming->message.has_result())
+    ledger_.noteDelivery(incoming->peer, incoming->message.result());
+  return incoming;
 }
 
 Sent SchedulerProcess::send(const Outgoing& outgoing) {
@@ -151,13 +186,16 @@ Sent SchedulerProcess::send(const Outgoing& outgoing) {
   const wire::Message& message = outgoing.message;
   if (message.has_result_ack() && !message.result_ack().unwanted()) {
     const wire::ResultAck& ack = message.result_ack();
-    ledger_.acknowledged.insert({ack.space(), fromWire(ack.target()), fromWire(ack.parent())});
+    ledger_.noteAcknowledged(outgoing.peer,
+                             {ack.space(), fromWire(ack.target()), fromWire(ack.parent())});
   }
+  if (message.has_job() && ledger_.isKeptOut(outgoing.peer))
+    throw Broken("a worker that is kept out is given work");
   if (message.has_job())
     for (const wire::Target& target : message.job().targets()) {
       const ResultKey key = {message.job().space(), fromWire(target.point()),
                              fromWire(message.job().start())};
-      if (ledger_.acknowledged.contains(key) && !ledger_.spoiled.contains(key) &&
+      if (ledger_.acknowledged.contains(key) && !ledger_.mayBeLost(key) &&
           !build_->coordinator().isChecked(key))
         throw Broken("a result that was acknowledged is asked for again");
     }

@@ -2,27 +2,14 @@
 
 #include <functional>
 #include <set>
-#include <stdexcept>
 
 #include "scheduler/build.hpp"
 #include "scheduler/service/transport.hpp"
 #include "tests/simulation/disk.hpp"
+#include "tests/simulation/ledger.hpp"
 #include "tests/simulation/worker.hpp"
 
 namespace palpate::simulation {
-
-/// What the service must never do was done. The message says what.
-class Broken : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-/// What the outside world knows of the results of a build, whatever became of the scheduler.
-struct Ledger {
-  std::set<ResultKey> acknowledged;
-  /// Their records were damaged by an accident: they may be computed again.
-  std::set<ResultKey> spoiled;
-};
 
 /// A scheduler process: the real Build with everything in it, and the steps that `serve` makes
 /// around it (scheduler/build_command.cpp).
@@ -45,6 +32,8 @@ class SchedulerProcess : private Transport {
 
   /// SIGKILL: now, while it waits.
   void kill();
+  /// So many changes of the disk after the next verdict on somebody who lies.
+  void killAtVerdict(int changes) { kill_at_verdict_ = changes; }
   void stop(Seconds from, Seconds until, bool clock_too);
   void leap(Seconds by) { clock_.leap(by); }
   void askToStop(Seconds now);
@@ -53,6 +42,8 @@ class SchedulerProcess : private Transport {
   Coordinator& coordinator() { return build_->coordinator(); }
   /// Why it ended by itself last; empty when it was not by an error.
   const std::string& lastError() const { return last_error_; }
+  /// Accidents that were armed and came to pass.
+  const std::map<Accident, std::uint64_t>& felt() const { return felt_; }
 
  private:
   std::optional<Incoming> receive() override;
@@ -61,7 +52,10 @@ class SchedulerProcess : private Transport {
   void guarded(const std::function<void()>& step);
   void open(Seconds now);
   void turn(Seconds now);
+  void keepOut(const LiarsFound& found, Seconds now);
+  void openAnew(Seconds now);
   void seal(Seconds now);
+  void leave();
   void end(State state);
 
   Network& network_;
@@ -76,6 +70,8 @@ class SchedulerProcess : private Transport {
   State state_ = State::down;
   std::string last_error_;
   int damages_ = 0;
+  std::optional<int> kill_at_verdict_;
+  std::map<Accident, std::uint64_t> felt_;
   bool sealed_ = false;  ///< by this process
 };
 

@@ -14,10 +14,12 @@ constexpr Seconds looks_every = 0.4;
 }  // namespace
 
 WorkerProcess::WorkerProcess(Network& network, SolverWorld& world, const std::string& id,
-                             std::vector<std::string> ended, Seconds now, Random random)
+                             const std::string& host, std::vector<std::string> ended, Seconds now,
+                             Random random)
     : network_(network),
       world_(world),
       id_(id),
+      host_(host),
       peer_("w" + id),
       random_(random),
       clock_(random_),
@@ -27,7 +29,7 @@ WorkerProcess::WorkerProcess(Network& network, SolverWorld& world, const std::st
   SessionOptions options;
   options.worker_id = id;
   options.ended = std::move(ended);
-  options.host = "simulated";
+  options.host = host;
   options.pid = 1;
   options.kernel_family = "baseline";
   const auto send = [this](const wire::Message& message, std::string_view payload) {
@@ -86,9 +88,15 @@ void WorkerProcess::beginTarget(Seconds now) {
 void WorkerProcess::finishTarget() {
   const wire::Job& job = work_->job.job;
   const wire::Target& target = job.targets(work_->target);
-  auto [result, payload] =
-      test::solve(*world_.problem, job.space(), fromWire(target.point()), fromWire(job.start()));
+  const Scenario& scenario = *world_.scenario;
+  auto [result, payload] = scenario.solve(scenario.problem, job.space(), fromWire(target.point()),
+                                          fromWire(job.start()));
   test::answer(job, target, result);
+  const auto liar = world_.liars.find(host_);
+  if (liar != world_.liars.end() && liar->second.falsify(result, payload)) {
+    ++felt_[Accident::lying_worker];
+    world_.told->note(host_, result);
+  }
   mailbox_->finish(
       {std::move(result), std::move(payload), work_->target + 1 == job.targets_size()});
 }

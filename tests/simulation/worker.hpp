@@ -1,5 +1,6 @@
 #pragma once
 
+#include "tests/simulation/ledger.hpp"
 #include "tests/simulation/network.hpp"
 #include "worker/link/worker_session.hpp"
 
@@ -28,9 +29,11 @@ class ProcessClock {
 
 /// What a solver finds in the table, and how it is hindered. Shared by all workers.
 struct SolverWorld {
-  const Problem* problem = nullptr;
+  const Scenario* scenario = nullptr;
   /// Transitions that kill who solves them, until this time.
   std::map<std::tuple<std::uint32_t, LatticePoint>, Seconds> deadly;
+  std::map<std::string, Liar> liars;  ///< by host
+  Lies* told = nullptr;
 };
 
 /// A worker process: a real session and mailbox, a solver that looks up what it is asked for, and
@@ -39,7 +42,8 @@ class WorkerProcess {
  public:
   /// `ended`: whom it replaces. Outlived by what it refers to.
   WorkerProcess(Network& network, SolverWorld& world, const std::string& id,
-                std::vector<std::string> ended, Seconds now, Random random);
+                const std::string& host, std::vector<std::string> ended, Seconds now,
+                Random random);
 
   /// How it ended; nothing as long as it lives.
   enum class End : std::uint8_t { left, failed, killed };
@@ -76,7 +80,7 @@ class WorkerProcess {
 
   Network& network_;
   SolverWorld& world_;
-  std::string id_, peer_;
+  std::string id_, host_, peer_;
   Random random_;
   ProcessClock clock_;
   Seconds now_ = 0;

@@ -7,9 +7,6 @@
 #include <limits>
 
 #include "common/base/whole_file.hpp"
-#include "common/dataset/dataset.hpp"
-#include "scheduler/state/replay.hpp"
-#include "tests/support/solved_table.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -40,15 +37,23 @@ constexpr Seconds patience = 3600, patience_with_the_hung = 3700;
 /// A worker gives up after a quarter of an hour without a word, not counting what it slept.
 constexpr Seconds goes_home_within = 20 * 60;
 constexpr Seconds scheduler_restarts_after = 2, worker_replaced_after = 1;
+constexpr Seconds refused_tries_after = 30;
 constexpr std::size_t most_workers_known = 100, most_unacknowledged = 400, most_letters = 20000;
 /// Some tens of thousands are usual.
 constexpr std::int64_t most_steps = 1'000'000;
+/// Of the disk, before somebody who is killed there is dead.
+constexpr double most_changes = 40;
 
-/// In every second history. What looks odd is left out, since everything does in that table.
+/// More in every second history. What looks odd is left out where nobody lies, since everything
+/// does in that table.
 SpotCheckSettings checksOf(std::uint64_t seed) {
-  SpotCheckSettings checks = SpotCheckSettings::none();
-  if (seed % 2 == 0)
-    checks = {.share = 0.05, .share_of_odd = 0, .share_of_failed = 0, .failed_at_least = 0};
+  constexpr double more = 0.05;
+  SpotCheckSettings checks;
+  if (seed % 2 == 0) checks.share = more;
+  if (mayHaveLiar(seed)) return checks;
+  if (seed % 2 != 0) return SpotCheckSettings::none();
+  checks.share_of_odd = checks.share_of_failed = 0;
+  checks.failed_at_least = 0;
   return checks;
 }
 
@@ -64,12 +69,16 @@ class World {
         disk_(folder, random_.next()),
         network_(random_.next()),
         scheduler_(network_, disk_, ledger_, scenario.problem, folder, checksOf(seed), random_) {
-    solver_world_.problem = &scenario.problem;
+    solver_world_.scenario = &scenario;
+    solver_world_.told = &ledger_.lies;
     const auto hung = std::ranges::count(history, Accident::hung_solver, &Event::accident);
     patience_ = accidents_end_s + patience + static_cast<double>(hung) * patience_with_the_hung;
-    const std::size_t workers = 1 + random_.below(4);
-    places_.resize(workers);
-    for (Place& place : places_) place.starts_at = random_.between(0, 3);
+    // Three can tell which of them lies, where each has a machine of its own.
+    const bool may_lie = mayHaveLiar(seed);
+    const std::size_t workers = may_lie ? 3 + random_.below(2) : 1 + random_.below(4);
+    for (std::size_t n = 0; n < workers; ++n)
+      places_.push_back({.host = may_lie ? fmt::format("machine-{}", n) : "simulated",
+                         .starts_at = random_.between(0, 3)});
   }
 
   Outcome run() {
@@ -81,9 +90,13 @@ class World {
       outcome.broken = fmt::format("at {:.3f} s: {}", now_, error.what());
     }
     outcome.simulated = now_;
+    outcome.lies = ledger_.lies_heard;
+    outcome.verdicts = ledger_.verdicts;
+    outcome.spoiled = !outcome.broken && !spoiled_.empty();
     outcome.felt = felt_;
     for (const auto& [kind, count] : network_.felt()) outcome.felt[kind] += count;
     for (const auto& [fault, count] : disk_.felt()) outcome.felt[accidentOf(fault)] += count;
+    for (const auto& [kind, count] : scheduler_.felt()) outcome.felt[kind] += count;
     for (const Place& place : places_) note(place, outcome.felt);
     outcome.story = std::move(story_);
     return outcome;
@@ -92,9 +105,10 @@ class World {
  private:
   /// Where a worker runs, and another when it has gone.
   struct Place {
-    std::unique_ptr<WorkerProcess> worker;
+    std::string host;
+    std::unique_ptr<WorkerProcess> worker = {};
     Seconds starts_at = 0;
-    std::vector<std::string> ended;  ///< of which the next one tells
+    std::vector<std::string> ended = {};  ///< of which the next one tells
   };
 
   static void note(const Place& place, std::map<Accident, std::uint64_t>& felt) {
@@ -145,8 +159,16 @@ class World {
     while (next_event_ < history_.size() && history_[next_event_].at <= now_)
       happen(history_[next_event_++]);
     turnScheduler();
+    tellOfLies();
     for (Place& place : places_) turnWorker(place);
     check(network_.mostWaiting() < most_letters, "messages pile up");
+  }
+
+  void tellOfLies() {
+    if (ledger_.lies_heard > std::exchange(lies_told_, ledger_.lies_heard))
+      tell("the scheduler is told a lie");
+    if (ledger_.verdicts > std::exchange(verdicts_told_, ledger_.verdicts))
+      tell("who lied is found out");
   }
 
   bool sealed() const { return scheduler_.state() == SchedulerProcess::State::sealed; }
@@ -174,7 +196,7 @@ class World {
     const Coordinator& coordinator = scheduler_.coordinator();
     check(coordinator.workers() < most_workers_known, "workers that are gone are never forgotten");
     // Tables that were damaged may claim anything of the past.
-    if (!tables_hurt_)
+    if (!ledger_.tables_hurt)
       check(static_cast<int>(coordinator.asideCount()) * deaths_before_aside <= deaths_,
             "a transition was set aside that fewer workers died on");
   }
@@ -190,7 +212,7 @@ class World {
          : state == State::stuck   ? "the scheduler ends: some are set aside"
          : state == State::stopped ? "the scheduler ends as it was told"
                                    : "the scheduler ends: " + error);
-    check(state != State::down || hurt || tables_hurt_,
+    check(state != State::down || hurt || ledger_.tables_hurt,
           "the scheduler ended without a reason: " + error);
     if (power_is_cut_) {
       disk_.cutPower();
@@ -231,27 +253,18 @@ class World {
       check(ledger_.acknowledged.empty(), "the state directory is gone");
       return;
     }
-    const JournalScan scan = JournalReader(directory).scan();
-    std::set<ResultKey> recorded;
-    for (const JournalScan::Found& found : scan.records) {
-      const ResultKey key = keyIn(found.header);
-      check(recorded.insert(key).second || ledger_.spoiled.contains(key),
-            "a result is recorded twice");
-    }
-    for (const ResultKey& key : ledger_.acknowledged)
-      check(recorded.contains(key) || ledger_.spoiled.contains(key),
-            "a result that was acknowledged is not recorded");
+    ledger_.checkRecorded(recordedIn(directory));
     checkTables(directory);
   }
 
   void checkTables(const std::filesystem::path& directory) {
     // Half made, or half on disk: the next start makes them whole.
-    if (tables_hurt_ || !tables_made_) return;
+    if (ledger_.tables_hurt || !tables_made_) return;
     try {
       StoredTables tables(directory);
       const Counters counters = tables.counters();
       const auto divergent = counters.find("divergent_results");
-      check(divergent == counters.end() || divergent->second == 0,
+      check(divergent == counters.end() || divergent->second == 0 || ledger_.lies_heard > 0,
             "a result is taken for another than the recorded one");
     } catch (const Error& error) {
       throw Broken(std::string("the tables cannot be read: ") + error.what());
@@ -264,8 +277,16 @@ class World {
     return keyOf(result);
   }
 
-  bool sameAsEver() const {
-    return readText(scheduler_.dataset(), "the dataset") == scenario_.sealed;
+  /// Or the same but for lies that were recorded when it was sealed, and that nobody found out.
+  bool sameAsEver() {
+    const std::string sealed = readText(scheduler_.dataset(), "the dataset");
+    const bool as_before = !spoiled_.empty() && sealed == spoiled_;
+    if (!as_before) spoiled_.clear();
+    if (as_before || sealed == scenario_.sealed) return true;
+    if (ledger_.sealed_lies.empty()) return false;
+    spoiled_ = scenario_.sealedWith(ledger_.sealed_lies, folder_.parent_path());
+    tell("the dataset rests on lies that nobody found out");
+    return sealed == spoiled_;
   }
 
   void retryDirectory() {
@@ -275,7 +296,7 @@ class World {
       deaths_ = 0;
     } catch (const Error& error) {
       // Damaged tables are put aside by the next start, and with them what they knew of deaths.
-      check(tables_hurt_ || disk_.takeHurt(), error.what());
+      check(ledger_.tables_hurt || disk_.takeHurt(), error.what());
     }
   }
 
@@ -285,8 +306,10 @@ class World {
     if (!place.worker) {
       if (sealed() || now_ < place.starts_at) return;
       const std::string id = fmt::format("worker-{:03}", ++workers_started_);
-      place.worker = std::make_unique<WorkerProcess>(
-          network_, solver_world_, id, std::move(place.ended), now_, Random(random_.next()));
+      place.worker =
+          std::make_unique<WorkerProcess>(network_, solver_world_, id, place.host,
+                                          std::move(place.ended), now_, Random(random_.next()));
+      ledger_.host_of[place.worker->peer()] = place.host;
       place.ended.clear();
     }
     WorkerProcess& worker = *place.worker;
@@ -303,8 +326,10 @@ class World {
                      : worker.end() == WorkerProcess::End::failed ? "failed"
                                                                   : "left"));
     note(place, felt_);
+    const bool refused =
+        worker.end() == WorkerProcess::End::failed && ledger_.lies.isLiar(place.host);
     place.worker.reset();
-    place.starts_at = now_ + worker_replaced_after;
+    place.starts_at = now_ + (refused ? refused_tries_after : worker_replaced_after);
   }
 
   // ---- Accidents ----
@@ -341,7 +366,7 @@ class World {
       case Accident::tables_lost:
         if (scheduler_.up() || !std::filesystem::exists(tables())) break;
         felt();
-        tables_hurt_ = true;
+        ledger_.hurtTables();
         std::filesystem::remove(tables());
         break;
       case Accident::lock_file_removed:
@@ -352,6 +377,10 @@ class World {
       case Accident::deadly_transition:
         solver_world_.deadly[{static_cast<std::uint32_t>(event.who % 2), someTarget(event)}] =
             event.at + 3 * event.length;
+        break;
+      case Accident::lying_worker: solver_world_.liars.try_emplace(place.host, event.who); break;
+      case Accident::kill_at_verdict:
+        scheduler_.killAtVerdict(static_cast<int>(event.how_much * most_changes));
         break;
       default: break;
     }
@@ -376,7 +405,7 @@ class World {
   void happenToScheduler(const Event& event) {
     const Seconds until = event.at + event.length;
     // Some in the middle of the next writes, some while it waits.
-    const int changes = static_cast<int>(event.how_much * 40);
+    const int changes = static_cast<int>(event.how_much * most_changes);
     switch (event.accident) {
       case Accident::power_cut: power_is_cut_ = true; [[fallthrough]];
       case Accident::kill_scheduler:
@@ -442,7 +471,7 @@ class World {
     const std::filesystem::path file = tables().string() + (event.who % 2 == 0 ? "" : "-wal");
     const std::uintmax_t size = std::filesystem::file_size(file, none);
     if (none || size == 0) return;
-    tables_hurt_ = true;
+    ledger_.hurtTables();
     disk_.flip(file, (event.who / 2) % size, static_cast<int>(event.how_much * 7.99));
     ++felt_[event.accident];
   }
@@ -460,52 +489,25 @@ class World {
   Seconds now_ = 0, scheduler_starts_at_ = 0, patience_ = 0;
   std::size_t next_event_ = 0;
   std::optional<Seconds> full_until_, sealed_at_;
-  bool power_is_cut_ = false, tables_hurt_ = false, tables_made_ = false;
+  bool power_is_cut_ = false, tables_made_ = false;
   int deaths_ = 0, workers_started_ = 0;
   std::int64_t steps_ = 0;
+  std::size_t lies_told_ = 0, verdicts_told_ = 0;  ///< in the story
   std::map<Accident, std::uint64_t> felt_;
   std::vector<std::string> story_;
+  std::string spoiled_;  ///< the dataset that is there, where it rests on lies
 };
 
 }  // namespace
 
-Outcome simulate(const Scenario& scenario, std::uint64_t seed, const std::vector<Event>& history,
+Outcome simulate(const Scenarios& scenarios, std::uint64_t seed, const std::vector<Event>& history,
                  const std::filesystem::path& folder) {
   std::filesystem::remove_all(folder);
   std::filesystem::create_directory(folder);
   seedRandomBytes(seed);
-  Outcome outcome = World(scenario, seed, history, folder).run();
+  Outcome outcome = World(scenarios.of(seed), seed, history, folder).run();
   std::filesystem::remove_all(folder);
   return outcome;
-}
-
-Scenario makeScenario(const std::filesystem::path& folder) {
-  Scenario scenario{test::cubeProblem(), {}};
-  std::vector<SpacePlan> plans;
-  std::map<TransitionKey, std::string> fields;
-  for (std::uint32_t space = 0; space < scenario.problem.active.size(); ++space) {
-    SpacePlan& plan = plans.emplace_back(scenario.problem, space);
-    for (auto ready = plan.takeReady(); !ready.empty(); ready = plan.takeReady())
-      for (const Transition& transition : ready) {
-        const Lattice& positions = plan.positions();
-        auto [result, payload] =
-            test::solve(scenario.problem, space, positions.point(transition.target),
-                        positions.point(transition.parent));
-        result.mutable_cost()->set_steps(plan.stepsOf(transition));
-        plan.record(transition, *fromWire(result), fieldsOf(result));
-        fields[{space, transition.target, transition.parent}] = std::move(payload);
-      }
-  }
-  const std::filesystem::path file = folder / "undisturbed.h5";
-  sealDataset(file, scenario.problem, spaceTables(plans), "baseline",
-              [&](std::size_t space, std::int32_t point) {
-                const TransitionKey key = {static_cast<std::uint32_t>(space), point,
-                                           plans[space].point(point).parent};
-                return NodalFields::decode(fields.at(key), scenario.problem.mesh.nodes.size(),
-                                           pressureNodes(scenario.problem));
-              });
-  scenario.sealed = readText(file, "the dataset");
-  return scenario;
 }
 
 }  // namespace palpate::simulation
