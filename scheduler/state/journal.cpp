@@ -275,6 +275,7 @@ Journal::Journal(std::filesystem::path directory, JournalEnd end, std::uint64_t 
   openSegment();
   if (ftruncate(file_.get(), static_cast<off_t>(end.offset)) != 0)
     throw failure("{}: cannot truncate: {}", segmentPath(end_.segment).string(), errnoText());
+  syncOthers();
   sync();
   syncFolder(directory_);
 }
@@ -384,6 +385,18 @@ void Journal::openSegment() {
   file_ = FileDescriptor(open(path.c_str(), O_RDWR | O_CLOEXEC | O_CREAT, 0600));
   if (!file_) throw failure("{}: cannot open: {}", path.string(), errnoText());
   if (std::ranges::find(present_, end_.segment) == present_.end()) present_.push_back(end_.segment);
+}
+
+/// What a run that was killed marked there it may not have synced: with the next power cut it would
+/// be back.
+void Journal::syncOthers() const {
+  for (const std::uint32_t segment : present_) {
+    if (segment == end_.segment) continue;
+    const std::filesystem::path path = segmentPath(segment);
+    const FileDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    if (!file || fdatasync(file.get()) != 0)
+      throw failure("{}: cannot sync: {}", path.string(), errnoText());
+  }
 }
 
 void Journal::writeAll(std::string_view bytes) {

@@ -107,7 +107,8 @@ class Journal : public JournalReader {
   static constexpr std::uint64_t default_segment_bytes = 256ull << 20;
 
   /// Opens for appending at `end` (JournalScan::end): truncates the segment there, which holds half
-  /// a record at most, and syncs, so that what a killed run left counts from now on.
+  /// a record at most, and syncs all segments, so that what a killed run left counts from now on,
+  /// marks of dropped records too.
   Journal(std::filesystem::path directory, JournalEnd end,
           std::uint64_t segment_bytes = default_segment_bytes);
 
@@ -129,6 +130,7 @@ class Journal : public JournalReader {
 
  private:
   void openSegment();
+  void syncOthers() const;
   void dropIn(std::uint32_t segment, std::span<const JournalPosition> positions);
   void writeAll(std::string_view bytes);
 
