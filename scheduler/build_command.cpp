@@ -257,8 +257,11 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
   if (where.keys) settings.spot_checks.trusted_key = where.keys->ownOrNew().open();
   if (where.nobody_else) settings.checks_wait = milliseconds(0);
   if (order.hung_after_s) settings.hung_after = std::chrono::seconds(*order.hung_after_s);
+  bool stopping = false;
   for (;;) {
     Build build(problem, state, Clock::now(), settings);
+    // Who was told so, and had to begin anew before it had.
+    if (stopping) build.coordinator().stop(Clock::now());
     try {
       const auto [tables, when_stopped] = sealedBy(compute, build, where, out, state);
       if (tables.empty()) return tellWhy(build.coordinator(), state, when_stopped);
@@ -271,6 +274,7 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
     } catch (const LiarsFound& found) {
       build.keepOut(found);
     }
+    stopping = build.coordinator().stopping();
   }
 }
 
