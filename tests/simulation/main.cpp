@@ -39,6 +39,8 @@ struct Summary {
   std::uint64_t lied = 0;                       ///< seeds under which the scheduler was told lies
   std::uint64_t found_out = 0;                  ///< and somebody was kept out
   std::vector<std::uint64_t> spoiled;           ///< and nobody found it out
+  /// Of those seeds and of these, where the tables with all checks were damaged or lost.
+  std::uint64_t lied_without_tables = 0, spoiled_without_tables = 0;
 
   void add(std::uint64_t seed, const Outcome& outcome) {
     ++seeds;
@@ -49,6 +51,8 @@ struct Summary {
     lied += outcome.lies > 0;
     found_out += outcome.verdicts > 0;
     if (outcome.spoiled) spoiled.push_back(seed);
+    lied_without_tables += outcome.lies > 0 && outcome.tables_hurt;
+    spoiled_without_tables += outcome.spoiled && outcome.tables_hurt;
   }
   void add(const Summary& other) {
     seeds += other.seeds;
@@ -58,20 +62,32 @@ struct Summary {
     lied += other.lied;
     found_out += other.found_out;
     spoiled.insert(spoiled.end(), other.spoiled.begin(), other.spoiled.end());
+    lied_without_tables += other.lied_without_tables;
+    spoiled_without_tables += other.spoiled_without_tables;
   }
-  /// More than one in a hundred of those in which there were lies, where that can be told.
+  /// More than one in a hundred of those in which there were lies, and of those whose tables stayed
+  /// whole, where that can be told: of all it is half of one, so it takes more of them.
   bool tooManySpoiled() const {
-    constexpr std::uint64_t enough = 100, one_in = 100;
-    return lied >= enough && one_in * spoiled.size() > lied;
+    const auto tooMany = [](std::uint64_t bad, std::uint64_t of, std::uint64_t enough) {
+      return of >= enough && 100 * bad > of;
+    };
+    return tooMany(spoiled.size(), lied, 500) ||
+           tooMany(spoiled.size() - spoiled_without_tables, lied - lied_without_tables, 100);
   }
   bool isBad() const { return !failed.empty() || tooManySpoiled(); }
 };
 
 nlohmann::json toJson(const Summary& summary) {
-  return {{"seeds", summary.seeds},          {"failed", summary.failed.size()},
-          {"failed_seeds", summary.failed},  {"simulated_seconds", summary.simulated},
-          {"faults", summary.active},        {"lied", summary.lied},
-          {"found_out", summary.found_out},  {"spoiled", summary.spoiled.size()},
+  return {{"seeds", summary.seeds},
+          {"failed", summary.failed.size()},
+          {"failed_seeds", summary.failed},
+          {"simulated_seconds", summary.simulated},
+          {"faults", summary.active},
+          {"lied", summary.lied},
+          {"found_out", summary.found_out},
+          {"lied_without_tables", summary.lied_without_tables},
+          {"spoiled_without_tables", summary.spoiled_without_tables},
+          {"spoiled", summary.spoiled.size()},
           {"spoiled_seeds", summary.spoiled}};
 }
 
@@ -83,6 +99,8 @@ Summary fromJson(const nlohmann::json& json) {
   summary.active = json.at("faults").get<std::map<std::string, std::uint64_t>>();
   summary.lied = json.at("lied");
   summary.found_out = json.at("found_out");
+  summary.lied_without_tables = json.at("lied_without_tables");
+  summary.spoiled_without_tables = json.at("spoiled_without_tables");
   summary.spoiled = json.at("spoiled_seeds").get<std::vector<std::uint64_t>>();
   return summary;
 }
@@ -191,10 +209,13 @@ void explain(const Options& options, std::uint64_t seed) {
 }
 
 void tellSpoiled(const Summary& summary) {
-  fmt::print("lies under {} seeds, found out under {}, spoiled datasets: {}{}{}{}\n", summary.lied,
-             summary.found_out, summary.spoiled.size(), summary.spoiled.empty() ? "" : ", seeds ",
-             fmt::join(summary.spoiled, ","),
-             summary.tooManySpoiled() ? ": more than one in a hundred" : "");
+  fmt::print(
+      "lies under {} seeds, found out under {}, spoiled datasets: {}{}{} ({} where tables "
+      "were damaged){}\n",
+      summary.lied, summary.found_out, summary.spoiled.size(),
+      summary.spoiled.empty() ? "" : ", seeds ", fmt::join(summary.spoiled, ","),
+      summary.spoiled_without_tables,
+      summary.tooManySpoiled() ? ": more than one in a hundred" : "");
 }
 
 int run(const Options& options) {

@@ -93,6 +93,7 @@ class World {
     outcome.lies = ledger_.lies_heard;
     outcome.verdicts = ledger_.verdicts;
     outcome.spoiled = !outcome.broken && !spoiled_.empty();
+    outcome.tables_hurt = ledger_.tables_hurt;
     outcome.felt = felt_;
     for (const auto& [kind, count] : network_.felt()) outcome.felt[kind] += count;
     for (const auto& [fault, count] : disk_.felt()) outcome.felt[accidentOf(fault)] += count;

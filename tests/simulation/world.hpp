@@ -16,6 +16,7 @@ struct Outcome {
   std::size_t lies = 0;            ///< results that the scheduler was given and that were wrong
   std::size_t verdicts = 0;        ///< on who lied
   bool spoiled = false;            ///< what was sealed rests on lies that nobody found out
+  bool tables_hurt = false;        ///< and with them what they knew of checks and liars
   std::vector<std::string> story;  ///< what happened, for people
 };
 
