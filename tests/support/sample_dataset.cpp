@@ -9,7 +9,19 @@
 namespace palpate::test {
 namespace {
 
-constexpr std::int32_t failed_point = 7, unknown_point = 32, terminating_point = 20;
+/// What differs between the sizes.
+struct Extent {
+  int cells;      ///< of the cube, along an edge
+  double radius;  ///< m
+  std::vector<ActivePatch> active;
+  std::int32_t failed_point, failed_element, unknown_point, terminating_point;
+};
+
+Extent extentOf(SampleDataset::Size size) {
+  if (size == SampleDataset::Size::small)
+    return {1, 0.01, {{"tip", 7, {7}}, {"edge-2", 3, {1, 3}}}, 2, 4, 6, 5};
+  return {2, 0.02, {{"tip", 26, {26}}, {"edge-2", 8, {5, 8}}}, 7, 11, 32, 20};
+}
 
 /// x^n differentiated `derivative` times.
 double power(double x, int n, int derivative) {
@@ -18,9 +30,10 @@ double power(double x, int n, int derivative) {
   return factor == 0 ? 0 : factor * std::pow(x, n - derivative);
 }
 
-Problem sampleProblem(PressureSpace pressure, DisplacementSpace displacement) {
+Problem sampleProblem(PressureSpace pressure, DisplacementSpace displacement,
+                      const Extent& extent) {
   Problem problem;
-  problem.mesh = cubeMesh(0.1, 2);
+  problem.mesh = cubeMesh(0.1, extent.cells);
   problem.fixed = problem.mesh.node_groups.at("xmin");
   Scene& scene = problem.scene;
   scene.name = "sample";
@@ -36,8 +49,9 @@ Problem sampleProblem(PressureSpace pressure, DisplacementSpace displacement) {
   }
   scene.discretization = {displacement, pressure};
   scene.fixed.nodes = problem.fixed;
-  scene.workspace = {.radius = 0.02, .spacing = 0.01, .max_force = 8.5, .reject_inverted = true};
-  problem.active = {{"tip", 26, {26}}, {"edge-2", 8, {5, 8}}};
+  scene.workspace = {
+      .radius = extent.radius, .spacing = 0.01, .max_force = 8.5, .reject_inverted = true};
+  problem.active = extent.active;
   for (const ActivePatch& patch : problem.active) {
     ActiveSelection active;
     active.name = patch.name;
@@ -46,7 +60,8 @@ Problem sampleProblem(PressureSpace pressure, DisplacementSpace displacement) {
   }
   if (displacement == DisplacementSpace::p1) return problem;
   addMidEdgeNodes(problem.mesh);
-  problem.active[1].nodes.push_back(midEdgeNode(problem.mesh, 5, 8));
+  std::vector<std::int32_t>& edge = problem.active[1].nodes;
+  edge.push_back(midEdgeNode(problem.mesh, edge[0], edge[1]));
   problem.active[1].weights = {0.25, 0.25, 0.5};
   scene.active[1].radius = 0.05;
   scene.active[1].tool = ToolKind::weighted_average;
@@ -146,8 +161,8 @@ SpaceTable solvedSpace(const Lattice& lattice, const AnalyticEnergy& energy) {
   return space;
 }
 
-SampleDataset::SampleDataset(PressureSpace pressure, DisplacementSpace displacement)
-    : problem(sampleProblem(pressure, displacement)),
+SampleDataset::SampleDataset(PressureSpace pressure, DisplacementSpace displacement, Size size)
+    : problem(sampleProblem(pressure, displacement, extentOf(size))),
       lattice(problem.scene.workspace.radius, problem.scene.workspace.spacing) {
   for (std::size_t s = 0; s < problem.active.size(); ++s) {
     spaces.push_back(solvedSpace(lattice, StiffeningEnergy()));
@@ -156,12 +171,14 @@ SampleDataset::SampleDataset(PressureSpace pressure, DisplacementSpace displacem
       spaces[s].points[n].fields = fields(s, n).id();
   }
   SpaceTable& tip = spaces[0];
-  tip.points[terminating_point].tag = Tag::terminating;
-  clear(tip.points[failed_point], Tag::failed, Cause::wrong_inertia);
-  clear(tip.points[unknown_point], Tag::unknown, Cause::none);
-  tip.attempts = {
-      {failed_point, 0, {Cause::wrong_inertia, 0.75, 2e-3, 11, 0.125, 28, 27, 0, 0}},
-      {failed_point, 1, {Cause::factorization_failed, 0.5, 1.5, -1, 0, 0, 27, -9, 4096}}};
+  const Extent extent = extentOf(size);
+  const std::int32_t failed = extent.failed_point;
+  tip.points[extent.terminating_point].tag = Tag::terminating;
+  clear(tip.points[failed], Tag::failed, Cause::wrong_inertia);
+  clear(tip.points[extent.unknown_point], Tag::unknown, Cause::none);
+  const std::int32_t element = extent.failed_element;
+  tip.attempts = {{failed, 0, {Cause::wrong_inertia, 0.75, 2e-3, element, 0.125, 28, 27, 0, 0}},
+                  {failed, 1, {Cause::factorization_failed, 0.5, 1.5, -1, 0, 0, 27, -9, 4096}}};
 }
 
 void SampleDataset::refine() {
@@ -169,9 +186,11 @@ void SampleDataset::refine() {
   lattice = uniformLattice(problem.scene);
   for (SpaceTable& space : spaces) {
     space.lattice = lattice;
-    for (const Eigen::Vector3d& p :
-         {Eigen::Vector3d(0.0123, -0.001, 0.004), Eigen::Vector3d(0, 0.0199, 0)})
+    for (const Eigen::Vector3d& place :
+         {Eigen::Vector3d(0.0123, -0.001, 0.004), Eigen::Vector3d(0, 0.0199, 0)}) {
+      const Eigen::Vector3d p = lattice.radius() / 0.02 * place;
       space.probes.push_back({p, recordAt(p, 3, StiffeningEnergy())});
+    }
   }
   clear(spaces[0].probes[1].record, Tag::failed, Cause::step_budget);
   SpaceTable& edge = spaces[1];
