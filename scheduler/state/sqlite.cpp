@@ -24,14 +24,13 @@ class CopiedDatabase {
                     errnoText());
     folder_ = folder;
     for (const char* part : {"", "-wal"})
-      if (const auto from = file.string() + part; std::filesystem::exists(from))
-        std::filesystem::copy_file(from, folder_ / (file.filename().string() + part));
+      if (const auto error = copy(file.string() + part)) {
+        remove();  // which nobody does for an object that was not made
+        throw failure("{}{}: cannot be copied to {}, to be read there: {}", file.string(), part,
+                      folder, error.message());
+      }
   }
-  ~CopiedDatabase() {
-    std::error_code error;
-    std::filesystem::remove_all(folder_, error);
-    if (error) spdlog::warn("{}: cannot remove: {}", folder_.string(), error.message());
-  }
+  ~CopiedDatabase() { remove(); }
   CopiedDatabase(const CopiedDatabase&) = delete;
   CopiedDatabase& operator=(const CopiedDatabase&) = delete;
   std::filesystem::path in(const std::filesystem::path& file) const {
@@ -39,6 +38,22 @@ class CopiedDatabase {
   }
 
  private:
+  /// What went wrong; nothing where there is no such file. A signal only delays it.
+  std::error_code copy(const std::filesystem::path& from) const {
+    std::error_code error;
+    if (!std::filesystem::exists(from, error)) return error;
+    do
+      std::filesystem::copy_file(from, in(from), std::filesystem::copy_options::overwrite_existing,
+                                 error);
+    while (error == std::errc::interrupted);
+    return error;
+  }
+  void remove() const {
+    std::error_code error;
+    std::filesystem::remove_all(folder_, error);
+    if (error) spdlog::warn("{}: cannot remove: {}", folder_.string(), error.message());
+  }
+
   std::filesystem::path folder_;
 };
 

@@ -167,8 +167,11 @@ Database openForWriting(const StateDirectory& directory, const ContentId& wanted
 
 void putTablesAside(const StateDirectory& directory) {
   const std::string file = directory.database().string();
-  std::filesystem::rename(file, file + ".damaged");
-  for (const char* part : {"-wal", "-shm"}) std::filesystem::remove(file + part);
+  std::error_code error;
+  std::filesystem::rename(file, file + ".damaged", error);
+  for (const char* part : {"-wal", "-shm"})
+    if (!error) std::filesystem::remove(file + part, error);
+  if (error) throw failure("{0}: cannot be put aside as {0}.damaged: {1}", file, error.message());
 }
 
 StoredTables::StoredTables(const std::filesystem::path& directory, Database::Access access)

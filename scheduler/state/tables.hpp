@@ -119,7 +119,7 @@ class Tables : public StoredTables {
 };
 
 /// Renames damaged tables to state.db.damaged, so that the next ones are made anew; one that is
-/// there already is replaced.
+/// there already is replaced. Error when that cannot be done.
 void putTablesAside(const StateDirectory& directory);
 
 /// Of a directory in which no scheduler works; returns how many transitions were set aside.

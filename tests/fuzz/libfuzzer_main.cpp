@@ -1,11 +1,25 @@
 // The one fuzzer of this program under libFuzzer, which brings main().
 
+#include <signal.h>
+
 #include <cstdio>
 #include <cstdlib>
 
 #include "tests/fuzz/fuzzer.hpp"
 
 using palpate::fuzz::fuzzers;
+
+namespace {
+
+/// The clock by which libFuzzer finds inputs that take too long is to interrupt no system call.
+bool restartAfterAlarms() {
+  struct sigaction action {};
+  if (sigaction(SIGALRM, nullptr, &action) != 0) return false;
+  action.sa_flags |= SA_RESTART;
+  return sigaction(SIGALRM, &action, nullptr) == 0;
+}
+
+}  // namespace
 
 /// `FUZZER --seeds FOLDER` writes the fuzzer's own seeds and does nothing else.
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
@@ -23,6 +37,7 @@ extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
+  [[maybe_unused]] static const bool restarted = restartAfterAlarms();
   palpate::fuzz::feed(fuzzers().front(), {reinterpret_cast<const char*>(data), size});
   return 0;
 }

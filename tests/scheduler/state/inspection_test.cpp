@@ -97,6 +97,24 @@ struct InspectionTest : testing::Test {
 /// A result that every build of this problem has: the first step along x.
 const ResultKey first_step{0, {1, 0, 0}, {0, 0, 0}};
 
+/// The fuzzer's clock interrupted the copy. What came of it was no Error, and the copy stayed.
+TEST_F(InspectionTest, TablesThatCannotBeCopiedAreAnErrorAndNothingIsLeftOfThem) {
+  fs::create_directory(database.string() + "-wal");
+  const test::TemporaryDirectory temporary;
+  const char* const before = std::getenv("TMPDIR");
+  const std::string usual = before == nullptr ? "" : before;
+  setenv("TMPDIR", temporary.path().c_str(), 1);
+  test::expectError(ExitCode::failed, [&] { look(); }, {"state.db-wal", "cannot be copied"});
+  before == nullptr ? unsetenv("TMPDIR") : setenv("TMPDIR", usual.c_str(), 1);
+  EXPECT_TRUE(fs::is_empty(temporary.path()));
+}
+
+TEST_F(InspectionTest, TablesThatCannotBePutAsideAreAnError) {
+  damageRows();
+  fs::create_directory(database.string() + ".damaged");
+  test::expectError(ExitCode::failed, [&] { mend(); }, {"state.db", "put aside"});
+}
+
 TEST_F(InspectionTest, FindsAFinishedBuildWhole) {
   const Inspection found = look();
   EXPECT_TRUE(found.whole()) << describe(found, state);
