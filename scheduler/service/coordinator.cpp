@@ -38,8 +38,8 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
                          Time now, CoordinatorSettings settings)
     : problem_(&problem),
       problem_bytes_(std::make_shared<const std::string>(std::move(problem_bytes))),
-      build_(problemId(problem)),
-      check_(problem),
+      build_(store.build()),
+      check_(problem, build_),
       seal_(store.tables().secret()),
       checks_(settings.spot_checks, store.tables().secret()),
       store_(&store),

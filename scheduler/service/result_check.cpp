@@ -63,9 +63,9 @@ bool isZero(const NodalFields& fields) {
 
 }  // namespace
 
-ResultCheck::ResultCheck(const Problem& problem)
+ResultCheck::ResultCheck(const Problem& problem, const ContentId& build)
     : problem_(&problem),
-      build_(problemId(problem)),
+      build_(build),
       lattice_(uniformLattice(problem.scene)),
       diameter_(boundingBox(problem.mesh).diagonal().norm()) {}
 

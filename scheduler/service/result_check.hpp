@@ -9,10 +9,10 @@ namespace palpate {
 
 /// Judges results that came over a socket before anything is done with them: whether a solver of
 /// this program can have found them. What it cannot judge alone, another worker's solve can
-/// (SpotChecks). `problem` must outlive it.
+/// (SpotChecks). `problem` must outlive it; `build` is its problemId.
 class ResultCheck {
  public:
-  explicit ResultCheck(const Problem& problem);
+  ResultCheck(const Problem& problem, const ContentId& build);
 
   /// Why this is no result of this build, computed with `kernel_family`; empty when it may be one:
   /// whether the transition was asked for is for the plans to say, and by whom for LeaseSeal.

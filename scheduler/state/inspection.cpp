@@ -9,17 +9,6 @@
 namespace palpate {
 namespace {
 
-/// Why the tables' word about their own build cannot be right; empty when it can.
-std::string objectionTo(const StoredBuild& build) {
-  try {
-    return problemId(decodeProblem(build.problem)) == build.build
-               ? ""
-               : "the problem in them is not that of their build id";
-  } catch (const Error& error) {
-    return error.what();
-  }
-}
-
 /// The problem in a database that may be damaged elsewhere.
 std::optional<Problem> problemIn(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return std::nullopt;
@@ -74,12 +63,18 @@ class Inspector {
     }
   }
 
+  /// Unless the tables' word about their own build cannot be right.
   void takeBuild(const StoredBuild& build) {
-    if (const std::string objection = objectionTo(build); !objection.empty())
-      return tablesAreDamaged(fmt::format("{}: damaged: {}", pathOfTables(), objection));
-    found_.build = build.build;
-    found_.scene_name = build.scene_name;
-    found_.problem = decodeProblem(build.problem);
+    try {
+      Problem problem = decodeProblem(build.problem);
+      if (problemId(problem) != build.build)
+        throw failure("the problem in them is not that of their build id");
+      found_.build = build.build;
+      found_.scene_name = build.scene_name;
+      found_.problem = std::move(problem);
+    } catch (const Error& error) {
+      tablesAreDamaged(fmt::format("{}: damaged: {}", pathOfTables(), error.what()));
+    }
   }
 
   void tablesAreDamaged(std::string text) {

@@ -59,7 +59,7 @@ JobStore::JobStore(const StateDirectory& directory, const Problem& problem,
     : directory_(&directory),
       // The tables first: they know best what the directory of another build is about.
       tables_(directory, problem, problem_bytes),
-      recorded_(readResults(directory.path(), problemId(problem))),
+      recorded_(readResults(directory.path(), tables_.build().build)),
       journal_(directory.path(), recorded_.end, segment_bytes) {
   journal_.dropAll(recorded_.torn);
   for (const std::string& damage : recorded_.damage)

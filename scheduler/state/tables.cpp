@@ -271,12 +271,16 @@ std::map<ResultKey, bool> StoredTables::checks() {
 
 Tables::Tables(const StateDirectory& directory, const Problem& problem,
                const std::string& problem_bytes)
-    : StoredTables(openForWriting(directory, problemId(problem))) {
+    : Tables(directory, problem, problem_bytes, problemId(problem)) {}
+
+Tables::Tables(const StateDirectory& directory, const Problem& problem,
+               const std::string& problem_bytes, const ContentId& wanted)
+    : StoredTables(openForWriting(directory, wanted)) {
   database_.execute("PRAGMA page_size = 8192; PRAGMA journal_mode = WAL");
   database_.execute(synchronous_as_a_rule);
-  if (isEmpty(database_)) create(problem, problem_bytes);
+  if (isEmpty(database_)) create(problem, problem_bytes, wanted);
   readBuild();
-  if (const ContentId wanted = problemId(problem); build_.build != wanted)
+  if (build_.build != wanted)
     throw badInput(
         "{}: holds build {} of scene \"{}\", "
         "but this is build {} of scene \"{}\" (scene or mesh changed): "
@@ -287,14 +291,15 @@ Tables::Tables(const StateDirectory& directory, const Problem& problem,
       database_, "INSERT OR REPLACE INTO configurations VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
 }
 
-void Tables::create(const Problem& problem, const std::string& problem_bytes) {
+void Tables::create(const Problem& problem, const std::string& problem_bytes,
+                    const ContentId& build) {
   // All or nothing: a database without its meta would belong to no build.
   inTransaction(database_, [&] {
     database_.execute(schema);
     database_.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
                                   application_id, schema_version));
     Statement put_meta(database_, "INSERT INTO meta VALUES (?, ?)");
-    put_meta.run("build", problemId(problem).hex());
+    put_meta.run("build", build.hex());
     put_meta.run("scene_name", problem.scene.name);
     put_meta.run("problem", Blob{problem_bytes});
     put_meta.run("made_by", thisProgram());
@@ -340,27 +345,30 @@ void Tables::writePoint(const PointRow& row) {
                     row.tag, row.cause, row.parent, row.force.value_or(none), row.factorizations);
 }
 
+Statement& Tables::prepared(std::optional<Statement>& statement, const char* sql) {
+  return statement ? *statement : statement.emplace(database_, sql);
+}
+
 void Tables::writeServers(std::span<const wire::WorkerStatus> servers) {
   inTransaction(database_, [&] {
-    Statement insert(database_,
-                     "INSERT OR REPLACE INTO servers VALUES (?, ?, ?, ?, ?, "
-                     "(julianday('now') - 2440587.5) * 86400.0 - ?, ?)");
+    Statement& insert = prepared(write_server_,
+                                 "INSERT OR REPLACE INTO servers VALUES (?, ?, ?, ?, ?, "
+                                 "(julianday('now') - 2440587.5) * 86400.0 - ?, ?)");
     for (const wire::WorkerStatus& row : servers)
       insert.run(row.worker(), row.host(), row.pid(), row.kernel_family(), row.state(),
                  row.heard_seconds_ago(), row.results());
     // Who comes and goes without a result could fill the disk. A replaced row is a new one.
-    Statement(
-        database_,
-        "DELETE FROM servers WHERE results = 0 AND state IN ('lost', 'left') AND rowid NOT IN "
-        "(SELECT rowid FROM servers WHERE results = 0 AND state IN ('lost', 'left') "
-        "ORDER BY rowid DESC LIMIT ?)")
+    prepared(forget_idle_,
+             "DELETE FROM servers WHERE results = 0 AND state IN ('lost', 'left') AND rowid NOT IN "
+             "(SELECT rowid FROM servers WHERE results = 0 AND state IN ('lost', 'left') "
+             "ORDER BY rowid DESC LIMIT ?)")
         .run(most_idle_departed);
   });
 }
 
 void Tables::writeCounters(const Counters& counters) {
   inTransaction(database_, [&] {
-    Statement insert(database_, "INSERT OR REPLACE INTO counters VALUES (?, ?)");
+    Statement& insert = prepared(write_counter_, "INSERT OR REPLACE INTO counters VALUES (?, ?)");
     for (const auto& [name, value] : counters) insert.run(name, value);
   });
 }

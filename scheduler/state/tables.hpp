@@ -112,10 +112,15 @@ class Tables : public StoredTables {
   std::string secret();
 
  private:
-  void create(const Problem& problem, const std::string& problem_bytes);
+  Tables(const StateDirectory& directory, const Problem& problem, const std::string& problem_bytes,
+         const ContentId& wanted);
+  void create(const Problem& problem, const std::string& problem_bytes, const ContentId& build);
   void writePoint(const PointRow& row);
+  /// What is run again and again is read by SQLite once.
+  Statement& prepared(std::optional<Statement>& statement, const char* sql);
 
   std::optional<Statement> write_point_;  ///< once the tables are there
+  std::optional<Statement> write_server_, forget_idle_, write_counter_;  ///< once they are wanted
 };
 
 /// Renames damaged tables to state.db.damaged, so that the next ones are made anew; one that is

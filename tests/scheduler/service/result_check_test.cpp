@@ -13,7 +13,7 @@ namespace {
 /// it would have been dropped, and asked for again, for ever.
 TEST(ResultCheck, TakesFailuresOfEveryCauseThatStopsTransitions) {
   const Problem problem = test::cubeProblem();
-  const ResultCheck check(problem);
+  const ResultCheck check(problem, problemId(problem));
   wire::Result result;
   result.set_build(std::string(problemId(problem).bytes()));
   result.set_kernel_family("baseline");
@@ -27,7 +27,7 @@ TEST(ResultCheck, TakesFailuresOfEveryCauseThatStopsTransitions) {
 /// Results of a body that stiffens, and what was made of them.
 struct JudgedResult : testing::Test {
   const Problem problem = test::cubeProblem();
-  const ResultCheck check{problem};
+  const ResultCheck check{problem, problemId(problem)};
 
   std::string objectionTo(const LatticePoint& target,
                           const std::function<void(Outcome&)>& change = {}) const {
@@ -97,7 +97,7 @@ TEST_F(JudgedResult, TheRestStateIsExactlyOne) {
 
 TEST(ResultCheck, RefusesFailuresThatCannotBe) {
   const Problem problem = test::cubeProblem();
-  const ResultCheck check(problem);
+  const ResultCheck check(problem, problemId(problem));
   const auto objectionTo = [&](const std::function<void(wire::Failure&)>& change) {
     wire::Result result;
     result.set_build(std::string(problemId(problem).bytes()));
