@@ -1,6 +1,6 @@
 #include "common/base/program.hpp"
 #include "scheduler/service/coordinator.hpp"
-#include "tests/fuzz/fuzzer.hpp"
+#include "tests/fuzz/light_sqlite.hpp"
 #include "tests/support/solved_table.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -19,6 +19,7 @@ enum PeerDeed : unsigned char {
                      ///< fields
   passes_time,       ///< ms, up to a minute
   goes_away,         ///< its connection breaks
+  asks_for_status,   ///< as anybody may
   peer_deeds
 };
 
@@ -55,6 +56,10 @@ class FuzzedScheduler {
       case delivers_changed: deliverChanged(peer, choices.takeBytes()); break;
       case passes_time: now_ += choices.take<std::uint16_t>() * 1ms; break;
       case goes_away: coordinator_.peerUnreachable(peer, now_); break;
+      case asks_for_status:
+        message.mutable_status_request();
+        say(peer, message);
+        break;
       default: break;
     }
     coordinator_.advance(now_);
@@ -64,18 +69,29 @@ class FuzzedScheduler {
   /// What is recorded must be what the next run goes on from.
   void end() {
     coordinator_.stop(now_);
-    toJson(coordinator_.status(now_));
-    replay(problem(), readResults(folder_ / "state", problemId(problem())).results);
+    coordinator_.status(now_);
+    replay(problem(), readResults(folder_ / "state", store_.build()).results);
   }
 
  private:
   static const Problem& problem() {
-    static const Problem cube = test::cubeProblem();
+    static const Problem cube = test::smallCubeProblem();
     return cube;
   }
   static const std::string& problemBytes() {
     static const std::string bytes = encodeProblem(problem());
     return bytes;
+  }
+
+  /// What an honest worker answers, found once.
+  static std::pair<wire::Result, std::string> solved(std::uint32_t space, const wire::Point& target,
+                                                     const wire::Point& parent) {
+    static std::map<ResultKey, std::pair<wire::Result, std::string>> known;
+    const ResultKey key = {space, fromWire(target), fromWire(parent)};
+    const auto found = known.find(key);
+    if (found != known.end()) return found->second;
+    const auto& [_, to, from] = key;
+    return known.emplace(key, test::solve(problem(), space, to, from)).first->second;
   }
 
   void say(const std::string& peer, const wire::Message& message, const std::string& payload = "") {
@@ -101,8 +117,7 @@ class FuzzedScheduler {
     const std::optional<wire::Job> job = oldestJob(peer);
     if (!job) return;
     for (const wire::Target& target : job->targets()) {
-      auto [result, payload] =
-          test::solve(problem(), job->space(), fromWire(target.point()), fromWire(job->start()));
+      auto [result, payload] = solved(job->space(), target.point(), job->start());
       test::answer(*job, target, result);
       wire::Message message;
       *message.mutable_result() = std::move(result);
@@ -113,8 +128,7 @@ class FuzzedScheduler {
   void deliverChanged(const std::string& peer, std::string_view changes) {
     const std::optional<wire::Job> job = oldestJob(peer);
     if (!job) return;
-    auto [result, payload] = test::solve(problem(), job->space(), fromWire(job->targets(0).point()),
-                                         fromWire(job->start()));
+    auto [result, payload] = solved(job->space(), job->targets(0).point(), job->start());
     test::answer(*job, job->targets(0), result);
     wire::Result other;
     if (other.ParseFromArray(changes.data(), static_cast<int>(changes.size())))
@@ -165,11 +179,23 @@ std::vector<std::string> peerSeeds() {
   lost.op(1).op(delivers_changed).putBytes(failed.SerializeAsString());
   for (const wire::Message& message : {beat, ask})
     lost.op(1).op(says_anything).putBytes(message.SerializeAsString()).putBytes("");
-  lost.op(0).op(passes_time).put(std::uint16_t{65000}).op(1).op(goes_away);
+  lost.op(1)
+      .op(asks_for_status)
+      .op(0)
+      .op(passes_time)
+      .put(std::uint16_t{65000})
+      .op(1)
+      .op(goes_away);
   return {build.text(), lost.text()};
 }
 
-const Registration coordinator_fuzzer({"coordinator", followPeers, peerSeeds});
+/// The tables of a build are written, and not read: in memory they are all that they are on disk.
+void keepTablesInMemory() {
+  makeSqliteLight();
+  require(sqlite3_vfs_register(sqlite3_vfs_find("memdb"), 1) == SQLITE_OK, "SQLite has memory");
+}
+
+const Registration coordinator_fuzzer({"coordinator", followPeers, peerSeeds, keepTablesInMemory});
 
 }  // namespace
 }  // namespace palpate::fuzz

@@ -1,16 +1,33 @@
+#include <algorithm>
 #include <filesystem>
 
 #include "scheduler/build.hpp"
 #include "scheduler/service/coordinator.hpp"
 #include "scheduler/state/inspection.hpp"
-#include "tests/fuzz/fuzzer.hpp"
+#include "tests/fuzz/light_sqlite.hpp"
 #include "tests/support/solved_table.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace palpate::fuzz {
 namespace {
 
-/// What happens to a whole state directory, by its first byte.
+/// What is done with it in the end.
+enum StateUse : unsigned char {
+  checks,
+  reads,  ///< what else its tables say
+  repairs,
+  goes_on,     ///< with the build
+  does_it_all  ///< one after the other
+};
+/// By the first byte of an input. Mostly one thing alone, and seldom the longest: all of them read
+/// what is there first.
+constexpr StateUse uses[] = {does_it_all, repairs, goes_on, goes_on, checks, checks,
+                             checks,      checks,  reads,   reads,   reads,  reads};
+constexpr unsigned char numberOf(StateUse use) {
+  return static_cast<unsigned char>(std::ranges::find(uses, use) - std::begin(uses));
+}
+
+/// What happens to a whole state directory, by the first byte of a change.
 enum StateChange : unsigned char {
   overwrites_tables,   ///< bytes of state.db from an offset on
   overwrites_journal,  ///< likewise of the segment
@@ -76,38 +93,58 @@ class FuzzedState {
 
   /// All that programs do with a directory: look at it, look again while it is held, repair it, and
   /// go on with the build.
-  void use() const {
-    StateDirectory::liveAddress(copy());
-    try {
-      inspect(copy());
-      StoredTables stored(copy());
-      stored.servers();
-      stored.counters();
-    } catch (const Error&) {
-      // The tables may be damaged, or say that they are of another version.
+  static void use(StateUse how) {
+    switch (how) {
+      case checks: return check();
+      case reads: return read();
+      case repairs: return repairIt();
+      case goes_on: return goOn();
+      default: break;
     }
-    {
-      const StateDirectory held(copy());
-      StateDirectory::liveAddress(copy());
-      repair(held, inspect(held));
-      const Inspection again = inspect(held);
-      require(again.tables != Inspection::TableState::damaged && again.wrong_rows == 0,
-              "repaired tables are not whole");
-    }
-    const Problem problem = test::cubeProblem();
-    Build build(problem, copy(), Coordinator::Time() + std::chrono::hours(1));
-    build.coordinator().advance(Coordinator::Time() + std::chrono::hours(1));
+    for (const auto step : {check, read}) try {
+        step();
+      } catch (const Error&) {
+        // The tables may be damaged, or say that they are of another version.
+      }
+    repairIt();
+    goOn();
   }
 
  private:
+  static void check() {
+    StateDirectory::liveAddress(copy());
+    inspect(copy());
+  }
+  static void read() {
+    StoredTables stored(copy());
+    stored.servers();
+    stored.counters();
+  }
+  static void repairIt() {
+    const StateDirectory held(copy());
+    StateDirectory::liveAddress(copy());
+    repair(held, inspect(held));
+    const Inspection again = inspect(held);
+    require(again.tables != Inspection::TableState::damaged && again.wrong_rows == 0,
+            "repaired tables are not whole");
+  }
+  static void goOn() {
+    constexpr auto now = Coordinator::Time() + std::chrono::hours(1);
+    Build build(problem(), copy(), now);
+    build.coordinator().advance(now);
+  }
+
+  static const Problem& problem() {
+    static const Problem cube = test::smallCubeProblem();
+    return cube;
+  }
   static const test::TemporaryDirectory& original() {
     static const test::TemporaryDirectory directory;
     static const bool made = [] {
       const StateDirectory state(directory.path() / "state");
-      const Problem problem = test::cubeProblem();
-      JobStore store(state, problem, encodeProblem(problem));
+      JobStore store(state, problem(), encodeProblem(problem()));
       const auto now = Coordinator::Time() + std::chrono::hours(1);
-      Coordinator coordinator(problem, encodeProblem(problem), store, now);
+      Coordinator coordinator(problem(), encodeProblem(problem()), store, now);
       for (const auto& [header, payload] : firstResults()) store.append(header, payload);
       store.commit();
       return true;
@@ -120,14 +157,16 @@ class FuzzedState {
   static std::filesystem::path segment() { return copy() / "segment-000001.dat"; }
 
   /// Of both origins, and of what is around the first.
-  static std::vector<std::pair<wire::Result, std::string>> firstResults() {
-    const Problem problem = test::cubeProblem();
-    std::vector<std::pair<wire::Result, std::string>> results = {
-        test::solve(problem, 0, {0, 0, 0}, {0, 0, 0}),
-        test::solve(problem, 1, {0, 0, 0}, {0, 0, 0})};
-    for (const LatticePoint& target : {LatticePoint{-1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {0, 0, 1}})
-      results.push_back(test::solve(problem, 0, target, {0, 0, 0}));
-    return results;
+  static const std::vector<std::pair<wire::Result, std::string>>& firstResults() {
+    static const std::vector<std::pair<wire::Result, std::string>> found = [] {
+      std::vector<std::pair<wire::Result, std::string>> results = {
+          test::solve(problem(), 0, {0, 0, 0}, {0, 0, 0}),
+          test::solve(problem(), 1, {0, 0, 0}, {0, 0, 0})};
+      for (const LatticePoint& target : {LatticePoint{-1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {0, 0, 1}})
+        results.push_back(test::solve(problem(), 0, target, {0, 0, 0}));
+      return results;
+    }();
+    return found;
   }
 
   static void overwrite(const std::filesystem::path& file, Choices& choices) {
@@ -161,8 +200,9 @@ class FuzzedState {
 void useState(std::string_view bytes) {
   Choices choices(bytes);
   FuzzedState state;
+  const StateUse use = uses[choices.oneOf(std::size(uses))];
   for (int changes = 0; changes < 8 && !choices.done(); ++changes) state.follow(choices);
-  state.use();
+  FuzzedState::use(use);
 }
 
 std::vector<std::string> stateSeeds() {
@@ -171,7 +211,7 @@ std::vector<std::string> stateSeeds() {
   far.mutable_target()->set_i(2000000000);
   far.set_space(7);
   failed.mutable_failure()->set_cause(3);
-  std::vector<std::string> seeds = {
+  std::vector<std::string> changes = {
       "",
       Script().op(overwrites_tables).put(std::uint32_t{40}).putBytes("damaged").text(),
       Script().op(overwrites_journal).put(std::uint32_t{700}).putBytes("damaged").text(),
@@ -183,11 +223,17 @@ std::vector<std::string> stateSeeds() {
       Script().op(changes_meta).op(2).putBytes("no problem").text(),
       Script().op(changes_file).op(1).putBytes("tcp://127.0.0.1:1\n").text()};
   for (const wire::Result& result : {other_build, far, failed})
-    seeds.push_back(Script().op(appends_changed).putBytes(result.SerializeAsString()).text());
+    changes.push_back(Script().op(appends_changed).putBytes(result.SerializeAsString()).text());
+  // Each of them with everything; what else can be done they show together.
+  std::vector<std::string> seeds;
+  for (const std::string& change : changes)
+    seeds.push_back(Script().op(numberOf(does_it_all)).text() + change);
+  for (const StateUse use : {checks, reads, repairs, goes_on})
+    seeds.push_back(Script().op(numberOf(use)).text());
   return seeds;
 }
 
-const Registration state_fuzzer({"state", useState, stateSeeds});
+const Registration state_fuzzer({"state", useState, stateSeeds, makeSqliteLight});
 
 }  // namespace
 }  // namespace palpate::fuzz

@@ -11,26 +11,31 @@
 /// A problem whose transitions are solved by looking them up, for tests of those who hand them out.
 namespace palpate::test {
 
-/// A small cube with two active nodes and 33 lattice points around each.
-inline Problem cubeProblem(double c10 = 1300) {
+/// A cube of so many cells along an edge, with two active nodes and the lattice points within
+/// `radius` (m) around each, 10 mm apart.
+inline Problem cubeProblemOf(int cells, double radius, double c10) {
   Scene scene;
   scene.name = "cube";
   scene.mesh = "cube.msh";
   scene.regions[0].material.c10 = c10;
   scene.regions[0].material.c01 = 1280;
   scene.fixed.half_spaces = {{0, true, 0.15, std::nullopt}};
-  scene.active = {{"tip", Eigen::Vector3d(0.1, 0.05, 0.05), std::nullopt, 0},
+  const double tip = cells > 1 ? 0.05 : 0;
+  scene.active = {{"tip", Eigen::Vector3d(0.1, tip, tip), std::nullopt, 0},
                   {"corner", Eigen::Vector3d(0.1, 0.1, 0.1), std::nullopt, 0}};
-  scene.workspace = {0.02, 0.01, 8.5, true};
-  return resolve(scene, cubeMesh(0.1, 2));
+  scene.workspace = {radius, 0.01, 8.5, true};
+  return resolve(scene, cubeMesh(0.1, cells));
 }
 
+/// A small cube with two active nodes and 33 lattice points around each.
+inline Problem cubeProblem(double c10 = 1300) { return cubeProblemOf(2, 0.02, c10); }
+
 /// The same with 123 points around each: so many that one in a hundred is one.
-inline Problem wideProblem() {
-  Scene scene = cubeProblem().scene;
-  scene.workspace.radius = 0.03;
-  return resolve(scene, cubeMesh(0.1, 2));
-}
+inline Problem wideProblem() { return cubeProblemOf(2, 0.03, 1300); }
+
+/// The smallest: 8 nodes, and 7 lattice points around each of two. For fuzzers, which begin a build
+/// of it for every input, and sometimes finish it.
+inline Problem smallCubeProblem() { return cubeProblemOf(1, 0.01, 1300); }
 
 /// The header that a worker makes of an outcome, and its payload.
 inline std::pair<wire::Result, std::string> resultOf(const Problem& problem, std::uint32_t space,
