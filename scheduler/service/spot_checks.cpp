@@ -70,13 +70,12 @@ SpotChecks::Picked SpotChecks::pick(const ResultKey& key, std::int64_t nth, cons
   const bool odd = !look.failed && isOdd(look.oddness);
   const double share =
       std::max(settings_.share, settings_.share_of_first / static_cast<double>(nth));
-  const bool by_lot = lotOf(key, secret_) < share;
+  if (lotOf(key, secret_) < share) return Picked::by_lot;
   const auto room =
       static_cast<std::int64_t>(settings_.share_of_failed * static_cast<double>(results_));
   const bool as_failed = look.failed && failed_picked_ < settings_.failed_at_least + room;
-  if (!by_lot && !((odd || as_failed) && hasBudget())) return Picked::no;
-  ++picked_;
-  if (by_lot) return Picked::by_lot;
+  if (!(odd || as_failed) || !hasBudget()) return Picked::no;
+  ++picked_beside_lots_;
   if (odd) return Picked::as_odd;
   ++failed_picked_;
   return Picked::as_failed;
@@ -84,14 +83,14 @@ SpotChecks::Picked SpotChecks::pick(const ResultKey& key, std::int64_t nth, cons
 
 bool SpotChecks::pickStart(const ResultKey& key) {
   if (begun_.contains(key) || !hasBudget()) return false;
-  ++picked_;
+  ++picked_beside_lots_;
   return true;
 }
 
 bool SpotChecks::hasBudget() const {
   const auto share =
-      static_cast<std::int64_t>(settings_.share_in_all * static_cast<double>(results_));
-  return picked_ < std::max(settings_.at_least, share);
+      static_cast<std::int64_t>(settings_.share_beside_lots * static_cast<double>(results_));
+  return picked_beside_lots_ < std::max(settings_.beside_lots_at_least, share);
 }
 
 /// Beside the latest of this build: what is odd for one organ is not for another.

@@ -23,10 +23,10 @@ struct SpotCheckSettings {
   /// the dataset a point is not taken from one worker alone.
   double share_of_failed = 0.0025;
   std::int64_t failed_at_least = 8;
-  /// What looks odd or failed is left out beyond this share of all results, those by lot counted,
-  /// and a few: solving twice costs as much as solving.
-  double share_in_all = 0.02;
-  std::int64_t at_least = 8;
+  /// What looks odd or failed, and what odd ones were reached from, is left out beyond this share
+  /// of all results, or a few: solving twice costs as much as solving.
+  double share_beside_lots = 0.009;
+  std::int64_t beside_lots_at_least = 8;
   /// More at once are not begun: work goes first.
   std::size_t most_open = 64;
   /// Under which nobody lies on purpose: the scheduler's own.
@@ -44,8 +44,8 @@ struct SpotCheckSettings {
             .share_of_odd = 0,
             .share_of_failed = 0,
             .failed_at_least = 0,
-            .share_in_all = 0,
-            .at_least = 0,
+            .share_beside_lots = 0,
+            .beside_lots_at_least = 0,
             .most_open = 0};
   }
 };
@@ -141,7 +141,7 @@ class SpotChecks {
   std::string secret_;
   std::map<ResultKey, Check> open_;
   std::set<ResultKey> begun_;
-  std::int64_t results_ = 0, picked_ = 0, failed_picked_ = 0;
+  std::int64_t results_ = 0, picked_beside_lots_ = 0, failed_picked_ = 0;
   std::vector<double> oddness_;  ///< of the latest results, in a ring
   std::size_t next_ = 0;         ///< to be overwritten
   double odd_from_;              ///< the share of them that is odder is share_of_odd
