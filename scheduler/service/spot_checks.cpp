@@ -71,26 +71,20 @@ SpotChecks::Picked SpotChecks::pick(const ResultKey& key, std::int64_t nth, cons
   const double share =
       std::max(settings_.share, settings_.share_of_first / static_cast<double>(nth));
   if (lotOf(key, secret_) < share) return Picked::by_lot;
-  const auto room =
-      static_cast<std::int64_t>(settings_.share_of_failed * static_cast<double>(results_));
-  const bool as_failed = look.failed && failed_picked_ < settings_.failed_at_least + room;
-  if (!(odd || as_failed) || !hasBudget()) return Picked::no;
-  ++picked_beside_lots_;
-  if (odd) return Picked::as_odd;
-  ++failed_picked_;
-  return Picked::as_failed;
+  if (odd && pickOdd()) return Picked::as_odd;
+  if (look.failed &&
+      pickWithin(settings_.share_of_failed, settings_.failed_at_least, failed_picked_))
+    return Picked::as_failed;
+  return Picked::no;
 }
 
-bool SpotChecks::pickStart(const ResultKey& key) {
-  if (begun_.contains(key) || !hasBudget()) return false;
-  ++picked_beside_lots_;
+bool SpotChecks::pickStart(const ResultKey& key) { return !begun_.contains(key) && pickOdd(); }
+
+bool SpotChecks::pickWithin(double share, std::int64_t at_least, std::int64_t& picked) const {
+  const auto most = static_cast<std::int64_t>(share * static_cast<double>(results_));
+  if (picked >= std::max(at_least, most)) return false;
+  ++picked;
   return true;
-}
-
-bool SpotChecks::hasBudget() const {
-  const auto share =
-      static_cast<std::int64_t>(settings_.share_beside_lots * static_cast<double>(results_));
-  return picked_beside_lots_ < std::max(settings_.beside_lots_at_least, share);
 }
 
 /// Beside the latest of this build: what is odd for one organ is not for another.

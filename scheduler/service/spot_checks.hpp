@@ -19,14 +19,14 @@ struct SpotCheckSettings {
   double share_of_first = 0.25;
   /// Of all results, those that look oddest (oddnessBeside).
   double share_of_odd = 0.003;
-  /// Failures, as long as they are fewer than this share of all results, and a few more: what costs
-  /// the dataset a point is not taken from one worker alone.
+  /// They, and what they were reached from, are left out beyond this share of all results, or a
+  /// few: solving twice costs as much as solving.
+  double most_odd = 0.0065;
+  std::int64_t odd_at_least = 8;
+  /// Failures, as long as they are fewer than this share of all results, or a few: what costs the
+  /// dataset a point is not taken from one worker alone.
   double share_of_failed = 0.0025;
   std::int64_t failed_at_least = 8;
-  /// What looks odd or failed, and what odd ones were reached from, is left out beyond this share
-  /// of all results, or a few: solving twice costs as much as solving.
-  double share_beside_lots = 0.009;
-  std::int64_t beside_lots_at_least = 8;
   /// More at once are not begun: work goes first.
   std::size_t most_open = 64;
   /// Under which nobody lies on purpose: the scheduler's own.
@@ -42,10 +42,10 @@ struct SpotCheckSettings {
     return {.share = 0,
             .share_of_first = 0,
             .share_of_odd = 0,
+            .most_odd = 0,
+            .odd_at_least = 0,
             .share_of_failed = 0,
             .failed_at_least = 0,
-            .share_beside_lots = 0,
-            .beside_lots_at_least = 0,
             .most_open = 0};
   }
 };
@@ -134,14 +134,17 @@ class SpotChecks {
     bool disputed = false;
   };
   bool isOdd(double oddness);
-  bool hasBudget() const;
+  /// Counts one more of `picked`, as long as they are fewer than that share of all results, or
+  /// `at_least`.
+  bool pickWithin(double share, std::int64_t at_least, std::int64_t& picked) const;
+  bool pickOdd() { return pickWithin(settings_.most_odd, settings_.odd_at_least, odd_picked_); }
   bool isDecided(const Verdict& verdict) const;
 
   SpotCheckSettings settings_;
   std::string secret_;
   std::map<ResultKey, Check> open_;
   std::set<ResultKey> begun_;
-  std::int64_t results_ = 0, picked_beside_lots_ = 0, failed_picked_ = 0;
+  std::int64_t results_ = 0, odd_picked_ = 0, failed_picked_ = 0;
   std::vector<double> oddness_;  ///< of the latest results, in a ring
   std::size_t next_ = 0;         ///< to be overwritten
   double odd_from_;              ///< the share of them that is odder is share_of_odd
