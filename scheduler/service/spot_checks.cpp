@@ -151,7 +151,7 @@ bool SpotChecks::contradicts(const ResultKey& key, const Opinion& opinion) const
   });
 }
 
-std::optional<SpotChecks::Verdict> SpotChecks::hear(const ResultKey& key, Opinion opinion) {
+std::optional<SpotChecks::Verdict> SpotChecks::hear(const ResultKey& key, const Opinion& opinion) {
   PALPATE_ASSERT(apart(key, opinion.giver) != Apart::same_process, "nobody agrees with himself");
   Check& check = open_.at(key);
   check.opinions.push_back(opinion);

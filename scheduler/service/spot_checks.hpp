@@ -123,7 +123,7 @@ class SpotChecks {
   };
   /// One more opinion of an open check, of a worker that is new to it; what is decided then, and
   /// the check is closed. Nothing: it is disputed.
-  std::optional<Verdict> hear(const ResultKey& key, Opinion opinion);
+  std::optional<Verdict> hear(const ResultKey& key, const Opinion& opinion);
   /// Without a verdict.
   void close(const ResultKey& key) { open_.erase(key); }
 
