@@ -54,8 +54,8 @@ void DeviceServer::run(const std::stop_token& stop, double rate) {
 }
 
 void DeviceServer::turn() {
-  // All of them: of several forces that wait the newest is the one to hold.
-  // Of a flood a part: whatever happens, the force ends in time.
+  // All of them, since of several forces that wait the newest is the one to hold; of a flood a
+  // part, so that the force ends in time whatever is sent.
   for (int n = 0; n < messages_per_turn; ++n) {
     const auto incoming = receiveDeviceMessage(socket_, true);
     if (!incoming) break;
