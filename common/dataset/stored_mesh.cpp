@@ -77,7 +77,8 @@ StoredMesh readMesh(const Reader& in, const Scene& scene) {
   Mesh& mesh = read.mesh;
   mesh.nodes = in.readList<Eigen::Vector3d>(points_path);
   for (const Eigen::Vector3d& node : mesh.nodes)
-    if (!node.allFinite()) throw in.damaged(points_path, "holds a value that is not finite");
+    if (!(node.array().abs() <= farthest_node).all())
+      throw in.damaged(points_path, "holds a value that is not finite, or far too large");
   mesh.tetrahedra = readElements<4>(in, tetrahedra_path, mesh.nodes.size());
   if (scene.discretization.displacement == DisplacementSpace::p2) readMidEdgeNodes(in, mesh);
   mesh.surface = readElements<3>(in, surface_path, mesh.vertices());

@@ -376,12 +376,12 @@ void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
 
 void checkSolved(const Reader& in, const std::string& group,
                  const std::vector<PointRecord*>& records) {
-  for (std::size_t n = 0; n < records.size(); ++n) {
-    const Equilibrium& e = records[n]->equilibrium;
-    if (!isFinite(e))
+  for (std::size_t n = 0; n < records.size(); ++n)
+    if (!isUsable(records[n]->equilibrium))
       throw in.damaged(group + "/force",
-                       fmt::format("row {} is solved, but has no finite force", n));
-  }
+                       fmt::format("row {} is solved, but a number of it is not finite, or beyond "
+                                   "{:g}",
+                                   n, largest_stored));
 }
 
 }  // namespace

@@ -27,8 +27,11 @@ void refuseBrokenNumbers(const Mesh& mesh, const std::string& source) {
         "name the volume in one, because Gmsh then saves only what is in a group",
         source);
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
-    if (!mesh.nodes[n].allFinite())
-      throw badInput("{}: node {} (counted from 0) has a coordinate that is not finite", source, n);
+    if (!(mesh.nodes[n].array().abs() <= farthest_node).all())
+      throw badInput(
+          "{}: node {} (counted from 0) has a coordinate that is not finite, or beyond "
+          "{:g} m: is the unit right?",
+          source, n, farthest_node);
   const auto n_nodes = static_cast<std::int32_t>(mesh.nodes.size());
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     Tetrahedron nodes = mesh.tetrahedra[e];

@@ -18,6 +18,9 @@ using Edge = std::array<std::int32_t, 2>;
 inline constexpr std::array<std::array<int, 2>, 6> tetrahedron_edges = {
     {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
 
+/// m: no coordinate of a node is larger, so that products of lengths stay finite.
+inline constexpr double farthest_node = 1e12;
+
 /// A tetrahedral mesh in the rest state. Node and element numbers are 0-based indices into these
 /// arrays, in the order of the file, after nodes that are no corner of a tetrahedron were dropped;
 /// mid-edge nodes follow.

@@ -61,8 +61,9 @@ double TomlSection::metres(double length) const {
 
 double TomlSection::positiveLength(std::string_view key, const toml::node& node) const {
   const double length = metres(positive(key, node));
-  // The smallest numbers there are, in a smaller unit than metres, are no lengths any more.
-  if (!(length > 0)) throw wrong(key, "must be greater than 0, in metres too");
+  constexpr double shortest = 1e-12;
+  if (!(length >= shortest))
+    throw wrong(key, "is {:g} m, and must be at least {:g}: is the unit right?", length, shortest);
   return length;
 }
 

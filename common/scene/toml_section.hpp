@@ -43,9 +43,10 @@ class TomlSection {
   }
 
   // What a value can be read as. `key` is what errors name.
-  double number(std::string_view key, const toml::node& node) const;          ///< finite
-  double positive(std::string_view key, const toml::node& node) const;        ///< > 0
-  double positiveLength(std::string_view key, const toml::node& node) const;  ///< > 0, in metres
+  double number(std::string_view key, const toml::node& node) const;    ///< finite
+  double positive(std::string_view key, const toml::node& node) const;  ///< > 0
+  /// In metres, and at least 1e-12 of them, so that quotients by it are finite.
+  double positiveLength(std::string_view key, const toml::node& node) const;
   /// Three numbers as they are written.
   Eigen::Vector3d vector(std::string_view key, const toml::node& node) const;
   /// Three lengths, in metres.

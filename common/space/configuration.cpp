@@ -38,11 +38,13 @@ NodalFields NodalFields::decode(std::string_view bytes, std::size_t n_nodes,
   return fields;
 }
 
-bool isFinite(const Equilibrium& e) {
-  return e.force.allFinite() && e.stiffness.allFinite() && std::isfinite(e.energy) &&
-         std::isfinite(e.min_det_F) && e.drive.allFinite() && e.drive_stiffness.allFinite() &&
-         e.drive_slope.allFinite() && e.stiffness_by_p.allFinite() &&
-         e.stiffness_by_s.allFinite() && e.drive_slope_by_p.allFinite();
+bool isUsable(const Equilibrium& e) {
+  // False for NaN.
+  const auto is = [](const auto& values) { return (values.array().abs() <= largest_stored).all(); };
+  return is(e.force) && is(e.stiffness) && std::abs(e.energy) <= largest_stored &&
+         std::abs(e.min_det_F) <= largest_stored && is(e.drive) && is(e.drive_stiffness) &&
+         is(e.drive_slope) && is(e.stiffness_by_p) && is(e.stiffness_by_s) &&
+         is(e.drive_slope_by_p);
 }
 
 ContentId NodalFields::id() const { return ContentId::of(encode()); }

@@ -57,8 +57,11 @@ struct Equilibrium {
   SymmetricSlope drive_slope_by_p = SymmetricSlope::Zero();
 };
 
-/// Whether every number of it is finite.
-bool isFinite(const Equilibrium& equilibrium);
+/// In SI units: more than any tissue gives, and far enough from overflow that what is interpolated
+/// from such numbers is finite.
+inline constexpr double largest_stored = 1e30;
+/// Whether every number of it is finite, and at most largest_stored.
+bool isUsable(const Equilibrium& equilibrium);
 
 /// Whether it says anything of how the energy changes with s: a finger's.
 inline bool hasDrive(const Equilibrium& e) {

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
@@ -136,14 +135,14 @@ void refuseTakenPath(const std::string& endpoint) {
         endpoint, endpoint);
 }
 
-/// Doubles as raw bytes; nothing when the length is wrong or a value is not finite.
+/// Doubles as raw bytes; nothing when the length is wrong.
 template <int rows, int columns, int options>
 bool readMatrix(const std::string& bytes, Eigen::Matrix<double, rows, columns, options>& matrix) {
   Eigen::Matrix<double, rows, columns, columns == 1 ? Eigen::ColMajor : Eigen::RowMajor> values;
   if (bytes.size() != sizeof(double) * rows * columns) return false;
   std::memcpy(values.data(), bytes.data(), bytes.size());
   matrix = values;
-  return matrix.allFinite();
+  return true;
 }
 
 /// By rows, as readMatrix takes them.
@@ -382,9 +381,8 @@ std::optional<Outcome> fromWire(const wire::Result& result) {
     equilibrium.min_det_F = message.min_det_f();
     const bool valid = readMatrix<3, 1>(message.force(), equilibrium.force) &&
                        readMatrix<3, 3>(message.stiffness(), equilibrium.stiffness) &&
-                       readDrive(message, equilibrium) && std::isfinite(equilibrium.energy) &&
-                       std::isfinite(equilibrium.min_det_F) && result.fields_id().size() == 32 &&
-                       result.payload_bytes() > 0;
+                       readDrive(message, equilibrium) && isUsable(equilibrium) &&
+                       result.fields_id().size() == 32 && result.payload_bytes() > 0;
     return valid ? std::optional(outcome) : std::nullopt;
   }
   if (!result.has_failure()) return std::nullopt;

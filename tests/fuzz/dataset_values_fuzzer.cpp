@@ -65,7 +65,7 @@ std::vector<std::string> datasetValueSeeds() {
   const StoredArrays& uniform = sampleArrays(false);
   const auto start = [](unsigned char which) { return Script().op(which); };
   Script forces = start(0), rows = start(0), surface = start(0);
-  uniform.overwriteIn(forces, "/points/force", 48, std::string(8, '\x7e'));
+  uniform.overwriteIn(forces, "/points/force", 0, std::string(768, '\x7f'));  // 1.4e306 N each
   uniform.resizeIn(rows, "/attempts/cause", 1);
   uniform.overwriteIn(surface, "/mesh/surface", 0, std::string(4, '\0'));
   return {start(0).text(), start(1).text(), forces.text(), rows.text(), surface.text()};

@@ -280,7 +280,7 @@ Cause TransitionSolver::judge(NewtonResult& newton, bool last, Step& step) {
     setDrive(newton.state, right_hand_sides.rightCols<3>(), *sensitivity, step.equilibrium);
     setThirdDerivatives(system_, newton.state, sensitivity->solution, *finger_, step.equilibrium);
   }
-  if (!isFinite(step.equilibrium)) return Cause::not_finite;
+  if (!isUsable(step.equilibrium)) return Cause::not_finite;
   const Eigen::Vector3d exerted = -step.equilibrium.force;
   step.end = {std::move(newton.state), S, exerted};
   return Cause::none;
@@ -350,7 +350,7 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
   outcome.converged = at >= 1;
   if (outcome.converged) {
     const Equilibrium& end = outcome.equilibrium;
-    PALPATE_ASSERT(isFinite(end), "fields of forces are interpolated from these numbers");
+    PALPATE_ASSERT(isUsable(end), "fields of forces are interpolated from these numbers");
     PALPATE_ASSERT(!problem_.scene.workspace.reject_inverted || end.min_det_F > 0,
                    "the scene wants no inverted element in its dataset");
     PALPATE_ASSERT(reached.end.state.displacement == target,

@@ -365,6 +365,22 @@ TEST_F(SealedDataset, NamesTheDamagedTable) {
   expectError(ExitCode::failed, [&] { readAll(copy); }, {"copy.h5", "/points/energy", "blake2b"});
 }
 
+// What is sealed is read before it is renamed: the reader refuses it.
+TEST_F(SealedDataset, IsRefusedWithNumbersThatOverflowWhereTheyAreInterpolated) {
+  const auto refused = [&](auto&& forge) {
+    SampleDataset forged = sample;
+    forge(forged);
+    expectError(ExitCode::failed, [&] { forged.seal(copy); },
+                {"copy.h5.tmp", "/points/force", "not finite, or beyond 1e+30"});
+  };
+  refused([](SampleDataset& s) { s.spaces[0].points[3].equilibrium.force[1] = 1e303; });
+  refused([](SampleDataset& s) { s.spaces[1].points[4].equilibrium.stiffness(2, 0) = -1.1e30; });
+  refused([](SampleDataset& s) { s.spaces[0].points[3].equilibrium.energy = NAN; });
+  sample.spaces[0].points[3].equilibrium.force[1] = 1e29;
+  sample.seal(copy);
+  readAll(copy);
+}
+
 TEST_F(SealedDataset, NamesWhatIsNoDataset) {
   expectBadInput([&] { Dataset(directory / "none.h5"); }, {"none.h5", "no such"});
   expectBadInput([&] { Dataset(directory.path()); }, {directory.path().string(), "not a file"});

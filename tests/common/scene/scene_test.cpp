@@ -284,10 +284,12 @@ TEST(Scene, RefusesImpossibleValues) {
 }
 
 TEST(Scene, RefusesLengthsThatAreNoneInMetres) {
-  std::string text = everything;
-  text.replace(text.find("radius = 14.3"), 13, "radius = 4e-324");
-  expectBadInput([&] { parseScene(text, "scene.toml"); },
-                 {"fixed.sphere.radius", "greater than 0, in metres too"});
+  for (const char* radius : {"radius = 4e-324", "radius = 9e-10"}) {
+    std::string text = everything;
+    text.replace(text.find("radius = 14.3"), 13, radius);
+    expectBadInput([&] { parseScene(text, "scene.toml"); },
+                   {"fixed.sphere.radius", "at least 1e-12", "unit"});
+  }
 }
 
 TEST(Scene, ReadsSurfacesWithTheSelectorsOfFixed) {

@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 #include <sys/un.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -120,6 +121,22 @@ TEST(WireResult, CarriesWhatDrivesAFingerAndNothingOfItForOtherTools) {
   EXPECT_EQ(again->equilibrium.drive_slope_by_p, outcome.equilibrium.drive_slope_by_p);
   result.mutable_equilibrium()->set_drive("short");
   EXPECT_FALSE(fromWire(result));
+}
+
+TEST(WireResult, OfNumbersThatNoTissueGivesIsNone) {
+  const auto taken = [](auto&& change) {
+    Outcome outcome;
+    outcome.converged = true;
+    change(outcome.equilibrium);
+    wire::Result result;
+    toWire(outcome, "fields", result);
+    return fromWire(result).has_value();
+  };
+  EXPECT_TRUE(taken([](Equilibrium& e) { e.force[2] = 1e29; }));
+  EXPECT_FALSE(taken([](Equilibrium& e) { e.force[2] = -1e31; }));
+  EXPECT_FALSE(taken([](Equilibrium& e) { e.stiffness(1, 1) = NAN; }));
+  EXPECT_FALSE(taken([](Equilibrium& e) { e.energy = INFINITY; }));
+  EXPECT_FALSE(taken([](Equilibrium& e) { e.drive_slope_by_p(5, 2) = 1e300; }));
 }
 
 TEST(WireResult, OfAnotherCauseIsNone) {
