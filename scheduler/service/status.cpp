@@ -139,6 +139,8 @@ wire::Status statusFromJson(const std::string& json) {
   if (const auto result = google::protobuf::util::JsonStringToMessage(json, &status, options);
       !result.ok())
     throw failure("the answer is not a status: {}", result.ToString());
+  // Of an unknown object without a name protobuf keeps a part, as a field of a known number.
+  status.DiscardUnknownFields();
   if (!countsMakeSense(status))
     throw failure("the answer is not a status: its numbers of points are impossible");
   return status;

@@ -32,6 +32,13 @@ TEST(Status, IsNoneWithNumbersOfPointsThatCannotBe) {
   EXPECT_EQ(statusFromJson(R"({"spaces":[{"points":3,"failed":3}]})").spaces(0).failed(), 3);
 }
 
+TEST(Status, HasNothingOfWhatItDoesNotKnow) {
+  for (const char* json : {R"({"spaces":[{"points":3,"":{"a":1}}]})", R"({"news":[1],"":{"a":1}})"})
+    EXPECT_EQ(statusFromJson(json).SerializeAsString(),
+              statusFromJson(toJson(statusFromJson(json))).SerializeAsString())
+        << json;
+}
+
 TEST(Status, HasOneRowForAllPlacesWhereAnAreaIsMeasured) {
   const Problem problem = test::FingerBody(5).problem;
   std::vector<SpacePlan> plans;
