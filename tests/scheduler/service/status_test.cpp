@@ -33,10 +33,8 @@ TEST(Status, IsNoneWithNumbersOfPointsThatCannotBe) {
 }
 
 TEST(Status, HasNothingOfWhatItDoesNotKnow) {
-  for (const char* json : {R"({"spaces":[{"points":3,"":{"a":1}}]})", R"({"news":[1],"":{"a":1}})"})
-    EXPECT_EQ(statusFromJson(json).SerializeAsString(),
-              statusFromJson(toJson(statusFromJson(json))).SerializeAsString())
-        << json;
+  const wire::Status status = statusFromJson(R"({"news":[1],"spaces":[{"points":3,"":{"a":1}}]})");
+  EXPECT_EQ(status.SerializeAsString(), statusFromJson(toJson(status)).SerializeAsString());
 }
 
 TEST(Status, HasOneRowForAllPlacesWhereAnAreaIsMeasured) {
