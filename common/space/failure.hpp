@@ -17,7 +17,7 @@ enum class Cause : std::uint8_t {
   inverted_element = 3,      ///< det F <= 0: in the converged state, or where ln det F is needed
   wrong_inertia = 4,         ///< converged to an unstable or other branch, by its negative pivots
   factorization_failed = 5,  ///< MUMPS gave up; mumps_infog says why
-  not_finite = 6,            ///< NaN or infinity in residual, tangent or force
+  not_finite = 6,            ///< NaN or infinity in residual or tangent, or !isUsable()
   step_budget = 7,           ///< the transition was cut into more steps than it is worth
   worker_lost = 8,           ///< every worker that tried it died
   unreachable = 9,           ///< of a point, never of a transition: no neighbour is expandable

@@ -379,6 +379,8 @@ TEST_F(SealedDataset, IsRefusedWithNumbersThatOverflowWhereTheyAreInterpolated) 
   sample.spaces[0].points[3].equilibrium.force[1] = 1e29;
   sample.seal(copy);
   readAll(copy);
+  sample.problem.mesh.nodes[4][0] = 1e200;
+  expectError(ExitCode::failed, [&] { sample.seal(copy); }, {"/mesh/points", "far too large"});
 }
 
 TEST_F(SealedDataset, NamesWhatIsNoDataset) {

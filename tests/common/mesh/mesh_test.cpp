@@ -137,6 +137,8 @@ TEST(Mesh, RefusesCoordinatesThatAreNotFinite) {
   Mesh mesh = unfinishedTetrahedron();
   mesh.nodes[2][1] = std::numeric_limits<double>::quiet_NaN();
   expectBadInput([&] { finishMesh(mesh, "m"); }, {"node 2", "not finite"});
+  mesh.nodes[2][1] = -2e12;
+  expectBadInput([&] { finishMesh(mesh, "m"); }, {"node 2", "beyond 1e+12 m", "unit"});
 }
 
 TEST(Mesh, RefusesAMeshWithoutTetrahedra) {
