@@ -213,6 +213,8 @@ std::pair<std::vector<SpaceTable>, ExitCode> sealedBy(const Compute& compute, Bu
   if (coordinator.complete()) return {build.seal(out), ExitCode::done};
   if (coordinator.found() > 0)
     spdlog::info("going on: {} results are recorded in {}", coordinator.found(), state);
+  if (coordinator.paused())
+    spdlog::warn("paused by an operator: nothing is computed before palpate resume {}", state);
   zmq::context_t context;
   allowAsManyPeers();
   if (where.own_keys) {

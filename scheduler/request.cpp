@@ -15,7 +15,7 @@
 #include "scheduler/status_text.hpp"
 #include "scheduler/verbs.hpp"
 
-// What a running scheduler is asked: `status`, `stop` and `retry`.
+// What a running scheduler is asked: `status`, `stop`, `pause`, `resume` and `retry`.
 
 namespace palpate {
 namespace {
@@ -116,6 +116,12 @@ wire::Status askStatus(const Reachable& scheduler, const std::string& where) {
   return status;
 }
 
+/// Tells the scheduler what to do, if it is the one of the place that was named. Its answer.
+wire::Message order(const Asked& asked, const Reachable& scheduler, const wire::Message& what) {
+  if (scheduler.endpoint != asked.where) askStatus(scheduler, asked.where);
+  return ask(scheduler, what);
+}
+
 struct StatusOptions {
   Asked asked;
   bool watch = false;
@@ -137,6 +143,7 @@ wire::Status storedStatus(const std::filesystem::path& directory) {
   wire::Status status = statusOf(problem, replayed.plans, servers, tables.counters());
   status.set_build(tables.build().build.hex());
   addKeptOut(status, tables.keptOut());
+  status.set_paused(tables.paused());
   const std::map<ResultKey, bool> checks = tables.checks();
   status.set_checks_open(static_cast<std::int32_t>(checks.size()));
   status.set_disputed(static_cast<std::int32_t>(
@@ -178,13 +185,47 @@ std::function<ExitCode()> prepareStatus(CLI::App& app) {
 ExitCode stop(const Asked& asked) {
   const auto scheduler = schedulerOf(asked);
   if (!scheduler) throw failure("{}: no scheduler is working there now", asked.where);
-  if (scheduler->endpoint != asked.where) askStatus(*scheduler, asked.where);
   wire::Message question;
   question.mutable_stop_request();
-  if (!ask(*scheduler, question).stop_reply().stopping())
+  if (!order(asked, *scheduler, question).stop_reply().stopping())
     throw failure("{}: the scheduler did not agree to stop", scheduler->endpoint);
   fmt::print("{}: stopping; the same command goes on from what is recorded\n", scheduler->endpoint);
   return ExitCode::done;
+}
+
+// ---- pause, resume ----
+
+/// Of a directory in which nobody works.
+void setStoredPaused(const std::filesystem::path& directory, bool paused) {
+  // What is no state directory is refused before one is made of it.
+  const StoredTables there{directory};
+  writePaused(StateDirectory(directory), paused);
+}
+
+ExitCode setPaused(const Asked& asked, bool paused) {
+  const auto scheduler = schedulerOf(asked);
+  if (!scheduler) {
+    setStoredPaused(asked.where, paused);
+  } else {
+    wire::Message question;
+    question.mutable_pause_request()->set_paused(paused);
+    if (!order(asked, *scheduler, question).has_pause_reply())
+      throw failure("{}: what answers there is not a Palpate scheduler of this version",
+                    scheduler->endpoint);
+  }
+  fmt::print("{}: {}{}\n", asked.where, scheduler ? "" : "the next build there ",
+             !paused     ? "goes on"
+             : scheduler ? "paused; workers finish what they hold and wait for palpate resume"
+                         : "waits for palpate resume");
+  return ExitCode::done;
+}
+
+template <bool paused>
+std::function<ExitCode()> preparePause(CLI::App& app) {
+  auto asked = std::make_shared<Asked>();
+  asked->addTo(app);
+  app.footer("What is paused stays so over restarts of the scheduler.");
+  return [asked] { return setPaused(*asked, paused); };
 }
 
 // ---- retry ----
@@ -202,10 +243,9 @@ ExitCode retry(const Asked& asked) {
   if (!scheduler) {
     transitions = retryStored(asked.where);
   } else {
-    if (scheduler->endpoint != asked.where) askStatus(*scheduler, asked.where);
     wire::Message question;
     question.mutable_retry_request();
-    const wire::Message answer = ask(*scheduler, question);
+    const wire::Message answer = order(asked, *scheduler, question);
     if (!answer.has_retry_reply())
       throw failure("{}: what answers there is not a Palpate scheduler", scheduler->endpoint);
     transitions = answer.retry_reply().transitions();
@@ -231,6 +271,11 @@ std::function<ExitCode()> prepareStop(CLI::App& app) {
 }
 
 }  // namespace
+
+const Verb pause_verb = {"pause", "Hand out no more work before resume; workers stay",
+                         preparePause<true>};
+
+const Verb resume_verb = {"resume", "Go on with what was paused", preparePause<false>};
 
 const Verb retry_verb = {"retry", "Try again what was set aside because workers ended on it",
                          prepareRetry};

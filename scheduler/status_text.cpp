@@ -29,6 +29,7 @@ Points pointsOf(const wire::Status& status) {
 
 /// Nothing while nothing can be said.
 std::string timeLeft(const wire::Status& status, const Points& points) {
+  if (status.paused()) return "paused";
   // Every point has a configuration, and some are solved again from other neighbours: nobody knows
   // how often.
   if (points.known == points.all && status.state() == "running") return "solving branches";
@@ -200,8 +201,9 @@ std::string summaryOf(const std::vector<SpaceTable>& spaces, const Scene& scene)
 }
 
 std::string describe(const wire::Status& status) {
-  std::string text = fmt::format("scene {}, build {}: {}\n\n", status.scene(),
-                                 status.build().substr(0, 12), status.state());
+  std::string text =
+      fmt::format("scene {}, build {}: {}{}\n\n", status.scene(), status.build().substr(0, 12),
+                  status.state(), status.paused() ? ", paused: palpate resume goes on" : "");
   text += pointTable(status, true) + '\n';
   if (status.state() == "running" || status.state() == "stopping")
     text += progressLine(status) + '\n';

@@ -12,6 +12,9 @@ extern const Verb serve_verb;
 extern const Verb status_verb;
 /// `palpate stop`: ends a scheduler in such a way that it can go on.
 extern const Verb stop_verb;
+/// `palpate pause` and `resume`: nothing is handed out in between.
+extern const Verb pause_verb;
+extern const Verb resume_verb;
 /// `palpate retry`: tries again what was set aside.
 extern const Verb retry_verb;
 /// `palpate check` of a state directory: whether it is whole, and what it costs where it is not.

@@ -23,7 +23,7 @@ struct Route {
   const char* program_of_directory = nullptr;
 };
 
-constexpr std::array<Route, 16> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
+constexpr std::array<Route, 18> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
                                            {"build", "palpate-scheduler"},
                                            {"query", "palpate-viewer"},
                                            {"solve", "palpate-worker"},
@@ -31,6 +31,8 @@ constexpr std::array<Route, 16> routes = {{{"check", "palpate-worker", "palpate-
                                            {"work", "palpate-worker"},
                                            {"status", "palpate-scheduler"},
                                            {"stop", "palpate-scheduler"},
+                                           {"pause", "palpate-scheduler"},
+                                           {"resume", "palpate-scheduler"},
                                            {"retry", "palpate-scheduler"},
                                            {"explain", "palpate-scheduler"},
                                            {"key", "palpate-scheduler"},
@@ -58,6 +60,8 @@ On several machines
   work     Run workers for it, here or anywhere
   status   How far it is: tags, rate, time left, workers, failures by cause
   stop     Let it finish what is running, and end it; serve goes on later
+  pause    Hand out no more work before resume; workers stay
+  resume   Go on with what was paused
   retry    Try again what was set aside because workers ended on it
   explain  How a lattice point was reached, or why it failed
   key      Keys: make one, let other machines and people in, withdraw them

@@ -55,7 +55,8 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
       last_turn_(now),
       servers_written_(now),
       peer_log_(now),
-      pace_(now) {
+      pace_(now),
+      paused_(store.tables().paused()) {
   ++counters_["runs"];
   // The upper half of a job number is the run, so that two runs never use the same.
   leases_ = Leases(static_cast<std::uint64_t>(counters_["runs"]) << 32);
@@ -89,16 +90,7 @@ void Coordinator::receive(const Incoming& incoming, Time now) {
     ++counters_["unread_answers"];
     return;
   }
-  if (message.has_status_request())
-    return send(peer).mutable_status_reply()->set_json(recentStatus(now));
-  if (message.has_stop_request()) {
-    send(peer).mutable_stop_reply()->set_stopping(true);
-    return stop(now);
-  }
-  if (message.has_retry_request()) {
-    send(peer).mutable_retry_reply()->set_transitions(static_cast<std::uint32_t>(retry()));
-    return;
-  }
+  if (answer(incoming, now)) return;
   Worker* const worker = registry_.ofPeer(peer);
   if (worker == nullptr) {
     if (message.body_case() == wire::Message::BODY_NOT_SET)
@@ -117,6 +109,28 @@ void Coordinator::receive(const Incoming& incoming, Time now) {
   if (message.has_heartbeat()) return heartbeat(*worker, message.heartbeat(), now);
   if (message.has_goodbye()) return goodbye(*worker, message.goodbye(), now);
   badMessage(peer, "workers do not send that");
+}
+
+bool Coordinator::answer(const Incoming& incoming, Time now) {
+  const wire::Message& message = incoming.message;
+  const std::string& peer = incoming.peer;
+  switch (message.body_case()) {
+    case wire::Message::kStatusRequest:
+      send(peer).mutable_status_reply()->set_json(recentStatus(now));
+      return true;
+    case wire::Message::kStopRequest:
+      send(peer).mutable_stop_reply()->set_stopping(true);
+      stop(now);
+      return true;
+    case wire::Message::kPauseRequest:
+      pause(message.pause_request().paused());
+      send(peer).mutable_pause_reply()->set_paused(paused_);
+      return true;
+    case wire::Message::kRetryRequest:
+      send(peer).mutable_retry_reply()->set_transitions(static_cast<std::uint32_t>(retry()));
+      return true;
+    default: return false;
+  }
 }
 
 void Coordinator::refuse(const Incoming& incoming, Time now) {
@@ -448,7 +462,7 @@ std::size_t Coordinator::roomOf(const Worker& worker) const {
 /// those that are known to do what they are given.
 void Coordinator::handOutJobs(Time now) {
   const bool checks_wait = !leases_.waitingChecks().empty();
-  if (stopping_ || complete() || (leases_.waiting() == 0 && !checks_wait)) return;
+  if (!handsOut() || (leases_.waiting() == 0 && !checks_wait)) return;
   const std::map<TransitionKey, Apart> wanted = wantedOfChecks();
   // Newcomer, targets it holds; of newcomers those first that were given nothing for longest.
   using Load = std::tuple<bool, std::size_t, Time, std::string>;
@@ -481,7 +495,7 @@ void Coordinator::handOutJobs(Time now) {
 /// When nothing waits, and somebody who is known to work has nothing to do, what others do not come
 /// to is put back, the last first. Whoever finds it first is right, as always.
 void Coordinator::takeBackForTheIdle(Time now) {
-  if (stopping_ || complete() || leases_.waiting() > 0) return;
+  if (!handsOut() || leases_.waiting() > 0) return;
   const bool all_are_new = std::ranges::none_of(
       registry_.all(), [](const auto& entry) { return entry.second.earned > 0; });
   auto idle = std::ranges::count_if(registry_.all(), [&](const auto& entry) {
@@ -644,6 +658,14 @@ std::int32_t Coordinator::retry() {
   return aside;
 }
 
+void Coordinator::pause(bool paused) {
+  if (paused == paused_) return;
+  store_->tables().writePaused(paused);
+  paused_ = paused;
+  recent_status_.clear();
+  spdlog::info(paused ? "paused: nothing is handed out before palpate resume" : "going on");
+}
+
 void Coordinator::stop(Time now) {
   if (stopping_) return;
   // Before the workers hear of it: their acknowledgements go out first.
@@ -712,6 +734,7 @@ wire::Status Coordinator::status(Time now) const {
   status.set_disputed(static_cast<std::int32_t>(checks_.disputedCount()));
   addKeptOut(status, store_->keptOut());
   status.set_state(complete() ? "complete" : stopping_ ? "stopping" : "running");
+  status.set_paused(paused_);
   status.set_recorded(static_cast<std::int32_t>(recorded_));
   status.set_seconds(std::chrono::duration<double>(now - started_).count());
   const double rate = pace_.perSecond(now, converged_);
@@ -722,7 +745,7 @@ wire::Status Coordinator::status(Time now) const {
   // all that is left, there is nothing to judge by.
   if (complete())
     status.set_eta_seconds(0);
-  else if (rate > 0 && unknown > 0)
+  else if (rate > 0 && unknown > 0 && !paused_)
     status.set_eta_seconds(static_cast<double>(unknown) / rate);
   return status;
 }

@@ -113,6 +113,10 @@ class Coordinator {
   /// No more hand-outs; workers are told to leave. Commits what is there.
   void stop(Time now);
   bool stopping() const { return stopping_; }
+  /// Whether nothing is handed out, before it is told to go on: in this run and the next ones.
+  /// Workers finish what they hold, and stay.
+  void pause(bool paused);
+  bool paused() const { return paused_; }
   /// Every space is complete and recorded.
   bool complete() const { return complete_; }
   /// All is recorded but transitions that are set aside, because workers died on them, and disputed
@@ -145,6 +149,9 @@ class Coordinator {
   const std::vector<SpacePlan>& plans() const { return plans_; }
 
  private:
+  /// What people ask; false: it is none of that.
+  bool answer(const Incoming& incoming, Time now);
+
   // Messages of workers.
   void hello(const Incoming& incoming, Time now);
   void request(Worker& worker, const wire::Request& request);
@@ -191,6 +198,7 @@ class Coordinator {
   void giveUp(const TransitionKey& check);
 
   // From the plan to workers.
+  bool handsOut() const { return !stopping_ && !paused_ && !complete_; }
   void handOutJobs(Time now);
   std::size_t roomOf(const Worker& worker) const;
   void takeBackForTheIdle(Time now);
@@ -259,7 +267,7 @@ class Coordinator {
   std::int64_t converged_ = 0;  ///< of recorded_
   std::int64_t recorded_ = 0;
   double longest_solve_ = 0;  ///< s, of all results; 0 before the first
-  bool stopping_ = false, complete_ = false, dismissed_ = false;
+  bool stopping_ = false, paused_ = false, complete_ = false, dismissed_ = false;
   std::optional<Time> only_checks_left_;  ///< since then
   bool checks_relaxed_ = false;           ///< since checks_wait: whoever asks for work will do
   bool checks_hopeless_ = false;          ///< nobody came who could do them

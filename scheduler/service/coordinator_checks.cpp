@@ -207,8 +207,7 @@ bool Coordinator::mayCheck(const TransitionKey& key, const Worker& worker, Apart
 /// that are there do not ask for work, or do not do what they were given.
 void Coordinator::giveUpChecks(Time now) {
   checks_hopeless_ = false;
-  if (stopping_ || complete() || group_.size() > 0 || checks_.openCount() == 0 ||
-      !leases_.onlyChecksLeft()) {
+  if (!handsOut() || group_.size() > 0 || checks_.openCount() == 0 || !leases_.onlyChecksLeft()) {
     checks_relaxed_ = false;
     return only_checks_left_.reset();
   }

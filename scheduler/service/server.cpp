@@ -20,6 +20,7 @@ std::optional<Role> roleFor(const wire::Message& message) {
     case Message::kGoodbye: return Role::worker;
     case Message::kStatusRequest: return Role::observer;
     case Message::kStopRequest:
+    case Message::kPauseRequest:
     case Message::kRetryRequest: return Role::system_operator;
     default: return std::nullopt;
   }

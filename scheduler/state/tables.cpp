@@ -84,6 +84,10 @@ std::string makerOf(Database& database) {
   return meta_there.step() && meta_there.integer(0) == 1 ? meta(database, "made_by") : "";
 }
 
+void putPaused(Database& database, bool paused) {
+  Statement(database, "INSERT OR REPLACE INTO meta VALUES ('paused', ?)").run(paused ? 1 : 0);
+}
+
 std::string thisProgram() { return std::string("palpate ") + version(); }
 
 /// DamagedDatabase where two places contradict each other: a bit of one of them flipped.
@@ -240,6 +244,8 @@ Counters StoredTables::counters() {
   return counters;
 }
 
+bool StoredTables::paused() { return meta<std::int64_t>(database_, "paused") != 0; }
+
 std::vector<KeptOut> StoredTables::keptOut() {
   using Kind = KeptOut::Kind;
   std::vector<KeptOut> found;
@@ -392,14 +398,21 @@ std::map<TransitionKey, Losses> Tables::losses() {
 }
 
 void Tables::keepOut(std::span<const KeptOut> liars) {
-  // As a rule these tables may lose their last moments. Not this: what it drops is dropped.
-  database_.execute("PRAGMA synchronous = FULL");
-  inTransaction(database_, [&] {
+  durably([&] {
     Statement insert(database_, "INSERT INTO kept_out VALUES (?, ?, ?, ?, ?)");
     for (const auto& [kind, who, reason] : liars)
       insert.run(std::string(name(kind)), Blob{who.worker()}, who.host(), Blob{who.key()}, reason);
   });
+}
+
+void Tables::durably(const std::function<void()>& change) {
+  database_.execute("PRAGMA synchronous = FULL");
+  inTransaction(database_, change);
   database_.execute(synchronous_as_a_rule);
+}
+
+void Tables::writePaused(bool paused) {
+  durably([&] { putPaused(database_, paused); });
 }
 
 void Tables::writeCheck(const ResultKey& key, bool disputed) {
@@ -427,9 +440,23 @@ std::string Tables::secret() {
 
 void Tables::forgetLosses() { database_.execute("DELETE FROM losses"); }
 
-std::int64_t forgetLosses(const StateDirectory& directory) {
+namespace {
+
+Database tablesOfNobody(const StateDirectory& directory) {
   Database database(directory.database(), Database::Access::read_write_create);
   checkVersion(database);
+  return database;
+}
+
+}  // namespace
+
+void writePaused(const StateDirectory& directory, bool paused) {
+  Database database = tablesOfNobody(directory);
+  putPaused(database, paused);
+}
+
+std::int64_t forgetLosses(const StateDirectory& directory) {
+  Database database = tablesOfNobody(directory);
   Statement count(database, "SELECT COUNT(*) FROM losses WHERE deaths >= ?");
   const std::int64_t aside = count.bind(deaths_before_aside).step() ? count.integer(0) : 0;
   count.reset();

@@ -58,6 +58,8 @@ class StoredTables {
   /// The workers, each named by its whole id in hexadecimal.
   std::vector<wire::WorkerStatus> servers();
   Counters counters();
+  /// Nothing is handed out before `palpate resume`.
+  bool paused();
   std::vector<KeptOut> keptOut();
   /// Results that others are to solve again, or will be once they are recorded; whether two differ.
   std::map<ResultKey, bool> checks();
@@ -105,6 +107,9 @@ class Tables : public StoredTables {
   /// From now on, whatever happens: synced when it returns.
   void keepOut(std::span<const KeptOut> liars);
 
+  /// Synced when it returns.
+  void writePaused(bool paused);
+
   /// A check outlives a run.
   void writeCheck(const ResultKey& key, bool disputed);
   void forgetCheck(const ResultKey& key);
@@ -116,6 +121,8 @@ class Tables : public StoredTables {
          const ContentId& wanted);
   void create(const Problem& problem, const std::string& problem_bytes, const ContentId& build);
   void writePoint(const PointRow& row);
+  /// As a rule these tables may lose their last moments. Not this: synced when it returns.
+  void durably(const std::function<void()>& change);
   /// What is run again and again is read by SQLite once.
   Statement& prepared(std::optional<Statement>& statement, const char* sql);
 
@@ -127,7 +134,9 @@ class Tables : public StoredTables {
 /// there already is replaced. Error when that cannot be done.
 void putTablesAside(const StateDirectory& directory);
 
-/// Of a directory in which no scheduler works; returns how many transitions were set aside.
+/// Of directories in which no scheduler works.
+void writePaused(const StateDirectory& directory, bool paused);
+/// Returns how many transitions were set aside.
 std::int64_t forgetLosses(const StateDirectory& directory);
 
 }  // namespace palpate

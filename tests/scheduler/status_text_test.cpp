@@ -55,6 +55,13 @@ TEST(ProgressLine, TheBarIsFullWhenEverythingIsKnown) {
   EXPECT_THAT(progressBar(status, 120), StartsWith("[                            ] 0/67890"));
 }
 
+TEST(ProgressLine, OfAPausedBuildSaysSoAndGivesNoTime) {
+  wire::Status status = bigBuild();
+  status.set_paused(true);
+  EXPECT_THAT(progressLine(status), StartsWith("12345/67890 points, paused, 128.1/s"));
+  EXPECT_THAT(describe(status), HasSubstr("running, paused: palpate resume goes on"));
+}
+
 /// "0 s left" stood there while branches were told apart.
 TEST(ProgressLine, GivesNoTimeWhileOnlyBranchesAreSolved) {
   wire::Status status = bigBuild();

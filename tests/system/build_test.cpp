@@ -142,7 +142,7 @@ TEST_F(SystemTest, TheSchedulerOfAnotherBuildIsNotTakenForThatOfADirectory) {
   endpointIn("others");
   std::filesystem::copy_file(directory / "others/endpoint", directory / "mine/endpoint",
                              std::filesystem::copy_options::overwrite_existing);
-  for (const char* verb : {"status", "stop", "retry"}) {
+  for (const char* verb : {"status", "stop", "pause", "resume", "retry"}) {
     const auto [code, output] = run(verb);
     EXPECT_EQ(code, 1) << verb;
     EXPECT_THAT(output, HasSubstr("another build")) << verb;
@@ -196,6 +196,26 @@ TEST_F(SystemTest, StatusAndStopFindTheSchedulerThroughItsDirectory) {
       start("palpate-scheduler", {"explain", "out.h5.state", "--active", "tip", "0", "0", "0"});
   EXPECT_EQ(explain->wait(), 0) << explain->output();
   EXPECT_THAT(explain->output(), HasSubstr("expandable"));
+}
+
+TEST_F(SystemTest, APausedBuildStaysSoOverAKillAndGoesOnWhenItIsTold) {
+  const auto ask = [&](const std::string& verb) {
+    auto process = start("palpate-scheduler", {verb, "out.h5.state"});
+    EXPECT_EQ(process->wait(), 0) << process->output();
+    return process->output();
+  };
+  auto build = startBuild("out.h5", "2");
+  ASSERT_TRUE(journalGrows(*build, "out.h5.state", 10000));
+  EXPECT_THAT(ask("pause"), HasSubstr("paused; workers finish what they hold"));
+  build->stop(SIGKILL);
+  EXPECT_THAT(ask("status"), HasSubstr("stopped, paused"));
+  auto again = startBuild("out.h5", "2");
+  ASSERT_TRUE(eventually([&] { return again->output().find("paused by") != std::string::npos; }));
+  EXPECT_THAT(ask("status"), HasSubstr("running, paused"));
+  EXPECT_THAT(ask("resume"), HasSubstr("goes on"));
+  expectFinished(*again);
+  EXPECT_THAT(ask("pause"), HasSubstr("the next build there waits"));
+  EXPECT_THAT(ask("resume"), HasSubstr("the next build there goes on"));
 }
 
 TEST_F(SystemTest, StatusOfAKilledBuildShowsNobodyAtWork) {

@@ -687,6 +687,46 @@ TEST_F(CoordinatorTest, StopsWithoutHandingOutMoreAndGoesOnLater) {
   EXPECT_TRUE(world.coordinator().complete());
 }
 
+/// As an operator asks it.
+void setPaused(test::BuildWorld& world, bool paused) {
+  Message order;
+  order.mutable_pause_request()->set_paused(paused);
+  world.send("operator", order);
+  const auto replies = world.take("operator", Message::kPauseReply);
+  ASSERT_EQ(replies.size(), 1u);
+  EXPECT_EQ(replies[0].pause_reply().paused(), paused);
+}
+
+TEST_F(CoordinatorTest, HandsOutNothingWhileItIsPausedAndKeepsItsWorkers) {
+  world.join("a", 2);
+  const auto jobs = world.takeJobs("a");
+  setPaused(world, true);
+  world.deliver("a", jobs[0]);
+  world.pass(25ms);
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u) << "what is in work is still taken";
+  world.request("a", 1);
+  world.pass(1s);
+  EXPECT_TRUE(world.takeJobs("a").empty());
+  EXPECT_TRUE(world.take("a", Message::kDrain).empty());
+  EXPECT_TRUE(world.coordinator().status(world.now).paused());
+  setPaused(world, false);
+  world.pass(25ms);
+  EXPECT_FALSE(world.takeJobs("a").empty());
+}
+
+TEST_F(CoordinatorTest, StaysPausedOverARestart) {
+  setPaused(world, true);
+  world.restart();
+  EXPECT_TRUE(world.coordinator().paused());
+  world.join("a", 1);
+  world.pass(1s);
+  EXPECT_TRUE(world.takeJobs("a").empty());
+  setPaused(world, false);
+  world.finish({"a"});
+  world.restart();
+  EXPECT_FALSE(world.coordinator().paused());
+}
+
 TEST_F(CoordinatorTest, TellsPeopleHowFarItIs) {
   solveOrigins();
   Message ask;

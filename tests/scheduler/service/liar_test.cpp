@@ -257,6 +257,31 @@ TEST_F(LiarTest, WhoGivesTwoResultsOfOneTransitionIsKeptOut) {
   EXPECT_THROW(world.deliver("b", job), LiarsFound);
 }
 
+TEST_F(LiarTest, ChecksAreNotGivenUpWhileAnOperatorWantsNothingDone) {
+  CoordinatorSettings settings;
+  settings.spot_checks.share = 0.2;
+  LiarWorld world(settings);
+  world.joinFrom("machine-a", "a");
+  for (int turns = 0; turns < 400; ++turns) {
+    for (const wire::Job& job : world.takeJobs("a")) {
+      world.deliver("a", job);
+      world.request("a", 1);
+    }
+    world.pass(25ms);
+  }
+  ASSERT_GT(world.coordinator().status(world.now).checks_open(), 0);
+  world.coordinator().pause(true);
+  for (int seconds = 0; seconds < 120; ++seconds) {
+    world.beat("a");
+    world.pass(1s);
+  }
+  EXPECT_FALSE(world.coordinator().complete());
+  world.coordinator().pause(false);
+  world.joinFrom("machine-b", "b");
+  world.finish({"a", "b"});
+  EXPECT_EQ(world.counter("unchecked_results"), 0);
+}
+
 /// The last checks are of its results, and it is back before the others.
 TEST_F(LiarTest, ChecksWaitForThoseWhoMayComeBack) {
   CoordinatorSettings settings;
