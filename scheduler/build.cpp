@@ -4,6 +4,19 @@
 #include "scheduler/state/replay.hpp"
 
 namespace palpate {
+namespace {
+
+/// Of the transition that solved a point.
+JournalRecord recordOf(const std::vector<SpacePlan>& plans, std::size_t space, std::int32_t point,
+                       const RecordSource& find) {
+  const Lattice& positions = plans[space].positions();
+  auto record = find({static_cast<std::uint32_t>(space), positions.point(point),
+                      positions.point(plans[space].point(point).parent)});
+  PALPATE_ASSERT(record, "a plan moves on with recorded results only");
+  return std::move(*record);
+}
+
+}  // namespace
 
 Build::Build(Problem problem, const std::filesystem::path& state, Coordinator::Time now,
              CoordinatorSettings settings, std::uint64_t segment_bytes)
@@ -13,31 +26,55 @@ Build::Build(Problem problem, const std::filesystem::path& state, Coordinator::T
       store_(directory_, problem_, problem_bytes_, segment_bytes),
       coordinator_(problem_, problem_bytes_, store_, now, settings) {}
 
-JournalRecord Build::recordOf(std::size_t space, std::int32_t point) const {
-  const SpacePlan& plan = coordinator_.plans()[space];
-  const Lattice& positions = plan.positions();
-  auto record = store_.find({static_cast<std::uint32_t>(space), positions.point(point),
-                             positions.point(plan.point(point).parent)});
-  PALPATE_ASSERT(record, "a plan moves on with recorded results only");
-  return std::move(*record);
+bool isSealed(const std::filesystem::path& file, const Problem& problem, bool force) {
+  if (!std::filesystem::exists(file)) return false;
+  const ContentId build = problemId(problem);
+  std::string what;
+  try {
+    const Dataset dataset(file);
+    if (dataset.buildId() == build) {
+      // A damaged file is no finished work: it would be found out only when somebody touches it.
+      dataset.verifyAll();
+      return !dataset.isPartial() && dataset.scene().storage == problem.scene.storage;
+    }
+    what =
+        fmt::format("holds the dataset of another scene or mesh (build {} of scene \"{}\", not {})",
+                    dataset.buildId().shortHex(), dataset.scene().name, build.shortHex());
+  } catch (const Error& error) {
+    what = fmt::format("exists and is not a usable dataset ({})", error.what());
+  }
+  if (!force)
+    throw badInput("{}: {}: give another -o, or --force to replace it", file.string(), what);
+  return false;
+}
+
+std::vector<SpaceTable> sealPlans(const std::filesystem::path& file, const Problem& problem,
+                                  const std::vector<SpacePlan>& plans,
+                                  const std::string& kernel_family, const RecordSource& find,
+                                  bool partial) {
+  std::vector<SpaceTable> tables = spaceTables(plans);
+  const auto fields = [&](std::size_t space, std::int32_t point) {
+    return NodalFields::decode(recordOf(plans, space, point, find).payload,
+                               problem.mesh.nodes.size(), pressureNodes(problem));
+  };
+  sealDataset(file, problem, tables, kernel_family, fields, partial);
+  return tables;
+}
+
+RecordSource Build::finder() const {
+  return [this](const ResultKey& key) { return store_.find(key); };
 }
 
 void Build::verify() const {
   const std::vector<SpacePlan>& plans = coordinator_.plans();
   for (std::size_t space = 0; space < plans.size(); ++space)
     for (std::int32_t n = 0; n < plans[space].size(); ++n)
-      if (isSolved(plans[space].point(n).tag)) recordOf(space, n);
+      if (isSolved(plans[space].point(n).tag)) recordOf(plans, space, n, finder());
 }
 
 std::vector<SpaceTable> Build::seal(const std::filesystem::path& file) {
   PALPATE_ASSERT(coordinator_.complete(), "a dataset holds every point of its scene");
-  std::vector<SpaceTable> tables = spaceTables(coordinator_.plans());
-  const auto fields = [&](std::size_t space, std::int32_t point) {
-    return NodalFields::decode(recordOf(space, point).payload, problem_.mesh.nodes.size(),
-                               pressureNodes(problem_));
-  };
-  sealDataset(file, problem_, tables, store_.kernelFamily(), fields);
-  return tables;
+  return sealPlans(file, problem_, coordinator_.plans(), store_.kernelFamily(), finder(), false);
 }
 
 ExitCode exitCodeOf(const std::vector<SpaceTable>& spaces) {

@@ -7,6 +7,9 @@
 
 namespace palpate {
 
+/// A recorded result; nothing when there is none with this key.
+using RecordSource = std::function<std::optional<JournalRecord>(const ResultKey&)>;
+
 /// Everything one scheduler process has of a build. Holding it means holding the lock of the state
 /// directory.
 class Build {
@@ -33,7 +36,7 @@ class Build {
   std::vector<SpaceTable> seal(const std::filesystem::path& file);
 
  private:
-  JournalRecord recordOf(std::size_t space, std::int32_t point) const;
+  RecordSource finder() const;
 
   const Problem problem_;
   const std::string problem_bytes_;
@@ -41,6 +44,18 @@ class Build {
   JobStore store_;
   Coordinator coordinator_;
 };
+
+/// True when `file` is the whole dataset of this build already, false when there is no such file,
+/// or when it is that but partial or with another Storage than asked for. Error (bad input) when it
+/// is anything else, unless `force`.
+bool isSealed(const std::filesystem::path& file, const Problem& problem, bool force);
+
+/// Writes the dataset of what these plans have, whose results `find` gives; returns its tables.
+/// `partial`: they are not complete, or what others check is not decided.
+std::vector<SpaceTable> sealPlans(const std::filesystem::path& file, const Problem& problem,
+                                  const std::vector<SpacePlan>& plans,
+                                  const std::string& kernel_family, const RecordSource& find,
+                                  bool partial);
 
 /// done, or partly_failed when a point failed that was tried. Unreachable ones lie beyond max_force
 /// by design, or behind points that did fail. Probes do not count.

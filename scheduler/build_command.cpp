@@ -11,6 +11,7 @@
 #include "common/keys/key_options.hpp"
 #include "common/problem/problem_warnings.hpp"
 #include "scheduler/build.hpp"
+#include "scheduler/service_manager.hpp"
 #include "scheduler/status_text.hpp"
 #include "scheduler/verbs.hpp"
 #include "scheduler/worker_pool.hpp"
@@ -70,31 +71,6 @@ class Progress {
   bool drawn_ = false;
   Clock::time_point next_ = Clock::now();
 };
-
-/// True when `file` is the dataset of this build already, false when there is no such file, or when
-/// it is that but stores something else (Storage) than asked for. Error (bad input) when it is
-/// anything else, unless `force`.
-bool isSealed(const std::filesystem::path& file, const Problem& problem, bool force) {
-  if (!std::filesystem::exists(file)) return false;
-  const ContentId build = problemId(problem);
-  std::string what;
-  try {
-    const Dataset dataset(file);
-    if (dataset.buildId() == build) {
-      // A damaged file is no finished work: it would be found out only when somebody touches it.
-      dataset.verifyAll();
-      return dataset.scene().storage == problem.scene.storage;
-    }
-    what =
-        fmt::format("holds the dataset of another scene or mesh (build {} of scene \"{}\", not {})",
-                    dataset.buildId().shortHex(), dataset.scene().name, build.shortHex());
-  } catch (const Error& error) {
-    what = fmt::format("exists and is not a usable dataset ({})", error.what());
-  }
-  if (!force)
-    throw badInput("{}: {}: give another -o, or --force to replace it", file.string(), what);
-  return false;
-}
 
 /// What can be asked of a space: half a spacing along x, or into the surface under a finger.
 std::string exampleOf(const SpaceTable& space, const Scene& scene) {
@@ -368,18 +344,28 @@ std::function<ExitCode()> prepareBuild(CLI::App& app) {
 
 // ---- serve ----
 
+/// What a service manager is told that reading of results, or sealing, may take: no turn is made
+/// meanwhile.
+constexpr std::chrono::hours longest_pause{1};
+
 struct ServeOptions {
   BuildOrder order;
   std::string endpoint = default_endpoint;
   KeyOptions keys;
 };
 
-ExitCode serve(Server& server, Build& build, const std::function<void()>& seal) {
+ExitCode serve(Server& server, Build& build, const std::function<void()>& seal,
+               ServiceManager& manager) {
   Coordinator& coordinator = build.coordinator();
   // How long workers may take to finish what they hold and leave.
   constexpr std::chrono::seconds drain_limit{30};
   spdlog::info("listening on {}", server.endpoint());
-  serveUntilDone(server, coordinator);
+  manager.ready();
+  serveUntilDone(server, coordinator, [&] {
+    const auto now = Clock::now();
+    manager.alive(now, [&] { return progressLine(coordinator.status(now)); });
+  });
+  manager.mayTake(longest_pause, coordinator.complete() ? "sealing the dataset" : "stopping");
   if (coordinator.complete()) seal();
   for (const auto deadline = Clock::now() + drain_limit;
        !coordinator.deserted(Clock::now()) && Clock::now() < deadline;)
@@ -403,12 +389,27 @@ std::function<ExitCode()> prepareServe(CLI::App& app) {
       "3 done but some points failed, 130 interrupted.");
   return [options] {
     checkEndpoint(options->endpoint);
-    return carryOut(options->order,
-                    {.endpoint = options->endpoint,
-                     .own_keys = false,
-                     .nobody_else = false,
-                     .keys = options->keys.keys()},
-                    serve);
+    ServiceManager manager;
+    manager.mayTake(longest_pause, "reading what is recorded");
+    const ExitCode code =
+        carryOut(options->order,
+                 {.endpoint = options->endpoint,
+                  .own_keys = false,
+                  .nobody_else = false,
+                  .keys = options->keys.keys()},
+                 [&](Server& server, Build& build, const std::function<void()>& seal) {
+                   try {
+                     return serve(server, build, seal, manager);
+                   } catch (...) {
+                     // Something was damaged, or false: all of it is read again.
+                     manager.mayTake(longest_pause, "going over what is recorded");
+                     throw;
+                   }
+                 });
+    // Else it would count as failed: there was nothing to do.
+    manager.ready();
+    manager.stopping();
+    return code;
   };
 }
 

@@ -10,8 +10,8 @@
 #include "common/dataset/dataset.hpp"
 #include "common/problem/problem.hpp"
 #include "common/wire/wire.hpp"
+#include "scheduler/recorded_build.hpp"
 #include "scheduler/service/status.hpp"
-#include "scheduler/state/replay.hpp"
 #include "scheduler/status_text.hpp"
 #include "scheduler/verbs.hpp"
 
@@ -155,9 +155,7 @@ struct ExplainOptions {
 /// What is known of each space by now, from a dataset or a state directory.
 std::vector<SpaceTable> spacesIn(const std::string& where) {
   if (!std::filesystem::is_directory(where)) return Dataset(where).spaces();
-  StoredTables tables(where);
-  const Problem problem = decodeProblem(tables.build().problem);
-  return spaceTables(replay(problem, readResults(where, tables.build().build).results).plans);
+  return spaceTables(RecordedBuild(where).plans());
 }
 
 ExitCode run(const ExplainOptions& options) {

@@ -10,8 +10,8 @@
 #include "common/problem/problem.hpp"
 #include "common/wire/curve.hpp"
 #include "common/wire/wire.hpp"
+#include "scheduler/recorded_build.hpp"
 #include "scheduler/service/status.hpp"
-#include "scheduler/state/replay.hpp"
 #include "scheduler/status_text.hpp"
 #include "scheduler/verbs.hpp"
 
@@ -130,17 +130,13 @@ struct StatusOptions {
 
 /// From the tables of a directory in which nobody works.
 wire::Status storedStatus(const std::filesystem::path& directory) {
-  StoredTables tables(directory);
-  const Problem problem = decodeProblem(tables.build().problem);
-  const RecordedResults recorded = readResults(directory, tables.build().build);
-  for (const std::string& damage : recorded.damage)
-    spdlog::warn("{}; what was recorded there will be computed again", damage);
-  const Replay replayed = replay(problem, recorded.results);
+  RecordedBuild build(directory);
+  StoredTables& tables = build.tables();
   std::vector<wire::WorkerStatus> servers = tables.servers();
   // What the tables last said; no scheduler runs that they could be idle or busy for.
   for (wire::WorkerStatus& row : servers)
     if (row.state() != "lost") row.set_state("left");
-  wire::Status status = statusOf(problem, replayed.plans, servers, tables.counters());
+  wire::Status status = statusOf(build.problem(), build.plans(), servers, tables.counters());
   status.set_build(tables.build().build.hex());
   addKeptOut(status, tables.keptOut());
   status.set_paused(tables.paused());
@@ -148,8 +144,7 @@ wire::Status storedStatus(const std::filesystem::path& directory) {
   status.set_checks_open(static_cast<std::int32_t>(checks.size()));
   status.set_disputed(static_cast<std::int32_t>(
       std::ranges::count_if(checks, [](const auto& check) { return check.second; })));
-  const bool complete = checks.empty() && std::ranges::all_of(replayed.plans, &SpacePlan::complete);
-  status.set_state(complete ? "complete" : "stopped");
+  status.set_state(build.complete() ? "complete" : "stopped");
   return status;
 }
 

@@ -187,7 +187,7 @@ std::string progressBar(const wire::Status& status, std::size_t columns) {
   return fmt::format("[{:#<{}}{:{}}] {}", "", filled, "", length - filled, line);
 }
 
-std::string summaryOf(const std::vector<SpaceTable>& spaces, const Scene& scene) {
+std::string summaryOf(const std::vector<SpaceTable>& spaces, const Scene& scene, bool partial) {
   wire::Status status;
   for (const SpaceTable& space : spaces) {
     if (space.patch.probe) continue;  // told by probesOf
@@ -196,8 +196,9 @@ std::string summaryOf(const std::vector<SpaceTable>& spaces, const Scene& scene)
     row.set_stage(std::string(name(Stage::complete)));
     for (const PointRecord& point : space.points) addPoint(status, row, point);
   }
-  return pointTable(status, false) + causesLine("failed", status.failed_points()) +
-         probesOf(spaces) + accuracyOf(spaces, scene);
+  std::string text = pointTable(status, false) + causesLine("failed", status.failed_points());
+  if (!partial) text += probesOf(spaces) + accuracyOf(spaces, scene);
+  return text;
 }
 
 std::string describe(const wire::Status& status) {

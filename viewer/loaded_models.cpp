@@ -40,6 +40,7 @@ LoadedModels::LoadedModels(std::vector<std::filesystem::path> files,
     // Before it is read: a file that is replaced meanwhile is another one afterwards.
     identities_.push_back(identityOf(file));
     const Dataset dataset(file);
+    warnIfPartial(dataset);
     models_.push_back(std::make_unique<HapticModel>(dataset, unprepared));
     if (!device_ && dataset.scene().device) device_ = dataset.scene().device->profile;
     prepareFirstMethod(*models_.back());

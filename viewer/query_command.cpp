@@ -227,6 +227,7 @@ std::function<ExitCode()> prepareQuery(CLI::App& app) {
 
 ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& output) {
   const Dataset dataset(options.dataset);
+  warnIfPartial(dataset);
   const Answers answers(options, dataset);
   ExitCode code = ExitCode::done;
   forEachTouch(options.at, options.displacement, input, answers.workspaceRadius(),

@@ -1,5 +1,7 @@
 #include "common/dataset/dataset.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 
 #include "common/base/assertion.hpp"
@@ -94,6 +96,7 @@ struct Dataset::Impl {
         probe_places(splitOff(spaces)),
         content_id(idIn(in, layout::content_attribute)),
         build_id(idIn(in, layout::build_attribute)),
+        partial(in.hasAttribute(layout::partial_attribute)),
         kernel_family(in.text(layout::kernel_attribute)) {}
 
   std::filesystem::path file;
@@ -105,6 +108,7 @@ struct Dataset::Impl {
   FieldsReader fields;  ///< after what it reads from and for
   std::vector<SpaceTable> probe_places;
   ContentId content_id, build_id;
+  bool partial;
   std::string kernel_family;
 };
 
@@ -116,6 +120,7 @@ Dataset& Dataset::operator=(Dataset&&) noexcept = default;
 const std::filesystem::path& Dataset::file() const { return impl_->file; }
 ContentId Dataset::contentId() const { return impl_->content_id; }
 ContentId Dataset::buildId() const { return impl_->build_id; }
+bool Dataset::isPartial() const { return impl_->partial; }
 const std::string& Dataset::kernelFamily() const { return impl_->kernel_family; }
 const std::string& Dataset::sceneToml() const { return impl_->scene_toml; }
 const Scene& Dataset::scene() const { return impl_->scene; }
@@ -154,6 +159,20 @@ std::vector<float> Dataset::surfaceDisplacements(std::size_t space) const {
 
 void Dataset::verifyAll() const {
   for (const hdf5::ArrayInfo& array : impl_->in.arrays()) impl_->in.verify(array);
+}
+
+void warnIfPartial(const Dataset& dataset) {
+  if (!dataset.isPartial()) return;
+  std::size_t points = 0;
+  std::ptrdiff_t unknown = 0;
+  for (const SpaceTable& space : dataset.spaces()) {
+    points += space.points.size();
+    unknown += std::ranges::count(space.points, Tag::unknown, &PointRecord::tag);
+  }
+  spdlog::warn(
+      "{}: partial, sealed before its build was done: {} of {} points are unknown, and around them "
+      "there is no force",
+      dataset.file().string(), unknown, points);
 }
 
 }  // namespace palpate

@@ -21,11 +21,12 @@ using FieldsSource = std::function<NodalFields(std::size_t space, std::int32_t p
 /// lattice of problem.scene (and what was added to it), with one record per point of it and without
 /// faultOf; else Error, and nothing is written. `fields` is asked for every solved point once, in
 /// order of space and point, and must give what its record names; scene.storage says what is kept
-/// of it. Of probes no fields are kept. Error on any HDF5 or system failure; FILE.tmp is then
-/// removed. One thread at a time (HDF5 is not thread-safe).
+/// of it. Of probes no fields are kept. `partial`: the build is not done (Dataset::isPartial).
+/// Error on any HDF5 or system failure; FILE.tmp is then removed. One thread at a time (HDF5 is not
+/// thread-safe).
 void sealDataset(const std::filesystem::path& file, const Problem& problem,
                  const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
-                 const FieldsSource& fields);
+                 const FieldsSource& fields, bool partial = false);
 
 /// A sealed dataset, opened for reading. Everything but the nodal fields is in memory after
 /// construction, verified; those are read, and verified, when asked for. One thread at a time (HDF5
@@ -43,6 +44,8 @@ class Dataset {
   const std::filesystem::path& file() const;  ///< as it was opened
   ContentId contentId() const;  ///< over all arrays and the scene: equal for equal results
   ContentId buildId() const;    ///< problemId of the problem it answers
+  /// Sealed before its build was done: points are unknown, or refinement is not at its end.
+  bool isPartial() const;
   const std::string& kernelFamily() const;  ///< of the workers that computed it
   const std::string& sceneToml() const;     ///< resolved scene
   const Scene& scene() const;               ///< read from that text
@@ -71,5 +74,8 @@ class Dataset {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// Logs a warning, with how many points are unknown, when it is partial.
+void warnIfPartial(const Dataset& dataset);
 
 }  // namespace palpate

@@ -26,7 +26,8 @@ inline constexpr std::string_view units = "SI: m, N, Pa, J, N/m";
 inline constexpr const char *format_attribute = "format", *version_attribute = "format_version",
                             *generator_attribute = "generator", *kernel_attribute = "kernel_family",
                             *scene_attribute = "scene_toml", *build_attribute = "build_id",
-                            *content_attribute = "content_hash";
+                            *content_attribute = "content_hash",
+                            *partial_attribute = "partial";  ///< of a whole one there is none
 
 /// Hash over the scene and all arrays: of the text "scene_toml HASH\n" followed by one line "PATH
 /// TYPE SHAPE HASH\n" per array, sorted by path, for instance "/points/ijk int32 515x3 0a1b...\n";

@@ -41,7 +41,8 @@ std::vector<SpaceTable> withDerived(std::vector<SpaceTable> spaces) {
 }
 
 /// Attributes of the root. Returns the content hash.
-ContentId writeRoot(hdf5::Writer& out, const Problem& problem, const std::string& kernel_family) {
+ContentId writeRoot(hdf5::Writer& out, const Problem& problem, const std::string& kernel_family,
+                    bool partial) {
   const std::string scene = resolvedToml(problem.scene);
   const ContentId content = layout::contentHash(scene, out.arrays());
   const std::array<std::int32_t, 2> version_numbers = {layout::major_version,
@@ -54,18 +55,19 @@ ContentId writeRoot(hdf5::Writer& out, const Problem& problem, const std::string
   out.setText("/", layout::scene_attribute, scene);
   out.setText("/", layout::build_attribute, problemId(problem).hex());
   out.setText("/", layout::content_attribute, content.hex());
+  if (partial) out.setIntegers("/", layout::partial_attribute, std::array<std::int32_t, 1>{1});
   return content;
 }
 
 /// Groups, arrays and attributes in a fixed order: the bytes of the file depend on it.
 ContentId writeDataset(const std::filesystem::path& file, const Problem& problem,
                        const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
-                       const FieldsSource& fields) {
+                       const FieldsSource& fields, bool partial) {
   hdf5::Writer out(file);
   writeMesh(out, problem);
   writeSpaces(out, spaces);
   writeFields(out, problem, spaces, fields);
-  const ContentId content = writeRoot(out, problem, kernel_family);
+  const ContentId content = writeRoot(out, problem, kernel_family, partial);
   out.close();
   return content;
 }
@@ -82,15 +84,15 @@ void verifySealed(const std::filesystem::path& file, const ContentId& written) {
 
 void sealDataset(const std::filesystem::path& file, const Problem& problem,
                  const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
-                 const FieldsSource& fields) {
+                 const FieldsSource& fields, bool partial) {
   // Else the rename would fail after hours, with a worse message.
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
     throw badInput("{}: is a directory; give the dataset a file name", file.string());
   checkArguments(file.string(), problem, spaces);
-  const std::vector<SpaceTable> complete = withDerived(spaces);
+  const std::vector<SpaceTable> tables = withDerived(spaces);
   replaceFile(file, [&](const std::filesystem::path& aside) {
-    const ContentId content = writeDataset(aside, problem, complete, kernel_family, fields);
+    const ContentId content = writeDataset(aside, problem, tables, kernel_family, fields, partial);
     verifySealed(aside, content);
   });
 }

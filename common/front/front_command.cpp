@@ -23,7 +23,7 @@ struct Route {
   const char* program_of_directory = nullptr;
 };
 
-constexpr std::array<Route, 18> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
+constexpr std::array<Route, 19> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
                                            {"build", "palpate-scheduler"},
                                            {"query", "palpate-viewer"},
                                            {"solve", "palpate-worker"},
@@ -32,6 +32,7 @@ constexpr std::array<Route, 18> routes = {{{"check", "palpate-worker", "palpate-
                                            {"status", "palpate-scheduler"},
                                            {"stop", "palpate-scheduler"},
                                            {"pause", "palpate-scheduler"},
+                                           {"seal", "palpate-scheduler"},
                                            {"resume", "palpate-scheduler"},
                                            {"retry", "palpate-scheduler"},
                                            {"explain", "palpate-scheduler"},
@@ -62,6 +63,7 @@ On several machines
   stop     Let it finish what is running, and end it; serve goes on later
   pause    Hand out no more work before resume; workers stay
   resume   Go on with what was paused
+  seal     Make a dataset of what is computed by now, while the build goes on
   retry    Try again what was set aside because workers ended on it
   explain  How a lattice point was reached, or why it failed
   key      Keys: make one, let other machines and people in, withdraw them

@@ -54,6 +54,16 @@ RecordedResults readResults(const std::filesystem::path& directory, const Conten
   return recorded;
 }
 
+std::vector<ResultKey> givenBy(const std::vector<KeptOut>& liars, const StoredResults& results) {
+  std::vector<ResultKey> theirs;
+  for (const auto& [key, result] : results) {
+    const wire::Provenance& giver = result.header.given_by();
+    const auto isTheirs = [&giver](const KeptOut& liar) { return liar.covers(giver); };
+    if (std::ranges::any_of(liars, isTheirs)) theirs.push_back(key);
+  }
+  return theirs;
+}
+
 JobStore::JobStore(const StateDirectory& directory, const Problem& problem,
                    const std::string& problem_bytes, std::uint64_t segment_bytes)
     : directory_(&directory),
@@ -71,12 +81,7 @@ JobStore::JobStore(const StateDirectory& directory, const Problem& problem,
 
 void JobStore::dropWhatLiarsGave() {
   kept_out_ = tables_.keptOut();
-  std::vector<ResultKey> theirs;
-  for (const auto& [key, result] : recorded_.results) {
-    const wire::Provenance& giver = result.header.given_by();
-    const auto isTheirs = [&giver](const KeptOut& liar) { return liar.covers(giver); };
-    if (std::ranges::any_of(kept_out_, isTheirs)) theirs.push_back(key);
-  }
+  const std::vector<ResultKey> theirs = givenBy(kept_out_, recorded_.results);
   if (theirs.empty()) return;
   drop(theirs);
   recorded_.damage.push_back(

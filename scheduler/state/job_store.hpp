@@ -27,6 +27,8 @@ struct RecordedResults {
 };
 /// Reads it. Error (bad input) when it is the journal of another build.
 RecordedResults readResults(const std::filesystem::path& directory, const ContentId& build);
+/// Those that one of these gave.
+std::vector<ResultKey> givenBy(const std::vector<KeptOut>& liars, const StoredResults& results);
 
 /// All that a state directory holds of a build, for its one scheduler: results, in the journal, and
 /// tables beside them.

@@ -1,8 +1,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 
+#include <array>
 #include <fstream>
 
+#include "scheduler/state/file_descriptor.hpp"
 #include "tests/support/command.hpp"
 #include "tests/system/small_build.hpp"
 
@@ -198,6 +202,36 @@ TEST_F(SystemTest, StatusAndStopFindTheSchedulerThroughItsDirectory) {
   EXPECT_THAT(explain->output(), HasSubstr("expandable"));
 }
 
+/// As systemd starts it.
+TEST_F(SystemTest, AServiceManagerHearsThatTheSchedulerServesAndHowFarItIs) {
+  const std::string heard = (directory / "notify").string();
+  const FileDescriptor ear(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  ASSERT_LT(heard.size(), sizeof address.sun_path);
+  std::ranges::copy(heard, address.sun_path);
+  ASSERT_EQ(bind(ear.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  setenv("NOTIFY_SOCKET", heard.c_str(), 1);
+  auto serve = start("palpate-scheduler",
+                     {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
+  unsetenv("NOTIFY_SOCKET");
+  std::string all;
+  const auto hears = [&](const std::string& word) {
+    std::array<char, 4096> bytes{};
+    while (all.find(word) == std::string::npos) {
+      const ssize_t length = recv(ear.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+      if (length < 0) return false;
+      all += std::string(bytes.data(), static_cast<std::size_t>(length)) + '\n';
+    }
+    return true;
+  };
+  EXPECT_TRUE(test::eventually([&] { return hears("READY=1"); })) << all;
+  EXPECT_FALSE(test::endpointAnnouncedIn(directory / "state").empty()) << "it listens by then";
+  EXPECT_TRUE(test::eventually([&] { return hears("STATUS=0/514 points"); })) << all;
+  EXPECT_EQ(serve->stop(SIGTERM), 130) << serve->output();
+  EXPECT_TRUE(hears("STOPPING=1")) << all;
+}
+
 TEST_F(SystemTest, APausedBuildStaysSoOverAKillAndGoesOnWhenItIsTold) {
   const auto ask = [&](const std::string& verb) {
     auto process = start("palpate-scheduler", {verb, "out.h5.state"});
@@ -210,12 +244,34 @@ TEST_F(SystemTest, APausedBuildStaysSoOverAKillAndGoesOnWhenItIsTold) {
   build->stop(SIGKILL);
   EXPECT_THAT(ask("status"), HasSubstr("stopped, paused"));
   auto again = startBuild("out.h5", "2");
-  ASSERT_TRUE(eventually([&] { return again->output().find("paused by") != std::string::npos; }));
+  ASSERT_TRUE(
+      test::eventually([&] { return again->output().find("paused by") != std::string::npos; }));
   EXPECT_THAT(ask("status"), HasSubstr("running, paused"));
   EXPECT_THAT(ask("resume"), HasSubstr("goes on"));
   expectFinished(*again);
   EXPECT_THAT(ask("pause"), HasSubstr("the next build there waits"));
   EXPECT_THAT(ask("resume"), HasSubstr("the next build there goes on"));
+}
+
+TEST_F(SystemTest, APartialDatasetIsSealedWhileTheBuildGoesOnAndCanBeAsked) {
+  auto build = startBuild("out.h5", "1");
+  ASSERT_TRUE(journalGrows(*build, "out.h5.state", 25000));
+  auto seal = start("palpate-scheduler", {"seal", "out.h5.state", "-o", "now.h5"});
+  EXPECT_EQ(seal->wait(), 0) << seal->output();
+  EXPECT_THAT(seal->output(), testing::AllOf(HasSubstr("unknown"), HasSubstr("sealed, partial")));
+  auto query = start("palpate-viewer",
+                     {"query", "now.h5", "--active", "tip", "--displacement", "0.002", "0", "0"});
+  EXPECT_EQ(query->wait(), 0) << query->output();
+  EXPECT_THAT(query->output(), HasSubstr("now.h5: partial, sealed before"));
+  auto report = start("palpate-viewer", {"report", "now.h5"});
+  EXPECT_EQ(report->wait(), 0) << report->output();
+  expectFinished(*build);
+  auto onto = start("palpate-scheduler", {"seal", "out.h5.state", "-o", "now.h5"});
+  EXPECT_EQ(onto->wait(), 0) << onto->output();
+  EXPECT_EQ(test::contentOf(directory / "now.h5"), test::contentOf(directory / "out.h5"));
+  auto again = start("palpate-scheduler", {"seal", "out.h5.state", "-o", "now.h5"});
+  EXPECT_EQ(again->wait(), 0) << again->output();
+  EXPECT_THAT(again->output(), HasSubstr("nothing to do"));
 }
 
 TEST_F(SystemTest, StatusOfAKilledBuildShowsNobodyAtWork) {

@@ -18,6 +18,7 @@ std::vector<Dataset> opened(const std::vector<std::filesystem::path>& files) {
   if (files.empty()) throw badInput("a report needs at least one dataset");
   std::vector<Dataset> datasets(files.begin(), files.end());
   refuseOtherScenes(datasets);
+  std::ranges::for_each(datasets, warnIfPartial);
   return datasets;
 }
 

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "scheduler/build.hpp"
+#include "scheduler/state/replay.hpp"
+
+namespace palpate {
+
+/// What a state directory holds of a build as of now, only read: whether a scheduler works in it or
+/// not. What workers gave that are kept out is left out. One thread.
+class RecordedBuild {
+ public:
+  /// Error (bad input) when it is no state directory, or one of another version; what is damaged in
+  /// it is told (log).
+  explicit RecordedBuild(std::filesystem::path directory);
+  RecordedBuild(const RecordedBuild&) = delete;
+  RecordedBuild& operator=(const RecordedBuild&) = delete;
+
+  const Problem& problem() const { return problem_; }
+  StoredTables& tables() { return tables_; }
+  /// One per active node.
+  const std::vector<SpacePlan>& plans() const { return plans_; }
+  /// Every space is complete, and no check is open.
+  bool complete();
+  /// Writes its dataset, partial unless it is complete; returns the tables. Error when nothing is
+  /// recorded yet; DamagedRecord when a result cannot be read (any more).
+  std::vector<SpaceTable> seal(const std::filesystem::path& file);
+
+ private:
+  std::optional<JournalRecord> find(const ResultKey& key) const;
+
+  const std::filesystem::path directory_;
+  JournalReader journal_;
+  StoredTables tables_;
+  const Problem problem_;
+  std::map<ResultKey, JournalPosition> where_;
+  std::string kernel_family_;  ///< empty: nothing is recorded
+  std::vector<SpacePlan> plans_;
+};
+
+}  // namespace palpate
