@@ -1,0 +1,97 @@
+#include "scheduler/asked_scheduler.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+
+#include "common/base/printable.hpp"
+#include "common/wire/curve.hpp"
+#include "scheduler/service/status.hpp"
+#include "scheduler/state/tables.hpp"
+
+namespace palpate {
+namespace {
+
+/// What the tables of a directory are about; nothing when they cannot be read.
+std::optional<ContentId> buildIn(const std::filesystem::path& directory) {
+  try {
+    return StoredTables(directory).build().build;
+  } catch (const Error& error) {
+    spdlog::warn("{}", error.what());
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+void Asked::addTo(CLI::App& app) {
+  app.add_option("WHERE", where, "Scheduler, tcp://HOST:PORT, or a state directory")
+      ->capture_default_str();
+  keys.addTo(app, "Ask without a key, of a scheduler that asks for none");
+}
+
+std::optional<Reachable> schedulerOf(const Asked& asked) {
+  const std::string& where = asked.where;
+  if (where.starts_with("tcp://") || where.starts_with("ipc://"))
+    return Reachable{where, asked.keys.keys()};
+  if (!std::filesystem::is_directory(where))
+    throw badInput("\"{}\" is neither tcp://HOST:PORT nor a state directory", where);
+  const auto address = StateDirectory::liveAddress(where);
+  if (!address) return std::nullopt;
+  return Reachable{address->endpoint,
+                   address->keys ? std::optional(KeyFolder(*address->keys)) : std::nullopt};
+}
+
+wire::Message ask(const Reachable& scheduler, const wire::Message& question) {
+  const std::string& endpoint = scheduler.endpoint;
+  constexpr std::chrono::duration<double> patience{5};
+  zmq::context_t context;
+  zmq::socket_t socket = makeDealer(context);
+  // The question waits until there is a connection.
+  socket.set(zmq::sockopt::immediate, false);
+  if (scheduler.keys) proveAsClient(socket, *scheduler.keys, endpoint);
+  HandshakeWatch handshakes(context, socket);
+  connectDealer(socket, endpoint);
+  if (sendMessage(socket, "", question) != Sent::yes) throw failure("{}: cannot send", endpoint);
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  while (std::chrono::steady_clock::now() < deadline) {
+    if (auto answer = receiveMessage(socket, false)) {
+      if (answer->message.has_refused())
+        throw failure("{}: refused: {}", endpoint,
+                      printable(answer->message.refused().reason(), longest_reason));
+      return std::move(answer->message);
+    }
+    if (const std::string trouble = handshakes.trouble(); !trouble.empty())
+      throw failure("{}: {}", endpoint, trouble);
+    if (!waitForMessages(socket, std::chrono::milliseconds(100)))
+      throw Error(ExitCode::interrupted, "interrupted");
+  }
+  throw failure("{}: no answer within {:.1f} s: is a Palpate scheduler running there?", endpoint,
+                patience.count());
+}
+
+wire::Status askStatus(const Reachable& scheduler, const std::string& where) {
+  const std::string& endpoint = scheduler.endpoint;
+  wire::Message question;
+  question.mutable_status_request();
+  const wire::Message answer = ask(scheduler, question);
+  if (!answer.has_status_reply())
+    throw failure("{}: what answers there is not a Palpate scheduler", endpoint);
+  wire::Status status = statusFromJson(answer.status_reply().json());
+  if (endpoint == where) return status;
+  if (const auto build = buildIn(where); build && build->hex() != status.build())
+    throw failure(
+        "{}: a scheduler of another build (scene \"{}\", build {}) answers at {}, "
+        "where the one that works in this directory (build {}, process {}) should: "
+        "end the wrong one, and start this one again at an endpoint of its own",
+        where, status.scene(), status.build().substr(0, 12), endpoint, build->shortHex(),
+        StateDirectory::holder(where).value_or("ended"));
+  return status;
+}
+
+wire::Message order(const Asked& asked, const Reachable& scheduler, const wire::Message& what) {
+  if (scheduler.endpoint != asked.where) askStatus(scheduler, asked.where);
+  return ask(scheduler, what);
+}
+
+}  // namespace palpate
