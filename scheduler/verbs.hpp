@@ -12,6 +12,8 @@ extern const Verb serve_verb;
 extern const Verb status_verb;
 /// `palpate stop`: ends a scheduler in such a way that it can go on.
 extern const Verb stop_verb;
+/// `palpate fleet`: workers from an engine that owns the machines.
+extern const Verb fleet_verb;
 /// `palpate seal`: a partial dataset of a build that goes on.
 extern const Verb seal_verb;
 /// `palpate pause` and `resume`: nothing is handed out in between.

@@ -101,6 +101,8 @@ pid_t startChild(const WorkOptions& options, const std::string& id,
                                     std::to_string(options.link.give_up_s),
                                     "--drain",
                                     std::to_string(options.link.drain_s),
+                                    "--leave-idle",
+                                    std::to_string(options.link.leave_idle_s),
                                     "--id",
                                     hexOf(id)};
   if (options.keys.insecure) words.emplace_back("--insecure");
@@ -176,7 +178,8 @@ class Supervisor {
       const bool done = WEXITSTATUS(status) == static_cast<int>(ExitCode::done);
       if (!done) result_ = ExitCode::failed;
       // The scheduler needs nobody any more; who has not reached it yet would wait for it in vain.
-      if (done) endOthers();
+      // One that leaves for want of work says nothing about the others.
+      if (done && options_->link.leave_idle_s == 0) endOthers();
       return true;
     }
     ended_.push_back(child.mapped().id);
@@ -216,6 +219,10 @@ std::function<ExitCode()> prepareWork(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--drain", options->link.drain_s,
                  "On SIGTERM, wait at most this many seconds for the solve in work")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--leave-idle", options->link.leave_idle_s,
+                 "Leave after this many seconds without work; 0: never")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   options->keys.addTo(app, "Connect without a key, to a scheduler that asks for none");

@@ -23,7 +23,7 @@ struct Route {
   const char* program_of_directory = nullptr;
 };
 
-constexpr std::array<Route, 19> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
+constexpr std::array<Route, 20> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
                                            {"build", "palpate-scheduler"},
                                            {"query", "palpate-viewer"},
                                            {"solve", "palpate-worker"},
@@ -31,6 +31,7 @@ constexpr std::array<Route, 19> routes = {{{"check", "palpate-worker", "palpate-
                                            {"work", "palpate-worker"},
                                            {"status", "palpate-scheduler"},
                                            {"stop", "palpate-scheduler"},
+                                           {"fleet", "palpate-scheduler"},
                                            {"pause", "palpate-scheduler"},
                                            {"seal", "palpate-scheduler"},
                                            {"resume", "palpate-scheduler"},
@@ -59,6 +60,7 @@ From a scene to forces
 On several machines
   serve    Run the scheduler of a scene; workers come and go as they like
   work     Run workers for it, here or anywhere
+  fleet    As many workers as a build can use, from Slurm
   status   How far it is: tags, rate, time left, workers, failures by cause
   stop     Let it finish what is running, and end it; serve goes on later
   pause    Hand out no more work before resume; workers stay

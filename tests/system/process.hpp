@@ -39,13 +39,16 @@ inline std::string endpointAnnouncedIn(const std::filesystem::path& state) {
   return address.substr(0, address.find('\n'));
 }
 
-/// A program of the project in its own process, its output in a file. Killed when this object goes.
+/// A program of the project, or one of the system by its whole path, in its own process, its output
+/// in a file. Killed when this object goes.
 class Process {
  public:
   Process(const std::string& program, std::vector<std::string> arguments,
           const std::filesystem::path& directory)
-      : output_(directory / (program + "-" + std::to_string(++started_) + ".log")) {
-    arguments.insert(arguments.begin(), std::string(PALPATE_BIN_DIR) + "/" + program);
+      : output_(directory / (std::filesystem::path(program).filename().string() + "-" +
+                             std::to_string(++started_) + ".log")) {
+    // A whole path stays what it is.
+    arguments.insert(arguments.begin(), std::filesystem::path(PALPATE_BIN_DIR) / program);
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);

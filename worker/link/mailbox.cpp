@@ -58,6 +58,11 @@ Mailbox::Progress Mailbox::progress() {
   return progress_;
 }
 
+bool Mailbox::hasWork() {
+  const std::lock_guard lock(mutex_);
+  return !jobs_.empty() || progress_.heartbeat.solving();
+}
+
 std::optional<ReadyJob> Mailbox::next() {
   std::unique_lock lock(mutex_);
   rest();

@@ -56,6 +56,8 @@ class Mailbox {
     std::chrono::seconds hung_after{0};
   };
   Progress progress();
+  /// A job waits, or is being solved.
+  bool hasWork();
   /// Readable while there is something to take; for poll().
   int wakeUpDescriptor() const { return event_; }
 

@@ -30,6 +30,7 @@ SessionOptions sessionOf(const LinkOptions& options, const ElementKernels& kerne
           .pid = static_cast<std::uint32_t>(getpid()),
           .kernel_family = arithmetic(kernels),
           .give_up_s = options.give_up_s,
+          .leave_idle_s = options.leave_idle_s,
           .drain_s = options.drain_s};
 }
 

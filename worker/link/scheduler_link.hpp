@@ -16,6 +16,7 @@ struct LinkOptions {
   std::optional<KeyFolder> keys;  ///< nothing: the scheduler asks for none
   double give_up_s = SessionOptions().give_up_s;
   double drain_s = SessionOptions().drain_s;  ///< counted from SIGTERM
+  double leave_idle_s = 0;                    ///< as SessionOptions has it
   std::string worker_id = randomWorkerId();
   std::vector<std::string> ended;  ///< as SessionOptions has it
 };

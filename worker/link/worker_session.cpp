@@ -290,6 +290,17 @@ void WorkerSession::forgiveOwnGap(Time now) {
   if (gap < own_gap) return;
   last_heard_ += gap;
   begun_at_ += gap;
+  if (idle_since_) *idle_since_ += gap;
+}
+
+/// Nothing waits, is solved, or is to be delivered.
+bool WorkerSession::isIdleForLong(Time now) {
+  if (!waiting_.empty() || !unacknowledged_.empty() || mailbox_.hasWork())
+    idle_since_.reset();
+  else if (!idle_since_)
+    idle_since_ = now;
+  return options_.leave_idle_s > 0 && idle_since_ &&
+         now - *idle_since_ > Seconds(options_.leave_idle_s);
 }
 
 bool WorkerSession::solverHangs(Time now) {
@@ -326,6 +337,10 @@ WorkerSession::Next WorkerSession::advance(Time now) {
   }
   if (interrupted_at_ && now - *interrupted_at_ > Seconds(options_.drain_s)) {
     sayGoodbye("interrupted in a solve");
+    return Next::end;
+  }
+  if (isIdleForLong(now)) {
+    sayGoodbye("nothing to do");
     return Next::end;
   }
   if (now - last_heard_ > Seconds(options_.give_up_s))

@@ -23,6 +23,8 @@ struct SessionOptions {
   std::string kernel_family;  ///< as arithmetic() names it
   /// The worker ends without any word from the scheduler for this long.
   double give_up_s = 15 * 60;
+  /// The worker leaves when it has had nothing to do for this long. 0: never.
+  double leave_idle_s = 0;
   /// Once interrupted: how long to wait until the target in work is done and acknowledged.
   double drain_s = 10;
 };
@@ -88,6 +90,7 @@ class WorkerSession {
   void sayGoodbye(const char* reason);
   void forgiveOwnGap(Time now);
   bool solverHangs(Time now);
+  bool isIdleForLong(Time now);
   void startReadyJobs();
   std::shared_ptr<const NodalFields> cached(const ContentId& id);
   void remember(const ContentId& id, const std::string& payload);
@@ -103,6 +106,7 @@ class WorkerSession {
   Time last_turn_, last_heard_, last_connected_;
   Time last_sent_hello_, last_beat_, last_delivered_, last_asked_;
   std::optional<Time> interrupted_at_;
+  std::optional<Time> idle_since_;
   bool draining_ = false;  ///< no more jobs are asked for
   bool finished_ = false;  ///< Drain said the build is complete
 

@@ -20,12 +20,19 @@ struct WorkerSessionTest : testing::Test {
   WorkerSession::Time now = WorkerSession::Time() + 1h;
   std::vector<std::pair<Message, std::string>> said;
   Mailbox mailbox;
-  WorkerSession session = {mailbox,
-                           {.worker_id = "w", .host = "here", .kernel_family = "baseline"},
-                           [this](const Message& message, std::string_view payload) {
-                             said.emplace_back(message, payload);
-                           },
-                           now};
+  WorkerSession session;
+
+  explicit WorkerSessionTest(double leave_idle_s = 0)
+      : session(
+            mailbox,
+            {.worker_id = "w",
+             .host = "here",
+             .kernel_family = "baseline",
+             .leave_idle_s = leave_idle_s},
+            [this](const Message& message, std::string_view payload) {
+              said.emplace_back(message, payload);
+            },
+            now) {}
 
   void hear(const Message& message, const std::string& payload = "") {
     session.receive({"", message, payload}, now);
@@ -212,6 +219,34 @@ TEST_F(WorkerSessionTest, EndsWithoutAWordWhenTheSolverHangs) {
   EXPECT_EQ(pass(59s), Next::go_on);
   EXPECT_EQ(pass(3s), Next::killed);
   EXPECT_EQ(count(Message::kGoodbye), 0);
+}
+
+/// It leaves after a minute without work.
+struct LeavingWorkerTest : WorkerSessionTest {
+  LeavingWorkerTest() : WorkerSessionTest(60) {}
+};
+
+TEST_F(LeavingWorkerTest, GoesWhenItHadNothingToDoForLong) {
+  join();
+  EXPECT_EQ(pass(59s), Next::go_on);
+  EXPECT_EQ(pass(3s), Next::end);
+  EXPECT_EQ(count(Message::kGoodbye), 1);
+  EXPECT_EQ(session.exitCode(), ExitCode::done);
+}
+
+TEST_F(LeavingWorkerTest, StaysAsLongAsItHasWorkOrAResultToDeliver) {
+  join();
+  wire::Job job = originJob();
+  job.set_hung_after_s(0);
+  giveJob(job);
+  EXPECT_EQ(pass(100s), Next::go_on) << "it waits";
+  beginJob();
+  EXPECT_EQ(pass(100s), Next::go_on) << "it is solved";
+  finishJob(job);
+  EXPECT_EQ(pass(100s), Next::go_on) << "it is not acknowledged";
+  acknowledge();
+  EXPECT_EQ(pass(59s), Next::go_on);
+  EXPECT_EQ(pass(3s), Next::end);
 }
 
 TEST_F(WorkerSessionTest, DoesNotCountWhatItsProcessStoodStill) {

@@ -1,0 +1,259 @@
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <thread>
+
+#include "common/base/assertion.hpp"
+#include "scheduler/asked_scheduler.hpp"
+#include "scheduler/fleet/demand.hpp"
+#include "scheduler/fleet/slurm.hpp"
+#include "scheduler/recorded_build.hpp"
+#include "scheduler/verbs.hpp"
+
+// `palpate fleet`: as many workers as a build can use, from an engine that owns the machines.
+
+namespace palpate {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct FleetOptions {
+  Asked asked;
+  std::string endpoint;  ///< of the scheduler, as nodes reach it
+  FleetLimits limits;
+  SlurmOptions slurm;
+  int leave_idle_s = 300;
+  int every_s = 30;
+  int give_up_s = 900;
+  bool dry_run = false;
+  bool cancel = false;
+};
+
+/// What the scheduler says by now; nothing when it does not answer, with the reason told (once).
+class Watch {
+ public:
+  explicit Watch(const Asked& asked) : asked_(asked), heard_(Clock::now()) {}
+
+  std::optional<wire::Status> look() {
+    try {
+      const auto scheduler = schedulerOf(asked_);
+      // Of a directory in which nobody works.
+      wire::Status status = scheduler ? askStatus(*scheduler, asked_.where) : ended();
+      heard_ = Clock::now();
+      told_.clear();
+      return status;
+    } catch (const Error& error) {
+      if (error.exitCode() != ExitCode::failed) throw;
+      if (told_ != error.what()) spdlog::warn("{}", error.what());
+      told_ = error.what();
+      return std::nullopt;
+    }
+  }
+  Clock::duration silence() const { return Clock::now() - heard_; }
+
+ private:
+  wire::Status ended() const {
+    RecordedBuild build(asked_.where);
+    if (!build.complete()) throw failure("{}: no scheduler is working there now", asked_.where);
+    wire::Status status;
+    status.set_build(build.tables().build().build.hex());
+    status.set_state("complete");
+    return status;
+  }
+
+  Asked asked_;
+  Clock::time_point heard_;
+  std::string told_;
+};
+
+std::string reasonsOf(const Slurm::Jobs& jobs) {
+  std::string text;
+  for (const auto& [reason, count] : jobs.why_queued)
+    text += fmt::format("{}{} {}", text.empty() ? " (" : ", ", count, reason);
+  return text.empty() ? "" : text + ")";
+}
+
+/// Keeps as many workers as the build can use.
+class Fleet {
+ public:
+  Fleet(const FleetOptions& options, Slurm engine)
+      : options_(options), engine_(std::move(engine)), watch_(options.asked) {}
+
+  ExitCode run() {
+    for (;;) {
+      const auto status = watch_.look();
+      if (status && status->state() == "complete") return finish("the build is complete");
+      if (!status && watch_.silence() > std::chrono::seconds(options_.give_up_s)) {
+        finish("the scheduler does not answer any more");
+        return ExitCode::failed;
+      }
+      decide(status);
+      if (options_.dry_run) return ExitCode::done;
+      for (const auto until = Clock::now() + std::chrono::seconds(options_.every_s);
+           Clock::now() < until;) {
+        if (interrupted()) return leave();
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      }
+    }
+  }
+
+ private:
+  void decide(const std::optional<wire::Status>& status) try {
+    const Slurm::Jobs jobs = engine_.jobs();
+    FleetView view{.queued = static_cast<int>(jobs.queued.size()), .running = jobs.running};
+    // Who cannot be asked may be back in a moment: what runs, and what is queued, stays.
+    if (!status) return tell(jobs, 0, "the scheduler does not answer");
+    view.ready = status->ready();
+    view.hands_out = status->state() == "running" && !status->paused();
+    const int more = moreWorkers(view, options_.limits);
+    tell(jobs, more, fmt::format("{} transitions could be solved now", view.ready));
+    if (options_.dry_run) return;
+    if (more > 0 && Clock::now() >= no_more_before_) engine_.submit(more);
+    if (more < 0) engine_.cancel({jobs.queued.end() + more, jobs.queued.end()});
+    refusals_ = 0;
+  } catch (const Error& error) {
+    if (error.exitCode() != ExitCode::failed) throw;
+    spdlog::warn("{}", error.what());
+    // A queue that says no says so for a while.
+    constexpr int longest = 5;
+    refusals_ = std::min(refusals_ + 1, longest);
+    no_more_before_ = Clock::now() + std::chrono::seconds(options_.every_s << refusals_);
+  }
+
+  void tell(const Slurm::Jobs& jobs, int more, const std::string& why) {
+    const std::string text =
+        fmt::format("{} workers run, {} are queued{}; {}: {}", jobs.running, jobs.queued.size(),
+                    reasonsOf(jobs), why,
+                    more > 0   ? fmt::format("{} more", more)
+                    : more < 0 ? fmt::format("{} queued ones are not needed", -more)
+                               : "as they are");
+    if (options_.dry_run)
+      fmt::print("{}\n{}", text, more > 0 ? engine_.script(std::min(more, 1000)) : "");
+    else if (text != last_)
+      spdlog::info("{}", text);
+    last_ = text;
+  }
+
+  ExitCode finish(const char* why) {
+    if (!options_.dry_run) engine_.cancelAll();
+    fmt::print("{}: no job of {} is left\n", why, options_.slurm.name);
+    return ExitCode::done;
+  }
+
+  ExitCode leave() {
+    fmt::print(
+        "stopped; the jobs of {} go on, and leave when they have nothing to do for {} s. The same "
+        "command goes on with them, with --cancel it ends them.\n",
+        options_.slurm.name, options_.leave_idle_s);
+    return ExitCode::interrupted;
+  }
+
+  const FleetOptions& options_;
+  Slurm engine_;
+  Watch watch_;
+  int refusals_ = 0;  ///< in a row
+  Clock::time_point no_more_before_;
+  std::string last_;
+};
+
+/// A job that is cancelled is killed half a minute later (Slurm's KillWait), unless somebody
+/// changed that.
+constexpr int seconds_to_deliver = 25;
+
+/// What a node runs.
+std::vector<std::string> workerCommand(const FleetOptions& options) {
+  std::vector<std::string> words = {programBeside("palpate-worker").string(),
+                                    "work",
+                                    "--connect",
+                                    options.endpoint,
+                                    "--leave-idle",
+                                    std::to_string(options.leave_idle_s),
+                                    "--drain",
+                                    std::to_string(seconds_to_deliver)};
+  if (options.asked.keys.insecure) words.emplace_back("--insecure");
+  if (!options.asked.keys.folder.empty())
+    words.insert(words.end(),
+                 {"--keys", std::filesystem::absolute(options.asked.keys.folder).string()});
+  return words;
+}
+
+ExitCode runSlurm(FleetOptions& options) {
+  catchInterrupts();
+  Watch watch(options.asked);
+  const auto status = watch.look();
+  if (!status) throw failure("{}: cannot be asked, see above", options.asked.where);
+  options.slurm.name = "palpate-" + status->build().substr(0, 12);
+  if (options.endpoint.empty()) {
+    const auto scheduler = schedulerOf(options.asked);
+    options.endpoint = scheduler ? scheduler->endpoint : options.asked.where;
+  }
+  checkEndpoint(options.endpoint);
+  if (isOnThisMachineOnly(options.endpoint))
+    spdlog::warn("{} is reached from this machine alone: give --connect if jobs run elsewhere",
+                 options.endpoint);
+  options.slurm.command = workerCommand(options);
+  // Slurm may come a minute early, and short jobs are to work too.
+  options.slurm.seconds_to_leave = std::min(60, 15 * options.slurm.minutes);
+  Slurm engine(options.slurm);
+  if (options.cancel) {
+    engine.cancelAll();
+    fmt::print("no job of {} is left\n", options.slurm.name);
+    return ExitCode::done;
+  }
+  return Fleet(options, std::move(engine)).run();
+}
+
+std::function<ExitCode()> prepareFleet(CLI::App& app) {
+  auto options = std::make_shared<FleetOptions>();
+  CLI::App& slurm = *app.add_subcommand("slurm", "Workers as array jobs of Slurm");
+  options->asked.addTo(slurm);
+  slurm.add_option("--connect", options->endpoint,
+                   "The scheduler as nodes reach it, tcp://HOST:PORT [where it is asked]");
+  slurm.add_option("--most", options->limits.most, "Workers at most, one core each")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  slurm.add_option("--backlog", options->limits.most_queued, "Of them, queued at most")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  slurm
+      .add_option("--each", options->limits.transitions_each,
+                  "Another worker is asked for when so many transitions wait for it")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  slurm.add_option("--minutes", options->slurm.minutes, "Each may run at most so long")
+      ->check(CLI::Range(1, 60 * 24 * 30))
+      ->capture_default_str();
+  slurm
+      .add_option("--leave-idle", options->leave_idle_s,
+                  "Each leaves after so many seconds without work")
+      ->check(CLI::Range(1, 24 * 3600))
+      ->capture_default_str();
+  slurm.add_option("--constraint", options->slurm.constraint,
+                   "Features of nodes: all workers of a build need the same kernels");
+  slurm.add_option("--log", options->slurm.log, "Where workers write, as sbatch --output")
+      ->capture_default_str();
+  slurm.add_option("--every", options->every_s, "Decide every so many seconds")
+      ->check(CLI::Range(1, 3600))
+      ->capture_default_str();
+  slurm
+      .add_option("--give-up", options->give_up_s,
+                  "Cancel all jobs when the scheduler says nothing for so many seconds")
+      ->check(CLI::Range(1, 7 * 24 * 3600))
+      ->capture_default_str();
+  slurm.add_flag("--dry-run", options->dry_run, "Say what would be done, and do nothing");
+  slurm.add_flag("--cancel", options->cancel, "End all jobs of this build");
+  slurm.add_option("SBATCH", options->slurm.more,
+                   "Options of sbatch, behind --: -- --partition=short --account=me");
+  slurm.footer(
+      "Runs until the build is complete, and then leaves no job behind. It remembers nothing: end\n"
+      "it and start it again as you like, also while the scheduler is restarted.");
+  app.require_subcommand(1);
+  return [options] { return runSlurm(*options); };
+}
+
+}  // namespace
+
+const Verb fleet_verb = {"fleet", "As many workers as a build can use, from Slurm", prepareFleet};
+
+}  // namespace palpate
