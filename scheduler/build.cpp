@@ -24,7 +24,18 @@ Build::Build(Problem problem, const std::filesystem::path& state, Coordinator::T
       problem_bytes_(encodeProblem(problem_)),
       directory_(state),
       store_(directory_, problem_, problem_bytes_, segment_bytes),
-      coordinator_(problem_, problem_bytes_, store_, now, settings) {}
+      coordinator_(problem_, problem_bytes_, store_, now, checked(settings)) {}
+
+/// Before anybody works for it.
+const CoordinatorSettings& Build::checked(const CoordinatorSettings& settings) const {
+  const std::string& begun_with = store_.kernelFamily();
+  if (settings.kernel_family.empty() || begun_with.empty() || settings.kernel_family == begun_with)
+    return settings;
+  throw badInput(
+      "{}: this build was begun with the {} kernels, and --kernels asks for {}: leave that out, or "
+      "use another --state directory",
+      directory_.path().string(), begun_with, settings.kernel_family);
+}
 
 bool isSealed(const std::filesystem::path& file, const Problem& problem, bool force) {
   if (!std::filesystem::exists(file)) return false;

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "common/base/assertion.hpp"
+#include "common/base/cpu_family.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/keys/key_options.hpp"
 #include "common/problem/problem_warnings.hpp"
@@ -111,7 +112,31 @@ struct BuildOrder {
   std::optional<unsigned> hung_after_s;  ///< of a solve; nothing: from what solves took so far
   /// Of all results, solved again by another worker.
   double spot_checks_percent = 100 * SpotCheckSettings{}.share;
+  std::string kernels;  ///< name of a CpuFamily; empty: those of the first result decide
 };
+
+std::vector<std::string> namesOfFamilies() {
+  std::vector<std::string> names;
+  for (const CpuFamily family : all_cpu_families) names.emplace_back(name(family));
+  return names;
+}
+
+/// As results name it, and says what that means; empty: nobody chose.
+std::string chosenKernels(const std::string& kernels) {
+  for (const CpuFamily family : all_cpu_families) {
+    if (name(family) != kernels) continue;
+    // Times: docs/performance.md.
+    constexpr std::array who = {
+        "every worker may come; those with AVX2 or more take about 1.3 times as long as they could",
+        "workers without AVX2 are refused; those with AVX-512 take up to 1.1 times as long as they "
+        "could",
+        "workers without AVX-512 are refused"};
+    spdlog::info("computed with the {} kernels: {}", arithmeticOf(family),
+                 who[static_cast<std::size_t>(family)]);
+    return arithmeticOf(family);
+  }
+  return "";
+}
 
 /// Declares SCENE, -o, --state and --force on `app`, which must not outlive `order`.
 void addOptions(CLI::App& app, BuildOrder& order) {
@@ -133,6 +158,10 @@ void addOptions(CLI::App& app, BuildOrder& order) {
                  "odd; 0: none")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 100.0));
+  app.add_option("--kernels", order.kernels,
+                 "Instruction set that all workers compute with, newer machines too [that of the "
+                 "first result]")
+      ->check(CLI::IsMember(namesOfFamilies()));
 }
 
 /// Brings the build that a server works for to its end and calls `seal`, then lets the workers
@@ -234,6 +263,7 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
   settings.spot_checks = SpotCheckSettings::ofShare(order.spot_checks_percent / 100);
   if (where.keys) settings.spot_checks.trusted_key = where.keys->ownOrNew().open();
   if (where.nobody_else) settings.checks_wait = milliseconds(0);
+  settings.kernel_family = chosenKernels(order.kernels);
   if (order.hung_after_s) settings.hung_after = std::chrono::seconds(*order.hung_after_s);
   bool stopping = false;
   for (;;) {

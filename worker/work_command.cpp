@@ -58,13 +58,21 @@ class SolverThread {
 ExitCode runOneWorker(const WorkOptions& options) {
   catchInterrupts();
   const ElementKernels& kernels = chooseKernels();
-  zmq::context_t context;
-  const auto mailbox = std::make_shared<Mailbox>();
-  SchedulerLink link(context, *mailbox, kernels, options.link);
-  const SolverThread solver(mailbox, kernels);
-  const ExitCode end = link.run();
-  if (end == ExitCode::done) spdlog::info("no more work");
-  return end;
+  std::string wanted_kernels;
+  {
+    zmq::context_t context;
+    const auto mailbox = std::make_shared<Mailbox>();
+    SchedulerLink link(context, *mailbox, kernels, options.link);
+    const SolverThread solver(mailbox, kernels);
+    const ExitCode end = link.run();
+    wanted_kernels = link.wantedKernels();
+    if (wanted_kernels.empty()) {
+      if (end == ExitCode::done) spdlog::info("no more work");
+      return end;
+    }
+  }
+  spdlog::info("this build is computed with the {} kernels: going on with those", wanted_kernels);
+  beginAnewWith(wanted_kernels);
 }
 
 /// For the command line of a child.

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+
 namespace palpate {
 
 /// The instruction sets that hot loops are compiled for, slowest first. Results of two families
@@ -9,6 +14,27 @@ enum class CpuFamily {
   avx2,      ///< AVX2 and FMA
   avx512,    ///< AVX-512 F, DQ and VL
 };
+
+inline constexpr std::array all_cpu_families = {CpuFamily::baseline, CpuFamily::avx2,
+                                                CpuFamily::avx512};
+
+/// "baseline", "avx2" or "avx512".
+constexpr std::string_view name(CpuFamily family) {
+  constexpr std::array<std::string_view, 3> names = {"baseline", "avx2", "avx512"};
+  return names[static_cast<std::size_t>(family)];
+}
+
+/// The kernels of OpenBLAS for it, by their own name.
+constexpr std::string_view blasKernelsOf(CpuFamily family) {
+  constexpr std::array<std::string_view, 3> names = {"Prescott", "Haswell", "SkylakeX"};
+  return names[static_cast<std::size_t>(family)];
+}
+
+/// What the bits of a result depend on: element kernels and those of OpenBLAS, "avx2/Haswell". The
+/// same on every machine that runs this family, whatever its CPU is called.
+inline std::string arithmeticOf(CpuFamily family) {
+  return std::string(name(family)) + "/" + std::string(blasKernelsOf(family));
+}
 
 /// The fastest family that this machine runs. Any thread.
 inline CpuFamily cpuFamily() {

@@ -47,7 +47,8 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
       incarnation_(randomBytes(16)),
       losses_(store.tables().losses()),
       due_checks_(store.tables().checks()),
-      registry_(store.kernelFamily(), store.keptOut()),
+      registry_(store.kernelFamily().empty() ? settings.kernel_family : store.kernelFamily(),
+                store.keptOut()),
       allotment_(settings.allotment),
       group_(store),
       counters_(store.tables().counters()),
@@ -148,6 +149,13 @@ void Coordinator::hello(const Incoming& incoming, Time now) {
                    objection);
     ++counters_["refused_workers"];
     send(peer).mutable_refused()->set_reason(objection);
+    return;
+  }
+  if (registry_.wouldChangeKernels(hello)) {
+    peer_log_.info(now, "worker {} on {} is asked to take the {} kernels instead of {}",
+                   hello.pid(), printable(hello.host()), registry_.kernelFamily(),
+                   hello.kernel_family());
+    send(peer).mutable_use_kernels()->set_kernel_family(registry_.kernelFamily());
     return;
   }
   for (int n = 0; n < std::min(hello.ended_size(), most_ended); ++n)
@@ -301,16 +309,15 @@ void Coordinator::take(Worker& worker, const TransitionKey& key, const Incoming&
   if (group_.size() >= settings_.group_results) commitGroup(now);
 }
 
+/// Whoever has others is asked who it is again, and told then to take these, or why it may not
+/// stay.
 void Coordinator::settleKernels(const std::string& family, Time now) {
   registry_.setKernelFamily(family);
   std::vector<const Worker*> others;
   for (const auto& [id, worker] : registry_.all())
     if (worker.kernel_family != family) others.push_back(&worker);
   for (const Worker* worker : others) {
-    const std::string objection = registry_.objectionToKernels(worker->kernel_family);
-    peer_log_.warn(now, "worker {} on {} is sent away: {}", worker->pid, worker->host, objection);
-    ++counters_["refused_workers"];
-    send(worker->peer).mutable_refused()->set_reason(objection);
+    send(worker->peer).mutable_heartbeat_reply();
     leases_.giveBack(worker->id);
     registry_.remove(*worker, "left", now);
   }
@@ -735,6 +742,7 @@ wire::Status Coordinator::status(Time now) const {
   addKeptOut(status, store_->keptOut());
   status.set_state(complete() ? "complete" : stopping_ ? "stopping" : "running");
   status.set_paused(paused_);
+  status.set_kernel_family(registry_.kernelFamily());
   status.set_recorded(static_cast<std::int32_t>(recorded_));
   status.set_seconds(std::chrono::duration<double>(now - started_).count());
   const double rate = pace_.perSecond(now, converged_);

@@ -64,6 +64,9 @@ struct CoordinatorSettings {
   std::chrono::minutes keys_remembered{10};
   /// Keys are those of people and machines, and not of this run alone.
   bool keys_tell_who = true;
+  /// With which all results are computed (arithmeticOf); empty: those of the first result decide.
+  /// Where something is recorded, its own.
+  std::string kernel_family;
 };
 
 /// What every message means: takes messages and the time, keeps plans, leases, registry and the

@@ -74,15 +74,22 @@ std::string WorkerRegistry::objectionTo(const wire::Hello& hello,
           "this {} is kept out of this build, because {}: see that it computes as the others do "
           "(palpate verify), and let it work in another build",
           name(liar.kind), liar.reason);
+  if (wouldChangeKernels(hello)) return "";
   return objectionToKernels(hello.kernel_family());
+}
+
+bool WorkerRegistry::wouldChangeKernels(const wire::Hello& hello) const {
+  return !kernel_family_.empty() && hello.kernel_family() != kernel_family_ &&
+         std::ranges::find(hello.runs(), kernel_family_) != hello.runs().end();
 }
 
 std::string WorkerRegistry::objectionToKernels(const std::string& family) const {
   if (kernel_family_.empty() || family == kernel_family_) return "";
   return fmt::format(
-      "this build is computed with the {} kernels, the worker would use {}, "
-      "and the last bits would depend on who solved what: use machines with {} in this build, "
-      "or see PALPATE_KERNELS and OPENBLAS_CORETYPE in docs/solver.md",
+      "this build is computed with the {} kernels, the worker has {} and no others (its CPU, or "
+      "PALPATE_KERNELS or OPENBLAS_CORETYPE, see docs/solver.md), and the last bits would depend on "
+      "who solved what: use machines that run {}, or begin the build anew with --kernels that all "
+      "run",
       kernel_family_, family, kernel_family_);
 }
 

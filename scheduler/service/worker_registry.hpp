@@ -56,12 +56,12 @@ class WorkerRegistry {
   /// More at once are refused. Some ten times what one scheduler was ever seen to feed.
   static constexpr std::size_t most_workers = 10000;
 
-  /// `kernel_family` of the results that are recorded; empty when there are none: then the first
-  /// result decides. `kept_out`: whom nobody lets in.
+  /// `kernel_family` of the results that are recorded, or the one that was chosen; empty when there
+  /// is neither: then the first result decides. `kept_out`: whom nobody lets in.
   explicit WorkerRegistry(std::string kernel_family, std::vector<KeptOut> kept_out = {})
       : kernel_family_(std::move(kernel_family)), kept_out_(std::move(kept_out)) {}
 
-  /// The kernels that every result of this build is computed with; empty before the first.
+  /// The kernels that every result of this build is computed with; empty before that is known.
   const std::string& kernelFamily() const { return kernel_family_; }
   /// The first result came from these.
   void setKernelFamily(const std::string& family) { kernel_family_ = family; }
@@ -69,8 +69,8 @@ class WorkerRegistry {
   /// Why this worker may not join, as a clause that says what to do; empty when it may. All workers
   /// must give the same bits: same protocol, version and kernels.
   std::string objectionTo(const wire::Hello& hello, const std::optional<PublicKey>& key) const;
-  /// The same of kernels alone.
-  std::string objectionToKernels(const std::string& family) const;
+  /// It may join with other kernels, which it has too.
+  bool wouldChangeKernels(const wire::Hello& hello) const;
   /// Adds a worker without objection, or begins anew with one that is known: no credit, nothing in
   /// work. The peer must not be that of another worker.
   Worker& admit(const std::string& peer, const wire::Hello& hello,
@@ -94,6 +94,8 @@ class WorkerRegistry {
   std::vector<wire::WorkerStatus> takeDeparted() { return std::exchange(departed_, {}); }
 
  private:
+  std::string objectionToKernels(const std::string& family) const;
+
   std::string kernel_family_;
   std::vector<KeptOut> kept_out_;
   Workers workers_;

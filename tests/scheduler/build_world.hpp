@@ -55,6 +55,11 @@ class BuildWorld {
     start();
   }
 
+  void restartWith(CoordinatorSettings settings) {
+    settings_ = std::move(settings);
+    restart();
+  }
+
   Coordinator& coordinator() { return build_->coordinator(); }
   Build& build() { return *build_; }
 

@@ -147,6 +147,7 @@ void WorkerProcess::wake(Seconds now) {
         session_->connected(clock_.at(now));
         break;
       case WorkerSession::Next::end: return endsWith(End::left, now);
+      case WorkerSession::Next::anew:  // of kernels it has one family
       case WorkerSession::Next::killed: return endsWith(End::killed, now);
     }
   } catch (const Error&) {

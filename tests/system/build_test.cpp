@@ -6,6 +6,7 @@
 #include <array>
 #include <fstream>
 
+#include "common/base/cpu_family.hpp"
 #include "scheduler/state/file_descriptor.hpp"
 #include "tests/support/command.hpp"
 #include "tests/system/small_build.hpp"
@@ -230,6 +231,30 @@ TEST_F(SystemTest, AServiceManagerHearsThatTheSchedulerServesAndHowFarItIs) {
   EXPECT_TRUE(test::eventually([&] { return hears("STATUS=0/514 points"); })) << all;
   EXPECT_EQ(serve->stop(SIGTERM), 130) << serve->output();
   EXPECT_TRUE(hears("STOPPING=1")) << all;
+}
+
+/// One worker as on a machine of 2004, one as on this machine.
+TEST_F(SystemTest, NewerMachinesTakeTheKernelsThatAllRunAndTheDatasetIsTheSameBits) {
+  if (cpuFamily() == CpuFamily::baseline)
+    GTEST_SKIP() << "this CPU has no kernels but baseline: changing them was NOT tested";
+  auto serve = start("palpate-scheduler",
+                     {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state",
+                      "-o", "out.h5", "--kernels", "baseline", "--spot-checks", "20"});
+  const std::string endpoint = endpointIn("state");
+  auto newer = start("palpate-worker", {"work", "--connect", endpoint});
+  ASSERT_TRUE(journalGrows(*serve, "state", 5000)) << newer->output();
+  setenv("PALPATE_KERNELS", "baseline", 1);
+  setenv("OPENBLAS_CORETYPE", "Prescott", 1);
+  auto older = start("palpate-worker", {"work", "--connect", endpoint});
+  expectFinished(*serve);
+  EXPECT_EQ(newer->wait(), 0) << newer->output();
+  EXPECT_THAT(newer->output(), HasSubstr("computed with the baseline/Prescott kernels: going on"));
+  EXPECT_EQ(older->wait(), 0) << older->output();
+  EXPECT_THAT(older->output(), testing::Not(HasSubstr("going on with")));
+  const std::string of_old_machines = undisturbed();
+  unsetenv("PALPATE_KERNELS");
+  unsetenv("OPENBLAS_CORETYPE");
+  EXPECT_EQ(test::contentOf(directory / "out.h5"), of_old_machines);
 }
 
 TEST_F(SystemTest, APausedBuildStaysSoOverAKillAndGoesOnWhenItIsTold) {

@@ -27,9 +27,9 @@ constexpr const char* tried_variable = "PALPATE_OPENBLAS_TRIED";
 
 /// What this CPU runs, by the names of OpenBLAS.
 std::vector<std::string> fastestFirst() {
-  std::vector<std::string> all = {"Prescott"};
-  if (cpuFamily() >= CpuFamily::avx2) all.insert(all.begin(), "Haswell");
-  if (cpuFamily() >= CpuFamily::avx512) all.insert(all.begin(), "SkylakeX");
+  std::vector<std::string> all;
+  for (const CpuFamily family : all_cpu_families)
+    if (family <= cpuFamily()) all.emplace(all.begin(), blasKernelsOf(family));
   return all;
 }
 
@@ -110,9 +110,19 @@ bool blasComputesRight() {
 
 }  // namespace
 
+bool blasKernelsMayBeChosen() {
+  return choosesWhenLoaded() &&
+         (std::getenv(tried_variable) != nullptr || std::getenv(core_type) == nullptr);
+}
+
+void chooseBlasKernelsOfNext(const std::string& kernels) {
+  if (setenv(core_type, kernels.c_str(), 1) != 0 || unsetenv(tried_variable) != 0)
+    throw failure("{}={}: {}", core_type, kernels, errnoText());
+}
+
 void chooseBlasKernels(char** argv) {
   const char* tried = std::getenv(tried_variable);
-  if (!choosesWhenLoaded() || (tried == nullptr && std::getenv(core_type) != nullptr)) return;
+  if (!blasKernelsMayBeChosen()) return;
   const std::vector<std::string> wanted = fastestFirst();
   const auto next = static_cast<std::size_t>(tried == nullptr ? 0 : std::atoi(tried));
   const std::string& meant = wanted[std::min(next == 0 ? 0 : next - 1, wanted.size() - 1)];

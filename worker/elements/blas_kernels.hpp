@@ -17,6 +17,12 @@ void chooseBlasKernels(char** argv);
 /// What OpenBLAS calls them: "SkylakeX".
 std::string blasKernels();
 
+/// Whether others could be had in a process that is started anew: OpenBLAS has several, and the
+/// user chose none.
+bool blasKernelsMayBeChosen();
+/// For the program that takes the place of this one (execve): it computes with these.
+void chooseBlasKernelsOfNext(const std::string& kernels);
+
 /// Why they are slower than this CPU allows, and what to do; empty when they are not.
 std::string whyBlasIsSlow();
 

@@ -1,13 +1,30 @@
 #include "worker/elements/kernel_family.hpp"
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <string_view>
 
 #include "common/base/cpu_family.hpp"
 #include "common/base/error.hpp"
+#include "common/base/whole_file.hpp"
 #include "worker/elements/blas_kernels.hpp"
 
 namespace palpate {
+
+namespace {
+
+constexpr const char* family_variable = "PALPATE_KERNELS";
+
+/// Empty: nobody chose.
+std::string_view chosenFamily() {
+  const char* wanted = std::getenv(family_variable);
+  return wanted == nullptr ? "" : wanted;
+}
+
+}  // namespace
 
 extern const ElementKernels kernels_of_baseline;
 extern const ElementKernels kernels_of_avx2;
@@ -23,18 +40,44 @@ std::vector<const ElementKernels*> supportedKernels() {
 
 const ElementKernels& chooseKernels() {
   const auto supported = supportedKernels();
-  const char* wanted = std::getenv("PALPATE_KERNELS");
-  if (wanted == nullptr || *wanted == '\0') return *supported.front();
+  const std::string_view wanted = chosenFamily();
+  if (wanted.empty()) return *supported.front();
   std::string names;
   for (const ElementKernels* kernels : supported) {
-    if (std::string_view(kernels->family) == wanted) return *kernels;
+    if (kernels->family == wanted) return *kernels;
     names += names.empty() ? kernels->family : std::string(", ") + kernels->family;
   }
-  throw badInput("PALPATE_KERNELS={}: this machine runs {}", wanted, names);
+  throw badInput("{}={}: this machine runs {}", family_variable, wanted, names);
 }
 
 std::string arithmetic(const ElementKernels& kernels) {
   return std::string(kernels.family) + "/" + blasKernels();
+}
+
+std::vector<std::string> otherArithmetic() {
+  if (!chosenFamily().empty() || !blasKernelsMayBeChosen()) return {};
+  std::vector<std::string> others;
+  for (const CpuFamily family : all_cpu_families)
+    if (family <= cpuFamily()) others.insert(others.begin(), arithmeticOf(family));
+  std::erase(others, arithmetic(chooseKernels()));
+  return others;
+}
+
+void beginAnewWith(const std::string& arithmetic) {
+  const auto others = otherArithmetic();
+  if (std::ranges::find(others, arithmetic) == others.end())
+    throw failure("this machine does not compute with the {} kernels", arithmetic);
+  const std::size_t slash = arithmetic.find('/');
+  if (setenv(family_variable, arithmetic.substr(0, slash).c_str(), 1) != 0)
+    throw failure("{}: {}", family_variable, errnoText());
+  chooseBlasKernelsOfNext(arithmetic.substr(slash + 1));
+  std::string line = readText("/proc/self/cmdline", "command line");
+  std::vector<char*> arguments;
+  for (std::size_t at = 0; at < line.size(); at = line.find('\0', at) + 1)
+    arguments.push_back(line.data() + at);
+  arguments.push_back(nullptr);
+  execv("/proc/self/exe", arguments.data());
+  throw failure("this program cannot be started anew: {}", errnoText());
 }
 
 }  // namespace palpate

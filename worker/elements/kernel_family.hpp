@@ -18,6 +18,14 @@ const ElementKernels& chooseKernels();
 /// build and a dataset records it.
 std::string arithmetic(const ElementKernels& kernels);
 
+/// What else arithmetic() could say on this machine, fastest first, in the words of arithmeticOf():
+/// older families, for builds in which older machines work too. None when the user chose.
+std::vector<std::string> otherArithmetic();
+/// Starts this program anew, in the same process and with the same arguments, to compute with one
+/// of those; what it was doing is lost. Error when that cannot be done, and when they are none of
+/// those.
+[[noreturn]] void beginAnewWith(const std::string& arithmetic);
+
 /// All that this CPU runs, fastest first.
 std::vector<const ElementKernels*> supportedKernels();
 

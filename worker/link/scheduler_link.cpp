@@ -29,6 +29,7 @@ SessionOptions sessionOf(const LinkOptions& options, const ElementKernels& kerne
           .host = hostName(),
           .pid = static_cast<std::uint32_t>(getpid()),
           .kernel_family = arithmetic(kernels),
+          .runs = otherArithmetic(),
           .give_up_s = options.give_up_s,
           .leave_idle_s = options.leave_idle_s,
           .drain_s = options.drain_s};
@@ -86,6 +87,9 @@ ExitCode SchedulerLink::run() {
         connect();
         session.connected(Clock::now());
         break;
+      case WorkerSession::Next::anew:
+        wanted_kernels_ = session.wantedKernels();
+        return ExitCode::done;
       case WorkerSession::Next::end:
         // LINGER is 0; give the goodbye a moment to leave.
         socket_.set(zmq::sockopt::linger, 500);

@@ -33,6 +33,9 @@ class SchedulerLink {
   /// Error when the scheduler refuses this worker or says nothing for LinkOptions::give_up_s, when
   /// the solver thread gave up. A solve that hangs ends the process (SIGKILL).
   ExitCode run();
+  /// run() ended because the scheduler wants this worker with these kernels (beginAnewWith); empty
+  /// otherwise.
+  const std::string& wantedKernels() const { return wanted_kernels_; }
 
  private:
   void connect();
@@ -45,6 +48,7 @@ class SchedulerLink {
   zmq::socket_t socket_;
   std::optional<HandshakeWatch> handshakes_;  ///< behind the socket: it goes first
   std::string told_;                          ///< of them
+  std::string wanted_kernels_;
 };
 
 }  // namespace palpate

@@ -61,6 +61,7 @@ void WorkerSession::sayHello(Time now) {
   hello.set_host(options_.host);
   hello.set_pid(options_.pid);
   hello.set_kernel_family(options_.kernel_family);
+  for (const std::string& family : options_.runs) hello.add_runs(family);
   send_(message, {});
   last_sent_hello_ = now;
 }
@@ -89,6 +90,7 @@ void WorkerSession::receive(const Incoming& incoming, Time now) {
     throw failure("the scheduler at {} refused this worker: {}", options_.endpoint,
                   printable(message.refused().reason(), longest_reason));
   if (message.has_welcome()) return handleWelcome(message.welcome(), now);
+  if (message.has_use_kernels()) return handleUseKernels(message.use_kernels().kernel_family());
   if (message.has_problem_reply())
     return handleProblem(message.problem_reply(), incoming.payload, now);
   if (message.has_job()) return handleJob(message.job(), now);
@@ -136,6 +138,13 @@ void WorkerSession::handleWelcome(const wire::Welcome& welcome, Time now) {
   }
   deliverAgain(now);
   requestJobs(jobs_in_advance, true, now);
+}
+
+void WorkerSession::handleUseKernels(const std::string& family) {
+  if (std::ranges::find(options_.runs, family) == options_.runs.end())
+    throw failure("the scheduler at {} wants the {} kernels, which this worker does not offer",
+                  options_.endpoint, printable(family, longest_reason));
+  wanted_kernels_ = family;
 }
 
 void WorkerSession::deliverAgain(Time now) {
@@ -327,6 +336,7 @@ ExitCode WorkerSession::exitCode() const {
 
 WorkerSession::Next WorkerSession::advance(Time now) {
   forgiveOwnGap(now);
+  if (!wanted_kernels_.empty()) return Next::anew;
   deliverFinished(now);
   if (const auto error = mailbox_.solverError()) throw failure("the solver stopped: {}", *error);
   // Without a goodbye: the scheduler is to know what this process ended on.

@@ -20,7 +20,8 @@ struct SessionOptions {
   std::vector<std::string> ended = {};
   std::string host;
   std::uint32_t pid = 0;
-  std::string kernel_family;  ///< as arithmetic() names it
+  std::string kernel_family;           ///< as arithmetic() names it
+  std::vector<std::string> runs = {};  ///< families that it can start itself anew with
   /// The worker ends without any word from the scheduler for this long.
   double give_up_s = 15 * 60;
   /// The worker leaves when it has had nothing to do for this long. 0: never.
@@ -52,6 +53,7 @@ class WorkerSession {
     go_on,    ///< call advance() again when messages came, the mailbox woke up, or 50 ms passed
     connect,  ///< anew: nothing came for long. Then say connected()
     end,      ///< with exitCode(); a goodbye was sent
+    anew,     ///< with wantedKernels(), as the same worker
     killed    ///< the solver hangs: end at once and without a word, as if killed
   };
   /// Whatever time brings, and what the solver finished. Call after every batch of messages.
@@ -61,6 +63,8 @@ class WorkerSession {
   /// No more work is taken: what is in work is delivered or handed back within drain_s.
   void interrupt(Time now);
 
+  /// One of SessionOptions::runs, once the scheduler asked for it; empty before.
+  const std::string& wantedKernels() const { return wanted_kernels_; }
   /// done: there is no more work; interrupted otherwise.
   ExitCode exitCode() const;
   /// Results that no scheduler acknowledged yet.
@@ -73,6 +77,7 @@ class WorkerSession {
   void sayHello(Time now);
   void requestJobs(std::uint32_t credit, bool afresh, Time now);
   void handleWelcome(const wire::Welcome& welcome, Time now);
+  void handleUseKernels(const std::string& family);
   void handleProblem(const wire::ProblemReply& reply, const std::string& payload, Time now);
   void askForProblem(Time now);
   void askForStart(const wire::Job& job, Time now);
@@ -107,6 +112,7 @@ class WorkerSession {
   Time last_sent_hello_, last_beat_, last_delivered_, last_asked_;
   std::optional<Time> interrupted_at_;
   std::optional<Time> idle_since_;
+  std::string wanted_kernels_;
   bool draining_ = false;  ///< no more jobs are asked for
   bool finished_ = false;  ///< Drain said the build is complete
 

@@ -241,11 +241,60 @@ TEST_F(CoordinatorTest, TheFirstResultSendsWorkersWithOtherKernelsAway) {
   world.request("other", 1);
   EXPECT_EQ(world.takeJobs("other").size(), 1u);
   solveOrigins();
-  EXPECT_EQ(world.take("other", Message::kRefused).size(), 1u);
   EXPECT_EQ(world.coordinator().workers(), 1u);
+  // It is asked who it is, and told why it may not stay.
+  EXPECT_EQ(world.take("other", Message::kHeartbeatReply).size(), 1u);
+  world.send("other", other);
+  EXPECT_EQ(world.take("other", Message::kRefused).size(), 1u);
   for (const wire::Job& job : world.takeJobs("a")) world.deliver("a", job);
   world.request("a", 1);
   world.finish({"a"});
+}
+
+TEST_F(CoordinatorTest, AWorkerThatHasTheKernelsOfTheBuildTooIsAskedToTakeThem) {
+  Message newer = test::helloOf("newer");
+  newer.mutable_hello()->set_kernel_family("avx512");
+  newer.mutable_hello()->add_runs("baseline");
+  world.send("newer", newer);
+  EXPECT_EQ(world.take("newer", Message::kWelcome).size(), 1u) << "nothing is decided yet";
+  solveOrigins();
+  EXPECT_EQ(world.take("newer", Message::kHeartbeatReply).size(), 1u);
+  world.send("newer", newer);
+  const auto asked = world.take("newer", Message::kUseKernels);
+  ASSERT_EQ(asked.size(), 1u);
+  EXPECT_EQ(asked[0].use_kernels().kernel_family(), "baseline");
+  EXPECT_EQ(world.coordinator().workers(), 1u) << "before it has taken them it does not work";
+  world.join("newer", 1);
+  EXPECT_EQ(world.coordinator().workers(), 2u);
+}
+
+struct ChosenKernelsTest : testing::Test {
+  static CoordinatorSettings chosen(const char* family) {
+    CoordinatorSettings settings = test::BuildWorld::withoutChecks();
+    settings.kernel_family = family;
+    return settings;
+  }
+};
+
+TEST_F(ChosenKernelsTest, DecideBeforeAnybodySolvedAnything) {
+  test::BuildWorld world(chosen("avx2/Haswell"));
+  world.send("a", test::helloOf("a"));
+  const auto refused = world.take("a", Message::kRefused);
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_THAT(refused[0].refused().reason(),
+              testing::AllOf(testing::HasSubstr("with the avx2/Haswell kernels"),
+                             testing::HasSubstr("the worker has baseline and no others")));
+  EXPECT_EQ(world.coordinator().status(world.now).kernel_family(), "avx2/Haswell");
+}
+
+TEST_F(ChosenKernelsTest, MustBeThoseThatTheBuildWasBegunWith) {
+  test::BuildWorld world(chosen("baseline"));
+  world.join("a", 2);
+  for (const wire::Job& job : world.takeJobs("a")) world.deliver("a", job);
+  world.pass(std::chrono::milliseconds(25));
+  world.restart();
+  test::expectBadInput([&] { world.restartWith(chosen("avx2/Haswell")); },
+                       {"begun with the baseline kernels", "--kernels asks for avx2/Haswell"});
 }
 
 TEST_F(CoordinatorTest, RemembersTheKernelFamilyOfRecordedResults) {

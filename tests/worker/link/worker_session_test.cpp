@@ -27,7 +27,8 @@ struct WorkerSessionTest : testing::Test {
             mailbox,
             {.worker_id = "w",
              .host = "here",
-             .kernel_family = "baseline",
+             .kernel_family = "avx2",
+             .runs = {"baseline"},
              .leave_idle_s = leave_idle_s},
             [this](const Message& message, std::string_view payload) {
               said.emplace_back(message, payload);
@@ -219,6 +220,18 @@ TEST_F(WorkerSessionTest, EndsWithoutAWordWhenTheSolverHangs) {
   EXPECT_EQ(pass(59s), Next::go_on);
   EXPECT_EQ(pass(3s), Next::killed);
   EXPECT_EQ(count(Message::kGoodbye), 0);
+}
+
+TEST_F(WorkerSessionTest, BeginsAnewWithTheKernelsOfTheBuildIfItHasThem) {
+  pass(0s);
+  ASSERT_EQ(said.at(0).first.hello().runs_size(), 1);
+  Message message;
+  message.mutable_use_kernels()->set_kernel_family("baseline");
+  hear(message);
+  EXPECT_EQ(pass(0s), Next::anew);
+  EXPECT_EQ(session.wantedKernels(), "baseline");
+  message.mutable_use_kernels()->set_kernel_family("avx512");
+  test::expectError(ExitCode::failed, [&] { hear(message); }, {"avx512", "does not offer"});
 }
 
 /// It leaves after a minute without work.
