@@ -15,8 +15,8 @@ using RecordSource = std::function<std::optional<JournalRecord>(const ResultKey&
 class Build {
  public:
   /// Opens or makes the state of this problem in `state`, and goes on where the last run was. `now`
-  /// is of the clock that the coordinator is told later. Error (bad input) when what is recorded was
-  /// computed with other kernels than these settings want.
+  /// is of the clock that the coordinator is told later. Error (bad input) when what is recorded
+  /// was computed with other kernels than these settings want.
   Build(Problem problem, const std::filesystem::path& state, Coordinator::Time now,
         CoordinatorSettings settings = {},
         std::uint64_t segment_bytes = Journal::default_segment_bytes);

@@ -37,8 +37,9 @@ std::function<ExitCode()> prepareSeal(CLI::App& app) {
   app.add_option("-o,--output", options->out, "Dataset to make")->required();
   app.add_flag("--force", options->force, "Replace OUTPUT when it holds something else");
   app.footer(
-      "Before the build is done the dataset is partial, and says so: it can be touched and queried\n"
-      "where points are solved. Its results may still have to be checked by other workers.");
+      "Before the build is done the dataset is partial, and says so: it can be touched and\n"
+      "queried where points are solved. Its results may still have to be checked by other "
+      "workers.");
   return [options] { return sealNow(*options); };
 }
 
