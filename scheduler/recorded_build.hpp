@@ -19,6 +19,8 @@ class RecordedBuild {
   StoredTables& tables() { return tables_; }
   /// One per active node.
   const std::vector<SpacePlan>& plans() const { return plans_; }
+  /// Of every result; empty before the first.
+  const std::string& kernelFamily() const { return kernel_family_; }
   /// Every space is complete, and no check is open.
   bool complete();
   /// Writes its dataset, partial unless it is complete; returns the tables. Error when nothing is
@@ -33,7 +35,7 @@ class RecordedBuild {
   StoredTables tables_;
   const Problem problem_;
   std::map<ResultKey, JournalPosition> where_;
-  std::string kernel_family_;  ///< empty: nothing is recorded
+  std::string kernel_family_;
   std::vector<SpacePlan> plans_;
 };
 

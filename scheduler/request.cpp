@@ -5,13 +5,15 @@
 #include <thread>
 
 #include "common/base/error.hpp"
+#include "common/base/printable.hpp"
 #include "scheduler/asked_scheduler.hpp"
 #include "scheduler/recorded_build.hpp"
 #include "scheduler/service/status.hpp"
 #include "scheduler/status_text.hpp"
+#include "scheduler/terminal.hpp"
 #include "scheduler/verbs.hpp"
 
-// What a running scheduler is asked: `status`, `stop`, `pause`, `resume` and `retry`.
+// What a running scheduler is asked: `status`, `stop`, `pause`, `resume`, `priority` and `retry`.
 
 namespace palpate {
 namespace {
@@ -36,6 +38,8 @@ wire::Status storedStatus(const std::filesystem::path& directory) {
   status.set_build(tables.build().build.hex());
   addKeptOut(status, tables.keptOut());
   status.set_paused(tables.paused());
+  status.set_kernel_family(build.kernelFamily());
+  setPriorities(status, tables.priorities());
   const std::map<ResultKey, bool> checks = tables.checks();
   status.set_checks_open(static_cast<std::int32_t>(checks.size()));
   status.set_disputed(static_cast<std::int32_t>(
@@ -54,8 +58,12 @@ ExitCode showStatus(const StatusOptions& options) {
   const bool redraw = options.watch && !options.json && isatty(STDOUT_FILENO) == 1;
   for (;;) {
     const wire::Status status = statusOfBuild(options.asked);
-    fmt::print("{}{}", redraw ? "\x1b[H\x1b[2J" : "",
-               options.json ? toJson(status) + '\n' : describe(status));
+    if (options.json)
+      fmt::print("{}\n", toJson(status));
+    else if (redraw)
+      fmt::print("\x1b[H\x1b[2J{}", fitted(describe(status), sizeOf(STDOUT_FILENO)));
+    else
+      fmt::print("{}", describe(status));
     std::fflush(stdout);
     if (!options.watch || status.state() == "complete" || status.state() == "stopped")
       return ExitCode::done;
@@ -119,40 +127,114 @@ std::function<ExitCode()> preparePause(CLI::App& app) {
   return [asked] { return setPaused(*asked, paused); };
 }
 
-// ---- retry ----
+// ---- priority ----
+
+struct PriorityOptions {
+  Asked asked;
+  std::string space;
+  std::int32_t priority = 0;
+};
 
 /// Of a directory in which nobody works.
-std::int64_t retryStored(const std::filesystem::path& directory) {
-  // What is no state directory is refused before one is made of it.
-  const StoredTables there{directory};
-  return forgetLosses(StateDirectory(directory));
+void setStoredPriority(const PriorityOptions& options) {
+  const wire::Status status = storedStatus(options.asked.where);
+  std::string names;
+  for (const wire::SpaceStatus& row : status.spaces()) {
+    if (row.name() == options.space)
+      return writePriority(StateDirectory(options.asked.where), options.space, options.priority);
+    names += (names.empty() ? "" : ", ") + row.name();
+  }
+  throw badInput("{}: no space is called {}: they are {}", options.asked.where, options.space,
+                 names);
 }
 
-ExitCode retry(const Asked& asked) {
-  const auto scheduler = schedulerOf(asked);
-  std::int64_t transitions = 0;
+ExitCode setPriority(const PriorityOptions& options) {
+  const auto scheduler = schedulerOf(options.asked);
   if (!scheduler) {
-    transitions = retryStored(asked.where);
+    setStoredPriority(options);
   } else {
     wire::Message question;
-    question.mutable_retry_request();
-    const wire::Message answer = order(asked, *scheduler, question);
+    question.mutable_priority_request()->set_space(options.space);
+    question.mutable_priority_request()->set_priority(options.priority);
+    const wire::Message answer = order(options.asked, *scheduler, question);
+    if (!answer.has_priority_reply())
+      throw failure("{}: what answers there is not a Palpate scheduler of this version",
+                    scheduler->endpoint);
+    if (const std::string& objection = answer.priority_reply().objection(); !objection.empty())
+      throw badInput("{}: {}", scheduler->endpoint, printable(objection, 600));
+  }
+  fmt::print("{}: {} has priority {} {}\n", options.asked.where, options.space, options.priority,
+             scheduler ? "from now on" : "in the next build there");
+  return ExitCode::done;
+}
+
+std::function<ExitCode()> preparePriority(CLI::App& app) {
+  auto options = std::make_shared<PriorityOptions>();
+  options->asked.addTo(app);
+  app.add_option("SPACE", options->space, "An active node, as status names it")->required();
+  app.add_option("PRIORITY", options->priority, "Higher ones are computed first; 0 at the start")
+      ->required();
+  app.footer("The dataset is the same whatever is computed first.");
+  return [options] { return setPriority(*options); };
+}
+
+// ---- retry ----
+
+struct RetryOptions {
+  Asked asked;
+  std::string failed;  ///< name of a cause; empty: what is set aside
+};
+
+/// Of a directory in which nobody works.
+std::int64_t retryStored(const RetryOptions& options) {
+  // What is no state directory is refused before one is made of it.
+  const StoredTables there{std::filesystem::path(options.asked.where)};
+  const StateDirectory directory(options.asked.where);
+  const RecordedBuild build(options.asked.where);
+  if (options.failed.empty()) return forgetLosses(directory);
+  const std::vector<ResultKey> failed = failedWith(build.plans(), *causeNamed(options.failed));
+  if (!failed.empty())
+    JobStore(directory, build.problem(), encodeProblem(build.problem())).drop(failed);
+  return std::ssize(failed);
+}
+
+ExitCode retry(const RetryOptions& options) {
+  const auto scheduler = schedulerOf(options.asked);
+  std::int64_t transitions = 0;
+  if (!scheduler) {
+    transitions = retryStored(options);
+  } else {
+    wire::Message question;
+    question.mutable_retry_request()->set_cause(options.failed);
+    const wire::Message answer = order(options.asked, *scheduler, question);
     if (!answer.has_retry_reply())
       throw failure("{}: what answers there is not a Palpate scheduler", scheduler->endpoint);
     transitions = answer.retry_reply().transitions();
   }
-  fmt::print("{}: {} transition(s) that were set aside {}\n", asked.where, transitions,
+  fmt::print("{}: {} transition(s) that {} {}\n", options.asked.where, transitions,
+             options.failed.empty() ? "were set aside" : "failed with " + options.failed,
              scheduler ? "are tried again" : "will be tried again by the next build");
   return ExitCode::done;
 }
 
+std::vector<std::string> namesOfCauses() {
+  std::vector<std::string> names;
+  for (std::uint32_t value = 0; causeOf(value); ++value)
+    if (stopsTransitions(*causeOf(value))) names.emplace_back(name(*causeOf(value)));
+  return names;
+}
+
 std::function<ExitCode()> prepareRetry(CLI::App& app) {
-  auto asked = std::make_shared<Asked>();
-  asked->addTo(app);
+  auto options = std::make_shared<RetryOptions>();
+  options->asked.addTo(app);
+  app.add_option("--failed", options->failed,
+                 "Instead, all attempts that failed with this cause: they end the same way, unless "
+                 "the machines were to blame (memory)")
+      ->check(CLI::IsMember(namesOfCauses()));
   app.footer(
       "A transition is set aside after five workers ended while they solved it; the rest of the\n"
       "build goes on without it.");
-  return [asked] { return retry(*asked); };
+  return [options] { return retry(*options); };
 }
 
 std::function<ExitCode()> prepareStop(CLI::App& app) {
@@ -168,7 +250,9 @@ const Verb pause_verb = {"pause", "Hand out no more work before resume; workers 
 
 const Verb resume_verb = {"resume", "Go on with what was paused", preparePause<false>};
 
-const Verb retry_verb = {"retry", "Try again what was set aside because workers ended on it",
+const Verb priority_verb = {"priority", "Compute one space before others", preparePriority};
+
+const Verb retry_verb = {"retry", "Try again what workers ended on, or what failed with some cause",
                          prepareRetry};
 
 const Verb status_verb = {

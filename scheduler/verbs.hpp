@@ -19,7 +19,9 @@ extern const Verb seal_verb;
 /// `palpate pause` and `resume`: nothing is handed out in between.
 extern const Verb pause_verb;
 extern const Verb resume_verb;
-/// `palpate retry`: tries again what was set aside.
+/// `palpate priority`: one space before others.
+extern const Verb priority_verb;
+/// `palpate retry`: tries again what was set aside, or failed.
 extern const Verb retry_verb;
 /// `palpate check` of a state directory: whether it is whole, and what it costs where it is not.
 extern const Verb check_state_verb;

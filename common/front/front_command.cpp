@@ -23,7 +23,7 @@ struct Route {
   const char* program_of_directory = nullptr;
 };
 
-constexpr std::array<Route, 20> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
+constexpr std::array<Route, 21> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
                                            {"build", "palpate-scheduler"},
                                            {"query", "palpate-viewer"},
                                            {"solve", "palpate-worker"},
@@ -35,6 +35,7 @@ constexpr std::array<Route, 20> routes = {{{"check", "palpate-worker", "palpate-
                                            {"pause", "palpate-scheduler"},
                                            {"seal", "palpate-scheduler"},
                                            {"resume", "palpate-scheduler"},
+                                           {"priority", "palpate-scheduler"},
                                            {"retry", "palpate-scheduler"},
                                            {"explain", "palpate-scheduler"},
                                            {"key", "palpate-scheduler"},
@@ -66,7 +67,8 @@ On several machines
   pause    Hand out no more work before resume; workers stay
   resume   Go on with what was paused
   seal     Make a dataset of what is computed by now, while the build goes on
-  retry    Try again what was set aside because workers ended on it
+  priority Compute one space before others
+  retry    Try again what workers ended on, or what failed with some cause
   explain  How a lattice point was reached, or why it failed
   key      Keys: make one, let other machines and people in, withdraw them
   check    Of a state directory: whether it is whole; repair it

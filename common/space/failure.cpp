@@ -78,6 +78,13 @@ std::optional<Cause> causeOf(std::uint32_t value) {
   return known ? std::optional(cause) : std::nullopt;
 }
 
+std::optional<Cause> causeNamed(std::string_view word) {
+  if (word.empty()) return std::nullopt;
+  for (std::uint32_t value = 0; value <= std::numeric_limits<std::uint8_t>::max(); ++value)
+    if (const auto cause = causeOf(value); cause && name(*cause) == word) return cause;
+  return std::nullopt;
+}
+
 bool stopsTransitions(Cause cause) { return cause != Cause::none && cause != Cause::unreachable; }
 
 std::string describe(const Failure& failure) {

@@ -31,6 +31,8 @@ enum class Cause : std::uint8_t {
 std::string_view name(Cause cause);
 /// The cause with this value in a message or a file; nothing when this program knows none.
 std::optional<Cause> causeOf(std::uint32_t value);
+/// The cause with this word; nothing when there is none.
+std::optional<Cause> causeNamed(std::string_view word);
 /// True for what can stop a transition that was tried: every cause but none and unreachable.
 bool stopsTransitions(Cause cause);
 

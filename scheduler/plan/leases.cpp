@@ -6,6 +6,18 @@
 
 namespace palpate {
 
+void Leases::setPriority(std::uint32_t space, std::int32_t priority) {
+  auto waiting = std::exchange(waiting_, {});
+  priorities_[space] = priority;
+  for (auto& [start, targets] : waiting)
+    waiting_.emplace(startOf(start.space, start.parent), std::move(targets));
+}
+
+Leases::Start Leases::startOf(std::uint32_t space, std::int32_t parent) const {
+  const auto found = priorities_.find(space);
+  return {found == priorities_.end() ? 0 : -found->second, parent, space};
+}
+
 void Leases::add(const TransitionKey& key, const Losses& before) {
   const auto [where, fresh] = entries_.try_emplace(key);
   PALPATE_ASSERT(fresh, "a transition becomes ready once");
@@ -23,7 +35,7 @@ std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t wo
                                                     std::min(most, max_targets_per_job));
 
   // Nearest to the origin first: what lies there makes most others ready.
-  const auto [parent, space] = waiting_.begin()->first;
+  const auto& [below_highest, parent, space] = waiting_.begin()->first;
   const std::set<std::int32_t> targets = waiting_.begin()->second;
   Handout handout{++last_job_, space, parent, {}};
   const auto& job = by_worker_[worker][handout.job];
@@ -188,13 +200,13 @@ void Leases::putBack(const TransitionKey& key, Entry& entry) {
     waiting_checks_.insert(key);
     return;
   }
-  waiting_[{key.parent, key.space}].insert(key.target);
+  waiting_[startOf(key.space, key.parent)].insert(key.target);
   ++waiting_count_;
 }
 
 void Leases::takeFromWaiting(const TransitionKey& key) {
   if (waiting_checks_.erase(key) == 1) return;
-  const auto group = waiting_.find({key.parent, key.space});
+  const auto group = waiting_.find(startOf(key.space, key.parent));
   // What is set aside does not wait.
   if (group == waiting_.end() || group->second.erase(key.target) == 0) return;
   if (group->second.empty()) waiting_.erase(group);

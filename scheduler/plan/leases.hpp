@@ -64,11 +64,14 @@ class Leases {
   /// taken for ours.
   explicit Leases(std::uint64_t first_job = 0) : last_job_(first_job) {}
 
+  /// What waits of a space of a higher priority is handed out first; 0 as long as nobody said so.
+  void setPriority(std::uint32_t space, std::int32_t priority);
+
   /// A transition became ready, with what earlier runs know of it. It must not be known already.
   void add(const TransitionKey& key, const Losses& before = {});
-  /// The next job for `worker`: targets around one start, nearest to the origin first, and few
-  /// enough that `workers` workers all get some, and no more than `most`. Nothing when nothing
-  /// waits.
+  /// The next job for `worker`: targets around one start, of the highest priority, nearest to the
+  /// origin first, and few enough that `workers` workers all get some, and no more than `most`.
+  /// Nothing when nothing waits.
   std::optional<Handout> handOut(const std::string& worker, std::size_t workers,
                                  std::size_t most = max_targets_per_job);
   /// The transition has an outcome, whoever found it.
@@ -130,12 +133,18 @@ class Leases {
     std::uint64_t job = 0;
     bool is_check = false;
   };
-  /// (parent, space): parents are numbered from the origin outward.
-  using Start = std::pair<std::int32_t, std::uint32_t>;
+  /// In the order of handing out: parents are numbered from the origin outward.
+  struct Start {
+    std::int32_t below_highest = 0;  ///< less its space's priority
+    std::int32_t parent = -1;
+    std::uint32_t space = 0;
+    auto operator<=>(const Start&) const = default;
+  };
 
   static bool isAside(const Entry& entry) {
     return entry.worker.empty() && entry.losses.deaths >= deaths_before_aside;
   }
+  Start startOf(std::uint32_t space, std::int32_t parent) const;
   void putBack(const TransitionKey& key, Entry& entry);
   Handout::Target lease(const TransitionKey& key, const std::string& worker, std::uint64_t job);
   void takeFromWaiting(const TransitionKey& key);
@@ -143,6 +152,7 @@ class Leases {
 
   std::map<TransitionKey, Entry> entries_;
   std::map<Start, std::set<std::int32_t>> waiting_;
+  std::map<std::uint32_t, std::int32_t> priorities_;  ///< by space; of those that have one
   std::set<TransitionKey> waiting_checks_;
   std::map<std::string, Jobs> by_worker_;
   std::size_t waiting_count_ = 0;

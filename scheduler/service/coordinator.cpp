@@ -74,6 +74,7 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
   // Where something was lost, what it led to is asked for again in time.
   if (!store_->damaged() && replayed.settled.stale.empty()) refuseSpare(spare_);
   PALPATE_ASSERT(plans_.size() == problem.active.size(), "every active node has its plan");
+  for (const auto& [name, priority] : store_->tables().priorities()) prioritize(name, priority);
   add(replayed.settled);
   openChecks();
   store_->tables().writeCounters(counters_);
@@ -85,6 +86,8 @@ void Coordinator::receive(const Incoming& incoming, Time now) {
   noteOwnGap(now);
   const wire::Message& message = incoming.message;
   const std::string& peer = incoming.peer;
+  // Workers say it again to the next one.
+  if (!begins_anew_.empty()) return void(answer(incoming, now));
   if (message.has_hello()) return hello(incoming, now);
   // It asks again.
   if (asksForMuch(message) && (incoming.reads_slowly || ++large_answers_[peer] > large_in_a_turn)) {
@@ -127,9 +130,19 @@ bool Coordinator::answer(const Incoming& incoming, Time now) {
       pause(message.pause_request().paused());
       send(peer).mutable_pause_reply()->set_paused(paused_);
       return true;
-    case wire::Message::kRetryRequest:
-      send(peer).mutable_retry_reply()->set_transitions(static_cast<std::uint32_t>(retry()));
+    case wire::Message::kRetryRequest: {
+      const std::string& cause = message.retry_request().cause();
+      const std::int32_t transitions = cause.empty() ? retry() : retryFailed(cause);
+      send(peer).mutable_retry_reply()->set_transitions(static_cast<std::uint32_t>(transitions));
       return true;
+    }
+    case wire::Message::kPriorityRequest: {
+      const wire::PriorityRequest& asked = message.priority_request();
+      const std::string objection = prioritize(asked.space(), asked.priority());
+      if (objection.empty()) store_->tables().writePriority(asked.space(), asked.priority());
+      send(peer).mutable_priority_reply()->set_objection(objection);
+      return true;
+    }
     default: return false;
   }
 }
@@ -435,6 +448,11 @@ void Coordinator::noteOwnGap(Time now) {
 
 void Coordinator::advance(Time now, bool all_read) {
   noteOwnGap(now);
+  if (!begins_anew_.empty()) {
+    // Whoever asked for it hears of it first.
+    if (std::exchange(answered_, true)) throw FailuresRetried(begins_anew_);
+    return;
+  }
   if (all_read) {
     takeBackFromTheIdle(now);
     takeBackForTheIdle(now);
@@ -665,6 +683,34 @@ std::int32_t Coordinator::retry() {
   return aside;
 }
 
+/// The plans are made anew without them, and ask for them again.
+std::int32_t Coordinator::retryFailed(const std::string& cause) {
+  const auto which = causeNamed(cause);
+  if (!which || !begins_anew_.empty()) return 0;
+  const std::vector<ResultKey> failed = failedWith(plans_, *which);
+  if (failed.empty()) return 0;
+  store_->drop(failed);
+  begins_anew_ =
+      fmt::format("{} attempts that failed with {} are tried again, as an operator asked",
+                  failed.size(), cause);
+  return static_cast<std::int32_t>(failed.size());
+}
+
+/// Why that cannot be; empty when it is so now.
+std::string Coordinator::prioritize(const std::string& name, std::int32_t priority) {
+  std::set<std::string> names;
+  for (std::uint32_t space = 0; space < plans_.size(); ++space) {
+    const std::string& row = *names.insert(rowNameOf(problem_->scene.active[space])).first;
+    if (row == name) leases_.setPriority(space, priority);
+  }
+  if (!names.contains(name))
+    return fmt::format("no space is called {}: they are {}", printable(name),
+                       printable(fmt::format("{}", fmt::join(names, ", ")), 500));
+  priorities_[name] = priority;
+  recent_status_.clear();
+  return "";
+}
+
 void Coordinator::pause(bool paused) {
   if (paused == paused_) return;
   store_->tables().writePaused(paused);
@@ -743,6 +789,7 @@ wire::Status Coordinator::status(Time now) const {
   status.set_state(complete() ? "complete" : stopping_ ? "stopping" : "running");
   status.set_paused(paused_);
   status.set_kernel_family(registry_.kernelFamily());
+  setPriorities(status, priorities_);
   status.set_recorded(static_cast<std::int32_t>(recorded_));
   status.set_seconds(std::chrono::duration<double>(now - started_).count());
   const double rate = pace_.perSecond(now, converged_);

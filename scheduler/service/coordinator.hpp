@@ -69,6 +69,12 @@ struct CoordinatorSettings {
   std::string kernel_family;
 };
 
+/// Recorded failures were dropped, because somebody wants them tried again.
+class FailuresRetried : public Error {
+ public:
+  explicit FailuresRetried(const std::string& message) : Error(ExitCode::failed, message) {}
+};
+
 /// What every message means: takes messages and the time, keeps plans, leases, registry and the
 /// group of results in step, and leaves messages to be sent. No sockets, no clock of its own, one
 /// thread.
@@ -80,8 +86,9 @@ struct CoordinatorSettings {
 /// the end of the build does.
 ///
 /// Errors of journal or tables leave as exceptions, and DamagedRecord where a result that is needed
-/// cannot be read any more, LiarsFound where some were wrong; the object must not be used
-/// afterwards, and nothing was acknowledged that is not on disk.
+/// cannot be read any more, LiarsFound where some were wrong, FailuresRetried where an operator
+/// asked for it; the object must not be used afterwards, and nothing was acknowledged that is not
+/// on disk.
 class Coordinator {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -219,6 +226,8 @@ class Coordinator {
   std::chrono::seconds hungAfter() const;
   void add(const Settled& settled);
   std::int32_t retry();
+  std::int32_t retryFailed(const std::string& cause);
+  std::string prioritize(const std::string& name, std::int32_t priority);
 
   const std::string& recentStatus(Time now);
   Time serversDue() const;
@@ -267,6 +276,10 @@ class Coordinator {
   PeerLog peer_log_;
   Pace pace_;
   std::size_t found_ = 0;
+  std::map<std::string, std::int32_t> priorities_;  ///< by row of a status
+  /// Why this object is not used any more once its last answers are sent; empty: it is.
+  std::string begins_anew_;
+  bool answered_ = false;
   std::int64_t converged_ = 0;  ///< of recorded_
   std::int64_t recorded_ = 0;
   double longest_solve_ = 0;  ///< s, of all results; 0 before the first

@@ -21,6 +21,7 @@ std::optional<Role> roleFor(const wire::Message& message) {
     case Message::kStatusRequest: return Role::observer;
     case Message::kStopRequest:
     case Message::kPauseRequest:
+    case Message::kPriorityRequest:
     case Message::kRetryRequest: return Role::system_operator;
     default: return std::nullopt;
   }

@@ -27,16 +27,13 @@ namespace {
 constexpr std::chrono::seconds pace_window{120};
 constexpr std::chrono::seconds between_samples{1};
 
-/// Of a space, or of all places where an area is measured: each is one point there.
+/// Places where an area is measured are one row: each is one point there.
 wire::SpaceStatus& rowFor(wire::Status& status, const ActiveSelection& active) {
-  if (!active.isProbe()) {
-    status.add_spaces()->set_name(active.name);
-    return *status.mutable_spaces()->rbegin();
-  }
-  const std::string area = "probes of " + active.probe_of;
-  for (wire::SpaceStatus& row : *status.mutable_spaces())
-    if (row.name() == area) return row;
-  status.add_spaces()->set_name(area);
+  const std::string name = rowNameOf(active);
+  if (active.isProbe())
+    for (wire::SpaceStatus& row : *status.mutable_spaces())
+      if (row.name() == name) return row;
+  status.add_spaces()->set_name(name);
   return *status.mutable_spaces()->rbegin();
 }
 
@@ -46,6 +43,16 @@ void setStage(wire::SpaceStatus& row, Stage stage) {
 }
 
 }  // namespace
+
+std::string rowNameOf(const ActiveSelection& active) {
+  return active.isProbe() ? "probes of " + active.probe_of : active.name;
+}
+
+void setPriorities(wire::Status& status, const std::map<std::string, std::int32_t>& priorities) {
+  for (wire::SpaceStatus& row : *status.mutable_spaces())
+    if (const auto found = priorities.find(row.name()); found != priorities.end())
+      row.set_priority(found->second);
+}
 
 wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans,
                       const std::vector<wire::WorkerStatus>& servers, const Counters& counters) {

@@ -15,6 +15,11 @@ void addPoint(wire::Status& status, wire::SpaceStatus& space, const PointRecord&
 wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plans,
                       const std::vector<wire::WorkerStatus>& servers, const Counters& counters);
 
+/// The row of a status that a space is counted in: its own, or that of all places where an area is
+/// measured.
+std::string rowNameOf(const ActiveSelection& active);
+void setPriorities(wire::Status& status, const std::map<std::string, std::int32_t>& priorities);
+
 void addKeptOut(wire::Status& status, const std::vector<KeptOut>& kept_out);
 
 /// One line of JSON with the field names of proto/palpate.proto and every field in it.

@@ -88,8 +88,8 @@ std::string WorkerRegistry::objectionToKernels(const std::string& family) const 
   return fmt::format(
       "this build is computed with the {} kernels, the worker has {} and no others (its CPU, or "
       "PALPATE_KERNELS or OPENBLAS_CORETYPE, see docs/solver.md), and the last bits would depend "
-      "on who solved what: use machines that run {}, or begin the build anew with --kernels that all "
-      "run",
+      "on who solved what: use machines that run {}, or begin the build anew with --kernels that "
+      "all run",
       kernel_family_, family, kernel_family_);
 }
 

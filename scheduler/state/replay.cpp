@@ -50,6 +50,19 @@ Replay replay(const Problem& problem, StoredResults results) {
   return replayed;
 }
 
+std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cause) {
+  std::vector<ResultKey> keys;
+  for (std::uint32_t space = 0; space < plans.size(); ++space) {
+    const SpacePlan& plan = plans[space];
+    for (std::int32_t n = 0; n < plan.size(); ++n)
+      for (const FailedAttempt& attempt : plan.attempts(n))
+        if (attempt.failure.cause == cause)
+          keys.push_back(
+              {space, plan.positions().point(n), plan.positions().point(attempt.parent)});
+  }
+  return keys;
+}
+
 void refuseSpare(const StoredResults& spare) {
   if (spare.empty()) return;
   const auto& [space, target, parent] = spare.begin()->first;

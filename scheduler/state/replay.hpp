@@ -30,6 +30,9 @@ struct Replay {
 /// Records every result in fresh plans. `problem` must outlive them.
 Replay replay(const Problem& problem, StoredResults results);
 
+/// The results of all attempts that failed with this cause.
+std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cause);
+
 /// Error when a replay of a journal that is whole left results that nobody asked for: another
 /// version of the program, which asked for others, began it.
 void refuseSpare(const StoredResults& spare);

@@ -88,6 +88,13 @@ void putPaused(Database& database, bool paused) {
   Statement(database, "INSERT OR REPLACE INTO meta VALUES ('paused', ?)").run(paused ? 1 : 0);
 }
 
+constexpr std::string_view priority_of = "priority of ";
+
+void putPriority(Database& database, const std::string& name, std::int32_t priority) {
+  Statement(database, "INSERT OR REPLACE INTO meta VALUES (?, ?)")
+      .run(std::string(priority_of) + name, priority);
+}
+
 std::string thisProgram() { return std::string("palpate ") + version(); }
 
 /// DamagedDatabase where two places contradict each other: a bit of one of them flipped.
@@ -245,6 +252,15 @@ Counters StoredTables::counters() {
 }
 
 bool StoredTables::paused() { return meta<std::int64_t>(database_, "paused") != 0; }
+
+std::map<std::string, std::int32_t> StoredTables::priorities() {
+  std::map<std::string, std::int32_t> found;
+  Statement query(database_, "SELECT key, value FROM meta");
+  while (query.step())
+    if (const std::string key = query.text(0); key.starts_with(priority_of))
+      found[key.substr(priority_of.size())] = query.integer<std::int32_t>(1);
+  return found;
+}
 
 std::vector<KeptOut> StoredTables::keptOut() {
   using Kind = KeptOut::Kind;
@@ -415,6 +431,10 @@ void Tables::writePaused(bool paused) {
   durably([&] { putPaused(database_, paused); });
 }
 
+void Tables::writePriority(const std::string& name, std::int32_t priority) {
+  durably([&] { putPriority(database_, name, priority); });
+}
+
 void Tables::writeCheck(const ResultKey& key, bool disputed) {
   const auto& [space, to, from] = key;
   Statement(database_, "INSERT OR REPLACE INTO checks VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
@@ -453,6 +473,12 @@ Database tablesOfNobody(const StateDirectory& directory) {
 void writePaused(const StateDirectory& directory, bool paused) {
   Database database = tablesOfNobody(directory);
   putPaused(database, paused);
+}
+
+void writePriority(const StateDirectory& directory, const std::string& name,
+                   std::int32_t priority) {
+  Database database = tablesOfNobody(directory);
+  putPriority(database, name, priority);
 }
 
 std::int64_t forgetLosses(const StateDirectory& directory) {

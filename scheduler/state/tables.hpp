@@ -60,6 +60,8 @@ class StoredTables {
   Counters counters();
   /// Nothing is handed out before `palpate resume`.
   bool paused();
+  /// Of rows of a status, by name; of those that were given one.
+  std::map<std::string, std::int32_t> priorities();
   std::vector<KeptOut> keptOut();
   /// Results that others are to solve again, or will be once they are recorded; whether two differ.
   std::map<ResultKey, bool> checks();
@@ -107,8 +109,9 @@ class Tables : public StoredTables {
   /// From now on, whatever happens: synced when it returns.
   void keepOut(std::span<const KeptOut> liars);
 
-  /// Synced when it returns.
+  /// Synced when they return.
   void writePaused(bool paused);
+  void writePriority(const std::string& name, std::int32_t priority);
 
   /// A check outlives a run.
   void writeCheck(const ResultKey& key, bool disputed);
@@ -136,6 +139,7 @@ void putTablesAside(const StateDirectory& directory);
 
 /// Of directories in which no scheduler works.
 void writePaused(const StateDirectory& directory, bool paused);
+void writePriority(const StateDirectory& directory, const std::string& name, std::int32_t priority);
 /// Returns how many transitions were set aside.
 std::int64_t forgetLosses(const StateDirectory& directory);
 

@@ -153,6 +153,7 @@ void followPeers(std::string_view bytes) {
     // Each costs a moment of the disk.
     for (int deeds = 0; deeds < 100 && !choices.done(); ++deeds) scheduler.follow(choices);
     scheduler.end();
+  } catch (const FailuresRetried&) {
   } catch (const LiarsFound&) {
     // Two peers that said the same found out a third.
   }

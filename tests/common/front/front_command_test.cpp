@@ -68,8 +68,9 @@ TEST_F(FrontCommand, SaysWhichProgramIsMissing) {
 TEST_F(FrontCommand, OverviewNamesEveryVerbAndIsWhatNoArgumentPrints) {
   const CommandResult result = palpate("--help");
   EXPECT_EQ(result.exit_code, 0);
-  for (const char* verb : {"build", "serve", "fleet", "status", "stop", "pause", "resume", "seal",
-                           "retry", "explain", "work", "solve", "check", "query", "verify"})
+  for (const char* verb :
+       {"build", "serve", "fleet", "status", "stop", "pause", "resume", "seal", "priority", "retry",
+        "explain", "work", "solve", "check", "query", "verify"})
     EXPECT_THAT(result.output, HasSubstr(std::string("\n  ") + verb + " "));
   EXPECT_EQ(palpate("").output, result.output);
   EXPECT_EQ(palpate("help").output, result.output);

@@ -67,6 +67,9 @@ TEST(Cause, EveryOneHasAWordOfItsOwnAndADescriptionThatBeginsWithIt) {
 
 TEST(Cause, OfAnUnknownValueIsNone) {
   for (const std::uint32_t value : {200u, 256u, 266u, ~0u}) EXPECT_FALSE(causeOf(value)) << value;
+  EXPECT_EQ(causeNamed("limit_point"), Cause::limit_point);
+  EXPECT_FALSE(causeNamed(""));
+  EXPECT_FALSE(causeNamed("bad_luck"));
 }
 
 }  // namespace

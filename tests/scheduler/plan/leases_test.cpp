@@ -198,5 +198,16 @@ TEST_F(LeasesTest, KnowsWhichTransitionAHeartbeatNames) {
   EXPECT_TRUE(leases.openOf("b", job.job).empty());
 }
 
+TEST_F(LeasesTest, HandsOutASpaceOfHigherPriorityFirstWhateverWaitedBefore) {
+  for (const std::uint32_t space : {0u, 1u, 2u}) leases.add({space, 1, 0});
+  leases.setPriority(1, -1);
+  leases.setPriority(2, 5);
+  leases.add({2, 9, 8});
+  std::vector<std::uint32_t> order;
+  while (const auto handout = leases.handOut("w", 1)) order.push_back(handout->space);
+  EXPECT_THAT(order, ElementsAre(2, 2, 0, 1));
+  EXPECT_EQ(leases.waiting(), 0u);
+}
+
 }  // namespace
 }  // namespace palpate

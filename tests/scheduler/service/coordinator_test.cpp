@@ -40,6 +40,12 @@ struct CoordinatorTest : testing::Test {
     return message;
   }
   std::string originFields() { return test::solve(world.problem, 0, {0, 0, 0}, {0, 0, 0}).second; }
+  std::uint32_t retryFailed(const char* cause) {
+    Message order;
+    order.mutable_retry_request()->set_cause(cause);
+    world.send("operator", order);
+    return world.take("operator", Message::kRetryReply).at(0).retry_reply().transitions();
+  }
 };
 
 TEST_F(CoordinatorTest, WelcomesAWorkerAndSendsItTheProblem) {
@@ -761,6 +767,66 @@ TEST_F(CoordinatorTest, HandsOutNothingWhileItIsPausedAndKeepsItsWorkers) {
   setPaused(world, false);
   world.pass(25ms);
   EXPECT_FALSE(world.takeJobs("a").empty());
+}
+
+std::string prioritize(test::BuildWorld& world, const std::string& space, std::int32_t priority) {
+  Message order;
+  order.mutable_priority_request()->set_space(space);
+  order.mutable_priority_request()->set_priority(priority);
+  world.send("operator", order);
+  const auto replies = world.take("operator", Message::kPriorityReply);
+  EXPECT_EQ(replies.size(), 1u);
+  return replies.empty() ? "no answer" : replies[0].priority_reply().objection();
+}
+
+TEST_F(CoordinatorTest, HandsOutASpaceOfHigherPriorityFirstAndStillAfterARestart) {
+  const std::string second = world.problem.active[1].name;
+  EXPECT_EQ(prioritize(world, second, 1), "");
+  EXPECT_THAT(
+      prioritize(world, "nobody", 1),
+      testing::AllOf(testing::HasSubstr("no space is called nobody"), testing::HasSubstr(second)));
+  world.join("a", 1);
+  const auto first = world.takeJobs("a");
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_EQ(first[0].space(), 1u);
+  world.restart();
+  EXPECT_EQ(world.coordinator().status(world.now).spaces(1).priority(), 1);
+  world.join("a", 1);
+  EXPECT_EQ(world.takeJobs("a").at(0).space(), 1u);
+}
+
+/// A machine without memory fails where others do not.
+TEST_F(CoordinatorTest, TriesAgainWhatFailedWithACauseAndEndsWithTheSameDataset) {
+  test::BuildWorld healthy;
+  healthy.join("a", 1);
+  healthy.finish({"a"});
+  bool has_memory = false;
+  world.solver = [&](const Problem& problem, std::uint32_t space, const LatticePoint& target,
+                     const LatticePoint& parent) {
+    if (has_memory || target == LatticePoint{}) return test::solve(problem, space, target, parent);
+    Outcome outcome;
+    outcome.failure.cause = Cause::factorization_failed;
+    return test::resultOf(problem, space, target, parent, outcome);
+  };
+  solveOrigins();
+  world.request("a", 1);
+  for (const wire::Job& job : world.takeJobs("a")) world.deliver("a", job);
+  world.pass(25ms);
+  const auto failed = [&] {
+    return world.coordinator().status(world.now).failed_attempts().count("factorization_failed");
+  };
+  EXPECT_EQ(failed(), 1u);
+  EXPECT_EQ(retryFailed("limit_point"), 0u);
+  EXPECT_GE(retryFailed("factorization_failed"), 1u);
+  EXPECT_EQ(retryFailed("factorization_failed"), 0u) << "once";
+  world.settle();
+  EXPECT_THROW(world.settle(), FailuresRetried) << "in the next turn, when it is answered";
+  has_memory = true;
+  world.restart();
+  EXPECT_EQ(failed(), 0u);
+  world.join("a", 1);
+  world.finish({"a"});
+  EXPECT_EQ(world.sealedContent(), healthy.sealedContent());
 }
 
 TEST_F(CoordinatorTest, StaysPausedOverARestart) {
