@@ -1,5 +1,4 @@
 #include <spdlog/spdlog.h>
-#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -14,6 +13,7 @@
 #include "scheduler/build.hpp"
 #include "scheduler/service_manager.hpp"
 #include "scheduler/status_text.hpp"
+#include "scheduler/terminal.hpp"
 #include "scheduler/verbs.hpp"
 #include "scheduler/worker_pool.hpp"
 
@@ -32,13 +32,6 @@ constexpr milliseconds redraw_every{200};
 /// Into a file: a night of work is a thousand lines.
 constexpr milliseconds line_every{30000};
 
-/// Asked anew for every line: windows are resized.
-std::size_t columnsOf(int terminal) {
-  constexpr std::size_t usual = 80;
-  struct winsize size {};
-  return ioctl(terminal, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : usual;
-}
-
 /// Shows on stderr how far a build is: a bar that redraws itself in one row of a terminal, else a
 /// line every half minute. Nothing when only warnings are wanted (--quiet).
 class Progress {
@@ -55,7 +48,7 @@ class Progress {
     next_ = now + (terminal_ ? redraw_every : line_every);
     const wire::Status status = coordinator.status(now);
     if (terminal_)
-      tell("\r{}\x1b[K", progressBar(status, columnsOf(STDERR_FILENO)));
+      tell("\r{}\x1b[K", progressBar(status, sizeOf(STDERR_FILENO).columns));
     else
       tell("{}\n", progressLine(status));
     drawn_ = terminal_;
@@ -281,6 +274,8 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
       build.drop(damage);
     } catch (const LiarsFound& found) {
       build.keepOut(found);
+    } catch (const FailuresRetried& retried) {
+      spdlog::warn("{}", retried.what());
     }
     stopping = build.coordinator().stopping();
   }

@@ -201,13 +201,56 @@ std::string summaryOf(const std::vector<SpaceTable>& spaces, const Scene& scene,
   return text;
 }
 
+namespace {
+
+/// "priority: tip 3, dome -1"; empty where all are alike.
+std::string prioritiesLine(const wire::Status& status) {
+  std::string text;
+  for (const wire::SpaceStatus& row : status.spaces())
+    if (row.priority() != 0)
+      text +=
+          fmt::format("{}{} {}", text.empty() ? "priority: " : ", ", row.name(), row.priority());
+  return text.empty() ? "" : text + '\n';
+}
+
+/// One by one as long as a person would read that, else by machine.
+std::string workersOf(const wire::Status& status) {
+  constexpr int most_lines = 8;
+  std::string text;
+  if (status.workers_size() <= most_lines) {
+    for (const wire::WorkerStatus& w : status.workers())
+      text += fmt::format("worker {} on {}: {}, {} results, heard {:.0f} s ago\n", w.pid(),
+                          w.host(), w.state(), w.results(), w.heard_seconds_ago());
+    return text;
+  }
+  struct Machine {
+    std::map<std::string, int> workers;  // by state
+    std::int64_t results = 0;
+  };
+  std::map<std::string, Machine> machines;
+  for (const wire::WorkerStatus& w : status.workers()) {
+    ++machines[w.host()].workers[w.state()];
+    machines[w.host()].results += w.results();
+  }
+  for (const auto& [host, machine] : machines) {
+    std::string counts;
+    for (const auto& [state, count] : machine.workers)
+      counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, state);
+    text += fmt::format("workers on {}: {}; {} results\n", host, counts, machine.results);
+  }
+  return text;
+}
+
+}  // namespace
+
 std::string describe(const wire::Status& status) {
   std::string text =
       fmt::format("scene {}, build {}: {}{}\n\n", status.scene(), status.build().substr(0, 12),
                   status.state(), status.paused() ? ", paused: palpate resume goes on" : "");
-  text += pointTable(status, true) + '\n';
+  // What does not fit into a window is at the end.
   if (status.state() == "running" || status.state() == "stopping")
-    text += progressLine(status) + '\n';
+    text += progressLine(status) + "\n\n";
+  text += pointTable(status, true) + '\n' + prioritiesLine(status);
   text += causesLine("failed points", status.failed_points()) +
           causesLine("failed transitions", status.failed_attempts());
   if (status.set_aside() > 0)
@@ -219,15 +262,12 @@ std::string describe(const wire::Status& status) {
         fmt::format("disputed: {} result(s), which workers found differently; others are asked\n",
                     status.disputed());
   for (const wire::KeptOut& k : status.kept_out()) text += keptOutLine(k);
-  for (const wire::WorkerStatus& w : status.workers())
-    text += fmt::format("worker {} on {}: {}, {} results, heard {:.0f} s ago\n", w.pid(), w.host(),
-                        w.state(), w.results(), w.heard_seconds_ago());
   for (const char* alarm : {"divergent_results", "bad_messages", "lost_workers", "refused_workers",
                             "unchecked_results", "closed_connections"})
     if (const auto found = status.counters().find(alarm);
         found != status.counters().end() && found->second > 0)
       text += fmt::format("{}: {}\n", alarm, found->second);
-  return text;
+  return text + workersOf(status);
 }
 
 }  // namespace palpate

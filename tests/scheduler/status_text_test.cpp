@@ -62,6 +62,22 @@ TEST(ProgressLine, OfAPausedBuildSaysSoAndGivesNoTime) {
   EXPECT_THAT(describe(status), HasSubstr("running, paused: palpate resume goes on"));
 }
 
+TEST(Describe, TellsManyWorkersByMachine) {
+  wire::Status status = bigBuild();
+  for (int n = 0; n < 16; ++n) {
+    wire::WorkerStatus& worker = *status.mutable_workers(n);
+    worker.set_host(n < 10 ? "node1" : "node2");
+    worker.set_state(n % 2 == 0 ? "busy" : "lost");
+    worker.set_results(7);
+  }
+  status.mutable_spaces(0)->set_name("tip");
+  status.mutable_spaces(0)->set_priority(-2);
+  EXPECT_THAT(describe(status),
+              testing::AllOf(HasSubstr("workers on node1: 5 busy, 5 lost; 70 results\n"),
+                             HasSubstr("workers on node2: 3 busy, 3 lost; 42 results\n"),
+                             HasSubstr("priority: tip -2\n"), Not(HasSubstr("worker 0"))));
+}
+
 /// "0 s left" stood there while branches were told apart.
 TEST(ProgressLine, GivesNoTimeWhileOnlyBranchesAreSolved) {
   wire::Status status = bigBuild();

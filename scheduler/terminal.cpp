@@ -1,0 +1,32 @@
+#include "scheduler/terminal.hpp"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+
+#include <algorithm>
+#include <sstream>
+#include <vector>
+
+namespace palpate {
+
+TerminalSize sizeOf(int terminal) {
+  struct winsize size {};
+  if (ioctl(terminal, TIOCGWINSZ, &size) != 0 || size.ws_col == 0 || size.ws_row == 0) return {};
+  return {size.ws_row, size.ws_col};
+}
+
+std::string fitted(const std::string& text, TerminalSize size) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line.substr(0, size.columns));
+  // The row behind the last line feed is the cursor's.
+  const std::size_t room = std::max<std::size_t>(size.rows, 3) - 1;
+  if (lines.size() > room) {
+    const std::size_t left_out = lines.size() - (room - 1);
+    lines.resize(room - 1);
+    lines.push_back(fmt::format("... {} lines more", left_out).substr(0, size.columns));
+  }
+  return fmt::format("{}\n", fmt::join(lines, "\n"));
+}
+
+}  // namespace palpate
