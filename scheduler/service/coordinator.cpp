@@ -319,7 +319,8 @@ void Coordinator::take(Worker& worker, const TransitionKey& key, const Incoming&
   member.is_checked = picked != SpotChecks::Picked::no;
   member.is_odd = picked == SpotChecks::Picked::as_odd;
   member.senders.insert(worker.peer);
-  if (group_.size() >= settings_.group_results) commitGroup(now);
+  if (group_.size() >= settings_.group_results || group_.bytes() >= settings_.group_bytes)
+    commitGroup(now);
 }
 
 /// Whoever has others is asked who it is again, and told then to take these, or why it may not
@@ -368,20 +369,29 @@ void Coordinator::commitGroup(Time now) {
   for (const auto& [key, member] : group_.members()) noteChecks(member);
   // Plans move on only after this: what they ask for next may rest on what is in the group.
   const ResultGroup::Members durable = group_.commit();
-  std::vector<Tables::Changed> changed;
   for (const auto& [key, member] : durable) {
     for (const std::string& peer : member.senders) acknowledgement(peer, member.result.header);
     SpacePlan& plan = plans_[key.space];
     plan.record({key.target, key.parent}, member.result.outcome, fieldsOf(member.result.header));
-    changed.push_back({key.space, key.target});
+    noteChanged(key, now);
     ++recorded_;
     longest_solve_ = std::max(longest_solve_, member.result.outcome.cost.seconds);
     converged_ += member.result.outcome.converged;
     add(settle(plan, key.space, spare_));
   }
   openChecks();
-  store_->tables().show(plans_, changed);
   finishIfComplete(now);
+}
+
+void Coordinator::noteChanged(const TransitionKey& key, Time now) {
+  if (changed_.empty()) changed_since_ = now;
+  changed_.push_back({key.space, key.target});
+}
+
+void Coordinator::showChanged() {
+  if (changed_.empty()) return;
+  store_->tables().show(plans_, changed_);
+  changed_.clear();
 }
 
 void Coordinator::add(const Settled& settled) {
@@ -421,6 +431,7 @@ void Coordinator::finishIfComplete(Time now) {
   PALPATE_ASSERT(group_.size() == 0 && leases_.empty(),
                  "a complete plan waits for no result, and nobody solves for it");
   complete_ = true;
+  changed_.clear();
   store_->tables().showAll(plans_);
   writeServers(now);
 }
@@ -462,6 +473,7 @@ void Coordinator::advance(Time now, bool all_read) {
   if (groupIsDue(now)) commitGroup(now);
   handOutJobs(now);
   giveUpChecks(now);
+  if (!changed_.empty() && now - changed_since_ >= settings_.tables_age) showChanged();
   if (now >= serversDue()) writeServers(now);
   pace_.note(now, converged_);
 }
@@ -469,6 +481,7 @@ void Coordinator::advance(Time now, bool all_read) {
 Coordinator::Time Coordinator::nextDeadline() const {
   Time deadline = serversDue();
   if (group_.since()) deadline = std::min(deadline, *group_.since() + settings_.group_age);
+  if (!changed_.empty()) deadline = std::min(deadline, changed_since_ + settings_.tables_age);
   for (const auto& [id, worker] : registry_.all()) {
     deadline = std::min(deadline, worker.heard + settings_.worker_lost);
     if (worker.idle_since)
@@ -724,6 +737,7 @@ void Coordinator::stop(Time now) {
   // Before the workers hear of it: their acknowledgements go out first.
   commitGroup(now);
   stopping_ = true;
+  showChanged();
   drainAll();
   writeServers(now);
 }

@@ -49,10 +49,12 @@ struct CoordinatorSettings {
   double hung_factor = 30;
   std::chrono::seconds hung_at_least{120}, hung_without_any{3600};
   std::optional<std::chrono::seconds> hung_after;  ///< instead of all that
-  /// Group commit: results wait for others at most so long, and at most so many share one sync and
-  /// one transaction.
+  /// Group commit: results wait for others at most so long, and at most so many, of so many bytes,
+  /// share one sync.
   std::chrono::milliseconds group_age{20};
-  std::size_t group_results = 64;
+  std::size_t group_results = 256, group_bytes = std::size_t{16} << 20;
+  /// What plans know of points is in the tables, which are for people, so much later.
+  std::chrono::milliseconds tables_age{250};
   /// Bytes of start configurations that lie unread with workers; beyond it none is answered, and
   /// workers ask again.
   std::size_t unread_starts = std::size_t{96} << 20;
@@ -231,6 +233,8 @@ class Coordinator {
 
   const std::string& recentStatus(Time now);
   Time serversDue() const;
+  void noteChanged(const TransitionKey& key, Time now);
+  void showChanged();
   void writeServers(Time now);
   wire::Message& send(const std::string& peer,
                       std::shared_ptr<const std::string> payload = nullptr);
@@ -270,8 +274,10 @@ class Coordinator {
   Time started_;
   Time last_turn_;
   Time servers_written_;
-  bool newcomers_ = false;     ///< since then
-  std::string recent_status_;  ///< JSON
+  std::vector<Tables::Changed> changed_;  ///< and not in the tables yet
+  Time changed_since_;                    ///< of the first
+  bool newcomers_ = false;                ///< since then
+  std::string recent_status_;             ///< JSON
   Time recent_status_made_;
   PeerLog peer_log_;
   Pace pace_;

@@ -298,16 +298,19 @@ JournalPosition Journal::append(std::string_view header, std::string_view payloa
             .payload_bytes = static_cast<std::uint32_t>(payload.size()),
             .payload_crc = crcOf(payload)};
   head.header_crc = headerCrcOf(head, header);
-  std::string record(reinterpret_cast<const char*>(&head), sizeof head);
-  record += header;
-  record += payload;
-  writeAll(record);
-  const JournalPosition position{end_.segment, end_.offset, record.size()};
-  end_.offset += record.size();
+  const JournalPosition position{end_.segment, end_.offset,
+                                 sizeof head + header.size() + payload.size()};
+  pending_.append(reinterpret_cast<const char*>(&head), sizeof head);
+  pending_ += header;
+  pending_ += payload;
+  end_.offset += position.length;
+  constexpr std::size_t enough = 1 << 20;
+  if (pending_.size() >= enough) writePending();
   return position;
 }
 
 void Journal::sync() {
+  writePending();
   if (fdatasync(file_.get()) == 0) {
     synced_ = end_.offset;
     return;
@@ -399,11 +402,13 @@ void Journal::syncOthers() const {
   }
 }
 
-void Journal::writeAll(std::string_view bytes) {
-  if (!writeAt(file_.get(), end_.offset, bytes))
+void Journal::writePending() {
+  PALPATE_ASSERT(pending_.size() <= end_.offset, "it lies before the end, in one segment");
+  if (!writeAt(file_.get(), end_.offset - pending_.size(), pending_))
     throw failure(
         "{}: cannot write: {}: make room and start again; everything acknowledged is kept",
         segmentPath(end_.segment).string(), errnoText());
+  pending_.clear();
 }
 
 }  // namespace palpate

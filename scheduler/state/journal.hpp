@@ -112,10 +112,10 @@ class Journal : public JournalReader {
   Journal(std::filesystem::path directory, JournalEnd end,
           std::uint64_t segment_bytes = default_segment_bytes);
 
-  /// Appends without syncing. A full segment is synced and closed first.
+  /// Appends; nothing need be in the file before sync(). A full segment is synced and closed first.
   JournalPosition append(std::string_view header, std::string_view payload);
-  /// fdatasync; afterwards everything before end() survives a crash. When it fails, what was
-  /// appended since the last one is cut off.
+  /// Writes what was appended, and fdatasync; afterwards everything before end() survives a crash.
+  /// When it fails, what was appended since the last one is cut off.
   void sync();
   JournalEnd end() const { return end_; }
 
@@ -132,13 +132,15 @@ class Journal : public JournalReader {
   void openSegment();
   void syncOthers() const;
   void dropIn(std::uint32_t segment, std::span<const JournalPosition> positions);
-  void writeAll(std::string_view bytes);
+  void writePending();
 
   std::uint64_t segment_bytes_;
   JournalEnd end_;
   std::uint64_t synced_;  ///< of the segment that is written, so many bytes survive a crash
   std::vector<std::uint32_t> present_;  ///< segments that were there, or were made
   FileDescriptor file_;                 ///< of the one that is written
+  /// The last bytes before end_, which are not in the file yet: one write for many records.
+  std::string pending_;
 };
 
 }  // namespace palpate

@@ -6,6 +6,7 @@ namespace palpate {
 
 void ResultGroup::add(const TransitionKey& key, StoredResult result, std::string payload,
                       Time now) {
+  bytes_ += payload.size();
   const bool fresh =
       members_
           .try_emplace(key, Member{std::move(result), std::move(payload), {}, false, false, false})
@@ -24,6 +25,7 @@ ResultGroup::Members ResultGroup::commit() {
   for (const auto& [key, member] : members_) store_->append(member.result.header, member.payload);
   store_->commit();
   since_.reset();
+  bytes_ = 0;
   return std::exchange(members_, {});
 }
 

@@ -34,6 +34,8 @@ class ResultGroup {
   bool has(const TransitionKey& key) const { return members_.contains(key); }
   const Members& members() const { return members_; }
   std::size_t size() const { return members_.size(); }
+  /// Of payloads.
+  std::size_t bytes() const { return bytes_; }
   /// When the first of them came; nothing when there is none.
   std::optional<Time> since() const { return since_; }
 
@@ -45,6 +47,7 @@ class ResultGroup {
  private:
   JobStore* store_;
   Members members_;
+  std::size_t bytes_ = 0;
   std::optional<Time> since_;
 };
 

@@ -309,7 +309,8 @@ TEST_F(JournalTest, AFullDiskIsAnErrorThatSaysWhatToDo) {
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
   const struct rlimit small = {4096, before.rlim_max};
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
-  test::expectError(ExitCode::failed, [&] { journal.append("h", std::string(10000, 'x')); },
+  journal.append("h", std::string(10000, 'x'));
+  test::expectError(ExitCode::failed, [&] { journal.sync(); },
                     {"segment-000001.dat", "cannot write", "everything acknowledged is kept"});
   setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, handler);
