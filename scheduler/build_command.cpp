@@ -11,11 +11,11 @@
 #include "common/keys/key_options.hpp"
 #include "common/problem/problem_warnings.hpp"
 #include "scheduler/build.hpp"
+#include "scheduler/fleet/worker_pool.hpp"
 #include "scheduler/service_manager.hpp"
 #include "scheduler/status_text.hpp"
 #include "scheduler/terminal.hpp"
 #include "scheduler/verbs.hpp"
-#include "scheduler/worker_pool.hpp"
 
 namespace palpate {
 namespace {

@@ -61,7 +61,7 @@ From a scene to forces
 On several machines
   serve    Run the scheduler of a scene; workers come and go as they like
   work     Run workers for it, here or anywhere
-  fleet    As many workers as a build can use, from Slurm
+  fleet    As many workers as a build can use, from Slurm or by ssh
   status   How far it is: tags, rate, time left, workers, failures by cause
   stop     Let it finish what is running, and end it; serve goes on later
   pause    Hand out no more work before resume; workers stay

@@ -1,4 +1,4 @@
-#include "scheduler/worker_pool.hpp"
+#include "scheduler/fleet/worker_pool.hpp"
 
 #include <signal.h>
 #include <sys/prctl.h>

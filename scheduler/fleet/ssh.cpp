@@ -1,0 +1,100 @@
+#include "scheduler/fleet/ssh.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "common/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::chrono::seconds first_pause{5};
+constexpr int most_doublings = 6;
+/// A connection that lasted so long was a good one.
+constexpr std::chrono::minutes long_enough{2};
+
+struct HostWords {
+  std::string name;
+  std::string workers;  ///< a number, or what the shell there makes one of
+};
+
+HostWords parsed(const std::string& host) {
+  HostWords words{host, "$(nproc)"};
+  if (const auto colon = host.rfind(':'); colon != std::string::npos) {
+    const std::string number = host.substr(colon + 1);
+    int workers = 0;
+    const auto [end, error] =
+        std::from_chars(number.data(), number.data() + number.size(), workers);
+    if (error != std::errc() || end != number.data() + number.size() || workers < 1)
+      throw badInput("{}: behind the colon stands the number of workers", host);
+    words = {host.substr(0, colon), number};
+  }
+  // A word that begins with a dash would be an option of ssh.
+  if (words.name.empty() || words.name.front() == '-')
+    throw badInput("\"{}\" is no machine: give HOST, USER@HOST or HOST:WORKERS", host);
+  return words;
+}
+
+std::vector<std::string> wordsFor(const SshOptions& options, const std::string& host) {
+  const HostWords words = parsed(host);
+  // A terminal there, though nobody types: what runs in it is told when the connection is gone.
+  std::vector<std::string> command = {
+      "/usr/bin/env", "ssh", "-n", "-tt", "-o", "BatchMode=yes", "-o", "ServerAliveInterval=15"};
+  command.insert(command.end(), options.more.begin(), options.more.end());
+  command.push_back(words.name);
+  command.push_back(fmt::format("exec {} -j {}", fmt::join(options.command, " "), words.workers));
+  return command;
+}
+
+}  // namespace
+
+SshHosts::SshHosts(const SshOptions& options, const std::vector<std::string>& hosts) {
+  for (const std::string& host : hosts) hosts_.emplace_back(host, wordsFor(options, host));
+}
+
+void SshHosts::checkHost(const std::string& host) { parsed(host); }
+
+std::string SshHosts::told(const SshOptions& options, const std::string& host) {
+  std::string text;
+  for (const std::string& word : wordsFor(options, host))
+    text += (text.empty() ? "" : " ") +
+            (word.find(' ') == std::string::npos ? word : '\'' + word + '\'');
+  return text;
+}
+
+void SshHosts::keep(Time now) {
+  for (Host& host : hosts_) {
+    for (const WorkerPool::Ended& ended : host.connection.reap()) {
+      host.done = ended.how == "exit code 0";
+      if (host.done) continue;
+      if (now - host.begun > long_enough) host.failures = 0;
+      const auto pause = first_pause * (1 << std::min(host.failures++, most_doublings));
+      host.next_try = now + pause;
+      spdlog::warn("{}: ssh ended with {} (its words are above); again in {} s", host.name,
+                   ended.how, pause.count());
+    }
+    if (host.connection.running() > 0 || host.done || now < host.next_try) continue;
+    host.connection.start();
+    host.begun = now;
+    spdlog::info("{}: workers are started", host.name);
+  }
+}
+
+std::size_t SshHosts::running() const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      hosts_, [](const Host& host) { return host.connection.running() > 0; }));
+}
+
+bool SshHosts::done() const {
+  return std::ranges::all_of(hosts_, [](const Host& host) { return host.done; });
+}
+
+void SshHosts::terminate(std::chrono::milliseconds grace) {
+  for (Host& host : hosts_) host.connection.terminate(grace);
+}
+
+}  // namespace palpate

@@ -1,0 +1,110 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/system/own_network.hpp"
+#include "tests/system/small_build.hpp"
+
+/// A room of workstations, of one machine: a real sshd, in a network of this test.
+namespace palpate {
+namespace {
+
+using testing::HasSubstr;
+
+struct SshTest : test::SmallBuild {
+  SshTest() : SmallBuild(6) {}
+  test::OwnNetwork network;
+  std::unique_ptr<test::Process> sshd;
+
+  void SetUp() override {
+    if (geteuid() != 0 || test::runCommand("command -v sshd ssh ssh-keygen").exit_code != 0)
+      GTEST_SKIP() << "no root, or no sshd (openssh-server): fleets were NOT tested by ssh";
+    makeKey("host");
+    makeKey("user");
+    std::ofstream(path("known")) << "[127.0.0.1]:2222 " << test::contentOf(path("host.pub"));
+    std::ofstream(path("sshd_config"))
+        << "Port 2222\nListenAddress 127.0.0.1\nHostKey " << path("host") << "\nAuthorizedKeysFile "
+        << path("user.pub") << "\nPidFile none\nStrictModes no\nPermitRootLogin prohibit-password\n"
+        << "SetEnv PALPATE_KEYS=" << path("keys") << '\n';
+    std::filesystem::create_directories("/run/sshd");
+    sshd = std::make_unique<test::Process>(
+        "/usr/sbin/sshd", std::vector<std::string>{"-D", "-e", "-f", path("sshd_config")},
+        directory.path());
+    ASSERT_TRUE(test::eventually([&] {
+      return sshd->output().find("Server listening") != std::string::npos;
+    })) << sshd->output();
+  }
+  std::string path(const char* name) const { return (directory / name).string(); }
+  void makeKey(const char* name) const {
+    ASSERT_EQ(test::runCommand("ssh-keygen -q -t ed25519 -N '' -f '" + path(name) + "'").exit_code,
+              0);
+  }
+  std::unique_ptr<test::Process> startFleet(const std::string& known) {
+    return start("palpate-scheduler",
+                 {"fleet", "ssh", "state", "--hosts", "127.0.0.1:2", "--program",
+                  PALPATE_BIN_DIR "/palpate-worker", "--every", "1", "--", "-p", "2222", "-i",
+                  path("user"), "-o", "UserKnownHostsFile=" + known});
+  }
+  /// Of this test: they have its keys.
+  int workers() const {
+    return std::atoi(
+        test::runCommand("grep -lzs PALPATE_KEYS=" + path("keys") +
+                         " $(pgrep -x palpate-worker | sed 's|.*|/proc/&/environ|') | wc -l")
+            .output.c_str());
+  }
+};
+
+TEST_F(SshTest, WorkersBehindAConnectionThatBreaksAreBegunAgainAndNoneIsLeftAtTheEnd) {
+  auto serve = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
+                                           "--state", "state", "-o", "out.h5"});
+  endpointIn("state");
+  auto fleet = startFleet(path("known"));
+  ASSERT_TRUE(journalGrows(*serve, "state", 10000)) << fleet->output();
+  for (const pid_t connection : fleet->children()) kill(connection, SIGKILL);
+  EXPECT_TRUE(test::eventually([&] { return workers() == 0; })) << "they end with the connection";
+  ASSERT_TRUE(test::eventually([&] { return workers() > 0; })) << fleet->output();
+  expectFinished(*serve);
+  EXPECT_EQ(fleet->wait(), 0) << fleet->output();
+  EXPECT_THAT(fleet->output(),
+              testing::AllOf(HasSubstr("127.0.0.1:2: ssh ended with signal 9 (Killed)"),
+                             HasSubstr("no worker is left on 1 machine(s)")));
+  EXPECT_EQ(workers(), 0);
+}
+
+TEST_F(SshTest, AnInterruptedFleetLeavesNoWorkerAndTheBuildWaits) {
+  auto serve = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
+                                           "--state", "state", "-o", "out.h5"});
+  endpointIn("state");
+  auto fleet = startFleet(path("known"));
+  ASSERT_TRUE(journalGrows(*serve, "state", 10000)) << fleet->output();
+  EXPECT_EQ(fleet->stop(SIGTERM), 130) << fleet->output();
+  EXPECT_TRUE(test::eventually([&] { return workers() == 0; }));
+  EXPECT_TRUE(serve->running());
+}
+
+TEST_F(SshTest, AMachineThatIsNotKnownIsNotTrustedAndIsTriedAgain) {
+  auto serve = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
+                                           "--state", "state", "-o", "out.h5"});
+  endpointIn("state");
+  auto fleet = startFleet(path("nobody"));
+  EXPECT_TRUE(test::eventually([&] {
+    return fleet->output().find("exit code 255 (its words are above); again in 5 s") !=
+           std::string::npos;
+  })) << fleet->output();
+  EXPECT_THAT(fleet->output(), HasSubstr("Host key verification failed"));
+  EXPECT_EQ(fleet->stop(SIGTERM), 130);
+}
+
+TEST(SshCommand, SaysWhatIsNoMachine) {
+  const std::string program = PALPATE_BIN_DIR "/palpate-scheduler";
+  for (const char* host : {"node:0", "node:many", "-oProxyCommand=x", ":4"}) {
+    const auto result =
+        test::runCommand(program + " fleet ssh tcp://127.0.0.1:9 --dry-run --hosts=" + host);
+    EXPECT_EQ(result.exit_code, 2) << result.output;
+    EXPECT_THAT(result.output, testing::ContainsRegex("number of workers|is no machine"));
+  }
+}
+
+}  // namespace
+}  // namespace palpate
