@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+"""deploy/container/Containerfile. ctest runs each case by itself; by hand
+PALPATE_BIN_DIR=build/release/bin tests/deploy/container_test.py."""
+import functools
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../.."))
+PROGRAMS = os.path.abspath(os.environ.get("PALPATE_BIN_DIR", f"{ROOT}/build/release/bin"))
+CONTAINERFILE = f"{ROOT}/deploy/container/Containerfile"
+
+
+def output(*words, **options):
+    return subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=True, **options).stdout
+
+
+def stages():
+    """The commands of each stage, each on one line."""
+    with open(CONTAINERFILE, encoding="utf-8") as file:
+        text = re.sub(r"\\\n", " ", re.sub(r"^#.*\n", "", file.read(), flags=re.M))
+    return [re.findall(r"^.+$", stage, re.M) for stage in re.split(r"^(?=FROM )", text, flags=re.M) if stage.strip()]
+
+
+def runtime_packages():
+    (install,) = [line for line in stages()[1] if "apt-get install" in line]
+    words = re.search(r"apt-get install (.*?)&&", install)[1].split()
+    return [word for word in words if not word.startswith("-")]
+
+
+def installed_with(packages):
+    """These packages and what they need, of this machine."""
+    everything = {}
+    for line in output("dpkg-query", "-W", "-f", "${Package}\t${Pre-Depends}, ${Depends}\t${Provides}\t${Essential}\n").splitlines():
+        name, needs, provides, essential = line.split("\t")
+        alternatives = [[re.sub(r"[ (:].*", "", word.strip()) for word in need.split("|")] for need in needs.split(",") if need.strip()]
+        everything[name] = alternatives
+        for also in filter(None, (re.sub(r" .*", "", word.strip()) for word in provides.split(","))):
+            everything.setdefault(also, [[name]])
+        if essential == "yes":
+            packages = [*packages, name]
+    there, wanted = set(), list(packages)
+    while wanted:
+        name = wanted.pop()
+        if name in everything and name not in there:
+            there.add(name)
+            wanted += [word for alternatives in everything[name] for word in alternatives[:1]]
+    return there
+
+
+@functools.cache
+def libraries():
+    """What the programs of the image load here, and the package that each is of."""
+    said = "".join(output("ldd", os.path.join(PROGRAMS, program)) for program in ("palpate", "palpate-scheduler", "palpate-worker"))
+    paths = {os.path.realpath(path) for path in re.findall(r"=> (/\S+)", said)}
+    # Packages know files by the name before or after /lib became a link to /usr/lib; of the other one dpkg knows nothing.
+    names = paths | {path.removeprefix("/usr") for path in paths}
+    owners = subprocess.run(["dpkg", "-S", *names], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, check=False).stdout
+    return {path: package for package, path in re.findall(r"^([^:\s]+).*: (\S+)$", owners, re.M)}
+
+
+def not_in(packages):
+    there = installed_with(packages)
+    return {library: package for library, package in libraries().items() if package not in there}
+
+
+class Container(unittest.TestCase):
+    def testTheImageHasEveryLibraryThatItsProgramsLoad(self):
+        if "libasan" in output("ldd", f"{PROGRAMS}/palpate") or "libtsan" in output("ldd", f"{PROGRAMS}/palpate"):
+            self.skipTest("programs with sanitizers load what the image does not need")
+        self.assertGreater(len(libraries()), 20)
+        self.assertEqual(not_in(runtime_packages()), {})
+
+    def testAPackageThatIsForgottenIsMissed(self):
+        for forgotten in "libzmq5", "libmumps-seq-5.5", "libsqlite3-0", "libhdf5-103-1", "libtomlplusplus3":
+            rest = [package for package in runtime_packages() if package != forgotten]
+            self.assertIn(forgotten, not_in(rest).values())
+
+    def testEverythingThatIsCopiedIsThereAndEverythingThatIsBuiltIsCopied(self):
+        copied = [word for line in stages()[0] if line.startswith("COPY ") for word in line.split()[1:-1]]
+        for path in copied:
+            self.assertTrue(os.path.exists(os.path.join(ROOT, path)), path)
+        with open(f"{ROOT}/CMakeLists.txt", encoding="utf-8") as file:
+            folders = re.findall(r"^add_subdirectory\((\w+)\)", file.read(), re.M)
+        self.assertEqual([folder for folder in folders if folder not in copied], [])
+
+    def testTheProgramsOfTheComponentAreThoseOfTheManifests(self):
+        """What `cmake --install --component service` brings."""
+        cache = os.path.join(os.path.dirname(PROGRAMS), "CMakeCache.txt")
+        if not os.path.exists(cache):
+            self.skipTest(f"no build folder at {os.path.dirname(PROGRAMS)}: what is installed was NOT looked at")
+        with tempfile.TemporaryDirectory() as prefix:
+            output("cmake", "--install", os.path.dirname(PROGRAMS), "--component", "service", "--prefix", prefix)
+            installed = sorted(os.path.relpath(os.path.join(folder, name), prefix)
+                               for folder, _, names in os.walk(prefix) for name in names)
+        self.assertEqual(installed, ["bin/palpate", "bin/palpate-scheduler", "bin/palpate-worker"])
+
+    def testTheImageIsBuiltAndBuildsADataset(self):
+        if not os.environ.get("PALPATE_LONG_TESTS"):
+            self.skipTest("an image takes ten minutes and was NOT built; set PALPATE_LONG_TESTS=1 (deploy/test --all does)")
+        base = re.match(r"FROM (\S+)", stages()[1][0])[1]
+        if not shutil.which("podman") or subprocess.run(["podman", "image", "exists", base], check=False).returncode != 0:
+            self.skipTest(f"no podman, or no {base} in it: the image was NOT built")
+        image = "localhost/palpate-test"
+        self.addCleanup(subprocess.run, ["podman", "rmi", image], check=False, stdout=subprocess.DEVNULL)
+        output("podman", "build", "--network=host", "-t", image, "-f", CONTAINERFILE, ROOT)
+        with tempfile.TemporaryDirectory() as folder:
+            for name in "liver.toml", "liver-500.msh":
+                shutil.copy(f"{ROOT}/deploy/scenes/liver/{name}", folder)
+            os.chmod(folder, 0o777)
+            said = output("podman", "run", "--rm", "--network=none", "--read-only", "--read-only-tmpfs=false", "--cap-drop=ALL",
+                          "--security-opt=no-new-privileges", "-v", f"{folder}:/organ", image,
+                          "build", "/organ/liver.toml", "-o", "/organ/liver.h5")
+            self.assertIn("sealed after", said)
+
+
+if __name__ == "__main__":
+    unittest.main()
