@@ -69,7 +69,7 @@ def not_in(packages):
 
 class Container(unittest.TestCase):
     def testTheImageHasEveryLibraryThatItsProgramsLoad(self):
-        if "libasan" in output("ldd", f"{PROGRAMS}/palpate") or "libtsan" in output("ldd", f"{PROGRAMS}/palpate"):
+        if re.search("lib[at]san", output("ldd", f"{PROGRAMS}/palpate")):
             self.skipTest("programs with sanitizers load what the image does not need")
         self.assertGreater(len(libraries()), 20)
         self.assertEqual(not_in(runtime_packages()), {})

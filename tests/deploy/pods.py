@@ -118,7 +118,8 @@ class Pod:
         for file in "ld.so.cache", "alternatives":
             line += ["--ro-bind", f"/etc/{file}", f"/etc/{file}"]
         for mount in container.get("volumeMounts", ()):
-            line += [*folders_above(mount["mountPath"]), "--ro-bind" if mount.get("readOnly") else "--bind", self.volumes[mount["name"]], mount["mountPath"]]
+            line += [*folders_above(mount["mountPath"]), "--ro-bind" if mount.get("readOnly") else "--bind",
+                     self.volumes[mount["name"]], mount["mountPath"]]
         if container["securityContext"]["readOnlyRootFilesystem"]:
             line += ["--remount-ro", "/"]
         for name, value in self.environment(container).items():
