@@ -35,8 +35,8 @@ std::string timeLeft(const wire::Status& status, const Points& points) {
   if (points.known == points.all && status.state() == "running") return "solving branches";
   if (!status.has_eta_seconds()) return "";
   // Nothing takes 0 s as long as it is not done.
-  return durationText(std::max(1.0, status.eta_seconds())) +
-         (status.may_grow() ? " or more left" : " left");
+  return (status.may_grow() ? "about " : "") + durationText(std::max(1.0, status.eta_seconds())) +
+         " left";
 }
 
 /// Of many spaces those that tell something, as far as they fit on a screen, and a sum: first those

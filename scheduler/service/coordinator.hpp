@@ -5,6 +5,7 @@
 
 #include "common/wire/connections.hpp"
 #include "common/wire/wire.hpp"
+#include "scheduler/plan/forecast.hpp"
 #include "scheduler/plan/leases.hpp"
 #include "scheduler/plan/space_plan.hpp"
 #include "scheduler/service/allotment.hpp"
@@ -227,6 +228,8 @@ class Coordinator {
   void blame(const Leases::Suspects& suspects);
   std::chrono::seconds hungAfter() const;
   void add(const Settled& settled);
+  void lookAhead(Time now);
+  void addTimeLeft(wire::Status& status, Time now) const;
   std::int32_t retry();
   std::int32_t retryFailed(const std::string& cause);
   std::string prioritize(const std::string& name, std::int32_t priority);
@@ -280,7 +283,11 @@ class Coordinator {
   std::string recent_status_;             ///< JSON
   Time recent_status_made_;
   PeerLog peer_log_;
-  Pace pace_;
+  Pace pace_;       ///< of equilibria
+  Pace work_pace_;  ///< of results, whatever they say
+  Forecast forecast_;
+  Time forecast_made_;
+  std::int64_t recorded_then_ = 0;
   std::size_t found_ = 0;
   std::map<std::string, std::int32_t> priorities_;  ///< by row of a status
   /// Why this object is not used any more once its last answers are sent; empty: it is.

@@ -1,0 +1,117 @@
+#include "scheduler/plan/forecast.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+/// What refinement adds, as a share of a uniform lattice, as long as little is known: spaces that
+/// are done early are those that grow most, so that this stays worth a share of all points.
+constexpr double usual_growth = 0.2, worth = 0.25;
+/// What comes after a round of refinement, as a share of all that came so far.
+constexpr double more_growth = 0.4;
+
+/// What became of the points of all uniform lattices so far.
+struct Fates {
+  double went_on = 0, ended = 0, attempts = 0, tried = 0;
+  /// Where one fails it is tried from other neighbours.
+  double triesEach() const { return (attempts + 1) / (tried + 1); }
+  /// That a way goes on beyond a point.
+  double share() const { return (went_on + 1) / (went_on + ended + 1); }
+};
+
+/// Nothing may be tried from there.
+bool ended(const SpacePlan& plan, std::int32_t n) {
+  const Tag tag = plan.point(n).tag;
+  return tag == Tag::terminating || tag == Tag::failed ||
+         (tag == Tag::unknown && !plan.attempts(n).empty());
+}
+
+void count(const SpacePlan& plan, Fates& fates) {
+  for (std::int32_t n = 0; n < plan.positions().uniformSize(); ++n) {
+    fates.went_on += plan.point(n).tag == Tag::expandable;
+    fates.ended += ended(plan, n);
+    const bool solved = isSolved(plan.point(n).tag);
+    const auto failed = static_cast<double>(plan.attempts(n).size());
+    fates.tried += solved || failed > 0;
+    fates.attempts += failed + solved;
+  }
+}
+
+/// How likely an unknown point of the lattice is tried: along the way to it from rest.
+double chanceOf(const SpacePlan& plan, std::int32_t target, double share) {
+  const Lattice& positions = plan.positions();
+  const LatticePoint& point = positions.point(target);
+  const std::int32_t divisions = positions.divisions();
+  const std::int32_t shells =
+      std::max({std::abs(point[0]), std::abs(point[1]), std::abs(point[2])}) / divisions;
+  double chance = 1;
+  for (std::int32_t shell = shells - 1; shell >= 0; --shell, chance *= share) {
+    LatticePoint nearer;
+    for (int i = 0; i < 3; ++i)
+      nearer[i] = divisions * static_cast<std::int32_t>(
+                                  std::lround(double(point[i]) / divisions * shell / shells));
+    const auto n = positions.indexOf(nearer);
+    if (!n) continue;
+    if (plan.point(*n).tag == Tag::expandable) return chance;
+    if (ended(plan, *n)) return 0;
+  }
+  return chance;
+}
+
+double expectedOfLattice(const SpacePlan& plan, double share) {
+  double expected = 0;
+  for (std::int32_t n = 0; n < plan.positions().uniformSize(); ++n)
+    if (plan.point(n).tag == Tag::unknown && plan.attempts(n).empty())
+      expected += chanceOf(plan, n, share);
+  // Those that are ready already are counted as such.
+  return std::max(0.0, expected - plan.openCount());
+}
+
+double grown(const SpacePlan& plan) {
+  return plan.positions().size() - plan.positions().uniformSize();
+}
+
+/// Of lattices that have grown, and of what is usual.
+double growthOf(const Problem& problem, const std::vector<SpacePlan>& plans) {
+  double more = 0, lattice = 0, all = 1;
+  for (std::size_t space = 0; space < plans.size(); ++space) {
+    const SpacePlan& plan = plans[space];
+    if (problem.active[space].probe) continue;
+    all += plan.positions().uniformSize();
+    if (plan.mayGrow()) continue;
+    more += grown(plan);
+    lattice += plan.positions().uniformSize();
+    if (plan.stage() >= Stage::probes) more -= probesIn(problem.scene, space);
+  }
+  return std::max(0.0, (more + usual_growth * worth * all) / (lattice + worth * all));
+}
+
+}  // namespace
+
+Forecast forecastOf(const Problem& problem, const std::vector<SpacePlan>& plans) {
+  Fates fates;
+  for (const SpacePlan& plan : plans) count(plan, fates);
+  const double growth = growthOf(problem, plans);
+  Forecast forecast;
+  for (std::size_t space = 0; space < plans.size(); ++space) {
+    const SpacePlan& plan = plans[space];
+    if (plan.complete()) continue;
+    forecast.ready += plan.openCount();
+    if (problem.active[space].probe) {
+      // Its rest position, and one probe.
+      forecast.expected += plan.stage() < Stage::probes ? 1 : 0;
+      continue;
+    }
+    if (plan.stage() < Stage::probes) forecast.expected += probesIn(problem.scene, space);
+    if (plan.stage() == Stage::lattice) forecast.expected += expectedOfLattice(plan, fates.share());
+    if (plan.mayGrow())
+      forecast.expected += std::max(growth * plan.positions().uniformSize() - grown(plan),
+                                    more_growth * grown(plan));
+  }
+  forecast.expected += (fates.triesEach() - 1) * (forecast.ready + forecast.expected);
+  return forecast;
+}
+
+}  // namespace palpate
