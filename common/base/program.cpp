@@ -12,8 +12,13 @@
 #include <ctime>
 #include <vector>
 
+#include "common/base/log_lines.hpp"
+
 namespace palpate {
 namespace {
+
+bool log_is_json = false;  ///< since the command line was read
+constexpr const char* log_format_variable = "PALPATE_LOG_FORMAT";
 
 /// Signals so close together (ms) have one cause.
 constexpr std::int64_t same_interrupt = 1000;
@@ -30,14 +35,25 @@ void onInterrupt(int) {
     _exit(static_cast<int>(ExitCode::interrupted));
 }
 
-void logToStderr(int verbosity) {
+void logToStderr(int verbosity, const std::string& verb) {
   // stdout is for answers that other programs read.
   auto logger = spdlog::stderr_color_mt("palpate");
-  logger->set_pattern("%Y-%m-%d %H:%M:%S %^%l%$ %v");
+  if (log_is_json)
+    logger->set_formatter(jsonLines(program_invocation_short_name, verb));
+  else
+    logger->set_pattern("%Y-%m-%d %H:%M:%S %^%l%$ %v");
   spdlog::set_default_logger(logger);
   spdlog::set_level(verbosity < 0   ? spdlog::level::warn
                     : verbosity > 0 ? spdlog::level::debug
                                     : spdlog::level::info);
+}
+
+/// How a verb ends: one line.
+void tellError(const std::string& verb, const std::string& what) {
+  if (log_is_json)
+    spdlog::critical("{}", what);
+  else
+    tell("palpate {}: {}\n", verb, what);
 }
 
 ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) {
@@ -48,10 +64,10 @@ ExitCode runVerb(const std::string& verb, const std::function<ExitCode()>& run) 
       throw failure("cannot write the answer to standard output; is the disk full?");
     return code;
   } catch (const Error& error) {
-    tell("palpate {}: {}\n", verb, error.what());
+    tellError(verb, error.what());
     return error.exitCode();
   } catch (const std::exception& error) {
-    tell("palpate {}: unexpected: {}\n", verb, error.what());
+    tellError(verb, std::string("unexpected: ") + error.what());
     return ExitCode::failed;
   }
 }
@@ -82,6 +98,8 @@ std::vector<std::string> withLeadingZeros(int argc, char** argv) {
 }
 
 }  // namespace
+
+bool logIsJson() { return log_is_json; }
 
 const char* version() { return PALPATE_VERSION; }
 
@@ -116,12 +134,16 @@ int runProgram(int argc, char** argv, const char* description, std::span<const V
   app.require_subcommand(1);
 
   bool quiet = false, verbose = false;
-  std::string chosen;
+  std::string chosen, log_format = "text";
   std::function<ExitCode()> run;
   for (const Verb& verb : verbs) {
     CLI::App* sub = app.add_subcommand(verb.name, verb.summary);
     sub->add_flag("-q,--quiet", quiet, "Only warnings and errors");
     sub->add_flag("-v,--verbose", verbose, "Say more");
+    sub->add_option("--log-format", log_format, "Of the log on stderr, text or json [text]")
+        ->check(CLI::IsMember({"text", "json"}))
+        ->envname(log_format_variable)
+        ->type_name("WORD");
     auto prepared = verb.prepare(*sub);
     sayExitCodes(*sub);
     sub->callback([&chosen, &run, prepared, name = verb.name] {
@@ -139,7 +161,9 @@ int runProgram(int argc, char** argv, const char* description, std::span<const V
     app.exit(error);  // --help or --version, which it prints
     return static_cast<int>(ExitCode::done);
   }
-  logToStderr(verbose ? 1 : quiet ? -1 : 0);
+  log_is_json = log_format == "json";
+  setenv(log_format_variable, log_format.c_str(), 1);
+  logToStderr(verbose ? 1 : quiet ? -1 : 0, chosen);
   return static_cast<int>(runVerb(chosen, run));
 }
 

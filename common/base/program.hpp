@@ -26,8 +26,13 @@ struct Verb {
 /// The main() of palpate-scheduler, palpate-worker, palpate-verify and palpate-viewer: parses, runs
 /// the verb, and turns every exception into one line on stderr ("palpate VERB: what happened") and
 /// an exit code. Unknown options end with code 2. Also reads the common options --version,
-/// -q/--quiet and -v/--verbose. Logs go to stderr.
+/// -q/--quiet, -v/--verbose and --log-format, which programs that this one starts inherit by their
+/// environment (PALPATE_LOG_FORMAT). Logs go to stderr.
 int runProgram(int argc, char** argv, const char* description, std::span<const Verb> verbs);
+
+/// Whether other programs read the log (--log-format json): then all that goes to stderr is to be
+/// lines of it, and nothing may be drawn there.
+bool logIsJson();
 
 /// The program's version, "0.1.0".
 const char* version();
