@@ -32,6 +32,16 @@ constexpr milliseconds redraw_every{200};
 /// Into a file: a night of work is a thousand lines.
 constexpr milliseconds line_every{30000};
 
+/// For people, or, where programs read the log, a line of it.
+template <class... Args>
+void tellOrLog(fmt::format_string<Args...> text, Args&&... args) {
+  const std::string line = fmt::format(text, std::forward<Args>(args)...);
+  if (logIsJson())
+    spdlog::warn("{}", line);
+  else
+    tell("{}\n", line);
+}
+
 /// Shows on stderr how far a build is: a bar that redraws itself in one row of a terminal, else a
 /// line every half minute. Nothing when only warnings are wanted (--quiet).
 class Progress {
@@ -49,6 +59,8 @@ class Progress {
     const wire::Status status = coordinator.status(now);
     if (terminal_)
       tell("\r{}\x1b[K", progressBar(status, sizeOf(STDERR_FILENO).columns));
+    else if (logIsJson())
+      spdlog::info("{}", progressLine(status));
     else
       tell("{}\n", progressLine(status));
     drawn_ = terminal_;
@@ -61,7 +73,7 @@ class Progress {
 
  private:
   const bool wanted_ = spdlog::get_level() <= spdlog::level::info;
-  const bool terminal_ = isatty(STDERR_FILENO) == 1;
+  const bool terminal_ = isatty(STDERR_FILENO) == 1 && !logIsJson();
   bool drawn_ = false;
   Clock::time_point next_ = Clock::now();
 };
@@ -164,21 +176,21 @@ using Compute = std::function<ExitCode(Server&, Build&, const std::function<void
 /// Tells what the exit code of a build that came to no end means.
 ExitCode tellWhy(const Coordinator& coordinator, const std::string& state, ExitCode when_stopped) {
   if (!coordinator.stuck()) {
-    tell("stopped; everything finished is kept in {}. The same command goes on from there.\n",
-         state);
+    tellOrLog("stopped; everything finished is kept in {}. The same command goes on from there.",
+              state);
     return when_stopped;
   }
   if (coordinator.disputedCount() > 0)
-    tell(
+    tellOrLog(
         "not sealed: of {} result(s) workers found different bits (see above), and there is no "
         "other worker to say who is right. The same command again asks more of them; use a third "
-        "machine where you can.\n",
+        "machine where you can.",
         coordinator.disputedCount());
   if (coordinator.asideCount() > 0)
-    tell(
+    tellOrLog(
         "not sealed: everything is computed but what workers ended on, {} transition(s) set aside "
         "(see above, and palpate status {}). When the reason is gone, palpate retry {} and the "
-        "same command again try them anew.\n",
+        "same command again try them anew.",
         coordinator.asideCount(), state, state);
   return ExitCode::failed;
 }
@@ -235,6 +247,25 @@ std::pair<std::vector<SpaceTable>, ExitCode> sealedBy(const Compute& compute, Bu
   return {tables, when_stopped};
 }
 
+Event startedEvent(Build& build) {
+  const Coordinator& coordinator = build.coordinator();
+  return Event(EventKind::started)
+      .with("scene", build.problem().scene.name)
+      .with("build", problemId(build.problem()).hex())
+      .with("version", version())
+      .with("pid", std::int64_t{getpid()})
+      .with("found", static_cast<std::int64_t>(coordinator.found()))
+      .with("paused", coordinator.paused());
+}
+
+Event stoppedEvent(const Coordinator& coordinator) {
+  return Event(EventKind::stopped)
+      .with("reason", coordinator.stuck() ? "stuck"
+                      : interrupted()     ? "signal"
+                                          : "asked")
+      .with("recorded", coordinator.recorded());
+}
+
 /// From the scene to the sealed dataset, which is what stdout then tells; nothing to do when `out`
 /// is that already. Error before anything is computed when the scene is wrong, `out` holds
 /// something else, or its folder is not there.
@@ -258,24 +289,36 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
   if (where.nobody_else) settings.checks_wait = milliseconds(0);
   settings.kernel_family = chosenKernels(order.kernels);
   if (order.hung_after_s) settings.hung_after = std::chrono::seconds(*order.hung_after_s);
+  EventLog events(state);
+  settings.events = &events;
   bool stopping = false;
   for (;;) {
     Build build(problem, state, Clock::now(), settings);
+    events.add(startedEvent(build));
+    events.flush();
     // Who was told so, and had to begin anew before it had.
     if (stopping) build.coordinator().stop(Clock::now());
     try {
       const auto [tables, when_stopped] = sealedBy(compute, build, where, out, state);
-      if (tables.empty()) return tellWhy(build.coordinator(), state, when_stopped);
+      if (tables.empty()) {
+        events.add(stoppedEvent(build.coordinator()));
+        return tellWhy(build.coordinator(), state, when_stopped);
+      }
       const double seconds = std::chrono::duration<double>(Clock::now() - began).count();
+      events.add(Event(EventKind::sealed).with("file", out.string()).with("seconds", seconds));
       return finish(tables, build.problem().scene, out,
                     fmt::format("sealed after {:.1f} s", seconds));
     } catch (const DamagedRecord& damage) {
       spdlog::warn("{}: it is dropped, and computed again", damage.what());
+      events.add(Event(EventKind::damaged).with("text", damage.what()));
       build.drop(damage);
     } catch (const LiarsFound& found) {
       build.keepOut(found);
     } catch (const FailuresRetried& retried) {
       spdlog::warn("{}", retried.what());
+    } catch (const std::exception& error) {
+      events.add(Event(EventKind::stopped).with("reason", error.what()));
+      throw;
     }
     stopping = build.coordinator().stopping();
   }

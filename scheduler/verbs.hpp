@@ -23,6 +23,8 @@ extern const Verb resume_verb;
 extern const Verb priority_verb;
 /// `palpate retry`: tries again what was set aside, or failed.
 extern const Verb retry_verb;
+/// `palpate events`: what happened in a build, and what happens.
+extern const Verb events_verb;
 /// `palpate check` of a state directory: whether it is whole, and what it costs where it is not.
 extern const Verb check_state_verb;
 /// `palpate key`: the keys of this user.

@@ -23,7 +23,7 @@ struct Route {
   const char* program_of_directory = nullptr;
 };
 
-constexpr std::array<Route, 21> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
+constexpr std::array<Route, 22> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
                                            {"build", "palpate-scheduler"},
                                            {"query", "palpate-viewer"},
                                            {"solve", "palpate-worker"},
@@ -38,6 +38,7 @@ constexpr std::array<Route, 21> routes = {{{"check", "palpate-worker", "palpate-
                                            {"priority", "palpate-scheduler"},
                                            {"retry", "palpate-scheduler"},
                                            {"explain", "palpate-scheduler"},
+                                           {"events", "palpate-scheduler"},
                                            {"key", "palpate-scheduler"},
                                            {"verify", "palpate-verify"},
                                            {"report", "palpate-viewer"},
@@ -70,6 +71,7 @@ On several machines
   priority Compute one space before others
   retry    Try again what workers ended on, or what failed with some cause
   explain  How a lattice point was reached, or why it failed
+  events   What happened, and what happens: failures, workers, stages
   key      Keys: make one, let other machines and people in, withdraw them
   check    Of a state directory: whether it is whole; repair it
 

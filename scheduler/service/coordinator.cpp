@@ -56,6 +56,7 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
       last_turn_(now),
       servers_written_(now),
       peer_log_(now),
+      chronicle_(problem, settings.events, now),
       pace_(now),
       work_pace_(now),
       paused_(store.tables().paused()) {
@@ -76,6 +77,7 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
   if (!store_->damaged() && replayed.settled.stale.empty()) refuseSpare(spare_);
   PALPATE_ASSERT(plans_.size() == problem.active.size(), "every active node has its plan");
   for (const auto& [name, priority] : store_->tables().priorities()) prioritize(name, priority);
+  chronicle_.begin(plans_);
   add(replayed.settled);
   openChecks();
   store_->tables().writeCounters(counters_);
@@ -151,7 +153,10 @@ bool Coordinator::answer(const Incoming& incoming, Time now) {
 void Coordinator::refuse(const Incoming& incoming, Time now) {
   send(incoming.peer).mutable_refused()->set_reason(incoming.refusal);
   badMessage(incoming.peer, incoming.refusal);
-  if (const Worker* worker = registry_.ofPeer(incoming.peer)) lose(*worker, now);
+  if (const Worker* worker = registry_.ofPeer(incoming.peer)) {
+    chronicle_.refused(worker->host, worker->pid, incoming.refusal, now);
+    lose(*worker, now);
+  }
 }
 
 void Coordinator::hello(const Incoming& incoming, Time now) {
@@ -161,6 +166,7 @@ void Coordinator::hello(const Incoming& incoming, Time now) {
   if (const std::string objection = registry_.objectionTo(hello, key); !objection.empty()) {
     peer_log_.warn(now, "worker {} on {} was refused: {}", hello.pid(), printable(hello.host()),
                    objection);
+    chronicle_.refused(printable(hello.host()), hello.pid(), objection, now);
     ++counters_["refused_workers"];
     send(peer).mutable_refused()->set_reason(objection);
     return;
@@ -185,6 +191,7 @@ void Coordinator::hello(const Incoming& incoming, Time now) {
   const Worker& worker = registry_.admit(peer, hello, key, now);
   peer_log_.info(now, "worker {} on {} joined ({} kernels)", worker.pid, worker.host,
                  worker.kernel_family);
+  chronicle_.joined(worker, now);
   newcomers_ = true;
   keys_heard_[worker.provenance.key()] = now;
 
@@ -196,8 +203,9 @@ void Coordinator::hello(const Incoming& incoming, Time now) {
 }
 
 void Coordinator::goodbye(Worker& worker, const wire::Goodbye& goodbye, Time now) {
-  peer_log_.info(now, "worker {} on {} left: {}", worker.pid, worker.host,
-                 printable(goodbye.reason(), 200));
+  const std::string reason = printable(goodbye.reason(), 200);
+  peer_log_.info(now, "worker {} on {} left: {}", worker.pid, worker.host, reason);
+  chronicle_.left(worker, reason, now);
   leases_.giveBack(worker.id);
   keys_heard_[worker.provenance.key()] = now;
   registry_.remove(worker, "left", now);
@@ -378,7 +386,10 @@ void Coordinator::commitGroup(Time now) {
     ++recorded_;
     longest_solve_ = std::max(longest_solve_, member.result.outcome.cost.seconds);
     converged_ += member.result.outcome.converged;
+    if (!member.result.outcome.converged)
+      chronicle_.failed(key, plan, member.result.outcome.failure, member.result.header.given_by());
     add(settle(plan, key.space, spare_));
+    chronicle_.wentOn(key.space, plan);
   }
   openChecks();
   finishIfComplete(now);
@@ -433,6 +444,7 @@ void Coordinator::finishIfComplete(Time now) {
                  "a complete plan waits for no result, and nobody solves for it");
   complete_ = true;
   changed_.clear();
+  chronicle_.completed(recorded_, std::chrono::duration<double>(now - started_).count());
   store_->tables().showAll(plans_);
   writeServers(now);
 }
@@ -479,6 +491,7 @@ void Coordinator::advance(Time now, bool all_read) {
   pace_.note(now, converged_);
   work_pace_.note(now, recorded_);
   lookAhead(now);
+  chronicle_.flush();
 }
 
 /// Now and then: every point is looked at.
@@ -628,6 +641,7 @@ void Coordinator::loseSilentWorkers(Time now) {
   for (const Worker* worker : silent) {
     peer_log_.warn(now, "worker {} on {} says nothing any more; {} targets are handed out again",
                    worker->pid, worker->host, leases_.leasedTo(worker->id));
+    chronicle_.lost(*worker, "silent", leases_.leasedTo(worker->id), now);
     lose(*worker, now);
   }
 }
@@ -660,10 +674,12 @@ void Coordinator::peerUnreachable(const std::string& peer, Time now) {
   // Its goodbye may wait unread behind what could not be sent to it any more.
   if (everybodyIsToLeave() && leases_.leasedTo(worker->id) == 0) {
     peer_log_.info(now, "worker {} on {} left", worker->pid, worker->host);
+    chronicle_.left(*worker, "it was told to", now);
     return lose(*worker, now);
   }
   peer_log_.info(now, "worker {} on {} cannot be reached; {} targets are handed out again",
                  worker->pid, worker->host, leases_.leasedTo(worker->id));
+  chronicle_.lost(*worker, "unreachable", leases_.leasedTo(worker->id), now);
   lose(*worker, now);
 }
 
@@ -681,6 +697,7 @@ void Coordinator::processEnded(const std::string& worker_id, Time now) {
   if (const Worker* worker = registry_.find(worker_id)) {
     peer_log_.warn(now, "worker {} on {} ended unexpectedly; {} targets are handed out again",
                    worker->pid, worker->host, leases_.leasedTo(worker_id));
+    chronicle_.ended(*worker, leases_.leasedTo(worker_id), now);
     lose(*worker, now);
   }
   const auto departed =
@@ -695,6 +712,7 @@ void Coordinator::blame(const Leases::Suspects& suspects) {
   for (const auto& [key, losses] : leases_.blame(suspects)) {
     store_->tables().writeLosses(key, losses);
     if (losses.deaths != deaths_before_aside) continue;
+    chronicle_.setAside(key, plans_[key.space], losses.deaths);
     const auto& [space, target, parent] = resultKeyOf(key);
     spdlog::error(
         "space {}, point ({}, {}, {}) from ({}, {}, {}): {} workers ended while they solved it; it "
@@ -708,6 +726,7 @@ std::int32_t Coordinator::retry() {
   leases_.retry();
   losses_.clear();
   store_->tables().forgetLosses();
+  chronicle_.retried(aside);
   return aside;
 }
 
@@ -744,6 +763,7 @@ void Coordinator::pause(bool paused) {
   store_->tables().writePaused(paused);
   paused_ = paused;
   recent_status_.clear();
+  chronicle_.paused(paused);
   spdlog::info(paused ? "paused: nothing is handed out before palpate resume" : "going on");
 }
 

@@ -9,6 +9,7 @@
 #include "scheduler/plan/leases.hpp"
 #include "scheduler/plan/space_plan.hpp"
 #include "scheduler/service/allotment.hpp"
+#include "scheduler/service/chronicle.hpp"
 #include "scheduler/service/lease_seal.hpp"
 #include "scheduler/service/peer_log.hpp"
 #include "scheduler/service/result_check.hpp"
@@ -70,6 +71,8 @@ struct CoordinatorSettings {
   /// With which all results are computed (arithmeticOf); empty: those of the first result decide.
   /// Where something is recorded, its own.
   std::string kernel_family;
+  /// Who is told what happens; null: nobody. Must outlive the coordinator.
+  EventLog* events = nullptr;
 };
 
 /// Recorded failures were dropped, because somebody wants them tried again.
@@ -283,6 +286,7 @@ class Coordinator {
   std::string recent_status_;             ///< JSON
   Time recent_status_made_;
   PeerLog peer_log_;
+  Chronicle chronicle_;
   Pace pace_;       ///< of equilibria
   Pace work_pace_;  ///< of results, whatever they say
   Forecast forecast_;

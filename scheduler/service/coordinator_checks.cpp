@@ -135,6 +135,8 @@ void Coordinator::differs(const Worker& worker, const wire::Result& first,
   peer_log_.error(now, "{}: {} found other bits than {}: others are asked who is right",
                   textOf(palpate::keyOf(second)), nameOf(worker.provenance),
                   nameOf(first.given_by()));
+  if (const auto key = keyOf(second.space(), second.target(), second.parent()))
+    chronicle_.disputed(*key, plans_[key->space], first.given_by(), worker.provenance, now);
 }
 
 /// Who gives two results of one transition needs no others to be found wrong.
@@ -174,9 +176,11 @@ void Coordinator::conclude(const ResultKey& key, const SpotChecks::Verdict& verd
 LiarsFound Coordinator::liarsFound(std::vector<KeptOut> liars) {
   counters_["wrong_results"] += std::ssize(liars);
   store_->tables().writeCounters(counters_);
-  for (const KeptOut& liar : liars)
+  for (const KeptOut& liar : liars) {
+    chronicle_.keptOut(liar);
     spdlog::error("{} is kept out ({}): {}; all that it gave is computed again", nameOf(liar.who),
                   name(liar.kind), liar.reason);
+  }
   return LiarsFound(std::move(liars));
 }
 

@@ -1,26 +1,14 @@
 #include "scheduler/service/peer_log.hpp"
 
-#include <algorithm>
-#include <utility>
-
 namespace palpate {
 
 bool PeerLog::mayTell(Time now) {
-  const std::int64_t earned = std::max<std::int64_t>(0, (now - filled_) / interval);
-  filled_ += earned * interval;
-  lines_ = std::min(burst, lines_ + earned);
-  if (lines_ == 0) {
-    ++left_out_;
-    return false;
-  }
-  --lines_;
-  if (left_out_ > 0) {
-    const std::int64_t left_out = std::exchange(left_out_, 0);
+  if (!budget_.spend(now)) return false;
+  if (const std::int64_t left_out = budget_.takeLeftOut(); left_out > 0)
     spdlog::warn(
         "workers come, go or are refused faster than anybody reads: {} lines about them "
         "were left out; palpate status says how many are here, were refused or lost",
         left_out);
-  }
   return true;
 }
 

@@ -2,23 +2,16 @@
 
 #include <spdlog/spdlog.h>
 
-#include <chrono>
-#include <cstdint>
+#include "scheduler/service/line_budget.hpp"
 
 namespace palpate {
 
-/// Lines of the log that peers cause. Peers come and go as often as they like, and the disk must
-/// not fill with it: what is beyond the budget is left out, and the next line says how much. One
-/// thread.
+/// Lines of the log that peers cause: what is beyond the budget is left out, and the next line says
+/// how much. One thread.
 class PeerLog {
  public:
-  using Time = std::chrono::steady_clock::time_point;
-
-  /// A fleet of a thousand workers that starts, and a line a second after that.
-  static constexpr std::int64_t burst = 1000;
-  static constexpr std::chrono::seconds interval{1};
-
-  explicit PeerLog(Time now) : filled_(now) {}
+  using Time = LineBudget::Time;
+  explicit PeerLog(Time now) : budget_(now) {}
 
   template <class... Args>
   void info(Time now, spdlog::format_string_t<Args...> text, Args&&... args) {
@@ -36,12 +29,10 @@ class PeerLog {
   /// Whether a line fits; it is counted as told, or as left out.
   bool mayTell(Time now);
   /// Since the last line that fitted.
-  std::int64_t leftOut() const { return left_out_; }
+  std::int64_t leftOut() const { return budget_.leftOut(); }
 
  private:
-  Time filled_;  ///< up to when lines were given
-  std::int64_t lines_ = burst;
-  std::int64_t left_out_ = 0;
+  LineBudget budget_;
 };
 
 }  // namespace palpate

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "scheduler/events/event_log.hpp"
+#include "scheduler/plan/leases.hpp"
+#include "scheduler/plan/space_plan.hpp"
+#include "scheduler/service/line_budget.hpp"
+#include "scheduler/service/worker_registry.hpp"
+
+namespace palpate {
+
+/// What happens in a coordinator, as events (docs/commands.md): which fields each has, and that
+/// what workers cause by coming and going stays within a budget. Without a log nothing happens. One
+/// thread.
+class Chronicle {
+ public:
+  using Time = LineBudget::Time;
+
+  /// `log` may be null; both must outlive this object.
+  Chronicle(const Problem& problem, EventLog* log, Time now)
+      : problem_(&problem), log_(log), budget_(now) {}
+
+  // Of workers; `now` is for the budget.
+  void joined(const Worker& worker, Time now);
+  void left(const Worker& worker, const std::string& reason, Time now);
+  /// `how`: "silent" or "unreachable"; so many targets were in its hands.
+  void lost(const Worker& worker, const char* how, std::size_t targets, Time now);
+  void ended(const Worker& worker, std::size_t targets, Time now);
+  void refused(const std::string& host, std::uint32_t pid, const std::string& reason, Time now);
+
+  // Of the work.
+  /// The stages that plans are in from now on without anything having happened.
+  void begin(const std::vector<SpacePlan>& plans);
+  /// The plan of a space went on: an event when that is a stage further.
+  void wentOn(std::uint32_t space, const SpacePlan& plan);
+  void failed(const TransitionKey& key, const SpacePlan& plan, const Failure& failure,
+              const wire::Provenance& giver);
+  void setAside(const TransitionKey& key, const SpacePlan& plan, int deaths);
+  void retried(std::int64_t transitions);
+  void paused(bool paused);
+  void disputed(const TransitionKey& key, const SpacePlan& plan, const wire::Provenance& one,
+                const wire::Provenance& other, Time now);
+  void keptOut(const KeptOut& liar);
+  void completed(std::int64_t recorded, double seconds);
+
+  /// What happened so far is written, if it can be.
+  void flush();
+
+ private:
+  void add(const Event& event);
+  /// Of what workers cause at will.
+  void addWithin(const Event& event, Time now);
+  Event of(EventKind kind, const TransitionKey& key, const SpacePlan& plan) const;
+
+  const Problem* problem_;
+  EventLog* log_;
+  LineBudget budget_;
+  std::vector<Stage> stages_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,184 @@
+#include "scheduler/events/event_log.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <limits>
+
+#include "common/base/log_lines.hpp"
+#include "scheduler/events/event_reader.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace palpate {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::MatchesRegex;
+using testing::SizeIs;
+
+struct EventLogTest : testing::Test {
+  test::TemporaryDirectory directory;
+
+  static std::vector<std::string> readOn(EventReader& reader, const EventFilter& filter = {}) {
+    std::vector<std::string> lines;
+    reader.readOn([&](std::string_view line) {
+      if (filter.takes(line)) lines.emplace_back(line);
+    });
+    return lines;
+  }
+  std::vector<std::string> lines(const EventFilter& filter = {}) const {
+    EventReader reader(directory.path());
+    return readOn(reader, filter);
+  }
+  static Event numbered(std::int64_t number) {
+    return Event(EventKind::retried).with("transitions", number);
+  }
+  std::filesystem::path file(std::uint32_t number) const {
+    return eventFile(directory.path(), number);
+  }
+};
+
+TEST_F(EventLogTest, WritesOneObjectPerLineWithItsTimeItsWordAndItsFields) {
+  EventLog log(directory.path());
+  log.add(Event(EventKind::failed_attempt)
+              .with("space", "tip")
+              .with("point", {1, -0.5, 0})
+              .with("step_reached", 0.25)
+              .with("residual", std::numeric_limits<double>::infinity()));
+  log.flush();
+  EXPECT_THAT(lines(), ElementsAre(MatchesRegex(
+                           R"(\{"time":"[0-9]+-[0-9]+-[0-9]+T[0-9:]+\.[0-9]+Z",)"
+                           R"("event":"failed_attempt","space":"tip","point":\[1,-0.5,0\],)"
+                           R"("step_reached":0.25,"residual":null\})")));
+}
+
+TEST_F(EventLogTest, WhatPeersCallThemselvesBreaksNoLine) {
+  EventLog log(directory.path());
+  log.add(Event(EventKind::worker_left).with("host", "a\"b\\c\n{}\x1b[2J\xff"));
+  log.flush();
+  ASSERT_THAT(lines(), SizeIs(1));
+  EXPECT_THAT(lines()[0], HasSubstr(R"(a\"b\\c\n{}\u001b[2J)"));
+}
+
+TEST_F(EventLogTest, TimesAreInTheOrderOfTheirTexts) {
+  using namespace std::chrono_literals;
+  const std::chrono::system_clock::time_point when(1795551479s);
+  EXPECT_EQ(utcText(when + 7ms), "2026-11-24T20:17:59.007Z");
+  EXPECT_LT(utcText(when + 999ms), utcText(when + 1s));
+}
+
+TEST_F(EventLogTest, BeginsAFileWhenOneIsFullAndRemovesTheOldest) {
+  EventLog log(directory.path(), 1000, 3);
+  for (int n = 0; n < 200; ++n) {
+    log.add(numbered(n));
+    log.flush();
+  }
+  const auto numbers = eventFiles(directory.path());
+  ASSERT_THAT(numbers, SizeIs(3));
+  EXPECT_GT(numbers.front(), 1u);
+  EXPECT_LT(std::filesystem::file_size(file(numbers.front())), 1100u);
+  const auto kept = lines();
+  EXPECT_GT(kept.size(), 20u);
+  EXPECT_THAT(kept.back(), HasSubstr(":199}"));
+}
+
+TEST_F(EventLogTest, GoesOnInTheFileThatTheLastRunLeftWhateverIsAtItsEnd) {
+  for (int run = 0; run < 3; ++run) {
+    EventLog log(directory.path());
+    log.add(numbered(run));
+    log.flush();
+    // A crash.
+    std::ofstream(file(1), std::ios::app) << R"({"time":"2026-11-24T20)";
+  }
+  EXPECT_THAT(eventFiles(directory.path()), ElementsAre(1u));
+  EXPECT_THAT(lines(), SizeIs(3));
+}
+
+TEST_F(EventLogTest, WhatIsNotThereOrCannotBeWrittenStopsNobody) {
+  const std::filesystem::path state = directory / "state";
+  EventLog log(state);
+  for (int n = 0; n < 5; ++n) {
+    log.add(numbered(n));
+    log.flush();
+  }
+  std::filesystem::create_directory(state);
+  log.add(numbered(5));
+  log.flush();
+  EventReader reader(state);
+  EXPECT_THAT(readOn(reader),
+              ElementsAre(HasSubstr(R"("event":"left_out","events":5)"), HasSubstr(":5}")));
+}
+
+TEST_F(EventLogTest, AReaderGoesOnWhereItWasOverTheEndOfAFile) {
+  EventLog log(directory.path(), 200, 4);
+  EventReader reader(directory.path());
+  int seen = 0;
+  for (int n = 0; n < 20; ++n) {
+    log.add(numbered(n));
+    log.flush();
+    for (const std::string& line : readOn(reader)) {
+      EXPECT_THAT(line, HasSubstr(":" + std::to_string(seen) + "}"));
+      ++seen;
+    }
+  }
+  EXPECT_EQ(seen, 20);
+}
+
+TEST_F(EventLogTest, AReaderWaitsForTheRestOfALine) {
+  std::ofstream out(file(1), std::ios::app);
+  const std::string line = Event(EventKind::paused).line({});
+  EventReader reader(directory.path());
+  out << line.substr(0, 20) << std::flush;
+  EXPECT_THAT(readOn(reader), SizeIs(0));
+  out << line.substr(20) << '\n' << std::flush;
+  EXPECT_THAT(readOn(reader), ElementsAre(line));
+}
+
+TEST_F(EventLogTest, AFilterTakesWhatFitsAllThatItAsksFor) {
+  const auto at = [](int seconds) {
+    return std::chrono::system_clock::time_point(std::chrono::seconds(seconds));
+  };
+  const std::string failed = Event(EventKind::failed_attempt)
+                                 .with("space", "tip")
+                                 .with("cause", "step_budget")
+                                 .with("worker", "0a1b2c3d")
+                                 .line(at(100));
+  EXPECT_TRUE((EventFilter{}.takes(failed)));
+  EXPECT_TRUE((EventFilter{.events = {"failed_attempt", "paused"},
+                           .space = "tip",
+                           .cause = "step_budget",
+                           .worker = "0a1b",
+                           .since = utcText(at(100))}
+                   .takes(failed)));
+  EXPECT_FALSE((EventFilter{.events = {"paused"}}.takes(failed)));
+  EXPECT_FALSE((EventFilter{.space = "ti"}.takes(failed)));
+  EXPECT_FALSE((EventFilter{.worker = "1b"}.takes(failed)));
+  EXPECT_FALSE((EventFilter{.since = utcText(at(101))}.takes(failed)));
+  for (const char* none : {"", "{", "[]", "1", "{\"time\":1,\"event\":\"paused\"}", "\xff\x00"})
+    EXPECT_FALSE(EventFilter{}.takes(none)) << none;
+}
+
+TEST_F(EventLogTest, ATimeIsADateOrHowLongAgo) {
+  const std::chrono::system_clock::time_point now(std::chrono::seconds(1795551479));
+  EXPECT_EQ(sinceText("2026-11-24T20:15:30Z", now), "2026-11-24T20:15:30.000Z");
+  EXPECT_EQ(sinceText("2026-11-24", now), "2026-11-24T00:00:00.000Z");
+  EXPECT_EQ(sinceText("2h", now), "2026-11-24T18:17:59.000Z");
+  for (const char* none : {"", "h", "yesterday", "-3m", "2026-11-24T20:15:30Zjunk"})
+    test::expectError(ExitCode::usage, [&] { sinceText(none, now); }, {"no time"});
+}
+
+TEST_F(EventLogTest, IsTextForPeople) {
+  EXPECT_EQ(textOfEvent(
+                Event(EventKind::worker_lost)
+                    .with("host", "node7")
+                    .with("targets", 3.5)
+                    .line(std::chrono::system_clock::time_point(std::chrono::seconds(1795551479)))),
+            "2026-11-24 20:17:59.000 worker_lost    host node7, targets 3.5");
+  EXPECT_EQ(textOfEvent("half a li"), "");
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,124 @@
+#include "scheduler/service/chronicle.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scheduler/events/event_reader.hpp"
+#include "tests/scheduler/build_world.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::AllOf;
+using testing::Contains;
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::SizeIs;
+
+/// A build whose events are kept.
+struct ChronicleTest : testing::Test {
+  test::TemporaryDirectory directory;
+  EventLog log{directory.path()};
+  test::BuildWorld world{withEvents(log)};
+
+  static CoordinatorSettings withEvents(EventLog& log) {
+    CoordinatorSettings settings = test::BuildWorld::withoutChecks();
+    settings.events = &log;
+    return settings;
+  }
+  std::vector<std::string> events(const std::string& word) {
+    log.flush();
+    EventReader reader(directory.path());
+    std::vector<std::string> lines;
+    const EventFilter filter{.events = {word}};
+    reader.readOn([&](std::string_view line) {
+      if (filter.takes(line)) lines.emplace_back(line);
+    });
+    return lines;
+  }
+};
+
+TEST_F(ChronicleTest, TellsWhoCameAndWentAndHow) {
+  world.join("a", 2);
+  world.join("b", 2, 7);
+  world.pass(25ms);
+  wire::Message goodbye;
+  goodbye.mutable_goodbye()->set_reason("told\nto");
+  world.send("a", goodbye);
+  world.coordinator().workerProcessEnded(7, world.now);
+  world.join("c", 2);
+  world.coordinator().peerUnreachable("c", world.now);
+  world.send("d", [] {
+    wire::Message hello = test::helloOf("d");
+    hello.mutable_hello()->set_version("other");
+    return hello;
+  }());
+  EXPECT_THAT(events("worker_joined"), SizeIs(3));
+  EXPECT_THAT(events("worker_left"), ElementsAre(AllOf(HasSubstr(R"("worker":"61","host":"here")"),
+                                                       HasSubstr("told?to"))));
+  EXPECT_THAT(events("worker_ended"), ElementsAre(HasSubstr(R"("pid":7)")));
+  EXPECT_THAT(events("worker_lost"), ElementsAre(HasSubstr(R"("how":"unreachable")")));
+  EXPECT_THAT(events("worker_refused"), ElementsAre(HasSubstr("other")));
+}
+
+TEST_F(ChronicleTest, TellsEveryFailedAttemptAsStatusCountsThem) {
+  world.join("a", 8);
+  world.finish({"a"});
+  std::int64_t failed = 0;
+  const wire::Status status = world.coordinator().status(world.now);
+  for (const auto& [cause, count] : status.failed_attempts()) {
+    failed += count;
+    EXPECT_THAT(events("failed_attempt"), Contains(HasSubstr("\"cause\":\"" + cause + "\"")));
+  }
+  ASSERT_GT(failed, 0) << "the table has transitions that fail";
+  EXPECT_THAT(events("failed_attempt"), SizeIs(failed));
+  EXPECT_THAT(events("failed_attempt"),
+              Each(AllOf(HasSubstr(R"("space":")"), HasSubstr(R"("point":[)"),
+                         HasSubstr(R"("parent":[)"), HasSubstr(R"("worker":"61")"))));
+  EXPECT_THAT(events("stage"), Contains(HasSubstr(R"("stage":"complete")")).Times(2));
+  EXPECT_THAT(events("completed"), SizeIs(1));
+}
+
+TEST_F(ChronicleTest, ARestartIsNotTheStagesOnceMore) {
+  world.join("a", 8);
+  world.finish({"a"});
+  const std::size_t before = events("stage").size();
+  world.restart();
+  EXPECT_EQ(events("stage").size(), before);
+}
+
+TEST_F(ChronicleTest, TellsOfPausesAndOfWhatIsTriedAgain) {
+  world.coordinator().pause(true);
+  world.coordinator().pause(false);
+  wire::Message retry;
+  retry.mutable_retry_request();
+  world.send("operator", retry);
+  EXPECT_THAT(events("paused"), SizeIs(1));
+  EXPECT_THAT(events("resumed"), SizeIs(1));
+  EXPECT_THAT(events("retried"), ElementsAre(HasSubstr(R"("transitions":0)")));
+}
+
+TEST_F(ChronicleTest, AFloodOfWorkersLeavesRoomForOthers) {
+  for (int n = 0; n < 3000; ++n) world.send("x", test::helloOf("x" + std::to_string(n)));
+  EXPECT_THAT(events("worker_joined"), SizeIs(LineBudget::burst));
+  world.pass(5s);
+  world.send("y", test::helloOf("y"));
+  EXPECT_THAT(events("left_out"), ElementsAre(HasSubstr(R"("events":2000)")));
+  EXPECT_THAT(events("worker_joined"), SizeIs(LineBudget::burst + 1));
+}
+
+TEST(Chronicle, WithoutALogNothingHappens) {
+  const test::TemporaryDirectory nowhere;
+  test::BuildWorld world;
+  world.join("a", 2);
+  world.coordinator().pause(true);
+  world.settle();
+  EXPECT_THAT(eventFiles(world.directory / "state"), IsEmpty());
+}
+
+}  // namespace
+}  // namespace palpate
