@@ -12,6 +12,7 @@
 #include "common/problem/problem_warnings.hpp"
 #include "scheduler/build.hpp"
 #include "scheduler/fleet/worker_pool.hpp"
+#include "scheduler/served_pages.hpp"
 #include "scheduler/service_manager.hpp"
 #include "scheduler/status_text.hpp"
 #include "scheduler/terminal.hpp"
@@ -420,10 +421,11 @@ struct ServeOptions {
   BuildOrder order;
   std::string endpoint = default_endpoint;
   KeyOptions keys;
+  PageOptions pages;
 };
 
 ExitCode serve(Server& server, Build& build, const std::function<void()>& seal,
-               ServiceManager& manager) {
+               ServiceManager& manager, ServedPages& pages) {
   Coordinator& coordinator = build.coordinator();
   // How long workers may take to finish what they hold and leave.
   constexpr std::chrono::seconds drain_limit{30};
@@ -431,13 +433,16 @@ ExitCode serve(Server& server, Build& build, const std::function<void()>& seal,
   manager.ready();
   serveUntilDone(server, coordinator, [&] {
     const auto now = Clock::now();
+    pages.offer(coordinator);
     manager.alive(now, [&] { return progressLine(coordinator.status(now)); });
   });
   manager.mayTake(longest_pause, coordinator.complete() ? "sealing the dataset" : "stopping");
   if (coordinator.complete()) seal();
   for (const auto deadline = Clock::now() + drain_limit;
-       !coordinator.deserted(Clock::now()) && Clock::now() < deadline;)
+       !coordinator.deserted(Clock::now()) && Clock::now() < deadline;) {
     server.turn(coordinator, longest_turn);
+    pages.offer(coordinator);
+  }
   return interrupted() ? ExitCode::interrupted : ExitCode::done;
 }
 
@@ -451,12 +456,14 @@ std::function<ExitCode()> prepareServe(CLI::App& app) {
   options->keys.addTo(app,
                       "Ask for no keys: whoever reaches the port takes and delivers work, and "
                       "stops the build");
+  options->pages.addTo(app);
   app.footer(
       "Ends when the dataset is sealed, or when it is stopped; the same command then goes on.\n"
       "Exit codes: 0 done or stopped, 1 failed, 2 bad scene or usage, "
       "3 done but some points failed, 130 interrupted.");
   return [options] {
     checkEndpoint(options->endpoint);
+    ServedPages pages(options->pages, options->order.state);
     ServiceManager manager;
     manager.mayTake(longest_pause, "reading what is recorded");
     const ExitCode code =
@@ -467,7 +474,7 @@ std::function<ExitCode()> prepareServe(CLI::App& app) {
                   .keys = options->keys.keys()},
                  [&](Server& server, Build& build, const std::function<void()>& seal) {
                    try {
-                     return serve(server, build, seal, manager);
+                     return serve(server, build, seal, manager, pages);
                    } catch (...) {
                      // Something was damaged, or false: all of it is read again.
                      manager.mayTake(longest_pause, "going over what is recorded");

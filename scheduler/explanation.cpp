@@ -142,6 +142,11 @@ wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spa
   return explanation;
 }
 
+std::vector<SpaceTable> spacesIn(const std::string& where) {
+  if (!std::filesystem::is_directory(where)) return Dataset(where).spaces();
+  return spaceTables(RecordedBuild(where).plans());
+}
+
 namespace {
 
 struct ExplainOptions {
@@ -151,12 +156,6 @@ struct ExplainOptions {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in spacings
   bool json = false;
 };
-
-/// What is known of each space by now, from a dataset or a state directory.
-std::vector<SpaceTable> spacesIn(const std::string& where) {
-  if (!std::filesystem::is_directory(where)) return Dataset(where).spaces();
-  return spaceTables(RecordedBuild(where).plans());
-}
 
 ExitCode run(const ExplainOptions& options) {
   const std::vector<SpaceTable> spaces = spacesIn(options.where);

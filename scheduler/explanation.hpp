@@ -13,6 +13,10 @@ const SpaceTable& spaceNamed(const std::vector<SpaceTable>& spaces, const std::s
 const SpaceTable& siteNearest(const std::vector<SpaceTable>& spaces, const std::string& area,
                               const Eigen::Vector3d& place);
 
+/// What is known of each space by now, from a dataset or a state directory. Of a directory it takes
+/// the time and memory of a start there.
+std::vector<SpaceTable> spacesIn(const std::string& where);
+
 /// How a lattice point of one space, given in spacings, was reached: the chain of parents back to
 /// the origin; or why it was not: every attempt. `text` says it for people. Error (bad input),
 /// naming the bounds, when the point is not in the lattice.

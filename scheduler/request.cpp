@@ -1,6 +1,7 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <limits>
 #include <memory>
 #include <thread>
 
@@ -37,6 +38,8 @@ wire::Status storedStatus(const std::filesystem::path& directory) {
   wire::Status status = statusOf(build.problem(), build.plans(), servers, tables.counters());
   status.set_build(tables.build().build.hex());
   addKeptOut(status, tables.keptOut());
+  addDisk(status, directory,
+          JournalReader(directory).bytesBefore(std::numeric_limits<std::uint32_t>::max()));
   status.set_paused(tables.paused());
   status.set_kernel_family(build.kernelFamily());
   setPriorities(status, tables.priorities());

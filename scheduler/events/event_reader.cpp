@@ -3,10 +3,11 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <charconv>
 #include <ctime>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
@@ -98,6 +99,26 @@ std::string textOfEvent(std::string_view line) {
                           value.is_string() ? value.get<std::string>() : value.dump());
   }
   return fmt::format("{} {:<14} {}", time, textIn(*event, "event"), fields);
+}
+
+std::vector<std::string> lastEvents(const std::filesystem::path& directory,
+                                    const EventFilter& filter, std::size_t most) {
+  std::vector<std::string> found;  // the latest first
+  const std::vector<std::uint32_t> numbers = eventFiles(directory);
+  for (auto number = numbers.rbegin(); number != numbers.rend() && found.size() < most; ++number) {
+    std::ifstream file(eventFile(directory, *number), std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    // Behind the last line feed there is half a line, or none.
+    for (std::size_t end = text.rfind('\n'); end != std::string::npos && found.size() < most;) {
+      const std::size_t before = end == 0 ? std::string::npos : text.rfind('\n', end - 1);
+      const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+      const std::string_view line = std::string_view(text).substr(begin, end - begin);
+      if (filter.takes(line)) found.emplace_back(line);
+      end = before;
+    }
+  }
+  std::ranges::reverse(found);
+  return found;
 }
 
 void EventReader::readOn(const std::function<void(std::string_view line)>& take) {

@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace palpate {
 
@@ -28,6 +29,10 @@ std::string sinceText(const std::string& text, std::chrono::system_clock::time_p
 /// The event for people: "2026-11-24 20:17:59.123 worker_lost worker 0a1b2c3d, host node7, ...".
 /// Empty for what is no event.
 std::string textOfEvent(std::string_view line);
+
+/// The last `most` that a filter takes, the latest last. Reads no more than it needs.
+std::vector<std::string> lastEvents(const std::filesystem::path& directory,
+                                    const EventFilter& filter, std::size_t most);
 
 /// Reads the events of a state directory from the oldest on, whoever writes there meanwhile. One
 /// thread.

@@ -81,7 +81,7 @@ void Chronicle::failed(const TransitionKey& key, const SpacePlan& plan, const Fa
   if (failure.element >= 0)
     event.with("element", std::int64_t{failure.element})
         .with("element_det_f", failure.element_det_F);
-  if (failure.negative_pivots != failure.expected_negative_pivots)
+  if (failure.cause == Cause::wrong_inertia)
     event.with("negative_pivots", std::int64_t{failure.negative_pivots})
         .with("expected_negative_pivots", std::int64_t{failure.expected_negative_pivots});
   if (failure.mumps_infog1 != 0)

@@ -850,6 +850,7 @@ wire::Status Coordinator::status(Time now) const {
   status.set_checks_open(static_cast<std::int32_t>(checks_.openCount() + due_checks_.size()));
   status.set_disputed(static_cast<std::int32_t>(checks_.disputedCount()));
   addKeptOut(status, store_->keptOut());
+  addDisk(status, store_->directory(), store_->journalBytes());
   status.set_state(complete() ? "complete" : stopping_ ? "stopping" : "running");
   status.set_paused(paused_);
   status.set_kernel_family(registry_.kernelFamily());

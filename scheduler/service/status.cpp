@@ -96,6 +96,14 @@ void addKeptOut(wire::Status& status, const std::vector<KeptOut>& kept_out) {
   }
 }
 
+void addDisk(wire::Status& status, const std::filesystem::path& directory,
+             std::uint64_t journal_bytes) {
+  std::error_code unknown;
+  const std::filesystem::space_info disk = std::filesystem::space(directory, unknown);
+  status.set_journal_bytes(journal_bytes);
+  status.set_disk_free_bytes(unknown ? 0 : disk.available);
+}
+
 void Pace::note(Time now, std::int64_t found) {
   if (now - samples_.back().when < between_samples) return;
   samples_.push_back({now, found});

@@ -22,6 +22,11 @@ void setPriorities(wire::Status& status, const std::map<std::string, std::int32_
 
 void addKeptOut(wire::Status& status, const std::vector<KeptOut>& kept_out);
 
+/// The size of the journal in `directory`, and what its disk has left; 0 where that cannot be
+/// known.
+void addDisk(wire::Status& status, const std::filesystem::path& directory,
+             std::uint64_t journal_bytes);
+
 /// One line of JSON with the field names of proto/palpate.proto and every field in it.
 std::string toJson(const google::protobuf::Message& message);
 /// The status that toJson wrote; unknown fields are passed over. Error when the text is not one, or

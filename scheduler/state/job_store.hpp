@@ -74,6 +74,8 @@ class JobStore {
   /// Recorded results that are to be computed again: they are not recorded any more.
   void drop(const std::vector<ResultKey>& keys);
 
+  const std::filesystem::path& directory() const { return directory_->path(); }
+  std::uint64_t journalBytes() const { return journal_.bytes(); }
   /// Error when the directory, its lock or a segment was removed or replaced meanwhile.
   void checkPresence() const;
 

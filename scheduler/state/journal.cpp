@@ -220,6 +220,16 @@ std::string markFor(const SegmentFile& file, const JournalPosition& position) {
 
 std::vector<std::uint32_t> JournalReader::segments() const { return segmentsIn(directory_); }
 
+std::uint64_t JournalReader::bytesBefore(std::uint32_t segment) const {
+  std::uint64_t bytes = 0;
+  for (const std::uint32_t number : segments()) {
+    std::error_code gone;
+    const std::uintmax_t size = std::filesystem::file_size(segmentPath(number), gone);
+    if (number < segment && !gone) bytes += size;
+  }
+  return bytes;
+}
+
 std::filesystem::path JournalReader::segmentPath(std::uint32_t segment) const {
   return directory_ / segmentName(segment);
 }
@@ -270,6 +280,7 @@ Journal::Journal(std::filesystem::path directory, JournalEnd end, std::uint64_t 
     : JournalReader(std::move(directory)),
       segment_bytes_(segment_bytes),
       end_(end),
+      closed_bytes_(bytesBefore(end.segment)),
       synced_(end.offset) {
   present_ = segmentsIn(directory_);
   openSegment();
@@ -288,6 +299,7 @@ JournalPosition Journal::append(std::string_view header, std::string_view payloa
       throw failure("{}: there is no number for another segment: use another --state directory",
                     segmentPath(end_.segment).string());
     ++end_.segment;
+    closed_bytes_ += end_.offset;
     end_.offset = synced_ = 0;
     openSegment();
     syncFolder(directory_);

@@ -91,6 +91,8 @@ class JournalReader {
   JournalRecord read(const JournalPosition& position) const;
   /// Its header alone, likewise.
   std::string readHeader(const JournalPosition& position) const;
+  /// Of the segments with smaller numbers, as they are now.
+  std::uint64_t bytesBefore(std::uint32_t segment) const;
   /// The numbers of the segments that are there, in order.
   std::vector<std::uint32_t> segments() const;
   std::filesystem::path segmentPath(std::uint32_t segment) const;
@@ -118,6 +120,8 @@ class Journal : public JournalReader {
   /// When it fails, what was appended since the last one is cut off.
   void sync();
   JournalEnd end() const { return end_; }
+  /// Of all segments, up to end().
+  std::uint64_t bytes() const { return closed_bytes_ + end_.offset; }
 
   /// Marks damaged records, or stretches where none can be read, so that no later scan takes what
   /// is there for a result. Durable when it returns; each segment is synced once.
@@ -136,7 +140,8 @@ class Journal : public JournalReader {
 
   std::uint64_t segment_bytes_;
   JournalEnd end_;
-  std::uint64_t synced_;  ///< of the segment that is written, so many bytes survive a crash
+  std::uint64_t closed_bytes_;  ///< of the segments before it
+  std::uint64_t synced_;        ///< of the segment that is written, so many bytes survive a crash
   std::vector<std::uint32_t> present_;  ///< segments that were there, or were made
   FileDescriptor file_;                 ///< of the one that is written
   /// The last bytes before end_, which are not in the file yet: one write for many records.
