@@ -12,11 +12,11 @@ namespace palpate {
 namespace {
 
 /// In the order of EventKind.
-constexpr std::array<std::string_view, 19> event_words = {
-    "started",        "stopped",      "completed",      "sealed",        "stage",
-    "failed_attempt", "set_aside",    "retried",        "paused",        "resumed",
-    "disputed",       "kept_out",     "damaged",        "worker_joined", "worker_left",
-    "worker_lost",    "worker_ended", "worker_refused", "left_out"};
+constexpr std::array<std::string_view, 20> event_words = {
+    "started",        "stopped",     "completed",    "sealed",         "stage",
+    "failed_attempt", "set_aside",   "retried",      "priority",       "paused",
+    "resumed",        "disputed",    "kept_out",     "damaged",        "worker_joined",
+    "worker_left",    "worker_lost", "worker_ended", "worker_refused", "left_out"};
 static_assert(event_words.size() == static_cast<std::size_t>(EventKind::left_out) + 1);
 
 std::string quoted(std::string_view text) {

@@ -19,7 +19,8 @@ enum class EventKind : std::uint8_t {
   stage,           ///< a space enters a stage
   failed_attempt,  ///< a transition found no equilibrium
   set_aside,       ///< a transition is handed out no more: workers ended on it
-  retried,         ///< what was set aside is handed out again
+  retried,         ///< what was set aside, or failed, is handed out again
+  priority,        ///< a space is computed before others, or not any more
   paused,
   resumed,
   disputed,  ///< two workers found different bits

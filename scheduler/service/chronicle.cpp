@@ -94,8 +94,15 @@ void Chronicle::setAside(const TransitionKey& key, const SpacePlan& plan, int de
   add(of(EventKind::set_aside, key, plan).with("deaths", std::int64_t{deaths}));
 }
 
-void Chronicle::retried(std::int64_t transitions) {
-  add(Event(EventKind::retried).with("transitions", transitions));
+void Chronicle::retried(std::int64_t transitions, const std::string& cause) {
+  Event event(EventKind::retried);
+  event.with("transitions", transitions);
+  if (!cause.empty()) event.with("cause", cause);
+  add(event);
+}
+
+void Chronicle::prioritized(const std::string& space, std::int32_t priority) {
+  add(Event(EventKind::priority).with("space", space).with("priority", std::int64_t{priority}));
 }
 
 void Chronicle::paused(bool paused) { add(Event(paused ? EventKind::paused : EventKind::resumed)); }

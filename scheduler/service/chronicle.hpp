@@ -35,7 +35,9 @@ class Chronicle {
   void failed(const TransitionKey& key, const SpacePlan& plan, const Failure& failure,
               const wire::Provenance& giver);
   void setAside(const TransitionKey& key, const SpacePlan& plan, int deaths);
-  void retried(std::int64_t transitions);
+  /// `cause` of what failed; empty: what was set aside.
+  void retried(std::int64_t transitions, const std::string& cause = "");
+  void prioritized(const std::string& space, std::int32_t priority);
   void paused(bool paused);
   void disputed(const TransitionKey& key, const SpacePlan& plan, const wire::Provenance& one,
                 const wire::Provenance& other, Time now);

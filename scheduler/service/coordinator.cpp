@@ -142,7 +142,10 @@ bool Coordinator::answer(const Incoming& incoming, Time now) {
     case wire::Message::kPriorityRequest: {
       const wire::PriorityRequest& asked = message.priority_request();
       const std::string objection = prioritize(asked.space(), asked.priority());
-      if (objection.empty()) store_->tables().writePriority(asked.space(), asked.priority());
+      if (objection.empty()) {
+        store_->tables().writePriority(asked.space(), asked.priority());
+        chronicle_.prioritized(asked.space(), asked.priority());
+      }
       send(peer).mutable_priority_reply()->set_objection(objection);
       return true;
     }
@@ -737,6 +740,7 @@ std::int32_t Coordinator::retryFailed(const std::string& cause) {
   const std::vector<ResultKey> failed = failedWith(plans_, *which);
   if (failed.empty()) return 0;
   store_->drop(failed);
+  chronicle_.retried(std::ssize(failed), cause);
   begins_anew_ =
       fmt::format("{} attempts that failed with {} are tried again, as an operator asked",
                   failed.size(), cause);

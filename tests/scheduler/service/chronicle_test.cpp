@@ -100,6 +100,13 @@ TEST_F(ChronicleTest, TellsOfPausesAndOfWhatIsTriedAgain) {
   EXPECT_THAT(events("paused"), SizeIs(1));
   EXPECT_THAT(events("resumed"), SizeIs(1));
   EXPECT_THAT(events("retried"), ElementsAre(HasSubstr(R"("transitions":0)")));
+  for (const std::string& space : {world.problem.scene.active[1].name, std::string("nobody")}) {
+    wire::Message first;
+    first.mutable_priority_request()->set_space(space);
+    first.mutable_priority_request()->set_priority(2);
+    world.send("operator", first);
+  }
+  EXPECT_THAT(events("priority"), ElementsAre(HasSubstr(R"("priority":2)")));
 }
 
 TEST_F(ChronicleTest, AFloodOfWorkersLeavesRoomForOthers) {
