@@ -328,8 +328,8 @@ void addTo(CLI::App& app, SshFleetOptions& options) {
   app.add_option("SSH", options.ssh.more, "Options of ssh, behind --: -- -p 2222 -i KEY");
   app.footer(
       "Runs until the build is complete or it is interrupted, and then no worker is left. A\n"
-      "machine that cannot be reached is tried again. ssh must ask nothing: give it keys, and know\n"
-      "the hosts.");
+      "machine that cannot be reached is tried again. ssh must ask nothing: give it keys, and\n"
+      "know the hosts.");
 }
 
 template <class Options, ExitCode run(Options&)>
