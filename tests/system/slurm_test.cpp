@@ -99,10 +99,10 @@ TEST_F(SlurmTest, ABuildComesToItsEndThoughANodeIsCutOffAndTheTimeOfJobsIsUp) {
   auto serve = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://10.77.0.1:*",
                                            "--state", "state", "-o", "out.h5"});
   const std::string endpoint = endpointIn("state");
-  auto fleet = start("palpate-scheduler",
-                     {"fleet", "slurm", "state", "--connect", endpoint, "--keys",
-                      (directory / "keys").string(), "--most", "4", "--minutes", "1", "--every",
-                      "1", "--log", (directory / "job-%A-%a.log").string()});
+  auto fleet =
+      start("palpate-scheduler", {"fleet", "slurm", "state", "--connect", endpoint, "--keys",
+                                  (directory / "keys").string(), "--most", "4", "--minutes", "1",
+                                  "--every", "1", "--log", (directory / "job-%A-%a.log").string()});
   ASSERT_TRUE(test::eventually([] { return jobs().find("RUNNING there") != std::string::npos; }))
       << fleet->output() << jobs();
   const auto begun = std::chrono::steady_clock::now();
