@@ -376,7 +376,8 @@ bool Coordinator::groupIsDue(Time now) const {
 }
 
 void Coordinator::commitGroup(Time now) {
-  if (group_.size() == 0) return;
+  // Plans that hold what was dropped must not come to an end.
+  if (group_.size() == 0 || !begins_anew_.empty()) return;
   // Before they are durable, or one that is killed in between would never be checked.
   for (const auto& [key, member] : group_.members()) noteChecks(member);
   // Plans move on only after this: what they ask for next may rest on what is in the group.
