@@ -205,12 +205,18 @@ std::vector<std::string> workerCommand(const SlurmFleetOptions& options) {
   return words;
 }
 
+/// Whose jobs are meant. To end them nobody need be there any more: the directory tells it too.
+std::string buildOf(SlurmFleetOptions& options) {
+  const std::filesystem::path state = options.asked.where;
+  if (options.cancel && std::filesystem::is_directory(state))
+    return StoredTables(state).build().build.hex();
+  return meet(options).build();
+}
+
 ExitCode runSlurm(SlurmFleetOptions& options) {
   catchInterrupts();
-  options.slurm.name = "palpate-" + meet(options).build().substr(0, 12);
+  options.slurm.name = "palpate-" + buildOf(options).substr(0, 12);
   options.slurm.command = workerCommand(options);
-  // Slurm may come a minute early, and short jobs are to work too.
-  options.slurm.seconds_to_leave = std::min(60, 15 * options.slurm.minutes);
   Slurm engine(options.slurm);
   if (options.cancel) {
     engine.cancelAll();

@@ -20,6 +20,9 @@ constexpr int longest_array = 1000;
 /// A command line has an end, and so has the patience of slurmctld.
 constexpr std::size_t cancelled_at_once = 500;
 
+/// Slurm may come a minute early, and short jobs are to work too.
+int secondsToLeave(int minutes) { return std::min(60, 15 * minutes); }
+
 std::string orders(const std::vector<std::string>& words, const std::string& input = "") {
   Ran ran = runOfEngine(words, input);
   if (ran.exit_code != 0)
@@ -52,7 +55,7 @@ std::string Slurm::script(int workers) const {
   option("--ntasks=1 --cpus-per-task=1");
   option(fmt::format("--time={}", options_.minutes));
   // B: the shell, whose place the worker takes.
-  option(fmt::format("--signal=B:TERM@{}", options_.seconds_to_leave));
+  option(fmt::format("--signal=B:TERM@{}", secondsToLeave(options_.minutes)));
   option("--requeue --open-mode=append");
   option("--output=" + options_.log);
   if (!options_.constraint.empty()) option("--constraint=" + options_.constraint);

@@ -10,11 +10,12 @@ namespace palpate {
 struct SlurmOptions {
   std::string name;                  ///< of the jobs: the build's, so that they are found again
   std::vector<std::string> command;  ///< one worker, as it runs on a node
-  int minutes = 60;                  ///< each may run at most so long
-  int seconds_to_leave = 15;         ///< before that it is told to end (SIGTERM)
-  std::string constraint;            ///< features of nodes; empty: any
-  std::string log = "/dev/null";     ///< a file name as sbatch --output takes it
-  std::vector<std::string> more;     ///< options of sbatch, as they are
+  /// Each may run at most so long; a minute before that, or of short ones in the last quarter, it
+  /// is told to end (SIGTERM).
+  int minutes = 60;
+  std::string constraint;         ///< features of nodes; empty: any
+  std::string log = "/dev/null";  ///< a file name as sbatch --output takes it
+  std::vector<std::string> more;  ///< options of sbatch, as they are
 };
 
 /// Workers as elements of array jobs of one name, by the programs of Slurm: sbatch, squeue and

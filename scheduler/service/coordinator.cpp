@@ -500,11 +500,12 @@ void Coordinator::advance(Time now, bool all_read) {
 
 /// Now and then: every point is looked at.
 void Coordinator::lookAhead(Time now) {
+  constexpr std::chrono::milliseconds at_least{500};
+  if (complete_ || now - forecast_made_ < at_least) return;
   // Twenty microseconds for what costs a fifth of one.
   double points = 0;
   for (const SpacePlan& plan : plans_) points += plan.size();
-  const std::chrono::duration<double> good_for(std::max(0.5, 2e-5 * points));
-  if (complete_ || now - forecast_made_ < good_for) return;
+  if (now - forecast_made_ < std::chrono::duration<double>(2e-5 * points)) return;
   forecast_ = forecastOf(*problem_, plans_);
   forecast_made_ = now;
   recorded_then_ = recorded_;

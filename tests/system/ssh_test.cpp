@@ -40,6 +40,13 @@ struct SshTest : test::SmallBuild {
     ASSERT_EQ(test::runCommand("ssh-keygen -q -t ed25519 -N '' -f '" + path(name) + "'").exit_code,
               0);
   }
+  /// It listens when this returns.
+  std::unique_ptr<test::Process> startServe() {
+    auto serve = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
+                                             "--state", "state", "-o", "out.h5"});
+    endpointIn("state");
+    return serve;
+  }
   std::unique_ptr<test::Process> startFleet(const std::string& known) {
     return start("palpate-scheduler",
                  {"fleet", "ssh", "state", "--hosts", "127.0.0.1:2", "--program",
@@ -56,9 +63,7 @@ struct SshTest : test::SmallBuild {
 };
 
 TEST_F(SshTest, WorkersBehindAConnectionThatBreaksAreBegunAgainAndNoneIsLeftAtTheEnd) {
-  auto serve = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
-                                           "--state", "state", "-o", "out.h5"});
-  endpointIn("state");
+  auto serve = startServe();
   auto fleet = startFleet(path("known"));
   ASSERT_TRUE(journalGrows(*serve, "state", 10000)) << fleet->output();
   for (const pid_t connection : fleet->children()) kill(connection, SIGKILL);
@@ -73,9 +78,7 @@ TEST_F(SshTest, WorkersBehindAConnectionThatBreaksAreBegunAgainAndNoneIsLeftAtTh
 }
 
 TEST_F(SshTest, AnInterruptedFleetLeavesNoWorkerAndTheBuildWaits) {
-  auto serve = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
-                                           "--state", "state", "-o", "out.h5"});
-  endpointIn("state");
+  auto serve = startServe();
   auto fleet = startFleet(path("known"));
   ASSERT_TRUE(journalGrows(*serve, "state", 10000)) << fleet->output();
   EXPECT_EQ(fleet->stop(SIGTERM), 130) << fleet->output();
@@ -84,9 +87,7 @@ TEST_F(SshTest, AnInterruptedFleetLeavesNoWorkerAndTheBuildWaits) {
 }
 
 TEST_F(SshTest, AMachineThatIsNotKnownIsNotTrustedAndIsTriedAgain) {
-  auto serve = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
-                                           "--state", "state", "-o", "out.h5"});
-  endpointIn("state");
+  auto serve = startServe();
   auto fleet = startFleet(path("nobody"));
   EXPECT_TRUE(test::eventually([&] {
     return fleet->output().find("exit code 255 (its words are above); again in 5 s") !=

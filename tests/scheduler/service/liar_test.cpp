@@ -33,6 +33,16 @@ struct LiarWorld : test::BuildWorld {
     request(peer, 1);
     return "";
   }
+  /// Until nothing is left that it may do: what others are to check waits then.
+  void workAlone(const std::string& peer) {
+    for (int turns = 0; turns < 400; ++turns) {
+      for (const wire::Job& job : takeJobs(peer)) {
+        deliver(peer, job);
+        request(peer, 1);
+      }
+      pass(25ms);
+    }
+  }
   void joinAll() {
     for (const std::string peer : {"a", "b", "c"}) joinFrom("machine-" + peer, peer);
   }
@@ -262,13 +272,7 @@ TEST_F(LiarTest, ChecksAreNotGivenUpWhileAnOperatorWantsNothingDone) {
   settings.spot_checks.share = 0.2;
   LiarWorld world(settings);
   world.joinFrom("machine-a", "a");
-  for (int turns = 0; turns < 400; ++turns) {
-    for (const wire::Job& job : world.takeJobs("a")) {
-      world.deliver("a", job);
-      world.request("a", 1);
-    }
-    world.pass(25ms);
-  }
+  world.workAlone("a");
   ASSERT_GT(world.coordinator().status(world.now).checks_open(), 0);
   world.coordinator().pause(true);
   for (int seconds = 0; seconds < 120; ++seconds) {
@@ -288,13 +292,7 @@ TEST_F(LiarTest, ChecksWaitForThoseWhoMayComeBack) {
   settings.spot_checks.share = 1;
   LiarWorld world(settings);
   world.joinFrom("machine-a", "a");
-  for (int turns = 0; turns < 400; ++turns) {
-    for (const wire::Job& job : world.takeJobs("a")) {
-      world.deliver("a", job);
-      world.request("a", 1);
-    }
-    world.pass(25ms);
-  }
+  world.workAlone("a");
   ASSERT_FALSE(world.coordinator().complete());
   world.restart();
   world.joinFrom("machine-a", "a");
