@@ -80,9 +80,9 @@ bool hasUnknownFields(const google::protobuf::Message& message) {
   });
 }
 
-/// Another version of the program says who it is, or why not, with more words than this one knows.
-bool isReadable(const wire::Message& message) {
-  return message.has_hello() || message.has_refused() || !hasUnknownFields(message);
+/// Of this message itself.
+bool hasUnknownFieldsHere(const google::protobuf::Message& message) {
+  return !message.GetReflection()->GetUnknownFields(message).empty();
 }
 
 /// A host and behind it a port; * is any free one, for those who listen.
@@ -211,6 +211,13 @@ std::size_t bytesOnWire(const wire::Message& message, std::size_t payload_bytes,
   for (std::size_t at = 0; at < payload_bytes; at += payload_frame_bytes)
     sum += bytesOnWire(std::min(payload_frame_bytes, payload_bytes - at), with_keys);
   return sum;
+}
+
+bool isReadable(const wire::Message& message) {
+  if (message.has_hello() || message.has_refused()) return true;
+  return message.has_bundle()
+             ? !hasUnknownFieldsHere(message) && !hasUnknownFieldsHere(message.bundle())
+             : !hasUnknownFields(message);
 }
 
 std::optional<PublicKey> senderOf(zmq::message_t& frame) {

@@ -18,7 +18,7 @@
 namespace palpate {
 
 /// Raised with every incompatible change; Hello carries it and the scheduler refuses another one.
-inline constexpr std::uint32_t protocol_version = 2;
+inline constexpr std::uint32_t protocol_version = 3;
 
 /// So many messages of one connection wait in a ROUTER; then the others have to.
 inline constexpr int router_queue_length = 16;
@@ -85,10 +85,13 @@ std::size_t bytesOnWire(const wire::Message& message, std::size_t payload_bytes,
 /// The key under which a frame came through a Gatekeeper (curve.hpp); nothing where there is none.
 std::optional<PublicKey> senderOf(zmq::message_t& frame);
 
-/// The next message without blocking. Nothing when there is none. A message that does not parse,
-/// has fields that this program does not know (but for those by which two versions of it tell each
-/// other apart), an empty body, or too large a payload is returned with message.body_case() ==
-/// BODY_NOT_SET: count it and drop it.
+/// Whether this program knows all that the message says, but for what another version of it says of
+/// itself. Of a bundle: less its messages, which are judged one by one.
+bool isReadable(const wire::Message& message);
+
+/// The next message without blocking, which may be a bundle: Inbox takes those apart. Nothing when
+/// there is none. A message that does not parse or is not readable, has an empty body, or too large
+/// a payload is returned with message.body_case() == BODY_NOT_SET: count it and drop it.
 std::optional<Incoming> receiveMessage(zmq::socket_t& socket, bool router);
 
 /// Sockets with the options that were measured to be needed (docs/wire.md, "Sockets").

@@ -37,7 +37,8 @@ Server::Server(zmq::context_t& context, const Problem& problem, const std::strin
     : socket_(makeRouter(context)),
       connections_(
           context, socket_,
-          PeerLimits::forMessagesOf(fieldsBytes(problem) + header_bytes, router_queue_length)) {
+          PeerLimits::forMessagesOf(std::max(fieldsBytes(problem), bundle_bytes) + header_bytes,
+                                    router_queue_length)) {
   if (keys) gatekeeper_.emplace(context, socket_, *keys);
   endpoint_ = bindRouter(socket_, endpoint);
 }
@@ -52,7 +53,7 @@ void Server::turn(Coordinator& coordinator, std::chrono::milliseconds longest) {
 }
 
 std::optional<Incoming> Server::receive() {
-  auto incoming = receiveMessage(socket_, true);
+  auto incoming = inbox_.next(socket_, true);
   if (!incoming) {
     connections_.receivedAll();
     return incoming;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/wire/bundle.hpp"
 #include "common/wire/connections.hpp"
 #include "common/wire/curve.hpp"
 #include "scheduler/service/transport.hpp"
@@ -32,6 +33,7 @@ class Server : private Transport {
   /// Nothing: everybody may say everything. Before the socket: it goes after it.
   std::optional<Gatekeeper> gatekeeper_;
   zmq::socket_t socket_;
+  Inbox inbox_;
   Connections connections_;
   std::string endpoint_;
 };

@@ -1,9 +1,35 @@
 #include "scheduler/service/transport.hpp"
 
+#include <unordered_map>
+
+#include "common/wire/bundle.hpp"
+
 namespace palpate {
 namespace {
 
 constexpr int messages_per_turn = 256;
+
+/// What each peer is told leaves in few messages, in its order.
+std::vector<Outgoing> bundled(std::vector<Outgoing> outbox) {
+  std::vector<Outgoing> leaving;
+  std::unordered_map<std::string, Bundler> bundlers;
+  const auto close = [&](const std::string& peer, Bundler& bundler) {
+    for (Letter& letter : bundler.take())
+      leaving.push_back({peer, std::move(letter.message), nullptr});
+  };
+  for (Outgoing& outgoing : outbox) {
+    Bundler& bundler = bundlers[outgoing.peer];
+    if (outgoing.payload == nullptr) {
+      bundler.add(std::move(outgoing.message));
+      continue;
+    }
+    // A payload may be shared by many, and is not copied.
+    close(outgoing.peer, bundler);
+    leaving.push_back(std::move(outgoing));
+  }
+  for (auto& [peer, bundler] : bundlers) close(peer, bundler);
+  return leaving;
+}
 
 }  // namespace
 
@@ -21,7 +47,7 @@ void exchange(Coordinator& coordinator, Transport& transport, Coordinator::Time 
   coordinator.advance(now, all_read);
   // A peer that is gone, or does not read, gives its leases back, which may make new messages.
   for (auto outbox = coordinator.takeOutbox(); !outbox.empty(); outbox = coordinator.takeOutbox())
-    for (const Outgoing& outgoing : outbox)
+    for (const Outgoing& outgoing : bundled(std::move(outbox)))
       if (transport.send(outgoing) != Sent::yes) coordinator.peerUnreachable(outgoing.peer, now);
 }
 

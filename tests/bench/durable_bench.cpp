@@ -1,10 +1,12 @@
 // How many results a scheduler makes durable in a second, what they cost it, and how far the disk
 // alone would come: a real `palpate-scheduler serve` on a port of this machine, and workers in this
-// process that speak the real protocol and answer at once with the small results of a linear body.
-// Before and after, records of that size are appended and synced in groups of 64.
+// process that speak the real protocol and answer at once, or after --solve-ms, with the results of
+// a linear body. Before and after, records of that size are appended and synced in groups as large
+// as the scheduler's may be.
 // Prints one JSON object. Nothing here is checked: times belong to the machine, and to its disk.
 //
-//   palpate_durable_bench [--seconds 10] [--workers 4] [--directory DIR] [--insecure]
+//   palpate_durable_bench [--seconds 10] [--workers 4] [--solve-ms 0] [--cells 3] [--points 11500]
+//                         [--directory DIR] [--insecure]
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -17,6 +19,7 @@
 #include <zmq.hpp>
 
 #include "common/base/error.hpp"
+#include "scheduler/service/coordinator.hpp"
 #include "tests/support/table_worker.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/system/process.hpp"
@@ -75,14 +78,15 @@ double syncsPerSecond(const std::filesystem::path& directory, std::size_t bytes,
 
 struct Options {
   double seconds = 10;
-  int workers = 4;
+  int workers = 4, solve_ms = 0;
+  int cells = 3;
+  double points = 11500;
   std::string directory;
   bool insecure = false;
 };
 
 void measure(const Options& options, const std::filesystem::path& directory) {
-  constexpr std::size_t group = 64;
-  test::writeEndlessScene(directory, 3, 20);
+  test::writeEndlessScene(directory, options.cells, 20, options.points);
   std::vector<std::string> arguments = {"serve",   "cube.toml", "--listen", "tcp://127.0.0.1:*",
                                         "--state", "state",     "-o",       "cube.h5",
                                         "--quiet"};
@@ -101,7 +105,8 @@ void measure(const Options& options, const std::filesystem::path& directory) {
   for (int n = 0; n < options.workers; ++n)
     workers.emplace_back(
         context, endpoint,
-        options.insecure ? std::nullopt : std::optional(KeyFolder(directory / "keys")), n);
+        options.insecure ? std::nullopt : std::optional(KeyFolder(directory / "keys")), n,
+        std::chrono::milliseconds(options.solve_ms));
   std::vector<zmq::pollitem_t> sockets;
   for (test::TableWorker& worker : workers)
     sockets.push_back({worker.socket().handle(), 0, ZMQ_POLLIN, 0});
@@ -118,8 +123,10 @@ void measure(const Options& options, const std::filesystem::path& directory) {
     }
   };
   const auto journal = [&] {
-    return static_cast<double>(
-        std::filesystem::file_size(directory / "state" / "segment-000001.dat"));
+    double sum = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(directory / "state"))
+      if (entry.path().extension() == ".dat") sum += static_cast<double>(entry.file_size());
+    return sum;
   };
   // The first steps from rest are few; then there is always enough to do.
   const auto began = Clock::now();
@@ -127,17 +134,20 @@ void measure(const Options& options, const std::filesystem::path& directory) {
   const std::size_t first = acknowledged();
   if (first < 500) throw failure("nothing is acknowledged: {}", scheduler.output());
   const double record = journal() / static_cast<double>(first);
+  const CoordinatorSettings settings;
+  const double group = std::min(static_cast<double>(settings.group_results),
+                                static_cast<double>(settings.group_bytes) / record);
   const auto group_bytes = static_cast<std::size_t>(group * record);
 
   const double disk_before = syncsPerSecond(directory, group_bytes, options.seconds / 5);
-  const Usage before = usageOf(scheduler.pid());
+  const Usage before = usageOf(scheduler.pid()), own_before = usageOf(getpid());
   const std::size_t done_before = acknowledged();
   const double journal_before = journal();
   const auto measured = Clock::now();
   workFor(options.seconds);
   const double seconds = secondsSince(measured);
   const auto results = static_cast<double>(acknowledged() - done_before);
-  const Usage after = usageOf(scheduler.pid());
+  const Usage after = usageOf(scheduler.pid()), own_after = usageOf(getpid());
   const double journaled = journal() - journal_before;
   scheduler.stop(SIGKILL);
   const double disk_after = syncsPerSecond(directory, group_bytes, options.seconds / 5);
@@ -147,14 +157,15 @@ void measure(const Options& options, const std::filesystem::path& directory) {
   fmt::print(
       "{{\"workers\":{},\"seconds\":{:.2f},\"results\":{},\"results_per_second\":{:.0f},"
       "\"scheduler_cpu_us_per_result\":{:.1f},\"scheduler_cpu_share\":{:.2f},"
-      "\"payload_bytes\":{},\"journal_bytes_per_result\":{:.0f},"
+      "\"workers_cpu_us_per_result\":{:.1f},\"payload_bytes\":{},\"journal_bytes_per_result\":{:.0f},"
       "\"written_bytes_per_result\":{:.0f},\"to_disk_bytes_per_result\":{:.0f},"
       "\"disk_syncs_per_second\":[{:.0f},{:.0f}],\"disk_results_per_second\":{:.0f},"
       "\"share_of_the_disk\":{:.2f}}}\n",
       options.workers, seconds, results, rate,
       1e6 * (after.processor_seconds - before.processor_seconds) / results,
-      (after.processor_seconds - before.processor_seconds) / seconds, workers[0].payloadBytes(),
-      journaled / results, (after.written - before.written) / results,
+      (after.processor_seconds - before.processor_seconds) / seconds,
+      1e6 * (own_after.processor_seconds - own_before.processor_seconds) / results,
+      workers[0].payloadBytes(), journaled / results, (after.written - before.written) / results,
       (after.to_disk - before.to_disk) / results, disk_before, disk_after, disk, rate / disk);
 }
 
@@ -165,6 +176,12 @@ int run(int argc, char** argv) {
   app.add_option("--workers", options.workers, "Workers, all in this process")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  app.add_option("--solve-ms", options.solve_ms, "What a worker takes for each result")
+      ->capture_default_str();
+  app.add_option("--cells", options.cells, "Edges of the cube: its results hold 12 (n + 1)^3 bytes")
+      ->check(CLI::Range(2, 100))
+      ->capture_default_str();
+  app.add_option("--points", options.points, "Of each of 20 spaces, about")->capture_default_str();
   app.add_option("--directory", options.directory, "A folder on the disk that is measured [/tmp]")
       ->check(CLI::ExistingDirectory);
   app.add_flag("--insecure", options.insecure, "Without keys");

@@ -1,4 +1,4 @@
-#include "common/wire/wire.hpp"
+#include "common/wire/bundle.hpp"
 #include "scheduler/service/status.hpp"
 #include "tests/fuzz/frames.hpp"
 #include "tests/fuzz/fuzzer.hpp"
@@ -23,9 +23,12 @@ void readWireMessage(std::string_view bytes) {
   static SocketPair sockets;
   sockets.send(choices);
   for (;;) {
-    const std::optional<Incoming> incoming = receiveMessage(sockets.receiver(), router);
+    std::optional<Incoming> incoming = receiveMessage(sockets.receiver(), router);
     if (!incoming) break;
-    if (incoming->message.has_result()) readResult(incoming->message.result());
+    for (const Incoming& part : unbundled(std::move(*incoming))) {
+      require(!part.message.has_bundle(), "a bundle is left");
+      if (part.message.has_result()) readResult(part.message.result());
+    }
   }
 }
 
@@ -39,18 +42,24 @@ std::string frames(const wire::Message& message, const std::string& payload = ""
 std::vector<std::string> wireSeeds() {
   const Problem problem = test::cubeProblem();
   std::vector<std::string> seeds;
+  Bundler bundler;
   for (const LatticePoint& target : {LatticePoint{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}) {
     const auto [result, payload] = test::solve(problem, 0, target, {0, 0, 0});
     wire::Message message;
     *message.mutable_result() = result;
     seeds.push_back(frames(message, payload));
+    bundler.add(std::move(message), payload);
   }
+  for (const Letter& letter : bundler.take())
+    seeds.push_back(frames(letter.message, letter.payload));
   wire::Message hello;
   hello.mutable_hello()->set_worker("worker");
   hello.mutable_hello()->add_ended("another");
   wire::Message job;
   *job.mutable_job()->add_targets()->mutable_point() = toWire(LatticePoint{-1, 0, 2});
-  return {seeds[0], seeds[1], seeds[2], seeds[3], frames(hello), frames(job)};
+  seeds.push_back(frames(hello));
+  seeds.push_back(frames(job));
+  return seeds;
 }
 
 const Registration wire_fuzzer({"wire", readWireMessage, wireSeeds});

@@ -33,7 +33,7 @@ struct ServeTest : testing::Test {
   Incoming expect(Message::BodyCase kind) {
     Incoming found;
     const bool came = test::eventually([&] {
-      while (auto incoming = receiveMessage(worker, false))
+      while (auto incoming = inbox.next(worker, false))
         if (incoming->message.body_case() == kind) {
           found = std::move(*incoming);
           return true;
@@ -55,7 +55,7 @@ struct ServeTest : testing::Test {
     send(ask);
     const wire::Job job = expect(Message::kJob).message.job();
     const wire::Target& target = job.targets(0);
-    auto solved = test::solveLinearly(problem, job.space(), target.point(), job.start());
+    auto solved = test::LinearBody(problem).solve(job.space(), target.point(), job.start());
     test::answer(job, target, solved.first);
     return solved;
   }
@@ -69,6 +69,7 @@ struct ServeTest : testing::Test {
   std::optional<test::Process> serve;
   zmq::context_t context;
   zmq::socket_t worker = makeDealer(context);
+  Inbox inbox;
 };
 
 /// It used to forget `palpate stop` with the coordinator that had to be made anew.

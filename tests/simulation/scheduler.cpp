@@ -28,6 +28,7 @@ SchedulerProcess::~SchedulerProcess() = default;
 
 void SchedulerProcess::end(State state) {
   build_.reset();
+  inbox_.clear();
   network_.schedulerEnds();
   state_ = state;
 }
@@ -175,21 +176,19 @@ void SchedulerProcess::askToStop(Seconds now) {
 std::optional<Incoming> SchedulerProcess::receive() {
   // A process that was killed in between reads nothing.
   if (disk_.dead()) return std::nullopt;
-  auto incoming = network_.forScheduler(now_);
+  auto incoming = inbox_.next([&] { return network_.forScheduler(now_); });
   if (incoming && incoming->message.has_result())
     ledger_.noteDelivery(incoming->peer, incoming->message.result());
   return incoming;
 }
 
-Sent SchedulerProcess::send(const Outgoing& outgoing) {
-  if (disk_.dead()) return Sent::yes;
-  const wire::Message& message = outgoing.message;
+void SchedulerProcess::note(const std::string& peer, const wire::Message& message) {
+  for (const wire::Message& part : message.bundle().messages()) note(peer, part);
   if (message.has_result_ack() && !message.result_ack().unwanted()) {
     const wire::ResultAck& ack = message.result_ack();
-    ledger_.noteAcknowledged(outgoing.peer,
-                             {ack.space(), fromWire(ack.target()), fromWire(ack.parent())});
+    ledger_.noteAcknowledged(peer, {ack.space(), fromWire(ack.target()), fromWire(ack.parent())});
   }
-  if (message.has_job() && ledger_.isKeptOut(outgoing.peer))
+  if (message.has_job() && ledger_.isKeptOut(peer))
     throw Broken("a worker that is kept out is given work");
   if (message.has_job())
     for (const wire::Target& target : message.job().targets()) {
@@ -199,7 +198,13 @@ Sent SchedulerProcess::send(const Outgoing& outgoing) {
           !build_->coordinator().isChecked(key))
         throw Broken("a result that was acknowledged is asked for again");
     }
-  return network_.toWorker(outgoing.peer, message, outgoing.payload ? *outgoing.payload : "", now_);
+}
+
+Sent SchedulerProcess::send(const Outgoing& outgoing) {
+  if (disk_.dead()) return Sent::yes;
+  note(outgoing.peer, outgoing.message);
+  return network_.toWorker(outgoing.peer, outgoing.message,
+                           outgoing.payload ? *outgoing.payload : "", now_);
 }
 
 }  // namespace palpate::simulation

@@ -3,6 +3,7 @@
 #include <functional>
 #include <set>
 
+#include "common/wire/bundle.hpp"
 #include "scheduler/build.hpp"
 #include "scheduler/service/transport.hpp"
 #include "tests/simulation/disk.hpp"
@@ -48,6 +49,7 @@ class SchedulerProcess : private Transport {
  private:
   std::optional<Incoming> receive() override;
   Sent send(const Outgoing& message) override;
+  void note(const std::string& peer, const wire::Message& message);
 
   void guarded(const std::function<void()>& step);
   void open(Seconds now);
@@ -66,6 +68,7 @@ class SchedulerProcess : private Transport {
   CoordinatorSettings settings_;
   ProcessClock clock_;
   Seconds now_ = 0, stopped_until_ = 0, next_turn_ = 0, leaves_at_ = 0, opened_at_ = 0;
+  Inbox inbox_;
   std::unique_ptr<Build> build_;
   State state_ = State::down;
   std::string last_error_;

@@ -32,8 +32,8 @@ WorkerProcess::WorkerProcess(Network& network, SolverWorld& world, const std::st
   options.host = host;
   options.pid = 1;
   options.kernel_family = "baseline";
-  const auto send = [this](const wire::Message& message, std::string_view payload) {
-    network_.toScheduler(peer_, message, payload, now_);
+  const auto send = [this](wire::Message message, std::string_view payload) {
+    outbox_.add(std::move(message), payload);
   };
   session_ = std::make_unique<WorkerSession>(*mailbox_, options, send, clock_.at(now));
   network_.join(peer_, now);
@@ -138,9 +138,12 @@ void WorkerProcess::wake(Seconds now) {
   solve(now);
   if (end_) return;
   try {
-    while (const auto incoming = network_.forWorker(peer_, now))
+    while (const auto incoming = inbox_.next([&] { return network_.forWorker(peer_, now); }))
       session_->receive(*incoming, clock_.at(now));
-    switch (session_->advance(clock_.at(now))) {
+    const WorkerSession::Next next = session_->advance(clock_.at(now));
+    for (const Letter& letter : outbox_.take())
+      network_.toScheduler(peer_, letter.message, letter.payload, now_);
+    switch (next) {
       case WorkerSession::Next::go_on: break;
       case WorkerSession::Next::connect:
         network_.reconnect(peer_, now);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/wire/bundle.hpp"
 #include "tests/simulation/ledger.hpp"
 #include "tests/simulation/network.hpp"
 #include "worker/link/worker_session.hpp"
@@ -85,6 +86,8 @@ class WorkerProcess {
   ProcessClock clock_;
   Seconds now_ = 0;
   std::unique_ptr<Mailbox> mailbox_;
+  Inbox inbox_;
+  Bundler outbox_;
   std::unique_ptr<WorkerSession> session_;
   std::optional<Work> work_;
   std::optional<End> end_;

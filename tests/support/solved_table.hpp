@@ -38,12 +38,12 @@ inline Problem wideProblem() { return cubeProblemOf(2, 0.03, 1300); }
 inline Problem smallCubeProblem() { return cubeProblemOf(1, 0.01, 1300); }
 
 /// The header that a worker makes of an outcome, and its payload.
-inline std::pair<wire::Result, std::string> resultOf(const Problem& problem, std::uint32_t space,
+inline std::pair<wire::Result, std::string> resultOf(const ContentId& build, std::uint32_t space,
                                                      const LatticePoint& target,
                                                      const LatticePoint& parent,
                                                      const Outcome& outcome) {
   wire::Result result;
-  result.set_build(std::string(problemId(problem).bytes()));
+  result.set_build(std::string(build.bytes()));
   result.set_space(space);
   *result.mutable_target() = toWire(target);
   *result.mutable_parent() = toWire(parent);
@@ -63,9 +63,10 @@ inline void answer(const wire::Job& job, const wire::Target& target, wire::Resul
   result.mutable_cost()->set_steps(static_cast<std::int32_t>(target.steps()));
 }
 
-/// Fields that say `elsewhere(n)` of a node, but have the tool and what is fixed where they are.
+/// Fields that say `elsewhere(n)` of a node, but have the tool, at p, and what is fixed where they
+/// are. At rest all are zero.
 template <class Elsewhere>
-NodalFields fieldsOf(const Problem& problem, std::uint32_t space, const LatticePoint& target,
+NodalFields fieldsOf(const Problem& problem, std::uint32_t space, const Eigen::Vector3d& p,
                      const Elsewhere& elsewhere) {
   NodalFields fields;
   const auto put = [&](std::size_t node, const Eigen::Vector3d& u) {
@@ -73,11 +74,10 @@ NodalFields fieldsOf(const Problem& problem, std::uint32_t space, const LatticeP
       fields.displacement[3 * node + i] = static_cast<float>(u[static_cast<Eigen::Index>(i)]);
   };
   fields.displacement.resize(3 * problem.mesh.nodes.size());
-  if (target == LatticePoint{}) return fields;
+  if (p.isZero(0)) return fields;
   for (std::size_t n = 0; n < problem.mesh.nodes.size(); ++n) put(n, elsewhere(n));
   for (const std::int32_t n : problem.fixed)
     put(static_cast<std::size_t>(n), Eigen::Vector3d::Zero());
-  const Eigen::Vector3d p = uniformLattice(problem.scene).displacementOf(target);
   for (const std::int32_t n : problem.active.at(space).nodes) put(static_cast<std::size_t>(n), p);
   return fields;
 }
@@ -107,7 +107,8 @@ inline std::pair<wire::Result, std::string> solve(const Problem& problem, std::u
           norm + 0.01 * static_cast<double>(dice % 7);  // another branch, another energy
     }
     outcome.equilibrium.stiffness = -50 * Eigen::Matrix3d::Identity();
-    outcome.fields = fieldsOf(problem, space, target, [&](std::size_t n) {
+    const Eigen::Vector3d p = uniformLattice(problem.scene).displacementOf(target);
+    outcome.fields = fieldsOf(problem, space, p, [&](std::size_t n) {
       const auto first = static_cast<double>(dice % 1000 + 3 * n);
       return Eigen::Vector3d(first, first + 1, first + 2);
     });
@@ -117,7 +118,7 @@ inline std::pair<wire::Result, std::string> solve(const Problem& problem, std::u
     outcome.failure.step_reached = static_cast<double>(dice % 11) / 11;
     outcome.failure.residual = dice % 2 == 0 ? std::nan("") : 1;
   }
-  return resultOf(problem, space, target, parent, outcome);
+  return resultOf(problemId(problem), space, target, parent, outcome);
 }
 
 /// The same of a body that stiffens, E = k p^2 / 2 + c p^4: everything converges, and every result
@@ -137,11 +138,11 @@ inline std::pair<wire::Result, std::string> solveSmoothly(const Problem& problem
   const Eigen::Matrix3d slope =
       (k + 4 * c * square) * Eigen::Matrix3d::Identity() + 8 * c * p * p.transpose();
   outcome.equilibrium.stiffness = -(slope + slope.transpose()) / 2;
-  outcome.fields = fieldsOf(problem, space, target, [&](std::size_t n) -> Eigen::Vector3d {
+  outcome.fields = fieldsOf(problem, space, p, [&](std::size_t n) -> Eigen::Vector3d {
     return p * problem.mesh.nodes[n].x();
   });
   outcome.fields.pressure.assign(problem.mesh.nodes.size(), static_cast<float>(p.norm()));
-  return resultOf(problem, space, target, parent, outcome);
+  return resultOf(problemId(problem), space, target, parent, outcome);
 }
 
 }  // namespace palpate::test

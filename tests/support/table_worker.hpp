@@ -4,9 +4,12 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <deque>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <zmq.hpp>
@@ -15,6 +18,7 @@
 #include "common/base/program.hpp"
 #include "common/mesh/node_set.hpp"
 #include "common/problem/problem.hpp"
+#include "common/wire/bundle.hpp"
 #include "common/wire/curve.hpp"
 #include "common/wire/wire.hpp"
 #include "tests/support/meshes.hpp"
@@ -25,42 +29,57 @@
 namespace palpate::test {
 
 /// The scene cube.toml in `directory`: a cube of (cells + 1)^3 nodes, so many of its surface
-/// active, and 11,500 points of each, which no machine finishes in the time.
-inline void writeEndlessScene(const std::filesystem::path& directory, int cells, int patches) {
+/// active, and so many points of each (about), which no machine finishes in the time.
+inline void writeEndlessScene(const std::filesystem::path& directory, int cells, int patches,
+                              double points = 11500) {
+  constexpr double radius = 0.05;
+  const double spacing = radius * std::cbrt(4 * std::numbers::pi / 3 / points);
   const Mesh mesh = cubeMesh(0.1, cells);
   writeGmsh22(mesh, directory / "cube.msh");
   std::ofstream scene(directory / "cube.toml");
   scene << "name = \"cube\"\nmesh = \"cube.msh\"\n"
         << "[material]\nlaw = \"mooney-rivlin\"\nc10 = 1300.0\nc01 = 1280.0\n"
         << "[fixed]\nbelow = { axis = \"x\", fraction = 0.15 }\n"
-        << "[workspace]\nradius = 0.05\nspacing = 0.00357\nmax_force = 100.0\n";
+        << "[workspace]\nradius = " << radius << "\nspacing = " << spacing
+        << "\nmax_force = 100.0\n";
   int active = 0;
   for (const std::int32_t node : surfaceNodes(mesh))
     if (mesh.nodes[static_cast<std::size_t>(node)].x() > 0.05 && active < patches)
       scene << "[[active]]\nname = \"skin-" << ++active << "\"\nnode = " << node << "\n";
 }
 
-/// What a linear body would answer: one branch, everything converges.
-inline std::pair<wire::Result, std::string> solveLinearly(const Problem& problem,
-                                                          std::uint32_t space,
-                                                          const wire::Point& target,
-                                                          const wire::Point& parent) {
-  constexpr double stiffness = 50;  // N/m
-  // Of a scene that does not refine, coordinates are in spacings.
-  const LatticePoint at = fromWire(target);
-  const Eigen::Vector3d p = problem.scene.workspace.spacing * Eigen::Vector3d(at[0], at[1], at[2]);
-  Outcome outcome;
-  outcome.converged = true;
-  outcome.cost = {3, 1, 1, 1e-4};
-  outcome.equilibrium.force = -stiffness * p;
-  outcome.equilibrium.stiffness = -stiffness * Eigen::Matrix3d::Identity();
-  outcome.equilibrium.energy = stiffness / 2 * p.squaredNorm();
-  outcome.fields = fieldsOf(problem, space, at, [&](std::size_t n) -> Eigen::Vector3d {
-    return p * problem.mesh.nodes[n].x() / 0.1;
-  });
-  outcome.fields.pressure.assign(pressureNodes(problem), static_cast<float>(p.norm()));
-  return resultOf(problem, space, at, fromWire(parent), outcome);
-}
+/// What a linear body would answer: one branch, everything converges. `problem` must outlive it.
+class LinearBody {
+ public:
+  explicit LinearBody(const Problem& problem)
+      : problem_(&problem),
+        build_(problemId(problem)),
+        // Of a scene that does not refine, coordinates are in spacings.
+        at_(Lattice::ofRest(problem.scene.workspace.radius, problem.scene.workspace.spacing, 1)) {}
+
+  std::pair<wire::Result, std::string> solve(std::uint32_t space, const wire::Point& target,
+                                             const wire::Point& parent) const {
+    constexpr double stiffness = 50;  // N/m
+    const LatticePoint at = fromWire(target);
+    const Eigen::Vector3d p = at_.displacementOf(at);
+    Outcome outcome;
+    outcome.converged = true;
+    outcome.cost = {3, 1, 1, 1e-4};
+    outcome.equilibrium.force = -stiffness * p;
+    outcome.equilibrium.stiffness = -stiffness * Eigen::Matrix3d::Identity();
+    outcome.equilibrium.energy = stiffness / 2 * p.squaredNorm();
+    outcome.fields = fieldsOf(*problem_, space, p, [&](std::size_t n) -> Eigen::Vector3d {
+      return p * problem_->mesh.nodes[n].x() / 0.1;
+    });
+    outcome.fields.pressure.assign(pressureNodes(*problem_), static_cast<float>(p.norm()));
+    return resultOf(build_, space, at, fromWire(parent), outcome);
+  }
+
+ private:
+  const Problem* problem_;
+  ContentId build_;
+  Lattice at_;
+};
 
 /// A worker that solves in no time, or as if elsewhere: a solve takes `pause`, and no processor
 /// here. Acknowledgements are counted; nothing is sent again, because nobody goes away.
@@ -95,7 +114,7 @@ class TableWorker {
       send(introduction_);
       hello_ = Clock::now();
     }
-    while (const auto incoming = receiveMessage(socket_, false)) handle(*incoming);
+    while (const auto incoming = inbox_.next(socket_, false)) handle(*incoming);
     for (; !work_.empty() && work_.front().due <= Clock::now(); work_.pop_front())
       deliver(work_.front());
     if (welcome_ && Clock::now() - beat_ > std::chrono::seconds(1)) {
@@ -104,6 +123,9 @@ class TableWorker {
       send(message);
       beat_ = Clock::now();
     }
+    for (const Letter& letter : outbox_.take())
+      if (sendMessage(socket_, "", letter.message, letter.payload) != Sent::yes && welcome_)
+        throw failure("the scheduler does not take messages");
   }
 
  private:
@@ -126,7 +148,8 @@ class TableWorker {
       request.mutable_problem_request();
       send(request);
     } else if (message.has_problem_reply() && !problem_) {
-      problem_ = decodeProblem(incoming.payload);
+      problem_ = std::make_unique<Problem>(decodeProblem(incoming.payload));
+      body_.emplace(*problem_);
       requestJobs(2);
     } else if (message.has_job()) {
       for (const wire::Target& target : message.job().targets()) {
@@ -138,12 +161,12 @@ class TableWorker {
   }
   void deliver(const Solve& solve) {
     auto [result, payload] =
-        solveLinearly(*problem_, solve.job.space(), solve.target.point(), solve.job.start());
+        body_->solve(solve.job.space(), solve.target.point(), solve.job.start());
     answer(solve.job, solve.target, result);
     payload_bytes_ = payload.size();
     wire::Message delivery;
     *delivery.mutable_result() = std::move(result);
-    send(delivery, payload);
+    send(std::move(delivery), payload);
     if (solve.last) requestJobs(1);
   }
   void requestJobs(std::uint32_t credit) {
@@ -151,16 +174,18 @@ class TableWorker {
     message.mutable_request()->set_credit(credit);
     send(message);
   }
-  void send(const wire::Message& message, const std::string& payload = {}) {
-    if (sendMessage(socket_, "", message, payload) != Sent::yes && welcome_)
-      throw failure("the scheduler does not take messages");
+  void send(wire::Message message, const std::string& payload = {}) {
+    outbox_.add(std::move(message), payload);
   }
 
   zmq::socket_t socket_;
+  Inbox inbox_;
+  Bundler outbox_;
   std::chrono::milliseconds pause_;
   std::deque<Solve> work_;
   wire::Message introduction_;
-  std::optional<Problem> problem_;
+  std::unique_ptr<Problem> problem_;  ///< where it stays
+  std::optional<LinearBody> body_;
   bool welcome_ = false;
   Clock::time_point hello_, beat_;
   std::size_t acknowledged_ = 0, payload_bytes_ = 0;

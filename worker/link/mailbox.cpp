@@ -107,7 +107,12 @@ bool Mailbox::begin(std::uint64_t job, const wire::Point& target) {
 void Mailbox::finish(FinishedTarget target) {
   const std::lock_guard lock(mutex_);
   PALPATE_ASSERT(progress_.heartbeat.solving(), "a target is finished while its job is in work");
+  const bool last = target.last_of_job;
   finished_.push_back(std::move(target));
+  // Whatever happens, the network thread looks here itself now and then.
+  const auto now = std::chrono::steady_clock::now();
+  if (!last && now - woke_ < gathers_for) return;
+  woke_ = now;
   wakeNetwork();
 }
 

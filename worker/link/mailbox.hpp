@@ -68,8 +68,10 @@ class Mailbox {
   std::optional<ReadyJob> tryNext();
   /// Call before each target. False: the job was forgotten, go on with next().
   [[nodiscard]] bool begin(std::uint64_t job, const wire::Point& target);
-  /// Leaves a target for the network thread and wakes it.
+  /// Leaves a target for the network thread and wakes it, but for targets of one job that follow
+  /// each other faster than `gathers_for`: those are left to travel together.
   void finish(FinishedTarget target);
+  static constexpr std::chrono::milliseconds gathers_for{10};
   /// Last call of the solver thread; `error` empty when it ended well.
   void solverEnds(const std::string& error);
 
@@ -83,6 +85,7 @@ class Mailbox {
   std::condition_variable changed_;
   std::deque<ReadyJob> jobs_;
   std::vector<FinishedTarget> finished_;
+  std::chrono::steady_clock::time_point woke_;  ///< the network, for one of them
   Progress progress_;
   bool forget_current_ = false, closed_ = false;
   std::optional<std::string> error_;

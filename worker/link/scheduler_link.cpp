@@ -65,23 +65,31 @@ void SchedulerLink::tellHandshakeTrouble() {
   told_ = std::move(trouble);
 }
 
+/// What was said since the last call.
+void SchedulerLink::send() {
+  for (const Letter& letter : outbox_.take())
+    if (sendMessage(socket_, "", letter.message, letter.payload) != Sent::yes)
+      spdlog::debug("the scheduler does not take messages now");
+}
+
 ExitCode SchedulerLink::run() {
   connect();
-  const auto send = [this](const wire::Message& message, std::string_view payload) {
-    if (sendMessage(socket_, "", message, payload) != Sent::yes)
-      spdlog::debug("the scheduler does not take messages now");
+  const auto add = [this](wire::Message message, std::string_view payload) {
+    outbox_.add(std::move(message), payload);
   };
-  WorkerSession session(mailbox_, sessionOf(options_, kernels_), send, Clock::now());
+  WorkerSession session(mailbox_, sessionOf(options_, kernels_), add, Clock::now());
   for (bool draining = false;;) {
     waitForMessages(socket_, poll_interval, mailbox_.wakeUpDescriptor());
     tellHandshakeTrouble();
-    while (const auto incoming = receiveMessage(socket_, false))
+    while (const auto incoming = inbox_.next(socket_, false))
       session.receive(*incoming, Clock::now());
     if (interrupted() && !std::exchange(draining, true)) {
       endAnyway(options_.drain_s);
       session.interrupt(Clock::now());
     }
-    switch (session.advance(Clock::now())) {
+    const WorkerSession::Next next = session.advance(Clock::now());
+    send();
+    switch (next) {
       case WorkerSession::Next::go_on: break;
       case WorkerSession::Next::connect:
         connect();

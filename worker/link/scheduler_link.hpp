@@ -1,6 +1,7 @@
 #pragma once
 
 #include "common/base/error.hpp"
+#include "common/wire/bundle.hpp"
 #include "common/wire/curve.hpp"
 #include "worker/elements/kernel_family.hpp"
 #include "worker/link/worker_session.hpp"
@@ -39,6 +40,7 @@ class SchedulerLink {
 
  private:
   void connect();
+  void send();
   void tellHandshakeTrouble();
 
   zmq::context_t& context_;
@@ -46,6 +48,8 @@ class SchedulerLink {
   const ElementKernels& kernels_;
   const LinkOptions options_;
   zmq::socket_t socket_;
+  Inbox inbox_;
+  Bundler outbox_;
   std::optional<HandshakeWatch> handshakes_;  ///< behind the socket: it goes first
   std::string told_;                          ///< of them
   std::string wanted_kernels_;

@@ -62,7 +62,7 @@ void WorkerSession::sayHello(Time now) {
   hello.set_pid(options_.pid);
   hello.set_kernel_family(options_.kernel_family);
   for (const std::string& family : options_.runs) hello.add_runs(family);
-  send_(message, {});
+  send_(std::move(message), {});
   last_sent_hello_ = now;
 }
 
@@ -71,7 +71,7 @@ void WorkerSession::requestJobs(std::uint32_t credit, bool afresh, Time now) {
   wire::Message message;
   message.mutable_request()->set_credit(credit);
   message.mutable_request()->set_afresh(afresh);
-  send_(message, {});
+  send_(std::move(message), {});
   last_asked_ = now;
 }
 
@@ -154,7 +154,7 @@ void WorkerSession::deliverAgain(Time now) {
 void WorkerSession::deliver(const FinishedTarget& finished, Time now) {
   wire::Message message;
   *message.mutable_result() = finished.result;
-  send_(message, finished.fields);
+  send_(std::move(message), finished.fields);
   last_delivered_ = now;
 }
 
@@ -183,7 +183,7 @@ void WorkerSession::handleProblem(const wire::ProblemReply& reply, const std::st
 void WorkerSession::askForProblem(Time now) {
   wire::Message message;
   message.mutable_problem_request();
-  send_(message, {});
+  send_(std::move(message), {});
   last_asked_ = now;
 }
 
@@ -193,7 +193,7 @@ void WorkerSession::askForStart(const wire::Job& job, Time now) {
   request.set_id(job.start_id());
   request.set_space(job.space());
   *request.mutable_point() = job.start();
-  send_(message, {});
+  send_(std::move(message), {});
   last_asked_ = now;
 }
 
@@ -271,11 +271,12 @@ void WorkerSession::deliverFinished(Time now) {
 }
 
 void WorkerSession::beat(Time now) {
+  const wire::Heartbeat heartbeat = mailbox_.progress().heartbeat;
   wire::Message message;
-  *message.mutable_heartbeat() = mailbox_.progress().heartbeat;
-  send_(message, {});
+  *message.mutable_heartbeat() = heartbeat;
+  send_(std::move(message), {});
   last_beat_ = now;
-  if (now - last_asked_ > say_again_after) askAgain(message.heartbeat().solving(), now);
+  if (now - last_asked_ > say_again_after) askAgain(heartbeat.solving(), now);
   if (!unacknowledged_.empty() && now - last_delivered_ > say_again_after) deliverAgain(now);
 }
 
@@ -291,7 +292,7 @@ void WorkerSession::askAgain(bool solving, Time now) {
 void WorkerSession::sayGoodbye(const char* reason) {
   wire::Message message;
   message.mutable_goodbye()->set_reason(reason);
-  send_(message, {});
+  send_(std::move(message), {});
 }
 
 void WorkerSession::forgiveOwnGap(Time now) {

@@ -40,7 +40,7 @@ class WorkerSession {
  public:
   using Time = std::chrono::steady_clock::time_point;
   /// Nothing is lost when a message does not arrive: everything is said again until it is answered.
-  using Send = std::function<void(const wire::Message&, std::string_view payload)>;
+  using Send = std::function<void(wire::Message, std::string_view payload)>;
 
   /// `mailbox` must outlive it.
   WorkerSession(Mailbox& mailbox, SessionOptions options, Send send, Time now);

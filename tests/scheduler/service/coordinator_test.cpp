@@ -806,7 +806,7 @@ TEST_F(CoordinatorTest, TriesAgainWhatFailedWithACauseAndEndsWithTheSameDataset)
     if (has_memory || target == LatticePoint{}) return test::solve(problem, space, target, parent);
     Outcome outcome;
     outcome.failure.cause = Cause::factorization_failed;
-    return test::resultOf(problem, space, target, parent, outcome);
+    return test::resultOf(problemId(problem), space, target, parent, outcome);
   };
   solveOrigins();
   world.request("a", 1);

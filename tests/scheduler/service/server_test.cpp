@@ -22,6 +22,7 @@ struct ServerTest : testing::Test {
   Build build{problem, directory / "state", std::chrono::steady_clock::now(),
               test::BuildWorld::withoutChecks()};
   Server server{context, problem, "tcp://127.0.0.1:*"};
+  std::map<void*, Inbox> inboxes;  ///< by socket
 
   zmq::socket_t connect() {
     zmq::socket_t socket = makeDealer(context);
@@ -42,7 +43,7 @@ struct ServerTest : testing::Test {
   Incoming expect(zmq::socket_t& socket, Message::BodyCase kind) {
     for (int turns = 0; turns < 500; ++turns) {
       server.turn(build.coordinator(), 10ms);
-      while (auto incoming = receiveMessage(socket, false))
+      while (auto incoming = inboxes[socket.handle()].next(socket, false))
         if (incoming->message.body_case() == kind) return *incoming;
     }
     ADD_FAILURE() << "no message of kind " << kind;
@@ -163,7 +164,7 @@ struct KeyedServerTest : ServerTest {
     send(socket, question);
     for (int turns = 0; turns < 1000; ++turns) {
       keyed->turn(build.coordinator(), 10ms);
-      if (auto incoming = receiveMessage(socket, false)) return incoming->message;
+      if (auto incoming = inboxes[socket.handle()].next(socket, false)) return incoming->message;
     }
     ADD_FAILURE() << "no answer";
     return {};
