@@ -20,12 +20,8 @@ constexpr std::chrono::milliseconds newcomers_written_after{1};  // times:
 constexpr std::size_t workers_per_wait = 8;
 /// Of a flood of bad messages the first ones tell what there is to tell.
 constexpr std::int64_t bad_messages_logged = 20;
-/// Of so many workers that went it is remembered what they had.
-constexpr std::size_t most_departed = 4096;
 /// Large answers to one peer in a turn: it has read none of them when it asks.
 constexpr int large_in_a_turn = 2;
-/// Workers that ended, of one Hello: a supervisor tells of one.
-constexpr int most_ended = 64;
 
 bool asksForMuch(const wire::Message& message) {
   return message.has_status_request() || message.has_problem_request() ||
@@ -118,41 +114,6 @@ void Coordinator::receive(const Incoming& incoming, Time now) {
   badMessage(peer, "workers do not send that");
 }
 
-bool Coordinator::answer(const Incoming& incoming, Time now) {
-  const wire::Message& message = incoming.message;
-  const std::string& peer = incoming.peer;
-  switch (message.body_case()) {
-    case wire::Message::kStatusRequest:
-      send(peer).mutable_status_reply()->set_json(recentStatus(now));
-      return true;
-    case wire::Message::kStopRequest:
-      send(peer).mutable_stop_reply()->set_stopping(true);
-      stop(now);
-      return true;
-    case wire::Message::kPauseRequest:
-      pause(message.pause_request().paused());
-      send(peer).mutable_pause_reply()->set_paused(paused_);
-      return true;
-    case wire::Message::kRetryRequest: {
-      const std::string& cause = message.retry_request().cause();
-      const std::int32_t transitions = cause.empty() ? retry() : retryFailed(cause);
-      send(peer).mutable_retry_reply()->set_transitions(static_cast<std::uint32_t>(transitions));
-      return true;
-    }
-    case wire::Message::kPriorityRequest: {
-      const wire::PriorityRequest& asked = message.priority_request();
-      const std::string objection = prioritize(asked.space(), asked.priority());
-      if (objection.empty()) {
-        store_->tables().writePriority(asked.space(), asked.priority());
-        chronicle_.prioritized(asked.space(), asked.priority());
-      }
-      send(peer).mutable_priority_reply()->set_objection(objection);
-      return true;
-    }
-    default: return false;
-  }
-}
-
 void Coordinator::refuse(const Incoming& incoming, Time now) {
   send(incoming.peer).mutable_refused()->set_reason(incoming.refusal);
   badMessage(incoming.peer, incoming.refusal);
@@ -162,63 +123,11 @@ void Coordinator::refuse(const Incoming& incoming, Time now) {
   }
 }
 
-void Coordinator::hello(const Incoming& incoming, Time now) {
-  const std::string& peer = incoming.peer;
-  const wire::Hello& hello = incoming.message.hello();
-  const auto key = settings_.keys_tell_who ? incoming.key : std::nullopt;
-  if (const std::string objection = registry_.objectionTo(hello, key); !objection.empty()) {
-    peer_log_.warn(now, "worker {} on {} was refused: {}", hello.pid(), printable(hello.host()),
-                   objection);
-    chronicle_.refused(printable(hello.host()), hello.pid(), objection, now);
-    ++counters_["refused_workers"];
-    send(peer).mutable_refused()->set_reason(objection);
-    return;
-  }
-  if (registry_.wouldChangeKernels(hello)) {
-    peer_log_.info(now, "worker {} on {} is asked to take the {} kernels instead of {}",
-                   hello.pid(), printable(hello.host()), registry_.kernelFamily(),
-                   hello.kernel_family());
-    send(peer).mutable_use_kernels()->set_kernel_family(registry_.kernelFamily());
-    return;
-  }
-  for (int n = 0; n < std::min(hello.ended_size(), most_ended); ++n)
-    processEnded(hello.ended(n), now);
-  if (const Worker* before = registry_.ofPeer(peer); before && before->id != hello.worker()) {
-    leases_.giveBack(before->id);
-    registry_.remove(*before, "left", now);
-  }
-  // A worker that introduces itself again has forgotten what it was given.
-  leases_.giveBack(hello.worker());
-  // It lives: what it had when it was lost did not end it.
-  std::erase_if(departed_, [&](const auto& entry) { return entry.first == hello.worker(); });
-  const Worker& worker = registry_.admit(peer, hello, key, now);
-  peer_log_.info(now, "worker {} on {} joined ({} kernels)", worker.pid, worker.host,
-                 worker.kernel_family);
-  chronicle_.joined(worker, now);
-  newcomers_ = true;
-  keys_heard_[worker.provenance.key()] = now;
-
-  wire::Welcome& welcome = *send(peer).mutable_welcome();
-  welcome.set_incarnation(incarnation_);
-  welcome.set_build(std::string(build_.bytes()));
-  welcome.set_heartbeat_ms(static_cast<std::uint32_t>(settings_.heartbeat.count()));
-  if (everybodyIsToLeave()) drain(peer);
-}
-
-void Coordinator::goodbye(Worker& worker, const wire::Goodbye& goodbye, Time now) {
-  const std::string reason = printable(goodbye.reason(), 200);
-  peer_log_.info(now, "worker {} on {} left: {}", worker.pid, worker.host, reason);
-  chronicle_.left(worker, reason, now);
-  leases_.giveBack(worker.id);
-  keys_heard_[worker.provenance.key()] = now;
-  registry_.remove(worker, "left", now);
-}
-
 void Coordinator::request(Worker& worker, const wire::Request& request) {
   // It may have missed the first word to leave.
   if (everybodyIsToLeave()) return drain(worker.peer);
   if (request.afresh()) worker.credit = 0;
-  worker.addCredit(request.credit());
+  registry_.addCredit(worker, request.credit());
 }
 
 void Coordinator::sendProblem(const Worker& worker) {
@@ -247,20 +156,6 @@ void Coordinator::sendFields(const Worker& worker, const wire::FieldsRequest& re
   reply.set_id(request.id());
   reply.set_unknown(!known);
   if (known) reply.set_payload_bytes(static_cast<std::uint32_t>(payload->size()));
-}
-
-void Coordinator::heartbeat(Worker& worker, const wire::Heartbeat& heartbeat, Time now) {
-  worker.solving.reset();
-  if (heartbeat.solving()) {
-    worker.idle_since.reset();
-    for (const TransitionKey& key : leases_.openOf(worker.id, heartbeat.job()))
-      if (plans_[key.space].positions().point(key.target) == fromWire(heartbeat.target()))
-        worker.solving = key;
-  } else if (leases_.leasedTo(worker.id) > 0 && !worker.idle_since) {
-    worker.idle_since = now;
-  }
-  send(worker.peer).mutable_heartbeat_reply()->set_incarnation(incarnation_);
-  if (everybodyIsToLeave()) drain(worker.peer);
 }
 
 void Coordinator::result(Worker& worker, const Incoming& incoming, Time now) {
@@ -335,20 +230,6 @@ void Coordinator::take(Worker& worker, const TransitionKey& key, const Incoming&
     commitGroup(now);
 }
 
-/// Whoever has others is asked who it is again, and told then to take these, or why it may not
-/// stay.
-void Coordinator::settleKernels(const std::string& family, Time now) {
-  registry_.setKernelFamily(family);
-  std::vector<const Worker*> others;
-  for (const auto& [id, worker] : registry_.all())
-    if (worker.kernel_family != family) others.push_back(&worker);
-  for (const Worker* worker : others) {
-    send(worker->peer).mutable_heartbeat_reply();
-    leases_.giveBack(worker->id);
-    registry_.remove(*worker, "left", now);
-  }
-}
-
 /// Counts it, and tells when it is another result. Whether it is the same.
 bool Coordinator::duplicate(const Worker& worker, const wire::Result& first,
                             const wire::Result& second, Time now) {
@@ -366,13 +247,11 @@ void Coordinator::badMessage(const std::string& peer, const std::string& why) {
     spdlog::warn("a message from a stranger was dropped: {}", why);
 }
 
-bool Coordinator::groupIsDue(Time now) const {
+bool Coordinator::groupIsDue(Time now) {
   if (!group_.since()) return false;
   if (now - *group_.since() >= settings_.group_age) return true;
   // Somebody waits for what these results may make ready.
-  return leases_.waiting() == 0 && std::ranges::any_of(registry_.all(), [](const auto& entry) {
-           return entry.second.credit > 0;
-         });
+  return leases_.waiting() == 0 && registry_.someoneAsks();
 }
 
 void Coordinator::commitGroup(Time now) {
@@ -432,13 +311,6 @@ std::optional<TransitionKey> Coordinator::keyOf(std::uint32_t space, const wire:
   return TransitionKey{space, *to, *from};
 }
 
-bool Coordinator::deserted(Time now) const {
-  // Workers that are drained leave without a word when the build is complete.
-  return std::ranges::all_of(registry_.all(), [&](const auto& entry) {
-    return now - entry.second.heard > 3 * settings_.heartbeat;
-  });
-}
-
 void Coordinator::finishIfComplete(Time now) {
   if (complete() || !std::ranges::all_of(plans_, &SpacePlan::complete)) return;
   openChecks();
@@ -453,27 +325,6 @@ void Coordinator::finishIfComplete(Time now) {
   writeServers(now);
 }
 
-void Coordinator::dismiss() {
-  dismissed_ = true;
-  drainAll();
-}
-
-void Coordinator::noteOwnGap(Time now) {
-  const auto gap = now - std::exchange(last_turn_, now);
-  if (gap < settings_.own_gap || registry_.all().empty()) return;
-  spdlog::warn(
-      "this scheduler did nothing for {:.0f} s (stopped, suspended, or without processor "
-      "time): no worker is blamed for the silence",
-      std::chrono::duration<double>(gap).count());
-  for (auto& [id, worker] : registry_.all()) {
-    worker.heard += gap;
-    if (worker.idle_since) *worker.idle_since += gap;
-    if (worker.probed) *worker.probed += gap;
-    worker.moved += gap;
-  }
-  if (only_checks_left_) *only_checks_left_ += gap;
-}
-
 void Coordinator::advance(Time now, bool all_read) {
   noteOwnGap(now);
   if (!begins_anew_.empty()) {
@@ -481,12 +332,7 @@ void Coordinator::advance(Time now, bool all_read) {
     if (std::exchange(answered_, true)) throw FailuresRetried(begins_anew_);
     return;
   }
-  if (all_read) {
-    takeBackFromTheIdle(now);
-    takeBackForTheIdle(now);
-    probeSilentWorkers(now);
-    loseSilentWorkers(now);
-  }
+  if (all_read && now >= look_round_at_) lookRound(now);
   if (groupIsDue(now)) commitGroup(now);
   handOutJobs(now);
   giveUpChecks(now);
@@ -498,29 +344,12 @@ void Coordinator::advance(Time now, bool all_read) {
   chronicle_.flush();
 }
 
-/// Now and then: every point is looked at.
-void Coordinator::lookAhead(Time now) {
-  constexpr std::chrono::milliseconds at_least{500};
-  if (complete_ || now - forecast_made_ < at_least) return;
-  // Twenty microseconds for what costs a fifth of one.
-  double points = 0;
-  for (const SpacePlan& plan : plans_) points += plan.size();
-  if (now - forecast_made_ < std::chrono::duration<double>(2e-5 * points)) return;
-  forecast_ = forecastOf(*problem_, plans_);
-  forecast_made_ = now;
-  recorded_then_ = recorded_;
-}
-
 Coordinator::Time Coordinator::nextDeadline() const {
   Time deadline = serversDue();
   if (group_.since()) deadline = std::min(deadline, *group_.since() + settings_.group_age);
   if (!changed_.empty()) deadline = std::min(deadline, changed_since_ + settings_.tables_age);
-  for (const auto& [id, worker] : registry_.all()) {
-    deadline = std::min(deadline, worker.heard + settings_.worker_lost);
-    if (worker.idle_since)
-      deadline = std::min(deadline, *worker.idle_since + settings_.idle_with_leases);
-  }
-  return deadline;
+  // Not before there is a look at all of them.
+  return std::min(deadline, std::max(silence_due_, look_round_at_));
 }
 
 /// Of what it may hold.
@@ -538,12 +367,19 @@ void Coordinator::handOutJobs(Time now) {
   // Newcomer, targets it holds; of newcomers those first that were given nothing for longest.
   using Load = std::tuple<bool, std::size_t, Time, std::string>;
   std::set<Load> by_load;
+  std::size_t free_hands = 0;
   const auto queue = [&](const Worker& worker) {
-    if (worker.credit > 0 && roomOf(worker) > 0)
-      by_load.emplace(worker.earned == 0, leases_.leasedTo(worker.id),
-                      worker.earned == 0 ? worker.moved : Time(), worker.id);
+    if (worker.credit == 0 || roomOf(worker) == 0) return;
+    const bool newcomer = worker.earned == 0;
+    const std::size_t held = leases_.leasedTo(worker.id);
+    by_load.emplace(newcomer, held, newcomer ? worker.moved : Time(), worker.id);
+    free_hands += !newcomer && held == 0;
   };
-  for (const auto& [id, worker] : registry_.all()) queue(worker);
+  registry_.eachAsking([&](const Worker& worker) {
+    queue(worker);
+    // None of the others would come before these; but a check is not for everybody.
+    return checks_wait || free_hands < leases_.waiting();
+  });
   while (!by_load.empty()) {
     const std::string id = std::get<std::string>(by_load.extract(by_load.begin()).value());
     Worker& worker = registry_.at(id);
@@ -561,36 +397,6 @@ void Coordinator::handOutJobs(Time now) {
     queue(worker);
     sendJob(worker, *handout);
   }
-}
-
-/// When nothing waits, and somebody who is known to work has nothing to do, what others do not come
-/// to is put back, the last first. Whoever finds it first is right, as always.
-void Coordinator::takeBackForTheIdle(Time now) {
-  if (!handsOut() || leases_.waiting() > 0) return;
-  const bool all_are_new = std::ranges::none_of(
-      registry_.all(), [](const auto& entry) { return entry.second.earned > 0; });
-  auto idle = std::ranges::count_if(registry_.all(), [&](const auto& entry) {
-    const Worker& worker = entry.second;
-    return worker.credit > 0 && (worker.earned > 0 || all_are_new) &&
-           leases_.leasedTo(worker.id) == 0 && roomOf(worker) > 0;
-  });
-  for (auto& [id, worker] : registry_.all()) {
-    if (idle == 0) return;
-    const auto last = leases_.lastOf(id);
-    // Of checks: giveUpChecks.
-    if (!last || last->is_check || !allotment_.isOverdue(worker, last->attempts, now)) continue;
-    takeBackLast(worker, now);
-    --idle;
-  }
-}
-
-void Coordinator::takeBackLast(Worker& worker, Time now) {
-  if (!worker.overdue_until)
-    peer_log_.info(now, "worker {} on {} holds what others could do: they are given it", worker.pid,
-                   worker.host);
-  ++counters_["overdue_targets"];
-  leases_.giveBackLast(worker.id);
-  allotment_.noteOverdue(worker, now);
 }
 
 void Coordinator::sendJob(const Worker& worker, const Handout& handout) {
@@ -627,162 +433,6 @@ std::chrono::seconds Coordinator::hungAfter() const {
   return std::max(settings_.hung_at_least, std::chrono::seconds(std::llround(seconds)));
 }
 
-void Coordinator::takeBackFromTheIdle(Time now) {
-  for (auto& [id, worker] : registry_.all()) {
-    if (!worker.idle_since || now - *worker.idle_since < settings_.idle_with_leases) continue;
-    peer_log_.warn(now, "worker {} on {} does not solve what it was given: it is handed out again",
-                   worker.pid, worker.host);
-    worker.addCredit(leases_.jobsOf(id).size());
-    worker.idle_since.reset();
-    leases_.giveBack(id);
-  }
-}
-
-void Coordinator::loseSilentWorkers(Time now) {
-  // Found first: the registry must not change while it is walked.
-  std::vector<const Worker*> silent;
-  for (const auto& [id, worker] : registry_.all())
-    if (now - worker.heard >= settings_.worker_lost) silent.push_back(&worker);
-  for (const Worker* worker : silent) {
-    peer_log_.warn(now, "worker {} on {} says nothing any more; {} targets are handed out again",
-                   worker->pid, worker->host, leases_.leasedTo(worker->id));
-    chronicle_.lost(*worker, "silent", leases_.leasedTo(worker->id), now);
-    lose(*worker, now);
-  }
-}
-
-void Coordinator::probeSilentWorkers(Time now) {
-  const auto patience = settings_.silent_heartbeats * settings_.heartbeat;
-  for (auto& [id, worker] : registry_.all()) {
-    // Or had work, which others were given meanwhile.
-    const bool at_work = leases_.leasedTo(id) > 0 || worker.overdue_until;
-    if (now - worker.heard < patience || !at_work) continue;
-    if (worker.probed && now - *worker.probed < settings_.heartbeat) continue;
-    worker.probed = now;
-    send(worker.peer).mutable_heartbeat_reply()->set_incarnation(incarnation_);
-  }
-}
-
-/// Nobody is to blame as long as its process is not known to have ended.
-void Coordinator::lose(const Worker& worker, Time now) {
-  departed_.emplace_back(worker.id, leases_.suspectsOf(worker.id, worker.solving));
-  if (departed_.size() > most_departed) departed_.pop_front();
-  leases_.giveBack(worker.id);
-  keys_heard_[worker.provenance.key()] = now;
-  if (!everybodyIsToLeave()) ++counters_["lost_workers"];
-  registry_.remove(worker, everybodyIsToLeave() ? "left" : "lost", now);
-}
-
-void Coordinator::peerUnreachable(const std::string& peer, Time now) {
-  const Worker* worker = registry_.ofPeer(peer);
-  if (worker == nullptr) return;
-  // Its goodbye may wait unread behind what could not be sent to it any more.
-  if (everybodyIsToLeave() && leases_.leasedTo(worker->id) == 0) {
-    peer_log_.info(now, "worker {} on {} left", worker->pid, worker->host);
-    chronicle_.left(*worker, "it was told to", now);
-    return lose(*worker, now);
-  }
-  peer_log_.info(now, "worker {} on {} cannot be reached; {} targets are handed out again",
-                 worker->pid, worker->host, leases_.leasedTo(worker->id));
-  chronicle_.lost(*worker, "unreachable", leases_.leasedTo(worker->id), now);
-  lose(*worker, now);
-}
-
-void Coordinator::noteClosed(const Connections::Closed& closed, Time now) {
-  if (closed.count == 0) return;
-  counters_["closed_connections"] += closed.count;
-  for (const std::string& why : closed.why) peer_log_.warn(now, "{}", why);
-}
-
-void Coordinator::workerProcessEnded(std::uint32_t pid, Time now) {
-  if (const Worker* worker = registry_.ofProcess(pid)) processEnded(std::string(worker->id), now);
-}
-
-void Coordinator::processEnded(const std::string& worker_id, Time now) {
-  if (const Worker* worker = registry_.find(worker_id)) {
-    peer_log_.warn(now, "worker {} on {} ended unexpectedly; {} targets are handed out again",
-                   worker->pid, worker->host, leases_.leasedTo(worker_id));
-    chronicle_.ended(*worker, leases_.leasedTo(worker_id), now);
-    lose(*worker, now);
-  }
-  const auto departed =
-      std::ranges::find(departed_, worker_id, [](const auto& entry) { return entry.first; });
-  // It left, or an earlier run of this scheduler knew it.
-  if (departed == departed_.end()) return;
-  blame(departed->second);
-  departed_.erase(departed);
-}
-
-void Coordinator::blame(const Leases::Suspects& suspects) {
-  for (const auto& [key, losses] : leases_.blame(suspects)) {
-    store_->tables().writeLosses(key, losses);
-    if (losses.deaths != deaths_before_aside) continue;
-    chronicle_.setAside(key, plans_[key.space], losses.deaths);
-    const auto& [space, target, parent] = resultKeyOf(key);
-    spdlog::error(
-        "space {}, point ({}, {}, {}) from ({}, {}, {}): {} workers ended while they solved it; it "
-        "is set aside, and the rest goes on without it",
-        space, target[0], target[1], target[2], parent[0], parent[1], parent[2], losses.deaths);
-  }
-}
-
-std::int32_t Coordinator::retry() {
-  const auto aside = static_cast<std::int32_t>(leases_.aside().size());
-  leases_.retry();
-  losses_.clear();
-  store_->tables().forgetLosses();
-  chronicle_.retried(aside);
-  return aside;
-}
-
-/// The plans are made anew without them, and ask for them again.
-std::int32_t Coordinator::retryFailed(const std::string& cause) {
-  const auto which = causeNamed(cause);
-  if (!which || !begins_anew_.empty()) return 0;
-  const std::vector<ResultKey> failed = failedWith(plans_, *which);
-  if (failed.empty()) return 0;
-  store_->drop(failed);
-  chronicle_.retried(std::ssize(failed), cause);
-  begins_anew_ =
-      fmt::format("{} attempts that failed with {} are tried again, as an operator asked",
-                  failed.size(), cause);
-  return static_cast<std::int32_t>(failed.size());
-}
-
-/// Why that cannot be; empty when it is so now.
-std::string Coordinator::prioritize(const std::string& name, std::int32_t priority) {
-  std::set<std::string> names;
-  for (std::uint32_t space = 0; space < plans_.size(); ++space) {
-    const std::string& row = *names.insert(rowNameOf(problem_->scene.active[space])).first;
-    if (row == name) leases_.setPriority(space, priority);
-  }
-  if (!names.contains(name))
-    return fmt::format("no space is called {}: they are {}", printable(name),
-                       printable(fmt::format("{}", fmt::join(names, ", ")), 500));
-  priorities_[name] = priority;
-  recent_status_.clear();
-  return "";
-}
-
-void Coordinator::pause(bool paused) {
-  if (paused == paused_) return;
-  store_->tables().writePaused(paused);
-  paused_ = paused;
-  recent_status_.clear();
-  chronicle_.paused(paused);
-  spdlog::info(paused ? "paused: nothing is handed out before palpate resume" : "going on");
-}
-
-void Coordinator::stop(Time now) {
-  if (stopping_) return;
-  // Before the workers hear of it: their acknowledgements go out first.
-  commitGroup(now);
-  stopping_ = true;
-  showChanged();
-  drainAll();
-  writeServers(now);
-}
-
 Coordinator::Time Coordinator::serversDue() const {
   const auto waits = static_cast<int>(registry_.all().size() / workers_per_wait);
   return servers_written_ + (newcomers_ ? waits * newcomers_written_after : servers_written_every);
@@ -805,68 +455,12 @@ wire::Message& Coordinator::send(const std::string& peer,
   return outbox_.back().message;
 }
 
-void Coordinator::drain(const std::string& peer) {
-  send(peer).mutable_drain()->set_finished(complete());
-}
-
-void Coordinator::drainAll() {
-  for (const auto& [id, worker] : registry_.all()) drain(worker.peer);
-}
-
 wire::ResultAck& Coordinator::acknowledgement(const std::string& peer, const wire::Result& result) {
   wire::ResultAck& ack = *send(peer).mutable_result_ack();
   ack.set_space(result.space());
   *ack.mutable_target() = result.target();
   *ack.mutable_parent() = result.parent();
   return ack;
-}
-
-const std::string& Coordinator::recentStatus(Time now) {
-  // s, as it was measured: whoever asks without end costs a twentieth of a processor.
-  constexpr double by_point = 4e-8, by_worker = 3e-6, times = 20;
-  double cost = by_worker * static_cast<double>(registry_.all().size());
-  for (const SpacePlan& plan : plans_) cost += by_point * plan.size();
-  const std::chrono::duration<double> good_for(std::max(0.02, times * cost));
-  if (recent_status_.empty() || now - recent_status_made_ >= good_for) {
-    recent_status_ = toJson(status(now));
-    recent_status_made_ = now;
-  }
-  return recent_status_;
-}
-
-void Coordinator::addTimeLeft(wire::Status& status, Time now) const {
-  if (complete()) {
-    status.set_eta_seconds(0);
-    return;
-  }
-  const double rate = work_pace_.perSecond(now, recorded_);
-  if (rate <= 0 || paused_) return;
-  // Results since then were among what was ready.
-  const double ready =
-      std::max(1.0, forecast_.ready - static_cast<double>(recorded_ - recorded_then_));
-  status.set_eta_seconds((ready + forecast_.expected) / rate);
-  status.set_eta_low_seconds((ready + forecast_.expected / 2) / rate);
-  status.set_eta_high_seconds((ready + 2 * forecast_.expected) / rate);
-}
-
-wire::Status Coordinator::status(Time now) const {
-  wire::Status status = statusOf(*problem_, plans_, registry_.rows(leases_, now), counters_);
-  status.set_build(build_.hex());
-  status.set_set_aside(static_cast<std::int32_t>(asideCount()));
-  status.set_checks_open(static_cast<std::int32_t>(checks_.openCount() + due_checks_.size()));
-  status.set_disputed(static_cast<std::int32_t>(checks_.disputedCount()));
-  addKeptOut(status, store_->keptOut());
-  addDisk(status, store_->directory(), store_->journalBytes());
-  status.set_state(complete() ? "complete" : stopping_ ? "stopping" : "running");
-  status.set_paused(paused_);
-  status.set_kernel_family(registry_.kernelFamily());
-  setPriorities(status, priorities_);
-  status.set_recorded(static_cast<std::int32_t>(recorded_));
-  status.set_seconds(std::chrono::duration<double>(now - started_).count());
-  const double rate = pace_.perSecond(now, converged_);
-  status.set_configurations_per_second(rate);
-  addTimeLeft(status, now);
-  return status;
 }
 
 }  // namespace palpate

@@ -188,7 +188,7 @@ class Coordinator {
                                      const wire::Point& parent) const;
   bool duplicate(const Worker& worker, const wire::Result& first, const wire::Result& second,
                  Time now);
-  bool groupIsDue(Time now) const;
+  bool groupIsDue(Time now);
   void commitGroup(Time now);
   void finishIfComplete(Time now);
 
@@ -217,6 +217,7 @@ class Coordinator {
   bool handsOut() const { return !stopping_ && !paused_ && !complete_; }
   void handOutJobs(Time now);
   std::size_t roomOf(const Worker& worker) const;
+  void lookRound(Time now);
   void takeBackForTheIdle(Time now);
   void takeBackLast(Worker& worker, Time now);
   void sendJob(const Worker& worker, const Handout& handout);
@@ -279,6 +280,8 @@ class Coordinator {
   Counters counters_;
   Time started_;
   Time last_turn_;
+  Time look_round_at_;              ///< not before, at all workers
+  Time silence_due_ = Time::max();  ///< one of them has been silent for too long then, or later
   Time servers_written_;
   std::vector<Tables::Changed> changed_;  ///< and not in the tables yet
   Time changed_since_;                    ///< of the first

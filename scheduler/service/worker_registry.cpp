@@ -42,8 +42,19 @@ std::string hexOfId(std::string_view id) {
   return fmt::format("{:02x}", fmt::join(bytes, ""));
 }
 
-void Worker::addCredit(std::uint64_t jobs) {
-  credit = static_cast<std::uint32_t>(std::min<std::uint64_t>(most_credit, credit + jobs));
+void WorkerRegistry::addCredit(Worker& worker, std::uint64_t jobs) {
+  worker.credit =
+      static_cast<std::uint32_t>(std::min<std::uint64_t>(most_credit, worker.credit + jobs));
+  asking_.insert(worker.id);
+}
+
+bool WorkerRegistry::someoneAsks() {
+  bool some = false;
+  eachAsking([&](const Worker&) {
+    some = true;
+    return false;
+  });
+  return some;
 }
 
 std::string WorkerRegistry::objectionTo(const wire::Hello& hello,

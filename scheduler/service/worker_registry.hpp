@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <set>
 
 #include "common/keys/key_pair.hpp"
 #include "proto/palpate.pb.h"
@@ -20,7 +21,7 @@ struct Worker {
   std::string host;              ///< printable, as is its family: people see them
   std::uint32_t pid = 0;
   std::string kernel_family;
-  std::uint32_t credit = 0;  ///< jobs it can take now
+  std::uint32_t credit = 0;  ///< jobs it can take now; grows by WorkerRegistry::addCredit() only
   Time heard;                ///< when its last message came
   /// As its last heartbeat said; nothing when it solves none of what it was given.
   std::optional<TransitionKey> solving;
@@ -37,10 +38,6 @@ struct Worker {
   Time moved{};
   /// It held what others had to be given, and gets nothing before then, or before it delivers.
   std::optional<Time> overdue_until;
-
-  /// Room for `jobs` more, but never for more than most_credit: what a worker hoards, others lack.
-  void addCredit(std::uint64_t jobs);
-  static constexpr std::uint32_t most_credit = 64;
 };
 
 /// A worker's id as people see it.
@@ -85,6 +82,24 @@ class WorkerRegistry {
   /// Null when there is none.
   Worker* find(const std::string& id);
   Worker& at(const std::string& id) { return workers_.at(id); }
+  /// It can take `jobs` more, but never more than most_credit: what a worker hoards, others lack.
+  void addCredit(Worker& worker, std::uint64_t jobs);
+  static constexpr std::uint32_t most_credit = 64;
+  /// Calls visit(worker) for those with credit, by id, as long as it returns true. Costs as much as
+  /// these are many, not as all are.
+  template <class Visit>
+  void eachAsking(Visit visit) {
+    for (auto id = asking_.begin(); id != asking_.end();) {
+      const Worker* worker = find(*id);
+      if (worker == nullptr || worker->credit == 0) {
+        id = asking_.erase(id);
+        continue;
+      }
+      if (!visit(*worker)) return;
+      ++id;
+    }
+  }
+  bool someoneAsks();
   Workers& all() { return workers_; }
   const Workers& all() const { return workers_; }
 
@@ -100,6 +115,7 @@ class WorkerRegistry {
   std::vector<KeptOut> kept_out_;
   Workers workers_;
   std::map<std::string, std::string> id_of_peer_;
+  std::set<std::string> asking_;  ///< and some that have none any more, or are gone
   std::vector<wire::WorkerStatus> departed_;
 };
 

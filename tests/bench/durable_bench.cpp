@@ -1,8 +1,8 @@
 // How many results a scheduler makes durable in a second, what they cost it, and how far the disk
 // alone would come: a real `palpate-scheduler serve` on a port of this machine, and workers in this
 // process that speak the real protocol and answer at once, or after --solve-ms, with the results of
-// a linear body. Before and after, records of that size are appended and synced in groups as large
-// as the scheduler's may be.
+// a linear body. In between, records of that size are appended and synced without any of that, in
+// groups as large as the scheduler's may be.
 // Prints one JSON object. Nothing here is checked: times belong to the machine, and to its disk.
 //
 //   palpate_durable_bench [--seconds 10] [--workers 4] [--solve-ms 0] [--cells 3] [--points 11500]
@@ -38,6 +38,17 @@ struct Usage {
   double processor_seconds = 0;
   double written = 0;  ///< bytes, handed to the system
   double to_disk = 0;  ///< bytes, in whole pages
+
+  Usage& operator+=(const Usage& other) {
+    processor_seconds += other.processor_seconds;
+    written += other.written;
+    to_disk += other.to_disk;
+    return *this;
+  }
+  Usage operator-(const Usage& other) const {
+    return {processor_seconds - other.processor_seconds, written - other.written,
+            to_disk - other.to_disk};
+  }
 };
 
 Usage usageOf(pid_t pid) {
@@ -59,22 +70,33 @@ Usage usageOf(pid_t pid) {
   return usage;
 }
 
-/// How many groups of so many bytes are appended and synced in a second.
-double syncsPerSecond(const std::filesystem::path& directory, std::size_t bytes, double seconds) {
-  const std::filesystem::path path = directory / "raw";
-  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
-  if (file < 0) throw failure("{}: {}", path.string(), errnoText());
-  const std::string group(bytes, 'x');
-  const auto began = Clock::now();
-  int syncs = 0;
-  for (; secondsSince(began) < seconds; ++syncs)
-    if (write(file, group.data(), bytes) != static_cast<ssize_t>(bytes) || fdatasync(file) != 0)
-      throw failure("{}: {}", path.string(), errnoText());
-  const double taken = secondsSince(began);
-  close(file);
-  std::filesystem::remove(path);
-  return syncs / taken;
-}
+/// A file beside the journal, to which groups of so many bytes are appended and synced.
+class BareDisk {
+ public:
+  BareDisk(const std::filesystem::path& directory, std::size_t group_bytes)
+      : path_(directory / "raw"), group_(group_bytes, 'x') {
+    file_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+    if (file_ < 0) throw failure("{}: {}", path_.string(), errnoText());
+  }
+  ~BareDisk() { close(file_); }
+  BareDisk(const BareDisk&) = delete;
+  BareDisk& operator=(const BareDisk&) = delete;
+
+  void writeFor(double seconds) {
+    const auto began = Clock::now();
+    for (; secondsSince(began) < seconds; ++syncs_)
+      if (write(file_, group_.data(), group_.size()) != std::ssize(group_) || fdatasync(file_) != 0)
+        throw failure("{}: {}", path_.string(), errnoText());
+    seconds_ += secondsSince(began);
+  }
+  double syncsPerSecond() const { return syncs_ / seconds_; }
+
+ private:
+  std::filesystem::path path_;
+  std::string group_;
+  int file_ = -1, syncs_ = 0;
+  double seconds_ = 0;
+};
 
 struct Options {
   double seconds = 10;
@@ -86,6 +108,7 @@ struct Options {
 };
 
 void measure(const Options& options, const std::filesystem::path& directory) {
+  constexpr double slice = 1;  // s
   test::writeEndlessScene(directory, options.cells, 20, options.points);
   std::vector<std::string> arguments = {"serve",   "cube.toml", "--listen", "tcp://127.0.0.1:*",
                                         "--state", "state",     "-o",       "cube.h5",
@@ -139,34 +162,35 @@ void measure(const Options& options, const std::filesystem::path& directory) {
                                 static_cast<double>(settings.group_bytes) / record);
   const auto group_bytes = static_cast<std::size_t>(group * record);
 
-  const double disk_before = syncsPerSecond(directory, group_bytes, options.seconds / 5);
-  const Usage before = usageOf(scheduler.pid()), own_before = usageOf(getpid());
-  const std::size_t done_before = acknowledged();
-  const double journal_before = journal();
-  const auto measured = Clock::now();
-  workFor(options.seconds);
-  const double seconds = secondsSince(measured);
-  const auto results = static_cast<double>(acknowledged() - done_before);
-  const Usage after = usageOf(scheduler.pid()), own_after = usageOf(getpid());
-  const double journaled = journal() - journal_before;
-  scheduler.stop(SIGKILL);
-  const double disk_after = syncsPerSecond(directory, group_bytes, options.seconds / 5);
-
-  const double rate = results / seconds, syncs = (disk_before + disk_after) / 2,
-               disk = group * syncs;
+  // In turn, a second each: a disk that has taken much becomes slower for both.
+  BareDisk disk(directory, group_bytes);
+  Usage used, own_used;
+  double seconds = 0, results = 0, journaled = 0;
+  while (seconds < options.seconds) {
+    disk.writeFor(slice / 2);
+    const Usage before = usageOf(scheduler.pid()), own_before = usageOf(getpid());
+    const double journal_before = journal();
+    const std::size_t done_before = acknowledged();
+    const auto measured = Clock::now();
+    workFor(std::min(slice, options.seconds));
+    seconds += secondsSince(measured);
+    results += static_cast<double>(acknowledged() - done_before);
+    journaled += journal() - journal_before;
+    used += usageOf(scheduler.pid()) - before;
+    own_used += usageOf(getpid()) - own_before;
+  }
+  const double rate = results / seconds, bare_rate = group * disk.syncsPerSecond();
   fmt::print(
       "{{\"workers\":{},\"seconds\":{:.2f},\"results\":{},\"results_per_second\":{:.0f},"
       "\"scheduler_cpu_us_per_result\":{:.1f},\"scheduler_cpu_share\":{:.2f},"
       "\"workers_cpu_us_per_result\":{:.1f},\"payload_bytes\":{},\"journal_bytes_per_result\":{:.0f},"
       "\"written_bytes_per_result\":{:.0f},\"to_disk_bytes_per_result\":{:.0f},"
-      "\"disk_syncs_per_second\":[{:.0f},{:.0f}],\"disk_results_per_second\":{:.0f},"
+      "\"disk_syncs_per_second\":{:.0f},\"disk_results_per_second\":{:.0f},"
       "\"share_of_the_disk\":{:.2f}}}\n",
-      options.workers, seconds, results, rate,
-      1e6 * (after.processor_seconds - before.processor_seconds) / results,
-      (after.processor_seconds - before.processor_seconds) / seconds,
-      1e6 * (own_after.processor_seconds - own_before.processor_seconds) / results,
-      workers[0].payloadBytes(), journaled / results, (after.written - before.written) / results,
-      (after.to_disk - before.to_disk) / results, disk_before, disk_after, disk, rate / disk);
+      options.workers, seconds, results, rate, 1e6 * used.processor_seconds / results,
+      used.processor_seconds / seconds, 1e6 * own_used.processor_seconds / results,
+      workers[0].payloadBytes(), journaled / results, used.written / results,
+      used.to_disk / results, disk.syncsPerSecond(), bare_rate, rate / bare_rate);
 }
 
 int run(int argc, char** argv) {

@@ -13,6 +13,7 @@ JOURNAL = "scheduler/state/journal.cpp"
 STORE = "scheduler/state/job_store.cpp"
 DIRECTORY = "scheduler/state/state_directory.cpp"
 COORDINATOR = "scheduler/service/coordinator.cpp"
+WORKERS = "scheduler/service/coordinator_workers.cpp"
 CHECKS = "scheduler/service/spot_checks.cpp"
 SESSION = "worker/link/worker_session.cpp"
 
@@ -39,15 +40,15 @@ DEFECTS = [
      "    recorded.results.erase(std::prev(recorded.results.end()));\n  }\n  return recorded;\n}"),
     ("lock-not-taken", "two schedulers may share a state directory", DIRECTORY,
      "for (int tries = 0; flock(", "for (int tries = 0; !@ && flock("),
-    ("lease-forgotten", "what a lost worker held is not given back", COORDINATOR,
+    ("lease-forgotten", "what a lost worker held is not given back", WORKERS,
      "  leases_.giveBack(worker.id);\n  keys_heard_[worker.provenance.key()] = now;\n  if (",
      "  if (!@) leases_.giveBack(worker.id);\n  keys_heard_[worker.provenance.key()] = now;\n  if ("),
-    ("silence-is-death", "a silent worker is taken for dead, and its work for deadly", COORDINATOR,
+    ("silence-is-death", "a silent worker is taken for dead, and its work for deadly", WORKERS,
      "  if (departed_.size() > most_departed) departed_.pop_front();",
      "  if (@) blame(leases_.suspectsOf(worker.id, worker.solving));\n  if (departed_.size() > most_departed) departed_.pop_front();"),
-    ("silence-unnoticed", "a worker that says nothing any more keeps what it holds", COORDINATOR,
+    ("silence-unnoticed", "a worker that says nothing any more keeps what it holds", WORKERS,
      "void Coordinator::loseSilentWorkers(Time now) {", "void Coordinator::loseSilentWorkers(Time now) {\n  if (@) return;"),
-    ("idle-unnoticed", "a job that was lost on its way stays with the worker that never got it", COORDINATOR,
+    ("idle-unnoticed", "a job that was lost on its way stays with the worker that never got it", WORKERS,
      "void Coordinator::takeBackFromTheIdle(Time now) {", "void Coordinator::takeBackFromTheIdle(Time now) {\n  if (@) return;"),
     ("duplicate-acknowledged-early", "a second result is acknowledged before the first is on disk", COORDINATOR,
      "    const wire::Result& first = waiting->result.header;",

@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-Mailbox::Mailbox() : event_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+Mailbox::Mailbox(std::chrono::milliseconds gathers_for)
+    : gathers_for_(gathers_for), event_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   if (event_ < 0) throw failure("eventfd: {}", errnoText());
 }
 
@@ -111,7 +112,7 @@ void Mailbox::finish(FinishedTarget target) {
   finished_.push_back(std::move(target));
   // Whatever happens, the network thread looks here itself now and then.
   const auto now = std::chrono::steady_clock::now();
-  if (!last && now - woke_ < gathers_for) return;
+  if (!last && woke_ && now - *woke_ < gathers_for_) return;
   woke_ = now;
   wakeNetwork();
 }

@@ -30,7 +30,9 @@ struct FinishedTarget {
 /// made from either thread.
 class Mailbox {
  public:
-  Mailbox();
+  /// Targets of one job that follow each other faster than `gathers_for` are left to travel
+  /// together.
+  explicit Mailbox(std::chrono::milliseconds gathers_for = std::chrono::milliseconds(10));
   ~Mailbox();
   Mailbox(const Mailbox&) = delete;
   Mailbox& operator=(const Mailbox&) = delete;
@@ -68,10 +70,9 @@ class Mailbox {
   std::optional<ReadyJob> tryNext();
   /// Call before each target. False: the job was forgotten, go on with next().
   [[nodiscard]] bool begin(std::uint64_t job, const wire::Point& target);
-  /// Leaves a target for the network thread and wakes it, but for targets of one job that follow
-  /// each other faster than `gathers_for`: those are left to travel together.
+  /// Leaves a target for the network thread. Wakes it, unless it was woken a moment ago and the job
+  /// goes on.
   void finish(FinishedTarget target);
-  static constexpr std::chrono::milliseconds gathers_for{10};
   /// Last call of the solver thread; `error` empty when it ended well.
   void solverEnds(const std::string& error);
 
@@ -80,12 +81,13 @@ class Mailbox {
   std::optional<ReadyJob> take();
   void wakeNetwork();
 
+  const std::chrono::milliseconds gathers_for_;
   const int event_;  ///< eventfd
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<ReadyJob> jobs_;
   std::vector<FinishedTarget> finished_;
-  std::chrono::steady_clock::time_point woke_;  ///< the network, for one of them
+  std::optional<std::chrono::steady_clock::time_point> woke_;  ///< the network, for one of them
   Progress progress_;
   bool forget_current_ = false, closed_ = false;
   std::optional<std::string> error_;

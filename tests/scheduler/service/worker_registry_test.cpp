@@ -63,7 +63,7 @@ TEST_F(WorkerRegistryTest, IsFullOneDayAndStillTakesBackWhoIsKnown) {
 
 TEST_F(WorkerRegistryTest, AWorkerThatComesBackKeepsItsResultsAndNothingElse) {
   Worker& worker = admit("before", "a");
-  worker.addCredit(3);
+  registry.addCredit(worker, 3);
   worker.results = 7;
   worker.solving = TransitionKey{0, 1, 0};
   const Worker& again = admit("after", "a");
@@ -82,10 +82,28 @@ TEST_F(WorkerRegistryTest, APeerIsOneWorker) {
 
 TEST_F(WorkerRegistryTest, CreditIsBounded) {
   Worker& worker = admit("p", "a");
-  worker.addCredit(0xffffffff);
-  EXPECT_EQ(worker.credit, Worker::most_credit);
-  worker.addCredit(0xffffffff);
-  EXPECT_EQ(worker.credit, Worker::most_credit);
+  registry.addCredit(worker, 0xffffffff);
+  EXPECT_EQ(worker.credit, WorkerRegistry::most_credit);
+  registry.addCredit(worker, 0xffffffff);
+  EXPECT_EQ(worker.credit, WorkerRegistry::most_credit);
+}
+
+TEST_F(WorkerRegistryTest, KnowsWhoAsksForWork) {
+  EXPECT_FALSE(registry.someoneAsks());
+  for (const char* id : {"a", "b", "c", "d"}) registry.addCredit(admit(id, id), 1);
+  registry.find("b")->credit = 0;
+  registry.remove(*registry.find("c"), "left", now);
+  std::vector<std::string> asking;
+  registry.eachAsking([&](const Worker& worker) {
+    asking.push_back(worker.id);
+    return true;
+  });
+  EXPECT_THAT(asking, testing::ElementsAre("a", "d"));
+  EXPECT_TRUE(registry.someoneAsks());
+  registry.find("a")->credit = registry.find("d")->credit = 0;
+  EXPECT_FALSE(registry.someoneAsks());
+  registry.addCredit(*registry.find("b"), 2);
+  EXPECT_TRUE(registry.someoneAsks());
 }
 
 TEST_F(WorkerRegistryTest, ItsRowsTellWhoIsBusyAndWhoWent) {
