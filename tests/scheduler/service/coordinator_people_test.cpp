@@ -1,0 +1,153 @@
+// What people ask and decide.
+
+#include "tests/scheduler/service/coordinator_fixture.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+using wire::Message;
+
+using CoordinatorTest = test::CoordinatorFixture;
+
+std::uint32_t retryFailed(test::BuildWorld& world, const char* cause) {
+  Message order;
+  order.mutable_retry_request()->set_cause(cause);
+  world.send("operator", order);
+  return world.take("operator", Message::kRetryReply).at(0).retry_reply().transitions();
+}
+
+std::string prioritize(test::BuildWorld& world, const std::string& space, std::int32_t priority) {
+  Message order;
+  order.mutable_priority_request()->set_space(space);
+  order.mutable_priority_request()->set_priority(priority);
+  world.send("operator", order);
+  const auto replies = world.take("operator", Message::kPriorityReply);
+  EXPECT_EQ(replies.size(), 1u);
+  return replies.empty() ? "no answer" : replies[0].priority_reply().objection();
+}
+
+/// As an operator asks it.
+void setPaused(test::BuildWorld& world, bool paused) {
+  Message order;
+  order.mutable_pause_request()->set_paused(paused);
+  world.send("operator", order);
+  const auto replies = world.take("operator", Message::kPauseReply);
+  ASSERT_EQ(replies.size(), 1u);
+  EXPECT_EQ(replies[0].pause_reply().paused(), paused);
+}
+
+TEST_F(CoordinatorTest, StopsWithoutHandingOutMoreAndGoesOnLater) {
+  world.join("a", 1);
+  const auto jobs = world.takeJobs("a");
+  Message stop;
+  stop.mutable_stop_request();
+  world.send("operator", stop);
+  EXPECT_EQ(world.take("operator", Message::kStopReply).size(), 1u);
+  ASSERT_EQ(world.take("a", Message::kDrain).size(), 1u);
+  world.deliver("a", jobs[0]);
+  world.pass(25ms);
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u) << "what is in work is still taken";
+  world.request("a", 1);
+  EXPECT_TRUE(world.takeJobs("a").empty());
+  world.restart();
+  world.join("a", 1);
+  world.finish({"a"});
+  EXPECT_TRUE(world.coordinator().complete());
+}
+
+TEST_F(CoordinatorTest, HandsOutNothingWhileItIsPausedAndKeepsItsWorkers) {
+  world.join("a", 2);
+  const auto jobs = world.takeJobs("a");
+  setPaused(world, true);
+  world.deliver("a", jobs[0]);
+  world.pass(25ms);
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u) << "what is in work is still taken";
+  world.request("a", 1);
+  world.pass(1s);
+  EXPECT_TRUE(world.takeJobs("a").empty());
+  EXPECT_TRUE(world.take("a", Message::kDrain).empty());
+  EXPECT_TRUE(world.coordinator().status(world.now).paused());
+  setPaused(world, false);
+  world.pass(25ms);
+  EXPECT_FALSE(world.takeJobs("a").empty());
+}
+
+TEST_F(CoordinatorTest, HandsOutASpaceOfHigherPriorityFirstAndStillAfterARestart) {
+  const std::string second = world.problem.active[1].name;
+  EXPECT_EQ(prioritize(world, second, 1), "");
+  EXPECT_THAT(
+      prioritize(world, "nobody", 1),
+      testing::AllOf(testing::HasSubstr("no space is called nobody"), testing::HasSubstr(second)));
+  world.join("a", 1);
+  const auto first = world.takeJobs("a");
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_EQ(first[0].space(), 1u);
+  world.restart();
+  EXPECT_EQ(world.coordinator().status(world.now).spaces(1).priority(), 1);
+  world.join("a", 1);
+  EXPECT_EQ(world.takeJobs("a").at(0).space(), 1u);
+}
+
+/// A machine without memory fails where others do not.
+TEST_F(CoordinatorTest, TriesAgainWhatFailedWithACauseAndEndsWithTheSameDataset) {
+  test::BuildWorld healthy;
+  healthy.join("a", 1);
+  healthy.finish({"a"});
+  bool has_memory = false;
+  world.solver = [&](const Problem& problem, std::uint32_t space, const LatticePoint& target,
+                     const LatticePoint& parent) {
+    if (has_memory || target == LatticePoint{}) return test::solve(problem, space, target, parent);
+    Outcome outcome;
+    outcome.failure.cause = Cause::factorization_failed;
+    return test::resultOf(problemId(problem), space, target, parent, outcome);
+  };
+  solveOrigins();
+  world.request("a", 1);
+  for (const wire::Job& job : world.takeJobs("a")) world.deliver("a", job);
+  world.pass(25ms);
+  const auto failed = [&] {
+    return world.coordinator().status(world.now).failed_attempts().count("factorization_failed");
+  };
+  EXPECT_EQ(failed(), 1u);
+  EXPECT_EQ(retryFailed(world, "limit_point"), 0u);
+  EXPECT_GE(retryFailed(world, "factorization_failed"), 1u);
+  EXPECT_EQ(retryFailed(world, "factorization_failed"), 0u) << "once";
+  world.settle();
+  EXPECT_THROW(world.settle(), FailuresRetried) << "in the next turn, when it is answered";
+  has_memory = true;
+  world.restart();
+  EXPECT_EQ(failed(), 0u);
+  world.join("a", 1);
+  world.finish({"a"});
+  EXPECT_EQ(world.sealedContent(), healthy.sealedContent());
+}
+
+TEST_F(CoordinatorTest, StaysPausedOverARestart) {
+  setPaused(world, true);
+  world.restart();
+  EXPECT_TRUE(world.coordinator().paused());
+  world.join("a", 1);
+  world.pass(1s);
+  EXPECT_TRUE(world.takeJobs("a").empty());
+  setPaused(world, false);
+  world.finish({"a"});
+  world.restart();
+  EXPECT_FALSE(world.coordinator().paused());
+}
+
+TEST_F(CoordinatorTest, TellsPeopleHowFarItIs) {
+  solveOrigins();
+  Message ask;
+  ask.mutable_status_request();
+  world.send("operator", ask);
+  const auto replies = world.take("operator", Message::kStatusReply);
+  ASSERT_EQ(replies.size(), 1u);
+  const std::string& json = replies[0].status_reply().json();
+  EXPECT_THAT(json, testing::HasSubstr("\"expandable\":1"));
+  EXPECT_THAT(json, testing::HasSubstr("\"state\":\"running\""));
+  EXPECT_THAT(json, testing::HasSubstr("\"host\":\"here\""));
+}
+
+}  // namespace
+}  // namespace palpate
