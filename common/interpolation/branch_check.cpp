@@ -39,14 +39,13 @@ bool bordersLeaf(const Leaves& leaves, const LatticePoint& lower, std::size_t ax
 
 /// The edges of leaf cells between solved points for which `selects` their check.
 template <class Select>
-std::vector<LatticeEdge> selectEdges(const SpaceTable& space, Select selects) {
-  const Lattice& lattice = space.lattice;
-  PALPATE_ASSERT(space.points.size() == static_cast<std::size_t>(lattice.size()),
-                 "points[n] belongs to lattice number n");
-  const Leaves leaves = {space.splits, lattice.divisions()};
+std::vector<LatticeEdge> selectEdges(const Lattice& lattice, const std::vector<LatticeCell>& splits,
+                                     const EquilibriumOf& equilibriumOf, Select selects) {
+  const Leaves leaves = {splits, lattice.divisions()};
   std::vector<LatticeEdge> found;
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
-    if (!isSolved(space.points[n].tag)) continue;
+    const ToolEquilibrium* const here = equilibriumOf(n);
+    if (here == nullptr) continue;
     for (std::int32_t level = 0; level <= leaves.deepest(); ++level) {
       // Edges of a level start at corners of its cells only.
       if (!isMultiple(lattice.point(n), leaves.edge(level))) continue;
@@ -54,11 +53,10 @@ std::vector<LatticeEdge> selectEdges(const SpaceTable& space, Select selects) {
         LatticePoint upper = lattice.point(n);
         upper[axis] += leaves.edge(level);
         const auto other = lattice.indexOf(upper);
-        if (!other || !isSolved(space.points[*other].tag) ||
-            !bordersLeaf(leaves, lattice.point(n), axis, level))
-          continue;
-        if (selects(checkEdge(space.points[n].equilibrium, space.points[*other].equilibrium,
-                              lattice.displacement(*other) - lattice.displacement(n))))
+        const ToolEquilibrium* const there = other ? equilibriumOf(*other) : nullptr;
+        if (there == nullptr || !bordersLeaf(leaves, lattice.point(n), axis, level)) continue;
+        if (selects(
+                checkEdge(*here, *there, lattice.displacement(*other) - lattice.displacement(n))))
           found.push_back({std::min(n, *other), std::max(n, *other)});
       }
     }
@@ -66,6 +64,19 @@ std::vector<LatticeEdge> selectEdges(const SpaceTable& space, Select selects) {
   std::ranges::sort(found);
   return found;
 }
+
+template <class Select>
+std::vector<LatticeEdge> selectEdges(const SpaceTable& space, Select selects) {
+  PALPATE_ASSERT(space.points.size() == static_cast<std::size_t>(space.lattice.size()),
+                 "points[n] belongs to lattice number n");
+  const auto equilibriumOf = [&](std::int32_t n) -> const ToolEquilibrium* {
+    const PointRecord& point = space.points[static_cast<std::size_t>(n)];
+    return isSolved(point.tag) ? &point.equilibrium : nullptr;
+  };
+  return selectEdges(space.lattice, space.splits, equilibriumOf, selects);
+}
+
+constexpr auto is_inconsistent = [](const EdgeCheck& check) { return !check.consistent(); };
 
 }  // namespace
 
@@ -80,7 +91,8 @@ bool EdgeCheck::suspect() const {
          energy_mismatch > 0.01 + 0.08 * change;
 }
 
-EdgeCheck checkEdge(const Equilibrium& a, const Equilibrium& b, const Eigen::Vector3d& step) {
+EdgeCheck checkEdge(const ToolEquilibrium& a, const ToolEquilibrium& b,
+                    const Eigen::Vector3d& step) {
   const Eigen::Vector3d at_a = a.stiffness * step, at_b = b.stiffness * step, bend = at_b - at_a;
   // The corrected trapezoidal rule: forces at both ends, and their slopes.
   const double work = 0.5 * (a.force + b.force).dot(step) - bend.dot(step) / 12;
@@ -91,7 +103,13 @@ EdgeCheck checkEdge(const Equilibrium& a, const Equilibrium& b, const Eigen::Vec
 }
 
 std::vector<LatticeEdge> inconsistentEdges(const SpaceTable& space) {
-  return selectEdges(space, [](const EdgeCheck& check) { return !check.consistent(); });
+  return selectEdges(space, is_inconsistent);
+}
+
+std::vector<LatticeEdge> inconsistentEdges(const Lattice& lattice,
+                                           const std::vector<LatticeCell>& splits,
+                                           const EquilibriumOf& equilibriumOf) {
+  return selectEdges(lattice, splits, equilibriumOf, is_inconsistent);
 }
 
 std::vector<LatticeEdge> suspectEdges(const SpaceTable& space) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "common/space/space_table.hpp"
 
 namespace palpate {
@@ -26,7 +28,8 @@ struct EdgeCheck {
   bool suspect() const;
 };
 /// Of the step from a to b.
-EdgeCheck checkEdge(const Equilibrium& a, const Equilibrium& b, const Eigen::Vector3d& step);
+EdgeCheck checkEdge(const ToolEquilibrium& a, const ToolEquilibrium& b,
+                    const Eigen::Vector3d& step);
 
 /// The edges whose two ends lie on different branches of solutions, or with a fold between: no
 /// interpolation may treat the force between them as smooth. Sorted by (a, b). Points that are not
@@ -44,6 +47,14 @@ EdgeCheck checkEdge(const Equilibrium& a, const Equilibrium& b, const Eigen::Vec
 /// consistent, all change the stiffness by more than the force: smooth interpolation there was not
 /// worse than tri-linear.
 std::vector<LatticeEdge> inconsistentEdges(const SpaceTable& space);
+
+/// The equilibrium of a point by its lattice number; null when it is not solved.
+using EquilibriumOf = std::function<const ToolEquilibrium*(std::int32_t)>;
+/// The same of a space that is no table: of its lattice, and its cells that were split (in the
+/// order of coarserFirst).
+std::vector<LatticeEdge> inconsistentEdges(const Lattice& lattice,
+                                           const std::vector<LatticeCell>& splits,
+                                           const EquilibriumOf& equilibriumOf);
 
 /// The same for EdgeCheck::suspect.
 std::vector<LatticeEdge> suspectEdges(const SpaceTable& space);

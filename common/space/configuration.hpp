@@ -31,17 +31,20 @@ inline constexpr std::array<std::array<int, 2>, 6> symmetric_axes = {
 /// How a symmetric matrix changes: a row per component, a column per axis along which it does.
 using SymmetricSlope = Eigen::Matrix<double, 6, 3, Eigen::RowMajor>;
 
-/// The small part of an accepted configuration.
-struct Equilibrium {
+/// What every tool's accepted configuration says of force and energy.
+struct ToolEquilibrium {
   /// N, exerted by the tissue on the tool, = -dE/dp.
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   /// N/m, [a, b] = d force_a / d p_b: symmetric, negative definite near rest.
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
   double energy = 0;     ///< J, stored energy relative to the rest state
   double min_det_F = 1;  ///< smallest over the elements
+};
 
-  // Of a finger at s on the surface (ActivePatch::finger), whose energy E(s, p) also changes with
-  // s; else zero. All exact, in three dimensions, because E is defined for any s near the surface.
+/// What a finger's says beyond that: at s on the surface (ActivePatch::finger) its energy E(s, p)
+/// also changes with s. Zero of other tools. All exact, in three dimensions, because E is defined
+/// for any s near the surface.
+struct FingerSlopes {
   /// N, what drives the finger along, T = -dE/ds.
   Eigen::Vector3d drive = Eigen::Vector3d::Zero();
   /// N/m, [a, b] = d drive_a / d p_b; the transpose is d force / d s.
@@ -57,6 +60,9 @@ struct Equilibrium {
   SymmetricSlope drive_slope_by_p = SymmetricSlope::Zero();
 };
 
+/// The small part of an accepted configuration.
+struct Equilibrium : ToolEquilibrium, FingerSlopes {};
+
 /// In SI units: more than any tissue gives, and far enough from overflow that what is interpolated
 /// from such numbers is finite.
 inline constexpr double largest_stored = 1e30;
@@ -64,7 +70,7 @@ inline constexpr double largest_stored = 1e30;
 bool isUsable(const Equilibrium& equilibrium);
 
 /// Whether it says anything of how the energy changes with s: a finger's.
-inline bool hasDrive(const Equilibrium& e) {
+inline bool hasDrive(const FingerSlopes& e) {
   return !(e.drive.isZero(0) && e.drive_stiffness.isZero(0) && e.drive_slope.isZero(0) &&
            e.stiffness_by_p.isZero(0) && e.stiffness_by_s.isZero(0) &&
            e.drive_slope_by_p.isZero(0));

@@ -140,33 +140,88 @@ void Lattice::add(const LatticePoint& point) {
   points_.push_back(point);
 }
 
+Lattice Lattice::first(std::int32_t count) const {
+  PALPATE_ASSERT(count >= uniform_size_ && count <= size(), "what was added can be left out");
+  Lattice part = *this;
+  part.points_.resize(static_cast<std::size_t>(count));
+  std::erase_if(part.added_, [count](const auto& added) { return added.second >= count; });
+  for (std::int32_t n = count; n < size(); ++n)
+    if (const auto place = placeInCube(points_[n])) part.index_of_[*place] = -1;
+  return part;
+}
+
+namespace {
+
+struct Step {
+  int i, j, k;
+};
+
+/// The steps to a point's neighbours, by length, each length in lexicographic order.
+constexpr std::array<Step, 26> steps_outward = [] {
+  std::array<Step, 26> steps = {};
+  std::size_t n = 0;
+  for (int squared = 1; squared <= 3; ++squared)
+    for (int i = -1; i <= 1; ++i)
+      for (int j = -1; j <= 1; ++j)
+        for (int k = -1; k <= 1; ++k)
+          if (i * i + j * j + k * k == squared) steps[n++] = {i, j, k};
+  return steps;
+}();
+/// Where those of squared length 1, 2 and 3 begin, and the end.
+constexpr std::array<std::size_t, 4> first_step = {0, 6, 18, 26};
+
+}  // namespace
+
+Lattice::NeighbourWalk::NeighbourWalk(const Lattice& lattice, std::int32_t index)
+    : lattice_(lattice),
+      center_{lattice.points_[index][0] / lattice.divisions_,
+              lattice.points_[index][1] / lattice.divisions_,
+              lattice.points_[index][2] / lattice.divisions_} {
+  PALPATE_ASSERT(index >= 0 && index < lattice.uniform_size_,
+                 "added points have no place in this order");
+  place_ = *lattice.placeInCube(lattice.points_[index]);
+}
+
+std::int32_t Lattice::NeighbourWalk::next() {
+  while (at_ == count_) {
+    if (step_ == 3) return -1;
+    ++step_;
+    findOfStep();
+  }
+  return candidates_[at_++].number;
+}
+
+void Lattice::NeighbourWalk::findOfStep() {
+  at_ = count_ = 0;
+  const std::int64_t side = 2 * std::int64_t{lattice_.extent_} + 1;
+  const auto isInside = [&](std::int32_t x) { return std::abs(x) <= lattice_.extent_; };
+  const auto first = first_step[static_cast<std::size_t>(step_) - 1];
+  for (std::size_t s = first; s < first_step[static_cast<std::size_t>(step_)]; ++s) {
+    const auto [i, j, k] = steps_outward[s];
+    if (!isInside(center_[0] + i) || !isInside(center_[1] + j) || !isInside(center_[2] + k))
+      continue;
+    const std::int64_t place = static_cast<std::int64_t>(place_) + (i * side + j) * side + k;
+    const std::int32_t number = lattice_.index_of_[static_cast<std::size_t>(place)];
+    // Refined points have parents of their own (the plan's pursuits).
+    if (number < 0 || number >= lattice_.uniform_size_) continue;
+    // Of steps of one length the norm grows with the product.
+    const std::int64_t along =
+        std::int64_t{center_[0]} * i + std::int64_t{center_[1]} * j + std::int64_t{center_[2]} * k;
+    const Candidate candidate = {along * 32 + static_cast<std::int64_t>(s), number};
+    std::size_t at = count_++;
+    for (; at > 0 && candidates_[at - 1].rank > candidate.rank; --at)
+      candidates_[at] = candidates_[at - 1];
+    candidates_[at] = candidate;
+  }
+}
+
 std::vector<std::int32_t> Lattice::neighbours(std::int32_t index) const {
-  struct Candidate {
-    int step;
-    std::int64_t norm;
-    LatticePoint point;
-    std::int32_t index;
-    auto operator<=>(const Candidate&) const = default;
-  };
-  PALPATE_ASSERT(index >= 0 && index < uniform_size_, "added points have no place in this order");
-  const LatticePoint& center = points_[index];
-  std::vector<Candidate> candidates;
-  for (int i = -1; i <= 1; ++i)
-    for (int j = -1; j <= 1; ++j)
-      for (int k = -1; k <= 1; ++k) {
-        const int step = i * i + j * j + k * k;
-        if (step == 0) continue;
-        const LatticePoint p = {center[0] + i * divisions_, center[1] + j * divisions_,
-                                center[2] + k * divisions_};
-        const auto number = indexOf(p);
-        // Refined points have parents of their own (the plan's pursuits).
-        if (number && *number < uniform_size_)
-          candidates.push_back({step, squaredNorm(p), p, *number});
-      }
-  std::ranges::sort(candidates);
   std::vector<std::int32_t> neighbours;
-  neighbours.reserve(candidates.size());
-  for (const Candidate& candidate : candidates) neighbours.push_back(candidate.index);
+  neighbours.reserve(steps_outward.size());
+  visitNeighbours(index, [&](std::int32_t n) {
+    neighbours.push_back(n);
+    return false;
+  });
   return neighbours;
 }
 

@@ -18,30 +18,75 @@ bool isFarOutside(const LatticePoint& point, const Lattice& lattice) {
   return std::ranges::any_of(point, [&](std::int64_t x) { return std::abs(x) > limit; });
 }
 
-std::string faultOfSplits(const SpaceTable& space) {
-  const std::int32_t divisions = space.lattice.divisions();
+std::string faultOfSplits(const SpaceRows& space) {
+  const std::vector<LatticeCell>& splits = space.splits();
+  const std::int32_t divisions = space.lattice().divisions();
   const auto notBefore = [](const LatticeCell& a, const LatticeCell& b) {
     return !coarserFirst(a, b);
   };
-  if (std::ranges::adjacent_find(space.splits, notBefore) != space.splits.end())
+  if (std::ranges::adjacent_find(splits, notBefore) != splits.end())
     return "splits are not sorted by level and lowest";
-  for (std::size_t i = 0; i < space.splits.size(); ++i) {
-    const LatticeCell& cell = space.splits[i];
+  for (std::size_t i = 0; i < splits.size(); ++i) {
+    const LatticeCell& cell = splits[i];
     // A shift by 31 or more is undefined, and the table may come from a file.
     if (cell.level < 0 || cell.level >= 31 || divisions >> (cell.level + 1) == 0)
       return fmt::format("split {} is of level {}, which has no halves", i, cell.level);
     const std::int32_t edge = divisions >> cell.level;
     const bool aligned = std::ranges::all_of(
         cell.lowest, [edge](std::int32_t coordinate) { return coordinate % edge == 0; });
-    if (!aligned || isFarOutside(cell.lowest, space.lattice))
+    if (!aligned || isFarOutside(cell.lowest, space.lattice()))
       return fmt::format("split {} is no cell of the lattice", i);
-    if (cell.level > 0 && !isSplit(space.splits, parentOf(cell, divisions)))
+    if (cell.level > 0 && !isSplit(splits, parentOf(cell, divisions)))
       return fmt::format("split {} lies in a cell that is not split", i);
   }
   return {};
 }
 
+class TableRows : public SpaceRows {
+ public:
+  explicit TableRows(const SpaceTable& table) : table_(table) {}
+  const ActivePatch& patch() const override { return table_.patch; }
+  const Lattice& lattice() const override { return table_.lattice; }
+  const std::vector<LatticeCell>& splits() const override { return table_.splits; }
+  std::int32_t points() const override { return static_cast<std::int32_t>(table_.points.size()); }
+  PointRecord point(std::int32_t n) const override { return row(n); }
+  Tag tag(std::int32_t n) const override { return row(n).tag; }
+  const ToolEquilibrium* equilibrium(std::int32_t n) const override {
+    return n < points() && isSolved(tag(n)) ? &row(n).equilibrium : nullptr;
+  }
+  std::size_t attempts() const override { return table_.attempts.size(); }
+  void eachAttempt(const VisitAttempt& visit) const override {
+    std::ranges::for_each(table_.attempts, visit);
+  }
+  std::int32_t probes() const override { return static_cast<std::int32_t>(table_.probes.size()); }
+  Probe probe(std::int32_t n) const override { return table_.probes[static_cast<std::size_t>(n)]; }
+
+ private:
+  const PointRecord& row(std::int32_t n) const {
+    return table_.points[static_cast<std::size_t>(n)];
+  }
+  const SpaceTable& table_;
+};
+
 }  // namespace
+
+SpaceRowsList rowsOf(const std::vector<SpaceTable>& tables) {
+  SpaceRowsList rows;
+  for (const SpaceTable& table : tables) rows.push_back(std::make_unique<TableRows>(table));
+  return rows;
+}
+
+SpaceTable tableOf(const SpaceRows& rows) {
+  SpaceTable table;
+  table.patch = rows.patch();
+  table.lattice = rows.lattice().first(rows.points());
+  table.splits = rows.splits();
+  table.points.reserve(static_cast<std::size_t>(rows.points()));
+  for (std::int32_t n = 0; n < rows.points(); ++n) table.points.push_back(rows.point(n));
+  rows.eachAttempt([&](const FailedAttempt& attempt) { table.attempts.push_back(attempt); });
+  for (std::int32_t n = 0; n < rows.probes(); ++n) table.probes.push_back(rows.probe(n));
+  return table;
+}
 
 std::vector<bool> interpolatedPoints(const SpaceTable& space) {
   PALPATE_ASSERT(std::ssize(space.points) == space.lattice.size(),
@@ -60,32 +105,44 @@ std::vector<bool> interpolatedPoints(const SpaceTable& space) {
   return interpolated;
 }
 
-std::string faultOf(const SpaceTable& space) {
-  const Lattice& lattice = space.lattice;
-  if (space.points.size() != static_cast<std::size_t>(lattice.size()))
-    return fmt::format("has {} points, the lattice {}", space.points.size(), lattice.size());
-  const auto isPoint = [&](std::int32_t n) { return n >= 0 && n < lattice.size(); };
-  for (std::int32_t n = 0; n < lattice.size(); ++n) {
+std::string faultOf(const SpaceRows& space) {
+  const Lattice& lattice = space.lattice();
+  const std::int32_t size = space.points();
+  PALPATE_ASSERT(size <= lattice.size(), "points are the first of the lattice");
+  const auto isPoint = [size](std::int32_t n) { return n >= 0 && n < size; };
+  for (std::int32_t n = 0; n < size; ++n) {
     if (isFarOutside(lattice.point(n), lattice))
       return fmt::format("point {} lies far outside of the ball", n);
-    if (const std::int32_t parent = space.points[n].parent; parent != -1 && !isPoint(parent))
+    if (const std::int32_t parent = space.point(n).parent; parent != -1 && !isPoint(parent))
       return fmt::format("point {} has parent {}", n, parent);
   }
-  for (std::size_t i = 0; i < space.probes.size(); ++i) {
+  for (std::int32_t i = 0; i < space.probes(); ++i) {
+    const Probe probe = space.probe(i);
     // Negated, so that NaN is a fault.
-    if (!(space.probes[i].displacement.norm() <= lattice.radius() * (1 + 1e-9)))
+    if (!(probe.displacement.norm() <= lattice.radius() * (1 + 1e-9)))
       return fmt::format("probe {} lies outside of the ball", i);
-    if (const std::int32_t parent = space.probes[i].record.parent; parent != -1 && !isPoint(parent))
+    if (const std::int32_t parent = probe.record.parent; parent != -1 && !isPoint(parent))
       return fmt::format("probe {} has parent {}", i, parent);
   }
-  for (const FailedAttempt& attempt : space.attempts)
-    if (!isPoint(attempt.target) || !isPoint(attempt.parent))
-      return fmt::format("an attempt went from point {} to point {}", attempt.parent,
-                         attempt.target);
+  std::string fault;
+  space.eachAttempt([&](const FailedAttempt& attempt) {
+    if (fault.empty() && (!isPoint(attempt.target) || !isPoint(attempt.parent)))
+      fault =
+          fmt::format("an attempt went from point {} to point {}", attempt.parent, attempt.target);
+  });
+  return fault.empty() ? faultOfSplits(space) : fault;
+}
+
+std::string faultOf(const SpaceTable& space) {
+  const auto size = static_cast<std::size_t>(space.lattice.size());
+  if (space.points.size() != size)
+    return fmt::format("has {} points, the lattice {}", space.points.size(), size);
+  if (std::string fault = faultOf(TableRows(space)); !fault.empty()) return fault;
+  const auto isPoint = [&](std::int32_t n) { return n >= 0 && n < space.lattice.size(); };
   for (const LatticeEdge& edge : space.inconsistent_edges)
     if (!isPoint(edge.a) || !isPoint(edge.b) || edge.a >= edge.b)
       return fmt::format("an inconsistent edge joins points {} and {}", edge.a, edge.b);
-  return faultOfSplits(space);
+  return "";
 }
 
 }  // namespace palpate

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <functional>
+#include <memory>
+
 #include "common/space/active_patch.hpp"
 #include "common/space/configuration.hpp"
 #include "common/space/lattice.hpp"
@@ -50,6 +53,32 @@ struct SpaceTable {
   std::vector<LatticeEdge> inconsistent_edges;
 };
 
+/// One configuration space, row by row: what is gone through without being copied, since a build
+/// may have ten million points. Its numbers mean what those of a SpaceTable do.
+class SpaceRows {
+ public:
+  virtual ~SpaceRows() = default;
+  virtual const ActivePatch& patch() const = 0;
+  /// Its first points are the space's; others (probes) may follow.
+  virtual const Lattice& lattice() const = 0;
+  virtual const std::vector<LatticeCell>& splits() const = 0;
+  virtual std::int32_t points() const = 0;  ///< how many
+  virtual PointRecord point(std::int32_t n) const = 0;
+  virtual Tag tag(std::int32_t n) const = 0;
+  /// Without what only a finger has; null when the point is not solved.
+  virtual const ToolEquilibrium* equilibrium(std::int32_t n) const = 0;
+  virtual std::size_t attempts() const = 0;  ///< how many
+  using VisitAttempt = std::function<void(const FailedAttempt&)>;
+  virtual void eachAttempt(const VisitAttempt& visit) const = 0;
+  virtual std::int32_t probes() const = 0;  ///< how many
+  virtual Probe probe(std::int32_t n) const = 0;
+};
+using SpaceRowsList = std::vector<std::unique_ptr<const SpaceRows>>;
+/// Those of tables, which must outlive them.
+SpaceRowsList rowsOf(const std::vector<SpaceTable>& tables);
+/// A copy of all of it, without inconsistent edges.
+SpaceTable tableOf(const SpaceRows& rows);
+
 /// Largest force of a terminating point that cells are interpolated with, in largest forces of the
 /// expandable points. Beyond it an element beside the tool is being crushed: the force is tens to
 /// thousands of times what a device renders, and a polynomial that meets it is wrong in the whole
@@ -65,5 +94,6 @@ std::vector<bool> interpolatedPoints(const SpaceTable& space);
 /// workspace"); empty when nothing does. Looked at are numbers that name points, cells and edges,
 /// and positions.
 std::string faultOf(const SpaceTable& space);
+std::string faultOf(const SpaceRows& space);
 
 }  // namespace palpate

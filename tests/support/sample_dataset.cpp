@@ -72,8 +72,8 @@ PointRecord recordAt(const Eigen::Vector3d& p, std::int32_t n, const AnalyticEne
   PointRecord point;
   point.tag = Tag::expandable;
   point.parent = 0;
-  point.equilibrium = {-energy.gradient(p), -energy.hessian(p), energy.energy(p),
-                       0.5 + 1.0 / (n + 2)};
+  point.equilibrium = {
+      {-energy.gradient(p), -energy.hessian(p), energy.energy(p), 0.5 + 1.0 / (n + 2)}, {}};
   point.residual = 1e-9 * (n + 1);
   point.cost = {3 + n % 4, 4 + n % 4, 1, 0};
   return point;
