@@ -84,6 +84,13 @@ ContentId layout::contentHash(const std::string& scene_toml, std::vector<hdf5::A
   return ContentId::of(text);
 }
 
+ContentId verifiedContent(const std::filesystem::path& file) {
+  Reader in(file);
+  openedText(in, file.string());
+  for (const hdf5::ArrayInfo& array : in.arrays()) in.verify(array);
+  return idIn(in, layout::content_attribute);
+}
+
 struct Dataset::Impl {
   explicit Impl(const std::filesystem::path& path)
       : file(path),

@@ -27,6 +27,11 @@ using FieldsSource = std::function<NodalFields(std::size_t space, std::int32_t p
 void sealDataset(const std::filesystem::path& file, const Problem& problem,
                  const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
                  const FieldsSource& fields, bool partial = false);
+/// The same of spaces that are no tables. Beside what they hold it takes some MB, and 36 bytes a
+/// point.
+void sealDataset(const std::filesystem::path& file, const Problem& problem,
+                 const SpaceRowsList& spaces, const std::string& kernel_family,
+                 const FieldsSource& fields, bool partial = false);
 
 /// A sealed dataset, opened for reading. Everything but the nodal fields is in memory after
 /// construction, verified; those are read, and verified, when asked for. One thread at a time (HDF5

@@ -36,6 +36,10 @@ ContentId contentHash(const std::string& scene_toml, std::vector<hdf5::ArrayInfo
 
 }  // namespace layout
 
+/// The content hash of a dataset whose every array was read, in parts, and is what its hash says.
+/// Error as of Dataset and Dataset::verifyAll().
+ContentId verifiedContent(const std::filesystem::path& file);
+
 // ---- /mesh: the body and the nodes that mean something (stored_mesh.cpp) ----------------------
 
 /// What /mesh holds.
@@ -54,8 +58,10 @@ StoredMesh readMesh(const hdf5::Reader& in, const Scene& scene);
 // ---- the configuration spaces, without the nodal fields (stored_spaces.cpp) -------------------
 
 /// Writes /spaces, /patches, /splits, /attempts, /inconsistent_edges, /points and /probes. Tables
-/// have the rows of all spaces one after the other: opening costs time per array.
-void writeSpaces(hdf5::Writer& out, const std::vector<SpaceTable>& spaces);
+/// have the rows of all spaces one after the other: opening costs time per array. `jumps`: the
+/// inconsistent edges of each.
+void writeSpaces(hdf5::Writer& out, const SpaceRowsList& spaces,
+                 const std::vector<std::vector<LatticeEdge>>& jumps);
 
 /// Reads them. Error that names array or space unless they are those of the scene's active nodes,
 /// on its lattice, of nodes of the mesh, and without faultOf.
@@ -66,7 +72,7 @@ std::vector<SpaceTable> readSpaces(const hdf5::Reader& in, const Scene& scene, c
 /// Writes the fields of the points of all spaces, in that order, as the scene's [storage] says.
 /// `fields` gives those of a solved point, all nodes; Error when they are not what its record
 /// names.
-void writeFields(hdf5::Writer& out, const Problem& problem, const std::vector<SpaceTable>& spaces,
+void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList& spaces,
                  const std::function<NodalFields(std::size_t space, std::int32_t point)>& fields);
 
 /// Reads them back, each row compared with its hash.

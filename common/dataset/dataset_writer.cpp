@@ -7,13 +7,12 @@
 namespace palpate {
 namespace {
 
-void checkArguments(const std::string& file, const Problem& problem,
-                    const std::vector<SpaceTable>& spaces) {
+void checkArguments(const std::string& file, const Problem& problem, const SpaceRowsList& spaces) {
   if (spaces.empty() || spaces.size() != problem.active.size())
     throw failure("{}: {} spaces to seal for {} active nodes", file, spaces.size(),
                   problem.active.size());
   for (std::size_t s = 0; s < spaces.size(); ++s) {
-    const ActivePatch &given = spaces[s].patch, &active = problem.active[s];
+    const ActivePatch &given = spaces[s]->patch(), &active = problem.active[s];
     const Lattice expected = uniformLattice(problem.scene, active);
     if (given.name != active.name || given.node != active.node || given.nodes != active.nodes ||
         given.weights != active.weights || given.finger != active.finger ||
@@ -21,7 +20,7 @@ void checkArguments(const std::string& file, const Problem& problem,
       throw failure(
           "{}: space {} to seal is \"{}\", which is not active node \"{}\" of the problem", file, s,
           given.name, active.name);
-    const Lattice& lattice = spaces[s].lattice;
+    const Lattice& lattice = spaces[s]->lattice();
     if (lattice.radius() != expected.radius() || lattice.spacing() != expected.spacing() ||
         lattice.divisions() != expected.divisions() || lattice.uniformSize() != expected.size())
       throw failure(
@@ -29,15 +28,19 @@ void checkArguments(const std::string& file, const Problem& problem,
           "is not that of the scene (radius {} m, spacing {} m)",
           file, given.name, lattice.radius(), lattice.spacing(), expected.radius(),
           expected.spacing());
-    if (const std::string fault = faultOf(spaces[s]); !fault.empty())
+    if (const std::string fault = faultOf(*spaces[s]); !fault.empty())
       throw failure("{}: space \"{}\": {}", file, given.name, fault);
   }
 }
 
-/// With what is derived from the points and stored beside them.
-std::vector<SpaceTable> withDerived(std::vector<SpaceTable> spaces) {
-  for (SpaceTable& space : spaces) space.inconsistent_edges = inconsistentEdges(space);
-  return spaces;
+/// What is derived from the points and stored beside them: their inconsistent edges.
+std::vector<std::vector<LatticeEdge>> inconsistentEdgesOf(const SpaceRowsList& spaces) {
+  std::vector<std::vector<LatticeEdge>> jumps;
+  for (const auto& space : spaces)
+    jumps.push_back(inconsistentEdges(space->lattice(), space->splits(), [&](std::int32_t n) {
+      return n < space->points() ? space->equilibrium(n) : nullptr;
+    }));
+  return jumps;
 }
 
 /// Attributes of the root. Returns the content hash.
@@ -61,40 +64,47 @@ ContentId writeRoot(hdf5::Writer& out, const Problem& problem, const std::string
 
 /// Groups, arrays and attributes in a fixed order: the bytes of the file depend on it.
 ContentId writeDataset(const std::filesystem::path& file, const Problem& problem,
-                       const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
+                       const SpaceRowsList& spaces, const std::string& kernel_family,
                        const FieldsSource& fields, bool partial) {
   hdf5::Writer out(file);
   writeMesh(out, problem);
-  writeSpaces(out, spaces);
+  writeSpaces(out, spaces, inconsistentEdgesOf(spaces));
   writeFields(out, problem, spaces, fields);
   const ContentId content = writeRoot(out, problem, kernel_family, partial);
   out.close();
   return content;
 }
 
+/// Before it takes the place of an older one.
 void verifySealed(const std::filesystem::path& file, const ContentId& written) {
-  // As every reader will open it, before it takes the place of an older one.
-  const Dataset dataset(file);
-  dataset.verifyAll();
-  if (dataset.contentId() != written)
+  if (verifiedContent(file) != written)
     throw failure("{}: reads back differently from what was written", file.string());
 }
 
 }  // namespace
 
 void sealDataset(const std::filesystem::path& file, const Problem& problem,
-                 const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
+                 const SpaceRowsList& spaces, const std::string& kernel_family,
                  const FieldsSource& fields, bool partial) {
   // Else the rename would fail after hours, with a worse message.
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
     throw badInput("{}: is a directory; give the dataset a file name", file.string());
   checkArguments(file.string(), problem, spaces);
-  const std::vector<SpaceTable> tables = withDerived(spaces);
   replaceFile(file, [&](const std::filesystem::path& aside) {
-    const ContentId content = writeDataset(aside, problem, tables, kernel_family, fields, partial);
+    const ContentId content = writeDataset(aside, problem, spaces, kernel_family, fields, partial);
     verifySealed(aside, content);
   });
+}
+
+void sealDataset(const std::filesystem::path& file, const Problem& problem,
+                 const std::vector<SpaceTable>& spaces, const std::string& kernel_family,
+                 const FieldsSource& fields, bool partial) {
+  for (const SpaceTable& space : spaces)
+    if (std::ssize(space.points) != space.lattice.size())
+      throw failure("{}: space \"{}\": has {} points, the lattice {}", file.string(),
+                    space.patch.name, space.points.size(), space.lattice.size());
+  sealDataset(file, problem, rowsOf(spaces), kernel_family, fields, partial);
 }
 
 }  // namespace palpate

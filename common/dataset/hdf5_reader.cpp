@@ -244,8 +244,8 @@ void Reader::readRowBytes(const ArrayInfo& info, std::size_t first,
 }
 
 void Reader::verify(const ArrayInfo& info) const {
-  if (!isReadByRows(info)) {
-    std::vector<std::byte> bytes(countOf(info.shape) * typeOf(info.element).size);
+  if (info.shape.empty()) {
+    std::vector<std::byte> bytes(typeOf(info.element).size);
     return readBytes(info, bytes);
   }
   ContentHasher hasher;

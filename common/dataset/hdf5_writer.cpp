@@ -1,6 +1,5 @@
 #include "common/dataset/hdf5_writer.hpp"
 
-#include <cstring>
 #include <limits>
 
 #include "common/base/assertion.hpp"
@@ -21,52 +20,14 @@ std::string noValues(Element element, std::size_t count) {
                                                  : bytesOf(std::span(integers)));
 }
 
-constexpr std::size_t growth = std::size_t{1} << 20;  // bytes
-
-/// The size of a file, from the superblock that it begins with: HDF5 tells only after it has set
-/// aside more. File Format Specification 3.0, II.A, "Version 2 and 3".
-std::size_t sizeOf(const char* file) {
-  constexpr std::size_t version_at = 8, size_of_offsets_at = 9, end_of_file_at = 28;
-  PALPATE_ASSERT(file[version_at] == 3 && file[size_of_offsets_at] == sizeof(haddr_t),
-                 "Writer asks for the format of HDF5 1.10");
-  haddr_t end = 0;
-  std::memcpy(&end, file + end_of_file_at, sizeof end);
-  return end;
-}
-
 }  // namespace
 
-void Writer::useImage(hid_t file_access) {
-  H5FD_file_image_callbacks_t callbacks = {};
-  // What HDF5 leaves unused between its structures must be zero: equal calls, equal bytes.
-  callbacks.image_realloc = [](void* bytes, std::size_t size, H5FD_file_image_op_t,
-                               void* udata) -> void* {
-    auto& image = *static_cast<Image*>(udata);
-    auto* const resized = static_cast<char*>(std::realloc(bytes, size));
-    if (resized == nullptr) return nullptr;
-    if (size > image.size) std::memset(resized + image.size, 0, size - image.size);
-    image.size = size;
-    return resized;
-  };
-  callbacks.image_free = [](void* bytes, H5FD_file_image_op_t, void* udata) -> herr_t {
-    static_cast<Image*>(udata)->bytes.reset(bytes);
-    return 0;
-  };
-  callbacks.udata_copy = [](void* image) { return image; };
-  callbacks.udata_free = [](void*) -> herr_t { return 0; };
-  callbacks.udata = &image_;
-  check(H5Pset_fapl_core(file_access, growth, false), "file in memory");
-  check(H5Pset_file_image_callbacks(file_access, &callbacks), "file in memory");
-}
-
-Writer::Writer(const std::filesystem::path& file)
-    : NamedFile(file.string()), disk_(file, std::ios::binary | std::ios::trunc) {
-  if (!disk_) throw failure("{}: cannot be created: {}", name(), errnoText());
+Writer::Writer(const std::filesystem::path& file) : NamedFile(file.string()), disk_(file) {
   const Handle access = own(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file access properties");
   check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110),
         "file format version");
   check(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "close degree");
-  useImage(access.get());
+  disk_.use(access.get());
   const Handle creation = own(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "file creation properties");
   check(H5Pset_obj_track_times(creation.get(), false), "no time stamps");
   file_ = own(H5Fcreate(name().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose,
@@ -134,9 +95,14 @@ Handle Writer::create(const std::string& path, Element element, const Shape& sha
   return dataset;
 }
 
+void Writer::refuseFullDisk() const {
+  if (!disk_.error().empty()) throw failure("{}: cannot be written: {}", name(), disk_.error());
+}
+
 void Writer::finish(Handle& dataset, ArrayInfo info) {
   setText(dataset, hash_attribute, info.hash.hex());
   check(dataset.close(), info.path);
+  refuseFullDisk();
   arrays_.push_back(std::move(info));
 }
 
@@ -154,12 +120,49 @@ void Writer::writeBytes(const std::string& path, Element element, const Shape& s
 
 void Writer::close() {
   check(file_.close(), "cannot finish the file");
-  PALPATE_ASSERT(image_.bytes != nullptr, "closing the file hands its memory over");
-  const auto* const bytes = static_cast<const char*>(image_.bytes.get());
-  PALPATE_ASSERT(sizeOf(bytes) <= image_.size, "the memory holds the whole file");
-  disk_.write(bytes, static_cast<std::streamsize>(sizeOf(bytes)));
   disk_.close();
-  if (!disk_) throw failure("{}: cannot be written: {}", name(), errnoText());
+  refuseFullDisk();
+}
+
+ListWriter::ListWriter(Writer& writer, std::string path, Element element, Shape shape,
+                       const char* unit)
+    : writer_(writer), info_{std::move(path), element, std::move(shape), {}} {
+  Shape row = info_.shape;
+  row.at(0) = 1;
+  row_bytes_ = countOf(row) * typeOf(element).size;
+  const Handle properties = writer_.own(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, info_.path);
+  dataset_ = writer_.create(info_.path, element, info_.shape, properties.get(), unit);
+  file_space_ = writer_.own(H5Dget_space(dataset_.get()), H5Sclose, info_.path);
+}
+
+void ListWriter::add(std::string_view row) {
+  constexpr std::size_t at_once = std::size_t{1} << 20;
+  PALPATE_ASSERT(row.size() == row_bytes_, "rows come whole");
+  pending_ += row;
+  if (pending_.size() >= at_once) flush();
+}
+
+void ListWriter::flush() {
+  if (pending_.empty()) return;
+  const hsize_t rows = pending_.size() / row_bytes_;
+  const Shape counts = writer_.selectRows(file_space_, info_, written_, rows);
+  const Handle in_memory =
+      writer_.own(H5Screate_simple(static_cast<int>(counts.size()), counts.data(), nullptr),
+                  H5Sclose, info_.path);
+  writer_.check(H5Dwrite(dataset_.get(), typeOf(info_.element).id, in_memory.get(),
+                         file_space_.get(), H5P_DEFAULT, pending_.data()),
+                info_.path);
+  writer_.refuseFullDisk();
+  hasher_.add(pending_);
+  written_ += rows;
+  pending_.clear();
+}
+
+void ListWriter::finish() {
+  flush();
+  PALPATE_ASSERT(written_ == info_.shape[0], "as many rows as were announced");
+  info_.hash = hasher_.finish();
+  writer_.finish(dataset_, info_);
 }
 
 RowWriter::RowWriter(Writer& writer, std::string path, Element element, Shape shape,
@@ -187,6 +190,7 @@ void RowWriter::write(std::string_view row) {
   writer_.check(H5Dwrite(dataset_.get(), typeOf(info_.element).id, row_space_.get(),
                          file_space_.get(), H5P_DEFAULT, row.data()),
                 info_.path);
+  writer_.refuseFullDisk();
   hasher_.add(row);
 }
 

@@ -1,10 +1,6 @@
 #pragma once
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <memory>
-
+#include "common/dataset/hdf5_file.hpp"
 #include "common/dataset/hdf5_handle.hpp"
 
 namespace palpate::hdf5 {
@@ -13,17 +9,14 @@ namespace palpate::hdf5 {
 /// nothing but the calls: no time stamps. The file format is that of HDF5 1.10, the first one in
 /// which all structure carries checksums.
 ///
-/// Until close() HDF5 makes the whole file in memory, once, with its core driver (compressed fields
-/// of some GB at most): what this object then writes to disk, it can also fail to write. (HDF5's
-/// POSIX driver reports a full disk, after which 1.10.8 cannot close the file any more and the
-/// process dies in its exit handler.)
+/// What is written goes to disk at once (NewFile): the memory that this takes does not grow with
+/// the file. A disk that takes no more is told by the next call.
 ///
 /// Every array gets the attributes `unit` and `blake2b`. Errors name the file.
 class Writer : public NamedFile {
  public:
   /// Creates `file`, empty, replacing what is there. Error when that is impossible.
   explicit Writer(const std::filesystem::path& file);
-  Writer(const Writer&) = delete;  // HDF5 keeps the place of image_
 
   void makeGroup(const std::string& path);  ///< whose parent is there
   /// An attribute of a group or an array that was written: text, a short list, or one number.
@@ -56,29 +49,44 @@ class Writer : public NamedFile {
 
  private:
   friend class RowWriter;
+  friend class ListWriter;
   Handle create(const std::string& path, Element element, const Shape& shape, hid_t properties,
                 const char* unit);
   /// Names the hash of an array that is complete, and closes it.
   void finish(Handle& dataset, ArrayInfo info);
   void writeBytes(const std::string& path, Element element, const Shape& shape,
                   std::string_view bytes, const char* unit);
+  /// Error when the disk takes no more.
+  void refuseFullDisk() const;
   void setAttribute(const Handle& object, const char* attribute, hid_t type, hid_t space,
                     const void* value);
   void setText(const Handle& object, const char* attribute, std::string_view text);
   Handle open(const std::string& object) const;
 
-  /// Makes H5Fcreate with these file access properties create the file in image_.
-  void useImage(hid_t file_access);
-
-  struct Image {
-    std::unique_ptr<void, decltype(&std::free)> bytes = {nullptr, &std::free};  ///< once closed
-    std::size_t size = 0;  ///< of the memory, of which the file is the beginning
-  };
-
-  std::ofstream disk_;
-  Image image_;
-  Handle file_;  ///< after the image, which it must be closed before
+  NewFile disk_;
+  Handle file_;  ///< after the disk, which it must be closed before
   std::vector<ArrayInfo> arrays_;
+};
+
+/// A list whose rows come one after the other: the same bytes as by writeList, of which only some
+/// are in memory. The Writer must outlive it.
+class ListWriter {
+ public:
+  /// `shape`: how many rows there will be, and what is in one.
+  ListWriter(Writer& writer, std::string path, Element element, Shape shape, const char* unit);
+  void add(std::string_view row);
+  void finish();  ///< after the last row
+
+ private:
+  void flush();
+
+  Writer& writer_;
+  ArrayInfo info_;
+  std::size_t row_bytes_;
+  Handle dataset_, file_space_;
+  hsize_t written_ = 0;  ///< rows
+  std::string pending_;
+  ContentHasher hasher_;
 };
 
 /// An array of float32 or int16 written row by row (first index), one gzip+shuffle chunk per row.
@@ -98,6 +106,22 @@ class RowWriter {
   hsize_t next_ = 0;
   ContentHasher hasher_;
   std::string no_values_;  ///< what a skipped row reads as
+};
+
+/// The same of values.
+template <class T>
+class ListOf {
+ public:
+  ListOf(Writer& writer, std::string path, hsize_t rows, const char* unit)
+      : list_(writer, std::move(path), elementOf<typename Stored<T>::Number>(),
+              Stored<T>::shape(rows), unit) {
+    static_assert(sizeof(T) == Stored<T>::size * sizeof(typename Stored<T>::Number));
+  }
+  void add(const T& value) { list_.add(bytesOf(std::span(&value, 1))); }
+  void finish() { list_.finish(); }
+
+ private:
+  ListWriter list_;
 };
 
 }  // namespace palpate::hdf5

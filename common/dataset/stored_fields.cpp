@@ -71,13 +71,13 @@ std::vector<float> displacementsOf(const NodalFields& fields,
 
 }  // namespace
 
-void writeFields(hdf5::Writer& out, const Problem& problem, const std::vector<SpaceTable>& spaces,
+void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList& spaces,
                  const std::function<NodalFields(std::size_t, std::int32_t)>& fields) {
   const std::vector<std::int32_t> stored = storedNodes(problem.scene, problem.mesh);
   const hsize_t n_pressures = storedPressures(problem.scene, problem.mesh);
   const bool quantized = isQuantized(problem.scene);
   hsize_t n_rows = 0;
-  for (const SpaceTable& space : spaces) n_rows += space.points.size();
+  for (const auto& space : spaces) n_rows += static_cast<hsize_t>(space->points());
   hdf5::RowWriter displacements(out, displacement_path, elementOf(quantized),
                                 {n_rows, stored.size(), 3}, quantized ? "1" : "m");
   std::optional<hdf5::RowWriter> pressures;
@@ -87,23 +87,22 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const std::vector<Sp
   std::vector<float> steps;  // m, of quantized displacements
   std::vector<ContentId> hashes;
   for (std::size_t s = 0; s < spaces.size(); ++s)
-    for (std::size_t n = 0; n < spaces[s].points.size(); ++n) {
-      const PointRecord& point = spaces[s].points[n];
-      if (!isSolved(point.tag)) {
+    for (std::int32_t n = 0; n < spaces[s]->points(); ++n) {
+      if (!isSolved(spaces[s]->tag(n))) {
         displacements.skip();
         if (pressures) pressures->skip();
         steps.push_back(unsolved);
         hashes.emplace_back();
         continue;
       }
-      const NodalFields given = fields(s, static_cast<std::int32_t>(n));
+      const NodalFields given = fields(s, n);
       // What was solved and what is sealed may be weeks and a disk apart.
-      if (given.id() != point.fields ||
+      if (given.id() != spaces[s]->point(n).fields ||
           given.displacement.size() != 3 * problem.mesh.nodes.size() ||
           given.pressure.size() != pressureNodes(problem))
         throw failure(
             "{}: space {}: the nodal fields of lattice point {} are not those of its result",
-            out.name(), spaces[s].patch.name, n);
+            out.name(), spaces[s]->patch().name, n);
       const std::vector<float> displacement = displacementsOf(given, stored);
       const Quantized integers = quantized ? quantize(displacement) : Quantized();
       const std::string_view bytes =

@@ -36,19 +36,43 @@ constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
 constexpr auto patch_nodes = [](auto& space) -> auto& { return space.patch.nodes; };
 
-/// visit(where the rows of each space begin, an array of these rows, the list in a SpaceTable)
+/// What is written of one space.
+struct SpaceToWrite {
+  const SpaceRows& rows;
+  const std::vector<LatticeEdge>& jumps;
+};
+using SpacesToWrite = std::vector<SpaceToWrite>;
+
+/// visit(where the rows of each space begin, an array of these rows, the list in a SpaceTable, how
+/// many a SpaceToWrite has)
 template <class Visit>
 void forEachTable(const Visit& visit) {
-  visit("/spaces/first_patch_node", patch_node_path, patch_nodes);
-  visit("/spaces/first_point", ijk_path, &SpaceTable::points);
-  visit("/spaces/first_split", split_level_path, &SpaceTable::splits);
-  visit("/spaces/first_edge", jumps_path, &SpaceTable::inconsistent_edges);
-  visit("/spaces/first_probe", probe_position_path, &SpaceTable::probes);
-  visit("/spaces/first_attempt", cause_path, &SpaceTable::attempts);
+  using Space = SpaceToWrite;
+  visit("/spaces/first_patch_node", patch_node_path, patch_nodes,
+        [](const Space& space) { return space.rows.patch().nodes.size(); });
+  visit("/spaces/first_point", ijk_path, &SpaceTable::points,
+        [](const Space& space) { return static_cast<std::size_t>(space.rows.points()); });
+  visit("/spaces/first_split", split_level_path, &SpaceTable::splits,
+        [](const Space& space) { return space.rows.splits().size(); });
+  visit("/spaces/first_edge", jumps_path, &SpaceTable::inconsistent_edges,
+        [](const Space& space) { return space.jumps.size(); });
+  visit("/spaces/first_probe", probe_position_path, &SpaceTable::probes,
+        [](const Space& space) { return static_cast<std::size_t>(space.rows.probes()); });
+  visit("/spaces/first_attempt", cause_path, &SpaceTable::attempts,
+        [](const Space& space) { return space.rows.attempts(); });
 }
 
 // Each column: visit(path, rows, unit, member). A row is a pointer to a record, of which the column
-// has the member (std::identity: all of it); null where the file has no number.
+// has the member (std::identity: all of it); null where the file has no number. Rows that are read
+// are a vector of them. Those that are written come one after the other, as often as there are
+// columns: they may be more than fit into memory.
+
+template <class Row>
+struct WrittenRows {
+  using Visit = std::function<void(const Row*)>;
+  std::size_t size = 0;
+  std::function<void(const Visit&)> each;
+};
 
 /// Pointers to one member of each row.
 template <class Row, class Member>
@@ -57,12 +81,32 @@ auto partsOf(const std::vector<Row*>& rows, Member member) {
   for (Row* row : rows) parts.push_back(row == nullptr ? nullptr : &(row->*member));
   return parts;
 }
+template <class Row, class Part, class Base>
+WrittenRows<Part> partsOf(const WrittenRows<Row>& rows, Part Base::*member) {
+  return {rows.size, [each = rows.each, member](const typename WrittenRows<Part>::Visit& visit) {
+            each([&](const Row* row) { visit(row == nullptr ? nullptr : &(row->*member)); });
+          }};
+}
+
+/// Null in the place of those that hold no equilibrium.
+template <class Row>
+std::vector<Row*> solvedOf(std::vector<Row*> records) {
+  for (Row*& record : records)
+    if (!isSolved(record->tag)) record = nullptr;
+  return records;
+}
+WrittenRows<PointRecord> solvedOf(const WrittenRows<PointRecord>& records) {
+  return {
+      records.size, [each = records.each](const WrittenRows<PointRecord>::Visit& visit) {
+        each([&](const PointRecord* record) { visit(isSolved(record->tag) ? record : nullptr); });
+      }};
+}
 
 /// What /points and /probes, which is `group`, have in common. The tags come before what depends on
 /// them. `with_drive`: some space is of a finger; other files keep their bytes.
-template <class Row, class Visit>
-void forEachRecordColumn(const std::string& group, const std::vector<Row*>& records,
-                         bool with_drive, const Visit& visit) {
+template <class Records, class Visit>
+void forEachRecordColumn(const std::string& group, const Records& records, bool with_drive,
+                         const Visit& visit) {
   visit(group + "/tag", records, "1", &PointRecord::tag);
   visit(group + "/cause", records, "1", &PointRecord::cause);
   visit(group + "/parent", records, "1", &PointRecord::parent);
@@ -70,9 +114,7 @@ void forEachRecordColumn(const std::string& group, const std::vector<Row*>& reco
   visit(group + "/newton_iterations", costs, "1", &Cost::newton_iterations);
   visit(group + "/factorizations", costs, "1", &Cost::factorizations);
   visit(group + "/steps", costs, "1", &Cost::steps);
-  std::vector<Row*> solved = records;
-  for (Row*& record : solved)
-    if (!isSolved(record->tag)) record = nullptr;
+  const auto solved = solvedOf(records);
   const auto equilibria = partsOf(solved, &PointRecord::equilibrium);
   visit(group + "/force", equilibria, "N", &Equilibrium::force);
   visit(group + "/stiffness", equilibria, "N/m", &Equilibrium::stiffness);
@@ -99,21 +141,82 @@ auto rowsOf(Spaces& spaces, List list) {
   return rows;
 }
 
-bool anyFinger(const std::vector<SpaceTable>& spaces) {
-  return std::ranges::any_of(
-      spaces, [](const SpaceTable& space) { return space.patch.finger.has_value(); });
+auto splitsOf(std::vector<SpaceTable>& spaces) { return rowsOf(spaces, &SpaceTable::splits); }
+auto attemptsOf(std::vector<SpaceTable>& spaces) { return rowsOf(spaces, &SpaceTable::attempts); }
+auto jumpsOf(std::vector<SpaceTable>& spaces) {
+  return rowsOf(spaces, &SpaceTable::inconsistent_edges);
 }
+auto pointsOf(std::vector<SpaceTable>& spaces) { return rowsOf(spaces, &SpaceTable::points); }
+auto probesOf(std::vector<SpaceTable>& spaces) { return rowsOf(spaces, &SpaceTable::probes); }
+
+/// countOf(space) rows, which each(space, visit) goes through.
+template <class Row, class Count, class Each>
+WrittenRows<Row> writtenRows(const SpacesToWrite& spaces, const Count& countOf, const Each& each) {
+  std::size_t size = 0;
+  for (const SpaceToWrite& space : spaces) size += static_cast<std::size_t>(countOf(space));
+  return {size, [&spaces, each](const typename WrittenRows<Row>::Visit& visit) {
+            for (const SpaceToWrite& space : spaces) each(space, visit);
+          }};
+}
+/// Of lists that are there.
+template <class Row, class List>
+WrittenRows<Row> listedRows(const SpacesToWrite& spaces, const List& listOf) {
+  return writtenRows<Row>(
+      spaces, [listOf](const SpaceToWrite& space) { return listOf(space).size(); },
+      [listOf](const SpaceToWrite& space, const auto& visit) {
+        for (const Row& row : listOf(space)) visit(&row);
+      });
+}
+
+WrittenRows<LatticeCell> splitsOf(const SpacesToWrite& spaces) {
+  return listedRows<LatticeCell>(
+      spaces, [](const SpaceToWrite& space) -> auto& { return space.rows.splits(); });
+}
+WrittenRows<LatticeEdge> jumpsOf(const SpacesToWrite& spaces) {
+  return listedRows<LatticeEdge>(
+      spaces, [](const SpaceToWrite& space) -> auto& { return space.jumps; });
+}
+WrittenRows<FailedAttempt> attemptsOf(const SpacesToWrite& spaces) {
+  return writtenRows<FailedAttempt>(
+      spaces, [](const SpaceToWrite& space) { return space.rows.attempts(); },
+      [](const SpaceToWrite& space, const auto& visit) {
+        space.rows.eachAttempt([&](const FailedAttempt& attempt) { visit(&attempt); });
+      });
+}
+WrittenRows<PointRecord> pointsOf(const SpacesToWrite& spaces) {
+  return writtenRows<PointRecord>(
+      spaces, [](const SpaceToWrite& space) { return space.rows.points(); },
+      [](const SpaceToWrite& space, const auto& visit) {
+        for (std::int32_t n = 0; n < space.rows.points(); ++n) {
+          const PointRecord record = space.rows.point(n);
+          visit(&record);
+        }
+      });
+}
+WrittenRows<Probe> probesOf(const SpacesToWrite& spaces) {
+  return writtenRows<Probe>(
+      spaces, [](const SpaceToWrite& space) { return space.rows.probes(); },
+      [](const SpaceToWrite& space, const auto& visit) {
+        for (std::int32_t n = 0; n < space.rows.probes(); ++n) {
+          const Probe probe = space.rows.probe(n);
+          visit(&probe);
+        }
+      });
+}
+
+bool hasFinger(const SpaceTable& space) { return space.patch.finger.has_value(); }
+bool hasFinger(const SpaceToWrite& space) { return space.rows.patch().finger.has_value(); }
 
 /// In the order of the file. visit.group(path) comes before the columns of a group, and
 /// visit.lattices(spaces) where those of /points that are no members are.
 template <class Spaces, class Visit>
 void forEachColumn(Spaces& spaces, const Visit& visit) {
   visit.group("/splits");
-  const auto splits = rowsOf(spaces, &SpaceTable::splits);
+  const auto splits = splitsOf(spaces);
   visit("/splits/lowest", splits, "1", &LatticeCell::lowest);
   visit(split_level_path, splits, "1", &LatticeCell::level);
   visit.group("/attempts");
-  const auto attempts = rowsOf(spaces, &SpaceTable::attempts);
+  const auto attempts = attemptsOf(spaces);
   visit("/attempts/target", attempts, "1", &FailedAttempt::target);
   visit("/attempts/parent", attempts, "1", &FailedAttempt::parent);
   const auto failures = partsOf(attempts, &FailedAttempt::failure);
@@ -126,35 +229,38 @@ void forEachColumn(Spaces& spaces, const Visit& visit) {
   visit("/attempts/expected_negative_pivots", failures, "1", &Failure::expected_negative_pivots);
   visit("/attempts/mumps_infog1", failures, "1", &Failure::mumps_infog1);
   visit("/attempts/mumps_infog2", failures, "1", &Failure::mumps_infog2);
-  visit(jumps_path, rowsOf(spaces, &SpaceTable::inconsistent_edges), "1", std::identity());
+  visit(jumps_path, jumpsOf(spaces), "1", std::identity());
   visit.group(points_group);
   visit.lattices(spaces);
-  const bool with_drive = anyFinger(spaces);
-  forEachRecordColumn(points_group, rowsOf(spaces, &SpaceTable::points), with_drive, visit);
+  const bool with_drive =
+      std::ranges::any_of(spaces, [](const auto& space) { return hasFinger(space); });
+  forEachRecordColumn(points_group, pointsOf(spaces), with_drive, visit);
   visit.group(probes_group);
-  const auto probes = rowsOf(spaces, &SpaceTable::probes);
+  const auto probes = probesOf(spaces);
   visit(probe_position_path, probes, "m", &Probe::displacement);
   forEachRecordColumn(probes_group, partsOf(probes, &Probe::record), with_drive, visit);
 }
 
 // ---- lattices -------------------------------------------------------------------------------
 
-void writeLattices(Writer& out, const std::vector<SpaceTable>& spaces) {
-  const Lattice& lattice = spaces.front().lattice;
-  out.setNumber(points_group, "radius", lattice.radius());
-  out.setNumber(points_group, "spacing", lattice.spacing());
-  out.setNumber(points_group, "divisions", lattice.divisions());
-  std::vector<LatticePoint> ijk;
-  std::vector<Eigen::Vector3d> positions;
-  for (const SpaceTable& space : spaces) {
-    PALPATE_ASSERT(std::ssize(space.points) == space.lattice.size(), "checkArguments saw faultOf");
-    for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
-      ijk.push_back(space.lattice.point(n));
-      positions.push_back(space.lattice.displacement(n));
-    }
-  }
-  out.writeList(ijk_path, ijk, "1");
-  out.writeList(position_path, positions, "m");
+void writeLattices(Writer& out, const SpacesToWrite& spaces) {
+  const Lattice& first = spaces.front().rows.lattice();
+  out.setNumber(points_group, "radius", first.radius());
+  out.setNumber(points_group, "spacing", first.spacing());
+  out.setNumber(points_group, "divisions", first.divisions());
+  hsize_t size = 0;
+  for (const SpaceToWrite& space : spaces) size += static_cast<hsize_t>(space.rows.points());
+  const auto write = [&](const char* path, const char* unit, auto valueOf) {
+    using Value = decltype(valueOf(first, 0));
+    hdf5::ListOf<Value> list(out, path, size, unit);
+    for (const SpaceToWrite& space : spaces)
+      for (std::int32_t n = 0; n < space.rows.points(); ++n)
+        list.add(valueOf(space.rows.lattice(), n));
+    list.finish();
+  };
+  write(ijk_path, "1", [](const Lattice& lattice, std::int32_t n) { return lattice.point(n); });
+  write(position_path, "m",
+        [](const Lattice& lattice, std::int32_t n) { return lattice.displacement(n); });
 }
 
 /// The uniform lattice of the scene, and what the file adds to it.
@@ -208,17 +314,17 @@ struct ColumnWriter {
   Writer& out;
 
   void group(const char* path) const { out.makeGroup(path); }
-  void lattices(const std::vector<SpaceTable>& spaces) const { writeLattices(out, spaces); }
+  void lattices(const SpacesToWrite& spaces) const { writeLattices(out, spaces); }
 
   template <class Row, class Member>
-  void operator()(const std::string& path, const std::vector<Row*>& rows, const char* unit,
+  void operator()(const std::string& path, const WrittenRows<Row>& rows, const char* unit,
                   Member member) const {
-    using Value = MemberInFile<Row, Member>;
-    std::vector<Value> values;
-    values.reserve(rows.size());
-    for (const Row* row : rows)
-      values.push_back(row == nullptr ? nothing<Value>() : Value(std::invoke(member, *row)));
-    out.writeList(path, values, unit);
+    using Value = MemberInFile<const Row, Member>;
+    hdf5::ListOf<Value> list(out, path, rows.size, unit);
+    rows.each([&](const Row* row) {
+      list.add(row == nullptr ? nothing<Value>() : Value(std::invoke(member, *row)));
+    });
+    list.finish();
   }
 };
 
@@ -261,24 +367,25 @@ FingerRow rowOf(const Finger& finger) {
 
 // ---- writing --------------------------------------------------------------------------------
 
-void writeNames(Writer& out, const std::vector<SpaceTable>& spaces) {
+void writeNames(Writer& out, const SpacesToWrite& spaces) {
   std::size_t length = 1;
-  for (const SpaceTable& space : spaces) length = std::max(length, space.patch.name.size());
+  for (const SpaceToWrite& space : spaces)
+    length = std::max(length, space.rows.patch().name.size());
   std::string names(spaces.size() * length, '\0');
   for (std::size_t s = 0; s < spaces.size(); ++s)
-    spaces[s].patch.name.copy(&names[s * length], length);
+    spaces[s].rows.patch().name.copy(&names[s * length], length);
   out.write(name_path, {spaces.size(), length},
             std::span(reinterpret_cast<const std::uint8_t*>(names.data()), names.size()), "1");
 }
 
 /// Where the rows of each space begin, and at the end how many there are.
-template <class List>
-void writeFirsts(Writer& out, const std::string& path, const std::vector<SpaceTable>& spaces,
-                 List list) {
+template <class Count>
+void writeFirsts(Writer& out, const std::string& path, const SpacesToWrite& spaces,
+                 const Count& countOf) {
   std::vector<std::int32_t> firsts = {0};
   std::size_t total = 0;
-  for (const SpaceTable& space : spaces) {
-    total += std::invoke(list, space).size();
+  for (const SpaceToWrite& space : spaces) {
+    total += countOf(space);
     if (total > std::numeric_limits<std::int32_t>::max())
       throw failure("{}: {}: more rows than a dataset has numbers for", out.name(), path);
     firsts.push_back(static_cast<std::int32_t>(total));
@@ -286,25 +393,25 @@ void writeFirsts(Writer& out, const std::string& path, const std::vector<SpaceTa
   out.writeList(path, firsts, "1");
 }
 
-void writePatches(Writer& out, const std::vector<SpaceTable>& spaces) {
+void writePatches(Writer& out, const SpacesToWrite& spaces) {
+  std::vector<std::int32_t> nodes;
   std::vector<double> weights;
+  std::vector<FingerRow> fingers;
   bool is_weighted = false;
-  std::size_t n_nodes = 0;
-  for (const SpaceTable& space : spaces) {
-    weights.insert(weights.end(), space.patch.weights.begin(), space.patch.weights.end());
-    n_nodes += space.patch.nodes.size();
-    weights.resize(n_nodes, no_number);
-    is_weighted = is_weighted || !space.patch.weights.empty();
+  for (const SpaceToWrite& space : spaces) {
+    const ActivePatch& patch = space.rows.patch();
+    nodes.insert(nodes.end(), patch.nodes.begin(), patch.nodes.end());
+    weights.insert(weights.end(), patch.weights.begin(), patch.weights.end());
+    weights.resize(nodes.size(), no_number);
+    is_weighted = is_weighted || !patch.weights.empty();
+    fingers.push_back(patch.finger ? rowOf(*patch.finger) : noFinger());
   }
   out.makeGroup("/patches");
-  ColumnWriter{out}(patch_node_path, rowsOf(spaces, patch_nodes), "1", std::identity());
+  out.writeList(patch_node_path, nodes, "1");
   // Left out for rigid tools alone: their files keep their bytes.
   if (is_weighted) out.writeList(patch_weight_path, weights, "1");
-  if (!anyFinger(spaces)) return;
-  std::vector<FingerRow> fingers;
-  for (const SpaceTable& space : spaces)
-    fingers.push_back(space.patch.finger ? rowOf(*space.patch.finger) : noFinger());
-  out.writeList(finger_path, fingers, "m");
+  if (std::ranges::any_of(spaces, [](const SpaceToWrite& space) { return hasFinger(space); }))
+    out.writeList(finger_path, fingers, "m");
 }
 
 // ---- reading --------------------------------------------------------------------------------
@@ -338,7 +445,7 @@ void resizeLists(const Reader& in, const std::string& firsts_path, const char* r
 void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
                  std::vector<SpaceTable>& spaces) {
   const auto isWeighted = [](const ActiveSelection& a) { return a.tool != ToolKind::rigid; };
-  const auto hasFinger = [](const ActiveSelection& a) { return a.tool == ToolKind::finger; };
+  const auto isFingers = [](const ActiveSelection& a) { return a.tool == ToolKind::finger; };
   const auto active = in.readList<std::int32_t>(active_path, spaces.size());
   const auto nodes = rowsOf(spaces, patch_nodes);
   ColumnReader{in, scene}(patch_node_path, nodes, "1", std::identity());
@@ -346,7 +453,7 @@ void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
   if (std::ranges::any_of(scene.active, isWeighted))
     weights = in.readList<double>(patch_weight_path, nodes.size());
   std::vector<FingerRow> fingers(spaces.size());
-  if (std::ranges::any_of(scene.active, hasFinger))
+  if (std::ranges::any_of(scene.active, isFingers))
     fingers = in.readList<FingerRow>(finger_path, spaces.size());
   auto weight = weights.begin();
   for (std::size_t s = 0; s < spaces.size(); ++s) {
@@ -357,7 +464,7 @@ void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
     const auto end = weight + static_cast<std::ptrdiff_t>(patch.nodes.size());
     if (isWeighted(scene.active[s])) patch.weights.assign(weight, end);
     weight = end;
-    if (hasFinger(scene.active[s])) {
+    if (isFingers(scene.active[s])) {
       const auto& [x, y, z, radius, nx, ny, nz, pull] = fingers[s];
       patch.finger = Finger{{x, y, z}, radius, {{nx, ny, nz}, pull}};
       if (!isFinger(*patch.finger))
@@ -386,15 +493,19 @@ void checkSolved(const Reader& in, const std::string& group,
 
 }  // namespace
 
-void writeSpaces(Writer& out, const std::vector<SpaceTable>& spaces) {
-  PALPATE_ASSERT(!spaces.empty(), "a scene has an active node");
+void writeSpaces(Writer& out, const SpaceRowsList& rows,
+                 const std::vector<std::vector<LatticeEdge>>& jumps) {
+  PALPATE_ASSERT(!rows.empty() && rows.size() == jumps.size(), "a scene has an active node");
+  SpacesToWrite spaces;
+  for (std::size_t s = 0; s < rows.size(); ++s) spaces.push_back({*rows[s], jumps[s]});
   out.makeGroup("/spaces");
   writeNames(out, spaces);
   std::vector<std::int32_t> active;
-  for (const SpaceTable& space : spaces) active.push_back(space.patch.node);
+  for (const SpaceToWrite& space : spaces) active.push_back(space.rows.patch().node);
   out.writeList(active_path, active, "1");
-  forEachTable(
-      [&](const char* firsts, const char*, auto list) { writeFirsts(out, firsts, spaces, list); });
+  forEachTable([&](const char* firsts, const char*, auto, auto countOf) {
+    writeFirsts(out, firsts, spaces, countOf);
+  });
   writePatches(out, spaces);
   forEachColumn(spaces, ColumnWriter{out});
 }
@@ -402,7 +513,7 @@ void writeSpaces(Writer& out, const std::vector<SpaceTable>& spaces) {
 std::vector<SpaceTable> readSpaces(const Reader& in, const Scene& scene, const Mesh& mesh) {
   checkNames(in, scene);
   std::vector<SpaceTable> spaces(scene.active.size());
-  forEachTable([&](const char* firsts, const char* rows, auto list) {
+  forEachTable([&](const char* firsts, const char* rows, auto list, auto) {
     resizeLists(in, firsts, rows, spaces, list);
   });
   readPatches(in, scene, mesh.nodes.size(), spaces);
