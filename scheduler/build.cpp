@@ -1,7 +1,6 @@
 #include "scheduler/build.hpp"
 
 #include "common/base/assertion.hpp"
-#include "scheduler/state/replay.hpp"
 
 namespace palpate {
 namespace {
@@ -11,7 +10,7 @@ JournalRecord recordOf(const std::vector<SpacePlan>& plans, std::size_t space, s
                        const RecordSource& find) {
   const Lattice& positions = plans[space].positions();
   auto record = find({static_cast<std::uint32_t>(space), positions.point(point),
-                      positions.point(plans[space].point(point).parent)});
+                      positions.point(plans[space].points().parent(point))});
   PALPATE_ASSERT(record, "a plan moves on with recorded results only");
   return std::move(*record);
 }
@@ -59,17 +58,16 @@ bool isSealed(const std::filesystem::path& file, const Problem& problem, bool fo
   return false;
 }
 
-std::vector<SpaceTable> sealPlans(const std::filesystem::path& file, const Problem& problem,
-                                  const std::vector<SpacePlan>& plans,
-                                  const std::string& kernel_family, const RecordSource& find,
-                                  bool partial) {
-  std::vector<SpaceTable> tables = spaceTables(plans);
+SpaceRowsList sealPlans(const std::filesystem::path& file, const Problem& problem,
+                        const std::vector<SpacePlan>& plans, const std::string& kernel_family,
+                        const RecordSource& find, bool partial) {
+  SpaceRowsList rows = rowsOf(plans);
   const auto fields = [&](std::size_t space, std::int32_t point) {
     return NodalFields::decode(recordOf(plans, space, point, find).payload,
                                problem.mesh.nodes.size(), pressureNodes(problem));
   };
-  sealDataset(file, problem, tables, kernel_family, fields, partial);
-  return tables;
+  sealDataset(file, problem, rows, kernel_family, fields, partial);
+  return rows;
 }
 
 RecordSource Build::finder() const {
@@ -80,23 +78,23 @@ void Build::verify() const {
   const std::vector<SpacePlan>& plans = coordinator_.plans();
   for (std::size_t space = 0; space < plans.size(); ++space)
     for (std::int32_t n = 0; n < plans[space].size(); ++n)
-      if (isSolved(plans[space].point(n).tag)) recordOf(plans, space, n, finder());
+      if (isSolved(plans[space].points().tag(n))) recordOf(plans, space, n, finder());
 }
 
-std::vector<SpaceTable> Build::seal(const std::filesystem::path& file) {
+SpaceRowsList Build::seal(const std::filesystem::path& file) {
   PALPATE_ASSERT(coordinator_.complete(), "a dataset holds every point of its scene");
   return sealPlans(file, problem_, coordinator_.plans(), store_.kernelFamily(), finder(), false);
 }
 
-ExitCode exitCodeOf(const std::vector<SpaceTable>& spaces) {
-  const auto failedWhenTried = [](const PointRecord& point) {
-    return point.tag == Tag::failed && point.cause != Cause::unreachable &&
-           point.cause != Cause::beyond_force;
-  };
-  const bool failed = std::ranges::any_of(spaces, [&](const SpaceTable& space) {
-    return std::ranges::any_of(space.points, failedWhenTried);
-  });
-  return failed ? ExitCode::partly_failed : ExitCode::done;
+ExitCode exitCodeOf(const SpaceRowsList& spaces) {
+  for (const auto& space : spaces)
+    for (std::int32_t n = 0; n < space->points(); ++n) {
+      if (space->tag(n) != Tag::failed) continue;
+      const Cause cause = space->point(n).cause;
+      if (cause != Cause::unreachable && cause != Cause::beyond_force)
+        return ExitCode::partly_failed;
+    }
+  return ExitCode::done;
 }
 
 }  // namespace palpate

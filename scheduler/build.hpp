@@ -33,8 +33,8 @@ class Build {
   void drop(const DamagedRecord& damage) { store_.drop(damage.where()); }
   /// Keeps these workers out: the next Build in this directory computes again what they gave.
   void keepOut(const LiarsFound& found) { store_.keepOut(found.liars()); }
-  /// Writes the dataset of a complete build; returns its tables.
-  std::vector<SpaceTable> seal(const std::filesystem::path& file);
+  /// Writes the dataset of a complete build; returns its rows, which are there as long as this is.
+  SpaceRowsList seal(const std::filesystem::path& file);
 
  private:
   const CoordinatorSettings& checked(const CoordinatorSettings& settings) const;
@@ -52,15 +52,14 @@ class Build {
 /// is anything else, unless `force`.
 bool isSealed(const std::filesystem::path& file, const Problem& problem, bool force);
 
-/// Writes the dataset of what these plans have, whose results `find` gives; returns its tables.
+/// Writes the dataset of what these plans have, whose results `find` gives; returns its rows.
 /// `partial`: they are not complete, or what others check is not decided.
-std::vector<SpaceTable> sealPlans(const std::filesystem::path& file, const Problem& problem,
-                                  const std::vector<SpacePlan>& plans,
-                                  const std::string& kernel_family, const RecordSource& find,
-                                  bool partial);
+SpaceRowsList sealPlans(const std::filesystem::path& file, const Problem& problem,
+                        const std::vector<SpacePlan>& plans, const std::string& kernel_family,
+                        const RecordSource& find, bool partial);
 
 /// done, or partly_failed when a point failed that was tried. Unreachable ones lie beyond max_force
 /// by design, or behind points that did fail. Probes do not count.
-ExitCode exitCodeOf(const std::vector<SpaceTable>& spaces);
+ExitCode exitCodeOf(const SpaceRowsList& spaces);
 
 }  // namespace palpate

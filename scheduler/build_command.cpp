@@ -80,8 +80,7 @@ class Progress {
 };
 
 /// What can be asked of a space: half a spacing along x, or into the surface under a finger.
-std::string exampleOf(const SpaceTable& space, const Scene& scene) {
-  const ActivePatch& patch = space.patch;
+std::string exampleOf(const ActivePatch& patch, const Scene& scene) {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
   std::string what = patch.name;
   if (patch.finger) {
@@ -101,11 +100,11 @@ std::vector<SpaceTable> spacesAndProbes(const Dataset& dataset) {
   return all;
 }
 
-ExitCode finish(const std::vector<SpaceTable>& spaces, const Scene& scene,
-                const std::filesystem::path& out, const std::string& how) {
+ExitCode finish(const SpaceRowsList& spaces, const Scene& scene, const std::filesystem::path& out,
+                const std::string& how) {
   PALPATE_ASSERT(!spaces.empty(), "a scene has something to touch, and each of it a space");
   fmt::print("{}\n{}: {}\nnext: palpate query '{}' {}\n", summaryOf(spaces, scene), out.string(),
-             how, out.string(), exampleOf(spaces.front(), scene));
+             how, out.string(), exampleOf(spaces.front()->patch(), scene));
   return exitCodeOf(spaces);
 }
 
@@ -213,13 +212,12 @@ struct Listening {
   std::optional<KeyFolder> keys;  ///< else; nothing: for everybody
 };
 
-/// The tables of the dataset `out`, sealed by a server at `where`, which gets the port that was
+/// The rows of the dataset `out`, sealed by a server at `where`, which gets the port that was
 /// chosen; none when the build was stopped or is stuck, and what
 /// `compute` returned then.
-std::pair<std::vector<SpaceTable>, ExitCode> sealedBy(const Compute& compute, Build& build,
-                                                      Listening& where,
-                                                      const std::filesystem::path& out,
-                                                      const std::string& state) {
+std::pair<SpaceRowsList, ExitCode> sealedBy(const Compute& compute, Build& build, Listening& where,
+                                            const std::filesystem::path& out,
+                                            const std::string& state) {
   Coordinator& coordinator = build.coordinator();
   if (coordinator.complete()) return {build.seal(out), ExitCode::done};
   if (coordinator.found() > 0)
@@ -237,15 +235,15 @@ std::pair<std::vector<SpaceTable>, ExitCode> sealedBy(const Compute& compute, Bu
   where.endpoint = server.endpoint();
   build.directory().announce(
       {where.endpoint, where.keys ? std::optional(where.keys->path()) : std::nullopt});
-  std::vector<SpaceTable> tables;
+  SpaceRowsList rows;
   const ExitCode when_stopped = compute(server, build, [&] {
     // As long as there are workers that could compute it again.
     build.verify();
     coordinator.dismiss();
     server.turn(coordinator, milliseconds(0));
-    tables = build.seal(out);
+    rows = build.seal(out);
   });
-  return {tables, when_stopped};
+  return {std::move(rows), when_stopped};
 }
 
 Event startedEvent(Build& build) {
@@ -276,7 +274,7 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
   const std::filesystem::path out = order.out.empty() ? problem.scene.name + ".h5" : order.out;
   const std::string state = order.state.empty() ? out.string() + ".state" : order.state;
   if (isSealed(out, problem, order.force))
-    return finish(spacesAndProbes(Dataset(out)), problem.scene, out,
+    return finish(rowsOf(spacesAndProbes(Dataset(out))), problem.scene, out,
                   "is already the dataset of this scene; nothing to do");
   // Before the state directory is made, and before hours of work.
   refuseUnwritable(out, "-o");
@@ -300,14 +298,14 @@ ExitCode carryOut(const BuildOrder& order, Listening where, const Compute& compu
     // Who was told so, and had to begin anew before it had.
     if (stopping) build.coordinator().stop(Clock::now());
     try {
-      const auto [tables, when_stopped] = sealedBy(compute, build, where, out, state);
-      if (tables.empty()) {
+      const auto [rows, when_stopped] = sealedBy(compute, build, where, out, state);
+      if (rows.empty()) {
         events.add(stoppedEvent(build.coordinator()));
         return tellWhy(build.coordinator(), state, when_stopped);
       }
       const double seconds = std::chrono::duration<double>(Clock::now() - began).count();
       events.add(Event(EventKind::sealed).with("file", out.string()).with("seconds", seconds));
-      return finish(tables, build.problem().scene, out,
+      return finish(rows, build.problem().scene, out,
                     fmt::format("sealed after {:.1f} s", seconds));
     } catch (const DamagedRecord& damage) {
       spdlog::warn("{}: it is dropped, and computed again", damage.what());

@@ -11,15 +11,13 @@ RecordedBuild::RecordedBuild(std::filesystem::path directory)
       journal_(directory_),
       tables_(directory_),
       problem_(decodeProblem(tables_.build().problem)) {
-  RecordedResults recorded = readResults(directory_, tables_.build().build);
-  for (const std::string& damage : recorded.damage)
+  ReplayedJournal found =
+      replayJournal(directory_, problem_, tables_.build().build, tables_.keptOut());
+  for (const std::string& damage : found.recorded.damage)
     spdlog::warn("{}; what was recorded there will be computed again", damage);
-  for (const ResultKey& key : givenBy(tables_.keptOut(), recorded.results))
-    recorded.results.erase(key);
-  if (!recorded.results.empty())
-    kernel_family_ = recorded.results.begin()->second.header.kernel_family();
-  where_ = std::move(recorded.where);
-  plans_ = replay(problem_, std::move(recorded.results)).plans;
+  kernel_family_ = std::move(found.kernel_family);
+  where_ = std::move(found.recorded.where);
+  plans_ = std::move(found.replay.plans);
 }
 
 bool RecordedBuild::complete() {
@@ -28,11 +26,11 @@ bool RecordedBuild::complete() {
 
 std::optional<JournalRecord> RecordedBuild::find(const ResultKey& key) const {
   const auto found = where_.find(key);
-  if (found == where_.end()) return std::nullopt;
-  return journal_.read(found->second);
+  if (!found) return std::nullopt;
+  return journal_.read(*found);
 }
 
-std::vector<SpaceTable> RecordedBuild::seal(const std::filesystem::path& file) {
+SpaceRowsList RecordedBuild::seal(const std::filesystem::path& file) {
   if (kernel_family_.empty())
     throw failure("{}: nothing is recorded there yet", directory_.string());
   return sealPlans(

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "scheduler/build.hpp"
-#include "scheduler/state/replay.hpp"
 
 namespace palpate {
 
@@ -23,9 +22,9 @@ class RecordedBuild {
   const std::string& kernelFamily() const { return kernel_family_; }
   /// Every space is complete, and no check is open.
   bool complete();
-  /// Writes its dataset, partial unless it is complete; returns the tables. Error when nothing is
+  /// Writes its dataset, partial unless it is complete; returns the rows. Error when nothing is
   /// recorded yet; DamagedRecord when a result cannot be read (any more).
-  std::vector<SpaceTable> seal(const std::filesystem::path& file);
+  SpaceRowsList seal(const std::filesystem::path& file);
 
  private:
   std::optional<JournalRecord> find(const ResultKey& key) const;
@@ -34,7 +33,7 @@ class RecordedBuild {
   JournalReader journal_;
   StoredTables tables_;
   const Problem problem_;
-  std::map<ResultKey, JournalPosition> where_;
+  ResultIndex where_;
   std::string kernel_family_;
   std::vector<SpacePlan> plans_;
 };

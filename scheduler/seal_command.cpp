@@ -24,8 +24,8 @@ ExitCode sealNow(const SealOptions& options) {
   }
   refuseUnwritable(options.out, "-o");
   const bool partial = !build.complete();
-  const std::vector<SpaceTable> tables = build.seal(options.out);
-  fmt::print("{}\n{}: sealed{}\n", summaryOf(tables, build.problem().scene, partial), options.out,
+  const SpaceRowsList rows = build.seal(options.out);
+  fmt::print("{}\n{}: sealed{}\n", summaryOf(rows, build.problem().scene, partial), options.out,
              partial ? ", partial: where points are unknown it gives no force" : "");
   return ExitCode::done;
 }

@@ -102,32 +102,33 @@ std::string keptOutLine(const wire::KeptOut& who) {
   return fmt::format("{}: {}\n", text, who.reason());
 }
 
-std::string probesOf(const std::vector<SpaceTable>& spaces) {
+std::string probesOf(const SpaceRowsList& spaces) {
   wire::Status status;
   wire::SpaceStatus sum;
-  for (const SpaceTable& space : spaces)
-    for (const Probe& probe : space.probes) addPoint(status, sum, probe.record);
+  for (const auto& space : spaces)
+    for (std::int32_t n = 0; n < space->probes(); ++n)
+      addPoint(status, sum, space->probe(n).record);
   if (sum.points() == 0) return "";
   return fmt::format("probes: {}, {} solved within max_force, {} beyond it, {} not solved\n",
                      sum.points(), sum.expandable(), sum.terminating(), sum.failed()) +
          causesLine("probes not solved", status.failed_points());
 }
 
-std::string accuracyOf(const std::vector<SpaceTable>& spaces, const Scene& scene) {
+std::string accuracyOf(const SpaceRowsList& spaces, const Scene& scene) {
   if (!scene.accuracy.adaptive()) return "";
   double worst = 0, kept = 0;
   std::size_t counted = 0, keeping = 0;
   const std::string* worst_name = nullptr;
-  for (const SpaceTable& space : spaces) {
-    if (space.patch.probe) continue;
+  for (const auto& space : spaces) {
+    if (space->patch().probe) continue;
     // Nothing can be refined around an origin that failed, and nothing estimated.
-    if (!isSolved(space.points.front().tag)) continue;
-    const Refinement state = nextRefinement(space, scene);
+    if (!isSolved(space->tag(0))) continue;
+    const Refinement state = nextRefinement(tableOf(*space), scene);
     PALPATE_ASSERT(state.kept >= 0 && state.kept <= 1, "a share");
     ++counted;
     keeping += state.worst_ratio <= 1;
     kept += state.kept;
-    if (worst_name == nullptr || state.worst_ratio > worst) worst_name = &space.patch.name;
+    if (worst_name == nullptr || state.worst_ratio > worst) worst_name = &space->patch().name;
     worst = std::max(worst, state.worst_ratio);
   }
   if (counted == 0) return "";
@@ -187,14 +188,14 @@ std::string progressBar(const wire::Status& status, std::size_t columns) {
   return fmt::format("[{:#<{}}{:{}}] {}", "", filled, "", length - filled, line);
 }
 
-std::string summaryOf(const std::vector<SpaceTable>& spaces, const Scene& scene, bool partial) {
+std::string summaryOf(const SpaceRowsList& spaces, const Scene& scene, bool partial) {
   wire::Status status;
-  for (const SpaceTable& space : spaces) {
-    if (space.patch.probe) continue;  // told by probesOf
+  for (const auto& space : spaces) {
+    if (space->patch().probe) continue;  // told by probesOf
     wire::SpaceStatus& row = *status.add_spaces();
-    row.set_name(space.patch.name);
+    row.set_name(space->patch().name);
     row.set_stage(std::string(name(Stage::complete)));
-    for (const PointRecord& point : space.points) addPoint(status, row, point);
+    for (std::int32_t n = 0; n < space->points(); ++n) addPoint(status, row, space->point(n));
   }
   std::string text = pointTable(status, false) + causesLine("failed", status.failed_points());
   if (!partial) text += probesOf(spaces) + accuracyOf(spaces, scene);

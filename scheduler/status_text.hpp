@@ -9,8 +9,7 @@ namespace palpate {
 /// A finished build: counts per tag of each space (the ones with most failures and the sum, when
 /// there are many), failures by cause, and, unless the dataset is partial, how far an adaptive
 /// scene's accuracy was reached. Line feed at the end.
-std::string summaryOf(const std::vector<SpaceTable>& spaces, const Scene& scene,
-                      bool partial = false);
+std::string summaryOf(const SpaceRowsList& spaces, const Scene& scene, bool partial = false);
 
 /// The status as a page of text for people, with a line feed at the end.
 std::string describe(const wire::Status& status);

@@ -23,20 +23,17 @@ struct Fates {
 
 /// Nothing may be tried from there.
 bool ended(const SpacePlan& plan, std::int32_t n) {
-  const Tag tag = plan.point(n).tag;
+  const Tag tag = plan.points().tag(n);
   return tag == Tag::terminating || tag == Tag::failed ||
          (tag == Tag::unknown && !plan.attempts(n).empty());
 }
 
 void count(const SpacePlan& plan, Fates& fates) {
-  for (std::int32_t n = 0; n < plan.positions().uniformSize(); ++n) {
-    fates.went_on += plan.point(n).tag == Tag::expandable;
-    fates.ended += ended(plan, n);
-    const bool solved = isSolved(plan.point(n).tag);
-    const auto failed = static_cast<double>(plan.attempts(n).size());
-    fates.tried += solved || failed > 0;
-    fates.attempts += failed + solved;
-  }
+  const PointCounts& points = plan.points().uniform();
+  fates.went_on += points.of(Tag::expandable);
+  fates.ended += points.of(Tag::terminating) + points.of(Tag::failed) + points.unknown_tried;
+  fates.tried += points.solved() + points.unsolved_tried;
+  fates.attempts += static_cast<double>(points.attempts) + points.solved();
 }
 
 /// How likely an unknown point of the lattice is tried: along the way to it from rest.
@@ -54,20 +51,38 @@ double chanceOf(const SpacePlan& plan, std::int32_t target, double share) {
                                   std::lround(double(point[i]) / divisions * shell / shells));
     const auto n = positions.indexOf(nearer);
     if (!n) continue;
-    if (plan.point(*n).tag == Tag::expandable) return chance;
+    if (plan.points().tag(*n) == Tag::expandable) return chance;
     if (ended(plan, *n)) return 0;
   }
   return chance;
 }
 
-double expectedOfLattice(const SpacePlan& plan, double share) {
-  double expected = 0;
-  for (std::int32_t n = 0; n < plan.positions().uniformSize(); ++n)
-    if (plan.point(n).tag == Tag::unknown && plan.attempts(n).empty())
-      expected += chanceOf(plan, n, share);
-  // Those that are ready already are counted as such.
-  return std::max(0.0, expected - plan.openCount());
-}
+/// Every so manyth point of all lattices, so that no more are looked at than are worth it.
+class Sample {
+ public:
+  explicit Sample(const std::vector<SpacePlan>& plans) {
+    std::int64_t points = 0;
+    for (const SpacePlan& plan : plans) points += plan.positions().uniformSize();
+    every_ = std::max<std::int64_t>(1, points / most_forecast);
+  }
+
+  double expectedOfLattice(const SpacePlan& plan, double share) {
+    double expected = 0;
+    const std::int32_t size = plan.positions().uniformSize();
+    for (; next_ < size; next_ += every_) {
+      const auto n = static_cast<std::int32_t>(next_);
+      if (plan.points().tag(n) == Tag::unknown && plan.attempts(n).empty())
+        expected += static_cast<double>(every_) * chanceOf(plan, n, share);
+    }
+    next_ -= size;
+    // Those that are ready already are counted as such.
+    return std::max(0.0, expected - plan.openCount());
+  }
+
+ private:
+  std::int64_t every_;
+  std::int64_t next_ = 0;  ///< in the space that comes next
+};
 
 double grown(const SpacePlan& plan) {
   return plan.positions().size() - plan.positions().uniformSize();
@@ -95,6 +110,7 @@ Forecast forecastOf(const Problem& problem, const std::vector<SpacePlan>& plans)
   for (const SpacePlan& plan : plans) count(plan, fates);
   const double growth = growthOf(problem, plans);
   Forecast forecast;
+  Sample sample(plans);
   for (std::size_t space = 0; space < plans.size(); ++space) {
     const SpacePlan& plan = plans[space];
     if (plan.complete()) continue;
@@ -105,7 +121,8 @@ Forecast forecastOf(const Problem& problem, const std::vector<SpacePlan>& plans)
       continue;
     }
     if (plan.stage() < Stage::probes) forecast.expected += probesIn(problem.scene, space);
-    if (plan.stage() == Stage::lattice) forecast.expected += expectedOfLattice(plan, fates.share());
+    if (plan.stage() == Stage::lattice)
+      forecast.expected += sample.expectedOfLattice(plan, fates.share());
     if (plan.mayGrow())
       forecast.expected += std::max(growth * plan.positions().uniformSize() - grown(plan),
                                     more_growth * grown(plan));

@@ -38,7 +38,7 @@ void Frontier::record(const Transition& transition, std::optional<double> force)
     point.round_reached = round_;
     settle(transition.target);
   } else {
-    point.failed_parents.push_back(transition.parent);
+    failed_parents_[transition.target].push_back(transition.parent);
     advance(transition.target);
   }
   releaseWaiting();
@@ -69,23 +69,29 @@ void Frontier::advance(std::int32_t point) {
   // Half is kept for other sides: in round 0 all parents lie on one, and tend to fail together.
   const std::size_t budget = round_ == 0 ? (max_attempts_ + 1) / 2 : max_attempts_;
   const std::int64_t norm = squaredNorm(lattice_.point(point));
-  if (p.failed_parents.size() < budget)
-    for (const std::int32_t candidate : lattice_.neighbours(point)) {
-      const Point& c = points_[candidate];
-      if (round_ == 0) {
-        // Strictly nearer to the origin: two points never wait for each other.
-        if (squaredNorm(lattice_.point(candidate)) >= norm) continue;
-        if (c.phase == Phase::waiting || c.phase == Phase::open) {
-          p.phase = Phase::waiting;
-          p.blocker = candidate;
-          return;
-        }
-      } else if (c.round_reached == round_) {
-        continue;  // does not count yet: which comes first would depend on timing
+  static const std::vector<std::int32_t> none;
+  const auto failures = failed_parents_.find(point);
+  const std::vector<std::int32_t>& failed =
+      failures == failed_parents_.end() ? none : failures->second;
+  const bool found = failed.size() < budget && lattice_.visitNeighbours(point, [&](auto candidate) {
+    const Point& c = points_[candidate];
+    if (round_ == 0) {
+      // Strictly nearer to the origin: two points never wait for each other.
+      if (squaredNorm(lattice_.point(candidate)) >= norm) return false;
+      if (c.phase == Phase::waiting || c.phase == Phase::open) {
+        p.phase = Phase::waiting;
+        p.blocker = candidate;
+        return true;
       }
-      const bool tried = std::ranges::find(p.failed_parents, candidate) != p.failed_parents.end();
-      if (c.tag == Tag::expandable && !tried) return makeReady(point, candidate);
+    } else if (c.round_reached == round_) {
+      return false;  // does not count yet: which comes first would depend on timing
     }
+    const bool tried = std::ranges::find(failed, candidate) != failed.end();
+    if (c.tag != Tag::expandable || tried) return false;
+    makeReady(point, candidate);
+    return true;
+  });
+  if (found) return;
   p.phase = Phase::unreached;
   settle(point);
 }
@@ -95,10 +101,11 @@ void Frontier::releaseWaiting() {
   while (!newly_settled_.empty()) {
     const std::int32_t settled = newly_settled_.back();
     newly_settled_.pop_back();
-    for (const std::int32_t neighbour : lattice_.neighbours(settled)) {
+    lattice_.visitNeighbours(settled, [&](std::int32_t neighbour) {
       const Point& n = points_[neighbour];
       if (n.phase == Phase::waiting && n.blocker == settled) advance(neighbour);
-    }
+      return false;
+    });
   }
 }
 

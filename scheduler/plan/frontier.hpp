@@ -1,5 +1,6 @@
 #pragma once
 
+#include <unordered_map>
 #include <utility>
 
 #include "common/space/active_patch.hpp"
@@ -80,7 +81,6 @@ class Frontier {
     Tag tag = Tag::unknown;
     std::int32_t round_reached = 0;
     std::int32_t blocker = -1;  ///< open: the parent being tried; waiting: the point it waits for
-    std::vector<std::int32_t> failed_parents;  ///< in the order of trying
   };
 
   void makeReady(std::int32_t target, std::int32_t parent);
@@ -93,6 +93,8 @@ class Frontier {
   double max_force_;
   std::size_t max_attempts_;
   std::vector<Point> points_;
+  /// By point, in the order of trying; of most points none.
+  std::unordered_map<std::int32_t, std::vector<std::int32_t>> failed_parents_;
   std::vector<Transition> ready_;
   /// In round 0: those whose waiting neighbours are to be looked at.
   std::vector<std::int32_t> newly_settled_;

@@ -23,6 +23,25 @@ std::int64_t squaredDistance(const LatticePoint& a, const LatticePoint& b) {
   return squaredNorm({a[0] - b[0], a[1] - b[1], a[2] - b[2]});
 }
 
+/// Calls visit(number) for the uniform points of the cube around `position` that holds all within
+/// farthest_parent.
+template <class Visit>
+void forEachUniformNear(const Lattice& lattice, const LatticePoint& position, const Visit& visit) {
+  const std::int32_t spacing = lattice.divisions();
+  constexpr auto reach = static_cast<std::int32_t>(farthest_parent);
+  LatticePoint first;  // of whole spacings; division truncates
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    first[axis] = (position[axis] / spacing - reach - 1) * spacing;
+  constexpr std::int32_t side = 2 * reach + 3;
+  for (std::int32_t i = 0; i < side; ++i)
+    for (std::int32_t j = 0; j < side; ++j)
+      for (std::int32_t k = 0; k < side; ++k) {
+        const auto n = lattice.indexOf(
+            {first[0] + i * spacing, first[1] + j * spacing, first[2] + k * spacing});
+        if (n && *n < lattice.uniformSize()) visit(*n);
+      }
+}
+
 /// The last one before it, seen from rest: so it never leaves the ball.
 LatticePoint positionOf(const Eigen::Vector3d& displacement, double unit) {
   LatticePoint position{};
@@ -57,8 +76,7 @@ SpacePlan::SpacePlan(const Problem& problem, std::uint32_t space)
       frontier_(uniformLattice(problem.scene, problem.active[space]),
                 problem.scene.workspace.max_force, maxAttempts(problem.active[space])),
       positions_(frontier_.lattice()),
-      points_(at(positions_.size())),
-      attempts_(points_.size()),
+      points_(positions_.size()),
       may_grow_(problem.scene.accuracy.adaptive() && !problem.active[space].probe) {
   PALPATE_ASSERT(space < problem.active.size(), "a plan is that of one active node");
 }
@@ -75,6 +93,15 @@ bool SpacePlan::isOpen(const Transition& transition) const {
   const auto found = pursuits_.find(transition.target);
   return found != pursuits_.end() &&
          found->second.parents[found->second.tried] == transition.parent;
+}
+
+bool SpacePlan::isRecorded(const Transition& transition) const {
+  const auto& [target, parent] = transition;
+  if (target < 0 || target >= size()) return false;
+  return (isSolved(points_.tag(target)) && points_.parent(target) == parent) ||
+         std::ranges::find(attempts(target), parent, &FailedAttempt::parent) !=
+             attempts(target).end() ||
+         passed_over_.contains(transition);
 }
 
 std::int32_t SpacePlan::stepsOf(const Transition& transition) const {
@@ -96,15 +123,14 @@ void SpacePlan::record(const Transition& transition, const Outcome& outcome,
     throw failure(
         "space {}: transition to point {} from point {} is recorded but was not asked for", space_,
         transition.target, transition.parent);
-  tried_.insert(transition);
   // Also of points that are solved already: that a retry failed says something about the branch.
   if (!outcome.converged)
-    attempts_[transition.target].push_back({transition.target, transition.parent, outcome.failure});
+    points_.addAttempt({transition.target, transition.parent, outcome.failure});
   PointRecord found;
   if (outcome.converged)
     found = solvedPoint(transition.parent, outcome, fields, problem_->scene.workspace.max_force);
   if (stage_ == Stage::lattice) {
-    if (outcome.converged) points_[transition.target] = std::move(found);
+    if (outcome.converged) points_.solve(transition.target, found);
     frontier_.record(transition, outcome.converged ? std::optional(outcome.equilibrium.force.norm())
                                                    : std::nullopt);
   } else {
@@ -119,13 +145,15 @@ void SpacePlan::recordInPursuit(const Transition& transition, bool converged, Po
   PALPATE_ASSERT(pursuit.tried < pursuit.parents.size(), "a pursuit ends with its last parent");
   ++pursuit.tried;
   // All alternatives are compared when the round ends, so that none depends on which came first.
-  if (converged && pursuit.every_parent)
+  if (converged && pursuit.every_parent) {
     alternatives_[transition.target].push_back(std::move(found));
-  else if (converged)
-    points_[transition.target] = std::move(found);
+    passed_over_.insert(transition);
+  } else if (converged) {
+    points_.solve(transition.target, found);
+  }
   const bool over = (converged && !pursuit.every_parent) || pursuit.tried == pursuit.parents.size();
   if (!over) return ready_.push_back({transition.target, pursuit.parents[pursuit.tried]});
-  if (!isSolved(points_[transition.target].tag)) giveUp(transition.target);
+  if (!isSolved(points_.tag(transition.target))) giveUp(transition.target);
   pursuits_.erase(place);
 }
 
@@ -139,21 +167,17 @@ void SpacePlan::pursue(std::int32_t target, std::vector<std::int32_t> parents, b
 /// Where a point becomes failed. Its cause is that of the attempt that got furthest, the first of
 /// equals: that one says most about what is in the way.
 void SpacePlan::giveUp(std::int32_t target) {
-  PointRecord& point = points_[target];
-  PALPATE_ASSERT(!isSolved(point.tag), "a point that was reached keeps its equilibrium");
-  point.tag = Tag::failed;
-  point.cause = Cause::unreachable;
+  PALPATE_ASSERT(!isSolved(points_.tag(target)), "a point that was reached keeps its equilibrium");
   const std::vector<FailedAttempt>& tries = attempts(target);
-  if (tries.empty()) return;
-  point.cause = std::ranges::max_element(tries, {}, [](const FailedAttempt& attempt) {
-                  return attempt.failure.step_reached;
-                })->failure.cause;
+  if (tries.empty()) return points_.fail(target, Cause::unreachable);
+  const auto furthest = std::ranges::max_element(
+      tries, {}, [](const FailedAttempt& attempt) { return attempt.failure.step_reached; });
+  points_.fail(target, furthest->failure.cause);
 }
 
 std::int32_t SpacePlan::addPosition(const LatticePoint& position) {
   positions_.add(position);
-  points_.emplace_back();
-  attempts_.emplace_back();
+  points_.add();
   return positions_.size() - 1;
 }
 
@@ -162,14 +186,15 @@ std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) c
   using Candidate = std::tuple<std::int64_t, std::int64_t, std::int32_t>;
   const double reach = farthest_parent * positions_.divisions();
   std::vector<Candidate> candidates;
-  // Probes are no parents: the space must not depend on what it is measured with.
-  const std::int32_t end = first_probe_ < 0 ? size() : first_probe_;
-  for (std::int32_t n = 0; n < end; ++n) {
-    if (points_[n].tag != Tag::expandable) continue;
+  const auto consider = [&](std::int32_t n) {
+    if (points_.tag(n) != Tag::expandable) return;
     const std::int64_t distance = squaredDistance(positions_.point(n), position);
     if (static_cast<double>(distance) <= reach * reach)
       candidates.emplace_back(distance, squaredNorm(positions_.point(n)), n);
-  }
+  };
+  forEachUniformNear(positions_, position, consider);
+  // Probes are no parents: the space must not depend on what it is measured with.
+  for (std::int32_t n = positions_.uniformSize(); n < endOfPoints(); ++n) consider(n);
   const auto wanted =
       std::min<std::ptrdiff_t>(std::ssize(candidates), maxAttempts(problem_->active[space_]));
   std::ranges::partial_sort(candidates, candidates.begin() + wanted);
@@ -205,11 +230,14 @@ void SpacePlan::beginBranches() {
   ++branch_round_;
   std::map<std::int32_t, std::vector<std::int32_t>> retries;
   const auto retry = [&](std::int32_t target, std::int32_t parent) {
-    if (points_[parent].tag == Tag::expandable && !tried_.contains({target, parent}))
+    if (points_.tag(parent) == Tag::expandable && !isRecorded({target, parent}))
       retries[target].push_back(parent);
   };
   // Either end may be on the branch of higher energy: only solving both ways tells.
-  for (const LatticeEdge& edge : inconsistentEdges(table())) {
+  const auto equilibriumOf = [this](std::int32_t n) {
+    return isSolved(points_.tag(n)) ? &points_.equilibrium(n) : nullptr;
+  };
+  for (const LatticeEdge& edge : inconsistentEdges(positions_, splits_, equilibriumOf)) {
     retry(edge.a, edge.b);
     retry(edge.b, edge.a);
   }
@@ -221,10 +249,11 @@ bool SpacePlan::keepLeastEnergy() {
   bool changed = false;
   for (auto& [target, found] : std::exchange(alternatives_, {}))
     for (PointRecord& alternative : found) {
-      const double energy = points_[target].equilibrium.energy;
+      const double energy = points_.equilibrium(target).energy;
       // Ties stay: the point would change back and forth between two roundings of one equilibrium.
       if (alternative.equilibrium.energy >= energy - same_energy * std::abs(energy)) continue;
-      points_[target] = std::move(alternative);
+      passed_over_.insert({target, points_.parent(target)});
+      points_.solve(target, alternative);
       changed = true;
     }
   return changed;
@@ -232,7 +261,7 @@ bool SpacePlan::keepLeastEnergy() {
 
 void SpacePlan::beginCells() {
   // Without a solved origin there is nothing to refine around.
-  may_grow_ = may_grow_ && isSolved(points_.front().tag);
+  may_grow_ = may_grow_ && isSolved(points_.tag(0));
   if (!may_grow_) return;
   const Refinement refinement = nextRefinement(table(), problem_->scene);
   splits_.insert(splits_.end(), refinement.splits.begin(), refinement.splits.end());
@@ -252,7 +281,7 @@ void SpacePlan::beginProbes() {
   first_probe_ = size();  // from here on parentsNear() stops before them
   if (patch.probe) {
     const std::int32_t target = addPosition(positionOf(*patch.probe, positions_.unit()));
-    const bool from_rest = points_.front().tag == Tag::expandable;
+    const bool from_rest = points_.tag(0) == Tag::expandable;
     return pursue(target, from_rest ? std::vector{0} : std::vector<std::int32_t>{}, false);
   }
   const std::vector<LatticePoint> positions =
@@ -264,20 +293,28 @@ void SpacePlan::beginProbes() {
   }
 }
 
-SpaceTable SpacePlan::table() const {
-  SpaceTable table;
-  table.patch = problem_->active[space_];
-  table.lattice = uniformLattice(problem_->scene, table.patch);
-  table.splits = splits_;
-  const std::int32_t end = first_probe_ < 0 ? size() : first_probe_;
-  PALPATE_ASSERT(end >= table.lattice.size(), "probes come behind all points of the lattice");
-  for (std::int32_t n = table.lattice.size(); n < end; ++n) table.lattice.add(positions_.point(n));
-  table.points.assign(points_.begin(), points_.begin() + end);
-  for (std::int32_t n = end; n < size(); ++n)
-    table.probes.push_back({positions_.displacement(n), points_[n]});
-  for (const auto& tries : std::span(attempts_).first(at(end)))
-    table.attempts.insert(table.attempts.end(), tries.begin(), tries.end());
-  return table;
+SpaceTable SpacePlan::table() const { return tableOf(PlanRows(*this)); }
+
+std::size_t PlanRows::attempts() const {
+  std::size_t count = 0;
+  eachAttempt([&](const FailedAttempt&) { ++count; });
+  return count;
+}
+
+void PlanRows::eachAttempt(const VisitAttempt& visit) const {
+  for (std::int32_t n = 0; n < points(); ++n)
+    for (const FailedAttempt& attempt : plan_.attempts(n)) visit(attempt);
+}
+
+Probe PlanRows::probe(std::int32_t n) const {
+  const std::int32_t number = points() + n;
+  return {lattice().displacement(number), plan_.point(number)};
+}
+
+SpaceRowsList rowsOf(const std::vector<SpacePlan>& plans) {
+  SpaceRowsList rows;
+  for (const SpacePlan& plan : plans) rows.push_back(std::make_unique<PlanRows>(plan));
+  return rows;
 }
 
 std::vector<LatticePoint> probePositions(const Lattice& lattice, std::int32_t count,

@@ -3,8 +3,8 @@
 #include <set>
 
 #include "common/problem/problem.hpp"
-#include "common/space/configuration.hpp"
 #include "common/space/space_table.hpp"
+#include "scheduler/plan/compact_points.hpp"
 #include "scheduler/plan/frontier.hpp"
 
 namespace palpate {
@@ -57,7 +57,7 @@ class SpacePlan {
   std::vector<Transition> takeReady();
   bool isOpen(const Transition& transition) const;
   /// It was open once, and record() took its outcome.
-  bool isRecorded(const Transition& transition) const { return tried_.contains(transition); }
+  bool isRecorded(const Transition& transition) const;
   /// Steps that a worker divides this open transition into, 1 as a rule.
   std::int32_t stepsOf(const Transition& transition) const;
   /// Records the outcome of an open transition; `fields` names its nodal fields when it converged.
@@ -74,14 +74,19 @@ class SpacePlan {
   /// All positions: points of the lattice, then probes.
   const Lattice& positions() const { return positions_; }
   std::int32_t size() const { return positions_.size(); }
+  /// Where the probes begin.
+  std::int32_t endOfPoints() const { return first_probe_ < 0 ? size() : first_probe_; }
   /// What is known of a point or probe; failed as soon as nothing more will be tried.
-  const PointRecord& point(std::int32_t number) const { return points_[number]; }
+  const CompactPoints& points() const { return points_; }
+  PointRecord point(std::int32_t number) const { return points_.record(number); }
   /// Attempts that failed, in the order of trying.
   const std::vector<FailedAttempt>& attempts(std::int32_t number) const {
-    return attempts_[number];
+    return points_.attempts(number);
   }
 
-  /// The rows of the dataset, as far as they are known.
+  const ActivePatch& patch() const { return problem_->active[space_]; }
+  const std::vector<LatticeCell>& splits() const { return splits_; }
+  /// The rows of the dataset, as far as they are known (PlanRows), copied.
   SpaceTable table() const;
 
  private:
@@ -110,17 +115,42 @@ class SpacePlan {
   Lattice positions_;
   std::int32_t first_probe_ = -1;  ///< -1 before there are probes
   std::vector<LatticeCell> splits_;
-  std::vector<PointRecord> points_;
-  std::vector<std::vector<FailedAttempt>> attempts_;  ///< by number, as points_
+  CompactPoints points_;
   /// Other equilibria of points, found in this round of branches.
   std::map<std::int32_t, std::vector<PointRecord>> alternatives_;
-  std::set<Transition> tried_;                ///< recorded, however it ended
+  /// Recorded, and neither a failed attempt nor what a point has its equilibrium from.
+  std::set<Transition> passed_over_;
   std::map<std::int32_t, Pursuit> pursuits_;  ///< by target; what is open after the lattice
   std::vector<Transition> ready_;
   Stage stage_ = Stage::lattice;
   int branch_round_ = 0;
   bool may_grow_;
 };
+
+/// What a plan knows, as the rows of a dataset. `plan` must outlive it, and not change meanwhile.
+class PlanRows : public SpaceRows {
+ public:
+  explicit PlanRows(const SpacePlan& plan) : plan_(plan) {}
+  const ActivePatch& patch() const override { return plan_.patch(); }
+  const Lattice& lattice() const override { return plan_.positions(); }
+  const std::vector<LatticeCell>& splits() const override { return plan_.splits(); }
+  std::int32_t points() const override { return plan_.endOfPoints(); }
+  PointRecord point(std::int32_t n) const override { return plan_.point(n); }
+  Tag tag(std::int32_t n) const override { return plan_.points().tag(n); }
+  const ToolEquilibrium* equilibrium(std::int32_t n) const override {
+    return isSolved(tag(n)) ? &plan_.points().equilibrium(n) : nullptr;
+  }
+  std::size_t attempts() const override;
+  void eachAttempt(const VisitAttempt& visit) const override;
+  std::int32_t probes() const override { return plan_.size() - plan_.endOfPoints(); }
+  Probe probe(std::int32_t n) const override;
+
+ private:
+  const SpacePlan& plan_;
+};
+
+/// Those of several.
+SpaceRowsList rowsOf(const std::vector<SpacePlan>& plans);
 
 /// `count` positions of the workspace ball for probes: a low-discrepancy sequence (Roberts' R3),
 /// never on a point that a lattice could have. Coordinates as in `lattice`, which needs divisions.

@@ -20,6 +20,9 @@ constexpr std::chrono::milliseconds newcomers_written_after{1};  // times:
 constexpr std::size_t workers_per_wait = 8;
 /// Of a flood of bad messages the first ones tell what there is to tell.
 constexpr std::int64_t bad_messages_logged = 20;
+/// So many points that earlier runs found are shown in the tables before anything else is done, and
+/// so many in a turn: ten million rows take a minute.
+constexpr std::int32_t shown_at_once = 20000, shown_in_a_turn = 500;
 /// Large answers to one peer in a turn: it has read none of them when it asks.
 constexpr int large_in_a_turn = 2;
 
@@ -59,14 +62,11 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
   ++counters_["runs"];
   // The upper half of a job number is the run, so that two runs never use the same.
   leases_ = Leases(static_cast<std::uint64_t>(counters_["runs"]) << 32);
-  StoredResults results = store_->takeFound();
-  found_ = results.size();
-  for (const auto& [key, result] : results) {
-    longest_solve_ = std::max(longest_solve_, result.outcome.cost.seconds);
-    // Its workers may come back any moment.
-    keys_heard_[result.header.given_by().key()] = now;
-  }
-  Replay replayed = replay(problem, std::move(results));
+  found_ = store_->found();
+  longest_solve_ = store_->longestSolve();
+  // Their workers may come back any moment.
+  for (const std::string& key : store_->givers()) keys_heard_[key] = now;
+  Replay replayed = store_->takeReplay();
   plans_ = std::move(replayed.plans);
   spare_ = std::move(replayed.spare);
   // Where something was lost, what it led to is asked for again in time.
@@ -77,7 +77,7 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
   add(replayed.settled);
   openChecks();
   store_->tables().writeCounters(counters_);
-  store_->tables().showAll(plans_);
+  showFound(shown_at_once);
   finishIfComplete(now);
 }
 
@@ -144,9 +144,9 @@ void Coordinator::sendFields(const Worker& worker, const wire::FieldsRequest& re
   std::optional<JournalRecord> found;
   if (const auto key = keyOf(request.space(), request.point(), request.point()))
     // The point may have another equilibrium by now than the one the job started from.
-    if (const PointRecord& point = plans_[key->space].point(key->target);
-        isSolved(point.tag) && point.fields.bytes() == request.id())
-      found = store_->find(resultKeyOf({key->space, key->target, point.parent}));
+    if (const CompactPoints& points = plans_[key->space].points();
+        isSolved(points.tag(key->target)) && points.fields(key->target).bytes() == request.id())
+      found = store_->find(resultKeyOf({key->space, key->target, points.parent(key->target)}));
   if (!found)
     if (const auto solver = checks_.solverOfStart(request.id())) found = store_->find(*solver);
   const bool known = found.has_value();
@@ -271,7 +271,8 @@ void Coordinator::commitGroup(Time now) {
     converged_ += member.result.outcome.converged;
     if (!member.result.outcome.converged)
       chronicle_.failed(key, plan, member.result.outcome.failure, member.result.header.given_by());
-    add(settle(plan, key.space, spare_));
+    add(settle(plan, key.space, spare_,
+               [this](const ResultKey& spare) { return store_->read(spare); }));
     chronicle_.wentOn(key.space, plan);
   }
   openChecks();
@@ -287,6 +288,10 @@ void Coordinator::showChanged() {
   if (changed_.empty()) return;
   store_->tables().show(plans_, changed_);
   changed_.clear();
+}
+
+void Coordinator::showFound(std::int32_t most) {
+  if (show_next_ && store_->tables().showSome(plans_, *show_next_, most)) show_next_.reset();
 }
 
 void Coordinator::add(const Settled& settled) {
@@ -320,6 +325,7 @@ void Coordinator::finishIfComplete(Time now) {
                  "a complete plan waits for no result, and nobody solves for it");
   complete_ = true;
   changed_.clear();
+  show_next_.reset();
   chronicle_.completed(recorded_, std::chrono::duration<double>(now - started_).count());
   store_->tables().showAll(plans_);
   writeServers(now);
@@ -337,6 +343,7 @@ void Coordinator::advance(Time now, bool all_read) {
   handOutJobs(now);
   giveUpChecks(now);
   if (!changed_.empty() && now - changed_since_ >= settings_.tables_age) showChanged();
+  showFound(shown_in_a_turn);
   if (now >= serversDue()) writeServers(now);
   pace_.note(now, converged_);
   work_pace_.note(now, recorded_);

@@ -17,7 +17,6 @@
 #include "scheduler/service/status.hpp"
 #include "scheduler/service/unread_payloads.hpp"
 #include "scheduler/service/worker_registry.hpp"
-#include "scheduler/state/replay.hpp"
 #include "scheduler/state/result_group.hpp"
 
 namespace palpate {
@@ -242,6 +241,7 @@ class Coordinator {
   Time serversDue() const;
   void noteChanged(const TransitionKey& key, Time now);
   void showChanged();
+  void showFound(std::int32_t most);
   void writeServers(Time now);
   wire::Message& send(const std::string& peer,
                       std::shared_ptr<const std::string> payload = nullptr);
@@ -261,7 +261,7 @@ class Coordinator {
   std::string incarnation_;  ///< 16 random bytes
 
   std::vector<SpacePlan> plans_;
-  StoredResults spare_;  ///< recorded, and not asked for yet (Replay)
+  SpareResults spare_;  ///< recorded, and not asked for yet (Replay)
   Leases leases_;
   std::map<TransitionKey, Losses> losses_;  ///< of earlier runs
   /// To be opened, as soon as they are recorded and there is room; whether they are disputed.
@@ -285,8 +285,10 @@ class Coordinator {
   Time servers_written_;
   std::vector<Tables::Changed> changed_;  ///< and not in the tables yet
   Time changed_since_;                    ///< of the first
-  bool newcomers_ = false;                ///< since then
-  std::string recent_status_;             ///< JSON
+  /// Of what earlier runs found, this comes into the tables next; nothing when all is there.
+  std::optional<Tables::Changed> show_next_ = Tables::Changed{0, 0};
+  bool newcomers_ = false;     ///< since then
+  std::string recent_status_;  ///< JSON
   Time recent_status_made_;
   PeerLog peer_log_;
   Chronicle chronicle_;

@@ -44,13 +44,14 @@ bool Coordinator::answer(const Incoming& incoming, Time now) {
   }
 }
 
-/// Now and then: every point is looked at.
+/// Now and then: many points are looked at.
 void Coordinator::lookAhead(Time now) {
   constexpr std::chrono::milliseconds at_least{500};
   if (complete_ || now - forecast_made_ < at_least) return;
   // Twenty microseconds for what costs a fifth of one.
   double points = 0;
   for (const SpacePlan& plan : plans_) points += plan.size();
+  points = std::min(points, double{most_forecast});
   if (now - forecast_made_ < std::chrono::duration<double>(2e-5 * points)) return;
   forecast_ = forecastOf(*problem_, plans_);
   forecast_made_ = now;
@@ -116,9 +117,9 @@ void Coordinator::stop(Time now) {
 
 const std::string& Coordinator::recentStatus(Time now) {
   // s, as it was measured: whoever asks without end costs a twentieth of a processor.
-  constexpr double by_point = 4e-8, by_worker = 3e-6, times = 20;
-  double cost = by_worker * static_cast<double>(registry_.all().size());
-  for (const SpacePlan& plan : plans_) cost += by_point * plan.size();
+  constexpr double by_space = 3e-6, by_worker = 3e-6, times = 20;
+  const double cost = by_worker * static_cast<double>(registry_.all().size()) +
+                      by_space * static_cast<double>(plans_.size());
   const std::chrono::duration<double> good_for(std::max(0.02, times * cost));
   if (recent_status_.empty() || now - recent_status_made_ >= good_for) {
     recent_status_ = toJson(status(now));

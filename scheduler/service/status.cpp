@@ -27,6 +27,22 @@ namespace {
 constexpr std::chrono::seconds pace_window{120};
 constexpr std::chrono::seconds between_samples{1};
 
+void addCounts(wire::SpaceStatus& row, const PointCounts& counts) {
+  row.set_unknown(row.unknown() + counts.of(Tag::unknown));
+  row.set_expandable(row.expandable() + counts.of(Tag::expandable));
+  row.set_terminating(row.terminating() + counts.of(Tag::terminating));
+  row.set_failed(row.failed() + counts.of(Tag::failed));
+  row.set_points(row.unknown() + row.expandable() + row.terminating() + row.failed());
+}
+
+void addCauses(google::protobuf::Map<std::string, std::int32_t>& causes,
+               const CountsOfCauses& counts) {
+  for (std::size_t cause = 0; cause < counts.size(); ++cause)
+    if (counts[cause] > 0)
+      causes[std::string(name(static_cast<Cause>(cause)))] +=
+          static_cast<std::int32_t>(counts[cause]);
+}
+
 /// Places where an area is measured are one row: each is one point there.
 wire::SpaceStatus& rowFor(wire::Status& status, const ActiveSelection& active) {
   const std::string name = rowNameOf(active);
@@ -64,13 +80,19 @@ wire::Status statusOf(const Problem& problem, const std::vector<SpacePlan>& plan
     const ActiveSelection& active = problem.scene.active[p];
     wire::SpaceStatus& row = rowFor(status, active);
     setStage(row, plan.stage());
-    // Before it has a probe, a place of one counts too.
-    if (active.isProbe() && plan.size() == 1) addPoint(status, row, {});
-    for (std::int32_t n = 0; n < plan.size(); ++n) {
-      if (!active.isProbe() || n > 0) addPoint(status, row, plan.point(n));
-      for (const FailedAttempt& attempt : plan.attempts(n))
-        ++(*status.mutable_failed_attempts())[std::string(name(attempt.failure.cause))];
-    }
+    const CompactPoints& points = plan.points();
+    // The rest position of a place where an area is measured is none of its points. Before it has
+    // its probe, the place counts all the same.
+    if (active.isProbe() && plan.size() == 1)
+      addPoint(status, row, {});
+    else if (!active.isProbe())
+      addCounts(row, points.uniform());
+    addCounts(row, points.added());
+    CountsOfCauses failed = points.failedPoints();
+    if (active.isProbe() && points.tag(0) == Tag::failed)
+      --failed[static_cast<std::size_t>(points.cause(0))];
+    addCauses(*status.mutable_failed_points(), failed);
+    addCauses(*status.mutable_failed_attempts(), points.failedAttempts());
     status.set_may_grow(status.may_grow() || plan.mayGrow());
     status.set_ready(status.ready() + plan.openCount());
   }

@@ -86,7 +86,9 @@ class Inspector {
   std::string pathOfTables() const { return StateDirectory::databaseIn(directory_).string(); }
 
   void readJournal() {
-    JournalScan scan = journal_.scan();
+    std::vector<JournalPosition> records;
+    JournalScan scan = journal_.scan(
+        [&](const JournalPosition& where, std::string_view) { records.push_back(where); });
     found_.end = scan.end;
     for (const std::uint32_t segment : journal_.segments()) {
       ++found_.segments;
@@ -96,7 +98,7 @@ class Inspector {
             std::filesystem::file_size(journal_.segmentPath(segment)) - scan.end.offset;
     }
     for (JournalGap& gap : scan.gaps) takeGap(gap);
-    for (const JournalScan::Found& record : scan.records) readRecord(record);
+    for (const JournalPosition& record : records) readRecord(record);
   }
 
   void takeGap(JournalGap& gap) {
@@ -116,35 +118,36 @@ class Inspector {
     found_.damage.push_back(std::move(damage));
   }
 
-  void readRecord(const JournalScan::Found& record) {
+  void readRecord(const JournalPosition& where) {
     const auto add = [&](std::vector<JournalDamage>& list, const std::string& what,
                          const std::optional<ResultKey>& key) {
-      list.push_back({record.where,
+      list.push_back({where,
                       fmt::format("{}: the record at byte {}: {}",
-                                  journal_.segmentPath(record.where.segment).string(),
-                                  record.where.offset, what),
+                                  journal_.segmentPath(where.segment).string(), where.offset, what),
                       key});
     };
-    StoredResult result;
-    std::optional<Outcome> outcome;
-    if (result.header.ParseFromString(record.header)) outcome = fromWire(result.header);
-    if (!outcome) return add(found_.damage, "a result that makes no sense", std::nullopt);
-    const ResultKey key = keyOf(result.header);
-    if (!found_.build) found_.build = ContentId::fromBytes(result.header.build());
-    if (!found_.build || result.header.build() != found_.build->bytes())
+    std::optional<StoredResult> result;
+    try {
+      result = storedResult(journal_.readHeader(where));
+    } catch (const DamagedRecord&) {
+      // Since it was found.
+    }
+    if (!result) return add(found_.damage, "a result that makes no sense", std::nullopt);
+    const wire::Result& header = result->header;
+    const ResultKey key = keyOf(header);
+    if (!found_.build) found_.build = ContentId::fromBytes(header.build());
+    if (!found_.build || header.build() != found_.build->bytes())
       return add(found_.foreign, "a result of another build", key);
     try {
-      const std::string payload = journal_.read(record.where).payload;
-      if (const std::string what = objectionToFields(result.header, payload); !what.empty())
+      const std::string payload = journal_.read(where).payload;
+      if (const std::string what = objectionToFields(header, payload); !what.empty())
         return add(found_.damage, what, key);
     } catch (const DamagedRecord& damage) {
-      found_.damage.push_back({record.where, damage.what(), key});
+      found_.damage.push_back({where, damage.what(), key});
       return;
     }
     ++found_.records;
-    result.outcome = std::move(*outcome);
-    recorded_.insert(key);
-    results_.try_emplace(key, std::move(result));
+    recorded_.add(key, where);
   }
 
   /// Whether these are the fields that later transitions start from.
@@ -179,15 +182,20 @@ class Inspector {
   }
 
   void compare() {
-    replayed_ = replay(*found_.problem, std::move(results_));
-    found_.spare = replayed_.spare.size();
+    const auto read = [&](const ResultKey& key) { return readRecorded(journal_, recorded_, key); };
+    Replay& replayed = replayed_.emplace(*found_.problem);
+    recorded_.forEach([&](const ResultKey& key, const JournalPosition&) {
+      if (const auto result = read(key)) replayed.take(key, *result);
+    });
+    replayed.finish(read);
+    found_.spare = replayed.spare.size();
     for (const JournalDamage& damage : found_.damage)
       if (damage.key && damage.key->space < found_.problem->active.size())
         lost_.emplace(damage.key->space, damage.key->target);
     if (tables_ && !found_.scheduler) compareTables();
     for (const auto& [space, point] : lost_)
       found_.lost.push_back({found_.problem->active[space].name, point,
-                             replayed_.plans[space].positions().divisions()});
+                             replayed_->plans[space].positions().divisions()});
   }
 
   void compareTables() {
@@ -203,17 +211,18 @@ class Inspector {
     if (!std::ranges::all_of(found_.damage, [](const auto& damage) { return !!damage.key; }))
       loseWhatIsAskedForAgain();
     std::size_t expected = 0;
-    for (const SpacePlan& plan : replayed_.plans) expected += static_cast<std::size_t>(plan.size());
+    for (const SpacePlan& plan : replayed_->plans)
+      expected += static_cast<std::size_t>(plan.size());
     if (expected > rows) found_.rows_behind += expected - rows;
   }
 
   void compareRow(const PointRow& row) {
-    if (row.space >= replayed_.plans.size()) {
+    if (row.space >= replayed_->plans.size()) {
       ++found_.wrong_rows;
       return;
     }
     if (row.tag != name(Tag::unknown)) told_.emplace(row.space, row.number);
-    const SpacePlan& plan = replayed_.plans[row.space];
+    const SpacePlan& plan = replayed_->plans[row.space];
     const bool there = row.number >= 0 && row.number < plan.size();
     const PointRow expected = there ? rowOf(row.space, row.number, plan) : PointRow();
     if (there && row == expected) return;
@@ -228,16 +237,16 @@ class Inspector {
 
   /// What the plans ask for of points that the tables knew was recorded once.
   void loseWhatIsAskedForAgain() {
-    for (const TransitionKey& key : replayed_.settled.missing)
+    for (const TransitionKey& key : replayed_->settled.missing)
       if (told_.contains({key.space, key.target}))
-        lost_.emplace(key.space, replayed_.plans[key.space].positions().point(key.target));
+        lost_.emplace(key.space, replayed_->plans[key.space].positions().point(key.target));
   }
 
   /// A row about a result that is not in the journal, which is written first.
   bool isAhead(const PointRow& row, const SpacePlan& plan) const {
     if (row.tag == name(Tag::unknown)) return false;
     if (row.number < 0 || row.number >= plan.size() || row.parent >= plan.size()) return true;
-    if (row.parent < 0) return plan.point(row.number).tag == Tag::unknown;
+    if (row.parent < 0) return plan.points().tag(row.number) == Tag::unknown;
     return !recorded_.contains({row.space, row.position, plan.positions().point(row.parent)});
   }
 
@@ -252,9 +261,8 @@ class Inspector {
   std::filesystem::path directory_;
   JournalReader journal_;
   std::optional<StoredTables> tables_;
-  std::set<ResultKey> recorded_;
-  StoredResults results_;  ///< until they are replayed
-  Replay replayed_;
+  ResultIndex recorded_;
+  std::optional<Replay> replayed_;
   std::set<std::pair<std::uint32_t, std::int32_t>> told_;  ///< points that the tables know
   std::set<std::pair<std::uint32_t, LatticePoint>> lost_;
   Inspection found_;
@@ -263,7 +271,7 @@ class Inspector {
 /// From the journal as it is now.
 void remakeTables(const StateDirectory& held, const Problem& problem) {
   Tables tables(held, problem, encodeProblem(problem));
-  tables.showAll(replay(problem, readResults(held.path(), problemId(problem)).results).plans);
+  tables.showAll(replayJournal(held.path(), problem, problemId(problem), {}).replay.plans);
 }
 
 void refuseSeveralBuilds(const StateDirectory& held, const Inspection& found) {

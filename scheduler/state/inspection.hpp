@@ -1,6 +1,7 @@
 #pragma once
 
 #include "scheduler/state/replay.hpp"
+#include "scheduler/state/tables.hpp"
 
 namespace palpate {
 

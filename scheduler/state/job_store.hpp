@@ -1,34 +1,9 @@
 #pragma once
 
-#include "scheduler/state/journal.hpp"
-#include "scheduler/state/result_key.hpp"
+#include "scheduler/state/replay.hpp"
 #include "scheduler/state/tables.hpp"
 
 namespace palpate {
-
-/// The id of a result's nodal fields; all zero of a failure.
-ContentId fieldsOf(const wire::Result& result);
-
-/// One result: its header as the worker sent it, less the lease, and who gave it.
-struct StoredResult {
-  wire::Result header;
-  Outcome outcome;  ///< of the header; without fields
-};
-using StoredResults = std::map<ResultKey, StoredResult>;
-
-/// What the journal of a build holds.
-struct RecordedResults {
-  StoredResults results;  ///< the first of each key
-  std::map<ResultKey, JournalPosition> where;
-  JournalEnd end;
-  std::vector<JournalPosition> torn;  ///< JournalScan::torn
-  /// What was recorded once and cannot be read any more, for people: it will be computed again.
-  std::vector<std::string> damage;
-};
-/// Reads it. Error (bad input) when it is the journal of another build.
-RecordedResults readResults(const std::filesystem::path& directory, const ContentId& build);
-/// Those that one of these gave.
-std::vector<ResultKey> givenBy(const std::vector<KeptOut>& liars, const StoredResults& results);
 
 /// All that a state directory holds of a build, for its one scheduler: results, in the journal, and
 /// tables beside them.
@@ -49,10 +24,14 @@ class JobStore {
   Tables& tables() { return tables_; }
   /// Of the first result; empty before it.
   const std::string& kernelFamily() const { return kernel_family_; }
-  /// The results that earlier runs left. May be taken once.
-  StoredResults takeFound() { return std::exchange(recorded_.results, {}); }
+  /// The results that earlier runs left, in plans. May be taken once.
+  Replay takeReplay() { return std::move(found_.replay); }
+  std::size_t found() const { return found_.results; }  ///< so many
+  /// The keys of those who gave them.
+  const std::set<std::string>& givers() const { return found_.givers; }
+  double longestSolve() const { return found_.longest_solve; }  ///< of them, s
   /// Some of what earlier runs left was lost or dropped.
-  bool damaged() const { return !recorded_.damage.empty(); }
+  bool damaged() const { return !found_.recorded.damage.empty(); }
 
   /// Whose results are neither taken nor kept.
   const std::vector<KeptOut>& keptOut() const { return kept_out_; }
@@ -65,10 +44,13 @@ class JobStore {
   /// Makes all that was appended durable.
   void commit();
 
-  bool knows(const ResultKey& key) const { return recorded_.where.contains(key); }
+  bool knows(const ResultKey& key) const { return found_.recorded.where.contains(key); }
   /// A recorded result; nothing when there is none with this key. DamagedRecord when it cannot be
   /// read any more.
   std::optional<JournalRecord> find(const ResultKey& key) const;
+  /// One that is recorded, without its payload; nothing when it cannot be read any more, which is
+  /// told (log).
+  std::optional<StoredResult> read(const ResultKey& key) const;
   /// The next scheduler computes this record again.
   void drop(const JournalPosition& damaged) { journal_.drop(damaged); }
   /// Recorded results that are to be computed again: they are not recorded any more.
@@ -84,11 +66,11 @@ class JobStore {
 
   const StateDirectory* directory_;
   Tables tables_;
-  RecordedResults recorded_;
+  std::vector<KeptOut> kept_out_;
+  ReplayedJournal found_;
   Journal journal_;
   std::vector<std::pair<ResultKey, JournalPosition>> appended_;  ///< not committed yet
   std::string kernel_family_;
-  std::vector<KeptOut> kept_out_;
 };
 
 }  // namespace palpate

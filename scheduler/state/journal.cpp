@@ -86,18 +86,19 @@ class SegmentFile {
   /// fits into the file.
   std::optional<std::pair<Head, std::string>> headAt(std::uint64_t offset) const {
     Head head;
-    const std::string bytes = read(offset, sizeof head);
+    const std::string_view bytes = peek(offset, sizeof head);
     if (bytes.size() < sizeof head) return std::nullopt;
     std::memcpy(&head, bytes.data(), sizeof head);
     if (!head.is(Head::whole) && !head.is(Head::dropped)) return std::nullopt;
     if (head.recordBytes() > bytes_ - offset) return std::nullopt;
-    std::string header = read(offset + sizeof head, head.header_bytes);
+    const std::string_view header = peek(offset + sizeof head, head.header_bytes);
     if (header.size() != head.header_bytes || headerCrcOf(head, header) != head.header_crc)
       return std::nullopt;
-    return std::pair(head, std::move(header));
+    return std::pair(head, std::string(header));
   }
   bool payloadIsWhole(std::uint64_t offset, const Head& head) const {
-    const std::string payload = read(offset + sizeof head + head.header_bytes, head.payload_bytes);
+    const std::string_view payload =
+        peek(offset + sizeof head + head.header_bytes, head.payload_bytes);
     return payload.size() == head.payload_bytes && crcOf(payload) == head.payload_crc;
   }
 
@@ -121,9 +122,28 @@ class SegmentFile {
   }
 
  private:
+  /// As read(), until the next call. Who goes on where the last call ended is read ahead for: small
+  /// records cost no call of the system each, and of large ones little more than the heads is read.
+  std::string_view peek(std::uint64_t offset, std::uint64_t length) const {
+    constexpr std::uint64_t page = 4096, most_ahead = 64 * page;
+    const std::uint64_t end = window_at_ + window_.size();
+    if (offset < window_at_ || offset + length > end) {
+      const bool goes_on = offset >= window_at_ && offset <= end;
+      ahead_ = goes_on ? std::clamp(2 * ahead_, page, most_ahead) : page;
+      window_at_ = offset;
+      window_ = read(offset, std::max(length, ahead_));
+      // Not for what nobody asked for.
+      if (window_.size() < std::min(length, bytes_ - std::min(offset, bytes_)))
+        window_ = read(offset, length);
+    }
+    return std::string_view(window_).substr(offset - window_at_, length);
+  }
+
   std::filesystem::path path_;
   FileDescriptor file_;
   std::uint64_t bytes_ = 0;
+  mutable std::string window_;  ///< what was read last
+  mutable std::uint64_t window_at_ = 0, ahead_ = 0;
 };
 
 std::string segmentName(std::uint32_t segment) { return fmt::format("segment-{:06}.dat", segment); }
@@ -157,7 +177,8 @@ bool isMarked(const SegmentFile& file, std::uint64_t from, std::uint64_t to) {
          file.read(from, to - from).starts_with(Head::dropped.substr(0, to - from));
 }
 
-void scanSegment(const SegmentFile& file, std::uint32_t number, bool last, JournalScan& found) {
+void scanSegment(const SegmentFile& file, std::uint32_t number, bool last,
+                 const JournalReader::Visit& visit, JournalScan& found) {
   using Kind = JournalGap::Kind;
   const auto gap = [&](Kind kind, std::uint64_t from, std::uint64_t to, const char* what) {
     found.gaps.push_back(
@@ -188,7 +209,7 @@ void scanSegment(const SegmentFile& file, std::uint32_t number, bool last, Journ
       if (head.is(Head::dropped))
         gap(Kind::dropped, at, next, "a damaged record, which was dropped");
       else
-        found.records.push_back({{number, at, next - at}, std::move(header)});
+        visit({number, at, next - at}, header);
       behind_last = next;
     }
     at = next;
@@ -235,6 +256,15 @@ std::filesystem::path JournalReader::segmentPath(std::uint32_t segment) const {
 }
 
 JournalScan JournalReader::scan() const {
+  std::vector<JournalScan::Found> records;
+  JournalScan found = scan([&](const JournalPosition& where, std::string_view header) {
+    records.push_back({where, std::string(header)});
+  });
+  found.records = std::move(records);
+  return found;
+}
+
+JournalScan JournalReader::scan(const Visit& visit) const {
   JournalScan found;
   std::uint32_t expected = 1;
   const std::vector<std::uint32_t> numbers = segmentsIn(directory_);
@@ -244,7 +274,7 @@ JournalScan JournalReader::scan() const {
                             {.segment = expected},
                             fmt::format("{}: is missing", segmentPath(expected).string())});
     ++expected;
-    scanSegment(SegmentFile(segmentPath(number)), number, number == numbers.back(), found);
+    scanSegment(SegmentFile(segmentPath(number)), number, number == numbers.back(), visit, found);
   }
   return found;
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -64,7 +65,7 @@ struct JournalScan {
     std::string header;
   };
   /// Records whose header is whole, in the order of appending; those of the last segment with a
-  /// whole payload too.
+  /// whole payload too. None where they are visited instead.
   std::vector<Found> records;
   /// Stretches between them. Not what lies behind the last record, which a crash may leave.
   std::vector<JournalGap> gaps;
@@ -87,6 +88,10 @@ class JournalReader {
   /// Finds all records, whatever lies between them. Reads every header, and of the last segment,
   /// where a crash leaves half a record, all.
   JournalScan scan() const;
+  /// The same without keeping the records: they may be more than fit into memory. A header is there
+  /// as long as the call.
+  using Visit = std::function<void(const JournalPosition& where, std::string_view header)>;
+  JournalScan scan(const Visit& visit) const;
   /// Reads a record back. DamagedRecord when it is not what was written, or not there.
   JournalRecord read(const JournalPosition& position) const;
   /// Its header alone, likewise.

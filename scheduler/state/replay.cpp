@@ -1,53 +1,114 @@
 #include "scheduler/state/replay.hpp"
 
+#include <algorithm>
+
 #include "common/base/assertion.hpp"
 
 namespace palpate {
+namespace {
+
+/// Whether it was solved from what the plan has as its start.
+bool startsThere(const SpacePlan& plan, const Transition& transition, const wire::Result& result) {
+  const std::string& start = result.start_id();
+  return transition.target == transition.parent
+             ? start.empty()
+             : start == plan.points().fields(transition.parent).bytes();
+}
+
+ResultKey keyOf(const SpacePlan& plan, std::uint32_t space, const Transition& transition) {
+  return {space, plan.positions().point(transition.target),
+          plan.positions().point(transition.parent)};
+}
+
+/// One of this plan's, if it has both points.
+std::optional<Transition> transitionOf(const SpacePlan& plan, const ResultKey& key) {
+  const auto to = plan.positions().indexOf(key.target), from = plan.positions().indexOf(key.parent);
+  return to && from ? std::optional(Transition{*to, *from}) : std::nullopt;
+}
+
+void append(Settled& all, const Settled& more) {
+  all.missing.insert(all.missing.end(), more.missing.begin(), more.missing.end());
+  all.stale.insert(all.stale.end(), more.stale.begin(), more.stale.end());
+}
+
+}  // namespace
 
 std::string startIdOf(const SpacePlan& plan, const Transition& transition) {
   // The origin is its own parent: it is solved from the rest state, which has no id.
   if (transition.target == transition.parent) return "";
-  const PointRecord& start = plan.point(transition.parent);
-  PALPATE_ASSERT(isSolved(start.tag), "a plan asks for transitions from solved points only");
-  return std::string(start.fields.bytes());
+  PALPATE_ASSERT(isSolved(plan.points().tag(transition.parent)),
+                 "a plan asks for transitions from solved points only");
+  return std::string(plan.points().fields(transition.parent).bytes());
 }
 
-Settled settle(SpacePlan& plan, std::uint32_t space, StoredResults& known) {
+Settled settle(SpacePlan& plan, std::uint32_t space, SpareResults& spare, const ReadSpare& read) {
   Settled settled;
   for (auto ready = plan.takeReady(); !ready.empty(); ready = plan.takeReady())
     for (const Transition& transition : ready) {
-      const Lattice& positions = plan.positions();
-      const auto found = known.find(
-          {space, positions.point(transition.target), positions.point(transition.parent)});
-      if (found == known.end()) {
-        settled.missing.push_back({space, transition.target, transition.parent});
+      // Recorded meanwhile.
+      if (!plan.isOpen(transition)) continue;
+      const ResultKey key = keyOf(plan, space, transition);
+      const bool known = spare.erase(key) > 0;
+      const std::optional<StoredResult> result = known ? read(key) : std::nullopt;
+      if (result && startsThere(plan, transition, result->header)) {
+        plan.record(transition, result->outcome, fieldsOf(result->header));
         continue;
       }
-      const auto [key, result] = *found;
-      known.erase(found);
-      if (result.header.start_id() != startIdOf(plan, transition)) {
-        settled.stale.push_back(key);
-        settled.missing.push_back({space, transition.target, transition.parent});
-        continue;
-      }
-      plan.record(transition, result.outcome, fieldsOf(result.header));
+      if (known) settled.stale.push_back(key);
+      settled.missing.push_back({space, transition.target, transition.parent});
     }
   return settled;
 }
 
-Replay replay(const Problem& problem, StoredResults results) {
-  Replay replayed;
-  replayed.spare = std::move(results);
-  for (std::uint32_t space = 0; space < problem.active.size(); ++space) {
-    SpacePlan& plan = replayed.plans.emplace_back(problem, space);
-    const auto [missing, stale] = settle(plan, space, replayed.spare);
-    Settled& all = replayed.settled;
-    all.missing.insert(all.missing.end(), missing.begin(), missing.end());
-    all.stale.insert(all.stale.end(), stale.begin(), stale.end());
+Replay::Replay(const Problem& problem) {
+  plans.reserve(problem.active.size());
+  for (std::uint32_t space = 0; space < problem.active.size(); ++space)
+    plans.emplace_back(problem, space);
+}
+
+void Replay::take(const ResultKey& key, const StoredResult& result) {
+  if (key.space < plans.size()) {
+    SpacePlan& plan = plans[key.space];
+    const std::optional<Transition> transition = transitionOf(plan, key);
+    if (transition && plan.isOpen(*transition)) {
+      if (startsThere(plan, *transition, result.header))
+        plan.record(*transition, result.outcome, fieldsOf(result.header));
+      else
+        settled.stale.push_back(key);
+      return;
+    }
+  }
+  spare.insert(key);
+}
+
+void Replay::finish(const ReadSpare& read) {
+  for (std::uint32_t space = 0; space < plans.size(); ++space) {
+    SpacePlan& plan = plans[space];
+    append(settled, settle(plan, space, spare, read));
     PALPATE_ASSERT(plan.complete() || plan.openCount() > 0,
                    "a plan that asks for nothing has nothing left to do");
   }
-  return replayed;
+}
+
+ReplayedJournal replayJournal(const std::filesystem::path& directory, const Problem& problem,
+                              const ContentId& build, const std::vector<KeptOut>& liars) {
+  ReplayedJournal found(problem);
+  const auto take = [&](const ResultKey& key, const StoredResult& result) {
+    const wire::Provenance& giver = result.header.given_by();
+    if (std::ranges::any_of(liars, [&](const KeptOut& liar) { return liar.covers(giver); })) {
+      found.of_liars.push_back(key);
+      return;
+    }
+    if (found.results++ == 0) found.kernel_family = result.header.kernel_family();
+    found.longest_solve = std::max(found.longest_solve, result.outcome.cost.seconds);
+    if (!found.givers.contains(giver.key())) found.givers.insert(giver.key());
+    found.replay.take(key, result);
+  };
+  found.recorded = readResults(directory, build, take);
+  const JournalReader journal(directory);
+  found.replay.finish(
+      [&](const ResultKey& key) { return readRecorded(journal, found.recorded.where, key); });
+  return found;
 }
 
 std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cause) {
@@ -63,9 +124,9 @@ std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cau
   return keys;
 }
 
-void refuseSpare(const StoredResults& spare) {
+void refuseSpare(const SpareResults& spare) {
   if (spare.empty()) return;
-  const auto& [space, target, parent] = spare.begin()->first;
+  const auto& [space, target, parent] = *spare.begin();
   throw failure(
       "the state directory holds {} results that nobody asked for (the first: space {}, "
       "point ({}, {}, {}) from ({}, {}, {})): another version of palpate began it, which asked for "

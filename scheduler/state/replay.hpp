@@ -1,6 +1,11 @@
 #pragma once
 
-#include "scheduler/state/job_store.hpp"
+#include <set>
+
+#include "scheduler/plan/leases.hpp"
+#include "scheduler/plan/space_plan.hpp"
+#include "scheduler/state/kept_out.hpp"
+#include "scheduler/state/recorded_results.hpp"
 
 namespace palpate {
 
@@ -11,31 +16,57 @@ std::string startIdOf(const SpacePlan& plan, const Transition& transition);
 /// What becomes of results when they are put into a plan.
 struct Settled {
   std::vector<TransitionKey> missing;  ///< ready, and not known: to be solved
-  /// Known, but from another start than the plan has: what their parent was, is no more. They are
-  /// among the missing.
+  /// Known, but from another start than the plan has: what their parent was, is no more. Or they
+  /// cannot be read any more. They are among the missing.
   std::vector<ResultKey> stale;
 };
-/// Records in `plan`, of `space`, what `known` holds of the transitions that are ready, and of
-/// those that this makes ready, and so on; takes it out of `known`.
-Settled settle(SpacePlan& plan, std::uint32_t space, StoredResults& known);
+/// Recorded results that no plan has asked for yet. They will, where what led there was lost.
+using SpareResults = std::set<ResultKey>;
+/// One of them; nothing when it cannot be read any more.
+using ReadSpare = std::function<std::optional<StoredResult>(const ResultKey&)>;
+/// Records in `plan`, of `space`, those of the spare ones whose transitions are ready, and those
+/// that this makes ready, and so on; takes them out.
+Settled settle(SpacePlan& plan, std::uint32_t space, SpareResults& spare, const ReadSpare& read);
 
-/// Where the recorded results leave a build.
-struct Replay {
+/// Puts recorded results into fresh plans, one after the other, in the order in which they were
+/// recorded: then each is asked for when it comes, unless something was lost before it.
+class Replay {
+ public:
+  /// `problem` must outlive the plans.
+  explicit Replay(const Problem& problem);
+
+  /// A result that is recorded. Each key once.
+  void take(const ResultKey& key, const StoredResult& result);
+  /// After the last of them.
+  void finish(const ReadSpare& read);
+
   std::vector<SpacePlan> plans;  ///< one per active node of the problem
-  Settled settled;               ///< of all of them
-  /// Results that the plans have not asked for yet. They will, where what led there was lost.
-  StoredResults spare;
+  Settled settled;               ///< of all of them, once it is finished
+  SpareResults spare;
 };
 
-/// Records every result in fresh plans. `problem` must outlive them.
-Replay replay(const Problem& problem, StoredResults results);
+/// A journal whose results are in plans, but for those of liars.
+struct ReplayedJournal {
+  explicit ReplayedJournal(const Problem& problem) : replay(problem) {}
+  RecordedResults recorded;
+  Replay replay;
+  std::vector<ResultKey> of_liars;  ///< left out
+  // Of all that was not left out.
+  std::size_t results = 0;
+  std::string kernel_family;     ///< empty without any
+  double longest_solve = 0;      ///< s
+  std::set<std::string> givers;  ///< their keys (Provenance)
+};
+/// Reads the journal in `directory`. Errors are those of readResults().
+ReplayedJournal replayJournal(const std::filesystem::path& directory, const Problem& problem,
+                              const ContentId& build, const std::vector<KeptOut>& liars);
 
 /// The results of all attempts that failed with this cause.
 std::vector<ResultKey> failedWith(const std::vector<SpacePlan>& plans, Cause cause);
 
 /// Error when a replay of a journal that is whole left results that nobody asked for: another
 /// version of the program, which asked for others, began it.
-void refuseSpare(const StoredResults& spare);
+void refuseSpare(const SpareResults& spare);
 
 /// The rows of a dataset.
 std::vector<SpaceTable> spaceTables(const std::vector<SpacePlan>& plans);

@@ -339,25 +339,37 @@ void Tables::show(std::span<const SpacePlan> plans, std::span<const Changed> cha
 }
 
 void Tables::showAll(std::span<const SpacePlan> plans) {
+  constexpr std::int32_t all = std::numeric_limits<std::int32_t>::max();
+  for (Changed next = {0, 0}; !showSome(plans, next, all);) {
+  }
+}
+
+bool Tables::showSome(std::span<const SpacePlan> plans, Changed& next, std::int32_t most) {
   inTransaction(database_, [&] {
-    database_.execute("DELETE FROM configurations");
-    for (std::uint32_t space = 0; space < plans.size(); ++space)
-      for (std::int32_t n = 0; n < plans[space].size(); ++n)
-        writePoint(rowOf(space, n, plans[space]));
+    for (; next.space < plans.size() && most > 0; next = {next.space + 1, 0}) {
+      const SpacePlan& plan = plans[next.space];
+      for (; next.point < plan.size() && most > 0; ++next.point, --most)
+        writePoint(rowOf(next.space, next.point, plan));
+      if (next.point < plan.size()) return;
+      // Of a run that knew more.
+      Statement(database_, "DELETE FROM configurations WHERE space = ? AND point >= ?")
+          .run(next.space, plan.size());
+    }
   });
+  return next.space >= plans.size();
 }
 
 PointRow rowOf(std::uint32_t space, std::int32_t number, const SpacePlan& plan) {
-  const PointRecord& point = plan.point(number);
+  const CompactPoints& points = plan.points();
   PointRow row{.space = space,
                .number = number,
                .position = plan.positions().point(number),
-               .tag = std::string(name(point.tag)),
-               .cause = std::string(name(point.cause)),
-               .parent = point.parent,
+               .tag = std::string(name(points.tag(number))),
+               .cause = std::string(name(points.cause(number))),
+               .parent = points.parent(number),
                .force = std::nullopt,
-               .factorizations = point.cost.factorizations};
-  if (isSolved(point.tag)) row.force = point.equilibrium.force.norm();
+               .factorizations = points.factorizations(number)};
+  if (isSolved(points.tag(number))) row.force = points.equilibrium(number).force.norm();
   return row;
 }
 

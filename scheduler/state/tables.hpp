@@ -94,6 +94,9 @@ class Tables : public StoredTables {
   void show(std::span<const SpacePlan> plans, std::span<const Changed> changed);
   /// Every point of every space.
   void showAll(std::span<const SpacePlan> plans);
+  /// The same in parts, for whoever has something else to do meanwhile: of `most` points from
+  /// `next` on, which is moved behind them. Whether it was the last part.
+  bool showSome(std::span<const SpacePlan> plans, Changed& next, std::int32_t most);
 
   /// Of workers that went without any result, the latest so many keep their rows.
   static constexpr std::int64_t most_idle_departed = 1000;

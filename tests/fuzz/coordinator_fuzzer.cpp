@@ -70,7 +70,7 @@ class FuzzedScheduler {
   void end() {
     coordinator_.stop(now_);
     coordinator_.status(now_);
-    replay(problem(), readResults(folder_ / "state", store_.build()).results);
+    replayJournal(folder_ / "state", problem(), store_.build(), {});
   }
 
  private:

@@ -24,10 +24,11 @@ TEST(ExitCodeOfABuild, IsThatOfWorkThatFailedAndNotOfPointsBeyondReach) {
   const std::pair<Tag, Cause> expandable{Tag::expandable, Cause::none},
       terminating{Tag::terminating, Cause::none}, unreachable{Tag::failed, Cause::unreachable},
       too_strong{Tag::failed, Cause::beyond_force}, failed{Tag::failed, Cause::step_budget};
-  EXPECT_EQ(exitCodeOf(spaceOf({expandable, terminating})), ExitCode::done);
-  EXPECT_EQ(exitCodeOf(spaceOf({expandable, terminating, unreachable})), ExitCode::done);
-  EXPECT_EQ(exitCodeOf(spaceOf({expandable, terminating, too_strong})), ExitCode::done);
-  EXPECT_EQ(exitCodeOf(spaceOf({expandable, failed, unreachable})), ExitCode::partly_failed);
+  EXPECT_EQ(exitCodeOf(rowsOf(spaceOf({expandable, terminating}))), ExitCode::done);
+  EXPECT_EQ(exitCodeOf(rowsOf(spaceOf({expandable, terminating, unreachable}))), ExitCode::done);
+  EXPECT_EQ(exitCodeOf(rowsOf(spaceOf({expandable, terminating, too_strong}))), ExitCode::done);
+  EXPECT_EQ(exitCodeOf(rowsOf(spaceOf({expandable, failed, unreachable}))),
+            ExitCode::partly_failed);
 }
 
 TEST(SummaryOfABuild, CountsFailedPointsByCause) {
@@ -35,7 +36,7 @@ TEST(SummaryOfABuild, CountsFailedPointsByCause) {
                                {Tag::failed, Cause::unreachable},
                                {Tag::failed, Cause::unreachable},
                                {Tag::failed, Cause::step_budget}});
-  EXPECT_THAT(summaryOf(spaces, Scene()),
+  EXPECT_THAT(summaryOf(rowsOf(spaces), Scene()),
               testing::HasSubstr("failed: 1 step_budget, 2 unreachable\n"));
 }
 
@@ -49,7 +50,7 @@ TEST(SummaryOfABuild, TellsProbesApartFromPoints) {
   Probe& failed = spaces[1].probes.emplace_back();
   failed.record.tag = Tag::failed;
   failed.record.cause = Cause::beyond_force;
-  const std::string summary = summaryOf(spaces, Scene());
+  const std::string summary = summaryOf(rowsOf(spaces), Scene());
   EXPECT_THAT(summary,
               testing::HasSubstr("probes: 3, 1 solved within max_force, 1 beyond it, 1 not solved\n"
                                  "probes not solved: 1 beyond_force\n"));

@@ -11,6 +11,7 @@ import sys
 
 JOURNAL = "scheduler/state/journal.cpp"
 STORE = "scheduler/state/job_store.cpp"
+RESULTS = "scheduler/state/recorded_results.cpp"
 DIRECTORY = "scheduler/state/state_directory.cpp"
 COORDINATOR = "scheduler/service/coordinator.cpp"
 WORKERS = "scheduler/service/coordinator_workers.cpp"
@@ -35,9 +36,9 @@ DEFECTS = [
     ("drop-forgotten", "a damaged record is not marked", JOURNAL,
      "void Journal::dropAll(std::vector<JournalPosition> positions) {",
      "void Journal::dropAll(std::vector<JournalPosition> positions) {\n  if (@) return;"),
-    ("last-record-forgotten", "a restart does not know the last record", STORE,
-     "  return recorded;\n}", "  if (@ && !recorded.results.empty()) {\n    recorded.where.erase(std::prev(recorded.results.end())->first);\n"
-     "    recorded.results.erase(std::prev(recorded.results.end()));\n  }\n  return recorded;\n}"),
+    ("record-forgotten", "a restart does not know every record", RESULTS,
+     "    if (!recorded.where.add(key, where)) return;",
+     "    if (@ && recorded.where.size() % 20 == 19) return;\n    if (!recorded.where.add(key, where)) return;"),
     ("lock-not-taken", "two schedulers may share a state directory", DIRECTORY,
      "for (int tries = 0; flock(", "for (int tries = 0; !@ && flock("),
     ("lease-forgotten", "what a lost worker held is not given back", WORKERS,
@@ -56,11 +57,11 @@ DEFECTS = [
     ("duplicate-unanswered", "a result that is recorded already is not acknowledged again", COORDINATOR,
      "    acknowledgement(worker.peer, message);\n    compare(", "    if (!@) acknowledgement(worker.peer, message);\n    compare("),
     ("spare-forgotten", "results behind a lost one are asked for again", COORDINATOR,
-     "    add(settle(plan, key.space, spare_));", "    StoredResults none;\n    add(settle(plan, key.space, @ ? none : spare_));"),
+     "    add(settle(plan, key.space, spare_,", "    SpareResults none;\n    add(settle(plan, key.space, @ ? none : spare_,"),
     ("damage-refused", "one lost record makes the rest useless", COORDINATOR,
      "if (!store_->damaged() && ", "if ((@ || !store_->damaged()) && "),
     ("kept-out-forgotten", "a restart forgets who is kept out", STORE,
-     "  kept_out_ = tables_.keptOut();", "  if (!@) kept_out_ = tables_.keptOut();"),
+     "      kept_out_(tables_.keptOut()),", "      kept_out_(@ ? std::vector<KeptOut>() : tables_.keptOut()),"),
     ("lies-kept", "what somebody gave who is kept out stays recorded", STORE,
      "  if (theirs.empty()) return;", "  if (@ || theirs.empty()) return;"),
     ("checks-forgotten", "a restart forgets what others are to solve again", COORDINATOR,

@@ -51,7 +51,7 @@ std::string Scenario::sealedWith(const FalseResults& instead,
   sealDataset(file, problem, spaceTables(plans), "baseline",
               [&](std::size_t space, std::int32_t point) {
                 const TransitionKey key = {static_cast<std::uint32_t>(space), point,
-                                           plans[space].point(point).parent};
+                                           plans[space].points().parent(point)};
                 return NodalFields::decode(fields.at(key), problem.mesh.nodes.size(),
                                            pressureNodes(problem));
               });

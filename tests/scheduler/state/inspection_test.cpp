@@ -52,8 +52,8 @@ struct InspectionTest : testing::Test {
     const StateDirectory held(state);
     return repair(held, inspect(held));
   }
-  RecordedResults recorded() { return readResults(state, problemId(problem)); }
-  JournalPosition whereIs(const ResultKey& key) { return recorded().where.at(key); }
+  ReplayedJournal recorded() { return replayJournal(state, problem, problemId(problem), {}); }
+  JournalPosition whereIs(const ResultKey& key) { return *recorded().recorded.where.find(key); }
   void flip(const fs::path& file, std::uint64_t byte) {
     std::fstream stream(file, std::ios::binary | std::ios::in | std::ios::out);
     stream.seekg(static_cast<std::streamoff>(byte));
@@ -85,7 +85,7 @@ struct InspectionTest : testing::Test {
     return all;
   }
   /// As the next start of the build finds it.
-  Replay replayed() { return replay(problem, recorded().results); }
+  Replay replayed() { return recorded().replay; }
   void expectWholeAfterRepair() {
     mend();
     const Inspection found = look();
@@ -121,7 +121,7 @@ TEST_F(InspectionTest, FindsAFinishedBuildWhole) {
   EXPECT_EQ(found.build, problemId(problem));
   EXPECT_EQ(found.scene_name, "cube");
   EXPECT_EQ(found.segments, 1u);
-  EXPECT_EQ(found.records, recorded().results.size());
+  EXPECT_EQ(found.records, recorded().results);
   EXPECT_EQ(found.bytes, fs::file_size(segment));
   EXPECT_EQ(found.tables, TableState::whole);
   EXPECT_EQ(found.rows_behind, 0u);
@@ -177,7 +177,7 @@ TEST_F(InspectionTest, EveryFlippedBitOfARecordCostsItsPointAndIsRepaired) {
                 AllOf(HasSubstr("tip (1, 0, 0)"), HasSubstr("--repair"), HasSubstr("damaged: ")));
     expectWholeAfterRepair();
     EXPECT_THAT(look().dropped, SizeIs(1));
-    EXPECT_FALSE(recorded().where.contains(first_step));
+    EXPECT_FALSE(recorded().recorded.where.contains(first_step));
     std::ofstream(segment, std::ios::binary) << whole;
     std::ofstream(database, std::ios::binary) << tables;
   }
@@ -214,7 +214,7 @@ TEST_F(InspectionTest, AMissingSegmentCostsWhatWasInItAndIsMarked) {
 }
 
 TEST_F(InspectionTest, ATailThatWasLostShowsInTheTables) {
-  const std::size_t whole = recorded().results.size();
+  const std::size_t whole = recorded().results;
   fs::resize_file(segment, fs::file_size(segment) / 2);
   const Inspection found = look();
   EXPECT_FALSE(found.whole()) << describe(found, state);
@@ -223,7 +223,7 @@ TEST_F(InspectionTest, ATailThatWasLostShowsInTheTables) {
   EXPECT_GT(found.lost.size(), 5u);
   EXPECT_LT(found.records, whole);
   expectWholeAfterRepair();
-  EXPECT_EQ(recorded().results.size(), found.records);
+  EXPECT_EQ(recorded().results, found.records);
 }
 
 /// As after a power cut: the journal is synced, they are not.
@@ -262,7 +262,7 @@ TEST_F(InspectionTest, TablesOfWhichNothingCanBeReadAreLeftToTheNextStart) {
   std::ofstream(database, std::ios::binary) << std::string(50000, 'x');
   EXPECT_EQ(look().tables, TableState::damaged);
   EXPECT_FALSE(look().problem);
-  EXPECT_EQ(look().records, recorded().results.size());
+  EXPECT_EQ(look().records, recorded().results);
   expectWholeAfterRepair();
   EXPECT_EQ(look().tables, TableState::missing);
 }
@@ -274,7 +274,7 @@ TEST_F(InspectionTest, TellsWhateverBitOfTheTablesIsFlipped) {
     flip(database, byte);
     try {
       const Inspection found = look();
-      EXPECT_EQ(found.records, recorded().results.size());
+      EXPECT_EQ(found.records, recorded().results);
       EXPECT_EQ(found.damage.size() + found.foreign.size(), 0u);
     } catch (const Error& error) {
       // The version, the build, or that it is ours.
@@ -289,7 +289,7 @@ TEST_F(InspectionTest, ARecordThatLiesAboutItsFieldsIsDamaged) {
   {
     auto [header, payload] = test::solve(problem, 0, {}, {});
     payload[0] ^= 1;
-    Journal journal(state, recorded().end);
+    Journal journal(state, recorded().recorded.end);
     where = journal.append(header.SerializeAsString(), payload);
     journal.append("no result", "");
     journal.sync();
@@ -308,7 +308,7 @@ TEST_F(InspectionTest, RecordsOfAnotherBuildAreToldAndNeverTouched) {
   flip(segment, whereIs(first_step).offset + 60);
   {
     const auto [header, payload] = test::solve(other, 0, {}, {});
-    Journal journal(state, recorded().end);
+    Journal journal(state, recorded().recorded.end);
     journal.append(header.SerializeAsString(), payload);
     journal.sync();
   }
@@ -325,7 +325,7 @@ TEST_F(InspectionTest, RecordsOfAnotherBuildAreToldAndNeverTouched) {
 TEST_F(InspectionTest, ResultsThatNobodyAskedForAreToldWhereNothingIsLost) {
   {
     const auto [header, payload] = test::solve(problem, 0, {0, 0, 2}, {0, 0, -1});
-    Journal journal(state, recorded().end);
+    Journal journal(state, recorded().recorded.end);
     journal.append(header.SerializeAsString(), payload);
     journal.sync();
   }

@@ -41,7 +41,10 @@ struct JobStoreTest : testing::Test {
     file.seekp(static_cast<std::streamoff>(byte));
     file.put(static_cast<char>(there ^ 0x10));
   }
-  RecordedResults found() { return readResults(state, problemId(problem)); }
+  RecordedResults found() {
+    return readResults(state, problemId(problem), [](auto&&...) {});
+  }
+  JournalPosition whereIs(const ResultKey& key) { return *found().where.find(key); }
 };
 
 TEST_F(JobStoreTest, GivesBackResultsToTheLastBitAfterReopening) {
@@ -60,11 +63,12 @@ TEST_F(JobStoreTest, GivesBackResultsToTheLastBitAfterReopening) {
   const StateDirectory held(state);
   JobStore store = open(held);
   EXPECT_EQ(store.kernelFamily(), "baseline");
-  const StoredResults results = store.takeFound();
-  ASSERT_EQ(results.size(), 1u);
-  const StoredResult& found = results.at({0, {}, {}});
-  EXPECT_EQ(found.header.SerializeAsString(), header.SerializeAsString());
-  EXPECT_TRUE(std::signbit(found.outcome.equilibrium.energy));
+  ASSERT_EQ(store.found(), 1u);
+  const auto found = store.read({0, {}, {}});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->header.SerializeAsString(), header.SerializeAsString());
+  EXPECT_TRUE(std::signbit(found->outcome.equilibrium.energy));
+  EXPECT_TRUE(std::signbit(store.takeReplay().plans[0].points().equilibrium(0).energy));
   EXPECT_EQ(store.find({0, {}, {}})->payload, payload);
   EXPECT_FALSE(store.find({0, {1, 0, 0}, {}}));
   EXPECT_FALSE(store.find({1, {}, {}}));
@@ -72,11 +76,11 @@ TEST_F(JobStoreTest, GivesBackResultsToTheLastBitAfterReopening) {
 
 TEST_F(JobStoreTest, ADamagedHeaderCostsItsResultAlone) {
   recordThree();
-  flip(found().where.at({0, {1, 0, 0}, {}}).offset + 40);
+  flip(whereIs({0, {1, 0, 0}, {}}).offset + 40);
   const StateDirectory held(state);
   JobStore store = open(held);
   EXPECT_TRUE(store.damaged());
-  EXPECT_EQ(store.takeFound().size(), 2u);
+  EXPECT_EQ(store.found(), 2u);
   EXPECT_FALSE(store.knows({0, {1, 0, 0}, {}}));
 }
 
@@ -87,7 +91,7 @@ TEST_F(JobStoreTest, WhatIsDroppedIsNotThereAnyMoreAndCanBeRecordedAgain) {
   {
     const StateDirectory held(state);
     JobStore store = open(held);
-    const JournalPosition where = found().where.at(key);
+    const JournalPosition where = whereIs(key);
     flip(where.offset + where.length - 1);
     try {
       store.find(key);
@@ -104,7 +108,7 @@ TEST_F(JobStoreTest, WhatIsDroppedIsNotThereAnyMoreAndCanBeRecordedAgain) {
   store.append(header, payload);
   store.commit();
   EXPECT_EQ(store.find(key)->payload, payload);
-  EXPECT_EQ(found().results.size(), 3u);
+  EXPECT_EQ(found().where.size(), 3u);
 }
 
 /// A power cut keeps any sectors of what was not synced. In the last segment that is noticed, since
@@ -112,7 +116,7 @@ TEST_F(JobStoreTest, WhatIsDroppedIsNotThereAnyMoreAndCanBeRecordedAgain) {
 TEST_F(JobStoreTest, ATornRecordStaysGoneWhenAnotherSegmentBegins) {
   recordThree();
   const ResultKey key{0, {1, 0, 0}, {}};
-  const JournalPosition torn = found().where.at(key);
+  const JournalPosition torn = whereIs(key);
   flip(torn.offset + torn.length - 1);
   const StateDirectory held(state);
   {
@@ -123,8 +127,9 @@ TEST_F(JobStoreTest, ATornRecordStaysGoneWhenAnotherSegmentBegins) {
     store.commit();
   }
   const RecordedResults after = found();
-  EXPECT_EQ(after.where.at(key).segment, 2u);
-  EXPECT_NO_THROW(JournalReader(state).read(after.where.at(key)));
+  const JournalPosition again = *after.where.find(key);
+  EXPECT_EQ(again.segment, 2u);
+  EXPECT_NO_THROW(JournalReader(state).read(again));
 }
 
 TEST_F(JobStoreTest, ReplacesTablesThatSayNobodyMayWriteThem) {
@@ -136,7 +141,7 @@ TEST_F(JobStoreTest, ReplacesTablesThatSayNobodyMayWriteThem) {
   file.put(3);
   file.close();
   const StateDirectory held(state);
-  EXPECT_EQ(open(held).takeFound().size(), 3u);
+  EXPECT_EQ(open(held).found(), 3u);
   EXPECT_TRUE(std::filesystem::exists(state / "state.db.damaged"));
 }
 
@@ -150,14 +155,17 @@ TEST_F(JobStoreTest, TheTablesCanBeMadeAgainFromTheJournal) {
       std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
     const StateDirectory held(state);
     JobStore store = open(held);
-    EXPECT_EQ(store.takeFound().size(), 3u) << what;
+    EXPECT_EQ(store.found(), 3u) << what;
     EXPECT_EQ(problemId(decodeProblem(StoredTables(state).build().problem)), problemId(problem));
   }
 }
 
 TEST_F(JobStoreTest, NoFlippedBitOfTheTablesReachesAResult) {
   recordThree();
-  const auto whole = found();
+  std::map<ResultKey, std::string> whole;
+  readResults(state, problemId(problem), [&](const ResultKey& key, const StoredResult& result) {
+    whole[key] = result.header.SerializeAsString();
+  });
   const std::filesystem::path file = StateDirectory::databaseIn(state);
   std::ifstream stream(file, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
@@ -179,9 +187,10 @@ TEST_F(JobStoreTest, NoFlippedBitOfTheTablesReachesAResult) {
     std::filesystem::remove(file.string() + "-wal");
     const StateDirectory held(state);
     JobStore store = open(held);
-    for (const auto& [key, result] : store.takeFound())
-      EXPECT_EQ(result.header.SerializeAsString(),
-                whole.results.at(key).header.SerializeAsString());
+    for (const auto& [key, header] : whole) {
+      ASSERT_TRUE(store.knows(key));
+      EXPECT_EQ(store.read(key)->header.SerializeAsString(), header);
+    }
   }
 }
 
@@ -283,7 +292,7 @@ TEST_F(JobStoreTest, MakesItsTablesInADatabaseWithoutAnyWhateverItsHeaderSays) {
   for (const char* part : {"", "-wal", "-shm"}) std::filesystem::remove(file.string() + part);
   Database(file, Database::Access::read_write_create).execute("PRAGMA schema_version = 1073741824");
   const StateDirectory held(state);
-  EXPECT_EQ(open(held).takeFound().size(), 3U);
+  EXPECT_EQ(open(held).found(), 3U);
 }
 
 TEST_F(JobStoreTest, RefusesAFileThatIsNoDatabaseWhereThereIsNoJournal) {
@@ -308,7 +317,7 @@ TEST_F(JobStoreTest, CanBeReadWhileASchedulerWrites) {
   store.commit();
   store.tables().writeCounters({{"runs", 3}});
   EXPECT_EQ(tables.counters()["runs"], 2) << "a snapshot of the moment it was opened";
-  EXPECT_EQ(found().results.size(), 1u);
+  EXPECT_EQ(found().where.size(), 1u);
   ASSERT_EQ(tables.servers().size(), 1u);
   EXPECT_EQ(tables.servers()[0].state(), "busy");
   EXPECT_NEAR(tables.servers()[0].heard_seconds_ago(), 3, 60);
@@ -356,7 +365,7 @@ TEST_F(JobStoreTest, CanBeReadWhereNobodyMayWrite) {
       const bool dropped = !root || setuid(nobody) == 0;
       const bool read = dropped && problemId(decodeProblem(StoredTables(state).build().problem)) ==
                                        problemId(problem);
-      _exit(read && found().results.size() == 3 && !StateDirectory::liveAddress(state) ? 0 : 1);
+      _exit(read && found().where.size() == 3 && !StateDirectory::liveAddress(state) ? 0 : 1);
     } catch (const std::exception& error) {
       tell("{}\n", error.what());
       _exit(2);
@@ -458,7 +467,7 @@ TEST(Recovery, AKillBetweenAppendAndCommitLosesNothingAcknowledged) {
   const StateDirectory held(directory / "state");
   JobStore store(held, problem, encodeProblem(problem));
   EXPECT_FALSE(store.damaged());
-  EXPECT_EQ(store.takeFound().size(), 1u) << "nobody was told that the other is recorded";
+  EXPECT_EQ(store.found(), 1u) << "nobody was told that the other is recorded";
   EXPECT_EQ(store.find({0, {}, {}})->payload, test::solve(problem, 0, {}, {}).second);
 }
 
