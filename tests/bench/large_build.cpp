@@ -8,6 +8,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -281,6 +282,16 @@ Json seal(const Problem& problem, const std::filesystem::path& directory,
           {"peak_above_before_mb", megabytes("VmHWM") - before}};
 }
 
+/// Of this process so far, s: what it takes on a machine that others use too.
+double processorSeconds() {
+  struct rusage usage {};
+  if (getrusage(RUSAGE_SELF, &usage) != 0) throw failure("getrusage: {}", errnoText());
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
 /// In a process of its own, whose peak of memory is its own.
 Json inChild(const std::function<Json()>& what) {
   std::array<int, 2> ends{};
@@ -289,7 +300,9 @@ Json inChild(const std::function<Json()>& what) {
   if (child < 0) throw failure("fork: {}", errnoText());
   if (child == 0) {
     try {
-      const std::string text = what().dump();
+      Json told = what();
+      told["processor_seconds"] = processorSeconds();
+      const std::string text = told.dump();
       const bool said =
           write(ends[1], text.data(), text.size()) == static_cast<ssize_t>(text.size());
       _exit(said ? 0 : 1);
