@@ -86,7 +86,7 @@ ContentId layout::contentHash(const std::string& scene_toml, std::vector<hdf5::A
 
 ContentId verifiedContent(const std::filesystem::path& file) {
   Reader in(file);
-  openedText(in, file.string());
+  readMesh(in, sceneIn(in, openedText(in, file.string()), file.string()));
   for (const hdf5::ArrayInfo& array : in.arrays()) in.verify(array);
   return idIn(in, layout::content_attribute);
 }

@@ -481,14 +481,26 @@ void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
   }
 }
 
+std::string unusableRow(std::size_t n) {
+  return fmt::format("row {} is solved, but a number of it is not finite, or beyond {:g}", n,
+                     largest_stored);
+}
+
 void checkSolved(const Reader& in, const std::string& group,
                  const std::vector<PointRecord*>& records) {
   for (std::size_t n = 0; n < records.size(); ++n)
-    if (!isUsable(records[n]->equilibrium))
-      throw in.damaged(group + "/force",
-                       fmt::format("row {} is solved, but a number of it is not finite, or beyond "
-                                   "{:g}",
-                                   n, largest_stored));
+    if (!isUsable(records[n]->equilibrium)) throw in.damaged(group + "/force", unusableRow(n));
+}
+
+/// What no reader would take.
+void refuseUnusable(const Writer& out, const std::string& group,
+                    const WrittenRows<PointRecord>& records) {
+  std::size_t n = 0;
+  records.each([&](const PointRecord* record) {
+    if (isSolved(record->tag) && !isUsable(record->equilibrium))
+      throw failure("{}: {}/force: {}", out.name(), group, unusableRow(n));
+    ++n;
+  });
 }
 
 }  // namespace
@@ -498,6 +510,8 @@ void writeSpaces(Writer& out, const SpaceRowsList& rows,
   PALPATE_ASSERT(!rows.empty() && rows.size() == jumps.size(), "a scene has an active node");
   SpacesToWrite spaces;
   for (std::size_t s = 0; s < rows.size(); ++s) spaces.push_back({*rows[s], jumps[s]});
+  refuseUnusable(out, points_group, pointsOf(spaces));
+  refuseUnusable(out, probes_group, partsOf(probesOf(spaces), &Probe::record));
   out.makeGroup("/spaces");
   writeNames(out, spaces);
   std::vector<std::int32_t> active;
