@@ -2,16 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
-#include <array>
 #include <cstdlib>
-#include <filesystem>
 #include <vector>
 
-#include "scheduler/state/file_descriptor.hpp"
+#include "tests/support/notify_socket.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace palpate {
@@ -24,30 +20,13 @@ using testing::IsEmpty;
 /// What systemd would hear at $NOTIFY_SOCKET.
 struct ServiceManagerTest : testing::Test {
   test::TemporaryDirectory directory;
-  FileDescriptor socket{::socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)};
+  test::NotifySocket socket{directory.path()};
   ServiceManager::Clock::time_point now{1h};
 
-  void SetUp() override {
-    const std::string path = (directory / "notify").string();
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    ASSERT_LT(path.size(), sizeof address.sun_path);
-    std::ranges::copy(path, address.sun_path);
-    ASSERT_EQ(bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-    setenv("NOTIFY_SOCKET", path.c_str(), 1);
-  }
   void TearDown() override {
-    for (const char* name : {"NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"}) unsetenv(name);
+    for (const char* name : {"WATCHDOG_USEC", "WATCHDOG_PID"}) unsetenv(name);
   }
-  std::vector<std::string> heard() const {
-    std::vector<std::string> all;
-    std::array<char, 4096> bytes{};
-    for (;;) {
-      const ssize_t length = recv(socket.get(), bytes.data(), bytes.size(), 0);
-      if (length < 0) return all;
-      all.emplace_back(bytes.data(), static_cast<std::size_t>(length));
-    }
-  }
+  std::vector<std::string> heard() const { return socket.heard(); }
   static std::string status() { return "3/5 points"; }
 };
 
@@ -93,7 +72,7 @@ TEST_F(ServiceManagerTest, IsThatOfThisProcessAndNotOfThoseThatItStarts) {
 }
 
 TEST_F(ServiceManagerTest, ThatIsGoneOrNeverWasStopsNothing) {
-  std::filesystem::remove(directory / "notify");
+  socket.remove();
   ServiceManager gone;
   gone.ready();
   gone.alive(now, status);

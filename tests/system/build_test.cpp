@@ -1,14 +1,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 
-#include <array>
 #include <fstream>
 
 #include "common/base/cpu_family.hpp"
-#include "scheduler/state/file_descriptor.hpp"
 #include "tests/support/command.hpp"
+#include "tests/support/notify_socket.hpp"
 #include "tests/system/small_build.hpp"
 
 /// The real programs, from a scene to a sealed dataset, with kills.
@@ -205,26 +202,13 @@ TEST_F(SystemTest, StatusAndStopFindTheSchedulerThroughItsDirectory) {
 
 /// As systemd starts it.
 TEST_F(SystemTest, AServiceManagerHearsThatTheSchedulerServesAndHowFarItIs) {
-  const std::string heard = (directory / "notify").string();
-  const FileDescriptor ear(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  ASSERT_LT(heard.size(), sizeof address.sun_path);
-  std::ranges::copy(heard, address.sun_path);
-  ASSERT_EQ(bind(ear.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  setenv("NOTIFY_SOCKET", heard.c_str(), 1);
+  const test::NotifySocket manager(directory.path());
   auto serve = start("palpate-scheduler",
                      {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*", "--state", "state"});
-  unsetenv("NOTIFY_SOCKET");
   std::string all;
   const auto hears = [&](const std::string& word) {
-    std::array<char, 4096> bytes{};
-    while (all.find(word) == std::string::npos) {
-      const ssize_t length = recv(ear.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
-      if (length < 0) return false;
-      all += std::string(bytes.data(), static_cast<std::size_t>(length)) + '\n';
-    }
-    return true;
+    for (const std::string& message : manager.heard()) all += message + '\n';
+    return all.find(word) != std::string::npos;
   };
   EXPECT_TRUE(test::eventually([&] { return hears("READY=1"); })) << all;
   EXPECT_FALSE(test::endpointAnnouncedIn(directory / "state").empty()) << "it listens by then";
