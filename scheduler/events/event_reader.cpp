@@ -21,7 +21,10 @@ using Json = nlohmann::ordered_json;
 
 /// Nothing: the line is no event.
 std::optional<Json> parsedEvent(std::string_view line) {
-  Json event = Json::parse(line, nullptr, false);
+  // Of an event are objects, and lists of numbers in them; to write more out would need a stack.
+  constexpr int deepest = 8;
+  const auto isShallow = [](int depth, Json::parse_event_t, Json&) { return depth < deepest; };
+  Json event = Json::parse(line, isShallow, false);
   const auto isText = [&](const char* field) {
     const auto found = event.find(field);
     return found != event.end() && found->is_string();
@@ -35,6 +38,9 @@ std::string textIn(const Json& event, const char* field) {
   const auto found = event.find(field);
   return found != event.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
+
+/// Clocks count nanoseconds, and end in 2262.
+constexpr std::chrono::years longest{100};
 
 /// "90s", "15m", "2h", "7d"; nothing: it is none of that.
 std::optional<std::chrono::seconds> durationOf(std::string_view text) {
@@ -51,7 +57,8 @@ std::optional<std::chrono::seconds> durationOf(std::string_view text) {
   const char* const end = text.data() + text.size() - 1;
   if (std::from_chars(text.data(), end, count).ptr != end || end == text.data())
     return std::nullopt;
-  return std::chrono::seconds(unit * count);
+  const std::chrono::seconds duration(unit * count);
+  return duration < longest ? std::optional(duration) : std::nullopt;
 }
 
 std::optional<std::chrono::system_clock::time_point> dateOf(const std::string& text) {
@@ -59,8 +66,10 @@ std::optional<std::chrono::system_clock::time_point> dateOf(const std::string& t
                              "%Y-%m-%d %H:%M:%S", "%Y-%m-%d %H:%M", "%Y-%m-%d"}) {
     std::tm date{};
     const char* const end = strptime(text.c_str(), format, &date);
-    if (end != nullptr && *end == '\0')
-      return std::chrono::system_clock::from_time_t(timegm(&date));
+    if (end == nullptr || *end != '\0') continue;
+    const std::chrono::seconds since_1970(timegm(&date));
+    if (since_1970 < std::chrono::seconds(0) || since_1970 > 2 * longest) return std::nullopt;
+    return std::chrono::system_clock::time_point(since_1970);
   }
   return std::nullopt;
 }

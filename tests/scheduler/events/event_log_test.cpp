@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
 
 #include <fstream>
 #include <limits>
@@ -112,6 +114,40 @@ TEST_F(EventLogTest, WhatIsNotThereOrCannotBeWrittenStopsNobody) {
               ElementsAre(HasSubstr(R"("event":"left_out","events":5)"), HasSubstr(":5}")));
 }
 
+TEST_F(EventLogTest, AFullDiskCostsTheEventsOfThatTimeAndSaysHowMany) {
+  // Seen by this process alone.
+  if (unshare(CLONE_NEWNS) != 0 ||
+      mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
+      mount("events", directory.path().c_str(), "tmpfs", 0, "size=64k") != 0)
+    GTEST_SKIP() << "no root: a full disk was NOT tested";
+  constexpr int last = 200;
+  {
+    EventLog log(directory.path());
+    log.add(numbered(0));
+    log.flush();
+    std::ofstream(directory / "others") << std::string(64 << 10, 'x');
+    ASSERT_EQ(std::filesystem::space(directory.path()).available, 0u);
+    for (int n = 1; n < last; ++n) {
+      log.add(numbered(n));
+      log.flush();
+    }
+    // Of the page that it had already, all is used.
+    EXPECT_EQ(std::filesystem::file_size(file(1)) % 4096, 0u);
+    std::filesystem::remove(directory / "others");
+    log.add(numbered(last));
+    log.flush();
+  }
+  const auto kept = lines();
+  const auto told = std::ranges::find_if(
+      kept, [](const std::string& line) { return line.find("left_out") != std::string::npos; });
+  ASSERT_NE(told, kept.end());
+  const int lost = std::stoi(told->substr(told->rfind(':') + 1));
+  EXPECT_GT(lost, 100);
+  EXPECT_EQ(static_cast<int>(kept.size()) - 1 + lost, last + 1) << "each is kept or counted";
+  EXPECT_THAT(kept.back(), HasSubstr(":200}"));
+  EXPECT_EQ(umount(directory.path().c_str()), 0);
+}
+
 TEST_F(EventLogTest, AReaderGoesOnWhereItWasOverTheEndOfAFile) {
   EventLog log(directory.path(), 200, 4);
   EventReader reader(directory.path());
@@ -166,8 +202,17 @@ TEST_F(EventLogTest, ATimeIsADateOrHowLongAgo) {
   EXPECT_EQ(sinceText("2026-11-24T20:15:30Z", now), "2026-11-24T20:15:30.000Z");
   EXPECT_EQ(sinceText("2026-11-24", now), "2026-11-24T00:00:00.000Z");
   EXPECT_EQ(sinceText("2h", now), "2026-11-24T18:17:59.000Z");
-  for (const char* none : {"", "h", "yesterday", "-3m", "2026-11-24T20:15:30Zjunk"})
+  for (const char* none : {"", "h", "yesterday", "-3m", "2026-11-24T20:15:30Zjunk", "4000000000d",
+                           "9999-01-01", "0001-01-01"})
     test::expectError(ExitCode::usage, [&] { sinceText(none, now); }, {"no time"});
+}
+
+TEST_F(EventLogTest, WhatIsNestedDeeperThanAnyEventIsLeftOut) {
+  constexpr std::size_t deep = 1000000;
+  const std::string line = R"({"time":"2026","event":"paused","a":)" + std::string(deep, '[') +
+                           std::string(deep, ']') + R"(,"b":[1,[2]]})";
+  EXPECT_TRUE(EventFilter{}.takes(line));
+  EXPECT_THAT(textOfEvent(line), testing::AllOf(HasSubstr("b [1,[2]]"), SizeIs(testing::Lt(200u))));
 }
 
 TEST_F(EventLogTest, IsTextForPeople) {
