@@ -4,12 +4,9 @@
 #include <memory>
 #include <thread>
 
-#include "common/base/assertion.hpp"
-#include "scheduler/asked_scheduler.hpp"
-#include "scheduler/fleet/demand.hpp"
-#include "scheduler/fleet/slurm.hpp"
 #include "scheduler/fleet/ssh.hpp"
-#include "scheduler/recorded_build.hpp"
+#include "scheduler/slurm_fleet.hpp"
+#include "scheduler/state/tables.hpp"
 #include "scheduler/verbs.hpp"
 
 // `palpate fleet`: as many workers as a build can use, from an engine that owns the machines.
@@ -19,153 +16,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Of every engine.
-struct FleetOptions {
-  Asked asked;
-  std::string endpoint;  ///< of the scheduler, as nodes reach it
-  int every_s = 30;
-  int give_up_s = 900;
-  bool dry_run = false;
-};
-
-struct SlurmFleetOptions : FleetOptions {
-  FleetLimits limits;
-  SlurmOptions slurm;
-  int leave_idle_s = 300;
-  bool cancel = false;
-};
-
 struct SshFleetOptions : FleetOptions {
   SshOptions ssh;
   std::vector<std::string> hosts;
   std::string program = "palpate-worker";  ///< as a shell there finds it
-};
-
-/// What the scheduler says by now; nothing when it does not answer, with the reason told (once).
-class Watch {
- public:
-  explicit Watch(const Asked& asked) : asked_(asked), heard_(Clock::now()) {}
-
-  std::optional<wire::Status> look() {
-    try {
-      const auto scheduler = schedulerOf(asked_);
-      // Of a directory in which nobody works.
-      wire::Status status = scheduler ? askStatus(*scheduler, asked_.where) : ended();
-      heard_ = Clock::now();
-      told_.clear();
-      return status;
-    } catch (const Error& error) {
-      if (error.exitCode() != ExitCode::failed) throw;
-      if (told_ != error.what()) spdlog::warn("{}", error.what());
-      told_ = error.what();
-      return std::nullopt;
-    }
-  }
-  Clock::duration silence() const { return Clock::now() - heard_; }
-
- private:
-  wire::Status ended() const {
-    RecordedBuild build(asked_.where);
-    if (!build.complete()) throw failure("{}: no scheduler is working there now", asked_.where);
-    wire::Status status;
-    status.set_build(build.tables().build().build.hex());
-    status.set_state("complete");
-    return status;
-  }
-
-  Asked asked_;
-  Clock::time_point heard_;
-  std::string told_;
-};
-
-std::string reasonsOf(const Slurm::Jobs& jobs) {
-  std::string text;
-  for (const auto& [reason, count] : jobs.why_queued)
-    text += fmt::format("{}{} {}", text.empty() ? " (" : ", ", count, reason);
-  return text.empty() ? "" : text + ")";
-}
-
-/// Keeps as many workers of Slurm as the build can use.
-class SlurmFleet {
- public:
-  SlurmFleet(const SlurmFleetOptions& options, Slurm engine)
-      : options_(options), engine_(std::move(engine)), watch_(options.asked) {}
-
-  ExitCode run() {
-    for (;;) {
-      const auto status = watch_.look();
-      if (status && status->state() == "complete") return finish("the build is complete");
-      if (!status && watch_.silence() > std::chrono::seconds(options_.give_up_s)) {
-        finish("the scheduler does not answer any more");
-        return ExitCode::failed;
-      }
-      decide(status);
-      if (options_.dry_run) return ExitCode::done;
-      for (const auto until = Clock::now() + std::chrono::seconds(options_.every_s);
-           Clock::now() < until;) {
-        if (interrupted()) return leave();
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
-      }
-    }
-  }
-
- private:
-  void decide(const std::optional<wire::Status>& status) try {
-    const Slurm::Jobs jobs = engine_.jobs();
-    FleetView view{.queued = static_cast<int>(jobs.queued.size()), .running = jobs.running};
-    // Who cannot be asked may be back in a moment: what runs, and what is queued, stays.
-    if (!status) return tell(jobs, 0, "the scheduler does not answer");
-    view.ready = status->ready();
-    view.hands_out = status->state() == "running" && !status->paused();
-    const int more = moreWorkers(view, options_.limits);
-    tell(jobs, more, fmt::format("{} transitions could be solved now", view.ready));
-    if (options_.dry_run) return;
-    if (more > 0 && Clock::now() >= no_more_before_) engine_.submit(more);
-    if (more < 0) engine_.cancel({jobs.queued.end() + more, jobs.queued.end()});
-    refusals_ = 0;
-  } catch (const Error& error) {
-    if (error.exitCode() != ExitCode::failed) throw;
-    spdlog::warn("{}", error.what());
-    // A queue that says no says so for a while.
-    constexpr int longest = 5;
-    refusals_ = std::min(refusals_ + 1, longest);
-    no_more_before_ = Clock::now() + std::chrono::seconds(options_.every_s << refusals_);
-  }
-
-  void tell(const Slurm::Jobs& jobs, int more, const std::string& why) {
-    const std::string text =
-        fmt::format("{} workers run, {} are queued{}; {}: {}", jobs.running, jobs.queued.size(),
-                    reasonsOf(jobs), why,
-                    more > 0   ? fmt::format("{} more", more)
-                    : more < 0 ? fmt::format("{} queued ones are not needed", -more)
-                               : "as they are");
-    if (options_.dry_run)
-      fmt::print("{}\n{}", text, more > 0 ? engine_.script(std::min(more, 1000)) : "");
-    else if (text != last_)
-      spdlog::info("{}", text);
-    last_ = text;
-  }
-
-  ExitCode finish(const char* why) {
-    if (!options_.dry_run) engine_.cancelAll();
-    fmt::print("{}: no job of {} is left\n", why, options_.slurm.name);
-    return ExitCode::done;
-  }
-
-  ExitCode leave() {
-    fmt::print(
-        "stopped; the jobs of {} go on, and leave when they have nothing to do for {} s. The same "
-        "command goes on with them, with --cancel it ends them.\n",
-        options_.slurm.name, options_.leave_idle_s);
-    return ExitCode::interrupted;
-  }
-
-  const SlurmFleetOptions& options_;
-  Slurm engine_;
-  Watch watch_;
-  int refusals_ = 0;  ///< in a row
-  Clock::time_point no_more_before_;
-  std::string last_;
 };
 
 /// A job that is cancelled is killed half a minute later (Slurm's KillWait), unless somebody
@@ -174,9 +28,11 @@ constexpr int seconds_to_deliver = 25;
 
 /// What the scheduler says, and where nodes reach it. Error when it cannot be asked.
 wire::Status meet(FleetOptions& options) {
-  Watch watch(options.asked);
+  FleetWatch watch(options.asked);
   const auto status = watch.look();
   if (!status) throw failure("{}: cannot be asked, see above", options.asked.where);
+  // Then nobody is there to be reached, and nobody needs to.
+  if (status->state() == "complete") return *status;
   if (options.endpoint.empty()) {
     const auto scheduler = schedulerOf(options.asked);
     options.endpoint = scheduler ? scheduler->endpoint : options.asked.where;
@@ -216,14 +72,13 @@ std::string buildOf(SlurmFleetOptions& options) {
 ExitCode runSlurm(SlurmFleetOptions& options) {
   catchInterrupts();
   options.slurm.name = "palpate-" + buildOf(options).substr(0, 12);
+  options.slurm.endpoint = options.endpoint;
   options.slurm.command = workerCommand(options);
-  Slurm engine(options.slurm);
-  if (options.cancel) {
-    engine.cancelAll();
-    fmt::print("no job of {} is left\n", options.slurm.name);
-    return ExitCode::done;
-  }
-  return SlurmFleet(options, std::move(engine)).run();
+  SlurmFleet fleet(options);
+  if (!options.cancel) return fleet.run();
+  fleet.end();
+  fmt::print("no job of {} is left\n", options.slurm.name);
+  return ExitCode::done;
 }
 
 // ---- ssh ----
@@ -231,7 +86,7 @@ ExitCode runSlurm(SlurmFleetOptions& options) {
 ExitCode keepHosts(const SshFleetOptions& options, SshHosts& hosts) {
   // Theirs, and what a connection takes.
   constexpr std::chrono::seconds grace{seconds_to_deliver + 5};
-  Watch watch(options.asked);
+  FleetWatch watch(options.asked);
   for (Clock::time_point next_look;;) {
     const auto now = Clock::now();
     hosts.keep(now);
@@ -265,7 +120,10 @@ ExitCode keepHosts(const SshFleetOptions& options, SshHosts& hosts) {
 ExitCode runSsh(SshFleetOptions& options) {
   for (const std::string& host : options.hosts) SshHosts::checkHost(host);
   catchInterrupts();
-  meet(options);
+  if (meet(options).state() == "complete") {
+    fmt::print("the build is complete: there is nothing to do\n");
+    return ExitCode::done;
+  }
   options.ssh.command = {options.program,  "work",    "--connect",
                          options.endpoint, "--drain", std::to_string(seconds_to_deliver)};
   if (options.asked.keys.insecure) options.ssh.command.emplace_back("--insecure");

@@ -11,6 +11,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/printable.hpp"
 #include "scheduler/state/file_descriptor.hpp"
 
 extern char** environ;
@@ -67,7 +68,7 @@ pid_t spawn(const std::vector<std::string>& words, const FileDescriptor& in,
     error = posix_spawnp(&child, arguments[0], &files, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&files);
   if (error == ENOENT)
-    throw failure("{} is not installed here, or not in $PATH (Debian: slurm-client)", words[0]);
+    throw badInput("{} is not installed here, or not in $PATH (Debian: slurm-client)", words[0]);
   errno = error;
   if (error != 0) throw failure("{} cannot be run: {}", words[0], errnoText());
   return child;
@@ -100,7 +101,10 @@ Ran runOfEngine(const std::vector<std::string>& words, const std::string& input,
     kill(child, SIGKILL);
     while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
     }
-    throw failure("{} did not answer within {} s", words[0], patience.count());
+    // sbatch tries again by itself, for minutes, and says why.
+    const std::string said = printable(readWhole(err), longest_reason);
+    throw failure("{} did not answer within {} s{}{}", words[0], patience.count(),
+                  said.empty() ? "" : " but: ", said);
   }
   if (!WIFEXITED(*status)) throw failure("{} was ended by signal {}", words[0], WTERMSIG(*status));
   return {WEXITSTATUS(*status), readWhole(out), readWhole(err)};

@@ -2,33 +2,41 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <signal.h>
+#include <sys/wait.h>
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <optional>
 #include <sstream>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/printable.hpp"
 #include "scheduler/fleet/engine_command.hpp"
+#include "scheduler/fleet/slurm_words.hpp"
 
 namespace palpate {
 namespace {
 
-/// Slurm's MaxArraySize is 1001 unless somebody raised it.
-constexpr int longest_array = 1000;
 /// A command line has an end, and so has the patience of slurmctld.
 constexpr std::size_t cancelled_at_once = 500;
+/// In front of the endpoint, in the comment of a job.
+constexpr std::string_view comment_prefix = "palpate at ";
 
 /// Slurm may come a minute early, and short jobs are to work too.
 int secondsToLeave(int minutes) { return std::min(60, 15 * minutes); }
 
+/// Ran well, or said no.
 std::string orders(const std::vector<std::string>& words, const std::string& input = "") {
   Ran ran = runOfEngine(words, input);
-  if (ran.exit_code != 0)
-    throw failure("{} says no (exit code {}): {}", words[0], ran.exit_code,
-                  printable(ran.err.empty() ? ran.out : ran.err, 500));
-  return std::move(ran.out);
+  if (ran.exit_code == 0) return std::move(ran.out);
+  const std::string said = printable(ran.err.empty() ? ran.out : ran.err, longest_reason);
+  const SlurmAdvice advice = adviceOnRefusal(ran.exit_code, said);
+  throw Error(advice.lasting ? ExitCode::usage : ExitCode::failed,
+              fmt::format("{} says no (exit code {}): {}{}{}", words[0], ran.exit_code, said,
+                          advice.what.empty() ? "" : "; what to do: ", advice.what));
 }
 
 /// As a shell reads it back.
@@ -38,16 +46,128 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
-bool isQueued(const std::string& state) {
-  constexpr std::array waiting = {"PENDING",     "REQUEUED",     "REQUEUE_HOLD",
-                                  "REQUEUE_FED", "SPECIAL_EXIT", "RESV_DEL_HOLD"};
-  return std::ranges::find(waiting, state) != waiting.end();
+// ---- What squeue writes ----
+
+/// As wide as they may be: what is longer is cut off.
+struct Column {
+  const char* name;
+  std::size_t width;
+};
+// Of old versions too; the rest of a line is the last.
+constexpr std::array columns = {Column{"State", 20},     Column{"JobArrayID", 40},
+                                Column{"NodeList", 100}, Column{"exit_code", 12},
+                                Column{"TimeUsed", 20},  Column{"EndTime", 24},
+                                Column{"Comment", 200},  Column{"Reason", 200}};
+
+std::string formatOfSqueue() {
+  std::string text;
+  for (const auto& [name, width] : columns)
+    text += fmt::format("{}{}:{}", text.empty() ? "" : ",", name, width);
+  return text;
+}
+
+std::array<std::string, columns.size()> cellsOf(std::string_view line) {
+  std::array<std::string, columns.size()> cells;
+  for (std::size_t n = 0; n < columns.size(); ++n) {
+    std::string_view cell = line.substr(0, columns[n].width);
+    line.remove_prefix(cell.size());
+    cell = cell.substr(0, cell.find_last_not_of(' ') + 1);
+    cells[n] = printable(cell, columns[n].width);
+  }
+  return cells;
+}
+
+template <class Number>
+std::optional<Number> numberIn(std::string_view text) {
+  Number number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+/// "[days-][[hours:]minutes:]seconds"; what is none of that lasted no time.
+std::chrono::seconds durationOf(std::string_view text) {
+  std::int64_t days = 0, seconds = 0;
+  if (const auto dash = text.find('-'); dash != std::string_view::npos) {
+    days = numberIn<std::uint16_t>(text.substr(0, dash)).value_or(0);
+    text.remove_prefix(dash + 1);
+  }
+  while (!text.empty()) {
+    const std::string_view number = text.substr(0, text.find(':'));
+    seconds = 60 * seconds + numberIn<std::uint16_t>(number).value_or(0);
+    text.remove_prefix(std::min(text.size(), number.size() + 1));
+  }
+  return std::chrono::seconds(24 * 3600 * days + seconds);
+}
+
+template <std::size_t count>
+bool isOneOf(const std::string& state, const std::array<const char*, count>& states) {
+  return std::ranges::find(states, state) != states.end();
+}
+constexpr std::array queued_states = {"PENDING",     "REQUEUED",     "REQUEUE_HOLD",
+                                      "REQUEUE_FED", "SPECIAL_EXIT", "RESV_DEL_HOLD"};
+constexpr std::array running_states = {"RUNNING",  "CONFIGURING", "SUSPENDED", "STOPPED",
+                                       "RESIZING", "SIGNALING",   "STAGE_OUT"};
+constexpr std::array failed_states = {"FAILED", "BOOT_FAIL", "OUT_OF_MEMORY"};
+constexpr std::array well_states = {"COMPLETED", "TIMEOUT"};
+
+/// The status as wait() has it.
+Launches::Ended endOf(const std::string& state, std::string_view status,
+                      const std::string& reason) {
+  using How = Launches::Ended::How;
+  Launches::Ended end;
+  const int number = numberIn<int>(status).value_or(0);
+  const bool told_to = WIFEXITED(number)
+                           ? WEXITSTATUS(number) == static_cast<int>(ExitCode::interrupted)
+                           : WTERMSIG(number) == SIGTERM;
+  end.how = isOneOf(state, well_states)                 ? How::well
+            : isOneOf(state, failed_states) && !told_to ? How::failed
+                                                        : How::from_outside;
+  end.words = reason == "NonZeroExitCode" ? "" : reason;
+  const std::string how = WIFEXITED(number) ? fmt::format("exit code {}", WEXITSTATUS(number))
+                                            : fmt::format("signal {}", WTERMSIG(number));
+  if (number != 0) end.words += (end.words.empty() ? "" : ", ") + how;
+  if (end.words.empty()) end.words = state;
+  return end;
 }
 
 }  // namespace
 
-std::string Slurm::script(int workers) const {
-  PALPATE_ASSERT(workers > 0 && workers <= longest_array, "longer arrays are cut before");
+std::map<std::string, int> SlurmJobs::reasons() const {
+  std::map<std::string, int> count;
+  for (const Queued& job : queued) ++count[job.reason];
+  return count;
+}
+
+SlurmJobs SlurmJobs::parsed(const std::string& text, const std::string& endpoint) {
+  SlurmJobs jobs;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const auto [state, id, node, status, used, when, comment, reason] = cellsOf(line);
+    if (state.empty() || id.empty()) continue;
+    const bool queued = isOneOf(state, queued_states), running = isOneOf(state, running_states);
+    if ((queued || running) && comment.starts_with(comment_prefix) &&
+        comment.substr(comment_prefix.size()) != endpoint) {
+      jobs.elsewhere.push_back(id);
+    } else if (queued) {
+      jobs.queued.push_back({id, reason});
+    } else if (running) {
+      jobs.running.push_back({id, node, durationOf(used)});
+    } else if (state != "COMPLETING") {
+      Launches::Ended end = endOf(state, status, reason);
+      end.id = id;
+      end.node = node;
+      end.age = durationOf(used);
+      end.when = when;
+      jobs.ended.push_back(std::move(end));
+    }
+  }
+  std::ranges::stable_sort(jobs.ended, {}, &Launches::Ended::when);
+  return jobs;
+}
+
+std::string Slurm::script(int workers, const std::set<std::string>& but_on) const {
+  PALPATE_ASSERT(workers > 0, "nobody asks for none");
   std::string text = "#!/bin/sh\n";
   const auto option = [&](const std::string& words) { text += "#SBATCH " + words + '\n'; };
   option("--job-name=" + options_.name);
@@ -58,32 +178,42 @@ std::string Slurm::script(int workers) const {
   option(fmt::format("--signal=B:TERM@{}", secondsToLeave(options_.minutes)));
   option("--requeue --open-mode=append");
   option("--output=" + options_.log);
+  option(fmt::format("--comment=\"{}{}\"", comment_prefix, options_.endpoint));
   if (!options_.constraint.empty()) option("--constraint=" + options_.constraint);
-  for (const std::string& words : options_.more) option(words);
+  // Of two such options the later one counts.
+  std::vector<std::string> excluded(but_on.begin(), but_on.end());
+  for (const std::string& words : options_.more) {
+    constexpr std::string_view exclude = "--exclude=";
+    if (words.starts_with(exclude) && !excluded.empty())
+      excluded.push_back(words.substr(exclude.size()));
+    option(words);
+  }
+  if (!excluded.empty()) option(fmt::format("--exclude={}", fmt::join(excluded, ",")));
   text += "exec";
   for (const std::string& word : options_.command) text += ' ' + quoted(word);
   return text + '\n';
 }
 
-Slurm::Jobs Slurm::jobs() const {
-  std::istringstream lines(orders(
-      {"squeue", "--me", "--noheader", "--array", "--name=" + options_.name, "--format=%T %i %r"}));
-  Jobs jobs;
-  for (std::string state, id, reason; lines >> state >> id && std::getline(lines, reason);) {
-    if (!isQueued(state)) {
-      ++jobs.running;
-      continue;
-    }
-    jobs.queued.push_back(id);
-    reason.erase(0, reason.find_first_not_of(' '));
-    ++jobs.why_queued[printable(reason)];
-  }
-  return jobs;
+SlurmJobs Slurm::jobs() const {
+  return SlurmJobs::parsed(orders({"squeue", "--me", "--noheader", "--array", "--states=all",
+                                   "--name=" + options_.name, "--Format=" + formatOfSqueue()}),
+                           options_.endpoint);
 }
 
-void Slurm::submit(int workers) const {
-  for (int left = workers; left > 0; left -= longest_array)
-    orders({"sbatch", "--parsable"}, script(std::min(left, longest_array)));
+void Slurm::submit(int workers, const std::set<std::string>& but_on) {
+  while (workers > 0) {
+    const int some = std::min(workers, longest_array_);
+    try {
+      orders({"sbatch", "--parsable"}, script(some, but_on));
+      workers -= some;
+    } catch (const Error& error) {
+      // MaxArraySize is whatever somebody wrote into slurm.conf.
+      if (some == 1 ||
+          std::string_view(error.what()).find("array specification") == std::string_view::npos)
+        throw;
+      longest_array_ = some / 2;
+    }
+  }
 }
 
 void Slurm::cancel(const std::vector<std::string>& ids) const {
@@ -97,5 +227,22 @@ void Slurm::cancel(const std::vector<std::string>& ids) const {
 }
 
 void Slurm::cancelAll() const { orders({"scancel", "--me", "--name=" + options_.name}); }
+
+std::string Slurm::logOf(const std::string& id) const {
+  const std::size_t bar = id.find('_');
+  const std::string array = id.substr(0, bar);
+  const std::string element = bar == std::string::npos ? "" : id.substr(bar + 1);
+  std::string file;
+  for (std::size_t at = 0; at < options_.log.size(); ++at) {
+    const char what = options_.log[at] == '%' ? options_.log.substr(at + 1, 1)[0] : '\0';
+    if (what == 'A' || what == 'a') {
+      file += what == 'A' ? array : element;
+      ++at;
+    } else {
+      file += options_.log[at];
+    }
+  }
+  return file;
+}
 
 }  // namespace palpate

@@ -50,6 +50,13 @@ std::vector<std::string> wordsFor(const SshOptions& options, const std::string& 
   return command;
 }
 
+/// In front of what ssh, the shell there, or the workers said.
+const char* meaningOf(const std::string& how) {
+  if (how == "exit code 255") return "it does not get through; ";
+  if (how == "exit code 127") return "--program is not there, or a library of it; ";
+  return "";
+}
+
 }  // namespace
 
 SshHosts::SshHosts(const SshOptions& options, const std::vector<std::string>& hosts) {
@@ -74,8 +81,8 @@ void SshHosts::keep(Time now) {
       if (now - host.begun > long_enough) host.failures = 0;
       const auto pause = first_pause * (1 << std::min(host.failures++, most_doublings));
       host.next_try = now + pause;
-      spdlog::warn("{}: ssh ended with {} (its words are above); again in {} s", host.name,
-                   ended.how, pause.count());
+      spdlog::warn("{}: ssh ended with {} ({}its words are above); again in {} s", host.name,
+                   ended.how, meaningOf(ended.how), pause.count());
     }
     if (host.connection.running() > 0 || host.done || now < host.next_try) continue;
     host.connection.start();

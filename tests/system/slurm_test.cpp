@@ -15,7 +15,7 @@ namespace {
 using testing::HasSubstr;
 
 struct SlurmTest : test::SmallBuild {
-  SlurmTest() : SmallBuild(11) {}
+  explicit SlurmTest(int cells = 11) : SmallBuild(cells) {}
   test::OwnNetwork network;
   test::TemporaryDirectory cluster;
   std::unique_ptr<test::Process> munged, slurmctld, node_here, node_there;
@@ -33,7 +33,7 @@ struct SlurmTest : test::SmallBuild {
   void TearDown() override {
     unsetenv("SLURM_CONF");
     // Whatever a failed test left: their daemons go with this object, their jobs do not.
-    test::runCommand("pkill -KILL -f " + (directory / "keys").string());
+    for (const pid_t worker : workers()) kill(worker, SIGKILL);
   }
 
   void configure() const {
@@ -62,10 +62,12 @@ struct SlurmTest : test::SmallBuild {
         << "SelectType=select/cons_tres\nSelectTypeParameters=CR_Core\n"
         << "SchedulerType=sched/backfill\n"
         << "SchedulerParameters=sched_interval=1,bf_interval=1,sched_min_interval=0\n"
-        << "KillWait=5\nMinJobAge=30\nSlurmdTimeout=10\nSlurmdParameters=config_overrides\n"
+        << "KillWait=5\nMinJobAge=300\nSlurmdTimeout=10\nSlurmdParameters=config_overrides\n"
+        << "MaxArraySize=4\nEnforcePartLimits=ALL\n"
         << "NodeName=here NodeHostname=" << host << " NodeAddr=10.77.0.1 Port=6821 CPUs=2\n"
         << "NodeName=there NodeHostname=" << host << " NodeAddr=10.77.0.2 Port=6822 CPUs=2\n"
-        << "PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP\n";
+        << "PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP\n"
+        << "PartitionName=short Nodes=ALL MaxTime=5 State=UP\n";
     setenv("SLURM_CONF", (cluster / "slurm.conf").c_str(), 1);
   }
 
@@ -82,7 +84,7 @@ struct SlurmTest : test::SmallBuild {
                      "--socket=" + munge + "/munge.sock", "--pid-file=" + munge + "/munged.pid",
                      "--log-file=" + munge + "/munged.log", "--seed-file=" + munge + "/seed"});
     ASSERT_TRUE(test::eventually([&] { return exists(cluster / "munge/munge.sock"); }));
-    slurmctld = daemon("/usr/sbin/slurmctld", {"-D", "-c"});
+    slurmctld = daemon("/usr/sbin/slurmctld", {"-D"});
     node_here = node("here");
     network.goThere();
     node_there = node("there");
@@ -93,37 +95,215 @@ struct SlurmTest : test::SmallBuild {
     return std::atoi(test::runCommand("sinfo -h -t idle -o %D").output.c_str());
   }
   static std::string jobs() { return test::runCommand("squeue -h --array -o '%T %N'").output; }
+  static int jobsThatWere() {
+    return std::atoi(test::runCommand("squeue -h --array -t all | wc -l").output.c_str());
+  }
+  std::unique_ptr<test::Process> serve(const std::string& address = "10.77.0.1") {
+    return start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://" + address + ":*",
+                                       "--state", "state", "-o", "out.h5"});
+  }
+  /// By this program, in whose folder the workers are.
+  std::unique_ptr<test::Process> fleet(std::vector<std::string> more,
+                                       const std::string& program = "palpate-scheduler") {
+    std::vector<std::string> words = {"fleet",
+                                      "slurm",
+                                      "state",
+                                      "--keys",
+                                      (directory / "keys").string(),
+                                      "--every",
+                                      "1",
+                                      "--log",
+                                      (directory / "job-%A-%a.log").string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return start(program, words);
+  }
+  static void writeProgram(const std::filesystem::path& file, const std::string& content) {
+    std::ofstream(file, std::ios::binary) << content;
+    std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+  }
+  /// The worker, linked with a library that is nowhere.
+  static void writeBrokenWorker(const std::filesystem::path& file) {
+    std::string bytes = test::contentOf(PALPATE_BIN_DIR "/palpate-worker");
+    const std::string library = "libzmq.so.5";
+    ASSERT_NE(bytes.find(library), std::string::npos);
+    writeProgram(file, bytes.replace(bytes.find(library), library.size(), "libzmq.so.9"));
+  }
+  /// Palpate as somebody installed it for the nodes, without its workers. Returns the scheduler.
+  std::string installElsewhere() const {
+    const std::filesystem::path program = directory / "bin" / "palpate-scheduler";
+    std::filesystem::create_directory(directory / "bin");
+    std::filesystem::copy_file(PALPATE_BIN_DIR "/palpate-scheduler", program);
+    return program.string();
+  }
+  static bool says(const test::Process& program, const std::string& words) {
+    return test::eventually([&] { return program.output().find(words) != std::string::npos; });
+  }
+};
+
+/// What goes wrong is the same whatever is built.
+struct SlurmFaultsTest : SlurmTest {
+  SlurmFaultsTest() : SlurmTest(6) {}
+
+  /// A scheduler that could use eight workers.
+  std::unique_ptr<test::Process> serveWide(const std::string& address = "10.77.0.1") {
+    auto scheduler = serve(address);
+    const std::string endpoint = endpointIn("state");
+    auto worker =
+        start("palpate-worker",
+              {"work", "--connect", "tcp://10.77.0.1" + endpoint.substr(endpoint.rfind(':'))});
+    EXPECT_TRUE(test::eventually([&] { return ready() >= 20; })) << worker->output();
+    EXPECT_EQ(worker->stop(SIGTERM), 130) << worker->output();
+    return scheduler;
+  }
+  int ready() const {
+    const std::string status =
+        test::runCommand(PALPATE_BIN_DIR "/palpate status --json " + (directory / "state").string())
+            .output;
+    const std::string field = "\"ready\":";
+    const auto at = status.find(field);
+    return at == std::string::npos ? 0 : std::atoi(status.c_str() + at + field.size());
+  }
 };
 
 TEST_F(SlurmTest, ABuildComesToItsEndThoughANodeIsCutOffAndTheTimeOfJobsIsUp) {
-  auto serve = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://10.77.0.1:*",
-                                           "--state", "state", "-o", "out.h5"});
-  const std::string endpoint = endpointIn("state");
-  auto fleet =
-      start("palpate-scheduler", {"fleet", "slurm", "state", "--connect", endpoint, "--keys",
-                                  (directory / "keys").string(), "--most", "4", "--minutes", "1",
-                                  "--every", "1", "--log", (directory / "job-%A-%a.log").string()});
+  auto scheduler = serve();
+  auto all = fleet({"--connect", endpointIn("state"), "--most", "4", "--minutes", "1"});
   ASSERT_TRUE(test::eventually([] { return jobs().find("RUNNING there") != std::string::npos; }))
-      << fleet->output() << jobs();
+      << all->output() << jobs();
   const auto begun = std::chrono::steady_clock::now();
-  ASSERT_TRUE(journalGrows(*serve, "state", 20000)) << serve->output();
+  ASSERT_TRUE(journalGrows(*scheduler, "state", 20000)) << scheduler->output();
   ASSERT_EQ(test::runCommand("ip link set here down").exit_code, 0);
-  ASSERT_TRUE(journalGrows(*serve, "state", 20000)) << "the other node works on";
+  ASSERT_TRUE(journalGrows(*scheduler, "state", 20000)) << "the other node works on";
   ASSERT_EQ(test::runCommand("ip link set here up").exit_code, 0);
 
   // However fast this machine is, the time of the jobs is up while they solve.
   ASSERT_EQ(start("palpate-scheduler", {"pause", "state"})->wait(), 0);
   std::this_thread::sleep_until(begun + std::chrono::seconds(35));
   ASSERT_EQ(start("palpate-scheduler", {"resume", "state"})->wait(), 0);
-  const auto isUp = [&] { return serve->output().find("left: interrupted") != std::string::npos; };
-  ASSERT_TRUE(test::eventually([&] { return !serve->running() || isUp(); })) << serve->output();
-  EXPECT_TRUE(serve->running()) << "the build was over before: give it more to do";
+  const auto isUp = [&] {
+    return scheduler->output().find("left: interrupted") != std::string::npos;
+  };
+  ASSERT_TRUE(test::eventually([&] { return !scheduler->running() || isUp(); }))
+      << scheduler->output();
+  EXPECT_TRUE(scheduler->running()) << "the build was over before: give it more to do";
 
-  expectFinished(*serve);
-  EXPECT_EQ(fleet->wait(), 0) << fleet->output();
-  EXPECT_THAT(fleet->output(), HasSubstr("no job of palpate-"));
+  expectFinished(*scheduler);
+  EXPECT_EQ(all->wait(), 0) << all->output();
+  EXPECT_THAT(all->output(), HasSubstr("no job of palpate-"));
   EXPECT_TRUE(test::eventually([&] { return jobs().empty(); })) << jobs();
   EXPECT_EQ(test::contentOf(directory / "out.h5"), undisturbed());
+}
+
+TEST_F(SlurmFaultsTest, AnOptionThatSlurmRefusesEndsTheFleetWithItsName) {
+  auto scheduler = serve();
+  endpointIn("state");
+  struct Case {
+    std::vector<std::string> options;
+    const char *said, *advice;
+  };
+  for (const Case& wrong : {
+           Case{{"--", "--partition=nosuch"}, "Invalid partition name", "--partition=NAME"},
+           Case{{"--minutes", "100", "--", "--partition=short"},
+                "time limit is invalid",
+                "--minutes"},
+           Case{{"--constraint", "nosuch"}, "Invalid feature", "--constraint"},
+           Case{{"--", "--nosuch"}, "unrecognized option", "behind --"},
+       }) {
+    auto refused = fleet(wrong.options);
+    EXPECT_EQ(refused->wait(), 2);
+    EXPECT_THAT(refused->output(), testing::AllOf(HasSubstr(wrong.said), HasSubstr(wrong.advice)));
+  }
+  EXPECT_EQ(jobs(), "");
+}
+
+TEST_F(SlurmFaultsTest, HeldJobsAreNamedAndNoneIsLeftThoughFleetAndSlurmAreKilledMeanwhile) {
+  ASSERT_EQ(test::runCommand("ip addr add 10.77.0.3/24 dev here").exit_code, 0);
+  auto scheduler = serveWide("0.0.0.0");
+  const std::string endpoint = endpointIn("state");
+  const std::string port = endpoint.substr(endpoint.rfind(':'));
+  const auto held = [&](const std::string& address) {
+    return fleet({"--connect", "tcp://" + address + port, "--most", "8", "--backlog", "8",
+                  "--leave-idle", "5", "--", "--hold"});
+  };
+  const auto eightAreHeld = [] {
+    const std::string all = jobs();
+    return std::ranges::count(all, '\n') == 8 && all.find("RUNNING") == std::string::npos;
+  };
+  auto first = held("10.77.0.1");
+  EXPECT_TRUE(says(*first, "scontrol release")) << first->output();
+  EXPECT_TRUE(says(*first, "8 are queued (8 JobHeldUser)")) << first->output();
+  EXPECT_TRUE(eightAreHeld()) << "in arrays of three at most, which is all this Slurm takes";
+  first->stop(SIGKILL);
+
+  // Where the scheduler moved to, for a fleet.
+  auto second = held("10.77.0.3");
+  EXPECT_TRUE(says(*second, "8 jobs look for the scheduler elsewhere")) << second->output();
+  EXPECT_TRUE(says(*second, "8 are queued (8 JobHeldUser)")) << second->output();
+  EXPECT_TRUE(eightAreHeld()) << jobs();
+  EXPECT_LE(jobsThatWere(), 16) << "nothing comes on top of what is held";
+  second->stop(SIGKILL);
+
+  // The rest is computed without it, and while nobody can be told.
+  slurmctld->stop(SIGKILL);
+  auto worker = start("palpate-worker", {"work", "-j", "2", "--connect", "tcp://127.0.0.1" + port});
+  expectFinished(*scheduler);
+  EXPECT_EQ(worker->wait(), 0) << worker->output();
+  auto third = held("10.77.0.3");
+  EXPECT_TRUE(says(*third, "they are cancelled again until they are")) << third->output();
+  slurmctld = daemon("/usr/sbin/slurmctld", {"-D"});
+  EXPECT_EQ(third->wait(), 0) << third->output();
+  EXPECT_THAT(third->output(), HasSubstr("the build is complete: no job of palpate-"));
+  EXPECT_EQ(jobs(), "");
+}
+
+TEST_F(SlurmFaultsTest, JobsThatDieAtOnceAreTriedOneByOneUntilOneLives) {
+  const std::string program = installElsewhere();
+  const std::filesystem::path worker = directory / "bin" / "palpate-worker";
+  writeBrokenWorker(worker);
+  auto scheduler = serveWide();
+  auto all = fleet({"--connect", endpointIn("state"), "--most", "8", "--backlog", "8"}, program);
+  EXPECT_TRUE(says(*all, "No more are asked for but one at a time, in 4 s")) << all->output();
+  EXPECT_THAT(all->output(), testing::AllOf(HasSubstr("(exit code 127)"), HasSubstr("_1 on "),
+                                            HasSubstr("log ends with: "),
+                                            HasSubstr("cannot open shared object file")));
+  // Eight, up to four more for those of them that failed, and one for trial.
+  EXPECT_LE(jobsThatWere(), 13);
+  std::filesystem::create_symlink(PALPATE_BIN_DIR "/palpate-worker", directory / "mended");
+  std::filesystem::rename(directory / "mended", worker);
+  expectFinished(*scheduler);
+  EXPECT_EQ(all->wait(), 0) << all->output();
+  EXPECT_TRUE(test::eventually([&] { return jobs().empty(); })) << jobs();
+  EXPECT_TRUE(test::contentOf(directory / "out.h5") == undisturbed());
+}
+
+TEST_F(SlurmFaultsTest, ANodeWithoutALibraryIsLeftOutAndTheOtherOneBuilds) {
+  const std::string program = installElsewhere();
+  const std::string broken = (directory / "bin" / "broken-worker").string();
+  writeBrokenWorker(broken);
+  writeProgram(directory / "bin" / "palpate-worker",
+               "#!/bin/sh\n[ \"$SLURMD_NODENAME\" = there ] && exec " + broken +
+                   " \"$@\"\nexec " PALPATE_BIN_DIR "/palpate-worker \"$@\"\n");
+  auto scheduler = serveWide();
+  auto all = fleet({"--connect", endpointIn("state"), "--most", "4"}, program);
+  EXPECT_TRUE(says(*all, "No more are asked for")) << "by then it may be all nodes";
+  // However fast this machine is, the build goes on when half a minute is over.
+  ASSERT_EQ(start("palpate-scheduler", {"pause", "state"})->wait(), 0);
+  EXPECT_TRUE(says(*all, "node there is left out")) << all->output();
+  EXPECT_THAT(all->output(), HasSubstr("cannot open shared object file"));
+  ASSERT_EQ(start("palpate-scheduler", {"resume", "state"})->wait(), 0);
+  EXPECT_TRUE(says(*all, "2 workers run, 2 are queued")) << all->output();
+  const int before = jobsThatWere();
+  EXPECT_EQ(std::string::npos, jobs().find("there")) << jobs();
+
+  // It ends with workers that run and wait, while nobody looks after them.
+  all->stop(SIGKILL);
+  expectFinished(*scheduler);
+  EXPECT_TRUE(test::contentOf(directory / "out.h5") == undisturbed());
+  EXPECT_LE(jobsThatWere(), before) << "nothing was tried there again";
+  auto again = fleet({"--most", "4"}, program);
+  EXPECT_EQ(again->wait(), 0) << again->output();
+  EXPECT_THAT(again->output(), HasSubstr("the build is complete: no job of palpate-"));
+  EXPECT_TRUE(test::eventually([&] { return jobs().empty() && workers().empty(); })) << jobs();
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -65,6 +66,19 @@ struct SmallBuild : testing::Test {
   std::string endpointIn(const std::string& state) const {
     EXPECT_TRUE(eventually([&] { return !endpointAnnouncedIn(directory / state).empty(); }));
     return endpointAnnouncedIn(directory / state);
+  }
+  /// Processes of workers that find the keys of this test in their environment, whoever started
+  /// them.
+  std::vector<pid_t> workers() const {
+    const std::string keys = "PALPATE_KEYS=" + (directory / "keys").string();
+    std::vector<pid_t> all;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+      const int pid = std::atoi(entry.path().filename().c_str());
+      if (pid <= 0 || contentOf(entry.path() / "comm") != "palpate-worker\n") continue;
+      const std::string environment = '\0' + contentOf(entry.path() / "environ");
+      if (environment.find('\0' + keys + '\0') != std::string::npos) all.push_back(pid);
+    }
+    return all;
   }
 
  private:

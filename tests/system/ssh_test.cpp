@@ -47,18 +47,12 @@ struct SshTest : test::SmallBuild {
     endpointIn("state");
     return serve;
   }
-  std::unique_ptr<test::Process> startFleet(const std::string& known) {
-    return start("palpate-scheduler",
-                 {"fleet", "ssh", "state", "--hosts", "127.0.0.1:2", "--program",
-                  PALPATE_BIN_DIR "/palpate-worker", "--every", "1", "--", "-p", "2222", "-i",
-                  path("user"), "-o", "UserKnownHostsFile=" + known});
-  }
-  /// Of this test: they have its keys.
-  int workers() const {
-    return std::atoi(
-        test::runCommand("grep -lzs PALPATE_KEYS=" + path("keys") +
-                         " $(pgrep -x palpate-worker | sed 's|.*|/proc/&/environ|') | wc -l")
-            .output.c_str());
+  std::unique_ptr<test::Process> startFleet(const std::string& known,
+                                            const std::string& program = PALPATE_BIN_DIR
+                                            "/palpate-worker") {
+    return start("palpate-scheduler", {"fleet", "ssh", "state", "--hosts", "127.0.0.1:2",
+                                       "--program", program, "--every", "1", "--", "-p", "2222",
+                                       "-i", path("user"), "-o", "UserKnownHostsFile=" + known});
   }
 };
 
@@ -67,14 +61,15 @@ TEST_F(SshTest, WorkersBehindAConnectionThatBreaksAreBegunAgainAndNoneIsLeftAtTh
   auto fleet = startFleet(path("known"));
   ASSERT_TRUE(journalGrows(*serve, "state", 10000)) << fleet->output();
   for (const pid_t connection : fleet->children()) kill(connection, SIGKILL);
-  EXPECT_TRUE(test::eventually([&] { return workers() == 0; })) << "they end with the connection";
-  ASSERT_TRUE(test::eventually([&] { return workers() > 0; })) << fleet->output();
+  EXPECT_TRUE(test::eventually([&] { return workers().empty(); }))
+      << "they end with the connection";
+  ASSERT_TRUE(test::eventually([&] { return !workers().empty(); })) << fleet->output();
   expectFinished(*serve);
   EXPECT_EQ(fleet->wait(), 0) << fleet->output();
   EXPECT_THAT(fleet->output(),
               testing::AllOf(HasSubstr("127.0.0.1:2: ssh ended with signal 9 (Killed)"),
                              HasSubstr("no worker is left on 1 machine(s)")));
-  EXPECT_EQ(workers(), 0);
+  EXPECT_TRUE(workers().empty());
 }
 
 TEST_F(SshTest, AnInterruptedFleetLeavesNoWorkerAndTheBuildWaits) {
@@ -82,7 +77,7 @@ TEST_F(SshTest, AnInterruptedFleetLeavesNoWorkerAndTheBuildWaits) {
   auto fleet = startFleet(path("known"));
   ASSERT_TRUE(journalGrows(*serve, "state", 10000)) << fleet->output();
   EXPECT_EQ(fleet->stop(SIGTERM), 130) << fleet->output();
-  EXPECT_TRUE(test::eventually([&] { return workers() == 0; }));
+  EXPECT_TRUE(test::eventually([&] { return workers().empty(); }));
   EXPECT_TRUE(serve->running());
 }
 
@@ -90,11 +85,24 @@ TEST_F(SshTest, AMachineThatIsNotKnownIsNotTrustedAndIsTriedAgain) {
   auto serve = startServe();
   auto fleet = startFleet(path("nobody"));
   EXPECT_TRUE(test::eventually([&] {
-    return fleet->output().find("exit code 255 (its words are above); again in 5 s") !=
+    return fleet->output().find(
+               "exit code 255 (it does not get through; its words are above); again in 5 s") !=
            std::string::npos;
   })) << fleet->output();
   EXPECT_THAT(fleet->output(), HasSubstr("Host key verification failed"));
   EXPECT_EQ(fleet->stop(SIGTERM), 130);
+}
+
+TEST_F(SshTest, AMachineWithoutTheProgramIsTriedAgainUntilSomebodyPutsItThere) {
+  auto serve = startServe();
+  auto fleet = startFleet(path("known"), path("worker"));
+  EXPECT_TRUE(test::eventually([&] {
+    return fleet->output().find("exit code 127 (--program is not there") != std::string::npos;
+  })) << fleet->output();
+  std::filesystem::create_symlink(PALPATE_BIN_DIR "/palpate-worker", path("worker"));
+  expectFinished(*serve);
+  EXPECT_EQ(fleet->wait(), 0) << fleet->output();
+  EXPECT_TRUE(workers().empty());
 }
 
 TEST(SshCommand, SaysWhatIsNoMachine) {

@@ -1,0 +1,41 @@
+#include "scheduler/fleet_watch.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include "scheduler/recorded_build.hpp"
+
+namespace palpate {
+namespace {
+
+/// Of a directory in which nobody works.
+wire::Status ended(const std::string& directory) {
+  RecordedBuild build(directory);
+  if (!build.complete())
+    throw failure(
+        "{}: no scheduler is working there now: start palpate serve again, or, when it moved, this "
+        "command with its new place",
+        directory);
+  wire::Status status;
+  status.set_build(build.tables().build().build.hex());
+  status.set_state("complete");
+  return status;
+}
+
+}  // namespace
+
+std::optional<wire::Status> FleetWatch::look() {
+  try {
+    const auto scheduler = schedulerOf(asked_);
+    wire::Status status = scheduler ? askStatus(*scheduler, asked_.where) : ended(asked_.where);
+    heard_ = Clock::now();
+    told_.clear();
+    return status;
+  } catch (const Error& error) {
+    if (error.exitCode() != ExitCode::failed) throw;
+    if (told_ != error.what()) spdlog::warn("{}", error.what());
+    told_ = error.what();
+    return std::nullopt;
+  }
+}
+
+}  // namespace palpate

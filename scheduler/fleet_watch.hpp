@@ -1,0 +1,32 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "common/wire/wire.hpp"
+#include "scheduler/asked_scheduler.hpp"
+
+namespace palpate {
+
+/// A scheduler that a fleet works for, which may be restarted meanwhile. One thread.
+class FleetWatch {
+ public:
+  explicit FleetWatch(const Asked& asked) : asked_(asked), heard_(Clock::now()) {}
+
+  /// What it says by now; of a directory in which nobody works any more that it is complete, when
+  /// it is. Nothing when nobody answers: why is told once (log). Error (bad input) when it makes
+  /// no sense to ask there.
+  std::optional<wire::Status> look();
+  /// Since it was heard last.
+  std::chrono::steady_clock::duration silence() const { return Clock::now() - heard_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  Asked asked_;
+  Clock::time_point heard_;
+  std::string told_;
+};
+
+}  // namespace palpate
