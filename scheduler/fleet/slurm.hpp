@@ -22,7 +22,7 @@ struct SlurmOptions {
   std::vector<std::string> more;  ///< options of sbatch, as they are
 };
 
-/// What Slurm has of one name. A job that it ended and cleans up after counts as ended.
+/// What Slurm has of one name. A job that it ended and still cleans up after is in none of it.
 struct SlurmJobs {
   struct Queued {
     std::string id, reason;  ///< in Slurm's words
