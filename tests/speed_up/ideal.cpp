@@ -1,0 +1,191 @@
+#include "tests/speed_up/ideal.hpp"
+
+#include <queue>
+
+#include "common/base/assertion.hpp"
+
+namespace palpate::speed_up {
+namespace {
+
+/// The waves of a plan whose lattice is complete.
+std::vector<Dependencies::Wave> wavesOf(SpacePlan& plan, std::uint32_t space,
+                                        const Recording& recording) {
+  std::vector<Dependencies::Wave> waves;
+  while (!plan.complete()) {
+    Dependencies::Wave wave{.stage = plan.stage(), .chains = {}};
+    for (const Transition& first : plan.takeReady()) wave.chains.push_back({first});
+    for (std::vector<Transition>& chain : wave.chains) {
+      for (std::size_t n = 0; n < chain.size(); ++n) {
+        const bool is_last = plan.openCount() == 1 && &chain == &wave.chains.back();
+        const StoredResult& result =
+            recording.find(plan, {space, chain[n].target, chain[n].parent}).result;
+        plan.record(chain[n], result.outcome, fieldsOf(result.header));
+        // What the last one of a wave makes ready is the next wave, or waits for it like one.
+        if (is_last) break;
+        const std::vector<Transition> next = plan.takeReady();
+        chain.insert(chain.end(), next.begin(), next.end());
+      }
+    }
+    waves.push_back(std::move(wave));
+  }
+  return waves;
+}
+
+}  // namespace
+
+Dependencies::Dependencies(const Recording& of) : recording(&of) {
+  const Problem& problem = of.problem();
+  for (std::uint32_t number = 0; number < problem.active.size(); ++number) {
+    SpacePlan plan(problem, number);
+    const ActivePatch& patch = problem.active[number];
+    Space space{Frontier(plan.positions(), problem.scene.workspace.max_force, maxAttempts(patch)),
+                {},
+                {},
+                {}};
+    space.ready = space.frontier.takeReady();
+    while (plan.stage() == Stage::lattice)
+      for (const Transition& transition : plan.takeReady()) {
+        const StoredResult& result =
+            of.find(plan, {number, transition.target, transition.parent}).result;
+        plan.record(transition, result.outcome, fieldsOf(result.header));
+      }
+    space.waves = wavesOf(plan, number, of);
+    for (std::int32_t n = 0; n < plan.size(); ++n)
+      space.points.push_back(plan.positions().point(n));
+    spaces.push_back(std::move(space));
+  }
+}
+
+namespace {
+
+class Schedule {
+ public:
+  Schedule(const Dependencies& dependencies, std::size_t workers, Order order)
+      : dependencies_(dependencies), workers_(workers), order_(order) {
+    for (const Dependencies::Space& space : dependencies.spaces) {
+      progress_.push_back({space.frontier, 0, 0});
+      for (const Transition& first : space.ready)
+        add({static_cast<std::uint32_t>(progress_.size() - 1), first.target, first.parent}, {});
+    }
+  }
+
+  Ideal run() {
+    Ideal ideal;
+    for (begin(); !running_.empty(); begin()) {
+      const auto [when, task] = running_.top();
+      running_.pop();
+      ideal = {now_ = when, task.depth};
+      end(task);
+    }
+    PALPATE_ASSERT(ready_.empty(), "somebody is free as long as nobody works");
+    return ideal;
+  }
+
+ private:
+  /// A transition, which of its chain it is, and how many had to end one after the other before it
+  /// did.
+  struct Task {
+    TransitionKey key;
+    std::size_t chain = 0, link = 0;
+    int depth = 0;
+    auto operator<=>(const Task&) const = default;
+  };
+  using Rank = std::array<double, 3>;  ///< lowest first
+  struct Progress {
+    Frontier frontier;
+    std::size_t waves = 0;  ///< begun
+    std::size_t open = 0;   ///< chains of the last one
+  };
+
+  void begin() {
+    while (running_.size() < workers_ && !ready_.empty()) {
+      const Task task = ready_.begin()->second;
+      ready_.erase(ready_.begin());
+      running_.emplace(now_ + solveOf(task.key).seconds, task);
+    }
+  }
+
+  void end(const Task& task) {
+    const std::uint32_t number = task.key.space;
+    Progress& progress = progress_[number];
+    if (progress.waves == 0) {
+      const Outcome& outcome = solveOf(task.key).result.outcome;
+      progress.frontier.record(
+          {task.key.target, task.key.parent},
+          outcome.converged ? std::optional(outcome.equilibrium.force.norm()) : std::nullopt);
+      for (const Transition& next : progress.frontier.takeReady())
+        add({number, next.target, next.parent}, {{}, 0, 0, task.depth});
+      if (progress.frontier.complete()) beginWave(number, task.depth);
+      return;
+    }
+    const Dependencies::Wave& wave = dependencies_.spaces[number].waves[progress.waves - 1];
+    const std::vector<Transition>& chain = wave.chains[task.chain];
+    if (task.link + 1 < chain.size()) {
+      const Transition& next = chain[task.link + 1];
+      return add({number, next.target, next.parent}, {{}, task.chain, task.link + 1, task.depth});
+    }
+    if (--progress.open == 0) beginWave(number, task.depth);
+  }
+
+  void beginWave(std::uint32_t number, int depth) {
+    const std::vector<Dependencies::Wave>& waves = dependencies_.spaces[number].waves;
+    Progress& progress = progress_[number];
+    if (progress.waves++ == waves.size()) return;
+    const Dependencies::Wave& wave = waves[progress.waves - 1];
+    progress.open = wave.chains.size();
+    for (std::size_t chain = 0; chain < wave.chains.size(); ++chain) {
+      const Transition& first = wave.chains[chain].front();
+      add({number, first.target, first.parent}, {{}, chain, 0, depth});
+    }
+  }
+
+  void add(const TransitionKey& key, Task task) {
+    task.key = key;
+    ++task.depth;
+    ready_.emplace(rankOf(key), task);
+  }
+
+  Rank rankOf(const TransitionKey& key) const {
+    const double parent = key.parent, space = key.space;
+    const auto distance = static_cast<double>(squaredNorm(point(key.space, key.target)));
+    switch (order_) {
+      case Order::parent: return {parent, space};
+      case Order::target: return {distance, space};
+      case Order::depth_first: return {-distance, space};
+      case Order::stage: return {stageOf(key.space), parent, space};
+      case Order::longest: return {-solveOf(key).seconds};
+      case Order::space: return {space, parent};
+    }
+    return {};
+  }
+  double stageOf(std::uint32_t number) const {
+    const std::size_t waves = progress_[number].waves;
+    const auto stage =
+        waves == 0 ? Stage::lattice : dependencies_.spaces[number].waves[waves - 1].stage;
+    return static_cast<double>(stage);
+  }
+  const LatticePoint& point(std::uint32_t space, std::int32_t n) const {
+    return dependencies_.spaces[space].points[static_cast<std::size_t>(n)];
+  }
+  const Recording::Solve& solveOf(const TransitionKey& key) const {
+    return dependencies_.recording->find(
+        {key.space, point(key.space, key.target), point(key.space, key.parent)});
+  }
+
+  const Dependencies& dependencies_;
+  const std::size_t workers_;
+  const Order order_;
+  std::vector<Progress> progress_;
+  std::set<std::pair<Rank, Task>> ready_;
+  using Finish = std::pair<double, Task>;
+  std::priority_queue<Finish, std::vector<Finish>, std::greater<>> running_;
+  double now_ = 0;
+};
+
+}  // namespace
+
+Ideal idealOf(const Dependencies& dependencies, std::size_t workers, Order order) {
+  return Schedule(dependencies, workers, order).run();
+}
+
+}  // namespace palpate::speed_up

@@ -1,0 +1,51 @@
+#include "tests/speed_up/recording.hpp"
+
+#include "common/base/error.hpp"
+
+namespace palpate::speed_up {
+
+Recording::Recording(const std::filesystem::path& directory)
+    : directory_(directory), tables_(directory), problem_(decodeProblem(tables_.build().problem)) {
+  const JournalReader journal(directory);
+  RecordedResults recorded = readResults(directory, tables_.build().build);
+  if (recorded.results.empty()) throw badInput("{}: nothing is recorded there", directory.string());
+  kernel_family_ = recorded.results.begin()->second.header.kernel_family();
+  for (auto& [key, result] : recorded.results) {
+    // What the scheduler added, and adds again.
+    result.header.clear_given_by();
+    result.header.clear_steps();
+    result.header.clear_start_parent();
+    const double seconds = result.outcome.cost.seconds;
+    seconds_ += seconds;
+    solves_[key] = {std::move(result), journal.read(recorded.where.at(key)).payload, seconds};
+  }
+}
+
+double Recording::longest() const {
+  double longest = 0;
+  for (const auto& [key, solve] : solves_) longest = std::max(longest, solve.seconds);
+  return longest;
+}
+
+void Recording::scaleTo(double mean_seconds) {
+  const double factor = mean_seconds * static_cast<double>(size()) / seconds_;
+  for (auto& [key, solve] : solves_) solve.seconds *= factor;
+  seconds_ *= factor;
+}
+
+const Recording::Solve& Recording::find(const ResultKey& key) const {
+  const auto found = solves_.find(key);
+  if (found != solves_.end()) return found->second;
+  const auto& [space, target, parent] = key;
+  throw failure(
+      "{}: space {}, point ({}, {}, {}) from ({}, {}, {}) is not recorded: let palpate build come "
+      "to its end there, with this version",
+      directory_.string(), space, target[0], target[1], target[2], parent[0], parent[1], parent[2]);
+}
+
+const Recording::Solve& Recording::find(const SpacePlan& plan, const TransitionKey& key) const {
+  const Lattice& positions = plan.positions();
+  return find({key.space, positions.point(key.target), positions.point(key.parent)});
+}
+
+}  // namespace palpate::speed_up
