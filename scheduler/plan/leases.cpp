@@ -38,7 +38,7 @@ std::optional<Handout> Leases::handOut(const std::string& worker, std::size_t wo
   const auto& [below_highest, parent, space] = waiting_.begin()->first;
   const std::set<std::int32_t> targets = waiting_.begin()->second;
   Handout handout{++last_job_, space, parent, {}};
-  const auto& job = by_worker_[worker][handout.job];
+  const auto& job = by_worker_[worker].jobs[handout.job];
   for (const std::int32_t target : targets) {
     const TransitionKey key{space, target, parent};
     const Entry& entry = entries_.at(key);
@@ -59,7 +59,11 @@ Handout::Target Leases::lease(const TransitionKey& key, const std::string& worke
   entry.worker = worker;
   entry.job = job;
   ++entry.losses.attempts;
-  by_worker_[worker][job].push_back(key);
+  Held& held = by_worker_[worker];
+  held.jobs[job].push_back(key);
+  ++held.targets;
+  ++leased_count_;
+  leased_checks_ += entry.is_check;
   return {key.target, entry.losses.attempts};
 }
 
@@ -85,10 +89,11 @@ void Leases::finish(const TransitionKey& key) {
   const Entry& entry = found->second;
   // A late answer of a lost worker ends the lease of whoever has it now.
   if (!entry.worker.empty()) {
-    Jobs& jobs = by_worker_.at(entry.worker);
-    auto& open = jobs.at(entry.job);
+    Held& held = by_worker_.at(entry.worker);
+    auto& open = held.jobs.at(entry.job);
     std::erase(open, key);
-    if (open.empty()) jobs.erase(entry.job);
+    if (open.empty()) held.jobs.erase(entry.job);
+    noteEnd(held, entry);
   } else {
     takeFromWaiting(key);
   }
@@ -107,23 +112,16 @@ std::optional<Leases::Last> Leases::lastOf(const std::string& worker) const {
   return Last{last.losses.attempts, last.is_check};
 }
 
-bool Leases::onlyChecksLeft() const {
-  const auto isCheck = [&](const TransitionKey& key) { return entries_.at(key).is_check; };
-  return waiting_count_ == 0 && std::ranges::all_of(by_worker_, [&](const auto& of_worker) {
-           return std::ranges::all_of(of_worker.second, [&](const auto& job) {
-             return std::ranges::all_of(job.second, isCheck);
-           });
-         });
-}
-
 void Leases::giveBackLast(const std::string& worker) {
-  Jobs& jobs = by_worker_.at(worker);
-  PALPATE_ASSERT(!jobs.empty(), "who holds nothing gives nothing back");
-  const auto job = std::prev(jobs.end());
+  Held& held = by_worker_.at(worker);
+  PALPATE_ASSERT(!held.jobs.empty(), "who holds nothing gives nothing back");
+  const auto job = std::prev(held.jobs.end());
   const TransitionKey last = job->second.back();
   job->second.pop_back();
-  if (job->second.empty()) jobs.erase(job);
-  putBack(last, entries_.at(last));
+  if (job->second.empty()) held.jobs.erase(job);
+  Entry& entry = entries_.at(last);
+  noteEnd(held, entry);
+  putBack(last, entry);
 }
 
 Leases::Suspects Leases::suspectsOf(const std::string& worker,
@@ -155,11 +153,6 @@ std::vector<std::pair<TransitionKey, Losses>> Leases::blame(const Suspects& susp
   return known;
 }
 
-bool Leases::stuck() const {
-  return !entries_.empty() && waiting_count_ == 0 &&
-         std::ranges::all_of(by_worker_, [](const auto& jobs) { return jobs.second.empty(); });
-}
-
 std::vector<TransitionKey> Leases::aside() const {
   std::vector<TransitionKey> aside;
   for (const auto& [key, entry] : entries_)
@@ -178,13 +171,12 @@ void Leases::retry() {
 const Leases::Jobs& Leases::jobsOf(const std::string& worker) const {
   static const Jobs none;
   const auto found = by_worker_.find(worker);
-  return found == by_worker_.end() ? none : found->second;
+  return found == by_worker_.end() ? none : found->second.jobs;
 }
 
 std::size_t Leases::leasedTo(const std::string& worker) const {
-  std::size_t count = 0;
-  for (const auto& [job, keys] : jobsOf(worker)) count += keys.size();
-  return count;
+  const auto found = by_worker_.find(worker);
+  return found == by_worker_.end() ? 0 : found->second.targets;
 }
 
 std::vector<TransitionKey> Leases::openOf(const std::string& worker, std::uint64_t job) const {
@@ -213,13 +205,23 @@ void Leases::takeFromWaiting(const TransitionKey& key) {
   --waiting_count_;
 }
 
+void Leases::noteEnd(Held& held, const Entry& entry) {
+  --held.targets;
+  --leased_count_;
+  leased_checks_ -= entry.is_check;
+}
+
 Leases::Jobs Leases::endLeases(const std::string& worker) {
   // A worker that never had a job is asked for too.
-  Jobs jobs = std::exchange(by_worker_[worker], {});
+  Held held = std::exchange(by_worker_[worker], {});
   by_worker_.erase(worker);
-  for (const auto& [job, keys] : jobs)
-    for (const TransitionKey& key : keys) entries_.at(key).worker.clear();
-  return jobs;
+  for (const auto& [job, keys] : held.jobs)
+    for (const TransitionKey& key : keys) {
+      Entry& entry = entries_.at(key);
+      noteEnd(held, entry);
+      entry.worker.clear();
+    }
+  return std::move(held.jobs);
 }
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #include <functional>
 #include <set>
 #include <string>
+#include <unordered_map>
 #include <utility>
 
 #include "scheduler/plan/frontier.hpp"
@@ -94,7 +95,7 @@ class Leases {
   };
   std::optional<Last> lastOf(const std::string& worker) const;
   /// Nothing waits but checks, and nobody solves anything else.
-  bool onlyChecksLeft() const;
+  bool onlyChecksLeft() const { return waiting_count_ == 0 && leased_count_ == leased_checks_; }
   /// Ends that lease alone.
   void giveBackLast(const std::string& worker);
   /// What a worker that ends now would be blamed on: the target it was `solving`, when that is
@@ -108,7 +109,7 @@ class Leases {
   /// that are still open, with what is known of them now.
   std::vector<std::pair<TransitionKey, Losses>> blame(const Suspects& suspects);
   /// Only what is set aside, or checks, is left: nothing waits, and nobody solves.
-  bool stuck() const;
+  bool stuck() const { return !entries_.empty() && waiting_count_ == 0 && leased_count_ == 0; }
   /// Those that are set aside, in order.
   std::vector<TransitionKey> aside() const;
   /// They wait again, and nothing is held against any transition.
@@ -121,7 +122,7 @@ class Leases {
   using Jobs = std::map<std::uint64_t, std::vector<TransitionKey>>;
   /// The jobs that are with this worker.
   const Jobs& jobsOf(const std::string& worker) const;
-  /// The number of targets in them.
+  /// The number of targets in them. Costs no walk: it is asked of every worker, again and again.
   std::size_t leasedTo(const std::string& worker) const;
   /// The open transitions of that job of that worker, all of one space; empty when there are none.
   std::vector<TransitionKey> openOf(const std::string& worker, std::uint64_t job) const;
@@ -141,6 +142,12 @@ class Leases {
     auto operator<=>(const Start&) const = default;
   };
 
+  /// What is with one worker.
+  struct Held {
+    Jobs jobs;
+    std::size_t targets = 0;  ///< in them
+  };
+
   static bool isAside(const Entry& entry) {
     return entry.worker.empty() && entry.losses.deaths >= deaths_before_aside;
   }
@@ -148,14 +155,16 @@ class Leases {
   void putBack(const TransitionKey& key, Entry& entry);
   Handout::Target lease(const TransitionKey& key, const std::string& worker, std::uint64_t job);
   void takeFromWaiting(const TransitionKey& key);
+  void noteEnd(Held& held, const Entry& entry);
   Jobs endLeases(const std::string& worker);
 
   std::map<TransitionKey, Entry> entries_;
   std::map<Start, std::set<std::int32_t>> waiting_;
   std::map<std::uint32_t, std::int32_t> priorities_;  ///< by space; of those that have one
   std::set<TransitionKey> waiting_checks_;
-  std::map<std::string, Jobs> by_worker_;
+  std::unordered_map<std::string, Held> by_worker_;
   std::size_t waiting_count_ = 0;
+  std::size_t leased_count_ = 0, leased_checks_ = 0;  ///< of all workers; checks are in both
   std::uint64_t last_job_;
 };
 

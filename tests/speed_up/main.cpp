@@ -3,8 +3,9 @@
 // (the ideal) and the two bounds of that: all work divided by the workers, and the longest chain.
 // Prints one JSON object. docs/performance.md has figures, and says what they show.
 //
-//   palpate_speed_up_bench STATE [--workers 1,10,100] [--solve-ms 150] [--latency-ms 0.2]
-//                          [--scheduler-us 100 | --measured] [--no-checks] [--orders]
+//   palpate_speed_up_bench STATE [--workers 1,10,100] [--solve-ms 150] [--cut-ms 250]
+//                          [--latency-ms 0.2] [--scheduler-us 100 | --measured] [--no-checks]
+//                          [--orders]
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -26,7 +27,7 @@ using nlohmann::json;
 struct Options {
   std::filesystem::path state;
   std::vector<std::size_t> workers = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1000, 3000, 10000};
-  double solve_ms = 0, latency_ms = 0.2, scheduler_us = 0;
+  double solve_ms = 0, cut_ms = 0, latency_ms = 0.2, scheduler_us = 0;
   bool measured = false, no_checks = false, orders = false;
   std::filesystem::path directory = std::filesystem::temp_directory_path();
 };
@@ -83,6 +84,7 @@ json rowOf(const Dependencies& dependencies, const Options& options, std::size_t
 
 json measure(const Options& options) {
   Recording recording(options.state);
+  if (options.cut_ms > 0) recording.cutAt(1e-3 * options.cut_ms);
   if (options.solve_ms > 0) recording.scaleTo(1e-3 * options.solve_ms);
   const Dependencies dependencies(recording);
   const Ideal longest_chain = idealOf(dependencies, any_number);
@@ -115,6 +117,8 @@ int run(int argc, char** argv) {
       ->delimiter(',')
       ->check(CLI::Range(1, 10000));
   app.add_option("--solve-ms", options.solve_ms, "Solves take so long on average [as recorded]");
+  app.add_option("--cut-ms", options.cut_ms,
+                 "Solves recorded as longer took that long: something else stopped them");
   app.add_option("--latency-ms", options.latency_ms, "Of a message, one way")
       ->capture_default_str();
   app.add_option("--scheduler-us", options.scheduler_us, "What a result costs the scheduler")

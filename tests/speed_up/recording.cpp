@@ -27,6 +27,14 @@ double Recording::longest() const {
   return longest;
 }
 
+void Recording::cutAt(double longest_seconds) {
+  seconds_ = 0;
+  for (auto& [key, solve] : solves_) {
+    solve.seconds = std::min(solve.seconds, longest_seconds);
+    seconds_ += solve.seconds;
+  }
+}
+
 void Recording::scaleTo(double mean_seconds) {
   const double factor = mean_seconds * static_cast<double>(size()) / seconds_;
   for (auto& [key, solve] : solves_) solve.seconds *= factor;

@@ -28,6 +28,8 @@ class Recording {
   /// Of all solves together.
   double seconds() const { return seconds_; }
   double longest() const;
+  /// What is recorded as longer took that long: its process was stopped, or had no processor.
+  void cutAt(double longest_seconds);
   /// Makes all solves longer, or shorter, by one factor, so that they take so long on average: a
   /// finer mesh, or the same without the other programs that ran when it was recorded.
   void scaleTo(double mean_seconds);

@@ -198,6 +198,43 @@ TEST_F(LeasesTest, KnowsWhichTransitionAHeartbeatNames) {
   EXPECT_TRUE(leases.openOf("b", job.job).empty());
 }
 
+TEST_F(LeasesTest, KnowsHowMuchIsHeldHoweverALeaseEnds) {
+  addTargets(0, 1, 4);
+  const Handout job = handOut("a", 1);
+  ASSERT_EQ(job.targets.size(), 2u);
+  handOut("b", 1);
+  handOut("b", 1);
+  EXPECT_EQ(leases.leasedTo("a"), 2u);
+  EXPECT_EQ(leases.leasedTo("b"), 2u);
+  EXPECT_EQ(leases.leasedTo("nobody"), 0u);
+  leases.finish({0, 1, 0});
+  EXPECT_EQ(leases.leasedTo("a"), 1u) << "finished by whoever";
+  leases.giveBackLast("b");
+  EXPECT_EQ(leases.leasedTo("b"), 1u);
+  leases.giveBack("a");
+  EXPECT_EQ(leases.leasedTo("a"), 0u);
+  EXPECT_EQ(leases.waiting(), 2u);
+}
+
+TEST_F(LeasesTest, KnowsWhenOnlyChecksAreLeftAndWhenNobodySolves) {
+  const auto anybody = [](const TransitionKey&) { return true; };
+  leases.add({0, 1, 0});
+  leases.addCheck({0, 2, 0});
+  EXPECT_FALSE(leases.onlyChecksLeft()) << "something else waits";
+  handOut("a");
+  ASSERT_TRUE(leases.handOutCheck("b", anybody));
+  EXPECT_FALSE(leases.onlyChecksLeft()) << "somebody solves something else";
+  leases.finish({0, 1, 0});
+  EXPECT_TRUE(leases.onlyChecksLeft());
+  EXPECT_FALSE(leases.stuck()) << "the check is being solved";
+  leases.giveBack("b");
+  EXPECT_TRUE(leases.onlyChecksLeft());
+  EXPECT_TRUE(leases.stuck());
+  ASSERT_TRUE(leases.handOutCheck("a", anybody));
+  leases.finish({0, 2, 0});
+  EXPECT_FALSE(leases.stuck()) << "nothing is left";
+}
+
 TEST_F(LeasesTest, HandsOutASpaceOfHigherPriorityFirstWhateverWaitedBefore) {
   for (const std::uint32_t space : {0u, 1u, 2u}) leases.add({space, 1, 0});
   leases.setPriority(1, -1);
