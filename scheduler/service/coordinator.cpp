@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <tuple>
 
 #include "common/base/assertion.hpp"
 #include "common/base/printable.hpp"
@@ -21,10 +23,24 @@ constexpr std::size_t workers_per_wait = 8;
 /// Of a flood of bad messages the first ones tell what there is to tell.
 constexpr std::int64_t bad_messages_logged = 20;
 /// So many points that earlier runs found are shown in the tables before anything else is done, and
-/// so many in a turn: ten million rows take a minute.
-constexpr std::int32_t shown_at_once = 20000, shown_in_a_turn = 500;
+/// so many now and then: ten million rows take a minute, a twentieth of the time until then.
+constexpr std::int32_t shown_at_once = 20000, shown_later = 500;
+constexpr std::chrono::milliseconds shown_every{50};
 /// Large answers to one peer in a turn: it has read none of them when it asks.
 constexpr int large_in_a_turn = 2;
+
+/// Who comes before whom when jobs are handed out: the smaller one.
+struct Load {
+  bool busy, newcomer;
+  std::size_t held;     ///< targets
+  Worker::Time waited;  ///< of newcomers, since then they were given nothing
+  Worker* worker;
+
+  bool operator>(const Load& other) const {
+    return std::tie(busy, newcomer, held, waited, worker->id) >
+           std::tie(other.busy, other.newcomer, other.held, other.waited, other.worker->id);
+  }
+};
 
 bool asksForMuch(const wire::Message& message) {
   return message.has_status_request() || message.has_problem_request() ||
@@ -77,7 +93,7 @@ Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobS
   add(replayed.settled);
   openChecks();
   store_->tables().writeCounters(counters_);
-  showFound(shown_at_once);
+  showFound(shown_at_once, now);
   finishIfComplete(now);
 }
 
@@ -247,9 +263,10 @@ void Coordinator::badMessage(const std::string& peer, const std::string& why) {
     spdlog::warn("a message from a stranger was dropped: {}", why);
 }
 
-bool Coordinator::groupIsDue(Time now) {
+bool Coordinator::groupIsDue(Time now, bool all_read) {
   if (!group_.since()) return false;
-  if (now - *group_.since() >= settings_.group_age) return true;
+  const auto age = now - *group_.since();
+  if (age >= settings_.group_age || (all_read && age >= settings_.group_age_all_read)) return true;
   // Somebody waits for what these results may make ready.
   return leases_.waiting() == 0 && registry_.someoneAsks();
 }
@@ -290,8 +307,9 @@ void Coordinator::showChanged() {
   changed_.clear();
 }
 
-void Coordinator::showFound(std::int32_t most) {
-  if (show_next_ && store_->tables().showSome(plans_, *show_next_, most)) show_next_.reset();
+void Coordinator::showFound(std::int32_t most, Time now) {
+  if (store_->tables().showSome(plans_, *show_next_, most)) show_next_.reset();
+  show_at_ = now + shown_every;
 }
 
 void Coordinator::add(const Settled& settled) {
@@ -339,11 +357,11 @@ void Coordinator::advance(Time now, bool all_read) {
     return;
   }
   if (all_read && now >= look_round_at_) lookRound(now);
-  if (groupIsDue(now)) commitGroup(now);
+  if (groupIsDue(now, all_read)) commitGroup(now);
   handOutJobs(now);
   giveUpChecks(now);
   if (!changed_.empty() && now - changed_since_ >= settings_.tables_age) showChanged();
-  showFound(shown_in_a_turn);
+  if (show_next_ && now >= show_at_) showFound(shown_later, now);
   if (now >= serversDue()) writeServers(now);
   pace_.note(now, converged_);
   work_pace_.note(now, recorded_);
@@ -353,8 +371,9 @@ void Coordinator::advance(Time now, bool all_read) {
 
 Coordinator::Time Coordinator::nextDeadline() const {
   Time deadline = serversDue();
-  if (group_.since()) deadline = std::min(deadline, *group_.since() + settings_.group_age);
+  if (group_.since()) deadline = std::min(deadline, *group_.since() + settings_.group_age_all_read);
   if (!changed_.empty()) deadline = std::min(deadline, changed_since_ + settings_.tables_age);
+  if (show_next_) deadline = std::min(deadline, show_at_);
   // Not before there is a look at all of them.
   return std::min(deadline, std::max(silence_due_, look_round_at_));
 }
@@ -365,31 +384,34 @@ std::size_t Coordinator::roomOf(const Worker& worker) const {
   return most - std::min(most, leases_.leasedTo(worker.id));
 }
 
-/// To the workers that hold least, so that all have something when there is little, and first to
-/// those that are known to do what they are given.
+/// To those that hold nothing, and then to those that hold least, first to those that are known to
+/// do what they are given: the second job of a worker would be the first of another.
 void Coordinator::handOutJobs(Time now) {
   const bool checks_wait = !leases_.waitingChecks().empty();
   if (!handsOut() || (leases_.waiting() == 0 && !checks_wait)) return;
   const std::map<TransitionKey, Apart> wanted = wantedOfChecks();
-  // Newcomer, targets it holds; of newcomers those first that were given nothing for longest.
-  using Load = std::tuple<bool, std::size_t, Time, std::string>;
-  std::set<Load> by_load;
+  // Those that are to be given something first on top: there are many, and work for few.
+  std::vector<Load> heap;
   std::size_t free_hands = 0;
-  const auto queue = [&](const Worker& worker) {
-    if (worker.credit == 0 || roomOf(worker) == 0) return;
+  const auto add = [&](Worker& worker) {
+    if (worker.credit == 0 || roomOf(worker) == 0) return false;
     const bool newcomer = worker.earned == 0;
     const std::size_t held = leases_.leasedTo(worker.id);
-    by_load.emplace(newcomer, held, newcomer ? worker.moved : Time(), worker.id);
+    heap.push_back({held > 0, newcomer, held, newcomer ? worker.moved : Time(), &worker});
     free_hands += !newcomer && held == 0;
+    return true;
   };
-  registry_.eachAsking([&](const Worker& worker) {
-    queue(worker);
+  registry_.eachAsking([&](Worker& worker) {
+    add(worker);
     // None of the others would come before these; but a check is not for everybody.
     return checks_wait || free_hands < leases_.waiting();
   });
-  while (!by_load.empty()) {
-    const std::string id = std::get<std::string>(by_load.extract(by_load.begin()).value());
-    Worker& worker = registry_.at(id);
+  std::ranges::make_heap(heap, std::greater());
+  while (!heap.empty()) {
+    std::ranges::pop_heap(heap, std::greater());
+    Worker& worker = *heap.back().worker;
+    heap.pop_back();
+    const std::string& id = worker.id;
     const std::size_t room = roomOf(worker);
     if (leases_.leasedTo(id) == 0) allotment_.noteFirst(worker, now);
     // There are few of them, and they are to show what is wrong before much rests on it.
@@ -401,7 +423,7 @@ void Coordinator::handOutJobs(Time now) {
     PALPATE_ASSERT(worker.credit > 0, "only workers that asked for a job are in the list");
     worker.idle_since.reset();
     --worker.credit;
-    queue(worker);
+    if (add(worker)) std::ranges::push_heap(heap, std::greater());
     sendJob(worker, *handout);
   }
 }

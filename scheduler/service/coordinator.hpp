@@ -51,8 +51,9 @@ struct CoordinatorSettings {
   std::chrono::seconds hung_at_least{120}, hung_without_any{3600};
   std::optional<std::chrono::seconds> hung_after;  ///< instead of all that
   /// Group commit: results wait for others at most so long, and at most so many, of so many bytes,
-  /// share one sync.
-  std::chrono::milliseconds group_age{20};
+  /// share one sync. Where there is nothing more to read, who waits for what they make ready is
+  /// served sooner.
+  std::chrono::milliseconds group_age{20}, group_age_all_read{5};
   std::size_t group_results = 256, group_bytes = std::size_t{16} << 20;
   /// What plans know of points is in the tables, which are for people, so much later.
   std::chrono::milliseconds tables_age{250};
@@ -187,7 +188,7 @@ class Coordinator {
                                      const wire::Point& parent) const;
   bool duplicate(const Worker& worker, const wire::Result& first, const wire::Result& second,
                  Time now);
-  bool groupIsDue(Time now);
+  bool groupIsDue(Time now, bool all_read);
   void commitGroup(Time now);
   void finishIfComplete(Time now);
 
@@ -241,7 +242,7 @@ class Coordinator {
   Time serversDue() const;
   void noteChanged(const TransitionKey& key, Time now);
   void showChanged();
-  void showFound(std::int32_t most);
+  void showFound(std::int32_t most, Time now);
   void writeServers(Time now);
   wire::Message& send(const std::string& peer,
                       std::shared_ptr<const std::string> payload = nullptr);
@@ -287,6 +288,7 @@ class Coordinator {
   Time changed_since_;                    ///< of the first
   /// Of what earlier runs found, this comes into the tables next; nothing when all is there.
   std::optional<Tables::Changed> show_next_ = Tables::Changed{0, 0};
+  Time show_at_;
   bool newcomers_ = false;     ///< since then
   std::string recent_status_;  ///< JSON
   Time recent_status_made_;

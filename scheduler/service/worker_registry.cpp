@@ -45,7 +45,7 @@ std::string hexOfId(std::string_view id) {
 void WorkerRegistry::addCredit(Worker& worker, std::uint64_t jobs) {
   worker.credit =
       static_cast<std::uint32_t>(std::min<std::uint64_t>(most_credit, worker.credit + jobs));
-  asking_.insert(worker.id);
+  asking_[worker.id] = &worker;
 }
 
 bool WorkerRegistry::someoneAsks() {
@@ -139,6 +139,7 @@ void WorkerRegistry::remove(const Worker& worker, const char* state, Time now) {
   if (worker.results > 0 || std::ssize(departed_) < Tables::most_idle_departed)
     departed_.push_back(rowOf(worker, state, now));
   id_of_peer_.erase(worker.peer);
+  asking_.erase(worker.id);
   workers_.erase(workers_.find(worker.id));
 }
 

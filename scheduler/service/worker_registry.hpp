@@ -1,7 +1,7 @@
 #pragma once
 
 #include <chrono>
-#include <set>
+#include <map>
 
 #include "common/keys/key_pair.hpp"
 #include "proto/palpate.pb.h"
@@ -89,14 +89,13 @@ class WorkerRegistry {
   /// these are many, not as all are.
   template <class Visit>
   void eachAsking(Visit visit) {
-    for (auto id = asking_.begin(); id != asking_.end();) {
-      const Worker* worker = find(*id);
-      if (worker == nullptr || worker->credit == 0) {
-        id = asking_.erase(id);
+    for (auto entry = asking_.begin(); entry != asking_.end();) {
+      if (entry->second->credit == 0) {
+        entry = asking_.erase(entry);
         continue;
       }
-      if (!visit(*worker)) return;
-      ++id;
+      if (!visit(*entry->second)) return;
+      ++entry;
     }
   }
   bool someoneAsks();
@@ -115,7 +114,7 @@ class WorkerRegistry {
   std::vector<KeptOut> kept_out_;
   Workers workers_;
   std::map<std::string, std::string> id_of_peer_;
-  std::set<std::string> asking_;  ///< and some that have none any more, or are gone
+  std::map<std::string, Worker*> asking_;  ///< and some that have no credit any more
   std::vector<wire::WorkerStatus> departed_;
 };
 

@@ -27,9 +27,9 @@ struct RecordedResults {
   std::vector<std::string> damage;
 };
 
+using TakeResult = std::function<void(const ResultKey&, const StoredResult&)>;
 /// Reads it, and calls `take` with the first result of each key, in the order of recording: all of
 /// them may not fit into memory. Error (bad input) when it is the journal of another build.
-using TakeResult = std::function<void(const ResultKey&, const StoredResult&)>;
 RecordedResults readResults(const std::filesystem::path& directory, const ContentId& build,
                             const TakeResult& take);
 

@@ -9,7 +9,7 @@ namespace palpate::fuzz {
 namespace {
 
 /// In one order: the maps of a message have none of their own.
-std::string bytesOf(const wire::Status& status) {
+std::string deterministicBytes(const wire::Status& status) {
   std::string bytes;
   {
     google::protobuf::io::StringOutputStream to(&bytes);
@@ -25,7 +25,7 @@ void readStatus(std::string_view bytes) {
   const wire::Status status = statusFromJson(std::string(bytes));
   describe(status);
   progressLine(status);
-  require(bytesOf(statusFromJson(toJson(status))) == bytesOf(status),
+  require(deterministicBytes(statusFromJson(toJson(status))) == deterministicBytes(status),
           "a status is not read as it was written");
 }
 

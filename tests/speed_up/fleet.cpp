@@ -252,6 +252,7 @@ class Fleet : private Transport {
   }
 
   void hear(std::size_t n, const wire::Message& message) {
+    for (const wire::Message& part : message.bundle().messages()) hear(n, part);
     WorkerState& worker = workers_[n];
     if (message.has_welcome()) return requestJobs(n, jobs_in_advance);
     if (message.has_refused())

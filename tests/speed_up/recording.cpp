@@ -7,18 +7,21 @@ namespace palpate::speed_up {
 Recording::Recording(const std::filesystem::path& directory)
     : directory_(directory), tables_(directory), problem_(decodeProblem(tables_.build().problem)) {
   const JournalReader journal(directory);
-  RecordedResults recorded = readResults(directory, tables_.build().build);
-  if (recorded.results.empty()) throw badInput("{}: nothing is recorded there", directory.string());
-  kernel_family_ = recorded.results.begin()->second.header.kernel_family();
-  for (auto& [key, result] : recorded.results) {
+  const auto take = [&](const ResultKey& key, StoredResult result) {
+    kernel_family_ = result.header.kernel_family();
     // What the scheduler added, and adds again.
     result.header.clear_given_by();
     result.header.clear_steps();
     result.header.clear_start_parent();
     const double seconds = result.outcome.cost.seconds;
     seconds_ += seconds;
-    solves_[key] = {std::move(result), journal.read(recorded.where.at(key)).payload, seconds};
-  }
+    solves_[key] = {std::move(result), "", seconds};
+  };
+  const RecordedResults recorded = readResults(directory, tables_.build().build, take);
+  if (solves_.empty()) throw badInput("{}: nothing is recorded there", directory.string());
+  recorded.where.forEach([&](const ResultKey& key, const JournalPosition& where) {
+    solves_.at(key).payload = journal.read(where).payload;
+  });
 }
 
 double Recording::longest() const {

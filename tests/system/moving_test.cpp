@@ -38,8 +38,10 @@ struct MovingTest : test::SmallBuild {
   }
   /// The worker's key is let in by the new key of a scheduler.
   void introduce(const std::string& head) const {
-    for (const std::string& folder : {head, std::string("node")})
-      if (!exists(directory / folder)) EXPECT_EQ(palpate("key new --keys " + folder).exit_code, 0);
+    for (const std::string& folder : {head, std::string("node")}) {
+      if (exists(directory / folder)) continue;
+      EXPECT_EQ(palpate("key new --keys " + folder).exit_code, 0);
+    }
     EXPECT_EQ(palpate("key allow " + keyOf("node") + " worker node --keys " + head).exit_code, 0);
   }
   void copy(const std::string& from, const std::string& to) const {

@@ -55,15 +55,13 @@ struct PaperArea {
   }
 
   static Equilibrium equilibrium(const Eigen::Vector3d& s, const Eigen::Vector3d& p) {
-    return {.force = force(s, p),
-            .stiffness = -g(s) * hessianF(p),
-            .energy = energy(s, p),
-            .drive = drive(s, p),
-            .drive_stiffness = -gradG(s) * gradF(p).transpose(),
-            .drive_slope = -f(p) * hessianG(s),
-            .stiffness_by_p = -g(s) * slopeOf(6 * cubed() * cubed().transpose(), cubed()),
-            .stiffness_by_s = -slopeOf(hessianF(p), gradG(s)),
-            .drive_slope_by_p = -slopeOf(hessianG(s), gradF(p))};
+    return {{.force = force(s, p), .stiffness = -g(s) * hessianF(p), .energy = energy(s, p)},
+            {.drive = drive(s, p),
+             .drive_stiffness = -gradG(s) * gradF(p).transpose(),
+             .drive_slope = -f(p) * hessianG(s),
+             .stiffness_by_p = -g(s) * slopeOf(6 * cubed() * cubed().transpose(), cubed()),
+             .stiffness_by_s = -slopeOf(hessianF(p), gradG(s)),
+             .drive_slope_by_p = -slopeOf(hessianG(s), gradF(p))}};
   }
 
   /// `refined`: the eight cells around the origin are halved.
