@@ -21,7 +21,11 @@ using ::testing::IsEmpty;
 
 class CheckCommand : public ::testing::Test, protected test::BlobOnDisk {
  protected:
-  CheckCommand() { scene.workspace.max_force = 100; }  // N: the whole workspace is reached
+  CheckCommand() {
+    scene.workspace.max_force = 100;  // N: the whole workspace is reached
+    // It warns of kernels that are not those of the CPU.
+    unsetenv("OPENBLAS_CORETYPE");
+  }
 
   CommandResult check(const std::string& options = "") {
     return test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-worker check " + options +

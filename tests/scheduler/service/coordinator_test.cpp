@@ -89,12 +89,22 @@ TEST_F(CoordinatorTest, AcknowledgesOnlyWhatIsOnDisk) {
   const auto jobs = world.takeJobs("a");
   world.deliver("a", jobs[0]);
   EXPECT_TRUE(world.take("a", Message::kResultAck).empty());
-  world.pass(10ms);
+  world.pass(3ms);
   EXPECT_TRUE(world.take("a", Message::kResultAck).empty()) << "the group waits for others";
-  world.pass(10ms);
+  world.pass(3ms);
   EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u);
   world.restart();
   EXPECT_EQ(world.coordinator().found(), 1u);
+}
+
+TEST_F(CoordinatorTest, LetsMoreResultsShareASyncAsLongAsThereIsMoreToRead) {
+  world.join("a", 2);
+  const auto jobs = world.takeJobs("a");
+  world.deliver("a", jobs[0]);
+  world.coordinator().advance(world.now + 15ms, false);
+  EXPECT_TRUE(world.take("a", Message::kResultAck).empty());
+  world.coordinator().advance(world.now + 20ms, false);
+  EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u) << "not for ever";
 }
 
 TEST_F(CoordinatorTest, CommitsAtOnceWhileAWorkerWaitsForWork) {
