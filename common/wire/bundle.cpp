@@ -23,7 +23,8 @@ void Bundler::add(wire::Message message, std::string_view payload) {
   PALPATE_ASSERT(payload.size() == payloadBytesOf(message), "or nobody could tell payloads apart");
   PALPATE_ASSERT(!message.has_bundle(), "there are no bundles in bundles");
   const std::size_t bytes = message.ByteSizeLong() + payload.size();
-  if (bytes_ + bytes > bundle_bytes) close();
+  if (bytes_ + bytes > bundle_bytes || open_.message.bundle().messages_size() == bundle_messages)
+    close();
   *open_.message.mutable_bundle()->add_messages() = std::move(message);
   open_.payload += payload;
   bytes_ += bytes;
@@ -57,7 +58,8 @@ std::vector<Incoming> unbundled(Incoming incoming) {
   incoming.payload.clear();
   std::size_t wanted = 0;
   for (const wire::Message& message : bundle.messages()) wanted += payloadBytesOf(message);
-  if (bundle.messages().empty() || wanted != payload.size()) {
+  if (bundle.messages().empty() || bundle.messages_size() > bundle_messages ||
+      wanted != payload.size()) {
     parts.push_back(std::move(incoming));
     return parts;
   }

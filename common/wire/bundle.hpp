@@ -10,9 +10,10 @@
 
 namespace palpate {
 
-/// A bundle takes no more than this, messages and payloads together; one message by itself may be
-/// longer.
+/// A bundle takes no more than this, messages and payloads together, and no more messages; one
+/// message by itself may be longer.
 inline constexpr std::size_t bundle_bytes = 32 * 1024;
+inline constexpr int bundle_messages = 1024;
 
 /// A message with its payload.
 struct Letter {
@@ -38,8 +39,8 @@ class Bundler {
 };
 
 /// The messages of a bundle, or the one that is none. Those that cannot be read have no body, as
-/// receiveMessage() has it; of a bundle whose payload is not that of its messages, one without a
-/// body is all there is. The bytes that it took count as the first one's.
+/// receiveMessage() has it; of a bundle that has too many, or whose payload is not theirs, one
+/// without a body is all there is. The bytes that it took count as the first one's.
 std::vector<Incoming> unbundled(Incoming incoming);
 
 /// What comes in over one socket, message by message, however many came as one. One thread.

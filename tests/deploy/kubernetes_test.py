@@ -16,6 +16,8 @@ import manifests
 import pods
 
 ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../.."))
+# Pods do not have it, and the same dataset comes of the same kernels.
+os.environ.pop("OPENBLAS_CORETYPE", None)
 PROGRAMS = os.path.abspath(os.environ.get("PALPATE_BIN_DIR", f"{ROOT}/build/release/bin"))
 BASE, LIVER = f"{ROOT}/deploy/kubernetes", f"{ROOT}/deploy/scenes/liver"
 

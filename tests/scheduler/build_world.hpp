@@ -82,8 +82,9 @@ class BuildWorld {
     coordinator().receive(incoming, now);
     collect();
   }
-  void settle() {
-    coordinator().advance(now);
+  /// `all_read`: nothing more has come.
+  void settle(bool all_read = true) {
+    coordinator().advance(now, all_read);
     collect();
   }
 

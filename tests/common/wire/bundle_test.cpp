@@ -99,6 +99,22 @@ TEST(Bundle, LosesOnlyThoseMessagesThatCannotBeRead) {
   EXPECT_EQ(parts[2].message.request().credit(), 4u);
 }
 
+/// A peer would be heard a thousand times where others are heard once.
+TEST(Bundle, OfTooManyMessagesIsNeitherMadeNorRead) {
+  Bundler bundler;
+  wire::Message message;
+  for (int n = 0; n <= bundle_messages; ++n) {
+    bundler.add(requestFor(0));
+    *message.mutable_bundle()->add_messages() = requestFor(0);
+  }
+  const std::vector<Letter> letters = bundler.take();
+  ASSERT_EQ(letters.size(), 2u);
+  EXPECT_EQ(opened(letters[0]).size(), static_cast<std::size_t>(bundle_messages));
+  const std::vector<Incoming> parts = opened({message, ""});
+  ASSERT_EQ(parts.size(), 1u);
+  EXPECT_EQ(parts[0].message.body_case(), wire::Message::BODY_NOT_SET);
+}
+
 TEST(Bundle, OfNothingIsNotRead) {
   wire::Message message;
   message.mutable_bundle();

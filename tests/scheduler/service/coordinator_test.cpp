@@ -101,9 +101,11 @@ TEST_F(CoordinatorTest, LetsMoreResultsShareASyncAsLongAsThereIsMoreToRead) {
   world.join("a", 2);
   const auto jobs = world.takeJobs("a");
   world.deliver("a", jobs[0]);
-  world.coordinator().advance(world.now + 15ms, false);
+  world.sleep(15ms);
+  world.settle(false);
   EXPECT_TRUE(world.take("a", Message::kResultAck).empty());
-  world.coordinator().advance(world.now + 20ms, false);
+  world.sleep(5ms);
+  world.settle(false);
   EXPECT_EQ(world.take("a", Message::kResultAck).size(), 1u) << "not for ever";
 }
 
