@@ -28,7 +28,7 @@ struct Driver {
     const void* const info = H5Pget_driver_info(file_access);
     if (info == nullptr) return nullptr;
     auto* const made = new Driver{};
-    std::memcpy(&made->file, info, sizeof made->file);
+    std::memcpy(&made->file, info, sizeof(void*));
     return &made->head;
   }
   static herr_t close(H5FD_t* file) {
@@ -41,7 +41,7 @@ struct Driver {
              H5FD_FEAT_AGGREGATE_SMALLDATA | H5FD_FEAT_DEFAULT_VFD_COMPATIBLE;
     return 0;
   }
-  static haddr_t end_of(const H5FD_t* file, H5FD_mem_t) { return of(file).end; }
+  static haddr_t endOf(const H5FD_t* file, H5FD_mem_t) { return of(file).end; }
   static herr_t setEnd(H5FD_t* file, H5FD_mem_t, haddr_t end) {
     of(file).end = end;
     return 0;
@@ -67,11 +67,11 @@ struct Driver {
       made.name = "palpate";
       made.maxaddr = static_cast<haddr_t>(~std::size_t{0} - 1);
       made.fc_degree = H5F_CLOSE_WEAK;
-      made.fapl_size = sizeof(NewFile*);
+      made.fapl_size = sizeof(void*);
       made.open = open;
       made.close = close;
       made.query = query;
-      made.get_eoa = end_of;
+      made.get_eoa = endOf;
       made.set_eoa = setEnd;
       made.get_eof = size;
       made.read = read;

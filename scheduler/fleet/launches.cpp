@@ -70,7 +70,9 @@ void Launches::believe(const std::vector<Running>& running, Time now) {
 
 std::vector<std::string> Launches::leaveOut(const std::vector<Running>& running) {
   std::vector<std::string> left_out;
-  for (const auto& [node, failures] : on_a_node_) {
+  for (const auto& entry : on_a_node_) {
+    const std::string& node = entry.first;
+    const int failures = entry.second;
     const auto worksElsewhere = [&](const Running& job) { return works(job) && job.node != node; };
     if (node.empty() || failures < most_on_a_node || std::ranges::none_of(running, worksElsewhere))
       continue;

@@ -86,7 +86,7 @@ std::optional<Number> numberIn(std::string_view text) {
 }
 
 /// "[days-][[hours:]minutes:]seconds"; what is none of that lasted no time.
-std::chrono::seconds durationOf(std::string_view text) {
+std::chrono::seconds elapsedOf(std::string_view text) {
   std::int64_t days = 0, seconds = 0;
   if (const auto dash = text.find('-'); dash != std::string_view::npos) {
     days = numberIn<std::uint16_t>(text.substr(0, dash)).value_or(0);
@@ -152,12 +152,12 @@ SlurmJobs SlurmJobs::parsed(const std::string& text, const std::string& endpoint
     } else if (queued) {
       jobs.queued.push_back({id, reason});
     } else if (running) {
-      jobs.running.push_back({id, node, durationOf(used)});
+      jobs.running.push_back({id, node, elapsedOf(used)});
     } else if (state != "COMPLETING") {
       Launches::Ended end = endOf(state, status, reason);
       end.id = id;
       end.node = node;
-      end.age = durationOf(used);
+      end.age = elapsedOf(used);
       end.when = when;
       jobs.ended.push_back(std::move(end));
     }

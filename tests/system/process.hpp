@@ -12,6 +12,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -28,9 +29,11 @@ inline bool eventually(const std::function<bool()>& condition) {
   return true;
 }
 
+/// As far as it can be read: that of a process in /proc may be gone meanwhile.
 inline std::string contentOf(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  std::ostringstream content;
+  content << std::ifstream(file, std::ios::binary).rdbuf();
+  return content.str();
 }
 
 /// Where the scheduler that works in `state` listens; empty when it has not said so yet.
