@@ -50,7 +50,7 @@ bool asksForMuch(const wire::Message& message) {
 }  // namespace
 
 Coordinator::Coordinator(const Problem& problem, std::string problem_bytes, JobStore& store,
-                         Time now, CoordinatorSettings settings)
+                         Time now, const CoordinatorSettings& settings)
     : problem_(&problem),
       problem_bytes_(std::make_shared<const std::string>(std::move(problem_bytes))),
       build_(store.build()),

@@ -101,7 +101,7 @@ class Coordinator {
 
   /// All references must outlive this object. `problem_bytes` is encodeProblem(problem).
   Coordinator(const Problem& problem, std::string problem_bytes, JobStore& store, Time now,
-              CoordinatorSettings settings = {});
+              const CoordinatorSettings& settings = {});
 
   void receive(const Incoming& incoming, Time now);
   /// A message whose sender may not say it: is told why, and if it was a worker, it is none any
