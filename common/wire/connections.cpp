@@ -174,6 +174,7 @@ void Connections::accepted(int descriptor) {
   forget(descriptor);
   const auto address = addressOf(descriptor);
   if (!address) return;
+  flooded_before_.erase(descriptor);
   Connection& connection = connections_[descriptor];
   connection.address = *address;
   connection.cookie = cookieOf(descriptor);
@@ -192,6 +193,7 @@ void Connections::forget(int descriptor) {
   if (found == connections_.end()) return;
   const auto peer = of_peer_.find(found->second.peer);
   if (peer != of_peer_.end() && peer->second == descriptor) of_peer_.erase(peer);
+  if (found->second.flooded) flooded_before_.insert(descriptor);
   // What came after the last look is not known any more.
   left_by_ended_ += limits_.unread;
   connections_.erase(found);
@@ -317,7 +319,8 @@ bool Connections::received(int connection, const std::string& peer, std::size_t 
   const std::lock_guard lock(mutex_);
   accepted(connection);
   const auto found = connections_.find(connection);
-  if (found == connections_.end()) return true;
+  // It has ended, and nobody has its descriptor yet.
+  if (found == connections_.end()) return !flooded_before_.contains(connection);
   Connection& from = found->second;
   from.taken += bytes;
   ++from.messages;

@@ -5,6 +5,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -128,6 +129,7 @@ class Connections {
   std::mutex mutex_;  ///< everything below
   std::map<int, Connection> connections_;
   std::map<std::string, int> of_peer_;
+  std::set<int> flooded_before_;  ///< descriptors whose last connection flooded, and has ended
   std::map<std::string, Floods> floods_;  ///< by address
   std::size_t left_by_ended_ = 0;         ///< bytes, at most
   bool told_of_ended_ = false;            ///< once until it is received
