@@ -77,8 +77,8 @@ class StoredTables {
 
 /// The same tables for their one writer, which owns the StateDirectory. Nothing that an
 /// acknowledgement promises rests on them, so they are not synced with every group: after a power
-/// cut they are those of some moment before, and showAll() brings them up to date. Errors of the
-/// database are fatal for the scheduler. One thread.
+/// cut they are those of some moment before, and showAll(), or showSome(), brings them up to date.
+/// Errors of the database are fatal for the scheduler. One thread.
 class Tables : public StoredTables {
  public:
   /// Opens the tables in `directory`, or makes them. `problem_bytes` is encodeProblem(problem).
