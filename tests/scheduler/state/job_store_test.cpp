@@ -160,6 +160,32 @@ TEST_F(JobStoreTest, TheTablesCanBeMadeAgainFromTheJournal) {
   }
 }
 
+TEST_F(JobStoreTest, AWordThatCannotBeInTheTablesIsDamageUnlessItIsWrittenAgain) {
+  recordThree();
+  const auto damage = [&](const char* sql) {
+    Database tables(state / "state.db", Database::Access::read_write_create);
+    tables.execute(std::string("PRAGMA ignore_check_constraints = ON; ") + sql);
+  };
+  const auto putAside = [&] {
+    const StateDirectory held(state);
+    JobStore store = open(held);
+    EXPECT_EQ(store.found(), 3u);
+    return std::filesystem::remove(state / "state.db.damaged");
+  };
+  damage("INSERT INTO kept_out VALUES ('nobody', x'01', 'node1', x'02', 'it lied')");
+  EXPECT_TRUE(putAside()) << "who was kept out is needed";
+  damage("INSERT INTO servers VALUES ('0a', 'node1', 1, 'avx2', 'asleep', 0, 0)");
+  EXPECT_TRUE(putAside());
+  damage("INSERT INTO configurations VALUES (0, 0, 0, 0, 0, 'expendable', 'none', 0, 0, 1)");
+  EXPECT_FALSE(putAside());
+  const StateDirectory held(state);
+  JobStore store = open(held);
+  std::vector<SpacePlan> plans;
+  plans.emplace_back(problem, 0u);
+  store.tables().showAll(plans);
+  StoredTables(state).verify();
+}
+
 TEST_F(JobStoreTest, NoFlippedBitOfTheTablesReachesAResult) {
   recordThree();
   std::map<ResultKey, std::string> whole;
