@@ -18,7 +18,7 @@ JournalRecord recordOf(const std::vector<SpacePlan>& plans, std::size_t space, s
 }  // namespace
 
 Build::Build(Problem problem, const std::filesystem::path& state, Coordinator::Time now,
-             CoordinatorSettings settings, std::uint64_t segment_bytes)
+             const CoordinatorSettings& settings, std::uint64_t segment_bytes)
     : problem_(std::move(problem)),
       problem_bytes_(encodeProblem(problem_)),
       directory_(state),

@@ -18,7 +18,7 @@ class Build {
   /// is of the clock that the coordinator is told later. Error (bad input) when what is recorded
   /// was computed with other kernels than these settings want.
   Build(Problem problem, const std::filesystem::path& state, Coordinator::Time now,
-        CoordinatorSettings settings = {},
+        const CoordinatorSettings& settings = {},
         std::uint64_t segment_bytes = Journal::default_segment_bytes);
   Build(const Build&) = delete;
   Build& operator=(const Build&) = delete;

@@ -232,8 +232,8 @@ void HttpServer::Parts::bind(const char* option) {
                 errno == 0 ? "it is none of this machine" : errnoText());
 }
 
-HttpServer::HttpServer(const HttpAddress& address, std::map<std::string, HttpHandler> handlers,
-                       const char* option)
+HttpServer::HttpServer(const HttpAddress& address,
+                       const std::map<std::string, HttpHandler>& handlers, const char* option)
     : parts_(std::make_unique<Parts>()) {
   parts_->address = address;
   parts_->limit();

@@ -49,7 +49,7 @@ class HttpServer {
 
   /// Listens from now on. `handlers` by path, "/metrics". Error when the address is in use or none
   /// of this machine's; it names `option`.
-  HttpServer(const HttpAddress& address, std::map<std::string, HttpHandler> handlers,
+  HttpServer(const HttpAddress& address, const std::map<std::string, HttpHandler>& handlers,
              const char* option);
   /// Ends the threads; waits for those that answer.
   ~HttpServer();
