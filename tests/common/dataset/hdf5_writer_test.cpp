@@ -1,0 +1,364 @@
+#include "common/dataset/hdf5_writer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <thread>
+
+#include "common/dataset/hdf5_reader.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace palpate::hdf5 {
+namespace {
+
+using test::expectError;
+using testing::Each;
+using testing::ElementsAre;
+
+/// A ListWriter hands on a mebibyte at a time: rows of 24 bytes do not end there, those of 32 do.
+constexpr std::size_t mebibyte = std::size_t{1} << 20;
+
+struct Hdf5WriterTest : testing::Test {
+  test::TemporaryDirectory directory;
+  const std::filesystem::path file = directory / "list.h5";
+
+  std::string content(const std::filesystem::path& of) const {
+    std::ifstream stream(of, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  std::vector<Eigen::Vector3d> vectors(std::size_t count) const {
+    std::vector<Eigen::Vector3d> list(count);
+    for (std::size_t n = 0; n < count; ++n)
+      list[n] = {static_cast<double>(n), -static_cast<double>(n) / 7, 1e-300};
+    return list;
+  }
+  Reader read() const {
+    Reader reader(file);
+    reader.findArrays();
+    return reader;
+  }
+  /// Runs it in a process that exits in the ordinary way, and may write no more than so many bytes
+  /// into a file. 0 as it returns; what it throws is told.
+  static void expectToEndWell(rlim_t most, const std::function<int()>& action) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      std::signal(SIGXFSZ, SIG_IGN);
+      const rlimit limit = {most, most};
+      if (most != RLIM_INFINITY && setrlimit(RLIMIT_FSIZE, &limit) != 0) std::exit(100);
+      try {
+        std::exit(action());
+      } catch (const std::exception& error) {
+        std::fprintf(stderr, "%s\n", error.what());
+        std::exit(101);
+      }
+    }
+    int status = -1;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFEXITED(status)) << "signal " << WTERMSIG(status);
+    EXPECT_EQ(WEXITSTATUS(status), 0);
+  }
+};
+
+template <class T>
+void writeRowByRow(Writer& writer, const std::string& path, const std::vector<T>& list) {
+  ListOf<T> rows(writer, path, list.size(), "m");
+  for (const T& row : list) rows.add(row);
+  rows.finish();
+}
+
+TEST_F(Hdf5WriterTest, AListRowByRowIsTheSameBytesAsAWholeOne) {
+  std::vector<std::int32_t> numbers(300001);
+  std::vector<ContentId> ids(mebibyte / 32 + 1);
+  for (std::size_t n = 0; n < numbers.size(); ++n) numbers[n] = static_cast<std::int32_t>(n * n);
+  for (std::size_t n = 0; n < ids.size(); ++n) ids[n] = ContentId::of(std::to_string(n));
+  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{1000}, mebibyte / 24,
+                                  mebibyte / 24 + 1, 3 * mebibyte / 24 + 100}) {
+    const auto list = vectors(count);
+    Writer whole(directory / "whole.h5");
+    whole.makeGroup("/points");
+    whole.writeList("/points/force", list, "m");
+    whole.writeList("/points/number", numbers, "m");
+    whole.writeList("/points/fields", ids, "m");
+    whole.close();
+    Writer rows(file);
+    rows.makeGroup("/points");
+    writeRowByRow(rows, "/points/force", list);
+    writeRowByRow(rows, "/points/number", numbers);
+    writeRowByRow(rows, "/points/fields", ids);
+    rows.close();
+    EXPECT_TRUE(content(file) == content(directory / "whole.h5")) << count << " rows";
+    ASSERT_EQ(rows.arrays().size(), 3u);
+    for (std::size_t n = 0; n < 3; ++n) {
+      EXPECT_EQ(rows.arrays()[n].path, whole.arrays()[n].path);
+      EXPECT_EQ(rows.arrays()[n].shape, whole.arrays()[n].shape);
+      EXPECT_EQ(rows.arrays()[n].hash, whole.arrays()[n].hash);
+    }
+  }
+}
+
+TEST_F(Hdf5WriterTest, AListRowByRowIsReadBackToTheLastRow) {
+  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, mebibyte / 24 + 1}) {
+    Writer writer(file);
+    writeRowByRow(writer, "/force", vectors(count));
+    writer.close();
+    EXPECT_TRUE(read().readList<Eigen::Vector3d>("/force", count) == vectors(count));
+  }
+}
+
+/// As the points of a space are: its numbers go into twenty lists, point by point.
+TEST_F(Hdf5WriterTest, ListsThatAreWrittenInTurnsDoNotMix) {
+  const auto list = vectors(100000);
+  std::vector<double> lengths;
+  Writer writer(file);
+  ListOf<Eigen::Vector3d> forces(writer, "/force", list.size(), "N");
+  ListOf<double> norms(writer, "/norm", list.size(), "N");
+  for (const Eigen::Vector3d& force : list) {
+    forces.add(force);
+    lengths.push_back(force.norm());
+    norms.add(lengths.back());
+  }
+  norms.finish();
+  forces.finish();
+  writer.close();
+  EXPECT_TRUE(read().readList<Eigen::Vector3d>("/force") == list);
+  EXPECT_TRUE(read().readList<double>("/norm") == lengths);
+}
+
+/// A build may have ten million points.
+TEST_F(Hdf5WriterTest, TheMemoryThatAListTakesDoesNotGrowWithIt) {
+  expectToEndWell(RLIM_INFINITY, [&] {
+    constexpr hsize_t rows = 64 * mebibyte / 32;
+    const auto peak = [] {
+      rusage usage{};
+      getrusage(RUSAGE_SELF, &usage);
+      return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+    };
+    Writer writer(file);
+    ListWriter list(writer, "/rows", Element::uint8, {rows, 32}, "1");
+    const std::size_t before = peak();
+    const std::string row(32, 'r');
+    for (hsize_t n = 0; n < rows; ++n) list.add(row);
+    list.finish();
+    writer.close();
+    const std::size_t grown = peak() - before;
+    if (grown > 16 * mebibyte) std::fprintf(stderr, "by %zu bytes\n", grown);
+    return grown > 16 * mebibyte ? 1 : 0;
+  });
+  EXPECT_GT(std::filesystem::file_size(file), 64 * mebibyte);
+}
+
+TEST_F(Hdf5WriterTest, RowsOfAnotherWidthAreRefusedAndLeaveNothing) {
+  const auto list = vectors(3);
+  Writer writer(file);
+  ListWriter rows(writer, "/force", Element::float64, {list.size(), 3}, "N");
+  const auto bytes = [&](std::size_t n) { return std::string(bytesOf(std::span(&list[n], 1))); };
+  rows.add(bytes(0));
+  EXPECT_THROW(rows.add(bytes(1).substr(1)), std::logic_error);
+  EXPECT_THROW(rows.add(bytes(1) + "x"), std::logic_error);
+  EXPECT_THROW(rows.add(bytes(1) + bytes(2)), std::logic_error) << "two at once";
+  EXPECT_THROW(rows.add(""), std::logic_error);
+  rows.add(bytes(1));
+  rows.add(bytes(2));
+  rows.finish();
+  writer.close();
+  EXPECT_EQ(read().readList<Eigen::Vector3d>("/force"), list);
+}
+
+TEST_F(Hdf5WriterTest, AListHasAsManyRowsAsWereAnnounced) {
+  const std::string row(8, 'r');
+  const auto listOf = [&](int rows) {
+    Writer writer(file);
+    ListWriter list(writer, "/rows", Element::float64, {3}, "1");
+    for (int n = 0; n < rows; ++n) list.add(row);
+    list.finish();
+  };
+  EXPECT_NO_THROW(listOf(3));
+  EXPECT_THROW(listOf(2), std::logic_error);
+  EXPECT_THROW(listOf(4), std::logic_error);
+}
+
+TEST_F(Hdf5WriterTest, AListOfAFileThatIsClosedIsAnErrorThatNamesBoth) {
+  const auto addTo = [&](std::size_t before, std::size_t after) {
+    Writer writer(file);
+    ListOf<double> list(writer, "/energy", before + after, "J");
+    for (std::size_t n = 0; n < before; ++n) list.add(1);
+    writer.close();
+    for (std::size_t n = 0; n < after; ++n) list.add(2);
+    list.finish();
+  };
+  expectError(ExitCode::failed, [&] { addTo(5, 0); }, {"list.h5", "/energy"});
+  expectError(ExitCode::failed, [&] { addTo(0, 300000); }, {"list.h5", "/energy"});
+  expectError(ExitCode::failed, [&] { addTo(0, 0); }, {"list.h5", "blake2b"});
+}
+
+/// Before the whole list was computed in vain: two mebibytes later at most.
+TEST_F(Hdf5WriterTest, ADiskThatTakesNoMoreIsToldSoonByEveryCallAndIsSurvived) {
+  for (const rlim_t room : {0 * mebibyte, mebibyte / 2, 3 * mebibyte}) {
+    SCOPED_TRACE(room);
+    expectToEndWell(room, [&] {
+      Writer writer(file);
+      constexpr hsize_t rows = 16 * mebibyte / 8;
+      ListOf<double> list(writer, "/energy", rows, "J");
+      hsize_t added = 0;
+      expectError(ExitCode::failed,
+                  [&] {
+                    for (; added < rows; ++added) list.add(1);
+                  },
+                  {"list.h5", "cannot be written", "File too large"});
+      EXPECT_LE(8 * added, room + 3 * mebibyte);
+      expectError(ExitCode::failed, [&] { writer.writeList("/other", vectors(1), "m"); },
+                  {"list.h5", "cannot be written", "File too large"});
+      expectError(ExitCode::failed, [&] { writer.close(); },
+                  {"list.h5", "cannot be written", "File too large"});
+      return HasFailure() ? 1 : 0;
+    });
+  }
+}
+
+/// The last bytes are written when the file is closed.
+TEST_F(Hdf5WriterTest, ADiskThatIsFullAtTheVeryEndIsToldByClosing) {
+  const auto write = [&] {
+    Writer writer(file);
+    writeRowByRow(writer, "/force", vectors(1000));
+    writer.close();
+  };
+  write();
+  const std::size_t size = std::filesystem::file_size(file);
+  for (const std::size_t less : {std::size_t{1}, std::size_t{100}, size / 2, size})
+    expectToEndWell(size - less, [&] {
+      expectError(ExitCode::failed, write, {"list.h5", "cannot be written"});
+      return HasFailure() ? 1 : 0;
+    });
+  expectToEndWell(size, [&] {
+    write();
+    return 0;
+  });
+}
+
+TEST_F(Hdf5WriterTest, RowsThatAreSkippedReadAsNoNumbers) {
+  Writer writer(file);
+  RowWriter floats(writer, "/displacement", Element::float32, {3, 2}, "m");
+  RowWriter integers(writer, "/quantized", Element::int16, {2, 2}, "1");
+  const std::vector<float> first = {1.5F, -2}, third = {0.F, 4.F};
+  const std::vector<std::int16_t> second = {7, -8};
+  floats.write(bytesOf(std::span(first)));
+  floats.skip();
+  integers.skip();
+  floats.write(bytesOf(std::span(third)));
+  integers.write(bytesOf(std::span(second)));
+  floats.finish();
+  integers.finish();
+  writer.close();
+  const Reader reader = read();
+  const auto stored = reader.read<float>("/displacement", {3, 2});
+  EXPECT_EQ((std::vector(stored.begin(), stored.begin() + 2)), first);
+  EXPECT_TRUE(std::isnan(stored[2]) && std::isnan(stored[3]));
+  EXPECT_EQ((std::vector(stored.begin() + 4, stored.end())), third);
+  constexpr std::int16_t lowest = std::numeric_limits<std::int16_t>::lowest();
+  EXPECT_THAT(reader.read<std::int16_t>("/quantized", {2, 2}), ElementsAre(lowest, lowest, 7, -8));
+  for (const ArrayInfo& info : reader.arrays()) EXPECT_NO_THROW(reader.verify(info));
+}
+
+TEST_F(Hdf5WriterTest, EveryRowIsWrittenOrSkippedOnce) {
+  const std::string row(8, '\0');
+  Writer writer(file);
+  RowWriter rows(writer, "/a", Element::float32, {2, 2}, "m");
+  EXPECT_THROW(rows.write(row + row), std::logic_error);
+  rows.write(row);
+  EXPECT_THROW(rows.finish(), std::logic_error);
+  rows.skip();
+  EXPECT_THROW(rows.write(row), std::logic_error);
+  rows.finish();
+  RowWriter more(writer, "/b", Element::float32, {1, 2}, "m");
+  more.skip();
+  more.skip();
+  EXPECT_THROW(more.finish(), std::logic_error);
+  EXPECT_THROW(RowWriter(writer, "/c", Element::float64, {1, 2}, "m"), std::logic_error)
+      << "readers take it for a table";
+}
+
+TEST_F(Hdf5WriterTest, AnArrayIsWrittenWholeAndUnderItsWholePath) {
+  Writer writer(file);
+  const std::vector<double> six(6);
+  EXPECT_THROW(writer.write<double>("/a", {2, 2}, six, "m"), std::logic_error);
+  EXPECT_THROW(writer.write<double>("a", {2, 3}, six, "m"), std::logic_error);
+  expectError(ExitCode::failed, [&] { writer.write<double>("/no/group", {6}, six, "m"); },
+              {"list.h5", "/no/group"});
+  writer.write<double>("/a", {2, 3}, six, "m");
+  expectError(ExitCode::failed,
+              [&] {
+                writer.write<double>("/a", {2, 3}, six, "m");
+              },
+              {"list.h5", "/a"});
+  const double one = 0.5;
+  writer.write<double>("/scalar", {}, std::span(&one, 1), "m");
+  writer.close();
+  EXPECT_THAT(read().read<double>("/a", {2, 3}), Each(0));
+  EXPECT_THAT(read().read<double>("/scalar", {}), ElementsAre(0.5));
+}
+
+TEST_F(Hdf5WriterTest, AttributesAreReadBack) {
+  Writer writer(file);
+  const std::vector<std::int32_t> numbers = {1, -2, 3};
+  writer.setText("/", "scene", "name = \"Leber, gr\u00f6\u00dfer\"\n");
+  writer.setText("/", "empty", "");
+  writer.setText("/", "long", std::string(200000, 'x'));
+  writer.setIntegers("/", "version", numbers);
+  writer.setNumber("/", "spacing", 0.0125);
+  writer.close();
+  const Reader reader(file);
+  EXPECT_EQ(reader.text("scene"), "name = \"Leber, gr\u00f6\u00dfer\"\n");
+  EXPECT_EQ(reader.text("empty"), "");
+  EXPECT_EQ(reader.text("long"), std::string(200000, 'x'));
+  EXPECT_EQ(reader.integers("version"), numbers);
+  EXPECT_EQ(reader.number("spacing"), 0.0125);
+  EXPECT_FALSE(reader.hasAttribute("other"));
+}
+
+/// HDF5 stamps with seconds, unless it is told not to.
+TEST_F(Hdf5WriterTest, EqualCallsAreEqualBytesAtAnyTime) {
+  const auto write = [&](const char* name) {
+    Writer writer(directory / name);
+    writer.makeGroup("/group");
+    writer.setText("/group", "what", "a group");
+    writeRowByRow(writer, "/group/force", vectors(100));
+    const std::vector<float> row = {1, 2};
+    RowWriter rows(writer, "/group/displacement", Element::float32, {2, 2}, "m");
+    rows.write(bytesOf(std::span(row)));
+    rows.skip();
+    rows.finish();
+    writer.close();
+  };
+  write("first.h5");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  write("second.h5");
+  EXPECT_TRUE(content(directory / "first.h5") == content(directory / "second.h5"));
+}
+
+TEST_F(Hdf5WriterTest, WhatIsThereIsReplacedAndWhereNothingCanBeIsSaid) {
+  std::ofstream(file) << std::string(3 * mebibyte, 'x');
+  Writer writer(file);
+  writeRowByRow(writer, "/force", vectors(2));
+  writer.close();
+  EXPECT_LT(std::filesystem::file_size(file), 10000u);
+  EXPECT_EQ(read().readList<Eigen::Vector3d>("/force"), vectors(2));
+  expectError(ExitCode::failed, [&] { Writer(directory / "no" / "such.h5"); },
+              {"such.h5", "cannot be created", "No such file"});
+  expectError(ExitCode::failed, [&] { Writer{directory.path()}; },
+              {directory.path().string(), "cannot be created", "directory"});
+}
+
+}  // namespace
+}  // namespace palpate::hdf5
