@@ -1,0 +1,58 @@
+"""Figures as SVG, with their data beside them as CSV; tables as Markdown.
+
+Axes are in the units that their labels say. Nothing is drawn of data that are not all there: a column of which a number
+is None is refused (record.Incomplete), unless the figure says that holes are part of what it shows."""
+import csv
+import io
+
+from record import Incomplete, needed, write_whole
+
+# As tell apart well, also in grey and for the colour-blind (Okabe and Ito 2008).
+COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999933"]
+
+
+def save_data(record, name, columns, rows, holes=False):
+    """FOLDER/figures/NAME.csv, of which a figure or table is made; `columns` are names with units, as "force (N)"."""
+    rows = [list(row) for row in rows]
+    if not rows:
+        raise Incomplete(f"{name}: there are no data")
+    for row in rows:
+        if len(row) != len(columns):
+            raise Incomplete(f"{name}: a row has {len(row)} instead of {len(columns)} values: {row}")
+        if not holes and any(value is None for value in row):
+            raise Incomplete(f"{name}: no value of {columns[row.index(None)]} in {row}")
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([shown(value) for value in row] for row in rows)
+    write_whole(record.folder / "figures" / f"{name}.csv", text.getvalue())
+
+
+def shown(value):
+    return "" if value is None else f"{value:.6g}" if isinstance(value, float) else value
+
+
+def save_figure(record, name, columns, rows, draw, size=(7, 4.2), holes=False):
+    """draw(figure) on a matplotlib figure; NAME.svg beside NAME.csv, the same bytes for the same data."""
+    save_data(record, name, columns, rows, holes)
+    needed("matplotlib")
+    import matplotlib
+    matplotlib.use("svg")
+    import matplotlib.pyplot as plot
+    with plot.rc_context({"svg.hashsalt": "palpate", "svg.fonttype": "none", "font.size": 9, "axes.spines.top": False,
+                          "axes.spines.right": False, "axes.grid": True, "grid.alpha": 0.3, "legend.frameon": False,
+                          "axes.prop_cycle": plot.cycler(color=COLORS)}):
+        figure = plot.figure(figsize=size, layout="constrained")
+        draw(figure)
+        text = io.StringIO()
+        figure.savefig(text, format="svg", metadata={"Date": None, "Creator": "Palpate"})
+        plot.close(figure)
+    write_whole(record.folder / "figures" / f"{name}.svg", text.getvalue())
+
+
+def save_table(record, name, columns, rows):
+    """FOLDER/figures/NAME.md beside NAME.csv. Text stays as it is; None becomes "not measured"."""
+    save_data(record, name, columns, rows, holes=True)
+    cell = lambda value: "not measured" if value is None else f"{value:.3g}" if isinstance(value, float) else str(value)
+    lines = [columns, ["---"] * len(columns), *[[cell(value) for value in row] for row in rows]]
+    write_whole(record.folder / "figures" / f"{name}.md", "".join(f"| {' | '.join(line)} |\n" for line in lines))

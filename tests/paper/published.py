@@ -1,0 +1,32 @@
+"""What is published: Peterlik, Sedef, Basdogan, Matyska, Computers & Graphics 34 (2010) 43-54, and others where they say so.
+
+"The paper" in this folder is that one. Where a number was read off a figure, or stands in the text in words, it says so."""
+
+PAPER = "Peterlik et al. 2010"
+
+# Table 1: s of one Newton iteration on an Opteron 250 (2 GHz): (law, displacement order, nodes): unknowns, total.
+# None: the number is not known to us.
+NEWTON_ITERATION = {
+    ("svk", 1, 501): {"unknowns": 1539, "assembly": 0.49, "solve": 0.05, "total": 0.54},
+    ("mr", 1, 501): {"unknowns": 2040, "assembly": 1.05, "solve": 0.23, "total": 1.28},
+    ("svk", 1, 2011): {"unknowns": 6069, "assembly": 3.22, "solve": 0.71, "total": 3.93},
+    ("mr", 2, 501): {"unknowns": 12323, "assembly": 3.38, "solve": 3.18, "total": 6.56},
+    ("mr", 1, 2011): {"unknowns": 8080, "assembly": 8.15, "solve": 1.74, "total": 9.89},
+}
+
+# Sec. 6.1: 520 paths of 100 mm. Share that converges, %.
+CONVERGED = {"svk": 47, "msvk": 95, "mr": 95}  # the last two "about"; Mooney-Rivlin fails in "less than 5 %"
+
+# Sec. 6.2, Fig. 7: 64 cores, by lattice points.
+BUILD_MINUTES = {514: (2, 28), 1418: "about 1 h (10,270 tetrahedra)", 4168: "45 min (501 nodes) to about 3 h", 14146: "hours"}
+DATASET_MB = {(501, 514): 3, (501, 14146): 81, (2011, 514): 11, (2011, 14146): 325}
+
+# Sec. 6.3, Figs. 8 and 9: largest relative error of the force.
+LARGEST_ERROR = {("trilinear", 14146): 30, ("rbf-cubic", 514): 20}  # %: "up to 30 %", "less than 20 %"
+TRICUBIC_COVERAGE = {514: 31}  # % of the test configurations
+
+OTHERS = {
+    "SOFA ModelOrderReduction": ("262.6 frames/s (gravity) and 172.7 (rotation) instead of 0.62, liver of 4293 nodes; no error is stated",
+                                 "github.com/SofaDefrost/ModelOrderReduction, doc/sphinx/source/usage/examples/Liver/liver.md"),
+    "hyperelastic bodies with friction": ("20 to 100 Hz", "Courtecuisse et al., IROS 2015"),
+}

@@ -1,0 +1,185 @@
+"""What an evaluation has measured: every number with the command that made it, the machine and the commit.
+
+A *measurement* is the JSON of one command, or of one function, kept in FOLDER/measurements under a key that is a hash of
+what it depends on. A run that was interrupted finds them there and goes on. A *number* is what a reader is told."""
+import contextlib
+import datetime
+import hashlib
+import json
+import os
+import pathlib
+import platform
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+class Incomplete(Exception):
+    """Something that a table or figure needs is not there: it is not made, and the run says why."""
+
+
+class NotMeasured(Exception):
+    """A peer, a package or a mesh is not there: its column says so, and the rest is made."""
+
+
+def machine():
+    text = pathlib.Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace")
+    model = re.search(r"^model name\s*: (.*)$", text, re.M)
+    memory = re.search(r"^MemTotal:\s*(\d+)", pathlib.Path("/proc/meminfo").read_text(encoding="ascii"), re.M)
+    return {"processor": model[1] if model else platform.machine(), "cores": len(os.sched_getaffinity(0)),
+            "memory_GB": round(int(memory[1]) / 1e6, 1) if memory else None, "system": platform.platform()}
+
+
+def commit():
+    """The commit of the sources, with a + when they were changed since."""
+    try:
+        git = lambda *words: subprocess.run(["git", "-C", ROOT, *words], capture_output=True, text=True, check=True).stdout.strip()
+        return git("rev-parse", "--short=12", "HEAD") + ("+" if git("status", "--porcelain", "-uno") else "")
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown: these sources are no git repository"
+
+
+def write_whole(path, text):
+    """A file is there as a whole or not at all, whenever we are killed."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    beside = path.with_name(path.name + ".new")
+    beside.write_text(text, encoding="utf-8")
+    os.replace(beside, path)
+
+
+class Record:
+    """folder: where everything is kept. programs: build/release, with bin and bench in it. quick: the smallest set that
+    shows every table and figure. jobs: local workers."""
+
+    def __init__(self, folder, programs=ROOT / "build" / "release", quick=False, jobs=2, say=print):
+        self.folder = pathlib.Path(folder).resolve()
+        self.programs, self.bench = pathlib.Path(programs).resolve() / "bin", pathlib.Path(programs).resolve() / "bench"
+        self.quick, self.jobs, self.say = quick, jobs, say
+        self.machine, self.commit = machine(), commit()
+        self.target = None
+        self.numbers, self.missing = {}, {}
+
+    # Measurements
+
+    def measure(self, name, make, *depends, command=""):
+        """The value of make(), which JSON can hold, unless there is one of an earlier run with the same `depends`."""
+        key = hashlib.sha256(json.dumps([name, *map(str, depends)]).encode()).hexdigest()[:16]
+        path = self.folder / "measurements" / f"{re.sub(r'[^a-z0-9.-]+', '-', name.lower())}-{key}.json"
+        with contextlib.suppress(OSError, ValueError, KeyError):
+            kept = json.loads(path.read_text(encoding="utf-8"))
+            return Measured(kept["value"], kept["command"], kept["machine"], kept["commit"], kept["at"])
+        self.say(f"    {name} ...")
+        began = time.monotonic()
+        value = make()
+        made = {"name": name, "command": command, "machine": self.machine, "commit": self.commit,
+                "at": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
+                "seconds": round(time.monotonic() - began, 3), "value": value}
+        write_whole(path, json.dumps(made))
+        return Measured(value, command, made["machine"], made["commit"], made["at"])
+
+    def run(self, name, command, text=None, lines=False, codes=(0,), depends=()):
+        """Measures a command that prints one JSON object, or with `lines` one on each line."""
+        words = [str(word) for word in command]
+
+        def make():
+            done = subprocess.run(words, input=text, capture_output=True, text=True, check=False, cwd=self.folder)
+            if done.returncode not in codes:
+                raise Incomplete(f"{self.shown(words)} ended with {done.returncode}: {done.stderr.strip()[-1000:]}")
+            return [json.loads(line) for line in done.stdout.splitlines() if line] if lines else json.loads(done.stdout)
+
+        self.folder.mkdir(parents=True, exist_ok=True)
+        inputs = [content(pathlib.Path(word)) for word in words[1:]]
+        return self.measure(name, make, words, inputs, hashlib.sha256((text or "").encode()).hexdigest(), *depends,
+                            command=self.shown(words))
+
+    def dataset(self, name, scene, jobs=None):
+        """Builds `scene` (text of a scene file) and says how long it took: {dataset, seconds, bytes, complete, points}.
+        An interrupted build goes on where it was, and then took as long as its parts together."""
+        jobs = jobs or self.jobs
+        folder = self.folder / "datasets"
+        path, dataset = folder / f"{name}.toml", folder / f"{name}.h5"
+        folder.mkdir(parents=True, exist_ok=True)
+        if not path.exists() or path.read_text(encoding="utf-8") != scene:
+            dataset.unlink(missing_ok=True)
+            write_whole(path, scene)
+        command = [str(self.programs / "palpate"), "build", str(path), "-o", str(dataset), "-j", str(jobs), "-q"]
+        clock = folder / f"{name}.seconds"
+
+        def make():
+            before = float(clock.read_text(encoding="ascii")) if clock.exists() and pathlib.Path(f"{dataset}.state").exists() else 0.0
+            began = time.monotonic()
+            with tempfile.TemporaryFile("w+") as words, subprocess.Popen(command, stdout=words, stderr=words) as build:
+                while build.poll() is None:  # whenever this run is killed, what it took so far is known to 2 s
+                    with contextlib.suppress(subprocess.TimeoutExpired):
+                        build.wait(2)
+                    seconds = before + time.monotonic() - began
+                    write_whole(clock, str(seconds))
+                words.seek(0)
+                said = words.read()
+            if build.returncode not in (0, 3):  # 3: complete, with failed points
+                raise Incomplete(f"{self.shown(command)} ended with {build.returncode}: {said.strip()[-1000:]}")
+            spaces = json.loads(subprocess.run([self.programs / "palpate", "status", f"{dataset}.state", "--json"],
+                                               capture_output=True, text=True, check=True).stdout)["spaces"]
+            return {"dataset": str(dataset), "seconds": seconds, "bytes": dataset.stat().st_size, "jobs": jobs,
+                    "points": {tag: sum(space[tag] for space in spaces)
+                               for tag in ("points", "expandable", "terminating", "failed", "unknown")}}
+
+        mesh = re.search(r'^mesh = "(.*)"$', scene, re.M)
+        made = self.measure(f"build {name}", make, scene, content(pathlib.Path(mesh[1])) if mesh else "", jobs, command=self.shown(command))
+        if not dataset.exists():  # the measurement is there, its dataset was removed
+            raise Incomplete(f"{dataset} is gone; remove {self.folder}/measurements/build-{name}-*.json to build it again")
+        return made
+
+    def shown(self, words):
+        """As a reader would type it from the root of the sources."""
+        return " ".join(os.path.relpath(word, ROOT) if str(word).startswith("/") and str(word).startswith(str(ROOT)) else str(word) for word in words)
+
+    # What a reader is told
+
+    def number(self, name, value, unit, measured):
+        """One number of a table or figure, of the measurement it was taken from."""
+        self.numbers[f"{self.target}/{name}"] = {"value": value, "unit": unit, "command": measured.command,
+                                                 "machine": measured.machine, "commit": measured.commit, "at": measured.at}
+
+    def not_measured(self, name, why):
+        self.missing[f"{self.target}/{name}"] = why
+        self.say(f"    not measured: {name}: {why}")
+
+    def save(self):
+        """results.json: the numbers of this run beside those of targets that it did not make."""
+        path = self.folder / "results.json"
+        before = {"numbers": {}, "not_measured": {}}
+        with contextlib.suppress(OSError, ValueError):
+            before = json.loads(path.read_text(encoding="utf-8"))
+        made = {name.split("/")[0] for name in [*self.numbers, *self.missing]}
+        rest = lambda kind: {name: value for name, value in before[kind].items() if name.split("/")[0] not in made}
+        write_whole(path, json.dumps({"numbers": {**rest("numbers"), **self.numbers},
+                                      "not_measured": {**rest("not_measured"), **self.missing}}, indent=1, sort_keys=True) + "\n")
+
+
+class Measured:
+    """A value, and where it comes from."""
+
+    def __init__(self, value, command, made_on, of_commit, at):
+        self.value, self.command, self.machine, self.commit, self.at = value, command, made_on, of_commit, at
+
+
+def content(path):
+    """A word for what a file of a command line holds; other words stand for themselves."""
+    if not path.is_file() or path.stat().st_size > 1 << 28:
+        return ""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def needed(module):
+    """Imports a package of the distribution, or says which one is missing."""
+    try:
+        return __import__(module)
+    except ImportError as missing:
+        package = {"h5py": "python3-h5py", "matplotlib": "python3-matplotlib", "numpy": "python3-numpy", "scipy": "python3-scipy",
+                   "sklearn": "python3-sklearn", "torch": "python3-torch", "getfem": "python3-getfem"}.get(module, module)
+        raise NotMeasured(f"{package} is not installed for {sys.executable} ({missing})") from missing
