@@ -74,7 +74,7 @@ class Record:
             return Measured(kept["value"], kept["command"], kept["machine"], kept["commit"], kept["at"])
         self.say(f"    {name} ...")
         began = time.monotonic()
-        value = make()
+        value = json.loads(json.dumps(make()))  # as a later run reads it
         made = {"name": name, "command": command, "machine": self.machine, "commit": self.commit,
                 "at": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
                 "seconds": round(time.monotonic() - began, 3), "value": value}

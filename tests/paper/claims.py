@@ -1,0 +1,212 @@
+"""What the paper's discussion claims, each tested: one table with the claim, what was measured, and whether it holds."""
+import json
+import random
+
+import figure
+import interpolation
+import organs
+import references
+from record import needed
+
+
+def claims(record):
+    """What the paper's discussion claims, held against measurements."""
+    rows = [*radial_beside_trilinear(record), *loop_beside_material(record), *several_nodes(record), *uniqueness(record), *which_error(record)]
+    figure.save_table(record, "claims", ["claim", "measured", "value", "unit"], rows)
+
+
+def told(record, claim, what, value, unit, measured):
+    record.number(f"{claim}/{what}", value, unit, measured)
+    return [claim, what, value, unit]
+
+
+# RBF-cubic at 514 points equals tri-linear at 14146
+
+def radial_beside_trilinear(record):
+    rows = []
+    for case in interpolation.cases(record):
+        for kind in ("regular", "random"):
+            errors = {(row[2], row[3]): row for row in interpolation.errors(record, kind)
+                      if (row[0], row[1]) == (case.organ().name, organs.LAWS[case.law])}
+            sizes = sorted({points for points, _ in errors})
+            coarse, fine = errors[(sizes[0], "rbf-cubic")], errors[(sizes[-1], "trilinear")]
+            measured = interpolation.built(record, case, max(interpolation.lattices(record)))
+            for column, label in ((9, "mean"), (10, "largest")):
+                rows.append(told(record, "RBF-cubic with few points equals tri-linear with many",
+                                 f"{case.name()}, {kind} paths: {label} relative error of RBF-cubic at {sizes[0]} by that of tri-linear at {sizes[-1]}",
+                                 coarse[column] / fine[column], "", measured))
+    return rows
+
+
+# The haptic loop does not depend on the material, nor on how hard it was to converge
+
+def loop_beside_material(record):
+    generator = random.Random(17)
+    nodes = (500,) if record.quick else (500, 2000)
+    places = [references.in_ball(generator, 0.05) for _ in range(500)]
+    rows, times = [], {"trilinear": [], "potential": []}
+    for count in nodes:
+        organ = organs.organ(count)
+        for law in organs.MATERIALS:
+            dataset = record.dataset(f"{organ.name}-{law}-loop", organs.scene(organ, law, radius=0.06, divisions=3))
+            given, measured = interpolation.answers(record, f"{organ.name} {law} loop", dataset.value["dataset"], list(times), places)
+            work = seconds_a_point(dataset)
+            for method, every in times.items():
+                every.append(given[method]["query_ns"])
+                rows.append(told(record, "the haptic loop depends on neither material nor convergence",
+                                 f"{organ.name}, {organs.LAWS[law]}: a query of {method} (a configuration took {1000 * work:.0f} ms)",
+                                 given[method]["query_ns"], "ns", measured))
+    for method, every in times.items():
+        rows.append(told(record, "the haptic loop depends on neither material nor convergence", f"{method}: slowest by fastest of these",
+                         max(every) / min(every), "", measured))
+    return rows
+
+
+def seconds_a_point(dataset):
+    points = dataset.value["points"]
+    return dataset.value["seconds"] * dataset.value["jobs"] / max(1, points["expandable"] + points["terminating"])
+
+
+# k nodes take O(2^k)
+
+def several_nodes(record):
+    """The paper says O(2^k); a lattice for each of k nodes at once has N^k points. Counted, not solved."""
+    measured = record.measure("points of lattices of several nodes", lambda: {n: len(ball(n)) for n in (2, 3, 5)}, command="tests/paper/run claims")
+    return [told(record, "k nodes at once take 2^k times the configurations", f"{k} nodes, each of the {measured.value[str(n)]} points of a lattice",
+                 measured.value[str(n)] ** k, "configurations", measured) for n in (5,) for k in (1, 2, 3)]
+
+
+def ball(n):
+    reach = range(-n, n + 1)
+    return [(i, j, k) for i in reach for j in reach for k in reach if 0 < i * i + j * j + k * k <= n * n]
+
+
+# The same point is the same configuration, whichever way leads there
+
+def uniqueness(record):
+    """Lattice points are reached straight, and along the axes in two orders."""
+    numpy = needed("numpy")
+    rows = []
+    step = 0.02
+    points = ball(2 if record.quick else 5)
+    for case in interpolation.cases(record):
+        scene = organs.scene(case.organ(), case.law, divisions=5)
+        reached = {}
+        for order in ("straight", "xyz", "zyx"):
+            for part in range(0, len(points), 50):  # of which an interruption loses one at most
+                chunk = points[part:part + 50]
+                ends = ends_of(record, f"{case.name()}-{order}-{part}", scene, [way(p, order, step) for p in chunk])
+                reached.update({(p, order): end for p, end in zip(chunk, ends.value)})
+        all_ways = [p for p in points if all(reached[(p, order)] for order in ("straight", "xyz", "zyx"))]
+        spread = [max(numpy.linalg.norm(numpy.subtract(reached[(p, a)], reached[(p, "straight")])) for a in ("xyz", "zyx")) for p in all_ways]
+        same = [s <= 1e-5 * max(1, numpy.linalg.norm(reached[(p, "straight")])) for p, s in zip(all_ways, spread)]
+        for what, value, unit in ((f"reached in all three ways, of {len(points)}", len(all_ways), "points"),
+                                  ("of these with one force (to 1e-5)", sum(same), "points"),
+                                  ("largest difference of forces", float(max(spread, default=0)), "N")):
+            rows.append(told(record, "a displacement has one configuration", f"{case.name()}: {what}", value, unit, ends))
+    return rows
+
+
+def way(point, order, step):
+    target = [step * x for x in point]
+    if order == "straight":
+        return [target]
+    path, at = [], [0.0, 0.0, 0.0]
+    for axis in ("xyz".index(letter) for letter in order):
+        if point[axis] != 0:
+            at = [target[a] if a == axis else at[a] for a in range(3)]
+            path.append(at)
+    return path
+
+
+def ends_of(record, name, scene, paths):
+    """The force at the end of each path, or None where it was not reached."""
+    file = record.folder / "scenes" / f"{name}.toml"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(scene, encoding="utf-8")
+    measured = record.run(f"ends of {name}", [record.bench / "palpate_path_forces", file, "--active", "tip"], json.dumps(paths))
+    measured.value = [path["reached"][-1]["force"] if len(path["reached"]) == len(points) else None
+                      for path, points in zip(measured.value["paths"], paths)]
+    return measured
+
+
+# Which error is the largest?
+
+def which_error(record):
+    """Mean relative difference of forces at the same displacements of a patch of 15 mm, by what differs."""
+    count = 12 if record.quick else 60
+    generator = random.Random(7)
+    places = [references.in_ball(generator, 0.03) for _ in range(count)]
+    coarse, fine = organs.organ(500), organs.organ(500 if record.quick else 2000)
+    patch = dict(patch=0.025, tool="weighted-average")
+
+    def forces(name, organ, **options):
+        return at_places(record, name, organs.scene(organ, **{**dict(law="mr", radius=0.03, divisions=2), **options}), places)
+
+    ours = forces("patch", coarse, **patch)
+    compared = [("law: linear", forces("patch linear", coarse, law="linear", **patch)),
+                ("law: St. Venant-Kirchhoff", forces("patch svk", coarse, law="svk", **patch)),
+                ("elements: P2/P1 on the same mesh", forces("patch p2", coarse, displacement="P2", **patch)),
+                ("elements: P1/P1, det F - 1 (the paper's)", forces("patch p1p1", coarse, pressure="P1", constraint="det-F-1", **patch))]
+    if not record.quick:
+        compared.append(("mesh: 4.5 times the nodes", forces("patch fine", fine, **patch)))
+        compared.append(("mesh: 12 times the nodes", forces("patch finest", organs.organ(6000), **patch)))
+        node = forces("node", coarse)
+        compared.append(("mesh, a single node: 4.5 times the nodes", forces("node fine", fine)))
+    rows = []
+    for what, others in compared:
+        reference = node if "single node" in what else ours
+        rows.append(told(record, "which error dominates", what, relative(others.value, reference.value), "%", others))
+    rows += [told(record, "which error dominates", f"interpolation: {method}, lattice of 15 mm", value, "%", measured)
+             for method, value, measured in interpolated(record, coarse, patch, places, ours)]
+    rows += [told(record, "which error dominates", "snapping to the nearest node, a finger of 20 mm", *snapping(record, coarse))]
+    return rows
+
+
+def at_places(record, name, scene, places):
+    """The force at each displacement, or None."""
+    return ends_of(record, name.replace(" ", "-"), scene, [[place] for place in places])
+
+
+def relative(forces, reference):
+    """Mean over the places where both are known of |f - r| / max(|r|, 0.05 N), %."""
+    numpy = needed("numpy")
+    both = [(f, r) for f, r in zip(forces, reference) if f and r]
+    return float(numpy.mean([100 * numpy.linalg.norm(numpy.subtract(f, r)) / max(interpolation.FLOOR, numpy.linalg.norm(r)) for f, r in both]))
+
+
+def interpolated(record, organ, patch, places, exact):
+    dataset = record.dataset(f"{organ.name}-which", organs.scene(organ, "mr", radius=0.03, divisions=2, **patch))
+    given, measured = interpolation.answers(record, "which", dataset.value["dataset"], ["trilinear", "potential"], places)
+    return [(method, relative(given[method]["force"], exact.value), measured) for method in given]
+
+
+def snapping(record, organ):
+    """A finger pressed 5 mm inward at random places of the surface, and at the node nearest to each: the paper snaps."""
+    numpy = needed("numpy")
+    needed("h5py")
+    import h5py
+    region = "surface = { sphere = { center = [%s], radius = 0.05 } }" % ", ".join(map(str, organ.tip))
+    scene = organs.scene(organ, "mr", radius=0.02, divisions=2, patch=0.02, tool="finger", active=region)
+    mesh = record.dataset(f"{organ.name}-which", organs.scene(organ, "mr", radius=0.03, divisions=2, patch=0.025, tool="weighted-average"))
+    with h5py.File(mesh.value["dataset"]) as file:
+        points, triangles, fixed = file["mesh/points"][:], file["mesh/surface"][:], set(file["mesh/fixed_nodes"][:].tolist())
+    generator = random.Random(23)
+    near = [t for t in triangles.tolist() if not fixed.intersection(t) and numpy.linalg.norm(points[t].mean(0) - organ.tip) < 0.045]
+    touches = []
+    for triangle in generator.sample(near, min(len(near), 8 if record.quick else 60)):
+        a, b = sorted((generator.random(), generator.random()))
+        corners = points[triangle]
+        place = a * corners[0] + (b - a) * corners[1] + (1 - b) * corners[2]
+        normal = numpy.cross(corners[1] - corners[0], corners[2] - corners[0])
+        press = -0.005 * normal / numpy.linalg.norm(normal)
+        touches.append((place, min(corners, key=lambda corner: numpy.linalg.norm(corner - place)), press))
+    file = record.folder / "scenes" / "snapping.toml"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(scene, encoding="utf-8")
+    line = lambda place, press: "%.9g %.9g %.9g %.9g %.9g %.9g\n" % (*place, *press)
+    text = "".join(line(place, press) + line(node, press) for place, node, press in touches)
+    measured = record.run("snapping", [record.programs / "palpate", "solve", file, "--active", "tip", "--at", "-", "--displacement", "-", "--json", "-q"],
+                          text, lines=True, codes=(0, 3))
+    forces = [answer["force"] for answer in measured.value]
+    return relative(forces[1::2], forces[::2]), "%", measured

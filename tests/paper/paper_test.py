@@ -1,0 +1,175 @@
+#!/usr/bin/python3
+"""tests/paper: what it keeps, and what it refuses. ctest runs each case by itself; by hand tests/paper/paper_test.py."""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+sys.dont_write_bytecode = True
+
+import figure
+import interpolation
+import organs
+import references
+from record import Incomplete, NotMeasured, Record, needed
+
+
+class Paper(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.said = []
+
+    def record(self):
+        record = Record(self.folder, say=self.said.append)
+        record.target = "test"
+        return record
+
+    # What is measured is kept
+
+    def testWhatWasMeasuredIsNotMeasuredAgain(self):
+        made = []
+        for _ in range(2):
+            self.assertEqual(self.record().measure("a number", lambda: made.append(1) or 7, "of this").value, 7)
+        self.assertEqual(len(made), 1)
+
+    def testAnotherInputIsMeasuredAgain(self):
+        made = [self.record().measure("a number", lambda: word, word).value for word in ("of this", "of that")]
+        self.assertEqual(made, ["of this", "of that"])
+
+    def testAMeasurementThatAKillCutIsMadeAgain(self):
+        self.record().measure("a number", lambda: 7)
+        (file,) = (self.folder / "measurements").iterdir()
+        file.write_text(file.read_text()[:20])
+        self.assertEqual(self.record().measure("a number", lambda: 8).value, 8)
+
+    def testACommandIsRunAgainWhenAFileThatItReadsHasChanged(self):
+        file = self.folder / "input.json"
+        for text in ("1", "2"):
+            file.write_text(text)
+            self.assertEqual(self.record().run("cat", ["cat", file]).value, int(text))
+
+    def testACommandThatFailsIsNoMeasurement(self):
+        with self.assertRaisesRegex(Incomplete, "ls .*/nowhere ended with 2: .*No such file"):
+            self.record().run("ls", ["ls", "/nowhere"])
+        self.assertEqual(list(self.folder.glob("measurements/*")), [])
+
+    def testANumberIsToldWithItsCommandMachineAndCommit(self):
+        record = self.record()
+        record.number("one", 1.5, "N", record.run("echo", ["echo", "1.5"]))
+        record.not_measured("other", "no such package")
+        record.save()
+        kept = json.loads((self.folder / "results.json").read_text())
+        number = kept["numbers"]["test/one"]
+        self.assertEqual((number["value"], number["unit"], number["command"]), (1.5, "N", "echo 1.5"))
+        self.assertTrue(number["machine"]["processor"] and number["commit"])
+        self.assertEqual(kept["not_measured"], {"test/other": "no such package"})
+
+    def testATargetThatIsMadeAloneLeavesTheNumbersOfOthers(self):
+        record = self.record()
+        record.number("one", 1, "N", record.run("echo", ["echo", "1"]))
+        record.save()
+        other = Record(self.folder, say=self.said.append)
+        other.target = "other"
+        other.number("two", 2, "N", other.run("echo", ["echo", "2"]))
+        other.save()
+        self.assertEqual(sorted(json.loads((self.folder / "results.json").read_text())["numbers"]), ["other/two", "test/one"])
+
+    def testAPackageThatIsMissingIsNamed(self):
+        with self.assertRaisesRegex(NotMeasured, "no_such_package_anywhere is not installed"):
+            needed("no_such_package_anywhere")
+
+    # Nothing is drawn of data that are not there
+
+    def testAFigureWithAHoleIsNotDrawn(self):
+        with self.assertRaisesRegex(Incomplete, r"hole: no value of force \(N\)"):
+            figure.save_figure(self.record(), "hole", ["p (m)", "force (N)"], [[0.0, 1.0], [0.1, None]], lambda page: None)
+        self.assertFalse((self.folder / "figures").exists())
+
+    def testAFigureWithoutDataIsNotDrawn(self):
+        with self.assertRaisesRegex(Incomplete, "there are no data"):
+            figure.save_figure(self.record(), "empty", ["p (m)"], [], lambda page: None)
+
+    def testAFigureHasItsDataBesideItAndIsTheSameBytesAgain(self):
+        drawn = []
+        for _ in range(2):
+            figure.save_figure(self.record(), "line", ["p (m)", "force (N)"], [[0.0, 1.0], [0.1, 2.0]],
+                               lambda page: page.subplots().plot([0, 0.1], [1, 2]))
+            drawn.append((self.folder / "figures" / "line.svg").read_bytes())
+        self.assertEqual(drawn[0], drawn[1])
+        self.assertEqual((self.folder / "figures" / "line.csv").read_text(), "p (m),force (N)\n0,1\n0.1,2\n")
+
+    def testATableSaysWhatIsNotMeasured(self):
+        figure.save_table(self.record(), "table", ["method", "error (N)"], [["ours", 0.25], ["other", None]])
+        self.assertEqual((self.folder / "figures" / "table.md").read_text(),
+                         "| method | error (N) |\n| --- | --- |\n| ours | 0.25 |\n| other | not measured |\n")
+
+    # The paper's experiments
+
+    def testTheLatticesHaveThePapersPoints(self):
+        import claims
+        self.assertEqual({n: len(claims.ball(n)) for n in organs.LATTICES}, organs.LATTICES)
+
+    def testThereAre26DirectionsOfLengthOne(self):
+        every = organs.directions()
+        self.assertEqual(len(set(every)), 26)
+        for direction in every:
+            self.assertAlmostEqual(sum(x * x for x in direction), 1)
+
+    def testRegularPathsGo100MillimetresInStepsOfOne(self):
+        paths = references.regular_paths()
+        self.assertEqual((len(paths), len(paths[0])), (26, 100))
+        for path in paths:
+            self.assertAlmostEqual(sum(x * x for x in path[0]) ** 0.5, 0.001)
+            self.assertAlmostEqual(sum(x * x for x in path[-1]) ** 0.5, 0.1)
+
+    def testRandomPathsStayInTheBallStepByStepAndAreTheSameAgain(self):
+        paths = references.random_paths(20)
+        self.assertEqual(paths, references.random_paths(20))
+        for path in paths:
+            self.assertEqual(len(path), 200)
+            for before, after in zip([[0.0] * 3, *path], path):
+                self.assertAlmostEqual(sum((a - b) ** 2 for a, b in zip(after, before)) ** 0.5, 0.001)
+                self.assertLessEqual(sum(x * x for x in after) ** 0.5, 0.1 + 1e-12)
+
+    def testAPlaceIsCoveredWhenAllPointsAroundAreSolved(self):
+        numpy, h5py = needed("numpy"), needed("h5py")
+        ijk = numpy.array([(i, j, k) for i in range(-2, 3) for j in range(-2, 3) for k in range(-2, 3)])
+        tag = numpy.ones(len(ijk), dtype=numpy.uint8)
+        tag[(ijk == (1, 1, 1)).all(1)] = 3  # failed
+        with h5py.File(self.folder / "lattice.h5", "w") as file:
+            points = file.create_group("points")
+            points.attrs["divisions"], points.attrs["spacing"] = 1.0, 0.01
+            points["ijk"], points["tag"] = ijk, tag
+        places = [(-0.005, -0.005, -0.005), (0.005, 0.005, 0.005), (0.021, 0.005, 0.005), (-0.015, 0.001, 0.001)]
+        inside = interpolation.covered(self.folder / "lattice.h5", places)
+        self.assertEqual(inside["trilinear"].tolist(), [True, False, False, True])
+        self.assertEqual(inside["tricubic"].tolist(), [False, False, False, False])
+        tag[:] = 1
+        with h5py.File(self.folder / "lattice.h5", "a") as file:
+            file["points/tag"][:] = tag
+        inside = interpolation.covered(self.folder / "lattice.h5", places)
+        self.assertEqual(inside["trilinear"].tolist(), [True, True, False, True])
+        self.assertEqual(inside["tricubic"].tolist(), [True, True, False, False])
+
+    # The command
+
+    def testATargetThatIsUnknownIsRefusedWithTheNamesThereAre(self):
+        done = subprocess.run([HERE / "run", "figure99"], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("no target figure99; there are table1,", done.stderr)
+
+    def testWithoutABuildItSaysWhatToBuild(self):
+        done = subprocess.run([HERE / "run", "--programs", self.folder, "claims"], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("build the targets all and benchmarks", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,60 @@
+"""Exact forces to hold interpolations against: along the paper's regular and random paths, each solved from the one before.
+
+Displacements in metres, forces in newtons (tissue on tool). What a path did not reach is counted, never filled in."""
+import dataclasses
+import json
+import random
+
+import organs
+
+
+@dataclasses.dataclass
+class References:
+    displacement: list  # of all that were reached, n x 3
+    force: list         # n x 3
+    wanted: int         # how many were asked for
+    measured: object    # where they come from (record.Measured)
+
+
+def regular_paths(length=0.1, step=0.001):
+    """From rest straight on, in 26 directions (Sec. 6.1)."""
+    count = round(length / step)
+    return [[[length * n / count * x for x in direction] for n in range(1, count + 1)] for direction in organs.directions()]
+
+
+def random_paths(count, radius=0.1, steps=200, step=0.001, seed=2010):
+    """From rest through places that are uniform in the ball, one after the other, `steps` of equal length in all."""
+    generator = random.Random(seed)
+    return [random_path(generator, radius, steps, step) for _ in range(count)]
+
+
+def random_path(generator, radius, steps, step):
+    at, target, path = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], []
+    while len(path) < steps:
+        way = [t - a for t, a in zip(target, at)]
+        distance = sum(w * w for w in way) ** 0.5
+        if distance < step:  # the last bit of a leg is left out, so that every step has the same length
+            target = in_ball(generator, radius)
+            continue
+        at = [a + step * w / distance for a, w in zip(at, way)]
+        path.append(at)
+    return path
+
+
+def in_ball(generator, radius):
+    while True:
+        place = [generator.uniform(-radius, radius) for _ in range(3)]
+        if sum(x * x for x in place) <= radius * radius:
+            return place
+
+
+def solved_along(record, name, scene, paths, detours=True):
+    """Measures the exact solutions along `paths`, path by path, so that an interruption costs one at most."""
+    file = record.folder / "scenes" / f"{name}.toml"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(scene, encoding="utf-8")
+    command = [record.bench / "palpate_path_forces", file, "--active", "tip", *(["--detours"] if detours else [])]
+    each = [record.run(f"{name} path {n + 1} of {len(paths)}", command, json.dumps([path])) for n, path in enumerate(paths)]
+    points = [point for measured in each for point in measured.value["paths"][0]["reached"]]
+    return References([point["displacement"] for point in points], [point["force"] for point in points],
+                      sum(map(len, paths)), each[0])
