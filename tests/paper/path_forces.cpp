@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/error.hpp"
 #include "common/problem/problem.hpp"
 #include "common/scene/active_choice.hpp"
 #include "worker/solver/path.hpp"
