@@ -1,0 +1,66 @@
+"""What every peer is given, the solved lattice points of a dataset, and what none may see before it answers: the probes."""
+import dataclasses
+
+from record import needed
+
+np = needed("numpy")
+
+from peers import body, laws
+
+
+@dataclasses.dataclass
+class Configurations:
+    identity: str          # hash of the dataset's content
+    points: object         # N x 3, m
+    tetrahedra: object     # M x 4
+    fixed: object          # node numbers
+    tool: object
+    spacing: float         # m
+    radius: float          # m, of the ball
+    place: object          # L x 3, m: of the tool; the first is the rest position
+    force: object          # L x 3, N: tissue on tool
+    stiffness: object      # L x 3 x 3, N/m
+    energy: object         # L, J
+    displacement: object   # L x N x 3, m, float32
+    pressure: object       # L x N, Pa, float32
+    unsolved: int          # lattice points that are not among them
+    probe_place: object    # R x 3
+    probe_force: object    # R x 3
+    probe_energy: object   # R
+    probes_unsolved: int
+
+    def body(self, law):
+        return body.Body(self.points, self.tetrahedra, self.fixed, self.tool, law)
+
+
+def read(path, node_fields=True):
+    """Of the first active node of a dataset with [storage] displacement = "all"."""
+    h5py = needed("h5py")
+    with h5py.File(path) as file:
+        points, probes, spaces = file["points"], file["probes"], file["spaces"]
+        rows = slice(*spaces["first_point"][:2])
+        solved = np.isin(points["tag"][rows], (1, 2))
+        of = lambda name: points[name][rows][solved] if node_fields or name not in ("displacement", "pressure") else None
+        tested = slice(*spaces["first_probe"][:2])
+        right = np.isin(probes["tag"][tested], (1, 2))
+        return Configurations(file.attrs["content_hash"].decode(), file["mesh/points"][:], file["mesh/tetrahedra"][:], file["mesh/fixed_nodes"][:],
+                              file["patches/node"][slice(*spaces["first_patch_node"][:2])], float(points.attrs["spacing"]),
+                              float(points.attrs["radius"]), of("position"), of("force"), of("stiffness"), of("energy"),
+                              of("displacement"), of("pressure"), int((~solved).sum()),
+                              *(probes[name][tested][right] for name in ("position", "force", "energy")), int((~right).sum()))
+
+
+def mooney_rivlin():
+    import organs
+    return laws.MooneyRivlin(organs.C10, organs.C01)
+
+
+def errors(force, exact):
+    """Of answered forces, n x 3, NaN where there is none: {mean, p95, worst (N), p95 of |error| / max(|F|, 0.05 N), unanswered}."""
+    length = np.linalg.norm(np.asarray(force, float) - exact, axis=1)
+    answered = np.isfinite(length)
+    if not answered.any():
+        return {"mean": None, "p95": None, "worst": None, "relative_p95": None, "unanswered": int(len(length))}
+    relative = length / np.maximum(np.linalg.norm(exact, axis=1), 0.05)
+    return {"mean": float(length[answered].mean()), "p95": float(np.percentile(length[answered], 95)), "worst": float(length[answered].max()),
+            "relative_p95": float(np.percentile(relative[answered], 95)), "unanswered": int((~answered).sum())}

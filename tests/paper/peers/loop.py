@@ -1,0 +1,101 @@
+"""Newton in the loop: how far a solver of the whole body gets while a hand moves on.
+
+A loop that answers every B seconds sees a hand of speed v move by v B. From an equilibrium, made exact, the solver has B for
+the next one; a hand that goes on finds it late, so this favours the solver. What has not converged by then answers with what
+there is: the worker with the force and stiffness of where it was, GetFEM with its latest iterate, or the force of where it was
+when not one iteration was done. Times are of one core; the worker's on the wall."""
+import json
+
+import numpy as np
+
+BUDGETS = [0.001, 0.016, 0.1]  # s
+SPEEDS = [0.01, 0.05, 0.2]     # m/s
+COLUMNS = ["solver", "time for an answer (ms)", "hand (mm/s)", "movement (mm)", "movements", "converged in time (%)", "median time to converge (ms)",
+           "never converged", "mean error of what is answered (N)", "largest error of what is answered (N)"]
+
+
+def movements(configurations, count):
+    """(rows of the configurations that hands are at, unit vectors of where to)"""
+    random = np.random.default_rng(1000)
+    rows = 1 + random.permutation(len(configurations.place) - 1)[:count]
+    ways = random.standard_normal((len(rows), 3))
+    return rows, ways / np.linalg.norm(ways, axis=1)[:, None]
+
+
+def lengths():
+    return sorted({round(speed * budget, 9) for speed in SPEEDS for budget in BUDGETS})
+
+
+def by_worker(record, name, scene_file, configurations, count):
+    """{length: [{force, seconds} or None]}: the exact forces, and what they took."""
+    rows, ways = movements(configurations, count)
+    paths = [[configurations.place[row].tolist(), (configurations.place[row] + length * way).tolist()]
+             for length in lengths() for row, way in zip(rows, ways)]
+    measured = record.run(f"{name} movements by the worker", [record.bench / "palpate_path_forces", scene_file, "--active", "tip"], json.dumps(paths))
+    ends = [path["reached"][1] if len(path["reached"]) == 2 else None for path in measured.value["paths"]]
+    return {length: ends[n * len(rows):(n + 1) * len(rows)] for n, length in enumerate(lengths())}, measured
+
+
+def by_getfem(record, name, configurations, some_body, count):
+    """{length: [history of iterations]}, and what GetFEM's own equilibria say of the configurations it started at."""
+    from peers import getfem_body
+
+    def make():
+        rows, ways = movements(configurations, count)
+        solver = getfem_body.GetfemBody(some_body, configurations.fixed)
+        found, apart = {str(length): [] for length in lengths()}, 0.0
+        for row, way in zip(rows, ways):
+            for length in lengths():
+                started = solver.start(configurations.displacement[row], configurations.pressure[row], configurations.place[row])
+                if started:
+                    apart = max(apart, float(np.linalg.norm(solver.force() - configurations.force[row])))
+                found[str(length)].append(solver.history(configurations.place[row] + length * way) if started else [])
+        return {"histories": found, "largest_difference_N": apart}
+
+    measured = record.measure(f"{name} movements by GetFEM", make, configurations.identity, count, BUDGETS, SPEEDS, command="tests/paper/run peers")
+    return {float(length): histories for length, histories in measured.value["histories"].items()}, measured
+
+
+def rows_of(solver, outcomes, exact):
+    """A row of COLUMNS for each budget and speed. outcomes(length): for each movement (seconds to converge or None, function of a
+    time that gives the force answered then). exact(length): for each movement its force or None."""
+    rows = []
+    for budget in BUDGETS:
+        for speed in SPEEDS:
+            length = round(speed * budget, 9)
+            both = [(outcome, force) for outcome, force in zip(outcomes(length), exact(length)) if force is not None and outcome is not None]
+            times = [outcome[0] for outcome, _ in both if outcome[0] is not None]
+            wrong = [float(np.linalg.norm(np.subtract(outcome[1](budget), force))) for outcome, force in both]
+            rows.append([solver, 1e3 * budget, 1e3 * speed, 1e3 * length, len(both),
+                         100 * sum(time <= budget for time in times) / len(both) if both else None, 1e3 * float(np.median(times)) if times else None,
+                         len(both) - len(times), float(np.mean(wrong)) if wrong else None, max(wrong) if wrong else None])
+    return rows
+
+
+def worker_rows(found, configurations, count):
+    rows, ways = movements(configurations, count)
+
+    def outcomes(length):
+        made = []
+        for end, row, way in zip(found[length], rows, ways):
+            linear = configurations.force[row] + configurations.stiffness[row] @ (length * way)
+            made.append(end and (end["seconds"], lambda budget, end=end, linear=linear: end["force"] if end["seconds"] <= budget else linear))
+        return made
+
+    return rows_of("this project's worker", outcomes, lambda length: [end and end["force"] for end in found[length]])
+
+
+def getfem_rows(histories, found, configurations, count):
+    rows, _ = movements(configurations, count)
+
+    def outcomes(length):
+        made = []
+        for history, row in zip(histories[length], rows):
+            def answered(budget, history=history, row=row):
+                done = [iterate for iterate in history if iterate["seconds"] <= budget and np.isfinite(iterate["force"]).all()]
+                return done[-1]["force"] if done else configurations.force[row]
+            took = history[-1]["seconds"] if history and history[-1]["converged"] else None
+            made.append((took, answered) if history else None)
+        return made
+
+    return rows_of("GetFEM", outcomes, lambda length: [end and end["force"] for end in found[length][:len(rows)]])
