@@ -11,8 +11,8 @@ from record import Incomplete, needed, write_whole
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999933"]
 
 
-def save_data(record, name, columns, rows, holes=False):
-    """FOLDER/figures/NAME.csv, of which a figure or table is made; `columns` are names with units, as "force (N)"."""
+def as_csv(name, columns, rows, holes=False):
+    """Text of the data of a figure or table; `columns` are names with units, as "force (N)"."""
     rows = [list(row) for row in rows]
     if not rows:
         raise Incomplete(f"{name}: there are no data")
@@ -25,7 +25,7 @@ def save_data(record, name, columns, rows, holes=False):
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
     writer.writerows([shown(value) for value in row] for row in rows)
-    write_whole(record.folder / "figures" / f"{name}.csv", text.getvalue())
+    return text.getvalue()
 
 
 def shown(value):
@@ -34,7 +34,7 @@ def shown(value):
 
 def save_figure(record, name, columns, rows, draw, size=(7, 4.2), holes=False):
     """draw(figure) on a matplotlib figure; NAME.svg beside NAME.csv, the same bytes for the same data."""
-    save_data(record, name, columns, rows, holes)
+    data = as_csv(name, columns, rows, holes)
     needed("matplotlib")
     import matplotlib
     matplotlib.use("svg")
@@ -47,12 +47,21 @@ def save_figure(record, name, columns, rows, draw, size=(7, 4.2), holes=False):
         text = io.StringIO()
         figure.savefig(text, format="svg", metadata={"Date": None, "Creator": "Palpate"})
         plot.close(figure)
+    write_whole(record.folder / "figures" / f"{name}.csv", data)
     write_whole(record.folder / "figures" / f"{name}.svg", text.getvalue())
+
+
+def legend_below(page, axis, lines=1):
+    """What the curves of `axis` are called, under all axes of a page, in so many lines."""
+    handles, labels = axis.get_legend_handles_labels()
+    room = (0.22 * lines + 0.1) / page.get_figheight()
+    page.get_layout_engine().set(rect=(0, room, 1, 1 - room))
+    page.legend(handles, labels, loc="lower center", ncols=-(-len(labels) // lines))
 
 
 def save_table(record, name, columns, rows):
     """FOLDER/figures/NAME.md beside NAME.csv. Text stays as it is; None becomes "not measured"."""
-    save_data(record, name, columns, rows, holes=True)
+    write_whole(record.folder / "figures" / f"{name}.csv", as_csv(name, columns, rows, holes=True))
     cell = lambda value: "not measured" if value is None else f"{value:.3g}" if isinstance(value, float) else str(value)
     lines = [columns, ["---"] * len(columns), *[[cell(value) for value in row] for row in rows]]
     write_whole(record.folder / "figures" / f"{name}.md", "".join(f"| {' | '.join(line)} |\n" for line in lines))

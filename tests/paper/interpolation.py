@@ -174,8 +174,7 @@ def draw_errors(rows, kind):
                     axis.set_ylabel(f"{label} relative error (%)")
             axes[0][column].set_title(f"{group[0]}, {group[1]}", fontsize=9)
             axes[1][column].set_xlabel("configurations")
-        handles, labels = axes[1][0].get_legend_handles_labels()
-        page.legend(handles, labels, loc="outside lower center", ncols=4)
+        figure.legend_below(page, axes[1][0], lines=2)
         page.suptitle(f"Along {kind} paths, at covered places", fontsize=10)
 
     return draw
@@ -234,7 +233,6 @@ def draw_methods(rows):
                               linestyle="" if measure == 5 else "-" if method in PAPERS else "--", color=figure.COLORS[n])
                 axis.set(xscale="log", yscale="log", xlabel=METHOD_COLUMNS[measure])
             axes[line][0].set_ylabel(f"{group[0]}, {group[1]}\nmean error (N)")
-        handles, labels = axes[0][0].get_legend_handles_labels()
-        page.legend(handles, labels, loc="outside lower center", ncols=6)
+        figure.legend_below(page, axes[0][0])
 
     return draw

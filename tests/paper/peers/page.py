@@ -84,6 +84,25 @@ def setting(record, case):
     return Setting(case, made, read, read.body(configurations.mooney_rivlin()), made.value["seconds"] * made.value["jobs"], path)
 
 
+def agreement(record, given):
+    """How far the dataset's configurations are from equilibrium, and their forces from the body's, in NumPy: N."""
+    import numpy
+
+    def make():
+        read, worst = given.configurations, {"residual": 0.0, "force": 0.0}
+        for displacement, pressure, place, force in zip(read.displacement, read.pressure, read.place, read.force):
+            here = given.body.assemble(given.body.state(displacement, pressure), place, tangent=False)
+            worst["residual"] = max(worst["residual"], float(numpy.abs(here.residual).max()))
+            worst["force"] = max(worst["force"], float(numpy.linalg.norm(here.force - force)))
+        return worst
+
+    measured = record.measure(f"{given.case.name()} dataset and body", make, *given.key(), command="tests/paper/run peers")
+    for name, value in measured.value.items():
+        record.number(f"{given.case.name()}/largest {name} of a configuration, in NumPy", value, "N", measured)
+    if measured.value["force"] > 1e-3:
+        raise Incomplete(f"{given.case.name()}: the body in NumPy answers {measured.value['force']:.3g} N beside the dataset: they are not the same body")
+
+
 def errors_of(given, forces):
     import numpy
     from peers import configurations
@@ -293,6 +312,7 @@ def peers(record):
     for case in cases(record):
         given = setting(record, case)
         record.say(f"    {case.name()}: {len(given.configurations.place)} configurations, {len(given.configurations.probe_place)} probes")
+        agreement(record, given)
         for part in interpolations, linear, reduced_models, networks:
             try:
                 for row, measured in part(record, given):
@@ -301,7 +321,7 @@ def peers(record):
                     distributions += lengths_of(given, row[2], measured)
             except NotMeasured as why:
                 record.not_measured(f"{case.name()}/{part.__name__}", str(why))
-                rows.append([case.organ().name, case.tool(), part.__name__, None] + [None] * (len(COLUMNS) - 4))
+                rows.append([case.organ().name, case.tool(), part.__name__] + [None] * (len(COLUMNS) - 3))
         of_loop, main = newton(record, given)
         loops += [[case.organ().name, case.tool(), *row] for row in of_loop]
         for row, measured in main:
