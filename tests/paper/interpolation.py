@@ -174,7 +174,7 @@ def draw_errors(rows, kind):
                     axis.set_ylabel(f"{label} relative error (%)")
             axes[0][column].set_title(f"{group[0]}, {group[1]}", fontsize=9)
             axes[1][column].set_xlabel("configurations")
-        figure.legend_below(page, axes[1][0], lines=2)
+        figure.legend_below(page, axes[1][0], lines=2 if len(groups) > 1 else 4)
         page.suptitle(f"Along {kind} paths, at covered places", fontsize=10)
 
     return draw

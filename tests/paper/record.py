@@ -142,6 +142,7 @@ class Record:
 
     def number(self, name, value, unit, measured):
         """One number of a table or figure, of the measurement it was taken from."""
+        value = value.item() if hasattr(value, "item") else value  # of numpy
         self.numbers[f"{self.target}/{name}"] = {"value": value, "unit": unit, "command": measured.command,
                                                  "machine": measured.machine, "commit": measured.commit, "at": measured.at}
 
