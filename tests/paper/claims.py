@@ -54,7 +54,7 @@ def loop_beside_material(record):
             for method, every in times.items():
                 every.append(given[method]["query_ns"])
                 rows.append(told(record, "the haptic loop depends on neither material nor convergence",
-                                 f"{organ.name}, {organs.LAWS[law]}: a query of {method} (a configuration took {1000 * work:.0f} ms)",
+                                 f"{organ.name}, {organs.LAWS[law]}: a query of {method}{work}",
                                  given[method]["query_ns"], "ns", measured))
     for method, every in times.items():
         rows.append(told(record, "the haptic loop depends on neither material nor convergence", f"{method}: slowest by fastest of these",
@@ -63,8 +63,12 @@ def loop_beside_material(record):
 
 
 def seconds_a_point(dataset):
-    points = dataset.value["points"]
-    return dataset.value["seconds"] * dataset.value["jobs"] / max(1, points["expandable"] + points["terminating"])
+    """In words, where the number of workers is known."""
+    points, jobs = dataset.value["points"], dataset.value["jobs"]
+    if jobs is None:
+        return ""
+    seconds = dataset.value["seconds"] * jobs / max(1, points["expandable"] + points["terminating"])
+    return f" (a configuration took {1000 * seconds:.0f} ms of a worker)"
 
 
 # k nodes take O(2^k)

@@ -3,6 +3,7 @@
 A *measurement* is the JSON of one command, or of one function, kept in FOLDER/measurements under a key that is a hash of
 what it depends on. A run that was interrupted finds them there and goes on. A *number* is what a reader is told."""
 import contextlib
+import ctypes
 import datetime
 import hashlib
 import json
@@ -10,6 +11,7 @@ import os
 import pathlib
 import platform
 import re
+import signal
 import subprocess
 import sys
 import tempfile
@@ -53,12 +55,12 @@ def write_whole(path, text):
 
 class Record:
     """folder: where everything is kept. programs: build/release, with bin and bench in it. quick: the smallest set that
-    shows every table and figure. jobs: local workers."""
+    shows every table and figure. jobs: local workers; with `listen`, an address, workers from anywhere instead."""
 
-    def __init__(self, folder, programs=ROOT / "build" / "release", quick=False, jobs=2, say=print):
+    def __init__(self, folder, programs=ROOT / "build" / "release", quick=False, jobs=2, listen=None, say=print):
         self.folder = pathlib.Path(folder).resolve()
         self.programs, self.bench = pathlib.Path(programs).resolve() / "bin", pathlib.Path(programs).resolve() / "bench"
-        self.quick, self.jobs, self.say = quick, jobs, say
+        self.quick, self.jobs, self.listen, self.say = quick, jobs, listen, say
         self.machine, self.commit = machine(), commit()
         self.target = None
         self.numbers, self.missing = {}, {}
@@ -107,12 +109,15 @@ class Record:
             dataset.unlink(missing_ok=True)
             write_whole(path, scene)
         command = [str(self.programs / "palpate"), "build", str(path), "-o", str(dataset), "-j", str(jobs), "-q"]
+        if self.listen:
+            command[1:2], command[-3:-1] = ["serve"], ["--listen", self.listen, "--state", f"{dataset}.state"]
         clock = folder / f"{name}.seconds"
 
         def make():
             before = float(clock.read_text(encoding="ascii")) if clock.exists() and pathlib.Path(f"{dataset}.state").exists() else 0.0
             began = time.monotonic()
-            with tempfile.TemporaryFile("w+") as words, subprocess.Popen(command, stdout=words, stderr=words) as build:
+            with (tempfile.TemporaryFile("w+") as words,
+                  subprocess.Popen(command, stdout=words, stderr=words, preexec_fn=end_with_parent) as build):
                 while build.poll() is None:  # whenever this run is killed, what it took so far is known to 2 s
                     with contextlib.suppress(subprocess.TimeoutExpired):
                         build.wait(2)
@@ -124,7 +129,7 @@ class Record:
                 raise Incomplete(f"{self.shown(command)} ended with {build.returncode}: {said.strip()[-1000:]}")
             spaces = json.loads(subprocess.run([self.programs / "palpate", "status", f"{dataset}.state", "--json"],
                                                capture_output=True, text=True, check=True).stdout)["spaces"]
-            return {"dataset": str(dataset), "seconds": seconds, "bytes": dataset.stat().st_size, "jobs": jobs,
+            return {"dataset": str(dataset), "seconds": seconds, "bytes": dataset.stat().st_size, "jobs": None if self.listen else jobs,
                     "points": {tag: sum(space[tag] for space in spaces)
                                for tag in ("points", "expandable", "terminating", "failed", "unknown")}}
 
@@ -160,6 +165,12 @@ class Record:
         rest = lambda kind: {name: value for name, value in before[kind].items() if name.split("/")[0] not in made}
         write_whole(path, json.dumps({"numbers": {**rest("numbers"), **self.numbers},
                                       "not_measured": {**rest("not_measured"), **self.missing}}, indent=1, sort_keys=True) + "\n")
+
+
+def end_with_parent():
+    """SIGTERM when the parent is gone, even by kill -9: else a build would go on in a directory that the next run wants."""
+    pr_set_pdeathsig = 1
+    ctypes.CDLL(None).prctl(pr_set_pdeathsig, signal.SIGTERM)
 
 
 class Measured:
