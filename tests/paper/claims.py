@@ -16,7 +16,10 @@ def claims(record):
 
 
 def told(record, claim, what, value, unit, measured):
-    record.number(f"{claim}/{what}", value, unit, measured)
+    if value is None:
+        record.not_measured(f"{claim}/{what}", "nothing was solved")
+    else:
+        record.number(f"{claim}/{what}", value, unit, measured)
     return [claim, what, value, unit]
 
 
@@ -136,53 +139,52 @@ def ends_of(record, name, scene, paths):
 
 # Which error is the largest?
 
+TOOLS = {"single node": {}, "rigid patch of 25 mm": {"patch": 0.025}, "finger of 25 mm": {"patch": 0.025, "tool": "finger"}}
+
+
 def which_error(record):
-    """Mean relative difference of forces at the same displacements of a patch of 15 mm, by what differs."""
-    count = 12 if record.quick else 60
+    """Mean relative difference of forces at the same displacements, within 30 mm of the tip, by what differs."""
     generator = random.Random(7)
-    places = [references.in_ball(generator, 0.03) for _ in range(count)]
-    coarse, fine = organs.organ(500), organs.organ(500 if record.quick else 2000)
-    patch = dict(patch=0.025, tool="weighted-average")
+    places = [references.in_ball(generator, 0.03) for _ in range(12 if record.quick else 60)]
+    coarse = organs.organ(500)
 
-    def forces(name, organ, **options):
-        return at_places(record, name, organs.scene(organ, **{**dict(law="mr", radius=0.03, divisions=2), **options}), places)
+    def forces(organ, tool, **options):
+        scene = organs.scene(organ, **{"law": "mr", "radius": 0.03, "divisions": 2, **TOOLS[tool], **options})
+        words = [organ.name, tool, *map(str, options.values())]
+        return ends_of(record, "-".join(words).replace(" ", "-"), scene, [[place] for place in places])
 
-    ours = forces("patch", coarse, **patch)
-    compared = [("law: linear", forces("patch linear", coarse, law="linear", **patch)),
-                ("law: St. Venant-Kirchhoff", forces("patch svk", coarse, law="svk", **patch)),
-                ("elements: P2/P1 on the same mesh", forces("patch p2", coarse, displacement="P2", **patch)),
-                ("elements: P1/P1, det F - 1 (the paper's)", forces("patch p1p1", coarse, pressure="P1", constraint="det-F-1", **patch))]
-    if not record.quick:
-        compared.append(("mesh: 4.5 times the nodes", forces("patch fine", fine, **patch)))
-        compared.append(("mesh: 12 times the nodes", forces("patch finest", organs.organ(6000), **patch)))
-        node = forces("node", coarse)
-        compared.append(("mesh, a single node: 4.5 times the nodes", forces("node fine", fine)))
+    def differs(what, others, ours):
+        value, count = relative(others.value, ours.value)
+        return told(record, "which error dominates", f"{what} ({count} of {len(places)} places)", value, "%", others)
+
     rows = []
-    for what, others in compared:
-        reference = node if "single node" in what else ours
-        rows.append(told(record, "which error dominates", what, relative(others.value, reference.value), "%", others))
-    rows += [told(record, "which error dominates", f"interpolation: {method}, lattice of 15 mm", value, "%", measured)
-             for method, value, measured in interpolated(record, coarse, patch, places, ours)]
-    rows += [told(record, "which error dominates", "snapping to the nearest node, a finger of 20 mm", *snapping(record, coarse))]
+    for tool in TOOLS:
+        ours = forces(coarse, tool)
+        if tool.startswith("finger"):
+            rows += [differs(f"law, {tool}: {organs.LAWS[law]}", forces(coarse, tool, law=law), ours) for law in ("linear", "svk", "msvk")]
+            rows.append(differs(f"elements, {tool}: P1/P1, det F - 1 (the paper's)", forces(coarse, tool, pressure="P1", constraint="det-F-1"), ours))
+            rows += interpolated(record, coarse, TOOLS[tool], places, ours)
+        rows.append(differs(f"elements, {tool}: P2/P1 on the same mesh", forces(coarse, tool, displacement="P2"), ours))
+        for nodes in () if record.quick else (2000, 6000):
+            finer = organs.organ(nodes)
+            rows.append(differs(f"mesh, {tool}: {finer.name}", forces(finer, tool), ours))
+    rows.append(told(record, "which error dominates", "snapping to the nearest node, a finger of 20 mm pressed in by 5 mm", *snapping(record, coarse)))
     return rows
 
 
-def at_places(record, name, scene, places):
-    """The force at each displacement, or None."""
-    return ends_of(record, name.replace(" ", "-"), scene, [[place] for place in places])
-
-
 def relative(forces, reference):
-    """Mean over the places where both are known of |f - r| / max(|r|, 0.05 N), %."""
+    """Mean over the places where both are known of |f - r| / max(|r|, 0.05 N), % (None: nowhere), and how many they are."""
     numpy = needed("numpy")
     both = [(f, r) for f, r in zip(forces, reference) if f and r]
-    return float(numpy.mean([100 * numpy.linalg.norm(numpy.subtract(f, r)) / max(interpolation.FLOOR, numpy.linalg.norm(r)) for f, r in both]))
+    each = [100 * numpy.linalg.norm(numpy.subtract(f, r)) / max(interpolation.FLOOR, numpy.linalg.norm(r)) for f, r in both]
+    return (float(numpy.mean(each)) if each else None), len(both)
 
 
-def interpolated(record, organ, patch, places, exact):
-    dataset = record.dataset(f"{organ.name}-which", organs.scene(organ, "mr", radius=0.03, divisions=2, **patch))
+def interpolated(record, organ, tool, places, exact):
+    dataset = record.dataset(f"{organ.name}-which", organs.scene(organ, "mr", radius=0.03, divisions=2, **tool))
     given, measured = interpolation.answers(record, "which", dataset.value["dataset"], ["trilinear", "potential"], places)
-    return [(method, relative(given[method]["force"], exact.value), measured) for method in given]
+    return [told(record, "which error dominates", f"interpolation: {interpolation.LABELS[method]}, lattice of 15 mm",
+                 relative(given[method]["force"], exact.value)[0], "%", measured) for method in given]
 
 
 def snapping(record, organ):
@@ -192,7 +194,7 @@ def snapping(record, organ):
     import h5py
     region = "surface = { sphere = { center = [%s], radius = 0.05 } }" % ", ".join(map(str, organ.tip))
     scene = organs.scene(organ, "mr", radius=0.02, divisions=2, patch=0.02, tool="finger", active=region)
-    mesh = record.dataset(f"{organ.name}-which", organs.scene(organ, "mr", radius=0.03, divisions=2, patch=0.025, tool="weighted-average"))
+    mesh = record.dataset(f"{organ.name}-which", organs.scene(organ, "mr", radius=0.03, divisions=2, **TOOLS["finger of 25 mm"]))
     with h5py.File(mesh.value["dataset"]) as file:
         points, triangles, fixed = file["mesh/points"][:], file["mesh/surface"][:], set(file["mesh/fixed_nodes"][:].tolist())
     generator = random.Random(23)
@@ -213,4 +215,4 @@ def snapping(record, organ):
     measured = record.run("snapping", [record.programs / "palpate", "solve", file, "--active", "tip", "--at", "-", "--displacement", "-", "--json", "-q"],
                           text, lines=True, codes=(0, 3))
     forces = [answer["force"] for answer in measured.value]
-    return relative(forces[1::2], forces[::2]), "%", measured
+    return relative(forces[1::2], forces[::2])[0], "%", measured

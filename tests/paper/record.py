@@ -11,6 +11,7 @@ import os
 import pathlib
 import platform
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -106,6 +107,7 @@ class Record:
         path, dataset = folder / f"{name}.toml", folder / f"{name}.h5"
         folder.mkdir(parents=True, exist_ok=True)
         if not path.exists() or path.read_text(encoding="utf-8") != scene:
+            shutil.rmtree(f"{dataset}.state", ignore_errors=True)  # of another scene of this name
             dataset.unlink(missing_ok=True)
             write_whole(path, scene)
         command = [str(self.programs / "palpate"), "build", str(path), "-o", str(dataset), "-j", str(jobs), "-q"]
