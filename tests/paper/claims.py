@@ -45,10 +45,9 @@ def radial_beside_trilinear(record):
 
 def loop_beside_material(record):
     generator = random.Random(17)
-    nodes = (500,) if record.quick else (500, 2000)
     places = [references.in_ball(generator, 0.05) for _ in range(500)]
     rows, times = [], {"trilinear": [], "potential": []}
-    for count in nodes:
+    for count in record.nodes:
         organ = organs.organ(count)
         for law in organs.MATERIALS:
             dataset = record.dataset(f"{organ.name}-{law}-loop", organs.scene(organ, law, radius=0.06, divisions=3))

@@ -33,7 +33,7 @@ class Case:
 
 
 def cases(record):
-    return [Case(500, "mr")] if record.quick else [Case(nodes, law) for nodes in (500, 2000) for law in ("mr", "msvk")]
+    return [Case(nodes, law) for nodes in record.nodes for law in record.laws]
 
 
 def lattices(record):
