@@ -56,11 +56,12 @@ def mooney_rivlin():
 
 
 def errors(force, exact):
-    """Of answered forces, n x 3, NaN where there is none: {mean, p95, worst (N), p95 of |error| / max(|F|, 0.05 N), unanswered}."""
+    """Of answered forces, n x 3, NaN where there is none: {mean, median, p95, worst (N), p95 of |error| / max(|F|, 0.05 N),
+    unanswered}."""
     length = np.linalg.norm(np.asarray(force, float) - exact, axis=1)
     answered = np.isfinite(length)
     if not answered.any():
-        return {"mean": None, "p95": None, "worst": None, "relative_p95": None, "unanswered": int(len(length))}
+        return {"mean": None, "median": None, "p95": None, "worst": None, "relative_p95": None, "unanswered": int(len(length))}
     relative = length / np.maximum(np.linalg.norm(exact, axis=1), 0.05)
-    return {"mean": float(length[answered].mean()), "p95": float(np.percentile(length[answered], 95)), "worst": float(length[answered].max()),
+    return {"mean": float(length[answered].mean()), "median": float(np.median(length[answered])), "p95": float(np.percentile(length[answered], 95)), "worst": float(length[answered].max()),
             "relative_p95": float(np.percentile(relative[answered], 95)), "unanswered": int((~answered).sum())}

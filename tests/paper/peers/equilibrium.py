@@ -1,11 +1,12 @@
 """Newton's method and continuation, for the whole body and for what is reduced from it.
 
-A *model* has assemble(z, p) -> Assembled, admissible(z, p), factors(assembled) and sensitivity(assembled, factors)."""
+A *model* has assemble(z, p) -> Assembled, admissible(z, p), factors(assembled), sensitivity(assembled, factors) and tolerance, of
+the residual's norm relative to the force on the tool."""
 import dataclasses
 
 import numpy as np
 
-TOLERANCE = 1e-8       # of the residual's norm, relative to the force on the tool
+TOLERANCE = 1e-8
 FLOOR = 1e-9           # N
 ITERATIONS = 15
 HALVINGS = 6           # of a Newton step
@@ -29,8 +30,8 @@ class Iterate:
     residual: float
 
 
-def converged(assembled):
-    return np.linalg.norm(assembled.residual) <= FLOOR + TOLERANCE * np.linalg.norm(assembled.force)
+def converged(model, assembled):
+    return np.linalg.norm(assembled.residual) <= FLOOR + model.tolerance * np.linalg.norm(assembled.force)
 
 
 def newton(model, z, p, iterations=ITERATIONS, on_iterate=None):
@@ -43,7 +44,7 @@ def newton(model, z, p, iterations=ITERATIONS, on_iterate=None):
         if on_iterate:
             on_iterate(Iterate(assembled.force, float(norm)))
         factors = model.factors(assembled)
-        if converged(assembled):
+        if converged(model, assembled):
             return Solved(z, p, assembled.force, assembled.energy, iteration, model.sensitivity(assembled, factors))
         if iteration == iterations:
             return None
@@ -78,11 +79,73 @@ def transition(model, start, target):
     return dataclasses.replace(at, iterations=iterations)
 
 
+class Follower:
+    """Equilibria along a hand's path without a new tangent in each: the inverse of an old one, and dz/dp, are corrected by Broyden's
+    rank-one updates (Kelley 1995, Sec. 7.3), and made anew where the residual does not fall by a half. For small dense models,
+    which have residual(z, p) too. tolerance: of the residual relative to the force; the error of the force is of its size or
+    below."""
+
+    def __init__(self, model, solved, tolerance=1e-5):
+        self.model, self.tolerance, self.tangents = model, tolerance, 0
+        self.z, self.p = solved.z, solved.p
+        self.renew()
+
+    def renew(self):
+        assembled = self.model.assemble(self.z, self.p)
+        self.inverse = np.linalg.inv(assembled.tangent)
+        self.slope = -self.inverse @ assembled.coupling
+        self.tangents += 1
+
+    def answer(self, p, iterations=15):
+        """The force with the tool at p, from where it was; None, and nothing has changed, without one."""
+        before = self.z, self.p
+        found = self.iterate(before[0] + self.slope @ (p - before[1]), p, iterations)
+        if found is None:
+            self.z, self.p = before
+            self.renew()
+            return None
+        way = p - before[1]
+        if way @ way > 0:
+            self.slope = self.slope + np.outer((self.z - before[0] - self.slope @ way) / (way @ way), way)
+        return found
+
+    def iterate(self, z, p, iterations):
+        last = step = None
+        for _ in range(iterations):
+            if not self.model.admissible(z, p):
+                return None
+            assembled = self.model.residual(z, p)
+            norm = np.linalg.norm(assembled.residual)
+            self.z, self.p = z, p
+            if norm <= FLOOR + self.tolerance * np.linalg.norm(assembled.force):
+                return assembled.force
+            if last is not None:
+                if norm > 0.5 * np.linalg.norm(last):
+                    self.renew()
+                else:
+                    change = self.inverse @ (assembled.residual - last)
+                    self.inverse = self.inverse + np.outer((step - change) / (step @ change), step @ self.inverse)
+            step, last = -self.inverse @ assembled.residual, assembled.residual
+            z = z + step
+        return None
+
+    def walk(self, p, step=0.001):
+        """The same in steps of 1 mm at most, as a hand comes."""
+        way = p - self.p
+        force, start = None, self.p
+        count = max(1, int(np.ceil(np.linalg.norm(way) / step)))
+        for n in range(1, count + 1):
+            force = self.answer(start + n / count * way)
+            if force is None:
+                return None
+        return force
+
+
 class Whole:
     """The whole body as a model."""
 
-    def __init__(self, body, factors):
-        self.body, self.factors_of = body, factors
+    def __init__(self, body, factors, tolerance=TOLERANCE):
+        self.body, self.factors_of, self.tolerance = body, factors, tolerance
 
     def assemble(self, z, p):
         return self.body.assemble(z, p)

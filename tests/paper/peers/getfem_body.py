@@ -82,8 +82,14 @@ class GetfemBody:
         return bool(self.model.solve("max_iter", most, "max_res", 1e-7, "lsolver", "mumps", "lsearch", "simplest",
                                      "alpha max ratio", 1e4, "alpha min", 0.05, "alpha mult", 0.5)[1])
 
-    def history(self, place, most=12):
-        """[{seconds, force, converged}] after each iteration on the way to `place`, seconds of processor from its beginning."""
+    def kept(self):
+        return {name: self.model.variable(name) for name in ("u", "p", "held", "tool")}
+
+    def history(self, start, place, most=12):
+        """[{seconds, force, converged}] after each iteration from `start`, which was kept, on the way to `place`: seconds of processor
+        since its beginning."""
+        for name, value in start.items():
+            self.model.set_variable(name, value)
         self.move(place)
         passed, made = 0.0, []
         while len(made) < most and not (made and made[-1]["converged"]):

@@ -3,7 +3,13 @@
 A loop that answers every B seconds sees a hand of speed v move by v B. From an equilibrium, made exact, the solver has B for
 the next one; a hand that goes on finds it late, so this favours the solver. What has not converged by then answers with what
 there is: the worker with the force and stiffness of where it was, GetFEM with its latest iterate, or the force of where it was
-when not one iteration was done. Times are of one core; the worker's on the wall."""
+when not one iteration was done.
+
+A hand does not wait, and a solver that takes longer than a tick need not either: at *two rates* it goes on solving for where the
+hand is when it begins, and a fast loop answers with force and stiffness of the last equilibrium that is there (as Courtecuisse
+et al. 2015 do with compliances). What such an answer is wrong by depends on how far the hand has come meanwhile.
+
+Times are of one core; the worker's on the wall."""
 import json
 
 import numpy as np
@@ -45,11 +51,12 @@ def by_getfem(record, name, configurations, some_body, count):
         solver = getfem_body.GetfemBody(some_body, configurations.fixed)
         found, apart = {str(length): [] for length in lengths()}, 0.0
         for row, way in zip(rows, ways):
+            started = solver.start(configurations.displacement[row], configurations.pressure[row], configurations.place[row])
+            start = solver.kept()
+            if started:
+                apart = max(apart, float(np.linalg.norm(solver.force() - configurations.force[row])))
             for length in lengths():
-                started = solver.start(configurations.displacement[row], configurations.pressure[row], configurations.place[row])
-                if started:
-                    apart = max(apart, float(np.linalg.norm(solver.force() - configurations.force[row])))
-                found[str(length)].append(solver.history(configurations.place[row] + length * way) if started else [])
+                found[str(length)].append(solver.history(start, configurations.place[row] + length * way) if started else [])
         return {"histories": found, "largest_difference_N": apart}
 
     measured = record.measure(f"{name} movements by GetFEM", make, configurations.identity, count, BUDGETS, SPEEDS, command="tests/paper/run peers")
@@ -83,6 +90,73 @@ def worker_rows(found, configurations, count):
         return made
 
     return rows_of("this project's worker", outcomes, lambda length: [end and end["force"] for end in found[length]])
+
+
+TWO_RATES = ["solver", "hand (mm/s)", "equilibria a second", "mean way since the last one (mm)", "mean error (N)", "95 % (N)", "largest error (N)"]
+
+
+def two_rates(solver, seconds_of, path, force, stiffness):
+    """A row of TWO_RATES for each speed. seconds_of(way): what an equilibrium takes that is so far from the last, m to s; path: n x 3
+    places from rest (m), as far apart as the hand is looked at; force and stiffness: the exact ones there. The first place is
+    solved when the hand sets out."""
+    path, force, rows = np.asarray(path), np.asarray(force), []
+    for speed in SPEEDS:
+        when = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))]) / speed
+        solved, target, ready, begun = 0, 0, 0.0, [0.0]
+        errors, ways = [], []
+        for now, at in zip(when, range(len(path))):
+            while ready <= now:  # the solver turns to where the hand was when it was done
+                solved, target = target, int(np.searchsorted(when, ready, side="right")) - 1
+                if target == solved:
+                    ready = when[solved + 1] if solved + 1 < len(when) else np.inf
+                else:
+                    begun.append(ready)
+                    ready += seconds_of(float(np.linalg.norm(path[target] - path[solved])))
+            way = path[at] - path[solved]
+            ways.append(np.linalg.norm(way))
+            errors.append(np.linalg.norm(force[solved] + stiffness[solved] @ way - force[at]))
+        rows.append([solver, 1e3 * speed, (len(begun) - 1) / when[-1], 1e3 * float(np.mean(ways)), float(np.mean(errors)),
+                     float(np.percentile(errors, 95)), float(max(errors))])
+    return rows
+
+
+def seconds_by_way(times):
+    """Of {way: [seconds]}, the medians, and between them on a line."""
+    ways = [way for way in sorted(times) if times[way]]
+    medians = [float(np.median(times[way])) for way in ways]
+    return lambda way: float(np.interp(way, ways, medians))
+
+
+def worker_times(found):
+    return {length: [end["seconds"] for end in ends if end] for length, ends in found.items()}
+
+
+def getfem_times(histories):
+    return {length: [history[-1]["seconds"] for history in each if history and history[-1]["converged"]] for length, each in histories.items()}
+
+
+def exact_along(record, name, scene_file, some_body, path):
+    """{reached: places of the path from rest that have an equilibrium, force, stiffness}, by the NumPy body; forces by the worker
+    too, largest_difference (N)."""
+    from peers import body, equilibrium
+    by_worker = record.run(f"{name} path by the worker", [record.bench / "palpate_path_forces", scene_file, "--active", "tip"], json.dumps([path]))
+    other = [point["force"] for point in by_worker.value["paths"][0]["reached"]]
+
+    def make():
+        model = equilibrium.Whole(some_body, body.Factors)
+        at, apart, made = model.at_rest(), 0.0, {"place": [[0.0] * 3], "force": [[0.0] * 3], "stiffness": []}
+        made["stiffness"].append(body.stiffness(model.assemble(at.z, at.p), at.slope).tolist())
+        for place, force in zip(path, other):
+            at = equilibrium.transition(model, at, place)
+            if at is None:
+                break
+            made["place"].append(place)
+            made["force"].append(at.force.tolist())
+            made["stiffness"].append(body.stiffness(model.assemble(at.z, at.p), at.slope).tolist())
+            apart = max(apart, float(np.linalg.norm(at.force - force)))
+        return {**made, "largest_difference": apart}
+
+    return record.measure(f"{name} path in NumPy", make, other, path, command="tests/paper/run peers")
 
 
 def getfem_rows(histories, found, configurations, count):

@@ -43,7 +43,7 @@ class Effort:
     long: int             # epochs of each
     polish: int           # most iterations of L-BFGS
     seeds: int
-    most_seconds: float   # that the search of one kind may take; what it had time for is reported
+    most_seconds: float   # of processor that the search of one kind may take; what it had time for is reported
 
 
 class Net(torch.nn.Module):
@@ -149,19 +149,21 @@ def drawn(random):
                     float(10 ** random.uniform(-3, -1.5)), str(random.choice(["squared", "length"])), int(random.integers(1 << 30)))
 
 
-def search(kind, configurations, effort, say=lambda text: None):
-    """(the trained model, {seconds, tried, ..., of the search})"""
+def search(kind, configurations, effort, shortlist=None, say=lambda text: None):
+    """(the trained model, {seconds, tried, ..., of the search}). shortlist: settings to try first, of the search of another kind."""
     torch.set_num_threads(1)
-    began = time.monotonic()
-    left = lambda share: time.monotonic() - began < share * effort.most_seconds
+    began = time.process_time()
+    left = lambda share: time.process_time() - began < share * effort.most_seconds
+    first = [Settings(**settings) for settings in shortlist or []]
     random = np.random.default_rng(2010)
     every = data_of(configurations)
     order = random.permutation(len(configurations.place))
     held = max(1, round(0.15 * len(order)))
     seen, unseen = every.part(order[held:]), every.part(order[:held])
     short = []
-    while len(short) < effort.tried and (left(0.4) or len(short) < 3):
-        model = train(Model(kind, drawn(random), configurations), seen, effort.short)
+    while len(short) < effort.tried and (left(0.4) or len(short) < 2):
+        settings = first.pop(0) if first else drawn(random)
+        model = train(Model(kind, settings, configurations), seen, effort.short)
         short.append((model.mean_error(unseen), model.settings))
     short.sort(key=lambda one: one[0] if np.isfinite(one[0]) else np.inf)
     final = []
@@ -176,10 +178,9 @@ def search(kind, configurations, effort, say=lambda text: None):
     for seed in range(effort.seeds):
         if left(1.0) or not trained:
             model = train(Model(kind, dataclasses.replace(best, seed=best.seed + seed), configurations), every, effort.long, effort.polish)
-            with_gradient = model.loss(every)
-            trained.append((float(with_gradient), model))
+            trained.append((float(model.loss(every)), model))
     loss, model = min(trained, key=lambda one: one[0])
-    return model, {"seconds": time.monotonic() - began, "tried": len(short), "finalists": len(final), "seeds": len(trained),
+    return model, {"seconds": time.process_time() - began, "shortlist": [dataclasses.asdict(settings) for _, settings in short[:6]], "tried": len(short), "finalists": len(final), "seeds": len(trained),
                    "epochs": effort.long, "polish": effort.polish, "settings": best.text(), "held_back_error": final[0][0],
                    "median_of_tried": float(np.median([one[0] for one in short])), "training_error": model.mean_error(every),
                    "training_loss": loss}

@@ -156,6 +156,14 @@ class ReducedTest(unittest.TestCase):
                 ends = [equilibrium.transition(model, here, here.p + sign * 1e-5 * np.eye(3)[axis]).energy for sign in (1, -1)]
                 self.assertAlmostEqual(-(ends[0] - ends[1]) / 2e-5, here.force[axis], delta=1e-4)
 
+    def testFollowingAHandWithOldTangentsAnswersTheSame(self):
+        few = sampled.Sampled(reduced.Reduced(self.body, self.made, 4), 1e-2, states=10)
+        rest = few.at_rest()
+        follower, target = equilibrium.Follower(few, rest, tolerance=1e-7), self.given.probe_place[0]
+        force = follower.walk(target)
+        np.testing.assert_allclose(force, equilibrium.transition(few, rest, target).force, atol=1e-6)
+        self.assertLess(follower.tangents, 4)
+
     def testAllElementsWithWeightOneAreTheReducedModel(self):
         model = reduced.Reduced(self.body, self.made, 4)
         few = sampled.Sampled(model, 1e-2, states=5)
@@ -221,7 +229,7 @@ class GetfemTest(unittest.TestCase):
         solver = getfem_body.GetfemBody(some_body, np.flatnonzero(some_body.points[:, 0] == 0))
         self.assertTrue(solver.start(given.displacement[9], given.pressure[9], given.place[9]))
         np.testing.assert_allclose(solver.force(), given.force[9], atol=1e-6)
-        history = solver.history(given.probe_place[0])
+        history = solver.history(solver.kept(), given.probe_place[0])
         self.assertTrue(history[-1]["converged"])
         np.testing.assert_allclose(history[-1]["force"], given.probe_force[0], atol=1e-5)
 

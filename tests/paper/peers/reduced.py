@@ -88,6 +88,8 @@ def supremizers(some_body, states, places, p_modes, grad_inner, most=60):
 class Galerkin:
     """What all reduced models share, with size, made, coordinates, assemble and admissible."""
 
+    tolerance = equilibrium.TOLERANCE
+
     def factors(self, assembled):
         return Dense(assembled.tangent)
 
@@ -146,11 +148,26 @@ class Dense:
 def answer(model, p, rest):
     """Without an answer before it: from the nearest configuration, else from ever nearer to the way from rest. None without a
     solution."""
-    nearest = np.argsort(np.linalg.norm(model.made.places - p, axis=1))[:4]
-    for n in nearest:
+    for start in starts(model, p):
+        reached = equilibrium.transition(model, start, p)
+        if reached is not None:
+            return reached
+    return equilibrium.transition(model, rest, p)
+
+
+def starts(model, p, most=4):
+    """Equilibria of the model at the configurations nearest to p."""
+    for n in np.argsort(np.linalg.norm(model.made.places - p, axis=1))[:most]:
         start = equilibrium.newton(model, model.coordinates[n], model.made.places[n])
         if start is not None:
-            reached = equilibrium.transition(model, start, p)
-            if reached is not None:
-                return reached
-    return equilibrium.transition(model, rest, p)
+            yield start
+
+
+def followed(model, p, rest):
+    """The force after a hand has come from the nearest configuration, with old tangents; else that of answer(); None without one."""
+    for start in starts(model, p):
+        force = equilibrium.Follower(model, start).walk(p)
+        if force is not None:
+            return force
+    reached = answer(model, p, rest)
+    return reached and reached.force

@@ -124,6 +124,12 @@ class Sampled(reduced.Galerkin):
         r, tangent = residual.ravel() @ flat, flat.T @ np.matmul(K, self.basis).reshape(flat.shape)
         return body.Assembled(float(energy.sum()), r[:k], -r[k:], tangent[:k, :k], tangent[:k, k:], tangent[k:, k:])
 
+    def residual(self, a, p):
+        """As assemble, without a tangent."""
+        energy, residual, _ = body.element_sums(self.law, *self.nodal(a, p), self.gradients, self.volume, self.pressure_scale, False)
+        r = residual.ravel() @ self.basis.reshape(-1, self.basis.shape[2])
+        return body.Assembled(float(energy.sum()), r[:len(a)], -r[len(a):])
+
     def memory(self):
         """Bytes that an answer of the force reads."""
         return self.basis.nbytes + self.gradients.nbytes + self.volume.nbytes + self.coordinates.nbytes
