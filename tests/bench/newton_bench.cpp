@@ -39,8 +39,9 @@ struct Options {
   int repetitions = 20;  ///< of our iteration in a round
   bool without_oracle = false;
   bool coarse_only = false;
-  bool laws = false;   ///< every law too
-  bool paths = false;  ///< GetFEM's 10 mm transition and 100 mm path too: minutes
+  bool laws = false;            ///< every law too
+  bool paths = false;           ///< GetFEM's 10 mm transition and 100 mm path too: minutes
+  std::filesystem::path scene;  ///< the iteration of this one alone
 };
 
 /// Times of one thing, seconds.
@@ -396,6 +397,21 @@ Json measureMesh(const Mesh& mesh, const std::filesystem::path& file, bool shipp
   return result;
 }
 
+/// The iteration alone, of any scene: its first active node, 10 mm from rest.
+Json measureScene(const Options& options) {
+  const Problem problem = loadProblem(options.scene);
+  IterationTimes iteration;
+  for (int round = 0; round < options.rounds; ++round)
+    iteration.measure(problem, options.repetitions);
+  Json result = {{"benchmark", "newton"},
+                 {"scene", problem.scene.name},
+                 {"kernels", chooseKernels().family},
+                 {"nodes", problem.mesh.vertices()},
+                 {"tetrahedra", problem.mesh.tetrahedra.size()}};
+  result.update(iteration.json());
+  return result;
+}
+
 std::string cpuModel() {
   std::ifstream info("/proc/cpuinfo");
   for (std::string line; std::getline(info, line);)
@@ -410,6 +426,10 @@ double load() {
 }
 
 int runBenchmark(const Options& options) {
+  if (!options.scene.empty()) {
+    fmt::print("{}\n", measureScene(options).dump(1));
+    return 0;
+  }
   const std::filesystem::path reference = PALPATE_REFERENCE_DATA, source = PALPATE_SOURCE_DIR;
   const bool shipped = !std::filesystem::exists(reference / "meshes/liver-493.msh");
   Json result = {
@@ -447,6 +467,8 @@ int main(int argc, char** argv) try {
   app.add_flag("--laws", options.laws, "Every law, not only Mooney-Rivlin");
   app.add_flag("--paths", options.paths,
                "Measure GetFEM's 10 mm transition and 100 mm path too (minutes)");
+  app.add_option("--scene", options.scene, "The Newton iteration of this scene file alone")
+      ->check(CLI::ExistingFile);
   CLI11_PARSE(app, argc, argv);
   return palpate::runBenchmark(options);
 } catch (const std::exception& error) {
