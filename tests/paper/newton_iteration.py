@@ -1,0 +1,124 @@
+"""Table 1 of the paper: what one Newton iteration costs, beside GetFEM, with which the paper solved, in the same run.
+
+Ours is assembly of residual and tangent, and factorisation with one solve, at the equilibrium 10 mm from rest; GetFEM's is
+its assembly, and its linear solve by the same MUMPS, at rest. The best of all rounds counts on both sides. Seconds."""
+import dataclasses
+import sys
+
+import figure
+import organs
+import published
+from record import NotMeasured, needed
+
+REFERENCE = organs.REFERENCE.parent / "oracle" / "getfem_reference.py"
+IN_GETFEM = {"svk": "svk", "mr": "mr"}  # as it calls the laws
+
+
+@dataclasses.dataclass(frozen=True)
+class Row:
+    """One of the paper's: its law, the order of its displacement, about how many nodes, and how many it says."""
+    law: str
+    order: int
+    nodes: int
+    published: int
+
+    def organ(self):
+        return organs.organ(self.nodes)
+
+    def name(self):
+        return f"{organs.LAWS[self.law]}, {'linear' if self.order == 1 else 'quadratic'}, {self.organ().name}"
+
+    def papers(self):
+        """Its elements, of equal order: displacement, pressure, constraint. The quadratic ones have 12,323 unknowns, which only
+        a quadratic pressure gives."""
+        space = f"P{self.order}"
+        return dict(displacement=space, pressure=space if self.law == "mr" else "none", constraint="det-F-1")
+
+    def stable(self):
+        """Ours, that satisfy inf-sup and cannot invert; without a pressure there is nothing to change."""
+        return dict(displacement=f"P{self.order}") if self.law == "mr" else self.papers()
+
+
+ROWS = [Row("svk", 1, 500, 501), Row("mr", 1, 500, 501), Row("svk", 1, 2000, 2011), Row("mr", 2, 500, 501), Row("mr", 1, 2000, 2011)]
+
+
+def elements(discretization, law):
+    pressure = discretization.get("pressure") or ("P1-stabilized" if discretization["displacement"] == "P1" else "P1")
+    return discretization["displacement"] + ("" if law == "svk" else f"/{pressure}, {discretization.get('constraint', 'ln-det-F')}")
+
+
+def ours(record, row, discretization, turn):
+    file = record.folder / "scenes" / f"iteration-{row.organ().name}-{row.law}-{'-'.join(discretization.values())}.toml"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(organs.scene(row.organ(), row.law, **discretization), encoding="utf-8")
+    command = [record.bench / "palpate_newton_bench", "--scene", file, "--rounds", 1, "--repetitions", 10 if record.quick else 20]
+    return record.run(f"iteration of {row.name()}, {elements(discretization, row.law)}, round {turn}", command)
+
+
+def why_no_getfem(row):
+    """Nothing when it can be asked."""
+    if not REFERENCE.is_file():
+        return f"GetFEM: there is no {REFERENCE}"
+    if row.organ().source != "reference":
+        return f"GetFEM: {REFERENCE.name} holds what lies below a plane, and {row.organ().name} is held in a sphere"
+    try:
+        needed("getfem")
+    except NotMeasured as missing:
+        return str(missing)
+    return None
+
+
+def getfem(record, row, turn):
+    """Displaced by nothing: only its assembly and its linear solve are looked at."""
+    command = ["env", "OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", sys.executable, REFERENCE, row.organ().mesh, "--law", IN_GETFEM[row.law],
+               "--poisson", organs.POISSON, "--fixed-below", "x", 0.15, "--active", *row.organ().tip, "--to", 1e-6, 0, 0, "--steps", 1,
+               "--order", row.order, "--pressure-order", row.order]
+    return record.run(f"GetFEM of {row.name()}, round {turn}", command)
+
+
+COLUMNS = ["law, elements, organ", "unknowns of the paper", "unknowns", "published assembly (s)", "published solve (s)", "published total (s)",
+           "GetFEM 5.4 assembly (s)", "GetFEM 5.4 solve (s)", "GetFEM 5.4 total (s)", "assembly (s)", "solve (s)", "total (s)",
+           "times faster than GetFEM 5.4", "stable elements", "stable unknowns", "stable assembly (s)", "stable solve (s)", "stable total (s)"]
+
+
+def seconds_of(samples):
+    """Unknowns and seconds, the best of the rounds, in parts as the paper has them; and a measurement they are from."""
+    best = min(samples, key=lambda sample: sample.value["newton_iteration"]["best_ms"])
+    milliseconds = lambda *parts: sum(best.value[part]["best_ms"] for part in parts)
+    return [best.value["unknowns"], milliseconds("assemble_residual_and_tangent") / 1e3, milliseconds("factorize", "solve_one") / 1e3,
+            milliseconds("newton_iteration") / 1e3], best
+
+
+def getfem_seconds(samples):
+    best = min(samples, key=lambda sample: sample.value["assembly_s"] + sample.value["solve_s"])
+    return [best.value["assembly_s"], best.value["solve_s"], best.value["assembly_s"] + best.value["solve_s"]], best
+
+
+def measured_row(record, row):
+    same, stable, theirs = [], [], []
+    missing = why_no_getfem(row)
+    if missing:
+        record.not_measured(f"{row.name()}/GetFEM 5.4", missing)
+    for turn in range(1, (1 if record.quick else 5) + 1):  # in turns, so that what else the machine does meets all of them
+        same.append(ours(record, row, row.papers(), turn))
+        stable.append(ours(record, row, row.stable(), turn))
+        if not missing:
+            theirs.append(getfem(record, row, turn))
+    paper = published.NEWTON_ITERATION[(row.law, row.order, row.published)]
+    (unknowns, *same), by = seconds_of(same)
+    (stable_unknowns, *stable), stable_by = seconds_of(stable)
+    theirs, theirs_by = getfem_seconds(theirs) if theirs else ([None] * 3, None)
+    cells = [row.name(), paper["unknowns"], unknowns, paper["assembly"], paper["solve"], paper["total"], *theirs, *same,
+             theirs[2] / same[2] if theirs_by else None, elements(row.stable(), row.law), stable_unknowns, *stable]
+    sources = [None, None, by, None, None, None, *[theirs_by] * 3, by, by, by, by, None, *[stable_by] * 4]
+    for column, value, source in zip(COLUMNS, cells, sources):
+        if source is not None and value is not None:
+            name, unit = column.rsplit(" (", 1) if " (" in column else (column, "")
+            record.number(f"{row.name()}/{name}", value, unit.rstrip(")"), source)
+    return cells
+
+
+def table1(record):
+    """Table 1: a Newton iteration, published, by GetFEM 5.4 and by ours, the paper's elements and stable ones."""
+    rows = [row for row in ROWS if row.nodes in record.nodes]
+    figure.save_table(record, "table1", COLUMNS, [measured_row(record, row) for row in rows])
