@@ -124,7 +124,8 @@ class Factors:
     """Of a symmetric tangent."""
 
     def __init__(self, tangent):
-        self.factors = scipy.sparse.linalg.splu(tangent, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
+        self.factors = scipy.sparse.linalg.splu(tangent, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3,
+                                                      options={"SymmetricMode": True})
 
     def solve(self, right):
         return self.factors.solve(np.asarray(right))

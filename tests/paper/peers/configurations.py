@@ -43,11 +43,11 @@ def read(path, node_fields=True):
         of = lambda name: points[name][rows][solved] if node_fields or name not in ("displacement", "pressure") else None
         tested = slice(*spaces["first_probe"][:2])
         right = np.isin(probes["tag"][tested], (1, 2))
-        return Configurations(file.attrs["content_hash"].decode(), file["mesh/points"][:], file["mesh/tetrahedra"][:], file["mesh/fixed_nodes"][:],
-                              file["patches/node"][slice(*spaces["first_patch_node"][:2])], float(points.attrs["spacing"]),
-                              float(points.attrs["radius"]), of("position"), of("force"), of("stiffness"), of("energy"),
-                              of("displacement"), of("pressure"), int((~solved).sum()),
-                              *(probes[name][tested][right] for name in ("position", "force", "energy")), int((~right).sum()))
+        return Configurations(
+            file.attrs["content_hash"].decode(), *(file["mesh"][name][:] for name in ("points", "tetrahedra", "fixed_nodes")),
+            file["patches/node"][slice(*spaces["first_patch_node"][:2])], float(points.attrs["spacing"]), float(points.attrs["radius"]),
+            *(of(name) for name in ("position", "force", "stiffness", "energy", "displacement", "pressure")), int((~solved).sum()),
+            *(probes[name][tested][right] for name in ("position", "force", "energy")), int((~right).sum()))
 
 
 def mooney_rivlin():
@@ -56,12 +56,13 @@ def mooney_rivlin():
 
 
 def errors(force, exact):
-    """Of answered forces, n x 3, NaN where there is none: {mean, median, p95, worst (N), p95 of |error| / max(|F|, 0.05 N),
-    unanswered}."""
+    """Of answered forces, n x 3, NaN where there is none: {mean, median, p95, worst (N), relative_p95 (%, of
+    |error| / max(|F|, 0.05 N)), unanswered}."""
     length = np.linalg.norm(np.asarray(force, float) - exact, axis=1)
     answered = np.isfinite(length)
     if not answered.any():
         return {"mean": None, "median": None, "p95": None, "worst": None, "relative_p95": None, "unanswered": int(len(length))}
-    relative = length / np.maximum(np.linalg.norm(exact, axis=1), 0.05)
-    return {"mean": float(length[answered].mean()), "median": float(np.median(length[answered])), "p95": float(np.percentile(length[answered], 95)), "worst": float(length[answered].max()),
-            "relative_p95": float(np.percentile(relative[answered], 95)), "unanswered": int((~answered).sum())}
+    relative = 100 * length / np.maximum(np.linalg.norm(exact, axis=1), 0.05)
+    length, relative = length[answered], relative[answered]
+    return {"mean": float(length.mean()), "median": float(np.median(length)), "p95": float(np.percentile(length, 95)),
+            "worst": float(length.max()), "relative_p95": float(np.percentile(relative, 95)), "unanswered": int((~answered).sum())}

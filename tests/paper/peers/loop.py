@@ -16,8 +16,8 @@ import numpy as np
 
 BUDGETS = [0.001, 0.016, 0.1]  # s
 SPEEDS = [0.01, 0.05, 0.2]     # m/s
-COLUMNS = ["solver", "time for an answer (ms)", "hand (mm/s)", "movement (mm)", "movements", "converged in time (%)", "median time to converge (ms)",
-           "never converged", "mean error of what is answered (N)", "largest error of what is answered (N)"]
+COLUMNS = ["solver", "time for an answer (ms)", "hand (mm/s)", "movement (mm)", "movements", "converged in time (%)",
+           "median time to converge (ms)", "never converged", "mean error of what is answered (N)", "largest error of what is answered (N)"]
 
 
 def movements(configurations, count):
@@ -37,7 +37,8 @@ def by_worker(record, name, scene_file, configurations, count):
     rows, ways = movements(configurations, count)
     paths = [[configurations.place[row].tolist(), (configurations.place[row] + length * way).tolist()]
              for length in lengths() for row, way in zip(rows, ways)]
-    measured = record.run(f"{name} movements by the worker", [record.bench / "palpate_path_forces", scene_file, "--active", "tip"], json.dumps(paths))
+    command = [record.bench / "palpate_path_forces", scene_file, "--active", "tip"]
+    measured = record.run(f"{name} movements by the worker", command, json.dumps(paths))
     ends = [path["reached"][1] if len(path["reached"]) == 2 else None for path in measured.value["paths"]]
     return {length: ends[n * len(rows):(n + 1) * len(rows)] for n, length in enumerate(lengths())}, measured
 
@@ -59,7 +60,8 @@ def by_getfem(record, name, configurations, some_body, count):
                 found[str(length)].append(solver.history(start, configurations.place[row] + length * way) if started else [])
         return {"histories": found, "largest_difference_N": apart}
 
-    measured = record.measure(f"{name} movements by GetFEM", make, configurations.identity, count, BUDGETS, SPEEDS, command="tests/paper/run peers")
+    measured = record.measure(f"{name} movements by GetFEM", make, configurations.identity, count, BUDGETS, SPEEDS,
+                              command="tests/paper/run peers")
     return {float(length): histories for length, histories in measured.value["histories"].items()}, measured
 
 
@@ -70,11 +72,12 @@ def rows_of(solver, outcomes, exact):
     for budget in BUDGETS:
         for speed in SPEEDS:
             length = round(speed * budget, 9)
-            both = [(outcome, force) for outcome, force in zip(outcomes(length), exact(length)) if force is not None and outcome is not None]
+            both = [(outcome, force) for outcome, force in zip(outcomes(length), exact(length)) if None not in (outcome, force)]
             times = [outcome[0] for outcome, _ in both if outcome[0] is not None]
             wrong = [float(np.linalg.norm(np.subtract(outcome[1](budget), force))) for outcome, force in both]
             rows.append([solver, 1e3 * budget, 1e3 * speed, 1e3 * length, len(both),
-                         100 * sum(time <= budget for time in times) / len(both) if both else None, 1e3 * float(np.median(times)) if times else None,
+                         100 * sum(time <= budget for time in times) / len(both) if both else None,
+                         1e3 * float(np.median(times)) if times else None,
                          len(both) - len(times), float(np.mean(wrong)) if wrong else None, max(wrong) if wrong else None])
     return rows
 
@@ -86,13 +89,15 @@ def worker_rows(found, configurations, count):
         made = []
         for end, row, way in zip(found[length], rows, ways):
             linear = configurations.force[row] + configurations.stiffness[row] @ (length * way)
-            made.append(end and (end["seconds"], lambda budget, end=end, linear=linear: end["force"] if end["seconds"] <= budget else linear))
+            answered = lambda budget, end=end, linear=linear: end["force"] if end["seconds"] <= budget else linear
+            made.append(end and (end["seconds"], answered))
         return made
 
     return rows_of("this project's worker", outcomes, lambda length: [end and end["force"] for end in found[length]])
 
 
-TWO_RATES = ["solver", "hand (mm/s)", "equilibria a second", "mean way since the last one (mm)", "mean error (N)", "95 % (N)", "largest error (N)"]
+TWO_RATES = ["solver", "hand (mm/s)", "equilibria a second", "mean way since the last one (mm)", "mean error (N)", "95 % (N)",
+             "largest error (N)"]
 
 
 def two_rates(solver, seconds_of, path, force, stiffness):
@@ -132,14 +137,16 @@ def worker_times(found):
 
 
 def getfem_times(histories):
-    return {length: [history[-1]["seconds"] for history in each if history and history[-1]["converged"]] for length, each in histories.items()}
+    ends = {length: [history[-1] for history in each if history] for length, each in histories.items()}
+    return {length: [end["seconds"] for end in each if end["converged"]] for length, each in ends.items()}
 
 
 def exact_along(record, name, scene_file, some_body, path):
     """{reached: places of the path from rest that have an equilibrium, force, stiffness}, by the NumPy body; forces by the worker
     too, largest_difference (N)."""
     from peers import body, equilibrium
-    by_worker = record.run(f"{name} path by the worker", [record.bench / "palpate_path_forces", scene_file, "--active", "tip"], json.dumps([path]))
+    command = [record.bench / "palpate_path_forces", scene_file, "--active", "tip"]
+    by_worker = record.run(f"{name} path by the worker", command, json.dumps([path]))
     other = [point["force"] for point in by_worker.value["paths"][0]["reached"]]
 
     def make():

@@ -3,8 +3,7 @@
 z = S p + Phi a: S the sensitivities at rest, so that no mode at all is the linear body, Phi the first modes of what the
 configurations add to that. Modes of the displacement are orthonormal in the H1 seminorm (integral of grad u : grad v), those
 of the pressure in L2. A pressure mode that no displacement mode can answer to makes the reduced saddle singular, so each has a
-*supremizer* beside it, the displacement that its work on is largest (Rozza and Veroy 2007; Ballarin et al. 2015): with the rest
-state's coupling alone, or with that of the deformed bodies.
+*supremizer* beside it, the displacement that its work on is largest (Rozza and Veroy 2007; Ballarin et al. 2015), by the coupling at rest.
 
 The force is minus the slope of the reduced Lagrangian along p, so it is conservative. The whole body is assembled in every
 iteration (no hyper-reduction), as SOFA's ModelOrderReduction does in its first phase; `sampled.py` goes on from there."""
@@ -65,7 +64,7 @@ def orthonormal(columns, inner):
 
 
 def snapshots(some_body, configurations):
-    """Of the configurations, two of which are the rest state and none other at rest."""
+    """Of the configurations, the first of which is the rest state."""
     rest = some_body.assemble(np.zeros(some_body.size), np.zeros(3))
     lift = body.sensitivity(rest)
     states = np.array([some_body.state(u, p) for u, p in zip(configurations.displacement, configurations.pressure)])
@@ -74,12 +73,12 @@ def snapshots(some_body, configurations):
     grad_inner, mass = inner_products(some_body)
     u_modes, u_spectrum = principal(rise[:n], grad_inner)
     p_modes, p_spectrum = principal(rise[n:], scipy.sparse.diags(mass))
-    return Snapshots(lift, u_modes, p_modes, supremizers(some_body, states, configurations.place, p_modes, grad_inner), u_spectrum, p_spectrum,
-                     states, configurations.place, grad_inner, mass)
+    return Snapshots(lift, u_modes, p_modes, supremizers(some_body, p_modes, grad_inner), u_spectrum, p_spectrum, states,
+                     configurations.place, grad_inner, mass)
 
 
-def supremizers(some_body, states, places, p_modes, grad_inner, most=60):
-    """One for each of the first pressure modes: A s = B^T psi, summed over deformed bodies, B their coupling."""
+def supremizers(some_body, p_modes, grad_inner, most=60):
+    """One for each of the first pressure modes psi: A s = B^T psi, A the H1 seminorm, B the coupling at rest."""
     n, factors = some_body.displacements, body.Factors(grad_inner)
     at_rest = some_body.assemble(np.zeros(some_body.size), np.zeros(3)).tangent[:n, n:]
     return factors.solve(at_rest @ p_modes[:, :most])

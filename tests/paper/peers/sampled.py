@@ -105,7 +105,8 @@ class Sampled(reduced.Galerkin):
         order = np.argsort(elements)
         self.elements, self.weights = elements[order], weights[order]
         self.seconds = time.monotonic() - began
-        self.made, self.coordinates, self.law, self.pressure_scale = model.made, model.coordinates, model.body.law, model.body.pressure_scale
+        self.made, self.coordinates = model.made, model.coordinates
+        self.law, self.pressure_scale = model.body.law, model.body.pressure_scale
         self.gradients, self.volume = model.body.gradients[self.elements], model.body.volume[self.elements] * self.weights
         self.basis = element_basis(model, self.elements)
         self.size = model.basis.shape[1]

@@ -1,0 +1,67 @@
+"""The figures of the peers; rows as in setting.COLUMNS."""
+import figure
+from peers.setting import COLUMNS
+
+ANSWER, MEAN = COLUMNS.index("answer (us)"), COLUMNS.index("mean error (N)")
+FAMILIES = {"linear": 5, "co-rotated": 5, "POD": 0, "network": 3, "tri-linear": 4, "RBF": 4, "potential": 2, "full Newton": 6}
+STYLES = ["-", "--", ":", "-.", (0, (1, 4)), (0, (6, 1, 1, 1, 1, 1)), (0, (8, 3)), (0, (2, 1))]
+
+
+def color(method):
+    return figure.COLORS[FAMILIES[next(family for family in FAMILIES if method.startswith(family))]]
+
+
+def marker(method):
+    return "s" if "ECSW" in method else "^" if method.startswith("network") else "*" if method.startswith("potential") else "o"
+
+
+def groups_of(rows):
+    return list(dict.fromkeys((row[0], row[1]) for row in rows))
+
+
+def size(rows):
+    return (4.6 * len(groups_of(rows)) + 3, 5.2)
+
+
+def speed(rows):
+    """Mean error over the time of an answer. What is exact has a line at its time; what was not measured has no place in it."""
+    def draw(page):
+        axes = page.subplots(1, len(groups_of(rows)), squeeze=False, sharey=True)[0]
+        for axis, group in zip(axes, groups_of(rows)):
+            for row in rows:
+                if (row[0], row[1]) != group or row[ANSWER] is None:
+                    continue
+                if row[2].startswith("full Newton"):
+                    axis.axvline(row[ANSWER], color="black", linewidth=0.8, linestyle=":" if "GetFEM" in row[2] else "--")
+                    axis.text(row[ANSWER], 0.02, row[2], rotation=90, fontsize=6, transform=axis.get_xaxis_transform(), ha="right",
+                              va="bottom")
+                elif row[MEAN]:
+                    axis.plot([row[ANSWER]], [row[MEAN]], linestyle="", markersize=7, color=color(row[2]), marker=marker(row[2]))
+                    axis.annotate(row[2].split(" (")[0] if "POD" not in row[2] else row[2], (row[ANSWER], row[MEAN]),
+                                  textcoords="offset points", xytext=(5, 3), fontsize=6)
+            axis.axvline(1000, color="grey", linewidth=0.6)
+            axis.text(1000, 0.98, "1 kHz", fontsize=6, transform=axis.get_xaxis_transform(), ha="right", va="top")
+            axis.set(xscale="log", yscale="log", xlabel="time of an answer, one core (us)", title=f"{group[0]}, {group[1]}")
+        axes[0].set_ylabel("mean error at the probes (N)")
+
+    return draw
+
+
+def distributions(points):
+    """points: [organ, tool, method, error]. The share of the probes whose error is larger than so much."""
+    def draw(page):
+        axes = page.subplots(1, len(groups_of(points)), squeeze=False, sharey=True)[0]
+        for axis, group in zip(axes, groups_of(points)):
+            seen = {}
+            for method in dict.fromkeys(row[2] for row in points if (row[0], row[1]) == group):
+                style = STYLES[seen.setdefault(color(method), 0) % len(STYLES)]
+                seen[color(method)] += 1
+                errors = sorted(row[3] for row in points if (row[0], row[1]) == group and row[2] == method)
+                share = [100 * (1 - k / len(errors)) for k in range(len(errors))]
+                axis.plot(errors, share, linestyle=style, color=color(method), linewidth=2 if method.startswith("potential") else 1.1,
+                          label=method)
+            axis.set(xscale="log", xlabel="error of the force (N)", title=f"{group[0]}, {group[1]}")
+            axis.legend(fontsize=5.5, loc="lower left")
+        axes[0].set_ylabel("probes with a larger error (%)")
+
+    return draw
