@@ -310,7 +310,7 @@ def screen():
 
 def view(record, *words, env=None):
     command = [str(word) for word in (record.programs / "palpate", "view", *words)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env=env, timeout=300)
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=env, timeout=300, cwd=record.folder)
     if done.returncode != 0:
         raise Incomplete(f"{record.shown(command)} ended with {done.returncode}: {done.stderr.strip()[-1000:]}")
 
@@ -318,8 +318,8 @@ def view(record, *words, env=None):
 def hand(record, dataset, where, aim):
     """A recording of a hand that takes hold of the node, pulls it to `aim` (m, scene) and stays: the same for all laws."""
     lines = [[0.0, *where.node], [0.2, *where.node], [1.5, *aim], [3.0, *aim]]
-    path, recording = record.folder / "scenes" / "pull.txt", record.folder / "scenes" / "pull.h5"
-    path.write_text("".join(" ".join(map(repr, line)) + "\n" for line in lines), encoding="utf-8")
+    path, recording = "scenes/pull.txt", "scenes/pull.h5"  # in the folder: the picture says what is replayed
+    (record.folder / path).write_text("".join(" ".join(map(repr, line)) + "\n" for line in lines), encoding="utf-8")
     view(record, dataset, "--device", f"virtual:{path}", "--contact", "glued", "--headless", "--fast", "--duration", 2.5, "--record", recording)
     return recording
 

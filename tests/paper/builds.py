@@ -1,0 +1,137 @@
+"""Fig. 7 of the paper: how long a configuration space takes, and how large it is, by lattice and row of Table 1.
+
+Minutes by one and two workers here, and by up to 64 of the scheduler's simulator, which does the recorded build again: the
+same transitions, each as long as it took here (docs/benchmarks.md). Elements are those that satisfy inf-sup, the product's
+defaults; the paper's were of equal order."""
+import pathlib
+
+import figure
+import newton_iteration
+import organs
+import published
+from record import Incomplete
+
+SIMULATED = (2, 4, 8, 16, 32, 64)
+# published.BUILD_MINUTES in numbers, by configurations: least and most.
+PAPERS_MINUTES = {514: (2, 28), 1418: (60, 60), 4168: (45, 180)}
+WANTED_MINUTES = 8  # of all four lattices of the 500-node Mooney-Rivlin liver by two workers
+
+COLUMNS = ["organ", "law", "elements", "configurations", "failed", "1 worker (min)", "2 workers (min)", "workers elsewhere (min)",
+           "all solves (min)", *[f"{workers} workers, simulated (min)" for workers in SIMULATED], "longest chain (min)",
+           "published, 64 cores (min)", "dataset (MB)", "published (MB)"]
+
+
+def cases(record):
+    """Rows of Table 1, the quickest first. Quadratic ones are left out of the smallest set: 514 points take minutes."""
+    rows = [row for row in newton_iteration.ROWS if row.nodes in record.nodes and not (record.quick and row.order == 2)]
+    return sorted(rows, key=lambda row: (row.order, row.nodes))
+
+
+def lattices(record, row):
+    return (5,) if record.quick and row.law == "mr" else (3,) if record.quick else tuple(organs.LATTICES)
+
+
+def scene(row, divisions):
+    return organs.scene(row.organ(), row.law, divisions=divisions, **({} if row.order == 1 else row.stable()))
+
+
+def built(record, row, divisions, workers):
+    """By the workers that are asked for with -j this is the dataset of Figs. 8 and 9, under the same name."""
+    name = f"{row.organ().name}-{row.law}{'-p2' if row.order == 2 else ''}-n{divisions}"
+    same = record.listen or workers == record.jobs
+    return record.dataset(name if same else f"{name}-j{workers}", scene(row, divisions), None if same else workers)
+
+
+def simulated(record, row, divisions, dataset):
+    """Minutes of all solves; by simulated workers; of the longest chain of transitions, which no number of workers shortens."""
+    state = pathlib.Path(dataset.value["dataset"] + ".state")
+    if not state.is_dir():
+        raise Incomplete(f"{state} is gone, and with it what the simulator does again; remove the measurement of that build to make it anew")
+    command = [record.bench / "palpate_speed_up_bench", state, "--workers", ",".join(map(str, SIMULATED))]
+    measured = record.run(f"simulated workers, {row.name()}, n = {divisions}", command, depends=[dataset.value["seconds"]])
+    seconds = [measured.value["work_s"], *[run["seconds"] for run in measured.value["rows"]], measured.value["longest_chain_s"]]
+    return [s / 60 for s in seconds], measured
+
+
+def measured_row(record, row, divisions):
+    """A row of COLUMNS, and the numbers in it."""
+    by = {workers: built(record, row, divisions, workers) for workers in ([None] if record.listen else [1, 2])}
+    dataset = by.get(None) or by.get(record.jobs) or by[2]
+    many, simulator = simulated(record, row, divisions, dataset)
+    minutes = [by[workers].value["seconds"] / 60 if workers in by else None for workers in (1, 2, None)]
+    points = dataset.value["points"]
+    configurations = points["points"] - 1  # without rest, as the paper counts
+    least, most = PAPERS_MINUTES.get(configurations, (None, None))
+    papers = None if least is None else f"{least}" if least == most else f"{least} to {most}"
+    cells = [row.organ().name, organs.LAWS[row.law], newton_iteration.elements(row.stable(), row.law), configurations, points["failed"], *minutes,
+             *many, papers, dataset.value["bytes"] / 1e6, published.DATASET_MB.get((row.published, configurations)) if row.order == 1 else None]
+    sources = [None, None, None, dataset, dataset, by.get(1), by.get(2), by.get(None), *[simulator] * len(many), None, dataset, None]
+    for column, value, source in zip(COLUMNS, cells, sources):
+        if source is not None and value is not None:
+            name, unit = column.rsplit(" (", 1) if " (" in column else (column, "")
+            record.number(f"{row.name()}, {configurations}/{name}", value, unit.rstrip(")"), source)
+    return cells
+
+
+def draw(rows):
+    groups = list(dict.fromkeys(tuple(row[:3]) for row in rows))
+    at = {name: COLUMNS.index(name) for name in ("1 worker (min)", "2 workers (min)", "workers elsewhere (min)", "64 workers, simulated (min)", "dataset (MB)")}
+
+    def curve(axis, group, column, style, color, **options):
+        points = [(row[3], row[column]) for row in rows if tuple(row[:3]) == group and row[column] is not None]
+        if points:
+            axis.plot(*zip(*points), style, color=color, markersize=4, **options)
+
+    def page(page):
+        time, size, speed = page.subplots(1, 3)
+        for n, group in enumerate(groups):
+            color = figure.COLORS[n]
+            curve(time, group, at["2 workers (min)"], "o-", color, label=f"{group[0]}, {group[1]}, {group[2]}")
+            curve(time, group, at["workers elsewhere (min)"], "D-", color)
+            curve(time, group, at["1 worker (min)"], "o:", color)
+            curve(time, group, at["64 workers, simulated (min)"], "s--", color)
+            curve(size, group, at["dataset (MB)"], "o-", color)
+            largest = max((row for row in rows if tuple(row[:3]) == group), key=lambda row: row[3])
+            work, *times = largest[COLUMNS.index("all solves (min)"):][:len(SIMULATED) + 1]
+            speed.plot(SIMULATED, [work / minutes for minutes in times], "s--", markersize=4, color=color)
+        for label, style in (("1 worker", "o:"), ("2 workers", "o-"), ("64 workers, simulated", "s--")):
+            time.plot([], [], style, color="black", markersize=4, label=label)
+        for configurations, (least, most) in PAPERS_MINUTES.items():
+            time.plot([configurations] * 2, [least, most], "*-", color="black", label="published, 64 cores" if configurations == 514 else None)
+        for (_, configurations), megabytes in published.DATASET_MB.items():
+            size.plot([configurations], [megabytes], "*", color="black")
+        speed.plot(SIMULATED, SIMULATED, color="black", linewidth=0.7)
+        time.set(xscale="log", yscale="log", xlabel="configurations", ylabel="time (min)")
+        size.set(xscale="log", yscale="log", xlabel="configurations", ylabel="dataset (MB)")
+        speed.set(xscale="log", yscale="log", xlabel="simulated workers", ylabel="times faster than one, largest lattice")
+        figure.legend_below(page, time, lines=4)
+
+    return page
+
+
+def wanted(record):
+    """The number that was asked for: all four lattices of the 500-node Mooney-Rivlin liver by two workers."""
+    row = next((row for row in cases(record) if (row.law, row.order, row.nodes) == ("mr", 1, 500)), None)
+    if record.quick or row is None or record.listen:
+        return
+    by = [built(record, row, divisions, 2) for divisions in lattices(record, row)]
+    record.number(f"{row.name()}, all {len(by)} lattices, 2 workers (wanted: at most {WANTED_MINUTES} min)",
+                  sum(dataset.value["seconds"] for dataset in by) / 60, "min", by[-1])
+
+
+def save_table(record, rows):
+    """Without the columns of workers that were not asked for; what the paper does not say is no measurement that is missing."""
+    unasked = ("1 worker (min)", "2 workers (min)") if record.listen else ("workers elsewhere (min)",)
+    kept = [n for n, column in enumerate(COLUMNS) if column not in unasked]
+    shown = lambda row, n: "-" if row[n] is None and COLUMNS[n].startswith("published") else row[n]
+    figure.save_table(record, "figure7-table", [COLUMNS[n] for n in kept], [[shown(row, n) for n in kept] for row in rows])
+
+
+def figure7(record):
+    """Fig. 7: time and size of configuration spaces by lattice, by one, two and 64 workers, beside the published ones."""
+    wanted(record)
+    every = [(row, divisions) for row in cases(record) for divisions in lattices(record, row)]
+    every.sort(key=lambda one: one[1])  # the small lattices of all rows first
+    rows = [measured_row(record, row, divisions) for row, divisions in every]
+    save_table(record, rows)
+    figure.save_figure(record, "figure7", COLUMNS, rows, draw(rows), size=(11, 4.6), holes=True)
