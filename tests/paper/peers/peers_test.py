@@ -10,7 +10,7 @@ import numpy as np
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.dont_write_bytecode = True
 
-from peers import body, configurations, equilibrium, laws, reduced, sampled
+from peers import body, configurations, equilibrium, laws, loop, reduced, sampled
 
 MOONEY_RIVLIN = laws.MooneyRivlin(1300.0, 1280.0)
 
@@ -216,6 +216,36 @@ class NetworkTest(unittest.TestCase):
         model, told = self.network.search("energy", self.given, effort)
         linear = np.linalg.norm(self.given.force - self.given.place @ self.given.stiffness[0], axis=1).mean()
         self.assertLess(told["training_error"], 0.3 * linear)
+
+
+class AnswersTest(unittest.TestCase):
+    def testWhatIsNotAnsweredIsCountedAndNotAveraged(self):
+        exact = np.array([[1.0, 0, 0], [2.0, 0, 0], [0, 0, 0.01]])
+        told = configurations.errors(np.array([[1.1, 0, 0], [np.nan] * 3, [0, 0, 0.02]]), exact)
+        self.assertEqual(told["unanswered"], 1)
+        self.assertAlmostEqual(told["mean"], 0.055)
+        self.assertAlmostEqual(told["worst"], 0.1)
+        self.assertAlmostEqual(told["relative_p95"], 10 + 0.95 * 10)  # 0.01 N of what counts as 0.05 N; 10 % of 1 N
+        self.assertEqual(configurations.errors(np.full((3, 3), np.nan), exact)["unanswered"], 3)
+
+    def testBehindAHandTheLinearAnswerIsAsWrongAsTheWayIsLong(self):
+        path = [[0.001 * n, 0, 0] for n in range(41)]
+        force = [[place[0] ** 2, 0, 0] for place in path]
+        stiffness = [np.diag([2 * place[0], 0, 0]) for place in path]
+        at_once = loop.two_rates("", lambda way: 0.0, path, force, stiffness)
+        never = loop.two_rates("", lambda way: 1e9, path, force, stiffness)
+        for speed, quick, stuck in zip(loop.SPEEDS, at_once, never):
+            self.assertEqual(quick[1], 1e3 * speed)
+            self.assertEqual(quick[-1], 0)
+            self.assertAlmostEqual(stuck[-1], 0.04**2)
+            self.assertEqual(stuck[2] * 0.04 / speed, 1)
+
+    def testWhatConvergedInTimeIsExactAndElseWhatThereIsIsAnswered(self):
+        length = round(loop.SPEEDS[0] * loop.BUDGETS[0], 9)
+        outcomes = lambda _: [(0.5e-3, lambda budget: [1, 0, 0]), (0.5, lambda budget: [3, 0, 0]), None, (None, lambda budget: [2, 0, 0])]
+        first = loop.rows_of("", outcomes, lambda _: [[1, 0, 0]] * 4)[0]
+        self.assertEqual(first[3:6], [1e3 * length, 3, 100 / 3])
+        self.assertEqual(first[7:], [1, 1.0, 2.0])
 
 
 class GetfemTest(unittest.TestCase):
