@@ -175,7 +175,7 @@ def efforts(record):
         return {"force": (3, 200, 1, 600, 100, 1, 12), "energy": (3, 200, 1, 600, 100, 1, 12),
                 "energy and stiffness": (1, 100, 1, 300, 100, 1, 12)}
     return {"force": (30, 600, 4, 5000, 1000, 3, 90), "energy": (30, 600, 4, 5000, 1000, 3, 150),
-            "energy and stiffness": (4, 300, 2, 3000, 1000, 2, 300)}
+            "energy and stiffness": (16, 400, 4, 4000, 1500, 3, 260)}
 
 
 def networks(record, given):
