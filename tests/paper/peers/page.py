@@ -52,6 +52,6 @@ def peers(record):
 def told(record, given, row, measured):
     record.say(f"    {row[2]:44} " + " ".join(f"{value:.3g}" if isinstance(value, float) else str(value) for value in row[3:]))
     for column, value in zip(setting.COLUMNS[3:-1], row[3:-1]):
-        if value is not None and column != "in":
+        if value is not None and not isinstance(value, str):
             name, unit = column.rsplit(" (", 1) if column.endswith(")") else (column, "")
             record.number(f"{given.name}/{row[2]}/{name}", value, unit.rstrip(")"), measured)

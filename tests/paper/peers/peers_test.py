@@ -225,6 +225,7 @@ class AnswersTest(unittest.TestCase):
         self.assertEqual(told["unanswered"], 1)
         self.assertAlmostEqual(told["mean"], 0.055)
         self.assertAlmostEqual(told["worst"], 0.1)
+        self.assertAlmostEqual(told["in_target"], 100 / 3)
         self.assertAlmostEqual(told["relative_p95"], 10 + 0.95 * 10)  # 0.01 N of what counts as 0.05 N; 10 % of 1 N
         self.assertEqual(configurations.errors(np.full((3, 3), np.nan), exact)["unanswered"], 3)
 

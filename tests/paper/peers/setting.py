@@ -10,8 +10,9 @@ from record import Incomplete
 COMMAND = "tests/paper/run peers"
 COLUMNS = ["organ", "tool", "method", "configurations", "before the touch (s)", "memory, force (MB)", "memory, shape too (MB)",
            "answer (us)", "answer without one before (us)", "in", "mean error (N)", "median (N)", "95 % (N)", "largest error (N)",
-           "95 % relative (%)", "not answered", "conservative"]
-EXACT = {"mean": 0.0, "median": 0.0, "p95": 0.0, "worst": 0.0, "relative_p95": 0.0, "unanswered": 0}
+           "95 % relative (%)", "within 3 % or 10 mN (%)", "not answered", "conservative"]
+EXACT = {"mean": 0.0, "median": 0.0, "p95": 0.0, "worst": 0.0, "relative_p95": 0.0, "in_target": 100.0,
+         "unanswered": 0}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -53,13 +54,14 @@ class Setting:
         return record.measure(f"{self.name} {what}", make, self.configurations.identity, *depends, command=COMMAND)
 
     def row(self, method, value, errors, configurations=None, conservative="yes", language="Python"):
-        """A row of COLUMNS. value: before_s (on top of the build), force_bytes, shape_bytes, answer_s, cold_s, any of them None."""
+        """A row of COLUMNS. value: before_s (on top of the build), force_bytes, shape_bytes, answer_s, cold_s, any of them None
+        when it was not measured, or a word when there is none."""
         count = len(self.configurations.place) if configurations is None else configurations
-        of = lambda name, factor: None if value.get(name) is None else factor * value[name]
+        of = lambda name, factor: value.get(name) if isinstance(value.get(name), (str, type(None))) else factor * value[name]
         before = None if value.get("before_s") is None else value["before_s"] + (self.build_s if count > 1 else 0)
         return [self.case.organ().name, self.case.tool(), method, count, before, of("force_bytes", 1e-6), of("shape_bytes", 1e-6),
                 of("answer_s", 1e6), of("cold_s", 1e6), language, errors["mean"], errors["median"], errors["p95"], errors["worst"],
-                errors["relative_p95"], errors["unanswered"], conservative]
+                errors["relative_p95"], errors["in_target"], errors["unanswered"], conservative]
 
     def errors(self, forces):
         """Of forces at the probes, None where there was no answer."""
