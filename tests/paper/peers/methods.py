@@ -191,12 +191,12 @@ def networks(record, given):
             one_by_one = median([timed(lambda p=p: exported.force(p))[1] for _ in range(20) for p in places])
             batch = places[[n % len(places) for n in range(1000)]]
             together = median([timed(lambda: exported.force(batch))[1] for _ in range(9)]) / len(batch)
-            return {**told, "before_s": seconds, "force_bytes": exported.memory(), "shape_bytes": "answers none", "answer_s": one_by_one,
+            return {**told, "before_s": seconds, "force_bytes": exported.memory(), "answer_s": one_by_one,
                     "cold_s": one_by_one, "batch_s": together, "parameters": exported.parameters(),
                     "force": exported.force(places).tolist()}
 
         measured = given.measure(record, f"network, {kind}", make, effort, shortlist)
-        told = measured.value
+        told = {**measured.value, "shape_bytes": "answers none"}
         for what, unit in ("batch_s", "s"), ("held_back_error", "N"), ("training_error", "N"), ("tried", ""), ("parameters", ""):
             record.number(f"{given.name}/network: {kind}/{what}", told[what], unit, measured)
         record.say(f"        {kind}: {told['settings']}, best of {told['tried']}; {told['held_back_error']:.3g} N on configurations held "
