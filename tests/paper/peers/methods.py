@@ -212,7 +212,7 @@ def networks(record, given):
 def newton(record, given):
     """(rows of loop.COLUMNS, rows of loop.TWO_RATES, [(row of setting.COLUMNS, record.Measured)])"""
     from peers import loop
-    count, scene = 3 if record.quick else 6, scene_file(record, given.case)
+    count, scene = 3 if record.quick else 5, scene_file(record, given.case)
     found, by_worker = loop.by_worker(record, given.name, scene, given.configurations, count)
     along = loop.exact_along(record, given.name, scene, given.body, given.fine)
     exact = along.value
@@ -243,3 +243,6 @@ def scene_file(record, case):
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(case.scene(), encoding="utf-8")
     return path
+
+
+BEFORE_THE_TOUCH = [interpolations, compliance, reduced_models, sampled_models, networks]

@@ -21,24 +21,16 @@ def peers(record):
     rows, loops, rates, errors = [], [], [], []
     for case in setting.cases(record):
         given = setting.setting(record, case)
-        who = [case.organ().name, case.tool()]
         record.say(f"    {given.name}: {len(given.configurations.place)} configurations, {len(given.configurations.probe_place)} probes")
-        for method in (methods.interpolations, methods.compliance, methods.reduced_models, methods.sampled_models, methods.networks,
-                       methods.corotated):
-            try:
-                for row, forces, measured in method(record, given):
-                    rows.append(row)
-                    told(record, given, row, measured)
-                    errors += [[*who, row[2], length] for length in given.lengths_of_errors(forces)]
-            except NotMeasured as why:
-                record.not_measured(f"{given.name}/{method.__name__}", str(why))
-                rows.append([*who, method.__name__] + [None] * (len(setting.COLUMNS) - 3))
+        for method in methods.BEFORE_THE_TOUCH:
+            add(record, given, method, rows, errors)
         in_time, at_two_rates, main = methods.newton(record, given)
-        loops += [[*who, *row] for row in in_time]
-        rates += [[*who, *row] for row in at_two_rates]
+        loops += [[case.organ().name, case.tool(), *row] for row in in_time]
+        rates += [[case.organ().name, case.tool(), *row] for row in at_two_rates]
         for row, measured in main:
             rows.append(row)
             told(record, given, row, measured)
+        add(record, given, methods.corotated, rows, errors)
     figure.save_table(record, "peers", setting.COLUMNS, rows)
     figure.save_table(record, "peers-newton", ["organ", "tool", *loop.COLUMNS], loops)
     figure.save_table(record, "peers-two-rates", ["organ", "tool", *loop.TWO_RATES], rates)
@@ -47,6 +39,19 @@ def peers(record):
     figure.save_figure(record, "peers-speed", setting.COLUMNS, rows, drawing.speed(rows), drawing.size(rows), holes=True)
     figure.save_figure(record, "peers-errors", ["organ", "tool", "method", "error (N)"], errors, drawing.distributions(errors),
                        drawing.size(errors))
+
+
+def add(record, given, method, rows, errors):
+    """A method's rows, and [organ, tool, label, error] of each answer."""
+    who = [given.case.organ().name, given.case.tool()]
+    try:
+        for row, forces, measured in method(record, given):
+            rows.append(row)
+            told(record, given, row, measured)
+            errors += [[*who, row[2], length] for length in given.lengths_of_errors(forces)]
+    except NotMeasured as why:
+        record.not_measured(f"{given.name}/{method.__name__}", str(why))
+        rows.append([*who, method.__name__] + [None] * (len(setting.COLUMNS) - 3))
 
 
 def told(record, given, row, measured):

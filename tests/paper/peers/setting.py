@@ -94,7 +94,7 @@ def setting(record, case):
         raise Incomplete(f"{case.name()}: no probe converged, there is nothing to hold answers against")
     hand = lambda steps, step: references.random_paths(1, radius=0.9 * case.radius, steps=steps, step=step, seed=48)[0]
     given = Setting(case, made, read, read.body(configurations.mooney_rivlin()), build_s,
-                    hand(20 if record.quick else 120, 0.001), hand(40 if record.quick else 160, 0.00025), case.name())
+                    hand(20 if record.quick else 120, 0.001), hand(40 if record.quick else 120, 0.00025), case.name())
     counts = {"configurations": len(read.place), "lattice points without equilibrium": read.unsolved, "probes": len(read.probe_place),
               "probes without equilibrium": read.probes_unsolved}
     for what, count in counts.items():
