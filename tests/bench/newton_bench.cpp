@@ -158,9 +158,10 @@ State stateAt(const Problem& problem, const Eigen::Vector3d& displacement) {
   return std::move(reached.end.state);
 }
 
-/// The parts of one Newton iteration, at the equilibrium 10 mm from rest.
+/// The parts of one Newton iteration, at the equilibrium 10 mm from rest unless a state is given.
 class IterationTimes {
  public:
+  explicit IterationTimes(State state = {}) : state_(std::move(state)) {}
   void measure(const Problem& problem, int repetitions) {
     if (state_.u.empty()) state_ = stateAt(problem, {0.01, 0, 0});
     const System system(problem, chooseKernels());
@@ -397,10 +398,21 @@ Json measureMesh(const Mesh& mesh, const std::filesystem::path& file, bool shipp
   return result;
 }
 
-/// The iteration alone, of any scene: its first active node, 10 mm from rest.
+/// Where Newton begins on a way of 1 mm along x. A quadratic element beside a single node does not
+/// always get to its end, and the first iteration costs what any other does.
+State predictedState(const Problem& problem) {
+  TransitionSolver solver(problem, chooseKernels());
+  Failure failure;
+  const auto rest = solver.startAtRest(failure);
+  if (!rest) throw palpate::failure("{}", describe(failure));
+  const Eigen::Vector3d way(0.001, 0, 0);
+  return solver.system().moved(rest->state, rest->sensitivity * way, 1, way);
+}
+
+/// The iteration alone, of any scene: its first active node.
 Json measureScene(const Options& options) {
   const Problem problem = loadProblem(options.scene);
-  IterationTimes iteration;
+  IterationTimes iteration(predictedState(problem));
   for (int round = 0; round < options.rounds; ++round)
     iteration.measure(problem, options.repetitions);
   Json result = {{"benchmark", "newton"},

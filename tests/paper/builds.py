@@ -46,7 +46,7 @@ def simulated(record, row, divisions, dataset):
     """Minutes of all solves; by simulated workers; of the longest chain of transitions, which no number of workers shortens."""
     state = pathlib.Path(dataset.value["dataset"] + ".state")
     if not state.is_dir():
-        raise Incomplete(f"{state} is gone, and with it what the simulator does again; remove the measurement of that build to make it anew")
+        raise Incomplete(f"{state} is gone, which the simulator does again; remove measurement and dataset of that build to make it anew")
     command = [record.bench / "palpate_speed_up_bench", state, "--workers", ",".join(map(str, SIMULATED))]
     measured = record.run(f"simulated workers, {row.name()}, n = {divisions}", command, depends=[dataset.value["seconds"]])
     seconds = [measured.value["work_s"], *[run["seconds"] for run in measured.value["rows"]], measured.value["longest_chain_s"]]
@@ -57,14 +57,15 @@ def measured_row(record, row, divisions):
     """A row of COLUMNS, and the numbers in it."""
     by = {workers: built(record, row, divisions, workers) for workers in ([None] if record.listen else [1, 2])}
     dataset = by.get(None) or by.get(record.jobs) or by[2]
-    many, simulator = simulated(record, row, divisions, dataset)
-    minutes = [by[workers].value["seconds"] / 60 if workers in by else None for workers in (1, 2, None)]
     points = dataset.value["points"]
     configurations = points["points"] - 1  # without rest, as the paper counts
+    many, simulator = simulated(record, row, divisions, dataset)
+    minutes = [by[workers].value["seconds"] / 60 if workers in by else None for workers in (1, 2, None)]
     least, most = PAPERS_MINUTES.get(configurations, (None, None))
     papers = None if least is None else f"{least}" if least == most else f"{least} to {most}"
-    cells = [row.organ().name, organs.LAWS[row.law], newton_iteration.elements(row.stable(), row.law), configurations, points["failed"], *minutes,
-             *many, papers, dataset.value["bytes"] / 1e6, published.DATASET_MB.get((row.published, configurations)) if row.order == 1 else None]
+    papers_size = published.DATASET_MB.get((row.published, configurations)) if row.order == 1 else None
+    cells = [row.organ().name, organs.LAWS[row.law], newton_iteration.elements(row.stable(), row.law), configurations, points["failed"],
+             *minutes, *many, papers, dataset.value["bytes"] / 1e6, papers_size]
     sources = [None, None, None, dataset, dataset, by.get(1), by.get(2), by.get(None), *[simulator] * len(many), None, dataset, None]
     for column, value, source in zip(COLUMNS, cells, sources):
         if source is not None and value is not None:
@@ -75,9 +76,9 @@ def measured_row(record, row, divisions):
 
 def draw(rows):
     groups = list(dict.fromkeys(tuple(row[:3]) for row in rows))
-    at = {name: COLUMNS.index(name) for name in ("1 worker (min)", "2 workers (min)", "workers elsewhere (min)", "64 workers, simulated (min)", "dataset (MB)")}
 
-    def curve(axis, group, column, style, color, **options):
+    def curve(axis, group, name, style, color, **options):
+        column = COLUMNS.index(name)
         points = [(row[3], row[column]) for row in rows if tuple(row[:3]) == group and row[column] is not None]
         if points:
             axis.plot(*zip(*points), style, color=color, markersize=4, **options)
@@ -86,18 +87,19 @@ def draw(rows):
         time, size, speed = page.subplots(1, 3)
         for n, group in enumerate(groups):
             color = figure.COLORS[n]
-            curve(time, group, at["2 workers (min)"], "o-", color, label=f"{group[0]}, {group[1]}, {group[2]}")
-            curve(time, group, at["workers elsewhere (min)"], "D-", color)
-            curve(time, group, at["1 worker (min)"], "o:", color)
-            curve(time, group, at["64 workers, simulated (min)"], "s--", color)
-            curve(size, group, at["dataset (MB)"], "o-", color)
+            curve(time, group, "2 workers (min)", "o-", color, label=f"{group[0]}, {group[1]}, {group[2]}")
+            curve(time, group, "workers elsewhere (min)", "D-", color)
+            curve(time, group, "1 worker (min)", "o:", color)
+            curve(time, group, "64 workers, simulated (min)", "s--", color)
+            curve(size, group, "dataset (MB)", "o-", color)
             largest = max((row for row in rows if tuple(row[:3]) == group), key=lambda row: row[3])
             work, *times = largest[COLUMNS.index("all solves (min)"):][:len(SIMULATED) + 1]
             speed.plot(SIMULATED, [work / minutes for minutes in times], "s--", markersize=4, color=color)
         for label, style in (("1 worker", "o:"), ("2 workers", "o-"), ("64 workers, simulated", "s--")):
             time.plot([], [], style, color="black", markersize=4, label=label)
         for configurations, (least, most) in PAPERS_MINUTES.items():
-            time.plot([configurations] * 2, [least, most], "*-", color="black", label="published, 64 cores" if configurations == 514 else None)
+            label = "published, 64 cores" if configurations == min(PAPERS_MINUTES) else None
+            time.plot([configurations] * 2, [least, most], "*-", color="black", label=label)
         for (_, configurations), megabytes in published.DATASET_MB.items():
             size.plot([configurations], [megabytes], "*", color="black")
         speed.plot(SIMULATED, SIMULATED, color="black", linewidth=0.7)

@@ -83,10 +83,12 @@ def walked(record, survey, merely, random_paths):
     each = 1 if record.quick else -(-random_paths // (len(axes) * nodes))
     words = [record.bench / "palpate_path_survey", organs.organ(survey.nodes).mesh, "--law", LAW_WORDS[survey.law], "--every-path",
              "--tool", survey.tool, "--radius", survey.radius, "--nodes", nodes, "--transition", step(record, survey)]
-    words += ["--random", each, "--steps", round(0.2 / step(record, survey))] if survey.kind == "random" else ["--directions", directions]
+    steps = round(0.2 / step(record, survey))
+    words += ["--random", each, "--steps", steps] if survey.kind == "random" else ["--directions", directions]
     words += (["--fixed-steps"] if survey.fixed_steps else []) + (["--merely-converged"] if merely else [])
-    parts = [record.run(f"paths of {survey.name()}, {steps_words(record, survey)}{', merely converged' if merely else ''}, "
-                        f"{axis} node {node + 1} of {nodes}", [*words, "--axis", axis, "--only-node", node]) for axis in axes for node in range(nodes)]
+    name = f"paths of {survey.name()}, {steps_words(record, survey)}{', merely converged' if merely else ''}"
+    parts = [record.run(f"{name}, {axis} node {node + 1} of {nodes}", [*words, "--axis", axis, "--only-node", node])
+             for axis in axes for node in range(nodes)]
     every = [path for part in parts for path in part.value["every_path"]]
     done = [path for path in every if "cause" not in path]
     return Reached(way=[path["reached_m"] for path in every], length=0.2 if survey.kind == "random" else 0.1, complete=len(done),
@@ -109,21 +111,23 @@ def interval(survey, reached):
 
 
 SURVEY_COLUMNS = ["organ", "law", "tool", "paths", "steps", "number of paths", "published (%)", "merely converged (%)",
-                  "95 % interval, merely converged (%)", "merely converged, no element inverted (%)", "valid (%)", "95 % interval, valid (%)",
-                  "valid, straight (%)", "why the others stopped, merely converged", "why the others stopped, valid"]
+                  "95 % interval, merely converged (%)", "merely converged, no element inverted (%)", "valid (%)",
+                  "95 % interval, valid (%)", "valid, straight (%)", "why the others stopped, merely converged",
+                  "why the others stopped, valid"]
 
 
 def survey_row(record, survey, merely, valid):
     causes = lambda reached: ", ".join(f"{count} {cause}" for cause, count in reached.causes.most_common()) or "none did"
     comparable = survey.kind == "regular" and survey.nodes == 500 and survey.radius == 0
-    row = [organs.organ(survey.nodes).name, organs.LAWS[survey.law], survey.touch(), survey.kind, steps_words(record, survey), len(valid.way),
-           published.CONVERGED[survey.law] if comparable else "-"]
+    row = [organs.organ(survey.nodes).name, organs.LAWS[survey.law], survey.touch(), survey.kind, steps_words(record, survey),
+           len(valid.way), published.CONVERGED[survey.law] if comparable else "-"]
     row += [merely.percent(), interval(survey, merely), merely.percent(merely.without_inverted)] if merely else [None] * 3
     row += [valid.percent(), interval(survey, valid), valid.percent(valid.straight), causes(merely) if merely else None, causes(valid)]
     for column, value in zip(SURVEY_COLUMNS, row):
         reached = merely if "merely" in column else valid
         if isinstance(value, float):
-            record.number(f"{survey.name()}, {steps_words(record, survey)}/{column.removesuffix(' (%)')}", value, "%", reached.measured)
+            name = f"{survey.name()}, {steps_words(record, survey)}/{column.removesuffix(' (%)')}"
+            record.number(name, value, "%", reached.measured)
     return row
 
 
@@ -132,8 +136,8 @@ def survival(record, survey, reached, counted):
     parts = 50
     ways = [reached.length * n / parts for n in range(parts + 1)]
     share = lambda way: 100 * sum(r >= way - 1e-9 for r in reached.way) / len(reached.way)
-    return [[organs.organ(survey.nodes).name, organs.LAWS[survey.law], survey.kind, steps_words(record, survey), counted, 1000 * way, share(way)]
-            for way in ways]
+    start = [organs.organ(survey.nodes).name, organs.LAWS[survey.law], survey.kind, steps_words(record, survey), counted]
+    return [[*start, 1000 * way, share(way)] for way in ways]
 
 
 SURVIVAL_COLUMNS = ["organ", "law", "paths", "steps", "counted", "way (mm)", "paths that got there (%)"]
@@ -152,7 +156,8 @@ def draw_survival(rows):
                     axis.plot(*zip(*points), line, color=figure.COLORS[n], label=f"{law}, {counted}")
                 if panel[0] == "regular":
                     word = next(word for word, name in organs.LAWS.items() if name == law)
-                    axis.plot([100], [published.CONVERGED[word]], "*", markersize=9, color=figure.COLORS[n], clip_on=False, label=f"{law}, published")
+                    axis.plot([100], [published.CONVERGED[word]], "*", markersize=9, color=figure.COLORS[n], clip_on=False,
+                              label=f"{law}, published")
             axis.set(xlabel="way (mm)", ylim=(0, 102))
             axis.set_title(f"{panel[0]} paths, steps of {panel[1]}", fontsize=9)
         axes[0].set_ylabel("paths that get there (%)")
@@ -236,8 +241,8 @@ FIGURE6_LAWS = ("linear", "svk", "mr")
 
 def force_curve(record, organ, path, law, where, direction):
     """Rows of FORCE_COLUMNS; where the path stopped, in the last one, why."""
-    length = 0.1
-    measured, count = straight_path(record, f"{organ.name}-{path}-{law}", organ, law, where, direction, length, 0.005 if record.quick else 0.001)
+    step_length = 0.005 if record.quick else 0.001
+    measured, count = straight_path(record, f"{organ.name}-{path}-{law}", organ, law, where, direction, 0.1, step_length)
     walk = measured.value["paths"][0]
     rows = [[organ.name, path, organs.LAWS[law], 0.0, 0.0, 1.0, 100.0, ""]]
     for point in walk["reached"]:
@@ -320,7 +325,8 @@ def hand(record, dataset, where, aim):
     lines = [[0.0, *where.node], [0.2, *where.node], [1.5, *aim], [3.0, *aim]]
     path, recording = "scenes/pull.txt", "scenes/pull.h5"  # in the folder: the picture says what is replayed
     (record.folder / path).write_text("".join(" ".join(map(repr, line)) + "\n" for line in lines), encoding="utf-8")
-    view(record, dataset, "--device", f"virtual:{path}", "--contact", "glued", "--headless", "--fast", "--duration", 2.5, "--record", recording)
+    view(record, dataset, "--device", f"virtual:{path}", "--contact", "glued", "--headless", "--fast", "--duration", 2.5,
+         "--record", recording)
     return recording
 
 
