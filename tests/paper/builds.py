@@ -12,8 +12,6 @@ import published
 from record import Incomplete
 
 SIMULATED = (2, 4, 8, 16, 32, 64)
-# published.BUILD_MINUTES in numbers, by configurations: least and most.
-PAPERS_MINUTES = {514: (2, 28), 1418: (60, 60), 4168: (45, 180)}
 WANTED_MINUTES = 8  # of all four lattices of the 500-node Mooney-Rivlin liver by two workers
 
 COLUMNS = ["organ", "law", "elements", "configurations", "failed", "1 worker (min)", "2 workers (min)", "workers elsewhere (min)",
@@ -61,16 +59,13 @@ def measured_row(record, row, divisions):
     configurations = points["points"] - 1  # without rest, as the paper counts
     many, simulator = simulated(record, row, divisions, dataset)
     minutes = [by[workers].value["seconds"] / 60 if workers in by else None for workers in (1, 2, None)]
-    least, most = PAPERS_MINUTES.get(configurations, (None, None))
+    least, most = published.BUILD_MINUTES.get(configurations, (None, None))
     papers = None if least is None else f"{least}" if least == most else f"{least} to {most}"
     papers_size = published.DATASET_MB.get((row.published, configurations)) if row.order == 1 else None
     cells = [row.organ().name, organs.LAWS[row.law], newton_iteration.elements(row.stable(), row.law), configurations, points["failed"],
              *minutes, *many, papers, dataset.value["bytes"] / 1e6, papers_size]
     sources = [None, None, None, dataset, dataset, by.get(1), by.get(2), by.get(None), *[simulator] * len(many), None, dataset, None]
-    for column, value, source in zip(COLUMNS, cells, sources):
-        if source is not None and value is not None:
-            name, unit = column.rsplit(" (", 1) if " (" in column else (column, "")
-            record.number(f"{row.name()}, {configurations}/{name}", value, unit.rstrip(")"), source)
+    record.row(f"{row.name()}, {configurations}", COLUMNS, cells, sources)
     return cells
 
 
@@ -97,8 +92,8 @@ def draw(rows):
             speed.plot(SIMULATED, [work / minutes for minutes in times], "s--", markersize=4, color=color)
         for label, style in (("1 worker", "o:"), ("2 workers", "o-"), ("64 workers, simulated", "s--")):
             time.plot([], [], style, color="black", markersize=4, label=label)
-        for configurations, (least, most) in PAPERS_MINUTES.items():
-            label = "published, 64 cores" if configurations == min(PAPERS_MINUTES) else None
+        for configurations, (least, most) in published.BUILD_MINUTES.items():
+            label = "published, 64 cores" if configurations == min(published.BUILD_MINUTES) else None
             time.plot([configurations] * 2, [least, most], "*-", color="black", label=label)
         for (_, configurations), megabytes in published.DATASET_MB.items():
             size.plot([configurations], [megabytes], "*", color="black")

@@ -127,10 +127,7 @@ def way(point, order, step):
 
 def ends_of(record, name, scene, paths):
     """The force at the end of each path, or None where it was not reached."""
-    file = record.folder / "scenes" / f"{name}.toml"
-    file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(scene, encoding="utf-8")
-    measured = record.run(f"ends of {name}", [record.bench / "palpate_path_forces", file, "--active", "tip"], json.dumps(paths))
+    measured = record.run(f"ends of {name}", [record.bench / "palpate_path_forces", record.scene(name, scene), "--active", "tip"], json.dumps(paths))
     measured.value = [path["reached"][-1]["force"] if len(path["reached"]) == len(points) else None
                       for path, points in zip(measured.value["paths"], paths)]
     return measured
@@ -206,9 +203,7 @@ def snapping(record, organ):
         normal = numpy.cross(corners[1] - corners[0], corners[2] - corners[0])
         press = -0.005 * normal / numpy.linalg.norm(normal)
         touches.append((place, min(corners, key=lambda corner: numpy.linalg.norm(corner - place)), press))
-    file = record.folder / "scenes" / "snapping.toml"
-    file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(scene, encoding="utf-8")
+    file = record.scene("snapping", scene)
     line = lambda place, press: "%.9g %.9g %.9g %.9g %.9g %.9g\n" % (*place, *press)
     text = "".join(line(place, press) + line(node, press) for place, node, press in touches)
     measured = record.run("snapping", [record.programs / "palpate", "solve", file, "--active", "tip", "--at", "-", "--displacement", "-", "--json", "-q"],

@@ -145,10 +145,7 @@ def errors(record, kind):
                 row = [case.organ().name, organs.LAWS[case.law], dataset.value["points"]["points"] - 1, method, truth.wanted, len(force),
                        100 * float(part.mean()), *map(float, measures), *(None if m is None else float(m) for m in few)]
                 rows.append(row)
-                for column, value in zip(COLUMNS[6:], row[6:]):
-                    if value is not None:
-                        name, unit = column.rsplit(" (", 1)
-                        record.number(f"{case.name()}/{row[2]}/{method}/{name}", value, unit.rstrip(")"), measured)
+                record.row(f"{case.name()}/{row[2]}/{method}", COLUMNS[6:], row[6:], [measured] * len(COLUMNS[6:]))
     return rows
 
 
@@ -208,10 +205,7 @@ def methods(record):
                 row = by_key[(dataset.value["points"]["points"] - 1, method)]
                 rows.append([row[0], row[1], method, row[2], dataset.value["seconds"], given[method]["query_ns"], dataset.value["bytes"] / 1e6,
                              row[7], row[9], row[8]])
-                for column, value in zip(METHOD_COLUMNS[3:], rows[-1][3:]):
-                    if value is not None:
-                        name, unit = column.rsplit(" (", 1) if " (" in column else (column, "")
-                        record.number(f"{case.name()}/{row[2]}/{method}/{name}", value, unit.rstrip(")"), measured)
+                record.row(f"{case.name()}/{row[2]}/{method}", METHOD_COLUMNS[3:], rows[-1][3:], [measured] * len(METHOD_COLUMNS[3:]))
     figure.save_figure(record, "methods", METHOD_COLUMNS, rows, draw_methods(rows), size=(10, 3 * len(cases(record)) + 0.6), holes=True)
 
 

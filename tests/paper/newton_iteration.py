@@ -47,9 +47,8 @@ def elements(discretization, law):
 
 
 def ours(record, row, discretization, turn):
-    file = record.folder / "scenes" / f"iteration-{row.organ().name}-{row.law}-{'-'.join(discretization.values())}.toml"
-    file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(organs.scene(row.organ(), row.law, **discretization), encoding="utf-8")
+    file = record.scene(f"iteration-{row.organ().name}-{row.law}-{'-'.join(discretization.values())}",
+                        organs.scene(row.organ(), row.law, **discretization))
     command = [record.bench / "palpate_newton_bench", "--scene", file, "--rounds", 1, "--repetitions", 10 if record.quick else 20]
     return record.run(f"iteration of {row.name()}, {elements(discretization, row.law)}, round {turn}", command)
 
@@ -112,10 +111,7 @@ def measured_row(record, row):
              elements(row.papers(), row.law), unknowns, *same, theirs[2] / same[2] if theirs_by else None,
              elements(row.stable(), row.law), stable_unknowns, *stable]
     sources = [*[None] * 5, *[theirs_by] * 3, None, *[by] * 5, None, *[stable_by] * 4]
-    for column, value, source in zip(COLUMNS, cells, sources):
-        if source is not None and value is not None:
-            name, unit = column.rsplit(" (", 1) if " (" in column else (column, "")
-            record.number(f"{row.name()}/{name}", value, unit.rstrip(")"), source)
+    record.row(row.name(), COLUMNS, cells, sources)
     return cells
 
 

@@ -225,9 +225,7 @@ def scene_at(organ, law, where, **options):
 def straight_path(record, name, organ, law, where, direction, length, step_length):
     """The exact solutions from rest straight on, as far as they go."""
     count = round(length / step_length)
-    file = record.folder / "scenes" / f"{name}.toml"
-    file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(scene_at(organ, law, where), encoding="utf-8")
+    file = record.scene(name, scene_at(organ, law, where))
     path = [[length * n / count * x for x in direction] for n in range(1, count + 1)]
     measured = record.run(f"path {name}", [record.bench / "palpate_path_forces", file, "--active", "tip"], json.dumps([path]))
     return measured, count

@@ -102,8 +102,15 @@ class Record:
         return self.measure(name, make, words, inputs, hashlib.sha256((text or "").encode()).hexdigest(), *depends,
                             command=self.shown(words))
 
+    def scene(self, name, text):
+        """A scene file of this text, for commands that read one."""
+        path = self.folder / "scenes" / f"{name}.toml"
+        write_whole(path, text)
+        return path
+
     def dataset(self, name, scene, jobs=None):
-        """Builds `scene` (text of a scene file) and says how long it took: {dataset, seconds, bytes, complete, points}.
+        """Builds `scene` (text of a scene file) and says how long it took: {dataset, seconds, bytes, jobs (None:
+        workers from anywhere), points by tag}.
         An interrupted build goes on where it was, and then took as long as its parts together."""
         jobs = jobs or self.jobs
         folder = self.folder / "datasets"
@@ -156,6 +163,13 @@ class Record:
         self.numbers[f"{self.target}/{name}"] = {"value": value, "unit": unit, "command": measured.command,
                                                  "machine": measured.machine, "commit": measured.commit, "at": measured.at}
 
+    def row(self, name, columns, values, sources):
+        """The numbers of a row of a table or figure; columns as "force (N)". What has no source, or is no number, is none."""
+        for column, value, measured in zip(columns, values, sources):
+            if measured is not None and value is not None and not isinstance(value, str):
+                what, unit = column.rsplit(" (", 1) if column.endswith(")") else (column, "")
+                self.number(f"{name}/{what}", value, unit.rstrip(")"), measured)
+
     def not_measured(self, name, why):
         self.missing[f"{self.target}/{name}"] = why
         self.say(f"    not measured: {name}: {why}")
@@ -198,5 +212,5 @@ def needed(module):
         return __import__(module)
     except ImportError as missing:
         package = {"h5py": "python3-h5py", "matplotlib": "python3-matplotlib", "numpy": "python3-numpy", "scipy": "python3-scipy",
-                   "sklearn": "python3-sklearn", "torch": "python3-torch", "getfem": "python3-getfem"}.get(module, module)
+                   "torch": "python3-torch", "getfem": "python3-getfem"}.get(module, module)
         raise NotMeasured(f"{package} is not installed for {sys.executable} ({missing})") from missing

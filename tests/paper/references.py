@@ -50,10 +50,7 @@ def in_ball(generator, radius):
 
 def solved_along(record, name, scene, paths, detours=True):
     """Measures the exact solutions along `paths`, path by path, so that an interruption costs one at most."""
-    file = record.folder / "scenes" / f"{name}.toml"
-    file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(scene, encoding="utf-8")
-    command = [record.bench / "palpate_path_forces", file, "--active", "tip", *(["--detours"] if detours else [])]
+    command = [record.bench / "palpate_path_forces", record.scene(name, scene), "--active", "tip", *(["--detours"] if detours else [])]
     each = [record.run(f"{name} path {n + 1} of {len(paths)}", command, json.dumps([path])) for n, path in enumerate(paths)]
     points = [point for measured in each for point in measured.value["paths"][0]["reached"]]
     return References([point["displacement"] for point in points], [point["force"] for point in points],

@@ -239,10 +239,7 @@ def newton(record, given):
 
 
 def scene_file(record, case):
-    path = record.folder / "scenes" / f"peers-{case.name()}.toml"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(case.scene(), encoding="utf-8")
-    return path
+    return record.scene(f"peers-{case.name()}", case.scene())
 
 
 BEFORE_THE_TOUCH = [interpolations, compliance, reduced_models, sampled_models, networks]

@@ -7,12 +7,6 @@ import published
 from peers import drawing, setting
 from record import NotMeasured, needed
 
-PUBLISHED = {
-    "learned livers": ("mean error of the shape below 1 mm, within 3 mm at 99.96 % (one force) and 99.84 % (two forces) of the nodes; "
-                       "more than 100 Hz; no error of a force",
-                       "Pellicer-Valero et al., Expert Systems with Applications 143 (2020) 113083"),
-}
-
 
 def peers(record):
     """What others would answer at the same places: linear bodies, reduced models, networks, Newton in the loop; and we."""
@@ -35,7 +29,7 @@ def peers(record):
     figure.save_table(record, "peers-newton", ["organ", "tool", *loop.COLUMNS], loops)
     figure.save_table(record, "peers-two-rates", ["organ", "tool", *loop.TWO_RATES], rates)
     figure.save_table(record, "peers-published", ["method", "what is published", "source"],
-                      [[name, *said] for name, said in {**published.OTHERS, **PUBLISHED}.items()])
+                      [[name, *said] for name, said in published.OTHERS.items()])
     figure.save_figure(record, "peers-speed", setting.COLUMNS, rows, drawing.speed(rows), drawing.size(rows), holes=True)
     figure.save_figure(record, "peers-errors", ["organ", "tool", "method", "error (N)"], errors, drawing.distributions(errors),
                        drawing.size(errors))
@@ -56,7 +50,5 @@ def add(record, given, method, rows, errors):
 
 def told(record, given, row, measured):
     record.say(f"    {row[2]:44} " + " ".join(f"{value:.3g}" if isinstance(value, float) else str(value) for value in row[3:]))
-    for column, value in zip(setting.COLUMNS[3:-1], row[3:-1]):
-        if value is not None and not isinstance(value, str):
-            name, unit = column.rsplit(" (", 1) if column.endswith(")") else (column, "")
-            record.number(f"{given.name}/{row[2]}/{name}", value, unit.rstrip(")"), measured)
+    columns = setting.COLUMNS[3:-1]
+    record.row(f"{given.name}/{row[2]}", columns, row[3:-1], [measured] * len(columns))
