@@ -52,8 +52,15 @@ wire::Status storedStatus(const std::filesystem::path& directory) {
 }
 
 wire::Status statusOfBuild(const Asked& asked) {
-  const auto scheduler = schedulerOf(asked);
-  return scheduler ? askStatus(*scheduler, asked.where) : storedStatus(asked.where);
+  if (const auto scheduler = schedulerOf(asked)) {
+    try {
+      return askStatus(*scheduler, asked.where);
+    } catch (const Error&) {
+      // It may have ended since: then its directory knows the rest.
+      if (schedulerOf(asked)) throw;
+    }
+  }
+  return storedStatus(asked.where);
 }
 
 ExitCode showStatus(const StatusOptions& options) {

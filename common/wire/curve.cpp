@@ -142,7 +142,7 @@ std::string HandshakeWatch::trouble() {
       default:
         newest =
             "it has another key than is known here (palpate key show prints it there; palpate "
-            "key trust takes it), or it uses no keys (--insecure)";
+            "key trust takes it), or it uses no keys (--insecure), or it ended just now";
     }
   }
   return newest;

@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,6 +13,7 @@
 namespace palpate {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 using testing::SizeIs;
@@ -57,6 +59,23 @@ TEST_F(OperatingTest, EventsTellHowABuildWent) {
   EXPECT_EQ(palpate("events out.h5.state --event seald").exit_code, 2);
   EXPECT_EQ(palpate("events cube.toml").exit_code, 2);
   EXPECT_EQ(palpate("check out.h5.state").exit_code, 0) << "they are no damage";
+}
+
+TEST_F(OperatingTest, WhatASchedulerRecordedIsToldWhereItEndsWhileItIsAsked) {
+  auto serve = start("palpate-scheduler", {"serve", "cube.toml", "--listen", "tcp://127.0.0.1:*",
+                                           "--state", "state", "-o", "out.h5"});
+  const std::string endpoint = endpointIn("state");
+  serve->signal(SIGSTOP);  // the system accepts who asks, and nobody answers
+  auto status = start("palpate-scheduler", {"status", "state"});
+  const std::string connected = fmt::format(
+      ":{:04X} 01", std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));  // of proc(5), tcp
+  EXPECT_TRUE(test::eventually([&] {
+    return !status->running() ||
+           test::contentOf("/proc/net/tcp").find(connected) != std::string::npos;
+  }));
+  EXPECT_EQ(serve->stop(SIGKILL), 128 + SIGKILL);
+  EXPECT_EQ(status->wait(), 0);
+  EXPECT_THAT(status->output(), AllOf(HasSubstr("cube"), HasSubstr("stopped")));
 }
 
 TEST_F(OperatingTest, EventsAreFollowedWhileTheyHappen) {
