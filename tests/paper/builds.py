@@ -9,7 +9,7 @@ import figure
 import newton_iteration
 import organs
 import published
-from record import Incomplete
+from record import Incomplete, NotMeasured
 
 SIMULATED = (2, 4, 8, 16, 32, 64)
 WANTED_MINUTES = 8  # of all four lattices of the 500-node Mooney-Rivlin liver by two workers
@@ -52,20 +52,24 @@ def simulated(record, row, divisions, dataset):
 
 
 def measured_row(record, row, divisions):
-    """A row of COLUMNS, and the numbers in it."""
-    by = {workers: built(record, row, divisions, workers) for workers in ([None] if record.listen else [1, 2])}
-    dataset = by.get(None) or by.get(record.jobs) or by[2]
-    points = dataset.value["points"]
-    configurations = points["points"] - 1  # without rest, as the paper counts
-    many, simulator = simulated(record, row, divisions, dataset)
-    minutes = [by[workers].value["seconds"] / 60 if workers in by else None for workers in (1, 2, None)]
+    """A row of COLUMNS, and the numbers in it; None where there was no time for it."""
+    configurations = organs.LATTICES.get(divisions)  # without rest, as the paper counts
+    start = [row.organ().name, organs.LAWS[row.law], newton_iteration.elements(row.stable(), row.law)]
     least, most = published.BUILD_MINUTES.get(configurations, (None, None))
     papers = None if least is None else f"{least}" if least == most else f"{least} to {most}"
     papers_size = published.DATASET_MB.get((row.published, configurations)) if row.order == 1 else None
-    cells = [row.organ().name, organs.LAWS[row.law], newton_iteration.elements(row.stable(), row.law), configurations, points["failed"],
-             *minutes, *many, papers, dataset.value["bytes"] / 1e6, papers_size]
+    try:
+        by = {workers: built(record, row, divisions, workers) for workers in ([None] if record.listen else [1, 2])}
+        dataset = by.get(None) or by.get(record.jobs) or by[2]
+        many, simulator = simulated(record, row, divisions, dataset)
+    except NotMeasured as why:
+        record.not_measured(f"{row.name()}, {configurations}", str(why))
+        return [*start, configurations, *[None] * (len(COLUMNS) - 7), papers, None, papers_size]
+    points = dataset.value["points"]
+    minutes = [by[workers].value["seconds"] / 60 if workers in by else None for workers in (1, 2, None)]
+    cells = [*start, points["points"] - 1, points["failed"], *minutes, *many, papers, dataset.value["bytes"] / 1e6, papers_size]
     sources = [None, None, None, dataset, dataset, by.get(1), by.get(2), by.get(None), *[simulator] * len(many), None, dataset, None]
-    record.row(f"{row.name()}, {configurations}", COLUMNS, cells, sources)
+    record.row(f"{row.name()}, {points['points'] - 1}", COLUMNS, cells, sources)
     return cells
 
 
@@ -87,9 +91,10 @@ def draw(rows):
             curve(time, group, "1 worker (min)", "o:", color)
             curve(time, group, "64 workers, simulated (min)", "s--", color)
             curve(size, group, "dataset (MB)", "o-", color)
-            largest = max((row for row in rows if tuple(row[:3]) == group), key=lambda row: row[3])
-            work, *times = largest[COLUMNS.index("all solves (min)"):][:len(SIMULATED) + 1]
-            speed.plot(SIMULATED, [work / minutes for minutes in times], "s--", markersize=4, color=color)
+            done = [row for row in rows if tuple(row[:3]) == group and row[COLUMNS.index("all solves (min)")] is not None]
+            if done:
+                work, *times = max(done, key=lambda row: row[3])[COLUMNS.index("all solves (min)"):][:len(SIMULATED) + 1]
+                speed.plot(SIMULATED, [work / minutes for minutes in times], "s--", markersize=4, color=color)
         for label, style in (("1 worker", "o:"), ("2 workers", "o-"), ("64 workers, simulated", "s--")):
             time.plot([], [], style, color="black", markersize=4, label=label)
         for configurations, (least, most) in published.BUILD_MINUTES.items():
@@ -111,7 +116,10 @@ def wanted(record):
     row = next((row for row in cases(record) if (row.law, row.order, row.nodes) == ("mr", 1, 500)), None)
     if record.quick or row is None or record.listen:
         return
-    by = [built(record, row, divisions, 2) for divisions in lattices(record, row)]
+    try:
+        by = [built(record, row, divisions, 2) for divisions in lattices(record, row)]
+    except NotMeasured:
+        return  # its rows say why
     record.number(f"{row.name()}, all {len(by)} lattices, 2 workers (wanted: at most {WANTED_MINUTES} min)",
                   sum(dataset.value["seconds"] for dataset in by) / 60, "min", by[-1])
 
@@ -128,7 +136,7 @@ def figure7(record):
     """Fig. 7: time and size of configuration spaces by lattice, by one, two and 64 workers, beside the published ones."""
     wanted(record)
     every = [(row, divisions) for row in cases(record) for divisions in lattices(record, row)]
-    every.sort(key=lambda one: one[1])  # the small lattices of all rows first
+    every.sort(key=lambda one: (one[0].order, one[1]))  # quadratic ones take hours; the small lattices of all rows first
     rows = [measured_row(record, row, divisions) for row, divisions in every]
     save_table(record, rows)
     figure.save_figure(record, "figure7", COLUMNS, rows, draw(rows), size=(11, 4.6), holes=True)

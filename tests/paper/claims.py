@@ -144,10 +144,12 @@ def which_error(record):
     places = [references.in_ball(generator, 0.03) for _ in range(12 if record.quick else 60)]
     coarse = organs.organ(500)
 
-    def forces(organ, tool, **options):
+    def forces(organ, tool, scale=1.0, **options):
         scene = organs.scene(organ, **{"law": "mr", "radius": 0.03, "divisions": 2, **TOOLS[tool], **options})
-        words = [organ.name, tool, *map(str, options.values())]
-        return ends_of(record, "-".join(words).replace(" ", "-"), scene, [[place] for place in places])
+        words = [organ.name, tool, *map(str, options.values()), *([] if scale == 1 else [f"by {scale}"])]
+        ends = ends_of(record, "-".join(words).replace(" ", "-"), scene, [[[scale * x for x in place]] for place in places])
+        ends.value = [force and [f / scale for f in force] for force in ends.value]
+        return ends
 
     def differs(what, others, ours):
         value, count = relative(others.value, ours.value)
@@ -158,6 +160,8 @@ def which_error(record):
         ours = forces(coarse, tool)
         if tool.startswith("finger"):
             rows += [differs(f"law, {tool}: {organs.LAWS[law]}", forces(coarse, tool, law=law), ours) for law in ("linear", "svk", "msvk")]
+            rows.append(differs(f"law, {tool}: linear, in elements that do not lock (Mooney-Rivlin's forces of displacements a "
+                                "1000th as large, times 1000)", forces(coarse, tool, scale=0.001), ours))
             rows.append(differs(f"elements, {tool}: P1/P1, det F - 1 (the paper's)", forces(coarse, tool, pressure="P1", constraint="det-F-1"), ours))
             rows += interpolated(record, coarse, TOOLS[tool], places, ours)
         rows.append(differs(f"elements, {tool}: P2/P1 on the same mesh", forces(coarse, tool, displacement="P2"), ours))

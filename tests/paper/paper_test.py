@@ -81,6 +81,13 @@ class Paper(unittest.TestCase):
         other.save()
         self.assertEqual(sorted(json.loads((self.folder / "results.json").read_text())["numbers"]), ["other/two", "test/one"])
 
+    def testWhatThereIsNoTimeForIsNamedAndWhatWasMeasuredIsThere(self):
+        self.record().measure("a number", lambda: 7)
+        record = Record(self.folder, hours=0, say=self.said.append)
+        self.assertEqual(record.measure("a number", lambda: 8).value, 7)
+        with self.assertRaisesRegex(NotMeasured, "another was not begun in the hours that were given"):
+            record.measure("another", lambda: 8)
+
     def testAPackageThatIsMissingIsNamed(self):
         with self.assertRaisesRegex(NotMeasured, "no_such_package_anywhere is not installed"):
             needed("no_such_package_anywhere")

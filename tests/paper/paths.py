@@ -170,8 +170,12 @@ def survey(record, random_paths=RANDOM_PATHS):
     """Sec. 6.1: how many paths get to their end, merely converged and valid, by law and steps."""
     rows, curves = [], []
     for one in surveys(record):
-        merely = walked(record, one, True, random_paths) if one.merely else None
-        valid = walked(record, one, False, random_paths)
+        try:
+            merely = walked(record, one, True, random_paths) if one.merely else None
+            valid = walked(record, one, False, random_paths)
+        except NotMeasured as why:
+            record.not_measured(f"{one.name()}, {steps_words(record, one)}", str(why))
+            continue
         rows.append(survey_row(record, one, merely, valid))
         if one.nodes == 500 and one.radius == 0:
             curves += survival(record, one, merely, "merely converged") + survival(record, one, valid, "valid")

@@ -26,7 +26,7 @@ class Incomplete(Exception):
 
 
 class NotMeasured(Exception):
-    """A peer, a package or a mesh is not there: its column says so, and the rest is made."""
+    """A peer, a package, a mesh or the time is not there: its column says so, and the rest is made."""
 
 
 def machine():
@@ -57,14 +57,16 @@ def write_whole(path, text):
 class Record:
     """folder: where everything is kept. programs: build/release, with bin and bench in it. quick: the smallest set that
     shows every table and figure. jobs: local workers; with `listen`, an address, workers from anywhere instead. nodes and
-    laws: organs of about so many nodes and words of organs.LAWS, where a target has several."""
+    laws: organs of about so many nodes and words of organs.LAWS, where a target has several. hours: nothing is measured
+    that is not begun by then."""
 
     def __init__(self, folder, programs=ROOT / "build" / "release", quick=False, jobs=2, listen=None, nodes=(500, 2000),
-                 laws=("mr", "msvk"), say=print):
+                 laws=("mr", "msvk"), hours=float("inf"), say=print):
         self.folder = pathlib.Path(folder).resolve()
         self.programs, self.bench = pathlib.Path(programs).resolve() / "bin", pathlib.Path(programs).resolve() / "bench"
         self.quick, self.jobs, self.listen, self.say = quick, jobs, listen, say
         self.nodes, self.laws = ((500,), ("mr",)) if quick else (tuple(nodes), tuple(laws))
+        self.ends = time.monotonic() + 3600 * hours
         self.machine, self.commit = machine(), commit()
         self.target = None
         self.numbers, self.missing = {}, {}
@@ -78,6 +80,8 @@ class Record:
         with contextlib.suppress(OSError, ValueError, KeyError):
             kept = json.loads(path.read_text(encoding="utf-8"))
             return Measured(kept["value"], kept["command"], kept["machine"], kept["commit"], kept["at"])
+        if time.monotonic() >= self.ends:
+            raise NotMeasured(f"{name} was not begun in the hours that were given")
         self.say(f"    {name} ...")
         began = time.monotonic()
         value = json.loads(json.dumps(make()))  # as a later run reads it
