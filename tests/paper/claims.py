@@ -173,10 +173,10 @@ def which_error(record):
 
 
 def relative(forces, reference):
-    """Mean over the places where both are known of |f - r| / max(|r|, 0.05 N), % (None: nowhere), and how many they are."""
+    """Mean over the places where both are known of |f - r| / max(|r|, FLOOR), % (None: nowhere), and how many they are."""
     numpy = needed("numpy")
     both = [(f, r) for f, r in zip(forces, reference) if f and r]
-    each = [100 * numpy.linalg.norm(numpy.subtract(f, r)) / max(interpolation.FLOOR, numpy.linalg.norm(r)) for f, r in both]
+    each = [100 * numpy.linalg.norm(numpy.subtract(f, r)) / max(references.FLOOR, numpy.linalg.norm(r)) for f, r in both]
     return (float(numpy.mean(each)) if each else None), len(both)
 
 

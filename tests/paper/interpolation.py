@@ -1,7 +1,7 @@
 """Figs. 8 and 9 of the paper: how wrong interpolated forces are, by method and lattice; and the methods of this project.
 
 Errors are of the force vector, so they do not divide by components that are zero (Eqs. 13 and 14 do): absolute |f' - f|
-in N, relative |f' - f| / max(|f|, 0.05 N). A place is covered by tri-linear interpolation when the 8 corners of its cell
+in N, relative by max(|f|, references.FLOOR). A place is covered by tri-linear interpolation when the 8 corners of its cell
 are in the ball and solved, by tri-cubic when the 64 around it are, by radial functions always."""
 import dataclasses
 import json
@@ -12,7 +12,6 @@ import published
 import references
 from record import NotMeasured, needed
 
-FLOOR = 0.05  # N: a smaller force counts as this in relative errors
 PAPERS = ["trilinear", "tricubic", "rbf-linear", "rbf-cubic"]
 OURS = ["hermite", "potential"]
 LARGEST_RBF = 5000  # solved points for which the client makes radial functions; beyond it SciPy does here
@@ -121,7 +120,7 @@ def covered(dataset, displacements):
 
 COLUMNS = ["organ", "law", "configurations", "method", "places wanted", "places solved", "covered (%)", "mean error (N)", "largest error (N)",
            "mean relative error (%)", "largest relative error (%)", "mean error, covered (N)", "largest error, covered (N)",
-           "mean relative error, covered (%)", "largest relative error, covered (%)"]
+           "mean relative error, covered (%)", "largest relative error, covered (%)", "median relative error (%)"]
 
 
 def errors(record, kind):
@@ -131,7 +130,7 @@ def errors(record, kind):
     for case in cases(record):
         truth = exact(record, case, kind)
         force = numpy.array(truth.force)
-        length = numpy.maximum(numpy.linalg.norm(force, axis=1), FLOOR)
+        length = numpy.maximum(numpy.linalg.norm(force, axis=1), references.FLOOR)
         for divisions in lattices(record):
             dataset = built(record, case, divisions)
             given, measured = all_answers(record, f"{case.name()} n{divisions} {kind}", dataset, truth.displacement)
@@ -143,7 +142,8 @@ def errors(record, kind):
                 few = [None] * 4 if not part.any() else [error[part].mean(), error[part].max(), 100 * (error / length)[part].mean(),
                                                          100 * (error / length)[part].max()]
                 row = [case.organ().name, organs.LAWS[case.law], dataset.value["points"]["points"] - 1, method, truth.wanted, len(force),
-                       100 * float(part.mean()), *map(float, measures), *(None if m is None else float(m) for m in few)]
+                       100 * float(part.mean()), *map(float, measures), *(None if m is None else float(m) for m in few),
+                       100 * float(numpy.median(error / length))]
                 rows.append(row)
                 record.row(f"{case.name()}/{row[2]}/{method}", COLUMNS[6:], row[6:], [measured] * len(COLUMNS[6:]))
     return rows

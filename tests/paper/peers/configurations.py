@@ -1,6 +1,7 @@
 """What every peer is given, the solved lattice points of a dataset, and what none may see before it answers: the probes."""
 import dataclasses
 
+import references
 from record import needed
 
 np = needed("numpy")
@@ -57,14 +58,14 @@ def mooney_rivlin():
 
 def errors(force, exact):
     """Of answered forces, n x 3, NaN where there is none: {mean, median, p95, worst (N), relative_p95 (%, of
-    |error| / max(|F|, 0.05 N)), in_target (% of all, within 3 % or 10 mN, as `palpate report` counts), unanswered}."""
+    |error| / max(|F|, references.FLOOR)), in_target (% of all, within 3 % or 10 mN, as `palpate report` counts), unanswered}."""
     length = np.linalg.norm(np.asarray(force, float) - exact, axis=1)
     answered = np.isfinite(length)
     if not answered.any():
         return {"mean": None, "median": None, "p95": None, "worst": None, "relative_p95": None, "in_target": 0.0,
                 "unanswered": int(len(length))}
     in_target = 100 * float((length <= np.maximum(0.03 * np.linalg.norm(exact, axis=1), 0.01)).mean())
-    relative = 100 * length / np.maximum(np.linalg.norm(exact, axis=1), 0.05)
+    relative = 100 * length / np.maximum(np.linalg.norm(exact, axis=1), references.FLOOR)
     length, relative = length[answered], relative[answered]
     return {"mean": float(length.mean()), "median": float(np.median(length)), "p95": float(np.percentile(length, 95)),
             "worst": float(length.max()), "relative_p95": float(np.percentile(relative, 95)), "in_target": in_target,
