@@ -270,12 +270,15 @@ def draw_forces(rows, paths):
                 if law == "linear":
                     inverted = [row for row in curve if row[5] <= 0][:1]
                     axis.plot([row[3] for row in inverted], [row[4] for row in inverted], "|", markersize=10, color=figure.COLORS[n])
+            first = next(row for row in rows if row[1] == path and row[2] == organs.LAWS["mr"] and row[3] > 0)
+            axis.plot([0, 100], [0, 100 * first[4] / first[3]], ":", linewidth=0.8, color="black",
+                      label="slope of Mooney-Rivlin at rest: linear, without locking")
             axis.set(xlabel="displacement (mm)", xlim=(0, 102), ylim=(0, None))
             axis.set_title(path, fontsize=9)
         axes[0].set_ylabel("force (N)")
         axes[0].plot([], [], "x", color="black", label="no further on this branch")
         axes[0].plot([], [], "|", markersize=10, color=figure.COLORS[0], label="an element is inverted from here on")
-        figure.legend_below(page, axes[0], lines=1)
+        figure.legend_below(page, axes[0], lines=2)
 
     return draw
 
@@ -291,7 +294,7 @@ def figure6(record):
                 for law in FIGURE6_LAWS:
                     rows += force_curve(record, organ, f"{letter}{number}", law, where, direction)
     paths = list(dict.fromkeys(row[1] for row in rows))
-    figure.save_figure(record, "figure6", FORCE_COLUMNS, rows, draw_forces(rows, paths), size=(11, 3.4))
+    figure.save_figure(record, "figure6", FORCE_COLUMNS, rows, draw_forces(rows, paths), size=(11, 3.6))
 
 
 # Fig. 5: shapes
