@@ -1,11 +1,13 @@
 #!/usr/bin/python3
 """tests/paper: what it keeps, and what it refuses. ctest runs each case by itself; by hand tests/paper/paper_test.py."""
+import functools
 import json
 import os
 import pathlib
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -87,6 +89,16 @@ class Paper(unittest.TestCase):
         self.assertEqual(record.measure("a number", lambda: 8).value, 7)
         with self.assertRaisesRegex(NotMeasured, "another was not begun in the hours that were given"):
             record.measure("another", lambda: 8)
+
+    def testMeasurementsThatRunTogetherAreInOrderAndAFailureEndsTheRest(self):
+        record = Record(self.folder, jobs=2, say=self.said.append)
+        numbers = record.together([functools.partial(record.measure, f"number {n}", lambda n=n: n) for n in range(20)])
+        self.assertEqual([number.value for number in numbers], list(range(20)))
+        begun = []
+        fail = lambda: record.run("ls", ["ls", "/nowhere"])
+        with self.assertRaisesRegex(Incomplete, "nowhere"):
+            record.together([fail, *[lambda: begun.append(time.sleep(0.2))] * 20])
+        self.assertLess(len(begun), 20)
 
     def testAPackageThatIsMissingIsNamed(self):
         with self.assertRaisesRegex(NotMeasured, "no_such_package_anywhere is not installed"):

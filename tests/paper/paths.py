@@ -7,6 +7,7 @@ are halved where they fail, and for valid paths go by way of points beside (docs
 import collections
 import contextlib
 import dataclasses
+import functools
 import json
 import os
 import shutil
@@ -61,7 +62,6 @@ class Reached:
     without_inverted: int
     straight: int
     causes: collections.Counter
-    seconds: float
     measured: object
 
     def percent(self, count=None):
@@ -87,14 +87,14 @@ def walked(record, survey, merely, random_paths):
     words += ["--random", each, "--steps", steps] if survey.kind == "random" else ["--directions", directions]
     words += (["--fixed-steps"] if survey.fixed_steps else []) + (["--merely-converged"] if merely else [])
     name = f"paths of {survey.name()}, {steps_words(record, survey)}{', merely converged' if merely else ''}"
-    parts = [record.run(f"{name}, {axis} node {node + 1} of {nodes}", [*words, "--axis", axis, "--only-node", node])
-             for axis in axes for node in range(nodes)]
+    parts = record.together([functools.partial(record.run, f"{name}, {axis} node {node + 1} of {nodes}",
+                                               [*words, "--axis", axis, "--only-node", node]) for axis in axes for node in range(nodes)])
     every = [path for part in parts for path in part.value["every_path"]]
     done = [path for path in every if "cause" not in path]
     return Reached(way=[path["reached_m"] for path in every], length=0.2 if survey.kind == "random" else 0.1, complete=len(done),
                    without_inverted=sum(path["smallest_det_F"] > 0 for path in done), straight=sum(path["detours"] == 0 for path in done),
                    causes=collections.Counter(path["cause"] for path in every if "cause" in path),
-                   seconds=sum(part.value["seconds"] for part in parts), measured=parts[0])
+                   measured=parts[0])
 
 
 def wilson(successes, trials, z=1.96):

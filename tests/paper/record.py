@@ -2,6 +2,7 @@
 
 A *measurement* is the JSON of one command, or of one function, kept in FOLDER/measurements under a key that is a hash of
 what it depends on. A run that was interrupted finds them there and goes on. A *number* is what a reader is told."""
+import concurrent.futures
 import contextlib
 import ctypes
 import datetime
@@ -105,6 +106,16 @@ class Record:
         inputs = [content(pathlib.Path(word)) for word in words[1:]]
         return self.measure(name, make, words, inputs, hashlib.sha256((text or "").encode()).hexdigest(), *depends,
                             command=self.shown(words))
+
+    def together(self, measurements):
+        """What these functions return, in their order; as many at once as there are local workers. Not for what is timed.
+        Where one fails, or the run is interrupted, those that are not begun are left."""
+        with concurrent.futures.ThreadPoolExecutor(self.jobs) as pool:
+            begun = [pool.submit(measure) for measure in measurements]
+            try:
+                return [one.result() for one in begun]
+            finally:
+                pool.shutdown(wait=True, cancel_futures=True)
 
     def scene(self, name, text):
         """A scene file of this text, for commands that read one."""

@@ -3,6 +3,7 @@
 Displacements in metres, forces in newtons (tissue on tool). What a path did not reach is counted, never filled in.
 Relative errors are |f' - f| / max(|f|, FLOOR), of force vectors."""
 import dataclasses
+import functools
 import json
 import random
 
@@ -54,7 +55,8 @@ def in_ball(generator, radius):
 def solved_along(record, name, scene, paths, detours=True):
     """Measures the exact solutions along `paths`, path by path, so that an interruption costs one at most."""
     command = [record.bench / "palpate_path_forces", record.scene(name, scene), "--active", "tip", *(["--detours"] if detours else [])]
-    each = [record.run(f"{name} path {n + 1} of {len(paths)}", command, json.dumps([path])) for n, path in enumerate(paths)]
+    each = record.together([functools.partial(record.run, f"{name} path {n + 1} of {len(paths)}", command, json.dumps([path]))
+                            for n, path in enumerate(paths)])
     points = [point for measured in each for point in measured.value["paths"][0]["reached"]]
     return References([point["displacement"] for point in points], [point["force"] for point in points],
                       sum(map(len, paths)), each[0])
