@@ -138,18 +138,25 @@ class Record:
         command = [str(self.programs / "palpate"), "build", str(path), "-o", str(dataset), "-j", str(jobs), "-q"]
         if self.listen:
             command[1:2], command[-3:-1] = ["serve"], ["--listen", self.listen, "--state", f"{dataset}.state"]
-        clock = folder / f"{name}.seconds"
+        clock = folder / f"{name}.clock"
 
         def make():
-            before = float(clock.read_text(encoding="ascii")) if clock.exists() and pathlib.Path(f"{dataset}.state").exists() else 0.0
+            before = {"seconds": 0.0, "jobs": jobs}
+            if pathlib.Path(f"{dataset}.state").exists():
+                with contextlib.suppress(OSError, ValueError):
+                    before = json.loads(clock.read_text(encoding="ascii"))
+            if dataset.exists() and before["jobs"] != jobs:  # complete: how long so many take is to be measured
+                shutil.rmtree(f"{dataset}.state")
+                dataset.unlink()
+                before["seconds"] = 0.0
             began = time.monotonic()
             with (tempfile.TemporaryFile("w+") as words,
                   subprocess.Popen(command, stdout=words, stderr=words, preexec_fn=end_with_parent) as build):
                 while build.poll() is None:  # whenever this run is killed, what it took so far is known to 2 s
                     with contextlib.suppress(subprocess.TimeoutExpired):
                         build.wait(2)
-                    seconds = before + time.monotonic() - began
-                    write_whole(clock, str(seconds))
+                    seconds = before["seconds"] + time.monotonic() - began
+                    write_whole(clock, json.dumps({"seconds": seconds, "jobs": jobs}))
                 words.seek(0)
                 said = words.read()
             if build.returncode not in (0, 3):  # 3: complete, with failed points
