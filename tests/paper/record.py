@@ -58,15 +58,16 @@ def write_whole(path, text):
 class Record:
     """folder: where everything is kept. programs: build/release, with bin and bench in it. quick: the smallest set that
     shows every table and figure. jobs: local workers; with `listen`, an address, workers from anywhere instead. nodes and
-    laws: organs of about so many nodes and words of organs.LAWS, where a target has several. hours: nothing is measured
-    that is not begun by then."""
+    laws: organs of about so many nodes and words of organs.LAWS, where a target has several. random_paths: of a survey.
+    hours: nothing is measured that is not begun by then."""
 
     def __init__(self, folder, programs=ROOT / "build" / "release", quick=False, jobs=2, listen=None, nodes=(500, 2000),
-                 laws=("mr", "msvk"), hours=float("inf"), say=print):
+                 laws=("mr", "msvk"), random_paths=200, hours=float("inf"), say=print):
         self.folder = pathlib.Path(folder).resolve()
         self.programs, self.bench = pathlib.Path(programs).resolve() / "bin", pathlib.Path(programs).resolve() / "bench"
         self.quick, self.jobs, self.listen, self.say = quick, jobs, listen, say
         self.nodes, self.laws = ((500,), ("mr",)) if quick else (tuple(nodes), tuple(laws))
+        self.random_paths = random_paths
         self.ends = time.monotonic() + 3600 * hours
         self.machine, self.commit = machine(), commit()
         self.target = None

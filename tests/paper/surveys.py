@@ -1,0 +1,176 @@
+"""Sec. 6.1 of the paper: how many paths get to their end.
+
+A path *merely converges* when Newton finds something at every step, as the paper counts: with its elements of equal order
+and det F - 1, inverted elements and any inertia accepted. It is *valid* when every configuration has min det F > 0 and the
+inertia of a stable equilibrium, with elements that satisfy inf-sup. Steps are fixed, or adaptive: transitions of 20 mm that
+are halved where they fail, and for valid paths go by way of points beside (docs/solver.md)."""
+import collections
+import dataclasses
+import functools
+
+import figure
+import organs
+import published
+from record import NotMeasured
+
+LAW_WORDS = {"svk": "st-venant-kirchhoff", "msvk": "modified-st-venant-kirchhoff", "mr": "mooney-rivlin"}  # of the survey
+
+
+@dataclasses.dataclass(frozen=True)
+class Survey:
+    nodes: int             # of the organ, about
+    law: str
+    kind: str = "regular"  # or "random"
+    fixed_steps: bool = False
+    tool: str = "rigid"
+    radius: float = 0.0    # m, of the patch or finger
+    merely: bool = False   # whether what merely converges is counted beside
+
+    def touch(self):
+        return "single node" if self.radius == 0 else f"{self.tool}, {1000 * self.radius:g} mm"
+
+    def name(self):
+        return f"{organs.organ(self.nodes).name}, {organs.LAWS[self.law]}, {self.touch()}, {self.kind}"
+
+
+def surveys(record):
+    """The paper's on its mesh and laws; and those that only ask how far ours get."""
+    papers = [Survey(500, law, kind, fixed, merely=True) for law in ("svk", "msvk", "mr")
+              for kind, fixed in (("regular", True), ("regular", False), ("random", True))]
+    more = [Survey(500, law, tool="rigid", radius=0.015) for law in ("msvk", "mr")]
+    more += [Survey(500, law, tool="finger", radius=0.02) for law in ("msvk", "mr")]
+    more += [Survey(2000, law, merely=True) for law in ("msvk", "mr")]
+    more += [Survey(2000, law, tool="rigid", radius=0.015) for law in ("msvk", "mr")]
+    more += [Survey(2000, law, tool="finger", radius=0.02) for law in ("msvk", "mr")]
+    return papers if record.quick else [survey for survey in papers + more if survey.nodes in record.nodes]
+
+
+@dataclasses.dataclass
+class Reached:
+    """What became of the paths of a survey."""
+    way: list      # m that each path got along
+    length: float  # m of each
+    complete: int
+    without_inverted: int
+    straight: int
+    causes: collections.Counter
+    measured: object
+
+    def percent(self, count=None):
+        return 100 * (self.complete if count is None else count) / len(self.way)
+
+
+def step(record, survey):
+    """m of a transition."""
+    return 0.02 if not survey.fixed_steps else 0.005 if record.quick else 0.001
+
+
+def steps_words(record, survey):
+    return f"{1000 * step(record, survey):g} mm, {'fixed' if survey.fixed_steps else 'adaptive'}"
+
+
+def walked(record, survey, merely):
+    """Measures a survey from node to node, so that an interruption costs one at most."""
+    axes, nodes, directions = (("x",), 2, 6) if record.quick else (("x", "y"), 10, 26)
+    each = 1 if record.quick else -(-record.random_paths // (len(axes) * nodes))
+    words = [record.bench / "palpate_path_survey", organs.organ(survey.nodes).mesh, "--law", LAW_WORDS[survey.law], "--every-path",
+             "--tool", survey.tool, "--radius", survey.radius, "--nodes", nodes, "--transition", step(record, survey)]
+    steps = round(0.2 / step(record, survey))
+    words += ["--random", each, "--steps", steps] if survey.kind == "random" else ["--directions", directions]
+    words += (["--fixed-steps"] if survey.fixed_steps else []) + (["--merely-converged"] if merely else [])
+    name = f"paths of {survey.name()}, {steps_words(record, survey)}{', merely converged' if merely else ''}"
+    parts = record.together([functools.partial(record.run, f"{name}, {axis} node {node + 1} of {nodes}",
+                                               [*words, "--axis", axis, "--only-node", node]) for axis in axes for node in range(nodes)])
+    every = [path for part in parts for path in part.value["every_path"]]
+    done = [path for path in every if "cause" not in path]
+    return Reached(way=[path["reached_m"] for path in every], length=0.2 if survey.kind == "random" else 0.1, complete=len(done),
+                   without_inverted=sum(path["smallest_det_F"] > 0 for path in done), straight=sum(path["detours"] == 0 for path in done),
+                   causes=collections.Counter(path["cause"] for path in every if "cause" in path),
+                   measured=parts[0])
+
+
+def wilson(successes, trials, z=1.96):
+    """95 % interval of a share, % (Wilson 1927)."""
+    share, spread = successes / trials, z * z / trials
+    middle = (share + spread / 2) / (1 + spread)
+    half = z / (1 + spread) * (share * (1 - share) / trials + spread / (4 * trials)) ** 0.5
+    return 100 * max(0.0, middle - half), 100 * min(1.0, middle + half)
+
+
+def interval(survey, reached):
+    """In words: regular paths are all there are, random ones a sample."""
+    return "{:.1f} to {:.1f}".format(*wilson(reached.complete, len(reached.way))) if survey.kind == "random" else "no sample"
+
+
+SURVEY_COLUMNS = ["organ", "law", "tool", "paths", "steps", "number of paths", "published (%)", "merely converged (%)",
+                  "95 % interval, merely converged (%)", "merely converged, no element inverted (%)", "valid (%)",
+                  "95 % interval, valid (%)", "valid, straight (%)", "why the others stopped, merely converged",
+                  "why the others stopped, valid"]
+
+
+def survey_row(record, survey, merely, valid):
+    causes = lambda reached: ", ".join(f"{count} {cause}" for cause, count in reached.causes.most_common()) or "none did"
+    comparable = survey.kind == "regular" and survey.nodes == 500 and survey.radius == 0
+    row = [organs.organ(survey.nodes).name, organs.LAWS[survey.law], survey.touch(), survey.kind, steps_words(record, survey),
+           len(valid.way), published.CONVERGED[survey.law] if comparable else "-"]
+    row += [merely.percent(), interval(survey, merely), merely.percent(merely.without_inverted)] if merely else [None] * 3
+    row += [valid.percent(), interval(survey, valid), valid.percent(valid.straight), causes(merely) if merely else None, causes(valid)]
+    for column, value in zip(SURVEY_COLUMNS, row):
+        reached = merely if "merely" in column else valid
+        if isinstance(value, float):
+            name = f"{survey.name()}, {steps_words(record, survey)}/{column.removesuffix(' (%)')}"
+            record.number(name, value, "%", reached.measured)
+    return row
+
+
+def survival(record, survey, reached, counted):
+    """How many get how far: rows of SURVIVAL_COLUMNS."""
+    parts = 50
+    ways = [reached.length * n / parts for n in range(parts + 1)]
+    share = lambda way: 100 * sum(r >= way - 1e-9 for r in reached.way) / len(reached.way)
+    start = [organs.organ(survey.nodes).name, organs.LAWS[survey.law], survey.kind, steps_words(record, survey), counted]
+    return [[*start, 1000 * way, share(way)] for way in ways]
+
+
+SURVIVAL_COLUMNS = ["organ", "law", "paths", "steps", "counted", "way (mm)", "paths that got there (%)"]
+
+
+def draw_survival(rows):
+    panels = list(dict.fromkeys((row[2], row[3]) for row in rows))
+    laws = list(dict.fromkeys(row[1] for row in rows))
+
+    def draw(page):
+        axes = page.subplots(1, len(panels), squeeze=False, sharey=True)[0]
+        for axis, panel in zip(axes, panels):
+            for n, law in enumerate(laws):
+                for counted, line in (("valid", "-"), ("merely converged", "--")):
+                    points = [(row[5], row[6]) for row in rows if (row[2], row[3]) == panel and row[1] == law and row[4] == counted]
+                    axis.plot(*zip(*points), line, color=figure.COLORS[n], label=f"{law}, {counted}")
+                if panel[0] == "regular":
+                    word = next(word for word, name in organs.LAWS.items() if name == law)
+                    axis.plot([100], [published.CONVERGED[word]], "*", markersize=9, color=figure.COLORS[n], clip_on=False,
+                              label=f"{law}, published")
+            axis.set(xlabel="way (mm)", ylim=(0, 102))
+            axis.set_title(f"{panel[0]} paths, steps of {panel[1]}", fontsize=9)
+        axes[0].set_ylabel("paths that get there (%)")
+        figure.legend_below(page, axes[0], lines=3)
+
+    return draw
+
+
+def how_far(record):
+    """Sec. 6.1: how many paths get to their end, merely converged and valid, by law and steps."""
+    rows, curves = [], []
+    for one in surveys(record):
+        try:
+            merely = walked(record, one, True) if one.merely else None
+            valid = walked(record, one, False)
+        except NotMeasured as why:
+            record.not_measured(f"{one.name()}, {steps_words(record, one)}", str(why))
+            continue
+        rows.append(survey_row(record, one, merely, valid))
+        if one.nodes == 500 and one.radius == 0:
+            curves += survival(record, one, merely, "merely converged") + survival(record, one, valid, "valid")
+    figure.save_table(record, "paths", SURVEY_COLUMNS, rows)
+    if curves:
+        figure.save_figure(record, "paths-way", SURVIVAL_COLUMNS, curves, draw_survival(curves), size=(11, 4.4))
