@@ -204,29 +204,32 @@ def methods(record):
             for method in PAPERS + OURS:
                 row = by_key[(dataset.value["points"]["points"] - 1, method)]
                 rows.append([row[0], row[1], method, row[2], dataset.value["seconds"], given[method]["query_ns"], dataset.value["bytes"] / 1e6,
-                             row[7], row[9], row[8]])
+                             row[7], row[9], row[8], row[15]])
                 record.row(f"{case.name()}/{row[2]}/{method}", METHOD_COLUMNS[3:], rows[-1][3:], [measured] * len(METHOD_COLUMNS[3:]))
-    figure.save_figure(record, "methods", METHOD_COLUMNS, rows, draw_methods(rows), size=(10, 3 * len(cases(record)) + 0.6), holes=True)
+    figure.save_figure(record, "methods", METHOD_COLUMNS, rows, draw_methods(rows), size=(10, 4.6 * len(cases(record)) + 0.6), holes=True)
 
 
 METHOD_COLUMNS = ["organ", "law", "method", "configurations", "build (s)", "query (ns)", "dataset (MB)", "mean error (N)",
-                  "mean relative error (%)", "largest error (N)"]
+                  "mean relative error (%)", "largest error (N)", "median relative error (%)"]
 
 
 def draw_methods(rows):
+    """Mean error, which places behind folds rule, and median error, against each cost."""
     groups = list(dict.fromkeys((row[0], row[1]) for row in rows))
+    lines = [(group, error, label) for group in groups for error, label in ((7, "mean error (N)"), (10, "median relative error (%)"))]
 
     def draw(page):
-        axes = page.subplots(len(groups), 4, squeeze=False, sharey="row")
-        for line, group in enumerate(groups):
-            for column, measure in enumerate((3, 4, 5, 6)):
-                axis = axes[line][column]
+        axes = page.subplots(len(lines), 4, squeeze=False, sharex="col", sharey="row")
+        for axes_of_line, (group, error, label) in zip(axes, lines):
+            for axis, cost in zip(axes_of_line, (3, 4, 5, 6)):
                 for n, method in enumerate(PAPERS + OURS):
-                    points = [(row[measure], row[7]) for row in rows if (row[0], row[1]) == group and row[2] == method and row[measure] is not None]
+                    points = [(row[cost], row[error]) for row in rows if (row[0], row[1]) == group and row[2] == method and row[cost] is not None]
                     axis.plot(*zip(*points) if points else ([], []), marker="o" if method in PAPERS else "s", markersize=4, label=LABELS[method],
-                              linestyle="" if measure == 5 else "-" if method in PAPERS else "--", color=figure.COLORS[n])
-                axis.set(xscale="log", yscale="log", xlabel=METHOD_COLUMNS[measure])
-            axes[line][0].set_ylabel(f"{group[0]}, {group[1]}\nmean error (N)")
+                              linestyle="" if cost == 5 else "-" if method in PAPERS else "--", color=figure.COLORS[n])
+                axis.set(xscale="log", yscale="log")
+            axes_of_line[0].set_ylabel(f"{group[0]}, {group[1]}\n{label}")
+        for axis, cost in zip(axes[-1], (3, 4, 5, 6)):
+            axis.set_xlabel(METHOD_COLUMNS[cost])
         figure.legend_below(page, axes[0][0])
 
     return draw
