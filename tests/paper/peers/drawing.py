@@ -1,4 +1,6 @@
 """The figures of the peers; rows as in setting.COLUMNS."""
+import math
+
 import figure
 from peers.setting import COLUMNS
 
@@ -15,6 +17,24 @@ def marker(method):
     return "s" if "ECSW" in method else "^" if method.startswith("network") else "*" if method.startswith("potential") else "o"
 
 
+def label(method):
+    """What fits beside a point: POD 20, 213 elements."""
+    return method.split(" (")[0] + (", all" if "all elements" in method else "")
+
+
+def label_points(axis, points):
+    """points: (x, y, text) on axes that are logarithmic; a label goes below another that it would cover."""
+    placed = []
+    for x, y, text in sorted(points, key=lambda point: -point[1]):
+        right = x > 3e4 and len(text) > 12  # there is no room behind it
+        at = math.log10(y)
+        while any(abs(math.log10(x / other)) < 1.3 and abs(at - height) < 0.085 for other, height in placed):
+            at -= 0.01
+        placed.append((x, at))
+        axis.annotate(text, (x, y), textcoords="offset points", fontsize=6, ha="right" if right else "left",
+                      xytext=(-5 if right else 5, 3 + 58 * (at - math.log10(y))))
+
+
 def groups_of(rows):
     return list(dict.fromkeys((row[0], row[1]) for row in rows))
 
@@ -28,6 +48,7 @@ def speed(rows):
     def draw(page):
         axes = page.subplots(1, len(groups_of(rows)), squeeze=False, sharey=True)[0]
         for axis, group in zip(axes, groups_of(rows)):
+            labels = []
             for row in rows:
                 if (row[0], row[1]) != group or row[ANSWER] is None:
                     continue
@@ -37,8 +58,8 @@ def speed(rows):
                               va="bottom")
                 elif row[MEAN]:
                     axis.plot([row[ANSWER]], [row[MEAN]], linestyle="", markersize=7, color=color(row[2]), marker=marker(row[2]))
-                    axis.annotate(row[2].split(" (")[0] if "POD" not in row[2] else row[2], (row[ANSWER], row[MEAN]),
-                                  textcoords="offset points", xytext=(5, 3), fontsize=6)
+                    labels.append((row[ANSWER], row[MEAN], label(row[2])))
+            label_points(axis, labels)
             axis.axvline(1000, color="grey", linewidth=0.6)
             axis.text(1000, 0.98, "1 kHz", fontsize=6, transform=axis.get_xaxis_transform(), ha="right", va="top")
             axis.set(xscale="log", yscale="log", xlabel="time of an answer, one core (us)", title=f"{group[0]}, {group[1]}")
