@@ -5,11 +5,13 @@
 #include "viewer/doctor.hpp"
 #include "viewer/query_command.hpp"
 #include "viewer/report/report_command.hpp"
+#include "viewer/share/share_command.hpp"
 #include "viewer/view_command.hpp"
 
 int main(int argc, char** argv) {
   using namespace palpate;
-  const std::array verbs = {viewVerb(), queryVerb(), reportVerb(), deviceVerb(), doctorVerb()};
+  const std::array verbs = {viewVerb(),  queryVerb(),  reportVerb(),
+                            shareVerb(), deviceVerb(), doctorVerb()};
   return runProgram(argc, argv,
                     "Palpate's haptic side: lets a hand feel datasets, answers with forces", verbs);
 }

@@ -23,7 +23,7 @@ struct Route {
   const char* program_of_directory = nullptr;
 };
 
-constexpr std::array<Route, 22> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
+constexpr std::array<Route, 23> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
                                            {"build", "palpate-scheduler"},
                                            {"query", "palpate-viewer"},
                                            {"solve", "palpate-worker"},
@@ -42,6 +42,7 @@ constexpr std::array<Route, 22> routes = {{{"check", "palpate-worker", "palpate-
                                            {"key", "palpate-scheduler"},
                                            {"verify", "palpate-verify"},
                                            {"report", "palpate-viewer"},
+                                           {"share", "palpate-viewer"},
                                            {"doctor", "palpate-viewer"},
                                            {"view", "palpate-viewer"},
                                            {"device", "palpate-viewer"}}};
@@ -57,6 +58,7 @@ From a scene to forces
   build    Compute the dataset of a scene with workers on this machine; interrupted, it goes on where it was
   query    Force, stiffness and error bound at any displacement, from a dataset
   view     Feel and see it: the haptic client, with a virtual hand when there is no device
+  share    A dataset as one HTML page that can be touched, by mouse or finger
   solve    One exact solution, without scheduler and dataset
 
 On several machines

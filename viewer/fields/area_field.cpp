@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <bitset>
 #include <cmath>
-#include <map>
 #include <numeric>
-#include <optional>
 #include <set>
 #include <thread>
 
@@ -71,13 +69,13 @@ class Interpolation {
   /// The first ones of the quantities. What is extrapolated at a site counts less than what is
   /// solved.
   template <int quantities = place_quantities>
-  Eigen::Matrix<float, SiteJet::RowsAtCompileTime, quantities> at(const std::vector<SiteJets>& made,
-                                                                  const LatticePoint& point) {
+  Eigen::Matrix<float, SiteJet::RowsAtCompileTime, quantities> at(
+      const std::vector<std::optional<SiteJets>>& made, const LatticePoint& point) {
     std::array<LeafPlace, sites_of_station> places;
     std::bitset<sites_of_station> solved;
     for (std::size_t n = 0; n < from.size(); ++n) {
-      places[n] = made[from[n]].placeOf(point);
-      solved[n] = made[from[n]].isSolvedAt(places[n]);
+      places[n] = made[from[n]]->placeOf(point);
+      solved[n] = made[from[n]]->isSolvedAt(places[n]);
     }
     const Eigen::MatrixXf& coefficients = coefficientsFor(solved);
     Eigen::Matrix<float, SiteJet::RowsAtCompileTime, quantities> sum = decltype(sum)::Zero();
@@ -85,7 +83,7 @@ class Interpolation {
       const Eigen::Matrix<float, quantities, place_quantities> block =
           coefficients.block<quantities, place_quantities>(
               0, place_quantities * static_cast<Eigen::Index>(n));
-      sum += made[from[n]].at(places[n]).lazyProduct(block.transpose());
+      sum += made[from[n]]->at(places[n]).lazyProduct(block.transpose());
     }
     return sum;
   }
@@ -133,8 +131,8 @@ Eigen::Vector3f slopeAt(const Eigen::Vector3f& d, const JetSums::Quantities& qua
 }
 
 /// Side by side on all cores.
-std::vector<SiteJets> makeSites(const std::vector<const SpaceTable*>& spaces,
-                                std::atomic<std::size_t>* done) {
+std::vector<std::optional<SiteJets>> makeSites(const std::vector<const SpaceTable*>& spaces,
+                                               std::atomic<std::size_t>* done) {
   std::vector<std::optional<SiteJets>> parts(spaces.size());
   // As many parts as threads, each with fits of its own.
   const std::size_t n_parts = std::max(1u, std::thread::hardware_concurrency());
@@ -145,9 +143,7 @@ std::vector<SiteJets> makeSites(const std::vector<const SpaceTable*>& spaces,
       if (done) done->fetch_add(1, std::memory_order_relaxed);
     }
   });
-  std::vector<SiteJets> made;
-  for (auto& part : parts) made.push_back(std::move(*part));
-  return made;
+  return parts;
 }
 
 }  // namespace
@@ -193,126 +189,144 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
   return centers;
 }
 
-class AreaField::TreeMaker {
- public:
-  explicit TreeMaker(std::vector<CellTree>& trees) : trees_(trees) {}
-
-  /// The number of the tree of a lattice like that of a space, with these cells split.
-  std::size_t treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits) {
-    const auto [known, is_new] = known_.try_emplace(splits, trees_.size());
-    if (is_new) {
-      SpaceTable table;
-      table.lattice = like.lattice;
-      table.points.resize(like.points.size());
-      table.points.front().tag = Tag::expandable;
-      table.splits = splits;
-      trees_.emplace_back(table);
-    }
-    return known->second;
-  }
-
- private:
-  std::vector<CellTree>& trees_;
-  std::map<std::vector<LatticeCell>, std::size_t> known_;
-};
-
-AreaField::AreaField(const std::vector<const SpaceTable*>& spaces,
-                     const std::vector<Eigen::Vector3d>& surface,
-                     std::atomic<std::size_t>* sites_done)
-    : radius_(spaces.at(0)->lattice.radius()) {
-  const double finger = spaces.front()->patch.finger.value().radius;
+AreaField::AreaField(const std::vector<const SpaceTable*>& spaces, Stations stations)
+    : radius_(spaces.at(0)->lattice.radius()),
+      finger_(spaces.front()->patch.finger.value().radius),
+      sites_(centersOf(spaces), reach_in_distances * site_distance * finger_),
+      judgements_(spaces.size()) {
   for (const SpaceTable* space : spaces)
     PALPATE_ASSERT(space->lattice.radius() == radius_ &&
                        space->lattice.spacing() == spaces.front()->lattice.spacing(),
                    "the sites of an area are of one build");
-  sites_ = NearPoints(centersOf(spaces), reach_in_distances * site_distance * finger);
-  const std::vector<SiteJets> made = makeSites(spaces, sites_done);
-  setStations(surface, finger);
-  TreeMaker maker(trees_);
-  interpolateToStations(spaces, made, kernel_width * finger, maker);
-  judge(spaces, made, kernel_width * finger, maker);
+  if (!stations.places.empty()) setStations(std::move(stations.places));
+}
+
+AreaField::AreaField(const std::vector<const SpaceTable*>& spaces,
+                     const std::vector<Eigen::Vector3d>& surface,
+                     std::atomic<std::size_t>* sites_done)
+    : AreaField(spaces, Stations{}) {
+  setStations(stationsOn(surface));
+  const MadeSites made = makeSites(spaces, sites_done);
+  for (std::size_t n = 0; n < stationCount(); ++n) beginStation(n, spaces);
+  inParallel(stationCount(), [&](std::size_t n) { interpolateTo(n, made); });
+  for (std::size_t n = 0; n < siteCount(); ++n) beginJudgement(n, spaces);
+  inParallel(siteCount(), [&](std::size_t n) { judge(n, spaces, made); });
 }
 
 /// Of the surface near sites, spread evenly.
-void AreaField::setStations(const std::vector<Eigen::Vector3d>& surface, double radius) {
+std::vector<Eigen::Vector3d> AreaField::stationsOn(
+    const std::vector<Eigen::Vector3d>& surface) const {
   std::vector<Eigen::Vector3d> places = sites_.points();
   for (const Eigen::Vector3d& place : surface)
     if (std::ranges::any_of(sites_.near(place), [&](std::int32_t site) {
-          return (sites_.points()[at(site)] - place).norm() <= answered_distance * radius;
+          return (sites_.points()[at(site)] - place).norm() <= answered_distance * finger_;
         }))
       places.push_back(place);
   const auto any = [](const Eigen::Vector3d&, std::size_t) { return true; };
-  const std::vector<double> distances(places.size(), station_distance * radius);
-  stations_ = NearPoints(farthestPoints(places, distances, any),
-                         reach_in_distances * station_distance * radius);
+  const std::vector<double> distances(places.size(), station_distance * finger_);
+  return farthestPoints(places, distances, any);
 }
 
-void AreaField::interpolateToStations(const std::vector<const SpaceTable*>& spaces,
-                                      const std::vector<SiteJets>& made, double width,
-                                      TreeMaker& maker) {
-  std::vector<Interpolation> interpolations;
-  std::size_t n_jets = 0;
-  for (const Eigen::Vector3d& station : stations_.points()) {
-    interpolations.emplace_back(sites_.points(), station, sites_of_station, siteCount(), width);
-    std::set<LatticeCell> cells;
-    for (const std::size_t site : interpolations.back().from)
-      cells.insert(spaces[site]->splits.begin(), spaces[site]->splits.end());
-    std::vector<LatticeCell> splits(cells.begin(), cells.end());
-    std::ranges::sort(splits, coarserFirst);
-    const std::size_t tree = maker.treeOf(*spaces.front(), splits);
-    at_stations_.push_back({tree, n_jets});
-    n_jets += trees_[tree].slots().size();
+void AreaField::setStations(std::vector<Eigen::Vector3d> stations) {
+  at_stations_.resize(stations.size());
+  stations_ = NearPoints(std::move(stations), reach_in_distances * station_distance * finger_);
+}
+
+std::size_t AreaField::treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits) {
+  const auto [known, is_new] = tree_of_splits_.try_emplace(splits, trees_.size());
+  if (is_new) {
+    SpaceTable table;
+    table.lattice = like.lattice;
+    table.points.resize(like.points.size());
+    table.points.front().tag = Tag::expandable;
+    table.splits = splits;
+    trees_.emplace_back(table);
   }
-  jets_.resize(n_jets);
-  inParallel(stationCount(), [&](std::size_t n) {
-    const CellTree& tree = trees_[at_stations_[n].tree];
-    const std::span jets = std::span(jets_).subspan(at_stations_[n].first_jet, tree.slots().size());
-    Interpolation interpolation = interpolations[n];  // what it keeps goes with it
-    for (std::size_t slot = 0; slot < jets.size(); ++slot)
-      if (tree.slots()[slot].kind != SlotKind::hanging)
-        jets[slot] = interpolation.at(made, tree.slots()[slot].point);
-    fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
-      return jetInLeaf(tree, jets, leaf, local);
-    });
+  return known->second;
+}
+
+std::vector<std::size_t> AreaField::stationsAt(const Eigen::Vector3d& s) const {
+  std::vector<std::size_t> found;
+  for (const std::int32_t n : stations_.near(s))
+    if ((s - stations_.points()[at(n)]).norm() < stations_.reach()) found.push_back(at(n));
+  return found;
+}
+
+std::vector<std::size_t> AreaField::sitesAt(const Eigen::Vector3d& s) const {
+  std::vector<std::size_t> found;
+  for (const std::int32_t n : sites_.near(s))
+    if ((s - sites_.points()[at(n)]).norm() < sites_.reach()) found.push_back(at(n));
+  return found;
+}
+
+std::vector<std::size_t> AreaField::sitesOfStation(std::size_t station) const {
+  return nearestOf(sites_.points(), stations_.points()[station], sites_of_station, siteCount());
+}
+
+std::vector<std::size_t> AreaField::sitesOfJudgement(std::size_t site) const {
+  return nearestOf(sites_.points(), sites_.points()[site], sites_of_judgement, site);
+}
+
+void AreaField::beginStation(std::size_t station, const std::vector<const SpaceTable*>& spaces) {
+  std::set<LatticeCell> cells;
+  for (const std::size_t site : sitesOfStation(station))
+    cells.insert(spaces[site]->splits.begin(), spaces[site]->splits.end());
+  std::vector<LatticeCell> splits(cells.begin(), cells.end());
+  std::ranges::sort(splits, coarserFirst);
+  at_stations_[station].tree = treeOf(*spaces.front(), splits);
+}
+
+void AreaField::interpolateTo(std::size_t station, const MadeSites& made) {
+  const CellTree& tree = trees_[at_stations_[station].tree];
+  std::vector<SiteJet>& jets = at_stations_[station].jets;
+  jets.resize(tree.slots().size());
+  Interpolation interpolation(sites_.points(), stations_.points()[station], sites_of_station,
+                              siteCount(), kernel_width * finger_);
+  for (std::size_t slot = 0; slot < jets.size(); ++slot)
+    if (tree.slots()[slot].kind != SlotKind::hanging)
+      jets[slot] = interpolation.at(made, tree.slots()[slot].point);
+  fillHanging(tree, jets, [&](std::int32_t leaf, const Eigen::Vector3d& local) {
+    return jetInLeaf(tree, jets, leaf, local);
   });
 }
 
-void AreaField::judge(const std::vector<const SpaceTable*>& spaces,
-                      const std::vector<SiteJets>& made, double width, TreeMaker& maker) {
-  for (std::size_t site = 0; site < siteCount(); ++site)
-    judgements_.push_back({maker.treeOf(*spaces[site], spaces[site]->splits), {}});
-  inParallel(siteCount(), [&](std::size_t site) {
-    const SiteJets& own = made[site];
-    std::vector<Doubt>& doubts = judgements_[site].doubts;
-    for (std::size_t slot = 0; slot < own.jets.size(); ++slot)
-      doubts.push_back({static_cast<float>(share_of_p_error) * own.p_error[slot],
-                        std::numeric_limits<float>::quiet_NaN(), own.coverage[slot]});
-    Interpolation others(sites_.points(), sites_.points()[site], sites_of_judgement, site, width);
-    if (others.from.empty()) return;
-    const CellTree& tree = own.tree;
-    float worst = 0, least = std::numeric_limits<float>::infinity();
-    for (std::size_t slot = 0; slot < doubts.size(); ++slot) {
-      const auto number = spaces[site]->lattice.indexOf(tree.slots()[slot].point);
-      // The force at rest is zero, of which nothing is a share.
-      if (!number || *number == 0 || !isSolved(spaces[site]->points[at(*number)].tag)) continue;
-      const auto slopeOf = [](const auto& jet) {
-        return Eigen::Vector3f(jet(1, 0), jet(3, 0), jet(9, 0));
-      };
-      const Eigen::Vector3f slope = slopeOf(own.jets[slot]);
-      const Eigen::Vector3f difference =
-          slopeOf(others.at<1>(made, tree.slots()[slot].point)) - slope;
-      const float lack = static_cast<float>(share_of_lack) * difference.norm() / slope.norm();
-      doubts[slot].lack = lack;
-      worst = std::max(worst, lack);
-      least = std::min(least, lack);
-    }
-    // Rest alone tells nothing.
-    if (worst == 0) worst = least = 1;
-    // What is not solved is no better known than the worst that is; near rest all is best.
-    for (std::size_t slot = 0; slot < doubts.size(); ++slot)
-      if (std::isnan(doubts[slot].lack))
-        doubts[slot].lack = tree.slots()[slot].point == LatticePoint{0, 0, 0} ? least : worst;
-  });
+void AreaField::beginJudgement(std::size_t site, const std::vector<const SpaceTable*>& spaces) {
+  judgements_[site].tree = treeOf(*spaces[site], spaces[site]->splits);
+}
+
+void AreaField::judge(std::size_t site, const std::vector<const SpaceTable*>& spaces,
+                      const MadeSites& made) {
+  const SiteJets& own = *made[site];
+  std::vector<Doubt>& doubts = judgements_[site].doubts;
+  for (std::size_t slot = 0; slot < own.jets.size(); ++slot)
+    doubts.push_back({static_cast<float>(share_of_p_error) * own.p_error[slot],
+                      std::numeric_limits<float>::quiet_NaN(), own.coverage[slot]});
+  Interpolation others(sites_.points(), sites_.points()[site], sites_of_judgement, site,
+                       kernel_width * finger_);
+  if (others.from.empty()) return;
+  const CellTree& tree = own.tree;
+  float worst = 0, least = std::numeric_limits<float>::infinity();
+  for (std::size_t slot = 0; slot < doubts.size(); ++slot) {
+    const auto number = spaces[site]->lattice.indexOf(tree.slots()[slot].point);
+    // The force at rest is zero, of which nothing is a share.
+    if (!number || *number == 0 || !isSolved(spaces[site]->points[at(*number)].tag)) continue;
+    const auto slopeOf = [](const auto& jet) {
+      return Eigen::Vector3f(jet(1, 0), jet(3, 0), jet(9, 0));
+    };
+    const Eigen::Vector3f slope = slopeOf(own.jets[slot]);
+    const Eigen::Vector3f difference =
+        slopeOf(others.at<1>(made, tree.slots()[slot].point)) - slope;
+    const float lack = static_cast<float>(share_of_lack) * difference.norm() / slope.norm();
+    doubts[slot].lack = lack;
+    worst = std::max(worst, lack);
+    least = std::min(least, lack);
+  }
+  // Rest alone tells nothing.
+  if (worst == 0) worst = least = 1;
+  // What is not solved is no better known than the worst that is; near rest all is best.
+  for (std::size_t slot = 0; slot < doubts.size(); ++slot)
+    if (std::isnan(doubts[slot].lack))
+      doubts[slot].lack = tree.slots()[slot].point == LatticePoint{0, 0, 0} ? least : worst;
 }
 
 AreaSample AreaField::evaluate(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept {
@@ -358,7 +372,7 @@ AreaSample AreaField::inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p)
     const JetSums::Quantities factors = expansionAt(offset);
     const LeafCorners& slots = tree->corners(place.leaf);
     std::array<const SiteJet*, 8> jets;
-    for (std::size_t c = 0; c < 8; ++c) jets[c] = &jets_[station.first_jet + at(slots[c])];
+    for (std::size_t c = 0; c < 8; ++c) jets[c] = &station.jets[at(slots[c])];
     const JetSums::Quantities values = level->sums.add(jets, static_cast<float>(w.value) * factors);
     whole += w.value;
     whole_slope += w_slope;

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <atomic>
+#include <map>
 #include <memory>
+#include <optional>
 
 #include "common/base/near_points.hpp"
 #include "viewer/fields/cell_data.hpp"
@@ -66,11 +68,47 @@ class AreaField {
 
   std::size_t siteCount() const { return sites_.points().size(); }
   std::size_t stationCount() const { return stations_.points().size(); }
+  /// The stations that the field of these sites and this surface would have: quick.
+  static std::vector<Eigen::Vector3d> stationsOf(const std::vector<const SpaceTable*>& sites,
+                                                 const std::vector<Eigen::Vector3d>& surface) {
+    return AreaField(sites, Stations{}).stationsOn(surface);
+  }
+  double siteReach() const { return sites_.reach(); }  ///< m: farther away a site says nothing
+  /// Where stations are, metres.
+  const std::vector<Eigen::Vector3d>& stations() const { return stations_.points(); }
+
+ protected:
+  /// Sites as far as they are made.
+  using MadeSites = std::vector<std::optional<SiteJets>>;
+
+  /// Metres.
+  struct Stations {
+    std::vector<Eigen::Vector3d> places;
+  };
+  /// Nothing is prepared yet; the stations are those of the whole field of these sites.
+  AreaField(const std::vector<const SpaceTable*>& sites, Stations stations);
+
+  // What a finger at a place needs, metres: numbers of stations, and of sites that say something
+  // about the error; and what these are made from.
+  std::vector<std::size_t> stationsAt(const Eigen::Vector3d& s) const;
+  std::vector<std::size_t> sitesAt(const Eigen::Vector3d& s) const;
+  std::vector<std::size_t> sitesOfStation(std::size_t station) const;
+  std::vector<std::size_t> sitesOfJudgement(std::size_t site) const;
+
+  // A station is interpolated, and a site judged, in two parts: the first changes what all share,
+  // the second is of this one alone. `made` has its sites.
+  bool isInterpolated(std::size_t station) const { return !at_stations_[station].jets.empty(); }
+  void beginStation(std::size_t station, const std::vector<const SpaceTable*>& spaces);
+  void interpolateTo(std::size_t station, const MadeSites& made);
+  bool isJudged(std::size_t site) const { return !judgements_[site].doubts.empty(); }
+  void beginJudgement(std::size_t site, const std::vector<const SpaceTable*>& spaces);
+  void judge(std::size_t site, const std::vector<const SpaceTable*>& spaces, const MadeSites& made);
 
  private:
-  /// The lattice of a station, and where what is interpolated to it begins in jets_.
+  /// The lattice of a station, and what is interpolated to it.
   struct Station {
-    std::size_t tree = 0, first_jet = 0;
+    std::size_t tree = 0;
+    std::vector<SiteJet> jets;  ///< per slot of the tree
   };
   /// What is said about the error at a slot of a site's lattice: N, share of the force, and as
   /// ForceSample::coverage.
@@ -81,26 +119,23 @@ class AreaField {
     std::size_t tree = 0;
     std::vector<Doubt> doubts;  ///< per slot of the tree
   };
-  /// Makes trees_.
-  class TreeMaker;
   /// Sums over the stations whose leaves around a displacement are on one level: all are the same.
   struct LevelSum;
 
-  void setStations(const std::vector<Eigen::Vector3d>& surface, double radius);
-  void interpolateToStations(const std::vector<const SpaceTable*>& spaces,
-                             const std::vector<SiteJets>& made, double width, TreeMaker& maker);
-  void judge(const std::vector<const SpaceTable*>& spaces, const std::vector<SiteJets>& made,
-             double width, TreeMaker& maker);
+  std::vector<Eigen::Vector3d> stationsOn(const std::vector<Eigen::Vector3d>& surface) const;
+  void setStations(std::vector<Eigen::Vector3d> stations);
+  /// The number of the tree of a lattice like that of a space, with these cells split.
+  std::size_t treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits);
   AreaSample inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
   void addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
                     AreaSample& sample) const noexcept;
 
-  double radius_ = 0;  ///< of the ball, m
+  double radius_ = 0, finger_ = 0;  ///< of the ball, of the finger, m
   /// One for each way in which lattices are refined; of their slots only the places count.
   std::vector<CellTree> trees_;
+  std::map<std::vector<LatticeCell>, std::size_t> tree_of_splits_;
   NearPoints sites_, stations_;
   std::vector<Station> at_stations_;   ///< per station
-  std::vector<SiteJet> jets_;          ///< per slot of each station's tree
   std::vector<Judgement> judgements_;  ///< per site
 };
 

@@ -16,6 +16,19 @@ using JetPack = float __attribute__((vector_size(jet_lanes * sizeof(float))));
   return pack;
 }
 
+/// sum + a * b, rounded once where the machine can; so in a page too, whose sums are then those of
+/// the machine that made it.
+template <class Factor>
+[[gnu::always_inline]] inline JetPack addedProduct(JetPack sum, Factor a, JetPack b) {
+#ifdef __wasm__
+  using Wide = double __attribute__((vector_size(jet_lanes * sizeof(double))));
+  const auto wide = [](JetPack pack) { return __builtin_convertvector(pack, Wide); };
+  return __builtin_convertvector(wide(sum) + wide(JetPack{} + a) * wide(b), JetPack);
+#else
+  return sum + a * b;
+#endif
+}
+
 /// Of 8 corners: packs of value_factors and sums, jets of ten columns; one pass over the jets,
 /// which are in no cache when a hand comes to a new place.
 PALPATE_PER_CPU_FAMILY void addJets(const std::array<const SiteJet*, 8>& jets, const float* factors,
@@ -32,10 +45,10 @@ PALPATE_PER_CPU_FAMILY void addJets(const std::array<const SiteJet*, 8>& jets, c
     for (std::size_t q = 0; q < place_quantities; ++q) {
       const JetPack low = load(jet + jet_numbers * q),
                     high = load(jet + jet_numbers * (q + 1) - jet_lanes);
-      low_sum += factors[q] * low;
-      high_sum += factors[q] * high;
-      products[q] += low_factors * low;
-      products[q] += high_factors * high;
+      low_sum = addedProduct(low_sum, factors[q], low);
+      high_sum = addedProduct(high_sum, factors[q], high);
+      products[q] = addedProduct(products[q], low_factors, low);
+      products[q] = addedProduct(products[q], high_factors, high);
     }
     std::memcpy(sum, &low_sum, sizeof low_sum);
     std::memcpy(sum + jet_lanes, &high_sum, sizeof high_sum);

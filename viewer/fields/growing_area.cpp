@@ -1,0 +1,74 @@
+#include "viewer/fields/growing_area.hpp"
+
+#include <algorithm>
+
+namespace palpate {
+namespace {
+
+std::vector<const SpaceTable*> pointersTo(const std::vector<SpaceTable>& tables) {
+  std::vector<const SpaceTable*> pointers;
+  for (const SpaceTable& table : tables) pointers.push_back(&table);
+  return pointers;
+}
+
+}  // namespace
+
+GrowingArea::GrowingArea(std::vector<SpaceTable> sites, std::vector<Eigen::Vector3d> stations)
+    : AreaField(pointersTo(sites), Stations{std::move(stations)}),
+      sites_(std::move(sites)),  // which leaves the tables where they are
+      pointers_(pointersTo(sites_)),
+      fits_(sites_.front().lattice.unit()),
+      made_(sites_.size()) {}
+
+bool GrowingArea::makeOneOf(const std::vector<std::size_t>& sites) {
+  const auto lacking = std::find_if(sites.begin(), sites.end(), [&](std::size_t site) {
+    return !made_[site].has_value();
+  });
+  if (lacking == sites.end()) return false;
+  made_[*lacking].emplace(*pointers_[*lacking], fits_);
+  ++made_count_;
+  return true;
+}
+
+bool GrowingArea::grow(const Eigen::Vector3d& s) {
+  for (const std::size_t station : stationsAt(s)) {
+    if (isInterpolated(station)) continue;
+    if (makeOneOf(sitesOfStation(station))) return true;
+    beginStation(station, pointers_);
+    interpolateTo(station, made_);
+    return true;
+  }
+  for (const std::size_t site : sitesAt(s)) {
+    if (isJudged(site)) continue;
+    if (makeOneOf({site}) || makeOneOf(sitesOfJudgement(site))) return true;
+    beginJudgement(site, pointers_);
+    judge(site, pointers_, made_);
+    return true;
+  }
+  return false;
+}
+
+bool GrowingArea::growSites(const Eigen::Vector3d& s) {
+  std::size_t nearest = sites_.size();
+  double least = 0;
+  for (std::size_t n = 0; n < sites_.size(); ++n) {
+    if (made_[n]) continue;
+    const double away = (sites_[n].patch.finger.value().center - s).squaredNorm();
+    if (nearest < sites_.size() && away >= least) continue;
+    nearest = n;
+    least = away;
+  }
+  return nearest < sites_.size() && makeOneOf({nearest});
+}
+
+bool GrowingArea::isPrepared(const Eigen::Vector3d& s) const {
+  return std::ranges::all_of(stationsAt(s), [&](std::size_t n) { return isInterpolated(n); }) &&
+         std::ranges::all_of(sitesAt(s), [&](std::size_t n) { return isJudged(n); });
+}
+
+AreaSample GrowingArea::evaluate(const Eigen::Vector3d& s,
+                                 const Eigen::Vector3d& p) const {
+  return isPrepared(s) ? AreaField::evaluate(s, p) : AreaSample{};
+}
+
+}  // namespace palpate

@@ -1,0 +1,282 @@
+#include "viewer/organ/carried_organ.hpp"
+
+#include <cstring>
+
+#include "common/base/error.hpp"
+#include "common/base/index.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::string_view organ_mark = "palpate-organ-1\n";
+/// Of shares: this many steps on each side of zero for the largest of a mode. A vertex is off by
+/// some tenth of a millimetre then.
+constexpr float share_steps = 127;
+constexpr float mode_steps = 32767;
+
+class OrganWriter {
+ public:
+  template <class Number>
+  void put(const Number& number) {
+    static_assert(std::is_trivially_copyable_v<Number>);
+    bytes_.append(reinterpret_cast<const char*>(&number), sizeof number);
+  }
+  void putSize(std::size_t size) { put(static_cast<std::uint32_t>(size)); }
+  void putText(std::string_view text) {
+    putSize(text.size());
+    bytes_ += text;
+  }
+  void putVector(const Eigen::Vector3d& v) {
+    for (const double x : v) put(x);
+  }
+  template <class Values>
+  void putSingles(const Eigen::DenseBase<Values>& values) {
+    for (Eigen::Index i = 0; i < values.rows(); ++i)
+      for (Eigen::Index j = 0; j < values.cols(); ++j) put(static_cast<float>(values(i, j)));
+  }
+  std::string take() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+class OrganReader {
+ public:
+  explicit OrganReader(std::string_view bytes) : bytes_(bytes) {}
+  template <class Number>
+  Number get() {
+    Number number;
+    std::memcpy(&number, take(sizeof number).data(), sizeof number);
+    return number;
+  }
+  /// Of things that take at least so many bytes each.
+  std::size_t getSize(std::size_t least = 1) {
+    const auto size = get<std::uint32_t>();
+    if (size > bytes_.size() / least) throw cutOff();
+    return size;
+  }
+  std::string getText() { return std::string(take(getSize())); }
+  Eigen::Vector3d getVector() {
+    const double x = get<double>(), y = get<double>(), z = get<double>();
+    return {x, y, z};
+  }
+  template <class Values>
+  void getSingles(Values& values) {
+    for (Eigen::Index i = 0; i < values.rows(); ++i)
+      for (Eigen::Index j = 0; j < values.cols(); ++j) values(i, j) = get<float>();
+  }
+  std::string_view take(std::size_t count) {
+    if (count > bytes_.size()) throw cutOff();
+    const std::string_view taken = bytes_.substr(0, count);
+    bytes_.remove_prefix(count);
+    return taken;
+  }
+
+ private:
+  static Error cutOff() {
+    return failure("the organ is cut off, or damaged: make its page again with palpate share");
+  }
+  std::string_view bytes_;
+};
+
+void putEquilibrium(OrganWriter& out, const Equilibrium& e, bool is_finger) {
+  out.put(e.energy);
+  out.putVector(e.force);
+  for (const auto& [a, b] : symmetric_axes) out.put(e.stiffness(a, b));
+  if (!is_finger) return;
+  out.putSingles(e.drive);
+  out.putSingles(e.drive_stiffness);
+  out.putSingles(e.drive_slope);
+  out.putSingles(e.stiffness_by_p);
+  out.putSingles(e.stiffness_by_s);
+  out.putSingles(e.drive_slope_by_p);
+}
+
+Equilibrium getEquilibrium(OrganReader& in, bool is_finger) {
+  Equilibrium e;
+  e.energy = in.get<double>();
+  e.force = in.getVector();
+  for (const auto& [a, b] : symmetric_axes)
+    e.stiffness(a, b) = e.stiffness(b, a) = in.get<double>();
+  if (!is_finger) return e;
+  in.getSingles(e.drive);
+  in.getSingles(e.drive_stiffness);
+  in.getSingles(e.drive_slope);
+  in.getSingles(e.stiffness_by_p);
+  in.getSingles(e.stiffness_by_s);
+  in.getSingles(e.drive_slope_by_p);
+  return e;
+}
+
+void putSpace(OrganWriter& out, const SpaceTable& space) {
+  const Lattice& lattice = space.lattice;
+  out.put(lattice.radius());
+  out.put(lattice.spacing());
+  out.put(lattice.divisions());
+  const auto& finger = space.patch.finger;
+  out.put(static_cast<std::uint8_t>(finger.has_value()));
+  if (finger) {
+    out.putVector(finger->center);
+    out.put(finger->radius);
+    out.putVector(finger->reach.outward);
+    out.put(finger->reach.pull);
+  }
+  out.putSize(at(lattice.size()));
+  out.put(lattice.uniformSize());
+  for (std::int32_t n = lattice.uniformSize(); n < lattice.size(); ++n) out.put(lattice.point(n));
+  out.putSize(space.splits.size());
+  for (const LatticeCell& cell : space.splits) {
+    out.put(cell.lowest);
+    out.put(cell.level);
+  }
+  for (const PointRecord& point : space.points) {
+    out.put(static_cast<std::uint8_t>(point.tag));
+    if (isSolved(point.tag)) putEquilibrium(out, point.equilibrium, finger.has_value());
+  }
+}
+
+SpaceTable getSpace(OrganReader& in) {
+  SpaceTable space;
+  const auto radius = in.get<double>(), spacing = in.get<double>();
+  const auto divisions = in.get<std::int32_t>();
+  PushedPart part;
+  if (in.get<std::uint8_t>() != 0) {
+    Finger& finger = space.patch.finger.emplace();
+    finger.center = in.getVector();
+    finger.radius = in.get<double>();
+    finger.reach.outward = in.getVector();
+    finger.reach.pull = in.get<double>();
+    part = finger.reach;
+  }
+  const std::size_t size = in.getSize();
+  const auto uniform = in.get<std::int32_t>();
+  space.lattice = Lattice(radius, spacing, divisions, part);
+  if (space.lattice.size() != uniform)
+    throw failure("the organ has lattices of {} uniform points where {} are made: {}", uniform,
+                  space.lattice.size(), "make its page again with palpate share");
+  while (at(space.lattice.size()) < size) space.lattice.add(in.get<LatticePoint>());
+  space.splits.resize(in.getSize(sizeof(LatticeCell)));
+  for (LatticeCell& cell : space.splits) {
+    cell.lowest = in.get<LatticePoint>();
+    cell.level = in.get<std::int32_t>();
+  }
+  space.points.resize(size);
+  for (PointRecord& point : space.points) {
+    point.tag = static_cast<Tag>(in.get<std::uint8_t>());
+    if (isSolved(point.tag)) point.equilibrium = getEquilibrium(in, space.patch.finger.has_value());
+  }
+  return space;
+}
+
+/// Rounded to steps of the largest magnitude: `scale` is one step.
+template <class Step>
+void putSteps(OrganWriter& out, float value, float scale) {
+  out.put(static_cast<Step>(scale > 0 ? std::lround(value / scale) : 0));
+}
+
+void putShapes(OrganWriter& out, const CarriedShapes& shapes) {
+  out.putSize(shapes.mode_count);
+  const std::size_t width = shapes.mode_count > 0 ? shapes.modes.size() / shapes.mode_count : 0;
+  for (std::size_t mode = 0; mode < shapes.mode_count; ++mode) {
+    float largest = 0, largest_share = 0;
+    for (std::size_t i = 0; i < width; ++i)
+      largest = std::max(largest, std::abs(shapes.modes[mode * width + i]));
+    for (const std::vector<float>& of_space : shapes.shares)
+      for (std::size_t i = mode; i < of_space.size(); i += shapes.mode_count)
+        largest_share = std::max(largest_share, std::abs(of_space[i]));
+    out.put(largest / mode_steps);
+    for (std::size_t i = 0; i < width; ++i)
+      putSteps<std::int16_t>(out, shapes.modes[mode * width + i], largest / mode_steps);
+    const float step = largest_share / share_steps;
+    out.put(step);
+    for (const std::vector<float>& of_space : shapes.shares)
+      for (std::size_t i = mode; i < of_space.size(); i += shapes.mode_count)
+        putSteps<std::int8_t>(out, of_space[i], step);
+  }
+}
+
+CarriedShapes getShapes(OrganReader& in, std::size_t width, const std::vector<SpaceTable>& spaces) {
+  CarriedShapes shapes;
+  shapes.mode_count = in.getSize();
+  for (const SpaceTable& space : spaces)
+    shapes.shares.emplace_back(space.points.size() * shapes.mode_count);
+  for (std::size_t mode = 0; mode < shapes.mode_count; ++mode) {
+    const auto mode_step = in.get<float>();
+    for (std::size_t i = 0; i < width; ++i)
+      shapes.modes.push_back(mode_step * static_cast<float>(in.get<std::int16_t>()));
+    const auto step = in.get<float>();
+    for (std::vector<float>& of_space : shapes.shares)
+      for (std::size_t i = mode; i < of_space.size(); i += shapes.mode_count)
+        of_space[i] = step * static_cast<float>(in.get<std::int8_t>());
+  }
+  return shapes;
+}
+
+void putTouch(OrganWriter& out, const CarriedTouch& touch) {
+  out.putText(touch.name);
+  out.putSize(touch.spaces.size());
+  for (const std::int32_t space : touch.spaces) out.put(space);
+  out.put(touch.finger_radius);
+  out.putVector(touch.rest);
+  out.putSize(touch.stations.size());
+  for (const Eigen::Vector3d& station : touch.stations) out.putVector(station);
+}
+
+CarriedTouch getTouch(OrganReader& in) {
+  CarriedTouch touch;
+  touch.name = in.getText();
+  touch.spaces.resize(in.getSize(sizeof(std::int32_t)));
+  for (std::int32_t& space : touch.spaces) space = in.get<std::int32_t>();
+  touch.finger_radius = in.get<double>();
+  touch.rest = in.getVector();
+  touch.stations.resize(in.getSize(sizeof(Eigen::Vector3d)));
+  for (Eigen::Vector3d& station : touch.stations) station = in.getVector();
+  return touch;
+}
+
+}  // namespace
+
+std::string encode(const CarriedOrgan& organ) {
+  OrganWriter out;
+  for (const char c : organ_mark) out.put(c);
+  out.putText(organ.name);
+  out.put(organ.max_force);
+  out.putSize(organ.vertices.size());
+  for (const Eigen::Vector3d& vertex : organ.vertices) out.putVector(vertex);
+  out.putSize(organ.triangles.size());
+  for (std::size_t t = 0; t < organ.triangles.size(); ++t) {
+    out.put(organ.triangles[t]);
+    out.put(organ.touch_of_triangle[t]);
+  }
+  out.putSize(organ.touches.size());
+  for (const CarriedTouch& touch : organ.touches) putTouch(out, touch);
+  out.putSize(organ.spaces.size());
+  for (const SpaceTable& space : organ.spaces) putSpace(out, space);
+  putShapes(out, organ.shapes);
+  return out.take();
+}
+
+CarriedOrgan decode(std::string_view bytes) {
+  if (!bytes.starts_with(organ_mark))
+    throw failure("these bytes are no organ of this version: make its page again with {}",
+                  "palpate share");
+  OrganReader in(bytes.substr(organ_mark.size()));
+  CarriedOrgan organ;
+  organ.name = in.getText();
+  organ.max_force = in.get<double>();
+  organ.vertices.resize(in.getSize(sizeof(Eigen::Vector3d)));
+  for (Eigen::Vector3d& vertex : organ.vertices) vertex = in.getVector();
+  organ.triangles.resize(in.getSize(sizeof(Triangle)));
+  for (Triangle& triangle : organ.triangles) {
+    triangle = in.get<Triangle>();
+    organ.touch_of_triangle.push_back(in.get<std::int32_t>());
+  }
+  const std::size_t touches = in.getSize();
+  for (std::size_t n = 0; n < touches; ++n) organ.touches.push_back(getTouch(in));
+  const std::size_t spaces = in.getSize();
+  for (std::size_t n = 0; n < spaces; ++n) organ.spaces.push_back(getSpace(in));
+  organ.shapes = getShapes(in, 3 * organ.vertices.size(), organ.spaces);
+  return organ;
+}
+
+}  // namespace palpate

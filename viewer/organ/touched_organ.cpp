@@ -1,0 +1,136 @@
+#include "viewer/organ/touched_organ.hpp"
+
+#include <algorithm>
+
+#include "common/base/index.hpp"
+#include "common/mesh/bump_integrals.hpp"
+
+namespace palpate {
+namespace {
+
+/// What of a site's shape is seen at a distance, in distances at which sites end to matter.
+float shareAt(double x) { return static_cast<float>(std::pow(1 - std::min(1.0, x), 2)); }
+
+}  // namespace
+
+TouchedOrgan::TouchedOrgan(CarriedOrgan organ)
+    : organ_(std::move(organ)),
+      share_fields_(organ_.spaces.size()),
+      one_(organ_.shapes.mode_count),
+      sum_(organ_.shapes.mode_count) {
+  for (const CarriedTouch& touch : organ_.touches) {
+    Touched& touched = touched_.emplace_back();
+    if (touch.finger_radius == 0) continue;
+    std::vector<SpaceTable> sites;
+    for (const std::int32_t space : touch.spaces) sites.push_back(organ_.spaces[at(space)]);
+    touched.area.emplace(std::move(sites), touch.stations);
+  }
+}
+
+Eigen::Vector3d TouchedOrgan::positionOf(const SurfacePoint& point) const {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  for (std::size_t c = 0; c < 3; ++c)
+    position += point.barycentric[static_cast<Eigen::Index>(c)] *
+                organ_.vertices[at(organ_.triangles[at(point.triangle)][c])];
+  return position;
+}
+
+bool TouchedOrgan::prepare(std::size_t touch, const Eigen::Vector3d& s) {
+  Touched& touched = touched_.at(touch);
+  if (touched.area) {
+    if (touched.area->grow(s)) return true;
+    for (const std::size_t site : touched.area->sitesAt(s)) {
+      const std::int32_t space = organ_.touches[touch].spaces[site];
+      if (share_fields_[at(space)]) continue;
+      sharesOf(space);
+      return true;
+    }
+    return false;
+  }
+  if (touched.field) return false;
+  const std::int32_t space = organ_.touches[touch].spaces.front();
+  touched.field = std::make_unique<PotentialField>(organ_.spaces[at(space)]);
+  sharesOf(space);
+  return true;
+}
+
+bool TouchedOrgan::prepareAhead(std::size_t touch, const Eigen::Vector3d& s) {
+  Touched& touched = touched_.at(touch);
+  return touched.area && touched.area->growSites(s);
+}
+
+AreaSample TouchedOrgan::evaluate(std::size_t touch, const Eigen::Vector3d& s,
+                                  const Eigen::Vector3d& p) const {
+  const Touched& touched = touched_.at(touch);
+  if (touched.area) return touched.area->evaluate(s, p);
+  AreaSample sample;
+  if (touched.field) static_cast<ForceSample&>(sample) = touched.field->evaluate(p);
+  return sample;
+}
+
+const DisplacementField& TouchedOrgan::sharesOf(std::int32_t space) {
+  auto& field = share_fields_[at(space)];
+  if (!field)
+    // What it interpolates need not be displacements: any triples will do.
+    field = std::make_unique<DisplacementField>(organ_.spaces[at(space)],
+                                                organ_.shapes.shares[at(space)]);
+  return *field;
+}
+
+void TouchedOrgan::addShares(std::int32_t space, const Eigen::Vector3d& p, float weight) {
+  sharesOf(space).evaluate(p, one_);
+  for (std::size_t mode = 0; mode < sum_.size(); ++mode) sum_[mode] += weight * one_[mode];
+}
+
+void TouchedOrgan::shapeAt(std::size_t touch, const SurfacePoint& anchor, const Eigen::Vector3d& p,
+                           std::span<float> out) {
+  std::ranges::fill(out, 0.0f);
+  std::ranges::fill(sum_, 0.0f);
+  const CarriedTouch& carried = organ_.touches.at(touch);
+  float whole = 0;
+  if (const auto& area = touched_[touch].area) {
+    const Eigen::Vector3d s = positionOf(anchor);
+    const double reach = area->siteReach();
+    for (const std::size_t site : area->sitesAt(s)) {
+      const double x = (s - area->site(site).patch.finger.value().center).norm() / reach;
+      const float share = shareAt(x);
+      addShares(carried.spaces[site], p, share);
+      whole += share;
+    }
+  } else {
+    addShares(carried.spaces.front(), p, 1);
+    whole = 1;
+  }
+  if (whole > 0) {
+    for (std::size_t mode = 0; mode < sum_.size(); ++mode) {
+      const float factor = sum_[mode] / whole;
+      const float* const row = organ_.shapes.modes.data() + mode * out.size();
+      for (std::size_t i = 0; i < out.size(); ++i) out[i] += factor * row[i];
+    }
+  }
+  passThroughTool(anchor, p, out);
+}
+
+void TouchedOrgan::passThroughTool(const SurfacePoint& anchor, const Eigen::Vector3d& p,
+                                   std::span<float> out) {
+  const Triangle& t = organ_.triangles[at(anchor.triangle)];
+  const Eigen::Vector3d s = positionOf(anchor);
+  Eigen::Vector3d missing = p;
+  double radius = 0, bump = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double share = anchor.barycentric[static_cast<Eigen::Index>(c)];
+    missing -= share * Eigen::Map<const Eigen::Vector3f>(out.data() + 3 * at(t[c])).cast<double>();
+    radius = std::max(
+        radius, 2 * (organ_.vertices[at(t[c])] - organ_.vertices[at(t[(c + 1) % 3])]).norm());
+  }
+  for (std::size_t c = 0; c < 3; ++c)
+    bump += anchor.barycentric[static_cast<Eigen::Index>(c)] *
+            bumpAt(organ_.vertices[at(t[c])], s, radius);
+  const Eigen::Vector3f height = (missing / bump).cast<float>();
+  for (std::size_t v = 0; v < organ_.vertices.size(); ++v) {
+    const auto share = static_cast<float>(bumpAt(organ_.vertices[v], s, radius));
+    if (share > 0) Eigen::Map<Eigen::Vector3f>(out.data() + 3 * v) += share * height;
+  }
+}
+
+}  // namespace palpate

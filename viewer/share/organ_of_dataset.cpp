@@ -1,0 +1,121 @@
+#include "viewer/share/organ_of_dataset.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+#include "common/base/index.hpp"
+#include "common/problem/sites.hpp"
+#include "viewer/fields/area_field.hpp"
+#include "viewer/haptics/touch_surface.hpp"
+
+namespace palpate {
+namespace {
+
+/// As many as one byte per mode and shape leaves room for in a page of 10 MB.
+constexpr Eigen::Index most_modes = 255;
+/// m, root of the mean square over the vertices of all shapes: where fewer modes miss less, no more
+/// are kept. It is not seen.
+constexpr double missed_by_modes = 5e-5;
+
+using Shapes = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// The displacements of one space, a row per point; zero where nothing is solved.
+Shapes shapesOf(const Dataset& dataset, std::size_t space) {
+  const std::vector<float> values = dataset.surfaceDisplacements(space);
+  const auto width = 3 * std::ssize(dataset.surfaceNodes());
+  Shapes shapes = Eigen::Map<const Shapes>(values.data(), std::ssize(values) / width, width);
+  return shapes.array().isNaN().select(0.0f, shapes);
+}
+
+/// How many of the largest eigenvalues (ascending) leave little enough to the others: a multiple
+/// of three.
+Eigen::Index modesNeeded(const Eigen::VectorXd& eigenvalues, double values) {
+  double missed = eigenvalues.sum();
+  Eigen::Index count = 0;
+  while (count < std::min(most_modes, eigenvalues.size()) &&
+         missed > missed_by_modes * missed_by_modes * values)
+    missed -= eigenvalues[eigenvalues.size() - ++count];
+  return std::min(most_modes, (count + 2) / 3 * 3);
+}
+
+CarriedShapes reducedShapes(const Dataset& dataset) {
+  const auto width = 3 * std::ssize(dataset.surfaceNodes());
+  std::vector<Shapes> all;
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(width, width);
+  double rows = 0;
+  for (std::size_t s = 0; s < dataset.spaces().size(); ++s) {
+    all.push_back(shapesOf(dataset, s));
+    const Eigen::MatrixXd shapes = all.back().cast<double>().transpose();
+    products.selfadjointView<Eigen::Lower>().rankUpdate(shapes);
+    rows += static_cast<double>(all.back().rows());
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(products);
+  const Eigen::Index count = modesNeeded(modes.eigenvalues(), rows * static_cast<double>(width));
+  const Shapes basis =
+      modes.eigenvectors().rightCols(count).rowwise().reverse().transpose().cast<float>();
+  CarriedShapes reduced;
+  reduced.mode_count = at(count);
+  reduced.modes.assign(basis.data(), basis.data() + basis.size());
+  for (const Shapes& shapes : all) {
+    const Shapes shares = shapes * basis.transpose();
+    reduced.shares.emplace_back(shares.data(), shares.data() + shares.size());
+  }
+  return reduced;
+}
+
+CarriedTouch touchOf(const TouchArea& area, const Dataset& dataset) {
+  CarriedTouch touch;
+  touch.name = area.name;
+  touch.finger_radius = area.radius;
+  for (const std::size_t space : area.spaces)
+    touch.spaces.push_back(static_cast<std::int32_t>(space));
+  const auto sites = chosenOf(dataset.spaces(), area.spaces);
+  touch.stations =
+      AreaField::stationsOf(sites, placesAround(dataset.mesh(), centersOf(sites), area.radius));
+  return touch;
+}
+
+CarriedTouch touchOf(std::size_t space, const Dataset& dataset) {
+  const ActivePatch& patch = dataset.spaces()[space].patch;
+  CarriedTouch touch;
+  touch.name = patch.name;
+  touch.spaces = {static_cast<std::int32_t>(space)};
+  touch.rest = dataset.mesh().nodes[at(patch.node)];
+  return touch;
+}
+
+/// Of the spaces that a triangle blends, the one with the largest share.
+std::int32_t spaceOf(const TouchSurface& surface, std::int32_t triangle) {
+  const auto shares = surface.cornerSharesOf(triangle);
+  return std::ranges::max_element(shares, {}, [](const CornerShares& one) {
+           return one.weights.sum();
+         })->space;
+}
+
+}  // namespace
+
+CarriedOrgan organOf(const Dataset& dataset) {
+  const TouchSurface surface(dataset);
+  CarriedOrgan organ;
+  organ.name = dataset.scene().name;
+  organ.max_force = dataset.scene().workspace.max_force;
+  organ.vertices = surface.vertices();
+  organ.triangles = surface.triangles();
+  organ.spaces = dataset.spaces();
+  std::vector<std::int32_t> touch_of_space(organ.spaces.size(), -1);
+  const auto add = [&](CarriedTouch touch) {
+    for (const std::int32_t space : touch.spaces)
+      touch_of_space[at(space)] = static_cast<std::int32_t>(organ.touches.size());
+    organ.touches.push_back(std::move(touch));
+  };
+  for (const TouchArea& area : surface.areas()) add(touchOf(area, dataset));
+  for (std::size_t space = 0; space < organ.spaces.size(); ++space)
+    if (touch_of_space[space] < 0) add(touchOf(space, dataset));
+  for (std::int32_t t = 0; t < std::ssize(organ.triangles); ++t)
+    organ.touch_of_triangle.push_back(
+        surface.touchable(t) ? touch_of_space[at(spaceOf(surface, t))] : -1);
+  organ.shapes = reducedShapes(dataset);
+  return organ;
+}
+
+}  // namespace palpate

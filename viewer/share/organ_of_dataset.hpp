@@ -1,0 +1,12 @@
+#pragma once
+
+#include "common/dataset/dataset.hpp"
+#include "viewer/organ/carried_organ.hpp"
+
+namespace palpate {
+
+/// What of a dataset a page carries. Some seconds of work, in which shapes are reduced to modes
+/// (proper orthogonal decomposition of all solved shapes). Error when there is nothing to touch.
+CarriedOrgan organOf(const Dataset& dataset);
+
+}  // namespace palpate

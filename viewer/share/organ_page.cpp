@@ -1,0 +1,88 @@
+#include "viewer/share/organ_page.hpp"
+
+#include <sodium.h>
+#include <zlib.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/base/error.hpp"
+#include "viewer/share/page_parts.hpp"
+
+namespace palpate {
+namespace {
+
+std::string deflated(std::string_view bytes) {
+  auto size = compressBound(bytes.size());
+  std::string out(size, '\0');
+  const int result =
+      compress2(reinterpret_cast<Bytef*>(out.data()), &size,
+                reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), Z_BEST_COMPRESSION);
+  if (result != Z_OK) throw failure("zlib could not compress the page (code {})", result);
+  out.resize(size);
+  return out;
+}
+
+std::string base64(std::string_view bytes) {
+  std::string text(sodium_base64_encoded_len(bytes.size(), sodium_base64_VARIANT_ORIGINAL), '\0');
+  sodium_bin2base64(text.data(), text.size(),
+                    reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(),
+                    sodium_base64_VARIANT_ORIGINAL);
+  text.pop_back();  // the zero behind it
+  return text;
+}
+
+std::string packed(std::string_view bytes) { return base64(deflated(bytes)); }
+
+/// What may stand in markup.
+std::string escapedText(std::string_view text) {
+  std::string out;
+  for (const char c : text)
+    c == '<' ? out += "&lt;" : c == '&' ? out += "&amp;" : c == '"' ? out += "&quot;" : out += c;
+  return out;
+}
+
+/// The text between "{{" and "}}" names what stands there instead.
+std::string filled(std::string_view text, const std::map<std::string, std::string, std::less<>>& by) {
+  std::string out;
+  for (;;) {
+    const std::size_t begin = text.find("{{"), end = text.find("}}", begin);
+    out += text.substr(0, begin);
+    if (begin == std::string_view::npos) return out;
+    out += by.at(std::string(text.substr(begin + 2, end - begin - 2)));
+    text.remove_prefix(end + 2);
+  }
+}
+
+nlohmann::json factsOf(const CarriedOrgan& organ) {
+  nlohmann::json facts = {{"name", organ.name}, {"maxForce", organ.max_force}};
+  for (const CarriedTouch& touch : organ.touches)
+    facts["touches"].push_back({{"name", touch.name},
+                                {"fingerRadius", touch.finger_radius},
+                                {"sites", touch.spaces.size()}});
+  return facts;
+}
+
+}  // namespace
+
+bool hasPageField() { return !pageParts().field.empty(); }
+
+std::string organPage(const CarriedOrgan& organ) {
+  const PageParts parts = pageParts();
+  if (parts.field.empty())
+    throw failure(
+        "this palpate was built without Emscripten, which makes the fields for pages: install it "
+        "(Debian: apt install emscripten) and build palpate again (docs/sharing.md)");
+  std::string facts = factsOf(organ).dump(-1, ' ', true);
+  // So that no name ends the script that holds it.
+  for (std::size_t at = 0; (at = facts.find('<', at)) != std::string::npos;)
+    facts.replace(at, 1, "\\u003c");
+  return filled(parts.markup, {{"name", escapedText(organ.name)},
+                               {"style", std::string(parts.style)},
+                               {"script", std::string(parts.script)},
+                               {"worker", std::string(parts.worker)},
+                               {"facts", facts},
+                               {"field", packed(parts.field)},
+                               {"organ", packed(encode(organ))}});
+}
+
+}  // namespace palpate

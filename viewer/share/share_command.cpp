@@ -1,0 +1,47 @@
+#include "viewer/share/share_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+
+#include "common/base/whole_file.hpp"
+#include "common/dataset/dataset.hpp"
+#include "viewer/share/organ_of_dataset.hpp"
+#include "viewer/share/organ_page.hpp"
+
+namespace palpate {
+namespace {
+
+std::function<ExitCode()> prepareShare(CLI::App& app) {
+  auto options = std::make_shared<ShareOptions>();
+  app.add_option("DATASET", options->dataset, "Sealed dataset, OUT.h5, as palpate build makes it")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("-o,--output", options->output, "The page to write")
+      ->required()
+      ->type_name("FILE.html");
+  app.footer(
+      "The page needs no other file, no server and no network: send it, open it, press the organ\n"
+      "with the mouse or a finger. Its forces are those of palpate query (docs/sharing.md).");
+  return [options] { return share(*options, std::cout); };
+}
+
+}  // namespace
+
+ExitCode share(const ShareOptions& options, std::ostream& output) {
+  refuseUnwritable(options.output, "-o");
+  const Dataset dataset(options.dataset);
+  warnIfPartial(dataset);
+  const std::string page = organPage(organOf(dataset));
+  replaceFile(options.output, page, "page");
+  output << fmt::format("{}: {:.1f} MB, open it in a browser\n", options.output.string(),
+                        static_cast<double>(page.size()) / 1e6);
+  return ExitCode::done;
+}
+
+Verb shareVerb() {
+  return {"share", "A dataset as one HTML page that can be touched, by mouse or finger",
+          prepareShare};
+}
+
+}  // namespace palpate
