@@ -33,6 +33,7 @@ async function open({field: fieldText, organ: organText}) {
   new Uint8Array(field.memory.buffer).set(organBytes, at);
   field.openOrgan(at, organBytes.length);
   field.release(at);
+  setTimeout(workAhead, 1000);
   const copy = (Type, begin, count) => new Type(field.memory.buffer, begin, count).slice();
   const vertices = field.vertexCount(), triangles = field.triangleCount();
   const corners = copy(Int32Array, field.triangles(), 3 * triangles);
@@ -68,9 +69,13 @@ function work() {
     answer(question);
     return true;
   }
-  if (!near) return false;
-  if (field.prepare(near.touch, near.triangle, near.u, near.v)) return true;
-  return field.prepareAhead(near.touch, near.triangle, near.u, near.v) === 1;
+  return near !== null && field.prepare(near.touch, near.triangle, near.u, near.v) === 1;
+}
+
+// What may be wanted later, with long pauses: a machine may have to draw by the same processor.
+function workAhead() {
+  if (near && !working && !field.prepareAhead(near.touch, near.triangle, near.u, near.v)) return;
+  setTimeout(workAhead, 250);
 }
 
 function tell(error) {
@@ -93,7 +98,7 @@ nextPiece.port1.onmessage = () => {
 onmessage = ({data}) => {
   if (data.field) return void open(data).catch(tell);
   if (data.near) near = data.near;
-  else asked = data;
+  else near = asked = data;
   if (!working && field) {
     working = true;
     nextPiece.port2.postMessage(null);

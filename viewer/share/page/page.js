@@ -22,11 +22,11 @@ const length = (a) => Math.sqrt(dot(a, a));
 const unit = (a) => scaled(a, 1 / (length(a) || 1));
 const row = (array, n) => [array[3 * n], array[3 * n + 1], array[3 * n + 2]];
 
-// ---- The surface: the mesh, refined twice by Loop's rules so that it looks like an organ ----------
+// ---- The surface: the mesh, refined by Loop's rules so that it looks like an organ ----------------
 
 // Every fine vertex is a weighted sum of coarse ones; every fine triangle knows where in which coarse one it lies.
 class Surface {
-  constructor({vertices, triangles, touchOfTriangle}) {
+  constructor({vertices, triangles, touchOfTriangle}, levels) {
     this.coarse = vertices;
     this.corners = triangles;
     this.touchOfTriangle = touchOfTriangle;
@@ -35,7 +35,7 @@ class Surface {
     let faces = [];
     for (let t = 0; t < triangles.length / 3; ++t)
       faces.push({vertices: Array.from(triangles.subarray(3 * t, 3 * t + 3)), triangle: t, uv: [[0, 0], [1, 0], [0, 1]]});
-    for (let level = 0; level < 2; ++level) ({sums, faces} = Surface.refined(sums, faces));
+    for (let level = 0; level < levels; ++level) ({sums, faces} = Surface.refined(sums, faces));
     this.count = sums.length;
     this.first = new Uint32Array(sums.length + 1);
     sums.forEach((sum, v) => { this.first[v + 1] = this.first[v] + sum.size; });
@@ -120,6 +120,18 @@ class Surface {
     return out;
   }
 
+  // Of wet tissue, in blotches as it has; grey where nothing can be felt.
+  colours() {
+    const out = new Float32Array(3 * this.count), {sin} = Math;
+    for (let v = 0; v < this.count; ++v) {
+      const [x, y, z] = row(this.rest, v).map((metres) => 11 * metres / this.radius);
+      const blotch = 0.5 + 0.5 * sin(3.1 * x + sin(2.3 * y)) * sin(2.9 * y + sin(2.7 * z)) * sin(3.3 * z + sin(2.1 * x));
+      const tissue = add(scaled([0.49, 0.13, 0.105], 1 - blotch), [0.57, 0.185, 0.145], blotch);
+      out.set(this.felt[v] > 0 ? tissue : [0.47, 0.37, 0.34], 3 * v);
+    }
+    return out;
+  }
+
   static normalsOf(position, index, out = new Float32Array(position.length)) {
     out.fill(0);
     for (let t = 0; t < index.length; t += 3) {
@@ -191,32 +203,31 @@ class Surface {
 
 // ---- The picture ---------------------------------------------------------------------------------
 
+// A processor that draws by itself passes most of its time with vertices: what does not change is an attribute, and the
+// view is that of an eye far away.
 const tissueVertex = `
-attribute vec3 position, normal, rest; attribute float felt;
-uniform mat4 camera; varying vec3 at, along, stuff; varying float feels;
-void main() { at = position; along = normal; stuff = rest; feels = felt; gl_Position = camera * vec4(position, 1.0); }`;
+attribute vec3 position, normal, rest, colour;
+uniform mat4 camera; uniform vec3 pressed; varying vec3 along, skin; varying float away;
+void main() {
+  along = normal; skin = colour; away = distance(rest, pressed);
+  gl_Position = camera * vec4(position, 1.0);
+}`;
 const tissueFragment = `
 precision mediump float;
-uniform vec3 eye, key, pressed; uniform float ring, pressure, size, showing;
-varying vec3 at, along, stuff; varying float feels;
+uniform vec3 view, key; uniform float ring, pressure, thin, showing;
+varying vec3 along, skin; varying float away;
 void main() {
-  vec3 n = normalize(along), view = normalize(eye - at);
-  vec3 q = stuff * (58.0 / size);
-  float mottle = sin(q.x * 3.1 + sin(q.y * 2.3)) * sin(q.y * 2.9 + sin(q.z * 2.7)) * sin(q.z * 3.3 + sin(q.x * 2.1));
-  vec3 colour = mix(vec3(0.50, 0.135, 0.105), vec3(0.585, 0.19, 0.145), 0.5 + 0.5 * mottle);
-  colour = mix(vec3(0.47, 0.37, 0.34), colour, feels);
-  float away = length(stuff - pressed);
+  vec3 n = normalize(along);
   float under = showing * (1.0 - smoothstep(0.0, ring, away));
-  colour = mix(colour, vec3(0.80, 0.46, 0.38), 0.55 * under * pressure);
+  vec3 pale = mix(skin, vec3(0.80, 0.46, 0.38), 0.55 * under * pressure);
   float lit = dot(n, key), wrapped = max(0.0, (lit + 0.35) / 1.35);
-  vec3 light = vec3(1.05, 1.0, 0.95) * wrapped + vec3(0.26, 0.30, 0.36) * (0.55 + 0.45 * n.y);
-  light += vec3(0.30, 0.06, 0.04) * (1.0 - abs(lit)) * 0.5;
-  vec3 halfway = normalize(key + view);
-  float shine = max(0.0, dot(n, halfway));
+  vec3 light = vec3(1.05, 1.0, 0.95) * wrapped + vec3(0.26, 0.30, 0.36) * (0.55 + 0.45 * n.z);
+  light += vec3(0.15, 0.03, 0.02) * (1.0 - abs(lit));
+  float shine = max(0.0, dot(n, normalize(key + view)));
   float s2 = shine * shine, s4 = s2 * s2, s8 = s4 * s4, s16 = s8 * s8, s32 = s16 * s16;
   float edge = 1.0 - max(0.0, dot(n, view)), rim = edge * edge * edge;
-  vec3 seen = colour * light + vec3(0.5) * s32 * s32 * s16 + vec3(0.11) * s16 + vec3(0.24, 0.22, 0.22) * rim;
-  float line = showing * (1.0 - smoothstep(0.0, 0.0012 * size * 5.0, abs(away - ring)));
+  vec3 seen = pale * light + vec3(0.5) * s32 * s32 * s16 + vec3(0.11) * s16 + vec3(0.24, 0.22, 0.22) * rim;
+  float line = showing * (1.0 - smoothstep(0.0, thin, abs(away - ring)));
   gl_FragColor = vec4(mix(seen, vec3(1.0, 0.72, 0.36), 0.65 * line), 1.0);
 }`;
 const solidVertex = `
@@ -231,7 +242,7 @@ void main() {
 }`;
 
 // A solid of revolution about z through (radius, height) pairs.
-function turned(profile, around = 20) {
+function turned(profile, around = 14) {
   const position = [], normal = [], index = [];
   profile.forEach(([r, z], n) => {
     const before = profile[Math.max(0, n - 1)], after = profile[Math.min(profile.length - 1, n + 1)];
@@ -320,13 +331,14 @@ class Picture {
     this.solid = this.program(solidVertex, solidFragment);
     const r = surface.radius;
     this.buffers = {position: this.buffer(surface.position), normal: this.buffer(surface.normal),
-                    rest: this.buffer(surface.rest), felt: this.buffer(surface.felt), index: this.indexBuffer(surface.index)};
+                    rest: this.buffer(surface.rest), colour: this.buffer(surface.colours()), index: this.indexBuffer(surface.index)};
     this.tool = this.solidOf(turned(roundedTip(0.045 * r, 0.75 * r)));
     this.shaft = this.solidOf(turned([[0.0001, 0], [1, 0], [1, 1], [0.0001, 1]]));
     this.head = this.solidOf(turned([[0.0001, 0], [1, 0], [0.0001, 1]]));
     this.ball = this.solidOf(turned(Array.from({length: 13}, (_, n) =>
       [Math.max(1e-4, Math.sin(Math.PI * n / 12)), -Math.cos(Math.PI * n / 12)])));
     gl.enable(gl.DEPTH_TEST);
+    gl.enable(gl.CULL_FACE);
     gl.clearColor(0.149, 0.176, 0.2, 1);
   }
   program(vertex, fragment) {
@@ -400,14 +412,14 @@ class Picture {
     gl.useProgram(this.tissue.program);
     const {uniforms} = this.tissue;
     gl.uniformMatrix4fv(uniforms.camera, false, camera.matrix);
-    gl.uniform3fv(uniforms.eye, camera.eye);
+    gl.uniform3fv(uniforms.view, camera.back());
     gl.uniform3fv(uniforms.key, key);
     gl.uniform3fv(uniforms.pressed, mark ? mark.point : [0, 0, 0]);
     gl.uniform1f(uniforms.ring, mark ? mark.radius : 1);
     gl.uniform1f(uniforms.pressure, mark ? mark.pressure : 0);
     gl.uniform1f(uniforms.showing, mark ? 1 : 0);
-    gl.uniform1f(uniforms.size, surface.radius);
-    this.feed(this.tissue, this.buffers, {position: 3, normal: 3, rest: 3, felt: 1});
+    gl.uniform1f(uniforms.thin, 0.006 * surface.radius);
+    this.feed(this.tissue, this.buffers, {position: 3, normal: 3, rest: 3, colour: 3});
     gl.drawElements(gl.TRIANGLES, surface.index.length, gl.UNSIGNED_SHORT, 0);
     gl.useProgram(this.solid.program);
     gl.uniformMatrix4fv(this.solid.uniforms.camera, false, camera.matrix);
@@ -436,6 +448,7 @@ class ForcePlot {
     this.samples.push({time, force, bound});
     while (this.samples.length > 2 && this.samples[1].time < time - this.seconds) this.samples.shift();
   }
+  isFlat() { return this.samples.every((s) => s.force === 0); }
   draw(now) {
     const {canvas, pen, samples} = this, ratio = Math.min(2, devicePixelRatio || 1);
     const width = canvas.clientWidth, height = canvas.clientHeight;
@@ -508,7 +521,7 @@ class Page {
     const canvas = byId("organ");
     Object.assign(this, {surface, touches, worker, canvas, camera: new Camera(surface), hand: new Hand(),
       picture: new Picture(canvas, gl, surface), plot: new ForcePlot(byId("plot")), pointers: new Map(), over: null,
-      answer: null, waiting: 0, asked: 0, changed: true, last: 0, frames: 0});
+      answer: null, waiting: 0, asked: 0, changed: true, last: 0, frames: 0, shown: 0});
     this.radius = Math.max(...touches.map((touch) => touch.radius));
     this.spots = touches.filter((touch) => touch.fingerRadius === 0).map((touch) => touch.rest);
     const slider = byId("depth");
@@ -624,23 +637,23 @@ class Page {
     this.surface.deform(answer.shape, this.seen, answer.p, reach);
     this.picture.reshaped();
     this.changed = true;
-    this.show();
+    window.palpate.touched = this.felt;
   }
   letGo() {
     this.answer = this.felt = null;
     this.surface.deform(new Float32Array(this.surface.coarse.length), null);
     this.picture.reshaped();
     this.changed = true;
-    this.show();
+    window.palpate.touched = null;
   }
   show() {
     const felt = this.felt, force = felt ? length(felt.force) : 0;
-    byId("force").textContent = force.toFixed(2);
-    byId("bound").textContent = felt && Number.isFinite(felt.bound) ? `± ${felt.bound.toFixed(felt.bound < 0.095 ? 3 : 2)}` : "";
-    byId("about").textContent = !felt ? "Not touching" : !felt.inside ? "Beyond what was computed: this force is a guess"
+    const write = (id, text) => { if (byId(id).textContent !== text) byId(id).textContent = text; };
+    write("force", force.toFixed(2));
+    write("bound", felt && Number.isFinite(felt.bound) ? `± ${felt.bound.toFixed(felt.bound < 0.095 ? 3 : 2)}` : "");
+    write("about", !felt ? "Not touching" : !felt.inside ? "Beyond what was computed: this force is a guess"
       : felt.coverage < 0.5 ? "Near the end of what was computed: do not rely on this force"
-      : `${(1000 * length(felt.p)).toFixed(1)} mm deep, ${(1000 * felt.energy).toFixed(1)} mJ stored`;
-    window.palpate.touched = felt;
+      : `${(1000 * length(felt.p)).toFixed(1)} mm deep, ${(1000 * felt.energy).toFixed(1)} mJ stored`);
   }
   scene() {
     const felt = this.felt, spots = felt ? [] : this.spots;
@@ -648,7 +661,7 @@ class Page {
       const tip = add(felt.seen.point, felt.p), radius = this.touches[felt.touch].fingerRadius || 0.1 * this.surface.radius;
       const axis = unit(add(add(felt.normal, this.camera.right, 0.75), this.camera.up, 0.35));
       return {mark: {point: felt.seen.point, radius, pressure: Math.min(1, length(felt.force) / 2)}, spots,
-              hand: {tip, axis, force: felt.force, scale: 0.75 * this.surface.radius / Math.max(1, facts.maxForce) * 1.6}};
+              hand: {tip, axis, force: felt.force, scale: 0.7 * this.surface.radius / facts.maxForce}};
     }
     if (this.over) {
       const radius = this.touches[this.over.touch].fingerRadius || 0.1 * this.surface.radius;
@@ -675,7 +688,11 @@ class Page {
     }
     const force = this.felt ? length(this.felt.force) : 0;
     this.plot.add(time / 1000, force, this.felt && Number.isFinite(this.felt.bound) ? this.felt.bound : 0);
-    if (force > 0 || this.plot.samples.some((s) => s.force > 0) || this.frames < 3) this.plot.draw(time / 1000);
+    if (time - this.shown > 45) {  // nobody reads numbers faster
+      this.shown = time;
+      this.show();
+      if (this.frames < 5 || !this.plot.isFlat()) this.plot.draw(time / 1000);
+    }
     canvas.classList.toggle("pressing", this.hand.held);
     window.palpate.frames = (window.palpate.frames || 0) + 1;
     requestAnimationFrame((next) => this.frame(next));
@@ -686,11 +703,21 @@ class Page {
   }
 }
 
+// A processor that draws by itself has no time for smooth edges and many triangles.
+function drawsBySoftware() {
+  const gl = document.createElement("canvas").getContext("webgl");
+  const named = gl && gl.getExtension("WEBGL_debug_renderer_info");
+  const renderer = named ? gl.getParameter(named.UNMASKED_RENDERER_WEBGL) : "";
+  if (gl && gl.getExtension("WEBGL_lose_context")) gl.getExtension("WEBGL_lose_context").loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(renderer);
+}
+
 function begin() {
   window.palpate = {};
   if (typeof WebAssembly !== "object" || typeof DecompressionStream !== "function" || typeof Worker !== "function")
     return stop("this browser is too old for this page: open it in Chrome or Edge 91, Firefox 113 or Safari 16.4, or in something newer");
-  const gl = byId("organ").getContext("webgl", {antialias: true, alpha: false, powerPreference: "high-performance"});
+  const onCard = !drawsBySoftware();
+  const gl = byId("organ").getContext("webgl", {antialias: onCard, alpha: false});
   if (!gl)
     return stop("this page draws the organ with WebGL, which this browser does not offer: turn on hardware acceleration in its " +
                 "settings and load the page again, or open it in another browser. On a phone save the file and open it in the " +
@@ -701,7 +728,7 @@ function begin() {
   worker.onerror = () => stop("the browser did not start the field of this page: open the file in another browser");
   worker.onmessage = ({data}) => {
     if (data.trouble) stop(data.trouble);
-    else if (data.organ) page = window.palpate.page = new Page(new Surface(data.organ), data.organ.touches, gl, worker);
+    else if (data.organ) page = window.palpate.page = new Page(new Surface(data.organ, onCard ? 2 : 1), data.organ.touches, gl, worker);
     else if (data.preparing === undefined) page.heard(data);
   };
   worker.postMessage({field: byId("field-bytes").textContent, organ: byId("organ-bytes").textContent});
