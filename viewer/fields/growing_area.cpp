@@ -21,9 +21,8 @@ GrowingArea::GrowingArea(std::vector<SpaceTable> sites, std::vector<Eigen::Vecto
       made_(sites_.size()) {}
 
 bool GrowingArea::makeOneOf(const std::vector<std::size_t>& sites) {
-  const auto lacking = std::find_if(sites.begin(), sites.end(), [&](std::size_t site) {
-    return !made_[site].has_value();
-  });
+  const auto lacking = std::find_if(sites.begin(), sites.end(),
+                                    [&](std::size_t site) { return !made_[site].has_value(); });
   if (lacking == sites.end()) return false;
   made_[*lacking].emplace(*pointers_[*lacking], fits_);
   ++made_count_;
@@ -66,8 +65,7 @@ bool GrowingArea::isPrepared(const Eigen::Vector3d& s) const {
          std::ranges::all_of(sitesAt(s), [&](std::size_t n) { return isJudged(n); });
 }
 
-AreaSample GrowingArea::evaluate(const Eigen::Vector3d& s,
-                                 const Eigen::Vector3d& p) const {
+AreaSample GrowingArea::evaluate(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const {
   return isPrepared(s) ? AreaField::evaluate(s, p) : AreaSample{};
 }
 

@@ -13,8 +13,9 @@ namespace palpate {
 /// finger touches anywhere.
 struct CarriedTouch {
   std::string name;
-  std::vector<std::int32_t> spaces;  ///< one, or the sites of the surface, into CarriedOrgan::spaces
-  double finger_radius = 0;          ///< m; 0: no finger
+  std::vector<std::int32_t>
+      spaces;                ///< one, or the sites of the surface, into CarriedOrgan::spaces
+  double finger_radius = 0;  ///< m; 0: no finger
   /// m, of the active node at rest. A finger is at rest wherever it touches.
   Eigen::Vector3d rest = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d> stations;  ///< m, of a surface: AreaField::stations
@@ -37,10 +38,10 @@ struct CarriedShapes {
 /// stiffness keep every bit; what only a finger has is rounded to single precision, as the fields
 /// round what they make of it.
 struct CarriedOrgan {
-  std::string name;                       ///< of the scene
-  double max_force = 0;                   ///< N, of the scene: beyond it nothing was solved
-  std::vector<Eigen::Vector3d> vertices;  ///< of the surface at rest, m
-  std::vector<Triangle> triangles;        ///< into vertices, normals outward
+  std::string name;                             ///< of the scene
+  double max_force = 0;                         ///< N, of the scene: beyond it nothing was solved
+  std::vector<Eigen::Vector3d> vertices;        ///< of the surface at rest, m
+  std::vector<Triangle> triangles;              ///< into vertices, normals outward
   std::vector<std::int32_t> touch_of_triangle;  ///< into touches; -1: nothing to feel there
   std::vector<CarriedTouch> touches;
   std::vector<SpaceTable> spaces;

@@ -120,8 +120,8 @@ void TouchedOrgan::passThroughTool(const SurfacePoint& anchor, const Eigen::Vect
   for (std::size_t c = 0; c < 3; ++c) {
     const double share = anchor.barycentric[static_cast<Eigen::Index>(c)];
     missing -= share * Eigen::Map<const Eigen::Vector3f>(out.data() + 3 * at(t[c])).cast<double>();
-    radius = std::max(
-        radius, 2 * (organ_.vertices[at(t[c])] - organ_.vertices[at(t[(c + 1) % 3])]).norm());
+    radius = std::max(radius,
+                      2 * (organ_.vertices[at(t[c])] - organ_.vertices[at(t[(c + 1) % 3])]).norm());
   }
   for (std::size_t c = 0; c < 3; ++c)
     bump += anchor.barycentric[static_cast<Eigen::Index>(c)] *

@@ -87,9 +87,9 @@ CarriedTouch touchOf(std::size_t space, const Dataset& dataset) {
 /// Of the spaces that a triangle blends, the one with the largest share.
 std::int32_t spaceOf(const TouchSurface& surface, std::int32_t triangle) {
   const auto shares = surface.cornerSharesOf(triangle);
-  return std::ranges::max_element(shares, {}, [](const CornerShares& one) {
-           return one.weights.sum();
-         })->space;
+  return std::ranges::max_element(shares, {},
+                                  [](const CornerShares& one) { return one.weights.sum(); })
+      ->space;
 }
 
 }  // namespace
@@ -112,8 +112,8 @@ CarriedOrgan organOf(const Dataset& dataset) {
   for (std::size_t space = 0; space < organ.spaces.size(); ++space)
     if (touch_of_space[space] < 0) add(touchOf(space, dataset));
   for (std::int32_t t = 0; t < std::ssize(organ.triangles); ++t)
-    organ.touch_of_triangle.push_back(
-        surface.touchable(t) ? touch_of_space[at(spaceOf(surface, t))] : -1);
+    organ.touch_of_triangle.push_back(surface.touchable(t) ? touch_of_space[at(spaceOf(surface, t))]
+                                                           : -1);
   organ.shapes = reducedShapes(dataset);
   return organ;
 }

@@ -24,14 +24,13 @@ std::string deflated(std::string_view bytes) {
 
 std::string base64(std::string_view bytes) {
   std::string text(sodium_base64_encoded_len(bytes.size(), sodium_base64_VARIANT_ORIGINAL), '\0');
-  sodium_bin2base64(text.data(), text.size(),
-                    reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(),
-                    sodium_base64_VARIANT_ORIGINAL);
+  sodium_bin2base64(text.data(), text.size(), reinterpret_cast<const unsigned char*>(bytes.data()),
+                    bytes.size(), sodium_base64_VARIANT_ORIGINAL);
   text.pop_back();  // the zero behind it
   return text;
 }
 
-std::string packed(std::string_view bytes) { return base64(deflated(bytes)); }
+std::string packedText(std::string_view bytes) { return base64(deflated(bytes)); }
 
 /// What may stand in markup.
 std::string escapedText(std::string_view text) {
@@ -42,7 +41,8 @@ std::string escapedText(std::string_view text) {
 }
 
 /// The text between "{{" and "}}" names what stands there instead.
-std::string filled(std::string_view text, const std::map<std::string, std::string, std::less<>>& by) {
+std::string filledMarkup(std::string_view text,
+                   const std::map<std::string, std::string, std::less<>>& by) {
   std::string out;
   for (;;) {
     const std::size_t begin = text.find("{{"), end = text.find("}}", begin);
@@ -53,7 +53,7 @@ std::string filled(std::string_view text, const std::map<std::string, std::strin
   }
 }
 
-nlohmann::json factsOf(const CarriedOrgan& organ) {
+nlohmann::json pageFacts(const CarriedOrgan& organ) {
   nlohmann::json facts = {{"name", organ.name}, {"maxForce", organ.max_force}};
   for (const CarriedTouch& touch : organ.touches)
     facts["touches"].push_back({{"name", touch.name},
@@ -72,17 +72,17 @@ std::string organPage(const CarriedOrgan& organ) {
     throw failure(
         "this palpate was built without Emscripten, which makes the fields for pages: install it "
         "(Debian: apt install emscripten) and build palpate again (docs/sharing.md)");
-  std::string facts = factsOf(organ).dump(-1, ' ', true);
+  std::string facts = pageFacts(organ).dump(-1, ' ', true);
   // So that no name ends the script that holds it.
   for (std::size_t at = 0; (at = facts.find('<', at)) != std::string::npos;)
     facts.replace(at, 1, "\\u003c");
-  return filled(parts.markup, {{"name", escapedText(organ.name)},
+  return filledMarkup(parts.markup, {{"name", escapedText(organ.name)},
                                {"style", std::string(parts.style)},
                                {"script", std::string(parts.script)},
                                {"worker", std::string(parts.worker)},
                                {"facts", facts},
-                               {"field", packed(parts.field)},
-                               {"organ", packed(encode(organ))}});
+                               {"field", packedText(parts.field)},
+                               {"organ", packedText(encode(organ))}});
 }
 
 }  // namespace palpate

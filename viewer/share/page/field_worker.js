@@ -1,6 +1,7 @@
-// The field, in a thread of its own: what it prepares where a finger comes to must not hold up a picture.
-// In:  {field, organ} once; then {touch, triangle, u, v, p, id}, of which the newest counts; {near: {touch, triangle, u, v}}
-// Out: {organ} or {trouble} once; then answers with the id of what was asked.
+// The field, in a thread of its own: what it prepares where a finger comes to must not hold up a
+// picture. In:  {field, organ} once; then {touch, triangle, u, v, p, id}, of which the newest
+// counts; {near: {touch, triangle, u, v}} Out: {organ} or {trouble} once; then answers with the id
+// of what was asked.
 
 let field;         // what page_field.cpp exports
 let asked = null;  // the newest question
@@ -9,22 +10,29 @@ let working = false;
 const nextPiece = new MessageChannel();
 
 async function unpacked(text) {
-  const packed = await (await fetch("data:application/octet-stream;base64," + text)).blob();
-  const stream = packed.stream().pipeThrough(new DecompressionStream("deflate"));
+  const packed = await (await fetch('data:application/octet-stream;base64,' + text)).blob();
+  const stream = packed.stream().pipeThrough(new DecompressionStream('deflate'));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
 async function open({field: fieldText, organ: organText}) {
   const [fieldBytes, organBytes] = await Promise.all([unpacked(fieldText), unpacked(organText)]);
   if (!WebAssembly.validate(fieldBytes))
-    throw new Error("this browser is too old for the field in this page: open it in Chrome or Edge 91, Firefox 113 " +
-                    "or Safari 16.4, or in something newer");
+    throw new Error(
+        'this browser is too old for the field in this page: open it in Chrome or Edge 91, Firefox 113 ' +
+        'or Safari 16.4, or in something newer');
   const nothing = () => 0;
   const {instance} = await WebAssembly.instantiate(fieldBytes, {
     env: {emscripten_notify_memory_growth: nothing},
     wasi_snapshot_preview1: {
-      proc_exit: () => { throw new Error("the field of this page ended by itself"); },
-      environ_sizes_get: nothing, environ_get: nothing, fd_write: nothing, fd_close: nothing, fd_seek: nothing,
+      proc_exit: () => {
+        throw new Error('the field of this page ended by itself');
+      },
+      environ_sizes_get: nothing,
+      environ_get: nothing,
+      fd_write: nothing,
+      fd_close: nothing,
+      fd_seek: nothing,
     },
   });
   field = instance.exports;
@@ -37,24 +45,44 @@ async function open({field: fieldText, organ: organText}) {
   const copy = (Type, begin, count) => new Type(field.memory.buffer, begin, count).slice();
   const vertices = field.vertexCount(), triangles = field.triangleCount();
   const corners = copy(Int32Array, field.triangles(), 3 * triangles);
-  postMessage({organ: {
-    vertices: copy(Float64Array, field.vertices(), 3 * vertices),
-    triangles: corners,
-    touchOfTriangle: copy(Int32Array, field.touchOfTriangle(), triangles),
-    touches: Array.from({length: field.touchCount()}, (_, n) => {
-      const [fingerRadius, radius, x, y, z] = copy(Float64Array, field.touchNumbers(n), 5);
-      return {fingerRadius, radius, rest: [x, y, z]};
-    }),
-  }});
+  postMessage({
+    organ: {
+      vertices: copy(Float64Array, field.vertices(), 3 * vertices),
+      triangles: corners,
+      touchOfTriangle: copy(Int32Array, field.touchOfTriangle(), triangles),
+      touches: Array.from(
+          {length: field.touchCount()},
+          (_, n) => {
+            const [fingerRadius, radius, x, y, z] = copy(Float64Array, field.touchNumbers(n), 5);
+            return {fingerRadius, radius, rest: [x, y, z]};
+          }),
+    }
+  });
 }
 
 function answer({touch, triangle, u, v, p, id}) {
-  const numbers = new Float64Array(field.memory.buffer, field.evaluate(touch, triangle, u, v, ...p), 10);
+  const numbers =
+      new Float64Array(field.memory.buffer, field.evaluate(touch, triangle, u, v, ...p), 10);
   const [fx, fy, fz, bound, energy, coverage, inside, x, y, z] = numbers;
   const at = field.shapeAt(touch, triangle, u, v, ...p);
   const shape = new Float32Array(field.memory.buffer, at, 3 * field.vertexCount()).slice();
-  postMessage({id, touch, triangle, u, v, p, s: [x, y, z], force: [fx, fy, fz], bound, energy, coverage,
-               inside: inside === 1, shape}, [shape.buffer]);
+  postMessage(
+      {
+        id,
+        touch,
+        triangle,
+        u,
+        v,
+        p,
+        s: [x, y, z],
+        force: [fx, fy, fz],
+        bound,
+        energy,
+        coverage,
+        inside: inside === 1,
+        shape
+      },
+      [shape.buffer]);
 }
 
 // One piece of work; whether there is more.
@@ -81,9 +109,11 @@ function workAhead() {
 function tell(error) {
   working = false;
   asked = near = null;
-  postMessage({trouble: error instanceof WebAssembly.RuntimeError
-    ? "the field of this page could not be read: the file is damaged; ask for it again, or make it again with palpate share"
-    : error.message});
+  postMessage({
+    trouble: error instanceof WebAssembly.RuntimeError ?
+        'the field of this page could not be read: the file is damaged; ask for it again, or make it again with palpate share' :
+        error.message
+  });
 }
 
 nextPiece.port1.onmessage = () => {
@@ -97,8 +127,10 @@ nextPiece.port1.onmessage = () => {
 
 onmessage = ({data}) => {
   if (data.field) return void open(data).catch(tell);
-  if (data.near) near = data.near;
-  else near = asked = data;
+  if (data.near)
+    near = data.near;
+  else
+    near = asked = data;
   if (!working && field) {
     working = true;
     nextPiece.port2.postMessage(null);

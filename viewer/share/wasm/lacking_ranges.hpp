@@ -1,8 +1,8 @@
 #pragma once
 
-// What the standard library of Emscripten 3.1.6 (libc++ 13) lacks of C++20 and the fields use, included before each of
-// their sources when they are compiled to WebAssembly (viewer/share/CMakeLists.txt). The classical algorithms do the
-// work: with keys that differ, as all of ours do, the results are those of any other library.
+// What the standard library of Emscripten 3.1.6 (libc++ 13) lacks of C++20 and the fields use,
+// included before their sources when they are compiled to WebAssembly. The classical algorithms do
+// the work: with keys that differ, as all of ours do, the results are those of any other library.
 #include <version>
 #if defined(_LIBCPP_VERSION) && _LIBCPP_VERSION < 15000
 

@@ -1,92 +1,114 @@
 // What a page calls: the fields, compiled to WebAssembly. Numbers are doubles in SI, memory is the
-// module's, and all of it is of one thread (the page's worker).
+// module's, and all of it is of one thread, the page's worker (page/field_worker.js).
 
-#include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <functional>
 #include <optional>
 
+#include "common/base/index.hpp"
 #include "common/base/parallel.hpp"
 #include "viewer/organ/touched_organ.hpp"
 
-#define PALPATE_PAGE(name) extern "C" __attribute__((export_name(#name))) auto name
+#ifdef __wasm__
+#define PALPATE_PAGE(name) extern "C" __attribute__((export_name(#name))) auto page_##name
+#else  // read by clang-tidy alone
+#define PALPATE_PAGE(name) extern "C" auto page_##name
+#endif
 
 namespace palpate {
 
+#ifdef __wasm__
 /// A page has one thread for the field, and prepares in pieces.
 void inParallel(std::size_t count, const std::function<void(std::size_t)>& task) {
   for (std::size_t n = 0; n < count; ++n) task(n);
 }
+#endif
 
 namespace {
 
-std::optional<TouchedOrgan> touched;
-std::vector<float> shape;
-std::array<double, 12> answer;
-std::string about;
+/// What the page has: valid from openOrgan on. What is returned stands here until the next call.
+struct OpenOrgan {
+  explicit OpenOrgan(CarriedOrgan organ)
+      : touched(std::move(organ)), shape(3 * touched.organ().vertices.size()) {}
+  TouchedOrgan touched;
+  std::vector<float> shape;
+  std::array<double, 10> numbers{};
 
-Eigen::Vector3d placeOf(std::int32_t triangle, double u, double v) {
-  return touched->positionOf({triangle, {1 - u - v, u, v}});
-}
+  SurfacePoint pointAt(std::int32_t triangle, double u, double v) const {
+    return {triangle, {1 - u - v, u, v}};
+  }
+  Eigen::Vector3d placeAt(std::int32_t triangle, double u, double v) const {
+    return touched.positionOf(pointAt(triangle, u, v));
+  }
+};
+std::optional<OpenOrgan> in_page;
 
 }  // namespace
-}  // namespace palpate
-
-using namespace palpate;
 
 PALPATE_PAGE(allocate)(std::size_t size)->void* { return std::malloc(size); }
 PALPATE_PAGE(release)(void* memory)->void { std::free(memory); }
 
-/// Bytes of encode(), which may go afterwards. An organ that is none ends the module.
+/// Bytes of encode(), which may go afterwards. What is no organ ends the module.
 PALPATE_PAGE(openOrgan)(const char* bytes, std::size_t size)->void {
-  touched.emplace(decode({bytes, size}));
-  shape.resize(3 * touched->organ().vertices.size());
+  in_page.emplace(decode({bytes, size}));
 }
 
-PALPATE_PAGE(vertexCount)()->std::size_t { return touched->organ().vertices.size(); }
-PALPATE_PAGE(vertices)()->const double* { return touched->organ().vertices.front().data(); }
-PALPATE_PAGE(triangleCount)()->std::size_t { return touched->organ().triangles.size(); }
+PALPATE_PAGE(vertexCount)()->std::size_t { return in_page->touched.organ().vertices.size(); }
+PALPATE_PAGE(vertices)()->const double* { return in_page->touched.organ().vertices[0].data(); }
+PALPATE_PAGE(triangleCount)()->std::size_t { return in_page->touched.organ().triangles.size(); }
 PALPATE_PAGE(triangles)()->const std::int32_t* {
-  return touched->organ().triangles.front().data();
+  return in_page->touched.organ().triangles[0].data();
 }
 PALPATE_PAGE(touchOfTriangle)()->const std::int32_t* {
-  return touched->organ().touch_of_triangle.data();
+  return in_page->touched.organ().touch_of_triangle.data();
 }
-PALPATE_PAGE(touchCount)()->std::size_t { return touched->organ().touches.size(); }
-/// Nine numbers: radius of the finger, of the workspace, the rest position.
+PALPATE_PAGE(touchCount)()->std::size_t { return in_page->touched.organ().touches.size(); }
+
+/// Five numbers: radius of the finger (0: none), of the workspace, the rest position.
 PALPATE_PAGE(touchNumbers)(std::size_t touch)->const double* {
-  const CarriedTouch& carried = touched->organ().touches.at(touch);
-  answer = {carried.finger_radius,
-            touched->organ().spaces[static_cast<std::size_t>(carried.spaces.front())]
-                .lattice.radius(),
-            carried.rest.x(), carried.rest.y(), carried.rest.z()};
-  return answer.data();
+  const CarriedOrgan& organ = in_page->touched.organ();
+  const CarriedTouch& carried = organ.touches[touch];
+  in_page->numbers = {carried.finger_radius, organ.spaces[at(carried.spaces[0])].lattice.radius(),
+                      carried.rest.x(), carried.rest.y(), carried.rest.z()};
+  return in_page->numbers.data();
 }
 
-/// One piece of what a touch at a point of the surface needs; 0 when nothing is lacking.
+/// A place is a triangle and the shares u, v of its second and third corner. Makes one piece of
+/// what a touch there needs, or of what is needed around; 0 when nothing is lacking.
 PALPATE_PAGE(prepare)(std::size_t touch, std::int32_t triangle, double u, double v)->int {
-  return touched->prepare(touch, placeOf(triangle, u, v)) ? 1 : 0;
+  return in_page->touched.prepare(touch, in_page->placeAt(triangle, u, v)) ? 1 : 0;
 }
 PALPATE_PAGE(prepareAhead)(std::size_t touch, std::int32_t triangle, double u, double v)->int {
-  return touched->prepareAhead(touch, placeOf(triangle, u, v)) ? 1 : 0;
+  return in_page->touched.prepareAhead(touch, in_page->placeAt(triangle, u, v)) ? 1 : 0;
 }
 
-/// Twelve numbers: force, error bound, energy, coverage, inside; then the place s, and two of the
-/// drive.
+/// Ten numbers: force, error bound, energy, coverage, inside, and the place in space.
 PALPATE_PAGE(evaluate)
 (std::size_t touch, std::int32_t triangle, double u, double v, double px, double py, double pz)
     ->const double* {
-  const Eigen::Vector3d s = placeOf(triangle, u, v);
-  const AreaSample sample = touched->evaluate(touch, s, {px, py, pz});
-  answer = {sample.force.x(), sample.force.y(), sample.force.z(),
-            sample.error_bound, sample.energy,  sample.coverage,
-            sample.inside ? 1.0 : 0.0,          s.x(), s.y(), s.z()};
-  return answer.data();
+  const Eigen::Vector3d s = in_page->placeAt(triangle, u, v), p(px, py, pz);
+  const AreaSample sample = in_page->touched.evaluate(touch, s, p);
+  const Eigen::Vector3d& f = sample.force;
+  in_page->numbers = {f.x(),
+                      f.y(),
+                      f.z(),
+                      sample.error_bound,
+                      sample.energy,
+                      sample.coverage,
+                      sample.inside ? 1.0 : 0.0,
+                      s.x(),
+                      s.y(),
+                      s.z()};
+  return in_page->numbers.data();
 }
 
 /// Displacements of all vertices there.
 PALPATE_PAGE(shapeAt)
 (std::size_t touch, std::int32_t triangle, double u, double v, double px, double py, double pz)
     ->const float* {
-  touched->shapeAt(touch, {triangle, {1 - u - v, u, v}}, {px, py, pz}, shape);
-  return shape.data();
+  in_page->touched.shapeAt(touch, in_page->pointAt(triangle, u, v), {px, py, pz}, in_page->shape);
+  return in_page->shape.data();
 }
+
+}  // namespace palpate

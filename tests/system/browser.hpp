@@ -1,0 +1,128 @@
+#pragma once
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/base/error.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "tests/system/process.hpp"
+
+namespace palpate::test {
+
+/// Chromium without a screen, with real input, over the pipes of its DevTools protocol.
+class Browser {
+ public:
+  /// Of 1280 x 800 pixels, drawn in software.
+  explicit Browser(const std::vector<std::string>& options = {}) {
+    for (const char* pipe : {"in", "out"})
+      if (mkfifo((directory_ / pipe).c_str(), 0600) != 0) throw failure("mkfifo: {}", errnoText());
+    std::string line =
+        "exec chromium --headless --no-sandbox --disable-gpu --enable-unsafe-swiftshader "
+        "--disable-quic --no-first-run --disable-background-networking --disable-component-update "
+        "--disable-sync --remote-debugging-pipe --window-size=1280,800 --user-data-dir=profile";
+    for (const std::string& option : options) line += " " + option;
+    process_ = std::make_unique<Process>(
+        "/bin/sh", std::vector<std::string>{"-c", line + " about:blank 3<in 4>out"},
+        directory_.path());
+    in_ = open((directory_ / "in").c_str(), O_WRONLY | O_CLOEXEC);
+    out_ = open((directory_ / "out").c_str(), O_RDONLY | O_CLOEXEC);
+    for (const auto& target : send("Target.getTargets").at("targetInfos"))
+      if (target.at("type") == "page")
+        session_ =
+            send("Target.attachToTarget", {{"targetId", target.at("targetId")}, {"flatten", true}})
+                .at("sessionId");
+    send("Emulation.setDeviceMetricsOverride",
+         {{"width", 1280}, {"height", 800}, {"deviceScaleFactor", 1}, {"mobile", false}});
+  }
+  ~Browser() {
+    process_.reset();
+    close(in_);
+    close(out_);
+  }
+  Browser(const Browser&) = delete;
+  Browser& operator=(const Browser&) = delete;
+
+  nlohmann::json send(const std::string& method,
+                      const nlohmann::json& parameters = nlohmann::json::object()) {
+    nlohmann::json message = {{"id", ++sent_}, {"method", method}, {"params", parameters}};
+    if (!session_.empty()) message["sessionId"] = session_;
+    const std::string text = message.dump() + '\0';
+    if (write(in_, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+      throw failure("Chromium takes no messages: {}", process_->output());
+    for (;;) {
+      const nlohmann::json answer = receive();
+      if (answer.value("id", 0) != sent_) continue;  // an event
+      if (!answer.contains("result")) throw failure("{}: {}", method, answer.dump());
+      return answer.at("result");
+    }
+  }
+  void go(const std::string& file) { send("Page.navigate", {{"url", "file://" + file}}); }
+  /// What an expression of the page is, promises awaited.
+  nlohmann::json valueOf(const std::string& expression) {
+    const nlohmann::json answer =
+        send("Runtime.evaluate",
+             {{"expression", expression}, {"returnByValue", true}, {"awaitPromise", true}});
+    if (answer.contains("exceptionDetails")) throw failure("{}", answer.dump());
+    return answer.at("result").value("value", nlohmann::json());
+  }
+  bool becomesTrue(const std::string& expression) {
+    return eventually([&] { return valueOf("!!(" + expression + ")") == true; });
+  }
+  /// "mouseMoved", "mousePressed", "mouseReleased" with the left button, or "mouseWheel".
+  void mouse(const std::string& what, double x, double y, double wheel = 0) {
+    send("Input.dispatchMouseEvent", {{"type", what},
+                                      {"x", x},
+                                      {"y", y},
+                                      {"button", what == "mouseWheel" ? "none" : "left"},
+                                      {"clickCount", 1},
+                                      {"deltaX", 0},
+                                      {"deltaY", wheel}});
+  }
+  /// "touchStart", "touchMove" with a finger there, or "touchEnd".
+  void touch(const std::string& what, double x = 0, double y = 0) {
+    nlohmann::json points = nlohmann::json::array();
+    if (what != "touchEnd") points.push_back({{"x", x}, {"y", y}});
+    send("Input.dispatchTouchEvent", {{"type", what}, {"touchPoints", points}});
+  }
+  /// Processor time of the browser and all it started, seconds.
+  double processorSeconds() const { return processorSecondsOf(process_->pid()); }
+
+ private:
+  nlohmann::json receive() {
+    std::size_t end = 0;
+    while ((end = received_.find('\0')) == std::string::npos) {
+      char buffer[65536];
+      const ssize_t count = read(out_, buffer, sizeof buffer);
+      if (count <= 0) throw failure("Chromium went away: {}", process_->output());
+      received_.append(buffer, static_cast<std::size_t>(count));
+    }
+    const nlohmann::json message = nlohmann::json::parse(received_.substr(0, end));
+    received_.erase(0, end + 1);
+    return message;
+  }
+  static double processorSecondsOf(pid_t pid) {
+    const std::string folder = "/proc/" + std::to_string(pid);
+    const std::string stat = contentOf(folder + "/stat");
+    std::istringstream fields(stat.substr(std::min(stat.size(), stat.rfind(')') + 2)));
+    std::string skipped;
+    double user = 0, system = 0;
+    for (int n = 0; n < 11; ++n) fields >> skipped;
+    fields >> user >> system;
+    double sum = (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+    for (const auto& task : std::filesystem::directory_iterator(folder + "/task")) {
+      std::istringstream children(contentOf(task.path() / "children"));
+      for (pid_t child = 0; children >> child;) sum += processorSecondsOf(child);
+    }
+    return sum;
+  }
+
+  TemporaryDirectory directory_;
+  std::unique_ptr<Process> process_;
+  int in_ = -1, out_ = -1, sent_ = 0;
+  std::string session_, received_;
+};
+
+}  // namespace palpate::test

@@ -1,0 +1,55 @@
+#include "viewer/fields/growing_area.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/problem/sites.hpp"
+#include "tests/support/finger_body.hpp"
+
+namespace palpate {
+namespace {
+
+struct GrowingAreaTest : testing::Test {
+  test::FingerBody body;
+  std::vector<const SpaceTable*> sites;
+  std::vector<Eigen::Vector3d> surface;
+  const Eigen::Vector3d s{0.052, 0.047, 0.1}, p{0.003, -0.002, -0.008};
+
+  GrowingAreaTest() {
+    for (const SpaceTable& space : body.spaces) sites.push_back(&space);
+    surface = placesAround(body.problem.mesh, centersOf(sites),
+                           body.spaces.front().patch.finger.value().radius);
+  }
+  GrowingArea area() const { return {body.spaces, AreaField::stationsOf(sites, surface)}; }
+};
+
+TEST_F(GrowingAreaTest, SaysWhatTheWholeFieldDoesToTheLastBit) {
+  const AreaField whole(sites, surface);
+  GrowingArea growing = area();
+  for (const Eigen::Vector3d& step : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.02, 0.01, 0),
+                                      Eigen::Vector3d(-0.03, 0.02, 0)}) {
+    while (growing.grow(s + step)) {
+    }
+    const AreaSample expected = whole.evaluate(s + step, p), got = growing.evaluate(s + step, p);
+    EXPECT_GT(expected.force.norm(), 0.1);
+    EXPECT_EQ(got.force, expected.force);
+    EXPECT_EQ(got.drive, expected.drive);
+    EXPECT_EQ(got.energy, expected.energy);
+    EXPECT_EQ(got.error_bound, expected.error_bound);
+    EXPECT_EQ(got.coverage, expected.coverage);
+  }
+}
+
+TEST_F(GrowingAreaTest, PreparesNoMoreThanIsNeeded) {
+  GrowingArea growing = area();
+  EXPECT_FALSE(growing.evaluate(s, p).inside) << "nothing is prepared";
+  while (growing.grow(s)) {
+  }
+  EXPECT_TRUE(growing.evaluate(s, p).inside);
+  EXPECT_LT(growing.madeSites(), growing.siteCount());
+  while (growing.growSites(s)) {
+  }
+  EXPECT_EQ(growing.madeSites(), growing.siteCount());
+}
+
+}  // namespace
+}  // namespace palpate

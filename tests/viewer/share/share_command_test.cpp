@@ -1,0 +1,74 @@
+#include "viewer/share/share_command.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "common/base/whole_file.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "tests/support/touchable_body.hpp"
+#include "viewer/share/organ_page.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+struct ShareCommandTest : testing::Test {
+  test::TemporaryDirectory directory;
+  ShareOptions options{directory / "cube.h5", directory / "cube.html"};
+
+  void seal(const std::string& name) const {
+    const Mesh mesh = test::cubeMesh(0.1, 2);
+    test::TouchableBody body(mesh, {{mesh.node_groups.at("zmax").front(), 1.0}});
+    body.problem.scene.name = name;
+    body.seal(options.dataset);
+  }
+  std::string told() const {
+    std::ostringstream output;
+    EXPECT_EQ(share(options, output), ExitCode::done);
+    return output.str();
+  }
+};
+
+TEST_F(ShareCommandTest, ThePageNeedsNothingElse) {
+  if (!hasPageField()) GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
+  seal("cube");
+  EXPECT_THAT(told(), AllOf(HasSubstr("cube.html"), HasSubstr("MB")));
+  const std::string page = readText(options.output, "page");
+  EXPECT_THAT(page, AllOf(HasSubstr("<title>cube: touch it</title>"), Not(HasSubstr("http:")),
+                          Not(HasSubstr("https:")), Not(HasSubstr(" src=")), Not(HasSubstr("{{"))));
+}
+
+TEST_F(ShareCommandTest, NamesAreNoMarkup) {
+  if (!hasPageField()) GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
+  CarriedOrgan organ;
+  organ.name = "</script><b>";
+  EXPECT_THAT(organPage(organ), AllOf(HasSubstr("&lt;/script>"), HasSubstr("\\u003c/script>"),
+                                      Not(HasSubstr("</script><b>"))));
+}
+
+TEST_F(ShareCommandTest, WithoutEmscriptenItSaysWhatToInstall) {
+  if (hasPageField()) GTEST_SKIP() << "built with Emscripten";
+  seal("cube");
+  test::expectError(ExitCode::failed, [&] { told(); },
+                    {"Emscripten", "apt install emscripten", "build palpate"});
+  EXPECT_FALSE(std::filesystem::exists(options.output));
+}
+
+TEST_F(ShareCommandTest, WhatIsNoDatasetIsRefusedAndNoPageIsLeft) {
+  std::ofstream(options.dataset) << "nothing";
+  test::expectError(ExitCode::usage, [&] { told(); }, {"cube.h5"});
+  EXPECT_FALSE(std::filesystem::exists(options.output));
+  options.output = directory / "nowhere" / "cube.html";
+  test::expectError(ExitCode::failed, [&] { told(); }, {"nowhere"});
+}
+
+}  // namespace
+}  // namespace palpate
