@@ -29,11 +29,9 @@ class Browser {
         directory_.path());
     in_ = open((directory_ / "in").c_str(), O_WRONLY | O_CLOEXEC);
     out_ = open((directory_ / "out").c_str(), O_RDONLY | O_CLOEXEC);
-    for (const auto& target : send("Target.getTargets").at("targetInfos"))
-      if (target.at("type") == "page")
-        session_ =
-            send("Target.attachToTarget", {{"targetId", target.at("targetId")}, {"flatten", true}})
-                .at("sessionId");
+    const nlohmann::json page = send("Target.createTarget", {{"url", "about:blank"}});
+    session_ = send("Target.attachToTarget", {{"targetId", page.at("targetId")}, {"flatten", true}})
+                   .at("sessionId");
     send("Emulation.setDeviceMetricsOverride",
          {{"width", 1280}, {"height", 800}, {"deviceScaleFactor", 1}, {"mobile", false}});
   }

@@ -154,9 +154,14 @@ TEST_F(ShareTest, DraggingBesideTheOrganTurnsIt) {
   EXPECT_EQ(browser.valueOf("!palpate.touched"), true);
 }
 
-/// The machine may be busy with other tests: so not the clock but the processor's time counts.
+/// The machine may be busy with other tests: so not the clock but the processor's time counts. As
+/// many triangles as the shipped organ has; of active nodes, so that the field has nothing to
+/// prepare meanwhile.
 TEST_F(ShareTest, APictureTakesLessProcessorTimeThanASixtiethOfASecond) {
-  test::FingerBody().seal(directory / "body.h5");
+  const Mesh mesh = test::cubeMesh(0.1, 8);
+  std::vector<test::TouchableBody::Active> active;
+  for (const std::int32_t node : mesh.node_groups.at("zmax")) active.push_back({node, 1.0});
+  test::TouchableBody(mesh, active).seal(directory / "body.h5");
   if (!makePage()) GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
   test::Browser browser;
   open(browser);
@@ -166,12 +171,12 @@ TEST_F(ShareTest, APictureTakesLessProcessorTimeThanASixtiethOfASecond) {
   browser.mouse("mousePressed", x, y);
   settle(browser);
   const double begin = browser.processorSeconds();
-  const int frames = browser.valueOf("palpate.page.frames");
+  const int before = browser.valueOf("palpate.page.frames");
   for (int n = 0; n < 90; ++n) {
     browser.mouse("mouseMoved", x + n % 30, y + n % 15);
     browser.valueOf("new Promise(requestAnimationFrame)");
   }
-  const int drawn = browser.valueOf("palpate.page.frames").get<int>() - frames;
+  const int drawn = browser.valueOf("palpate.page.frames").get<int>() - before;
   EXPECT_GT(drawn, 60);
   EXPECT_LT((browser.processorSeconds() - begin) / drawn, 1.0 / 60);
 }

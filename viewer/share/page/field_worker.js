@@ -26,7 +26,7 @@ async function open({field: fieldText, organ: organText}) {
     env: {emscripten_notify_memory_growth: nothing},
     wasi_snapshot_preview1: {
       proc_exit: () => {
-        throw new Error('the field of this page ended by itself');
+        throw new WebAssembly.RuntimeError('what the field was given is none of its own');
       },
       environ_sizes_get: nothing,
       environ_get: nothing,
@@ -111,7 +111,8 @@ function tell(error) {
   asked = near = null;
   postMessage({
     trouble: error instanceof WebAssembly.RuntimeError ?
-        'the field of this page could not be read: the file is damaged; ask for it again, or make it again with palpate share' :
+        'the field of this page could not be read: the file is damaged; ask for it again, ' +
+            'or make it again with palpate share' :
         error.message
   });
 }
