@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
@@ -85,8 +86,12 @@ class Browser {
     if (what != "touchEnd") points.push_back({{"x", x}, {"y", y}});
     send("Input.dispatchTouchEvent", {{"type", what}, {"touchPoints", points}});
   }
-  /// Processor time of the browser and all it started, seconds.
-  double processorSeconds() const { return processorSecondsOf(process_->pid()); }
+  /// Processor time of each of its processes (one draws, one runs the page), seconds.
+  std::map<pid_t, double> processorSeconds() const {
+    std::map<pid_t, double> seconds;
+    addProcessorSecondsOf(process_->pid(), seconds);
+    return seconds;
+  }
 
  private:
   nlohmann::json receive() {
@@ -101,7 +106,7 @@ class Browser {
     received_.erase(0, end + 1);
     return message;
   }
-  static double processorSecondsOf(pid_t pid) {
+  static void addProcessorSecondsOf(pid_t pid, std::map<pid_t, double>& seconds) {
     const std::string folder = "/proc/" + std::to_string(pid);
     const std::string stat = contentOf(folder + "/stat");
     std::istringstream fields(stat.substr(std::min(stat.size(), stat.rfind(')') + 2)));
@@ -109,12 +114,11 @@ class Browser {
     double user = 0, system = 0;
     for (int n = 0; n < 11; ++n) fields >> skipped;
     fields >> user >> system;
-    double sum = (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+    seconds[pid] = (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
     for (const auto& task : std::filesystem::directory_iterator(folder + "/task")) {
       std::istringstream children(contentOf(task.path() / "children"));
-      for (pid_t child = 0; children >> child;) sum += processorSecondsOf(child);
+      for (pid_t child = 0; children >> child;) addProcessorSecondsOf(child, seconds);
     }
-    return sum;
   }
 
   TemporaryDirectory directory_;

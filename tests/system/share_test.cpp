@@ -154,10 +154,10 @@ TEST_F(ShareTest, DraggingBesideTheOrganTurnsIt) {
   EXPECT_EQ(browser.valueOf("!palpate.touched"), true);
 }
 
-/// The machine may be busy with other tests: so not the clock but the processor's time counts. As
-/// many triangles as the shipped organ has; of active nodes, so that the field has nothing to
-/// prepare meanwhile.
-TEST_F(ShareTest, APictureTakesLessProcessorTimeThanASixtiethOfASecond) {
+/// The machine may be busy with other tests: so not the clock but processor time counts, that of
+/// the busiest of the browser's processes, which work side by side. As many triangles as the
+/// shipped organ has; of active nodes, so that the field has nothing to prepare meanwhile.
+TEST_F(ShareTest, APictureTakesEachProcessLessThanASixtiethOfASecond) {
   const Mesh mesh = test::cubeMesh(0.1, 8);
   std::vector<test::TouchableBody::Active> active;
   for (const std::int32_t node : mesh.node_groups.at("zmax")) active.push_back({node, 1.0});
@@ -170,15 +170,23 @@ TEST_F(ShareTest, APictureTakesLessProcessorTimeThanASixtiethOfASecond) {
   browser.mouse("mouseMoved", x, y);
   browser.mouse("mousePressed", x, y);
   settle(browser);
-  const double begin = browser.processorSeconds();
+  const std::map<pid_t, double> begin = browser.processorSeconds();
   const int before = browser.valueOf("palpate.page.frames");
-  for (int n = 0; n < 90; ++n) {
-    browser.mouse("mouseMoved", x + n % 30, y + n % 15);
-    browser.valueOf("new Promise(requestAnimationFrame)");
-  }
+  // Each move as the browser hands it on, without the way through the protocol.
+  browser.valueOf(
+      "(async () => {for (let n = 0; n < 120; ++n) {"
+      "  document.getElementById('organ').dispatchEvent(new PointerEvent("
+      "'pointermove', {pointerId: [...palpate.page.pointers.keys()][0],"
+      " clientX: " +
+      std::to_string(x) + " + n % 30, clientY: " + std::to_string(y) +
+      " + n % 15}));"
+      "  await new Promise(requestAnimationFrame);}})()");
   const int drawn = browser.valueOf("palpate.page.frames").get<int>() - before;
-  EXPECT_GT(drawn, 60);
-  EXPECT_LT((browser.processorSeconds() - begin) / drawn, 1.0 / 60);
+  EXPECT_GT(drawn, 90);
+  for (const auto& [pid, seconds] : browser.processorSeconds())
+    if (begin.contains(pid)) {
+      EXPECT_LT((seconds - begin.at(pid)) / drawn, 1.0 / 60);
+    }
 }
 
 TEST_F(ShareTest, WithoutWebGlThePageSaysWhatToDo) {
