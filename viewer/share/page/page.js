@@ -273,7 +273,7 @@ void main() {
   float under = showing * (1.0 - smoothstep(0.0, ring, away));
   vec3 pale = mix(skin, vec3(0.80, 0.46, 0.38), 0.55 * under * pressure);
   float lit = dot(n, key), wrapped = max(0.0, (lit + 0.35) / 1.35);
-  vec3 light = vec3(1.05, 1.0, 0.95) * wrapped + vec3(0.26, 0.30, 0.36) * (0.55 + 0.45 * n.z);
+  vec3 light = vec3(1.05, 1.0, 0.95) * wrapped + vec3(0.30, 0.33, 0.37) * (0.75 + 0.25 * n.z);
   light += vec3(0.15, 0.03, 0.02) * (1.0 - abs(lit));
   float shine = max(0.0, dot(n, normalize(key + view)));
   float s2 = shine * shine, s4 = s2 * s2, s8 = s4 * s4, s16 = s8 * s8, s32 = s16 * s16;
@@ -333,19 +333,18 @@ void main() {
       this.distance = 3.1 * surface.radius;
       this.least = 1.3 * surface.radius;
       this.most = 8 * surface.radius;
-      // What can be touched shows, and of that the broad side.
-      let sum = [0, 0, 0];
-      for (let v = 0; v < surface.count; ++v)
-        if (surface.felt[v] > 0) sum = add(sum, row(surface.normal, v));
+      const felt = surface.felt.reduce((sum, one) => sum + one, 1);
       let best = -Infinity;
       for (let tilt = -2; tilt <= 3; ++tilt)
         for (let turn = 0; turn < 16; ++turn) {
           this.turn = turn * Math.PI / 8;
           this.tilt = tilt * Math.PI / 10;
           const back = this.back();
+          // The broad side of the organ, and in view what can be touched.
           let area = 0;
           for (let v = 0; v < surface.count; v += 3)
-            if (surface.felt[v] > 0) area += Math.max(0, dot(back, row(surface.normal, v)));
+            area += Math.max(0, dot(back, row(surface.normal, v))) *
+                (surface.felt[v] > 0 ? 1 + 0.25 * surface.count / felt : 1);
           if (area > best) {
             best = area;
             this.best = [this.turn, this.tilt];
@@ -796,11 +795,14 @@ void main() {
               '');
       write(
           'about',
-          !felt                   ? 'Not touching' :
-              !felt.inside        ? 'Beyond what was computed: this force is a guess' :
-              felt.coverage < 0.5 ? 'Near the end of what was computed: do not rely on this force' :
-                                    `${(1000 * length(felt.p)).toFixed(1)} mm deep, ${
-                                        (1000 * felt.energy).toFixed(1)} mJ stored`);
+          !felt            ? 'Not touching' :
+              !felt.inside ? 'Beyond what was computed: this force is a guess' :
+              felt.coverage < 0.5 ?
+                             'Near the end of what was computed: do not rely on this force' :
+                             `${(1000 * length(felt.p)).toFixed(1)} mm ${
+                                 this.touches[felt.touch].fingerRadius > 0 ?
+                                     'deep' :
+                                     'from rest'}, ${(1000 * felt.energy).toFixed(1)} mJ stored`);
     }
     scene() {
       const felt = this.felt, spots = felt ? [] : this.spots;
