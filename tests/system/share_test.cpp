@@ -5,7 +5,7 @@
 #include "tests/support/finger_body.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/touchable_body.hpp"
-#include "tests/system/browser.hpp"
+#include "tests/system/touchable_pixel.hpp"
 
 /// A page that `palpate share` made, in the hands of who opens it.
 namespace palpate {
@@ -38,17 +38,6 @@ struct ShareTest : testing::Test {
     ASSERT_TRUE(browser.becomesTrue("document.body && document.body.dataset.state"));
     ASSERT_EQ(browser.valueOf("document.body.dataset.state"), "ready")
         << browser.valueOf("document.getElementById('trouble').textContent");
-  }
-  /// Pixels of the canvas where the organ can be touched: a grid is tried.
-  static std::pair<double, double> touchable(test::Browser& browser) {
-    const json place = browser.valueOf(
-        "(() => {for (let y = 200; y < 520; y += 20) for (let x = 300; x < 900; x += 20) {"
-        "  const hit = palpate.page.hit(x, y);"
-        "  if (hit && hit.touch >= 0 && [[-20, 0], [40, 20]].every(([dx, dy]) => {"
-        "    const other = palpate.page.hit(x + dx, y + dy); return other && other.touch >= 0})) "
-        "return [x, y];} return null})()");
-    EXPECT_TRUE(place.is_array()) << "nothing can be touched";
-    return {place.at(0), place.at(1)};
   }
   /// The last answer of the field is that of `palpate query`.
   void expectAnswerOfQuery(test::Browser& browser, bool finger) const {
@@ -85,7 +74,7 @@ TEST_F(ShareTest, AMousePressesSlidesPressesDeeperAndLetsGo) {
   if (!makePage()) GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
   test::Browser browser;
   open(browser);
-  const auto [x, y] = touchable(browser);
+  const auto [x, y] = test::touchablePixel(browser);
   browser.mouse("mouseMoved", x, y);
   browser.mouse("mousePressed", x, y);
   settle(browser);
@@ -119,7 +108,7 @@ TEST_F(ShareTest, AFingerOnATouchScreenPressesAnActiveNode) {
   test::Browser browser;
   browser.send("Emulation.setTouchEmulationEnabled", {{"enabled", true}});
   open(browser);
-  const auto [x, y] = touchable(browser);
+  const auto [x, y] = test::touchablePixel(browser);
   browser.touch("touchStart", x, y);
   settle(browser);
   const std::string name = browser.valueOf(
@@ -152,41 +141,6 @@ TEST_F(ShareTest, DraggingBesideTheOrganTurnsIt) {
   EXPECT_TRUE(browser.becomesTrue("Math.abs(palpate.page.camera.turn - " + std::to_string(turn) +
                                   ") > 0.1"));
   EXPECT_EQ(browser.valueOf("!palpate.touched"), true);
-}
-
-/// The machine may be busy with other tests: so not the clock but processor time counts, that of
-/// the busiest of the browser's processes, which work side by side. As many triangles as the
-/// shipped organ has; of active nodes, so that the field has nothing to prepare meanwhile.
-TEST_F(ShareTest, APictureTakesEachProcessLessThanASixtiethOfASecond) {
-  const Mesh mesh = test::cubeMesh(0.1, 8);
-  std::vector<test::TouchableBody::Active> active;
-  for (const std::int32_t node : mesh.node_groups.at("zmax")) active.push_back({node, 1.0});
-  test::TouchableBody(mesh, active).seal(directory / "body.h5");
-  if (!makePage()) GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
-  test::Browser browser;
-  open(browser);
-  EXPECT_LT(browser.valueOf("palpate.ready").get<double>(), 2000) << "ms until the organ is seen";
-  const auto [x, y] = touchable(browser);
-  browser.mouse("mouseMoved", x, y);
-  browser.mouse("mousePressed", x, y);
-  settle(browser);
-  const std::map<pid_t, double> begin = browser.processorSeconds();
-  const int before = browser.valueOf("palpate.page.frames");
-  // Each move as the browser hands it on, without the way through the protocol.
-  browser.valueOf(
-      "(async () => {for (let n = 0; n < 120; ++n) {"
-      "  document.getElementById('organ').dispatchEvent(new PointerEvent("
-      "'pointermove', {pointerId: [...palpate.page.pointers.keys()][0],"
-      " clientX: " +
-      std::to_string(x) + " + n % 30, clientY: " + std::to_string(y) +
-      " + n % 15}));"
-      "  await new Promise(requestAnimationFrame);}})()");
-  const int drawn = browser.valueOf("palpate.page.frames").get<int>() - before;
-  EXPECT_GT(drawn, 90);
-  for (const auto& [pid, seconds] : browser.processorSeconds())
-    if (begin.contains(pid)) {
-      EXPECT_LT((seconds - begin.at(pid)) / drawn, 1.0 / 60);
-    }
 }
 
 TEST_F(ShareTest, WithoutWebGlThePageSaysWhatToDo) {
