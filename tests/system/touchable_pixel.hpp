@@ -7,14 +7,16 @@
 namespace palpate::test {
 
 /// Of the canvas of a page of `palpate share`: a place where the organ can be touched, and so it
-/// can around it. A grid is tried. Error when there is none.
+/// can around it if there is such a place. A grid is tried. Error when there is none.
 inline std::pair<double, double> touchablePixel(Browser& browser) {
   const nlohmann::json place = browser.valueOf(
-      "(() => {for (let y = 200; y < 520; y += 20) for (let x = 300; x < 900; x += 20) {"
-      "  const hit = palpate.page.hit(x, y);"
-      "  if (hit && hit.touch >= 0 && [[-20, 0], [40, 20]].every(([dx, dy]) => {"
-      "    const other = palpate.page.hit(x + dx, y + dy); return other && other.touch >= 0})) "
-      "return [x, y];} return null})()");
+      "(() => {"
+      "  const touchable = (x, y) => (palpate.page.hit(x, y) || {touch: -1}).touch >= 0;"
+      "  for (const around of [[[-20, 0], [40, 20]], []])"
+      "    for (let y = 100; y < 700; y += 10) for (let x = 100; x < 1180; x += 10)"
+      "      if (touchable(x, y) && around.every(([dx, dy]) => touchable(x + dx, y + dy)))"
+      "        return [x, y];"
+      "  return null})()");
   if (!place.is_array()) throw failure("nothing of the organ can be touched");
   return {place.at(0), place.at(1)};
 }

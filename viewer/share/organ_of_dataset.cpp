@@ -1,8 +1,10 @@
 #include "viewer/share/organ_of_dataset.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 
+#include "common/base/error.hpp"
 #include "common/base/index.hpp"
 #include "common/problem/sites.hpp"
 #include "viewer/fields/area_field.hpp"
@@ -17,6 +19,9 @@ constexpr Eigen::Index most_modes = 255;
 /// are kept. It is not seen.
 constexpr double missed_by_modes = 5e-5;
 
+/// What pictures of a page can number (page/page.js).
+constexpr std::size_t most_vertices = 65536;
+
 using Shapes = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// The displacements of one space, a row per point; zero where nothing is solved.
@@ -27,10 +32,10 @@ Shapes shapesOf(const Dataset& dataset, std::size_t space) {
   return shapes.array().isNaN().select(0.0f, shapes);
 }
 
-/// How many of the largest eigenvalues (ascending) leave little enough to the others: a multiple
-/// of three.
-Eigen::Index modesNeeded(const Eigen::VectorXd& eigenvalues, double values) {
-  double missed = eigenvalues.sum();
+/// How many of the largest eigenvalues (ascending) leave little enough of `sum` to the others: a
+/// multiple of three.
+Eigen::Index modesNeeded(const Eigen::VectorXd& eigenvalues, double sum, double values) {
+  double missed = sum;
   Eigen::Index count = 0;
   while (count < std::min(most_modes, eigenvalues.size()) &&
          missed > missed_by_modes * missed_by_modes * values)
@@ -38,21 +43,50 @@ Eigen::Index modesNeeded(const Eigen::VectorXd& eigenvalues, double values) {
   return std::min(most_modes, (count + 2) / 3 * 3);
 }
 
+/// Some of the shapes, spread evenly, as columns: where the search for modes begins.
+Eigen::MatrixXd someOf(const std::vector<Shapes>& all, Eigen::Index width, Eigen::Index count) {
+  std::int64_t rows = 0, row = 0;
+  for (const Shapes& shapes : all) rows += shapes.rows();
+  Eigen::MatrixXd some = Eigen::MatrixXd::Identity(width, count);
+  for (const Shapes& shapes : all)
+    for (Eigen::Index n = 0; n < shapes.rows(); ++n, ++row)
+      some.col(row * count / rows) += shapes.row(n).transpose().cast<double>();
+  return some;
+}
+
+/// Sum of S^T S Q over all shapes S.
+Eigen::MatrixXd productsWith(const std::vector<Shapes>& all, const Eigen::MatrixXd& q) {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(q.rows(), q.cols());
+  for (const Shapes& shapes : all) {
+    const Eigen::MatrixXd exact = shapes.cast<double>();
+    sum.noalias() += exact.transpose() * (exact * q);
+  }
+  return sum;
+}
+
+/// By subspace iteration: a body may have thousands of vertices, and the products of all with all
+/// would not fit. Two turns find what matters of the modes; the last ones matter least.
 CarriedShapes reducedShapes(const Dataset& dataset) {
   const auto width = 3 * std::ssize(dataset.surfaceNodes());
   std::vector<Shapes> all;
-  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(width, width);
-  double rows = 0;
+  double sum = 0, rows = 0;
   for (std::size_t s = 0; s < dataset.spaces().size(); ++s) {
     all.push_back(shapesOf(dataset, s));
-    const Eigen::MatrixXd shapes = all.back().cast<double>().transpose();
-    products.selfadjointView<Eigen::Lower>().rankUpdate(shapes);
+    sum += all.back().cast<double>().squaredNorm();
     rows += static_cast<double>(all.back().rows());
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(products);
-  const Eigen::Index count = modesNeeded(modes.eigenvalues(), rows * static_cast<double>(width));
+  const Eigen::Index tried = std::min<Eigen::Index>(width, most_modes + 17);
+  const auto orthonormal = [&](const Eigen::MatrixXd& columns) -> Eigen::MatrixXd {
+    return Eigen::HouseholderQR<Eigen::MatrixXd>(columns).householderQ() *
+           Eigen::MatrixXd::Identity(width, tried);
+  };
+  Eigen::MatrixXd q = orthonormal(someOf(all, width, tried));
+  for (int turn = 0; turn < 2; ++turn) q = orthonormal(productsWith(all, q));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(q.transpose() * productsWith(all, q));
+  const Eigen::Index count =
+      modesNeeded(modes.eigenvalues(), sum, rows * static_cast<double>(width));
   const Shapes basis =
-      modes.eigenvectors().rightCols(count).rowwise().reverse().transpose().cast<float>();
+      (q * modes.eigenvectors().rightCols(count).rowwise().reverse()).transpose().cast<float>();
   CarriedShapes reduced;
   reduced.mode_count = at(count);
   reduced.modes.assign(basis.data(), basis.data() + basis.size());
@@ -96,6 +130,11 @@ std::int32_t spaceOf(const TouchSurface& surface, std::int32_t triangle) {
 
 CarriedOrgan organOf(const Dataset& dataset) {
   const TouchSurface surface(dataset);
+  if (surface.vertices().size() > most_vertices)
+    throw failure(
+        "its surface has {} vertices, of which a page draws {} at most: a coarser mesh of the body "
+        "can be shared",
+        surface.vertices().size(), most_vertices);
   CarriedOrgan organ;
   organ.name = dataset.scene().name;
   organ.max_force = dataset.scene().workspace.max_force;

@@ -6,7 +6,8 @@
 namespace palpate {
 
 /// What of a dataset a page carries. Some seconds of work, in which shapes are reduced to modes
-/// (proper orthogonal decomposition of all solved shapes). Error when there is nothing to touch.
+/// (proper orthogonal decomposition of all solved shapes). Error when the surface has more than
+/// 65,536 vertices.
 CarriedOrgan organOf(const Dataset& dataset);
 
 }  // namespace palpate

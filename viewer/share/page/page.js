@@ -25,6 +25,10 @@
   const unit = (a) => scaled(a, 1 / (length(a) || 1));
   const row = (array, n) => [array[3 * n], array[3 * n + 1], array[3 * n + 2]];
 
+  // What a picture's indices can number (palpate share refuses more); each refinement makes about
+  // four vertices of one.
+  const mostVertices = 65536;
+
   // ---- The surface: the mesh, refined by Loop's rules so that it looks like an organ
   // ----------------
 
@@ -44,7 +48,8 @@
           triangle: t,
           uv: [[0, 0], [1, 0], [0, 1]]
         });
-      for (let level = 0; level < levels; ++level) ({sums, faces} = Surface.refined(sums, faces));
+      for (let level = 0; level < levels && 4 * sums.length < mostVertices; ++level)
+        ({sums, faces} = Surface.refined(sums, faces));
       this.count = sums.length;
       this.first = new Uint32Array(sums.length + 1);
       sums.forEach((sum, v) => {
