@@ -20,7 +20,7 @@ class TouchedOrgan {
  public:
   explicit TouchedOrgan(CarriedOrgan organ);
 
-  const CarriedOrgan& organ() const { return organ_; }  ///< its spaces have moved into the fields
+  const CarriedOrgan& organ() const { return organ_; }
   /// Where a point of the surface is at rest, m.
   Eigen::Vector3d positionOf(const SurfacePoint& point) const;
   /// Makes one piece of what a touch there needs; false when nothing is lacking. `touch`: into

@@ -3,6 +3,7 @@
 #include <sodium.h>
 #include <zlib.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
@@ -42,7 +43,7 @@ std::string escapedText(std::string_view text) {
 
 /// The text between "{{" and "}}" names what stands there instead.
 std::string filledMarkup(std::string_view text,
-                   const std::map<std::string, std::string, std::less<>>& by) {
+                         const std::map<std::string, std::string, std::less<>>& by) {
   std::string out;
   for (;;) {
     const std::size_t begin = text.find("{{"), end = text.find("}}", begin);
@@ -77,12 +78,12 @@ std::string organPage(const CarriedOrgan& organ) {
   for (std::size_t at = 0; (at = facts.find('<', at)) != std::string::npos;)
     facts.replace(at, 1, "\\u003c");
   return filledMarkup(parts.markup, {{"name", escapedText(organ.name)},
-                               {"style", std::string(parts.style)},
-                               {"script", std::string(parts.script)},
-                               {"worker", std::string(parts.worker)},
-                               {"facts", facts},
-                               {"field", packedText(parts.field)},
-                               {"organ", packedText(encode(organ))}});
+                                     {"style", std::string(parts.style)},
+                                     {"script", std::string(parts.script)},
+                                     {"worker", std::string(parts.worker)},
+                                     {"facts", facts},
+                                     {"field", packedText(parts.field)},
+                                     {"organ", packedText(encode(organ))}});
 }
 
 }  // namespace palpate
