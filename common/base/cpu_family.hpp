@@ -35,8 +35,8 @@ inline std::string arithmeticOf(CpuFamily family) {
   return std::string(name(family)) + "/" + std::string(blasKernelsOf(family));
 }
 
-/// The fastest family that this machine runs. Any thread.
 #ifdef __x86_64__  // the fields are compiled for WebAssembly too, which has one family
+/// The fastest family that this machine runs. Any thread.
 inline CpuFamily cpuFamily() {
   if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return CpuFamily::baseline;
   const bool has_avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&

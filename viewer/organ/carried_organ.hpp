@@ -50,7 +50,8 @@ struct CarriedOrgan {
 
 /// The same as bytes, little-endian; they begin with a version, which only the same version reads.
 std::string encode(const CarriedOrgan& organ);
-/// Error when they are no organ, of another version, or cut off.
+/// Error when they are no organ, of another version, or cut off. What encode() wrote is trusted:
+/// indices are not checked.
 CarriedOrgan decode(std::string_view bytes);
 
 }  // namespace palpate

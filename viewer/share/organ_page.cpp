@@ -67,12 +67,16 @@ nlohmann::json pageFacts(const CarriedOrgan& organ) {
 
 bool hasPageField() { return !pageParts().field.empty(); }
 
-std::string organPage(const CarriedOrgan& organ) {
-  const PageParts parts = pageParts();
-  if (parts.field.empty())
+void requirePageField() {
+  if (!hasPageField())
     throw failure(
         "this palpate was built without Emscripten, which makes the fields for pages: install it "
         "(Debian: apt install emscripten) and build palpate again (docs/sharing.md)");
+}
+
+std::string organPage(const CarriedOrgan& organ) {
+  requirePageField();
+  const PageParts parts = pageParts();
   std::string facts = pageFacts(organ).dump(-1, ' ', true);
   // So that no name ends the script that holds it.
   for (std::size_t at = 0; (at = facts.find('<', at)) != std::string::npos;)

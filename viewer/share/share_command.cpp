@@ -32,6 +32,7 @@ ExitCode share(const ShareOptions& options, std::ostream& output) {
   refuseUnwritable(options.output, "-o");
   const Dataset dataset(options.dataset);
   warnIfPartial(dataset);
+  requirePageField();  // before the search for modes, which would be for nothing
   const std::string page = organPage(organOf(dataset));
   replaceFile(options.output, page, "page");
   output << fmt::format("{}: {:.1f} MB, open it in a browser\n", options.output.string(),

@@ -859,7 +859,6 @@ void main() {
         if (this.frames < 5 || !this.plot.isFlat()) this.plot.draw(time / 1000);
       }
       canvas.classList.toggle('pressing', this.hand.held);
-      window.palpate.frames = (window.palpate.frames || 0) + 1;
       requestAnimationFrame((next) => this.frame(next));
     }
     started() {
