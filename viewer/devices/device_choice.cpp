@@ -47,8 +47,8 @@ Device openVirtual(const Word& word, const DeviceContext& context) {
 }
 
 Device openMouse(const Word&, const DeviceContext& context) {
-  const Eigen::Vector3d start = touchPath(modelFor("mouse", context)).waypoints().front().position;
-  return std::make_unique<MouseDevice>(start, context.period, context.profile);
+  modelFor("mouse", context);  // where nothing is touched there is no picture that moves it
+  return std::make_unique<MouseDevice>(context.period, context.profile);
 }
 
 Device openReplay(const Word& word, const DeviceContext& context) {

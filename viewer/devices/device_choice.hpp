@@ -22,8 +22,8 @@ struct DeviceContext {
   KeyOptions keys = {};  ///< for a device on the network
 };
 
-/// The word of --device when there is none.
-inline constexpr const char* default_device = "virtual";
+/// The word of --device when there is none: in a window that follows the clock, and else.
+inline constexpr const char *window_device = "mouse", *default_device = "virtual";
 
 /// The text of --help for --device.
 const char* deviceHelp();

@@ -149,7 +149,7 @@ GuardedForce ForceGuard::limit(const GuardInput& input) noexcept {
     if (is) result.guards |= static_cast<std::uint32_t>(guarded);
   };
   const bool usable = isUsable(input.tool) && isUsable(input.touch.force);
-  tell(Guarded::not_finite, !usable && !input.lost);
+  tell(Guarded::not_finite, !usable && !input.lost && !input.away);
   tell(Guarded::lost, input.lost);
   tell(Guarded::late, input.late);
   if (input.lost || input.late) {

@@ -42,6 +42,7 @@ struct GuardInput {
   Touch touch;
   bool fresh = true;  ///< the reading is new
   bool lost = false;  ///< the device is gone
+  bool away = false;  ///< no hand is in the scene: that the tool is not finite is no fault
   bool late = false;  ///< the loop hung before this tick
 };
 

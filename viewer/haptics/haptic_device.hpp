@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include "common/scene/device_profile.hpp"
@@ -11,7 +12,8 @@ namespace palpate {
 enum class DeviceStatus : std::uint8_t {
   fresh,     ///< the reading is of this tick
   repeated,  ///< nothing new came since the last tick; the last reading again
-  lost       ///< unplugged, or silent for too long; the position means nothing
+  lost,      ///< unplugged, or silent for too long; the position means nothing
+  away       ///< all is well, and no hand is in the scene; the position means nothing
 };
 
 /// One reading of a device. Nothing in it can be trusted: a device may send NaN.
@@ -20,6 +22,15 @@ struct DeviceReading {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   std::uint32_t buttons = 0;  ///< bit n: button n is down; bit 0 lets go (contact.hpp)
   DeviceStatus status = DeviceStatus::lost;
+};
+
+/// Where the mouse of the picture has the tool.
+struct MouseTarget {
+  /// m, scene frame; not finite: nowhere
+  Eigen::Vector3d position = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  /// How often the tool came from nowhere. With another number than before it is there at once, and
+  /// was nowhere in between.
+  std::uint32_t appearance = 0;
 };
 
 /// A haptic device: something that says where the hand is, and may push it.
@@ -44,9 +55,10 @@ class HapticDevice {
   virtual void halt() noexcept = 0;
   virtual void resume() noexcept = 0;
 
-  /// Where the mouse of the picture has the tool, m, scene frame; not finite: ignored. Called by
-  /// the picture's thread alone, and heard by the device that is this mouse alone.
-  virtual void moveTo(const Eigen::Vector3d& /*position*/) noexcept {}
+  /// Called by the picture's thread alone, and heard by the device that is this mouse alone.
+  virtual void moveTo(const MouseTarget& /*target*/) noexcept {}
+  /// Whether it is the mouse, and hears moveTo().
+  virtual bool isMouse() const { return false; }
 
   /// Limits of its force, stiffness and workspace.
   virtual DeviceProfile profile() const = 0;

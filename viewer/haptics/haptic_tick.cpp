@@ -69,17 +69,20 @@ const HapticState& HapticTick::run(bool late) noexcept {
   state_.time = static_cast<double>(state_.tick) * options_.period;
   state_.reading = device_.read();
   const bool lost = state_.reading.status == DeviceStatus::lost;
+  const bool away = state_.reading.status == DeviceStatus::away;
   // A lost device has no position, whatever the reading says; contact ends with it.
   const Eigen::Vector3d tool =
-      lost ? Eigen::Vector3d(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()))
-           : options_.map.toScene(state_.reading.position);
+      lost || away
+          ? Eigen::Vector3d(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()))
+          : options_.map.toScene(state_.reading.position);
   if (tool.allFinite()) state_.tool = tool;
 
   GuardInput input;
   input.tool = tool;
   input.touch = contact_.update(tool, (state_.reading.buttons & 1U) == 0);
-  input.fresh = state_.reading.status == DeviceStatus::fresh;
+  input.fresh = away || state_.reading.status == DeviceStatus::fresh;
   input.lost = lost;
+  input.away = away;
   // While lost the device is halted; the tick in which it is back is late.
   input.late = late && !lost;
   const GuardedForce guarded = guard_.limit(input);

@@ -46,7 +46,7 @@ auto makeChannels() {
       Channel{"/time", "s", +[](State s) { return s.time; }},
       Channel{"/device/position", "m", +[](State s) { return s.reading.position; }},
       Channel{"/device/buttons", "bits", +[](State s) { return s.reading.buttons; }},
-      Channel{"/device/status", "0 fresh, 1 repeated, 2 lost",
+      Channel{"/device/status", "0 fresh, 1 repeated, 2 lost, 3 away",
               +[](State s) { return s.reading.status; }},
       Channel{"/tool/position", "m", +[](State s) { return s.tool; }},
       Channel{"/force/rendered", "N", +[](State s) { return s.force; }},
@@ -208,7 +208,7 @@ Recording readRecording(const std::filesystem::path& file) {
   const auto status = in.readList<DeviceStatus>("/device/status", positions.size());
   recording.readings.reserve(positions.size());
   for (std::size_t tick = 0; tick < positions.size(); ++tick) {
-    if (status[tick] > DeviceStatus::lost)
+    if (status[tick] > DeviceStatus::away)
       throw in.damaged("/device/status", fmt::format("entry {} is no known status", tick));
     recording.readings.push_back({positions[tick], buttons[tick], status[tick]});
   }

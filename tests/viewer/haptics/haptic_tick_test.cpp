@@ -51,6 +51,24 @@ TEST_F(HapticTickTest, PushesTheHandOutOfTheBody) {
   EXPECT_EQ(state.tool, state.reading.position);
 }
 
+TEST_F(HapticTickTest, LetsGoWithoutAFaultWhenTheHandIsAway) {
+  ScriptedHand hand([](std::uint64_t tick) {
+    DeviceReading reading = pressing(tick);
+    if (tick > 100) reading.status = DeviceStatus::away;
+    return reading;
+  });
+  HapticTick tick({&model()}, hand, options());
+  for (int n = 0; n < 100; ++n) tick.run();
+  const double force = tick.state().force.norm();
+  ASSERT_GT(force, 0.1);
+  tick.run();
+  EXPECT_FALSE(tick.state().touch.touching);
+  EXPECT_GT(tick.state().force.norm(), 0.5 * force) << "a hand feels no kick";
+  for (int n = 0; n < 100; ++n) tick.run();
+  EXPECT_EQ(tick.state().force.norm(), 0);
+  EXPECT_EQ(tick.state().guards, 0U);
+}
+
 TEST_F(HapticTickTest, GivesTheSameForcesToTheLastBit) {
   std::vector<Eigen::Vector3d> runs[2];
   for (auto& run : runs) {

@@ -324,7 +324,7 @@ TEST(Recording, WithImpossibleValuesIsRefused) {
                       {"run.h5", where});
   };
   fresh();
-  rewrite<std::uint8_t>(folder / "run.h5", "/device/status", {0, 3, 0}, {3});
+  rewrite<std::uint8_t>(folder / "run.h5", "/device/status", {0, 4, 0}, {3});
   refused("/device/status");
 }
 
