@@ -31,6 +31,8 @@ void check(const ViewOptions& options) {
                    options.device);
   if (options.headless && options.device == "mouse")
     throw badInput("--device mouse moves the tool in the picture: leave out --headless");
+  if (options.tutorial && options.device != window_device)
+    throw badInput("--tutorial shows the mouse at work: leave out --headless, --fast and --device");
   if (options.headless && !(options.screenshot.empty() && options.video.empty()))
     throw badInput("--headless draws no picture: leave it out for --screenshot and --record-video");
 }
@@ -48,7 +50,7 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
       ->type_name("FILE");
   app.add_option("--device", options->device, deviceHelp())
       ->type_name("WORD")
-      ->capture_default_str();
+      ->default_str(fmt::format("{} in a window, else {}", window_device, default_device));
   options->keys.addTo(app, "Take a device on the network that asks for no key");
   app.add_option("--profile", options->profile,
                  "Limits of force and stiffness as of this device; default: the device's own")
@@ -69,6 +71,8 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
       ->capture_default_str();
   app.add_flag("--headless", options->headless, "No picture; needs no display");
   app.add_flag("--fast", options->fast, "Tick after tick without a clock (virtual hand, replay)");
+  app.add_flag("--tutorial", options->tutorial,
+               "Begin with the ten seconds of the first start, which show what the mouse can do");
   app.add_flag("--real-time", options->real_time, "Ask for SCHED_FIFO and locked memory");
   app.add_option("--record", options->record, "Write every tick to FILE")->type_name("FILE");
   app.add_option("--screenshot", options->screenshot, "Write the last picture to FILE, PNG")
@@ -85,6 +89,8 @@ std::function<ExitCode()> prepareView(CLI::App& app) {
     if (!contact->empty())
       options->contact =
           *contact == word(ContactMode::glued) ? ContactMode::glued : ContactMode::unilateral;
+    if (options->device.empty())
+      options->device = options->headless || options->fast ? default_device : window_device;
     check(*options);
     return view(*options, std::cout);
   };

@@ -12,7 +12,7 @@ namespace palpate {
 /// What `palpate view` was asked for.
 struct ViewOptions {
   std::vector<std::filesystem::path> datasets;  ///< at least one; the first is felt first
-  std::string device = "virtual";               ///< a word of device_choice.hpp
+  std::string device;                           ///< a word of device_choice.hpp
   KeyOptions keys = {};                         ///< for a device on the network
   std::string profile;                          ///< of device_profiles; empty: the device's own
   std::string method = "potential";
@@ -25,6 +25,7 @@ struct ViewOptions {
   bool headless = false;
   bool fast = false;  ///< no clock: tick after tick
   bool real_time = false;
+  bool tutorial = false;             ///< begin with it, also at a later start than the first
   std::filesystem::path record;      ///< empty: nothing is recorded
   std::filesystem::path screenshot;  ///< empty: none
   std::filesystem::path video;       ///< directory; empty: none

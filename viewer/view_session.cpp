@@ -11,6 +11,7 @@
 #include "common/base/assertion.hpp"
 #include "common/base/whole_file.hpp"
 #include "viewer/devices/device_choice.hpp"
+#include "viewer/first_start.hpp"
 #include "viewer/haptics/haptic_loop.hpp"
 #include "viewer/haptics/recording.hpp"
 #include "viewer/loaded_models.hpp"
@@ -55,7 +56,8 @@ class ViewSession {
     if (!options_.video.empty()) video_.emplace(options_.video);
     // The device last: until then nothing that fails leaves it with a force.
     loaded_ = load();
-    if (!options_.headless) openPicture();
+    if (!options_.headless)
+      openPicture(options_.tutorial || (options_.device == window_device && firstStart()));
     device_ = openDevice(options_.device,
                          {&loaded_->first(), 1 / options_.rate, wantedProfile(), options_.keys});
     makeTick();
@@ -100,9 +102,10 @@ class ViewSession {
     return std::make_unique<LoadedModels>(options_.datasets, model_options);
   }
 
-  void openPicture() {
+  void openPicture(bool tutorial) {
     PictureOptions picture_options;
     picture_options.visible = options_.video.empty() || !options_.fast;
+    picture_options.tutorial = tutorial;
     picture_ = std::make_unique<Picture>(loaded_->pointers(), picture_options);
   }
 
@@ -241,6 +244,8 @@ class ViewSession {
   PictureRequests drawFrame(const HapticState& state) {
     PALPATE_ASSERT(picture_, "a run without a picture draws none");
     status_.device = device_->name();
+    status_.mouse = device_->isMouse();
+    status_.contact = tick_->options().contact.mode;
     status_.max_force = tick_->options().guard.max_force;
     status_.paused = !loop_ && !stepped();
     status_.recording = recorder_.has_value();
@@ -260,7 +265,7 @@ class ViewSession {
     if (requests.use)
       command({HapticCommand::Kind::use, requests.use->model, requests.use->method});
     if (requests.release) command({HapticCommand::Kind::release});
-    if (requests.mouse_target) device_->moveTo(*requests.mouse_target);
+    if (requests.tool) device_->moveTo(*requests.tool);
     if (requests.pause && !stepped()) loop_ ? endLoop() : startLoop();
     if (requests.reload) reload();
     quit_ = quit_ || requests.quit;
@@ -286,7 +291,7 @@ class ViewSession {
     tick_.reset();
     picture_.reset();
     loaded_ = std::move(fresh);
-    openPicture();
+    openPicture(false);
     makeTick();
     if (!stepped()) loaded_->prepareTheRest();
     status_.notice.clear();

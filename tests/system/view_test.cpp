@@ -9,6 +9,7 @@
 #include "tests/support/temporary_directory.hpp"
 #include "tests/support/touchable_body.hpp"
 #include "tests/system/process.hpp"
+#include "tests/viewer/picture/person.hpp"
 #include "tests/viewer/picture/virtual_screen.hpp"
 
 /// The haptic client as a person starts it, without a display.
@@ -24,8 +25,10 @@ struct ViewTest : testing::Test {
   ViewTest() {
     unsetenv("DISPLAY");
     unsetenv("WAYLAND_DISPLAY");
+    setenv("XDG_STATE_HOME", (directory / "state").c_str(), 1);
     seal(1);
   }
+  ~ViewTest() override { unsetenv("XDG_STATE_HOME"); }
 
   /// A cube that is touched all over its top, `factor` times as stiff as the softest.
   void seal(double factor) const {
@@ -42,8 +45,12 @@ struct ViewTest : testing::Test {
   nlohmann::json measured(std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), {"--headless", "--json"});
     auto run = start(std::move(arguments));
-    const int code = run->wait();
-    const std::string output = run->output();
+    return measuredBy(*run);
+  }
+  /// The same of one that was started with --json.
+  static nlohmann::json measuredBy(Process& run) {
+    const int code = run.wait();
+    const std::string output = run.output();
     EXPECT_EQ(code, 0) << output;
     const std::size_t begin = output.find('{');
     return begin == std::string::npos
@@ -162,6 +169,32 @@ TEST_F(ViewTest, DrawsWhileTheLoopKeepsItsTime) {
   EXPECT_EQ(run->wait(), 0) << run->output();
   EXPECT_THAT(run->output(), HasSubstr("\"ticks\":1000,"));
   EXPECT_GT(content("end.png").size(), 10000u);
+}
+
+TEST_F(ViewTest, TheFirstStartInAWindowShowsHowTheMousePressesAndNoOtherDoes) {
+  const test::VirtualScreen screen;
+  const std::vector<std::string> arguments = {"cube.h5", "--duration", "3.5", "--json"};
+  for (const bool first : {true, false}) {
+    auto run = start(arguments);
+    EXPECT_EQ(measuredBy(*run).at("contacts") > 0, first);
+    EXPECT_THAT(run->output(), HasSubstr("mouse at"));
+  }
+  auto again = start({"cube.h5", "--tutorial", "--duration", "3.5", "--json"});
+  EXPECT_GT(measuredBy(*again).at("contacts"), 0);
+}
+
+TEST_F(ViewTest, APersonWithAMousePressesTheBodyInTheWindow) {
+  const test::VirtualScreen screen;
+  start({"cube.h5", "--duration", "0.1"})->wait();  // the first start is another test's
+  auto run = start({"cube.h5", "--duration", "5", "--json"});
+  ASSERT_TRUE(
+      test::eventually([&] { return run->output().find("mouse at") != std::string::npos; }));
+  test::Person person(screen.name(), "Palpate");
+  person.pointAt(490, 311);
+  person.holdButton();
+  const nlohmann::json measured = measuredBy(*run);
+  EXPECT_EQ(measured.at("contacts"), 1);
+  EXPECT_GT(measured.at("largest_force"), 0.1);
 }
 
 TEST_F(ViewTest, RefusesWhatItCannotFeel) {

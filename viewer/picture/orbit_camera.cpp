@@ -77,6 +77,11 @@ Eigen::Vector3d OrbitCamera::project(const Eigen::Vector3d& point) const {
   return {local.x() * scale, local.y() * scale, depth};
 }
 
+Eigen::Vector3d OrbitCamera::ray(const Eigen::Vector2d& place) const {
+  const double scale = 2 * std::tan(height_angle / 2);
+  return (axes() * Eigen::Vector3d(scale * place.x(), scale * place.y(), -1)).normalized();
+}
+
 Eigen::Vector3d OrbitCamera::moveInPlane(const Eigen::Vector3d& at, double right,
                                          double upward) const {
   const double depth = std::max((position() - at).dot(back()), near());

@@ -35,6 +35,8 @@ class OrbitCamera {
   /// Where a point is seen, and in `z` its distance from the plane of the camera (> 0: in front of
   /// it).
   Eigen::Vector3d project(const Eigen::Vector3d& point) const;
+  /// The direction, unit, in which from position() all is that is seen at a place on the screen.
+  Eigen::Vector3d ray(const Eigen::Vector2d& place) const;
   /// How far in the scene a move on the screen is, in the plane parallel to it through `at`.
   Eigen::Vector3d moveInPlane(const Eigen::Vector3d& at, double right, double upward) const;
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "viewer/picture/lattice_dots.hpp"
 #include "viewer/picture/orbit_camera.hpp"
 #include "viewer/picture/picture_status.hpp"
+#include "viewer/picture/pointed_place.hpp"
 
 namespace palpate {
 
@@ -25,6 +27,16 @@ struct ViewChoices {
 struct ViewLabel {
   Eigen::Vector3d at = Eigen::Vector3d::Zero();  ///< m
   std::string text;                              ///< empty: none
+};
+
+/// What of a hand without a device lies over the view.
+struct HandMarks {
+  /// Around the place that is pointed at, a circle of `ring_radius` metres; none: none.
+  std::optional<PointedPlace> ring = {};
+  double ring_radius = 0;
+  std::string hint = {};                       ///< a sentence; empty: none
+  std::optional<Eigen::Vector2d> cursor = {};  ///< of the tutorial's mouse, heights of the view
+  bool button = false;                         ///< of it, is held
 };
 
 /// A dataset or method that can be switched to.
@@ -48,6 +60,7 @@ struct PanelContents {
   double lattice_radius = 0.1;           ///< m
   std::string lattice_name;              ///< of the space that is shown
   ViewLabel label;                       ///< of the arrow
+  HandMarks hand = {};
 };
 
 }  // namespace palpate

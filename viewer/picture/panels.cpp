@@ -86,6 +86,7 @@ void Panels::build(const PanelContents& contents, ViewChoices& view, PictureRequ
   buildSidePanel(contents, viewport, view, requests);
   buildForcePlot(contents.history, viewport);
   drawViewOverlay(contents, view, viewport);
+  drawHandMarks(contents.hand, contents.camera, viewport);
   ImGui::Render();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "viewer/picture/hand_control.hpp"
 #include "viewer/picture/panel_contents.hpp"
 #include "viewer/picture/picture_requests.hpp"
 #include "viewer/picture/stage.hpp"
@@ -35,6 +36,9 @@ extern const char* const key_help;
 /// Changes `choices` and adds to `requests` as the keys ask that went down since the last picture.
 /// A dataset or method that is not prepared yet is passed over.
 void obeyKeys(const PanelContents& contents, ViewChoices& choices, PictureRequests& requests);
+/// What the keys ask of the hand, the camera and the tutorial. keys, strokes: of the Window.
+void obeyHandKeys(const std::vector<int>& keys, const std::vector<int>& strokes,
+                  PersonsInput& input);
 /// The panel at the right of the view, from top to bottom of the window: choices, and the numbers
 /// of touch, guards, loop and lattice. Changes `choices` and adds to `requests` as the person
 /// clicks.
@@ -43,6 +47,8 @@ void buildSidePanel(const PanelContents& contents, const Viewport& view, ViewCho
 /// The panel below the view: the force of the last ForceHistory::span seconds, its components and
 /// its length.
 void buildForcePlot(const ForceHistory& history, const Viewport& view);
+/// The ring, hint and cursor of a hand without a device, over the view.
+void drawHandMarks(const HandMarks& marks, const OrbitCamera& camera, const Viewport& view);
 /// What lies over the view: a label, legends, what must be said, the help.
 void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
                      const Viewport& view);

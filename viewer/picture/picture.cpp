@@ -7,12 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
+#include "viewer/picture/hand_control.hpp"
 #include "viewer/picture/panels.hpp"
 #include "viewer/picture/stage.hpp"
-#include "viewer/picture/view_control.hpp"
 #include "viewer/picture/window.hpp"
 
 namespace palpate {
@@ -25,7 +26,8 @@ constexpr double longest_arrow = 0.9;  ///< of the scene's radius, at the device
 struct Picture::Impl {
   Impl(const std::vector<const HapticModel*>& models, const PictureOptions& options)
       : window("Palpate", options.width, options.height, options.visible, options.vsync),
-        panels(window.handle()) {
+        panels(window.handle()),
+        control(options.tutorial) {
     for (const HapticModel* each : models) shown.push_back(std::make_unique<BodyView>(*each));
     stage = std::make_unique<Stage>(shown.front()->sphere().radius);
     view.ghost = options.ghost;
@@ -54,19 +56,29 @@ struct Picture::Impl {
 
   MouseMotion mouse(const Viewport& part) const {
     const ImGuiIO& io = ImGui::GetIO();
-    const double height = part.height / static_cast<double>(io.DisplayFramebufferScale.y);
+    const double height = part.height / static_cast<double>(io.DisplayFramebufferScale.y),
+                 width = part.width / static_cast<double>(io.DisplayFramebufferScale.x);
     MouseMotion motion;
     if (ImGui::IsMousePosValid()) {
       motion.right = io.MouseDelta.x / height;
       motion.upward = -io.MouseDelta.y / height;
+      motion.at = {(io.MousePos.x - width / 2) / height, 0.5 - io.MousePos.y / height};
     }
     motion.over_view = !io.WantCaptureMouse;
     motion.wheel = io.MouseWheel;
     motion.left = io.MouseDown[0];
-    motion.other = io.MouseDown[1] || io.MouseDown[2];
+    motion.right_button = io.MouseDown[1];
+    motion.middle = io.MouseDown[2];
     motion.shift = io.KeyShift;
-    motion.control = io.KeyCtrl;
     return motion;
+  }
+
+  PersonsInput persons() {
+    const double now = glfwGetTime();
+    PersonsInput input{.motion = mouse(viewport), .pressed_a_key = !window.keys().empty()};
+    input.hand.seconds = now - std::exchange(listened, now);
+    obeyHandKeys(window.keys(), window.strokes(), input);
+    return input;
   }
 
   void showBody(const Touch& touch) {
@@ -77,7 +89,8 @@ struct Picture::Impl {
 
   void showTool(const HapticState& state, const PictureStatus& status) {
     ToolView& tool = stage->tool();
-    tool.setTool(state.tool);
+    const bool there = control.toolIsThere(state, status);
+    tool.setTool(there ? state.tool : Eigen::Vector3d::Constant(NAN).eval());
     const double radius = inUse().sphere().radius;
     const double metres = longest_arrow * radius / std::max(status.max_force, 1e-3);  // per newton
     const Eigen::Vector3d arrow = metres * state.force;
@@ -106,7 +119,8 @@ struct Picture::Impl {
                       .full_colour = inUse().fullColour(),
                       .lattice_radius = table.lattice.radius(),
                       .lattice_name = table.patch.name,
-                      .label = labelOf(state)};
+                      .label = labelOf(state),
+                      .hand = control.marks()};
     const auto method = static_cast<std::size_t>(state.method);
     for (const auto& each : shown)
       all.models.push_back({each->model().name(), each->model().preparedShare(method)});
@@ -134,8 +148,7 @@ struct Picture::Impl {
     // Before the mouse, which then moves what is framed.
     if (!ImGui::GetIO().WantTextInput && std::ranges::count(window.keys(), GLFW_KEY_F) > 0)
       frameAll();
-    requests.mouse_target =
-        control.apply(mouse(viewport), state.tool, inUse().sphere(), stage->camera());
+    requests.tool = control.apply(persons(), inUse().model(), state, status, stage->camera());
     showBody(state.touch);
     showTool(state, status);
     stage->lattice().show(inUse(), state, view);
@@ -150,7 +163,8 @@ struct Picture::Impl {
   Panels panels;
   std::vector<std::unique_ptr<BodyView>> shown;  ///< as HapticState::model counts
   std::unique_ptr<Stage> stage;
-  ViewControl control;
+  HandControl control;
+  double listened = 0;  ///< s, glfwGetTime() of the last picture
   ViewChoices view;
   ForceHistory history;
   GuardLamps lamps;

@@ -17,6 +17,7 @@ struct PictureOptions {
   bool vsync = true;               ///< draw() waits for the screen; without one it returns at once
   bool ghost = true;               ///< begin with the shape at rest drawn
   bool lattice = false;            ///< begin with the lattice drawn
+  bool tutorial = false;           ///< begin with the Tutorial, where the device is the mouse
 };
 
 /// A window that shows a hand on a soft body: the deformed surface, tool and force; what is known

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
+
+#include "viewer/haptics/haptic_device.hpp"
 
 namespace palpate {
 
@@ -16,8 +17,8 @@ struct PictureRequests {
   bool pause = false;      ///< stop, or go on: pressed once
   bool reload = false;     ///< read the datasets again
   bool quit = false;       ///< pressed the key for it; closing the window shows in wantsClose()
-  /// m, scene frame: where the mouse has the tool, while Ctrl is held.
-  std::optional<Eigen::Vector3d> mouse_target;
+  /// Where mouse and keys have the tool; none: another device has it.
+  std::optional<MouseTarget> tool;
 };
 
 }  // namespace palpate

@@ -1,19 +1,25 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
+#include <limits>
 
 #include "viewer/picture/orbit_camera.hpp"
 
 namespace palpate {
 
-/// What the mouse did since the last picture; lengths in heights of the view, y upward.
+/// What mouse and keys ask of the camera since the last picture; lengths in heights of the view, y
+/// upward.
 struct MouseMotion {
-  double right = 0, upward = 0;
-  double wheel = 0;                  ///< notches, > 0: away from the person
-  bool over_view = false;            ///< not over a panel
-  bool left = false, other = false;  ///< buttons that are held: left; right or middle
-  bool shift = false, control = false;
+  double right = 0, upward = 0;  ///< how far it moved
+  double wheel = 0;              ///< notches, > 0: away from the person
+  bool over_view = false;        ///< not over a panel
+  /// Where it is, (0, 0) the middle of the view; not finite: outside of the window.
+  Eigen::Vector2d at = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  bool left = false, middle = false, right_button = false;  ///< buttons that are held
+  bool shift = false;
+  /// Strokes of keys that turn, to the right and upward, and that come closer.
+  Eigen::Vector2d turns = Eigen::Vector2d::Zero();
+  double closer = 0;
 };
 
 /// The sphere that F shows.
@@ -22,21 +28,14 @@ struct FramedSphere {
   double radius = 0.1;                               ///< m
 };
 
-/// Turns mouse motion into camera moves or, with Ctrl held, into moves of the tool: in the plane
-/// through it parallel to the screen, by the wheel in depth. The tool moves by as much as the mouse
-/// does, from where it is when Ctrl goes down: it never jumps to the mouse. One thread.
+/// Turns motion into camera moves. One thread.
 class ViewControl {
  public:
-  /// tool: where the tool is now. Where the mouse wants it, while Ctrl is held.
-  std::optional<Eigen::Vector3d> apply(const MouseMotion& motion, const Eigen::Vector3d& tool,
-                                       const FramedSphere& scene, OrbitCamera& camera);
+  /// hand: the left button and the wheel are the hand's (MouseHand), not the camera's.
+  void apply(const MouseMotion& motion, bool hand, OrbitCamera& camera);
 
  private:
-  void moveCamera(const MouseMotion& motion, OrbitCamera& camera);
-  void moveTool(const MouseMotion& motion, const FramedSphere& scene, const OrbitCamera& camera);
-
   bool dragging_ = false;  ///< a drag that began in the view goes on beyond it
-  std::optional<Eigen::Vector3d> target_;
 };
 
 }  // namespace palpate

@@ -22,22 +22,28 @@ std::optional<std::int32_t> following(const std::vector<Choice>& choices, std::i
 }  // namespace
 
 const char* const key_help =
-    "left drag          turn\n"
-    "right, shift drag  move\n"
-    "wheel              nearer, farther\n"
-    "Ctrl + mouse       moves the tool\n"
-    "Ctrl + wheel       tool deeper, higher\n"
+    "left on the organ     press, slide\n"
+    "wheel while pressing  deeper, higher\n"
+    "left drag beside it   turn\n"
+    "right drag            turn\n"
+    "middle, Shift drag    move\n"
+    "wheel                 nearer, farther\n"
     "\n"
-    "F      show everything\n"
-    "G, L   ghost, lattice\n"
-    "E      lattice by error, by tag\n"
-    "M      next method\n"
-    "D      next dataset\n"
-    "R      release\n"
-    "Space  pause, go on\n"
-    "F5     reload\n"
-    "H      this help\n"
-    "Q      quit";
+    "arrows, Enter         slide, press and come out\n"
+    "Page Down, Up         deeper, higher\n"
+    "R, Esc                take the tool out\n"
+    "Shift arrows, + -     turn, nearer, farther\n"
+    "\n"
+    "F                     show everything\n"
+    "G, L                  ghost, lattice\n"
+    "E                     lattice by error, by tag\n"
+    "M                     next method\n"
+    "D                     next dataset\n"
+    "Space                 pause, go on\n"
+    "F5                    reload\n"
+    "T                     show the mouse at work\n"
+    "H                     this help\n"
+    "Q                     quit";
 
 void obeyKeys(const PanelContents& contents, ViewChoices& choices, PictureRequests& requests) {
   const HapticState& state = contents.state;
@@ -47,7 +53,7 @@ void obeyKeys(const PanelContents& contents, ViewChoices& choices, PictureReques
   if (pressed(GLFW_KEY_L)) choices.lattice = !choices.lattice;
   if (pressed(GLFW_KEY_E)) choices.errors = !choices.errors;
   if (pressed(GLFW_KEY_H)) choices.help = !choices.help;
-  if (pressed(GLFW_KEY_R)) requests.release = true;
+  if (pressed(GLFW_KEY_R) || pressed(GLFW_KEY_ESCAPE)) requests.release = true;
   if (pressed(GLFW_KEY_SPACE)) requests.pause = true;
   if (pressed(GLFW_KEY_F5)) requests.reload = true;
   if (pressed(GLFW_KEY_Q)) requests.quit = true;
@@ -55,6 +61,25 @@ void obeyKeys(const PanelContents& contents, ViewChoices& choices, PictureReques
   if (pressed(GLFW_KEY_M) && method) requests.use = {state.model, *method};
   const auto model = following(contents.models, state.model);
   if (pressed(GLFW_KEY_D) && model) requests.use = {*model, state.method};
+}
+
+void obeyHandKeys(const std::vector<int>& keys, const std::vector<int>& strokes,
+                  PersonsInput& input) {
+  if (ImGui::GetIO().WantTextInput) return;
+  const auto pressed = [&](int key) { return std::ranges::count(keys, key) > 0; };
+  const auto more = [&](int key, int opposite) {
+    return static_cast<double>(std::ranges::count(strokes, key) -
+                               std::ranges::count(strokes, opposite));
+  };
+  const Eigen::Vector2d arrows = {more(GLFW_KEY_RIGHT, GLFW_KEY_LEFT),
+                                  more(GLFW_KEY_UP, GLFW_KEY_DOWN)};
+  (ImGui::GetIO().KeyShift ? input.motion.turns : input.hand.strokes) = arrows;
+  input.motion.closer =
+      more(GLFW_KEY_EQUAL, GLFW_KEY_MINUS) + more(GLFW_KEY_KP_ADD, GLFW_KEY_KP_SUBTRACT);
+  input.hand.deeper = more(GLFW_KEY_PAGE_DOWN, GLFW_KEY_PAGE_UP);
+  input.hand.take = pressed(GLFW_KEY_ENTER) || pressed(GLFW_KEY_KP_ENTER);
+  input.hand.out = pressed(GLFW_KEY_R) || pressed(GLFW_KEY_ESCAPE);
+  input.wants_tutorial = pressed(GLFW_KEY_T);
 }
 
 }  // namespace palpate

@@ -42,11 +42,12 @@ Window::Window(const std::string& title, int width, int height, bool visible, bo
   glfwSwapInterval(vsync ? 1 : 0);
   glfwSetWindowUserPointer(window_, this);
   // Panels call what was set before them.
-  glfwSetKeyCallback(
-      window_, [](GLFWwindow* window, int key, int /*code*/, int action, int /*modifiers*/) {
-        if (action == GLFW_PRESS)
-          static_cast<Window*>(glfwGetWindowUserPointer(window))->keys_.push_back(key);
-      });
+  glfwSetKeyCallback(window_,
+                     [](GLFWwindow* window, int key, int /*code*/, int action, int /*modifiers*/) {
+                       auto* const self = static_cast<Window*>(glfwGetWindowUserPointer(window));
+                       if (action == GLFW_PRESS) self->keys_.push_back(key);
+                       if (action != GLFW_RELEASE) self->strokes_.push_back(key);
+                     });
 }
 
 Window::~Window() {
@@ -58,6 +59,7 @@ bool Window::wantsClose() const { return glfwWindowShouldClose(window_) != GLFW_
 
 void Window::poll() {
   keys_.clear();
+  strokes_.clear();
   glfwPollEvents();
 }
 

@@ -25,11 +25,13 @@ class Window {
   void poll();  ///< takes in what person and system did since the last call
   /// Keys (GLFW_KEY_*) that went down before the last poll(), in order; short strokes count too.
   const std::vector<int>& keys() const { return keys_; }
+  /// The same, and again for each time that one that is held down repeats.
+  const std::vector<int>& strokes() const { return strokes_; }
   void swap();  ///< shows what was drawn
 
  private:
   GLFWwindow* window_ = nullptr;
-  std::vector<int> keys_;
+  std::vector<int> keys_, strokes_;
 };
 
 /// What was drawn since the last swap() of the current window, width x height pixels from its lower

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "viewer/picture/view_control.hpp"
-
 namespace palpate {
 namespace {
 
@@ -62,46 +60,16 @@ TEST(OrbitCamera, PansSoThatTheSceneFollowsTheHand) {
   EXPECT_NEAR((camera.project(centre).head<2>() - Eigen::Vector2d(0.2, 0.1)).norm(), 0, 1e-12);
 }
 
-TEST(ViewControl, MovesTheToolFromWhereItIsWhileControlIsHeld) {
+TEST(OrbitCamera, SeesAlongARayWhatIsAtItsPlace) {
   OrbitCamera camera = framed();
-  const Eigen::Vector3d eye = camera.position(), tool = centre + Eigen::Vector3d(0, 0.05, 0);
-  const FramedSphere scene{centre, 0.08};
-  ViewControl control;
-  MouseMotion motion;
-  motion.right = 0.3;  // before Ctrl: no button, nothing moves
-  EXPECT_FALSE(control.apply(motion, tool, scene, camera));
-  motion.control = true;
-  EXPECT_EQ(*control.apply(motion, tool, scene, camera), tool) << "it does not jump to the mouse";
-  motion = {.right = 0.1, .upward = 0.05, .control = true};
-  const Eigen::Vector3d moved = *control.apply(motion, tool, scene, camera);
-  EXPECT_NEAR((moved - tool - camera.moveInPlane(tool, 0.1, 0.05)).norm(), 0, 1e-12);
-  motion = {.wheel = 2, .control = true};
-  const Eigen::Vector3d deeper = *control.apply(motion, moved, scene, camera);
-  EXPECT_NEAR((deeper - moved).normalized().dot(-camera.axes().col(2)), 1, 1e-12);
-  EXPECT_FALSE(control.apply({}, tool, scene, camera));
-  EXPECT_EQ(camera.position(), eye);
-}
-
-TEST(ViewControl, TurnsPansAndZoomsOnlyByDragsThatBeginInTheView) {
-  OrbitCamera camera = framed();
-  const FramedSphere scene{centre, 0.08};
-  const Eigen::Vector3d eye = camera.position();
-  ViewControl control;
-  control.apply({.right = 0.2, .left = true}, centre, scene, camera);
-  control.apply({.wheel = 1}, centre, scene, camera);
-  EXPECT_EQ(camera.position(), eye) << "a drag and a wheel over a panel";
-  control.apply({}, centre, scene, camera);
-  control.apply({.right = 0.2, .over_view = true, .left = true}, centre, scene, camera);
-  EXPECT_NEAR((camera.position() - centre).norm(), (eye - centre).norm(), 1e-12);
-  EXPECT_GT((camera.position() - eye).norm(), 0.01);
-  const Eigen::Vector3d turned = camera.position();
-  control.apply({.right = 0.2, .left = true}, centre, scene, camera);
-  EXPECT_GT((camera.position() - turned).norm(), 0.01) << "the drag goes on over a panel";
-  control.apply({.wheel = 1, .over_view = true}, centre, scene, camera);
-  EXPECT_LT(camera.distance(), (eye - centre).norm());
-  control.apply({.right = 0.1, .over_view = true, .left = true, .shift = true}, centre, scene,
-                camera);
-  EXPECT_NEAR(camera.project(centre).x(), 0.1, 1e-9);
+  camera.orbit(0.3, 0.2);
+  for (const Eigen::Vector2d& place : {Eigen::Vector2d(0, 0), Eigen::Vector2d(0.4, -0.3)}) {
+    const Eigen::Vector3d ray = camera.ray(place);
+    EXPECT_NEAR(ray.norm(), 1, 1e-12);
+    for (const double far : {0.05, 0.4})
+      EXPECT_NEAR((camera.project(camera.position() + far * ray).head<2>() - place).norm(), 0,
+                  1e-12);
+  }
 }
 
 }  // namespace

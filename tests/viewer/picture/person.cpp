@@ -11,8 +11,22 @@ struct Person::Impl {
   Display* display = nullptr;
   Window window = 0;
   Time clock = 1000;  ///< ms
+  int x = 0, y = 0;   ///< of the pointer
 
   void find(const std::string& title);
+  void button(int type, long mask) {
+    XEvent event{};
+    event.xbutton.type = type;
+    event.xbutton.display = display;
+    event.xbutton.window = window;
+    event.xbutton.root = DefaultRootWindow(display);
+    event.xbutton.same_screen = True;
+    event.xbutton.time = clock += 500;
+    event.xbutton.x = x;
+    event.xbutton.y = y;
+    event.xbutton.button = Button1;
+    send(event, mask);
+  }
   void send(XEvent& event, long mask) {
     XSendEvent(display, window, False, mask, &event);
     XSync(display, False);
@@ -68,5 +82,15 @@ void Person::press(const char* key) {
     impl_->send(event, type == KeyPress ? KeyPressMask : KeyReleaseMask);
   }
 }
+
+void Person::pointAt(int x, int y) {
+  impl_->x = x;
+  impl_->y = y;
+  XWarpPointer(impl_->display, None, impl_->window, 0, 0, 0, 0, x, y);
+  XSync(impl_->display, False);
+}
+
+void Person::holdButton() { impl_->button(ButtonPress, ButtonPressMask); }
+void Person::letButtonGo() { impl_->button(ButtonRelease, ButtonReleaseMask); }
 
 }  // namespace palpate::test

@@ -18,6 +18,11 @@ class Person {
   void closeWindow();
   /// Down and up. key: X11's name of it, "q", "space", "F5".
   void press(const char* key);
+  /// Pixels of the window, from its upper left.
+  void pointAt(int x, int y);
+  /// The left button, where the pointer is.
+  void holdButton();
+  void letButtonGo();
 
  private:
   struct Impl;  // X11's headers define words like None

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <functional>
+#include <thread>
 
 #include "tests/support/expect_error.hpp"
 #include "tests/viewer/haptics/touched_model.hpp"
@@ -177,6 +179,72 @@ TEST_F(PictureTest, PassesOnWhatThePersonAsksForByKeys) {
   ASSERT_TRUE(method.use);
   EXPECT_EQ(method.use->method, 1);
   EXPECT_FALSE(method.release || method.pause || method.quit);
+}
+
+TEST_F(PictureTest, MovesTheToolToWhereThePersonPointsAndPresses) {
+  Picture picture({&model}, {.vsync = false});
+  const HapticState state = pressed(0);
+  const PictureStatus mouse{.mouse = true};
+  picture.draw(state, mouse);
+  test::Person person(screen.name(), "Palpate");
+  const auto tool = [&] {
+    const std::optional<MouseTarget> target = picture.draw(state, mouse).tool;
+    return target ? target->position : Eigen::Vector3d::Zero();
+  };
+  const auto gap = [&](const Eigen::Vector3d& point) {
+    const NearestPoint nearest = model.surface().tree().nearest(point);
+    return nearest.outside ? nearest.distance : -nearest.distance;
+  };
+  EXPECT_FALSE(tool().allFinite());
+  person.pointAt(490, 311);  // the middle of the view
+  EXPECT_GT(gap(tool()), 0);
+  EXPECT_LT(gap(tool()), 0.01);
+  person.holdButton();
+  for (int n = 0; n < 200 && gap(tool()) > -0.005; ++n)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // it presses by the clock
+  EXPECT_LT(gap(tool()), -0.005);
+  person.letButtonGo();
+  person.pointAt(20, 20);
+  for (int n = 0; n < 200 && tool().allFinite(); ++n)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_FALSE(tool().allFinite());
+  EXPECT_FALSE(picture.draw(state, {}).tool) << "another device";
+}
+
+TEST_F(PictureTest, ShowsWhatCanBePressedByARingAndAHint) {
+  Picture picture({&model}, {.vsync = false});
+  const PictureStatus mouse{.mouse = true};
+  HapticState state = pressed(0);
+  state.reading.status = DeviceStatus::away;
+  test::Person person(screen.name(), "Palpate");
+  person.pointAt(20, 20);
+  picture.draw(state, mouse);
+  picture.draw(state, mouse);
+  const Image beside = picture.grab();
+  person.pointAt(490, 311);
+  picture.draw(state, mouse);
+  const Image over = picture.grab();
+  EXPECT_GT(differences(beside, over, 980, 560), 50) << "a ring";
+  EXPECT_GT(differences(beside, over, 980, 622), differences(beside, over, 980, 560) + 200)
+      << "another hint";
+}
+
+TEST_F(PictureTest, PlaysTheTutorialUntilThePersonPressesSomething) {
+  Picture picture({&model}, {.vsync = false, .tutorial = true});
+  const HapticState state = pressed(0);
+  const PictureStatus mouse{.mouse = true};
+  bool moved = false;
+  for (int n = 0; n < 400 && !moved; ++n) {
+    const std::optional<MouseTarget> tool = picture.draw(state, mouse).tool;
+    moved = tool && tool->position.allFinite();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_TRUE(moved) << "its mouse points at the body";
+  test::Person person(screen.name(), "Palpate");
+  person.pointAt(20, 20);
+  person.press("Escape");
+  picture.draw(state, mouse);
+  EXPECT_FALSE(picture.draw(state, mouse).tool->position.allFinite());
 }
 
 TEST_F(PictureTest, OffersAMethodWhenItIsPrepared) {

@@ -1,0 +1,31 @@
+#include "viewer/picture/hand_hint.hpp"
+
+namespace palpate {
+namespace {
+
+/// It came in where nothing is touchable, or was let go there.
+bool feelsNothingInside(const HapticState& state) {
+  return !state.touch.touching && state.touch.gap < 0 &&
+         state.reading.status != DeviceStatus::away && state.reading.status != DeviceStatus::lost;
+}
+
+}  // namespace
+
+std::string handHint(const HapticState& state, ContactMode contact, const MouseHand& hand) {
+  if (feelsNothingInside(state)) return "The tool is inside and feels nothing: R takes it out.";
+  if (hand.holds() && contact == ContactMode::glued)
+    return "Move to pull, turn the wheel to press, let go to release.";
+  if (hand.holds()) return "Move to slide, turn the wheel to press deeper, let go to come out.";
+  if (hand.place()) return "Hold the left button to press.";
+  if (hand.seen()) return "Nothing was computed here: press where the skin is tinted.";
+  return "Press the organ with the mouse. Drag beside it to turn, wheel to come closer. H: all "
+         "keys.";
+}
+
+std::string deviceHint(const HapticState& state) {
+  if (feelsNothingInside(state))
+    return "The tool is inside and feels nothing until it has been outside.";
+  return "";
+}
+
+}  // namespace palpate

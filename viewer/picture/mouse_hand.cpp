@@ -1,0 +1,169 @@
+#include "viewer/picture/mouse_hand.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/base/index.hpp"
+
+namespace palpate {
+namespace {
+
+// Of the depth, 1/s: a hand lets go faster than it presses.
+constexpr double press_rate = 9, release_rate = 16;
+constexpr double usual_depth = 0.01;      // m, or less where less was computed:
+constexpr double usual_share = 0.4;       // of the reach
+constexpr double largest_share = 0.95;    // of the reach, where the workspace ends
+constexpr double notches = 50;            // of the wheel, over the reach
+constexpr double waiting_share = 0.03;    // of the body's radius, outside of the skin
+constexpr double lifted = 0.75;           // of that way: then the tool may go elsewhere
+constexpr double fastest = 6;             // radii of the body per second, along the skin
+constexpr double stroke = 0.015;          // heights of the view, per stroke of an arrow
+constexpr double longest_picture = 0.05;  // s: after a longer one a hand goes on where it was
+
+double radiusOf(const TouchSurface& surface) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& vertex : surface.vertices()) box.extend(vertex);
+  return 0.5 * box.diagonal().norm();
+}
+
+/// Also of two that are nowhere.
+bool same(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a == b || (!a.allFinite() && !b.allFinite());
+}
+
+}  // namespace
+
+void MouseHand::update(const HapticModel& model, ContactMode contact, const OrbitCamera& camera,
+                       const HandInput& input) {
+  use(model, contact == ContactMode::glued);
+  seen_ = placeUnder(model.surface(), camera, input.pointer);
+  double seconds = std::clamp(input.seconds, 0.0, longest_picture);
+  const bool pressed = input.button && !last_.button;
+  if (held_) {
+    if (input.out || (by_key_ ? input.take : !input.button))
+      letGo();
+    else
+      follow(camera, input, seconds);
+  } else if (pressed && seen_ && seen_->touchable) {
+    takeHold(*seen_, false);
+    seconds = 0;  // first the tool is outside, before the place
+  } else if (input.take) {
+    takeHold(place_.value_or(placeInFront(camera)), true);
+    seconds = 0;
+  } else if (!place_ || depth_ <= -lifted * gap()) {
+    hover(camera, input);
+  }
+  last_ = input;
+  moveTool(seconds);
+}
+
+void MouseHand::use(const HapticModel& model, bool glued) {
+  if (&model == model_ && glued == glued_) return;
+  const std::uint32_t appearance = target_.appearance;
+  *this = {};
+  target_.appearance = appearance;
+  model_ = &model;
+  glued_ = glued;
+  radius_ = radiusOf(model.surface());
+}
+
+/// What a key begins with where nothing is pointed at.
+PointedPlace MouseHand::placeInFront(const OrbitCamera& camera) const {
+  const auto middle = placeUnder(model_->surface(), camera, Eigen::Vector2d::Zero());
+  if (middle && middle->touchable) return *middle;
+  return touchablePlace(model_->surface(), camera.position());
+}
+
+void MouseHand::takeHold(const PointedPlace& place, bool by_key) {
+  place_ = place;
+  held_ = came_in_ = true;
+  by_key_ = by_key;
+  pulled_.setZero();
+  depth_ = glued_ ? 0 : -gap();
+  if (glued_) wanted_ = 0;
+  if (!wanted_) wanted_ = std::min(usual_depth, usual_share * reach());
+}
+
+void MouseHand::letGo() {
+  held_ = false;
+  if (glued_) place_.reset();
+}
+
+/// Before what is pointed at; by keys, from where it was.
+void MouseHand::hover(const OrbitCamera& camera, const HandInput& input) {
+  if (!input.strokes.isZero()) {
+    const PointedPlace from = place_.value_or(placeInFront(camera));
+    const Eigen::Vector2d way = stroke * input.strokes;
+    place_ = touchablePlace(model_->surface(),
+                            from.position + camera.moveInPlane(from.position, way.x(), way.y()));
+  } else if (!same(input.pointer, pointed_)) {  // else the keys keep their place
+    pointed_ = input.pointer;
+    place_ = seen_ && seen_->touchable ? seen_ : std::nullopt;
+  }
+  if (place_) depth_ = -gap();
+  // An edge of the body may still have the tool that is outside: it lets go here at the latest.
+  if (std::exchange(came_in_, false)) ++target_.appearance;
+}
+
+void MouseHand::follow(const OrbitCamera& camera, const HandInput& input, double seconds) {
+  const double step = reach() / notches, least = glued_ ? -largest_share * reach() : step;
+  wanted_ = std::clamp(*wanted_ + step * input.deeper, least, largest_share * reach());
+  Eigen::Vector2d way = stroke * input.strokes;
+  if (!by_key_ && input.pointer.allFinite() && last_.pointer.allFinite())
+    way = input.pointer - last_.pointer;
+  if (glued_)
+    pulled_ += camera.moveInPlane(place_->position + pulled_, way.x(), way.y());
+  else if (by_key_ && !way.isZero())
+    slideTo(place_->position + camera.moveInPlane(place_->position, way.x(), way.y()), seconds);
+  else if (!by_key_ && seen_ && seen_->touchable)  // beside it the tool stays where it was
+    slideTo(seen_->position, seconds);
+}
+
+void MouseHand::slideTo(const Eigen::Vector3d& goal, double seconds) {
+  Eigen::Vector3d way = goal - place_->position;
+  const double most = fastest * radius_ * seconds;
+  if (way.norm() > most) way *= most / way.norm();
+  place_ = touchablePlace(model_->surface(), place_->position + way);
+}
+
+/// Where the way from the last place would lead through the skin, the tool appears.
+void MouseHand::goTo(const Eigen::Vector3d& position) {
+  const bool from_nowhere = !target_.position.allFinite();
+  const bool outside = depth_ < 0 && !glued_;
+  if (from_nowhere ||
+      (outside && model_->surface().tree().entry(target_.position, position).triangle >= 0))
+    ++target_.appearance;
+  target_.position = position;
+}
+
+void MouseHand::moveTool(double seconds) {
+  if (!place_ || (glued_ && !held_)) {
+    target_.position.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
+  const double goal = held_ ? *wanted_ : -gap();
+  const double rate = held_ ? press_rate : release_rate;
+  depth_ = std::lerp(goal, depth_, std::exp(-rate * seconds));
+  goTo(place_->position - depth_ * place_->normal + pulled_);
+}
+
+/// m, how far the spaces that are felt at the place go.
+double MouseHand::reach() const {
+  double reach = 0;
+  for (const CornerShares& share : model_->surface().cornerSharesOf(place_->triangle))
+    reach = std::max(reach, model_->spaces()[at(share.space)].lattice.radius());
+  return reach;
+}
+
+/// m, between the skin and the tool that waits; less where the body is near on the other side.
+double MouseHand::gap() const {
+  double gap = waiting_share * radius_;
+  const SurfaceTree& tree = model_->surface().tree();
+  for (int half = 0; half < 5; ++half, gap /= 2)
+    if (tree.nearest(place_->position + gap * place_->normal, place_->triangle).outside) break;
+  return gap;
+}
+
+}  // namespace palpate
