@@ -4,15 +4,29 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/index.hpp"
 #include "common/base/parallel.hpp"
 #include "common/problem/sites.hpp"
 #include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
+namespace {
+
+/// m: of its finger, or around its active node.
+double radiusOf(const ActivePatch& patch, const Mesh& mesh) {
+  if (patch.finger) return patch.finger->radius;
+  double radius = 0;
+  for (const std::int32_t node : patch.nodes)
+    radius = std::max(radius, (mesh.nodes[at(node)] - mesh.nodes[at(patch.node)]).norm());
+  return radius;
+}
+
+}  // namespace
 
 HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& options)
     : name_(dataset.scene().name),
       file_(dataset.file().string()),
+      regions_(dataset.scene().regions),
       content_(dataset.contentId()),
       contact_(dataset.scene().contact),
       max_force_(dataset.scene().workspace.max_force),
@@ -23,6 +37,8 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
       fields_(options.methods.size()) {
   PALPATE_ASSERT(!spaces_.empty(), "a surface that can be touched has an active node");
   if (methods_.empty()) throw badInput("{}: no method to interpolate forces by was given", file_);
+  for (const SpaceTable& space : spaces_)
+    tool_radii_.push_back(radiusOf(space.patch, dataset.mesh()));
   for (MethodFields& of_method : fields_) of_method.of_space.resize(spaces_.size());
   const std::vector<TouchArea>& areas = surface_.areas();
   for (std::size_t a = 0; a < areas.size(); ++a)

@@ -49,11 +49,15 @@ class HapticModel {
            fields_[method].made.load(std::memory_order_acquire) == spaces_.size();
   }
 
-  const std::string& name() const { return name_; }  ///< of the scene
+  const std::string& name() const { return name_; }                ///< of the scene
+  const std::vector<Region>& regions() const { return regions_; }  ///< materials, at least one
   const std::string& file() const { return file_; }
   ContentId contentId() const { return content_; }
   ContactMode contactMode() const { return contact_; }  ///< what the scene asks for
   double maxForce() const { return max_force_; }  ///< N, of the scene: nothing beyond it was solved
+  /// m, of the tool that a space was computed with: a finger's, or how far its patch reaches around
+  /// the active node; 0 of a single node.
+  double toolRadius(std::size_t space) const { return tool_radii_[space]; }
   const TouchSurface& surface() const { return surface_; }
   const std::vector<SpaceTable>& spaces() const { return spaces_; }
   const std::vector<std::string>& methods() const { return methods_; }
@@ -79,11 +83,13 @@ class HapticModel {
   void readShapes(const Dataset& dataset);
 
   std::string name_, file_;
+  std::vector<Region> regions_;
   ContentId content_;
   ContactMode contact_;
   double max_force_;
   TouchSurface surface_;
   std::vector<SpaceTable> spaces_;
+  std::vector<double> tool_radii_;                    ///< m, [space]
   std::vector<std::vector<Eigen::Vector3d>> places_;  ///< m, per area, for its stations
   std::once_flag areas_made_;
   std::atomic<std::size_t> sites_done_ = 0;              ///< of all areas

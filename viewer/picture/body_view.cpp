@@ -2,22 +2,27 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
+#include "viewer/picture/lattice_dots.hpp"
+#include "viewer/picture/vertex_errors.hpp"
 #include "viewer/plot/round_numbers.hpp"
 #include "viewer/plot/widest_view.hpp"
 
 namespace palpate {
 namespace {
 
-using Colour = std::array<float, 4>;
-constexpr Colour ambient = {0.42F, 0.42F, 0.44F, 1}, gloss = {0.16F, 0.16F, 0.16F, 1};
-constexpr Colour rim_colour = {0.16F, 0.18F, 0.24F, 1};
-constexpr Colour ghost_lines = {0.12F, 0.22F, 0.42F, 0.40F},
-                 ghost_fill = {0.45F, 0.62F, 0.90F, 0.16F};
-
-constexpr double ghost_share = 0.01;  // of the sphere's radius: shorter displacements have no ghost
+constexpr std::array<float, 3> ghost_line = {0.14F, 0.24F, 0.46F};
+constexpr float ghost_line_opacity = 0.75F, ghost_line_width = 1.6F;
+constexpr std::array<std::uint8_t, 3> ghost_fill = {92, 128, 196};
+constexpr float ghost_fill_opacity = 0.22F;
+// Of the sphere's radius: displacements shorter than the first have no ghost, longer than the
+// second all of it.
+constexpr double ghost_begins = 0.008, ghost_whole = 0.03;
 
 FramedSphere sphereAround(const std::vector<Eigen::Vector3d>& vertices) {
   Eigen::AlignedBox3d box;
@@ -35,8 +40,33 @@ std::vector<bool> touchableTriangles(const TouchSurface& surface) {
   return touchable;
 }
 
-void drawElements(GLenum kind, std::span<const std::uint32_t> indices) {
-  glDrawElements(kind, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, indices.data());
+void drawTriangles(std::span<const std::uint32_t> corners) {
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(corners.size()), GL_UNSIGNED_INT,
+                 corners.data());
+}
+
+/// Front faces of vertex arrays with colours, which mark their pixels: nothing is filled twice.
+void beginSurfaces() {
+  glEnable(GL_DEPTH_TEST);
+  glEnable(GL_CULL_FACE);
+  glCullFace(GL_BACK);
+  glFrontFace(GL_CCW);
+  glEnableClientState(GL_VERTEX_ARRAY);
+  glEnableClientState(GL_COLOR_ARRAY);
+  glEnable(GL_STENCIL_TEST);
+  glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+}
+
+/// Where the eye is, in the frame of what is drawn.
+Eigen::Vector3f eyeOfView() {
+  Eigen::Matrix4d view;
+  glGetDoublev(GL_MODELVIEW_MATRIX, view.data());
+  return (-view.topLeftCorner<3, 3>().transpose() * view.topRightCorner<3, 1>()).cast<float>();
+}
+
+float smoothStep(double from, double to, double x) {
+  const double share = std::clamp((x - from) / (to - from), 0.0, 1.0);
+  return static_cast<float>(share * share * (3 - 2 * share));
 }
 
 }  // namespace
@@ -46,11 +76,15 @@ BodyView::BodyView(const HapticModel& model)
       sphere_(sphereAround(model.surface().vertices())),
       shape_(model.surface().vertices(), model.surface().triangles(),
              touchableTriangles(model.surface())),
-      deformed_(shape_.size()),
-      displacements_(3 * shape_.size()),
-      drawing_([this] { draw(); }) {
-  ghost_edges_.reserve(shape_.edges().size());
+      deformed_(model.surface().vertices().size()),
+      displacements_(3 * model.surface().vertices().size()),
+      drawing_([this] { drawSurface(); }),
+      ghost_drawing_([this] { drawGhost(); }) {
+  ghost_shares_.resize(shape_.size());
+  ghost_colours_.resize(shape_.size());
   ghost_corners_.reserve(shape_.corners().size());
+  for (std::size_t t = 0; t < model.surface().triangles().size(); ++t)
+    has_untouchable_ |= !model.surface().touchable(static_cast<std::int32_t>(t));
 }
 
 Eigen::Vector3d BodyView::bestView() const {
@@ -89,77 +123,85 @@ void BodyView::deform(const Touch& touch) {
   deformed_.evaluate(model_, touch, displacements_);
 }
 
-void BodyView::shade() {
+void BodyView::shade(SurfaceColour colour, std::int32_t method) {
   shape_.setDisplacements(displacements_);
   if (shape_.largest() > full_colour_) full_colour_ = roundUp(shape_.largest());
-  shape_.setColours(full_colour_);
+  switch (colour) {
+    case SurfaceColour::tissue: shape_.colourTissue(); break;
+    case SurfaceColour::displacement: shape_.colourDisplacements(full_colour_); break;
+    case SurfaceColour::error: shape_.colourPlaces(errorPlacesOf(method)); break;
+  }
 }
 
-void BodyView::draw() {
-  glEnable(GL_DEPTH_TEST);
-  glEnableClientState(GL_VERTEX_ARRAY);
-  drawSurface();
-  drawRim();
-  if (ghost_) drawGhost();
+const std::vector<float>& BodyView::errorPlacesOf(std::int32_t method) {
+  auto [found, added] = error_places_.try_emplace(method);
+  if (added)
+    for (const double error : vertexErrors(model_, at(method)))
+      found->second.push_back(std::isnan(error) ? std::numeric_limits<float>::quiet_NaN()
+                                                : static_cast<float>(errorPlace(error)));
+  return found->second;
 }
 
 void BodyView::drawSurface() const {
-  glEnable(GL_LIGHTING);
-  glShadeModel(GL_SMOOTH);
-  glLightModelfv(GL_LIGHT_MODEL_AMBIENT, ambient.data());
-  glLightModeli(GL_LIGHT_MODEL_TWO_SIDE, GL_FALSE);
-  glColorMaterial(GL_FRONT_AND_BACK, GL_AMBIENT_AND_DIFFUSE);
-  glEnable(GL_COLOR_MATERIAL);
-  glMaterialfv(GL_FRONT_AND_BACK, GL_SPECULAR, gloss.data());
-  glMaterialf(GL_FRONT_AND_BACK, GL_SHININESS, 24);
-  glEnable(GL_CULL_FACE);
-  glCullFace(GL_BACK);
-  glFrontFace(GL_CCW);
+  PALPATE_ASSERT(light_ != nullptr, "a body is lit by its stage");
+  beginSurfaces();
+  // Where the body is seen there is no fill of the ghost.
+  glStencilFunc(GL_ALWAYS, 1, 1);
+  light_->on(1, shadow_);
   // Behind the lines that lie on it.
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1, 2);
   glEnableClientState(GL_NORMAL_ARRAY);
-  glEnableClientState(GL_COLOR_ARRAY);
   glVertexPointer(3, GL_FLOAT, 0, shape_.positions().data());
   glNormalPointer(GL_FLOAT, 0, shape_.normals().data());
   glColorPointer(4, GL_UNSIGNED_BYTE, 0, shape_.colours().data());
-  drawElements(GL_TRIANGLES, shape_.corners());
-  glDisableClientState(GL_NORMAL_ARRAY);
-  glDisableClientState(GL_COLOR_ARRAY);
-  glDisable(GL_POLYGON_OFFSET_FILL);
-  glDisable(GL_LIGHTING);
-}
-
-void BodyView::drawRim() const {
-  glLineWidth(2);
-  glColor4fv(rim_colour.data());
-  glVertexPointer(3, GL_FLOAT, 0, shape_.positions().data());
-  drawElements(GL_LINES, shape_.rim());
-  glLineWidth(1);
+  drawTriangles(shape_.corners());
+  SoftLight::off();
 }
 
 void BodyView::drawGhost() {
-  const double least = ghost_share * sphere_.radius;
-  const auto moved = [&](std::uint32_t vertex) { return shape_.length(vertex) > least; };
-  ghost_edges_.clear();
-  for (std::size_t n = 0; n < shape_.edges().size(); n += 2)
-    if (moved(shape_.edges()[n]) || moved(shape_.edges()[n + 1]))
-      ghost_edges_.insert(ghost_edges_.end(), {shape_.edges()[n], shape_.edges()[n + 1]});
+  const double begins = ghost_begins * sphere_.radius, whole = ghost_whole * sphere_.radius;
+  if (!ghost_ || shape_.largest() <= begins) return;
+  for (std::size_t v = 0; v < shape_.size(); ++v)
+    ghost_shares_[v] = smoothStep(begins, whole, shape_.length(v));
   ghost_corners_.clear();
-  for (std::size_t n = 0; n < shape_.corners().size(); n += 3) {
-    const std::span<const std::uint32_t> triangle = shape_.corners().subspan(n, 3);
-    if (std::any_of(triangle.begin(), triangle.end(), moved))
-      ghost_corners_.insert(ghost_corners_.end(), triangle.begin(), triangle.end());
+  for (std::size_t t = 0; t < shape_.corners().size(); t += 3) {
+    const std::span<const std::uint32_t> corners = shape_.corners().subspan(t, 3);
+    if (std::ranges::any_of(corners, [&](std::uint32_t v) { return ghost_shares_[v] > 0; }))
+      ghost_corners_.insert(ghost_corners_.end(), corners.begin(), corners.end());
   }
+  beginSurfaces();
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   // What is translucent hides nothing that is drawn after it.
   glDepthMask(GL_FALSE);
+  drawGhostFill();
+  drawGhostOutline();
+}
+
+void BodyView::drawGhostFill() {
+  for (std::size_t v = 0; v < shape_.size(); ++v)
+    ghost_colours_[v] = std::bit_cast<std::uint32_t>(std::array<std::uint8_t, 4>{
+        ghost_fill[0], ghost_fill[1], ghost_fill[2],
+        static_cast<std::uint8_t>(255 * ghost_fill_opacity * ghost_shares_[v])});
+  glStencilFunc(GL_NOTEQUAL, 1, 1);
   glVertexPointer(3, GL_FLOAT, 0, shape_.rest().data());
-  glColor4fv(ghost_fill.data());
-  drawElements(GL_TRIANGLES, ghost_corners_);
-  glColor4fv(ghost_lines.data());
-  drawElements(GL_LINES, ghost_edges_);
+  glColorPointer(4, GL_UNSIGNED_BYTE, 0, ghost_colours_.data());
+  drawTriangles(ghost_corners_);
+}
+
+void BodyView::drawGhostOutline() {
+  findOutline(shape_.rest(), shape_.restNormals(), ghost_corners_, ghost_shares_, eyeOfView(),
+              outline_);
+  glDisable(GL_STENCIL_TEST);
+  glEnable(GL_LINE_SMOOTH);
+  glLineWidth(ghost_line_width);
+  glBegin(GL_LINES);
+  for (const OutlinePoint& point : outline_) {
+    glColor4f(ghost_line[0], ghost_line[1], ghost_line[2], ghost_line_opacity * point.share);
+    glVertex3fv(point.place.data());
+  }
+  glEnd();
 }
 
 }  // namespace palpate

@@ -1,30 +1,38 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "viewer/haptics/deformed_shape.hpp"
 #include "viewer/haptics/haptic_model.hpp"
 #include "viewer/picture/coin.hpp"
+#include "viewer/picture/outline.hpp"
+#include "viewer/picture/soft_light.hpp"
 #include "viewer/picture/surface_shape.hpp"
 #include "viewer/picture/view_control.hpp"
 
 namespace palpate {
 
-/// All that is drawn of one model: its surface, shaded, with a line around what can be touched and,
-/// where it is deformed, the shape at rest as a translucent ghost. A Coin node that draws vertex
-/// arrays: they change in every picture, for which Coin's own shapes would build their caches anew
-/// each time. Belongs to the thread of the Window. The model must outlive it.
+/// All that is drawn of one model: its surface as tissue, or coloured by what is known of it, and
+/// where it is deformed the shape at rest as a ghost: its outline, and a translucent fill of what
+/// of it stands out beyond the body. Coin nodes that draw vertex arrays: they change in every
+/// picture, for which Coin's own shapes would build their caches anew each time. Belongs to the
+/// thread of the Window. The model must outlive it.
 class BodyView {
  public:
   explicit BodyView(const HapticModel& model);
 
   SoCallback* node() const { return drawing_.node(); }
+  /// Of the ghost, which is drawn after the body and what is behind both.
+  SoCallback* ghostNode() const { return ghost_drawing_.node(); }
   const HapticModel& model() const { return model_; }
   /// The ball around all vertices at rest, nearly the smallest.
   const FramedSphere& sphere() const { return sphere_; }
   /// m, at the end of the colours of the surface: a round number that grows with what was seen.
   double fullColour() const { return full_colour_; }
+  /// Whether there are parts where nothing can be felt.
+  bool hasUntouchable() const { return has_untouchable_; }
   /// From where the touchable surface is seen best, a direction of any length: along its mean
   /// normal, and a little from above and beside it; of a body that is touched all around along its
   /// thinnest axis.
@@ -32,17 +40,22 @@ class BodyView {
   /// Where the active node of a space is at rest, m.
   Eigen::Vector3d originOf(std::size_t space) const;
 
+  /// What it is lit by from now on; must outlive it.
+  void setLight(const SoftLight& light) { light_ = &light; }
+  void setShadow(const SoftLight::Shadow& shadow) { shadow_ = shadow; }
   void showGhost(bool shown) { ghost_ = shown; }
   /// The displacements of the surface in a touch of this model.
   void deform(const Touch& touch);
-  /// Positions, normals and colours of what deform() said.
-  void shade();
+  /// Positions, normals and colours of what deform() said. method: prepared; of the error bounds,
+  /// which take some milliseconds when they are seen for the first time.
+  void shade(SurfaceColour colour, std::int32_t method);
 
  private:
-  void draw();
   void drawSurface() const;
-  void drawRim() const;
   void drawGhost();
+  void drawGhostFill();
+  void drawGhostOutline();
+  const std::vector<float>& errorPlacesOf(std::int32_t method);
 
   const HapticModel& model_;
   FramedSphere sphere_;
@@ -50,9 +63,16 @@ class BodyView {
   DeformedShape deformed_;
   std::vector<float> displacements_;  ///< [vertex][axis], m
   double full_colour_ = 0.005;
-  Drawing drawing_;
+  bool has_untouchable_ = false;
+  std::map<std::int32_t, std::vector<float>> error_places_;  ///< by method; by vertex, 0 to 1
+  const SoftLight* light_ = nullptr;
+  SoftLight::Shadow shadow_;
+  Drawing drawing_, ghost_drawing_;
   bool ghost_ = true;
-  std::vector<std::uint32_t> ghost_edges_, ghost_corners_;  ///< what is drawn of the ghost
+  std::vector<float> ghost_shares_;           ///< by vertex, 0 to 1
+  std::vector<std::uint32_t> ghost_colours_;  ///< by vertex, bytes
+  std::vector<std::uint32_t> ghost_corners_;  ///< of triangles that have a share
+  std::vector<OutlinePoint> outline_;
 };
 
 }  // namespace palpate

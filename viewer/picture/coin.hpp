@@ -1,6 +1,5 @@
 #pragma once
 
-#include <GL/gl.h>
 #include <Inventor/SbVec3f.h>
 #include <Inventor/SoDB.h>
 #include <Inventor/actions/SoGLRenderAction.h>
@@ -12,6 +11,8 @@
 #include <functional>
 #include <initializer_list>
 #include <utility>
+
+#include "viewer/picture/open_gl.hpp"
 
 namespace palpate {
 

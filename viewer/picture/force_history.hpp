@@ -13,22 +13,27 @@ class ForceHistory {
   struct Sample {
     double time = 0;  ///< s, HapticState::time
     Eigen::Vector3f force = Eigen::Vector3f::Zero();
+    float bound = 0;  ///< N, of the error; NaN: unknown
   };
 
   /// The same time again adds nothing; an earlier one begins anew (another run).
-  void add(double time, const Eigen::Vector3d& force) {
+  void add(double time, const Eigen::Vector3d& force, double error_bound) {
     if (!samples_.empty() && time == samples_.back().time) return;
     if (!samples_.empty() && time < samples_.back().time) samples_.clear();
-    samples_.push_back({time, force.cast<float>()});
+    samples_.push_back({time, force.cast<float>(), static_cast<float>(error_bound)});
     while (samples_.front().time < time - span || samples_.size() > most_samples)
       samples_.pop_front();
   }
   /// The oldest first.
   const std::deque<Sample>& samples() const { return samples_; }
-  /// N, of the lengths; 0 when empty.
+  /// N, of the lengths with their bounds, which count as no more than the length itself: one that
+  /// is all uncertain must not make the others small. 0 when empty.
   double largest() const {
     float largest = 0;
-    for (const Sample& sample : samples_) largest = std::max(largest, sample.force.norm());
+    for (const auto& [time, force, bound] : samples_) {
+      const float length = force.norm();
+      largest = std::max(largest, length + (bound > 0 ? std::min(bound, length) : 0));
+    }
     return largest;
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,18 +15,19 @@ namespace palpate {
 namespace {
 
 // px: the curves within the panel, and its texts.
-constexpr float margin_left = 52, margin_right = 28, margin_top = 30, margin_bottom = 24;
-constexpr float legend_left = 14, legend_top = 9, title_width = 168, legend_step = 52;
-constexpr float key_length = 16, key_gap = 5;
-constexpr float label_gap = 8, time_gap = 3, half_line = 7;
+constexpr float margin_left = 48, margin_right = 28, margin_top = 32, margin_bottom = 24;
+constexpr float legend_left = 14, legend_top = 8, legend_gap = 18;
+constexpr float key_length = 16, key_gap = 5, band_height = 8;
+constexpr float label_gap = 8, time_gap = 3;
+constexpr float least_step = 26;  // between lines of the grid
 
 constexpr double headroom = 1.08;       // above the largest force
 constexpr double smallest_limit = 0.5;  // N: below it the plot does not grow
 constexpr int most_steps = 2;           // of the grid, up and down from zero
-constexpr std::array<ImU32, 4> curve_colours = {
-    IM_COL32(214, 94, 0, 255), IM_COL32(0, 140, 100, 255), IM_COL32(0, 104, 190, 255),
-    IM_COL32(30, 30, 36, 255)};
+constexpr std::array<ImU32, 4> curve_colours = {axis_colours[0], axis_colours[1], axis_colours[2],
+                                                IM_COL32(30, 30, 36, 255)};
 constexpr std::array<const char*, 4> curve_names = {"x", "y", "z", "|F|"};
+constexpr ImU32 band_colour = IM_COL32(30, 30, 36, 46);
 
 /// Where the curves of the plot go on the screen.
 struct PlotArea {
@@ -40,22 +42,41 @@ struct PlotArea {
 };
 
 void plotGrid(ImDrawList& draw, const PlotArea& area) {
-  const double step = roundUp(area.limit / most_steps);
+  // A low panel has no room for more than zero and the ends.
+  const int most = area.to.y - area.from.y > px(least_step) * 2 * most_steps ? most_steps : 1;
+  const double step = roundUp(area.limit / most * 0.8);
   const int steps = static_cast<int>(area.limit / step * 1.001);
   for (int n = -steps; n <= steps; ++n) {
     const float y = area.at(area.end, n * step).y;
     draw.AddLine({area.from.x, y}, {area.to.x, y}, line_grey);
     const std::string text = fmt::format("{:g}", n * step);
-    draw.AddText({area.from.x - label_gap - ImGui::CalcTextSize(text.c_str()).x, y - half_line},
-                 faint, text.c_str());
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+    draw.AddText({area.from.x - px(label_gap) - size.x, y - size.y / 2}, faint, text.c_str());
   }
   for (int second = 0; second <= static_cast<int>(ForceHistory::span); ++second) {
     const float x = area.at(area.end - second, 0).x;
     draw.AddLine({x, area.from.y}, {x, area.to.y}, line_grey);
     const std::string text = second == 0 ? "now" : fmt::format("-{} s", second);
-    draw.AddText({x - ImGui::CalcTextSize(text.c_str()).x / 2, area.to.y + time_gap}, faint,
+    draw.AddText({x - ImGui::CalcTextSize(text.c_str()).x / 2, area.to.y + px(time_gap)}, faint,
                  text.c_str());
   }
+}
+
+/// Around the length of the force what it may be; where no bound is known there is no band.
+void plotBand(ImDrawList& draw, const PlotArea& area, const ForceHistory& history) {
+  const auto& samples = history.samples();
+  // Whole triangles: soft edges would cost as much as the curves.
+  const ImDrawListFlags flags = draw.Flags;
+  draw.Flags &= ~ImDrawListFlags_AntiAliasedFill;
+  for (std::size_t n = 1; n < samples.size(); ++n) {
+    const auto &a = samples[n - 1], &b = samples[n];
+    if (!(a.bound > 0 || b.bound > 0) || std::isnan(a.bound) || std::isnan(b.bound)) continue;
+    const float from = a.force.norm(), to = b.force.norm();
+    draw.AddQuadFilled(area.at(a.time, from + a.bound), area.at(b.time, to + b.bound),
+                       area.at(b.time, std::max(0.0F, to - b.bound)),
+                       area.at(a.time, std::max(0.0F, from - a.bound)), band_colour);
+  }
+  draw.Flags = flags;
 }
 
 void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& history) {
@@ -63,24 +84,35 @@ void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& hist
   points.reserve(history.samples().size());
   for (std::size_t curve = 0; curve < curve_colours.size(); ++curve) {
     points.clear();
-    for (const auto& [time, force] : history.samples())
+    for (const auto& [time, force, bound] : history.samples())
       points.push_back(
           area.at(time, curve < 3 ? force[static_cast<Eigen::Index>(curve)] : force.norm()));
     // Whole widths: ImGui draws those with few triangles.
     draw.AddPolyline(points.data(), static_cast<int>(points.size()), curve_colours[curve],
-                     ImDrawFlags_None, curve == 3 ? 2.0F : 1.0F);
+                     ImDrawFlags_None, std::round(px(curve == 3 ? 2.0F : 1.0F)));
   }
 }
 
-void plotLegend(ImDrawList& draw, ImVec2 at) {
-  draw.AddText(at, ink, "force on the tool, N");
-  at.x += title_width;
-  for (std::size_t curve = 0; curve < curve_colours.size(); ++curve) {
-    draw.AddLine({at.x, at.y + half_line}, {at.x + key_length, at.y + half_line},
-                 curve_colours[curve], 2);
-    draw.AddText({at.x + key_length + key_gap, at.y}, ink, curve_names[curve]);
-    at.x += legend_step;
-  }
+/// As many entries as fit above the curves.
+void plotLegend(ImDrawList& draw, ImVec2 at, float right) {
+  const float middle = at.y + ImGui::GetTextLineHeight() / 2;
+  const auto entry = [&](const char* text, float key) {
+    const float width = ImGui::CalcTextSize(text).x;
+    const float begin = at.x + (key > 0 ? key + px(key_gap) : 0);
+    if (begin + width > right) return std::optional<float>();
+    draw.AddText({begin, at.y}, ink, text);
+    const float left = at.x;
+    at.x = begin + width + px(legend_gap);
+    return std::optional(left);
+  };
+  entry("force on the tool, N", 0);
+  const float key = px(key_length);
+  for (std::size_t curve = 0; curve < curve_colours.size(); ++curve)
+    if (const auto left = entry(curve_names[curve], key))
+      draw.AddLine({*left, middle}, {*left + key, middle}, curve_colours[curve], px(2));
+  if (const auto left = entry("its error bound", key))
+    draw.AddRectFilled({*left, middle - px(band_height) / 2},
+                       {*left + key, middle + px(band_height) / 2}, band_colour);
 }
 
 }  // namespace
@@ -92,14 +124,15 @@ void buildForcePlot(const ForceHistory& history, const Viewport& view) {
   ImGui::SetNextWindowSize({width, height});
   ImGui::Begin("##plot", nullptr, fixed_panel | ImGuiWindowFlags_NoScrollbar);
   const ImVec2 corner = ImGui::GetWindowPos();
-  PlotArea area{{corner.x + margin_left, corner.y + margin_top},
-                {corner.x + width - margin_right, corner.y + height - margin_bottom}};
+  PlotArea area{{corner.x + px(margin_left), corner.y + px(margin_top)},
+                {corner.x + width - px(margin_right), corner.y + height - px(margin_bottom)}};
   area.end = history.samples().empty() ? 0 : history.samples().back().time;
   area.limit = std::max(headroom * history.largest(), smallest_limit);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  plotLegend(draw, {corner.x + legend_left, corner.y + legend_top});
+  plotLegend(draw, {corner.x + px(legend_left), corner.y + px(legend_top)}, corner.x + width);
   plotGrid(draw, area);
   draw.PushClipRect(area.from, {area.to.x + 1, area.to.y}, true);
+  plotBand(draw, area, history);
   plotCurves(draw, area, history);
   draw.PopClipRect();
   ImGui::End();

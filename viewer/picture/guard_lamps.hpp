@@ -7,6 +7,28 @@
 
 namespace palpate {
 
+/// What a lamp says to a person, for bit n of Guarded: why the force in the hand is not the one of
+/// the tissue. Two or three words.
+inline const char* lampWords(int bit) {
+  static constexpr std::array<const char*, guard_count> words = {
+      "fading in",       "calming vibration", "device at its limit", "slowing a jump",
+      "no new position", "device gone",       "impossible number",   "computer too slow"};
+  return bit >= 0 && bit < guard_count ? words[static_cast<std::size_t>(bit)] : "";
+}
+/// The same as a sentence.
+inline const char* lampSentence(int bit) {
+  static constexpr std::array<const char*, guard_count> sentences = {
+      "The force has changed by a step, which is being faded in.",
+      "The loop has created energy, which is being damped away.",
+      "The tissue pushes harder than the device can.",
+      "The force changes faster than the device may.",
+      "The device has sent no new position for a while: the force goes to zero.",
+      "The device is unplugged or does not answer.",
+      "The position or the force was no finite number, and counts as zero.",
+      "The loop was held up; the force begins at zero again."};
+  return bit >= 0 && bit < guard_count ? sentences[static_cast<std::size_t>(bit)] : "";
+}
+
 /// One lamp per Guarded bit. A guard often acts for a single tick, which no eye would see: a lamp
 /// stays lit for half a second after. One thread.
 class GuardLamps {

@@ -4,19 +4,18 @@
 
 #include "common/base/index.hpp"
 #include "viewer/picture/hand_hint.hpp"
+#include "viewer/picture/tool_shape.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr double point_ring = 0.004;  // m, around an active node that no finger presses
+constexpr double point_ring = 0.004;  // m, where the tool is a point
 
 /// m, of what the tool presses at a place.
 double ringRadius(const HapticModel& model, const SurfacePoint& place) {
   double radius = point_ring;
-  for (const CornerShares& share : model.surface().cornerSharesOf(place.triangle)) {
-    const std::optional<Finger>& finger = model.spaces()[at(share.space)].patch.finger;
-    if (finger) radius = std::max(radius, finger->radius);
-  }
+  for (const CornerShares& share : model.surface().cornerSharesOf(place.triangle))
+    radius = std::max(radius, toolOf(model, at(share.space)).radius);
   return radius;
 }
 

@@ -42,6 +42,10 @@ std::vector<LatticeDot> tagDots(const SpaceTable& space, const std::optional<Lat
   return dots;
 }
 
+double relativeError(double bound, double force) {
+  return bound / std::max(force, relative_error_floor);
+}
+
 std::vector<CellError> cellErrors(const SpaceTable& space, const ForceField& field) {
   const Lattice& lattice = space.lattice;
   const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.5 * lattice.spacing());
@@ -50,8 +54,7 @@ std::vector<CellError> cellErrors(const SpaceTable& space, const ForceField& fie
     const Eigen::Vector3d middle = lattice.displacement(n) + half;
     if (middle.norm() > lattice.radius()) continue;
     const ForceSample sample = field.evaluate(middle);
-    errors.push_back(
-        {middle, sample.error_bound / std::max(sample.force.norm(), relative_error_floor)});
+    errors.push_back({middle, relativeError(sample.error_bound, sample.force.norm())});
   }
   return errors;
 }

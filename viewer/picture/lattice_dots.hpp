@@ -29,10 +29,13 @@ std::array<double, 3> colourOf(Tag tag);
 /// The points of a space, all or those in a cut, coloured by tag.
 std::vector<LatticeDot> tagDots(const SpaceTable& space, const std::optional<LatticeCut>& cut);
 
+/// A bound on the error of a force as a share of it: bound / max(|force|, relative_error_floor).
+double relativeError(double bound, double force);
+
 /// The error bound in the middle of one cell, as a share of the force there.
 struct CellError {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m
-  /// bound / max(|force|, relative_error_floor); NaN: the method gives no bound there.
+  /// relativeError; NaN: the method gives no bound there.
   double relative = 0;
 };
 /// Of all cells of the uniform lattice whose middle is in the ball. Evaluates the field in each:

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,21 +13,27 @@
 #include "viewer/picture/orbit_camera.hpp"
 #include "viewer/picture/picture_status.hpp"
 #include "viewer/picture/pointed_place.hpp"
+#include "viewer/picture/tissue_colours.hpp"
 
 namespace palpate {
 
 /// What the person chose to see.
 struct ViewChoices {
   bool ghost = true, lattice = false, help = false;
+  SurfaceColour colour = SurfaceColour::displacement;
   bool errors = false;  ///< the lattice by the error bound; else by tag
   bool cut = false;     ///< only a plane of the lattice
   LatticeCut plane;
 };
 
-/// A word or number in the view, beside a point of the scene.
+/// The number at an arrow. Metres, scene frame.
 struct ViewLabel {
-  Eigen::Vector3d at = Eigen::Vector3d::Zero();  ///< m
-  std::string text;                              ///< empty: none
+  Eigen::Vector3d from = Eigen::Vector3d::Zero(), at = Eigen::Vector3d::Zero();  ///< the arrow
+  /// What it must not cover beside the arrow: a line as thick as the tool.
+  std::array<Eigen::Vector3d, 2> tool = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  double tool_radius = 0;
+  std::string text;        ///< empty: none
+  bool uncertain = false;  ///< the arrow is amber, and says why
 };
 
 /// What of a hand without a device lies over the view.
@@ -56,10 +63,13 @@ struct PanelContents {
   std::vector<Choice> models = {};       ///< the datasets
   std::vector<Choice> methods = {};      ///< of the model in use
   std::vector<std::string> spaces = {};  ///< names of the active nodes of the model in use
+  std::string dataset, tissue;           ///< name and material of the model in use
+  Eigen::Vector3d middle = {0, 0, 0};    ///< m, of the body: where the scale bar measures
   double full_colour = 0.01;             ///< m, end of the colours of the surface
+  bool untouchable = false;              ///< there are parts with nothing to feel
   double lattice_radius = 0.1;           ///< m
   std::string lattice_name;              ///< of the space that is shown
-  ViewLabel label;                       ///< of the arrow
+  ViewLabel label = {};                  ///< of the arrow
   HandMarks hand = {};
 };
 

@@ -7,28 +7,14 @@
 #include <cmath>
 
 #include "viewer/picture/panel_style.hpp"
+#include "viewer/picture/screen_scale.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr int side_width = 300, plot_height = 178;  // px
-
-/// Colours, paddings and spacings of all panels of the current ImGui context.
-void setPanelStyle() {
-  ImGui::StyleColorsLight();
-  ImGuiStyle& style = ImGui::GetStyle();
-  style.WindowRounding = style.WindowBorderSize = 0;
-  style.FrameRounding = 3;
-  style.WindowPadding = {14, 12};
-  style.ItemSpacing = {8, 5};
-  style.Colors[ImGuiCol_Text] = ImGui::ColorConvertU32ToFloat4(ink);
-  style.Colors[ImGuiCol_TextDisabled] = {0.42F, 0.45F, 0.51F, 1};
-  style.Colors[ImGuiCol_FrameBg] = {0.90F, 0.915F, 0.935F, 1};
-  style.Colors[ImGuiCol_Button] = {0.83F, 0.87F, 0.92F, 1};
-  style.Colors[ImGuiCol_ButtonHovered] = {0.70F, 0.80F, 0.92F, 1};
-  style.Colors[ImGuiCol_ButtonActive] = {0.55F, 0.71F, 0.90F, 1};
-  style.Colors[ImGuiCol_CheckMark] = {0.09F, 0.33F, 0.66F, 1};
-}
+// Of the window, and px.
+constexpr float side_share = 0.30F, narrowest_side = 206, widest_side = 292;
+constexpr float plot_share = 0.24F, lowest_plot = 84, highest_plot = 178;
 
 /// The part of the window that panels leave free, in ImGui's units.
 Viewport layout() {
@@ -36,20 +22,21 @@ Viewport layout() {
   Viewport view;
   view.window_width = std::max(static_cast<int>(size.x), 1);
   view.window_height = std::max(static_cast<int>(size.y), 1);
-  view.width = std::max(view.window_width - side_width, 1);
-  view.height = std::max(view.window_height - plot_height, 1);
+  const float side = std::clamp(side_share * size.x, px(narrowest_side), px(widest_side)),
+              plot = std::clamp(plot_share * size.y, px(lowest_plot), px(highest_plot));
+  view.width = std::max(static_cast<int>(size.x - side), 1);
+  view.height = std::max(static_cast<int>(size.y - plot), 1);
   return view;
 }
 
 }  // namespace
 
-Panels::Panels(GLFWwindow* window) {
+Panels::Panels(GLFWwindow* window) : window_(window) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   // Panels lie where layout() puts them: nothing is worth a file in the folder of the person.
   ImGui::GetIO().IniFilename = nullptr;
   ImGui::GetIO().ConfigFlags |= ImGuiConfigFlags_NoMouseCursorChange;
-  setPanelStyle();
   ImGui_ImplGlfw_InitForOpenGL(window, true);
   ImGui_ImplOpenGL2_Init();
 }
@@ -60,7 +47,18 @@ Panels::~Panels() {
   ImGui::DestroyContext();
 }
 
+void Panels::fitScreen() {
+  const double scale = screenScale(window_), units = pixelsPerUnit(window_);
+  if (scale == scale_ && units == units_) return;
+  if (scale_ > 0) ImGui_ImplOpenGL2_DestroyFontsTexture();
+  setPanelStyle(scale, units);
+  ImGui_ImplOpenGL2_CreateFontsTexture();
+  scale_ = scale;
+  units_ = units;
+}
+
 void Panels::begin() {
+  fitScreen();
   ImGui_ImplOpenGL2_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();

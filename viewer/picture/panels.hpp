@@ -26,6 +26,12 @@ class Panels {
   void build(const PanelContents& contents, ViewChoices& choices, PictureRequests& requests);
   /// Draws what build() laid out; again after that, the same.
   void render();
+
+ private:
+  void fitScreen();
+
+  GLFWwindow* window_;
+  double scale_ = 0, units_ = 0;  ///< of the style, setPanelStyle
 };
 
 // What Panels::build() puts together, a source each. view: what the panels leave free, in ImGui's
@@ -45,11 +51,11 @@ void obeyHandKeys(const std::vector<int>& keys, const std::vector<int>& strokes,
 void buildSidePanel(const PanelContents& contents, const Viewport& view, ViewChoices& choices,
                     PictureRequests& requests);
 /// The panel below the view: the force of the last ForceHistory::span seconds, its components and
-/// its length.
+/// its length, with the error bound as a band around it.
 void buildForcePlot(const ForceHistory& history, const Viewport& view);
 /// The ring, hint and cursor of a hand without a device, over the view.
 void drawHandMarks(const HandMarks& marks, const OrbitCamera& camera, const Viewport& view);
-/// What lies over the view: a label, legends, what must be said, the help.
+/// What lies over the view: names, a label, legends, scale and axes, what must be said, the help.
 void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
                      const Viewport& view);
 

@@ -2,7 +2,6 @@
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
-#include <fmt/format.h>
 #include <imgui.h>
 
 #include <algorithm>
@@ -12,14 +11,17 @@
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
 #include "viewer/picture/hand_control.hpp"
+#include "viewer/picture/held_tool.hpp"
 #include "viewer/picture/panels.hpp"
 #include "viewer/picture/stage.hpp"
+#include "viewer/picture/touch_words.hpp"
 #include "viewer/picture/window.hpp"
+#include "viewer/plot/round_numbers.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr double longest_arrow = 0.9;  ///< of the scene's radius, at the device's largest force
+constexpr double longest_arrow = 0.9;  ///< of the scene's radius, at full_force
 
 }  // namespace
 
@@ -81,30 +83,35 @@ struct Picture::Impl {
     return input;
   }
 
-  void showBody(const Touch& touch) {
-    inUse().deform(touch);
-    inUse().shade();
+  void showBody(const HapticState& state) {
+    inUse().deform(state.touch);
+    inUse().shade(view.colour, state.method);
     inUse().showGhost(view.ghost);
+    inUse().setShadow(held.shadow(stage->tool().radius()));
   }
 
   void showTool(const HapticState& state, const PictureStatus& status) {
     ToolView& tool = stage->tool();
-    const bool there = control.toolIsThere(state, status);
-    tool.setTool(there ? state.tool : Eigen::Vector3d::Constant(NAN).eval());
     const double radius = inUse().sphere().radius;
-    const double metres = longest_arrow * radius / std::max(status.max_force, 1e-3);  // per newton
-    const Eigen::Vector3d arrow = metres * state.force;
-    tool.setArrow(arrow);
+    held.update(inUse().model(), state, control.toolIsThere(state, status), stage->camera(),
+                radius);
+    tool.setShape(toolOf(inUse().model(), at(stage->lattice().space())));
+    tool.setTool(held.pose());
+    tool.setSkin(held.skin(), !state.touch.touching);
+    // No arrow is longer than that of the device's largest force, so the scale grows no further.
+    const double force = state.force.norm();
+    if (force > full_force)
+      full_force = std::max(force, std::min(roundUp(force), status.max_force));
+    const Eigen::Vector3d arrow = longest_arrow * radius / full_force * state.force;
+    tool.setArrow(arrow, isUncertain(state.touch));
     arrow_tip = state.tool + arrow;
     tool.setAnchor(state.touch.anchor_position, state.touch.touching);
   }
 
   ViewLabel labelOf(const HapticState& state) const {
-    if (!state.touch.touching && state.force.norm() == 0) return {};
-    std::string text = fmt::format("{:.2f} N", state.force.norm());
-    if (state.touch.touching && std::isfinite(state.touch.error_bound))
-      text += fmt::format(" ± {:.2g} N", state.touch.error_bound);
-    return {arrow_tip, text};
+    const ToolView& tool = stage->tool();
+    return {state.tool,    arrow_tip,        tool.axis(),
+            tool.radius(), forceText(state), isUncertain(state.touch)};
   }
 
   PanelContents contents(const HapticState& state, const PictureStatus& status) const {
@@ -116,7 +123,11 @@ struct Picture::Impl {
                       .lamps = lamps,
                       .camera = stage->camera(),
                       .keys = window.keys(),
+                      .dataset = now.name(),
+                      .tissue = tissueText(now.regions()),
+                      .middle = inUse().sphere().centre,
                       .full_colour = inUse().fullColour(),
+                      .untouchable = inUse().hasUntouchable(),
                       .lattice_radius = table.lattice.radius(),
                       .lattice_name = table.patch.name,
                       .label = labelOf(state),
@@ -143,15 +154,15 @@ struct Picture::Impl {
     viewport = panels.view();
     const auto last = static_cast<std::int32_t>(shown.size()) - 1;
     use(std::clamp(state.model, 0, last));
-    history.add(state.time, state.force);
+    history.add(state.time, state.force, state.touch.error_bound);
     lamps.update(glfwGetTime(), state.guards, status.loop.guards);
     // Before the mouse, which then moves what is framed.
     if (!ImGui::GetIO().WantTextInput && std::ranges::count(window.keys(), GLFW_KEY_F) > 0)
       frameAll();
     requests.tool = control.apply(persons(), inUse().model(), state, status, stage->camera());
-    showBody(state.touch);
-    showTool(state, status);
     stage->lattice().show(inUse(), state, view);
+    showTool(state, status);
+    showBody(state);
     panels.build(contents(state, status), view, requests);
     render();
     window.swap();
@@ -163,6 +174,7 @@ struct Picture::Impl {
   Panels panels;
   std::vector<std::unique_ptr<BodyView>> shown;  ///< as HapticState::model counts
   std::unique_ptr<Stage> stage;
+  HeldTool held;
   HandControl control;
   double listened = 0;  ///< s, glfwGetTime() of the last picture
   ViewChoices view;
@@ -171,6 +183,8 @@ struct Picture::Impl {
   std::int32_t model = -1;  ///< that is on the stage
   Viewport viewport;        ///< of the last picture
   bool drawn = false;
+  double full_force =
+      0.5;  ///< N, of the longest arrow: a round number that grows with what was seen
   Eigen::Vector3d arrow_tip = Eigen::Vector3d::Zero();
 };
 

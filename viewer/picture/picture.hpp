@@ -12,7 +12,7 @@
 namespace palpate {
 
 struct PictureOptions {
-  int width = 1280, height = 800;  ///< of the window, screen units
+  int width = 1280, height = 800;  ///< of the window, at a scale of 1 (screenScale)
   bool visible = true;             ///< false: drawn all the same, for grab()
   bool vsync = true;               ///< draw() waits for the screen; without one it returns at once
   bool ghost = true;               ///< begin with the shape at rest drawn

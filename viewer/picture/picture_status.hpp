@@ -12,7 +12,7 @@ struct PictureStatus {
   std::string device = {};   ///< HapticDevice::name()
   std::string trouble = {};  ///< of device and loop, sentences; shown in red; empty: none
   std::string notice = {};   ///< anything else to say, shown in blue; empty: nothing
-  double max_force = 3.3;    ///< N, of the device: the longest arrow
+  double max_force = 3.3;    ///< N, of the device: no arrow is longer than its
   bool mouse = false;        ///< the device is the mouse of the picture
   ContactMode contact = ContactMode::unilateral;  ///< of the loop
   bool paused = false;

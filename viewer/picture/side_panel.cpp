@@ -12,14 +12,15 @@ namespace palpate {
 namespace {
 
 // px; columns from the left of the panel.
-constexpr float value_column = 104, choice_column = 72, heading_gap = 4;
-constexpr int lamp_columns = 3, lamp_corners = 12;
-constexpr float lamp_radius = 5, lamp_text_offset = 16;
+constexpr float value_column = 84, choice_column = 66, heading_gap = 4;
+constexpr float second_quantile = 76, share_width = 46;  // from the first value
+constexpr int lamp_columns = 2, lamp_corners = 12;
+constexpr float lamp_radius = 5, lamp_text_offset = 15;
 constexpr ImU32 lamp_lit = IM_COL32(240, 130, 0, 255), lamp_dark = IM_COL32(208, 213, 221, 255);
 constexpr double smallest_weight = 0.005;  // of a space whose name is worth a line
 
 void heading(const char* text) {
-  ImGui::Dummy({0, heading_gap});
+  ImGui::Dummy({0, px(heading_gap)});
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::TextDisabled("%s", text);
   const float y = at.y + ImGui::GetTextLineHeight() + 2,
@@ -30,7 +31,7 @@ void heading(const char* text) {
 /// A name, and a value that begins where all values do.
 void row(const char* label, const std::string& value) {
   ImGui::TextUnformatted(label);
-  ImGui::SameLine(value_column);
+  ImGui::SameLine(px(value_column));
   ImGui::TextUnformatted(value.c_str());
 }
 
@@ -39,7 +40,7 @@ std::string newtons(double force) {
 }
 
 std::string microseconds(double seconds) {
-  return seconds < 0.01 ? fmt::format("{:.0f} us", 1e6 * seconds)
+  return seconds < 0.01 ? fmt::format("{:.0f} µs", 1e6 * seconds)
                         : fmt::format("{:.1f} ms", 1e3 * seconds);
 }
 
@@ -48,8 +49,9 @@ std::string microseconds(double seconds) {
 std::optional<std::int32_t> choose(const char* label, const std::vector<Choice>& choices,
                                    std::int32_t current) {
   std::optional<std::int32_t> chosen;
+  ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(label);
-  ImGui::SameLine(choice_column);
+  ImGui::SameLine(px(choice_column));
   ImGui::SetNextItemWidth(-1);
   const auto now = static_cast<std::size_t>(current);
   if (ImGui::BeginCombo(fmt::format("##{}", label).c_str(),
@@ -76,6 +78,11 @@ void choices(const PanelContents& contents, ViewChoices& view, PictureRequests& 
     requests.use = {*model, state.method};
   if (const auto method = choose("method", contents.methods, state.method))
     requests.use = {state.model, *method};
+  std::vector<Choice> colours;
+  for (int n = 0; n < surface_colour_count; ++n)
+    colours.push_back({word(static_cast<SurfaceColour>(n))});
+  if (const auto colour = choose("colour", colours, static_cast<std::int32_t>(view.colour)))
+    view.colour = static_cast<SurfaceColour>(*colour);
   const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
   if (ImGui::Button("Release", {width, 0})) requests.release = true;
   ImGui::SameLine();
@@ -143,46 +150,52 @@ void numbers(const PanelContents& contents) {
   for (std::int32_t n = 0; touch.touching && n < touch.blend.size; ++n) {
     const SpaceWeight& share = touch.blend.shares[static_cast<std::size_t>(n)];
     const auto space = static_cast<std::size_t>(share.space);
-    if (share.weight > smallest_weight && space < contents.spaces.size())
-      row(n == 0 ? "spaces" : "",
-          fmt::format("{:3.0f} % {}", 100 * share.weight, contents.spaces[space]));
+    if (share.weight > smallest_weight && space < contents.spaces.size()) {
+      row(n == 0 ? "spaces" : "", fmt::format("{:.0f} %", 100 * share.weight));
+      ImGui::SameLine(px(value_column + share_width));
+      ImGui::TextUnformatted(contents.spaces[space].c_str());
+    }
   }
 }
 
 void lampField(const GuardLamps& lamps) {
-  heading("Guards");
+  heading("Force held back");
   const ImVec2 origin = ImGui::GetCursorScreenPos();
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float column = ImGui::GetContentRegionAvail().x / lamp_columns;
-  const float line = ImGui::GetTextLineHeight() + ImGui::GetStyle().ItemSpacing.y;
+  const float text = ImGui::GetTextLineHeight(), line = text + ImGui::GetStyle().ItemSpacing.y;
   for (int bit = 0; bit < guard_count; ++bit) {
-    const int row = bit / lamp_columns;
     const ImVec2 at = {origin.x + column * static_cast<float>(bit % lamp_columns),
-                       origin.y + line * static_cast<float>(row)};
+                       origin.y + line * static_cast<float>(bit / lamp_columns)};
     const bool lit = lamps.lit(bit);
-    draw.AddCircleFilled({at.x + lamp_radius + 1, at.y + lamp_radius + 2}, lamp_radius,
+    draw.AddCircleFilled({at.x + px(lamp_radius), at.y + text / 2}, px(lamp_radius),
                          lit ? lamp_lit : lamp_dark, lamp_corners);
-    draw.AddText({at.x + lamp_text_offset, at.y}, lit ? ink : faint, guardWord(bit));
+    draw.AddText({at.x + px(lamp_text_offset), at.y}, lit ? ink : faint, lampWords(bit));
+    if (ImGui::IsMouseHoveringRect(at, {at.x + column, at.y + line}))
+      ImGui::SetTooltip("%s\nIn the log: %s", lampSentence(bit), guardWord(bit));
   }
   constexpr int lines = (guard_count + lamp_columns - 1) / lamp_columns;
-  ImGui::Dummy({0, line * lines - heading_gap});
+  ImGui::Dummy({0, line * lines - px(heading_gap)});
 }
 
 void loopNumbers(const PictureStatus& status) {
   const LoopStatistics& loop = status.loop;
-  const auto quantiles = [](const TimeHistogram& times) {
-    return fmt::format("{:<9} {}", microseconds(times.quantile(0.5)),
-                       microseconds(times.quantile(0.999)));
+  const auto quantiles = [](const char* label, const TimeHistogram& times) {
+    row(label, microseconds(times.quantile(0.5)));
+    ImGui::SameLine(px(value_column + second_quantile));
+    ImGui::TextUnformatted(microseconds(times.quantile(0.999)).c_str());
   };
   heading("Loop");
   row("device", status.device.empty() ? "none" : status.device);
   if (loop.rate <= 0) return;
   row("rate", fmt::format("{:.0f} Hz{}", loop.rate, status.recording ? ", recording" : ""));
   ImGui::TextDisabled("%s", "");
-  ImGui::SameLine(value_column);
-  ImGui::TextDisabled("p50       p99.9");
-  row("period", quantiles(loop.period));
-  row("compute", quantiles(loop.compute));
+  ImGui::SameLine(px(value_column));
+  ImGui::TextDisabled("median");
+  ImGui::SameLine(px(value_column + second_quantile));
+  ImGui::TextDisabled("99.9 %%");
+  quantiles("period", loop.period);
+  quantiles("compute", loop.compute);
   row("missed", fmt::format("{} own, {} system", loop.missed_program, loop.missed_system));
   if (loop.halts > 0) row("halts", fmt::format("{}", loop.halts));
 }

@@ -1,7 +1,6 @@
 #include "viewer/picture/stage.hpp"
 
 #include <Inventor/elements/SoGLCacheContextElement.h>
-#include <Inventor/nodes/SoDirectionalLight.h>
 #include <Inventor/nodes/SoPerspectiveCamera.h>
 
 #include <array>
@@ -9,14 +8,16 @@
 namespace palpate {
 namespace {
 
-constexpr double tool_share = 0.03;  ///< of the extent
 /// Around the view. Clearing is cheap; panels with a ground of their own, blended, would cost as
 /// much as the body where drawing is done in software.
 constexpr std::array<float, 3> panel_ground = {0.975F, 0.978F, 0.984F};
-constexpr std::array<float, 3> sky = {0.985F, 0.987F, 0.992F}, ground = {0.800F, 0.828F, 0.868F};
+constexpr std::array<float, 3> sky = {0.975F, 0.978F, 0.984F}, ground = {0.800F, 0.826F, 0.860F};
 
+/// Behind all that was drawn before, and only where nothing was: where a processor draws by itself
+/// a pixel of the background costs as much as one of the body.
 void drawBackground() {
-  glDisable(GL_DEPTH_TEST);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
   glDepthMask(GL_FALSE);
   glShadeModel(GL_SMOOTH);
   for (const GLenum matrix : {GL_PROJECTION, GL_MODELVIEW}) {
@@ -26,11 +27,11 @@ void drawBackground() {
   }
   glBegin(GL_TRIANGLE_STRIP);
   glColor3fv(ground.data());
-  glVertex2f(-1, -1);
-  glVertex2f(1, -1);
+  glVertex3f(-1, -1, 1);
+  glVertex3f(1, -1, 1);
   glColor3fv(sky.data());
-  glVertex2f(-1, 1);
-  glVertex2f(1, 1);
+  glVertex3f(-1, 1, 1);
+  glVertex3f(1, 1, 1);
   glEnd();
   for (const GLenum matrix : {GL_PROJECTION, GL_MODELVIEW}) {
     glMatrixMode(matrix);
@@ -48,16 +49,13 @@ SbRotation rotationTo(const Eigen::Matrix3d& axes) {
 
 Stage::Stage(double extent)
     : background_(drawBackground),
-      tool_(extent * tool_share),
+      tool_(extent, light_),
       bodies_(new SoSeparator),
-      coin_camera_(new SoPerspectiveCamera),
-      key_(new SoDirectionalLight),
-      fill_(new SoDirectionalLight) {
-  key_->intensity.setValue(0.62F);
-  fill_->intensity.setValue(0.22F);
+      ghosts_(new SoSeparator),
+      coin_camera_(new SoPerspectiveCamera) {
   coin_camera_->viewportMapping.setValue(SoCamera::LEAVE_ALONE);
-  root_ = group(
-      {background_.node(), coin_camera_, key_, fill_, bodies_, lattice_.node(), tool_.node()});
+  root_ =
+      group({coin_camera_, bodies_, background_.node(), ghosts_, lattice_.node(), tool_.node()});
   root_->ref();
   action_ = std::make_unique<SoGLRenderAction>(SbViewportRegion());
   // Caches of one window are not another's.
@@ -67,8 +65,11 @@ Stage::Stage(double extent)
 Stage::~Stage() { root_->unref(); }
 
 void Stage::setBody(BodyView& body) {
+  body.setLight(light_);
   bodies_->removeAllChildren();
   bodies_->addChild(body.node());
+  ghosts_->removeAllChildren();
+  ghosts_->addChild(body.ghostNode());
 }
 
 void Stage::placeCamera(const Viewport& viewport) {
@@ -81,8 +82,6 @@ void Stage::placeCamera(const Viewport& viewport) {
   coin_camera_->heightAngle.setValue(static_cast<float>(OrbitCamera::height_angle));
   coin_camera_->aspectRatio.setValue(static_cast<float>(viewport.width) /
                                      static_cast<float>(viewport.height));
-  key_->direction.setValue(coin(axes * Eigen::Vector3d(0.45, -0.7, -0.8)));
-  fill_->direction.setValue(coin(axes * Eigen::Vector3d(-0.8, 0.1, -0.5)));
 }
 
 void Stage::render(const Viewport& viewport) {
@@ -97,7 +96,7 @@ void Stage::render(const Viewport& viewport) {
   glDisable(GL_SCISSOR_TEST);
   glEnable(GL_DEPTH_TEST);
   glClearColor(panel_ground[0], panel_ground[1], panel_ground[2], 1);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
   action_->setViewportRegion(region);
   action_->apply(root_);
   glPopClientAttrib();

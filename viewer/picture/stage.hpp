@@ -6,10 +6,10 @@
 #include "viewer/picture/body_view.hpp"
 #include "viewer/picture/lattice_view.hpp"
 #include "viewer/picture/orbit_camera.hpp"
+#include "viewer/picture/soft_light.hpp"
 #include "viewer/picture/tool_view.hpp"
 
 class SoPerspectiveCamera;
-class SoDirectionalLight;
 
 namespace palpate {
 
@@ -19,8 +19,8 @@ struct Viewport {
   int x = 0, y = 0, width = 1, height = 1;
 };
 
-/// The scene graph: background, camera, lights, one body, the lattice and the tool. Belongs to the
-/// thread in which a Window is current, and must go before it.
+/// The scene graph: background, camera, one body, the lattice and the tool, in a light that goes
+/// with the camera. Belongs to the thread in which a Window is current, and must go before it.
 class Stage {
  public:
   /// extent: radius of what is shown, m; sizes of tool and lattice follow from it.
@@ -43,11 +43,11 @@ class Stage {
 
   OrbitCamera camera_;
   Drawing background_;
+  SoftLight light_;
   ToolView tool_;
   LatticeView lattice_;
-  SoSeparator* bodies_;
+  SoSeparator *bodies_, *ghosts_;
   SoPerspectiveCamera* coin_camera_;
-  SoDirectionalLight *key_, *fill_;
   SoSeparator* root_ = nullptr;
   std::unique_ptr<SoGLRenderAction> action_;
 };

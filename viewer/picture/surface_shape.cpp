@@ -5,7 +5,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <map>
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
@@ -15,20 +14,63 @@ namespace palpate {
 namespace {
 
 constexpr int levels = 256;
-/// What cannot be touched is drawn in a light warm grey with a trace of its colour.
-constexpr std::array<double, 3> tissue_grey = {196, 190, 186};
-constexpr double trace = 0.3;
+/// Triangles: a surface is rounded while it has no more than this many then. More cost time where
+/// drawing is done in software, and are smooth by themselves.
+constexpr std::size_t most_rounded = 16000;
+/// How often a vertex takes the mean of itself and those around it: as wide is the border between
+/// what can be felt and what cannot, in vertices.
+constexpr int border_rounds = 2;
+/// Of the wetness of tissue, under a colour that means something: highlights would change it.
+constexpr float wetness_of_colour = 0.3F;
 
-std::uint32_t packed(const std::array<double, 3>& colour) {
-  const auto byte = [](double value) { return static_cast<std::uint8_t>(std::lround(value)); };
-  return std::bit_cast<std::uint32_t>(
-      std::array<std::uint8_t, 4>{byte(colour[0]), byte(colour[1]), byte(colour[2]), 255});
+/// A colour over tissue: tissue * seen + added.
+struct Cover {
+  float seen = 1;
+  std::array<float, 3> added = {0, 0, 0};
+};
+
+Cover coverOf(const Rgb& colour, double share) {
+  Cover cover{static_cast<float>(1 - share)};
+  for (std::size_t i = 0; i < 3; ++i) cover.added[i] = static_cast<float>(share * colour[i]);
+  return cover;
 }
 
-std::array<double, 3> greyed(const std::array<double, 3>& colour) {
-  std::array<double, 3> mixed{};
-  for (std::size_t i = 0; i < 3; ++i) mixed[i] = std::lerp(tissue_grey[i], colour[i], trace);
-  return mixed;
+using Covers = std::array<Cover, levels>;
+
+const Covers& displacementCovers() {
+  static const Covers made = [] {
+    Covers covers;
+    for (int level = 0; level < levels; ++level) {
+      const double place = static_cast<double>(level) / (levels - 1);
+      covers[at(level)] = coverOf(displacementHue(place), displacementCover(place));
+    }
+    return covers;
+  }();
+  return made;
+}
+
+const Covers& viridisCovers() {
+  static const Covers made = [] {
+    Covers covers;
+    for (int level = 0; level < levels; ++level)
+      covers[at(level)] = coverOf(viridis(static_cast<double>(level) / (levels - 1)), 1);
+    return covers;
+  }();
+  return made;
+}
+
+std::uint32_t packed(const std::array<float, 3>& tissue, const Cover& cover) {
+  const auto byte = [&](std::size_t i) {
+    return static_cast<std::uint8_t>(tissue[i] * cover.seen + cover.added[i] + 0.5F);
+  };
+  const float wet = wetness_of_colour + (1 - wetness_of_colour) * cover.seen;
+  return std::bit_cast<std::uint32_t>(std::array<std::uint8_t, 4>{
+      byte(0), byte(1), byte(2), static_cast<std::uint8_t>(255 * wet + 0.5F)});
+}
+
+/// place: 0 to 1 and beyond.
+std::size_t levelAt(float place) {
+  return static_cast<std::size_t>(std::clamp(place, 0.0F, 1.0F) * (levels - 1));
 }
 
 }  // namespace
@@ -36,77 +78,123 @@ std::array<double, 3> greyed(const std::array<double, 3>& colour) {
 SurfaceShape::SurfaceShape(const std::vector<Eigen::Vector3d>& vertices,
                            const std::vector<Triangle>& triangles,
                            const std::vector<bool>& touchable)
-    : rest_(3, std::ssize(vertices)),
-      lengths_(vertices.size()),
-      colours_(vertices.size()),
-      touchable_(vertices.size(), false) {
+    : given_(vertices.size()) {
   PALPATE_ASSERT(touchable.size() == triangles.size(), "each triangle can be touched, or not");
-  for (Eigen::Index v = 0; v < rest_.cols(); ++v) rest_.col(v) = vertices[at(v)].cast<float>();
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (const std::int32_t corner : triangles[t]) {
-      PALPATE_ASSERT(corner >= 0 && at(corner) < size(), "triangles are of these vertices");
-      corners_.push_back(static_cast<std::uint32_t>(corner));
-      if (touchable[t]) touchable_[at(corner)] = true;
+  for (const Triangle& triangle : triangles)
+    for (const std::int32_t corner : triangle) {
+      PALPATE_ASSERT(corner >= 0 && at(corner) < given_, "triangles are of these vertices");
+      coarse_.push_back(static_cast<std::uint32_t>(corner));
     }
-  for (int level = 0; level < levels; ++level) {
-    const std::array<double, 3> colour = viridis(static_cast<double>(level) / (levels - 1));
-    vivid_.push_back(packed(colour));
-    grey_.push_back(packed(greyed(colour)));
+  corners_ = coarse_;
+  std::size_t size = given_;
+  for (; !corners_.empty() && 4 * corners_.size() <= 3 * most_rounded;
+       size = roundings_.back().vertices()) {
+    roundings_.emplace_back(corners_, size);
+    corners_.assign(roundings_.back().corners().begin(), roundings_.back().corners().end());
   }
-  setEdges(triangles, touchable);
-  positions_ = rest_;
+  positions_.resize(3, static_cast<Eigen::Index>(size));
+  normals_.resizeLike(positions_);
+  lengths_.resize(size);
+  felt_.resize(size);
+  places_.resize(size);
+  tissue_.resize(size);
+  colours_.resize(size);
+  for (std::size_t v = 0; v < given_; ++v)
+    positions_.col(static_cast<Eigen::Index>(v)) = vertices[v].cast<float>();
   setNormals();
-  setColours(1);
+  rest_ = positions_;
+  rest_normals_ = normals_;
+  setFelt(triangles, touchable);
+  setTissue();
+  colourTissue();
 }
 
-void SurfaceShape::setEdges(const std::vector<Triangle>& triangles,
-                            const std::vector<bool>& touchable) {
-  std::map<Edge, int> touchable_sides;
+void SurfaceShape::round(std::vector<float>& values) const {
+  for (const SurfaceRounding& rounding : roundings_) rounding.fill(values);
+}
+
+void SurfaceShape::setFelt(const std::vector<Triangle>& triangles,
+                           const std::vector<bool>& touchable) {
   for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (std::size_t side = 0; side < 3; ++side) {
-      const std::int32_t a = triangles[t][side], b = triangles[t][(side + 1) % 3];
-      touchable_sides[{std::min(a, b), std::max(a, b)}] += touchable[t] ? 1 : 0;
+    for (const std::int32_t corner : triangles[t])
+      if (touchable[t]) felt_[at(corner)] = 1;
+  std::vector<float> sums, counts;
+  for (int round = 0; round < border_rounds; ++round) {
+    sums.assign(given_, 0);
+    counts.assign(given_, 0);
+    for (const Triangle& t : triangles) {
+      const float mean = (felt_[at(t[0])] + felt_[at(t[1])] + felt_[at(t[2])]) / 3;
+      for (const std::int32_t corner : t) {
+        sums[at(corner)] += mean;
+        ++counts[at(corner)];
+      }
     }
-  for (const auto& [edge, sides] : touchable_sides)
-    for (const std::int32_t end : edge) {
-      edges_.push_back(static_cast<std::uint32_t>(end));
-      if (sides == 1) rim_.push_back(static_cast<std::uint32_t>(end));
-    }
+    for (std::size_t v = 0; v < given_; ++v)
+      if (counts[v] > 0) felt_[v] = sums[v] / counts[v];
+  }
+  round(felt_);
+}
+
+void SurfaceShape::setTissue() {
+  if (size() == 0) return;
+  const Eigen::Vector3f middle = rest_.rowwise().mean();
+  const float radius = (rest_.colwise() - middle).colwise().norm().maxCoeff();
+  for (std::size_t v = 0; v < size(); ++v) {
+    const Eigen::Vector3f place =
+        (rest_.col(static_cast<Eigen::Index>(v)) - middle) / std::max(radius, 1e-9F);
+    const Rgb colour = tissueColour(felt_[v], blotchAt(place.cast<double>()));
+    for (std::size_t i = 0; i < 3; ++i) tissue_[v][i] = static_cast<float>(colour[i]);
+  }
 }
 
 void SurfaceShape::setDisplacements(std::span<const float> displacements) {
-  PALPATE_ASSERT(std::ssize(displacements) == rest_.size(), "every vertex has a displacement");
+  PALPATE_ASSERT(displacements.size() == 3 * given_, "every vertex has a displacement");
   largest_ = 0;
-  for (Eigen::Index vertex = 0; vertex < rest_.cols(); ++vertex) {
-    Eigen::Vector3f u(displacements.data() + 3 * vertex);
+  for (std::size_t v = 0; v < given_; ++v) {
+    const auto column = static_cast<Eigen::Index>(v);
+    Eigen::Vector3f u(displacements.data() + 3 * v);
     if (!std::isfinite(u.squaredNorm())) u.setZero();
-    positions_.col(vertex) = rest_.col(vertex) + u;
-    lengths_[at(vertex)] = u.norm();
-    largest_ = std::max(largest_, double{lengths_[at(vertex)]});
+    positions_.col(column) = rest_.col(column) + u;
+    lengths_[v] = u.norm();
+    largest_ = std::max(largest_, double{lengths_[v]});
   }
+  round(lengths_);
   setNormals();
 }
 
-void SurfaceShape::setColours(double full) {
-  const float scale = full > 0 ? static_cast<float>((levels - 1) / full) : 0;
-  for (std::size_t vertex = 0; vertex < lengths_.size(); ++vertex) {
-    const auto level = static_cast<std::size_t>(
-        std::min(lengths_[vertex] * scale, static_cast<float>(levels - 1)));
-    colours_[vertex] = touchable_[vertex] ? vivid_[level] : grey_[level];
-  }
+void SurfaceShape::colourTissue() {
+  for (std::size_t v = 0; v < size(); ++v) colours_[v] = packed(tissue_[v], {});
+}
+
+void SurfaceShape::colourDisplacements(double full) {
+  const float scale = full > 0 ? static_cast<float>(1 / full) : 0;
+  const Covers& covers = displacementCovers();
+  for (std::size_t v = 0; v < size(); ++v)
+    colours_[v] = packed(tissue_[v], covers[levelAt(lengths_[v] * scale)]);
+}
+
+void SurfaceShape::colourPlaces(std::span<const float> places) {
+  PALPATE_ASSERT(places.size() == given_, "every vertex has its place among the colours");
+  std::ranges::copy(places, places_.begin());
+  round(places_);
+  const Covers& covers = viridisCovers();
+  for (std::size_t v = 0; v < size(); ++v)
+    colours_[v] = packed(tissue_[v], std::isnan(places[v]) ? Cover{} : covers[levelAt(places[v])]);
 }
 
 void SurfaceShape::setNormals() {
-  normals_.setZero(3, positions_.cols());
-  for (std::size_t t = 0; t < corners_.size(); t += 3) {
-    const Eigen::Vector3f a = positions_.col(corners_[t]);
-    const Eigen::Vector3f ab = positions_.col(corners_[t + 1]) - a,
-                          ac = positions_.col(corners_[t + 2]) - a;
+  const auto given = static_cast<Eigen::Index>(given_);
+  normals_.leftCols(given).setZero();
+  for (std::size_t t = 0; t < coarse_.size(); t += 3) {
+    const Eigen::Vector3f a = positions_.col(coarse_[t]);
+    const Eigen::Vector3f ab = positions_.col(coarse_[t + 1]) - a,
+                          ac = positions_.col(coarse_[t + 2]) - a;
     // Twice the area long, which weights the sum.
     const Eigen::Vector3f cross = ab.cross(ac);
-    for (std::size_t corner = t; corner < t + 3; ++corner) normals_.col(corners_[corner]) += cross;
+    for (std::size_t corner = t; corner < t + 3; ++corner) normals_.col(coarse_[corner]) += cross;
   }
-  for (auto normal : normals_.colwise()) normal.normalize();
+  for (auto normal : normals_.leftCols(given).colwise()) normal.normalize();
+  for (const SurfaceRounding& rounding : roundings_) rounding.fill(positions_, normals_);
 }
 
 }  // namespace palpate

@@ -6,50 +6,61 @@
 #include <vector>
 
 #include "common/mesh/mesh.hpp"
+#include "viewer/picture/surface_rounding.hpp"
+#include "viewer/picture/tissue_colours.hpp"
 
 namespace palpate {
 
 /// A surface that is being deformed, as arrays that a graphics card takes: positions, smooth
-/// normals and colours of the vertices, in float32. Knows no graphics. One thread; setDisplacements
-/// and setColours do not allocate.
+/// normals and colours of vertices, in float32. A coarse surface is rounded between its vertices
+/// (SurfaceRounding), which come first among those of the arrays. Knows no graphics. One thread;
+/// what sets something does not allocate.
 class SurfaceShape {
  public:
-  /// vertices: at rest, metres. triangles: outward, into vertices. touchable: one per triangle; the
-  /// vertices of touchable triangles get full colours, the others grey ones.
+  /// vertices: at rest, metres. triangles: outward, into vertices. touchable: one per triangle.
   SurfaceShape(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Triangle>& triangles,
                const std::vector<bool>& touchable);
 
-  /// [vertex][axis], metres. What is not finite counts as no displacement. Makes positions and
-  /// normals.
+  /// [vertex given][axis], metres. What is not finite counts as no displacement. Makes positions
+  /// and normals.
   void setDisplacements(std::span<const float> displacements);
-  /// Colours by the length of the displacements: viridis from 0 to `full` metres.
-  void setColours(double full);
+
+  // Colours, all of them over the tissue of the vertex.
+  void colourTissue();
+  /// By the length of the displacements, 0 to `full` metres: displacementColour.
+  void colourDisplacements(double full);
+  /// By viridis. places: one per vertex given, 0 to 1; NaN: the tissue is seen.
+  void colourPlaces(std::span<const float> places);
 
   // A column per vertex.
-  const Eigen::Matrix3Xf& rest() const { return rest_; }            ///< m
-  const Eigen::Matrix3Xf& positions() const { return positions_; }  ///< m
-  const Eigen::Matrix3Xf& normals() const { return normals_; }      ///< unit, weighted by area
-  /// Bytes red, green, blue, alpha.
+  const Eigen::Matrix3Xf& rest() const { return rest_; }                 ///< m
+  const Eigen::Matrix3Xf& restNormals() const { return rest_normals_; }  ///< as normals()
+  const Eigen::Matrix3Xf& positions() const { return positions_; }       ///< m
+  const Eigen::Matrix3Xf& normals() const { return normals_; }           ///< unit, weighted by area
+  /// Bytes red, green, blue, and how wet it looks: 255 tissue, less where a colour covers it.
   std::span<const std::uint32_t> colours() const { return colours_; }
   /// Three vertices per triangle.
   std::span<const std::uint32_t> corners() const { return corners_; }
-  /// Two vertices per edge, each once.
-  std::span<const std::uint32_t> edges() const { return edges_; }
-  /// Edges between what can be touched and what cannot: two vertices each.
-  std::span<const std::uint32_t> rim() const { return rim_; }
+  /// Where a vertex can be felt: 1; 0 where there is nothing to feel; in between along the border,
+  /// which is not to look like its triangles.
+  std::span<const float> felt() const { return felt_; }
   double length(std::size_t vertex) const { return lengths_[vertex]; }  ///< of the displacement, m
   double largest() const { return largest_; }                           ///< of these lengths
-  std::size_t size() const { return lengths_.size(); }                  ///< vertices
+  std::size_t size() const { return lengths_.size(); }                  ///< vertices of the arrays
 
  private:
-  void setEdges(const std::vector<Triangle>& triangles, const std::vector<bool>& touchable);
+  void setFelt(const std::vector<Triangle>& triangles, const std::vector<bool>& touchable);
+  void setTissue();
   void setNormals();
+  void round(std::vector<float>& values) const;
 
-  Eigen::Matrix3Xf rest_, positions_, normals_;
-  std::vector<float> lengths_;
-  std::vector<std::uint32_t> colours_, corners_, edges_, rim_;
-  std::vector<std::uint32_t> vivid_, grey_;  ///< colours by level, touchable or not
-  std::vector<bool> touchable_;              ///< by vertex
+  Eigen::Matrix3Xf rest_, rest_normals_, positions_, normals_;
+  std::size_t given_;                       ///< vertices
+  std::vector<std::uint32_t> coarse_;       ///< corners of the triangles given
+  std::vector<SurfaceRounding> roundings_;  ///< one after the other
+  std::vector<float> lengths_, felt_, places_;
+  std::vector<std::array<float, 3>> tissue_;  ///< by vertex, 0 to 255
+  std::vector<std::uint32_t> colours_, corners_;
   double largest_ = 0;
 };
 

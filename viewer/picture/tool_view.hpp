@@ -1,38 +1,71 @@
 #pragma once
 
-#include "viewer/picture/coin.hpp"
+#include <array>
 
-class SoTransform;
+#include "viewer/picture/coin.hpp"
+#include "viewer/picture/soft_light.hpp"
+#include "viewer/picture/tool_shape.hpp"
+#include "viewer/picture/turned_solid.hpp"
 
 namespace palpate {
 
-/// Draws the tool as a small sphere, the force on it as an arrow from its centre, and the anchor,
-/// at rest, with a line to the tool. A Coin node. Metres, scene frame.
+/// How a tool is held: where it touches, and from where.
+struct ToolPose {
+  Eigen::Vector3d tip = Eigen::Vector3d::Zero();       ///< m, where it touches or would
+  Eigen::Vector3d outward = Eigen::Vector3d::UnitZ();  ///< unit, away from the body
+  Eigen::Vector3d handle = Eigen::Vector3d::UnitZ();   ///< unit, from the tip to the hand
+};
+
+/// The nearest skin below a free tool.
+struct SkinBelow {
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< m
+  double gap = 0;                                   ///< m
+};
+
+/// Draws the tool in its true size, the force on it as an arrow, a line to the skin while it is
+/// free, and where the point that it touches lies at rest, with a line to it. What of the tool lies
+/// behind the surface is seen through it. The arrow is in front of everything, dashed and amber
+/// where its force is uncertain. A Coin node. Metres, scene frame.
 class ToolView {
  public:
-  /// radius: of the sphere, m.
-  explicit ToolView(double radius);
-  ~ToolView();
-  ToolView(const ToolView&) = delete;
-  ToolView& operator=(const ToolView&) = delete;
+  /// extent: radius of what is shown, m: of what has no size of its own. light: must outlive it.
+  ToolView(double extent, const SoftLight& light);
 
-  SoSeparator* node() const { return node_; }
+  SoCallback* node() const { return drawing_.node(); }
+  void setShape(const ToolShape& shape) { shape_ = shape; }
   /// Nothing is drawn of a tool that is not finite.
-  void setTool(const Eigen::Vector3d& tool);
-  /// arrow: from the tool to the tip, m; one shorter than the sphere is not drawn.
-  void setArrow(const Eigen::Vector3d& arrow);
+  void setTool(const ToolPose& pose) { pose_ = pose; }
+  /// arrow: from the tip of the tool to its own, m; one that is very short is not drawn.
+  void setArrow(const Eigen::Vector3d& arrow, bool uncertain);
   /// Where the material point in contact lies at rest; only while something is touched.
   void setAnchor(const Eigen::Vector3d& anchor, bool touching);
+  /// Only while nothing is touched.
+  void setSkin(const SkinBelow& skin, bool free);
+
+  /// The thick part of the tool as a line with a radius, for what is not to cover it: the middle of
+  /// its tip, and the end of its handle.
+  std::array<Eigen::Vector3d, 2> axis() const;
+  double radius() const;  ///< m, of the tip as it is drawn
 
  private:
-  void drawThread() const;
+  void draw() const;
+  void drawTool(double opacity) const;
+  void drawHidden() const;
+  void drawArrow() const;
+  void drawAnchor() const;
+  void drawSkinLine() const;
 
-  double radius_;
-  Eigen::Vector3d tool_ = Eigen::Vector3d::Zero(), anchor_ = Eigen::Vector3d::Zero();
-  SoSeparator* node_;
-  SoTransform *tool_place_, *arrow_place_, *shaft_place_, *head_place_, *anchor_place_;
-  Drawing thread_;
-  SoSwitch *tool_switch_, *arrow_switch_, *anchor_switch_;
+  double extent_;
+  const SoftLight& light_;
+  TurnedSolid ball_ = TurnedSolid::ball(), cylinder_ = TurnedSolid::cylinder(),
+              cone_ = TurnedSolid::cone(), handle_ = TurnedSolid::handle(),
+              finger_ = TurnedSolid::finger();
+  ToolShape shape_;
+  ToolPose pose_;
+  Eigen::Vector3d arrow_ = Eigen::Vector3d::Zero(), anchor_ = Eigen::Vector3d::Zero();
+  SkinBelow skin_;
+  bool uncertain_ = false, touching_ = false, free_ = false;
+  Drawing drawing_;
 };
 
 }  // namespace palpate

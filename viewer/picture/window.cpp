@@ -1,13 +1,14 @@
 #include "viewer/picture/window.hpp"
 
 #define GLFW_INCLUDE_NONE
-#include <GL/gl.h>
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "viewer/picture/open_gl.hpp"
+#include "viewer/picture/screen_scale.hpp"
 
 namespace palpate {
 namespace {
@@ -28,6 +29,7 @@ Window::Window(const std::string& title, int width, int height, bool visible, bo
         lastTrouble());
   glfwWindowHint(GLFW_VISIBLE, visible ? GLFW_TRUE : GLFW_FALSE);
   glfwWindowHint(GLFW_DEPTH_BITS, 24);
+  glfwWindowHint(GLFW_STENCIL_BITS, 8);
   glfwWindowHint(GLFW_SAMPLES, 0);  // software rendering could not keep up
   window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (window_ == nullptr) {
@@ -38,6 +40,8 @@ Window::Window(const std::string& title, int width, int height, bool visible, bo
         "or install libgl1-mesa-dri and set LIBGL_ALWAYS_SOFTWARE=1 to draw in software",
         trouble);
   }
+  if (const double larger = screenScale(window_) / pixelsPerUnit(window_); larger != 1)
+    glfwSetWindowSize(window_, static_cast<int>(width * larger), static_cast<int>(height * larger));
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(vsync ? 1 : 0);
   glfwSetWindowUserPointer(window_, this);

@@ -13,7 +13,8 @@ namespace palpate {
 /// thread of the process, which alone may use it (GLFW); one window at a time.
 class Window {
  public:
-  /// vsync: swap() waits for the screen. Error, with what to do, when there is no display or no
+  /// width, height: at a scale of 1; it is larger by screenScale. vsync: swap() waits for the
+  /// screen. Error, with what to do, when there is no display or no
   /// OpenGL.
   Window(const std::string& title, int width, int height, bool visible, bool vsync);
   ~Window();

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 #include <stb_image.h>
 
+#include <cmath>
 #include <fstream>
+#include <limits>
 
 #include "tests/support/expect_error.hpp"
 #include "tests/support/sample_dataset.hpp"
@@ -11,6 +13,7 @@
 #include "viewer/picture/guard_lamps.hpp"
 #include "viewer/picture/image.hpp"
 #include "viewer/picture/lattice_dots.hpp"
+#include "viewer/picture/screen_scale.hpp"
 
 namespace palpate {
 namespace {
@@ -60,25 +63,57 @@ TEST(VideoFrames, AreNumberedFromOneAndNeverMixedWithAnotherRun) {
 TEST(ForceHistory, KeepsFiveSecondsAndBeginsAnewWhenTimeDoes) {
   ForceHistory history;
   for (int n = 0; n <= 600; ++n)
-    history.add(n / 60.0, Eigen::Vector3d(0, n == 100 ? 9 : n * 1e-3, 0));
+    history.add(n / 60.0, Eigen::Vector3d(0, n == 100 ? 9 : n * 1e-3, 0), 0);
   EXPECT_NEAR(history.samples().front().time, 5, 1e-9);
   EXPECT_NEAR(history.samples().back().time, 10, 1e-9);
   EXPECT_NEAR(history.largest(), 0.6, 1e-6) << "the 9 N are too long ago";
   const std::size_t size = history.samples().size();
-  history.add(10, Eigen::Vector3d::Zero());
+  history.add(10, Eigen::Vector3d::Zero(), 0);
   EXPECT_EQ(history.samples().size(), size) << "the same tick twice";
-  history.add(0.5, Eigen::Vector3d(3, 4, 0));
+  history.add(0.5, Eigen::Vector3d(3, 4, 0), 0);
   EXPECT_EQ(history.samples().size(), 1U);
   EXPECT_NEAR(history.largest(), 5, 1e-6);
 }
 
 TEST(ForceHistory, ForgetsTheOldestWhenPicturesComeTooFast) {
   ForceHistory history;
-  for (int n = 0; n < 5000; ++n) history.add(1e-3 * n, Eigen::Vector3d::UnitX());
+  for (int n = 0; n < 5000; ++n) history.add(1e-3 * n, Eigen::Vector3d::UnitX(), 0);
   EXPECT_LE(history.samples().size(), 1024U);
   EXPECT_NEAR(history.samples().back().time, 4.999, 1e-9);
   for (std::size_t n = 1; n < history.samples().size(); ++n)
     EXPECT_GT(history.samples()[n].time, history.samples()[n - 1].time);
+}
+
+TEST(ForceHistory, CountsBoundsButNoneBeyondItsForce) {
+  ForceHistory history;
+  history.add(1, Eigen::Vector3d(3, 4, 0), 0.5);
+  EXPECT_NEAR(history.largest(), 5.5, 1e-6);
+  EXPECT_FLOAT_EQ(history.samples().back().bound, 0.5F);
+  history.add(2, Eigen::Vector3d(0, 1, 0), 1000);
+  history.add(3, Eigen::Vector3d(0, 1, 0), std::numeric_limits<double>::quiet_NaN());
+  EXPECT_NEAR(history.largest(), 5.5, 1e-6);
+}
+
+TEST(GuardLamps, SayWhatAPersonUnderstands) {
+  for (int bit = 0; bit < guard_count; ++bit) {
+    const std::string words = lampWords(bit);
+    EXPECT_GE(words.size(), 8U);
+    EXPECT_LE(words.size(), 20U) << "two lamps share a line of the panel";
+    EXPECT_NE(words, guardWord(bit));
+    EXPECT_EQ(words.find('_'), std::string::npos);
+    EXPECT_EQ(std::string(lampSentence(bit)).back(), '.');
+  }
+  EXPECT_STREQ(lampWords(guard_count), "");
+  EXPECT_STREQ(lampSentence(-1), "");
+}
+
+TEST(ScreenScale, IsInQuartersAndNeverTooSmallOrHuge) {
+  EXPECT_EQ(roundedScale(1.04), 1);
+  EXPECT_EQ(roundedScale(1.5), 1.5);
+  EXPECT_EQ(roundedScale(1.7), 1.75);
+  EXPECT_EQ(roundedScale(0.6), 1);
+  EXPECT_EQ(roundedScale(40), 4);
+  EXPECT_EQ(roundedScale(std::nan("")), 1);
 }
 
 TEST(GuardLamps, StayLitForHalfASecondAndNoticeWhatActedBetweenPictures) {

@@ -20,7 +20,9 @@ using Pixel = const std::uint8_t*;
 using Colour = std::function<bool(Pixel)>;
 
 bool isRed(Pixel p) { return p[0] > 110 && p[1] < 0.45 * p[0] && p[2] < 0.45 * p[0]; }
-bool isPurple(Pixel p) { return p[2] > p[1] + 25 && p[0] > p[1] + 10 && p[2] < 170; }
+bool isTissue(Pixel p) { return p[0] > p[1] + 40 && p[0] > p[2] + 40 && p[0] < 200; }
+bool isBlue(Pixel p) { return p[2] > 110 && p[0] < 0.4 * p[2] && p[1] < 0.75 * p[2]; }
+bool isAmber(Pixel p) { return p[0] > 150 && p[1] > 0.5 * p[0] && p[2] < 0.35 * p[0]; }
 bool isYellow(Pixel p) { return p[0] > p[2] + 60 && p[1] > p[2] + 60; }
 
 /// The three bytes of a pixel; x from the left, y from the top.
@@ -90,7 +92,7 @@ class PictureTest : public ::testing::Test {
 
 TEST_F(PictureTest, ShowsTheBodyAndColoursWhatIsPressed) {
   const Image rest = pictureOf(pressed(0), {.ghost = false});
-  EXPECT_GT(find(rest, isPurple).count, 5000);
+  EXPECT_GT(find(rest, isTissue).count, 5000);
   EXPECT_EQ(find(rest, isYellow).count, 0);
   const HapticState press = pressed(0.0048);
   ASSERT_TRUE(press.touch.touching);
@@ -105,15 +107,26 @@ TEST_F(PictureTest, ShowsTheGhostOnlyWhereTheBodyIsDeformed) {
       0);
   EXPECT_GT(
       differences(pictureOf(press, {.ghost = true}), pictureOf(press, {.ghost = false}), 980, 622),
-      500);
+      300);
 }
 
 TEST_F(PictureTest, ShowsAnArrowWhenThereIsAForce) {
   HapticState state = pressed(0);
   state.tool = {0, 0, 0.055};
-  EXPECT_EQ(find(pictureOf(state), isRed).count, 0);
+  EXPECT_EQ(find(pictureOf(state), isBlue).count, 0);
   state.force = {0, 0, 2};
-  EXPECT_GT(find(pictureOf(state), isRed).count, 100);
+  EXPECT_GT(find(pictureOf(state), isBlue).count, 100);
+}
+
+TEST_F(PictureTest, ShowsAnUncertainForceInAmber) {
+  HapticState state = pressed(0.004);
+  ASSERT_TRUE(state.touch.touching);
+  state.touch.error_bound = 0.3 * state.touch.force.norm();
+  state.force = state.touch.force.normalized();
+  const PictureOptions options{.ghost = false};
+  EXPECT_GT(find(pictureOf(state, options), isAmber).count, 100);
+  state.touch.error_bound = 0;
+  EXPECT_EQ(find(pictureOf(state, options), isAmber).count, 0);
 }
 
 TEST_F(PictureTest, ShowsTheLatticeByTag) {
@@ -139,7 +152,7 @@ TEST_F(PictureTest, FillsItsPanelsAndSaysTroubleInRed) {
 }
 
 TEST_F(PictureTest, CanBeHiddenAndStillKeepsItsPixels) {
-  EXPECT_GT(find(pictureOf(pressed(0), {.visible = false}), isPurple).count, 5000);
+  EXPECT_GT(find(pictureOf(pressed(0), {.visible = false}), isTissue).count, 5000);
 }
 
 TEST_F(PictureTest, SwitchesBetweenModelsThatShareTheWindow) {
@@ -303,13 +316,13 @@ class StageTest : public ::testing::Test {
 };
 
 TEST_F(StageTest, PointsTheArrowAlongTheForce) {
-  stage.tool().setTool(Eigen::Vector3d::Zero());
-  EXPECT_EQ(find(render(), isRed, 400, 400).count, 0);
+  stage.tool().setTool({});
+  EXPECT_EQ(find(render(), isBlue, 400, 400).count, 0);
   for (const Eigen::Vector3d& arrow :
        {Eigen::Vector3d(0.06, 0, 0), Eigen::Vector3d(-0.06, 0, 0), Eigen::Vector3d(0, 0.06, 0),
         Eigen::Vector3d(0.03, -0.04, 0)}) {
-    stage.tool().setArrow(arrow);
-    const Spot spot = find(render(), isRed, 400, 400);
+    stage.tool().setArrow(arrow, false);
+    const Spot spot = find(render(), isBlue, 400, 400);
     ASSERT_GT(spot.count, 50);
     const Eigen::Vector2d seen(spot.x - 199.5, 199.5 - spot.y);
     EXPECT_GT(seen.normalized().dot(arrow.head<2>().normalized()), 0.98) << arrow.transpose();

@@ -37,52 +37,79 @@ TEST(SurfaceShape, HasTheNormalsOfTheDeformedSurface) {
   const Square square;
   SurfaceShape shape = square.shape();
   // z = 0.3 x: the normal is (-0.3, 0, 1), normalised.
-  std::vector<float> u(3 * shape.size(), 0.0F);
-  for (std::size_t n = 0; n < shape.size(); ++n)
+  std::vector<float> u(3 * square.vertices.size(), 0.0F);
+  for (std::size_t n = 0; n < square.vertices.size(); ++n)
     u[3 * n + 2] = 0.3F * static_cast<float>(square.vertices[n].x());
   shape.setDisplacements(u);
   const Eigen::Vector3f expected = Eigen::Vector3f(-0.3F, 0, 1).normalized();
   for (std::size_t n = 0; n < shape.size(); ++n) {
     const auto column = static_cast<Eigen::Index>(n);
     EXPECT_NEAR((shape.normals().col(column) - expected).norm(), 0, 1e-5);
-    EXPECT_FLOAT_EQ(shape.positions()(2, column), u[3 * n + 2]);
+    EXPECT_NEAR(shape.positions()(2, column), 0.3F * shape.positions()(0, column), 1e-7)
+        << "what is flat stays flat between vertices too";
   }
 }
 
-TEST(SurfaceShape, ColoursLengthsByViridisWhereItCanBeTouchedAndGreysTheRest) {
-  SurfaceShape shape = Square().shape();
-  std::vector<float> u(3 * shape.size(), 0.0F);
-  u[2] = 0.004F;          // vertex 0: touchable, 4 mm
-  u[3 * 4] = -0.004F;     // vertex 4: not touchable
+Bytes bytesAt(const SurfaceShape& shape, std::size_t vertex) {
+  return std::bit_cast<Bytes>(shape.colours()[vertex]);
+}
+
+void expectColour(const Bytes& found, const Rgb& expected) {
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(found[i], expected[i], 2);
+}
+
+/// What the legend shows: the same function of the same numbers.
+TEST(SurfaceShape, ColoursLengthsOverTissueAsTheLegendDoes) {
+  const Square square;
+  SurfaceShape shape(square.vertices, square.triangles,
+                     std::vector<bool>(square.triangles.size(), true));
+  std::vector<float> u(3 * square.vertices.size(), 0.0F);
+  u[2] = 0.004F;          // vertex 0: 4 mm
   u[3 * 5 + 1] = 0.009F;  // vertex 5: beyond the end of the colours
   shape.setDisplacements(u);
-  shape.setColours(0.008);
+  shape.colourDisplacements(0.008);
   EXPECT_FLOAT_EQ(static_cast<float>(shape.largest()), 0.009F);
-  const auto at = [&](std::size_t n) { return std::bit_cast<Bytes>(shape.colours()[n]); };
-  const std::array<double, 3> half = viridis(0.5), end = viridis(1), none = viridis(0);
-  for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_NEAR(at(0)[i], half[i], 2);
-    EXPECT_NEAR(at(5)[i], end[i], 1);
-    EXPECT_NEAR(at(1)[i], none[i], 1);
-  }
-  const auto saturation = [](Bytes c) {
-    return std::max({c[0], c[1], c[2]}) - std::min({c[0], c[1], c[2]});
-  };
-  EXPECT_GT(saturation(at(0)), 2 * saturation(at(4)));
+  expectColour(bytesAt(shape, 0), displacementColour(0.5, tissueColour(1)));
+  expectColour(bytesAt(shape, 5), displacementColour(1, tissueColour(1)));
+  const Bytes rest = bytesAt(shape, 12);
+  shape.colourTissue();
+  EXPECT_EQ(bytesAt(shape, 12), rest) << "what is at rest is tissue";
+  EXPECT_EQ(rest[3], 255) << "and wet";
 }
 
-TEST(SurfaceShape, FindsTheRimOfWhatCanBeTouched) {
-  const SurfaceShape shape = Square().shape();
-  // Around 2 x 4 cells; at the border of the square too.
-  EXPECT_EQ(shape.rim().size(), 2U * 12U);
-  EXPECT_EQ(shape.edges().size(), 2U * (4 * 5 * 2 + 16));
+TEST(SurfaceShape, ColoursPlacesByViridisAndLeavesTissueWhereThereIsNone) {
+  SurfaceShape shape = Square().shape();
+  std::vector<float> places(25, std::numeric_limits<float>::quiet_NaN());
+  places[3] = 0.5F;
+  places[7] = 2;
+  shape.colourPlaces(places);
+  expectColour(bytesAt(shape, 3), viridis(0.5));
+  expectColour(bytesAt(shape, 7), viridis(1));
+  const Bytes none = bytesAt(shape, 8);
+  shape.colourTissue();
+  EXPECT_EQ(bytesAt(shape, 8), none);
+}
+
+TEST(SurfaceShape, KnowsWhereItCanBeFeltWithASoftBorder) {
+  const Square square;
+  SurfaceShape shape = square.shape();
+  EXPECT_EQ(shape.felt()[0], 1) << "two columns from the border";
+  EXPECT_LT(shape.felt()[4], 0.05F);
+  float last = 1;
+  for (std::size_t column = 0; column < 5; ++column) {
+    EXPECT_LE(shape.felt()[10 + column], last);
+    EXPECT_LT(last - shape.felt()[10 + column], 0.6F) << "no jump";
+    last = shape.felt()[10 + column];
+  }
+  const auto redness = [](Bytes c) { return c[0] - c[1]; };
+  EXPECT_GT(redness(bytesAt(shape, 0)), redness(bytesAt(shape, 4)) + 20);
 }
 
 TEST(SurfaceShape, TakesWhatIsNotFiniteForAtRest) {
   SurfaceShape shape = Square().shape();
-  std::vector<float> u(3 * shape.size(), std::numeric_limits<float>::quiet_NaN());
+  std::vector<float> u(3 * 25, std::numeric_limits<float>::quiet_NaN());
   shape.setDisplacements(u);
-  shape.setColours(0.01);
+  shape.colourDisplacements(0.01);
   EXPECT_EQ(shape.largest(), 0);
   EXPECT_EQ(shape.positions(), shape.rest());
 }

@@ -1,0 +1,54 @@
+#include "viewer/picture/tissue_colours.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "viewer/plot/viridis.hpp"
+
+namespace palpate {
+namespace {
+
+double lightness(const Rgb& c) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
+
+TEST(TissueColours, AreReddishAndPalerWhereNothingIsFelt) {
+  const Rgb felt = tissueColour(1), none = tissueColour(0);
+  EXPECT_GT(felt[0], 2 * felt[1]);
+  EXPECT_GT(lightness(none), lightness(felt) + 30);
+  EXPECT_GT(none[0], none[2]) << "still tissue";
+  for (const double blotch : {0.0, 1.0})
+    EXPECT_LT(std::abs(lightness(tissueColour(1, blotch)) - lightness(felt)), 15);
+}
+
+TEST(TissueColours, GoFromTissueToViridisGrowingLighter) {
+  const Rgb tissue = tissueColour(1);
+  EXPECT_EQ(displacementColour(0, tissue), tissue);
+  EXPECT_EQ(displacementColour(1, tissue), viridis(1));
+  EXPECT_EQ(displacementColour(3, tissue), viridis(1));
+  double last = 0;
+  for (int n = 0; n <= 50; ++n) {
+    const double now = lightness(displacementColour(n / 50.0, tissue));
+    EXPECT_GT(now, last - 0.5) << n;
+    last = now;
+  }
+}
+
+TEST(TissueColours, HaveBlotchesBetweenTheirEnds) {
+  for (int n = 0; n < 200; ++n) {
+    const double blotch = blotchAt({std::sin(n * 1.0), std::cos(n * 2.0), std::sin(n * 3.0)});
+    EXPECT_GE(blotch, 0);
+    EXPECT_LE(blotch, 1);
+  }
+}
+
+TEST(SurfaceColour, GoesRoundThroughAllThatCanBeShown) {
+  SurfaceColour colour = SurfaceColour::tissue;
+  for (int n = 0; n < surface_colour_count; ++n) {
+    EXPECT_STRNE(word(colour), "");
+    colour = following(colour);
+  }
+  EXPECT_EQ(colour, SurfaceColour::tissue);
+}
+
+}  // namespace
+}  // namespace palpate

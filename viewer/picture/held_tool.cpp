@@ -1,0 +1,52 @@
+#include "viewer/picture/held_tool.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+constexpr double turned_per_picture = 0.2;  // of the way: a tool does not jump from side to side
+constexpr double high = 0.5;                // of the extent: from there no shadow is seen
+constexpr double darkest = 0.45;
+constexpr double contact_reach = 1.7;  // of the radius of the tool
+
+}  // namespace
+
+void HeldTool::update(const HapticModel& model, const HapticState& state, bool there,
+                      const OrbitCamera& camera, double extent) {
+  extent_ = extent;
+  touching_ = state.touch.touching;
+  pose_.tip = there ? state.tool : Eigen::Vector3d::Constant(NAN).eval();
+  if (!pose_.tip.allFinite()) return;
+  const NearestPoint nearest = model.surface().tree().nearest(
+      state.tool, near_triangle_ < std::ssize(model.surface().triangles()) ? near_triangle_ : -1);
+  near_triangle_ = nearest.triangle;
+  skin_ = {nearest.position, nearest.outside ? nearest.distance : 0};
+  if (touching_)
+    turnOutward(state.touch.normal);
+  else if (nearest.outside && nearest.distance > 0)
+    turnOutward((state.tool - nearest.position) / nearest.distance);
+  const Eigen::Matrix3d axes = camera.axes();
+  pose_.handle =
+      (pose_.outward + 0.55 * axes.col(0) + 0.45 * axes.col(1) + 0.25 * axes.col(2)).normalized();
+}
+
+void HeldTool::turnOutward(const Eigen::Vector3d& wanted) {
+  const Eigen::Vector3d turned =
+      known_ ? Eigen::Vector3d(pose_.outward + turned_per_picture * (wanted - pose_.outward))
+             : wanted;
+  known_ = true;
+  // Halfway to the opposite there is no direction.
+  if (turned.norm() > 1e-3) pose_.outward = turned.normalized();
+}
+
+SoftLight::Shadow HeldTool::shadow(double radius) const {
+  if (!pose_.tip.allFinite()) return {};
+  if (touching_) return {pose_.tip, contact_reach * radius, darkest};
+  const double left = std::clamp(1 - skin_.gap / (high * extent_), 0.0, 1.0);
+  return {skin_.place, contact_reach * radius + skin_.gap, darkest * left};
+}
+
+}  // namespace palpate

@@ -1,0 +1,70 @@
+#include "viewer/picture/label_place.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+constexpr double gap = 8;           // px, between tip and label
+constexpr double least_length = 4;  // px: of a shorter arrow the direction is not seen
+constexpr int samples_of_a_line = 24;
+constexpr std::array reaches = {1.0, 1.8,
+                                3.0};  // times the least distance that is clear of the tip
+
+ScreenBox moved(const ScreenBox& box, const Eigen::Vector2d& by) {
+  return {box.from + by, box.to + by};
+}
+
+ScreenBox keptInside(const ScreenBox& box, const ScreenBox& view) {
+  Eigen::Vector2d by = Eigen::Vector2d::Zero();
+  for (int i = 0; i < 2; ++i) {
+    by[i] -= std::max(0.0, box.to[i] - view.to[i]);
+    by[i] += std::max(0.0, view.from[i] - (box.from[i] + by[i]));
+  }
+  return moved(box, by);
+}
+
+/// The box whose nearest side is `away` pixels from a point, in a direction.
+ScreenBox beyond(const Eigen::Vector2d& point, const Eigen::Vector2d& direction,
+                 const Eigen::Vector2d& size, double away) {
+  const double half = 0.5 * direction.cwiseAbs().dot(size);
+  const Eigen::Vector2d middle = point + (half + away) * direction;
+  return {middle - size / 2, middle + size / 2};
+}
+
+}  // namespace
+
+bool covers(const ScreenBox& box, const ThickLine& line) {
+  for (int n = 0; n <= samples_of_a_line; ++n) {
+    const Eigen::Vector2d point =
+        line.from + n / static_cast<double>(samples_of_a_line) * (line.to - line.from);
+    const Eigen::Vector2d nearest = point.cwiseMax(box.from).cwiseMin(box.to);
+    if ((point - nearest).norm() <= line.radius) return true;
+  }
+  return false;
+}
+
+ScreenBox placeLabel(const ThickLine& arrow, const Eigen::Vector2d& size, const ScreenBox& view,
+                     std::span<const ThickLine> keep_clear) {
+  const Eigen::Vector2d along = arrow.to - arrow.from;
+  const Eigen::Vector2d ahead =
+      along.norm() > least_length ? Eigen::Vector2d(along.normalized()) : Eigen::Vector2d(0, -1);
+  const Eigen::Vector2d right(-ahead.y(), ahead.x());
+  const auto isClear = [&](const ScreenBox& box) {
+    return !covers(box, arrow) &&
+           std::ranges::none_of(keep_clear, [&](const auto& line) { return covers(box, line); });
+  };
+  for (const double reach : reaches)
+    for (const Eigen::Vector2d& direction : {ahead, Eigen::Vector2d((ahead + right).normalized()),
+                                             Eigen::Vector2d((ahead - right).normalized()), right,
+                                             Eigen::Vector2d(-right), Eigen::Vector2d(-ahead)}) {
+      const double away = arrow.radius + gap * reach + (reach - 1) * size.y();
+      const ScreenBox box = keptInside(beyond(arrow.to, direction, size, away), view);
+      if (isClear(box)) return box;
+    }
+  return keptInside(beyond(arrow.to, ahead, size, arrow.radius + gap), view);
+}
+
+}  // namespace palpate

@@ -1,0 +1,148 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "viewer/fields/relative_error.hpp"
+#include "viewer/picture/lattice_dots.hpp"
+#include "viewer/picture/view_overlay.hpp"
+#include "viewer/plot/viridis.hpp"
+
+namespace palpate {
+namespace {
+
+// px
+constexpr float legend_margin = 18, lattice_legend_gap = 40;
+constexpr float title_gap = 7, bar_width = 12, word_gap = 7, note_gap = 9, word_ground = 3;
+constexpr float swatch_size = 11, swatch_gap = 7;
+constexpr float bar_share = 0.24F, shortest_bar = 64, longest_bar = 150;  // of the view's height
+
+ImU32 imColour(const Rgb& rgb) {
+  return IM_COL32(static_cast<int>(rgb[0]), static_cast<int>(rgb[1]), static_cast<int>(rgb[2]),
+                  255);
+}
+
+/// A legend that grows upward from where it stands.
+class Legend {
+ public:
+  /// on_dots: on a light ground, or the dots of the lattice would hide it.
+  Legend(ImDrawList& draw, ImVec2 lower_left, bool on_dots)
+      : draw_(draw), at_(lower_left), on_dots_(on_dots) {}
+
+  /// The last first: a square of a colour and what it means.
+  void swatch(const Rgb& colour, const std::string& meaning) {
+    at_.y -= line();
+    const float top = at_.y + (line() - px(swatch_size)) / 2;
+    draw_.AddRectFilled({at_.x, top}, {at_.x + px(swatch_size), top + px(swatch_size)},
+                        imColour(colour), px(2));
+    word({at_.x + px(swatch_size + swatch_gap), at_.y}, meaning);
+  }
+  void gap() { at_.y -= px(note_gap); }
+
+  struct Mark {
+    double place;  ///< 0: at the bottom of the bar, 1: at its top
+    std::string text;
+    bool limit = false;  ///< drawn as a line across the bar
+  };
+  /// colour: of a place, 0 to 1.
+  void bar(const char* title, float height, const std::function<Rgb(double)>& colour,
+           const std::vector<Mark>& marks) {
+    const float bottom = at_.y - line() / 2;
+    colours({at_.x, bottom - height}, height, colour);
+    for (const Mark& mark : marks) {
+      const float y = bottom - height * static_cast<float>(mark.place);
+      word({at_.x + px(bar_width + word_gap), y - line() / 2}, mark.text);
+      if (mark.limit) draw_.AddLine({at_.x - px(2), y}, {at_.x + px(bar_width + 4), y}, ink, px(2));
+    }
+    at_.y = bottom - height - line() * 1.5F - px(title_gap);
+    word(at_, title);
+  }
+  float width() const { return right_ - at_.x; }
+
+ private:
+  static float line() { return ImGui::GetTextLineHeight(); }
+
+  void word(ImVec2 at, const std::string& text) {
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+    if (on_dots_)
+      draw_.AddRectFilled({at.x - px(word_ground), at.y},
+                          {at.x + size.x + px(word_ground), at.y + size.y}, paper);
+    draw_.AddText(at, ink, text.c_str());
+    right_ = std::max(right_, at.x + size.x);
+  }
+
+  void colours(ImVec2 from, float height, const std::function<Rgb(double)>& colour) {
+    constexpr int steps = 24;
+    const float part = height / steps, bottom = from.y + height;
+    for (int n = 0; n < steps; ++n) {
+      const ImU32 low = imColour(colour(static_cast<double>(n) / steps));
+      const ImU32 high = imColour(colour((n + 1.0) / steps));
+      const float y = bottom - part * static_cast<float>(n);
+      draw_.AddRectFilledMultiColor({from.x, y - part}, {from.x + px(bar_width), y}, high, high,
+                                    low, low);
+    }
+  }
+
+  ImDrawList& draw_;
+  ImVec2 at_;
+  bool on_dots_;
+  float right_ = 0;
+};
+
+void displacementBar(Legend& legend, float height, double full) {
+  std::vector<Legend::Mark> marks;
+  for (int n = 0; n <= 4; ++n) marks.push_back({0.25 * n, fmt::format("{:g}", 250 * full * n)});
+  legend.bar(
+      "displacement, mm", height,
+      [](double place) { return displacementColour(place, tissueColour(1)); }, marks);
+}
+
+/// What the colours of errors mean (errorPlace).
+void errorBar(Legend& legend, float height, const char* title) {
+  const auto mark = [](double error, const char* meaning) {
+    return Legend::Mark{errorPlace(error), fmt::format("{:g}{}", 100 * error, meaning),
+                        *meaning != '\0'};
+  };
+  legend.bar(title, height, viridis,
+             {mark(lowest_error, ""), mark(0.01, ""), mark(usual_force_error, "  usual target"),
+              mark(noticeable_force_error, "  a hand notices"), mark(highest_error, "")});
+}
+
+/// What the colours of the surface mean; how wide that is.
+float surfaceLegend(Legend& legend, const PanelContents& contents, SurfaceColour colour,
+                    float bar_height) {
+  if (contents.untouchable) {
+    legend.swatch(tissueColour(0), "nothing to feel");
+    if (colour == SurfaceColour::tissue) legend.swatch(tissueColour(1), "can be touched");
+    legend.gap();
+  }
+  if (colour == SurfaceColour::displacement)
+    displacementBar(legend, bar_height, contents.full_colour);
+  if (colour == SurfaceColour::error)
+    errorBar(legend, bar_height, "error pressed half way, % of the force");
+  return legend.width();
+}
+
+}  // namespace
+
+void drawLegends(ImDrawList& draw, const PanelContents& contents, const ViewChoices& choices,
+                 ImVec2 size) {
+  const float bar_height = std::clamp(bar_share * size.y, px(shortest_bar), px(longest_bar));
+  const ImVec2 corner = {px(legend_margin), size.y - px(legend_margin)};
+  Legend surface(draw, corner, choices.lattice);
+  const float width = surfaceLegend(surface, contents, choices.colour, bar_height);
+  if (!choices.lattice) return;
+  const float left = width > 0 ? corner.x + width + px(lattice_legend_gap) : corner.x;
+  Legend lattice(draw, {left, corner.y}, true);
+  if (choices.errors) {
+    errorBar(lattice, bar_height, "error bound, % of the force");
+    return;
+  }
+  for (const Tag tag : {Tag::unknown, Tag::failed, Tag::terminating, Tag::expandable})
+    lattice.swatch(colourOf(tag), std::string(name(tag)));
+}
+
+}  // namespace palpate

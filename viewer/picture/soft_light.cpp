@@ -1,0 +1,96 @@
+#include "viewer/picture/soft_light.hpp"
+
+#include <array>
+#include <string>
+
+#include "common/base/error.hpp"
+#include "viewer/picture/open_gl.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr const char* vertex_source = R"(#version 120
+uniform vec4 shadow;  // its place, and 1 / radius
+varying vec3 normal, away;
+varying vec4 skin;
+void main() {
+  normal = gl_NormalMatrix * gl_Normal;
+  away = (vec3(gl_ModelViewMatrix * gl_Vertex) - shadow.xyz) * shadow.w;
+  skin = gl_Color;
+  gl_Position = ftransform();
+}
+)";
+
+// In the frame of the eye, which is taken to be far away: the direction to it is z everywhere.
+// Powers are products: a processor that draws by itself has no fast ones.
+constexpr const char* fragment_source = R"(#version 120
+const vec3 key = vec3(-0.463, 0.617, 0.637), halfway = vec3(-0.256, 0.341, 0.904);
+uniform float opacity, darkness;
+varying vec3 normal, away;
+varying vec4 skin;
+void main() {
+  vec3 n = normalize(normal);
+  float lit = dot(n, key), wet = skin.a;
+  vec3 light = vec3(0.65, 0.63, 0.61) * max(0.0, 0.30 + 0.70 * lit)
+             + vec3(0.52, 0.54, 0.57) * (0.84 + 0.16 * n.y);
+  light.r += 0.10 * wet * (1.0 - abs(lit));  // blood, where the light fades
+  float s = max(0.0, dot(n, halfway)), s2 = s * s, s4 = s2 * s2, s8 = s4 * s4, s16 = s8 * s8;
+  float graze = 1.0 - max(0.0, n.z);
+  float shine = 0.13 * s16 + 0.42 * clamp(70.0 * (s - 0.984), 0.0, 1.0)
+              + 0.26 * graze * graze * graze * (0.7 + 0.3 * n.y);
+  float dark = max(0.0, 1.0 - dot(away, away));
+  gl_FragColor = vec4((skin.rgb * light + vec3(shine * wet)) * (1.0 - darkness * dark * dark),
+                      opacity);
+}
+)";
+
+GLuint compiled(GLenum kind, const char* source) {
+  const GLuint shader = glCreateShader(kind);
+  glShaderSource(shader, 1, &source, nullptr);
+  glCompileShader(shader);
+  return shader;
+}
+
+}  // namespace
+
+SoftLight::SoftLight() : program_(glCreateProgram()) {
+  for (const auto& [kind, source] : {std::pair{GL_VERTEX_SHADER, vertex_source},
+                                     std::pair{GL_FRAGMENT_SHADER, fragment_source}}) {
+    const GLuint shader = compiled(kind, source);
+    glAttachShader(program_, shader);
+    glDeleteShader(shader);  // when the program goes
+  }
+  glLinkProgram(program_);
+  GLint linked = GL_FALSE;
+  glGetProgramiv(program_, GL_LINK_STATUS, &linked);
+  if (linked != GL_TRUE) {
+    std::array<char, 400> why{};
+    glGetProgramInfoLog(program_, static_cast<GLsizei>(why.size()), nullptr, why.data());
+    glDeleteProgram(program_);
+    throw failure(
+        "OpenGL does not take the shader of the picture ({}); use --headless, or set "
+        "LIBGL_ALWAYS_SOFTWARE=1 to draw in software",
+        why.data());
+  }
+  opacity_ = glGetUniformLocation(program_, "opacity");
+  shadow_ = glGetUniformLocation(program_, "shadow");
+  darkness_ = glGetUniformLocation(program_, "darkness");
+}
+
+SoftLight::~SoftLight() { glDeleteProgram(program_); }
+
+void SoftLight::on(double opacity, const Shadow& shadow) const {
+  Eigen::Matrix4d view;
+  glGetDoublev(GL_MODELVIEW_MATRIX, view.data());
+  const Eigen::Vector3f place =
+      (view.topLeftCorner<3, 3>() * shadow.place + view.topRightCorner<3, 1>()).cast<float>();
+  const double radius = shadow.radius > 0 ? shadow.radius : 1;
+  glUseProgram(program_);
+  glUniform1f(opacity_, static_cast<float>(opacity));
+  glUniform4f(shadow_, place.x(), place.y(), place.z(), static_cast<float>(1 / radius));
+  glUniform1f(darkness_, static_cast<float>(shadow.radius > 0 ? shadow.strength : 0));
+}
+
+void SoftLight::off() { glUseProgram(0); }
+
+}  // namespace palpate

@@ -1,0 +1,52 @@
+#include "viewer/picture/touch_words.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "common/base/assertion.hpp"
+#include "viewer/picture/lattice_dots.hpp"
+
+namespace palpate {
+namespace {
+
+/// As LawName.
+constexpr std::array law_names = {
+    "linear elastic", "St. Venant-Kirchhoff", "modified St. Venant-Kirchhoff",
+    "Mooney-Rivlin",  "neo-Hookean",          "Yeoh",
+    "Ogden",          "Veronda-Westmann",     "Holzapfel-Gasser-Ogden"};
+static_assert(law_names.size() == words_of<LawName>.size());
+
+double shareOf(const Touch& touch) { return relativeError(touch.error_bound, touch.force.norm()); }
+
+}  // namespace
+
+bool isUncertain(const Touch& touch) {
+  return touch.touching && shareOf(touch) > noticeable_force_error;
+}
+
+std::string forceText(const HapticState& state) {
+  const Touch& touch = state.touch;
+  if (!touch.touching && state.force.norm() == 0) return {};
+  std::string text = fmt::format("{:.2f} N", state.force.norm());
+  if (touch.touching && std::isfinite(touch.error_bound))
+    text += fmt::format(" ± {:.2g} N", touch.error_bound);
+  if (isUncertain(touch))
+    text += fmt::format("\nuncertain: ± {:.0f} %, a hand notices {:g} %", 100 * shareOf(touch),
+                        100 * noticeable_force_error);
+  return text;
+}
+
+std::string tissueText(const std::vector<Region>& regions) {
+  PALPATE_ASSERT(!regions.empty(), "a body has a material");
+  const Material& first = regions.front().material;
+  std::string text =
+      fmt::format("{}, Young's modulus {:.3g} kPa",
+                  law_names.at(static_cast<std::size_t>(first.law)), 1e-3 * youngModulus(first));
+  const std::size_t others = regions.size() - 1;
+  if (others > 0) text += fmt::format(", and {} other material{}", others, others == 1 ? "" : "s");
+  return text;
+}
+
+}  // namespace palpate

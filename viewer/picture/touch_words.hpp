@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/scene/scene.hpp"
+#include "viewer/haptics/haptic_tick.hpp"
+
+namespace palpate {
+
+/// Whether the error bound is so large a share of the force that a hand could notice the error
+/// (noticeable_force_error). Not without a bound, nor where nothing is touched.
+bool isUncertain(const Touch& touch);
+/// The force in the hand with the error bound of the tissue's, and that it is uncertain, where it
+/// is: what stands at the arrow. Empty where there is neither touch nor force.
+std::string forceText(const HapticState& state);
+/// "Mooney-Rivlin, Young's modulus 3.6 kPa": the first of the regions, and how many others there
+/// are.
+std::string tissueText(const std::vector<Region>& regions);
+
+}  // namespace palpate

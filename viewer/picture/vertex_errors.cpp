@@ -1,0 +1,54 @@
+#include "viewer/picture/vertex_errors.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "common/base/index.hpp"
+#include "viewer/haptics/blended_force.hpp"
+#include "viewer/picture/lattice_dots.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double pressed_share = 0.5;  // of the radius of the workspace
+
+/// The vertex as a point of a triangle that can be touched; none: there is none around it.
+std::optional<SurfacePoint> touchablePoint(const TouchSurface& surface, std::int32_t vertex) {
+  for (const std::int32_t triangle : surface.trianglesAt(vertex)) {
+    if (!surface.touchable(triangle)) continue;
+    SurfacePoint point;
+    point.triangle = triangle;
+    const Triangle& corners = surface.triangles()[at(triangle)];
+    for (std::size_t c = 0; c < 3; ++c)
+      point.barycentric[static_cast<Eigen::Index>(c)] = corners[c] == vertex ? 1 : 0;
+    return point;
+  }
+  return std::nullopt;
+}
+
+/// m, of the workspace of the space that counts most.
+double radiusAt(const HapticModel& model, std::int32_t vertex) {
+  const std::span<const SpaceWeight> shares = model.surface().sharesOf(vertex);
+  const auto most = std::ranges::max_element(shares, {}, &SpaceWeight::weight);
+  return most == shares.end() ? 0 : model.spaces()[at(most->space)].lattice.radius();
+}
+
+}  // namespace
+
+std::vector<double> vertexErrors(const HapticModel& model, std::size_t method) {
+  const TouchSurface& surface = model.surface();
+  std::vector<double> errors(surface.vertices().size(), std::numeric_limits<double>::quiet_NaN());
+  BlendedForce force;
+  for (std::size_t v = 0; v < errors.size(); ++v) {
+    const auto vertex = static_cast<std::int32_t>(v);
+    const std::optional<SurfacePoint> point = touchablePoint(surface, vertex);
+    if (!point) continue;
+    const double depth = pressed_share * radiusAt(model, vertex);
+    force.evaluate(model, method, *point, -depth * surface.vertexNormals()[v]);
+    errors[v] = relativeError(force.sum().error_bound, force.force().norm());
+  }
+  return errors;
+}
+
+}  // namespace palpate

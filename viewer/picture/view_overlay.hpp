@@ -1,0 +1,21 @@
+#pragma once
+
+#include "viewer/picture/panel_contents.hpp"
+#include "viewer/picture/panel_style.hpp"
+
+namespace palpate {
+
+// What drawViewOverlay() puts together, a source each. size: of the view, whose upper left is 0.
+
+/// What the colours of the surface and of the lattice mean, at the lower left: of what is shown
+/// alone.
+void drawLegends(ImDrawList& draw, const PanelContents& contents, const ViewChoices& choices,
+                 ImVec2 size);
+/// At the lower right a length at the depth of the body, and the directions of the axes of the
+/// scene.
+void drawScaleAndAxes(ImDrawList& draw, const PanelContents& contents, ImVec2 size);
+
+/// Where a point of the scene is seen.
+ImVec2 seenAt(const OrbitCamera& camera, const Eigen::Vector3d& point, ImVec2 size);
+
+}  // namespace palpate
