@@ -58,13 +58,20 @@ def measured_row(record, row, divisions):
     least, most = published.BUILD_MINUTES.get(configurations, (None, None))
     papers = None if least is None else f"{least}" if least == most else f"{least} to {most}"
     papers_size = published.DATASET_MB.get((row.published, configurations)) if row.order == 1 else None
+    by = {}
     try:
-        by = {workers: built(record, row, divisions, workers) for workers in ([None] if record.listen else [1, 2])}
-        dataset = by.get(None) or by.get(record.jobs) or by[2]
+        for workers in [None] if record.listen else [record.jobs, *{1, 2} - {record.jobs}]:
+            by[workers] = built(record, row, divisions, workers)
+    except NotMeasured as why:  # the dataset of the others may still be there
+        record.not_measured(f"{row.name()}, {configurations}", str(why))
+    if not by:
+        return [*start, configurations, *[None] * (len(COLUMNS) - 7), papers, None, papers_size]
+    dataset = next(iter(by.values()))
+    try:
         many, simulator = simulated(record, row, divisions, dataset)
     except NotMeasured as why:
-        record.not_measured(f"{row.name()}, {configurations}", str(why))
-        return [*start, configurations, *[None] * (len(COLUMNS) - 7), papers, None, papers_size]
+        record.not_measured(f"{row.name()}, {configurations}, simulated", str(why))
+        many, simulator = [None] * (len(SIMULATED) + 2), None
     points = dataset.value["points"]
     minutes = [by[workers].value["seconds"] / 60 if workers in by else None for workers in (1, 2, None)]
     cells = [*start, points["points"] - 1, points["failed"], *minutes, *many, papers, dataset.value["bytes"] / 1e6, papers_size]
