@@ -195,7 +195,7 @@ void BodyView::drawGhostOutline() {
               outline_);
   glDisable(GL_STENCIL_TEST);
   glEnable(GL_LINE_SMOOTH);
-  glLineWidth(ghost_line_width);
+  setLineWidth(ghost_line_width);
   glBegin(GL_LINES);
   for (const OutlinePoint& point : outline_) {
     glColor4f(ghost_line[0], ghost_line[1], ghost_line[2], ghost_line_opacity * point.share);

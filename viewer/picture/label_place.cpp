@@ -10,8 +10,8 @@ namespace {
 constexpr double gap = 8;           // px, between tip and label
 constexpr double least_length = 4;  // px: of a shorter arrow the direction is not seen
 constexpr int samples_of_a_line = 24;
-constexpr std::array reaches = {1.0, 1.8,
-                                3.0};  // times the least distance that is clear of the tip
+/// How far the label goes, in turn: times the gap, and in its own heights.
+constexpr std::array reaches = {1.0, 1.8, 3.0, 5.0, 8.0, 12.0};
 
 ScreenBox moved(const ScreenBox& box, const Eigen::Vector2d& by) {
   return {box.from + by, box.to + by};

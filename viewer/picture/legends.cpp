@@ -121,8 +121,7 @@ float surfaceLegend(Legend& legend, const PanelContents& contents, SurfaceColour
   }
   if (colour == SurfaceColour::displacement)
     displacementBar(legend, bar_height, contents.full_colour);
-  if (colour == SurfaceColour::error)
-    errorBar(legend, bar_height, "error pressed half way, % of the force");
+  if (colour == SurfaceColour::error) errorBar(legend, bar_height, "error bound, % of the force");
   return legend.width();
 }
 

@@ -7,3 +7,18 @@
 #endif
 #include <GL/gl.h>
 #include <GL/glext.h>
+
+#include <algorithm>
+#include <array>
+
+namespace palpate {
+
+/// Width of lines from here on, for a picture of 800 pixels from top to bottom; in proportion wider
+/// in a larger one.
+inline void setLineWidth(float pixels) {
+  std::array<GLint, 4> viewport{};
+  glGetIntegerv(GL_VIEWPORT, viewport.data());
+  glLineWidth(pixels * std::max(1.0F, static_cast<float>(viewport[3]) / 800));
+}
+
+}  // namespace palpate

@@ -40,7 +40,7 @@ void setPanelStyle(double scale, double units) {
   style.ScrollbarSize = 10;
   style.WindowPadding = {14, 12};
   style.FramePadding = {7, 3};
-  style.ItemSpacing = {8, 5};
+  style.ItemSpacing = {8, 3};
   style.ItemInnerSpacing = {5, 4};
   style.ScaleAllSizes(static_cast<float>(scale / units));
   style.Colors[ImGuiCol_Text] = ImGui::ColorConvertU32ToFloat4(ink);

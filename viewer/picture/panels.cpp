@@ -13,7 +13,7 @@ namespace palpate {
 namespace {
 
 // Of the window, and px.
-constexpr float side_share = 0.30F, narrowest_side = 206, widest_side = 292;
+constexpr float side_share = 0.30F, narrowest_side = 216, widest_side = 292;
 constexpr float plot_share = 0.24F, lowest_plot = 84, highest_plot = 178;
 
 /// The part of the window that panels leave free, in ImGui's units.

@@ -97,6 +97,7 @@ struct Picture::Impl {
                 radius);
     tool.setShape(toolOf(inUse().model(), at(stage->lattice().space())));
     tool.setTool(held.pose());
+    tool.setSeeThrough(view.lattice);
     tool.setSkin(held.skin(), !state.touch.touching);
     // No arrow is longer than that of the device's largest force, so the scale grows no further.
     const double force = state.force.norm();

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -14,7 +15,7 @@ namespace {
 // px; columns from the left of the panel.
 constexpr float value_column = 84, choice_column = 66, heading_gap = 4;
 constexpr float second_quantile = 76, share_width = 46;  // from the first value
-constexpr int lamp_columns = 2, lamp_corners = 12;
+constexpr int lamp_corners = 12;
 constexpr float lamp_radius = 5, lamp_text_offset = 15;
 constexpr ImU32 lamp_lit = IM_COL32(240, 130, 0, 255), lamp_dark = IM_COL32(208, 213, 221, 255);
 constexpr double smallest_weight = 0.005;  // of a space whose name is worth a line
@@ -72,6 +73,15 @@ std::optional<std::int32_t> choose(const char* label, const std::vector<Choice>&
   return chosen;
 }
 
+/// A check box with these words stands beside what was before, where the panel is wide enough.
+void sameLineIfFits(const char* words) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float wide = ImGui::GetFrameHeight() + style.ItemInnerSpacing.x +
+                     ImGui::CalcTextSize(words).x + style.ItemSpacing.x;
+  const float end = ImGui::GetItemRectMax().x - ImGui::GetWindowPos().x + wide;
+  if (end < ImGui::GetWindowContentRegionMax().x) ImGui::SameLine();
+}
+
 void choices(const PanelContents& contents, ViewChoices& view, PictureRequests& requests) {
   const HapticState& state = contents.state;
   if (const auto model = choose("dataset", contents.models, state.model))
@@ -83,16 +93,19 @@ void choices(const PanelContents& contents, ViewChoices& view, PictureRequests& 
     colours.push_back({word(static_cast<SurfaceColour>(n))});
   if (const auto colour = choose("colour", colours, static_cast<std::int32_t>(view.colour)))
     view.colour = static_cast<SurfaceColour>(*colour);
+  // In a narrow panel their words need all of them.
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {1, ImGui::GetStyle().FramePadding.y});
   const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
   if (ImGui::Button("Release", {width, 0})) requests.release = true;
   ImGui::SameLine();
   if (ImGui::Button(contents.status.paused ? "Go on" : "Pause", {width, 0})) requests.pause = true;
   ImGui::SameLine();
   if (ImGui::Button("Reload", {width, 0})) requests.reload = true;
+  ImGui::PopStyleVar();
   ImGui::Checkbox("ghost", &view.ghost);
-  ImGui::SameLine();
+  sameLineIfFits("lattice");
   ImGui::Checkbox("lattice", &view.lattice);
-  ImGui::SameLine();
+  sameLineIfFits("help");
   ImGui::Checkbox("help", &view.help);
 }
 
@@ -162,11 +175,16 @@ void lampField(const GuardLamps& lamps) {
   heading("Force held back");
   const ImVec2 origin = ImGui::GetCursorScreenPos();
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  const float column = ImGui::GetContentRegionAvail().x / lamp_columns;
+  float widest = 0;
+  for (int bit = 0; bit < guard_count; ++bit)
+    widest = std::max(widest, ImGui::CalcTextSize(lampWords(bit)).x + px(lamp_text_offset));
+  const float wide = ImGui::GetContentRegionAvail().x;
+  const int columns = wide < 2 * widest ? 1 : 2;
+  const float column = wide / static_cast<float>(columns);
   const float text = ImGui::GetTextLineHeight(), line = text + ImGui::GetStyle().ItemSpacing.y;
   for (int bit = 0; bit < guard_count; ++bit) {
-    const ImVec2 at = {origin.x + column * static_cast<float>(bit % lamp_columns),
-                       origin.y + line * static_cast<float>(bit / lamp_columns)};
+    const ImVec2 at = {origin.x + column * static_cast<float>(bit % columns),
+                       origin.y + line * static_cast<float>(bit / columns)};
     const bool lit = lamps.lit(bit);
     draw.AddCircleFilled({at.x + px(lamp_radius), at.y + text / 2}, px(lamp_radius),
                          lit ? lamp_lit : lamp_dark, lamp_corners);
@@ -174,8 +192,8 @@ void lampField(const GuardLamps& lamps) {
     if (ImGui::IsMouseHoveringRect(at, {at.x + column, at.y + line}))
       ImGui::SetTooltip("%s\nIn the log: %s", lampSentence(bit), guardWord(bit));
   }
-  constexpr int lines = (guard_count + lamp_columns - 1) / lamp_columns;
-  ImGui::Dummy({0, line * lines - px(heading_gap)});
+  const int lines = (guard_count + columns - 1) / columns;
+  ImGui::Dummy({0, line * static_cast<float>(lines) - px(heading_gap)});
 }
 
 void loopNumbers(const PictureStatus& status) {

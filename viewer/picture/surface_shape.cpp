@@ -179,7 +179,8 @@ void SurfaceShape::colourPlaces(std::span<const float> places) {
   round(places_);
   const Covers& covers = viridisCovers();
   for (std::size_t v = 0; v < size(); ++v)
-    colours_[v] = packed(tissue_[v], std::isnan(places[v]) ? Cover{} : covers[levelAt(places[v])]);
+    colours_[v] =
+        packed(tissue_[v], std::isnan(places_[v]) ? Cover{} : covers[levelAt(places_[v])]);
 }
 
 void SurfaceShape::setNormals() {

@@ -20,7 +20,7 @@ constexpr double arrow_radius = 0.011, head_radius = 0.030, head_length = 0.085,
 constexpr double anchor_radius = 0.010, handle_length = 0.75, handle_radius = 0.014;
 // Of the radius of the tool.
 constexpr double disc_height = 0.22, finger_length = 2.2;
-constexpr double hidden_opacity = 0.30;
+constexpr double hidden_opacity = 0.30, see_through_opacity = 0.35;
 
 void paint(const Paint& colour) { glColor4fv(colour.data()); }
 
@@ -79,8 +79,14 @@ void ToolView::draw() const {
   glFrontFace(GL_CCW);
   glEnable(GL_LINE_SMOOTH);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-  drawHidden();
-  drawTool(1);
+  if (see_through_) {
+    drawTranslucent(see_through_opacity);
+  } else {
+    glDepthFunc(GL_GREATER);
+    drawTranslucent(hidden_opacity);
+    glDepthFunc(GL_LEQUAL);
+    drawTool(1);
+  }
   if (free_) drawSkinLine();
   if (touching_) drawAnchor();
   if (arrow_.norm() > shortest_arrow * extent_) drawArrow();
@@ -112,14 +118,12 @@ void ToolView::drawTool(double opacity) const {
   SoftLight::off();
 }
 
-void ToolView::drawHidden() const {
-  glDepthFunc(GL_GREATER);
+void ToolView::drawTranslucent(double opacity) const {
   glDepthMask(GL_FALSE);
   glEnable(GL_BLEND);
-  drawTool(hidden_opacity);
+  drawTool(opacity);
   glDisable(GL_BLEND);
   glDepthMask(GL_TRUE);
-  glDepthFunc(GL_LEQUAL);
 }
 
 void ToolView::drawArrow() const {
@@ -142,7 +146,7 @@ void ToolView::drawArrow() const {
 
 void ToolView::drawAnchor() const {
   glEnable(GL_BLEND);
-  glLineWidth(1.5F);
+  setLineWidth(1.5F);
   paint(at_rest);
   glBegin(GL_LINES);
   glVertex3dv(anchor_.data());
@@ -157,7 +161,7 @@ void ToolView::drawAnchor() const {
 
 void ToolView::drawSkinLine() const {
   glEnable(GL_BLEND);
-  glLineWidth(1.5F);
+  setLineWidth(1.5F);
   paint(at_rest);
   dashedLine(pose_.tip, skin_.place, 0.04 * extent_);
   glDisable(GL_BLEND);

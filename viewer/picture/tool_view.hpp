@@ -33,6 +33,8 @@ class ToolView {
 
   SoCallback* node() const { return drawing_.node(); }
   void setShape(const ToolShape& shape) { shape_ = shape; }
+  /// So that what is shown around it is seen.
+  void setSeeThrough(bool see_through) { see_through_ = see_through; }
   /// Nothing is drawn of a tool that is not finite.
   void setTool(const ToolPose& pose) { pose_ = pose; }
   /// arrow: from the tip of the tool to its own, m; one that is very short is not drawn.
@@ -50,7 +52,7 @@ class ToolView {
  private:
   void draw() const;
   void drawTool(double opacity) const;
-  void drawHidden() const;
+  void drawTranslucent(double opacity) const;
   void drawArrow() const;
   void drawAnchor() const;
   void drawSkinLine() const;
@@ -64,7 +66,7 @@ class ToolView {
   ToolPose pose_;
   Eigen::Vector3d arrow_ = Eigen::Vector3d::Zero(), anchor_ = Eigen::Vector3d::Zero();
   SkinBelow skin_;
-  bool uncertain_ = false, touching_ = false, free_ = false;
+  bool uncertain_ = false, touching_ = false, free_ = false, see_through_ = false;
   Drawing drawing_;
 };
 

@@ -1,6 +1,7 @@
 #include "viewer/picture/view_overlay.hpp"
 
-#include <span>
+#include <algorithm>
+#include <array>
 #include <string>
 
 #include "viewer/picture/label_place.hpp"
@@ -21,8 +22,26 @@ ImVec2 imPoint(const Eigen::Vector2d& at) {
   return {static_cast<float>(at.x()), static_cast<float>(at.y())};
 }
 
+/// What is touched, at the upper right, and how to learn more; where that is, for the label.
+ThickLine drawNames(ImDrawList& draw, const PanelContents& contents, float width) {
+  const float line = ImGui::GetTextLineHeightWithSpacing(), right = width - px(margin);
+  float y = px(margin), left = right;
+  for (const auto& [text, colour] : {std::pair<const char*, ImU32>{contents.dataset.c_str(), ink},
+                                     {contents.tissue.c_str(), faint},
+                                     {"H: help", faint}}) {
+    const float wide = ImGui::CalcTextSize(text).x;
+    if (wide > width / 2) continue;
+    draw.AddText({right - wide, y}, colour, text);
+    left = std::min(left, right - wide);
+    y += line;
+  }
+  const double middle = (px(margin) + y) / 2;
+  return {{left, middle}, {right, middle}, (y - px(margin)) / 2};
+}
+
 /// Beyond the tip of the arrow, on a light ground.
-void drawLabel(ImDrawList& draw, const ViewLabel& label, const OrbitCamera& camera, ImVec2 size) {
+void drawLabel(ImDrawList& draw, const ViewLabel& label, const OrbitCamera& camera, ImVec2 size,
+               const ThickLine& names) {
   const double depth = camera.project(label.at).z();
   if (label.text.empty() || !(depth > 0)) return;
   const auto seen = [&](const Eigen::Vector3d& point) {
@@ -35,20 +54,9 @@ void drawLabel(ImDrawList& draw, const ViewLabel& label, const OrbitCamera& came
   const Eigen::Vector2d padding(px(label_padding_x), px(label_padding_y));
   const Eigen::Vector2d edge(view_edge, view_edge);
   const ScreenBox box = placeLabel(arrow, screenPoint(text) + 2 * padding,
-                                   {edge, screenPoint(size) - edge}, std::span(&tool, 1));
+                                   {edge, screenPoint(size) - edge}, std::array{tool, names});
   draw.AddRectFilled(imPoint(box.from), imPoint(box.to), paper, px(4));
   draw.AddText(imPoint(box.from + padding), label.uncertain ? amber_ink : ink, label.text.c_str());
-}
-
-/// What is touched, at the upper right, and how to learn more.
-void drawNames(ImDrawList& draw, const PanelContents& contents, float width) {
-  float y = px(margin);
-  for (const auto& [text, colour] : {std::pair<const char*, ImU32>{contents.dataset.c_str(), ink},
-                                     {contents.tissue.c_str(), faint},
-                                     {"H: help", faint}}) {
-    draw.AddText({width - px(margin) - ImGui::CalcTextSize(text).x, y}, colour, text);
-    y += ImGui::GetTextLineHeightWithSpacing();
-  }
 }
 
 /// Text on a light ground, as wide as the view at most; tells where the next may begin.
@@ -92,8 +100,8 @@ void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
   draw.PushClipRect({0, 0}, size);
   drawScaleAndAxes(draw, contents, size);
   drawLegends(draw, contents, choices, size);
-  drawNames(draw, contents, size.x);
-  drawLabel(draw, contents.label, contents.camera, size);
+  const ThickLine names = drawNames(draw, contents, size.x);
+  drawLabel(draw, contents.label, contents.camera, size, names);
   drawBanners(draw, contents.status, choices.help, size.x);
   draw.PopClipRect();
 }

@@ -82,7 +82,11 @@ TEST(SurfaceShape, ColoursPlacesByViridisAndLeavesTissueWhereThereIsNone) {
   std::vector<float> places(25, std::numeric_limits<float>::quiet_NaN());
   places[3] = 0.5F;
   places[7] = 2;
+  ASSERT_GT(shape.size(), places.size()) << "it is rounded";
   shape.colourPlaces(places);
+  int coloured = 0;  // vertices between others have the mean, or none
+  for (std::size_t v = 0; v < shape.size(); ++v) coloured += bytesAt(shape, v)[3] != 255;
+  EXPECT_EQ(coloured, 2);
   expectColour(bytesAt(shape, 3), viridis(0.5));
   expectColour(bytesAt(shape, 7), viridis(1));
   const Bytes none = bytesAt(shape, 8);
