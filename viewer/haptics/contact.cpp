@@ -9,10 +9,6 @@ namespace {
 /// and whether it is pushed.
 constexpr double graze = 1e-6;
 
-bool sameSurface(const TouchSurface& a, const TouchSurface& b) noexcept {
-  return &a == &b || (a.triangles() == b.triangles() && a.vertices() == b.vertices());
-}
-
 }  // namespace
 
 Contact::Contact(const HapticModel& model, const ContactOptions& options)

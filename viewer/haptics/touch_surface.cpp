@@ -273,4 +273,8 @@ NearestPoint TouchSurface::nearestTouchable(const Eigen::Vector3d& point) const 
   return nearest;
 }
 
+bool sameSurface(const TouchSurface& a, const TouchSurface& b) noexcept {
+  return &a == &b || (a.triangles() == b.triangles() && a.vertices() == b.vertices());
+}
+
 }  // namespace palpate

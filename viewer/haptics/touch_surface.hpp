@@ -143,4 +143,7 @@ class TouchSurface {
   std::vector<std::int32_t> touch_triangles_;  ///< their numbers
 };
 
+/// The same triangles, vertex for vertex. Real time.
+bool sameSurface(const TouchSurface& a, const TouchSurface& b) noexcept;
+
 }  // namespace palpate

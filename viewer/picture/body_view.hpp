@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <vector>
@@ -31,6 +32,10 @@ class BodyView {
   const FramedSphere& sphere() const { return sphere_; }
   /// m, at the end of the colours of the surface: a round number that grows with what was seen.
   double fullColour() const { return full_colour_; }
+  /// The same colours as another's mean the same from the next shade() on.
+  void useScaleOf(const BodyView& other) {
+    full_colour_ = std::max(full_colour_, other.full_colour_);
+  }
   /// Whether there are parts where nothing can be felt.
   bool hasUntouchable() const { return has_untouchable_; }
   /// From where the touchable surface is seen best, a direction of any length: along its mean

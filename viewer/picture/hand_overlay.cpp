@@ -10,10 +10,12 @@ namespace palpate {
 namespace {
 
 constexpr ImU32 ring_colour = IM_COL32(255, 196, 92, 255), ring_edge = IM_COL32(60, 36, 8, 150);
-constexpr float ring_width = 2.5F, ring_edge_width = 4.5F;
 constexpr int ring_corners = 40;
 constexpr double above_skin = 0.06;  // of its radius, for which no triangle hides it
-constexpr float hint_padding = 10, hint_bottom = 18, hint_rounding = 6;
+// px
+constexpr float ring_width = 2.5F, ring_edge_width = 4.5F, cursor_ring = 13,
+                cursor_line_width = 1.5F;
+constexpr float hint_padding = 10, hint_bottom = 18, hint_above_scale = 84, hint_rounding = 6;
 constexpr ImU32 hint_ground = IM_COL32(255, 255, 255, 235);
 constexpr ImU32 cursor_fill = IM_COL32(255, 255, 255, 255), cursor_line = IM_COL32(20, 22, 28, 255);
 
@@ -38,44 +40,50 @@ void drawRing(ImDrawList& draw, const HandMarks& marks, const OrbitCamera& camer
     if (!(seen.z() > 0)) return;
     corners[static_cast<std::size_t>(n)] = onScreen(seen.head<2>(), view);
   }
-  draw.AddPolyline(corners.data(), ring_corners, ring_edge, ImDrawFlags_Closed, ring_edge_width);
-  draw.AddPolyline(corners.data(), ring_corners, ring_colour, ImDrawFlags_Closed, ring_width);
+  draw.AddPolyline(corners.data(), ring_corners, ring_edge, ImDrawFlags_Closed,
+                   px(ring_edge_width));
+  draw.AddPolyline(corners.data(), ring_corners, ring_colour, ImDrawFlags_Closed, px(ring_width));
 }
 
 /// In the middle of the lower end of the view.
-void drawHint(ImDrawList& draw, const std::string& hint, const Viewport& view) {
-  const float width = static_cast<float>(view.width), most = width - 4 * hint_padding;
+void drawHint(ImDrawList& draw, const std::string& hint, const Viewport& view, float bottom) {
+  const float padding = px(hint_padding);
+  const auto width = static_cast<float>(view.width);
+  const float most = width - 4 * padding;
   const ImVec2 size = ImGui::CalcTextSize(hint.c_str(), nullptr, false, most);
   const ImVec2 at = {(width - size.x) / 2,
-                     static_cast<float>(view.height) - hint_bottom - hint_padding - size.y};
-  draw.AddRectFilled({at.x - hint_padding, at.y - hint_padding / 2},
-                     {at.x + size.x + hint_padding, at.y + size.y + hint_padding / 2}, hint_ground,
-                     hint_rounding);
+                     static_cast<float>(view.height) - bottom - padding - size.y};
+  draw.AddRectFilled({at.x - padding, at.y - padding / 2},
+                     {at.x + size.x + padding, at.y + size.y + padding / 2}, hint_ground,
+                     px(hint_rounding));
   draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, ink, hint.c_str(), nullptr, most);
 }
 
 /// The arrow of a mouse, with a spot under it while its button is held.
 void drawCursor(ImDrawList& draw, ImVec2 tip, bool pressed) {
-  if (pressed) draw.AddCircle(tip, 13, ring_colour, 0, 3);
-  const auto corner = [tip](float x, float y) { return ImVec2{tip.x + x, tip.y + y}; };
+  if (pressed) draw.AddCircle(tip, px(cursor_ring), ring_colour, 0, px(ring_width));
+  const auto corner = [tip](float x, float y) { return ImVec2{tip.x + px(x), tip.y + px(y)}; };
   const std::array outline = {corner(0, 0),   corner(0, 21), corner(5, 16.5F), corner(8.5F, 24),
                               corner(12, 22), corner(9, 15), corner(15, 15)};
   // ImGui fills convex shapes alone: the head, and the stem below it.
   draw.AddTriangleFilled(outline[0], outline[1], outline[6], cursor_fill);
   draw.AddQuadFilled(outline[2], outline[3], outline[4], outline[5], cursor_fill);
   draw.AddPolyline(outline.data(), static_cast<int>(outline.size()), cursor_line,
-                   ImDrawFlags_Closed, 1.5F);
+                   ImDrawFlags_Closed, px(cursor_line_width));
 }
 
 }  // namespace
 
-void drawHandMarks(const HandMarks& marks, const OrbitCamera& camera, const Viewport& view) {
+void drawHandMarks(const HandMarks& marks, const OrbitCamera& camera, const Viewport& view,
+                   const Viewport& touched) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const auto size = ImVec2{static_cast<float>(view.width), static_cast<float>(view.height)};
   draw.PushClipRect({0, 0}, size);
-  if (marks.ring) drawRing(draw, marks, camera, view);
-  if (!marks.hint.empty()) drawHint(draw, marks.hint, view);
-  if (marks.cursor) drawCursor(draw, onScreen(*marks.cursor, view), marks.button);
+  if (marks.ring) drawRing(draw, marks, camera, touched);
+  // Between two bodies is the scale of the first.
+  const float bottom = touched.width < view.width ? hint_above_scale : hint_bottom;
+  if (!marks.hint.empty()) drawHint(draw, marks.hint, view, px(bottom));
+  if (marks.cursor) drawCursor(draw, onScreen(*marks.cursor, touched), marks.button);
   draw.PopClipRect();
 }
 

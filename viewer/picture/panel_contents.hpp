@@ -22,6 +22,7 @@ struct ViewChoices {
   bool ghost = true, lattice = false, help = false;
   SurfaceColour colour = SurfaceColour::displacement;
   bool errors = false;  ///< the lattice by the error bound; else by tag
+  bool beside = false;  ///< another dataset beside the one that is touched
   bool cut = false;     ///< only a plane of the lattice
   LatticeCut plane;
 };
@@ -44,6 +45,14 @@ struct HandMarks {
   std::string hint = {};                       ///< a sentence; empty: none
   std::optional<Eigen::Vector2d> cursor = {};  ///< of the tutorial's mouse, heights of the view
   bool button = false;                         ///< of it, is held
+};
+
+/// Beside the touched body another dataset in the same touch.
+struct BesideContents {
+  std::string dataset, tissue;  ///< its name and material
+  ViewLabel label = {};         ///< of its arrow
+  double force = 0;             ///< N, of its tissue
+  std::string sentence = {};    ///< why there is no such touch; empty: there is
 };
 
 /// A dataset or method that can be switched to.
@@ -71,6 +80,7 @@ struct PanelContents {
   std::string lattice_name;              ///< of the space that is shown
   ViewLabel label = {};                  ///< of the arrow
   HandMarks hand = {};
+  std::optional<BesideContents> beside = {};
 };
 
 }  // namespace palpate

@@ -83,8 +83,10 @@ void Panels::build(const PanelContents& contents, ViewChoices& view, PictureRequ
   obeyKeys(contents, view, requests);
   buildSidePanel(contents, viewport, view, requests);
   buildForcePlot(contents.history, viewport);
-  drawViewOverlay(contents, view, viewport);
-  drawHandMarks(contents.hand, contents.camera, viewport);
+  const Viewport touched = contents.beside ? viewport.leftHalf() : viewport;
+  drawViewOverlay(contents, view, touched);
+  drawHandMarks(contents.hand, contents.camera, viewport, touched);
+  if (contents.beside) drawBesideOverlay(*contents.beside, contents.camera, viewport.rightHalf());
   ImGui::Render();
 }
 

@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
+#include "viewer/haptics/same_touch.hpp"
 #include "viewer/picture/hand_control.hpp"
 #include "viewer/picture/held_tool.hpp"
 #include "viewer/picture/panels.hpp"
@@ -53,9 +55,10 @@ struct Picture::Impl {
   void frameAll() {
     const FramedSphere& sphere = inUse().sphere();
     stage->camera().frame(sphere.centre, sphere.radius,
-                          static_cast<double>(viewport.width) / viewport.height);
+                          static_cast<double>(touchedPart().width) / viewport.height);
   }
 
+  /// part: in which the touched body is; in another beside it the mouse is where it would be there.
   MouseMotion mouse(const Viewport& part) const {
     const ImGuiIO& io = ImGui::GetIO();
     const double height = part.height / static_cast<double>(io.DisplayFramebufferScale.y),
@@ -64,7 +67,8 @@ struct Picture::Impl {
     if (ImGui::IsMousePosValid()) {
       motion.right = io.MouseDelta.x / height;
       motion.upward = -io.MouseDelta.y / height;
-      motion.at = {(io.MousePos.x - width / 2) / height, 0.5 - io.MousePos.y / height};
+      const double x = beside && io.MousePos.x >= width ? io.MousePos.x - width : io.MousePos.x;
+      motion.at = {(x - width / 2) / height, 0.5 - io.MousePos.y / height};
     }
     motion.over_view = !io.WantCaptureMouse;
     motion.wheel = io.MouseWheel;
@@ -77,17 +81,32 @@ struct Picture::Impl {
 
   PersonsInput persons() {
     const double now = glfwGetTime();
-    PersonsInput input{.motion = mouse(viewport), .pressed_a_key = !window.keys().empty()};
+    PersonsInput input{.motion = mouse(touchedPart()), .pressed_a_key = !window.keys().empty()};
     input.hand.seconds = now - std::exchange(listened, now);
     obeyHandKeys(window.keys(), window.strokes(), input);
     return input;
   }
 
-  void showBody(const HapticState& state) {
-    inUse().deform(state.touch);
-    inUse().shade(view.colour, state.method);
-    inUse().showGhost(view.ghost);
-    inUse().setShadow(held.shadow(stage->tool().radius()));
+  void showBody(BodyView& body, const Touch& touch, std::int32_t method) {
+    body.deform(touch);
+    body.shade(view.colour, method);
+    body.showGhost(view.ghost);
+    body.setShadow(held.shadow(stage->tool().radius()));
+  }
+
+  /// The next dataset in the same touch, where the person wants to see it.
+  void compare(const HapticState& state) {
+    const bool before = std::exchange(beside, std::nullopt).has_value();
+    if (view.beside && shown.size() > 1) {
+      BodyView& other = *shown[(at(model) + 1) % shown.size()];
+      const std::size_t method = at(state.method);
+      beside = {&other, sameTouch(inUse().model(), state.touch, other.model(), method)};
+      other.useScaleOf(inUse());
+      if (other.model().isPrepared(method) || view.colour != SurfaceColour::error)
+        showBody(other, beside->touch.value_or(Touch()), state.method);
+      inUse().useScaleOf(other);
+    }
+    if (before != beside.has_value()) frameAll();
   }
 
   void showTool(const HapticState& state, const PictureStatus& status) {
@@ -103,16 +122,40 @@ struct Picture::Impl {
     const double force = state.force.norm();
     if (force > full_force)
       full_force = std::max(force, std::min(roundUp(force), status.max_force));
-    const Eigen::Vector3d arrow = longest_arrow * radius / full_force * state.force;
-    tool.setArrow(arrow, isUncertain(state.touch));
-    arrow_tip = state.tool + arrow;
+    tool.setArrow(arrowOf(state.force), isUncertain(state.touch));
     tool.setAnchor(state.touch.anchor_position, state.touch.touching);
+  }
+
+  Eigen::Vector3d arrowOf(const Eigen::Vector3d& force) const {
+    return longest_arrow * inUse().sphere().radius / full_force * force;
   }
 
   ViewLabel labelOf(const HapticState& state) const {
     const ToolView& tool = stage->tool();
-    return {state.tool,    arrow_tip,        tool.axis(),
-            tool.radius(), forceText(state), isUncertain(state.touch)};
+    return {state.tool,       state.tool + arrowOf(state.force), tool.axis(), tool.radius(),
+            forceText(state), isUncertain(state.touch)};
+  }
+
+  BesideContents besideContents(const HapticState& state) const {
+    const HapticModel& other = beside->body->model();
+    BesideContents all{other.name(), tissueText(other.regions())};
+    if (!beside->touch) {
+      all.sentence = sameSurface(inUse().model().surface(), other.surface())
+                         ? "Nothing was computed here, or the method is still being prepared."
+                         : "Another body: it cannot be touched in the same place. Give datasets "
+                           "of one mesh to compare them.";
+      return all;
+    }
+    const ToolView& tool = stage->tool();
+    const Touch& touch = *beside->touch;
+    all.force = touch.force.norm();
+    all.label = {state.tool,
+                 state.tool + arrowOf(touch.force),
+                 tool.axis(),
+                 tool.radius(),
+                 tissueForceText(touch),
+                 isUncertain(touch)};
+    return all;
   }
 
   PanelContents contents(const HapticState& state, const PictureStatus& status) const {
@@ -139,13 +182,31 @@ struct Picture::Impl {
     for (std::size_t m = 0; m < now.methods().size(); ++m)
       all.methods.push_back({now.methods()[m], now.preparedShare(m)});
     for (const SpaceTable& space : now.spaces()) all.spaces.push_back(space.patch.name);
+    if (beside) all.beside = besideContents(state);
     return all;
   }
 
-  void render() {
-    stage->render(viewport);
+  void render(const HapticState& state) {
+    stage->render(touchedPart());
+    if (beside) renderBeside(state);
     panels.render();
   }
+
+  /// With the same tool; what belongs to the touched body is put back.
+  void renderBeside(const HapticState& state) {
+    ToolView& tool = stage->tool();
+    stage->setBody(*beside->body);
+    if (beside->touch)
+      tool.setArrow(arrowOf(beside->touch->force), isUncertain(*beside->touch));
+    else
+      tool.setTool({.tip = Eigen::Vector3d::Constant(NAN)});
+    stage->render(viewport.rightHalf(), false);
+    stage->setBody(inUse());
+    tool.setTool(held.pose());
+    tool.setArrow(arrowOf(state.force), isUncertain(state.touch));
+  }
+
+  Viewport touchedPart() const { return beside ? viewport.leftHalf() : viewport; }
 
   PictureRequests draw(const HapticState& state, const PictureStatus& status) {
     PictureRequests requests;
@@ -163,11 +224,12 @@ struct Picture::Impl {
     requests.tool = control.apply(persons(), inUse().model(), state, status, stage->camera());
     stage->lattice().show(inUse(), state, view);
     showTool(state, status);
-    showBody(state);
+    showBody(inUse(), state.touch, state.method);
+    compare(state);
     panels.build(contents(state, status), view, requests);
-    render();
+    render(state);
     window.swap();
-    drawn = true;
+    drawn = state;
     return requests;
   }
 
@@ -181,12 +243,17 @@ struct Picture::Impl {
   ViewChoices view;
   ForceHistory history;
   GuardLamps lamps;
-  std::int32_t model = -1;  ///< that is on the stage
-  Viewport viewport;        ///< of the last picture
-  bool drawn = false;
+  std::int32_t model = -1;           ///< that is on the stage
+  Viewport viewport;                 ///< of the last picture
+  std::optional<HapticState> drawn;  ///< of the last picture
   double full_force =
       0.5;  ///< N, of the longest arrow: a round number that grows with what was seen
-  Eigen::Vector3d arrow_tip = Eigen::Vector3d::Zero();
+  /// The other dataset that is shown; without a touch it is shown at rest.
+  struct Beside {
+    BodyView* body;
+    std::optional<Touch> touch;
+  };
+  std::optional<Beside> beside;
 };
 
 Picture::Picture(const std::vector<const HapticModel*>& models, const PictureOptions& options) {
@@ -204,7 +271,7 @@ PictureRequests Picture::draw(const HapticState& state, const PictureStatus& sta
 
 Image Picture::grab() {
   PALPATE_ASSERT(impl_->drawn, "what is kept is the picture that was drawn last");
-  impl_->render();
+  impl_->render(*impl_->drawn);
   return readPixels(impl_->viewport.window_width, impl_->viewport.window_height);
 }
 

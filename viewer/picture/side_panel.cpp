@@ -107,6 +107,7 @@ void choices(const PanelContents& contents, ViewChoices& view, PictureRequests& 
   ImGui::Checkbox("lattice", &view.lattice);
   sameLineIfFits("help");
   ImGui::Checkbox("help", &view.help);
+  if (contents.models.size() > 1) ImGui::Checkbox("another dataset beside it", &view.beside);
 }
 
 void latticeChoices(const PanelContents& contents, ViewChoices& view) {
@@ -153,6 +154,8 @@ void numbers(const PanelContents& contents) {
   heading("Touch");
   row("force", newtons(state.force.norm()));
   row("of tissue", newtons(touch.force.norm()));
+  if (contents.beside && contents.beside->sentence.empty())
+    row("beside", newtons(contents.beside->force));
   const double bound = touch.error_bound;
   row("error", std::isfinite(bound) ? fmt::format("± {:.2g} N", bound) : "unknown");
   if (touch.touching)

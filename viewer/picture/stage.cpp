@@ -84,7 +84,7 @@ void Stage::placeCamera(const Viewport& viewport) {
                                      static_cast<float>(viewport.height));
 }
 
-void Stage::render(const Viewport& viewport) {
+void Stage::render(const Viewport& viewport, bool clear) {
   placeCamera(viewport);
   SbViewportRegion region(static_cast<short>(viewport.window_width),
                           static_cast<short>(viewport.window_height));
@@ -96,7 +96,7 @@ void Stage::render(const Viewport& viewport) {
   glDisable(GL_SCISSOR_TEST);
   glEnable(GL_DEPTH_TEST);
   glClearColor(panel_ground[0], panel_ground[1], panel_ground[2], 1);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+  if (clear) glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
   action_->setViewportRegion(region);
   action_->apply(root_);
   glPopClientAttrib();

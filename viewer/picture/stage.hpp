@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <memory>
 
 #include "viewer/picture/body_view.hpp"
@@ -17,6 +18,17 @@ namespace palpate {
 struct Viewport {
   int window_width = 1, window_height = 1;
   int x = 0, y = 0, width = 1, height = 1;
+
+  Viewport leftHalf() const {
+    Viewport half = *this;
+    half.width = std::max(width / 2, 1);
+    return half;
+  }
+  Viewport rightHalf() const {
+    Viewport half = leftHalf();
+    half.x += half.width;
+    return half;
+  }
 };
 
 /// The scene graph: background, camera, one body, the lattice and the tool, in a light that goes
@@ -34,9 +46,9 @@ class Stage {
   ToolView& tool() { return tool_; }
   LatticeView& lattice() { return lattice_; }
   OrbitCamera& camera() { return camera_; }
-  /// Draws into the part of the window; the rest becomes the ground of the panels. OpenGL's state
-  /// is as before then.
-  void render(const Viewport& viewport);
+  /// Draws into the part of the window. clear: before, and the rest becomes the ground of the
+  /// panels. OpenGL's state is as before then.
+  void render(const Viewport& viewport, bool clear = true);
 
  private:
   void placeCamera(const Viewport& viewport);

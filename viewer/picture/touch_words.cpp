@@ -20,16 +20,9 @@ static_assert(law_names.size() == words_of<LawName>.size());
 
 double shareOf(const Touch& touch) { return relativeError(touch.error_bound, touch.force.norm()); }
 
-}  // namespace
-
-bool isUncertain(const Touch& touch) {
-  return touch.touching && shareOf(touch) > noticeable_force_error;
-}
-
-std::string forceText(const HapticState& state) {
-  const Touch& touch = state.touch;
-  if (!touch.touching && state.force.norm() == 0) return {};
-  std::string text = fmt::format("{:.2f} N", state.force.norm());
+std::string textOf(const Eigen::Vector3d& force, const Touch& touch) {
+  if (!touch.touching && force.norm() == 0) return {};
+  std::string text = fmt::format("{:.2f} N", force.norm());
   if (touch.touching && std::isfinite(touch.error_bound))
     text += fmt::format(" ± {:.2g} N", touch.error_bound);
   if (isUncertain(touch))
@@ -37,6 +30,16 @@ std::string forceText(const HapticState& state) {
                         100 * noticeable_force_error);
   return text;
 }
+
+}  // namespace
+
+bool isUncertain(const Touch& touch) {
+  return touch.touching && shareOf(touch) > noticeable_force_error;
+}
+
+std::string forceText(const HapticState& state) { return textOf(state.force, state.touch); }
+
+std::string tissueForceText(const Touch& touch) { return textOf(touch.force, touch); }
 
 std::string tissueText(const std::vector<Region>& regions) {
   PALPATE_ASSERT(!regions.empty(), "a body has a material");

@@ -14,6 +14,8 @@ bool isUncertain(const Touch& touch);
 /// The force in the hand with the error bound of the tissue's, and that it is uncertain, where it
 /// is: what stands at the arrow. Empty where there is neither touch nor force.
 std::string forceText(const HapticState& state);
+/// The same of the tissue alone.
+std::string tissueForceText(const Touch& touch);
 /// "Mooney-Rivlin, Young's modulus 3.6 kPa": the first of the regions, and how many others there
 /// are.
 std::string tissueText(const std::vector<Region>& regions);

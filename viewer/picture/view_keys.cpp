@@ -38,6 +38,7 @@ const char* const key_help =
     "G, L                  ghost, lattice\n"
     "E                     lattice by error, by tag\n"
     "C                     what the colours show\n"
+    "B                     another dataset beside it\n"
     "M                     next method\n"
     "D                     next dataset\n"
     "Space                 pause, go on\n"
@@ -54,6 +55,7 @@ void obeyKeys(const PanelContents& contents, ViewChoices& choices, PictureReques
   if (pressed(GLFW_KEY_L)) choices.lattice = !choices.lattice;
   if (pressed(GLFW_KEY_E)) choices.errors = !choices.errors;
   if (pressed(GLFW_KEY_C)) choices.colour = following(choices.colour);
+  if (pressed(GLFW_KEY_B)) choices.beside = !choices.beside;
   if (pressed(GLFW_KEY_H)) choices.help = !choices.help;
   if (pressed(GLFW_KEY_R) || pressed(GLFW_KEY_ESCAPE)) requests.release = true;
   if (pressed(GLFW_KEY_SPACE)) requests.pause = true;

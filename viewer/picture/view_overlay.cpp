@@ -22,43 +22,6 @@ ImVec2 imPoint(const Eigen::Vector2d& at) {
   return {static_cast<float>(at.x()), static_cast<float>(at.y())};
 }
 
-/// What is touched, at the upper right, and how to learn more; where that is, for the label.
-ThickLine drawNames(ImDrawList& draw, const PanelContents& contents, float width) {
-  const float line = ImGui::GetTextLineHeightWithSpacing(), right = width - px(margin);
-  float y = px(margin), left = right;
-  for (const auto& [text, colour] : {std::pair<const char*, ImU32>{contents.dataset.c_str(), ink},
-                                     {contents.tissue.c_str(), faint},
-                                     {"H: help", faint}}) {
-    const float wide = ImGui::CalcTextSize(text).x;
-    if (wide > width / 2) continue;
-    draw.AddText({right - wide, y}, colour, text);
-    left = std::min(left, right - wide);
-    y += line;
-  }
-  const double middle = (px(margin) + y) / 2;
-  return {{left, middle}, {right, middle}, (y - px(margin)) / 2};
-}
-
-/// Beyond the tip of the arrow, on a light ground.
-void drawLabel(ImDrawList& draw, const ViewLabel& label, const OrbitCamera& camera, ImVec2 size,
-               const ThickLine& names) {
-  const double depth = camera.project(label.at).z();
-  if (label.text.empty() || !(depth > 0)) return;
-  const auto seen = [&](const Eigen::Vector3d& point) {
-    return screenPoint(seenAt(camera, point, size));
-  };
-  const ThickLine arrow = {seen(label.from), seen(label.at), px(arrow_width)};
-  const double pixels = size.y / camera.moveInPlane(label.tool[0], 0, 1).norm();  // per metre
-  const ThickLine tool = {seen(label.tool[0]), seen(label.tool[1]), pixels * label.tool_radius};
-  const ImVec2 text = ImGui::CalcTextSize(label.text.c_str());
-  const Eigen::Vector2d padding(px(label_padding_x), px(label_padding_y));
-  const Eigen::Vector2d edge(view_edge, view_edge);
-  const ScreenBox box = placeLabel(arrow, screenPoint(text) + 2 * padding,
-                                   {edge, screenPoint(size) - edge}, std::array{tool, names});
-  draw.AddRectFilled(imPoint(box.from), imPoint(box.to), paper, px(4));
-  draw.AddText(imPoint(box.from + padding), label.uncertain ? amber_ink : ink, label.text.c_str());
-}
-
 /// Text on a light ground, as wide as the view at most; tells where the next may begin.
 float banner(ImDrawList& draw, ImVec2 at, float width, ImU32 colour, const std::string& text) {
   const float wrap = width - px(banner_left) - px(banner_right);
@@ -87,6 +50,42 @@ void drawBanners(ImDrawList& draw, const PictureStatus& status, bool help, float
 
 }  // namespace
 
+ThickLine drawNames(ImDrawList& draw, const std::vector<std::string>& names, float left,
+                    float width) {
+  const float line = ImGui::GetTextLineHeightWithSpacing(), right = left + width - px(margin);
+  float y = px(margin), begin = right;
+  for (const std::string& name : names) {
+    const float wide = ImGui::CalcTextSize(name.c_str()).x;
+    if (wide > width / 2) continue;
+    draw.AddText({right - wide, y}, &name == names.data() ? ink : faint, name.c_str());
+    begin = std::min(begin, right - wide);
+    y += line;
+  }
+  const double middle = (px(margin) + y) / 2;
+  return {{begin, middle}, {right, middle}, (y - px(margin)) / 2};
+}
+
+void drawLabel(ImDrawList& draw, const ViewLabel& label, const OrbitCamera& camera, float left,
+               ImVec2 size, const ThickLine& names) {
+  const double depth = camera.project(label.at).z();
+  if (label.text.empty() || !(depth > 0)) return;
+  const Eigen::Vector2d origin(left, 0);
+  const auto seen = [&](const Eigen::Vector3d& point) {
+    return Eigen::Vector2d(origin + screenPoint(seenAt(camera, point, size)));
+  };
+  const ThickLine arrow = {seen(label.from), seen(label.at), px(arrow_width)};
+  const double pixels = size.y / camera.moveInPlane(label.tool[0], 0, 1).norm();  // per metre
+  const ThickLine tool = {seen(label.tool[0]), seen(label.tool[1]), pixels * label.tool_radius};
+  const ImVec2 text = ImGui::CalcTextSize(label.text.c_str());
+  const Eigen::Vector2d padding(px(label_padding_x), px(label_padding_y));
+  const Eigen::Vector2d edge(view_edge, view_edge);
+  const ScreenBox box =
+      placeLabel(arrow, screenPoint(text) + 2 * padding,
+                 {origin + edge, origin + screenPoint(size) - edge}, std::array{tool, names});
+  draw.AddRectFilled(imPoint(box.from), imPoint(box.to), paper, px(4));
+  draw.AddText(imPoint(box.from + padding), label.uncertain ? amber_ink : ink, label.text.c_str());
+}
+
 ImVec2 seenAt(const OrbitCamera& camera, const Eigen::Vector3d& point, ImVec2 size) {
   const Eigen::Vector3d place = camera.project(point);
   return {size.x / 2 + size.y * static_cast<float>(place.x()),
@@ -100,8 +99,9 @@ void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
   draw.PushClipRect({0, 0}, size);
   drawScaleAndAxes(draw, contents, size);
   drawLegends(draw, contents, choices, size);
-  const ThickLine names = drawNames(draw, contents, size.x);
-  drawLabel(draw, contents.label, contents.camera, size, names);
+  const ThickLine names =
+      drawNames(draw, {contents.dataset, contents.tissue, "H: help"}, 0, size.x);
+  drawLabel(draw, contents.label, contents.camera, 0, size, names);
   drawBanners(draw, contents.status, choices.help, size.x);
   draw.PopClipRect();
 }

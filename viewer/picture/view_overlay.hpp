@@ -1,5 +1,9 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
+#include "viewer/picture/label_place.hpp"
 #include "viewer/picture/panel_contents.hpp"
 #include "viewer/picture/panel_style.hpp"
 
@@ -14,6 +18,13 @@ void drawLegends(ImDrawList& draw, const PanelContents& contents, const ViewChoi
 /// At the lower right a length at the depth of the body, and the directions of the axes of the
 /// scene.
 void drawScaleAndAxes(ImDrawList& draw, const PanelContents& contents, ImVec2 size);
+
+/// What is touched, at the upper right, a line each; where that is, for a label. left: of the view.
+ThickLine drawNames(ImDrawList& draw, const std::vector<std::string>& names, float left,
+                    float width);
+/// Beyond the tip of its arrow, on a light ground, clear of the names.
+void drawLabel(ImDrawList& draw, const ViewLabel& label, const OrbitCamera& camera, float left,
+               ImVec2 size, const ThickLine& names);
 
 /// Where a point of the scene is seen.
 ImVec2 seenAt(const OrbitCamera& camera, const Eigen::Vector3d& point, ImVec2 size);

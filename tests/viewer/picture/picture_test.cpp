@@ -166,6 +166,24 @@ TEST_F(PictureTest, SwitchesBetweenModelsThatShareTheWindow) {
   EXPECT_GT(differences(first, picture.grab(), 980, 622), 20000);
 }
 
+TEST_F(PictureTest, ShowsAnotherDatasetBesideInTheSameTouch) {
+  const auto bluesAfterB = [&](const HapticModel& other) {
+    Picture picture({&model, &other}, {.vsync = false});
+    const HapticState state = pressed(0.01);
+    picture.draw(state, {});
+    test::Person(screen.name(), "Palpate").press("b");
+    for (int n = 0; n < 3; ++n) picture.draw(state, {});
+    const Image image = picture.grab();
+    const int left = find(image, isBlue, 494).count;
+    return std::pair(left, find(image, isBlue).count - left);
+  };
+  const HapticModel same = test::tenNodeModel(), another = test::cubeModel();
+  const auto [left, right] = bluesAfterB(same);
+  EXPECT_GT(left, 20) << "the arrow of the touched dataset";
+  EXPECT_NEAR(right, left, 0.2 * left) << "and of the one beside it";
+  EXPECT_EQ(bluesAfterB(another).second, 0) << "another body is not touched";
+}
+
 TEST_F(PictureTest, WantsToCloseWhenItsWindowIsClosed) {
   Picture picture({&model}, {.vsync = false});
   picture.draw(pressed(0), {});
