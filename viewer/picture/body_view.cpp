@@ -16,6 +16,7 @@
 namespace palpate {
 namespace {
 
+constexpr float contour_width = 1.7F, contour_opacity = 0.85F;
 constexpr std::array<float, 3> ghost_line = {0.14F, 0.24F, 0.46F};
 constexpr float ghost_line_opacity = 0.75F, ghost_line_width = 1.6F;
 constexpr std::array<std::uint8_t, 3> ghost_fill = {92, 128, 196};
@@ -40,12 +41,15 @@ std::vector<bool> touchableTriangles(const TouchSurface& surface) {
   return touchable;
 }
 
-void drawTriangles(std::span<const std::uint32_t> corners) {
-  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(corners.size()), GL_UNSIGNED_INT,
-                 corners.data());
+void drawElements(GLenum kind, std::span<const std::uint32_t> vertices) {
+  glDrawElements(kind, static_cast<GLsizei>(vertices.size()), GL_UNSIGNED_INT, vertices.data());
 }
 
-/// Front faces of vertex arrays with colours, which mark their pixels: nothing is filled twice.
+// Of the stencil: pixels of the body, where the ghost is not seen, and of the ghost's fill, which
+// is blended once.
+constexpr GLuint body_mark = 1, fill_mark = 2;
+
+/// Front faces of vertex arrays with colours.
 void beginSurfaces() {
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_CULL_FACE);
@@ -53,8 +57,6 @@ void beginSurfaces() {
   glFrontFace(GL_CCW);
   glEnableClientState(GL_VERTEX_ARRAY);
   glEnableClientState(GL_COLOR_ARRAY);
-  glEnable(GL_STENCIL_TEST);
-  glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
 }
 
 /// Where the eye is, in the frame of what is drawn.
@@ -76,10 +78,11 @@ BodyView::BodyView(const HapticModel& model)
       sphere_(sphereAround(model.surface().vertices())),
       shape_(model.surface().vertices(), model.surface().triangles(),
              touchableTriangles(model.surface())),
+      contour_(shape_.corners()),
       deformed_(model.surface().vertices().size()),
       displacements_(3 * model.surface().vertices().size()),
       drawing_([this] { drawSurface(); }),
-      ghost_drawing_([this] { drawGhost(); }) {
+      over_drawing_([this] { drawOver(); }) {
   ghost_shares_.resize(shape_.size());
   ghost_colours_.resize(shape_.size());
   ghost_corners_.reserve(shape_.corners().size());
@@ -145,23 +148,48 @@ const std::vector<float>& BodyView::errorPlacesOf(std::int32_t method) {
 void BodyView::drawSurface() const {
   PALPATE_ASSERT(light_ != nullptr, "a body is lit by its stage");
   beginSurfaces();
-  // Where the body is seen there is no fill of the ghost.
-  glStencilFunc(GL_ALWAYS, 1, 1);
+  glEnable(GL_STENCIL_TEST);
+  glStencilFunc(GL_ALWAYS, body_mark, body_mark);
+  glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
   light_->on(1, shadow_);
   // Behind the lines that lie on it.
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1, 2);
+  useSurface();
+  drawElements(GL_TRIANGLES, shape_.corners());
+  SoftLight::off();
+}
+
+void BodyView::useSurface() const {
   glEnableClientState(GL_NORMAL_ARRAY);
   glVertexPointer(3, GL_FLOAT, 0, shape_.positions().data());
   glNormalPointer(GL_FLOAT, 0, shape_.normals().data());
   glColorPointer(4, GL_UNSIGNED_BYTE, 0, shape_.colours().data());
-  drawTriangles(shape_.corners());
+}
+
+void BodyView::drawOver() {
+  beginSurfaces();
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glEnable(GL_LINE_SMOOTH);
+  // What is translucent hides nothing that is drawn after it.
+  glDepthMask(GL_FALSE);
+  drawContour();
+  if (ghost_) drawGhost();
+}
+
+void BodyView::drawContour() {
+  light_->on(contour_opacity, shadow_);
+  glLineWidth(contour_width);
+  useSurface();
+  drawElements(GL_LINES, contour_.edges(shape_.positions(), eyeOfView()));
+  glDisableClientState(GL_NORMAL_ARRAY);
   SoftLight::off();
 }
 
 void BodyView::drawGhost() {
   const double begins = ghost_begins * sphere_.radius, whole = ghost_whole * sphere_.radius;
-  if (!ghost_ || shape_.largest() <= begins) return;
+  if (shape_.largest() <= begins) return;
   for (std::size_t v = 0; v < shape_.size(); ++v)
     ghost_shares_[v] = smoothStep(begins, whole, shape_.length(v));
   ghost_corners_.clear();
@@ -170,11 +198,7 @@ void BodyView::drawGhost() {
     if (std::ranges::any_of(corners, [&](std::uint32_t v) { return ghost_shares_[v] > 0; }))
       ghost_corners_.insert(ghost_corners_.end(), corners.begin(), corners.end());
   }
-  beginSurfaces();
-  glEnable(GL_BLEND);
-  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-  // What is translucent hides nothing that is drawn after it.
-  glDepthMask(GL_FALSE);
+  glEnable(GL_STENCIL_TEST);
   drawGhostFill();
   drawGhostOutline();
 }
@@ -184,17 +208,19 @@ void BodyView::drawGhostFill() {
     ghost_colours_[v] = std::bit_cast<std::uint32_t>(std::array<std::uint8_t, 4>{
         ghost_fill[0], ghost_fill[1], ghost_fill[2],
         static_cast<std::uint8_t>(255 * ghost_fill_opacity * ghost_shares_[v])});
-  glStencilFunc(GL_NOTEQUAL, 1, 1);
+  glStencilFunc(GL_EQUAL, 0, body_mark | fill_mark);
+  glStencilMask(fill_mark);
+  glStencilOp(GL_KEEP, GL_KEEP, GL_INVERT);
   glVertexPointer(3, GL_FLOAT, 0, shape_.rest().data());
   glColorPointer(4, GL_UNSIGNED_BYTE, 0, ghost_colours_.data());
-  drawTriangles(ghost_corners_);
+  drawElements(GL_TRIANGLES, ghost_corners_);
 }
 
 void BodyView::drawGhostOutline() {
   findOutline(shape_.rest(), shape_.restNormals(), ghost_corners_, ghost_shares_, eyeOfView(),
               outline_);
-  glDisable(GL_STENCIL_TEST);
-  glEnable(GL_LINE_SMOOTH);
+  glStencilFunc(GL_EQUAL, 0, body_mark);
+  glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
   setLineWidth(ghost_line_width);
   glBegin(GL_LINES);
   for (const OutlinePoint& point : outline_) {

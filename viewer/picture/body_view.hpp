@@ -8,6 +8,7 @@
 #include "viewer/haptics/deformed_shape.hpp"
 #include "viewer/haptics/haptic_model.hpp"
 #include "viewer/picture/coin.hpp"
+#include "viewer/picture/contour.hpp"
 #include "viewer/picture/outline.hpp"
 #include "viewer/picture/soft_light.hpp"
 #include "viewer/picture/surface_shape.hpp"
@@ -25,8 +26,8 @@ class BodyView {
   explicit BodyView(const HapticModel& model);
 
   SoCallback* node() const { return drawing_.node(); }
-  /// Of the ghost, which is drawn after the body and what is behind both.
-  SoCallback* ghostNode() const { return ghost_drawing_.node(); }
+  /// Of its soft edges and the ghost, which are drawn after the body and what is behind both.
+  SoCallback* overNode() const { return over_drawing_.node(); }
   const HapticModel& model() const { return model_; }
   /// The ball around all vertices at rest, nearly the smallest.
   const FramedSphere& sphere() const { return sphere_; }
@@ -57,6 +58,9 @@ class BodyView {
 
  private:
   void drawSurface() const;
+  void useSurface() const;
+  void drawOver();
+  void drawContour();
   void drawGhost();
   void drawGhostFill();
   void drawGhostOutline();
@@ -65,6 +69,7 @@ class BodyView {
   const HapticModel& model_;
   FramedSphere sphere_;
   SurfaceShape shape_;
+  Contour contour_;
   DeformedShape deformed_;
   std::vector<float> displacements_;  ///< [vertex][axis], m
   double full_colour_ = 0.005;
@@ -72,7 +77,7 @@ class BodyView {
   std::map<std::int32_t, std::vector<float>> error_places_;  ///< by method; by vertex, 0 to 1
   const SoftLight* light_ = nullptr;
   SoftLight::Shadow shadow_;
-  Drawing drawing_, ghost_drawing_;
+  Drawing drawing_, over_drawing_;
   bool ghost_ = true;
   std::vector<float> ghost_shares_;           ///< by vertex, 0 to 1
   std::vector<std::uint32_t> ghost_colours_;  ///< by vertex, bytes

@@ -36,7 +36,7 @@ void main() {
   light.r += 0.10 * wet * (1.0 - abs(lit));  // blood, where the light fades
   float s = max(0.0, dot(n, halfway)), s2 = s * s, s4 = s2 * s2, s8 = s4 * s4, s16 = s8 * s8;
   float graze = 1.0 - max(0.0, n.z);
-  float shine = 0.13 * s16 + 0.40 * clamp(40.0 * (s - 0.977), 0.0, 1.0)
+  float shine = 0.14 * s16 + 0.56 * clamp(40.0 * (s - 0.977), 0.0, 1.0)
               + 0.30 * graze * graze * graze * (0.7 + 0.3 * n.y);
   float dark = max(0.0, 1.0 - dot(away, away));
   gl_FragColor = vec4(mix(skin.rgb * light, vec3(1.0), shine * wet) * (1.0 - darkness * dark * dark),

@@ -51,11 +51,11 @@ Stage::Stage(double extent)
     : background_(drawBackground),
       tool_(extent, light_),
       bodies_(new SoSeparator),
-      ghosts_(new SoSeparator),
+      over_bodies_(new SoSeparator),
       coin_camera_(new SoPerspectiveCamera) {
   coin_camera_->viewportMapping.setValue(SoCamera::LEAVE_ALONE);
-  root_ =
-      group({coin_camera_, bodies_, background_.node(), ghosts_, lattice_.node(), tool_.node()});
+  root_ = group(
+      {coin_camera_, bodies_, background_.node(), over_bodies_, lattice_.node(), tool_.node()});
   root_->ref();
   action_ = std::make_unique<SoGLRenderAction>(SbViewportRegion());
   // Caches of one window are not another's.
@@ -68,8 +68,8 @@ void Stage::setBody(BodyView& body) {
   body.setLight(light_);
   bodies_->removeAllChildren();
   bodies_->addChild(body.node());
-  ghosts_->removeAllChildren();
-  ghosts_->addChild(body.ghostNode());
+  over_bodies_->removeAllChildren();
+  over_bodies_->addChild(body.overNode());
 }
 
 void Stage::placeCamera(const Viewport& viewport) {

@@ -58,7 +58,7 @@ class Stage {
   SoftLight light_;
   ToolView tool_;
   LatticeView lattice_;
-  SoSeparator *bodies_, *ghosts_;
+  SoSeparator *bodies_, *over_bodies_;
   SoPerspectiveCamera* coin_camera_;
   SoSeparator* root_ = nullptr;
   std::unique_ptr<SoGLRenderAction> action_;

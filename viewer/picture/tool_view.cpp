@@ -105,7 +105,7 @@ void ToolView::drawTool(double opacity) const {
       break;
     case ToolForm::disc:
       paint(steel);
-      cylinder_.draw(pose_.tip, pose_.outward, r, disc_height * r);
+      disc_.draw(pose_.tip, pose_.outward, r, disc_height * r);
       paint(grip);
       handle_.draw(pose_.tip + 0.5 * disc_height * r * pose_.outward, pose_.handle,
                    handle_radius * extent_, length);

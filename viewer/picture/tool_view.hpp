@@ -61,7 +61,7 @@ class ToolView {
   const SoftLight& light_;
   TurnedSolid ball_ = TurnedSolid::ball(), cylinder_ = TurnedSolid::cylinder(),
               cone_ = TurnedSolid::cone(), handle_ = TurnedSolid::handle(),
-              finger_ = TurnedSolid::finger();
+              finger_ = TurnedSolid::finger(), disc_ = TurnedSolid::disc();
   ToolShape shape_;
   ToolPose pose_;
   Eigen::Vector3d arrow_ = Eigen::Vector3d::Zero(), anchor_ = Eigen::Vector3d::Zero();

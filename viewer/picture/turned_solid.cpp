@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-constexpr int around = 22;  // corners of a circle
+constexpr int few = 12, some = 16, many = 28;  // corners of a circle
 
 /// Outward, of the part of a profile between two of its points.
 Eigen::Vector2d normalOf(const ProfilePoint& from, const ProfilePoint& to) {
@@ -20,8 +20,7 @@ Eigen::Vector2d normalOf(const ProfilePoint& from, const ProfilePoint& to) {
 }
 
 void addArc(std::vector<ProfilePoint>& profile, double radius, double middle, double from,
-            double to) {
-  constexpr int steps = 9;
+            double to, int steps) {
   for (int n = 0; n <= steps; ++n) {
     const double angle = std::lerp(from, to, static_cast<double>(n) / steps);
     profile.push_back({radius * std::cos(angle), middle + radius * std::sin(angle)});
@@ -30,7 +29,7 @@ void addArc(std::vector<ProfilePoint>& profile, double radius, double middle, do
 
 }  // namespace
 
-TurnedSolid::TurnedSolid(std::span<const ProfilePoint> profile) {
+TurnedSolid::TurnedSolid(std::span<const ProfilePoint> profile, int around) {
   PALPATE_ASSERT(profile.size() >= 2, "a solid has a profile");
   const auto ring = static_cast<std::uint32_t>(around + 1);
   for (std::size_t n = 0; n < profile.size(); ++n) {
@@ -57,32 +56,34 @@ TurnedSolid::TurnedSolid(std::span<const ProfilePoint> profile) {
 
 TurnedSolid TurnedSolid::ball() {
   std::vector<ProfilePoint> profile;
-  addArc(profile, 1, 0, -std::numbers::pi / 2, std::numbers::pi / 2);
-  return TurnedSolid(profile);
+  addArc(profile, 1, 0, -std::numbers::pi / 2, std::numbers::pi / 2, 8);
+  return TurnedSolid(profile, some);
 }
 
 TurnedSolid TurnedSolid::cylinder() {
-  return TurnedSolid(std::vector<ProfilePoint>{{0, 0}, {1, 0}, {1, 0}, {1, 1}, {1, 1}, {0, 1}});
+  return {std::vector<ProfilePoint>{{0, 0}, {1, 0}, {1, 0}, {1, 1}, {1, 1}, {0, 1}}, some};
 }
 
 TurnedSolid TurnedSolid::cone() {
-  return TurnedSolid(std::vector<ProfilePoint>{{0, 0}, {1, 0}, {1, 0}, {0, 1}});
+  return {std::vector<ProfilePoint>{{0, 0}, {1, 0}, {1, 0}, {0, 1}}, some};
 }
 
 TurnedSolid TurnedSolid::handle() {
-  return TurnedSolid(std::vector<ProfilePoint>{
-      {0, 0}, {1, 0}, {1, 0}, {1, 0.96}, {0.9, 0.98}, {0.6, 0.995}, {0, 1}});
+  return {std::vector<ProfilePoint>{{1, 0}, {1, 0.96}, {0.7, 0.99}, {0, 1}}, few};
+}
+
+TurnedSolid TurnedSolid::disc() {
+  return {std::vector<ProfilePoint>{{0, 0}, {1, 0}, {1, 0}, {1, 1}, {1, 1}, {0, 1}}, many};
 }
 
 TurnedSolid TurnedSolid::finger() {
   constexpr double slim = 0.84, end = 2.7;
   std::vector<ProfilePoint> profile;
-  addArc(profile, 1, 0, -std::numbers::pi / 2, 0);
-  for (const double height : {0.4, 0.9, 1.6})
-    profile.push_back({std::lerp(1, slim, height / end), height});
-  for (const double angle : {0.0, 0.35, 0.7, 1.05, 1.3, std::numbers::pi / 2})
+  addArc(profile, 1, 0, -std::numbers::pi / 2, 0, 8);
+  for (const double height : {0.9}) profile.push_back({std::lerp(1, slim, height / end), height});
+  for (const double angle : {0.0, 0.4, 0.8, 1.2, std::numbers::pi / 2})
     profile.push_back({slim * std::cos(angle), end + 0.5 * slim * std::sin(angle)});
-  return TurnedSolid(profile);
+  return {profile, many};
 }
 
 void TurnedSolid::draw(const Eigen::Vector3d& place, const Eigen::Vector3d& axis, double wide,

@@ -16,10 +16,12 @@ struct ProfilePoint {
 /// OpenGL is current.
 class TurnedSolid {
  public:
-  /// profile: upward, at least two points; a corner with edges is said twice.
-  explicit TurnedSolid(std::span<const ProfilePoint> profile);
+  /// profile: upward, at least two points; a corner with edges is said twice. around: corners of
+  /// its circles. Small solids need few, and triangles cost the more the smaller they are.
+  TurnedSolid(std::span<const ProfilePoint> profile, int around);
   static TurnedSolid ball();      ///< radius 1 around the origin
   static TurnedSolid cylinder();  ///< radius 1 from z = 0 to 1
+  static TurnedSolid disc();      ///< the same, rounder
   static TurnedSolid cone();      ///< radius 1 at z = 0, its tip at z = 1
   static TurnedSolid handle();    ///< a cylinder whose end at z = 1 is round
   /// A round tip of radius 1 around the origin, and a finger from there to z = 3.

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "viewer/picture/label_place.hpp"
 #include "viewer/picture/panels.hpp"
@@ -15,6 +17,7 @@ constexpr float margin = 14;
 constexpr float label_padding_x = 7, label_padding_y = 4, arrow_width = 6;
 constexpr float banner_stripe = 4, banner_left = 12, banner_right = 8, banner_padding = 6,
                 banner_gap = 6;
+constexpr float help_gap = 18;
 constexpr double view_edge = 4;
 
 Eigen::Vector2d screenPoint(ImVec2 at) { return {at.x, at.y}; }
@@ -36,6 +39,30 @@ float banner(ImDrawList& draw, ImVec2 at, float width, ImU32 colour, const std::
   return bottom + px(banner_gap);
 }
 
+/// The keys in a column, what they do in another: in the text two spaces or more are between them.
+void drawHelp(ImDrawList& draw, ImVec2 at) {
+  std::vector<std::array<std::string, 2>> lines;
+  std::istringstream text(key_help);
+  float keys = 0, widest = 0;
+  for (std::string line; std::getline(text, line);) {
+    const std::size_t gap = std::min(line.find("  "), line.size());
+    const std::size_t words = std::min(line.find_first_not_of(' ', gap), line.size());
+    lines.push_back({line.substr(0, gap), line.substr(words)});
+    keys = std::max(keys, ImGui::CalcTextSize(lines.back()[0].c_str()).x + px(help_gap));
+    widest = std::max(widest, ImGui::CalcTextSize(lines.back()[1].c_str()).x);
+  }
+  const float step = ImGui::GetTextLineHeightWithSpacing();
+  const ImVec2 end = {at.x + keys + widest + px(banner_left) + px(banner_right),
+                      at.y + step * static_cast<float>(lines.size()) + 2 * px(banner_padding)};
+  draw.AddRectFilled(at, end, paper, px(4));
+  at = {at.x + px(banner_left), at.y + px(banner_padding)};
+  for (const auto& [key, words] : lines) {
+    draw.AddText(at, blue, key.c_str());
+    draw.AddText({at.x + keys, at.y}, ink, words.c_str());
+    at.y += step;
+  }
+}
+
 void drawBanners(ImDrawList& draw, const PictureStatus& status, bool help, float width) {
   float next = px(margin);
   const auto say = [&](ImU32 colour, const std::string& text) {
@@ -45,7 +72,7 @@ void drawBanners(ImDrawList& draw, const PictureStatus& status, bool help, float
   say(red, status.trouble);
   say(blue, status.notice);
   say(blue, status.paused ? "paused" : "");
-  say(ink, help ? key_help : "");
+  if (help) drawHelp(draw, {px(margin), next});
 }
 
 }  // namespace
