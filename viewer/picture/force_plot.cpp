@@ -19,7 +19,8 @@ constexpr float margin_left = 48, margin_right = 28, margin_top = 32, margin_bot
 constexpr float legend_left = 14, legend_top = 8, legend_gap = 18;
 constexpr float key_length = 16, key_gap = 5, band_height = 8;
 constexpr float label_gap = 8, time_gap = 3;
-constexpr float least_step = 26;  // between lines of the grid
+constexpr float closest_points = 4;  // of a curve
+constexpr float least_step = 26;     // between lines of the grid
 
 constexpr double headroom = 1.08;       // above the largest force
 constexpr double smallest_limit = 0.5;  // N: below it the plot does not grow
@@ -80,13 +81,21 @@ void plotBand(ImDrawList& draw, const PlotArea& area, const ForceHistory& histor
 }
 
 void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& history) {
+  // More points than this would cost, and not be seen.
+  const double slot_length = ForceHistory::span * closest_points / (area.to.x - area.from.x);  // s
   std::vector<ImVec2> points;
   points.reserve(history.samples().size());
   for (std::size_t curve = 0; curve < curve_colours.size(); ++curve) {
     points.clear();
-    for (const auto& [time, force, bound] : history.samples())
+    double last = -1;
+    for (const auto& [time, force, bound] : history.samples()) {
+      // By time, not by place: the same samples in picture after picture.
+      const double slot = std::floor(time / slot_length);
+      if (slot == last && time != area.end) continue;
+      last = slot;
       points.push_back(
           area.at(time, curve < 3 ? force[static_cast<Eigen::Index>(curve)] : force.norm()));
+    }
     // Whole widths: ImGui draws those with few triangles.
     draw.AddPolyline(points.data(), static_cast<int>(points.size()), curve_colours[curve],
                      ImDrawFlags_None, std::round(px(curve == 3 ? 2.0F : 1.0F)));

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "tests/support/meshes.hpp"
+#include "viewer/picture/contour.hpp"
 #include "viewer/picture/surface_shape.hpp"
 
 namespace palpate {
@@ -85,6 +86,24 @@ TEST(Outline, FadesWithTheSharesAndEndsWhereThereAreNone) {
     EXPECT_NEAR(point.share, std::max(0.0F, point.place.x()), 0.1);
     EXPECT_GT(point.place.x(), -0.3);
   }
+}
+
+TEST(Contour, IsWhereTrianglesThatFaceTheEyeMeetOthers) {
+  const UnitBall ball;
+  std::vector<std::uint32_t> corners;
+  for (const Triangle& t : ball.triangles) corners.insert(corners.end(), t.begin(), t.end());
+  Eigen::Matrix3Xf positions(3, std::ssize(ball.vertices));
+  for (Eigen::Index v = 0; v < positions.cols(); ++v)
+    positions.col(v) = ball.vertices[static_cast<std::size_t>(v)].cast<float>();
+  Contour contour(corners);
+  const std::span<const std::uint32_t> edges = contour.edges(positions, {0.1F, 0.2F, 50});
+  ASSERT_GT(edges.size(), 2U * 20U);
+  std::map<std::uint32_t, int> ends;
+  for (const std::uint32_t vertex : edges) {
+    EXPECT_LT(std::abs(positions(2, vertex)), 0.3F) << "near the circle that is seen as its rim";
+    ++ends[vertex];
+  }
+  for (const auto& [vertex, count] : ends) EXPECT_EQ(count % 2, 0) << "closed";
 }
 
 }  // namespace

@@ -308,6 +308,47 @@ TEST_F(PictureTest, ShowsTheLatticeByError) {
   EXPECT_GT(differences(tags, picture.grab(), 980, 622), 1000);
 }
 
+TEST_F(PictureTest, ShowsWhatTheColoursAreAskedFor) {
+  Picture picture({&model}, {.vsync = false, .ghost = false});
+  test::Person person(screen.name(), "Palpate");
+  const HapticState state = pressed(0.0048);
+  const auto after = [&](const char* key) {
+    if (key != nullptr) person.press(key);
+    picture.draw(state, {});
+    picture.draw(state, {});
+    return picture.grab();
+  };
+  const Image displacement = after(nullptr), error = after("c"), tissue = after("c");
+  const auto isLegend = [](Pixel p) { return isYellow(p) && p[0] > 240; };
+  const auto legend = [&](const Image& image) { return find(image, isLegend, 40, 622).count; };
+  EXPECT_GT(legend(displacement), 10);
+  EXPECT_GT(legend(error), 10);
+  EXPECT_EQ(legend(tissue), 0) << "nothing is shown that would need one";
+  EXPECT_EQ(find(tissue, isYellow, 980, 400).count, 0);
+  EXPECT_GT(differences(displacement, error, 980, 622), 5000);
+}
+
+TEST_F(PictureTest, ShowsAToolInsideTheBodyThroughIt) {
+  HapticState state = pressed(0);
+  state.tool = {0, 0, 0};
+  const Image inside = pictureOf(state, {.ghost = false});
+  state.tool = {0, 0, 5};  // out of sight
+  const Image without = pictureOf(state, {.ghost = false});
+  EXPECT_GT(differences(inside, without, 980, 622), 60);
+}
+
+TEST_F(PictureTest, FitsSmallAndHugeWindows) {
+  const HapticState state = pressed(0.0048);
+  for (const auto& [width, height] : {std::pair{640, 400}, std::pair{3840, 2160}}) {
+    const Image image =
+        pictureOf(state, {.width = width, .height = height, .visible = false, .ghost = false});
+    ASSERT_EQ(image.width, width);
+    ASSERT_EQ(image.height, height);
+    const Spot body = find(image, isTissue, width * 2 / 3, height * 3 / 4);
+    EXPECT_GT(body.count, width * height / 100) << width;
+  }
+}
+
 TEST(Picture, WithoutADisplaySaysWhatToDo) {
   unsetenv("DISPLAY");
   unsetenv("WAYLAND_DISPLAY");
