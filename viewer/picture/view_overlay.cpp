@@ -19,6 +19,7 @@ constexpr float banner_stripe = 4, banner_left = 12, banner_right = 8, banner_pa
                 banner_gap = 6;
 constexpr float help_gap = 18;
 constexpr double view_edge = 4;
+constexpr float widest_name = 0.7F;  // of the view: beyond it would lie under what is said
 
 Eigen::Vector2d screenPoint(ImVec2 at) { return {at.x, at.y}; }
 ImVec2 imPoint(const Eigen::Vector2d& at) {
@@ -83,7 +84,7 @@ ThickLine drawNames(ImDrawList& draw, const std::vector<std::string>& names, flo
   float y = px(margin), begin = right;
   for (const std::string& name : names) {
     const float wide = ImGui::CalcTextSize(name.c_str()).x;
-    if (wide > width / 2) continue;
+    if (wide > widest_name * width) continue;
     draw.AddText({right - wide, y}, &name == names.data() ? ink : faint, name.c_str());
     begin = std::min(begin, right - wide);
     y += line;
