@@ -29,7 +29,10 @@ class Scale {
   }
   bool shows(double value) const { return std::isfinite(value) && (!logarithmic_ || value > 0); }
   std::vector<double> ticks() const {
-    return logarithmic_ ? logarithmicTicks(lowest_, highest_) : linearTicks(lowest_, highest_);
+    // Labels of five digits do not touch.
+    const int count = std::max(5, static_cast<int>(std::abs(to_ - from_) / 60));
+    return logarithmic_ ? logarithmicTicks(lowest_, highest_)
+                        : linearTicks(lowest_, highest_, count);
   }
 
  private:
@@ -115,6 +118,19 @@ std::string marksOf(const PlotSeries& series, const Scale& x, const Scale& y) {
   return svg;
 }
 
+/// Line and mark of a series in a box of 34 x 12.
+std::string seriesKey(const PlotSeries& series) {
+  std::string svg;
+  if (series.line)
+    svg += fmt::format(
+        "<path d=\"M1 6H33\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" "
+        "stroke-dasharray=\"{}\"/>",
+        series.style.colour, series.style.width,
+        series.style.dash.empty() ? "none" : series.style.dash);
+  if (series.marks) svg += markerAt(17, 6, series.style, mark_size);
+  return svg;
+}
+
 }  // namespace
 
 void PlotSeries::add(double at_x, double at_y, std::string note) {
@@ -177,17 +193,32 @@ std::string svgOf(const Plot& plot) {
 
 std::string legendOf(const std::vector<PlotSeries>& series) {
   std::string html = "<p class=\"legend\">";
-  for (const PlotSeries& one : series) {
-    html += "<span><svg viewBox=\"0 0 34 12\" width=\"34\" height=\"12\" aria-hidden=\"true\">";
-    if (one.line)
-      html += fmt::format(
-          "<path d=\"M1 6H33\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" "
-          "stroke-dasharray=\"{}\"/>",
-          one.style.colour, one.style.width, one.style.dash.empty() ? "none" : one.style.dash);
-    if (one.marks) html += markerAt(17, 6, one.style, mark_size);
-    html += fmt::format("</svg> {}</span> ", escaped(one.label));
-  }
+  for (const PlotSeries& one : series)
+    html += fmt::format(
+        "<span><svg viewBox=\"0 0 34 12\" width=\"34\" height=\"12\" "
+        "aria-hidden=\"true\">{}</svg> {}</span> ",
+        seriesKey(one), escaped(one.label));
   return html + "</p>\n";
+}
+
+SvgPart legendPart(const std::vector<PlotSeries>& series, double width) {
+  constexpr double line_height = 20, key_width = 42, letter_width = 6.6;
+  std::size_t longest = 0;
+  for (const PlotSeries& one : series) longest = std::max(longest, one.label.size());
+  const double column = key_width + letter_width * static_cast<double>(longest) + 14;
+  const auto columns =
+      static_cast<std::size_t>(std::max(1.0, std::floor((width - left_margin) / column)));
+  SvgPart part;
+  for (std::size_t n = 0; n < series.size(); ++n)
+    part.svg += fmt::format(
+        "<g transform=\"translate({:g} {:g})\">{}<text class=\"label\" x=\"{}\" "
+        "y=\"10\">{}</text></g>\n",
+        left_margin + column * static_cast<double>(n % columns),
+        line_height * static_cast<double>(n / columns) + 4, seriesKey(series[n]), key_width,
+        escaped(series[n].label));
+  const std::size_t lines = (series.size() + columns - 1) / columns;
+  part.height = series.empty() ? 0 : line_height * static_cast<double>(lines) + 8;
+  return part;
 }
 
 std::vector<double> linearTicks(double lowest, double highest, int count) {

@@ -51,6 +51,15 @@ std::string svgOf(const Plot& plot);
 /// HTML: a small drawing of line and mark for each series, and its label.
 std::string legendOf(const std::vector<PlotSeries>& series);
 
+/// A piece of a drawing, from y = 0 to its height.
+struct SvgPart {
+  std::string svg{};  ///< elements
+  double height = 0;  ///< user units
+};
+
+/// The same legend as a piece of a drawing, in as many columns as fit `width`.
+SvgPart legendPart(const std::vector<PlotSeries>& series, double width);
+
 /// The marker alone, as SVG, at (x, y).
 std::string markerAt(double x, double y, const SeriesStyle& style, double size);
 

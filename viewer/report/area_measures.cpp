@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/base/index.hpp"
+#include "common/mesh/surface_point.hpp"
 #include "common/problem/sites.hpp"
 #include "common/scene/active_choice.hpp"
 #include "viewer/fields/area_field.hpp"
@@ -17,6 +18,7 @@ using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
 constexpr std::array<double, 5> depths = {0.2, 0.4, 0.6, 0.8, 1.0};  ///< of the ball's radius
+constexpr std::size_t shown_sites = 3;
 constexpr int sideways = 4;  ///< directions 45 degrees off the normal, beside the normal itself
 
 /// What was asked at one depth of one triangle.
@@ -35,8 +37,6 @@ std::array<Eigen::Vector3d, sideways + 1> directionsInto(const Eigen::Vector3d& 
 double relativeTo(double force, const AccuracyTarget& target) {
   return 1 / std::max(force, target.force_floor / target.force_error);
 }
-
-double medianOf(const std::vector<double>& values) { return spreadOf(values).median; }
 
 /// Per triangle of the mesh's surface and depth.
 using Samples = std::vector<std::array<std::vector<Sample>, depths.size()>>;
@@ -81,7 +81,9 @@ void measureBounds(const Samples& found, double radius, AreaMeasures& measures) 
     std::vector<double> bounds;
     for (const auto& of_depth : of_triangle)
       for (const Sample& sample : of_depth) bounds.push_back(sample.bound);
-    measures.on_triangles.push_back(medianOf(bounds));
+    const Spread spread = spreadOf(std::move(bounds));
+    measures.on_triangles.push_back(spread.median);
+    measures.worst_on_triangles.push_back(spread.maximum);
   }
 }
 
@@ -105,12 +107,11 @@ class NearestSite {
   std::vector<std::unique_ptr<PotentialField>> fields_;
 };
 
-AreaProbes measureProbes(const AreaField& area, const std::vector<const SpaceTable*>& sites,
+AreaProbes measureProbes(const AreaField& area, NearestSite& nearest,
                          const std::vector<const SpaceTable*>& places,
                          const AccuracyTarget& target) {
   AreaProbes measures;
   std::vector<ForceComparison> of_area, of_nearest;
-  NearestSite nearest(sites);
   for (const SpaceTable* place : places) {
     ++measures.places;
     // Without a rest position there is no probe either.
@@ -128,13 +129,59 @@ AreaProbes measureProbes(const AreaField& area, const std::vector<const SpaceTab
     const Eigen::Vector3d& exact = record.equilibrium.force;
     of_area.push_back({exact, sample.force, sample.error_bound});
     of_nearest.push_back({exact, nearest.force(center, displacement)});
-    measures.comparisons.push_back(
-        {center, displacement.norm(),
-         relativeTo(exact.norm(), target) * (sample.force - exact).norm()});
+    const double error = (sample.force - exact).norm();
+    measures.comparisons.push_back({center, displacement, exact,
+                                    relativeTo(exact.norm(), target) * error, error,
+                                    (of_nearest.back().interpolated - exact).norm()});
   }
   measures.area = measureErrors(of_area, target);
   measures.nearest_site = measureErrors(of_nearest, target);
   return measures;
+}
+
+void sampleWay(const AreaField& area, NearestSite& nearest, const Eigen::Vector3d& place,
+               double length, ForceWay& way) {
+  way.sampled.push_back(sampledOnWay(
+      [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
+        const AreaSample sample = area.evaluate(place, p);
+        return sample.inside ? sample.force : Eigen::Vector3d::Constant(not_measured);
+      },
+      way.direction, 0, length));
+  way.sampled.push_back(sampledOnWay(
+      [&](const Eigen::Vector3d& p) { return nearest.force(place, p); }, way.direction, 0, length));
+}
+
+/// The axis of the lattice, in either sense, that leads most into the body at a place.
+Eigen::Vector3d axisInto(const Mesh& mesh, const Eigen::Vector3d& place) {
+  const Eigen::Vector3d into = -normalOf(mesh, nearestOnSurface(mesh, place).triangle);
+  Eigen::Index axis = 0;
+  into.cwiseAbs().maxCoeff(&axis);
+  return std::copysign(1, into[axis]) * Eigen::Vector3d::Unit(axis);
+}
+
+std::vector<ForceWay> waysOf(const AreaField& area, NearestSite& nearest, const Mesh& mesh,
+                             const std::vector<const SpaceTable*>& sites,
+                             const AreaProbes& probes) {
+  std::vector<ForceWay> ways;
+  for (std::size_t n = 0; n < std::min(shown_sites, sites.size()); ++n) {
+    const SpaceTable& site = *sites[n * sites.size() / std::min(shown_sites, sites.size())];
+    const Eigen::Vector3d& place = site.patch.finger->center;
+    ForceWay way = {.name = site.patch.name, .direction = axisInto(mesh, place)};
+    way.solved = solvedOnWay(site, way.direction, false);
+    sampleWay(area, nearest, place, site.lattice.radius(), way);
+    ways.push_back(std::move(way));
+  }
+  std::vector<double> errors;
+  for (const AreaProbes::Comparison& probe : probes.comparisons) errors.push_back(probe.error);
+  for (const auto& [n, name] : tellingOnes(errors)) {
+    const AreaProbes::Comparison& probe = probes.comparisons[n];
+    if (!(probe.displacement.norm() > 0)) continue;
+    ForceWay way = {.name = name, .direction = probe.displacement.normalized()};
+    way.held_out.add(probe.displacement.norm(), probe.force.dot(way.direction));
+    sampleWay(area, nearest, probe.place, sites.front()->lattice.radius(), way);
+    ways.push_back(std::move(way));
+  }
+  return ways;
 }
 
 AreaMeasures measureArea(const Dataset& dataset, const ActiveChoice& choice,
@@ -155,8 +202,10 @@ AreaMeasures measureArea(const Dataset& dataset, const ActiveChoice& choice,
   measures.nanoseconds = 1e9 * Seconds(Clock::now() - asked).count() /
                          static_cast<double>(samples.size() * depths.size() * (sideways + 1));
   measureBounds(samples, radius, measures);
+  NearestSite nearest(spaces);
   measures.probes =
-      measureProbes(area, spaces, chosenOf(dataset.probePlaces(), choice.probe_places), target);
+      measureProbes(area, nearest, chosenOf(dataset.probePlaces(), choice.probe_places), target);
+  measures.ways = waysOf(area, nearest, dataset.mesh(), spaces, measures.probes);
   for (const SpaceTable* site : spaces) measures.jumps += site->inconsistent_edges.size();
   return measures;
 }

@@ -2,6 +2,7 @@
 
 #include "common/dataset/dataset.hpp"
 #include "viewer/report/error_measures.hpp"
+#include "viewer/report/force_way.hpp"
 
 namespace palpate {
 
@@ -23,9 +24,12 @@ struct AreaProbes {
   ErrorMeasures nearest_site;    ///< of what the space of the nearest site says alone
   /// One within the force.
   struct Comparison {
-    Eigen::Vector3d place;  ///< m
-    double depth;           ///< m, length of the displacement
-    double error;           ///< relative, as DepthMeasures::bound
+    Eigen::Vector3d place;         ///< m
+    Eigen::Vector3d displacement;  ///< m
+    Eigen::Vector3d force;         ///< exact, N
+    double error;                  ///< relative, as DepthMeasures::bound
+    double newtons;                ///< the same error, N
+    double newtons_of_nearest;     ///< of what the nearest site says alone, N
   };
   std::vector<Comparison> comparisons;
 };
@@ -43,7 +47,12 @@ struct AreaMeasures {
   /// Per triangle of the mesh's surface: median of the relative bound in its middle; NaN where the
   /// area does not answer.
   std::vector<double> on_triangles;
+  std::vector<double> worst_on_triangles;  ///< the largest there, in place of the median
   AreaProbes probes;
+  /// Into the body at three sites, along the axis of the lattice that is nearest to the inward
+  /// normal, and from rest to probes of telling errors; at most six. Interpolations: the area, and
+  /// the space of the nearest site alone.
+  std::vector<ForceWay> ways;
   std::size_t jumps = 0;  ///< lattice edges of the sites whose ends are on different branches
 };
 

@@ -9,23 +9,11 @@
 namespace palpate {
 namespace {
 
-/// Why the datasets are not of one scene; empty when they are.
-std::string differenceOf(const Dataset& a, const Dataset& b) {
-  const Scene &s = a.scene(), &t = b.scene();
-  const Workspace &u = s.workspace, &v = t.workspace;
-  if (s.regions != t.regions) return "material";
-  if (!(s.discretization == t.discretization)) return "discretization";
-  if (s.gravity != t.gravity) return "gravity";
-  if (a.mesh().nodes != b.mesh().nodes || a.mesh().tetrahedra != b.mesh().tetrahedra) return "mesh";
-  if (a.fixedNodes() != b.fixedNodes()) return "fixed nodes";
-  if (u.radius != v.radius) return "workspace.radius";
-  if (u.max_force != v.max_force) return "workspace.max_force";
-  if (u.reject_inverted != v.reject_inverted) return "workspace.reject_inverted";
-  const auto same_patch = [](const SpaceTable& x, const SpaceTable& y) {
+bool haveOnePatches(const Dataset& a, const Dataset& b) {
+  return std::ranges::equal(a.spaces(), b.spaces(), [](const SpaceTable& x, const SpaceTable& y) {
     return std::tie(x.patch.name, x.patch.nodes, x.patch.weights) ==
            std::tie(y.patch.name, y.patch.nodes, y.patch.weights);
-  };
-  return std::ranges::equal(a.spaces(), b.spaces(), same_patch) ? "" : "active nodes";
+  });
 }
 
 /// "mesh" of "mesh/nodes": the group of an array, or itself where it is of nodal fields.
@@ -119,14 +107,34 @@ std::map<Cause, FailureCount> failuresOf(const Dataset& dataset) {
   return failures;
 }
 
+std::vector<std::string> sceneDifferences(const Dataset& a, const Dataset& b) {
+  const Scene &s = a.scene(), &t = b.scene();
+  const Workspace &u = s.workspace, &v = t.workspace;
+  const std::array<std::pair<bool, const char*>, 9> differences = {
+      {{s.regions != t.regions, "material"},
+       {!(s.discretization == t.discretization), "discretization"},
+       {s.gravity != t.gravity, "gravity"},
+       {a.mesh().nodes != b.mesh().nodes || a.mesh().tetrahedra != b.mesh().tetrahedra, "mesh"},
+       {a.fixedNodes() != b.fixedNodes(), "fixed nodes"},
+       {u.radius != v.radius, "workspace.radius"},
+       {u.max_force != v.max_force, "workspace.max_force"},
+       {u.reject_inverted != v.reject_inverted, "workspace.reject_inverted"},
+       {!haveOnePatches(a, b), "active nodes"}}};
+  std::vector<std::string> words;
+  for (const auto& [differs, what] : differences)
+    if (differs) words.emplace_back(what);
+  return words;
+}
+
 void refuseOtherScenes(const std::vector<Dataset>& datasets) {
   for (const Dataset& dataset : datasets)
     // The first stands for all: it is what the others are shown beside.
-    if (const std::string what = differenceOf(datasets.front(), dataset); !what.empty())
+    if (const std::vector<std::string> what = sceneDifferences(datasets.front(), dataset);
+        !what.empty())
       throw badInput(
-          "{} and {} are not of one scene: they differ in {}. "
-          "Only workspace.spacing and [accuracy] may differ",
-          datasets.front().file().string(), dataset.file().string(), what);
+          "{} and {} are not of one scene: they differ in {}. Of more than two only "
+          "workspace.spacing and [accuracy] may differ; others are compared two at a time",
+          datasets.front().file().string(), dataset.file().string(), fmt::join(what, ", "));
 }
 
 }  // namespace palpate

@@ -39,7 +39,11 @@ struct FailureCount {
 /// Only causes that occur.
 std::map<Cause, FailureCount> failuresOf(const Dataset& dataset);
 
-/// Error (bad input) unless all are of one scene, but for workspace.spacing and [accuracy].
+/// In what two datasets are not of one scene, in the words of scene files: "material",
+/// "workspace.radius"; empty when they are. workspace.spacing and [accuracy] may differ.
+std::vector<std::string> sceneDifferences(const Dataset& a, const Dataset& b);
+
+/// Error (bad input) unless all are of one scene (sceneDifferences).
 void refuseOtherScenes(const std::vector<Dataset>& datasets);
 
 }  // namespace palpate

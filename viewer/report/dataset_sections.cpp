@@ -34,7 +34,9 @@ std::string sizesTable(const DatasetFacts& facts) {
   return table({"array", "in the file", "unpacked", "per configuration", ""}, rows);
 }
 
-std::string provenanceOf(const Dataset& dataset, const DatasetFacts& facts) {
+}  // namespace
+
+std::string provenanceList(const Dataset& dataset, const DatasetFacts& facts) {
   std::string html = "<dl>\n";
   const auto row = [&](const char* term, const std::string& text) {
     html += fmt::format("<dt>{}</dt><dd>{}</dd>\n", term, escaped(text));
@@ -54,8 +56,6 @@ std::string provenanceOf(const Dataset& dataset, const DatasetFacts& facts) {
                     "<pre>{}</pre></details>\n",
                     escaped(dataset.sceneToml()));
 }
-
-}  // namespace
 
 Section failuresSection(const Report& report) {
   // Bars are relative to the longest.
@@ -88,7 +88,7 @@ Section sizesSection(const Report& report) {
 Section provenanceSection(const Report& report) {
   std::string html;
   for (std::size_t d = 0; d < report.open.size(); ++d)
-    html += provenanceOf(report.open[d], report.datasets[d]);
+    html += provenanceList(report.open[d], report.datasets[d]);
   return {
       "provenance", "Scene and provenance",
       fmt::format("What was computed, and by what. Measured and written by Palpate {}.", version()),

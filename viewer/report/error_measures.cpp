@@ -75,7 +75,9 @@ ErrorMeasures measureErrors(std::span<const ForceComparison> comparisons,
   }
   const double count = comparisons.size();
   measures.mean_component = meanOf(components);
+  measures.max_component = std::ranges::max(components);
   measures.mean_relative_component = meanOf(relative_components);
+  measures.max_relative_component = std::ranges::max(relative_components);
   if (forces > 0) measures.relative_to_mean_force = count * meanOf(errors) / forces;
   measures.error = spreadOf(std::move(errors));
   measures.relative = spreadOf(std::move(relative));

@@ -40,9 +40,11 @@ struct ErrorMeasures {
   Spread error;  ///< |interpolated - exact|, N
   /// Eq. 13 of the paper: mean over points and components of |interpolated_i - exact_i|, N.
   double mean_component = not_measured;
+  double max_component = not_measured;  ///< the largest of them, N
   /// Eq. 14 of the paper, corrected: the same of |interpolated_i - exact_i| / max(|exact_i|,
   /// relative_error_floor). The paper divides by exact_i, which is zero on every symmetric path.
   double mean_relative_component = not_measured;
+  double max_relative_component = not_measured;  ///< the largest of them
   Spread relative;  ///< |interpolated - exact| / max(|exact|, relative_error_floor)
   double relative_to_mean_force = not_measured;  ///< sum of |interpolated - exact| / of |exact|
   double within_target = not_measured;           ///< share of points that keep the AccuracyTarget

@@ -28,7 +28,7 @@ constexpr std::array<Ordinate, 3> ordinates = {
      {"Whole ball, median", &MethodMeasures::all, &Spread::median},
      {"Covered points, mean", &MethodMeasures::covered, &Spread::mean}}};
 
-std::string frontierPlot(const Report& report, const Ordinate& ordinate, bool over_time) {
+Panel frontierPanel(const Report& report, const Ordinate& ordinate, bool over_time) {
   Plot plot;
   plot.title =
       fmt::format("{}: error against {}", ordinate.name, over_time ? "time" : "configurations");
@@ -46,14 +46,24 @@ std::string frontierPlot(const Report& report, const Ordinate& ordinate, bool ov
                                      formatCount(lattice.configurations), formatNumber(error),
                                      formatNumber(method.nanoseconds, 3)));
     }
-  return svgOf(plot);
+  return panelOf(plot);
 }
 
-std::string frontierPlots(const Report& report) {
-  std::string html = legendOf(methodSeries(report)) + "<div class=\"figures two\">\n";
+std::string frontierFigure(const Report& report, FigureNumbers& numbers) {
+  Figure figure = {
+      .key = legendOf(methodSeries(report)),
+      .caption =
+          fmt::format("Error of each method against what it costs. Up: |interpolated &minus; exact "
+                      "force| in newtons, mean or median over the exact solutions of {}. Right: "
+                      "solved configurations per active node (a, c, e), or the time of one query "
+                      "in nanoseconds on the machine that made this page (b, d, f). Each mark is "
+                      "one lattice density. Covered: all eight corners around are solved. {}",
+                      countNodes(report.compared), escaped(describeHeldOut(report))),
+      .layout = "two"};
   for (const Ordinate& ordinate : ordinates)
-    for (const bool over_time : {false, true}) html += frontierPlot(report, ordinate, over_time);
-  return html + "</div>\n";
+    for (const bool over_time : {false, true})
+      figure.panels.push_back(frontierPanel(report, ordinate, over_time));
+  return numbers.html(figure);
 }
 
 std::string frontierRow(const std::string& name, const LatticeMeasures& lattice,
@@ -141,10 +151,10 @@ std::string cards(const Report& report) {
          card(formatCount(lattice.configurations), "configurations per active node") + "</div>\n";
 }
 
-Section frontierSection(const Report& report) {
+Section frontierSection(const Report& report, FigureNumbers& numbers) {
   std::string html;
   // Without exact solutions the plots would be empty; the table still has times.
-  if (report.held_out_kind != HeldOutKind::none) html += frontierPlots(report);
+  if (report.held_out_kind != HeldOutKind::none) html += frontierFigure(report, numbers);
   html += "<h3>In numbers</h3>\n" + frontierTable(report) + latticeTable(report);
   for (const std::string& gap : describeGaps(report)) html += note(gap);
   html += fmt::format(
@@ -159,7 +169,7 @@ Section frontierSection(const Report& report) {
           html};
 }
 
-Section loopsSection(const Report& report) {
+Section loopsSection(const Report& report, FigureNumbers& numbers) {
   Plot plot;
   plot.title = "Work around closed loops";
   plot.x = {"configurations per active node", true};
@@ -181,7 +191,14 @@ Section loopsSection(const Report& report) {
           "10⁻¹⁰ stands for nothing but the error of the sum. "
           "Where a method gives way to tri-linear interpolation, "
           "at jumps between branches, its loops leak too.",
-          legendOf(plot.series) + "<div class=\"single\">" + svgOf(plot) + "</div>\n"};
+          numbers.html({.key = legendOf(plot.series),
+                        .caption = "Work around closed loops, |sum of F&middot;dp| / sum of "
+                                   "|F||dp|, without a unit, against solved configurations per "
+                                   "active node; one mark for each lattice density. The largest "
+                                   "of 64 circles with random centres and planes, by 4096 "
+                                   "positions of the interpolated force on each.",
+                        .panels = {panelOf(plot)},
+                        .layout = "single"})};
 }
 
 Section boundsSection(const Report& report) {

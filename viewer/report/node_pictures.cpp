@@ -10,33 +10,55 @@ namespace {
 
 /// Held-out solutions nearer to the plane than this share of the radius are shown in it.
 constexpr double shown_distance = 0.05;
-constexpr int samples = 121;  ///< along an axis
+constexpr int bound_samples = 13;  ///< along an axis
 constexpr std::array<std::array<int, 2>, 3> planes = {{{0, 1}, {0, 2}, {1, 2}}};
 
-AxisForces solvedForcesAlong(const SpaceTable& space, int axis) {
-  AxisForces solved;
-  for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
-    const Eigen::Vector3d p = space.lattice.displacement(n);
-    // The other coordinates are exact zeros there.
-    const bool is_on_axis = p.cwiseAbs().sum() == std::abs(p[axis]);
-    if (!is_on_axis || p.norm() > space.lattice.radius() * (1 + 1e-9) ||
-        !isSolved(space.points[n].tag))
-      continue;
-    solved.displacements.push_back(p[axis]);
-    solved.forces.push_back(space.points[n].equilibrium.force[axis]);
-  }
-  return solved;
+using Fields = std::vector<std::unique_ptr<ForceField>>;
+
+/// By method; null where it cannot be made.
+Fields fieldsOf(const SpaceTable& space, const std::vector<std::string>& methods) {
+  Fields fields;
+  for (const std::string& method : methods) fields.push_back(tryToMake(method, space).field);
+  return fields;
 }
 
-/// From one side of the ball (radius in metres) to the other.
-AxisForces sampledForcesAlong(const ForceField& field, double radius, int axis) {
-  AxisForces sampled;
-  for (int n = 0; n < samples; ++n) {
-    const double distance = radius * (2.0 * n / (samples - 1) - 1);
-    sampled.displacements.push_back(distance);
-    sampled.forces.push_back(field.evaluate(distance * Eigen::Vector3d::Unit(axis)).force[axis]);
+void sampleAll(const Fields& fields, double from, double to, ForceWay& way) {
+  for (const auto& field : fields) {
+    AxisForces& sampled = way.sampled.emplace_back();
+    if (!field) continue;
+    sampled = sampledOnWay([&](const Eigen::Vector3d& p) { return field->evaluate(p).force; },
+                           way.direction, from, to);
   }
-  return sampled;
+}
+
+/// From one side of the ball to the other.
+ForceWay axisOf(const SpaceTable& space, const Fields& fields, int axis) {
+  static constexpr std::array<const char*, 3> names = {"x", "y", "z"};
+  ForceWay way = {.name = names[axis], .direction = Eigen::Vector3d::Unit(axis)};
+  way.solved = solvedOnWay(space, way.direction, true);
+  sampleAll(fields, -space.lattice.radius(), space.lattice.radius(), way);
+  return way;
+}
+
+std::vector<ForceWay> tellingWays(const SpaceTable& space, const Fields& fields,
+                                  const std::vector<HeldOutSolution>& held_out) {
+  if (!fields.front()) return {};
+  std::vector<double> errors;
+  for (const HeldOutSolution& solution : held_out)
+    // At rest there is no way.
+    errors.push_back(
+        solution.displacement.norm() > 0
+            ? (fields.front()->evaluate(solution.displacement).force - solution.force).norm()
+            : not_measured);
+  std::vector<ForceWay> ways;
+  for (const auto& [n, name] : tellingOnes(errors)) {
+    ForceWay way = {.name = name, .direction = held_out[n].displacement.normalized()};
+    way.solved = solvedOnWay(space, way.direction, false);
+    way.held_out = heldOutOnWay(held_out, space.lattice.radius(), way.direction, false);
+    sampleAll(fields, 0, space.lattice.radius(), way);
+    ways.push_back(std::move(way));
+  }
+  return ways;
 }
 
 }  // namespace
@@ -78,21 +100,31 @@ SliceMap sampleSlice(const ForceField& field, const SpaceTable& space, int acros
   return map;
 }
 
+Spread sampleBounds(const ForceField& field, double radius) {
+  std::vector<double> bounds;
+  const auto place = [&](int n) { return radius * (2.0 * n / (bound_samples - 1) - 1); };
+  for (int i = 0; i < bound_samples; ++i)
+    for (int j = 0; j < bound_samples; ++j)
+      for (int k = 0; k < bound_samples; ++k) {
+        const ForceSample sample = field.evaluate({place(i), place(j), place(k)});
+        if (sample.inside && std::isfinite(sample.error_bound))
+          bounds.push_back(sample.error_bound);
+      }
+  return spreadOf(std::move(bounds));
+}
+
 NodePictures sampleNode(const SpaceTable& shown, const SpaceTable& whole,
                         const std::vector<std::string>& methods,
                         const std::vector<HeldOutSolution>& held_out) {
   PALPATE_ASSERT(!methods.empty(), "one method is the default");
   NodePictures pictures;
-  if (const auto field = tryToMake(methods.front(), shown).field)
+  const Fields on_shown = fieldsOf(shown, methods);
+  if (on_shown.front())
     for (const auto& [across, up] : planes)
-      pictures.slices.push_back(sampleSlice(*field, shown, across, up, held_out));
-  for (int axis = 0; axis < 3; ++axis) pictures.solved[axis] = solvedForcesAlong(whole, axis);
-  for (const std::string& method : methods) {
-    std::array<AxisForces, 3>& sampled = pictures.sampled.emplace_back();
-    if (const auto field = tryToMake(method, whole).field)
-      for (int axis = 0; axis < 3; ++axis)
-        sampled[axis] = sampledForcesAlong(*field, whole.lattice.radius(), axis);
-  }
+      pictures.slices.push_back(sampleSlice(*on_shown.front(), shown, across, up, held_out));
+  const Fields on_whole = fieldsOf(whole, methods);
+  for (int axis = 0; axis < 3; ++axis) pictures.axes.push_back(axisOf(whole, on_whole, axis));
+  pictures.ways = tellingWays(shown, on_shown, held_out);
   return pictures;
 }
 

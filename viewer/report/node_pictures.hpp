@@ -1,7 +1,7 @@
 #pragma once
 
-#include "viewer/fields/force_field.hpp"
-#include "viewer/report/held_out.hpp"
+#include "viewer/report/error_measures.hpp"
+#include "viewer/report/force_way.hpp"
 
 namespace palpate {
 
@@ -38,26 +38,25 @@ struct SliceMap {
 SliceMap sampleSlice(const ForceField& field, const SpaceTable& space, int across, int up,
                      const std::vector<HeldOutSolution>& held_out);
 
-/// Displacements along one axis through the rest position, m, and the forces along the same axis
-/// there, N; of equal length.
-struct AxisForces {
-  std::vector<double> displacements, forces;
-};
+/// Where the error bound of `field` lies, N, all over the ball of `radius` (m): at the points of a
+/// grid, where there is a bound.
+Spread sampleBounds(const ForceField& field, double radius);
 
 /// Fields of one active node, sampled.
 struct NodePictures {
   std::size_t node = 0;  ///< index into Report::nodes
   /// Planes xy, xz and yz, the default method on the shown lattice; empty when it cannot be made.
   std::vector<SliceMap> slices;
-  // Along x, y and z, in the first dataset as it is.
-  std::array<AxisForces, 3> solved;  ///< at the solved lattice points
-  /// By method, in the order of Report::methods; empty where it cannot be made.
-  std::vector<std::array<AxisForces, 3>> sampled;
+  /// Through rest along x, y and z, in the first dataset as it is; interpolations are the methods,
+  /// in the order of Report::methods.
+  std::vector<ForceWay> axes;
+  /// From rest through held-out solutions of telling errors, on the shown lattice; at most three.
+  std::vector<ForceWay> ways;
 };
 
 /// Samples the first of `methods` in the planes of `shown`, the space as it is on the shown
-/// lattice, and all of them along the axes of `whole`, as it is in the dataset. Does not set
-/// NodePictures::node. Any thread; some tenths of a second.
+/// lattice, and all of them on ways of it and along the axes of `whole`, as it is in the dataset.
+/// Does not set NodePictures::node. Any thread; some tenths of a second.
 NodePictures sampleNode(const SpaceTable& shown, const SpaceTable& whole,
                         const std::vector<std::string>& methods,
                         const std::vector<HeldOutSolution>& held_out);

@@ -11,7 +11,6 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t listed_nodes = 36, plotted_nodes = 12;
-constexpr const char* mark_colour = "#1b1f24";
 constexpr double graph_width = 380, graph_height = 290;
 
 std::string nodesTable(const Report& report, const std::vector<std::size_t>& nodes) {
@@ -54,7 +53,7 @@ std::string nodeMethodsTable(const Report& report, const std::vector<std::size_t
 }
 
 /// Error against configurations of one compared active node.
-std::string nodePlot(const Report& report, const NodeMeasures& node) {
+Panel nodePanel(const Report& report, const NodeMeasures& node) {
   Plot plot = {.title = node.name,
                .x = {"configurations", true},
                .y = {"mean error, N", true},
@@ -66,18 +65,23 @@ std::string nodePlot(const Report& report, const NodeMeasures& node) {
       for (std::size_t m = 0; m < report.methods.size(); ++m)
         plot.series[m].add(lattice.node_configurations[*node.compared],
                            lattice.node_errors[*node.compared][m]);
-  return svgOf(plot);
+  return panelOf(plot);
 }
 
-std::string nodePlots(const Report& report, const std::vector<std::size_t>& nodes) {
+std::string nodesFigure(const Report& report, const std::vector<std::size_t>& nodes,
+                        FigureNumbers& numbers) {
   // The plot of a single node is that of all nodes.
   if (!report.measured || nodes.size() < 2) return "";
-  std::string plots;
-  std::size_t count = 0;
+  Figure figure = {.key = legendOf(methodSeries(report)),
+                   .caption =
+                       "Mean error of each method at single active nodes, in newtons, over "
+                       "the exact solutions of the node, against its solved "
+                       "configurations; one mark for each lattice density. The node with "
+                       "the largest error of the default method comes first."};
   for (const std::size_t n : nodes)
-    if (report.nodes[n].compared && count++ < plotted_nodes)
-      plots += nodePlot(report, report.nodes[n]);
-  return legendOf(methodSeries(report)) + figures(plots);
+    if (report.nodes[n].compared && figure.panels.size() < plotted_nodes)
+      figure.panels.push_back(nodePanel(report, report.nodes[n]));
+  return numbers.html(figure);
 }
 
 /// Limits around the bounds and errors of all pictures.
@@ -91,51 +95,9 @@ ColourScale scaleOf(const std::vector<NodePictures>& pictures) {
   return ColourScale(values);
 }
 
-std::string headingOf(const Report& report, const NodePictures& pictures) {
-  return "<h3>" + escaped(report.nodes[pictures.node].name) + "</h3>\n";
-}
-
-std::string whichNodes(const Report& report) {
-  return report.pictures.size() == report.nodes.size()
-             ? ""
-             : fmt::format(" The {} active nodes with the largest errors.", report.pictures.size());
-}
-
-/// The curves of a plot along an axis: of the methods, below the marks of the exact solutions.
-std::vector<PlotSeries> curves(const Report& report) {
-  std::vector<PlotSeries> series = methodSeries(report);
-  for (PlotSeries& method : series) method.marks = false;
-  series.insert(series.begin(), PlotSeries{.label = "exact, lattice points",
-                                           .style = {.colour = mark_colour},
-                                           .line = false});
-  return series;
-}
-
-void addForces(const AxisForces& along, PlotSeries& series) {
-  for (std::size_t n = 0; n < along.forces.size(); ++n)
-    series.add(1e3 * along.displacements[n], along.forces[n]);
-}
-
-std::string curvesAlong(const Report& report, const NodePictures& pictures, std::size_t axis) {
-  PALPATE_ASSERT(pictures.sampled.size() == report.methods.size(), "samples are by method");
-  static constexpr std::array<const char*, 3> names = {"x", "y", "z"};
-  Plot plot = {.title = fmt::format("Along {}", names[axis]),
-               .x = {fmt::format("displacement along {}, mm", names[axis])},
-               .y = {fmt::format("force along {}, N", names[axis])},
-               .series = curves(report),
-               .width = graph_width,
-               .height = graph_height};
-  addForces(pictures.solved[axis], plot.series[0]);
-  for (std::size_t m = 0; m < report.methods.size(); ++m)
-    addForces(pictures.sampled[m][axis], plot.series[m + 1]);
-  // The default, the widest line, below the others.
-  std::reverse(plot.series.begin() + 1, plot.series.end());
-  return svgOf(plot);
-}
-
 }  // namespace
 
-Section nodesSection(const Report& report) {
+Section nodesSection(const Report& report, FigureNumbers& numbers) {
   const std::vector<std::size_t> all = worstFirst(report);
   std::vector<std::size_t> listed = all;
   listed.resize(std::min(all.size(), listed_nodes));
@@ -150,46 +112,38 @@ Section nodesSection(const Report& report) {
     how += fmt::format(" The other methods were compared on {} nodes, evenly chosen.",
                        report.compared);
   return {"nodes", "Active nodes", how,
-          nodesTable(report, listed) + nodeMethodsTable(report, all) + nodePlots(report, all)};
+          nodesTable(report, listed) + nodeMethodsTable(report, all) +
+              nodesFigure(report, all, numbers)};
 }
 
-Section mapsSection(const Report& report) {
-  static constexpr std::array<const char*, 3> planes = {
-      "x and y, through rest", "x and z, through rest", "y and z, through rest"};
+Section mapsSection(const Report& report, FigureNumbers& numbers) {
+  static constexpr std::array<const char*, 3> planes = {"x and y", "x and z", "y and z"};
   const ColourScale scale = scaleOf(report.pictures);
-  std::string maps = legendOf(scale);
+  std::string maps;
   for (const NodePictures& pictures : report.pictures) {
-    std::string slices;
+    const std::string& name = report.nodes[pictures.node].name;
+    Figure figure = {
+        .key = legendOf(scale),
+        .caption = fmt::format(
+            "Error bound of {} at {}, in newtons (logarithmic colours), at the displacements of "
+            "three planes through rest; axes in mm, out to the rim of the workspace ball. It is "
+            "sampled at {} x {} places of {}. Discs: |interpolated &minus; exact force| at exact "
+            "solutions within a twentieth of the radius of the plane.",
+            escaped(report.methods.front()), escaped(name), SliceMap::side, SliceMap::side,
+            escaped(shownLattice(report).label))};
     for (std::size_t s = 0; s < pictures.slices.size(); ++s)
-      slices += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n",
-                            svgOf(pictures.slices[s], scale), planes[s]);
-    maps += headingOf(report, pictures) + figures(slices);
+      figure.panels.push_back(panelOf(pictures.slices[s], scale, planes[s]));
+    if (figure.panels.empty()) continue;
+    maps += "<h3>" + escaped(name) + "</h3>\n" + numbers.html(figure);
   }
-  return {
-      "maps", "Where the error is",
-      fmt::format("Colour: the error bound that {} gives at each displacement "
-                  "in three planes through the rest position (axes in mm, lattice of {}). "
-                  "A dot lighter than its surroundings is a bound that did not hold. "
-                  "White: no bound.{}",
-                  report.methods.front(), escaped(shownLattice(report).label), whichNodes(report)),
-      maps};
-}
-
-Section curvesSection(const Report& report) {
-  std::string html = legendOf(curves(report));
-  for (const NodePictures& pictures : report.pictures) {
-    std::string plots;
-    for (std::size_t axis = 0; axis < 3; ++axis) plots += curvesAlong(report, pictures, axis);
-    html += headingOf(report, pictures) + figures(plots);
-  }
-  return {
-      "curves", "Force along the axes",
-      fmt::format("The force of the tissue on the tool along the direction of motion, "
-                  "for displacements along x, y and z, on {} as it is. "
-                  "Marks are exact solutions of the lattice; "
-                  "where curves part between marks, methods disagree.{}",
-                  escaped(report.datasets.front().file.filename().string()), whichNodes(report)),
-      html};
+  return {"maps", "Where in the ball the error is",
+          fmt::format("Colour: the error bound that {} gives at each displacement "
+                      "in three planes through the rest position (axes in mm, lattice of {}). "
+                      "A dot lighter than its surroundings is a bound that did not hold. "
+                      "White: no bound.{}",
+                      report.methods.front(), escaped(shownLattice(report).label),
+                      describePictured(report)),
+          maps};
 }
 
 }  // namespace palpate

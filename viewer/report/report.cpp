@@ -14,14 +14,6 @@
 namespace palpate {
 namespace {
 
-std::vector<Dataset> opened(const std::vector<std::filesystem::path>& files) {
-  if (files.empty()) throw badInput("a report needs at least one dataset");
-  std::vector<Dataset> datasets(files.begin(), files.end());
-  refuseOtherScenes(datasets);
-  std::ranges::for_each(datasets, warnIfPartial);
-  return datasets;
-}
-
 std::vector<std::string> chosenMethods(const std::vector<std::string>& asked) {
   const std::vector<std::string>& known = forceFieldMethods();
   if (asked.empty()) return known;
@@ -49,8 +41,9 @@ bool isFirstDataset(const ComparedLattice& lattice) {
 /// Fills a Report step by step.
 class Reporter {
  public:
-  explicit Reporter(const ReportOptions& options) : options_(options) {
-    report_.open = opened(options.datasets);
+  Reporter(const ReportOptions& options, std::vector<Dataset> open) : options_(options) {
+    refuseOtherScenes(open);
+    report_.open = std::move(open);
     report_.methods = chosenMethods(options.methods);
     for (const Dataset& dataset : report_.open) report_.datasets.push_back(factsOf(dataset));
     report_.failures = failuresOf(report_.open.front());
@@ -215,6 +208,7 @@ class Reporter {
     });
     for (std::size_t m = 0; m < report_.methods.size(); ++m) pool(nodes, m, lattice.methods[m]);
     if (!is_measurable) return;
+    if (isMeasured(lattice) && !report_.areas_alone) measureWaysOf(nodes);
     for (std::size_t n = 0; n < compared_.size(); ++n) {
       std::vector<double>& errors = lattice.node_errors.emplace_back();
       for (std::size_t m = 0; m < report_.methods.size(); ++m) {
@@ -223,6 +217,18 @@ class Reporter {
         if (isMeasured(lattice)) report_.nodes[compared_[n]].methods[m] = measures;
       }
     }
+  }
+
+  void measureWaysOf(const std::vector<NodeComparison>& nodes) {
+    std::vector<std::vector<WayComparison>> methods(report_.methods.size());
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      const std::vector<HeldOutSolution>& held_out = report_.held_out[compared_[n]];
+      for (std::size_t m = 0; m < methods.size(); ++m)
+        for (std::size_t k = 0; k < nodes[n][m].comparisons.size(); ++k)
+          methods[m].push_back({held_out[k].displacement.norm(), nodes[n][m].comparisons[k]});
+    }
+    const double radius = report_.open.front().spaces().front().lattice.radius();
+    report_.ways = measureWays(methods, radius, report_.target);
   }
 
   /// One method on all compared nodes.
@@ -254,7 +260,17 @@ class Reporter {
     });
   }
 
+  void measureBounds() {
+    inParallel(spaces(), [&](std::size_t s) {
+      const auto shown = table(shownLattice(report_), s);
+      if (const auto field = tryToMake(report_.methods.front(), *shown).field)
+        report_.nodes[s].bound = sampleBounds(*field, shown->lattice.radius());
+    });
+  }
+
   void samplePictures() {
+    if (options_.pictured_nodes == 0) return;
+    measureBounds();
     const std::vector<std::size_t> nodes = worstFirst(report_);
     report_.pictures.resize(std::min(nodes.size(), options_.pictured_nodes));
     inParallel(report_.pictures.size(), [&](std::size_t n) {
@@ -274,7 +290,20 @@ class Reporter {
 
 }  // namespace
 
-Report makeReport(const ReportOptions& options) { return Reporter(options).finish(); }
+std::vector<Dataset> openDatasets(const std::vector<std::filesystem::path>& files) {
+  if (files.empty()) throw badInput("a report needs at least one dataset");
+  std::vector<Dataset> datasets(files.begin(), files.end());
+  std::ranges::for_each(datasets, warnIfPartial);
+  return datasets;
+}
+
+Report makeReport(const ReportOptions& options) {
+  return makeReport(options, openDatasets(options.datasets));
+}
+
+Report makeReport(const ReportOptions& options, std::vector<Dataset> open) {
+  return Reporter(options, std::move(open)).finish();
+}
 
 const LatticeMeasures& shownLattice(const Report& report) {
   if (report.measured) return report.lattices[*report.measured];

@@ -5,6 +5,7 @@
 #include "viewer/report/dataset_facts.hpp"
 #include "viewer/report/field_comparison.hpp"
 #include "viewer/report/node_pictures.hpp"
+#include "viewer/report/way_measures.hpp"
 
 namespace palpate {
 
@@ -51,6 +52,9 @@ struct NodeMeasures {
   std::size_t held_out = 0;            ///< exact solutions that it is measured with
   std::size_t jumps = 0;               ///< lattice edges whose ends are on different branches
   double largest_force = 0;            ///< N, of a solved lattice point
+  /// N, error bound of the default method all over the ball, on the shown lattice; all NaN unless
+  /// there are pictures.
+  Spread bound;
   /// Its number among the compared active nodes; on the others only the default method was
   /// measured.
   std::optional<std::size_t> compared;
@@ -72,6 +76,9 @@ struct Report {
   /// there are probes, else its densest part that leaves something out. Nothing when nothing can be
   /// measured.
   std::optional<std::size_t> measured;
+  /// Of the measured lattice, by distance from rest; empty when nothing can be measured, and of
+  /// areas alone.
+  std::vector<WayShell> ways;
   std::vector<AreaMeasures> areas;  ///< of fingers, of the first dataset
   /// All that can be touched are fingers' areas. What their sites are as active nodes is not what
   /// is felt: methods are compared on one of them only, and text and page leave it out.
@@ -86,6 +93,11 @@ struct Report {
 /// comparison, one for the timings. Error (bad input) for a dataset that cannot be opened, datasets
 /// of different scenes, and unknown methods.
 Report makeReport(const ReportOptions& options);
+/// The same of datasets that are open; ReportOptions::datasets is not looked at.
+Report makeReport(const ReportOptions& options, std::vector<Dataset> open);
+
+/// Error (bad input), as makeReport's, for one that cannot be opened, or when there is none.
+std::vector<Dataset> openDatasets(const std::vector<std::filesystem::path>& files);
 
 /// The lattice that pictures and summaries speak of: the measured one, else the first dataset as it
 /// is.

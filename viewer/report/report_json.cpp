@@ -24,7 +24,9 @@ Json toJson(const ErrorMeasures& measures) {
           {"error", toJson(measures.error)},
           {"relative", toJson(measures.relative)},
           {"mean_component", measures.mean_component},
+          {"max_component", measures.max_component},
           {"mean_relative_component", measures.mean_relative_component},
+          {"max_relative_component", measures.max_relative_component},
           {"relative_to_mean_force", measures.relative_to_mean_force},
           {"within_target", measures.within_target},
           {"covered", measures.covered},
@@ -73,6 +75,13 @@ Json latticeJson(const Report& report, const LatticeMeasures& lattice) {
           {"configurations_per_node", lattice.configurations},
           {"factorizations_per_node", lattice.factorizations},
           {"methods", methods}};
+}
+
+Json wayJson(const Report& report, const WayShell& shell) {
+  Json methods = Json::object();
+  for (std::size_t m = 0; m < report.methods.size(); ++m)
+    methods[report.methods[m]] = toJson(shell.methods[m]);
+  return {{"from", shell.from}, {"to", shell.to}, {"methods", methods}};
 }
 
 Json nodeJson(const Report& report, const NodeMeasures& node) {
@@ -132,6 +141,8 @@ std::string reportJson(const Report& report) {
   json["measured_lattice"] = report.measured ? Json(*report.measured) : Json(nullptr);
   for (const LatticeMeasures& lattice : report.lattices)
     json["lattices"].push_back(latticeJson(report, lattice));
+  json["ways"] = Json::array();
+  for (const WayShell& shell : report.ways) json["ways"].push_back(wayJson(report, shell));
   for (const NodeMeasures& node : report.nodes) json["nodes"].push_back(nodeJson(report, node));
   json["areas"] = Json::array();
   for (const AreaMeasures& area : report.areas) json["areas"].push_back(areaJson(area));

@@ -6,9 +6,9 @@
 namespace palpate {
 namespace {
 
-/// For elements and for the classes of the plots.
+/// Of elements; plotStyle() has the classes of the drawings.
 constexpr const char* page_style = R"(
-:root{--ink:#1b1f24;--soft:#5b6570;--line:#d9dee3;--tint:#f4f6f8;--accent:#0072b2}
+:root{--ink:#1b1f24;--soft:#4a535c;--line:#d9dee3;--tint:#f4f6f8;--accent:#0072b2}
 *{box-sizing:border-box}
 body{margin:0;color:var(--ink);background:#fff;font:16px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,"Helvetica Neue",Arial,sans-serif}
 main{max-width:1160px;margin:0 auto;padding:24px 20px 64px}
@@ -19,16 +19,21 @@ p{margin:.4em 0 .8em;max-width:78ch}
 .lead,.how{color:var(--soft)}
 nav{display:flex;flex-wrap:wrap;gap:2px 16px;margin:1em 0;font-size:.9rem}
 a{color:var(--accent)}
-.cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(165px,1fr));gap:12px;margin:1.2em 0}
+.cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(145px,1fr));gap:12px;margin:1.2em 0}
 .card{background:var(--tint);border-radius:8px;padding:12px 14px}
 .card b{display:block;font-size:1.5rem;line-height:1.25;font-variant-numeric:tabular-nums}
 .card span{color:var(--soft);font-size:.85rem;line-height:1.35;display:block}
-.figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,340px),1fr));gap:18px}
+.figures{display:grid;align-items:end;grid-template-columns:repeat(auto-fit,minmax(min(100%,340px),1fr));gap:18px}
 .figures.two{grid-template-columns:repeat(auto-fit,minmax(min(100%,440px),1fr))}
-.single{max-width:680px}
-.figures>svg,.single>svg,figure svg{width:100%;height:auto;display:block}
-figure{margin:0}
-figcaption{font-size:.85rem;color:var(--soft);text-align:center}
+.figures.single{max-width:680px}
+.panel>svg{width:100%;height:auto;display:block}
+figure{margin:1.2em 0 2em}
+figcaption{font-size:.92rem;line-height:1.45;max-width:86ch;margin-top:.5em}
+.panel p{display:flex;flex-wrap:wrap;align-items:baseline;gap:0 10px;margin:.1em 0 0;font-size:.85rem}
+.panel p b{font-size:.95rem}
+.panel a{font-size:.8rem}
+.panel a:first-of-type{margin-left:auto}
+.swatch{width:14px;height:14px}
 .legend{display:flex;flex-wrap:wrap;align-items:center;gap:4px 18px;font-size:.88rem;max-width:none}
 .legend span{display:inline-flex;align-items:center;gap:6px}
 .scroll{overflow-x:auto;margin:.6em 0 1em}
@@ -37,6 +42,8 @@ th,td{padding:4px 8px;text-align:right;white-space:nowrap;border-bottom:1px soli
 th{color:var(--soft);font-weight:600;vertical-align:bottom;white-space:normal;line-height:1.25}
 th:first-child,td:first-child,.text{text-align:left}
 tbody+tbody tr:first-child td{border-top:2px solid var(--line)}
+tr.differs td{font-weight:600}
+table.words td{white-space:normal}
 td.reason{color:var(--soft);white-space:normal;text-align:left}
 .bar{display:inline-block;height:.75em;background:var(--accent);border-radius:2px;vertical-align:baseline}
 .note{background:#fff7e0;border-left:4px solid #e69f00;padding:10px 14px;max-width:none}
@@ -44,22 +51,8 @@ code,pre{font:.85rem/1.45 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace}
 pre{background:var(--tint);padding:12px;overflow-x:auto;border-radius:8px}
 dl{display:grid;grid-template-columns:max-content 1fr;gap:4px 18px;font-size:.9rem}
 dt{color:var(--soft)}dd{margin:0;overflow-wrap:anywhere}
-svg text{font-family:inherit;fill:var(--ink)}
-svg .title{font-size:13px;font-weight:600}
-svg .label{font-size:12px;fill:var(--soft)}
-svg .tick{font-size:11.5px;fill:var(--soft)}
-svg .grid{stroke:#e7eaee;stroke-width:1}
-svg .axis{fill:none;stroke:#8b949e;stroke-width:1}
-svg .curve{fill:none;stroke-linejoin:round;stroke-linecap:round}
-svg .rim{fill:none;stroke:#8b949e;stroke-width:1}
-svg .solved{fill:#fff;stroke:#000;stroke-width:.6;opacity:.75}
-svg .terminating{fill:#fff;stroke:#000;stroke-width:1}
-svg .failed{fill:none;stroke:#d55e00;stroke-width:2.4}
-svg .probe{stroke:#fff;stroke-width:1.6}
-svg .cover{fill:none;stroke:#fff;stroke-width:1.2}
-svg .jump{fill:none;stroke:#e3120b;stroke-width:2.2}
 .legend svg .cover{stroke:#8b949e}
-@media print{main{max-width:none;padding:0}h2{break-after:avoid}figure,table,.figures>svg,.cards{break-inside:avoid}nav{display:none}.scroll{overflow:visible}}
+@media print{main{max-width:none;padding:0}h2{break-after:avoid}figure,table,.panel,.cards{break-inside:avoid}nav,.panel a{display:none}.scroll{overflow:visible}}
 )";
 
 }  // namespace
@@ -88,19 +81,33 @@ std::string note(const std::string& text) {
   return text.empty() ? "" : "<p class=\"note\">" + escaped(text) + "</p>\n";
 }
 
-std::string figures(const std::string& content) {
-  return "<div class=\"figures\">\n" + content + "</div>\n";
-}
-
 std::string reportPage(const Report& report) {
+  FigureNumbers numbers(report.open.front().scene().name);
   std::vector<Section> sections;
-  if (!report.areas.empty()) sections.push_back(areasSection(report));
-  if (!report.areas_alone)
-    for (const auto section :
-         {frontierSection, loopsSection, boundsSection, nodesSection, mapsSection, curvesSection})
-      sections.push_back(section(report));
+  if (!report.areas.empty()) sections.push_back(areasSection(report, numbers));
+  if (!report.areas_alone) {
+    sections.push_back(frontierSection(report, numbers));
+    sections.push_back(waysSection(report, numbers));
+    sections.push_back(loopsSection(report, numbers));
+    sections.push_back(boundsSection(report));
+    sections.push_back(nodesSection(report, numbers));
+    sections.push_back(organSection(report, numbers));
+    sections.push_back(mapsSection(report, numbers));
+  }
+  sections.push_back(curvesSection(report, numbers));
   for (const auto section : {failuresSection, sizesSection, provenanceSection})
     sections.push_back(section(report));
+  const Scene& scene = report.open.front().scene();
+  const std::string lead =
+      fmt::format("<p class=\"lead\">{}, {}. {}</p>\n", countNodes(report.nodes.size()),
+                  escaped(scene.mesh.filename().string()),
+                  report.areas_alone ? "" : escaped(describeHeldOut(report)));
+  return htmlPage(scene.name + ": how accurate, and how fast",
+                  lead + note(hintForProbes(report)) + cards(report), sections);
+}
+
+std::string htmlPage(const std::string& heading, const std::string& lead,
+                     const std::vector<Section>& sections) {
   // The navigation has what there is, in the same order.
   std::string links, text;
   for (const Section& section : sections) {
@@ -108,17 +115,12 @@ std::string reportPage(const Report& report) {
     text += fmt::format("<h2 id=\"{}\">{}</h2>\n<p class=\"how\">{}</p>\n{}", section.id,
                         section.heading, section.how, section.content);
   }
-  const Scene& scene = report.open.front().scene();
   return fmt::format(
-             "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-             "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n"
-             "<title>{0}: speed against error</title>\n<style>{1}</style></head>\n<body><main>\n"
-             "<h1>{0}: how accurate, and how fast</h1>\n<p class=\"lead\">{2}, {3}. {4}</p>\n",
-             escaped(scene.name), page_style, countNodes(report.nodes.size()),
-             escaped(scene.mesh.filename().string()),
-             report.areas_alone ? "" : escaped(describeHeldOut(report))) +
-         note(hintForProbes(report)) + cards(report) + "<nav>" + links + "</nav>\n" + text +
-         "</main></body></html>\n";
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n"
+      "<title>{0}</title>\n<style>{1}{2}</style></head>\n<body><main>\n<h1>{0}</h1>\n{3}"
+      "<nav>{4}</nav>\n{5}</main></body></html>\n",
+      escaped(heading), page_style, plotStyle(), lead, links, text);
 }
 
 }  // namespace palpate

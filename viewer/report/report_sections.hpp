@@ -1,6 +1,6 @@
 #pragma once
 
-#include "viewer/plot/svg_plot.hpp"
+#include "viewer/plot/figure.hpp"
 #include "viewer/report/report.hpp"
 
 // What the page of a report consists of.
@@ -19,21 +19,25 @@ struct Section {
 std::string cards(const Report& report);
 
 /// Error against configurations and against time: plots, and the numbers.
-Section frontierSection(const Report& report);
+Section frontierSection(const Report& report, FigureNumbers& numbers);
+/// Error over the way from rest: Eqs. 13 and 14 of the paper.
+Section waysSection(const Report& report, FigureNumbers& numbers);
 /// Work around closed loops.
-Section loopsSection(const Report& report);
+Section loopsSection(const Report& report, FigureNumbers& numbers);
 /// How good the error bounds of the methods are.
 Section boundsSection(const Report& report);
 
 /// Points, errors and curves of single active nodes, the worst first.
-Section nodesSection(const Report& report);
+Section nodesSection(const Report& report, FigureNumbers& numbers);
+/// Where on the body the active nodes are, with the error bounds of their spaces.
+Section organSection(const Report& report, FigureNumbers& numbers);
 /// Error bounds and errors in three planes, of Report::pictures.
-Section mapsSection(const Report& report);
+Section mapsSection(const Report& report, FigureNumbers& numbers);
 /// Forces along the axes, of Report::pictures.
-Section curvesSection(const Report& report);
+Section curvesSection(const Report& report, FigureNumbers& numbers);
 
 /// Report::areas: bounds on a map of the organ, and over the displacement.
-Section areasSection(const Report& report);
+Section areasSection(const Report& report, FigureNumbers& numbers);
 
 /// Failures of the first dataset, by cause.
 Section failuresSection(const Report& report);
@@ -41,6 +45,16 @@ Section failuresSection(const Report& report);
 Section sizesSection(const Report& report);
 /// What was computed, and by what: ids, workspace, the whole scene.
 Section provenanceSection(const Report& report);
+
+/// The fixed nodes that are on the surface, sorted.
+std::vector<std::int32_t> fixedOnSurface(const Dataset& dataset);
+
+/// Ids, workspace and whole scene of one dataset.
+std::string provenanceList(const Dataset& dataset, const DatasetFacts& facts);
+
+/// A whole page: `heading` is plain text, `lead` HTML; its navigation leads to the sections.
+std::string htmlPage(const std::string& heading, const std::string& lead,
+                     const std::vector<Section>& sections);
 
 /// A labelled curve for each method, in the order of Report::methods, that has its look and no
 /// points yet.
@@ -57,8 +71,5 @@ std::string barCell(double value, double largest);
 
 /// A box with something to notice, plain text; nothing when it is empty.
 std::string note(const std::string& text);
-
-/// Drawings side by side.
-std::string figures(const std::string& content);
 
 }  // namespace palpate

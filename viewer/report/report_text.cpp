@@ -1,30 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <sstream>
 
 #include "viewer/report/report_words.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr std::size_t most_nodes = 20, width = 100;
-
-/// Breaks a text at spaces. Its first line begins in column `indent`, which the others are indented
-/// to.
-std::string wrapped(const std::string& text, std::size_t indent = 0) {
-  std::string result, line;
-  std::istringstream words(text);
-  // A word that is wider than a line, as a path may be, stays whole.
-  for (std::string word; words >> word;) {
-    if (!line.empty() && indent + line.size() + 1 + word.size() > width) {
-      result += line + '\n' + std::string(indent, ' ');
-      line.clear();
-    }
-    line += (line.empty() ? "" : " ") + word;
-  }
-  return result + line + '\n';
-}
+constexpr std::size_t most_nodes = 20;
 
 std::string header(const Report& report) {
   std::string text;

@@ -4,8 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace palpate {
+namespace {
+
+constexpr std::size_t text_width = 100;
+
+}  // namespace
 
 std::string describeHeldOut(const Report& report) {
   if (report.held_out_kind == HeldOutKind::probes)
@@ -70,6 +76,12 @@ std::string describeProbes(const AreaMeasures& area, const Report& report) {
   return text;
 }
 
+std::string describePictured(const Report& report) {
+  return report.pictures.size() == report.nodes.size()
+             ? ""
+             : fmt::format(" The {} active nodes with the largest errors.", report.pictures.size());
+}
+
 std::string describeTarget(const Report& report) {
   return fmt::format("max({:.3g} % of |force|, {:.3g} N){}", 100 * report.target.force_error,
                      report.target.force_floor,
@@ -119,6 +131,20 @@ std::string formatShare(double share) {
   // "100.0 %" would say that there is no exception at all.
   if (share < 1 && share > 0.9995) return ">99.9 %";
   return fmt::format("{:.1f} %", 100 * share);
+}
+
+std::string wrapped(const std::string& text, std::size_t indent) {
+  std::string result, line;
+  std::istringstream words(text);
+  // A word that is wider than a line, as a path may be, stays whole.
+  for (std::string word; words >> word;) {
+    if (!line.empty() && indent + line.size() + 1 + word.size() > text_width) {
+      result += line + '\n' + std::string(indent, ' ');
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return result + line + '\n';
 }
 
 }  // namespace palpate

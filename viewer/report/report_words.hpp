@@ -18,6 +18,9 @@ std::string hintForProbes(const Report& report);
 /// What the probes of a finger's area say of it, or how to get some.
 std::string describeProbes(const AreaMeasures& area, const Report& report);
 
+/// Of which active nodes there are pictures, as a sentence after others; empty when of all.
+std::string describePictured(const Report& report);
+
 /// "max(3 % of |force|, 0.01 N), as the scene asks".
 std::string describeTarget(const Report& report);
 
@@ -38,5 +41,9 @@ std::string formatCount(double count);
 
 /// "99.5 %", "-" for NaN; never rounds up to 100 %.
 std::string formatShare(double share);
+
+/// Breaks a text at spaces into lines of at most 100 columns. Its first line begins in column
+/// `indent`, which the others are indented to.
+std::string wrapped(const std::string& text, std::size_t indent = 0);
 
 }  // namespace palpate

@@ -6,15 +6,11 @@
 #include <cmath>
 
 #include "common/base/assertion.hpp"
-#include "viewer/plot/svg_plot.hpp"
-#include "viewer/plot/viridis.hpp"
+#include "viewer/plot/csv.hpp"
 #include "viewer/report/error_measures.hpp"
 
 namespace palpate {
 namespace {
-
-constexpr int most_decades = 5;
-constexpr double beyond = 0.02;  ///< share of the values that may lie beyond either limit
 
 // User units. `step` is whole, so that runs of samples meet without seams; the left margin holds
 // numbers like "-123.4".
@@ -98,38 +94,69 @@ std::string coverEdge(const SliceMap& map) {
   return path.empty() ? "" : fmt::format("<path class=\"cover\" d=\"{}\"/>\n", path);
 }
 
-std::string keyOf(const std::string& mark, const char* text) {
-  return fmt::format(
-      "<span><svg viewBox=\"0 0 14 14\" width=\"14\" height=\"14\" "
-      "aria-hidden=\"true\">{}</svg> {}</span> ",
-      mark, text);
+/// A mark in a box of 14 x 14, and what it means.
+struct SliceKey {
+  std::string mark;
+  const char* text;
+};
+std::vector<SliceKey> sliceKeys() {
+  return {{latticeMark(7, 7, Tag::expandable), "lattice point"},
+          {latticeMark(7, 7, Tag::terminating), "terminating (force limit)"},
+          {latticeMark(7, 7, Tag::failed), "failed"},
+          {fmt::format("<circle class=\"probe\" cx=\"7\" cy=\"7\" r=\"4\" fill=\"{}\"/>",
+                       ColourScale::colour(12)),
+           "exact solution near the plane, coloured by its error"},
+          {"<path class=\"cover\" d=\"M0 7h14\"/>", "inside: eight solved corners on one branch"},
+          {"<path class=\"jump\" d=\"M1 7h12\"/>", "jump between branches"}};
+}
+
+/// The key below a map that is a file of its own.
+SvgPart sliceKeyPart(const ColourScale& scale) {
+  SvgPart part = colourBar(scale, ColourUnit::newtons);
+  for (const SliceKey& key : sliceKeys()) {
+    // White on white would not be seen.
+    part.svg += fmt::format(
+        "<g transform=\"translate(8 {:g})\"><rect width=\"14\" height=\"14\" fill=\"#dde1e5\"/>"
+        "{}<text class=\"tick\" x=\"22\" y=\"11\">{}</text></g>\n",
+        part.height, key.mark, key.text);
+    part.height += 19;
+  }
+  return part;
+}
+
+/// Of rows from the lowest to the highest; the first line and the first column are places, mm.
+std::string boundsCsv(const SliceMap& map) {
+  const auto place = [&](int n) {
+    return csvNumber(1e3 * map.radius * (2 * (n + 0.5) / SliceMap::side - 1), 5);
+  };
+  std::vector<std::string> cells = {fmt::format("{} (mm) down / {} (mm) across: error bound (N)",
+                                                axis_names[map.up], axis_names[map.across])};
+  for (int column = 0; column < SliceMap::side; ++column) cells.push_back(place(column));
+  std::string text = csvLine(cells);
+  for (int row = 0; row < SliceMap::side; ++row) {
+    cells = {place(row)};
+    for (int column = 0; column < SliceMap::side; ++column)
+      cells.push_back(csvNumber(map.bound[SliceMap::sampleAt(row, column)], 3));
+    text += csvLine(cells);
+  }
+  return text;
+}
+
+std::string marksCsv(const SliceMap& map) {
+  const auto line = [](std::string_view what, const Eigen::Vector2d& at, double error) {
+    return csvLine({std::string(what), csvNumber(1e3 * at.x(), 6), csvNumber(1e3 * at.y(), 6),
+                    csvNumber(error, 6)});
+  };
+  std::string text = csvLine({"mark", fmt::format("{} (mm)", axis_names[map.across]),
+                              fmt::format("{} (mm)", axis_names[map.up]), "error (N)"});
+  for (const SliceMap::LatticeMark& mark : map.marks)
+    text += line(name(mark.tag), mark.at, not_measured);
+  for (const SliceMap::ErrorMark& mark : map.errors)
+    text += line("exact solution", mark.at, mark.error);
+  return text;
 }
 
 }  // namespace
-
-ColourScale::ColourScale(const std::vector<double>& values) {
-  std::vector<double> positive;
-  std::ranges::copy_if(values, std::back_inserter(positive),
-                       [](double value) { return std::isfinite(value) && value > 0; });
-  if (positive.empty()) return;
-  std::ranges::sort(positive);
-  const double top = std::ceil(std::log10(percentile(positive, 1 - beyond)) - 1e-9);
-  const double base = std::floor(std::log10(percentile(positive, beyond)) + 1e-9);
-  lowest_ = std::pow(10, std::clamp(base, top - most_decades, top - 1));
-  highest_ = std::pow(10, top);
-}
-
-int ColourScale::levelOf(double value) const {
-  if (!(value > lowest_)) return 0;
-  const double share = std::log(value / lowest_) / std::log(highest_ / lowest_);
-  return std::clamp(static_cast<int>(share * levels), 0, levels - 1);
-}
-
-std::string ColourScale::colour(int level) {
-  const std::array<double, 3> rgb = viridis(static_cast<double>(level) / (levels - 1));
-  return fmt::format("#{:02x}{:02x}{:02x}", std::lround(rgb[0]), std::lround(rgb[1]),
-                     std::lround(rgb[2]));
-}
 
 std::string svgOf(const SliceMap& map, const ColourScale& scale) {
   PALPATE_ASSERT(
@@ -158,31 +185,22 @@ std::string svgOf(const SliceMap& map, const ColourScale& scale) {
   return svg + "</svg>\n";
 }
 
+Panel panelOf(const SliceMap& map, const ColourScale& scale, const std::string& caption) {
+  return {.svg = svgOf(map, scale),
+          .caption = caption,
+          .key = sliceKeyPart(scale),
+          .data = {{"CSV", ".csv", boundsCsv(map)}, {"CSV of marks", "-marks.csv", marksCsv(map)}}};
+}
+
 std::string legendOf(const ColourScale& scale) {
-  constexpr double box = 12, margin = 20, length = ColourScale::levels * box;
-  std::string svg = fmt::format(
-      "<svg class=\"colours\" viewBox=\"0 0 {0} 34\" width=\"{0}\" height=\"34\" role=\"img\" "
-      "aria-label=\"colours\">",
-      length + 2 * margin);
-  for (int level = 0; level < ColourScale::levels; ++level)
-    svg += fmt::format("<path d=\"M{0} 2h{1}v14h-{1}z\" fill=\"{2}\"/>", margin + level * box,
-                       box + 0.3, ColourScale::colour(level));
-  const double decades = std::log10(scale.highest() / scale.lowest());
-  for (int n = 0; n <= static_cast<int>(std::lround(decades)); ++n)
-    svg +=
-        fmt::format("<text class=\"tick\" x=\"{:.1f}\" y=\"30\" text-anchor=\"middle\">{}{}</text>",
-                    margin + length * n / decades, tickLabel(scale.lowest() * std::pow(10, n)),
-                    n == 0 ? " N" : "");
-  return "<p class=\"legend\"><span>" + svg + "</svg></span> " +
-         keyOf(latticeMark(7, 7, Tag::expandable), "lattice point") +
-         keyOf(latticeMark(7, 7, Tag::terminating), "terminating (force limit)") +
-         keyOf(latticeMark(7, 7, Tag::failed), "failed") +
-         keyOf(fmt::format("<circle class=\"probe\" cx=\"7\" cy=\"7\" r=\"4\" fill=\"{}\"/>",
-                           ColourScale::colour(12)),
-               "exact solution near the plane, in the colour of the error there") +
-         keyOf("<path class=\"cover\" d=\"M0 7h14\"/>",
-               "inside: eight solved corners on one branch") +
-         keyOf("<path class=\"jump\" d=\"M1 7h12\"/>", "jump between branches") + "</p>\n";
+  std::string html =
+      "<p class=\"legend\"><span>" + colourBarHtml(scale, ColourUnit::newtons) + "</span> ";
+  for (const SliceKey& key : sliceKeys())
+    html += fmt::format(
+        "<span><svg viewBox=\"0 0 14 14\" width=\"14\" height=\"14\" "
+        "aria-hidden=\"true\">{}</svg> {}</span> ",
+        key.mark, key.text);
+  return html + "</p>\n";
 }
 
 }  // namespace palpate

@@ -1,0 +1,37 @@
+#include "viewer/plot/csv.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+std::string quoted(const std::string& cell) {
+  if (cell.find_first_of(",\"\n\r") == std::string::npos) return cell;
+  std::string text = "\"";
+  for (const char c : cell) text += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return text + '"';
+}
+
+}  // namespace
+
+std::string csvOf(const Plot& plot) {
+  std::string text = csvLine({"series", plot.x.label, plot.y.label});
+  for (const PlotSeries& series : plot.series)
+    for (std::size_t n = 0; n < series.x.size(); ++n)
+      text += csvLine({series.label, csvNumber(series.x[n]), csvNumber(series.y[n])});
+  return text;
+}
+
+std::string csvLine(const std::vector<std::string>& cells) {
+  std::string line;
+  for (std::size_t n = 0; n < cells.size(); ++n) line += (n == 0 ? "" : ",") + quoted(cells[n]);
+  return line + '\n';
+}
+
+std::string csvNumber(double value, int figures) {
+  return std::isfinite(value) ? fmt::format("{:.{}g}", value, figures) : "";
+}
+
+}  // namespace palpate
