@@ -1,11 +1,14 @@
 #include "viewer/report/report_command.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
 #include <memory>
 
+#include "common/base/error.hpp"
 #include "common/base/whole_file.hpp"
 #include "viewer/fields/field_choice.hpp"
+#include "viewer/report/comparison.hpp"
 
 namespace palpate {
 namespace {
@@ -16,7 +19,8 @@ std::function<ExitCode()> prepareReport(CLI::App& app) {
   auto options = std::make_shared<ReportCommandOptions>();
   app.add_option("DATASET", options->report.datasets,
                  "Sealed dataset, OUT.h5; more of the same scene "
-                 "with other spacings or accuracies add points to the curves")
+                 "with other spacings or accuracies add points to the curves; "
+                 "a second one of another organ or material is compared with the first")
       ->required()
       ->type_name("FILE");
   app.add_option("--methods", options->report.methods,
@@ -24,21 +28,58 @@ std::function<ExitCode()> prepareReport(CLI::App& app) {
                              fmt::join(forceFieldMethods(), ", ")))
       ->delimiter(',')
       ->type_name("LIST");
-  app.add_option("--html", options->html, "Write a self-contained page with plots to FILE too")
+  app.add_option("-o,--html", options->html, "Write a self-contained page with plots to FILE too")
       ->type_name("FILE");
   app.add_flag("--json", options->json, "One JSON object instead of the table (docs/commands.md)");
   return [options] { return report(*options, std::cout); };
+}
+
+/// Error where the page would replace what it is made of.
+void refuseOwnDatasets(const ReportCommandOptions& options) {
+  for (const std::filesystem::path& dataset : options.report.datasets) {
+    std::error_code none;  // what does not exist is no other file
+    if (std::filesystem::equivalent(options.html, dataset, none))
+      throw badInput(
+          "--html: {} is one of the datasets, which the page would replace; name another "
+          "file, as {}.html",
+          options.html.string(), dataset.stem().string());
+  }
+}
+
+/// What curves are made by: one method, the default unless another was asked for.
+std::string methodOf(const std::vector<std::string>& asked) {
+  const std::vector<std::string>& known = forceFieldMethods();
+  if (asked.empty()) return known.front();
+  if (asked.size() > 1 || std::ranges::find(known, asked.front()) == known.end())
+    throw badInput("--methods: two datasets are compared by one method; name one of {}",
+                   fmt::join(known, ", "));
+  return asked.front();
+}
+
+ExitCode compare(const ReportCommandOptions& options, std::vector<Dataset> open,
+                 std::ostream& output) {
+  const Comparison comparison =
+      compareDatasets(std::move(open), methodOf(options.report.methods), pictured_nodes);
+  if (!options.html.empty()) replaceFile(options.html, comparisonPage(comparison), "page");
+  output << (options.json ? comparisonJson(comparison) : comparisonText(comparison));
+  return ExitCode::done;
 }
 
 }  // namespace
 
 ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
   // Before minutes of measuring, not after.
-  if (!options.html.empty()) refuseUnwritable(options.html, "--html");
+  if (!options.html.empty()) {
+    refuseOwnDatasets(options);
+    refuseUnwritable(options.html, "--html");
+  }
+  std::vector<Dataset> open = openDatasets(options.report.datasets);
+  if (open.size() == 2 && !sceneDifferences(open[0], open[1]).empty())
+    return compare(options, std::move(open), output);
   ReportOptions wanted = options.report;
   // Text and JSON show no pictures, and sampling fields for them takes a while.
   wanted.pictured_nodes = options.html.empty() ? 0 : pictured_nodes;
-  const Report report = makeReport(wanted);
+  const Report report = makeReport(wanted, std::move(open));
   if (!options.html.empty()) replaceFile(options.html, reportPage(report), "page");
   output << (options.json ? reportJson(report) : reportText(report));
   return ExitCode::done;

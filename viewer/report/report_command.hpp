@@ -14,8 +14,9 @@ struct ReportCommandOptions {
 };
 
 /// `palpate report`: measures every method of interpolation of a dataset, prints a table for a
-/// person or one JSON object, and writes the page when asked for. Error (bad input) as makeReport;
-/// Error when the page cannot be written (then it is not there at all).
+/// person or one JSON object, and writes the page when asked for. Two datasets that are not of one
+/// scene are compared instead. Error (bad input) as makeReport and compareDatasets, and when the
+/// page would replace a dataset; Error when it cannot be written (then it is not there at all).
 ExitCode report(const ReportCommandOptions& options, std::ostream& output);
 
 /// The verb `report` of palpate-viewer, on standard output.

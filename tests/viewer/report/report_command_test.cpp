@@ -2,13 +2,16 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <hdf5.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "common/base/whole_file.hpp"
+#include "common/dataset/dataset_format.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/finger_body.hpp"
@@ -395,6 +398,26 @@ TEST_F(ReportCommand, RefusesFilesThatAreNoDatasets) {
   expectBadInput([&] { report(options, output); }, {"sample.h5", "no such dataset"});
   std::ofstream(options.report.datasets.front()) << "something else";
   expectBadInput([&] { report(options, output); }, {"sample.h5", "not an HDF5 file"});
+}
+
+TEST_F(ReportCommand, RefusesDatasetsOfAnotherFormatAndSaysWhatToDo) {
+  const std::string file = options.report.datasets.front().string();
+  sample.seal(file);
+  const hid_t opened = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t version = H5Aopen(opened, layout::version_attribute, H5P_DEFAULT);
+  const std::array<std::int32_t, 2> newer = {99, 0};
+  ASSERT_GE(H5Awrite(version, H5T_NATIVE_INT32, newer.data()), 0);
+  H5Aclose(version);
+  H5Fclose(opened);
+  std::ostringstream output;
+  expectBadInput([&] { report(options, output); },
+                 {"sample.h5", "format version 99.0", "use the program that made it"});
+}
+
+TEST_F(ReportCommand, NeverReplacesADatasetByItsPage) {
+  options.html = directory / "." / "sample.h5";
+  expectBadInput([&] { text(); }, {"--html", "sample.h5", "one of the datasets", "sample.html"});
+  EXPECT_NO_THROW(Dataset(options.report.datasets.front()));
 }
 
 TEST_F(ReportCommand, LeavesNoPartOfAPageThatCannotBeWritten) {

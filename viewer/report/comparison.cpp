@@ -1,0 +1,217 @@
+#include "viewer/report/comparison.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/assertion.hpp"
+#include "common/base/error.hpp"
+#include "common/base/index.hpp"
+#include "common/base/parallel.hpp"
+#include "viewer/report/field_comparison.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr int ball_samples = 13;      ///< of a grid over the ball, along an axis
+constexpr int distance_samples = 24;  ///< from rest to the sphere
+
+/// A space of each dataset.
+struct SpacePair {
+  const SpaceTable *first, *second;
+};
+
+Eigen::Vector3d restPlace(const Dataset& dataset, const SpaceTable& space) {
+  return space.patch.finger ? space.patch.finger->center
+                            : dataset.mesh().nodes[at(space.patch.node)];
+}
+
+/// Sites of areas are named by numbers, which mean other places on another body.
+bool isOnePlace(const SpaceTable& a, const SpaceTable& b) {
+  if (a.patch.finger.has_value() != b.patch.finger.has_value()) return false;
+  return !a.patch.finger || (a.patch.finger->center - b.patch.finger->center).norm() <=
+                                0.5 * std::min(a.patch.finger->radius, b.patch.finger->radius);
+}
+
+std::vector<SpacePair> commonSpaces(const Dataset& first, const Dataset& second) {
+  std::vector<SpacePair> pairs;
+  for (const SpaceTable& a : first.spaces())
+    for (const SpaceTable& b : second.spaces())
+      if (a.patch.name == b.patch.name && isOnePlace(a, b)) pairs.push_back({&a, &b});
+  return pairs;
+}
+
+/// "tip, edge-2 and 12 more"
+std::string namesIn(const Dataset& dataset) {
+  constexpr std::size_t most_names = 4;
+  const std::vector<SpaceTable>& spaces = dataset.spaces();
+  std::string names;
+  for (std::size_t n = 0; n < std::min(most_names, spaces.size()); ++n)
+    names += (n == 0 ? "" : ", ") + spaces[n].patch.name;
+  if (spaces.size() > most_names) names += fmt::format(" and {} more", spaces.size() - most_names);
+  return names;
+}
+
+using BothFields = std::array<std::unique_ptr<ForceField>, 2>;
+
+BothFields bothFields(const Comparison& comparison, const SpacePair& pair) {
+  BothFields fields;
+  const std::array<const SpaceTable*, 2> spaces = {pair.first, pair.second};
+  for (std::size_t s = 0; s < 2; ++s) {
+    MadeField made = tryToMake(comparison.method, *spaces[s]);
+    if (!made.field)
+      throw badInput(
+          "{} of {} cannot be compared by {}: {}. Build it anew, or choose another method by "
+          "--methods",
+          spaces[s]->patch.name, comparison.open[s].file().string(), comparison.method,
+          made.problem);
+    fields[s] = std::move(made.field);
+  }
+  return fields;
+}
+
+/// The force where the field answers, else NaN.
+Eigen::Vector3d answerOf(const ForceField& field, const Eigen::Vector3d& p) {
+  const ForceSample sample = field.evaluate(p);
+  return sample.inside ? sample.force : Eigen::Vector3d::Constant(not_measured);
+}
+
+void compareOverBall(const BothFields& fields, double radius, ComparedPlace& place) {
+  std::vector<double> differences;
+  std::array<std::vector<double>, 2> forces, bounds;
+  const auto coordinate = [&](int n) { return radius * (2.0 * n / (ball_samples - 1) - 1); };
+  for (int n = 0; n < ball_samples * ball_samples * ball_samples; ++n) {
+    const Eigen::Vector3d p(coordinate(n % ball_samples),
+                            coordinate(n / ball_samples % ball_samples),
+                            coordinate(n / ball_samples / ball_samples));
+    const std::array<ForceSample, 2> samples = {fields[0]->evaluate(p), fields[1]->evaluate(p)};
+    if (p.norm() > radius || !samples[0].inside || !samples[1].inside) continue;
+    differences.push_back((samples[1].force - samples[0].force).norm());
+    for (std::size_t s = 0; s < 2; ++s) {
+      forces[s].push_back(samples[s].force.norm());
+      if (std::isfinite(samples[s].error_bound)) bounds[s].push_back(samples[s].error_bound);
+    }
+  }
+  place.displacements = differences.size();
+  for (std::size_t s = 0; s < 2; ++s) {
+    const Spread force = spreadOf(forces[s]);
+    place.sides[s] = {-fields[s]->evaluate(Eigen::Vector3d::Zero()).stiffness.trace() / 3,
+                      force.mean, force.maximum, spreadOf(bounds[s]).mean};
+  }
+  place.difference = spreadOf(std::move(differences));
+  if (place.sides[0].mean_force > 0)
+    place.relative = place.difference.mean / place.sides[0].mean_force;
+}
+
+/// Of the neighbours of a place in a lattice, 26 of them.
+std::vector<Eigen::Vector3d> allDirections() {
+  std::vector<Eigen::Vector3d> directions;
+  for (int n = 0; n < 27; ++n)
+    if (n != 13)
+      directions.push_back(Eigen::Vector3d(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1).normalized());
+  return directions;
+}
+
+void compareOverDistance(const BothFields& fields, double radius, ComparedPlace& place) {
+  const std::vector<Eigen::Vector3d> directions = allDirections();
+  for (int n = 0; n <= distance_samples; ++n) {
+    // A little less than the radius: by round-off a place on the sphere may lie beyond it.
+    const double distance = radius * (1 - 1e-9) * n / distance_samples;
+    std::vector<double> first, second, difference;
+    for (const Eigen::Vector3d& direction : directions) {
+      const Eigen::Vector3d a = answerOf(*fields[0], distance * direction),
+                            b = answerOf(*fields[1], distance * direction);
+      if (!a.allFinite() || !b.allFinite()) continue;
+      first.push_back(a.norm());
+      second.push_back(b.norm());
+      difference.push_back((b - a).norm());
+    }
+    place.distances.push_back({distance, spreadOf(std::move(first)).mean,
+                               spreadOf(std::move(second)).mean,
+                               spreadOf(std::move(difference)).mean});
+  }
+}
+
+ComparedPlace comparePlace(const Comparison& comparison, const SpacePair& pair) {
+  const BothFields fields = bothFields(comparison, pair);
+  const std::array<const SpaceTable*, 2> spaces = {pair.first, pair.second};
+  const double radius = std::min(pair.first->lattice.radius(), pair.second->lattice.radius());
+  ComparedPlace place;
+  place.name = pair.first->patch.name;
+  place.apart =
+      (restPlace(comparison.open[0], *pair.first) - restPlace(comparison.open[1], *pair.second))
+          .norm();
+  compareOverBall(fields, radius, place);
+  compareOverDistance(fields, radius, place);
+  for (int axis = 0; axis < 3; ++axis)
+    for (std::size_t s = 0; s < 2; ++s) {
+      ForceWay& way = place.axes[static_cast<std::size_t>(axis)][s];
+      way.direction = Eigen::Vector3d::Unit(axis);
+      way.solved = solvedOnWay(*spaces[s], way.direction, true);
+      const double own = spaces[s]->lattice.radius() * (1 - 1e-9);
+      way.sampled.push_back(
+          sampledOnWay([&](const Eigen::Vector3d& p) { return answerOf(*fields[s], p); },
+                       way.direction, -own, own));
+    }
+  return place;
+}
+
+/// What is not compared, or only with care.
+std::vector<std::string> limitsOf(const Comparison& comparison) {
+  const Dataset &first = comparison.open[0], &second = comparison.open[1];
+  std::vector<std::string> limits;
+  if (std::ranges::find(comparison.differences, "mesh") != comparison.differences.end()) {
+    double apart = 0;
+    for (const ComparedPlace& place : comparison.places) apart = std::max(apart, place.apart);
+    limits.push_back(fmt::format(
+        "They are different bodies: active nodes of one name are compared, which lie up to {:.3g} "
+        "mm apart at rest, and a difference is that of shape and material together. For a "
+        "comparison of materials alone build both scenes on one mesh.",
+        1e3 * apart));
+  }
+  const std::size_t alone = first.spaces().size() + second.spaces().size() - 2 * comparison.common;
+  if (alone > 0)
+    limits.push_back(fmt::format(
+        "{} active {} only one of the two datasets has, or not at the same place, {} left out. To "
+        "compare there give both scenes the same [[active]] and build again.",
+        alone, alone == 1 ? "node, which" : "nodes, which", alone == 1 ? "is" : "are"));
+  const double a = first.scene().workspace.radius, b = second.scene().workspace.radius;
+  if (a != b)
+    limits.push_back(
+        fmt::format("Their workspace balls differ ({:.4g} and {:.4g} mm): differences are those of "
+                    "the smaller one. Set workspace.radius alike to compare all of both.",
+                    1e3 * a, 1e3 * b));
+  return limits;
+}
+
+}  // namespace
+
+Comparison compareDatasets(std::vector<Dataset> datasets, const std::string& method,
+                           std::size_t most_places) {
+  PALPATE_ASSERT(datasets.size() == 2 && most_places > 0, "two are compared, somewhere");
+  Comparison comparison;
+  comparison.open = std::move(datasets);
+  comparison.method = method;
+  const Dataset &first = comparison.open[0], &second = comparison.open[1];
+  comparison.differences = sceneDifferences(first, second);
+  const std::vector<SpacePair> pairs = commonSpaces(first, second);
+  if (pairs.empty())
+    throw badInput(
+        "{} and {} cannot be compared: they have no active node of the same name and kind (one "
+        "has {}; the other {}). Name the places alike in [[active]] of both scenes and build "
+        "again, or make a report of each",
+        first.file().string(), second.file().string(), namesIn(first), namesIn(second));
+  comparison.common = pairs.size();
+  for (const Dataset& dataset : comparison.open) comparison.datasets.push_back(factsOf(dataset));
+  comparison.places.resize(std::min(most_places, pairs.size()));
+  inParallel(comparison.places.size(), [&](std::size_t n) {
+    comparison.places[n] =
+        comparePlace(comparison, pairs[n * pairs.size() / comparison.places.size()]);
+  });
+  comparison.properties = comparedProperties(comparison.open, comparison.datasets);
+  comparison.limits = limitsOf(comparison);
+  return comparison;
+}
+
+}  // namespace palpate

@@ -1,0 +1,87 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "viewer/report/comparison.hpp"
+#include "viewer/report/report_words.hpp"
+
+namespace palpate {
+namespace {
+
+/// Prints numbers that are not finite as null.
+using ComparisonJson = nlohmann::ordered_json;
+
+ComparisonJson sideJson(const ComparedSide& side) {
+  return {{"stiffness", side.stiffness},
+          {"mean_force", side.mean_force},
+          {"largest_force", side.largest_force},
+          {"mean_error_bound", side.mean_bound}};
+}
+
+ComparisonJson placeJson(const ComparedPlace& place) {
+  return {{"name", place.name},
+          {"apart", place.apart},
+          {"displacements", place.displacements},
+          {"first", sideJson(place.sides[0])},
+          {"second", sideJson(place.sides[1])},
+          {"difference",
+           {{"mean", place.difference.mean},
+            {"median", place.difference.median},
+            {"percentile_95", place.difference.percentile_95},
+            {"maximum", place.difference.maximum},
+            {"relative", place.relative}}}};
+}
+
+std::string placeRow(const std::string& name, const std::array<std::string, 8>& cells) {
+  return fmt::format("{:<20}{:>9}{:>9}{:>10}{:>10}{:>10}{:>10}{:>9}{:>10}\n", name, cells[0],
+                     cells[1], cells[2], cells[3], cells[4], cells[5], cells[6], cells[7]);
+}
+
+}  // namespace
+
+std::string comparisonText(const Comparison& comparison) {
+  std::string text;
+  for (std::size_t s = 0; s < 2; ++s)
+    text += fmt::format("{}: {}\n", s == 0 ? 'A' : 'B', comparison.datasets[s].file.string());
+  text += wrapped(fmt::format("They differ in {}; compared by {}.",
+                              fmt::join(comparison.differences, ", "), comparison.method)) +
+          "\n";
+  for (const auto& [name, first, second] : comparison.properties)
+    if (first != second)
+      text += fmt::format("{:<24}", name) + wrapped("A: " + first, 24) + std::string(24, ' ') +
+              wrapped("B: " + second, 24);
+  text += "\n" + placeRow("", {"stiffness", "", "mean", "", "|B - A|", "|B - A|", "of", "mean"}) +
+          placeRow("active node",
+                   {"A, N/m", "B, N/m", "force A", "force B", "mean", "max", "force A", "bounds"});
+  for (const ComparedPlace& place : comparison.places) {
+    const auto& [a, b] = place.sides;
+    text += placeRow(place.name,
+                     {formatNumber(a.stiffness, 3), formatNumber(b.stiffness, 3),
+                      formatNumber(a.mean_force, 3), formatNumber(b.mean_force, 3),
+                      formatNumber(place.difference.mean), formatNumber(place.difference.maximum),
+                      formatShare(place.relative), formatNumber(a.mean_bound + b.mean_bound)});
+  }
+  text += "\n" + wrapped(
+                     "Forces and differences of the force vectors in N, over a grid of "
+                     "displacements that both answer. Stiffness at rest, mean over directions. "
+                     "Bounds: the sum of both error bounds; a difference below it says nothing.");
+  for (const std::string& limit : comparison.limits) text += "\n" + wrapped(limit);
+  return text;
+}
+
+std::string comparisonJson(const Comparison& comparison) {
+  ComparisonJson json;
+  for (const DatasetFacts& facts : comparison.datasets)
+    json["compared"].push_back(facts.file.string());
+  json["method"] = comparison.method;
+  json["differences"] = comparison.differences;
+  for (const auto& [name, first, second] : comparison.properties)
+    json["properties"][name] = {first, second};
+  json["common_nodes"] = comparison.common;
+  for (const ComparedPlace& place : comparison.places) json["nodes"].push_back(placeJson(place));
+  json["limits"] = comparison.limits;
+  // Names of files need not be UTF-8, which JSON demands.
+  return json.dump(-1, ' ', false, ComparisonJson::error_handler_t::replace) + '\n';
+}
+
+}  // namespace palpate
