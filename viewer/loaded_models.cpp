@@ -17,14 +17,20 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto tell_every = 1s;
+constexpr auto call_every = 50ms;
 constexpr int least_priority = 19;  // nice
 
-void prepareFirstMethod(HapticModel& model) {
+void prepareFirstMethod(HapticModel& model, const LoadedModels::Meanwhile& meanwhile) {
   // Beside, so that whoever waits for a large dataset sees that something happens.
   auto prepared = std::async(std::launch::async, [&] { model.prepare(0); });
-  while (prepared.wait_for(tell_every) != std::future_status::ready)
+  auto tell = std::chrono::steady_clock::now() + tell_every;
+  while (prepared.wait_for(call_every) != std::future_status::ready) {
+    if (meanwhile) meanwhile(model, model.preparedShare(0));
+    if (std::chrono::steady_clock::now() < tell) continue;
+    tell += tell_every;
     spdlog::info("{}: preparing {}, {:.0f} % of {} spaces", model.file(), model.methods()[0],
                  100 * model.preparedShare(0), model.spaces().size());
+  }
   prepared.get();
 }
 
@@ -43,8 +49,11 @@ LoadedModels::LoadedModels(std::vector<std::filesystem::path> files,
     warnIfPartial(dataset);
     models_.push_back(std::make_unique<HapticModel>(dataset, unprepared));
     if (!device_ && dataset.scene().device) device_ = dataset.scene().device->profile;
-    prepareFirstMethod(*models_.back());
   }
+}
+
+void LoadedModels::prepareFirst(const Meanwhile& meanwhile) {
+  for (const auto& model : models_) prepareFirstMethod(*model, meanwhile);
 }
 
 void LoadedModels::prepareTheRest() {

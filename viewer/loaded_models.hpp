@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -13,10 +14,15 @@ namespace palpate {
 /// all (HapticModel).
 class LoadedModels {
  public:
-  /// Reads the files and prepares the first method of each, with a line of the log per second that
-  /// it takes. Error as of Dataset and HapticModel.
+  /// Called in the thread that waits, some times a second, with the share that is prepared, 0 to 1.
+  using Meanwhile = std::function<void(const HapticModel& model, double share)>;
+
+  /// Reads the files; no method is prepared yet. Error as of Dataset and HapticModel.
   LoadedModels(std::vector<std::filesystem::path> files, const HapticModelOptions& options);
 
+  /// Prepares the first method of each on all cores, with a line of the log per second that it
+  /// takes.
+  void prepareFirst(const Meanwhile& meanwhile = {});
   /// Prepares the other methods in a thread of its own, which gives way to every other.
   void prepareTheRest();
 

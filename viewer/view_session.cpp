@@ -58,6 +58,7 @@ class ViewSession {
     loaded_ = load();
     if (!options_.headless)
       openPicture(options_.tutorial || (options_.device == window_device && firstStart()));
+    prepareFirst();
     device_ = openDevice(options_.device,
                          {&loaded_->first(), 1 / options_.rate, wantedProfile(), options_.keys});
     makeTick();
@@ -107,6 +108,20 @@ class ViewSession {
     picture_options.visible = options_.video.empty() || !options_.fast;
     picture_options.tutorial = tutorial;
     picture_ = std::make_unique<Picture>(loaded_->pointers(), picture_options);
+  }
+
+  /// The body is seen at once, at rest, while its forces are being prepared.
+  void prepareFirst() {
+    HapticState nobody;
+    nobody.reading.status = DeviceStatus::away;
+    loaded_->prepareFirst([&](const HapticModel& model, double share) {
+      // Pictures without a clock are the same in every run.
+      if (!picture_ || options_.fast) return;
+      PictureStatus waiting;
+      waiting.notice =
+          fmt::format("preparing the forces of {}: {:.0f} %", model.name(), 100 * share);
+      picture_->draw(nobody, waiting);
+    });
   }
 
   /// The limits that a virtual device has.
@@ -280,6 +295,7 @@ class ViewSession {
     std::unique_ptr<LoadedModels> fresh;
     try {
       fresh = load();
+      fresh->prepareFirst();
     } catch (const std::exception& error) {
       status_.notice = fmt::format("not read again: {}", error.what());
       spdlog::warn("{}", status_.notice);

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
+#include <vector>
 
 #include "tests/support/meshes.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -26,10 +28,28 @@ class LoadedModelsTest : public testing::Test {
 /// All methods of all spaces were once prepared before the start: half a minute for 356 spaces.
 TEST_F(LoadedModelsTest, PreparesTheFirstMethodBeforeTheStartAndTheRestBeside) {
   LoadedModels loaded({file}, {.methods = {"trilinear", "potential"}});
+  EXPECT_FALSE(loaded.first().isPrepared(0)) << "it can be seen before";
+  loaded.prepareFirst();
   EXPECT_TRUE(loaded.first().isPrepared(0));
   EXPECT_FALSE(loaded.first().isPrepared(1));
   loaded.prepareTheRest();
   while (!loaded.first().isPrepared(1)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+TEST_F(LoadedModelsTest, TellsHowFarItIsInTheThreadThatWaits) {
+  const Mesh mesh = test::cubeMesh(0.1, 4);
+  test::TouchableBody(mesh, test::wholeSurface(mesh, [](const Eigen::Vector3d&) { return 1; }))
+      .seal(file);
+  LoadedModels loaded({file}, {});
+  const std::thread::id here = std::this_thread::get_id();
+  std::vector<double> shares;
+  loaded.prepareFirst([&](const HapticModel& model, double share) {
+    EXPECT_EQ(std::this_thread::get_id(), here);
+    EXPECT_EQ(&model, &loaded.first());
+    shares.push_back(share);
+  });
+  EXPECT_TRUE(std::ranges::is_sorted(shares));
+  EXPECT_TRUE(loaded.first().isPrepared(0));
 }
 
 TEST_F(LoadedModelsTest, EndsAPreparationThatNobodyWaitsFor) {

@@ -47,7 +47,8 @@ void LatticeView::show(const BodyView& body, const HapticState& state, const Vie
   PALPATE_ASSERT(at(space_) < body.model().spaces().size(), "the touch is of the model shown");
   show(choices.lattice);
   if (!choices.lattice) return;
-  const Key wanted{model_, choices.errors ? state.method : -1, space_,
+  const bool errors = choices.errors && body.model().isPrepared(at(state.method));
+  const Key wanted{model_, errors ? state.method : -1, space_,
                    choices.cut ? std::optional(choices.plane) : std::nullopt};
   // Thousands of dots, and most pictures change none of them.
   if (wanted == filled_) return;

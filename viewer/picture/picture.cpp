@@ -89,7 +89,9 @@ struct Picture::Impl {
 
   void showBody(BodyView& body, const Touch& touch, std::int32_t method) {
     body.deform(touch);
-    body.shade(view.colour, method);
+    // There are no errors of what is still being prepared.
+    const bool known = body.model().isPrepared(at(method));
+    body.shade(known ? view.colour : SurfaceColour::tissue, method);
     body.showGhost(view.ghost);
     body.setShadow(held.shadow(stage->tool().radius()));
   }
@@ -102,8 +104,7 @@ struct Picture::Impl {
       const std::size_t method = at(state.method);
       beside = {&other, sameTouch(inUse().model(), state.touch, other.model(), method)};
       other.useScaleOf(inUse());
-      if (other.model().isPrepared(method) || view.colour != SurfaceColour::error)
-        showBody(other, beside->touch.value_or(Touch()), state.method);
+      showBody(other, beside->touch.value_or(Touch()), state.method);
       inUse().useScaleOf(other);
     }
     if (before != beside.has_value()) frameAll();
