@@ -114,11 +114,17 @@ void MouseHand::follow(const OrbitCamera& camera, const HandInput& input, double
   if (!by_key_ && input.pointer.allFinite() && last_.pointer.allFinite())
     way = input.pointer - last_.pointer;
   if (glued_)
-    pulled_ += camera.moveInPlane(place_->position + pulled_, way.x(), way.y());
+    pullBy(camera.moveInPlane(place_->position + pulled_, way.x(), way.y()));
   else if (by_key_ && !way.isZero())
     slideTo(place_->position + camera.moveInPlane(place_->position, way.x(), way.y()), seconds);
   else if (!by_key_ && seen_ && seen_->touchable)  // beside it the tool stays where it was
     slideTo(seen_->position, seconds);
+}
+
+void MouseHand::pullBy(const Eigen::Vector3d& way) {
+  pulled_ += way;
+  const double most = largest_share * reach(), length = pulled_.norm();
+  if (length > most) pulled_ *= most / length;
 }
 
 void MouseHand::slideTo(const Eigen::Vector3d& goal, double seconds) {

@@ -57,6 +57,7 @@ class MouseHand {
   void letGo();
   void hover(const OrbitCamera& camera, const HandInput& input);
   void follow(const OrbitCamera& camera, const HandInput& input, double seconds);
+  void pullBy(const Eigen::Vector3d& way);
   void slideTo(const Eigen::Vector3d& goal, double seconds);
   void goTo(const Eigen::Vector3d& position);
   void moveTool(double seconds);

@@ -184,6 +184,8 @@ TEST_F(MouseHandTest, PullsWhatIsGlued) {
   EXPECT_NEAR((run.onScreen(run.state().tool) - moved).norm(), 0, 1e-3) << "under the pointer";
   EXPECT_GT(pulled.norm(), 0.002);
   EXPECT_LT(run.state().force.dot(pulled), 0);
+  run.act({.pointer = {0.7, 0.4}, .button = true}, 30);
+  EXPECT_LT(run.state().touch.displacement.norm(), 0.03) << "no farther than was computed";
   run.act({.pointer = moved}, 30);
   EXPECT_FALSE(run.state().touch.touching);
   EXPECT_LT(run.state().force.norm(), 1e-9);
