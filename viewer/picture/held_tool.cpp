@@ -34,12 +34,9 @@ void HeldTool::update(const HapticModel& model, const HapticState& state, bool t
 }
 
 void HeldTool::turnOutward(const Eigen::Vector3d& wanted) {
-  const Eigen::Vector3d turned =
-      known_ ? Eigen::Vector3d(pose_.outward + turned_per_picture * (wanted - pose_.outward))
-             : wanted;
+  const double share = known_ ? turned_per_picture : 1;
   known_ = true;
-  // Halfway to the opposite there is no direction.
-  if (turned.norm() > 1e-3) pose_.outward = turned.normalized();
+  pose_.outward = (pose_.outward + share * (wanted - pose_.outward)).normalized();
 }
 
 SoftLight::Shadow HeldTool::shadow(double radius) const {

@@ -27,8 +27,8 @@ ScreenBox keptInside(const ScreenBox& box, const ScreenBox& view) {
 }
 
 /// The box whose nearest side is `away` pixels from a point, in a direction.
-ScreenBox beyond(const Eigen::Vector2d& point, const Eigen::Vector2d& direction,
-                 const Eigen::Vector2d& size, double away) {
+ScreenBox boxBeyond(const Eigen::Vector2d& point, const Eigen::Vector2d& direction,
+                    const Eigen::Vector2d& size, double away) {
   const double half = 0.5 * direction.cwiseAbs().dot(size);
   const Eigen::Vector2d middle = point + (half + away) * direction;
   return {middle - size / 2, middle + size / 2};
@@ -61,10 +61,10 @@ ScreenBox placeLabel(const ThickLine& arrow, const Eigen::Vector2d& size, const 
                                              Eigen::Vector2d((ahead - right).normalized()), right,
                                              Eigen::Vector2d(-right), Eigen::Vector2d(-ahead)}) {
       const double away = arrow.radius + gap * reach + (reach - 1) * size.y();
-      const ScreenBox box = keptInside(beyond(arrow.to, direction, size, away), view);
+      ScreenBox box = keptInside(boxBeyond(arrow.to, direction, size, away), view);
       if (isClear(box)) return box;
     }
-  return keptInside(beyond(arrow.to, ahead, size, arrow.radius + gap), view);
+  return keptInside(boxBeyond(arrow.to, ahead, size, arrow.radius + gap), view);
 }
 
 }  // namespace palpate

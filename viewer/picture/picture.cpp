@@ -247,8 +247,7 @@ struct Picture::Impl {
   std::int32_t model = -1;           ///< that is on the stage
   Viewport viewport;                 ///< of the last picture
   std::optional<HapticState> drawn;  ///< of the last picture
-  double full_force =
-      0.5;  ///< N, of the longest arrow: a round number that grows with what was seen
+  double full_force = 0.5;           ///< N, of the longest arrow: round, grows with what was seen
   /// The other dataset that is shown; without a touch it is shown at rest.
   struct Beside {
     BodyView* body;

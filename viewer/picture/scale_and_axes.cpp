@@ -14,7 +14,7 @@ namespace {
 constexpr float corner_margin = 18, least_bar = 64, bar_tick = 4, bar_text_gap = 3;
 constexpr float axis_length = 24, axes_room = 40, letter_gap = 7;
 
-constexpr std::array<const char*, 3> axis_names = {"x", "y", "z"};
+constexpr std::array<const char*, 3> axis_letters = {"x", "y", "z"};
 
 void drawScale(ImDrawList& draw, const PanelContents& contents, ImVec2 size, ImVec2 right_end) {
   const double metres =
@@ -43,9 +43,9 @@ void drawAxes(ImDrawList& draw, const OrbitCamera& camera, ImVec2 at) {
     };
     const auto n = static_cast<std::size_t>(axis);
     draw.AddLine(at, place(px(axis_length)), axis_colours[n], px(2));
-    const ImVec2 words = ImGui::CalcTextSize(axis_names[n]),
+    const ImVec2 words = ImGui::CalcTextSize(axis_letters[n]),
                  end = place(px(axis_length + letter_gap));
-    draw.AddText({end.x - words.x / 2, end.y - words.y / 2}, axis_colours[n], axis_names[n]);
+    draw.AddText({end.x - words.x / 2, end.y - words.y / 2}, axis_colours[n], axis_letters[n]);
   }
 }
 

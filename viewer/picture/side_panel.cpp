@@ -186,8 +186,9 @@ void lampField(const GuardLamps& lamps) {
   const float column = wide / static_cast<float>(columns);
   const float text = ImGui::GetTextLineHeight(), line = text + ImGui::GetStyle().ItemSpacing.y;
   for (int bit = 0; bit < guard_count; ++bit) {
-    const ImVec2 at = {origin.x + column * static_cast<float>(bit % columns),
-                       origin.y + line * static_cast<float>(bit / columns)};
+    const int row = bit / columns;
+    const ImVec2 at = {origin.x + column * static_cast<float>(bit - row * columns),
+                       origin.y + line * static_cast<float>(row)};
     const bool lit = lamps.lit(bit);
     draw.AddCircleFilled({at.x + px(lamp_radius), at.y + text / 2}, px(lamp_radius),
                          lit ? lamp_lit : lamp_dark, lamp_corners);

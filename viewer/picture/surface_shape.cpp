@@ -21,17 +21,19 @@ constexpr std::size_t most_rounded = 16000;
 /// what can be felt and what cannot, in vertices.
 constexpr int border_rounds = 2;
 /// Of the wetness of tissue, under a colour that means something: highlights would change it.
-constexpr float wetness_of_colour = 0.3F;
+constexpr double wetness_of_colour = 0.3;
 
-/// A colour over tissue: tissue * seen + added.
+/// A colour over tissue: bytes of tissue * seen + added.
 struct Cover {
   float seen = 1;
-  std::array<float, 3> added = {0, 0, 0};
+  std::array<float, 3> added = {0.5F, 0.5F, 0.5F};  ///< with the half that rounds
+  std::uint8_t wet = 255;
 };
 
 Cover coverOf(const Rgb& colour, double share) {
   Cover cover{static_cast<float>(1 - share)};
-  for (std::size_t i = 0; i < 3; ++i) cover.added[i] = static_cast<float>(share * colour[i]);
+  for (std::size_t i = 0; i < 3; ++i) cover.added[i] += static_cast<float>(share * colour[i]);
+  cover.wet = static_cast<std::uint8_t>(std::lround(255 * std::lerp(1, wetness_of_colour, share)));
   return cover;
 }
 
@@ -61,11 +63,10 @@ const Covers& viridisCovers() {
 
 std::uint32_t packed(const std::array<float, 3>& tissue, const Cover& cover) {
   const auto byte = [&](std::size_t i) {
-    return static_cast<std::uint8_t>(tissue[i] * cover.seen + cover.added[i] + 0.5F);
+    return static_cast<std::uint8_t>(tissue[i] * cover.seen + cover.added[i]);
   };
-  const float wet = wetness_of_colour + (1 - wetness_of_colour) * cover.seen;
-  return std::bit_cast<std::uint32_t>(std::array<std::uint8_t, 4>{
-      byte(0), byte(1), byte(2), static_cast<std::uint8_t>(255 * wet + 0.5F)});
+  return std::bit_cast<std::uint32_t>(
+      std::array<std::uint8_t, 4>{byte(0), byte(1), byte(2), cover.wet});
 }
 
 /// place: 0 to 1 and beyond.

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-constexpr double pressed_share = 0.5;  // of the radius of the workspace
+constexpr double half_way = 0.5;  // of the radius of the workspace
 
 /// The vertex as a point of a triangle that can be touched; none: there is none around it.
 std::optional<SurfacePoint> touchablePoint(const TouchSurface& surface, std::int32_t vertex) {
@@ -44,7 +44,7 @@ std::vector<double> vertexErrors(const HapticModel& model, std::size_t method) {
     const auto vertex = static_cast<std::int32_t>(v);
     const std::optional<SurfacePoint> point = touchablePoint(surface, vertex);
     if (!point) continue;
-    const double depth = pressed_share * radiusAt(model, vertex);
+    const double depth = half_way * radiusAt(model, vertex);
     force.evaluate(model, method, *point, -depth * surface.vertexNormals()[v]);
     errors[v] = relativeError(force.sum().error_bound, force.force().norm());
   }
