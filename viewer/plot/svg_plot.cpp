@@ -209,15 +209,16 @@ SvgPart legendPart(const std::vector<PlotSeries>& series, double width) {
   const auto columns =
       static_cast<std::size_t>(std::max(1.0, std::floor((width - left_margin) / column)));
   SvgPart part;
-  for (std::size_t n = 0; n < series.size(); ++n)
+  for (std::size_t n = 0; n < series.size(); ++n) {
+    const std::size_t line = n / columns;
     part.svg += fmt::format(
         "<g transform=\"translate({:g} {:g})\">{}<text class=\"label\" x=\"{}\" "
         "y=\"10\">{}</text></g>\n",
         left_margin + column * static_cast<double>(n % columns),
-        line_height * static_cast<double>(n / columns) + 4, seriesKey(series[n]), key_width,
+        line_height * static_cast<double>(line) + 4, seriesKey(series[n]), key_width,
         escaped(series[n].label));
-  const std::size_t lines = (series.size() + columns - 1) / columns;
-  part.height = series.empty() ? 0 : line_height * static_cast<double>(lines) + 8;
+    part.height = line_height * static_cast<double>(line + 1) + 8;
+  }
   return part;
 }
 

@@ -14,7 +14,8 @@
 namespace palpate {
 namespace {
 
-constexpr int ball_samples = 13;      ///< of a grid over the ball, along an axis
+constexpr int ball_samples = 13;  ///< of a grid over the ball, along an axis
+constexpr std::size_t most_differences = 400;
 constexpr int distance_samples = 24;  ///< from rest to the sphere
 
 /// A space of each dataset.
@@ -82,9 +83,9 @@ void compareOverBall(const BothFields& fields, double radius, ComparedPlace& pla
   std::array<std::vector<double>, 2> forces, bounds;
   const auto coordinate = [&](int n) { return radius * (2.0 * n / (ball_samples - 1) - 1); };
   for (int n = 0; n < ball_samples * ball_samples * ball_samples; ++n) {
-    const Eigen::Vector3d p(coordinate(n % ball_samples),
-                            coordinate(n / ball_samples % ball_samples),
-                            coordinate(n / ball_samples / ball_samples));
+    const int column = n % ball_samples, row = n / ball_samples % ball_samples,
+              layer = n / (ball_samples * ball_samples);
+    const Eigen::Vector3d p(coordinate(column), coordinate(row), coordinate(layer));
     const std::array<ForceSample, 2> samples = {fields[0]->evaluate(p), fields[1]->evaluate(p)};
     if (p.norm() > radius || !samples[0].inside || !samples[1].inside) continue;
     differences.push_back((samples[1].force - samples[0].force).norm());
@@ -133,10 +134,20 @@ void compareOverDistance(const BothFields& fields, double radius, ComparedPlace&
   }
 }
 
+double commonRadius(const SpacePair& pair) {
+  return std::min(pair.first->lattice.radius(), pair.second->lattice.radius());
+}
+
+PlaceDifference differenceAt(const Comparison& comparison, const SpacePair& pair) {
+  ComparedPlace place;
+  compareOverBall(bothFields(comparison, pair), commonRadius(pair), place);
+  return {pair.first->patch.name, restPlace(comparison.open[0], *pair.first), place.relative};
+}
+
 ComparedPlace comparePlace(const Comparison& comparison, const SpacePair& pair) {
   const BothFields fields = bothFields(comparison, pair);
   const std::array<const SpaceTable*, 2> spaces = {pair.first, pair.second};
-  const double radius = std::min(pair.first->lattice.radius(), pair.second->lattice.radius());
+  const double radius = commonRadius(pair);
   ComparedPlace place;
   place.name = pair.first->patch.name;
   place.apart =
@@ -165,9 +176,10 @@ std::vector<std::string> limitsOf(const Comparison& comparison) {
     double apart = 0;
     for (const ComparedPlace& place : comparison.places) apart = std::max(apart, place.apart);
     limits.push_back(fmt::format(
-        "They are different bodies: active nodes of one name are compared, which lie up to {:.3g} "
-        "mm apart at rest, and a difference is that of shape and material together. For a "
-        "comparison of materials alone build both scenes on one mesh.",
+        "Their meshes differ: these are different bodies, or one in other elements. Active nodes of "
+        "one name are compared, which lie up to {:.3g} mm apart at rest, and a difference is that of "
+        "shape, elements and material together. For a comparison of materials alone build both "
+        "scenes on one mesh.",
         1e3 * apart));
   }
   const std::size_t alone = first.spaces().size() + second.spaces().size() - 2 * comparison.common;
@@ -208,6 +220,11 @@ Comparison compareDatasets(std::vector<Dataset> datasets, const std::string& met
   inParallel(comparison.places.size(), [&](std::size_t n) {
     comparison.places[n] =
         comparePlace(comparison, pairs[n * pairs.size() / comparison.places.size()]);
+  });
+  comparison.everywhere.resize(std::min(most_differences, pairs.size()));
+  inParallel(comparison.everywhere.size(), [&](std::size_t n) {
+    comparison.everywhere[n] =
+        differenceAt(comparison, pairs[n * pairs.size() / comparison.everywhere.size()]);
   });
   comparison.properties = comparedProperties(comparison.open, comparison.datasets);
   comparison.limits = limitsOf(comparison);

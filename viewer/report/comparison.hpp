@@ -34,6 +34,13 @@ struct ComparedPlace {
   std::vector<ForceAtDistance> distances;
 };
 
+/// How far the two are from each other at one place.
+struct PlaceDifference {
+  std::string name;
+  Eigen::Vector3d place;           ///< m, in the first
+  double relative = not_measured;  ///< as ComparedPlace
+};
+
 /// Two organs or materials side by side: everything that text and page say, measured.
 struct Comparison {
   std::vector<Dataset> open;           ///< two, as given
@@ -41,9 +48,10 @@ struct Comparison {
   std::string method;
   std::vector<std::string> differences;  ///< sceneDifferences
   std::vector<ComparedProperty> properties;
-  std::size_t common = 0;             ///< active nodes that can be compared
-  std::vector<ComparedPlace> places;  ///< these, evenly chosen where there are many
-  std::vector<std::string> limits;    ///< sentences: what is not compared, and what to do
+  std::size_t common = 0;                   ///< active nodes that can be compared
+  std::vector<ComparedPlace> places;        ///< these, evenly chosen where there are many
+  std::vector<PlaceDifference> everywhere;  ///< at all of them, at most some hundreds
+  std::vector<std::string> limits;          ///< sentences: what is not compared, and what to do
 };
 
 /// Compares two datasets that are not of one scene by `method`, at up to `most_places` active nodes

@@ -2,6 +2,7 @@
 
 #include "viewer/report/comparison.hpp"
 #include "viewer/report/force_curves.hpp"
+#include "viewer/report/organ_map.hpp"
 #include "viewer/report/report_sections.hpp"
 #include "viewer/report/report_words.hpp"
 
@@ -116,6 +117,29 @@ std::string differencesTable(const Comparison& comparison) {
                rows);
 }
 
+/// Where on the first body they differ; nothing where there is one place only.
+std::string differenceMap(const Comparison& comparison, FigureNumbers& numbers) {
+  if (comparison.everywhere.size() < 2) return "";
+  OrganMap map = {.fixed = fixedOnSurface(comparison.open[0]),
+                  .values = "|B - A| as a share of the force of A (1 is all)"};
+  std::vector<double> values;
+  for (const PlaceDifference& at : comparison.everywhere) {
+    values.push_back(at.relative);
+    map.marks.push_back(
+        {at.place, at.relative, fmt::format("{}: {}", at.name, formatShare(at.relative))});
+  }
+  const ColourScale scale(values);
+  return numbers.html(
+      {.key = legendOfMap(scale, ColourUnit::share, "active node, in the colour of the difference"),
+       .caption = fmt::format(
+           "Where they differ, on the surface of A from three sides: mean length of the "
+           "difference of the force vectors as a share of the mean force of A, over the "
+           "displacements of a grid in the workspace ball, at {} of {} active nodes that both "
+           "have, by {}; logarithmic colours, without perspective.",
+           comparison.everywhere.size(), comparison.common, escaped(comparison.method)),
+       .panels = panelsOf(comparison.open[0].mesh(), map, scale, ColourUnit::share)});
+}
+
 std::string propertiesTable(const Comparison& comparison) {
   std::string rows;
   for (const auto& [name, first, second] : comparison.properties)
@@ -135,7 +159,7 @@ Section propertiesSection(const Comparison& comparison) {
 }
 
 Section differencesSection(const Comparison& comparison, FigureNumbers& numbers) {
-  std::string html = differencesTable(comparison);
+  std::string html = differencesTable(comparison) + differenceMap(comparison, numbers);
   for (const ComparedPlace& place : comparison.places)
     html += distancesOf(comparison, place, numbers);
   return {"differences", "Differences in numbers",

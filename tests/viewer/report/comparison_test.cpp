@@ -80,7 +80,8 @@ TEST_F(ComparisonTest, PageHasBothOnTheSameAxesWithExactPointsAndTheirProperties
   EXPECT_THAT(html, AllOf(HasSubstr("They differ in material."), HasSubstr("A, soft"),
                           HasSubstr("B, stiff"), HasSubstr("A: exact, solved"),
                           HasSubstr("c10 = 1300 Pa"), HasSubstr("c10 = 3900 Pa"),
-                          HasSubstr("download=\"sample-and-stiff-figure-1a.csv\"")));
+                          HasSubstr("download=\"sample-and-stiff-figure-1a.csv\""),
+                          HasSubstr("at 2 of 2 active nodes"), HasSubstr("<title>tip: 200.0 %")));
   for (const char* id : {"properties", "forces", "differences", "provenance"})
     EXPECT_THAT(html, HasSubstr(fmt::format("id=\"{}\"", id)));
   for (const char* reference : {"http:", "https:", "<script", "<link", "<img", "url(", "src="})
