@@ -176,10 +176,10 @@ std::vector<std::string> limitsOf(const Comparison& comparison) {
     double apart = 0;
     for (const ComparedPlace& place : comparison.places) apart = std::max(apart, place.apart);
     limits.push_back(fmt::format(
-        "Their meshes differ: these are different bodies, or one in other elements. Active nodes of "
-        "one name are compared, which lie up to {:.3g} mm apart at rest, and a difference is that of "
-        "shape, elements and material together. For a comparison of materials alone build both "
-        "scenes on one mesh.",
+        "Their meshes differ: these are different bodies, or one in other elements. Active nodes "
+        "of one name are compared, which lie up to {:.3g} mm apart at rest, and a difference is "
+        "that of shape, elements and material together. For a comparison of materials alone build "
+        "both scenes on one mesh.",
         1e3 * apart));
   }
   const std::size_t alone = first.spaces().size() + second.spaces().size() - 2 * comparison.common;
