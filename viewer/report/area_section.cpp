@@ -39,7 +39,7 @@ Figure depthFigure(const AreaMeasures& area) {
               "Error bound as a share of the force (1 is all of it), logarithmic, against "
               "the length of the displacement in mm: median and 95th percentile over the "
               "middles of all triangles and five directions within 45 degrees of the inward "
-              "normal. Dots: errors at the probes of the dataset.",
+              "normal. Triangles: errors at the probes of the dataset, where it has some.",
           .panels = {panelOf(plot)},
           .layout = "single"};
 }
@@ -88,7 +88,7 @@ Figure mapFigure(const Report& report, const AreaMeasures& area, const std::vect
   OrganMap map = {.on_triangles = values, .values = "share of the force (1 is all)"};
   map.fixed = fixedOnSurface(dataset);
   for (const AreaProbes::Comparison& probe : area.probes.comparisons)
-    map.marks.push_back({probe.place, std::max(probe.error, least_shown),
+    map.marks.push_back({probe.place, probe.error,
                          fmt::format("{} at {:.3g} mm", formatShare(probe.error),
                                      1e3 * probe.displacement.norm())});
   return {.key = legendOfMap(scale, ColourUnit::share,

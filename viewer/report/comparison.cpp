@@ -108,9 +108,10 @@ void compareOverBall(const BothFields& fields, double radius, ComparedPlace& pla
 /// Of the neighbours of a place in a lattice, 26 of them.
 std::vector<Eigen::Vector3d> allDirections() {
   std::vector<Eigen::Vector3d> directions;
-  for (int n = 0; n < 27; ++n)
-    if (n != 13)
-      directions.push_back(Eigen::Vector3d(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1).normalized());
+  for (int i = -1; i <= 1; ++i)
+    for (int j = -1; j <= 1; ++j)
+      for (int k = -1; k <= 1; ++k)
+        if (i != 0 || j != 0 || k != 0) directions.push_back(Eigen::Vector3d(i, j, k).normalized());
   return directions;
 }
 

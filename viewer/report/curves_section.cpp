@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "viewer/report/force_curves.hpp"
 #include "viewer/report/report_sections.hpp"
 #include "viewer/report/report_words.hpp"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "common/base/assertion.hpp"
 #include "viewer/report/report_sections.hpp"
 #include "viewer/report/report_words.hpp"
 #include "viewer/report/slice_picture.hpp"
