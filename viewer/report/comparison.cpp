@@ -78,7 +78,13 @@ Eigen::Vector3d answerOf(const ForceField& field, const Eigen::Vector3d& p) {
   return sample.inside ? sample.force : Eigen::Vector3d::Constant(not_measured);
 }
 
-void compareOverBall(const BothFields& fields, double radius, ComparedPlace& place) {
+/// Whether a sample is something to compare: within the force limit of its scene.
+bool isComparable(const ForceSample& sample, const Dataset& dataset) {
+  return sample.inside && sample.force.norm() <= dataset.scene().workspace.max_force;
+}
+
+void compareOverBall(const Comparison& comparison, const BothFields& fields, double radius,
+                     ComparedPlace& place) {
   std::vector<double> differences;
   std::array<std::vector<double>, 2> forces, bounds;
   const auto coordinate = [&](int n) { return radius * (2.0 * n / (ball_samples - 1) - 1); };
@@ -87,7 +93,9 @@ void compareOverBall(const BothFields& fields, double radius, ComparedPlace& pla
               layer = n / (ball_samples * ball_samples);
     const Eigen::Vector3d p(coordinate(column), coordinate(row), coordinate(layer));
     const std::array<ForceSample, 2> samples = {fields[0]->evaluate(p), fields[1]->evaluate(p)};
-    if (p.norm() > radius || !samples[0].inside || !samples[1].inside) continue;
+    if (p.norm() > radius || !isComparable(samples[0], comparison.open[0]) ||
+        !isComparable(samples[1], comparison.open[1]))
+      continue;
     differences.push_back((samples[1].force - samples[0].force).norm());
     for (std::size_t s = 0; s < 2; ++s) {
       forces[s].push_back(samples[s].force.norm());
@@ -141,7 +149,7 @@ double commonRadius(const SpacePair& pair) {
 
 PlaceDifference differenceAt(const Comparison& comparison, const SpacePair& pair) {
   ComparedPlace place;
-  compareOverBall(bothFields(comparison, pair), commonRadius(pair), place);
+  compareOverBall(comparison, bothFields(comparison, pair), commonRadius(pair), place);
   return {pair.first->patch.name, restPlace(comparison.open[0], *pair.first), place.relative};
 }
 
@@ -154,7 +162,7 @@ ComparedPlace comparePlace(const Comparison& comparison, const SpacePair& pair) 
   place.apart =
       (restPlace(comparison.open[0], *pair.first) - restPlace(comparison.open[1], *pair.second))
           .norm();
-  compareOverBall(fields, radius, place);
+  compareOverBall(comparison, fields, radius, place);
   compareOverDistance(fields, radius, place);
   for (int axis = 0; axis < 3; ++axis)
     for (std::size_t s = 0; s < 2; ++s) {

@@ -21,7 +21,7 @@ struct ForceAtDistance {
 };
 
 /// An active node that both datasets have, along the same displacements: those of the smaller ball
-/// that both answer.
+/// that both answer, with forces within the limits of their scenes.
 struct ComparedPlace {
   std::string name;
   double apart = 0;  ///< m between the two places at rest

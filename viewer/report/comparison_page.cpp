@@ -163,7 +163,8 @@ Section differencesSection(const Comparison& comparison, FigureNumbers& numbers)
   for (const ComparedPlace& place : comparison.places)
     html += distancesOf(comparison, place, numbers);
   return {"differences", "Differences in numbers",
-          "Over the displacements of a grid in the smaller workspace ball that both answer. "
+          "Over the displacements of a grid in the smaller workspace ball that both answer, with "
+          "forces within the limits of their scenes. "
           "Stiffness: at rest, the mean over directions. The bounds say how sure the "
           "interpolations are: a difference below them says nothing.",
           html};

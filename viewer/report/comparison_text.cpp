@@ -61,10 +61,12 @@ std::string comparisonText(const Comparison& comparison) {
                       formatNumber(place.difference.mean), formatNumber(place.difference.maximum),
                       formatShare(place.relative), formatNumber(a.mean_bound + b.mean_bound)});
   }
-  text += "\n" + wrapped(
-                     "Forces and differences of the force vectors in N, over a grid of "
-                     "displacements that both answer. Stiffness at rest, mean over directions. "
-                     "Bounds: the sum of both error bounds; a difference below it says nothing.");
+  text += "\n" +
+          wrapped(
+              "Forces and differences of the force vectors in N, over a grid of displacements that "
+              "both answer, with forces within the limits of their scenes. Stiffness at rest, mean "
+              "over directions. Bounds: the sum of both error bounds; a difference below it says "
+              "nothing.");
   for (const std::string& limit : comparison.limits) text += "\n" + wrapped(limit);
   return text;
 }

@@ -139,6 +139,16 @@ TEST_F(ComparisonTest, SitesOfAFingerAndNodesAreNoSamePlaces) {
   expectBadInput([&] { report(options, output); }, {"cannot be compared", "tip"});
 }
 
+TEST_F(ComparisonTest, LeavesOutDisplacementsBeyondTheForceLimitOfEither) {
+  const nlohmann::json whole = json();
+  const double largest = whole["nodes"][0]["second"]["largest_force"];
+  second.problem.scene.workspace.max_force = largest / 2;
+  const nlohmann::json limited = json();
+  EXPECT_LT(limited["nodes"][0]["displacements"], whole["nodes"][0]["displacements"]);
+  EXPECT_LE(limited["nodes"][0]["second"]["largest_force"].get<double>(), largest / 2);
+  EXPECT_NEAR(limited["nodes"][0]["difference"]["relative"].get<double>(), 2, 1e-9);
+}
+
 TEST_F(ComparisonTest, TakesOneMethod) {
   options.report.methods = {"trilinear"};
   EXPECT_EQ(json()["method"], "trilinear");
