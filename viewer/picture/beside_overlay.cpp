@@ -15,8 +15,8 @@ void drawBesideOverlay(const BesideContents& contents, const OrbitCamera& camera
   const auto left = static_cast<float>(part.x);
   draw.PushClipRect({left, 0}, {left + size.x, size.y});
   draw.AddLine({left, 0}, {left, size.y}, line_grey, px(line_width));
-  const ThickLine names = drawNames(draw, {contents.dataset, contents.tissue}, left, size.x);
-  drawLabel(draw, contents.label, camera, left, size, names);
+  const ScreenBox names = drawNames(draw, {contents.dataset, contents.tissue}, left, size.x);
+  drawLabel(draw, contents.label, camera, left, size, std::span(&names, 1));
   if (!contents.sentence.empty()) {
     const float wrap = size.x - 2 * px(sentence_margin);
     const ImVec2 text = ImGui::CalcTextSize(contents.sentence.c_str(), nullptr, false, wrap);

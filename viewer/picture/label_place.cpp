@@ -26,6 +26,10 @@ ScreenBox keptInside(const ScreenBox& box, const ScreenBox& view) {
   return moved(box, by);
 }
 
+bool overlap(const ScreenBox& a, const ScreenBox& b) {
+  return (a.from.array() < b.to.array()).all() && (b.from.array() < a.to.array()).all();
+}
+
 /// The box whose nearest side is `away` pixels from a point, in a direction.
 ScreenBox boxBeyond(const Eigen::Vector2d& point, const Eigen::Vector2d& direction,
                     const Eigen::Vector2d& size, double away) {
@@ -47,14 +51,15 @@ bool covers(const ScreenBox& box, const ThickLine& line) {
 }
 
 ScreenBox placeLabel(const ThickLine& arrow, const Eigen::Vector2d& size, const ScreenBox& view,
-                     std::span<const ThickLine> keep_clear) {
+                     std::span<const ThickLine> keep_clear, std::span<const ScreenBox> taken) {
   const Eigen::Vector2d along = arrow.to - arrow.from;
   const Eigen::Vector2d ahead =
       along.norm() > least_length ? Eigen::Vector2d(along.normalized()) : Eigen::Vector2d(0, -1);
   const Eigen::Vector2d right(-ahead.y(), ahead.x());
   const auto isClear = [&](const ScreenBox& box) {
     return !covers(box, arrow) &&
-           std::ranges::none_of(keep_clear, [&](const auto& line) { return covers(box, line); });
+           std::ranges::none_of(keep_clear, [&](const auto& line) { return covers(box, line); }) &&
+           std::ranges::none_of(taken, [&](const auto& other) { return overlap(box, other); });
   };
   for (const double reach : reaches)
     for (const Eigen::Vector2d& direction : {ahead, Eigen::Vector2d((ahead + right).normalized()),

@@ -21,8 +21,8 @@ bool covers(const ScreenBox& box, const ThickLine& line);
 
 /// Where the label of an arrow goes: beyond its tip, along it; where that covers something or does
 /// not fit, beside it. arrow: from its tail to its tip. size: of the label. view: it stays inside.
-/// keep_clear: with the arrow, what it does not cover where that is possible.
+/// keep_clear, taken: with the arrow, what it does not cover where that is possible.
 ScreenBox placeLabel(const ThickLine& arrow, const Eigen::Vector2d& size, const ScreenBox& view,
-                     std::span<const ThickLine> keep_clear);
+                     std::span<const ThickLine> keep_clear, std::span<const ScreenBox> taken = {});
 
 }  // namespace palpate

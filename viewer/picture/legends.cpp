@@ -60,7 +60,8 @@ class Legend {
     at_.y = bottom - height - line() * 1.5F - px(title_gap);
     word(at_, title);
   }
-  float width() const { return right_ - at_.x; }
+  float width() const { return std::max(0.0F, right_ - at_.x); }
+  float top() const { return at_.y; }
 
  private:
   static float line() { return ImGui::GetTextLineHeight(); }
@@ -111,9 +112,9 @@ void errorBar(Legend& legend, float height, const char* title) {
               mark(noticeable_force_error, "  a hand notices"), mark(highest_error, "")});
 }
 
-/// What the colours of the surface mean; how wide that is.
-float surfaceLegend(Legend& legend, const PanelContents& contents, SurfaceColour colour,
-                    float bar_height) {
+/// What the colours of the surface mean.
+void surfaceLegend(Legend& legend, const PanelContents& contents, SurfaceColour colour,
+                   float bar_height) {
   if (contents.untouchable) {
     legend.swatch(tissueColour(0), "nothing to feel");
     if (colour == SurfaceColour::tissue) legend.swatch(tissueColour(1), "can be touched");
@@ -122,26 +123,35 @@ float surfaceLegend(Legend& legend, const PanelContents& contents, SurfaceColour
   if (colour == SurfaceColour::displacement)
     displacementBar(legend, bar_height, contents.full_colour);
   if (colour == SurfaceColour::error) errorBar(legend, bar_height, "error bound, % of the force");
-  return legend.width();
+}
+
+/// What the dots of the lattice mean.
+void latticeLegend(Legend& legend, bool errors, float bar_height) {
+  if (errors) {
+    errorBar(legend, bar_height, "error bound, % of the force");
+    return;
+  }
+  for (const Tag tag : {Tag::unknown, Tag::failed, Tag::terminating, Tag::expandable})
+    legend.swatch(colourOf(tag), std::string(name(tag)));
 }
 
 }  // namespace
 
-void drawLegends(ImDrawList& draw, const PanelContents& contents, const ViewChoices& choices,
-                 ImVec2 size) {
+ScreenBox drawLegends(ImDrawList& draw, const PanelContents& contents, const ViewChoices& choices,
+                      ImVec2 size) {
   const float bar_height = std::clamp(bar_share * size.y, px(shortest_bar), px(longest_bar));
   const ImVec2 corner = {px(legend_margin), size.y - px(legend_margin)};
   Legend surface(draw, corner, choices.lattice);
-  const float width = surfaceLegend(surface, contents, choices.colour, bar_height);
-  if (!choices.lattice) return;
-  const float left = width > 0 ? corner.x + width + px(lattice_legend_gap) : corner.x;
-  Legend lattice(draw, {left, corner.y}, true);
-  if (choices.errors) {
-    errorBar(lattice, bar_height, "error bound, % of the force");
-    return;
+  surfaceLegend(surface, contents, choices.colour, bar_height);
+  float right = corner.x + surface.width(), top = surface.top();
+  if (choices.lattice) {
+    const float left = surface.width() > 0 ? right + px(lattice_legend_gap) : corner.x;
+    Legend lattice(draw, {left, corner.y}, true);
+    latticeLegend(lattice, choices.errors, bar_height);
+    right = left + lattice.width();
+    top = std::min(top, lattice.top());
   }
-  for (const Tag tag : {Tag::unknown, Tag::failed, Tag::terminating, Tag::expandable})
-    lattice.swatch(colourOf(tag), std::string(name(tag)));
+  return {{corner.x, top}, {right, corner.y}};
 }
 
 }  // namespace palpate

@@ -30,9 +30,9 @@ struct ViewChoices {
 /// The number at an arrow. Metres, scene frame.
 struct ViewLabel {
   Eigen::Vector3d from = Eigen::Vector3d::Zero(), at = Eigen::Vector3d::Zero();  ///< the arrow
-  /// What it must not cover beside the arrow: a line as thick as the tool.
+  /// What it must not cover beside the arrow: the tip of the tool, and its handle from there.
   std::array<Eigen::Vector3d, 2> tool = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-  double tool_radius = 0;
+  double tip_radius = 0, handle_radius = 0;
   std::string text;        ///< empty: none
   bool uncertain = false;  ///< the arrow is amber, and says why
 };

@@ -131,10 +131,16 @@ struct Picture::Impl {
     return longest_arrow * inUse().sphere().radius / full_force * force;
   }
 
-  ViewLabel labelOf(const HapticState& state) const {
+  ViewLabel labelOf(const HapticState& state, const Eigen::Vector3d& force, std::string text,
+                    bool uncertain) const {
     const ToolView& tool = stage->tool();
-    return {state.tool,       state.tool + arrowOf(state.force), tool.axis(), tool.radius(),
-            forceText(state), isUncertain(state.touch)};
+    return {.from = state.tool,
+            .at = state.tool + arrowOf(force),
+            .tool = tool.axis(),
+            .tip_radius = tool.radius(),
+            .handle_radius = tool.handleRadius(),
+            .text = std::move(text),
+            .uncertain = uncertain};
   }
 
   BesideContents besideContents(const HapticState& state) const {
@@ -147,36 +153,31 @@ struct Picture::Impl {
                            "of one mesh to compare them.";
       return all;
     }
-    const ToolView& tool = stage->tool();
     const Touch& touch = *beside->touch;
     all.force = touch.force.norm();
-    all.label = {state.tool,
-                 state.tool + arrowOf(touch.force),
-                 tool.axis(),
-                 tool.radius(),
-                 tissueForceText(touch),
-                 isUncertain(touch)};
+    all.label = labelOf(state, touch.force, tissueForceText(touch), isUncertain(touch));
     return all;
   }
 
   PanelContents contents(const HapticState& state, const PictureStatus& status) const {
     const HapticModel& now = inUse().model();
     const SpaceTable& table = now.spaces()[at(stage->lattice().space())];
-    PanelContents all{.state = state,
-                      .status = status,
-                      .history = history,
-                      .lamps = lamps,
-                      .camera = stage->camera(),
-                      .keys = window.keys(),
-                      .dataset = now.name(),
-                      .tissue = tissueText(now.regions()),
-                      .middle = inUse().sphere().centre,
-                      .full_colour = inUse().fullColour(),
-                      .untouchable = inUse().hasUntouchable(),
-                      .lattice_radius = table.lattice.radius(),
-                      .lattice_name = table.patch.name,
-                      .label = labelOf(state),
-                      .hand = control.marks()};
+    PanelContents all{
+        .state = state,
+        .status = status,
+        .history = history,
+        .lamps = lamps,
+        .camera = stage->camera(),
+        .keys = window.keys(),
+        .dataset = now.name(),
+        .tissue = tissueText(now.regions()),
+        .middle = inUse().sphere().centre,
+        .full_colour = inUse().fullColour(),
+        .untouchable = inUse().hasUntouchable(),
+        .lattice_radius = table.lattice.radius(),
+        .lattice_name = table.patch.name,
+        .label = labelOf(state, state.force, forceText(state), isUncertain(state.touch)),
+        .hand = control.marks()};
     const auto method = static_cast<std::size_t>(state.method);
     for (const auto& each : shown)
       all.models.push_back({each->model().name(), each->model().preparedShare(method)});

@@ -63,6 +63,10 @@ double ToolView::radius() const {
   return shape_.form == ToolForm::point ? point_radius * extent_ : shape_.radius;
 }
 
+double ToolView::handleRadius() const {
+  return shape_.form == ToolForm::finger ? shape_.radius : handle_radius * extent_;
+}
+
 std::array<Eigen::Vector3d, 2> ToolView::axis() const {
   const Eigen::Vector3d middle =
       shape_.form == ToolForm::disc ? pose_.tip : pose_.tip + radius() * pose_.outward;
@@ -101,14 +105,14 @@ void ToolView::drawTool(double opacity) const {
       paint(steel);
       ball_.draw(ends[0], pose_.outward, r, r);
       paint(grip);
-      handle_.draw(ends[0], pose_.handle, handle_radius * extent_, length);
+      handle_.draw(ends[0], pose_.handle, handleRadius(), length);
       break;
     case ToolForm::disc:
       paint(steel);
       disc_.draw(pose_.tip, pose_.outward, r, disc_height * r);
       paint(grip);
-      handle_.draw(pose_.tip + 0.5 * disc_height * r * pose_.outward, pose_.handle,
-                   handle_radius * extent_, length);
+      handle_.draw(pose_.tip + 0.5 * disc_height * r * pose_.outward, pose_.handle, handleRadius(),
+                   length);
       break;
     case ToolForm::finger:
       paint(glove);

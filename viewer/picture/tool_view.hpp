@@ -44,10 +44,11 @@ class ToolView {
   /// Only while nothing is touched.
   void setSkin(const SkinBelow& skin, bool free);
 
-  /// The thick part of the tool as a line with a radius, for what is not to cover it: the middle of
-  /// its tip, and the end of its handle.
+  /// The middle of the tip, and the end of the handle.
   std::array<Eigen::Vector3d, 2> axis() const;
-  double radius() const;  ///< m, of the tip as it is drawn
+  // m, as they are drawn.
+  double radius() const;  ///< of the tip
+  double handleRadius() const;
 
  private:
   void draw() const;

@@ -78,7 +78,7 @@ void drawBanners(ImDrawList& draw, const PictureStatus& status, bool help, float
 
 }  // namespace
 
-ThickLine drawNames(ImDrawList& draw, const std::vector<std::string>& names, float left,
+ScreenBox drawNames(ImDrawList& draw, const std::vector<std::string>& names, float left,
                     float width) {
   const float line = ImGui::GetTextLineHeightWithSpacing(), right = left + width - px(margin);
   float y = px(margin), begin = right;
@@ -89,12 +89,11 @@ ThickLine drawNames(ImDrawList& draw, const std::vector<std::string>& names, flo
     begin = std::min(begin, right - wide);
     y += line;
   }
-  const double middle = (px(margin) + y) / 2;
-  return {{begin, middle}, {right, middle}, (y - px(margin)) / 2};
+  return {{begin, px(margin)}, {right, y}};
 }
 
 void drawLabel(ImDrawList& draw, const ViewLabel& label, const OrbitCamera& camera, float left,
-               ImVec2 size, const ThickLine& names) {
+               ImVec2 size, std::span<const ScreenBox> taken) {
   const double depth = camera.project(label.at).z();
   if (label.text.empty() || !(depth > 0)) return;
   const Eigen::Vector2d origin(left, 0);
@@ -103,13 +102,14 @@ void drawLabel(ImDrawList& draw, const ViewLabel& label, const OrbitCamera& came
   };
   const ThickLine arrow = {seen(label.from), seen(label.at), px(arrow_width)};
   const double pixels = size.y / camera.moveInPlane(label.tool[0], 0, 1).norm();  // per metre
-  const ThickLine tool = {seen(label.tool[0]), seen(label.tool[1]), pixels * label.tool_radius};
+  const Eigen::Vector2d tip = seen(label.tool[0]), end = seen(label.tool[1]);
+  const std::array<ThickLine, 2> tool = {
+      {{tip, tip, pixels * label.tip_radius}, {tip, end, pixels * label.handle_radius}}};
   const ImVec2 text = ImGui::CalcTextSize(label.text.c_str());
   const Eigen::Vector2d padding(px(label_padding_x), px(label_padding_y));
   const Eigen::Vector2d edge(view_edge, view_edge);
-  const ScreenBox box =
-      placeLabel(arrow, screenPoint(text) + 2 * padding,
-                 {origin + edge, origin + screenPoint(size) - edge}, std::array{tool, names});
+  const ScreenBox box = placeLabel(arrow, screenPoint(text) + 2 * padding,
+                                   {origin + edge, origin + screenPoint(size) - edge}, tool, taken);
   draw.AddRectFilled(imPoint(box.from), imPoint(box.to), paper, px(4));
   draw.AddText(imPoint(box.from + padding), label.uncertain ? amber_ink : ink, label.text.c_str());
 }
@@ -126,10 +126,10 @@ void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
   const ImVec2 size = {static_cast<float>(view.width), static_cast<float>(view.height)};
   draw.PushClipRect({0, 0}, size);
   drawScaleAndAxes(draw, contents, size);
-  drawLegends(draw, contents, choices, size);
-  const ThickLine names =
-      drawNames(draw, {contents.dataset, contents.tissue, "H: help"}, 0, size.x);
-  drawLabel(draw, contents.label, contents.camera, 0, size, names);
+  const std::array<ScreenBox, 2> taken = {
+      drawLegends(draw, contents, choices, size),
+      drawNames(draw, {contents.dataset, contents.tissue, "H: help"}, 0, size.x)};
+  drawLabel(draw, contents.label, contents.camera, 0, size, taken);
   drawBanners(draw, contents.status, choices.help, size.x);
   draw.PopClipRect();
 }

@@ -11,8 +11,9 @@ namespace {
 constexpr double label_wide = 120, label_high = 22;
 const ScreenBox whole_view = {{4, 4}, {976, 618}};
 
-ScreenBox labelOfArrow(const ThickLine& arrow, std::span<const ThickLine> clear = {}) {
-  return placeLabel(arrow, {label_wide, label_high}, whole_view, clear);
+ScreenBox labelOfArrow(const ThickLine& arrow, std::span<const ThickLine> clear = {},
+                       std::span<const ScreenBox> taken = {}) {
+  return placeLabel(arrow, {label_wide, label_high}, whole_view, clear, taken);
 }
 
 TEST(LabelPlace, IsBeyondTheTipOfAnArrowInAnyDirection) {
@@ -53,6 +54,16 @@ TEST(LabelPlace, OfAnArrowTowardTheEyeIsAboveIt) {
   const ScreenBox box = labelOfArrow(arrow);
   EXPECT_FALSE(covers(box, arrow));
   EXPECT_LT(box.to.y(), 300);
+}
+
+TEST(LabelPlace, IsClearOfLegends) {
+  const ScreenBox legend = {{18, 400}, {120, 610}};
+  const ThickLine arrow = {{270, 425}, {150, 450}, 6};
+  const ScreenBox box = labelOfArrow(arrow, {}, std::array{legend});
+  EXPECT_FALSE(covers(box, arrow));
+  EXPECT_LT(((box.from + box.to) / 2 - arrow.to).norm(), 150) << "and still near the arrow";
+  EXPECT_TRUE((box.from.array() > legend.to.array()).any() ||
+              (box.to.array() < legend.from.array()).any());
 }
 
 TEST(LabelPlace, CoversWhatABoxTouches) {
