@@ -57,7 +57,7 @@ std::vector<Eigen::Vector2d> touchableOnScreen(const TouchSurface& surface,
 Eigen::Vector2d besideTheBody(const TouchSurface& surface, const OrbitCamera& camera) {
   for (double away = 0.25; away < 0.65; away += 0.05)
     for (const double side : {1.0, -1.0}) {
-      const Eigen::Vector2d place = {side * away, -0.3 * away};
+      Eigen::Vector2d place = {side * away, -0.3 * away};
       if (!placeUnder(surface, camera, place)) return place;
     }
   return {0.6, -0.2};
