@@ -1,0 +1,107 @@
+#!/usr/bin/python3
+"""Writes index.html over what deploy/gallery made in a folder: pictures, tables, links. Needs no other file but those there.
+
+    deploy/scenes/gallery_index.py FOLDER NAME... [--markdown]     (the tables alone, as docs/gallery.md has them)
+"""
+import html
+import json
+import pathlib
+import sys
+import tomllib
+
+SCENES = pathlib.Path(__file__).resolve().parent
+
+
+def scene_file(name):
+    return SCENES / name / ("liver-surface.toml" if name == "liver" else f"{name}.toml")
+
+
+def title(name):
+    """The first sentence of the scene's comment."""
+    comment = ""
+    for line in scene_file(name).read_text(encoding="utf-8").splitlines():
+        if not line.startswith("# "):
+            break
+        comment += line[2:] + " "
+    return comment.split(". ")[0].split(": ")[0].strip().rstrip(".")
+
+
+def seconds_of(folder, name):
+    """Elapsed and processor seconds of all runs of the build."""
+    runs = [list(map(float, line.split())) for line in (folder / f"{name}.times").read_text(encoding="utf-8").splitlines()]
+    return sum(run[0] for run in runs), sum(run[1] + run[2] for run in runs)
+
+
+def percent(share):
+    return "-" if share is None else f"{100 * share:.2g} %"
+
+
+def size(file):
+    return f"{file.stat().st_size / 1e6:.1f} MB" if file.exists() else "-"
+
+
+def rows(folder, name):
+    """What the table of a scene says: (property, value)."""
+    scene = tomllib.loads(scene_file(name).read_text(encoding="utf-8"))
+    check = json.loads((folder / f"{name}.check").read_text(encoding="utf-8"))
+    report = json.loads((folder / f"{name}.report").read_text(encoding="utf-8"))
+    mesh, (dataset,), (area,) = check["mesh"], report["datasets"], report["areas"]
+    extent = " x ".join(f"{1e3 * (b - a):.0f}" for a, b in zip(mesh["lowest"], mesh["highest"]))
+    tags = {}
+    for node in report["nodes"]:
+        for tag, count in node["points"].items():
+            tags[tag] = tags.get(tag, 0) + count
+    failures = ", ".join(f"{found['points']} {cause}" for cause, found in report["failures"].items() if found["points"])
+    elapsed, processor = seconds_of(folder, name)
+    probes = area["probes"]
+    measured = probes["area"]
+    (active,) = scene["active"]
+    unit = {"m": 1e3, "cm": 10, "mm": 1}[scene["length_unit"]]
+    return [
+        ("size", f"{extent} mm, {1e3 * mesh['volume']:.2f} litres"),
+        ("mesh", f"{mesh['nodes']} nodes, {mesh['tetrahedra']} tetrahedra, edges {1e3 * mesh['edge']['mean']:.1f} mm"),
+        ("materials", "; ".join(f"{region['group'] or name}: {region['law']}" for region in check["regions"])),
+        ("held", f"{check['fixed_nodes']} nodes"),
+        ("finger", f"radius {unit * active['radius']:.0f} mm, pressed by up to {1e3 * dataset['radius']:.0f} mm, "
+                   f"cells of {1e3 * dataset['spacing']:.1f} mm and smaller"),
+        ("computed", f"{area['sites']} sites, {dataset['configurations']} configurations"),
+        ("failed", failures or "none"),
+        ("build", f"{elapsed:.0f} s, {processor:.0f} s of processors"),
+        ("file, page", f"{size(folder / f'{name}.h5')}, {size(folder / f'{name}.html')}"),
+        ("largest force solved", f"{max(node['largest_force'] for node in report['nodes']):.1f} N"),
+        ("error bound of the force", f"median {percent(area['relative_bound']['median'])}, "
+                                     f"95 % below {percent(area['relative_bound']['percentile_95'])}"),
+        ("error at exact solutions held out", f"median {percent(measured['relative']['median'])}, "
+         f"95 % below {percent(measured['relative']['percentile_95'])}, {percent(measured['within_target'])} of "
+         f"{measured['count']} within 3 % or 10 mN; the bound holds at {percent(measured['bound_holds'])}"),
+    ]
+
+
+def page(folder, names):
+    parts = ["""<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">
+<title>Palpate: gallery</title><style>
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 64em; margin: 2em auto; padding: 0 1em; color: #222 }
+section { margin: 3em 0 } img { width: 100%; border-radius: 6px } td { padding: .15em 1em .15em 0; vertical-align: top }
+td:first-child { color: #777; white-space: nowrap }
+</style><h1>Palpate: gallery</h1><p>Bodies that can be touched everywhere. Press a picture to touch one.</p>"""]
+    for name in names:
+        touch, picture = (folder / f"{name}.{ending}" for ending in ("html", "png"))
+        shown = f'<img src="{name}.png" alt="{name}">' if picture.exists() else f"<h3>{name}: no picture</h3>"
+        linked = f'<a href="{name}.html">{shown}</a>' if touch.exists() else shown
+        cells = "".join(f"<tr><td>{html.escape(what)}<td>{html.escape(value)}" for what, value in rows(folder, name))
+        parts.append(f"<section><h2>{html.escape(title(name))}</h2>{linked}<table>{cells}</table></section>")
+    return "\n".join(parts) + "</html>\n"
+
+
+def main():
+    folder, names = pathlib.Path(sys.argv[1]), [word for word in sys.argv[2:] if word != "--markdown"]
+    if "--markdown" in sys.argv:
+        for name in names:
+            print(f"\n{name}\n\n| | |\n| --- | --- |")
+            print("".join(f"| {what} | {value} |\n" for what, value in rows(folder, name)), end="")
+        return
+    (folder / "index.html").write_text(page(folder, names), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,162 @@
+"""Finds a stiff ball under layered skin from forces alone, as a physician knows healthy skin: its layers, not what lies in them.
+
+The top of the skin is pressed at places of a grid, everywhere by the same depth d, and the force F = k d noted. Where a stiff
+ball lies below, k is larger. To the first order in the volume of the ball it is larger by something in proportion to <e:e>, the
+mean over the ball of the square of the deviatoric strain that the finger, pressed by 1, makes in healthy skin (Eshelby, Proc. R.
+Soc. A 241, 1957). That strain is found from one axisymmetric linear problem: the finger on layers that reach far. So the bump of
+k lies over the ball, and is the wider the deeper the ball lies. What k does towards the sides of the block is fitted by
+polynomials with the block's symmetry.
+"""
+import dataclasses
+
+import numpy as np
+import scipy.interpolate
+import scipy.optimize
+import scipy.sparse
+import scipy.sparse.linalg
+
+STEP = 0.0005  # m: elements of the healthy skin
+FAR = 0.036  # m: radius of the healthy skin
+POISSON = 0.4995
+RADIUS = 0.005  # m: of the balls that are looked for; the shape of the bump hardly depends on it
+FELT = 0.07
+
+
+@dataclasses.dataclass
+class Felt:
+    place: np.ndarray  # x, y of the centre of what was found, m
+    depth: float  # of the centre, m
+    height: float  # of the bump: how much stiffer the skin is over the ball, as a share of how stiff it were without
+
+    @property
+    def found(self):
+        """A hand feels differences of about 7 %."""
+        return self.height > FELT
+
+
+def weight(r, radius):
+    """Of a finger, at the distance r from its middle."""
+    return np.where(r < radius, (1 - (r / radius) ** 2) ** 2, 0)
+
+
+def strain_matrices(r, z, corner_r, corner_z):
+    """B of (e_rr, e_zz, e_tt, 2 e_rz) at a point of a rectangle, for u_r, u_z of its four corners in turn; 4 x 8."""
+    (r0, r1), (z0, z1) = corner_r, corner_z
+    a, b = (r - r0) / (r1 - r0), (z - z0) / (z1 - z0)
+    shape = np.array([(1 - a) * (1 - b), a * (1 - b), a * b, (1 - a) * b])
+    by_r = np.array([-(1 - b), 1 - b, b, -b]) / (r1 - r0)
+    by_z = np.array([-(1 - a), -a, a, 1 - a]) / (z1 - z0)
+    result = np.zeros((4, 8))
+    result[0, 0::2] = by_r
+    result[1, 1::2] = by_z
+    result[2, 0::2] = shape / r
+    result[3, 0::2], result[3, 1::2] = by_z, by_r
+    return result
+
+
+def healthy_strain(layers, finger):
+    """e:e over (r, depth) in skin of `layers`, (thickness m, shear modulus Pa) from above, on a rigid ground, when the weighted
+    mean displacement under a finger of that radius is 1; as an interpolant of points (r, depth). Rectangles, with the dilatation
+    of each in the mean alone (B-bar, Hughes 1980), so that nearly incompressible layers do not lock."""
+    thickness = sum(thick for thick, _ in layers)
+    columns, rows = round(FAR / STEP), round(thickness / STEP)
+    r, z = np.arange(columns + 1) * STEP, np.arange(rows + 1) * STEP  # z from the ground up
+    modulus = np.empty(rows)
+    below = thickness
+    for thick, mu in layers:
+        modulus[round((below - thick) / STEP):round(below / STEP)] = mu
+        below -= thick
+    gauss = STEP / 2 * (1 + np.array([-1, 1]) / np.sqrt(3))
+    shear = np.diag([2, 2, 2, 1.0])
+    volumetric = np.array([1, 1, 1, 0.0])
+
+    unit, strains = [], []  # of an element of unit shear modulus in each column; those of a row differ by their modulus alone
+    for i in range(columns):
+        points = [(r[i] + a, b) for a in gauss for b in gauss]
+        b = [strain_matrices(at_r, at_z, (r[i], r[i + 1]), (0, STEP)) for at_r, at_z in points]
+        w = [2 * np.pi * at_r * STEP ** 2 / 4 for at_r, _ in points]
+        mean = sum(w_g * volumetric @ b_g for w_g, b_g in zip(w, b)) / sum(w)
+        bar = [b_g + np.outer(volumetric / 3, mean - volumetric @ b_g) for b_g in b]
+        lame = 2 * POISSON / (1 - 2 * POISSON)
+        unit.append(sum(w_g * (b_g.T @ shear @ b_g + lame * np.outer(mean, mean)) for w_g, b_g in zip(w, bar)))
+        strains.append((bar, w))
+    number = np.arange((columns + 1) * (rows + 1)).reshape(columns + 1, rows + 1)
+    corners = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1)
+    unknowns = np.stack([2 * corners, 2 * corners + 1], axis=-1).reshape(columns, rows, 8)
+    values = np.array(unit)[:, None] * modulus[None, :, None, None]
+    at = np.broadcast_arrays(unknowns[..., :, None], unknowns[..., None, :])
+    stiffness = scipy.sparse.csr_matrix((values.ravel(), (at[0].ravel(), at[1].ravel())))
+
+    load = np.zeros(stiffness.shape[0])  # -> unit total, by the weight of the finger
+    for i in range(columns):
+        for at_r in r[i] + gauss:
+            share = weight(at_r, finger) * 2 * np.pi * at_r * STEP / 2
+            load[2 * number[i, -1] + 1] += share * (r[i + 1] - at_r) / STEP
+            load[2 * number[i + 1, -1] + 1] += share * (at_r - r[i]) / STEP
+    load /= load.sum()
+    held = np.zeros(len(load), bool)
+    held[2 * number[:, 0]] = held[2 * number[:, 0] + 1] = held[2 * number[0]] = True
+    free = np.flatnonzero(~held)
+    u = np.zeros(len(load))
+    u[free] = scipy.sparse.linalg.spsolve(stiffness[free][:, free].tocsc(), load[free])
+    u /= load @ u
+
+    squares = np.empty((columns, rows))
+    for i, (bar, w) in enumerate(strains):
+        e = np.einsum("gab,jb->gja", np.array(bar), u[unknowns[i]])
+        e[:, :, :3] -= e[:, :, :3].mean(axis=2, keepdims=True)
+        squares[i] = np.array(w) @ (e[..., :3] ** 2).sum(axis=2).reshape(4, rows) + np.array(w) @ (e[..., 3] ** 2 / 2)
+        squares[i] /= sum(w)
+    middle_r, middle_z = (r[1:] + r[:-1]) / 2, (z[1:] + z[:-1]) / 2
+    return scipy.interpolate.RegularGridInterpolator((middle_r, thickness - middle_z[::-1]), squares[:, ::-1],
+                                                     bounds_error=False, fill_value=None)
+
+
+def ball_points(count=200):
+    """Evenly in the unit ball (count x 3), the same ones always."""
+    i = np.arange(count) + 0.5
+    radius, polar, turn = (i / count) ** (1 / 3), np.arccos(1 - 2 * ((i * 0.6180339887) % 1)), 2 * np.pi * i * 0.7548776662
+    return radius[:, None] * np.stack([np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar)], axis=1)
+
+
+def mean_strain(strain, r, depth):
+    """<e:e> over a ball with its centre so deep, at the distances r from the finger."""
+    offsets = RADIUS * ball_points()
+    along = np.hypot(r[:, None] + offsets[:, 0], offsets[:, 1])
+    deep = np.broadcast_to(depth + offsets[:, 2], along.shape)
+    return strain(np.stack([along, deep], axis=-1)).mean(axis=1)
+
+
+def smooth_columns(places, half):
+    """Polynomials with the symmetry of a square block up to the eighth order, one column each."""
+    x, y = (places / half).T ** 2
+    return np.stack([x ** i * y ** j + x ** j * y ** i for i in range(5) for j in range(i + 1) if i + j < 5], axis=1)
+
+
+def feel(places, stiffness, layers, finger, half):
+    """What lies under the skin, from the stiffness k (N/m) at places (n x 2, m from the middle of the block).
+
+    layers   of healthy skin, (thickness m, shear modulus Pa) from above; balls lie in the last one
+    finger   its radius, m
+    half     of the width of the block, m
+    """
+    strain = healthy_strain(layers, finger)
+    above = sum(thick for thick, _ in layers[:-1]) + RADIUS
+    lowest = np.array([-half, -half, above])
+    highest = np.array([half, half, above + layers[-1][0] - 2 * RADIUS])
+    smooth = smooth_columns(places, half)
+
+    def fitted(ball):
+        """The bump of a ball at (x, y, depth), how high it is, what is smooth, and what both leave unexplained."""
+        bump = mean_strain(strain, np.hypot(*(places - ball[:2]).T), ball[2])
+        columns = np.column_stack([bump, smooth])
+        solution = np.linalg.lstsq(columns, stiffness, rcond=None)[0]
+        return solution[0] * bump, smooth @ solution[1:], stiffness - columns @ solution
+
+    starts = [(x, y, (lowest[2] + highest[2]) / 2) for x in (-half / 2, 0, half / 2) for y in (-half / 2, 0, half / 2)]
+    tries = [scipy.optimize.least_squares(lambda ball: fitted(ball)[2], start, x_scale=0.005, bounds=(lowest, highest))
+             for start in starts]
+    stiffer = [one for one in tries if fitted(one.x)[0].sum() > 0] or tries
+    best = min(stiffer, key=lambda one: one.cost)
+    bump, without, _ = fitted(best.x)
+    return Felt(best.x[:2], best.x[2], (bump / without).max())
