@@ -1,11 +1,12 @@
-"""Finds a stiff ball under layered skin from forces alone, as a physician knows healthy skin: its layers, not what lies in them.
+"""Finds a stiff ball under layered skin from forces alone. As a physician does, it knows healthy skin: its layers, not
+what lies in them.
 
-The top of the skin is pressed at places of a grid, everywhere by the same depth d, and the force F = k d noted. Where a stiff
-ball lies below, k is larger. To the first order in the volume of the ball it is larger by something in proportion to <e:e>, the
-mean over the ball of the square of the deviatoric strain that the finger, pressed by 1, makes in healthy skin (Eshelby, Proc. R.
-Soc. A 241, 1957). That strain is found from one axisymmetric linear problem: the finger on layers that reach far. So the bump of
-k lies over the ball, and is the wider the deeper the ball lies. What k does towards the sides of the block is fitted by
-polynomials with the block's symmetry.
+The top of the skin is pressed at places of a grid, everywhere by the same depth d, and the force F = k d noted. Where a
+stiff ball lies below, k is larger. To the first order in the volume of the ball it is larger by something in proportion
+to <e:e>, the mean over the ball of the square of the deviatoric strain that the finger, pressed by 1, makes in healthy
+skin (Eshelby, Proc. R. Soc. A 241, 1957). That strain is found from one axisymmetric linear problem: the finger on layers
+that reach far. So the bump of k lies over the ball, and is the wider the deeper the ball lies. What k does towards the
+sides of the block is fitted by polynomials with the block's symmetry.
 """
 import dataclasses
 
@@ -55,9 +56,9 @@ def strain_matrices(r, z, corner_r, corner_z):
 
 
 def healthy_strain(layers, finger):
-    """e:e over (r, depth) in skin of `layers`, (thickness m, shear modulus Pa) from above, on a rigid ground, when the weighted
-    mean displacement under a finger of that radius is 1; as an interpolant of points (r, depth). Rectangles, with the dilatation
-    of each in the mean alone (B-bar, Hughes 1980), so that nearly incompressible layers do not lock."""
+    """e:e over (r, depth) in skin of `layers`, (thickness m, shear modulus Pa) from above, on a rigid ground, when the
+    weighted mean displacement under a finger of that radius is 1; as an interpolant of points (r, depth). Rectangles, with
+    the dilatation of each in the mean alone (B-bar, Hughes 1980), so that nearly incompressible layers do not lock."""
     thickness = sum(thick for thick, _ in layers)
     columns, rows = round(FAR / STEP), round(thickness / STEP)
     r, z = np.arange(columns + 1) * STEP, np.arange(rows + 1) * STEP  # z from the ground up
@@ -70,7 +71,7 @@ def healthy_strain(layers, finger):
     shear = np.diag([2, 2, 2, 1.0])
     volumetric = np.array([1, 1, 1, 0.0])
 
-    unit, strains = [], []  # of an element of unit shear modulus in each column; those of a row differ by their modulus alone
+    unit, strains = [], []  # of an element of unit shear modulus in each column; those of a row differ by it alone
     for i in range(columns):
         points = [(r[i] + a, b) for a in gauss for b in gauss]
         b = [strain_matrices(at_r, at_z, (r[i], r[i + 1]), (0, STEP)) for at_r, at_z in points]
@@ -115,8 +116,10 @@ def healthy_strain(layers, finger):
 def ball_points(count=200):
     """Evenly in the unit ball (count x 3), the same ones always."""
     i = np.arange(count) + 0.5
-    radius, polar, turn = (i / count) ** (1 / 3), np.arccos(1 - 2 * ((i * 0.6180339887) % 1)), 2 * np.pi * i * 0.7548776662
-    return radius[:, None] * np.stack([np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar)], axis=1)
+    radius, polar = (i / count) ** (1 / 3), np.arccos(1 - 2 * ((i * 0.6180339887) % 1))
+    turn = 2 * np.pi * i * 0.7548776662
+    directions = np.stack([np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar)], axis=1)
+    return radius[:, None] * directions
 
 
 def mean_strain(strain, r, depth):
