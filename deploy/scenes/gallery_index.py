@@ -33,11 +33,26 @@ def seconds_of(folder, name):
 
 
 def percent(share):
-    return "-" if share is None else f"{100 * share:.2g} %"
+    return "-" if share is None else f"{100 * share:.{1 if share < 0.1 else 0}f} %"
 
 
 def size(file):
     return f"{file.stat().st_size / 1e6:.1f} MB" if file.exists() else "-"
+
+
+def accuracy(report):
+    """Of a finger on a surface its error bound too; else what is measured at every vertex."""
+    area = report["areas"][0] if report["areas"] else None
+    if area:
+        yield "error bound of the force", (f"median {percent(area['relative_bound']['median'])}, "
+                                           f"95 % below {percent(area['relative_bound']['percentile_95'])}")
+        measured = area["probes"]["area"]
+    else:
+        measured = report["lattices"][report["measured_lattice"]]["methods"][report["methods"][0]]["whole_ball"]
+    yield "error at exact solutions held out", (
+        f"median {percent(measured['relative']['median'])}, 95 % below {percent(measured['relative']['percentile_95'])}, "
+        f"{percent(measured['within_target'])} of {measured['count']} within 3 % or 10 mN; "
+        f"the bound holds at {percent(measured['bound_holds'])}")
 
 
 def rows(folder, name):
@@ -45,7 +60,7 @@ def rows(folder, name):
     scene = tomllib.loads(scene_file(name).read_text(encoding="utf-8"))
     check = json.loads((folder / f"{name}.check").read_text(encoding="utf-8"))
     report = json.loads((folder / f"{name}.report").read_text(encoding="utf-8"))
-    mesh, (dataset,), (area,) = check["mesh"], report["datasets"], report["areas"]
+    mesh, (dataset,) = check["mesh"], report["datasets"]
     extent = " x ".join(f"{1e3 * (b - a):.0f}" for a, b in zip(mesh["lowest"], mesh["highest"]))
     tags = {}
     for node in report["nodes"]:
@@ -53,8 +68,6 @@ def rows(folder, name):
             tags[tag] = tags.get(tag, 0) + count
     failures = ", ".join(f"{found['points']} {cause}" for cause, found in report["failures"].items() if found["points"])
     elapsed, processor = seconds_of(folder, name)
-    probes = area["probes"]
-    measured = probes["area"]
     (active,) = scene["active"]
     unit = {"m": 1e3, "cm": 10, "mm": 1}[scene["length_unit"]]
     return [
@@ -63,17 +76,13 @@ def rows(folder, name):
         ("materials", "; ".join(f"{region['group'] or name}: {region['law']}" for region in check["regions"])),
         ("held", f"{check['fixed_nodes']} nodes"),
         ("finger", f"radius {unit * active['radius']:.0f} mm, pressed by up to {1e3 * dataset['radius']:.0f} mm, "
-                   f"cells of {1e3 * dataset['spacing']:.1f} mm and smaller"),
-        ("computed", f"{area['sites']} sites, {dataset['configurations']} configurations"),
+                   f"cells of {1e3 * dataset['spacing']:.0f} mm" + (", halved where needed" if scene["accuracy"]["levels"] else "")),
+        ("computed", f"{len(check['active'])} places of the finger, {dataset['configurations']} configurations"),
         ("failed", failures or "none"),
         ("build", f"{elapsed:.0f} s, {processor:.0f} s of processors"),
         ("file, page", f"{size(folder / f'{name}.h5')}, {size(folder / f'{name}.html')}"),
         ("largest force solved", f"{max(node['largest_force'] for node in report['nodes']):.1f} N"),
-        ("error bound of the force", f"median {percent(area['relative_bound']['median'])}, "
-                                     f"95 % below {percent(area['relative_bound']['percentile_95'])}"),
-        ("error at exact solutions held out", f"median {percent(measured['relative']['median'])}, "
-         f"95 % below {percent(measured['relative']['percentile_95'])}, {percent(measured['within_target'])} of "
-         f"{measured['count']} within 3 % or 10 mN; the bound holds at {percent(measured['bound_holds'])}"),
+        *accuracy(report),
     ]
 
 

@@ -2,6 +2,8 @@
 
 A mesh is `points` (n x 3, m), `tetrahedra` (m x 4, node numbers from 0) and `part` (m, an index into names of parts).
 """
+import pathlib
+
 import numpy as np
 
 FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # of a tetrahedron of positive volume, seen from outside
@@ -9,7 +11,7 @@ FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # of a tetrahedr
 
 def read_mesh(file):
     """Points, tetrahedra and the numbers of their physical groups, of a Gmsh file of version 2.2; and the groups' names."""
-    lines = iter(open(file, encoding="utf-8").read().splitlines())
+    lines = iter(pathlib.Path(file).read_text(encoding="utf-8").splitlines())
     names, elements = {}, []
     for line in lines:
         if line == "$PhysicalNames":
