@@ -56,8 +56,10 @@ class ViewSession {
     if (!options_.video.empty()) video_.emplace(options_.video);
     // The device last: until then nothing that fails leaves it with a force.
     loaded_ = load();
-    if (!options_.headless)
-      openPicture(options_.tutorial || (options_.device == window_device && firstStart()));
+    if (!options_.headless) openPicture();
+    // Not before the window is there: a first start that fails is none.
+    if (options_.tutorial || (picture_ && options_.device == window_device && firstStart()))
+      picture_->playTutorial();
     prepareFirst();
     device_ = openDevice(options_.device,
                          {&loaded_->first(), 1 / options_.rate, wantedProfile(), options_.keys});
@@ -103,10 +105,9 @@ class ViewSession {
     return std::make_unique<LoadedModels>(options_.datasets, model_options);
   }
 
-  void openPicture(bool tutorial) {
+  void openPicture() {
     PictureOptions picture_options;
     picture_options.visible = options_.video.empty() || !options_.fast;
-    picture_options.tutorial = tutorial;
     picture_ = std::make_unique<Picture>(loaded_->pointers(), picture_options);
   }
 
@@ -307,7 +308,7 @@ class ViewSession {
     tick_.reset();
     picture_.reset();
     loaded_ = std::move(fresh);
-    openPicture(false);
+    openPicture();
     makeTick();
     if (!stepped()) loaded_->prepareTheRest();
     status_.notice.clear();

@@ -174,6 +174,12 @@ TEST_F(ViewTest, DrawsWhileTheLoopKeepsItsTime) {
 TEST_F(ViewTest, TheFirstStartInAWindowShowsHowTheMousePressesAndNoOtherDoes) {
   const test::VirtualScreen screen;
   const std::vector<std::string> arguments = {"cube.h5", "--duration", "3.5", "--json"};
+  {
+    const std::string display = std::getenv("DISPLAY");
+    unsetenv("DISPLAY");
+    EXPECT_EQ(start(arguments)->wait(), 1) << "this one saw no window";
+    setenv("DISPLAY", display.c_str(), 1);
+  }
   for (const bool first : {true, false}) {
     auto run = start(arguments);
     EXPECT_EQ(measuredBy(*run).at("contacts") > 0, first);

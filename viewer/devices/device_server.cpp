@@ -165,7 +165,8 @@ void DeviceServer::sendReading(const DeviceReading& reading) {
   while (now - sent_.front() > longest_validity) sent_.pop_front();
   setVector(content, reading.position);
   content.set_buttons(reading.buttons);
-  content.set_lost(reading.status == DeviceStatus::lost);
+  // The far side knows no hand that is away: its position means as little.
+  content.set_lost(reading.status == DeviceStatus::lost || reading.status == DeviceStatus::away);
   content.set_trouble(trouble_);
   // A client that does not read misses it.
   if (sendDeviceMessage(socket_, holder_, message)) count(&State::readings);

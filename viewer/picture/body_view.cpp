@@ -25,15 +25,6 @@ constexpr float ghost_fill_opacity = 0.22F;
 // second all of it.
 constexpr double ghost_begins = 0.008, ghost_whole = 0.03;
 
-FramedSphere sphereAround(const std::vector<Eigen::Vector3d>& vertices) {
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& vertex : vertices) box.extend(vertex);
-  FramedSphere sphere{box.center(), 0};
-  for (const Eigen::Vector3d& vertex : vertices)
-    sphere.radius = std::max(sphere.radius, (vertex - sphere.centre).norm());
-  return sphere;
-}
-
 std::vector<bool> touchableTriangles(const TouchSurface& surface) {
   std::vector<bool> touchable(surface.triangles().size());
   for (std::size_t t = 0; t < touchable.size(); ++t)

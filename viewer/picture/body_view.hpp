@@ -9,10 +9,10 @@
 #include "viewer/haptics/haptic_model.hpp"
 #include "viewer/picture/coin.hpp"
 #include "viewer/picture/contour.hpp"
+#include "viewer/picture/framed_sphere.hpp"
 #include "viewer/picture/outline.hpp"
 #include "viewer/picture/soft_light.hpp"
 #include "viewer/picture/surface_shape.hpp"
-#include "viewer/picture/view_control.hpp"
 
 namespace palpate {
 

@@ -38,7 +38,7 @@ std::optional<MouseTarget> HandControl::apply(const PersonsInput& input, const H
   if (tutorial_ && (tutorial_->over() || pressedAnything(input)))
     tutorial_.reset();
   else if (input.wants_tutorial)
-    tutorial_.emplace();
+    playTutorial();
   MouseMotion motion = input.motion;
   if (tutorial_)
     motion = played(input, model, camera);

@@ -22,11 +22,8 @@ struct PersonsInput {
 /// tells what is shown of it. Knows no graphics. One thread.
 class HandControl {
  public:
-  /// tutorial: begin with it, as soon as the device is the mouse.
-  explicit HandControl(bool tutorial) {
-    if (tutorial) tutorial_.emplace();
-  }
-
+  /// From its beginning, as soon as the device is the mouse.
+  void playTutorial() { tutorial_.emplace(); }
   /// One picture of the model in `state`, after which marks() are its. Where the tool is to be;
   /// none: another device moves it.
   std::optional<MouseTarget> apply(const PersonsInput& input, const HapticModel& model,

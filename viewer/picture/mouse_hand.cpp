@@ -1,11 +1,11 @@
 #include "viewer/picture/mouse_hand.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "common/base/index.hpp"
+#include "viewer/picture/framed_sphere.hpp"
 
 namespace palpate {
 namespace {
@@ -21,12 +21,6 @@ constexpr double lifted = 0.75;           // of that way: then the tool may go e
 constexpr double fastest = 6;             // radii of the body per second, along the skin
 constexpr double stroke = 0.015;          // heights of the view, per stroke of an arrow
 constexpr double longest_picture = 0.05;  // s: after a longer one a hand goes on where it was
-
-double radiusOf(const TouchSurface& surface) {
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& vertex : surface.vertices()) box.extend(vertex);
-  return 0.5 * box.diagonal().norm();
-}
 
 /// Also of two that are nowhere.
 bool same(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -66,7 +60,7 @@ void MouseHand::use(const HapticModel& model, bool glued) {
   target_.appearance = appearance;
   model_ = &model;
   glued_ = glued;
-  radius_ = radiusOf(model.surface());
+  radius_ = sphereAround(model.surface().vertices()).radius;
 }
 
 /// What a key begins with where nothing is pointed at.

@@ -30,8 +30,7 @@ constexpr double longest_arrow = 0.9;  ///< of the scene's radius, at full_force
 struct Picture::Impl {
   Impl(const std::vector<const HapticModel*>& models, const PictureOptions& options)
       : window("Palpate", options.width, options.height, options.visible, options.vsync),
-        panels(window.handle()),
-        control(options.tutorial) {
+        panels(window.handle()) {
     for (const HapticModel* each : models) shown.push_back(std::make_unique<BodyView>(*each));
     stage = std::make_unique<Stage>(shown.front()->sphere().radius);
     view.ghost = options.ghost;
@@ -265,6 +264,8 @@ Picture::Picture(const std::vector<const HapticModel*>& models, const PictureOpt
 Picture::~Picture() = default;
 
 bool Picture::wantsClose() const { return impl_->window.wantsClose(); }
+
+void Picture::playTutorial() { impl_->control.playTutorial(); }
 
 PictureRequests Picture::draw(const HapticState& state, const PictureStatus& status) {
   return impl_->draw(state, status);

@@ -17,7 +17,6 @@ struct PictureOptions {
   bool vsync = true;               ///< draw() waits for the screen; without one it returns at once
   bool ghost = true;               ///< begin with the shape at rest drawn
   bool lattice = false;            ///< begin with the lattice drawn
-  bool tutorial = false;           ///< begin with the Tutorial, where the device is the mouse
 };
 
 /// A window that shows a hand on a soft body: the deformed surface, tool and force; what is known
@@ -37,6 +36,8 @@ class Picture {
 
   /// The window was closed by the person or the system. It stays until this object goes.
   bool wantsClose() const;
+  /// Plays the Tutorial from the next picture on in which the device is the mouse.
+  void playTutorial();
   /// One picture: takes in events, draws, shows it.
   PictureRequests draw(const HapticState& state, const PictureStatus& status);
   /// The pixels of the last picture, drawn once more for it; there must be one.

@@ -44,34 +44,46 @@ void main() {
 }
 )";
 
-GLuint compiled(GLenum kind, const char* source) {
+using InfoLog = std::array<char, 400>;
+
+Error notTaken(const InfoLog& why) {
+  return failure(
+      "OpenGL does not take the shader of the picture ({}); use --headless, or set "
+      "LIBGL_ALWAYS_SOFTWARE=1 to draw in software",
+      why.data());
+}
+
+/// Attached to the program, and gone with it.
+void attach(GLuint program, GLenum kind, const char* source) {
   const GLuint shader = glCreateShader(kind);
   glShaderSource(shader, 1, &source, nullptr);
   glCompileShader(shader);
-  return shader;
+  glAttachShader(program, shader);
+  glDeleteShader(shader);
+  GLint compiled = GL_FALSE;
+  glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+  if (compiled == GL_TRUE) return;
+  InfoLog why{};
+  glGetShaderInfoLog(shader, static_cast<GLsizei>(why.size()), nullptr, why.data());
+  throw notTaken(why);
+}
+
+GLuint linked(GLuint program) {
+  attach(program, GL_VERTEX_SHADER, vertex_source);
+  attach(program, GL_FRAGMENT_SHADER, fragment_source);
+  glLinkProgram(program);
+  GLint is_linked = GL_FALSE;
+  glGetProgramiv(program, GL_LINK_STATUS, &is_linked);
+  if (is_linked == GL_TRUE) return program;
+  InfoLog why{};
+  glGetProgramInfoLog(program, static_cast<GLsizei>(why.size()), nullptr, why.data());
+  throw notTaken(why);
 }
 
 }  // namespace
 
-SoftLight::SoftLight() : program_(glCreateProgram()) {
-  for (const auto& [kind, source] : {std::pair{GL_VERTEX_SHADER, vertex_source},
-                                     std::pair{GL_FRAGMENT_SHADER, fragment_source}}) {
-    const GLuint shader = compiled(kind, source);
-    glAttachShader(program_, shader);
-    glDeleteShader(shader);  // when the program goes
-  }
-  glLinkProgram(program_);
-  GLint linked = GL_FALSE;
-  glGetProgramiv(program_, GL_LINK_STATUS, &linked);
-  if (linked != GL_TRUE) {
-    std::array<char, 400> why{};
-    glGetProgramInfoLog(program_, static_cast<GLsizei>(why.size()), nullptr, why.data());
-    glDeleteProgram(program_);
-    throw failure(
-        "OpenGL does not take the shader of the picture ({}); use --headless, or set "
-        "LIBGL_ALWAYS_SOFTWARE=1 to draw in software",
-        why.data());
-  }
+// A program that is not taken goes with the context: the picture ends then.
+SoftLight::SoftLight() : program_(linked(glCreateProgram())) {
   opacity_ = glGetUniformLocation(program_, "opacity");
   shadow_ = glGetUniformLocation(program_, "shadow");
   darkness_ = glGetUniformLocation(program_, "darkness");

@@ -22,12 +22,6 @@ struct MouseMotion {
   double closer = 0;
 };
 
-/// The sphere that F shows.
-struct FramedSphere {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< m
-  double radius = 0.1;                               ///< m
-};
-
 /// Turns motion into camera moves. One thread.
 class ViewControl {
  public:

@@ -114,12 +114,14 @@ TEST_F(NetworkDeviceTest, NaNInAReadingIsPassedOn) {
   }));
 }
 
-TEST_F(NetworkDeviceTest, ADeviceThatIsUnpluggedThereIsLostHere) {
+TEST_F(NetworkDeviceTest, ADeviceThatIsUnpluggedThereOrHasNoHandIsLostHere) {
   ASSERT_TRUE(becomes(DeviceStatus::fresh));
-  tray.lay({Eigen::Vector3d::Zero(), 0, DeviceStatus::lost});
-  EXPECT_TRUE(becomes(DeviceStatus::lost));
-  tray.lay({Eigen::Vector3d::Zero(), 0, DeviceStatus::fresh});
-  EXPECT_TRUE(becomes(DeviceStatus::fresh));
+  for (const DeviceStatus there : {DeviceStatus::lost, DeviceStatus::away}) {
+    tray.lay({Eigen::Vector3d::Zero(), 0, there});
+    EXPECT_TRUE(becomes(DeviceStatus::lost));
+    tray.lay({Eigen::Vector3d::Zero(), 0, DeviceStatus::fresh});
+    EXPECT_TRUE(becomes(DeviceStatus::fresh));
+  }
 }
 
 TEST_F(NetworkDeviceTest, HaltingMakesTheFarForceZeroUntilResume) {

@@ -3,6 +3,7 @@
 #include "tests/viewer/haptics/touched_model.hpp"
 #include "viewer/devices/mouse_device.hpp"
 #include "viewer/haptics/haptic_tick.hpp"
+#include "viewer/picture/framed_sphere.hpp"
 #include "viewer/picture/hand_control.hpp"
 
 namespace palpate::test {
@@ -18,10 +19,8 @@ class MouseRun {
 
   /// From where `from` points to; all of the body is seen.
   void look(const Eigen::Vector3d& from) {
-    const Eigen::Vector3d middle = model_.surface().position({0, {1, 0, 0}});
-    Eigen::AlignedBox3d box(middle);
-    for (const Eigen::Vector3d& vertex : model_.surface().vertices()) box.extend(vertex);
-    camera.frame(box.center(), 0.5 * box.diagonal().norm(), from, Eigen::Vector3d::UnitY(), 1.5);
+    const FramedSphere sphere = sphereAround(model_.surface().vertices());
+    camera.frame(sphere.centre, sphere.radius, from, Eigen::Vector3d::UnitY(), 1.5);
   }
   Eigen::Vector2d onScreen(const Eigen::Vector3d& point) const {
     return camera.project(point).head<2>();

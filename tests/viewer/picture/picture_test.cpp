@@ -2,11 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <functional>
-#include <thread>
 
 #include "tests/support/expect_error.hpp"
+#include "tests/viewer/devices/polling.hpp"
 #include "tests/viewer/haptics/touched_model.hpp"
 #include "tests/viewer/picture/person.hpp"
 #include "tests/viewer/picture/virtual_screen.hpp"
@@ -218,15 +217,6 @@ TEST_F(PictureTest, PassesOnWhatThePersonAsksForByKeys) {
   EXPECT_FALSE(method.release || method.pause || method.quit);
 }
 
-/// What happens by the clock, or comes from another program: asked for until it is there.
-bool eventually(const std::function<bool()>& condition) {
-  for (int n = 0; n < 2000; ++n) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return false;
-}
-
 TEST_F(PictureTest, MovesTheToolToWhereThePersonPointsAndPresses) {
   Picture picture({&model}, {.vsync = false});
   const HapticState state = pressed(0);
@@ -243,14 +233,14 @@ TEST_F(PictureTest, MovesTheToolToWhereThePersonPointsAndPresses) {
   };
   EXPECT_FALSE(tool().allFinite());
   person.pointAt(490, 311);  // the middle of the view
-  ASSERT_TRUE(eventually([&] { return tool().allFinite(); }));
+  ASSERT_TRUE(test::eventually([&] { return tool().allFinite(); }));
   EXPECT_GT(gap(tool()), 0);
   EXPECT_LT(gap(tool()), 0.01);
   person.holdButton();
-  EXPECT_TRUE(eventually([&] { return gap(tool()) < -0.005; }));
+  EXPECT_TRUE(test::eventually([&] { return gap(tool()) < -0.005; }));
   person.letButtonGo();
   person.pointAt(20, 20);
-  EXPECT_TRUE(eventually([&] { return !tool().allFinite(); }));
+  EXPECT_TRUE(test::eventually([&] { return !tool().allFinite(); }));
   EXPECT_FALSE(picture.draw(state, {}).tool) << "another device";
 }
 
@@ -260,10 +250,10 @@ TEST_F(PictureTest, ShowsWhatCanBePressedByARingAndAHint) {
   state.reading.status = DeviceStatus::away;
   test::Person person(screen.name(), "Palpate");
   person.pointAt(20, 20);
-  ASSERT_TRUE(eventually([&] { return !pointsAtTheBody(picture, state); }));
+  ASSERT_TRUE(test::eventually([&] { return !pointsAtTheBody(picture, state); }));
   const Image beside = picture.grab();
   person.pointAt(490, 311);
-  ASSERT_TRUE(eventually([&] { return pointsAtTheBody(picture, state); }));
+  ASSERT_TRUE(test::eventually([&] { return pointsAtTheBody(picture, state); }));
   const Image over = picture.grab();
   EXPECT_GT(differences(beside, over, 980, 560), 50) << "a ring";
   EXPECT_GT(differences(beside, over, 980, 622), differences(beside, over, 980, 560) + 200)
@@ -271,13 +261,14 @@ TEST_F(PictureTest, ShowsWhatCanBePressedByARingAndAHint) {
 }
 
 TEST_F(PictureTest, PlaysTheTutorialUntilThePersonPressesSomething) {
-  Picture picture({&model}, {.vsync = false, .tutorial = true});
+  Picture picture({&model}, {.vsync = false});
+  picture.playTutorial();
   const HapticState state = pressed(0);
-  EXPECT_TRUE(eventually([&] { return pointsAtTheBody(picture, state); })) << "by its mouse";
+  EXPECT_TRUE(test::eventually([&] { return pointsAtTheBody(picture, state); })) << "by its mouse";
   test::Person person(screen.name(), "Palpate");
   person.pointAt(20, 20);
   person.press("Escape");
-  EXPECT_TRUE(eventually([&] { return !pointsAtTheBody(picture, state); }));
+  EXPECT_TRUE(test::eventually([&] { return !pointsAtTheBody(picture, state); }));
 }
 
 TEST_F(PictureTest, OffersAMethodWhenItIsPrepared) {

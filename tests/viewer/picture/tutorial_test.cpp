@@ -23,7 +23,8 @@ struct Shown {
 
 /// Plays it as the picture does, to a person who presses `key_at` seconds after its beginning.
 Shown play(test::MouseRun& run, double key_at = 1000) {
-  HandControl control(true);
+  HandControl control;
+  control.playTutorial();
   Shown shown;
   const Eigen::Vector3d eye = run.camera.position();
   std::optional<Eigen::Vector3d> first;

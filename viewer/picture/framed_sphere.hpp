@@ -1,0 +1,25 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <vector>
+
+namespace palpate {
+
+/// The sphere that F shows.
+struct FramedSphere {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< m
+  double radius = 0.1;                               ///< m
+};
+
+/// Around all vertices, m, nearly the smallest: about the middle of their box.
+inline FramedSphere sphereAround(const std::vector<Eigen::Vector3d>& vertices) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& vertex : vertices) box.extend(vertex);
+  FramedSphere sphere{box.center(), 0};
+  for (const Eigen::Vector3d& vertex : vertices)
+    sphere.radius = std::max(sphere.radius, (vertex - sphere.centre).norm());
+  return sphere;
+}
+
+}  // namespace palpate
