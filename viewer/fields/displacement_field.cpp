@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 /// Solved points that a ghost is continued from: enough to span the space beside a flat rim too.
-constexpr std::size_t sources = 20;
+constexpr std::ptrdiff_t sources = 20;
 
 /// A multiple of a slot's row.
 struct Term {
@@ -19,31 +19,32 @@ struct Term {
   double factor;
 };
 
-/// Solved slots by distance from a ghost, nearest first, without those on another branch than the
-/// nearest.
-std::vector<std::int32_t> nearestSolved(const CellBranches& data, std::int32_t ghost) {
+/// The nearest of the `solved` slots by distance from a ghost, nearest first, without those on
+/// another branch than the nearest.
+std::vector<std::int32_t> nearestOf(std::span<const std::int32_t> solved, const CellBranches& data,
+                                    std::int32_t ghost) {
   const LatticePoint& center = data.tree.slots()[at(ghost)].point;
-  const auto distance = [&](std::int32_t slot) {
+  std::vector<std::pair<std::int64_t, std::int32_t>> by_distance;
+  by_distance.reserve(solved.size());
+  for (const std::int32_t slot : solved) {
     LatticePoint step = data.tree.slots()[at(slot)].point;
     for (std::size_t axis = 0; axis < 3; ++axis) step[axis] -= center[axis];
-    return squaredNorm(step);
-  };
-  std::vector<std::int32_t> solved;
-  for (std::int32_t s = 0; s < std::ssize(data.tree.slots()); ++s)
-    if (data.tree.slots()[at(s)].kind == SlotKind::solved) solved.push_back(s);
-  const std::size_t kept = std::min(sources, solved.size());
-  std::ranges::partial_sort(solved, solved.begin() + kept, {},
-                            [&](std::int32_t slot) { return std::pair(distance(slot), slot); });
-  solved.resize(kept);
-  const std::int32_t nearest = solved.front();
-  std::erase_if(solved, [&](std::int32_t slot) { return data.isInconsistent(nearest, slot); });
-  return solved;
+    by_distance.emplace_back(squaredNorm(step), slot);
+  }
+  const auto end = by_distance.begin() + std::min(std::ssize(by_distance), sources);
+  std::ranges::partial_sort(by_distance, end);
+  std::vector<std::int32_t> slots;
+  for (auto found = by_distance.begin(); found != end; ++found)
+    if (!data.isInconsistent(by_distance.front().second, found->second))
+      slots.push_back(found->second);
+  return slots;
 }
 
 /// Factors that sum to one and continue linear functions exactly, near slots weighing more; the
 /// nearest alone where the slots do not span the space or would be blown up.
-std::vector<Term> linearContinuation(const CellBranches& data, std::int32_t ghost) {
-  const std::vector<std::int32_t> slots = nearestSolved(data, ghost);
+std::vector<Term> linearContinuation(std::span<const std::int32_t> solved, const CellBranches& data,
+                                     std::int32_t ghost) {
+  const std::vector<std::int32_t> slots = nearestOf(solved, data, ghost);
   const auto n = static_cast<Eigen::Index>(slots.size());
   Eigen::MatrixXd conditions(4, n);
   Eigen::VectorXd closeness(n);
@@ -65,27 +66,6 @@ std::vector<Term> linearContinuation(const CellBranches& data, std::int32_t ghos
   std::vector<Term> terms;
   for (Eigen::Index i = 0; i < n; ++i) terms.push_back({slots[at(i)], factors[i]});
   return terms;
-}
-
-using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-/// Orthonormal rows that span all `shapes`, a row each, to within `tolerance` in every entry: each
-/// time the direction of the shape that those before it miss by most.
-RowMajor modesOf(const RowMajor& shapes, double tolerance) {
-  RowMajor missed = shapes, modes(0, shapes.cols());
-  Eigen::VectorXd misses = missed.rowwise().lpNorm<Eigen::Infinity>();
-  for (Eigen::Index worst = 0; misses.maxCoeff(&worst) > tolerance;) {
-    PALPATE_ASSERT(modes.rows() < shapes.rows(), "as many modes as shapes miss nothing");
-    Eigen::RowVectorXd mode = missed.row(worst);
-    // Once more, because rounding leaves some of the others in it.
-    mode -= (mode * modes.transpose()) * modes;
-    mode.normalize();
-    missed -= (missed * mode.transpose()) * mode;
-    misses = missed.rowwise().lpNorm<Eigen::Infinity>();
-    modes.conservativeResize(modes.rows() + 1, Eigen::NoChange);
-    modes.bottomRows<1>() = mode;
-  }
-  return modes;
 }
 
 /// Rows that are added at once: few passes over `out`, and no more pointers than registers.
@@ -119,20 +99,20 @@ DisplacementField::DisplacementField(const CellBranches& data, std::size_t point
   if (solved.empty())
     throw failure("no corner of a cell was solved, so there is no shape to continue");
   const auto width = static_cast<Eigen::Index>(row);
-  RowMajor shapes(std::ssize(solved), width);
+  ShapeRows shapes(std::ssize(solved), width);
   for (Eigen::Index n = 0; n < shapes.rows(); ++n) {
     const float* from = displacements.data() + at(slots[at(solved[at(n)])].number) * row;
-    shapes.row(n) = Eigen::Map<const Eigen::RowVectorXf>(from, width).cast<double>();
+    shapes.row(n) = Eigen::Map<const Eigen::RowVectorXf>(from, width);
   }
-  const RowMajor modes = modesOf(shapes, largest_shape_error * tree_.radius());
-  modes_ = modes.cast<float>();
+  modes_ = modesOf(shapes, static_cast<float>(largest_shape_error * tree_.radius()));
   // Solved slots first, then what is continued from them, then what hangs between both.
-  Eigen::MatrixXd shares = Eigen::MatrixXd::Zero(std::ssize(slots), modes.rows());
-  const Eigen::MatrixXd of_solved = shapes * modes.transpose();
-  for (Eigen::Index n = 0; n < shapes.rows(); ++n) shares.row(solved[at(n)]) = of_solved.row(n);
+  Eigen::MatrixXd shares = Eigen::MatrixXd::Zero(std::ssize(slots), modes_.rows());
+  const ShapeRows of_solved = shapes * modes_.transpose();
+  for (Eigen::Index n = 0; n < shapes.rows(); ++n)
+    shares.row(solved[at(n)]) = of_solved.row(n).cast<double>();
   for (std::int32_t s = 0; s < std::ssize(slots); ++s)
     if (slots[at(s)].kind == SlotKind::ghost)
-      for (const Term& term : linearContinuation(data, s))
+      for (const Term& term : linearContinuation(solved, data, s))
         shares.row(s) += term.factor * shares.row(term.slot);
   for (const std::int32_t s : tree_.hangingSlots()) {
     const CellSlot& slot = slots[at(s)];

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "viewer/fields/cell_data.hpp"
+#include "viewer/fields/shape_modes.hpp"
 
 namespace palpate {
 
@@ -14,8 +15,8 @@ namespace palpate {
 /// exact, or from the nearest alone where those do not span the space.
 ///
 /// Shapes are sums of a few orthogonal *modes*, as many as it takes for no coordinate of a stored
-/// shape to be off by more than `largest_shape_error`: a reduced basis, chosen greedily (Buffa et
-/// al., ESAIM: M2AN 46, 2012). A corner keeps its share of each, not a row of all nodes.
+/// shape to be off by more than `largest_shape_error` (shape_modes.hpp). A corner keeps its share
+/// of each, not a row of all nodes.
 ///
 /// float32 throughout; everything is copied, the dataset may go. Immutable: any number of threads
 /// may evaluate at once.
@@ -38,14 +39,13 @@ class DisplacementField {
   std::size_t modeCount() const { return static_cast<std::size_t>(modes_.rows()); }
 
  private:
-  using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   DisplacementField(const CellBranches& data, std::size_t points,
                     std::span<const float> displacements);
   void evaluateIn(const LeafPlace& place, std::span<float> out) const noexcept;
 
   CellTree tree_;
-  Rows modes_;   ///< [mode][node, axis]
-  Rows shares_;  ///< [slot][mode]
+  ShapeRows modes_;   ///< [mode][node, axis]
+  ShapeRows shares_;  ///< [slot][mode]
 };
 
 }  // namespace palpate

@@ -1,0 +1,69 @@
+#include "viewer/fields/shape_modes.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "common/base/assertion.hpp"
+
+namespace palpate {
+namespace {
+
+/// Shapes that choose at first: neighbours on a lattice are much alike.
+constexpr Eigen::Index electors = 400;
+/// Shapes that are looked at together: what they miss stays in a core's cache.
+constexpr Eigen::Index block = 256;
+
+Eigen::VectorXf largestEntries(const ShapeRows& rows) {
+  return rows.rowwise().lpNorm<Eigen::Infinity>();
+}
+
+/// Appends modes until they span those whose part outside of `modes` is `missed`, too.
+void extend(ShapeRows& modes, ShapeRows missed, float tolerance) {
+  Eigen::VectorXf misses = largestEntries(missed);
+  const Eigen::Index most = modes.rows() + missed.rows();
+  for (Eigen::Index worst = 0; misses.maxCoeff(&worst) > tolerance;) {
+    PALPATE_ASSERT(modes.rows() < most, "as many modes as shapes miss nothing");
+    Eigen::RowVectorXd mode = missed.row(worst).cast<double>();
+    // Once more, because rounding leaves some of the others in it.
+    mode -= (mode * modes.cast<double>().transpose()) * modes.cast<double>();
+    const Eigen::RowVectorXf direction = mode.normalized().cast<float>();
+    missed -= (missed * direction.transpose()) * direction;
+    misses = largestEntries(missed);
+    modes.conservativeResize(modes.rows() + 1, Eigen::NoChange);
+    modes.bottomRows<1>() = direction;
+  }
+}
+
+/// Parts outside of `modes` of the shapes that these miss by more than the tolerance.
+ShapeRows missedBy(const ShapeRows& modes, const ShapeRows& shapes, float tolerance) {
+  ShapeRows found(0, shapes.cols());
+  for (Eigen::Index first = 0; first < shapes.rows(); first += block) {
+    const auto some = shapes.middleRows(first, std::min(block, shapes.rows() - first));
+    ShapeRows missed = some;
+    missed.noalias() -= (some * modes.transpose()).eval() * modes;
+    const Eigen::VectorXf misses = largestEntries(missed);
+    for (Eigen::Index n = 0; n < missed.rows(); ++n)
+      if (misses[n] > tolerance) {
+        found.conservativeResize(found.rows() + 1, Eigen::NoChange);
+        found.bottomRows<1>() = missed.row(n);
+      }
+  }
+  return found;
+}
+
+}  // namespace
+
+ShapeRows modesOf(const ShapeRows& shapes, float tolerance) {
+  const Eigen::Index stride = std::max<Eigen::Index>(1, shapes.rows() / electors);
+  ShapeRows choosing((shapes.rows() + stride - 1) / stride, shapes.cols()), modes(0, shapes.cols());
+  for (Eigen::Index n = 0; n < choosing.rows(); ++n) choosing.row(n) = shapes.row(n * stride);
+  // What one mode takes from a shape it may add to an entry of another, so all are looked at until
+  // none is missed.
+  while (choosing.rows() > 0) {
+    extend(modes, std::move(choosing), tolerance);
+    choosing = missedBy(modes, shapes, tolerance);
+  }
+  return modes;
+}
+
+}  // namespace palpate
