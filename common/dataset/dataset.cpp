@@ -70,6 +70,20 @@ std::string openedText(Reader& in, const std::string& file) {
   return scene_toml;
 }
 
+/// Of rows of `count` nodes, `size` values each, those of some nodes.
+std::vector<float> rowsOfNodes(const std::vector<float>& all, std::size_t count, std::size_t size,
+                               const std::vector<std::int32_t>& nodes) {
+  std::vector<float> some;
+  if (all.empty()) return some;
+  some.reserve(all.size() / count * nodes.size());
+  for (std::size_t row = 0; row < all.size(); row += size * count)
+    for (const std::int32_t node : nodes) {
+      const float* const values = &all[row + size * static_cast<std::size_t>(node)];
+      some.insert(some.end(), values, values + size);
+    }
+  return some;
+}
+
 }  // namespace
 
 ContentId layout::contentHash(const std::string& scene_toml, std::vector<hdf5::ArrayInfo> arrays) {
@@ -148,20 +162,18 @@ NodalFields Dataset::fields(std::size_t space, std::int32_t point) const {
   return impl_->fields.read(space, static_cast<std::size_t>(point), 1);
 }
 
-std::vector<float> Dataset::surfaceDisplacements(std::size_t space) const {
+NodalFields Dataset::surfaceFields(std::size_t space) const {
   const std::vector<std::int32_t>&surface = impl_->body.surface, &stored = impl_->body.stored;
   const std::size_t n_points = impl_->spaces.at(space).points.size();
-  std::vector<float> all = impl_->fields.read(space, 0, n_points).displacement;
-  if (surface.size() == stored.size()) return all;
+  NodalFields all = impl_->fields.read(space, 0, n_points);
+  if (surface.size() == stored.size() && all.pressure.empty()) return all;
   PALPATE_ASSERT(stored.size() == impl_->body.mesh.nodes.size(), "stored are these or all nodes");
-  std::vector<float> visible;
-  visible.reserve(n_points * 3 * surface.size());
-  for (std::size_t row = 0; row < all.size(); row += 3 * stored.size())
-    for (const std::int32_t node : surface) {
-      const float* const u = &all[row + 3 * static_cast<std::size_t>(node)];
-      visible.insert(visible.end(), u, u + 3);
-    }
-  return visible;
+  return {rowsOfNodes(all.displacement, stored.size(), 3, surface),
+          rowsOfNodes(all.pressure, all.pressure.size() / n_points, 1, surface)};
+}
+
+std::vector<float> Dataset::surfaceDisplacements(std::size_t space) const {
+  return surfaceFields(space).displacement;
 }
 
 void Dataset::verifyAll() const {

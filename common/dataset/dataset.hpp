@@ -69,8 +69,11 @@ class Dataset {
   /// What is kept of the nodal fields of a solved point: three displacements per stored node, and
   /// pressures when all nodes are stored.
   NodalFields fields(std::size_t space, std::int32_t point) const;
-  /// Displacements of the surface nodes in every point of a space, metres: [point][surface
-  /// node][axis], NaN in points that are not solved.
+  /// What is kept of the surface nodes in every point of a space: displacements, metres,
+  /// [point][surface node][axis], and pressures, Pa, [point][surface node], where they are stored
+  /// (storedPressures), else none. NaN in points that are not solved.
+  NodalFields surfaceFields(std::size_t space) const;
+  /// The displacements of surfaceFields().
   std::vector<float> surfaceDisplacements(std::size_t space) const;
   /// Reads and verifies every array, the nodal fields too. Error names the first damaged one.
   void verifyAll() const;

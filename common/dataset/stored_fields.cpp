@@ -158,12 +158,12 @@ NodalFields FieldsReader::read(std::size_t space, std::size_t first, std::size_t
     in_.readRows<float>(in_.array(displacement_path), first_row, rows.displacement);
   for (std::size_t i = 0; i < count; ++i) {
     const auto values = std::span(rows.displacement).subspan(i * n_values_, n_values_);
+    const auto pressure = std::span(rows.pressure).subspan(i * n_pressures_, n_pressures_);
     if (!isSolved(points[first + i].tag)) {
       std::ranges::fill(values, unsolved);
+      std::ranges::fill(pressure, unsolved);
       continue;
     }
-    const std::span<const float> pressure =
-        std::span(rows.pressure).subspan(i * n_pressures_, n_pressures_);
     const std::size_t row = first_row + i;
     std::string_view stored = bytesOf(values);
     if (quantized_) {

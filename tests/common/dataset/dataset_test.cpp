@@ -256,6 +256,14 @@ TEST_F(SealedDataset, KeepsAllNodesAndPressuresWhenAsked) {
   EXPECT_EQ(all.fields(1, 9).displacement, sample.fields(1, 9).displacement);
   EXPECT_EQ(all.fields(1, 9).pressure, sample.fields(1, 9).pressure);
   EXPECT_EQ(all.surfaceDisplacements(1), surface.surfaceDisplacements(1));
+  const std::vector<float> pressures = all.surfaceFields(0).pressure;
+  ASSERT_EQ(pressures.size(), 33 * 26u);
+  for (std::size_t n = 0; n < 26; ++n) {
+    const auto node = static_cast<std::size_t>(all.surfaceNodes()[n]);
+    EXPECT_EQ(pressures[9 * 26 + n], sample.fields(0, 9).pressure[node]);
+    EXPECT_TRUE(std::isnan(pressures[7 * 26 + n])) << "it is not solved";
+  }
+  EXPECT_TRUE(surface.surfaceFields(0).pressure.empty());
   EXPECT_EQ(all.buildId(), surface.buildId());
 }
 
