@@ -60,11 +60,16 @@ void LoadedModels::prepareTheRest() {
   preparation_ = std::jthread([this](const std::stop_token& stop) {
     // Of this thread alone, on Linux.
     setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), least_priority);
+    // The others go on: one that needs too much memory is no reason to end.
+    for (const auto& model : models_) try {
+        model->preparePressures(stop);
+      } catch (const std::exception& error) {
+        spdlog::warn("{}: no pressures: {}", model->file(), error.what());
+      }
     for (const auto& model : models_)
       for (std::size_t method = 1; method < model->methods().size(); ++method) try {
           model->prepare(method, stop);
         } catch (const std::exception& error) {
-          // The others go on: one method that needs too much memory is no reason to end.
           spdlog::warn("{}: no method {}: {}", model->file(), model->methods()[method],
                        error.what());
         }

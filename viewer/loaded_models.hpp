@@ -23,7 +23,8 @@ class LoadedModels {
   /// Prepares the first method of each on all cores, with a line of the log per second that it
   /// takes.
   void prepareFirst(const Meanwhile& meanwhile = {});
-  /// Prepares the other methods in a thread of its own, which gives way to every other.
+  /// Prepares pressures, if they were asked for, and the other methods in a thread of its own,
+  /// which gives way to every other.
   void prepareTheRest();
 
   const HapticModel& first() const { return *models_.front(); }

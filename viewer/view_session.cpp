@@ -99,9 +99,11 @@ class ViewSession {
     HapticModelOptions model_options;
     model_options.reach = options_.reach;
     std::erase(model_options.methods, options_.method);
-    // Where nobody can choose another, no other is made: each takes seconds and memory.
-    if (options_.headless || stepped()) model_options.methods.clear();
+    // What nobody can choose is not made: it takes seconds and memory.
+    const bool steered = !options_.headless && !stepped();
+    if (!steered) model_options.methods.clear();
     model_options.methods.insert(model_options.methods.begin(), options_.method);
+    model_options.pressures = steered;
     return std::make_unique<LoadedModels>(options_.datasets, model_options);
   }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/support/meshes.hpp"
+#include "tests/support/pressed_body.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/support/touchable_body.hpp"
 
@@ -34,6 +35,16 @@ TEST_F(LoadedModelsTest, PreparesTheFirstMethodBeforeTheStartAndTheRestBeside) {
   EXPECT_FALSE(loaded.first().isPrepared(1));
   loaded.prepareTheRest();
   while (!loaded.first().isPrepared(1)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+TEST_F(LoadedModelsTest, PreparesPressuresBesideTheRun) {
+  test::PressedBody(test::cubeMesh(0.1, 4), {{112}, {113}}).seal(file);
+  LoadedModels loaded({file}, {.methods = {"trilinear"}, .pressures = true});
+  loaded.prepareFirst();
+  EXPECT_FALSE(loaded.first().pressures().isPrepared()) << "the picture does not wait for them";
+  loaded.prepareTheRest();
+  while (!loaded.first().pressures().isPrepared())
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 TEST_F(LoadedModelsTest, TellsHowFarItIsInTheThreadThatWaits) {

@@ -34,7 +34,8 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
       spaces_(dataset.spaces()),
       area_of_space_(spaces_.size(), -1),
       methods_(options.methods),
-      fields_(options.methods.size()) {
+      fields_(options.methods.size()),
+      pressures_(dataset.scene(), options.pressures ? spaces_.size() : 0) {
   PALPATE_ASSERT(!spaces_.empty(), "a surface that can be touched has an active node");
   if (methods_.empty()) throw badInput("{}: no method to interpolate forces by was given", file_);
   for (const SpaceTable& space : spaces_)
@@ -49,16 +50,19 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
         placesAround(dataset.mesh(), centersOf(chosenOf(spaces_, area.spaces)), area.radius));
   for (std::size_t method = 0; options.prepare && method < methods_.size(); ++method)
     prepare(method);
-  readShapes(dataset);
+  readShapes(dataset, options.pressures);
+  if (options.pressures && options.prepare) preparePressures();
 }
 
-void HapticModel::readShapes(const Dataset& dataset) {
+void HapticModel::readShapes(const Dataset& dataset, bool with_pressures) {
   shapes_.resize(spaces_.size());
   std::mutex reading;  // one at a time: a dataset is one file
   inParallel(spaces_.size(), [&](std::size_t s) {
     std::unique_lock lock(reading);
-    const std::vector<float> displacements = dataset.surfaceDisplacements(s);
+    NodalFields fields = dataset.surfaceFields(s);
     lock.unlock();
+    if (with_pressures) pressures_.keep(s, std::move(fields.pressure));
+    const std::vector<float>& displacements = fields.displacement;
     PALPATE_ASSERT(
         displacements.size() == 3 * spaces_[s].points.size() * surface_.vertices().size(),
         "a dataset stores displacements of the nodes of its surface");
@@ -95,6 +99,10 @@ void HapticModel::make(std::size_t method, std::size_t space) {
   else
     fields.of_space[space] = makeForceField(methods_[method], spaces_[space]);
   fields.made.fetch_add(1, std::memory_order_release);
+}
+
+void HapticModel::preparePressures(const std::stop_token& stop) {
+  pressures_.prepare(spaces_, stop);
 }
 
 double HapticModel::preparedShare(std::size_t method) const noexcept {

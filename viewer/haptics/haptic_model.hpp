@@ -11,6 +11,7 @@
 #include "viewer/fields/area_field.hpp"
 #include "viewer/fields/displacement_field.hpp"
 #include "viewer/fields/force_field.hpp"
+#include "viewer/haptics/surface_pressures.hpp"
 #include "viewer/haptics/touch_surface.hpp"
 
 namespace palpate {
@@ -19,7 +20,10 @@ struct HapticModelOptions {
   /// Prepared for switching between them while touching; the first is the one to start with.
   std::vector<std::string> methods = {"potential", "trilinear"};
   double reach = 0;  ///< m, TouchSurface
-  /// In the constructor, all of them; else each by HapticModel::prepare().
+  /// Keep the pressures of the surface too, where the dataset has them: 4 bytes per vertex and
+  /// solved point.
+  bool pressures = false;
+  /// In the constructor, all of them; else each by HapticModel::prepare(), and preparePressures().
   bool prepare = true;
 };
 
@@ -49,6 +53,10 @@ class HapticModel {
            fields_[method].made.load(std::memory_order_acquire) == spaces_.size();
   }
 
+  /// Makes pressures() ready, if they were asked for, in this thread alone, until it is done or
+  /// `stop` is requested: some milliseconds a space. Not twice at once.
+  void preparePressures(const std::stop_token& stop = {});
+
   const std::string& name() const { return name_; }                ///< of the scene
   const std::vector<Region>& regions() const { return regions_; }  ///< materials, at least one
   const std::string& file() const { return file_; }
@@ -70,6 +78,8 @@ class HapticModel {
   const AreaField& area(std::size_t number) const noexcept { return *areas_[number]; }
   /// Displacements of the surface's vertices.
   const DisplacementField& shape(std::size_t space) const { return *shapes_[space]; }
+  /// Never prepared where they were not asked for.
+  const SurfacePressures& pressures() const { return pressures_; }
 
  private:
   /// One method in all spaces. Threads write different elements, each before it counts it in
@@ -80,7 +90,7 @@ class HapticModel {
   };
   void make(std::size_t method, std::size_t space);
   void makeAreas();
-  void readShapes(const Dataset& dataset);
+  void readShapes(const Dataset& dataset, bool with_pressures);
 
   std::string name_, file_;
   std::vector<Region> regions_;
@@ -98,6 +108,7 @@ class HapticModel {
   std::vector<std::string> methods_;
   std::vector<MethodFields> fields_;
   std::vector<std::unique_ptr<DisplacementField>> shapes_;  ///< [space]
+  SurfacePressures pressures_;
 };
 
 }  // namespace palpate

@@ -173,6 +173,26 @@ TEST_F(TransitionTest, TheZeroConfigurationHasNoForceAndAStiffness) {
   EXPECT_LT(origin.equilibrium.stiffness.eigenvalues().real().maxCoeff(), 0);
 }
 
+TEST_F(TransitionTest, PressureIsPositiveWhereTheToolCompresses) {
+  for (const PressureSpace pressure : {PressureSpace::p1_stabilized, PressureSpace::p1}) {
+    Scene scene = mooneyRivlinScene();
+    scene.discretization.pressure = pressure;
+    scene.discretization.displacement =
+        pressure == PressureSpace::p1_stabilized ? DisplacementSpace::p1 : DisplacementSpace::p2;
+    scene.fixed.groups = {"xmin"};
+    ActiveSelection active;
+    active.name = "tip";
+    active.near = blob_tip;
+    scene.active = {active};
+    clamp(resolve(scene, test::blobMesh()));
+    const auto tip = static_cast<std::size_t>(problem_.active[0].node);
+    const Outcome pushed = reach({-0.01, 0, 0}), pulled = reach({0.01, 0, 0});
+    ASSERT_TRUE(pushed.converged && pulled.converged);
+    EXPECT_GT(pushed.fields.pressure[tip], 100) << "Pa";
+    EXPECT_LT(pulled.fields.pressure[tip], -100);
+  }
+}
+
 TEST_F(TransitionTest, OnePathOrManyStepsEndInTheSameConfiguration) {
   clamp(mooneyRivlinScene());
   const Eigen::Vector3d target(0, 0.04, 0.02);
