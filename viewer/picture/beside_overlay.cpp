@@ -17,12 +17,13 @@ void drawBesideOverlay(const BesideContents& contents, const OrbitCamera& camera
   draw.AddLine({left, 0}, {left, size.y}, line_grey, px(line_width));
   const ScreenBox names = drawNames(draw, {contents.dataset, contents.tissue}, left, size.x);
   drawLabel(draw, contents.label, camera, left, size, std::span(&names, 1));
-  if (!contents.sentence.empty()) {
+  const std::string& sentence = contents.sentence.empty() ? contents.colourless : contents.sentence;
+  if (!sentence.empty()) {
     const float wrap = size.x - 2 * px(sentence_margin);
-    const ImVec2 text = ImGui::CalcTextSize(contents.sentence.c_str(), nullptr, false, wrap);
+    const ImVec2 text = ImGui::CalcTextSize(sentence.c_str(), nullptr, false, wrap);
     draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(),
                  {left + (size.x - text.x) / 2, size.y - px(sentence_margin) - text.y}, ink,
-                 contents.sentence.c_str(), nullptr, wrap);
+                 sentence.c_str(), nullptr, wrap);
   }
   draw.PopClipRect();
 }

@@ -25,6 +25,10 @@ constexpr float ghost_fill_opacity = 0.22F;
 // second all of it.
 constexpr double ghost_begins = 0.008, ghost_whole = 0.03;
 
+// Of a scale of pressures: where it begins, as a share of where it ends, and where it ends if there
+// are none, Pa.
+constexpr double least_scale_share = 0.1, scale_of_nothing = 1000;
+
 std::vector<bool> touchableTriangles(const TouchSurface& surface) {
   std::vector<bool> touchable(surface.triangles().size());
   for (std::size_t t = 0; t < touchable.size(); ++t)
@@ -115,6 +119,8 @@ void BodyView::deform(const Touch& touch) {
   PALPATE_ASSERT(!touch.touching || at(touch.anchor.triangle) < model_.surface().triangles().size(),
                  "the touch is of this model");
   deformed_.evaluate(model_, touch, displacements_);
+  blend_ = touch.touching ? touch.blend : SpaceBlend();
+  touch_displacement_ = touch.displacement;
 }
 
 void BodyView::shade(SurfaceColour colour, std::int32_t method) {
@@ -124,7 +130,23 @@ void BodyView::shade(SurfaceColour colour, std::int32_t method) {
     case SurfaceColour::tissue: shape_.colourTissue(); break;
     case SurfaceColour::displacement: shape_.colourDisplacements(full_colour_); break;
     case SurfaceColour::error: shape_.colourPlaces(errorPlacesOf(method)); break;
+    case SurfaceColour::pressure: colourPressures(); break;
   }
+}
+
+void BodyView::colourPressures() {
+  const SurfacePressures& known = model_.pressures();
+  if (!known.isPrepared()) {
+    shape_.colourTissue();
+    return;
+  }
+  pressures_.resize(model_.surface().vertices().size());
+  known.evaluate(blend_, touch_displacement_, pressures_);
+  // A body that is crushed has many times the usual: all that is seen after it would be pale.
+  const double usual = known.usual() > 0 ? known.usual() : scale_of_nothing;
+  const double wanted = std::clamp(strengthOf(pressures_), least_scale_share * usual, usual);
+  if (wanted > full_pressure_) full_pressure_ = roundUp(wanted);
+  shape_.colourPressures(pressures_, full_pressure_);
 }
 
 const std::vector<float>& BodyView::errorPlacesOf(std::int32_t method) {

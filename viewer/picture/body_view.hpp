@@ -33,9 +33,12 @@ class BodyView {
   const FramedSphere& sphere() const { return sphere_; }
   /// m, at the end of the colours of the surface: a round number that grows with what was seen.
   double fullColour() const { return full_colour_; }
+  /// Pa, the same of how strong pressures were, up to the usual(). 0: none were seen yet.
+  double fullPressure() const { return full_pressure_; }
   /// The same colours as another's mean the same from the next shade() on.
   void useScaleOf(const BodyView& other) {
     full_colour_ = std::max(full_colour_, other.full_colour_);
+    full_pressure_ = std::max(full_pressure_, other.full_pressure_);
   }
   /// Whether there are parts where nothing can be felt.
   bool hasUntouchable() const { return has_untouchable_; }
@@ -53,7 +56,8 @@ class BodyView {
   /// The displacements of the surface in a touch of this model.
   void deform(const Touch& touch);
   /// Positions, normals and colours of what deform() said. method: prepared; of the error bounds,
-  /// which take some milliseconds when they are seen for the first time.
+  /// which take some milliseconds when they are seen for the first time. Without pressures, or
+  /// before they are prepared, tissue.
   void shade(SurfaceColour colour, std::int32_t method);
 
  private:
@@ -65,6 +69,7 @@ class BodyView {
   void drawGhostFill();
   void drawGhostOutline();
   const std::vector<float>& errorPlacesOf(std::int32_t method);
+  void colourPressures();
 
   const HapticModel& model_;
   FramedSphere sphere_;
@@ -72,7 +77,10 @@ class BodyView {
   Contour contour_;
   DeformedShape deformed_;
   std::vector<float> displacements_;  ///< [vertex][axis], m
-  double full_colour_ = 0.005;
+  SpaceBlend blend_;                  ///< of the touch that deformed it; of no space: at rest
+  Eigen::Vector3d touch_displacement_ = Eigen::Vector3d::Zero();  ///< m
+  std::vector<float> pressures_;  ///< by vertex, Pa; empty until they are seen
+  double full_colour_ = 0.005, full_pressure_ = 0;
   bool has_untouchable_ = false;
   std::map<std::int32_t, std::vector<float>> error_places_;  ///< by method; by vertex, 0 to 1
   const SoftLight* light_ = nullptr;

@@ -17,6 +17,7 @@ namespace {
 // px
 constexpr float legend_margin = 18, lattice_legend_gap = 40;
 constexpr float title_gap = 7, bar_width = 12, word_gap = 7, note_gap = 9, word_ground = 3;
+constexpr float note_width = 156;  // beside it begins the hint
 constexpr float swatch_size = 11, swatch_gap = 7;
 constexpr float bar_share = 0.24F, shortest_bar = 64, longest_bar = 150;  // of the view's height
 
@@ -41,6 +42,15 @@ class Legend {
     word({at_.x + px(swatch_size + swatch_gap), at_.y}, meaning);
   }
   void gap() { at_.y -= px(note_gap); }
+  /// A sentence, in lines of its own.
+  void note(const std::string& text) {
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, px(note_width));
+    at_.y -= size.y;
+    ground(at_, size);
+    draw_.AddText(ImGui::GetFont(), ImGui::GetFontSize(), at_, ink, text.c_str(), nullptr,
+                  px(note_width));
+    right_ = std::max(right_, at_.x + size.x);
+  }
 
   struct Mark {
     double place;  ///< 0: at the bottom of the bar, 1: at its top
@@ -66,11 +76,15 @@ class Legend {
  private:
   static float line() { return ImGui::GetTextLineHeight(); }
 
-  void word(ImVec2 at, const std::string& text) {
-    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  void ground(ImVec2 at, ImVec2 size) {
     if (on_dots_)
       draw_.AddRectFilled({at.x - px(word_ground), at.y},
                           {at.x + size.x + px(word_ground), at.y + size.y}, paper);
+  }
+
+  void word(ImVec2 at, const std::string& text) {
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+    ground(at, size);
     draw_.AddText(at, ink, text.c_str());
     right_ = std::max(right_, at.x + size.x);
   }
@@ -101,6 +115,15 @@ void displacementBar(Legend& legend, float height, double full) {
       [](double place) { return displacementColour(place, tissueColour(1)); }, marks);
 }
 
+void pressureBar(Legend& legend, float height, double full) {
+  const auto mark = [full](double share, const char* meaning) {
+    return Legend::Mark{0.5 + 0.5 * share, fmt::format("{:g}{}", 1e-3 * full * share, meaning)};
+  };
+  legend.bar("pressure, kPa", height, [](double place) { return pressureColour(2 * place - 1); },
+             {mark(-1, "  tension"), mark(-0.5, ""), mark(0, ""), mark(0.5, ""),
+              mark(1, "  compression")});
+}
+
 /// What the colours of errors mean (errorPlace).
 void errorBar(Legend& legend, float height, const char* title) {
   const auto mark = [](double error, const char* meaning) {
@@ -112,17 +135,33 @@ void errorBar(Legend& legend, float height, const char* title) {
               mark(noticeable_force_error, "  a hand notices"), mark(highest_error, "")});
 }
 
+/// What is seen as tissue, and why.
+void tissueLegend(Legend& legend, const PanelContents& contents, SurfaceColour colour) {
+  const bool pressures = colour == SurfaceColour::pressure && contents.pressure.sentence.empty();
+  if (pressures && !contents.pressure.everywhere) {
+    legend.swatch(tissueColour(1), "has no pressure");
+    legend.gap();
+  }
+  if (colour == SurfaceColour::pressure && !pressures) {
+    legend.note(contents.pressure.sentence);
+    legend.gap();
+  }
+  if (!contents.untouchable || pressures) return;
+  legend.swatch(tissueColour(0), "nothing to feel");
+  if (colour == SurfaceColour::tissue || colour == SurfaceColour::pressure)
+    legend.swatch(tissueColour(1), "can be touched");
+  legend.gap();
+}
+
 /// What the colours of the surface mean.
 void surfaceLegend(Legend& legend, const PanelContents& contents, SurfaceColour colour,
                    float bar_height) {
-  if (contents.untouchable) {
-    legend.swatch(tissueColour(0), "nothing to feel");
-    if (colour == SurfaceColour::tissue) legend.swatch(tissueColour(1), "can be touched");
-    legend.gap();
-  }
+  tissueLegend(legend, contents, colour);
   if (colour == SurfaceColour::displacement)
     displacementBar(legend, bar_height, contents.full_colour);
   if (colour == SurfaceColour::error) errorBar(legend, bar_height, "error bound, % of the force");
+  if (colour == SurfaceColour::pressure && contents.pressure.full > 0)
+    pressureBar(legend, bar_height, contents.pressure.full);
 }
 
 /// What the dots of the lattice mean.

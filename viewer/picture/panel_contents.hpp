@@ -53,6 +53,15 @@ struct BesideContents {
   ViewLabel label = {};         ///< of its arrow
   double force = 0;             ///< N, of its tissue
   std::string sentence = {};    ///< why there is no such touch; empty: there is
+  /// Why it has not the colours that are shown; empty: it has.
+  std::string colourless = {};
+};
+
+/// What is to be said where the colours show pressures.
+struct PressureContents {
+  double full = 0;            ///< Pa, end of the colours; 0: there are none, beside it neither
+  bool everywhere = true;     ///< every part of the body has one
+  std::string sentence = {};  ///< why there are none; empty: there are
 };
 
 /// A dataset or method that can be switched to.
@@ -75,10 +84,11 @@ struct PanelContents {
   std::string dataset, tissue;           ///< name and material of the model in use
   Eigen::Vector3d middle = {0, 0, 0};    ///< m, of the body: where the scale bar measures
   double full_colour = 0.01;             ///< m, end of the colours of the surface
-  bool untouchable = false;              ///< there are parts with nothing to feel
-  double lattice_radius = 0.1;           ///< m
-  std::string lattice_name;              ///< of the space that is shown
-  ViewLabel label = {};                  ///< of the arrow
+  PressureContents pressure = {};
+  bool untouchable = false;     ///< there are parts with nothing to feel
+  double lattice_radius = 0.1;  ///< m
+  std::string lattice_name;     ///< of the space that is shown
+  ViewLabel label = {};         ///< of the arrow
   HandMarks hand = {};
   std::optional<BesideContents> beside = {};
 };

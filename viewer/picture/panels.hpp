@@ -58,7 +58,7 @@ void buildForcePlot(const ForceHistory& history, const Viewport& view);
 void drawHandMarks(const HandMarks& marks, const OrbitCamera& camera, const Viewport& view,
                    const Viewport& touched);
 /// Over the other part of the view, where another dataset is shown: names, label, and why nothing
-/// is touched there. part: as layout() counts.
+/// is touched there, or seen of what the colours show. part: as layout() counts.
 void drawBesideOverlay(const BesideContents& contents, const OrbitCamera& camera,
                        const Viewport& part);
 /// What lies over the view: names, a label, legends, scale and axes, what must be said, the help.

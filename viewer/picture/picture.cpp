@@ -15,6 +15,7 @@
 #include "viewer/picture/hand_control.hpp"
 #include "viewer/picture/held_tool.hpp"
 #include "viewer/picture/panels.hpp"
+#include "viewer/picture/pressure_words.hpp"
 #include "viewer/picture/stage.hpp"
 #include "viewer/picture/touch_words.hpp"
 #include "viewer/picture/window.hpp"
@@ -145,6 +146,7 @@ struct Picture::Impl {
   BesideContents besideContents(const HapticState& state) const {
     const HapticModel& other = beside->body->model();
     BesideContents all{other.name(), tissueText(other.regions())};
+    if (view.colour == SurfaceColour::pressure) all.colourless = whyNoPressures(other.pressures());
     if (!beside->touch) {
       all.sentence = sameSurface(inUse().model().surface(), other.surface())
                          ? "Nothing was computed here, or the method is still being prepared."
@@ -172,6 +174,8 @@ struct Picture::Impl {
         .tissue = tissueText(now.regions()),
         .middle = inUse().sphere().centre,
         .full_colour = inUse().fullColour(),
+        .pressure = {inUse().fullPressure(), now.pressures().everywhere(),
+                     whyNoPressures(now.pressures())},
         .untouchable = inUse().hasUntouchable(),
         .lattice_radius = table.lattice.radius(),
         .lattice_name = table.patch.name,

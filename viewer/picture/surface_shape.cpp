@@ -51,13 +51,21 @@ const Covers& displacementCovers() {
   return made;
 }
 
+/// What hides all of the tissue, by place.
+Covers fullCovers(Rgb (*colour)(double place)) {
+  Covers covers;
+  for (int level = 0; level < levels; ++level)
+    covers[at(level)] = coverOf(colour(static_cast<double>(level) / (levels - 1)), 1);
+  return covers;
+}
+
 const Covers& viridisCovers() {
-  static const Covers made = [] {
-    Covers covers;
-    for (int level = 0; level < levels; ++level)
-      covers[at(level)] = coverOf(viridis(static_cast<double>(level) / (levels - 1)), 1);
-    return covers;
-  }();
+  static const Covers made = fullCovers(viridis);
+  return made;
+}
+
+const Covers& pressureCovers() {
+  static const Covers made = fullCovers([](double place) { return pressureColour(2 * place - 1); });
   return made;
 }
 
@@ -72,6 +80,13 @@ std::uint32_t packed(const std::array<float, 3>& tissue, const Cover& cover) {
 /// place: 0 to 1 and beyond.
 std::size_t levelAt(float place) {
   return static_cast<std::size_t>(std::clamp(place, 0.0F, 1.0F) * (levels - 1));
+}
+
+/// A colour for every vertex that has a place.
+void cover(const Covers& covers, std::span<const float> places,
+           std::span<const std::array<float, 3>> tissue, std::span<std::uint32_t> colours) {
+  for (std::size_t v = 0; v < places.size(); ++v)
+    colours[v] = packed(tissue[v], std::isnan(places[v]) ? Cover{} : covers[levelAt(places[v])]);
 }
 
 }  // namespace
@@ -178,10 +193,15 @@ void SurfaceShape::colourPlaces(std::span<const float> places) {
   PALPATE_ASSERT(places.size() == given_, "every vertex has its place among the colours");
   std::ranges::copy(places, places_.begin());
   round(places_);
-  const Covers& covers = viridisCovers();
-  for (std::size_t v = 0; v < size(); ++v)
-    colours_[v] =
-        packed(tissue_[v], std::isnan(places_[v]) ? Cover{} : covers[levelAt(places_[v])]);
+  cover(viridisCovers(), places_, tissue_, colours_);
+}
+
+void SurfaceShape::colourPressures(std::span<const float> pressures, double full) {
+  PALPATE_ASSERT(pressures.size() == given_ && full > 0, "every vertex has a pressure, or NaN");
+  const auto scale = static_cast<float>(0.5 / full);
+  std::ranges::transform(pressures, places_.begin(), [=](float p) { return 0.5F + scale * p; });
+  round(places_);
+  cover(pressureCovers(), places_, tissue_, colours_);
 }
 
 void SurfaceShape::setNormals() {

@@ -31,6 +31,9 @@ class SurfaceShape {
   void colourDisplacements(double full);
   /// By viridis. places: one per vertex given, 0 to 1; NaN: the tissue is seen.
   void colourPlaces(std::span<const float> places);
+  /// By pressureColour, of -full to `full` Pa. pressures: one per vertex given; NaN: the tissue is
+  /// seen.
+  void colourPressures(std::span<const float> pressures, double full);
 
   // A column per vertex.
   const Eigen::Matrix3Xf& rest() const { return rest_; }                 ///< m

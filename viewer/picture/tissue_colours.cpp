@@ -22,10 +22,28 @@ constexpr std::array<Rgb, 9> hues = {{{124, 62, 118},
                                       {111, 200, 88},
                                       {183, 222, 45},
                                       {253, 231, 37}}};
+/// PRGn of ColorBrewer (Brewer and Harrower), from its end.
+constexpr std::array<Rgb, 9> pressure_hues = {{{27, 120, 55},
+                                               {90, 174, 97},
+                                               {166, 219, 160},
+                                               {217, 240, 211},
+                                               {247, 247, 247},
+                                               {231, 212, 232},
+                                               {194, 165, 207},
+                                               {153, 112, 171},
+                                               {118, 42, 131}}};
 
 Rgb between(const Rgb& from, const Rgb& to, double share) {
   return {std::lerp(from[0], to[0], share), std::lerp(from[1], to[1], share),
           std::lerp(from[2], to[2], share)};
+}
+
+/// Among colours at equal distances. place: 0 to 1, beyond it the nearest.
+template <std::size_t count>
+Rgb among(const std::array<Rgb, count>& colours, double place) {
+  const double at = std::clamp(place, 0.0, 1.0) * (count - 1);
+  const std::size_t below = std::min<std::size_t>(static_cast<std::size_t>(at), count - 2);
+  return between(colours[below], colours[below + 1], at - static_cast<double>(below));
 }
 
 }  // namespace
@@ -34,9 +52,10 @@ const char* word(SurfaceColour colour) {
   switch (colour) {
     case SurfaceColour::tissue: return "tissue";
     case SurfaceColour::displacement: return "displacement";
-    case SurfaceColour::error: break;
+    case SurfaceColour::error: return "error bound";
+    case SurfaceColour::pressure: break;
   }
-  return "error bound";
+  return "pressure";
 }
 
 Rgb tissueColour(double felt, double blotch) {
@@ -55,14 +74,12 @@ double displacementCover(double place) {
   return share * share * (3 - 2 * share);
 }
 
-Rgb displacementHue(double place) {
-  const double at = std::clamp(place, 0.0, 1.0) * (hues.size() - 1);
-  const std::size_t below = std::min<std::size_t>(static_cast<std::size_t>(at), hues.size() - 2);
-  return between(hues[below], hues[below + 1], at - static_cast<double>(below));
-}
+Rgb displacementHue(double place) { return among(hues, place); }
 
 Rgb displacementColour(double place, const Rgb& tissue) {
   return between(tissue, displacementHue(place), displacementCover(place));
 }
+
+Rgb pressureColour(double place) { return among(pressure_hues, 0.5 + 0.5 * place); }
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "tests/support/expect_error.hpp"
+#include "tests/support/pressed_body.hpp"
 #include "tests/viewer/devices/polling.hpp"
 #include "tests/viewer/haptics/touched_model.hpp"
 #include "tests/viewer/picture/person.hpp"
@@ -22,6 +23,7 @@ bool isRed(Pixel p) { return p[0] > 110 && p[1] < 0.45 * p[0] && p[2] < 0.45 * p
 bool isTissue(Pixel p) { return p[0] > p[1] + 40 && p[0] > p[2] + 40 && p[0] < 200; }
 bool isBlue(Pixel p) { return p[2] > 110 && p[0] < 0.4 * p[2] && p[1] < 0.75 * p[2]; }
 bool isAmber(Pixel p) { return p[0] > 150 && p[1] > 0.5 * p[0] && p[2] < 0.35 * p[0]; }
+bool isPurple(Pixel p) { return p[0] > p[1] + 40 && p[2] > p[1] + 40; }
 bool isYellow(Pixel p) { return p[0] > p[2] + 60 && p[1] > p[2] + 60; }
 
 /// The three bytes of a pixel; x from the left, y from the top.
@@ -311,7 +313,9 @@ TEST_F(PictureTest, ShowsWhatTheColoursAreAskedFor) {
     picture.draw(state, {});
     return picture.grab();
   };
-  const Image displacement = after(nullptr), error = after("c"), tissue = after("c");
+  const Image displacement = after(nullptr), error = after("c");
+  after("c");
+  const Image tissue = after("c");
   const auto isLegend = [](Pixel p) { return isYellow(p) && p[0] > 240; };
   const auto legend = [&](const Image& image) { return find(image, isLegend, 40, 622).count; };
   EXPECT_GT(legend(displacement), 10);
@@ -319,6 +323,95 @@ TEST_F(PictureTest, ShowsWhatTheColoursAreAskedFor) {
   EXPECT_EQ(legend(tissue), 0) << "nothing is shown that would need one";
   EXPECT_EQ(find(tissue, isYellow, 980, 400).count, 0);
   EXPECT_GT(differences(displacement, error, 980, 622), 5000);
+}
+
+/// Colours by pressure: from displacement they are the second that C comes to.
+class PressurePictureTest : public PictureTest {
+ protected:
+  static HapticModel blob(double factor, double linear_below) {
+    const Mesh mesh = test::blobMesh(6);
+    const std::vector<std::int32_t>& top = mesh.node_groups.at("zmax");
+    const auto from_middle = [&](std::int32_t node) {
+      return mesh.nodes[static_cast<std::size_t>(node)].head<2>().norm();
+    };
+    const std::int32_t node = *std::ranges::min_element(top, {}, from_middle);
+    const test::TemporaryDirectory directory;
+    test::PressedBody(mesh, {{node}}, factor, linear_below).seal(directory / "body.h5");
+    return HapticModel(Dataset(directory / "body.h5"), {.reach = 0.06, .pressures = true});
+  }
+  static HapticModel blob(double factor = 1) {
+    return blob(factor, -std::numeric_limits<double>::infinity());
+  }
+  HapticState pressedInto(const HapticModel& body, double depth) {
+    HapticState state;
+    state.time = ++time;
+    Contact contact(body);
+    const double top = body.surface().tree().nearest({0, 0, 0.2}).position.z();
+    for (int step = 0; step <= 100; ++step) {
+      state.tool = {0, 0, top + 1e-4 - (depth + 1e-4) * step / 100};
+      contact.update(state.tool);
+    }
+    state.touch = contact.touch();
+    return state;
+  }
+  Image coloured(const std::vector<const HapticModel*>& models, const HapticState& state,
+                 const std::string& keys) {
+    Picture picture(models, {.vsync = false, .ghost = false});
+    picture.draw(state, {});
+    test::Person person(screen.name(), "Palpate");
+    for (const char key : keys) {
+      person.press(std::string(1, key).c_str());
+      picture.draw(state, {});
+    }
+    // The one beside is seen in the first, and its scale in the second.
+    for (int n = 0; n < 2; ++n) picture.draw(state, {});
+    return picture.grab();
+  }
+};
+
+TEST_F(PressurePictureTest, ShowsCompressionUnderTheToolWhenAskedForPressures) {
+  const HapticModel body = blob();
+  const HapticState state = pressedInto(body, 0.005);
+  ASSERT_TRUE(state.touch.touching);
+  const Image displacement = coloured({&body}, state, ""),
+              pressure = coloured({&body}, state, "cc");
+  EXPECT_GT(differences(displacement, pressure, 980, 400), 5000);
+  EXPECT_GT(find(pressure, isPurple).count, find(displacement, isPurple).count + 300);
+  const auto bar = [&](const Image& image) { return find(image, isPurple, 32, 622).count; };
+  EXPECT_GT(bar(pressure), bar(displacement) + 100) << "and its legend";
+}
+
+TEST_F(PressurePictureTest, LeavesTissueWhereThereIsNoPressureAndSaysSo) {
+  const HapticModel body = blob(), layered = blob(1, 0.0);
+  const HapticState state = pressedInto(body, 0.005);
+  const Image whole = coloured({&body}, state, "cc"), half = coloured({&layered}, state, "cc");
+  EXPECT_GT(find(half, isTissue).count, find(whole, isTissue).count + 2000);
+  const auto swatch = [&](const Image& image) {
+    const Image& seen = image;
+    int count = 0;
+    for (int y = 560; y < 622; ++y)
+      for (int x = 18; x < 30; ++x) count += isTissue(pixelOf(seen, x, y));
+    return count;
+  };
+  EXPECT_EQ(swatch(whole), 0);
+  EXPECT_GT(swatch(half), 60);
+}
+
+TEST_F(PressurePictureTest, OfADatasetWithoutThemShowsTissueAndSaysWhy) {
+  const HapticState state = pressed(0.0048);
+  const Image tissue = coloured({&model}, state, "ccc"), none = coloured({&model}, state, "cc");
+  EXPECT_EQ(find(none, isPurple).count, find(tissue, isPurple).count);
+  EXPECT_GT(differences(tissue, none, 180, 622), 500) << "a sentence";
+  EXPECT_LT(differences(tissue, none, 980, 400), 100) << "where the legend is, or nowhere";
+}
+
+TEST_F(PressurePictureTest, HasOneScaleForTwoDatasetsSideBySide) {
+  const HapticModel body = blob(), same = blob(), harder = blob(8);
+  const HapticState state = pressedInto(body, 0.005);
+  const auto left = [&](const HapticModel& other) {
+    return find(coloured({&body, &other}, state, "ccb"), isPurple, 494).count;
+  };
+  EXPECT_LT(left(harder), 0.5 * left(same)) << "pale beside what has eight times the pressure";
 }
 
 TEST_F(PictureTest, ShowsAToolInsideTheBodyThroughIt) {

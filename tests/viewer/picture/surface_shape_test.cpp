@@ -94,6 +94,39 @@ TEST(SurfaceShape, ColoursPlacesByViridisAndLeavesTissueWhereThereIsNone) {
   EXPECT_EQ(bytesAt(shape, 8), none);
 }
 
+TEST(SurfaceShape, ColoursPressuresOnBothSidesOfZeroAsTheLegendDoes) {
+  SurfaceShape shape = Square().shape();
+  std::vector<float> pressures(25, std::numeric_limits<float>::quiet_NaN());
+  pressures[3] = 1000;
+  pressures[7] = -4000;
+  pressures[12] = 0;
+  pressures[24] = 9000;  // beyond the end of the colours
+  shape.colourPressures(pressures, 4000);
+  expectColour(bytesAt(shape, 3), pressureColour(0.25));
+  expectColour(bytesAt(shape, 7), pressureColour(-1));
+  expectColour(bytesAt(shape, 12), pressureColour(0));
+  expectColour(bytesAt(shape, 24), pressureColour(1));
+  const Bytes none = bytesAt(shape, 8);
+  shape.colourTissue();
+  EXPECT_EQ(bytesAt(shape, 8), none) << "what has no pressure is tissue";
+}
+
+/// Between vertices the mean: what mid-edge nodes of quadratic elements are given too.
+TEST(SurfaceShape, HasTheMeanPressureInTheMiddleOfAnEdge) {
+  const Square square;
+  SurfaceShape shape = square.shape();
+  ASSERT_GT(shape.size(), square.vertices.size()) << "it is rounded";
+  std::vector<float> pressures(25, 0.0F);
+  pressures[0] = 1000;
+  shape.colourPressures(pressures, 1000);
+  const Eigen::Vector3f middle = 0.5F * (shape.rest().col(0) + shape.rest().col(1));
+  std::size_t found = 0;
+  for (std::size_t v = 25; v < shape.size(); ++v)
+    if ((shape.rest().col(static_cast<Eigen::Index>(v)) - middle).norm() < 1e-6F) found = v;
+  ASSERT_GT(found, 0u);
+  expectColour(bytesAt(shape, found), pressureColour(0.5));
+}
+
 TEST(SurfaceShape, KnowsWhereItCanBeFeltWithASoftBorder) {
   const Square square;
   SurfaceShape shape = square.shape();

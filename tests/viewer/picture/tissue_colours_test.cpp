@@ -41,6 +41,30 @@ TEST(TissueColours, HaveBlotchesBetweenTheirEnds) {
   }
 }
 
+/// The eye is to see zero, and from it as much one way as the other.
+TEST(PressureColours, AreLightAtNoneAndGrowDarkerBothWays) {
+  const Rgb none = pressureColour(0);
+  EXPECT_EQ(none[0], none[1]);
+  EXPECT_EQ(none[1], none[2]);
+  for (const double sign : {-1.0, 1.0}) {
+    double last = lightness(none) + 1;
+    for (int n = 0; n <= 20; ++n) {
+      const double now = lightness(pressureColour(sign * n / 20.0));
+      EXPECT_LT(now, last) << sign * n / 20.0;
+      last = now;
+    }
+    EXPECT_EQ(pressureColour(sign), pressureColour(3 * sign));
+  }
+}
+
+TEST(PressureColours, ArePurpleInCompressionAndGreenInTension) {
+  for (const double place : {0.25, 0.5, 1.0}) {
+    const Rgb compressed = pressureColour(place), stretched = pressureColour(-place);
+    EXPECT_GT(std::min(compressed[0], compressed[2]), compressed[1] + 10);
+    EXPECT_GT(stretched[1], std::max(stretched[0], stretched[2]) + 10);
+  }
+}
+
 TEST(SurfaceColour, GoesRoundThroughAllThatCanBeShown) {
   SurfaceColour colour = SurfaceColour::tissue;
   for (int n = 0; n < surface_colour_count; ++n) {
