@@ -59,12 +59,17 @@ void SurfacePressures::prepare(const std::vector<SpaceTable>& spaces, const std:
 void SurfacePressures::takeIn(const SpaceTable& space, std::span<const float> rows) {
   const std::size_t row = rows.size() / space.points.size();
   known_.resize(row, everywhere_ ? 1 : 0);
+  std::vector<float> known(row);
   for (std::size_t n = 0; n < space.points.size(); ++n) {
     if (!isSolved(space.points[n].tag)) continue;
-    const std::span<const float> pressures = rows.subspan(n * row, row);
-    for (std::size_t v = 0; v < row; ++v)
-      if (pressures[v] != 0) known_[v] = 1;
-    strengths_.push_back(strengthOf(pressures));
+    for (std::size_t v = 0; v < row; ++v) {
+      known[v] = rows[n * row + v];
+      if (known[v] != 0)
+        known_[v] = 1;
+      else if (!everywhere_)
+        known[v] = std::numeric_limits<float>::quiet_NaN();
+    }
+    strengths_.push_back(strengthOf(known));
   }
 }
 
