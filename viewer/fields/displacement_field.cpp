@@ -1,72 +1,14 @@
 #include "viewer/fields/displacement_field.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 
 #include "common/base/assertion.hpp"
 #include "common/base/cpu_family.hpp"
 #include "common/base/error.hpp"
+#include "viewer/fields/slot_terms.hpp"
 
 namespace palpate {
 namespace {
-
-/// Solved points that a ghost is continued from: enough to span the space beside a flat rim too.
-constexpr std::ptrdiff_t sources = 20;
-
-/// A multiple of a slot's row.
-struct Term {
-  std::int32_t slot;
-  double factor;
-};
-
-/// The nearest of the `solved` slots by distance from a ghost, nearest first, without those on
-/// another branch than the nearest.
-std::vector<std::int32_t> nearestOf(std::span<const std::int32_t> solved, const CellBranches& data,
-                                    std::int32_t ghost) {
-  const LatticePoint& center = data.tree.slots()[at(ghost)].point;
-  std::vector<std::pair<std::int64_t, std::int32_t>> by_distance;
-  by_distance.reserve(solved.size());
-  for (const std::int32_t slot : solved) {
-    LatticePoint step = data.tree.slots()[at(slot)].point;
-    for (std::size_t axis = 0; axis < 3; ++axis) step[axis] -= center[axis];
-    by_distance.emplace_back(squaredNorm(step), slot);
-  }
-  const auto end = by_distance.begin() + std::min(std::ssize(by_distance), sources);
-  std::ranges::partial_sort(by_distance, end);
-  std::vector<std::int32_t> slots;
-  for (auto found = by_distance.begin(); found != end; ++found)
-    if (!data.isInconsistent(by_distance.front().second, found->second))
-      slots.push_back(found->second);
-  return slots;
-}
-
-/// Factors that sum to one and continue linear functions exactly, near slots weighing more; the
-/// nearest alone where the slots do not span the space or would be blown up.
-std::vector<Term> linearContinuation(std::span<const std::int32_t> solved, const CellBranches& data,
-                                     std::int32_t ghost) {
-  const std::vector<std::int32_t> slots = nearestOf(solved, data, ghost);
-  const auto n = static_cast<Eigen::Index>(slots.size());
-  Eigen::MatrixXd conditions(4, n);
-  Eigen::VectorXd closeness(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Vector3d offset =
-        (data.tree.displacement(slots[at(i)]) - data.tree.displacement(ghost)) /
-        data.tree.spacing();
-    conditions.col(i) << 1, offset;
-    closeness[i] = 1 / offset.norm();
-  }
-  const Eigen::Vector4d target(1, 0, 0, 0);
-  // The least sum of squared factors over closeness: far slots take part where near ones do not do.
-  const Eigen::MatrixXd weighted = conditions * closeness.asDiagonal();
-  const Eigen::VectorXd factors =
-      closeness.cwiseProduct(weighted.completeOrthogonalDecomposition().solve(target));
-  constexpr double most = 6;  // sum of the magnitudes: 1 to 3 at a rim
-  if (!((conditions * factors - target).norm() < 1e-9 && factors.cwiseAbs().sum() <= most))
-    return {{slots.front(), 1}};
-  std::vector<Term> terms;
-  for (Eigen::Index i = 0; i < n; ++i) terms.push_back({slots[at(i)], factors[i]});
-  return terms;
-}
 
 /// Rows that are added at once: few passes over `out`, and no more pointers than registers.
 constexpr std::size_t rows_at_once = 4;
@@ -112,7 +54,7 @@ DisplacementField::DisplacementField(const CellBranches& data, std::size_t point
     shares.row(solved[at(n)]) = of_solved.row(n).cast<double>();
   for (std::int32_t s = 0; s < std::ssize(slots); ++s)
     if (slots[at(s)].kind == SlotKind::ghost)
-      for (const Term& term : linearContinuation(solved, data, s))
+      for (const SlotTerm& term : continuedFrom(solved, data, s))
         shares.row(s) += term.factor * shares.row(term.slot);
   for (const std::int32_t s : tree_.hangingSlots()) {
     const CellSlot& slot = slots[at(s)];
