@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <future>
 
@@ -20,18 +21,24 @@ constexpr auto tell_every = 1s;
 constexpr auto call_every = 50ms;
 constexpr int least_priority = 19;  // nice
 
-void prepareFirstMethod(HapticModel& model, const LoadedModels::Meanwhile& meanwhile) {
+bool prepareFirstMethod(HapticModel& model, const LoadedModels::Meanwhile& meanwhile) {
+  std::stop_source stop;
+  const auto look = [&] {
+    if (meanwhile && !meanwhile(model, model.preparedShare(0))) stop.request_stop();
+  };
+  look();
   // Beside, so that whoever waits for a large dataset sees that something happens.
-  auto prepared = std::async(std::launch::async, [&] { model.prepare(0); });
+  auto prepared = std::async(std::launch::async, [&] { model.prepare(0, stop.get_token()); });
   auto tell = std::chrono::steady_clock::now() + tell_every;
   while (prepared.wait_for(call_every) != std::future_status::ready) {
-    if (meanwhile) meanwhile(model, model.preparedShare(0));
+    look();
     if (std::chrono::steady_clock::now() < tell) continue;
     tell += tell_every;
     spdlog::info("{}: preparing {}, {:.0f} % of {} spaces", model.file(), model.methods()[0],
                  100 * model.preparedShare(0), model.spaces().size());
   }
   prepared.get();
+  return !stop.stop_requested();
 }
 
 }  // namespace
@@ -52,8 +59,9 @@ LoadedModels::LoadedModels(std::vector<std::filesystem::path> files,
   }
 }
 
-void LoadedModels::prepareFirst(const Meanwhile& meanwhile) {
-  for (const auto& model : models_) prepareFirstMethod(*model, meanwhile);
+bool LoadedModels::prepareFirst(const Meanwhile& meanwhile) {
+  return std::ranges::all_of(
+      models_, [&](const auto& model) { return prepareFirstMethod(*model, meanwhile); });
 }
 
 void LoadedModels::prepareTheRest() {
@@ -68,7 +76,7 @@ void LoadedModels::prepareTheRest() {
       }
     for (const auto& model : models_)
       for (std::size_t method = 1; method < model->methods().size(); ++method) try {
-          model->prepare(method, stop);
+          model->prepareAlone(method, stop);
         } catch (const std::exception& error) {
           spdlog::warn("{}: no method {}: {}", model->file(), model->methods()[method],
                        error.what());

@@ -14,15 +14,16 @@ namespace palpate {
 /// all (HapticModel).
 class LoadedModels {
  public:
-  /// Called in the thread that waits, some times a second, with the share that is prepared, 0 to 1.
-  using Meanwhile = std::function<void(const HapticModel& model, double share)>;
+  /// Called in the thread that waits, before and then some times a second, with the share that is
+  /// prepared, 0 to 1. Whether to go on.
+  using Meanwhile = std::function<bool(const HapticModel& model, double share)>;
 
   /// Reads the files; no method is prepared yet. Error as of Dataset and HapticModel.
   LoadedModels(std::vector<std::filesystem::path> files, const HapticModelOptions& options);
 
   /// Prepares the first method of each on all cores, with a line of the log per second that it
-  /// takes.
-  void prepareFirst(const Meanwhile& meanwhile = {});
+  /// takes. Whether `meanwhile` let it come to its end.
+  bool prepareFirst(const Meanwhile& meanwhile = {});
   /// Prepares pressures, if they were asked for, and the other methods in a thread of its own,
   /// which gives way to every other.
   void prepareTheRest();

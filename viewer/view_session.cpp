@@ -61,6 +61,7 @@ class ViewSession {
     if (options_.tutorial || (picture_ && options_.device == window_device && firstStart()))
       picture_->playTutorial();
     prepareFirst();
+    if (quit_) return;
     device_ = openDevice(options_.device,
                          {&loaded_->first(), 1 / options_.rate, wantedProfile(), options_.keys});
     makeTick();
@@ -75,6 +76,10 @@ class ViewSession {
   /// device is given zero, recording and picture are written, and what the loop measured goes to
   /// `output`.
   ExitCode run(std::ostream& output) {
+    if (quit_) {
+      spdlog::info("ended before the forces were prepared: nothing was felt or recorded");
+      return ExitCode::done;
+    }
     catchInterrupts();
     // A reader of our output that goes must not end us with a force on.
     std::signal(SIGPIPE, SIG_IGN);
@@ -117,14 +122,16 @@ class ViewSession {
   void prepareFirst() {
     HapticState nobody;
     nobody.reading.status = DeviceStatus::away;
-    loaded_->prepareFirst([&](const HapticModel& model, double share) {
+    const auto seen = [&](const HapticModel& model, double share) {
       // Pictures without a clock are the same in every run.
-      if (!picture_ || options_.fast) return;
+      if (!picture_ || options_.fast) return true;
       PictureStatus waiting;
       waiting.notice =
           fmt::format("preparing the forces of {}: {:.0f} %", model.name(), 100 * share);
-      picture_->draw(nobody, waiting);
-    });
+      quit_ = picture_->draw(nobody, waiting).quit || picture_->wantsClose();
+      return !quit_;
+    };
+    loaded_->prepareFirst(seen);
   }
 
   /// The limits that a virtual device has.

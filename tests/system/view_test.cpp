@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "common/base/error.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -201,6 +202,25 @@ TEST_F(ViewTest, APersonWithAMousePressesTheBodyInTheWindow) {
   const nlohmann::json measured = measuredBy(*run);
   EXPECT_EQ(measured.at("contacts"), 1);
   EXPECT_GT(measured.at("largest_force"), 0.1);
+}
+
+/// Once Q was lost while forces were being prepared.
+TEST_F(ViewTest, QEndsItAsSoonAsThereIsAWindow) {
+  const test::VirtualScreen screen;
+  std::vector<std::string> arguments(40, "cube.h5");
+  arguments.insert(arguments.end(), {"--method", "rbf-cubic", "--device", "virtual"});
+  auto run = start(arguments);
+  std::unique_ptr<test::Person> person;
+  ASSERT_TRUE(test::eventually([&] {
+    try {
+      person = std::make_unique<test::Person>(screen.name(), "Palpate");
+    } catch (const Error&) {
+    }
+    return person != nullptr;
+  }));
+  person->press("q");
+  ASSERT_TRUE(test::eventually([&] { return !run->running(); })) << run->output();
+  EXPECT_EQ(run->wait(), 0);
 }
 
 TEST_F(ViewTest, RefusesWhatItCannotFeel) {

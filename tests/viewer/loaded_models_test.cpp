@@ -58,9 +58,25 @@ TEST_F(LoadedModelsTest, TellsHowFarItIsInTheThreadThatWaits) {
     EXPECT_EQ(std::this_thread::get_id(), here);
     EXPECT_EQ(&model, &loaded.first());
     shares.push_back(share);
+    return true;
   });
+  ASSERT_FALSE(shares.empty());
+  EXPECT_EQ(shares.front(), 0) << "it is told before anything is prepared";
   EXPECT_TRUE(std::ranges::is_sorted(shares));
   EXPECT_TRUE(loaded.first().isPrepared(0));
+}
+
+TEST_F(LoadedModelsTest, PreparesNothingMoreForOneWhoGoes) {
+  LoadedModels loaded({file, file}, {});
+  int asked = 0;
+  EXPECT_FALSE(loaded.prepareFirst([&](const HapticModel&, double) {
+    ++asked;
+    return false;
+  }));
+  EXPECT_GT(asked, 0);
+  for (const HapticModel* model : loaded.pointers()) EXPECT_FALSE(model->isPrepared(0));
+  EXPECT_TRUE(loaded.prepareFirst()) << "another may still want them";
+  for (const HapticModel* model : loaded.pointers()) EXPECT_TRUE(model->isPrepared(0));
 }
 
 TEST_F(LoadedModelsTest, EndsAPreparationThatNobodyWaitsFor) {

@@ -132,7 +132,7 @@ Eigen::Vector3f slopeAt(const Eigen::Vector3f& d, const JetSums::Quantities& qua
 
 /// Side by side on all cores.
 std::vector<std::optional<SiteJets>> makeSites(const std::vector<const SpaceTable*>& spaces,
-                                               std::atomic<std::size_t>* done) {
+                                               const std::function<void()>& site_done) {
   std::vector<std::optional<SiteJets>> parts(spaces.size());
   // As many parts as threads, each with fits of its own.
   const std::size_t n_parts = std::max(1u, std::thread::hardware_concurrency());
@@ -140,7 +140,7 @@ std::vector<std::optional<SiteJets>> makeSites(const std::vector<const SpaceTabl
     SiteFits fits(spaces.front()->lattice.unit());
     for (std::size_t s = part; s < spaces.size(); s += n_parts) {
       parts[s].emplace(*spaces[s], fits);
-      if (done) done->fetch_add(1, std::memory_order_relaxed);
+      if (site_done) site_done();
     }
   });
   return parts;
@@ -203,10 +203,10 @@ AreaField::AreaField(const std::vector<const SpaceTable*>& spaces, Stations stat
 
 AreaField::AreaField(const std::vector<const SpaceTable*>& spaces,
                      const std::vector<Eigen::Vector3d>& surface,
-                     std::atomic<std::size_t>* sites_done)
+                     const std::function<void()>& site_done)
     : AreaField(spaces, Stations{}) {
   setStations(stationsOn(surface));
-  const MadeSites made = makeSites(spaces, sites_done);
+  const MadeSites made = makeSites(spaces, site_done);
   for (std::size_t n = 0; n < stationCount(); ++n) beginStation(n, spaces);
   inParallel(stationCount(), [&](std::size_t n) { interpolateTo(n, made); });
   for (std::size_t n = 0; n < siteCount(); ++n) beginJudgement(n, spaces);

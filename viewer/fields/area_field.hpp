@@ -1,6 +1,6 @@
 #pragma once
 
-#include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -54,11 +54,12 @@ class AreaField {
  public:
   /// `sites` are spaces of fingers of one radius, of one build; `surface` places of
   /// the body's surface around them, close together against the radius (placesAround of
-  /// common/problem/sites.hpp). Side by side on all cores; `sites_done` counts up to the number of
-  /// sites, in which nearly all of the time goes. Error when a site has no solved point.
+  /// common/problem/sites.hpp). Side by side on all cores, any of which calls `site_done` for each
+  /// site, in which nearly all of the time goes; what it throws ends the making. Error when a site
+  /// has no solved point.
   AreaField(const std::vector<const SpaceTable*>& sites,
             const std::vector<Eigen::Vector3d>& surface,
-            std::atomic<std::size_t>* sites_done = nullptr);
+            const std::function<void()>& site_done = {});
 
   /// s: metres, where the surface is at rest; p: displacement, metres, any value. Beyond the ball
   /// the force is that at its nearest point, as ForceSample says; where no site is within reach of

@@ -70,22 +70,40 @@ void HapticModel::readShapes(const Dataset& dataset, bool with_pressures) {
   });
 }
 
-void HapticModel::makeAreas() {
-  for (std::size_t a = 0; a < places_.size(); ++a)
-    areas_.push_back(std::make_shared<const AreaField>(
-        chosenOf(spaces_, surface_.areas()[a].spaces), places_[a], &sites_done_));
-}
-
-void HapticModel::prepare(std::size_t method) {
-  PALPATE_ASSERT(method < methods_.size(), "methods are known when a model is made");
-  // Before the spaces: it works on all cores itself.
-  std::call_once(areas_made_, [this] { makeAreas(); });
-  inParallel(spaces_.size(), [&](std::size_t space) { make(method, space); });
+bool HapticModel::makeAreas(const std::stop_token& stop) {
+  struct Stopped {};
+  const auto site_done = [&] {
+    if (stop.stop_requested()) throw Stopped();
+    sites_done_.fetch_add(1, std::memory_order_relaxed);
+  };
+  const auto make_all = [&] {
+    sites_done_ = 0;
+    std::vector<std::shared_ptr<const AreaField>> areas;
+    for (std::size_t a = 0; a < places_.size(); ++a)
+      areas.push_back(std::make_shared<const AreaField>(
+          chosenOf(spaces_, surface_.areas()[a].spaces), places_[a], site_done));
+    areas_ = std::move(areas);
+  };
+  try {
+    std::call_once(areas_made_, make_all);
+  } catch (const Stopped&) {
+    return false;
+  }
+  return true;
 }
 
 void HapticModel::prepare(std::size_t method, const std::stop_token& stop) {
   PALPATE_ASSERT(method < methods_.size(), "methods are known when a model is made");
-  std::call_once(areas_made_, [this] { makeAreas(); });
+  // Before the spaces: it works on all cores itself.
+  if (!makeAreas(stop)) return;
+  inParallel(spaces_.size(), [&](std::size_t space) {
+    if (!stop.stop_requested()) make(method, space);
+  });
+}
+
+void HapticModel::prepareAlone(std::size_t method, const std::stop_token& stop) {
+  PALPATE_ASSERT(method < methods_.size(), "methods are known when a model is made");
+  if (!makeAreas(stop)) return;
   for (std::size_t space = 0; space < spaces_.size() && !stop.stop_requested(); ++space)
     make(method, space);
 }

@@ -39,11 +39,11 @@ class HapticModel {
   /// Makes the fields of one method for all spaces, side by side on all cores: some 0.2 s of
   /// processor time for a space of 515 points and `potential`, some 12 s for the area of 315 sites
   /// on 37 solved points each, with the first method. Does nothing for a method that is prepared.
-  /// Not twice at once for a method. Error for an unknown method.
-  void prepare(std::size_t method);
-  /// The same in this thread alone, until it is done or `stop` is requested; the next call goes on
-  /// from there.
-  void prepare(std::size_t method, const std::stop_token& stop);
+  /// Not twice at once for a method. Until it is done or `stop` is requested; the next call goes on
+  /// from there. Error for an unknown method.
+  void prepare(std::size_t method, const std::stop_token& stop = {});
+  /// The same in this thread alone, but for areas.
+  void prepareAlone(std::size_t method, const std::stop_token& stop);
   /// Of how many spaces a method is prepared, or the sites of an area, which all methods share, 0
   /// to 1; 0 for one that is not in methods(). Any thread; waits for nothing.
   double preparedShare(std::size_t method) const noexcept;
@@ -89,7 +89,7 @@ class HapticModel {
     std::atomic<std::size_t> made = 0;
   };
   void make(std::size_t method, std::size_t space);
-  void makeAreas();
+  bool makeAreas(const std::stop_token& stop);  ///< whether they are there
   void readShapes(const Dataset& dataset, bool with_pressures);
 
   std::string name_, file_;

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "tests/support/expect_error.hpp"
+#include "tests/support/finger_body.hpp"
 #include "tests/viewer/haptics/touched_model.hpp"
 
 namespace palpate {
@@ -40,7 +41,7 @@ TEST(HapticModel, PreparesAMethodWhileAnotherIsRead) {
   ASSERT_TRUE(model.isPrepared(0));
   EXPECT_FALSE(model.isPrepared(1));
 
-  const std::jthread background([&](const std::stop_token& stop) { model.prepare(1, stop); });
+  const std::jthread background([&](const std::stop_token& stop) { model.prepareAlone(1, stop); });
   const Eigen::Vector3d p(0.004, 0.002, -0.003);
   const Eigen::Vector3d before = model.field(0, 1).evaluate(p).force;
   while (!model.isPrepared(1)) EXPECT_EQ(model.field(0, 1).evaluate(p).force, before);
@@ -59,6 +60,19 @@ TEST(HapticModel, GoesOnWithAPreparationThatWasStopped) {
   EXPECT_EQ(model.preparedShare(0), 0);
   model.prepare(0, std::stop_token());
   EXPECT_TRUE(model.isPrepared(0));
+}
+
+TEST(HapticModel, GoesOnWithAnAreaThatWasStopped) {
+  const test::TemporaryDirectory directory;
+  test::FingerBody().seal(directory / "body.h5");
+  HapticModel model(Dataset(directory / "body.h5"), {.prepare = false});
+  std::stop_source stopped;
+  stopped.request_stop();
+  model.prepare(0, stopped.get_token());
+  EXPECT_EQ(model.preparedShare(0), 0);
+  model.prepareAlone(0, std::stop_token());
+  EXPECT_TRUE(model.isPrepared(0));
+  EXPECT_EQ(model.preparedShare(0), 1);
 }
 
 TEST(HapticModel, RefusesUnknownMethodsAndNone) {
