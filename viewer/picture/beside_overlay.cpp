@@ -1,10 +1,11 @@
 #include "viewer/picture/panels.hpp"
+#include "viewer/picture/sentence.hpp"
 #include "viewer/picture/view_overlay.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr float sentence_margin = 24, line_width = 1;
+constexpr float sentence_above = 18, line_width = 1;
 
 }  // namespace
 
@@ -15,16 +16,11 @@ void drawBesideOverlay(const BesideContents& contents, const OrbitCamera& camera
   const auto left = static_cast<float>(part.x);
   draw.PushClipRect({left, 0}, {left + size.x, size.y});
   draw.AddLine({left, 0}, {left, size.y}, line_grey, px(line_width));
-  const ScreenBox names = drawNames(draw, {contents.dataset, contents.tissue}, left, size.x);
-  drawLabel(draw, contents.label, camera, left, size, std::span(&names, 1));
+  std::vector<ScreenBox> taken = {
+      drawNames(draw, {contents.dataset, contents.tissue}, left, size.x)};
   const std::string& sentence = contents.sentence.empty() ? contents.colourless : contents.sentence;
-  if (!sentence.empty()) {
-    const float wrap = size.x - 2 * px(sentence_margin);
-    const ImVec2 text = ImGui::CalcTextSize(sentence.c_str(), nullptr, false, wrap);
-    draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(),
-                 {left + (size.x - text.x) / 2, size.y - px(sentence_margin) - text.y}, ink,
-                 sentence.c_str(), nullptr, wrap);
-  }
+  if (!sentence.empty()) taken.push_back(drawSentence(draw, sentence, part, px(sentence_above)));
+  drawLabel(draw, contents.label, camera, left, size, taken);
   draw.PopClipRect();
 }
 

@@ -15,8 +15,6 @@ constexpr double above_skin = 0.06;  // of its radius, for which no triangle hid
 // px
 constexpr float ring_width = 2.5F, ring_edge_width = 4.5F, cursor_ring = 13,
                 cursor_line_width = 1.5F;
-constexpr float hint_padding = 10, hint_bottom = 18, hint_above_scale = 84, hint_rounding = 6;
-constexpr ImU32 hint_ground = IM_COL32(255, 255, 255, 235);
 constexpr ImU32 cursor_fill = IM_COL32(255, 255, 255, 255), cursor_line = IM_COL32(20, 22, 28, 255);
 
 ImVec2 onScreen(const Eigen::Vector2d& place, const Viewport& view) {
@@ -45,20 +43,6 @@ void drawRing(ImDrawList& draw, const HandMarks& marks, const OrbitCamera& camer
   draw.AddPolyline(corners.data(), ring_corners, ring_colour, ImDrawFlags_Closed, px(ring_width));
 }
 
-/// In the middle of the lower end of the view.
-void drawHint(ImDrawList& draw, const std::string& hint, const Viewport& view, float bottom) {
-  const float padding = px(hint_padding);
-  const auto width = static_cast<float>(view.width);
-  const float most = width - 4 * padding;
-  const ImVec2 size = ImGui::CalcTextSize(hint.c_str(), nullptr, false, most);
-  const ImVec2 at = {(width - size.x) / 2,
-                     static_cast<float>(view.height) - bottom - padding - size.y};
-  draw.AddRectFilled({at.x - padding, at.y - padding / 2},
-                     {at.x + size.x + padding, at.y + size.y + padding / 2}, hint_ground,
-                     px(hint_rounding));
-  draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, ink, hint.c_str(), nullptr, most);
-}
-
 /// The arrow of a mouse, with a spot under it while its button is held.
 void drawCursor(ImDrawList& draw, ImVec2 tip, bool pressed) {
   if (pressed) draw.AddCircle(tip, px(cursor_ring), ring_colour, 0, px(ring_width));
@@ -74,16 +58,11 @@ void drawCursor(ImDrawList& draw, ImVec2 tip, bool pressed) {
 
 }  // namespace
 
-void drawHandMarks(const HandMarks& marks, const OrbitCamera& camera, const Viewport& view,
-                   const Viewport& touched) {
+void drawHandMarks(const HandMarks& marks, const OrbitCamera& camera, const Viewport& view) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  const auto size = ImVec2{static_cast<float>(view.width), static_cast<float>(view.height)};
-  draw.PushClipRect({0, 0}, size);
-  if (marks.ring) drawRing(draw, marks, camera, touched);
-  // Between two bodies is the scale of the first.
-  const float bottom = touched.width < view.width ? hint_above_scale : hint_bottom;
-  if (!marks.hint.empty()) drawHint(draw, marks.hint, view, px(bottom));
-  if (marks.cursor) drawCursor(draw, onScreen(*marks.cursor, touched), marks.button);
+  draw.PushClipRect({0, 0}, {static_cast<float>(view.width), static_cast<float>(view.height)});
+  if (marks.ring) drawRing(draw, marks, camera, view);
+  if (marks.cursor) drawCursor(draw, onScreen(*marks.cursor, view), marks.button);
   draw.PopClipRect();
 }
 

@@ -85,7 +85,7 @@ void Panels::build(const PanelContents& contents, ViewChoices& view, PictureRequ
   buildForcePlot(contents.history, viewport);
   const Viewport touched = contents.beside ? viewport.leftHalf() : viewport;
   drawViewOverlay(contents, view, touched);
-  drawHandMarks(contents.hand, contents.camera, viewport, touched);
+  drawHandMarks(contents.hand, contents.camera, touched);
   if (contents.beside) drawBesideOverlay(*contents.beside, contents.camera, viewport.rightHalf());
   ImGui::Render();
 }

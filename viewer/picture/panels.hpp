@@ -53,15 +53,14 @@ void buildSidePanel(const PanelContents& contents, const Viewport& view, ViewCho
 /// The panel below the view: the force of the last ForceHistory::span seconds, its components and
 /// its length, with the error bound as a band around it.
 void buildForcePlot(const ForceHistory& history, const Viewport& view);
-/// The ring, hint and cursor of a hand without a device, over the view.
-/// touched: the part of the view in which the touched body is.
-void drawHandMarks(const HandMarks& marks, const OrbitCamera& camera, const Viewport& view,
-                   const Viewport& touched);
+/// The ring and the cursor of a hand without a device, over the view.
+void drawHandMarks(const HandMarks& marks, const OrbitCamera& camera, const Viewport& view);
 /// Over the other part of the view, where another dataset is shown: names, label, and why nothing
 /// is touched there, or seen of what the colours show. part: as layout() counts.
 void drawBesideOverlay(const BesideContents& contents, const OrbitCamera& camera,
                        const Viewport& part);
-/// What lies over the view: names, a label, legends, scale and axes, what must be said, the help.
+/// What lies over the view: names, a label, legends, scale and axes, the hint to the hand, what
+/// must be said, the help.
 void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
                      const Viewport& view);
 

@@ -8,6 +8,7 @@
 
 #include "viewer/picture/label_place.hpp"
 #include "viewer/picture/panels.hpp"
+#include "viewer/picture/sentence.hpp"
 
 namespace palpate {
 namespace {
@@ -17,7 +18,7 @@ constexpr float margin = 14;
 constexpr float label_padding_x = 7, label_padding_y = 4, arrow_width = 6;
 constexpr float banner_stripe = 4, banner_left = 12, banner_right = 8, banner_padding = 6,
                 banner_gap = 6;
-constexpr float help_gap = 18;
+constexpr float help_gap = 18, hint_above = 18, above_scale = 84;
 constexpr double view_edge = 4;
 constexpr float widest_name = 0.7F;  // of the view: beyond it would lie under what is said
 
@@ -126,9 +127,13 @@ void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
   const ImVec2 size = {static_cast<float>(view.width), static_cast<float>(view.height)};
   draw.PushClipRect({0, 0}, size);
   drawScaleAndAxes(draw, contents, size);
-  const std::array<ScreenBox, 2> taken = {
+  std::vector<ScreenBox> taken = {
       drawLegends(draw, contents, choices, size),
       drawNames(draw, {contents.dataset, contents.tissue, "H: help"}, 0, size.x)};
+  // In a half of the view there is no room beside the scale.
+  const float above = contents.beside ? above_scale : hint_above;
+  if (!contents.hand.hint.empty())
+    taken.push_back(drawSentence(draw, contents.hand.hint, view, px(above)));
   drawLabel(draw, contents.label, contents.camera, 0, size, taken);
   drawBanners(draw, contents.status, choices.help, size.x);
   draw.PopClipRect();
