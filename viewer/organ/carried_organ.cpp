@@ -8,11 +8,23 @@
 namespace palpate {
 namespace {
 
-constexpr std::string_view organ_mark = "palpate-organ-1\n";
+// Together the first line.
+constexpr std::string_view organ_mark = "palpate-organ-";
+constexpr std::string_view organ_version = "1";
 /// Of shares: this many steps on each side of zero for the largest of a mode. A vertex is off by
 /// some tenth of a millimetre then.
 constexpr float share_steps = 127;
 constexpr float mode_steps = 32767;
+
+// More than any page has, and far enough from where products of numbers of a lattice overflow.
+constexpr std::int32_t most_divisions = 4096;
+/// What a finger reaches by pushing is about half of its ball, and no smaller share.
+constexpr double least_share_of_ball = 1.0 / 64;
+
+Error damaged(std::string_view how) {
+  return failure(
+      "the organ is damaged ({}): get its page again, or make it again with palpate share", how);
+}
 
 class OrganWriter {
  public:
@@ -49,10 +61,11 @@ class OrganReader {
     std::memcpy(&number, take(sizeof number).data(), sizeof number);
     return number;
   }
+  bool done() const { return bytes_.empty(); }
   /// Of things that take at least so many bytes each.
   std::size_t getSize(std::size_t least = 1) {
     const auto size = get<std::uint32_t>();
-    if (size > bytes_.size() / least) throw cutOff();
+    if (size > bytes_.size() / least) throw damaged("it is cut off");
     return size;
   }
   std::string getText() { return std::string(take(getSize())); }
@@ -66,16 +79,13 @@ class OrganReader {
       for (Eigen::Index j = 0; j < values.cols(); ++j) values(i, j) = get<float>();
   }
   std::string_view take(std::size_t count) {
-    if (count > bytes_.size()) throw cutOff();
+    if (count > bytes_.size()) throw damaged("it is cut off");
     const std::string_view taken = bytes_.substr(0, count);
     bytes_.remove_prefix(count);
     return taken;
   }
 
  private:
-  static Error cutOff() {
-    return failure("the organ is cut off, or damaged: make its page again with palpate share");
-  }
   std::string_view bytes_;
 };
 
@@ -135,36 +145,71 @@ void putSpace(OrganWriter& out, const SpaceTable& space) {
   }
 }
 
+Finger getFinger(OrganReader& in) {
+  Finger finger;
+  finger.center = in.getVector();
+  finger.radius = in.get<double>();
+  finger.reach.outward = in.getVector();
+  finger.reach.pull = in.get<double>();
+  const double length = finger.reach.outward.norm();
+  if (!((finger.center.array().abs() <= farthest_node).all() &&
+        (length == 0 || std::abs(length - 1) < 1e-12) && std::abs(finger.reach.pull) <= 1))
+    throw damaged("a finger is none");
+  return finger;
+}
+
+/// Before its points are made: bytes that claim many must have them.
+void checkLattice(double radius, double spacing, std::int32_t divisions, std::size_t points) {
+  const double ratio = radius / spacing, in_ball = 4.0 / 3.0 * M_PI * ratio * ratio * ratio;
+  const bool is_power_of_two = divisions > 0 && (divisions & (divisions - 1)) == 0;
+  // Negated, so that NaN is refused.
+  if (!(spacing > 0 && radius >= spacing && radius <= farthest_node && is_power_of_two &&
+        divisions <= most_divisions))
+    throw damaged("a lattice is none");
+  Lattice::check(radius, spacing);
+  if (in_ball * least_share_of_ball > static_cast<double>(points))
+    throw damaged(fmt::format("a lattice of about {:.0f} points has {}", in_ball, points));
+}
+
+LatticePoint getAddedPoint(OrganReader& in, const Lattice& lattice) {
+  const auto point = in.get<LatticePoint>();
+  const auto farthest = static_cast<std::int32_t>(2 + lattice.radius() / lattice.spacing());
+  for (const std::int32_t x : point)
+    if (x < -farthest * lattice.divisions() || x > farthest * lattice.divisions())
+      throw damaged("a point lies far outside of its ball");
+  return point;
+}
+
+PointRecord getPoint(OrganReader& in, bool is_finger) {
+  const auto tag = tagOf(in.get<std::uint8_t>());
+  if (!tag) throw damaged("a point has no known tag");
+  PointRecord point;
+  point.tag = *tag;
+  if (isSolved(*tag)) point.equilibrium = getEquilibrium(in, is_finger);
+  return point;
+}
+
 SpaceTable getSpace(OrganReader& in) {
   SpaceTable space;
   const auto radius = in.get<double>(), spacing = in.get<double>();
   const auto divisions = in.get<std::int32_t>();
-  PushedPart part;
-  if (in.get<std::uint8_t>() != 0) {
-    Finger& finger = space.patch.finger.emplace();
-    finger.center = in.getVector();
-    finger.radius = in.get<double>();
-    finger.reach.outward = in.getVector();
-    finger.reach.pull = in.get<double>();
-    part = finger.reach;
-  }
+  if (in.get<std::uint8_t>() != 0) space.patch.finger = getFinger(in);
   const std::size_t size = in.getSize();
   const auto uniform = in.get<std::int32_t>();
-  space.lattice = Lattice(radius, spacing, divisions, part);
-  if (space.lattice.size() != uniform)
-    throw failure("the organ has lattices of {} uniform points where {} are made: {}", uniform,
-                  space.lattice.size(), "make its page again with palpate share");
-  while (at(space.lattice.size()) < size) space.lattice.add(in.get<LatticePoint>());
+  checkLattice(radius, spacing, divisions, size);
+  space.lattice = Lattice(radius, spacing, divisions,
+                          space.patch.finger ? space.patch.finger->reach : PushedPart{});
+  if (space.lattice.size() != uniform || at(uniform) > size)
+    throw damaged(fmt::format("a lattice has {} uniform points where {} are made", uniform,
+                              space.lattice.size()));
+  while (at(space.lattice.size()) < size) space.lattice.add(getAddedPoint(in, space.lattice));
   space.splits.resize(in.getSize(sizeof(LatticeCell)));
   for (LatticeCell& cell : space.splits) {
     cell.lowest = in.get<LatticePoint>();
     cell.level = in.get<std::int32_t>();
   }
-  space.points.resize(size);
-  for (PointRecord& point : space.points) {
-    point.tag = static_cast<Tag>(in.get<std::uint8_t>());
-    if (isSolved(point.tag)) point.equilibrium = getEquilibrium(in, space.patch.finger.has_value());
-  }
+  for (std::size_t n = 0; n < size; ++n)
+    space.points.push_back(getPoint(in, space.patch.finger.has_value()));
   return space;
 }
 
@@ -197,7 +242,9 @@ void putShapes(OrganWriter& out, const CarriedShapes& shapes) {
 
 CarriedShapes getShapes(OrganReader& in, std::size_t width, const std::vector<SpaceTable>& spaces) {
   CarriedShapes shapes;
-  shapes.mode_count = in.getSize();
+  std::size_t bytes_of_mode = 2 * sizeof(float) + 2 * width;
+  for (const SpaceTable& space : spaces) bytes_of_mode += space.points.size();
+  shapes.mode_count = in.getSize(bytes_of_mode);
   for (const SpaceTable& space : spaces)
     shapes.shares.emplace_back(space.points.size() * shapes.mode_count);
   for (std::size_t mode = 0; mode < shapes.mode_count; ++mode) {
@@ -234,11 +281,29 @@ CarriedTouch getTouch(OrganReader& in) {
   return touch;
 }
 
+/// What follows the first line.
+OrganReader behindVersion(std::string_view bytes) {
+  constexpr std::size_t longest = 10;  // so that what is no organ is not quoted
+  if (!bytes.starts_with(organ_mark))
+    throw failure("there is no organ here: get its page again, or make it again with {}",
+                  "palpate share");
+  bytes.remove_prefix(organ_mark.size());
+  const std::size_t end = bytes.find('\n');
+  if (end > longest) throw damaged("it has no version");
+  const std::string_view version = bytes.substr(0, end);
+  if (version != organ_version)
+    throw failure(
+        "this organ is of version {}, and what reads it of version {}: make its page again with "
+        "palpate share",
+        version, organ_version);
+  return OrganReader(bytes.substr(end + 1));
+}
+
 }  // namespace
 
 std::string encode(const CarriedOrgan& organ) {
   OrganWriter out;
-  for (const char c : organ_mark) out.put(c);
+  for (const char c : fmt::format("{}{}\n", organ_mark, organ_version)) out.put(c);
   out.putText(organ.name);
   out.put(organ.max_force);
   out.putSize(organ.vertices.size());
@@ -257,10 +322,7 @@ std::string encode(const CarriedOrgan& organ) {
 }
 
 CarriedOrgan decode(std::string_view bytes) {
-  if (!bytes.starts_with(organ_mark))
-    throw failure("these bytes are no organ of this version: make its page again with {}",
-                  "palpate share");
-  OrganReader in(bytes.substr(organ_mark.size()));
+  OrganReader in = behindVersion(bytes);
   CarriedOrgan organ;
   organ.name = in.getText();
   organ.max_force = in.get<double>();
@@ -276,6 +338,8 @@ CarriedOrgan decode(std::string_view bytes) {
   const std::size_t spaces = in.getSize();
   for (std::size_t n = 0; n < spaces; ++n) organ.spaces.push_back(getSpace(in));
   organ.shapes = getShapes(in, 3 * organ.vertices.size(), organ.spaces);
+  if (!in.done()) throw damaged("something follows it");
+  if (const std::string fault = faultOf(organ); !fault.empty()) throw damaged(fault);
   return organ;
 }
 

@@ -9,6 +9,9 @@
 
 namespace palpate {
 
+/// What pictures of a page can number: its indices have 16 bits.
+inline constexpr std::size_t most_carried_vertices = 65536;
+
 /// Something of an organ that can be touched: an active node with its patch, or a surface that a
 /// finger touches anywhere.
 struct CarriedTouch {
@@ -48,10 +51,15 @@ struct CarriedOrgan {
   CarriedShapes shapes;
 };
 
+/// What of it contradicts itself, as a clause for errors ("triangle 7 has a corner 900"); empty
+/// when nothing does. Looked at is all that is used afterwards: numbers that name vertices,
+/// touches, spaces, points and cells, and whether what is computed with is finite.
+std::string faultOf(const CarriedOrgan& organ);
+
 /// The same as bytes, little-endian; they begin with a version, which only the same version reads.
 std::string encode(const CarriedOrgan& organ);
-/// Error when they are no organ, of another version, or cut off. What encode() wrote is trusted:
-/// indices are not checked.
+/// Error when they are no organ, of another version, cut off, or damaged so that faultOf() tells:
+/// whatever the bytes are, what is returned can be touched.
 CarriedOrgan decode(std::string_view bytes);
 
 }  // namespace palpate

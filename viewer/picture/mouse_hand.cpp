@@ -5,15 +5,12 @@
 #include <utility>
 
 #include "common/base/index.hpp"
+#include "viewer/haptics/hand_pace.hpp"
 #include "viewer/picture/framed_sphere.hpp"
 
 namespace palpate {
 namespace {
 
-// Of the depth, 1/s: a hand lets go faster than it presses.
-constexpr double press_rate = 9, release_rate = 16;
-constexpr double usual_depth = 0.01;      // m, or less where less was computed:
-constexpr double usual_share = 0.4;       // of the reach
 constexpr double largest_share = 0.95;    // of the reach, where the workspace ends
 constexpr double notches = 50;            // of the wheel, over the reach
 constexpr double waiting_share = 0.03;    // of the body's radius, outside of the skin

@@ -19,9 +19,6 @@ constexpr Eigen::Index most_modes = 255;
 /// are kept. It is not seen.
 constexpr double missed_by_modes = 5e-5;
 
-/// What pictures of a page can number (page/page.js).
-constexpr std::size_t most_vertices = 65536;
-
 using Shapes = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// The displacements of one space, a row per point; zero where nothing is solved.
@@ -130,11 +127,11 @@ std::int32_t spaceOf(const TouchSurface& surface, std::int32_t triangle) {
 
 CarriedOrgan organOf(const Dataset& dataset) {
   const TouchSurface surface(dataset);
-  if (surface.vertices().size() > most_vertices)
+  if (surface.vertices().size() > most_carried_vertices)
     throw failure(
         "its surface has {} vertices, of which a page draws {} at most: a coarser mesh of the body "
         "can be shared",
-        surface.vertices().size(), most_vertices);
+        surface.vertices().size(), most_carried_vertices);
   CarriedOrgan organ;
   organ.name = dataset.scene().name;
   organ.max_force = dataset.scene().workspace.max_force;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
+#include "viewer/haptics/hand_pace.hpp"
 #include "viewer/share/page_parts.hpp"
 
 namespace palpate {
@@ -55,7 +56,14 @@ std::string filledMarkup(std::string_view text,
 }
 
 nlohmann::json pageFacts(const CarriedOrgan& organ) {
-  nlohmann::json facts = {{"name", organ.name}, {"maxForce", organ.max_force}};
+  nlohmann::json facts = {{"name", organ.name},
+                          {"maxForce", organ.max_force},
+                          {"mostVertices", most_carried_vertices},
+                          {"hand",
+                           {{"pressRate", press_rate},
+                            {"releaseRate", release_rate},
+                            {"usualDepth", usual_depth},
+                            {"usualShare", usual_share}}}};
   for (const CarriedTouch& touch : organ.touches)
     facts["touches"].push_back({{"name", touch.name},
                                 {"fingerRadius", touch.finger_radius},
@@ -83,6 +91,7 @@ std::string organPage(const CarriedOrgan& organ) {
     facts.replace(at, 1, "\\u003c");
   return filledMarkup(parts.markup, {{"name", escapedText(organ.name)},
                                      {"style", std::string(parts.style)},
+                                     {"trouble", std::string(parts.trouble)},
                                      {"script", std::string(parts.script)},
                                      {"worker", std::string(parts.worker)},
                                      {"facts", facts},

@@ -1,36 +1,56 @@
-// The field, in a thread of its own: what it prepares where a finger comes to must not hold up a
-// picture. In:  {field, organ} once; then {touch, triangle, u, v, p, id}, of which the newest
-// counts; {near: {touch, triangle, u, v}} Out: {organ} or {trouble} once; then answers with the id
-// of what was asked.
+// The field, in a thread of its own: what it prepares where a finger comes to must not hold up a picture.
+// In: {field, organ} once; then {touch, triangle, u, v, p, id}, of which the newest counts; {near: {touch, triangle, u,
+// v}}. Out: {organ} once; then answers with the id of what was asked; instead of any, what a Stop says.
 
 let field;         // what page_field.cpp exports
 let asked = null;  // the newest question
 let near = null;   // where the pointer is, for what is prepared ahead
 let working = false;
+let words = '';    // what the field wrote to standard error: why it ended
 const nextPiece = new MessageChannel();
 
-async function unpacked(text) {
-  const packed = await (await fetch('data:application/octet-stream;base64,' + text)).blob();
-  const stream = packed.stream().pipeThrough(new DecompressionStream('deflate'));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
+// What stops the page: {tooOld}, {damaged: how} or {trouble: sentence}.
+class Stop {
+  constructor(why) { this.why = why; }
+}
+
+async function unpacked(text, what) {
+  try {
+    const packed = await (await fetch('data:application/octet-stream;base64,' + text)).blob();
+    const stream = packed.stream().pipeThrough(new DecompressionStream('deflate'));
+    return new Uint8Array(await new Response(stream).arrayBuffer());
+  } catch (error) {
+    throw new Stop({damaged: `its ${what} cannot be unpacked`});
+  }
+}
+
+// fd_write of WASI: `count` pairs of address and length.
+function write(file, pairs, count, written) {
+  const view = new DataView(field.memory.buffer);
+  let size = 0;
+  for (let n = 0; n < count; ++n) {
+    const at = view.getUint32(pairs + 8 * n, true), length = view.getUint32(pairs + 8 * n + 4, true);
+    words += new TextDecoder().decode(new Uint8Array(field.memory.buffer, at, length));
+    size += length;
+  }
+  view.setUint32(written, size, true);
+  return 0;
 }
 
 async function open({field: fieldText, organ: organText}) {
-  const [fieldBytes, organBytes] = await Promise.all([unpacked(fieldText), unpacked(organText)]);
-  if (!WebAssembly.validate(fieldBytes))
-    throw new Error(
-        'this browser is too old for the field in this page: open it in Chrome or Edge 91, Firefox 113 ' +
-        'or Safari 16.4, or in something newer');
+  const [fieldBytes, organBytes] =
+      await Promise.all([unpacked(fieldText, 'field'), unpacked(organText, 'organ')]);
+  if (!WebAssembly.validate(fieldBytes)) throw new Stop({tooOld: true});
   const nothing = () => 0;
   const {instance} = await WebAssembly.instantiate(fieldBytes, {
     env: {emscripten_notify_memory_growth: nothing},
     wasi_snapshot_preview1: {
       proc_exit: () => {
-        throw new WebAssembly.RuntimeError('what the field was given is none of its own');
+        throw new WebAssembly.RuntimeError('the field ended');
       },
       environ_sizes_get: nothing,
       environ_get: nothing,
-      fd_write: nothing,
+      fd_write: write,
       fd_close: nothing,
       fd_seek: nothing,
     },
@@ -109,12 +129,14 @@ function workAhead() {
 function tell(error) {
   working = false;
   asked = near = null;
-  postMessage({
-    trouble: error instanceof WebAssembly.RuntimeError ?
-        'the field of this page could not be read: the file is damaged; ask for it again, ' +
-            'or make it again with palpate share' :
-        error.message
-  });
+  if (error instanceof Stop)
+    postMessage(error.why);
+  else if (words)
+    postMessage({trouble: words});
+  else if (error instanceof WebAssembly.RuntimeError)
+    postMessage({damaged: error.message});
+  else
+    postMessage({trouble: `the field of this page stopped (${error.message}): load the page again`});
 }
 
 nextPiece.port1.onmessage = () => {

@@ -2,7 +2,9 @@
 // module's, and all of it is of one thread, the page's worker (page/field_worker.js).
 
 #include <array>
+#include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <functional>
 #include <optional>
 
@@ -11,6 +13,17 @@
 #include "viewer/organ/touched_organ.hpp"
 
 #ifdef __wasm__
+namespace std {
+class type_info;
+}
+// Nothing is caught here: what is thrown ends the module, after its words went to standard error,
+// from where the page takes them. All of it is a std::exception.
+extern "C" void* __cxa_allocate_exception(std::size_t size) noexcept { return std::malloc(size); }
+extern "C" [[noreturn]] void __cxa_throw(void* thrown, std::type_info*, void (*)(void*)) {
+  std::fputs(static_cast<const std::exception*>(thrown)->what(), stderr);
+  std::abort();
+}
+
 #define PALPATE_PAGE(name) extern "C" __attribute__((export_name(#name))) auto page_##name
 #else  // read by clang-tidy alone
 #define PALPATE_PAGE(name) extern "C" auto page_##name
@@ -49,7 +62,7 @@ std::optional<OpenOrgan> in_page;
 PALPATE_PAGE(allocate)(std::size_t size)->void* { return std::malloc(size); }
 PALPATE_PAGE(release)(void* memory)->void { std::free(memory); }
 
-/// Bytes of encode(), which may go afterwards. What is no organ ends the module.
+/// Bytes of encode(), which may go afterwards. What decode() refuses is thrown.
 PALPATE_PAGE(openOrgan)(const char* bytes, std::size_t size)->void {
   in_page.emplace(decode({bytes, size}));
 }

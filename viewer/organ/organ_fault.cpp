@@ -1,0 +1,95 @@
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/index.hpp"
+#include "viewer/organ/carried_organ.hpp"
+
+namespace palpate {
+namespace {
+
+bool isPlace(const Eigen::Vector3d& v) { return (v.array().abs() <= farthest_node).all(); }
+bool isNumberOf(std::int32_t n, std::size_t count) { return n >= 0 && at(n) < count; }
+/// False for NaN.
+bool isLength(double metres) { return metres > 0 && metres <= farthest_node; }
+
+std::string faultOfSurface(const CarriedOrgan& organ) {
+  if (organ.vertices.empty() || organ.vertices.size() > most_carried_vertices)
+    return fmt::format("it has {} vertices", organ.vertices.size());
+  for (std::size_t v = 0; v < organ.vertices.size(); ++v)
+    if (!isPlace(organ.vertices[v])) return fmt::format("vertex {} is nowhere", v);
+  if (organ.triangles.empty() || organ.touch_of_triangle.size() != organ.triangles.size())
+    return fmt::format("it has {} triangles", organ.triangles.size());
+  for (std::size_t t = 0; t < organ.triangles.size(); ++t) {
+    const auto& [a, b, c] = organ.triangles[t];
+    for (const std::int32_t corner : {a, b, c})
+      if (!isNumberOf(corner, organ.vertices.size()))
+        return fmt::format("triangle {} has a corner {}", t, corner);
+    if (a == b || b == c || c == a) return fmt::format("triangle {} has a corner twice", t);
+    const std::int32_t touch = organ.touch_of_triangle[t];
+    if (touch != -1 && !isNumberOf(touch, organ.touches.size()))
+      return fmt::format("triangle {} is of touch {}", t, touch);
+  }
+  return {};
+}
+
+std::string faultOfArea(const CarriedTouch& touch, const std::vector<SpaceTable>& spaces) {
+  if (!isLength(touch.finger_radius)) return "its finger has no radius";
+  if (touch.stations.empty()) return "it has no stations";
+  for (const Eigen::Vector3d& station : touch.stations)
+    if (!isPlace(station)) return "a station of it is nowhere";
+  const Lattice& first = spaces[at(touch.spaces.front())].lattice;
+  for (const std::int32_t space : touch.spaces) {
+    const auto& finger = spaces[at(space)].patch.finger;
+    if (!finger || finger->radius != touch.finger_radius)
+      return fmt::format("space {} is not of its finger", space);
+    const Lattice& lattice = spaces[at(space)].lattice;
+    if (lattice.radius() != first.radius() || lattice.spacing() != first.spacing() ||
+        lattice.divisions() != first.divisions())
+      return fmt::format("space {} has another lattice than the others", space);
+  }
+  return {};
+}
+
+std::string faultOfTouch(const CarriedTouch& touch, const std::vector<SpaceTable>& spaces) {
+  if (touch.spaces.empty()) return "it has no space";
+  for (const std::int32_t space : touch.spaces)
+    if (!isNumberOf(space, spaces.size())) return fmt::format("it has a space {}", space);
+  if (!isPlace(touch.rest)) return "it rests nowhere";
+  return touch.finger_radius == 0 ? "" : faultOfArea(touch, spaces);
+}
+
+std::string faultOfPoints(const SpaceTable& space) {
+  const std::vector<PointRecord>& points = space.points;
+  for (std::size_t n = 0; n < points.size(); ++n)
+    if (isSolved(points[n].tag) && !isUsable(points[n].equilibrium))
+      return fmt::format("point {} has a number that is not finite, or beyond {:g}", n,
+                         largest_stored);
+  return faultOf(space);
+}
+
+std::string faultOfShapes(const CarriedShapes& shapes) {
+  const auto isUsable = [](float x) { return std::abs(x) <= farthest_node; };  // false for NaN
+  if (shapes.mode_count == 0 || shapes.mode_count % 3 != 0)
+    return fmt::format("it has {} modes, which is no multiple of three", shapes.mode_count);
+  if (!std::ranges::all_of(shapes.modes, isUsable)) return "a mode has a number that is not finite";
+  for (const std::vector<float>& of_space : shapes.shares)
+    if (!std::ranges::all_of(of_space, isUsable)) return "a share of a mode is not finite";
+  return {};
+}
+
+}  // namespace
+
+std::string faultOf(const CarriedOrgan& organ) {
+  if (!(organ.max_force > 0 && organ.max_force <= largest_stored))
+    return fmt::format("its largest force is {} N", organ.max_force);
+  if (std::string fault = faultOfSurface(organ); !fault.empty()) return fault;
+  for (std::size_t n = 0; n < organ.touches.size(); ++n)
+    if (const std::string fault = faultOfTouch(organ.touches[n], organ.spaces); !fault.empty())
+      return fmt::format("touch {}: {}", n, fault);
+  for (std::size_t n = 0; n < organ.spaces.size(); ++n)
+    if (const std::string fault = faultOfPoints(organ.spaces[n]); !fault.empty())
+      return fmt::format("space {}: {}", n, fault);
+  return faultOfShapes(organ.shapes);
+}
+
+}  // namespace palpate

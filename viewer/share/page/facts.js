@@ -1,0 +1,15 @@
+'use strict';
+
+// What `palpate share` said of the organ (viewer/share/organ_page.cpp).
+
+const byId = (id) => document.getElementById(id);
+const facts = readFacts();
+
+function readFacts() {
+  try {
+    return JSON.parse(byId('facts').textContent);
+  } catch (error) {
+    palpate.stop(`this page is damaged (what it says of its organ cannot be read): ${palpate.getAgain}`);
+    return {};
+  }
+}

@@ -1,0 +1,28 @@
+// Presses at a place to the wanted depth, and comes back when it is let go, at the pace of `palpate view`.
+class Hand {
+  // reach: of the workspaces, m.
+  constructor(reach) {
+    const wanted = Math.min(facts.hand.usualDepth, facts.hand.usualShare * reach);
+    Object.assign(this, {place: null, held: false, depth: 0, wanted, sideways: [0, 0, 0]});
+  }
+  begin(place) { Object.assign(this, {place, held: true, sideways: [0, 0, 0]}); }
+  letGo() { this.held = false; }
+  advance(seconds) {
+    const goal = this.held ? this.wanted : 0,
+          rate = this.held ? facts.hand.pressRate : facts.hand.releaseRate;
+    this.depth += (goal - this.depth) * (1 - Math.exp(-rate * seconds));
+    if (Math.abs(this.depth - goal) < 2e-6) this.depth = goal;
+    if (!this.held) {
+      this.sideways = scaled(this.sideways, Math.exp(-rate * seconds));
+      if (this.depth < 1e-4) {
+        this.place = null;
+        this.depth = 0;
+      }
+    }
+  }
+  // The displacement of the tool, m, in a workspace of that radius.
+  displacement(radius) {
+    const p = add(scaled(this.place.normal, -this.depth), this.sideways), size = length(p);
+    return size > radius ? scaled(p, radius / size) : p;
+  }
+}

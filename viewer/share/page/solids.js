@@ -1,0 +1,35 @@
+// Solids beside the organ: the tool, the arrow of the force, marks.
+
+// A solid of revolution about z through (radius, height) pairs.
+function turned(profile, around = 14) {
+  const position = [], normal = [], index = [];
+  profile.forEach(([r, z], n) => {
+    const before = profile[Math.max(0, n - 1)],
+          after = profile[Math.min(profile.length - 1, n + 1)];
+    const slope = unit([after[1] - before[1], before[0] - after[0], 0]);
+    for (let a = 0; a <= around; ++a) {
+      const angle = 2 * Math.PI * a / around;
+      position.push(r * Math.cos(angle), r * Math.sin(angle), z);
+      normal.push(slope[0] * Math.cos(angle), slope[0] * Math.sin(angle), slope[1]);
+      if (n === 0 || a === around) continue;
+      const here = n * (around + 1) + a, below = here - around - 1;
+      index.push(below, below + 1, here, here, below + 1, here + 1);
+    }
+  });
+  return {position, normal, index};
+}
+function roundedTip(radius, top) {
+  const profile = [];
+  for (let n = 0; n <= 8; ++n) {
+    const angle = Math.PI / 2 * n / 8;
+    profile.push([radius * Math.sin(angle), radius - radius * Math.cos(angle)]);
+  }
+  return [...profile, [radius, top * 0.6], [radius * 1.15, top], [0.0001, top]];
+}
+// Stands the z axis of a solid along a direction at a place, with its own scales.
+function placed(at, direction, wide = 1, long = 1) {
+  const z = unit(direction), x = unit(cross(Math.abs(z[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0], z)),
+        y = cross(z, x);
+  return new Float32Array(
+      [...scaled(x, wide), 0, ...scaled(y, wide), 0, ...scaled(z, long), 0, ...at, 1]);
+}

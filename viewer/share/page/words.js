@@ -1,0 +1,43 @@
+// What the page says of what can be done, and of what is felt.
+class Words {
+  constructor(touches) {
+    this.touches = touches;
+    this.isSpot = touches.some((touch) => touch.fingerRadius === 0);
+    this.byFinger = matchMedia('(pointer: coarse)').matches;
+    this.rest();
+  }
+  say(text) { byId('hint').textContent = text; }
+  rest() {
+    const where = this.isSpot ? 'at the marked place' : 'anywhere';
+    this.say(
+        this.byFinger ?
+            `Press it ${where} with a finger, deeper with the slider. Two fingers turn it and come closer.` :
+            `Press it ${where} with the mouse, deeper with the wheel. Drag beside it to turn, wheel to come closer.`);
+  }
+  pressed(byMouse) {
+    this.say(`Move to feel around, ${byMouse ? 'wheel' : 'slide the slider'} to press deeper.`);
+  }
+  untouchable() {
+    this.say(
+        this.isSpot ? 'Nothing was computed here: press at the marked place.' :
+                      'The organ is held here, and nothing was computed: press another place.');
+  }
+  // Null: nothing is.
+  show(felt) {
+    const write = (id, text) => {
+      if (byId(id).textContent !== text) byId(id).textContent = text;
+    };
+    write('force', (felt ? length(felt.force) : 0).toFixed(2));
+    write(
+        'bound',
+        felt && Number.isFinite(felt.bound) ? `± ${felt.bound.toFixed(felt.bound < 0.095 ? 3 : 2)}` :
+                                              '');
+    write('about', felt ? this.about(felt) : 'Not touching');
+  }
+  about({touch, p, energy, inside, coverage}) {
+    if (!inside) return 'Beyond what was computed: this force is a guess';
+    if (coverage < 0.5) return 'Near the end of what was computed: do not rely on this force';
+    const where = this.touches[touch].fingerRadius > 0 ? 'deep' : 'from rest';
+    return `${(1000 * length(p)).toFixed(1)} mm ${where}, ${(1000 * energy).toFixed(1)} mJ stored`;
+  }
+}
