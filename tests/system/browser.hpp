@@ -33,8 +33,7 @@ class Browser {
     const nlohmann::json page = send("Target.createTarget", {{"url", "about:blank"}});
     session_ = send("Target.attachToTarget", {{"targetId", page.at("targetId")}, {"flatten", true}})
                    .at("sessionId");
-    send("Emulation.setDeviceMetricsOverride",
-         {{"width", 1280}, {"height", 800}, {"deviceScaleFactor", 1}, {"mobile", false}});
+    show({1280, 800});
   }
   ~Browser() {
     process_.reset();
@@ -43,6 +42,26 @@ class Browser {
   }
   Browser(const Browser&) = delete;
   Browser& operator=(const Browser&) = delete;
+
+  /// What pages are shown in: pixels of the page, each `scale` of the screen's; held in a hand or
+  /// not.
+  struct Window {
+    int width = 0, height = 0;
+    double scale = 1;
+    bool is_phone = false;
+  };
+  void show(const Window& window) {
+    send("Emulation.setDeviceMetricsOverride", {{"width", window.width},
+                                                {"height", window.height},
+                                                {"deviceScaleFactor", window.scale},
+                                                {"mobile", window.is_phone}});
+    send("Emulation.setTouchEmulationEnabled", {{"enabled", window.is_phone}});
+  }
+  /// Before any script of the pages that are opened from now on.
+  void runFirst(const std::string& script) {
+    send("Page.enable");
+    send("Page.addScriptToEvaluateOnNewDocument", {{"source", script}});
+  }
 
   nlohmann::json send(const std::string& method,
                       const nlohmann::json& parameters = nlohmann::json::object()) {
@@ -80,10 +99,11 @@ class Browser {
                                       {"deltaX", 0},
                                       {"deltaY", wheel}});
   }
-  /// "touchStart", "touchMove" with a finger there, or "touchEnd".
-  void touch(const std::string& what, double x = 0, double y = 0) {
+  /// "touchStart", "touchMove" with fingers there, or "touchEnd" of all.
+  void touch(const std::string& what, const std::vector<std::pair<double, double>>& fingers = {}) {
     nlohmann::json points = nlohmann::json::array();
-    if (what != "touchEnd") points.push_back({{"x", x}, {"y", y}});
+    for (const auto& [x, y] : fingers)
+      points.push_back({{"x", x}, {"y", y}, {"id", points.size()}});
     send("Input.dispatchTouchEvent", {{"type", what}, {"touchPoints", points}});
   }
   /// Processor time of each of its processes (one draws, one runs the page), seconds.

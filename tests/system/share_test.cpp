@@ -1,44 +1,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/command.hpp"
 #include "tests/support/finger_body.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/touchable_body.hpp"
+#include "tests/system/shared_page.hpp"
 #include "tests/system/touchable_pixel.hpp"
 
-/// A page that `palpate share` made, in the hands of who opens it.
+/// A page that `palpate share` made, pressed by mouse and finger.
 namespace palpate {
 namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
 
-struct ShareTest : testing::Test {
-  test::TemporaryDirectory directory;
-
-  void SetUp() override {
-    if (test::runCommand("command -v chromium").exit_code != 0)
-      GTEST_SKIP() << "NOT TESTED: chromium is not installed";
-  }
-  test::CommandResult palpate(const std::string& arguments) const {
-    return test::runCommand("cd '" + directory.path().string() +
-                            "' && " PALPATE_BIN_DIR "/palpate " + arguments);
-  }
-  /// Whether there is a page now; without Emscripten there is none.
-  bool makePage() const {
-    const test::CommandResult made = palpate("share body.h5 -o body.html");
-    EXPECT_TRUE(made.exit_code == 0 || made.output.find("Emscripten") != std::string::npos)
-        << made.output;
-    return made.exit_code == 0;
-  }
-  std::string page() const { return (directory / "body.html").string(); }
-  void open(test::Browser& browser) const {
-    browser.go(page());
-    ASSERT_TRUE(browser.becomesTrue("document.body && document.body.dataset.state"));
-    ASSERT_EQ(browser.valueOf("document.body.dataset.state"), "ready")
-        << browser.valueOf("document.getElementById('trouble').textContent");
-  }
+struct ShareTest : test::SharedPage {
   /// The last answer of the field is that of `palpate query`.
   void expectAnswerOfQuery(test::Browser& browser, bool finger) const {
     const json felt = browser.valueOf("JSON.stringify(palpate.touched)");
@@ -61,17 +37,10 @@ struct ShareTest : testing::Test {
     EXPECT_GT(std::sqrt(size), 0.1) << "something is felt";
     EXPECT_NEAR(touched.at("bound").get<double>(), answer.at("error_bound").get<double>(), 1e-6);
   }
-  /// The hand has come to rest, and the field with it.
-  static void settle(test::Browser& browser) {
-    ASSERT_TRUE(browser.becomesTrue(
-        "palpate.touched && Math.abs(palpate.page.hand.depth - palpate.page.hand.wanted) < 1e-9 &&"
-        "!palpate.page.waiting"));
-  }
 };
 
 TEST_F(ShareTest, AMousePressesSlidesPressesDeeperAndLetsGo) {
-  test::FingerBody().seal(directory / "body.h5");
-  if (!makePage()) GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
+  if (!makePage(test::FingerBody())) return;
   test::Browser browser;
   open(browser);
   const auto [x, y] = test::touchablePixel(browser);
@@ -102,14 +71,13 @@ TEST_F(ShareTest, AMousePressesSlidesPressesDeeperAndLetsGo) {
 
 TEST_F(ShareTest, AFingerOnATouchScreenPressesAnActiveNode) {
   const Mesh mesh = test::cubeMesh(0.1, 2);
-  test::TouchableBody(mesh, test::wholeSurface(mesh, [](const Eigen::Vector3d&) { return 1.0; }))
-      .seal(directory / "body.h5");
-  if (!makePage()) GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
+  const auto everywhere = test::wholeSurface(mesh, [](const Eigen::Vector3d&) { return 1.0; });
+  if (!makePage(test::TouchableBody(mesh, everywhere))) return;
   test::Browser browser;
   browser.send("Emulation.setTouchEmulationEnabled", {{"enabled", true}});
   open(browser);
   const auto [x, y] = test::touchablePixel(browser);
-  browser.touch("touchStart", x, y);
+  browser.touch("touchStart", {{x, y}});
   settle(browser);
   const std::string name = browser.valueOf(
       "JSON.parse(document.getElementById('facts').textContent).touches[palpate.touched.touch]"
@@ -130,8 +98,7 @@ TEST_F(ShareTest, AFingerOnATouchScreenPressesAnActiveNode) {
 }
 
 TEST_F(ShareTest, DraggingBesideTheOrganTurnsIt) {
-  test::FingerBody().seal(directory / "body.h5");
-  if (!makePage()) GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
+  if (!makePage(test::FingerBody())) return;
   test::Browser browser;
   open(browser);
   const double turn = browser.valueOf("palpate.page.camera.turn");
@@ -141,34 +108,6 @@ TEST_F(ShareTest, DraggingBesideTheOrganTurnsIt) {
   EXPECT_TRUE(browser.becomesTrue("Math.abs(palpate.page.camera.turn - " + std::to_string(turn) +
                                   ") > 0.1"));
   EXPECT_EQ(browser.valueOf("!palpate.touched"), true);
-}
-
-TEST_F(ShareTest, WithoutWebGlThePageSaysWhatToDo) {
-  test::FingerBody().seal(directory / "body.h5");
-  if (!makePage()) GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
-  test::Browser browser({"--disable-3d-apis"});
-  browser.go(page());
-  ASSERT_TRUE(browser.becomesTrue("document.body && document.body.dataset.state === 'stopped'"));
-  EXPECT_THAT(browser.valueOf("document.getElementById('trouble').innerText").get<std::string>(),
-              testing::AllOf(HasSubstr("WebGL"), HasSubstr("hardware acceleration")));
-}
-
-TEST_F(ShareTest, ADamagedPageSaysSo) {
-  test::FingerBody().seal(directory / "body.h5");
-  if (!makePage()) GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
-  // Another organ in the place of this one: what no version of the field reads ("nothing").
-  const std::string command =
-      "cd '" + directory.path().string() +
-      "' && python3 -c \"import re, zlib, base64; t = open('body.html').read(); "
-      "o = base64.b64encode(zlib.compress(b'palpate-organ-0 and nothing')).decode(); "
-      "open('body.html', 'w').write(re.sub('(id=.organ-bytes.[^>]*>)[^<]*', r'\\g<1>' + o, t))\"";
-  ASSERT_EQ(test::runCommand(command).exit_code, 0);
-  test::Browser browser;
-  browser.go(page());
-  ASSERT_TRUE(browser.becomesTrue("document.body && document.body.dataset.state"));
-  EXPECT_EQ(browser.valueOf("document.body.dataset.state"), "stopped");
-  EXPECT_THAT(browser.valueOf("document.getElementById('trouble').innerText").get<std::string>(),
-              HasSubstr("palpate share"));
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 
 #include "common/dataset/dataset.hpp"
 #include "common/problem/sites.hpp"
-#include "tests/support/expect_error.hpp"
 #include "tests/support/finger_body.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -98,15 +97,6 @@ TEST_F(TouchedOrganTest, TheSurfaceMeetsTheToolAndFollowsTheSolvedShape) {
   }
   EXPECT_GT(farthest, 0.09);
   EXPECT_LT(most, 2 * p.norm());
-}
-
-TEST_F(TouchedOrganTest, BytesThatAreNoOrganSayWhatToDo) {
-  test::expectError(ExitCode::failed, [] { decode("palpate-organ-0\n..."); },
-                    {"version", "palpate share"});
-  const std::string bytes = encode(organOfBody(test::FingerBody()));
-  for (std::size_t length = 16; length < bytes.size(); length += bytes.size() / 50)
-    test::expectError(ExitCode::failed, [&] { decode(std::string_view(bytes).substr(0, length)); },
-                      {"organ", "palpate share"});
 }
 
 }  // namespace

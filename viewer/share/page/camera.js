@@ -1,5 +1,5 @@
-// Looks at the organ, which it keeps in the middle of a part of the window: {left, top, width, height}, in pixels of the
-// page.
+// Looks at the organ, which it keeps in the middle of a part of the window: {left, top, width,
+// height}, in pixels of the page.
 class Camera {
   constructor(surface) {
     this.target = surface.center;

@@ -9,7 +9,8 @@ function readFacts() {
   try {
     return JSON.parse(byId('facts').textContent);
   } catch (error) {
-    palpate.stop(`this page is damaged (what it says of its organ cannot be read): ${palpate.getAgain}`);
+    palpate.stop(
+        `this page is damaged (what it says of its organ cannot be read): ${palpate.getAgain}`);
     return {};
   }
 }

@@ -1,12 +1,13 @@
-// The field, in a thread of its own: what it prepares where a finger comes to must not hold up a picture.
-// In: {field, organ} once; then {touch, triangle, u, v, p, id}, of which the newest counts; {near: {touch, triangle, u,
-// v}}. Out: {organ} once; then answers with the id of what was asked; instead of any, what a Stop says.
+// The field, in a thread of its own: what it prepares where a finger comes to must not hold up a
+// picture. In: {field, organ} once; then {touch, triangle, u, v, p, id}, of which the newest
+// counts; {near: {touch, triangle, u, v}}. Out: {organ} once; then answers with the id of what was
+// asked; instead of any, what a Stop says.
 
 let field;         // what page_field.cpp exports
 let asked = null;  // the newest question
 let near = null;   // where the pointer is, for what is prepared ahead
 let working = false;
-let words = '';    // what the field wrote to standard error: why it ended
+let words = '';  // what the field wrote to standard error: why it ended
 const nextPiece = new MessageChannel();
 
 // What stops the page: {tooOld}, {damaged: how} or {trouble: sentence}.
@@ -29,7 +30,8 @@ function write(file, pairs, count, written) {
   const view = new DataView(field.memory.buffer);
   let size = 0;
   for (let n = 0; n < count; ++n) {
-    const at = view.getUint32(pairs + 8 * n, true), length = view.getUint32(pairs + 8 * n + 4, true);
+    const at = view.getUint32(pairs + 8 * n, true),
+          length = view.getUint32(pairs + 8 * n + 4, true);
     words += new TextDecoder().decode(new Uint8Array(field.memory.buffer, at, length));
     size += length;
   }
@@ -136,7 +138,8 @@ function tell(error) {
   else if (error instanceof WebAssembly.RuntimeError)
     postMessage({damaged: error.message});
   else
-    postMessage({trouble: `the field of this page stopped (${error.message}): load the page again`});
+    postMessage(
+        {trouble: `the field of this page stopped (${error.message}): load the page again`});
 }
 
 nextPiece.port1.onmessage = () => {

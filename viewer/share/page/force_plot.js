@@ -28,8 +28,10 @@ class ForcePlot {
     pen.clearRect(0, 0, width, height);
     const left = 3 * letters, base = height - 1.5 * letters;
     const most = samples.reduce((top, s) => Math.max(top, s.force + s.bound), 0.4);
-    const lines = Math.min(4, Math.floor(base / (1.5 * letters)));  // that have room for their numbers
-    const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find((size) => most / size <= lines) || most / lines;
+    const lines =
+        Math.min(4, Math.floor(base / (1.5 * letters)));  // that have room for their numbers
+    const step =
+        [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find((size) => most / size <= lines) || most / lines;
     const top = Math.ceil(most / step) * step;
     const x = (time) => width - 4 - (width - left - 4) * (now - time) / this.seconds;
     const y = (force) => base - (base - 0.7 * letters) * force / top;

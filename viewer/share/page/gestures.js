@@ -1,4 +1,5 @@
-// Mouse and fingers on the canvas: one presses the organ, or turns it from beside; two turn it, and come closer.
+// Mouse and fingers on the canvas: one presses the organ, or turns it from beside; two turn it, and
+// come closer.
 class Gestures {
   constructor(page) {
     Object.assign(this, {page, pointers: new Map(), over: null});

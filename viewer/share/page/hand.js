@@ -1,4 +1,5 @@
-// Presses at a place to the wanted depth, and comes back when it is let go, at the pace of `palpate view`.
+// Presses at a place to the wanted depth, and comes back when it is let go, at the pace of `palpate
+// view`.
 class Hand {
   // reach: of the workspaces, m.
   constructor(reach) {

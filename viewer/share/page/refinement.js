@@ -1,8 +1,8 @@
 // A mesh of triangles, refined by Loop's rules so that it looks like an organ.
 
-// {sums, faces}: every fine vertex is a weighted sum of coarse ones, a Map from vertex to weight; every fine triangle
-// knows where in which coarse one it lies. As many times as wanted, if there are no more than `most` vertices then:
-// each time makes about four of one.
+// {sums, faces}: every fine vertex is a weighted sum of coarse ones, a Map from vertex to weight;
+// every fine triangle knows where in which coarse one it lies. As many times as wanted, if there
+// are no more than `most` vertices then: each time makes about four of one.
 function refined(vertexCount, triangles, times, most) {
   let mesh = {sums: Array.from({length: vertexCount}, (_, v) => new Map([[v, 1]])), faces: []};
   for (let t = 0; t < triangles.length / 3; ++t)
@@ -11,8 +11,7 @@ function refined(vertexCount, triangles, times, most) {
       triangle: t,
       uv: [[0, 0], [1, 0], [0, 1]]
     });
-  for (let time = 0; time < times && 4 * mesh.sums.length < most; ++time)
-    mesh = refinedOnce(mesh);
+  for (let time = 0; time < times && 4 * mesh.sums.length < most; ++time) mesh = refinedOnce(mesh);
   return mesh;
 }
 

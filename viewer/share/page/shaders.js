@@ -1,5 +1,5 @@
-// What the graphics card runs. A processor that draws by itself passes most of its time with vertices: what does not
-// change is an attribute, and the view is that of an eye far away.
+// What the graphics card runs. A processor that draws by itself passes most of its time with
+// vertices: what does not change is an attribute, and the view is that of an eye far away.
 
 const tissueVertex = `
 attribute vec3 position, normal, rest, colour;
@@ -28,7 +28,10 @@ void main() {
 }`;
 const solidVertex = `
 attribute vec3 position, normal; uniform mat4 camera, placed; varying vec3 along, at;
-void main() { vec4 p = placed * vec4(position, 1.0); at = p.xyz; along = (placed * vec4(normal, 0.0)).xyz; gl_Position = camera * p; }`;
+void main() {
+  vec4 p = placed * vec4(position, 1.0);
+  at = p.xyz; along = (placed * vec4(normal, 0.0)).xyz; gl_Position = camera * p;
+}`;
 const solidFragment = `
 precision mediump float; uniform vec3 eye, key, colour; uniform float gloss; varying vec3 along, at;
 void main() {

@@ -1,15 +1,21 @@
-// The part of the window where the organ is: where words and numbers leave room. In a large window they lie beside it.
+// The part of the window where the organ is: all of it, where the numbers leave most of the middle;
+// else what is largest of the parts below the words that are beside or above the numbers.
 function stageIn(whole) {
-  const words = byId('words').getBoundingClientRect(), numbers = byId('numbers').getBoundingClientRect();
-  const below = {left: 0, top: words.bottom, width: whole.width, height: numbers.top - words.bottom};
-  if (numbers.width > 0.8 * whole.width) return below;
-  const beside = {left: 0, top: words.bottom, width: numbers.left, height: whole.height - words.bottom};
-  if (numbers.height > 0.5 * whole.height) return beside;
-  return {left: 0, top: 0, width: whole.width, height: whole.height};
+  const top = byId('words').getBoundingClientRect().bottom;
+  const numbers = byId('numbers').getBoundingClientRect();
+  const above = {left: 0, top, width: whole.width, height: numbers.top - top};
+  if (numbers.width > 0.8 * whole.width) return above;
+  const free = Math.hypot(
+      Math.max(0, numbers.left - whole.width / 2), Math.max(0, numbers.top - whole.height / 2));
+  if (free > 0.35 * Math.min(whole.width, whole.height)) return {left: 0, top: 0, ...whole};
+  const beside = {left: 0, top, width: numbers.left, height: whole.height - top};
+  const sizeOf = (part) => Math.min(part.width, part.height);
+  return sizeOf(above) > sizeOf(beside) ? above : beside;
 }
 
-// Of the canvas, for each of the page: two at most, and no more in all than a large screen has. A processor that draws
-// by itself has time for few: then the organ is less sharp in a huge window, but moves.
+// Of the canvas, for each of the page: two at most, and no more in all than a large screen has. A
+// processor that draws by itself has time for few: then the organ is less sharp in a huge window,
+// but moves.
 function pixelsFor(whole) {
   const most = palpate.onCard ? 5120 * 2880 : 1920 * 1200;
   return Math.min(2, devicePixelRatio || 1, Math.sqrt(most / whole.width / whole.height));

@@ -14,8 +14,8 @@ function drawsBySoftware() {
 function startField(gl) {
   const code = new Blob([byId('worker').textContent], {type: 'text/javascript'});
   const worker = new Worker(URL.createObjectURL(code));
-  worker.onerror = () =>
-      palpate.stop('the browser did not start the field of this page: open the file in another browser');
+  worker.onerror = () => palpate.stop(
+      'the browser did not start the field of this page: open the file in another browser');
   worker.onmessage = ({data}) => {
     if (data.tooOld)
       palpate.stop(palpate.tooOld);
@@ -24,12 +24,13 @@ function startField(gl) {
     else if (data.damaged)
       palpate.stop(`this page is damaged (${data.damaged}): ${palpate.getAgain}`);
     else if (data.organ)
-      palpate.page = new Page(
-          new Surface(data.organ, palpate.onCard ? 2 : 1), data.organ.touches, gl, worker);
+      palpate.page =
+          new Page(new Surface(data.organ, palpate.onCard ? 2 : 1), data.organ.touches, gl, worker);
     else if (data.preparing === undefined)
       palpate.page.heard(data);
   };
-  worker.postMessage({field: byId('field-bytes').textContent, organ: byId('organ-bytes').textContent});
+  worker.postMessage(
+      {field: byId('field-bytes').textContent, organ: byId('organ-bytes').textContent});
 }
 
 function begin() {
@@ -37,8 +38,9 @@ function begin() {
   if (palpate.trouble) return;
   if (typeof WebAssembly !== 'object')
     return palpate.stop(
-        'this page computes with WebAssembly, which this browser does not offer: allow it in its settings (a mode for ' +
-        'the highest security turns it off), or open the page in another browser');
+        'this page computes with WebAssembly, which this browser does not offer: ' +
+        'allow it in its settings (a mode for the highest security turns it off), ' +
+        'or open the page in another browser');
   if (typeof DecompressionStream !== 'function' || typeof Worker !== 'function')
     return palpate.stop(palpate.tooOld);
   palpate.onCard = !drawsBySoftware();
@@ -46,13 +48,15 @@ function begin() {
   const gl = canvas.getContext('webgl', {antialias: palpate.onCard, alpha: false});
   if (!gl)
     return palpate.stop(
-        'this page draws the organ with WebGL, which this browser does not offer: turn on hardware acceleration in its ' +
-        'settings and load the page again, or open it in another browser. On a phone save the file and open it in the ' +
-        'browser itself, not in the preview of a mail');
+        'this page draws the organ with WebGL, which this browser does not offer: ' +
+        'turn on hardware acceleration in its settings and load the page again, ' +
+        'or open it in another browser. On a phone save the file and open it in the browser itself, ' +
+        'not in the preview of a mail');
   canvas.addEventListener('webglcontextlost', (event) => {
     event.preventDefault();  // so that it may come back
     palpate.stop(
-        'the graphics of this device stopped, as they do when other programs need them: wait a moment, or load the page again');
+        'the graphics of this device stopped, as they do when other programs need them: ' +
+        'wait a moment, or load the page again');
   });
   canvas.addEventListener('webglcontextrestored', () => {
     if (!palpate.page) return location.reload();

@@ -124,8 +124,7 @@ class Surface {
   hit(from, along, position = this.rest) {
     let nearest = null, least = Infinity;
     for (let t = 0; t < this.faces.length; ++t) {
-      const a = 3 * this.index[3 * t], b = 3 * this.index[3 * t + 1],
-            c = 3 * this.index[3 * t + 2];
+      const a = 3 * this.index[3 * t], b = 3 * this.index[3 * t + 1], c = 3 * this.index[3 * t + 2];
       const e1x = position[b] - position[a], e1y = position[b + 1] - position[a + 1],
             e1z = position[b + 2] - position[a + 2];
       const e2x = position[c] - position[a], e2y = position[c + 1] - position[a + 1],

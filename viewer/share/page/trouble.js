@@ -1,15 +1,18 @@
-// What stops a page is said in a sentence. This runs before all else and in any browser, so it is the JavaScript of 1999:
-// a browser that cannot read what follows must still be told so.
+// What stops a page is said in a sentence. This runs before all else and in any browser, so it is
+// the JavaScript of 1999: a browser that cannot read what follows must still be told so.
 var palpate = {};
 
-palpate.tooOld = 'This browser is too old for this page: open it in Chrome or Edge 91, Firefox 113 or Safari 16.4, ' +
+palpate.tooOld =
+    'This browser is too old for this page: open it in Chrome or Edge 91, Firefox 113 or Safari 16.4, ' +
     'or in something newer.';
 palpate.getAgain = 'get the file again, or make it again with palpate share';
 
-// What stopped the page, and what to do; nothing else is seen then. The first trouble is the one that counts.
+// What stopped the page, and what to do; nothing else is seen then. The first trouble is the one
+// that counts.
 palpate.stop = function(sentence) {
   if (palpate.trouble) return;
-  palpate.trouble = sentence.charAt(0).toUpperCase() + sentence.substring(1) + (/[.!?]$/.test(sentence) ? '' : '.');
+  palpate.trouble = sentence.charAt(0).toUpperCase() + sentence.substring(1) +
+      (/[.!?]$/.test(sentence) ? '' : '.');
   palpate.showTrouble();
 };
 palpate.showTrouble = function() {
@@ -28,14 +31,20 @@ palpate.goOn = function() {
 
 window.onerror = function(message) {
   if (palpate.begun)
-    palpate.stop('this page stopped (' + message + '): load it again, or open it in another browser');
+    palpate.stop(
+        'this page stopped (' + message + '): load it again, or open it in another browser');
+  else if (/syntax|expected|token/i.test(message))
+    palpate.stop(palpate.tooOld);
   else
-    palpate.stop(/syntax|expected|token/i.test(message) ? palpate.tooOld :
-        'this page could not start (' + message + '): open it in a newer browser, or ' + palpate.getAgain);
+    palpate.stop(
+        'this page could not start (' + message + '): open it in a newer browser, or ' +
+        palpate.getAgain);
 };
 window.onload = function() {
-  if (!palpate.begun)
-    palpate.stop(document.getElementById('end') ? palpate.tooOld :
-        'this page was cut off on its way: ' + palpate.getAgain);
-  if (palpate.trouble) palpate.showTrouble();
+  if (palpate.trouble) return palpate.showTrouble();
+  if (palpate.begun) return;
+  if (document.getElementById('end'))
+    palpate.stop(palpate.tooOld);
+  else
+    palpate.stop('this page was cut off on its way: ' + palpate.getAgain);
 };

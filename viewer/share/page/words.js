@@ -9,10 +9,10 @@ class Words {
   say(text) { byId('hint').textContent = text; }
   rest() {
     const where = this.isSpot ? 'at the marked place' : 'anywhere';
-    this.say(
-        this.byFinger ?
-            `Press it ${where} with a finger, deeper with the slider. Two fingers turn it and come closer.` :
-            `Press it ${where} with the mouse, deeper with the wheel. Drag beside it to turn, wheel to come closer.`);
+    const how = this.byFinger ?
+        'with a finger, deeper with the slider. Two fingers turn it and come closer.' :
+        'with the mouse, deeper with the wheel. Drag beside it to turn, wheel to come closer.';
+    this.say(`Press it ${where} ${how}`);
   }
   pressed(byMouse) {
     this.say(`Move to feel around, ${byMouse ? 'wheel' : 'slide the slider'} to press deeper.`);
@@ -30,8 +30,9 @@ class Words {
     write('force', (felt ? length(felt.force) : 0).toFixed(2));
     write(
         'bound',
-        felt && Number.isFinite(felt.bound) ? `± ${felt.bound.toFixed(felt.bound < 0.095 ? 3 : 2)}` :
-                                              '');
+        felt && Number.isFinite(felt.bound) ?
+            `± ${felt.bound.toFixed(felt.bound < 0.095 ? 3 : 2)}` :
+            '');
     write('about', felt ? this.about(felt) : 'Not touching');
   }
   about({touch, p, energy, inside, coverage}) {

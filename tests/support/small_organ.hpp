@@ -1,0 +1,58 @@
+#pragma once
+
+#include "viewer/organ/carried_organ.hpp"
+
+namespace palpate::test {
+
+/// 60 N/m everywhere, and with a finger a little that drives it along.
+inline SpaceTable springs(const std::optional<Finger>& finger) {
+  SpaceTable space;
+  space.patch.finger = finger;
+  space.lattice = Lattice(0.02, 0.02, 2);
+  space.points.resize(static_cast<std::size_t>(space.lattice.size()));
+  for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
+    PointRecord& point = space.points[static_cast<std::size_t>(n)];
+    point.tag = Tag::expandable;
+    const Eigen::Vector3d p = space.lattice.displacement(n);
+    Equilibrium& e = point.equilibrium;
+    e.energy = 30 * p.squaredNorm();
+    e.force = -60 * p;
+    e.stiffness = -60 * Eigen::Matrix3d::Identity();
+    if (finger) e.drive = {0.5 * e.energy, 0, 0};
+  }
+  return space;
+}
+
+/// The smallest organ that has all parts: a tetrahedron of 100 mm that a finger of 30 mm touches
+/// from two sites, or with an active node at its tip.
+inline CarriedOrgan smallOrgan(bool finger) {
+  constexpr double radius = 0.03;
+  CarriedOrgan organ;
+  organ.name = "small";
+  organ.max_force = 8;
+  organ.vertices = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 0.1}};
+  organ.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  organ.touch_of_triangle = {-1, 0, 0, 0};
+  CarriedTouch& touch = organ.touches.emplace_back();
+  touch.name = "all";
+  if (finger) {
+    touch.finger_radius = radius;
+    touch.stations = {{0.02, 0, 0.02}, {0.03, 0.03, 0.03}};
+    for (const Eigen::Vector3d& station : touch.stations)
+      organ.spaces.push_back(springs(Finger{station, radius}));
+    touch.spaces = {0, 1};
+  } else {
+    touch.rest = organ.vertices[3];
+    organ.spaces = {springs(std::nullopt)};
+    touch.spaces = {0};
+  }
+  organ.shapes.mode_count = 3;
+  for (std::size_t i = 0; i < 3 * 3 * organ.vertices.size(); ++i)
+    organ.shapes.modes.push_back(i % 3 == i / (3 * organ.vertices.size()) ? 0.5f : 0);
+  for (const SpaceTable& space : organ.spaces)
+    for (auto& shares = organ.shapes.shares.emplace_back(); const PointRecord& point : space.points)
+      for (const double x : point.equilibrium.force) shares.push_back(static_cast<float>(-x / 30));
+  return organ;
+}
+
+}  // namespace palpate::test

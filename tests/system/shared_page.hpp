@@ -1,0 +1,57 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "tests/support/command.hpp"
+#include "tests/system/browser.hpp"
+
+namespace palpate::test {
+
+/// A page that `palpate share` makes of the dataset body.h5, in the hands of who opens it.
+struct SharedPage : testing::Test {
+  TemporaryDirectory directory;
+
+  void SetUp() override {
+    if (runCommand("command -v chromium").exit_code != 0)
+      GTEST_SKIP() << "NOT TESTED: chromium is not installed";
+  }
+  CommandResult palpate(const std::string& arguments) const {
+    return runCommand("cd '" + directory.path().string() + "' && " PALPATE_BIN_DIR "/palpate " +
+                      arguments);
+  }
+  /// Whether there is a page of it now; without Emscripten there is none, and the test is over.
+  template <class Body>
+  bool makePage(const Body& body) const {
+    body.seal(directory / "body.h5");
+    const CommandResult made = palpate("share body.h5 -o body.html");
+    if (made.output.find("Emscripten") == std::string::npos) {
+      EXPECT_EQ(made.exit_code, 0) << made.output;
+      return made.exit_code == 0;
+    }
+    skip();
+    return false;
+  }
+  std::string page() const { return (directory / "body.html").string(); }
+  void open(Browser& browser) const {
+    browser.go(page());
+    ASSERT_TRUE(browser.becomesTrue("document.body && document.body.dataset.state"));
+    ASSERT_EQ(browser.valueOf("document.body.dataset.state"), "ready") << troubleOf(browser);
+  }
+  /// The sentence that it shows instead of the organ.
+  static std::string troubleOf(Browser& browser) {
+    return browser.valueOf("document.getElementById('trouble').innerText");
+  }
+  /// The hand has come to rest, and the field with it.
+  static void settle(Browser& browser) {
+    ASSERT_TRUE(browser.becomesTrue(
+        "palpate.touched && Math.abs(palpate.page.hand.depth - palpate.page.hand.wanted) < 1e-9 &&"
+        "!palpate.page.waiting"));
+  }
+
+ private:
+  static void skip() {
+    GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
+  }
+};
+
+}  // namespace palpate::test

@@ -1,0 +1,114 @@
+#include "viewer/organ/carried_organ.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/support/small_organ.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
+
+/// What a page would say of an organ that was changed so.
+void expectFault(const std::function<void(CarriedOrgan&)>& change,
+                 std::initializer_list<std::string> words) {
+  CarriedOrgan organ = test::smallOrgan(true);
+  change(organ);
+  test::expectError(ExitCode::failed, [&] { decode(encode(organ)); }, {"damaged", "palpate share"});
+  test::expectError(
+      ExitCode::failed, [&] { decode(encode(organ)); }, words);
+}
+
+TEST(CarriedOrgan, OfAnotherVersionSaysWhichAndWhatToDo) {
+  test::expectError(ExitCode::failed, [] { decode("palpate-organ-0\n..."); },
+                    {"version 0", "of version 1", "palpate share"});
+  for (const char* bytes : {"", "something else", "palpate-organ-", "palpate-organ-no version\n"})
+    test::expectError(ExitCode::failed, [&] { decode(bytes); }, {"organ", "palpate share"});
+}
+
+TEST(CarriedOrgan, StaysWhatItWas) {
+  for (const bool finger : {false, true}) {
+    const std::string bytes = encode(test::smallOrgan(finger));
+    EXPECT_EQ(encode(decode(bytes)), bytes);
+  }
+}
+
+TEST(CarriedOrgan, CutOffAnywhereIsRefused) {
+  const std::string bytes = encode(test::smallOrgan(true));
+  for (std::size_t length = 16; length < bytes.size(); ++length)
+    test::expectError(ExitCode::failed, [&] { decode(std::string_view(bytes).substr(0, length)); },
+                      {"cut off", "palpate share"});
+  test::expectError(ExitCode::failed, [&] { decode(bytes + " "); }, {"follows", "palpate share"});
+}
+
+TEST(CarriedOrgan, WhatItsNumbersNameMustBeThere) {
+  expectFault([](auto& organ) { organ.triangles[7][1] = std::ssize(organ.vertices); },
+              {"triangle 7 has a corner"});
+  expectFault([](auto& organ) { organ.triangles[7][1] = -1; }, {"triangle 7 has a corner -1"});
+  expectFault([](auto& organ) { organ.triangles[7][1] = organ.triangles[7][0]; }, {"twice"});
+  expectFault([](auto& organ) { organ.touch_of_triangle[3] = 1; }, {"triangle 3 is of touch 1"});
+  expectFault([](auto& organ) { organ.touches[0].spaces[0] = std::ssize(organ.spaces); },
+              {"touch 0", "space"});
+  expectFault([](auto& organ) { organ.touches[0].spaces.clear(); }, {"touch 0", "no space"});
+  expectFault([](auto& organ) { organ.touches[0].stations.clear(); }, {"touch 0", "no stations"});
+  expectFault(
+      [](auto& organ) {
+        organ.spaces[1].splits = {{{0, 0, 0}, 40}};
+      },
+      {"space 1", "split 0"});
+}
+
+TEST(CarriedOrgan, WhatIsComputedWithMustBeFinite) {
+  expectFault([](auto& organ) { organ.vertices[5].y() = no_number; }, {"vertex 5"});
+  expectFault([](auto& organ) { organ.max_force = 0; }, {"largest force"});
+  expectFault([](auto& organ) { organ.touches[0].rest.x() = no_number; }, {"touch 0"});
+  expectFault([](auto& organ) { organ.touches[0].stations[0].z() = 1e300; }, {"station"});
+  expectFault([](auto& organ) { organ.spaces[1].patch.finger->center.x() = no_number; },
+              {"finger"});
+  expectFault([](auto& organ) { organ.spaces[1].patch.finger->radius *= 2; },
+              {"space 1 is not of its finger"});
+  expectFault([](auto& organ) { organ.spaces[1].points[4].equilibrium.force.x() = no_number; },
+              {"space 1", "point 4"});
+  expectFault([](auto& organ) { organ.spaces[1].points[4].equilibrium.drive.x() = 1e35; },
+              {"space 1", "point 4"});
+  expectFault([](auto& organ) { organ.shapes.modes[9] = std::numeric_limits<float>::infinity(); },
+              {"mode"});
+}
+
+TEST(CarriedOrgan, LatticesOfOneSurfaceAreAlikeAndNotLargerThanTheirPoints) {
+  expectFault([](auto& organ) { organ.spaces[1].lattice = Lattice(0.02, 0.02, 4); }, {"lattice"});
+  std::string bytes = encode(test::smallOrgan(true));
+  const double radius = 0.02, finer = radius / 100;
+  std::string both(2 * sizeof radius, '\0');  // radius and spacing
+  std::memcpy(both.data(), &radius, sizeof radius);
+  std::memcpy(both.data() + sizeof radius, &radius, sizeof radius);
+  const std::size_t place = bytes.find(both);
+  ASSERT_NE(place, std::string::npos);
+  std::memcpy(bytes.data() + place + sizeof radius, &finer, sizeof finer);
+  test::expectError(ExitCode::failed, [&] { decode(bytes); },
+                    {"a lattice of about 4188790 points has"});
+}
+
+TEST(CarriedOrgan, WithAnyByteChangedIsRefusedOrCanBeTouched) {
+  const std::string whole = encode(test::smallOrgan(true));
+  int refused = 0;
+  for (std::size_t place = 0; place < whole.size(); ++place) {
+    std::string bytes = whole;
+    bytes[place] = static_cast<char>(~bytes[place]);
+    try {
+      EXPECT_EQ(faultOf(decode(bytes)), "");
+    } catch (const Error& error) {
+      ++refused;
+      EXPECT_THAT(error.what(), testing::HasSubstr("organ"));
+    }
+  }
+  EXPECT_GT(refused, 0);
+}
+
+}  // namespace
+}  // namespace palpate
