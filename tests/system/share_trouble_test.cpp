@@ -21,9 +21,13 @@ struct ShareTroubleTest : test::SharedPage {
     browser.go(page());
     EXPECT_TRUE(browser.becomesTrue("document.body && document.body.dataset.state"));
     EXPECT_EQ(browser.valueOf("document.body.dataset.state"), "stopped");
-    EXPECT_EQ(browser.valueOf("document.getElementById('numbers').offsetHeight"), 0);
-    EXPECT_EQ(browser.valueOf("document.getElementById('words').offsetHeight"), 0);
+    EXPECT_EQ(heightOf(browser, "numbers"), 0);
+    EXPECT_EQ(heightOf(browser, "words"), 0);
+    EXPECT_GT(heightOf(browser, "trouble"), 0);
     return troubleOf(browser);
+  }
+  static int heightOf(test::Browser& browser, const std::string& id) {
+    return browser.valueOf("document.getElementById('" + id + "').offsetHeight");
   }
   std::string sentence() const {
     test::Browser browser;
@@ -65,6 +69,7 @@ TEST_F(ShareTroubleTest, WhenGraphicsStopUntilTheyAreThereAgain) {
   browser.valueOf("palpate.graphics.restoreContext()");
   ASSERT_TRUE(browser.becomesTrue("document.body.dataset.state === 'ready'"));
   EXPECT_EQ(troubleOf(browser), "");
+  EXPECT_GT(heightOf(browser, "numbers"), 0);
   // The organ is drawn, not the background alone.
   EXPECT_TRUE(browser.becomesTrue(
       "(() => { const {gl, camera, canvas} = palpate.page, pixel = new Uint8Array(4);"

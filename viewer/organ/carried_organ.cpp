@@ -166,7 +166,6 @@ void checkLattice(double radius, double spacing, std::int32_t divisions, std::si
   if (!(spacing > 0 && radius >= spacing && radius <= farthest_node && is_power_of_two &&
         divisions <= most_divisions))
     throw damaged("a lattice is none");
-  Lattice::check(radius, spacing);
   if (in_ball * least_share_of_ball > static_cast<double>(points))
     throw damaged(fmt::format("a lattice of about {:.0f} points has {}", in_ball, points));
 }

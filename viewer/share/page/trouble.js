@@ -15,18 +15,17 @@ palpate.stop = function(sentence) {
       (/[.!?]$/.test(sentence) ? '' : '.');
   palpate.showTrouble();
 };
+palpate.goOn = function() {
+  palpate.trouble = '';
+  palpate.showTrouble();
+};
 palpate.showTrouble = function() {
   var shown = document.getElementById('trouble');
   if (!shown) return;  // not there yet: once more when all is
   shown.innerHTML = '';
   shown.appendChild(document.createTextNode(palpate.trouble));
-  document.body.className = 'stopped';
-  document.body.setAttribute('data-state', 'stopped');
-};
-palpate.goOn = function() {
-  palpate.trouble = '';
-  document.body.className = '';
-  document.body.setAttribute('data-state', 'ready');
+  document.body.className = palpate.trouble ? 'stopped' : '';
+  document.body.setAttribute('data-state', palpate.trouble ? 'stopped' : 'ready');
 };
 
 window.onerror = function(message) {
