@@ -78,6 +78,18 @@ TEST_F(ShareTroubleTest, WhenGraphicsStopUntilTheyAreThereAgain) {
       "  return pixel[0] > pixel[2] + 20; })()"));
 }
 
+TEST_F(ShareTroubleTest, WhenItBreaksButNotWhenAScriptOfOthersDoes) {
+  if (!makePage()) return;
+  test::Browser browser;
+  open(browser);
+  browser.valueOf("dispatchEvent(new ErrorEvent('error', {message: 'x', filename: 'elsewhere'}))");
+  EXPECT_EQ(browser.valueOf("document.body.dataset.state"), "ready");
+  browser.valueOf("palpate.page.scene = () => nothing.like.it; palpate.page.changed = true");
+  ASSERT_TRUE(browser.becomesTrue("document.body.dataset.state === 'stopped'"));
+  EXPECT_THAT(troubleOf(browser),
+              AllOf(HasSubstr("nothing is not defined"), HasSubstr("oad it again")));
+}
+
 TEST_F(ShareTroubleTest, WithoutWebAssembly) {
   if (!makePage()) return;
   test::Browser browser;

@@ -7,6 +7,7 @@
 #include <set>
 #include <thread>
 
+#include "common/base/error.hpp"
 #include "common/base/farthest_points.hpp"
 #include "common/base/parallel.hpp"
 #include "viewer/fields/jet_sums.hpp"
@@ -194,10 +195,17 @@ AreaField::AreaField(const std::vector<const SpaceTable*>& spaces, Stations stat
       finger_(spaces.front()->patch.finger.value().radius),
       sites_(centersOf(spaces), reach_in_distances * site_distance * finger_),
       judgements_(spaces.size()) {
-  for (const SpaceTable* space : spaces)
+  const auto isTooFine = [](const LatticeCell& cell) { return at(cell.level) >= most_levels; };
+  for (const SpaceTable* space : spaces) {
     PALPATE_ASSERT(space->lattice.radius() == radius_ &&
                        space->lattice.spacing() == spaces.front()->lattice.spacing(),
                    "the sites of an area are of one build");
+    if (std::ranges::any_of(space->splits, isTooFine))
+      throw badInput(
+          "a surface has cells that are halved more than {} times, which no build does: the file "
+          "is damaged, get it again",
+          most_levels);
+  }
   if (!stations.places.empty()) setStations(std::move(stations.places));
 }
 
@@ -350,8 +358,7 @@ AreaSample AreaField::inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p)
   const CellTree* tree = nullptr;
   LeafPlace place;
   LevelSum* level = nullptr;
-  const double spacing = trees_.front().spacing();
-  double whole = 0;
+  double spacing = 0, whole = 0;
   Eigen::Vector3d whole_slope = Eigen::Vector3d::Zero(), slope = Eigen::Vector3d::Zero();
   for (const std::int32_t number : stations_.near(s)) {
     const Eigen::Vector3d d = s - stations_.points()[at(number)];
@@ -361,6 +368,7 @@ AreaSample AreaField::inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p)
     // Neighbours often share a tree.
     if (tree != &trees_[station.tree]) {
       tree = &trees_[station.tree];
+      spacing = tree->spacing();  // of all the same
       place = tree->find(p);
       if (place.leaf < 0) return {};
       level = &levels[at(tree->leaves()[at(place.leaf)].level)];

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/problem/sites.hpp"
+#include "tests/support/expect_error.hpp"
 #include "tests/support/finger_body.hpp"
 
 namespace palpate {
@@ -49,6 +50,22 @@ TEST_F(GrowingAreaTest, PreparesNoMoreThanIsNeeded) {
   while (growing.growSites(s)) {
   }
   EXPECT_EQ(growing.madeSites(), growing.siteCount());
+}
+
+// Once it read the spacing of a lattice that was not there yet.
+TEST_F(GrowingAreaTest, FarFromAllStationsItSaysNothingEvenAtFirst) {
+  GrowingArea growing = area();
+  const Eigen::Vector3d nowhere(1, 1, 1);
+  EXPECT_FALSE(growing.grow(nowhere));
+  EXPECT_FALSE(growing.evaluate(nowhere, p).inside);
+  EXPECT_EQ(growing.evaluate(nowhere, p).force, Eigen::Vector3d::Zero());
+}
+
+// Sums have room for six levels; a file may claim more.
+TEST_F(GrowingAreaTest, CellsThatAreHalvedMoreOftenThanABuildDoesAreRefused) {
+  for (std::int32_t level = 0; level <= 6; ++level)
+    body.spaces[0].splits.push_back({{0, 0, 0}, level});
+  test::expectBadInput([&] { area(); }, {"halved more than 6 times"});
 }
 
 }  // namespace

@@ -24,6 +24,8 @@ class Page {
       frames: 0,
       shown: 0
     });
+    this.fit();
+    this.look();
     this.gestures = new Gestures(this);
     this.pointers = this.gestures.pointers;
     const slider = byId('depth');
@@ -116,6 +118,7 @@ class Page {
     this.plot.fit();
     this.changed = true;
   }
+  look() { this.camera.look(this.whole, this.stage); }
   frame(time) {
     const seconds = Math.min(0.05, (time - this.last) / 1000);
     this.last = time;
@@ -128,7 +131,7 @@ class Page {
     }
     this.fit();
     if (this.changed) {
-      this.camera.look(this.whole, this.stage);
+      this.look();
       this.picture.draw(this.camera, this.scene());
       this.changed = false;
       if (++this.frames === 1) this.started();

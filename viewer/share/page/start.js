@@ -52,16 +52,18 @@ function begin() {
         'turn on hardware acceleration in its settings and load the page again, ' +
         'or open it in another browser. On a phone save the file and open it in the browser itself, ' +
         'not in the preview of a mail');
+  let isOnlyTrouble = false;
   canvas.addEventListener('webglcontextlost', (event) => {
     event.preventDefault();  // so that it may come back
+    isOnlyTrouble = !palpate.trouble;
     palpate.stop(
         'the graphics of this device stopped, as they do when other programs need them: ' +
         'wait a moment, or load the page again');
   });
   canvas.addEventListener('webglcontextrestored', () => {
     if (!palpate.page) return location.reload();
-    palpate.goOn();
     palpate.page.restored();
+    if (isOnlyTrouble) palpate.goOn();
   });
   startField(gl);
 }

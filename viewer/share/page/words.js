@@ -2,25 +2,25 @@
 class Words {
   constructor(touches) {
     this.touches = touches;
-    this.isSpot = touches.some((touch) => touch.fingerRadius === 0);
+    const spots = touches.filter((touch) => touch.fingerRadius === 0).length;
+    this.spot = spots === 0 ? '' : spots === 1 ? 'at the marked place' : 'at a marked place';
     this.byFinger = matchMedia('(pointer: coarse)').matches;
     this.rest();
   }
   say(text) { byId('hint').textContent = text; }
   rest() {
-    const where = this.isSpot ? 'at the marked place' : 'anywhere';
     const how = this.byFinger ?
         'with a finger, deeper with the slider. Two fingers turn it and come closer.' :
         'with the mouse, deeper with the wheel. Drag beside it to turn, wheel to come closer.';
-    this.say(`Press it ${where} ${how}`);
+    this.say(`Press it ${this.spot || 'anywhere'} ${how}`);
   }
   pressed(byMouse) {
     this.say(`Move to feel around, ${byMouse ? 'wheel' : 'slide the slider'} to press deeper.`);
   }
   untouchable() {
     this.say(
-        this.isSpot ? 'Nothing was computed here: press at the marked place.' :
-                      'The organ is held here, and nothing was computed: press another place.');
+        this.spot ? `Nothing was computed here: press ${this.spot}.` :
+                    'The organ is held here, and nothing was computed: press another place.');
   }
   // Null: nothing is.
   show(felt) {

@@ -7,15 +7,13 @@
 #include <exception>
 #include <functional>
 #include <optional>
+#include <typeinfo>
 
 #include "common/base/index.hpp"
 #include "common/base/parallel.hpp"
 #include "viewer/organ/touched_organ.hpp"
 
 #ifdef __wasm__
-namespace std {
-class type_info;
-}
 // Nothing is caught here: what is thrown ends the module, after its words went to standard error,
 // from where the page takes them. All of it is a std::exception.
 extern "C" void* __cxa_allocate_exception(std::size_t size) noexcept { return std::malloc(size); }
