@@ -1,9 +1,7 @@
 #include "viewer/fields/shape_modes.hpp"
 
 #include <algorithm>
-#include <vector>
-
-#include "common/base/assertion.hpp"
+#include <limits>
 
 namespace palpate {
 namespace {
@@ -20,9 +18,9 @@ Eigen::VectorXf largestEntries(const ShapeRows& rows) {
 /// Appends modes until they span those whose part outside of `modes` is `missed`, too.
 void extend(ShapeRows& modes, ShapeRows missed, float tolerance) {
   Eigen::VectorXf misses = largestEntries(missed);
-  const Eigen::Index most = modes.rows() + missed.rows();
-  for (Eigen::Index worst = 0; misses.maxCoeff(&worst) > tolerance;) {
-    PALPATE_ASSERT(modes.rows() < most, "as many modes as shapes miss nothing");
+  // As many modes as a shape has entries miss nothing.
+  for (Eigen::Index worst = 0;
+       modes.rows() < modes.cols() && misses.maxCoeff(&worst) > tolerance;) {
     Eigen::RowVectorXd mode = missed.row(worst).cast<double>();
     // Once more, because rounding leaves some of the others in it.
     mode -= (mode * modes.cast<double>().transpose()) * modes.cast<double>();
@@ -57,11 +55,13 @@ ShapeRows modesOf(const ShapeRows& shapes, float tolerance) {
   const Eigen::Index stride = std::max<Eigen::Index>(1, shapes.rows() / electors);
   ShapeRows choosing((shapes.rows() + stride - 1) / stride, shapes.cols()), modes(0, shapes.cols());
   for (Eigen::Index n = 0; n < choosing.rows(); ++n) choosing.row(n) = shapes.row(n * stride);
+  constexpr float rounding = 4 * std::numeric_limits<float>::epsilon();
+  const float reachable = std::max(tolerance, rounding * shapes.rowwise().norm().maxCoeff());
   // What one mode takes from a shape it may add to an entry of another, so all are looked at until
   // none is missed.
-  while (choosing.rows() > 0) {
-    extend(modes, std::move(choosing), tolerance);
-    choosing = missedBy(modes, shapes, tolerance);
+  while (choosing.rows() > 0 && modes.rows() < modes.cols()) {
+    extend(modes, std::move(choosing), reachable);
+    choosing = missedBy(modes, shapes, reachable);
   }
   return modes;
 }

@@ -53,6 +53,14 @@ TEST(ShapeModes, MissNoEntryOfShapesThatHaveNothingInCommon) {
   EXPECT_LE(largestMiss(shapes, modes), 1.001f * tolerance);
 }
 
+/// Once the search did not end.
+TEST(ShapeModes, AreNoMoreThanFloatsCanTellApart) {
+  const ShapeRows shapes = 1e6f * shapesOfRank(7, 3000);
+  const ShapeRows modes = modesOf(shapes, tolerance);
+  EXPECT_EQ(modes.rows(), 7);
+  EXPECT_LE(largestMiss(shapes, modes), 1e-5f * shapes.cwiseAbs().maxCoeff());
+}
+
 TEST(ShapeModes, OfShapesAtRestAreNone) {
   EXPECT_EQ(modesOf(ShapeRows::Zero(500, width), tolerance).rows(), 0);
 }
