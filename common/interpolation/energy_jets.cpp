@@ -37,12 +37,14 @@ class Fitter {
       }
     for (std::int32_t n = 0; n < space.lattice.size(); ++n)
       if (interpolated_[at(n)]) solved_.push_back(n);
+    findKnown();
   }
 
   /// Of a solved slot: its own data, and what the solved points around say.
   LocalPolynomial complete(std::size_t slot) {
     const std::int32_t number = tree_.slots()[slot].number;
-    return fits_.complete(space_.points[number].equilibrium, neighbours(slot), edge_[slot]);
+    return fits_.complete(space_.points[number].equilibrium, neighbours(slot, number), edge_[slot],
+                          known_[at(number)]);
   }
 
   /// From the nearest solved points.
@@ -90,24 +92,36 @@ class Fitter {
       if (sources.size() == most) break;
       if (std::ranges::any_of(taken, [&](std::int32_t t) { return joined(t, c.number); })) continue;
       taken.push_back(c.number);
-      sources.push_back({c.offset, &space_.points[c.number].equilibrium});
+      sources.push_back({c.offset, &space_.points[c.number].equilibrium, known_[at(c.number)]});
     }
     return sources;
   }
 
-  /// The solved corners of the leaves around a solved slot, hanging ones too.
-  std::vector<FitSource> neighbours(std::size_t slot) const {
+  /// What of the points at slots counts.
+  void findKnown() {
+    known_.assign(space_.points.size(), fits_.kind().known);
+    if (!fits_.kind().highest_known_are_judged) return;
+    for (std::size_t slot = 0; slot < tree_.slots().size(); ++slot) {
+      const auto number = space_.lattice.indexOf(tree_.slots()[slot].point);
+      if (number && interpolated_[at(*number)])
+        known_[at(*number)] =
+            fits_.judge(space_.points[at(*number)].equilibrium, neighbours(slot, *number));
+    }
+  }
+
+  /// The solved corners of the leaves around a slot that is the solved point `own`, hanging ones
+  /// too.
+  std::vector<FitSource> neighbours(std::size_t slot, std::int32_t own) const {
     const CellSlot& center = tree_.slots()[slot];
     std::set<std::int32_t> numbers;
     for (const std::int32_t leaf : around_[slot])
       for (const std::int32_t corner : tree_.corners(leaf)) {
         const auto number = space_.lattice.indexOf(tree_.slots()[at(corner)].point);
-        if (number && *number != center.number && interpolated_[at(*number)])
-          numbers.insert(*number);
+        if (number && *number != own && interpolated_[at(*number)]) numbers.insert(*number);
       }
     std::vector<Candidate> candidates;
     for (const std::int32_t number : numbers) candidates.push_back(candidate(center.point, number));
-    return choose(std::move(candidates), center.number, fits_.kind().most_completed_from);
+    return choose(std::move(candidates), own, fits_.kind().most_completed_from);
   }
 
   Candidate candidate(const LatticePoint& center, std::int32_t number) const {
@@ -137,6 +151,7 @@ class Fitter {
   std::vector<std::vector<std::int32_t>> around_;  ///< leaves, per slot
   std::vector<std::int32_t> edge_;                 ///< largest of the leaves around, coordinates
   std::vector<std::int32_t> solved_;
+  std::vector<KnownOrders> known_;  ///< per point
 };
 
 EnergyJet jetOf(const LocalPolynomial& polynomial, double spacing) {

@@ -78,36 +78,59 @@ constexpr double distance_power = 4;  // of a source's weight: so much less do i
 constexpr std::array<double, 6> penalty_extrapolating = {0, 0, 0, 1e-6, 1e-2, 1e-1},
                                 penalty_completing = {0, 0, 0, 1e-6, 1e-4, 1e-1};
 
+/// From its components (symmetric_axes).
+Eigen::Matrix3d symmetricOf(const Eigen::Matrix<double, 6, 1>& components) {
+  Eigen::Matrix3d matrix;
+  for (std::size_t c = 0; c < symmetric_axes.size(); ++c) {
+    const auto [a, b] = symmetric_axes[c];
+    matrix(a, b) = matrix(b, a) = components[static_cast<Eigen::Index>(c)];
+  }
+  return matrix;
+}
+
+KnownOrders oneLess(KnownOrders known) {
+  return static_cast<KnownOrders>(static_cast<int>(known) - 1);
+}
+
+/// How many numbers of a source count.
+Eigen::Index numbersOf(KnownOrders of_source, KnownOrders of_kind) {
+  return termsUpTo(static_cast<int>(std::min(of_source, of_kind)));
+}
+
 /// Rows: the weighted data of the sources, then the penalties. Columns: the terms of degree `from`
 /// to `degree`.
 struct WeightedSystem {
   WeightedSystem(const std::vector<FitSource>& sources, std::int32_t edge, int from, int degree,
-                 KnownOrders known, const std::array<double, 6>& penalty)
-      : weights(static_cast<Eigen::Index>(sources.size()) * termsUpTo(static_cast<int>(known))) {
-    const auto n_known = at(termsUpTo(static_cast<int>(known)));
+                 KnownOrders known, const std::array<double, 6>& penalty) {
+    Eigen::Index data = 0;
+    for (const FitSource& source : sources) data += numbersOf(source.known, known);
+    weights.resize(data);
     const int first = termsUpTo(from - 1), unknowns = termsUpTo(degree) - first;
     matrix = Eigen::MatrixXd::Zero(weights.size() + unknowns, unknowns);
     const auto term = [first](int t) {
       const int index = first + t;
       return LocalPolynomial::orders(static_cast<std::size_t>(index));
     };
-    for (std::size_t source = 0; source < sources.size(); ++source) {
-      const LatticePoint& o = sources[source].offset;
+    Eigen::Index row = 0;
+    for (const FitSource& source : sources) {
+      const LatticePoint& o = source.offset;
       const Eigen::Vector3d x = Eigen::Vector3d(o[0], o[1], o[2]) / edge;
       const Powers powers = powersOf(x);
       const double weight = std::pow(x.norm(), -distance_power);
-      for (std::size_t d = 0; d < n_known; ++d) {
-        const auto row = static_cast<Eigen::Index>(n_known * source + d);
+      for (Eigen::Index d = 0; d < numbersOf(source.known, known); ++d, ++row) {
         weights[row] = weight;
         for (int t = 0; t < unknowns; ++t)
-          matrix(row, t) = weight * termAt(term(t), all_orders[d], powers);
+          matrix(row, t) = weight * termAt(term(t), all_orders[at(d)], powers);
       }
     }
+    int known_of_all = from > 0 ? from - 1 : static_cast<int>(known);
+    for (const FitSource& source : sources)
+      known_of_all = std::min(known_of_all, static_cast<int>(source.known));
     // One row per unknown, which pulls it to zero: least squares with a ridge.
     // Slopes and curvatures that no source knows are left open by a few sources, too.
     for (int t = 0; t < unknowns; ++t) {
       const int order = total(term(t));
-      matrix(weights.size() + t, t) = order > static_cast<int>(known)
+      matrix(weights.size() + t, t) = order > known_of_all
                                           ? std::max(penalty[at(order)], smallest_penalty)
                                           : penalty[at(order)];
     }
@@ -147,8 +170,10 @@ Equilibrium LocalPolynomial::at(const Eigen::Vector3d& offset) const {
 const LocalFits::Factors& LocalFits::factorsOf(const std::vector<FitSource>& sources,
                                                std::int32_t edge, int from, int degree) {
   Key key = {edge, from, degree};
-  for (const FitSource& source : sources)
+  for (const FitSource& source : sources) {
     key.insert(key.end(), source.offset.begin(), source.offset.end());
+    key.push_back(static_cast<std::int32_t>(source.known));
+  }
   const auto found = factors_.find(key);
   if (found != factors_.end()) return found->second;
   const auto older = older_.find(key);
@@ -167,6 +192,26 @@ const LocalFits::Factors& LocalFits::factorsOf(const std::vector<FitSource>& sou
       .first->second;
 }
 
+KnownOrders LocalFits::judge(const Equilibrium& own, const std::vector<FitSource>& around) const {
+  PALPATE_ASSERT(kind_.known >= KnownOrders::curvature, "forces and stiffnesses are held against");
+  double with = 0, without = 0;  // squares of what is left of quotients of differences
+  for (const FitSource& source : around) {
+    const Eigen::Vector3d step =
+        unit_ * Eigen::Vector3d(source.offset[0], source.offset[1], source.offset[2]);
+    const auto add = [&](const auto& change, const auto& explained) {
+      with += (change - explained).squaredNorm() / step.squaredNorm();
+      without += change.squaredNorm() / step.squaredNorm();
+    };
+    if (kind_.known == KnownOrders::curvature) {
+      add(Eigen::Vector3d(source.data->force - own.force), Eigen::Vector3d(own.stiffness * step));
+    } else {
+      add(Eigen::Matrix3d(source.data->stiffness - own.stiffness),
+          symmetricOf(own.stiffness_by_p * step));
+    }
+  }
+  return with <= without ? kind_.known : oneLess(kind_.known);
+}
+
 int LocalFits::degreeFor(std::size_t sources) const {
   const int of_sources = sources < 2 ? 2 : sources < 4 ? 3 : sources < 8 ? 4 : 5;
   return std::min(of_sources, kind_.highest_extrapolated);
@@ -179,32 +224,38 @@ LocalPolynomial LocalFits::extrapolate(const std::vector<FitSource>& sources, st
   LocalPolynomial result;
   result.scale = unit_ * edge;
   const Factors& factors = factorsOf(sources, edge, 0, degree);
-  const Eigen::Index n_known = termsUpTo(static_cast<int>(kind_.known));
   Eigen::VectorXd right = Eigen::VectorXd::Zero(factors.qr.rows());
-  for (std::size_t s = 0; s < sources.size(); ++s)
-    right.segment(n_known * static_cast<Eigen::Index>(s), n_known) =
-        dataOf(*sources[s].data, result.scale, kind_.known);
+  Eigen::Index row = 0;
+  for (const FitSource& source : sources) {
+    const Eigen::Index numbers = numbersOf(source.known, kind_.known);
+    right.segment(row, numbers) = dataOf(*source.data, result.scale, kind_.known).head(numbers);
+    row += numbers;
+  }
   right.head(factors.weights.size()).array() *= factors.weights.array();
   result.derivatives.head(factors.qr.cols()) = factors.qr.solve(right);
   return result;
 }
 
 LocalPolynomial LocalFits::complete(const Equilibrium& own, const std::vector<FitSource>& sources,
-                                    std::int32_t edge) {
+                                    std::int32_t edge, KnownOrders known) {
   LocalPolynomial result;
   result.scale = unit_ * edge;
-  const int known = static_cast<int>(kind_.known);
-  const Eigen::Index n_known = termsUpTo(known);
-  result.derivatives.head(n_known) = dataOf(own, result.scale, kind_.known);
+  known = std::min(known, kind_.known);
+  const Eigen::Index n_known = termsUpTo(static_cast<int>(known));
+  result.derivatives.head(n_known) = dataOf(own, result.scale, known);
   // Its own data stand; what is not known stays zero.
   if (sources.empty()) return result;
-  const Factors& factors = factorsOf(sources, edge, known + 1, kind_.highest_completed);
+  const Factors& factors =
+      factorsOf(sources, edge, static_cast<int>(known) + 1, kind_.highest_completed);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(factors.qr.rows());
-  for (std::size_t s = 0; s < sources.size(); ++s) {
-    const LatticePoint& o = sources[s].offset;
-    right.segment(n_known * static_cast<Eigen::Index>(s), n_known) =
-        dataOf(*sources[s].data, result.scale, kind_.known) -
-        result.derivativesAt(unit_ * Eigen::Vector3d(o[0], o[1], o[2]), static_cast<int>(n_known));
+  Eigen::Index row = 0;
+  for (const FitSource& source : sources) {
+    const LatticePoint& o = source.offset;
+    const Eigen::Index numbers = numbersOf(source.known, kind_.known);
+    right.segment(row, numbers) =
+        dataOf(*source.data, result.scale, kind_.known).head(numbers) -
+        result.derivativesAt(unit_ * Eigen::Vector3d(o[0], o[1], o[2]), static_cast<int>(numbers));
+    row += numbers;
   }
   right.head(factors.weights.size()).array() *= factors.weights.array();
   result.derivatives.segment(n_known, factors.qr.cols()) = factors.qr.solve(right);

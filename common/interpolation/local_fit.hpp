@@ -30,15 +30,17 @@ class LocalPolynomial {
   KnownDerivatives derivativesAt(const Eigen::Vector3d& offset, int count) const;
 };
 
+/// Up to which order the derivatives of a source are known, of the energy or another quantity in
+/// its place: 1, 4, 10 (energy, force, stiffness) or 20 numbers (stiffness_by_p too).
+enum class KnownOrders : std::uint8_t { value = 0, slope = 1, curvature = 2, third = 3 };
+
 /// A solved point near the position of a fit.
 struct FitSource {
   LatticePoint offset;  ///< from the position, lattice coordinates; not zero
   const Equilibrium* data;
+  /// Of its data no more than these count, nor than LocalFits::Kind::known.
+  KnownOrders known = KnownOrders::third;
 };
-
-/// Up to which order the derivatives of a source are known, of the energy or another quantity in
-/// its place: 1, 4, 10 (energy, force, stiffness) or 20 numbers (stiffness_by_p too).
-enum class KnownOrders : std::uint8_t { value = 0, slope = 1, curvature = 2, third = 3 };
 
 /// Weighted least-squares fits of local polynomials to energies, forces and stiffnesses, and what
 /// else is known: near sources weigh more. What the sources do not determine is kept small by a
@@ -53,6 +55,8 @@ class LocalFits {
     int highest_extrapolated = LocalPolynomial::degree;
     int highest_completed = LocalPolynomial::degree;
     std::size_t most_extrapolated_from = 16, most_completed_from = 26;  ///< sources, the nearest
+    /// Whether what is known of the highest order counts only where judge says so.
+    bool highest_known_are_judged = false;
   };
 
   /// `unit`: metres per lattice coordinate.
@@ -63,15 +67,23 @@ class LocalFits {
   /// The degree of extrapolations that so many sources support.
   int degreeFor(std::size_t sources) const;
 
+  /// What of a point's own data counts, by the points around it: all that is known, or one order
+  /// less, where the derivatives of the highest order are farther from how those below it change
+  /// on the way to those points than zero is. So it is with a difference of tangents over a tiny
+  /// step in which the stiffness of an element jumps: it is that jump over the step, and says
+  /// nothing of the way to the next point. So it is also where the points are too far apart for a
+  /// derivative to say anything. Of curvatures and third derivatives.
+  KnownOrders judge(const Equilibrium& own, const std::vector<FitSource>& around) const;
+
   /// About a position where nothing is known. `edge`: scale of the fit, lattice coordinates, about
   /// the distance of the nearest source. At least one source; exact (to 1e-7) for energies of the
   /// third degree if the sources determine them. 2 <= degree <= 5.
   LocalPolynomial extrapolate(const std::vector<FitSource>& sources, std::int32_t edge, int degree);
   /// About a solved point: its own data exactly, the higher derivatives from the sources around;
   /// zero without any. Exact (to 1e-7) for energies of the fourth degree if the sources determine
-  /// them.
+  /// them. `known`: of its own data, as of a source.
   LocalPolynomial complete(const Equilibrium& own, const std::vector<FitSource>& sources,
-                           std::int32_t edge);
+                           std::int32_t edge, KnownOrders known = KnownOrders::third);
 
  private:
   using Key = std::vector<std::int32_t>;
@@ -88,6 +100,6 @@ class LocalFits {
 };
 
 /// For the energies of fingers, whose third derivatives are known.
-inline constexpr LocalFits::Kind finger_fit = {KnownOrders::third, 4, 4, 4, 6};
+inline constexpr LocalFits::Kind finger_fit = {KnownOrders::third, 4, 4, 4, 6, true};
 
 }  // namespace palpate

@@ -51,7 +51,8 @@ struct FingerSlopes {
   Eigen::Matrix3d drive_stiffness = Eigen::Matrix3d::Zero();
   /// N/m, [a, b] = d drive_a / d s_b, symmetric.
   Eigen::Matrix3d drive_slope = Eigen::Matrix3d::Zero();
-  // The third derivatives, to some seven digits.
+  // The third derivatives, to some seven digits; where the stiffness jumps they are any number
+  // (worker/solver/third_derivatives.hpp).
   /// N/m^2, d stiffness / d p, the same whichever axes change places.
   SymmetricSlope stiffness_by_p = SymmetricSlope::Zero();
   /// N/m^2, d stiffness / d s; its column k is also the second derivative of drive[k] by p.

@@ -17,7 +17,7 @@ using SiteJet = Eigen::Matrix<float, 28, place_quantities>;
 struct SiteFits {
   explicit SiteFits(double unit)
       : energy(unit, finger_fit),
-        drive(unit, {KnownOrders::curvature, 3, 4, 6, 12}),
+        drive(unit, {KnownOrders::curvature, 3, 4, 6, 12, true}),
         slope(unit, {KnownOrders::slope, 3, 3, 6, 12}) {}
   LocalFits energy, drive, slope;
 };
@@ -25,7 +25,8 @@ struct SiteFits {
 /// One configuration space of a finger as an area needs it: ten quantities interpolated in p, each
 /// by the tensor product quintic Hermite polynomial of energy_jets.hpp, so that all are twice
 /// continuously differentiable. At solved points the derivatives of E by s and p to the third order
-/// are exact (but those by s alone, to the second); higher ones are fitted.
+/// are exact (but those by s alone, to the second), those with p twice or thrice where they explain
+/// what is around (LocalFits::judge); higher ones are fitted.
 struct SiteJets {
   /// `space` is that of a finger. Error when no point of it is solved.
   SiteJets(const SpaceTable& space, SiteFits& fits)

@@ -74,6 +74,8 @@ struct HolzapfelGasserOgdenEnergy {
   double k2;          ///< how fast it stiffens, > 0, -
   double dispersion;  ///< kappa, 0 (all fibres parallel) to 1/3 (isotropic)
 
+  static constexpr double round_off = 1e-12;  ///< of E: what is at rest has not quite zero
+
   template <class T, class Sum>
   void addTerms(const Strain<T>& strain, const Invariants<T>& invariants, Sum& sum) const {
     sum.addLinear(invariants.first(), mu / 2);
@@ -88,21 +90,22 @@ struct HolzapfelGasserOgdenEnergy {
       }
       const Invariant<1, T> j = invariants.along(H);
       const T E = j.value - (H[0] + H[1] + H[2]);
-      const auto stretched = E > T{};
+      const auto stretched = E > T{}, neither = E * E < round_off * round_off;
       const T x = k2 * E * E;
       const T growth = k1 * exponential(x);
       const T f = k1 / (2 * k2) * exponentialMinusOne(x), df = growth * E,
               ddf = growth * (1 + 2 * x);
-      const T zero{};
-      sum.add(j, stretched ? f : zero, stretched ? df : zero, stretched ? ddf : zero);
+      const T zero{}, mean = zero + k1 / 2;
+      sum.add(j, stretched ? f : zero, stretched ? df : zero,
+              neither ? mean : (stretched ? ddf : zero));
     }
   }
 };
 
 /// W = mu/2 (j1 - 3) + k1/(2 k2) sum over the fibre families of (exp(k2 E^2) - 1),
 /// E = max(0, kappa (j1 - 3) + (1 - 3 kappa) (j4 - 1)), j4 = J^(-2/3) a.C a, a the direction at
-/// rest (Gasser, Ogden and Holzapfel 2006). Fibres bear no compression: D jumps where E = 0, and is
-/// the one of E < 0 there. Where exp overflows, W is infinite.
+/// rest (Gasser, Ogden and Holzapfel 2006). Fibres bear no compression: D jumps where E = 0, as all
+/// of them are at rest, and is the mean of both sides there. Where exp overflows, W is infinite.
 using HolzapfelGasserOgden = InvariantLaw<HolzapfelGasserOgdenEnergy, true>;
 
 template <class T>

@@ -16,8 +16,10 @@ namespace palpate {
 /// whose third derivative is that of the tangent along x_a, by central differences.
 ///
 /// `sensitivity`: d(unknowns, multipliers) by p (three columns), then by s. The system has the
-/// finger as its tool. Costs six tangents and no factorisation; right to about seven digits. The
-/// numbers are not finite when the state is that close to an inverted element.
+/// finger as its tool. Costs six tangents and no factorisation; right to about seven digits. Where
+/// the stiffness of an element jumps within the differences (slack fibres grow taut) they are that
+/// jump over their step instead, and of no use: LocalFits::judge tells. At rest all fibres are
+/// there. The numbers are not finite when the state is that close to an inverted element.
 void setThirdDerivatives(const System& system, const State& state,
                          const Eigen::MatrixXd& sensitivity, const FingerWeights& finger,
                          Equilibrium& equilibrium);

@@ -80,5 +80,77 @@ TEST(LocalFits, SayTheSameOfSourcesThatAreRememberedAndForgotten) {
   EXPECT_EQ(of(once), of_once);
 }
 
+/// The same energy, six points around one, and the third derivatives of all.
+struct KnownToTheThirdOrder {
+  KnownToTheThirdOrder() {
+    const std::array<LatticePoint, 6> offsets = {
+        {{6, 0, 0}, {-6, 0, 0}, {0, 6, 0}, {0, -6, 0}, {0, 0, 6}, {0, 0, -6}}};
+    for (std::size_t n = 0; n < offsets.size(); ++n) {
+      const LatticePoint& o = offsets[n];
+      data[n] = completely(unit * Eigen::Vector3d(o[0], o[1], o[2]));
+      sources.push_back({o, &data[n]});
+    }
+    own = completely(Eigen::Vector3d::Zero());
+  }
+  static Equilibrium completely(const Eigen::Vector3d& at) {
+    Equilibrium e = cubic(at);
+    // Rows xx, xy, xz, yy, yz, zz.
+    e.stiffness_by_p << -6, 0, 0, 0, 0, -2, 0, -2, 0, 0, 0, 2, -2, 2, 0, 0, 0, 0;
+    return e;
+  }
+  Equilibrium own;
+  std::array<Equilibrium, 6> data;
+  std::vector<FitSource> sources;
+};
+
+TEST(LocalFits, JudgeThirdDerivativesByTheStiffnessesAround) {
+  KnownToTheThirdOrder around;
+  const LocalFits fits(unit, finger_fit);
+  EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::third);
+  around.own.stiffness_by_p *= 1.9;
+  EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::third) << "better than nothing";
+  around.own.stiffness_by_p *= 1.1;
+  EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::curvature);
+  around.own.stiffness_by_p.setZero();
+  EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::third) << "nothing is explained";
+}
+
+TEST(LocalFits, JudgeCurvaturesByTheSlopesAround) {
+  KnownToTheThirdOrder around;
+  const LocalFits fits(unit, {KnownOrders::curvature, 3, 4, 6, 12, true});
+  EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::curvature);
+  around.own.stiffness *= -1;
+  EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::slope);
+}
+
+TEST(LocalFits, FitWhatDoesNotCount) {
+  KnownToTheThirdOrder around;
+  LocalFits fits(unit, finger_fit);
+  const Eigen::Vector3d beside(0.004, -0.002, 0.003);
+  const auto expectRight = [&](const LocalPolynomial& polynomial) {
+    EXPECT_NEAR(polynomial.at(beside).energy, cubic(beside).energy, 1e-9);
+    EXPECT_LT((polynomial.at(beside).force - cubic(beside).force).norm(), 1e-5);
+  };
+  expectRight(fits.complete(around.own, around.sources, 6));
+  around.own.stiffness_by_p.setConstant(1e6);
+  expectRight(fits.complete(around.own, around.sources, 6, KnownOrders::curvature));
+  around.data[2].stiffness_by_p.setConstant(1e6);
+  around.sources[2].known = KnownOrders::curvature;
+  expectRight(fits.complete(around.own, around.sources, 6, KnownOrders::curvature));
+  around.sources.erase(around.sources.begin() + 4, around.sources.end());
+  expectRight(fits.extrapolate(around.sources, 6, 4));
+}
+
+TEST(LocalFits, StayFiniteWhereNobodyKnowsAnOrder) {
+  KnownToTheThirdOrder around;
+  LocalFits fits(unit, {KnownOrders::curvature, 3, 4, 6, 12, true});
+  around.sources.resize(1);
+  around.sources[0].known = KnownOrders::slope;
+  const Eigen::Vector3d beside(0.004, -0.002, 0.003);
+  EXPECT_LT(
+      fits.complete(around.own, around.sources, 6, KnownOrders::slope).at(beside).force.norm(),
+      10 * cubic(beside).force.norm());
+}
+
 }  // namespace
 }  // namespace palpate

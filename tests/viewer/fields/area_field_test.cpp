@@ -59,6 +59,24 @@ TEST_F(AreaFieldTest, ForceAndDriveAreThoseOfTheEnergyBetweenSites) {
   EXPECT_LT(worst_drive, 0.03);
 }
 
+/// As those at rest of a body whose slack fibres bear nothing: a jump over a tiny step.
+TEST_F(AreaFieldTest, ThirdDerivativesThatContradictWhatIsAroundDoNoHarm) {
+  std::vector<SpaceTable> jumping = *spaces;
+  for (SpaceTable& site : jumping) {
+    Equilibrium& rest = site.points.front().equilibrium;
+    const SymmetricSlope jump = SymmetricSlope::Constant(rest.stiffness.norm() / 1e-6);
+    rest.stiffness_by_p += jump;
+    rest.stiffness_by_s += jump;
+  }
+  const AreaField area(pointersTo(jumping), PaperArea::plane(0.002));
+  double worst = 0;
+  for (int n = 0; n < 100; ++n) {
+    const Eigen::Vector3d s = drawPlace(), p = drawDisplacement();
+    worst = std::max(worst, (area.evaluate(s, p).force - PaperArea::force(s, p)).norm());
+  }
+  EXPECT_LT(worst, 0.04);
+}
+
 TEST_F(AreaFieldTest, ForceAndDriveAreMinusTheGradientsOfWhatItSaysIsTheEnergy) {
   constexpr double h = 1e-4;  // energies are sums of single precision
   for (int n = 0; n < 50; ++n) {

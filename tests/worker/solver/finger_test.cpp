@@ -101,6 +101,30 @@ TEST_F(FingerOnABlob, SoTheyAreUnderGravity) {
   expectDerivativesOfOneEnergy();
 }
 
+/// A push to either side finds other fibres taut.
+TEST_F(FingerOnABlob, AtRestTheStiffnessOfFibresIsNearlyTheMeanOfThoseToEitherSide) {
+  constexpr double h = 1e-5;
+  Scene scene = test::mooneyRivlinScene();
+  Material& material = scene.regions[0].material;
+  material = {};
+  material.law = LawName::holzapfel_gasser_ogden;
+  material.mu = 3870;
+  material.k1 = 20000;
+  material.k2 = 2.7;
+  material.fibers = {Eigen::Vector3d(1, 0.2, 0.1).normalized()};
+  clamp(scene);
+  const Equilibrium rest = equilibriumAt(center(), Eigen::Vector3d::Zero());
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(i);
+    const Equilibrium up = equilibriumAt(center(), e), down = equilibriumAt(center(), -e);
+    const double pull = -up.force[i] / h, push = down.force[i] / h;
+    EXPECT_GT(std::max(pull, push), 1.7 * std::min(pull, push));
+    EXPECT_NEAR(-rest.stiffness(i, i), (pull + push) / 2, 0.1 * (pull + push) / 2);
+    // The differences of tangents are that jump over their step.
+    EXPECT_GT(rest.stiffness_by_p.norm() * pad_radius, 100 * rest.stiffness.norm());
+  }
+}
+
 TEST_F(FingerOnABlob, WithoutDisplacementNothingDrivesIt) {
   clamp(test::mooneyRivlinScene());
   const Equilibrium rest = equilibriumAt(center(), Eigen::Vector3d::Zero());
