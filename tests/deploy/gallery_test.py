@@ -43,7 +43,7 @@ class Gallery(unittest.TestCase):
         self.assertEqual(scene["mesh"]["reoriented_tetrahedra"], 0)
         self.assertGreaterEqual(scene["fixed_nodes"], 3)
         self.assertGreaterEqual(len(scene["active"]), 100)
-        self.assertIn({active["tool"] for active in scene["active"]}, ({"finger"}, {"weighted-average"}))
+        self.assertEqual({active["tool"] for active in scene["active"]}, {"finger"})
         return scene
 
     def groups(self, scene):
