@@ -47,6 +47,7 @@ DisplacementField::DisplacementField(const CellBranches& data, std::size_t point
     shapes.row(n) = Eigen::Map<const Eigen::RowVectorXf>(from, width);
   }
   modes_ = modesOf(shapes, static_cast<float>(largest_shape_error * tree_.radius()));
+  if (modeCount() == 0) return;  // nothing moves, and rows without columns lie nowhere
   // Solved slots first, then what is continued from them, then what hangs between both.
   Eigen::MatrixXd shares = Eigen::MatrixXd::Zero(std::ssize(slots), modes_.rows());
   const ShapeRows of_solved = shapes * modes_.transpose();
