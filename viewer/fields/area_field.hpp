@@ -30,7 +30,7 @@ std::vector<Eigen::Vector3d> centersOf(const std::vector<const SpaceTable*>& sit
 /// take over too.
 ///
 /// At each site and each solved p the energy is known to the third order in s and p, exactly (by s
-/// alone to the second).
+/// alone to the second; of the third order what counts, see LocalFits::judge).
 /// - In p the ten quantities of a site are interpolated on its lattice, which may be refined
 ///   (site_jets.hpp).
 /// - From the sites they are interpolated to *stations*, places closer together, by a kernel that
