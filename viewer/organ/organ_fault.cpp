@@ -67,13 +67,19 @@ std::string faultOfPoints(const SpaceTable& space) {
   return faultOf(space);
 }
 
-std::string faultOfShapes(const CarriedShapes& shapes) {
-  const auto isUsable = [](float x) { return std::abs(x) <= farthest_node; };  // false for NaN
+/// Modes are orthonormal, and a shape moves with the tool: shares that are very many radii would
+/// leave nothing but rounding of what is interpolated.
+std::string faultOfShapes(const CarriedShapes& shapes, const std::vector<SpaceTable>& spaces) {
+  // False for NaN.
+  const auto areWithin = [](const std::vector<float>& values, double most) {
+    return std::ranges::all_of(values, [most](float x) { return std::abs(x) <= most; });
+  };
   if (shapes.mode_count == 0 || shapes.mode_count % 3 != 0)
     return fmt::format("it has {} modes, which is no multiple of three", shapes.mode_count);
-  if (!std::ranges::all_of(shapes.modes, isUsable)) return "a mode has a number that is not finite";
-  for (const std::vector<float>& of_space : shapes.shares)
-    if (!std::ranges::all_of(of_space, isUsable)) return "a share of a mode is not finite";
+  if (!areWithin(shapes.modes, 1.001)) return "a mode is not of length one";
+  for (std::size_t n = 0; n < spaces.size(); ++n)
+    if (!areWithin(shapes.shares[n], 1e6 * spaces[n].lattice.radius()))
+      return fmt::format("space {} has a shape that is not finite, or far too large", n);
   return {};
 }
 
@@ -89,7 +95,7 @@ std::string faultOf(const CarriedOrgan& organ) {
   for (std::size_t n = 0; n < organ.spaces.size(); ++n)
     if (const std::string fault = faultOfPoints(organ.spaces[n]); !fault.empty())
       return fmt::format("space {}: {}", n, fault);
-  return faultOfShapes(organ.shapes);
+  return faultOfShapes(organ.shapes, organ.spaces);
 }
 
 }  // namespace palpate

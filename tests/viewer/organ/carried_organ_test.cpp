@@ -78,6 +78,7 @@ TEST(CarriedOrgan, WhatIsComputedWithMustBeFinite) {
               {"space 1", "point 4"});
   expectFault([](auto& organ) { organ.shapes.modes[9] = std::numeric_limits<float>::infinity(); },
               {"mode"});
+  expectFault([](auto& organ) { organ.shapes.shares[1][3] = 1e9f; }, {"space 1", "shape"});
 }
 
 TEST(CarriedOrgan, LatticesOfOneSurfaceAreAlikeAndNotLargerThanTheirPoints) {
