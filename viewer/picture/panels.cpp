@@ -84,9 +84,11 @@ void Panels::build(const PanelContents& contents, ViewChoices& view, PictureRequ
   buildSidePanel(contents, viewport, view, requests);
   buildForcePlot(contents.history, viewport);
   const Viewport touched = contents.beside ? viewport.leftHalf() : viewport;
-  drawViewOverlay(contents, view, touched);
+  const std::vector<ScreenBox> hint = drawHint(contents, viewport);
+  drawViewOverlay(contents, view, touched, hint);
   drawHandMarks(contents.hand, contents.camera, touched);
-  if (contents.beside) drawBesideOverlay(*contents.beside, contents.camera, viewport.rightHalf());
+  if (contents.beside)
+    drawBesideOverlay(*contents.beside, contents.camera, viewport.rightHalf(), hint);
   ImGui::Render();
 }
 

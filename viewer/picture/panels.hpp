@@ -1,6 +1,7 @@
 #pragma once
 
 #include "viewer/picture/hand_control.hpp"
+#include "viewer/picture/label_place.hpp"
 #include "viewer/picture/panel_contents.hpp"
 #include "viewer/picture/picture_requests.hpp"
 #include "viewer/picture/stage.hpp"
@@ -55,13 +56,17 @@ void buildSidePanel(const PanelContents& contents, const Viewport& view, ViewCho
 void buildForcePlot(const ForceHistory& history, const Viewport& view);
 /// The ring and the cursor of a hand without a device, over the view.
 void drawHandMarks(const HandMarks& marks, const OrbitCamera& camera, const Viewport& view);
+/// What a hand without a device can do now, at the lower end of the view. Where it is said, if
+/// anything is.
+std::vector<ScreenBox> drawHint(const PanelContents& contents, const Viewport& view);
 /// Over the other part of the view, where another dataset is shown: names, label, and why nothing
-/// is touched there, or seen of what the colours show. part: as layout() counts.
+/// is touched there, or seen of what the colours show. part: as layout() counts. taken: what the
+/// label keeps clear of.
 void drawBesideOverlay(const BesideContents& contents, const OrbitCamera& camera,
-                       const Viewport& part);
-/// What lies over the view: names, a label, legends, scale and axes, the hint to the hand, what
-/// must be said, the help.
+                       const Viewport& part, std::vector<ScreenBox> taken);
+/// What lies over the part of the view where the touched body is: names, a label, legends, scale
+/// and axes, what must be said, the help.
 void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
-                     const Viewport& view);
+                     const Viewport& view, std::vector<ScreenBox> taken);
 
 }  // namespace palpate

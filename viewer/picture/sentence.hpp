@@ -4,7 +4,7 @@
 
 #include "viewer/picture/label_place.hpp"
 #include "viewer/picture/panel_style.hpp"
-#include "viewer/picture/panels.hpp"
+#include "viewer/picture/stage.hpp"
 
 namespace palpate {
 

@@ -18,7 +18,7 @@ constexpr float margin = 14;
 constexpr float label_padding_x = 7, label_padding_y = 4, arrow_width = 6;
 constexpr float banner_stripe = 4, banner_left = 12, banner_right = 8, banner_padding = 6,
                 banner_gap = 6;
-constexpr float help_gap = 18, hint_above = 18, above_scale = 84;
+constexpr float help_gap = 18, hint_above = 18, hint_above_scale = 84;
 constexpr double view_edge = 4;
 constexpr float widest_name = 0.7F;  // of the view: beyond it would lie under what is said
 
@@ -121,19 +121,21 @@ ImVec2 seenAt(const OrbitCamera& camera, const Eigen::Vector3d& point, ImVec2 si
           size.y / 2 - size.y * static_cast<float>(place.y())};
 }
 
+std::vector<ScreenBox> drawHint(const PanelContents& contents, const Viewport& view) {
+  if (contents.hand.hint.empty()) return {};
+  // Between two bodies is the scale of the first.
+  const float above = contents.beside ? hint_above_scale : hint_above;
+  return {drawSentence(*ImGui::GetBackgroundDrawList(), contents.hand.hint, view, px(above))};
+}
+
 void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
-                     const Viewport& view) {
+                     const Viewport& view, std::vector<ScreenBox> taken) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const ImVec2 size = {static_cast<float>(view.width), static_cast<float>(view.height)};
   draw.PushClipRect({0, 0}, size);
   drawScaleAndAxes(draw, contents, size);
-  std::vector<ScreenBox> taken = {
-      drawLegends(draw, contents, choices, size),
-      drawNames(draw, {contents.dataset, contents.tissue, "H: help"}, 0, size.x)};
-  // In a half of the view there is no room beside the scale.
-  const float above = contents.beside ? above_scale : hint_above;
-  if (!contents.hand.hint.empty())
-    taken.push_back(drawSentence(draw, contents.hand.hint, view, px(above)));
+  taken.push_back(drawLegends(draw, contents, choices, size));
+  taken.push_back(drawNames(draw, {contents.dataset, contents.tissue, "H: help"}, 0, size.x));
   drawLabel(draw, contents.label, contents.camera, 0, size, taken);
   drawBanners(draw, contents.status, choices.help, size.x);
   draw.PopClipRect();
