@@ -1,5 +1,6 @@
 #include "viewer/fields/displacement_field.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -181,6 +182,17 @@ TEST(DisplacementField, StandsOnASinglePointIfThereAreNoMore) {
   for (std::int32_t n = 1; n < space.lattice.size(); ++n) space.points[n] = {};
   const DisplacementField field = fieldOf(space, linearMotion());
   EXPECT_NEAR(shapeAt(field, {0.003, -0.002, 0.004})[0], linearMotion()({0, 0, 0})[0], 1e-8);
+}
+
+TEST(DisplacementField, StandsStillWhereNothingMoves) {
+  const SpaceTable space = solvedSpace(Lattice(radius, 0.01), StiffeningEnergy());
+  const std::vector<float> rows(rowsOf(space, linearMotion()).size(), 0.0f);
+  const DisplacementField field(space, rows);
+  EXPECT_EQ(field.modeCount(), 0u);
+  std::array<float, 3 * nodes> shape;
+  shape.fill(1);
+  EXPECT_TRUE(field.evaluate({0.003, -0.002, 0.004}, shape));
+  EXPECT_THAT(shape, testing::Each(0.0f));
 }
 
 TEST(DisplacementField, RefusesRowsThatDoNotFit) {
