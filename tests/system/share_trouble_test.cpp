@@ -74,8 +74,8 @@ TEST_F(ShareTroubleTest, WhenGraphicsStopUntilTheyAreThereAgain) {
   EXPECT_TRUE(browser.becomesTrue(
       "(() => { const {gl, camera, canvas} = palpate.page, pixel = new Uint8Array(4);"
       "  palpate.page.picture.draw(camera, palpate.page.scene());"
-      "  const [x, y] = [canvas.width / 2, canvas.height / 2];"
-      "  gl.readPixels(x, y, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);"
+      "  gl.readPixels(canvas.width / 2, canvas.height / 2, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE,"
+      "                pixel);"
       "  return pixel[0] > pixel[2] + 20; })()"));
 }
 
