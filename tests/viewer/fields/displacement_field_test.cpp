@@ -8,16 +8,17 @@
 #include <random>
 
 #include "tests/support/expect_error.hpp"
-#include "tests/support/sample_dataset.hpp"
-#include "tests/viewer/fields/points_in_ball.hpp"
+#include "tests/viewer/fields/uneven_spaces.hpp"
 
 namespace palpate {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using test::holedSpace;
 using test::pointsInBall;
 using test::radius;
+using test::refinedSpace;
 using test::solvedSpace;
 using test::StiffeningEnergy;
 
@@ -76,27 +77,8 @@ double errorAt(const DisplacementField& field, const Motion& motion, const Vecto
   return largest;
 }
 
-SpaceTable withHoles(SpaceTable space) {
-  for (const LatticePoint& hole :
-       {LatticePoint{1, 0, 0}, LatticePoint{1, 1, 0}, LatticePoint{0, -2, 1}})
-    space.points[*space.lattice.indexOf(hole)] = {};
-  return space;
-}
-
-/// The cell between the origin and (1, 1, 1) split once, all of its corners solved.
-SpaceTable refinedSpace(double spacing) {
-  Lattice lattice(radius, spacing, 1024);
-  for (std::int32_t i = 0; i <= 2; ++i)
-    for (std::int32_t j = 0; j <= 2; ++j)
-      for (std::int32_t k = 0; k <= 2; ++k)
-        if (const LatticePoint p{512 * i, 512 * j, 512 * k}; !lattice.indexOf(p)) lattice.add(p);
-  SpaceTable space = solvedSpace(lattice, StiffeningEnergy());
-  space.splits = {{{0, 0, 0}, 0}};
-  return space;
-}
-
 TEST(DisplacementField, ReturnsTheStoredShapesAtLatticePoints) {
-  const SpaceTable space = withHoles(solvedSpace(Lattice(radius, 0.005), StiffeningEnergy()));
+  const SpaceTable space = holedSpace(0.005);
   const DisplacementField field = fieldOf(space, curvedMotion());
   for (std::int32_t n = 0; n < space.lattice.size(); ++n)
     if (isSolved(space.points[n].tag)) {
@@ -128,7 +110,7 @@ TEST(DisplacementField, KeepsAsManyModesAsStoredShapesNeedForItsAccuracy) {
 }
 
 TEST(DisplacementField, ReproducesLinearMotionsOverTheWholeBallHolesIncluded) {
-  const SpaceTable space = withHoles(solvedSpace(Lattice(radius, 0.005), StiffeningEnergy()));
+  const SpaceTable space = holedSpace(0.005);
   const DisplacementField field = fieldOf(space, linearMotion());
   for (const Vector3d& p : pointsInBall(radius)) EXPECT_LE(errorAt(field, linearMotion(), p), 1e-8);
 }
@@ -147,9 +129,7 @@ TEST(DisplacementField, IsContinuousAcrossLeavesHolesLevelsAndTheSphere) {
   SpaceTable branches = solvedSpace(Lattice(radius, 0.005), StiffeningEnergy());
   for (std::int32_t n = 0; n < branches.lattice.size(); ++n)
     if (branches.lattice.point(n)[2] > 1) branches.points[n].equilibrium.force.x() += 3;
-  for (const SpaceTable& space :
-       {withHoles(solvedSpace(Lattice(radius, 0.005), StiffeningEnergy())), refinedSpace(0.005),
-        branches}) {
+  for (const SpaceTable& space : {holedSpace(0.005), refinedSpace(0.005), branches}) {
     const DisplacementField field = fieldOf(space, curvedMotion());
     for (Vector3d p : pointsInBall(radius, 500))
       for (int axis = 0; axis < 3; ++axis) {

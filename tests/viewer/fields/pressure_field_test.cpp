@@ -5,16 +5,17 @@
 #include <cmath>
 
 #include "tests/support/expect_error.hpp"
-#include "tests/support/sample_dataset.hpp"
-#include "tests/viewer/fields/points_in_ball.hpp"
+#include "tests/viewer/fields/uneven_spaces.hpp"
 #include "viewer/fields/displacement_field.hpp"
 
 namespace palpate {
 namespace {
 
 using Eigen::Vector3d;
+using test::holedSpace;
 using test::pointsInBall;
 using test::radius;
+using test::refinedSpace;
 using test::solvedSpace;
 using test::StiffeningEnergy;
 
@@ -44,24 +45,6 @@ Pressures pressuresAt(const PressureField& field, const Vector3d& p) {
   return out;
 }
 
-SpaceTable withHoles(SpaceTable space) {
-  for (const LatticePoint& hole :
-       {LatticePoint{1, 0, 0}, LatticePoint{1, 1, 0}, LatticePoint{0, -2, 1}})
-    space.points[at(*space.lattice.indexOf(hole))] = {};
-  return space;
-}
-
-SpaceTable refinedSpace() {
-  Lattice lattice(radius, 0.005, 1024);
-  for (std::int32_t i = 0; i <= 2; ++i)
-    for (std::int32_t j = 0; j <= 2; ++j)
-      for (std::int32_t k = 0; k <= 2; ++k)
-        if (const LatticePoint p{512 * i, 512 * j, 512 * k}; !lattice.indexOf(p)) lattice.add(p);
-  SpaceTable space = solvedSpace(lattice, StiffeningEnergy());
-  space.splits = {{{0, 0, 0}, 0}};
-  return space;
-}
-
 SpaceTable branchedSpace() {
   SpaceTable space = solvedSpace(Lattice(radius, 0.005), StiffeningEnergy());
   for (std::int32_t n = 0; n < space.lattice.size(); ++n)
@@ -70,7 +53,7 @@ SpaceTable branchedSpace() {
 }
 
 TEST(PressureField, IsTheStoredPressureAtEveryLatticePointToTheLastBit) {
-  const SpaceTable space = withHoles(solvedSpace(Lattice(radius, 0.005), StiffeningEnergy()));
+  const SpaceTable space = holedSpace(0.005);
   const PressureField field(space, rowsOf(space));
   for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
     if (!isSolved(space.points[at(n)].tag)) continue;
@@ -82,9 +65,7 @@ TEST(PressureField, IsTheStoredPressureAtEveryLatticePointToTheLastBit) {
 
 /// The shape's way, of the same numbers: holes, levels, branches, the rim and beyond it.
 TEST(PressureField, InterpolatesAsTheShapeThatIsSeen) {
-  for (const SpaceTable& space :
-       {withHoles(solvedSpace(Lattice(radius, 0.005), StiffeningEnergy())), refinedSpace(),
-        branchedSpace()}) {
+  for (const SpaceTable& space : {holedSpace(0.005), refinedSpace(0.005), branchedSpace()}) {
     const std::vector<float> rows = rowsOf(space);
     // Large enough as metres that no mode is left out.
     std::vector<float> displacements;

@@ -4,12 +4,12 @@
 
 #include <cmath>
 
-#include "tests/support/sample_dataset.hpp"
-#include "tests/viewer/fields/points_in_ball.hpp"
+#include "tests/viewer/fields/uneven_spaces.hpp"
 
 namespace palpate {
 namespace {
 
+using test::refinedSpace;
 using test::solvedSpace;
 using test::StiffeningEnergy;
 
@@ -21,13 +21,7 @@ Eigen::Vector3d placeOf(const CellTree& tree, const std::vector<SlotTerm>& terms
 
 /// One and the place itself: linear functions are what both say of them.
 TEST(SlotTerms, ContinueLinearFunctionsToEverySlotFromSolvedOnesAlone) {
-  Lattice lattice(test::radius, 0.01, 1024);
-  for (std::int32_t i = 0; i <= 2; ++i)
-    for (std::int32_t j = 0; j <= 2; ++j)
-      for (std::int32_t k = 0; k <= 2; ++k)
-        if (const LatticePoint p{512 * i, 512 * j, 512 * k}; !lattice.indexOf(p)) lattice.add(p);
-  SpaceTable space = solvedSpace(lattice, StiffeningEnergy());
-  space.splits = {{{0, 0, 0}, 0}};
+  SpaceTable space = refinedSpace(0.01);
   space.points[*space.lattice.indexOf({-1024, 0, 0})] = {};
   const CellBranches data(space);
   const std::vector<std::vector<SlotTerm>> terms = solvedTerms(data);
