@@ -55,8 +55,9 @@ std::vector<Eigen::Vector2d> touchableOnScreen(const TouchSurface& surface,
 
 /// A place in the view where there is nothing of the body, to the right if there is one.
 Eigen::Vector2d besideTheBody(const TouchSurface& surface, const OrbitCamera& camera) {
-  for (double away = 0.25; away < 0.65; away += 0.05)
+  for (int step = 5; step < 13; ++step)
     for (const double side : {1.0, -1.0}) {
+      const double away = 0.05 * step;
       Eigen::Vector2d place = {side * away, -0.3 * away};
       if (!placeUnder(surface, camera, place)) return place;
     }
