@@ -128,10 +128,9 @@ class ViewSession {
       PictureStatus waiting;
       waiting.notice =
           fmt::format("preparing the forces of {}: {:.0f} %", model.name(), 100 * share);
-      quit_ = picture_->draw(nobody, waiting).quit || picture_->wantsClose();
-      return !quit_;
+      return !picture_->draw(nobody, waiting).quit && !picture_->wantsClose();
     };
-    loaded_->prepareFirst(seen);
+    quit_ = !loaded_->prepareFirst(seen);
   }
 
   /// The limits that a virtual device has.

@@ -56,7 +56,7 @@ class AreaField {
   /// the body's surface around them, close together against the radius (placesAround of
   /// common/problem/sites.hpp). Side by side on all cores, any of which calls `site_done` for each
   /// site, in which nearly all of the time goes; what it throws ends the making. Error when a site
-  /// has no solved point.
+  /// has no solved point, or cells that are halved more than most_levels times.
   AreaField(const std::vector<const SpaceTable*>& sites,
             const std::vector<Eigen::Vector3d>& surface,
             const std::function<void()>& site_done = {});

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "common/base/assertion.hpp"
 #include "common/base/cpu_family.hpp"
 #include "common/base/error.hpp"
 #include "viewer/fields/slot_terms.hpp"

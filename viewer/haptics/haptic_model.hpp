@@ -40,7 +40,7 @@ class HapticModel {
   /// processor time for a space of 515 points and `potential`, some 12 s for the area of 315 sites
   /// on 37 solved points each, with the first method. Does nothing for a method that is prepared.
   /// Not twice at once for a method. Until it is done or `stop` is requested; the next call goes on
-  /// from there. Error for an unknown method.
+  /// from there, but begins areas anew. Error for an unknown method.
   void prepare(std::size_t method, const std::stop_token& stop = {});
   /// The same in this thread alone, but for areas.
   void prepareAlone(std::size_t method, const std::stop_token& stop);

@@ -62,7 +62,7 @@ TEST(HapticModel, GoesOnWithAPreparationThatWasStopped) {
   EXPECT_TRUE(model.isPrepared(0));
 }
 
-TEST(HapticModel, GoesOnWithAnAreaThatWasStopped) {
+TEST(HapticModel, BeginsAnAreaAnewThatWasStopped) {
   const test::TemporaryDirectory directory;
   test::FingerBody().seal(directory / "body.h5");
   HapticModel model(Dataset(directory / "body.h5"), {.prepare = false});
