@@ -66,11 +66,17 @@ Reader::Reader(const std::filesystem::path& file, const FileKind& kind)
   if (is_hdf5 == 0)
     throw badInput("{}: is not an HDF5 file, so not a Palpate {}", name(), kind_.noun);
   const Handle access = own(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file access properties");
+  const auto openedWith = [&](bool locks, bool without_where_impossible) {
+    check(H5Pset_file_locking(access.get(), locks, without_where_impossible), "file locking");
+    return H5Fopen(name().c_str(), H5F_ACC_RDONLY, access.get());
+  };
   // A sealed file never changes, and locks fail on read-only network file systems.
-  check(H5Pset_file_locking(access.get(), false, true), "file locking");
-  check(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "close degree");
-  file_ =
-      own(H5Fopen(name().c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose, "truncated or damaged");
+  hid_t opened = openedWith(false, true);
+  // Of a file that somebody has open in this process (h5py, beside libpalpate) HDF5 wants what he
+  // chose.
+  for (const auto& [locks, without] : {std::pair(true, true), {true, false}, {false, false}})
+    if (opened < 0) opened = openedWith(locks, without);
+  file_ = own(opened, H5Fclose, "truncated or damaged");
   check(H5Fget_filesize(file_.get(), &file_size_), "size");
 }
 

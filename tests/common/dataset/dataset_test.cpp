@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <hdf5.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -327,6 +328,20 @@ TEST_F(SealedDataset, KeepsAVeryLongScene) {
   sample.seal(copy);
   EXPECT_EQ(Dataset(copy).sceneToml(), resolvedToml(sample.problem.scene));
   EXPECT_GT(Dataset(copy).sceneToml().size(), 150000u);
+}
+
+TEST_F(SealedDataset, IsReadWhileThisProcessHasItOpenOtherwise) {
+  for (const auto& [locks, without] :
+       {std::pair(false, false), {false, true}, {true, false}, {true, true}}) {
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    ASSERT_GE(H5Pset_file_locking(access, locks, without), 0);
+    const hid_t theirs = H5Fopen(file.c_str(), H5F_ACC_RDONLY, access);
+    ASSERT_GE(theirs, 0);
+    EXPECT_EQ(Dataset(file).spaces().size(), sample.spaces.size());
+    EXPECT_GT(H5Lexists(theirs, "points", H5P_DEFAULT), 0);  // ours closes nothing of theirs
+    H5Fclose(theirs);
+    H5Pclose(access);
+  }
 }
 
 TEST_F(SealedDataset, IsRefusedWhenCutAtAnyLength) {
