@@ -154,6 +154,10 @@ class Simulator {
     auto sample = toBeFilled<palpate_sample>(choices);
     if (answered(palpate_query(dataset(), space, method, p.data(), &sample)) == PALPATE_OK)
       require(allFinite(sample.force) && allFinite(sample.stiffness), "a force is not finite");
+    std::array<double, 3> force{};
+    auto answers = toBeFilled<palpate_answers>(choices);
+    answers.forces = force.data();
+    answered(palpate_query_many(dataset(), space, method, p.data(), 1, &answers));
   }
 
   void askForShape(Choices& choices) {
@@ -197,8 +201,12 @@ class Simulator {
     answered(palpate_dataset_area(dataset(), choices.take<std::int8_t>(), &info));
     const auto at = place(choices), p = place(choices);
     auto sample = toBeFilled<palpate_area_sample>(choices);
-    answered(
-        palpate_area_query(dataset(), choices.take<std::int8_t>(), at.data(), p.data(), &sample));
+    const std::int32_t area = choices.take<std::int8_t>();
+    answered(palpate_area_query(dataset(), area, at.data(), p.data(), &sample));
+    std::array<double, 3> drive{};
+    auto answers = toBeFilled<palpate_answers>(choices);
+    answers.drives = drive.data();
+    answered(palpate_area_query_many(dataset(), area, at.data(), p.data(), 1, &answers));
   }
 
   void createGuard(Choices& choices) {

@@ -80,6 +80,7 @@ constexpr std::size_t firstSize(const palpate_open_options*) { return 32; }
 constexpr std::size_t firstSize(const palpate_dataset_info*) { return 64; }
 constexpr std::size_t firstSize(const palpate_space_info*) { return 72; }
 constexpr std::size_t firstSize(const palpate_sample*) { return 136; }
+constexpr std::size_t firstSize(const palpate_answers*) { return 80; }
 constexpr std::size_t firstSize(const palpate_area_info*) { return 40; }
 constexpr std::size_t firstSize(const palpate_area_sample*) { return 184; }
 constexpr std::size_t firstSize(const palpate_contact_options*) { return 48; }
@@ -138,6 +139,17 @@ void giveForce(Struct& to, const ForceSample& sample) noexcept {
   to.error_bound = sample.error_bound;
   to.coverage = sample.coverage;
   to.inside = sample.inside ? 1 : 0;
+}
+
+/// What a sample says of a force, as answer n of the caller's arrays.
+template <class Struct>
+void giveAnswer(const palpate_answers& to, std::size_t n, const Struct& sample) noexcept {
+  if (to.forces != nullptr) std::copy_n(sample.force, 3, to.forces + 3 * n);
+  if (to.stiffnesses != nullptr) std::copy_n(sample.stiffness, 9, to.stiffnesses + 9 * n);
+  if (to.energies != nullptr) to.energies[n] = sample.energy;
+  if (to.error_bounds != nullptr) to.error_bounds[n] = sample.error_bound;
+  if (to.coverages != nullptr) to.coverages[n] = sample.coverage;
+  if (to.inside != nullptr) to.inside[n] = static_cast<std::uint8_t>(sample.inside);
 }
 
 inline bool isNumber(const char* function, const char* what, std::int32_t number,

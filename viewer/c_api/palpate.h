@@ -245,6 +245,38 @@ PALPATE_API palpate_status palpate_area_query(const palpate_dataset* dataset, in
                                               const double at[3], const double displacement[3],
                                               palpate_area_sample* sample);
 
+/* ---- many answers at once ---- */
+
+/* For callers to whom a call is expensive (Python, MATLAB, another process): arrays of theirs, for
+ * count questions one after the other; NULL for what is not wanted. Numbers are those of
+ * palpate_sample and palpate_area_sample, and the same to the last bit. */
+typedef struct palpate_answers {
+  size_t size;
+  double* forces;       /* 3 count, N */
+  double* stiffnesses;  /* 9 count, N/m, row major */
+  double* energies;     /* count, J */
+  double* error_bounds; /* count, N */
+  double* coverages;    /* count */
+  uint8_t* inside;      /* count, 1 or 0 */
+  /* Of areas; NULL for a space. */
+  double* drives;     /* 3 count, N */
+  double* places;     /* 3 count, m: `at` of palpate_area_sample */
+  int32_t* triangles; /* count */
+} palpate_answers;
+
+/* palpate_query for `count` displacements (3 count numbers, m). Any thread, real time; its time
+ * grows with count. */
+PALPATE_API palpate_status palpate_query_many(const palpate_dataset* dataset, int32_t space,
+                                              int32_t method, const double* displacements,
+                                              size_t count, const palpate_answers* answers);
+
+/* palpate_area_query for `count` places and displacements (3 count numbers each, m); `places` may
+ * be answers->places. Any thread, real time; its time grows with count. */
+PALPATE_API palpate_status palpate_area_query_many(const palpate_dataset* dataset, int32_t area,
+                                                   const double* places,
+                                                   const double* displacements, size_t count,
+                                                   const palpate_answers* answers);
+
 /* ---- contact ---- */
 
 /* A point tool on the body: finds where it touches, blends spaces there, slides with friction. */

@@ -66,3 +66,23 @@ palpate_status palpate_area_query(const palpate_dataset* dataset, std::int32_t a
   give(sample, sampleOf(dataset->loaded->model, area, vectorOf(at), vectorOf(displacement)));
   return PALPATE_OK;
 }
+
+palpate_status palpate_area_query_many(const palpate_dataset* dataset, std::int32_t area,
+                                       const double* places, const double* displacements,
+                                       std::size_t count, const palpate_answers* answers) {
+  if (!isThere(__func__, "dataset", dataset) || !isThere(__func__, "places", places) ||
+      !isThere(__func__, "displacements", displacements) ||
+      !sizeIsKnown(__func__, "answers", answers) ||
+      !isNumber(__func__, "area", area, std::ssize(dataset->loaded->areas)))
+    return PALPATE_INVALID_ARGUMENT;
+  const palpate_answers wanted = taken(answers, palpate_answers{});
+  for (std::size_t n = 0; n < count; ++n) {
+    const palpate_area_sample sample = sampleOf(
+        dataset->loaded->model, area, vectorOf(places + 3 * n), vectorOf(displacements + 3 * n));
+    giveAnswer(wanted, n, sample);
+    if (wanted.drives != nullptr) std::copy_n(sample.drive, 3, wanted.drives + 3 * n);
+    if (wanted.places != nullptr) std::copy_n(sample.at, 3, wanted.places + 3 * n);
+    if (wanted.triangles != nullptr) wanted.triangles[n] = sample.triangle;
+  }
+  return PALPATE_OK;
+}

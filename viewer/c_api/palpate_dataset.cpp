@@ -36,6 +36,12 @@ HapticModelOptions modelOptions(const palpate_open_options& given) {
   return options;
 }
 
+palpate_sample sampleOf(const ForceField& field, const double displacement[3]) {
+  palpate_sample sample{};
+  giveForce(sample, field.evaluate(vectorOf(displacement)));
+  return sample;
+}
+
 }  // namespace
 
 palpate_status palpate_dataset_open(const char* file, const palpate_open_options* options,
@@ -145,10 +151,30 @@ palpate_status palpate_query(const palpate_dataset* dataset, std::int32_t space,
       !isNumber(__func__, "space", space, dataset->loaded->info.space_count) ||
       !isNumber(__func__, "method", method, dataset->loaded->info.method_count))
     return PALPATE_INVALID_ARGUMENT;
-  palpate_sample given{};
-  giveForce(given,
-            dataset->loaded->model.field(at(method), at(space)).evaluate(vectorOf(displacement)));
-  give(sample, given);
+  give(sample, sampleOf(dataset->loaded->model.field(at(method), at(space)), displacement));
+  return PALPATE_OK;
+}
+
+palpate_status palpate_query_many(const palpate_dataset* dataset, std::int32_t space,
+                                  std::int32_t method, const double* displacements,
+                                  std::size_t count, const palpate_answers* answers) {
+  if (!isThere(__func__, "dataset", dataset) ||
+      !isThere(__func__, "displacements", displacements) ||
+      !sizeIsKnown(__func__, "answers", answers) ||
+      !isNumber(__func__, "space", space, dataset->loaded->info.space_count) ||
+      !isNumber(__func__, "method", method, dataset->loaded->info.method_count))
+    return PALPATE_INVALID_ARGUMENT;
+  const palpate_answers wanted = taken(answers, palpate_answers{});
+  for (const void* array :
+       {static_cast<const void*>(wanted.drives), static_cast<const void*>(wanted.places),
+        static_cast<const void*>(wanted.triangles)})
+    if (array != nullptr) {
+      refuse("{}: answers->drives, places and triangles are of areas; they must be NULL", __func__);
+      return PALPATE_INVALID_ARGUMENT;
+    }
+  const ForceField& field = dataset->loaded->model.field(at(method), at(space));
+  for (std::size_t n = 0; n < count; ++n)
+    giveAnswer(wanted, n, sampleOf(field, displacements + 3 * n));
   return PALPATE_OK;
 }
 

@@ -76,6 +76,18 @@ int main(void) {
   MEMBER(palpate_sample, inside);
   MEMBER(palpate_sample, reserved);
 
+  STRUCT(palpate_answers);
+  MEMBER(palpate_answers, size);
+  MEMBER(palpate_answers, forces);
+  MEMBER(palpate_answers, stiffnesses);
+  MEMBER(palpate_answers, energies);
+  MEMBER(palpate_answers, error_bounds);
+  MEMBER(palpate_answers, coverages);
+  MEMBER(palpate_answers, inside);
+  MEMBER(palpate_answers, drives);
+  MEMBER(palpate_answers, places);
+  MEMBER(palpate_answers, triangles);
+
   STRUCT(palpate_area_info);
   MEMBER(palpate_area_info, size);
   MEMBER(palpate_area_info, name);

@@ -95,6 +95,43 @@ TEST_F(CArea, AnswersForPlacesWhoseDistanceHasNoSquare) {
   EXPECT_TRUE(Eigen::Vector3d(sample.force).allFinite());
 }
 
+TEST_F(CArea, AnswersManyPlacesAtOnceAsOneByOneAlsoInPlace) {
+  std::vector<double> places, displacements;
+  for (int n = 0; n < 20; ++n) {
+    for (const double x : {5e-3 * n, 0.04 + 1e-3 * n, n == 7 ? test::nan_value : 0.11})
+      places.push_back(x);
+    for (const double p : {1e-4 * n, -2e-4 * n, -1e-3 * n}) displacements.push_back(p);
+  }
+  const std::vector<double> asked = places;
+  std::vector<double> forces(60), drives(60), bounds(20);
+  std::vector<std::int32_t> triangles(20);
+  auto answers = test::sized<palpate_answers>();
+  answers.forces = forces.data();
+  answers.drives = drives.data();
+  answers.places = places.data();
+  answers.triangles = triangles.data();
+  answers.error_bounds = bounds.data();
+  ASSERT_EQ(
+      palpate_area_query_many(dataset(), 0, places.data(), displacements.data(), 20, &answers),
+      PALPATE_OK);
+  for (std::size_t n = 0; n < 20; ++n) {
+    const palpate_area_sample one =
+        query(Eigen::Vector3d::Map(&asked[3 * n]), Eigen::Vector3d::Map(&displacements[3 * n]));
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(forces[3 * n + i], one.force[i]);
+      EXPECT_EQ(drives[3 * n + i], one.drive[i]);
+      EXPECT_EQ(places[3 * n + i], one.at[i]);
+    }
+    EXPECT_EQ(triangles[n], one.triangle);
+    EXPECT_TRUE(bounds[n] == one.error_bound || (n == 7 && std::isnan(bounds[n])));
+  }
+  EXPECT_EQ(palpate_area_query_many(dataset(), 1, places.data(), places.data(), 1, &answers),
+            PALPATE_INVALID_ARGUMENT);
+  EXPECT_EQ(palpate_area_query_many(dataset(), 0, nullptr, places.data(), 1, &answers),
+            PALPATE_INVALID_ARGUMENT);
+  EXPECT_THAT(palpate_last_error(), HasSubstr("places is NULL"));
+}
+
 TEST_F(CArea, IsNotInsideBeyondItsSurfaceOrBallAndAllocatesNowhere) {
   const Eigen::Vector3d top(0.05, 0.05, 0.1), p(0, 0, -0.01);
   EXPECT_EQ(query({0.05, 0.05, -0.1}, p).inside, 0);

@@ -117,6 +117,52 @@ TEST_F(CDataset, AnswersAsTheForceFieldDoesToTheLastBit) {
     }
 }
 
+TEST_F(CDataset, AnswersManyAtOnceAsOneByOne) {
+  constexpr std::size_t count = 50;
+  std::vector<double> displacements, forces(3 * count), stiffnesses(9 * count), energies(count),
+      bounds(count), coverages(count);
+  std::vector<std::uint8_t> inside(count);
+  for (std::size_t i = 0; i < 3 * count; ++i)
+    displacements.push_back(1e-3 * std::sin(static_cast<double>(i * i)) * static_cast<double>(i));
+  displacements[30] = test::nan_value;
+  auto answers = test::sized<palpate_answers>();
+  answers.forces = forces.data();
+  answers.stiffnesses = stiffnesses.data();
+  answers.energies = energies.data();
+  answers.error_bounds = bounds.data();
+  answers.coverages = coverages.data();
+  answers.inside = inside.data();
+  for (const int method : {0, 1}) {
+    ASSERT_EQ(palpate_query_many(dataset_.get(), 1, method, displacements.data(), count, &answers),
+              PALPATE_OK);
+    for (std::size_t n = 0; n < count; ++n) {
+      const double* p = &displacements[3 * n];
+      palpate_sample many = test::sized<palpate_sample>();
+      std::copy_n(&forces[3 * n], 3, many.force);
+      std::copy_n(&stiffnesses[9 * n], 9, many.stiffness);
+      many.energy = energies[n];
+      many.error_bound = bounds[n];
+      many.coverage = coverages[n];
+      many.inside = inside[n];
+      EXPECT_TRUE(test::sameBits(many, query(1, method, {p[0], p[1], p[2]}))) << n;
+    }
+  }
+}
+
+TEST_F(CDataset, WritesOnlyTheArraysThatAreWantedAndNoMoreThanCount) {
+  const double displacements[6] = {0.001, 0, 0, 0, 0.002, 0};
+  double forces[9];
+  std::ranges::fill(forces, 7);
+  auto answers = test::sized<palpate_answers>();
+  ASSERT_EQ(palpate_query_many(dataset_.get(), 0, 0, displacements, 2, &answers), PALPATE_OK);
+  answers.forces = forces;
+  ASSERT_EQ(palpate_query_many(dataset_.get(), 0, 0, displacements, 0, &answers), PALPATE_OK);
+  EXPECT_THAT(forces, Each(7.0));
+  ASSERT_EQ(palpate_query_many(dataset_.get(), 0, 0, displacements, 2, &answers), PALPATE_OK);
+  EXPECT_EQ(forces[3], query(0, 0, {0, 0.002, 0}).force[0]);
+  EXPECT_THAT((std::array{forces[6], forces[7], forces[8]}), Each(7.0));
+}
+
 TEST_F(CDataset, AnswersAfterItsFileIsGone) {
   const palpate_sample before = query(0, 0, {0.003, 0.001, -0.002});
   std::filesystem::remove(file_.path());
@@ -280,6 +326,13 @@ TEST_F(CDataset, RefusesNullPointers) {
   EXPECT_INVALID(palpate_query(nullptr, 0, 0, p, &sample), "dataset is NULL");
   EXPECT_INVALID(palpate_query(dataset_.get(), 0, 0, nullptr, &sample), "displacement is NULL");
   EXPECT_INVALID(palpate_query(dataset_.get(), 0, 0, p, nullptr), "sample is NULL");
+  auto answers = test::sized<palpate_answers>();
+  EXPECT_INVALID(palpate_query_many(nullptr, 0, 0, p, 1, &answers), "dataset is NULL");
+  EXPECT_INVALID(palpate_query_many(dataset_.get(), 0, 0, nullptr, 1, &answers),
+                 "displacements is NULL");
+  EXPECT_INVALID(palpate_query_many(dataset_.get(), 0, 0, p, 1, nullptr), "answers is NULL");
+  answers.triangles = &number;
+  EXPECT_INVALID(palpate_query_many(dataset_.get(), 0, 0, p, 1, &answers), "are of areas");
   EXPECT_INVALID(palpate_displacements(nullptr, 0, p, shape, 3, nullptr), "dataset is NULL");
   EXPECT_INVALID(palpate_displacements(dataset_.get(), 0, p, nullptr, 3, nullptr),
                  "displacements is NULL");
@@ -297,6 +350,9 @@ TEST_F(CDataset, RefusesNumbersThatNameNothing) {
   EXPECT_INVALID(palpate_query(dataset_.get(), -1, 0, p, &sample), "no space -1");
   EXPECT_INVALID(palpate_query(dataset_.get(), 0, 2, p, &sample), "no method 2");
   EXPECT_EQ(sample.force[0], 42);
+  const auto answers = test::sized<palpate_answers>();
+  EXPECT_INVALID(palpate_query_many(dataset_.get(), 2, 0, p, 1, &answers), "no space 2");
+  EXPECT_INVALID(palpate_query_many(dataset_.get(), 0, 5, p, 1, &answers), "no method 5");
   EXPECT_INVALID(palpate_dataset_space(dataset_.get(), 7, &space), "no space 7");
   EXPECT_EQ(palpate_dataset_method(dataset_.get(), -1), nullptr);
   EXPECT_THAT(palpate_last_error(), HasSubstr("no method -1"));
@@ -309,6 +365,8 @@ TEST_F(CDataset, RefusesSizesThatItDoesNotKnow) {
   sample.size = sizeof sample + 8;
   EXPECT_INVALID(palpate_query(dataset_.get(), 0, 0, p, &sample), "sample->size is 144, not 136");
   EXPECT_EQ(sample.coverage, 0);
+  palpate_answers answers{};
+  EXPECT_INVALID(palpate_query_many(dataset_.get(), 0, 0, p, 1, &answers), "answers->size is 0");
 }
 
 TEST_F(CDataset, RefusesSmallBuffersAndLeavesThem) {
