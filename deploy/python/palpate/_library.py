@@ -1,0 +1,219 @@
+"""libpalpate as ctypes sees it: its structures, its functions, and where it lies. palpate.h is the manual of all of them."""
+
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import os
+from collections.abc import Callable, Iterator
+from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint8, c_uint32, c_void_p
+from pathlib import Path
+from typing import Any
+
+try:
+    import numpy as np
+    import numpy.typing as npt
+except ModuleNotFoundError as missing:
+    raise ImportError("palpate needs NumPy: install python3-numpy (or pip install numpy)") from missing
+
+Numbers = npt.NDArray[np.float64]
+
+ABI_VERSION = 0
+SONAME = f"libpalpate.so.{ABI_VERSION}"
+OK = 0
+
+Vector = c_double * 3
+Matrix = c_double * 9
+MOST_SHARES = 9
+
+
+class Error(Exception):
+    """What libpalpate, or a file, says went wrong: what happened, where, what to do.
+
+    ``status`` is the palpate_status: 1 a wrong argument, 2 a bad file, 3 no memory, 4 anything else.
+    """
+
+    def __init__(self, status: int, text: str) -> None:
+        super().__init__(text)
+        self.status = status
+
+
+class _Sized(ctypes.Structure):
+    """A structure of palpate.h that knows its size, as every one of them must."""
+
+    def __init__(self, **members: Any) -> None:
+        super().__init__(size=ctypes.sizeof(self), **members)
+
+
+class OpenOptions(_Sized):
+    _fields_ = [("size", c_size_t), ("methods", POINTER(c_char_p)), ("method_count", c_size_t), ("reach", c_double)]
+
+
+class DatasetInfo(_Sized):
+    _fields_ = [("size", c_size_t), ("name", c_char_p), ("file", c_char_p), ("content_id", c_char_p),
+                ("contact_mode", c_int32), ("space_count", c_int32), ("method_count", c_int32),
+                ("vertex_count", c_int32), ("triangle_count", c_int32), ("reserved", c_int32), ("max_force", c_double)]
+
+
+class SpaceInfo(_Sized):
+    _fields_ = [("size", c_size_t), ("name", c_char_p), ("node", c_int32), ("vertex", c_int32),
+                ("rest_position", Vector), ("workspace_radius", c_double), ("spacing", c_double),
+                ("largest_force", c_double)]
+
+
+class AreaInfo(_Sized):
+    _fields_ = [("size", c_size_t), ("name", c_char_p), ("finger_radius", c_double), ("workspace_radius", c_double),
+                ("site_count", c_int32), ("reserved", c_int32)]
+
+
+class Answers(_Sized):
+    _fields_ = [("size", c_size_t), ("forces", c_void_p), ("stiffnesses", c_void_p), ("energies", c_void_p),
+                ("error_bounds", c_void_p), ("coverages", c_void_p), ("inside", c_void_p), ("drives", c_void_p),
+                ("places", c_void_p), ("triangles", c_void_p)]
+
+
+class ContactOptions(_Sized):
+    _fields_ = [("size", c_size_t), ("mode", c_int32), ("method", c_int32), ("friction", c_double),
+                ("grab_distance", c_double), ("most_slide", c_double), ("most_relaxation", c_double)]
+
+
+class Touch(_Sized):
+    _fields_ = [("size", c_size_t), ("touching", c_int32), ("stepped", c_int32), ("inside", c_int32),
+                ("triangle", c_int32), ("force", Vector), ("stiffness", Matrix), ("energy", c_double),
+                ("error_bound", c_double), ("coverage", c_double), ("barycentric", Vector), ("anchor", Vector),
+                ("normal", Vector), ("displacement", Vector), ("gap", c_double), ("share_count", c_int32),
+                ("share_spaces", c_int32 * MOST_SHARES), ("share_weights", c_double * MOST_SHARES)]
+
+
+class Profile(_Sized):
+    _fields_ = [("size", c_size_t), ("name", c_char_p), ("max_force", c_double), ("max_stiffness", c_double),
+                ("workspace_radius", c_double)]
+
+
+class GuardOptions(_Sized):
+    _fields_ = [("size", c_size_t), ("period", c_double), ("max_force", c_double), ("max_slew", c_double),
+                ("ramp", c_double), ("stall", c_double), ("max_stiffness", c_double), ("energy_credit", c_double)]
+
+
+class GuardedForce(_Sized):
+    _fields_ = [("size", c_size_t), ("force", Vector), ("passivity", c_double), ("guards", c_uint32),
+                ("reserved", c_uint32)]
+
+
+_handle, _status = c_void_p, c_int32
+_signatures: dict[str, tuple[Any, list[Any]]] = {
+    "version": (c_char_p, []),
+    "abi_version": (c_int32, []),
+    "last_error": (c_char_p, []),
+    "dataset_open": (_status, [c_char_p, POINTER(OpenOptions), POINTER(_handle)]),
+    "dataset_close": (None, [_handle]),
+    "dataset_describe": (_status, [_handle, POINTER(DatasetInfo)]),
+    "dataset_space": (_status, [_handle, c_int32, POINTER(SpaceInfo)]),
+    "dataset_method": (c_char_p, [_handle, c_int32]),
+    "dataset_vertices": (_status, [_handle, POINTER(c_double), c_size_t]),
+    "dataset_triangles": (_status, [_handle, POINTER(c_int32), c_size_t]),
+    "dataset_touchable": (_status, [_handle, POINTER(c_uint8), c_size_t]),
+    "dataset_area_count": (_status, [_handle, POINTER(c_int32)]),
+    "dataset_area": (_status, [_handle, c_int32, POINTER(AreaInfo)]),
+    "displacements": (_status, [_handle, c_int32, POINTER(c_double), POINTER(c_float), c_size_t, POINTER(c_int32)]),
+    "query_many": (_status, [_handle, c_int32, c_int32, POINTER(c_double), c_size_t, POINTER(Answers)]),
+    "area_query_many": (_status, [_handle, c_int32, POINTER(c_double), POINTER(c_double), c_size_t, POINTER(Answers)]),
+    "contact_defaults": (_status, [_handle, POINTER(ContactOptions)]),
+    "contact_create": (_status, [_handle, POINTER(ContactOptions), POINTER(_handle)]),
+    "contact_destroy": (None, [_handle]),
+    "contact_update": (_status, [_handle, POINTER(c_double), c_int32, POINTER(Touch)]),
+    "contact_release": (_status, [_handle]),
+    "contact_use": (_status, [_handle, _handle, c_int32]),
+    "touch_displacements": (_status, [_handle, POINTER(Touch), POINTER(c_float), c_size_t]),
+    "device_profile": (_status, [c_char_p, POINTER(Profile)]),
+    "guard_defaults": (_status, [c_char_p, c_double, POINTER(GuardOptions)]),
+    "guard_create": (_status, [POINTER(GuardOptions), POINTER(_handle)]),
+    "guard_destroy": (None, [_handle]),
+    "guard_limit": (_status, [_handle, POINTER(c_double), POINTER(Touch), c_uint32, POINTER(GuardedForce)]),
+    "guard_reset": (_status, [_handle]),
+}
+
+
+def _candidates() -> Iterator[str]:
+    """Where libpalpate may lie: as PALPATE_LIBRARY says, beside this package as both are installed, then as the system finds it."""
+    if named := os.environ.get("PALPATE_LIBRARY"):
+        yield named
+        return
+    for folder in Path(__file__).resolve().parents:
+        for found in [folder / SONAME, *folder.glob(f"*-linux-gnu/{SONAME}"), *folder.glob(f"build/*/lib/{SONAME}")]:
+            if found.is_file():
+                yield str(found)
+    yield ctypes.util.find_library("palpate") or SONAME
+
+
+def _load() -> tuple[str, dict[str, Callable[..., Any]]]:
+    """The library and its functions, by their names without "palpate_"."""
+    refusals: list[str] = []
+    for name in _candidates():
+        try:
+            library = ctypes.CDLL(name)  # its calls release the global interpreter lock
+        except OSError as error:  # absent, or of another architecture
+            refusals.append(f"{name}: {error}")
+            continue
+        functions = {}
+        try:
+            for word, (result, arguments) in _signatures.items():
+                function = getattr(library, "palpate_" + word)
+                function.restype, function.argtypes = result, arguments
+                functions[word] = function
+        except AttributeError as error:
+            raise ImportError(f"{name} is older than this package: {error}; install both of one version") from None
+        if (abi := functions["abi_version"]()) != ABI_VERSION:
+            raise ImportError(f"{name} has ABI {abi}, this package is for {ABI_VERSION}; install both of one version")
+        return name, functions
+    raise ImportError("palpate cannot load libpalpate: " + "; ".join(refusals) + ". Install libpalpate0, build it "
+                      "(cmake --build --preset release), or set PALPATE_LIBRARY to its file")
+
+
+library_file, functions = _load()
+
+
+def last_error() -> str:
+    """The text of the last failure of this thread."""
+    return bytes(functions["last_error"]()).decode(errors="replace")
+
+
+def call(word: str, *arguments: Any) -> None:
+    """Calls palpate_`word`; raises what it says went wrong."""
+    status = functions[word](*arguments)
+    if status != OK:
+        raise Error(status, last_error())
+
+
+def version() -> str:
+    """Version of libpalpate, as "0.1.0"."""
+    return bytes(functions["version"]()).decode()
+
+
+class Handle:
+    """Owns a handle of the library: a context manager that gives it back once."""
+
+    _handle: c_void_p | None = None
+    _destroy = ""
+
+    def close(self) -> None:
+        """Gives it back now; nothing can be asked of it then. Without, Python does so when nobody refers to it any more."""
+        handle, self._handle = self._handle, None
+        if handle:
+            functions[self._destroy](handle)
+
+    def __enter__(self) -> Any:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        self.close()
+
+    @property
+    def handle(self) -> c_void_p:
+        """For calls of the library. Error when it was given back."""
+        if not self._handle:
+            raise Error(1, f"this {type(self).__name__} was closed")
+        return self._handle

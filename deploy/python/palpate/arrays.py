@@ -1,0 +1,198 @@
+"""What a dataset file holds, as NumPy arrays: every lattice point that was solved, as it was solved. docs/dataset.md is the layout."""
+
+from __future__ import annotations
+
+import os
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._library import Error, Numbers
+
+#: Words for ``Space.tag`` and ``Space.cause``: the numbers of the file are places in these.
+TAGS = ("unknown", "expandable", "terminating", "failed")
+CAUSES = ("", "iteration_limit", "line_search_stalled", "inverted_element", "wrong_inertia", "factorization_failed", "not_finite",
+          "step_budget", "worker_lost", "unreachable", "limit_point", "beyond_force")
+_majors = (2, 3)
+
+
+def open_hdf5(file: str | os.PathLike[str], what: str, majors: tuple[int, ...]) -> Any:
+    """An open h5py.File whose attribute ``format`` says that it is a palpate-`what` of one of these major versions."""
+    try:
+        import h5py
+    except ModuleNotFoundError as missing:
+        raise ImportError("arrays of files need h5py: install python3-h5py (or pip install h5py)") from missing
+    name = os.fsdecode(file)
+    try:
+        opened = h5py.File(name, "r")
+    except OSError as error:
+        raise Error(2, f"{name}: {error}") from None
+    found = opened.attrs.get("format", b"")
+    if (found.decode() if isinstance(found, bytes) else found) != "palpate-" + what:
+        opened.close()
+        raise Error(2, f"{name}: not a palpate {what}")
+    major = int(np.ravel(opened.attrs["format_version"])[0])
+    if major not in majors:
+        opened.close()
+        raise Error(2, f"{name}: a {what} of format {major}; this palpate reads {' and '.join(map(str, majors))}")
+    return opened
+
+
+def _table(file: Any, path: str) -> Any:
+    """What lies at a path of an open file."""
+    if not file:
+        raise Error(1, f"{path}: the file was closed; read what you need while it is open")
+    if path not in file:
+        folder = path.rsplit("/", 1)[0]
+        raise KeyError(f"there is no /{path}; there are: {', '.join(file[folder])}")
+    return file[path]
+
+
+class Space:
+    """The configuration space of one active node: L lattice points. Rows that were not solved are NaN (``solved`` says which)."""
+
+    def __init__(self, file: Any, number: int, name: str) -> None:
+        self._file, self._number, self.name = file, number, name
+        self._rows = self._rows_of("point")
+
+    def __repr__(self) -> str:
+        return f"<palpate.Space {self.name!r}, {np.count_nonzero(self.solved)} of {len(self.tag)} points solved>"
+
+    def _rows_of(self, table: str) -> slice:
+        return slice(*map(int, _table(self._file, "spaces/first_" + table)[self._number:self._number + 2]))
+
+    def __getitem__(self, array: str) -> npt.NDArray[Any]:
+        """Any array of /points by its name, for instance "drive" or "newton_iterations"; docs/dataset.md lists them."""
+        return np.asarray(_table(self._file, "points/" + array)[self._rows])
+
+    @cached_property
+    def position(self) -> Numbers:
+        """(L, 3), m: displacements of the active node. The first is the origin."""
+        return self["position"]
+
+    @cached_property
+    def tag(self) -> npt.NDArray[np.uint8]:
+        """(L,): numbers of ``TAGS``."""
+        return self["tag"]
+
+    @cached_property
+    def cause(self) -> npt.NDArray[np.uint8]:
+        """(L,): why a point failed, numbers of ``CAUSES``."""
+        return self["cause"]
+
+    @cached_property
+    def solved(self) -> npt.NDArray[np.bool_]:
+        """(L,): whether there is an equilibrium."""
+        return np.isin(self.tag, (1, 2))
+
+    @cached_property
+    def force(self) -> Numbers:
+        """(L, 3), N, of the tissue on the tool."""
+        return self["force"]
+
+    @cached_property
+    def stiffness(self) -> Numbers:
+        """(L, 3, 3), N/m: [i, j] = d force[i] / d position[j]."""
+        return self["stiffness"]
+
+    @cached_property
+    def energy(self) -> Numbers:
+        """(L,), J, stored above the rest state."""
+        return self["energy"]
+
+    @cached_property
+    def min_det_F(self) -> Numbers:
+        """(L,): smallest determinant of the deformation gradient over the tetrahedra."""
+        return self["min_det_F"]
+
+    def displacement(self, points: Any = slice(None)) -> npt.NDArray[np.float32]:
+        """(n, V, 3), m: displacements of ``Arrays.stored_nodes`` at these points (a number, a slice, a mask; default all)."""
+        numbers = np.arange(self._rows.start, self._rows.stop)[points]
+        table = _table(self._file, "points/displacement")
+        rows = np.empty(np.shape(numbers) + table.shape[1:], np.float32)
+        flat = rows.reshape(-1, *table.shape[1:])
+        for row, number in enumerate(np.ravel(numbers)):
+            flat[row] = table[number]
+        if table.dtype == np.int16:
+            step = _table(self._file, "points/displacement_step")[self._rows][points]
+            rows[rows == np.iinfo(np.int16).min] = np.nan
+            rows *= np.reshape(step, np.shape(numbers) + (1, 1))
+        return rows
+
+    @cached_property
+    def probes(self) -> dict[str, npt.NDArray[Any]]:
+        """Exact solutions off the lattice that no interpolation uses: "position", "force", "tag" and all else of /probes."""
+        rows = self._rows_of("probe")
+        return {name: np.asarray(array[rows]) for name, array in _table(self._file, "probes").items()}
+
+
+class Arrays:
+    """A dataset file as NumPy arrays; they are read when they are asked for. A context manager that closes the file.
+
+        >>> with palpate.Arrays("liver.h5") as arrays:
+        ...     tip = arrays["tip"]
+        ...     print(tip.position[tip.solved], tip.force[tip.solved])
+
+    It reads with h5py and prepares nothing, unlike ``Dataset``. One thread at a time.
+    """
+
+    def __init__(self, file: str | os.PathLike[str]) -> None:
+        self._file = open_hdf5(file, "dataset", _majors)
+        #: of the active nodes, in the order of the scene
+        self.names: tuple[str, ...] = tuple(bytes(name).rstrip(b"\0").decode() for name in self._file["spaces/name"])
+        self.scene: str = self._text("scene_toml")  #: the resolved scene, TOML
+        self.content_hash: str = self._text("content_hash")  #: identity of the answer
+
+    def _text(self, attribute: str) -> str:
+        value = self._file.attrs[attribute]
+        return value.decode() if isinstance(value, bytes) else str(value)
+
+    def __getitem__(self, name: str) -> Space:
+        """The space of an active node."""
+        if name not in self.names:
+            raise KeyError(f"there is no active node {name!r}; there are: {', '.join(self.names[:12])}"
+                           + (f", ... {len(self.names)} in all" if len(self.names) > 12 else ""))
+        return Space(self._file, self.names.index(name), name)
+
+    def __iter__(self) -> Any:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @cached_property
+    def nodes(self) -> Numbers:
+        """(N, 3), m: rest positions of the nodes."""
+        return np.asarray(_table(self._file, "mesh/points"))
+
+    @cached_property
+    def tetrahedra(self) -> npt.NDArray[np.int32]:
+        """(M, 4): node numbers, positively oriented."""
+        return np.asarray(_table(self._file, "mesh/tetrahedra"))
+
+    @cached_property
+    def surface(self) -> npt.NDArray[np.int32]:
+        """(T, 3): boundary triangles, node numbers, normals outward."""
+        return np.asarray(_table(self._file, "mesh/surface"))
+
+    @cached_property
+    def fixed_nodes(self) -> npt.NDArray[np.int32]:
+        """Nodes that do not move, ascending."""
+        return np.asarray(_table(self._file, "mesh/fixed_nodes"))
+
+    @cached_property
+    def stored_nodes(self) -> npt.NDArray[np.int32]:
+        """(V,): the nodes that ``Space.displacement`` is of, ascending."""
+        return np.asarray(_table(self._file, "mesh/stored_nodes"))
+
+    def close(self) -> None:
+        """Closes the file; what was read stays."""
+        self._file.close()
+
+    def __enter__(self) -> Arrays:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

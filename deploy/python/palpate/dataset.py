@@ -1,0 +1,235 @@
+"""Datasets in memory, and batched answers from them."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from ctypes import POINTER, byref, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint8, c_void_p
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _library
+from ._library import Numbers
+
+
+@dataclass(frozen=True)
+class SpaceInfo:
+    """One active node and its configuration space."""
+
+    name: str  #: of the active node in the scene
+    node: int  #: its number in the mesh
+    vertex: int  #: its number in ``Dataset.vertices``
+    rest_position: Numbers  #: (3,), m; of a finger where it is centred
+    workspace_radius: float  #: m: displacements up to this long were solved
+    spacing: float  #: m, between solved displacements, before refinement
+    largest_force: float  #: N, the longest that was solved
+
+
+@dataclass(frozen=True)
+class AreaInfo:
+    """A surface that a finger of finite size touches anywhere."""
+
+    name: str  #: in the scene
+    finger_radius: float  #: m
+    workspace_radius: float  #: m: displacements up to this long were solved
+    site_count: int  #: places of the finger that were solved
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What a dataset says of displacements. ``...`` is the shape of what was asked: () for one displacement, (n,) for n."""
+
+    force: Numbers  #: (..., 3), N, of the tissue on the tool; always finite
+    stiffness: Numbers  #: (..., 3, 3), N/m: [i, j] = d force[i] / d displacement[j], exact for this method
+    energy: Numbers  #: (...), J, stored in the tissue; NaN where the method has none, or beyond a finger's ball
+    error_bound: Numbers  #: (...), N, on the force, estimated to hold at 99 % of places; NaN: not known
+    coverage: Numbers  #: (...), 0 to 1: share of the answer that stands on solved equilibria of one branch
+    inside: npt.NDArray[np.bool_]  #: (...): False beyond the workspace ball, or with nothing solved around
+    drive: Numbers | None = None  #: of a finger: (..., 3), N: where the tissue slides it to, along the surface
+    at: Numbers | None = None  #: of a finger: (..., 3), m: the place on the surface at rest that was meant
+    triangle: npt.NDArray[np.int32] | None = None  #: of a finger: (...), that ``at`` lies in; -1: not finite
+
+
+_of_all = ("force", (3,), np.float64), ("stiffness", (3, 3), np.float64), ("energy", (), np.float64), (
+    "error_bound", (), np.float64), ("coverage", (), np.float64), ("inside", (), np.bool_)
+_of_areas = ("drive", (3,), np.float64), ("at", (3,), np.float64), ("triangle", (), np.int32)
+_members = {"force": "forces", "stiffness": "stiffnesses", "energy": "energies", "error_bound": "error_bounds",
+            "coverage": "coverages", "inside": "inside", "drive": "drives", "at": "places", "triangle": "triangles"}
+
+
+def _vectors(values: npt.ArrayLike, what: str) -> Numbers:
+    """As libpalpate reads them: float64, C-contiguous, three in the last axis."""
+    vectors = np.ascontiguousarray(values, dtype=np.float64)
+    if vectors.ndim == 0 or vectors.shape[-1] != 3:
+        raise ValueError(f"{what} has shape {vectors.shape}; the last axis must have x, y and z (3)")
+    return vectors
+
+
+def _doubles(array: Numbers) -> Any:
+    return array.ctypes.data_as(POINTER(c_double))
+
+
+@contextlib.contextmanager
+def _hdf5_alone() -> Iterator[None]:
+    """HDF5 is not thread-safe: keeps h5py out of it, where that is used in this process, while libpalpate reads a file."""
+    objects = (module for name, module in sys.modules.items() if name.startswith("h5py.") and name.endswith("._objects"))
+    lock = getattr(next(objects, None), "phil", None)
+    with lock or contextlib.nullcontext():
+        yield
+
+
+class Dataset(_library.Handle):
+    """A dataset in memory, prepared to answer.
+
+    Opening takes from a second to a minute (a whole surface), and several times the memory of the file; the file may be replaced
+    or removed then. Immutable: any number of threads may ask at once, and run at once, since the global interpreter lock is
+    released. ``close`` gives the memory back, as does leaving a ``with``.
+    """
+
+    _destroy = "dataset_close"
+
+    def __init__(self, file: str | os.PathLike[str], methods: Sequence[str] | None = None,
+                 reach: float = 0.0) -> None:
+        """Loads and verifies ``file``.
+
+        methods: names of interpolation methods to prepare, each takes time and memory; by default "potential" (conservative)
+        and "trilinear". ``palpate query --help`` lists them.
+        reach: m along the surface: how far from an active node contacts feel it; 0: as far as the triangles there reach.
+        """
+        options = _library.OpenOptions(reach=reach)
+        if methods is not None:
+            names = (c_char_p * len(methods))(*(name.encode() for name in methods))
+            options.methods, options.method_count = ctypes.cast(names, POINTER(c_char_p)), len(names)
+        handle = c_void_p()
+        with _hdf5_alone():
+            _library.call("dataset_open", os.fsencode(file), byref(options), byref(handle))
+        self._handle = handle
+        self._info = _library.DatasetInfo()
+        _library.call("dataset_describe", self.handle, byref(self._info))
+        self.name: str = self._info.name.decode()  #: of the scene
+        self.file: str = os.fsdecode(self._info.file)  #: as it was given
+        self.content_id: str = self._info.content_id.decode()  #: 64 hexadecimal digits, equal for equal results
+        self.max_force: float = self._info.max_force  #: N, of the scene: nothing was solved beyond it
+        #: prepared methods, the first is the default
+        self.methods: tuple[str, ...] = tuple(bytes(_library.functions["dataset_method"](handle, m)).decode()
+                                              for m in range(self._info.method_count))
+
+    def __repr__(self) -> str:
+        return f"<palpate.Dataset {self.name!r} of {self.file!r}, {self._info.space_count} spaces>"
+
+    @cached_property
+    def spaces(self) -> tuple[SpaceInfo, ...]:
+        """The configuration spaces, in the order of the scene; the sites of a finger are spaces too."""
+        return tuple(self._space_info(s) for s in range(self._info.space_count))
+
+    @cached_property
+    def areas(self) -> tuple[AreaInfo, ...]:
+        """The surfaces that a finger touches anywhere, in the order of the scene; often none."""
+        count = c_int32()
+        _library.call("dataset_area_count", self.handle, byref(count))
+        return tuple(self._area_info(a) for a in range(count.value))
+
+    @cached_property
+    def vertices(self) -> Numbers:
+        """(V, 3), m: the surface at rest."""
+        return self._copied("dataset_vertices", c_double, (self._info.vertex_count, 3))
+
+    @cached_property
+    def triangles(self) -> npt.NDArray[np.int32]:
+        """(T, 3): vertices of the surface's triangles, counterclockwise seen from outside."""
+        return self._copied("dataset_triangles", c_int32, (self._info.triangle_count, 3))
+
+    @cached_property
+    def touchable(self) -> npt.NDArray[np.bool_]:
+        """(T,): the triangles where a contact feels forces."""
+        return self._copied("dataset_touchable", c_uint8, (self._info.triangle_count,)).astype(np.bool_)
+
+    def query(self, displacements: npt.ArrayLike, at: npt.ArrayLike | None = None, active: str | int | None = None,
+              method: str | int = 0, out: Answers | None = None) -> Answers:
+        """Force, stiffness, energy and error bound at displacements, all in one call.
+
+        displacements: (..., 3), m, of the active node from rest. Beyond the workspace ball the answer is that at the nearest
+        point of its sphere, and ``inside`` is False. What is not finite gives no force, and is no error.
+        at: (..., 3), m, of a finger: where it is. The nearest place of the surface at rest is meant. One place (3,) serves for all
+        displacements, and the other way round.
+        active: which active node, or which area when ``at`` is given: name or number; not needed where there is only one.
+        method: name or number of a prepared method; a finger with ``at`` has one only.
+        out: the answers of an earlier call for as many displacements, to be overwritten; for loops that should not allocate.
+        """
+        vectors = _vectors(displacements, "displacements")
+        if at is None:
+            space, number = self._number(active, [s.name for s in self.spaces], "active node"), self._method(method)
+            answers, given = _answers(vectors.shape[:-1], _of_all, out)
+            _library.call("query_many", self.handle, space, number, _doubles(vectors), vectors.size // 3, byref(given))
+            return answers
+        area = self._number(active, [a.name for a in self.areas], "area")
+        if self._method(method) != 0:
+            raise _library.Error(1, f"method {method!r}: between the sites of a finger there is one method only; leave it out")
+        places, vectors = (np.ascontiguousarray(x) for x in np.broadcast_arrays(_vectors(at, "at"), vectors))
+        answers, given = _answers(vectors.shape[:-1], _of_all + _of_areas, out)
+        _library.call("area_query_many", self.handle, area, _doubles(places), _doubles(vectors), vectors.size // 3, byref(given))
+        return answers
+
+    def shape(self, displacement: npt.ArrayLike, active: str | int | None = None) -> npt.NDArray[np.float32]:
+        """(V, 3), m: displacements of ``vertices`` when one active node alone is displaced. displacement: (3,), m."""
+        vector = _vectors(displacement, "displacement")
+        if vector.shape != (3,):
+            raise ValueError(f"displacement has shape {vector.shape}; one is wanted, (3,)")
+        shape = np.empty((self._info.vertex_count, 3), np.float32)
+        _library.call("displacements", self.handle, self._number(active, [s.name for s in self.spaces], "active node"),
+                      _doubles(vector), shape.ctypes.data_as(POINTER(c_float)), shape.size, None)
+        return shape
+
+    def _space_info(self, space: int) -> SpaceInfo:
+        info = _library.SpaceInfo()
+        _library.call("dataset_space", self.handle, space, byref(info))
+        return SpaceInfo(info.name.decode(), info.node, info.vertex, np.array(info.rest_position), info.workspace_radius,
+                         info.spacing, info.largest_force)
+
+    def _area_info(self, area: int) -> AreaInfo:
+        info = _library.AreaInfo()
+        _library.call("dataset_area", self.handle, area, byref(info))
+        return AreaInfo(info.name.decode(), info.finger_radius, info.workspace_radius, info.site_count)
+
+    def _copied(self, word: str, kind: Any, shape: tuple[int, ...]) -> npt.NDArray[Any]:
+        array = np.empty(shape, kind)
+        _library.call(word, self.handle, array.ctypes.data_as(POINTER(kind)), c_size_t(array.size))
+        return array
+
+    def _method(self, method: str | int) -> int:
+        return self._number(method, list(self.methods), "prepared method")
+
+    def _number(self, word: str | int | None, names: list[str], what: str) -> int:
+        """Number of what is named or numbered; None is the only one."""
+        if word is None and len(names) == 1:
+            return 0
+        if isinstance(word, (int, np.integer)) and 0 <= word < len(names):
+            return int(word)
+        if isinstance(word, str) and word in names:
+            return names.index(word)
+        known = ", ".join(names[:12]) + (f", ... {len(names)} in all" if len(names) > 12 else "") or "none"
+        raise _library.Error(1, f"{self.file}: " + (f"which {what}? there are: {known}" if word is None else
+                                                     f"there is no {what} {word!r}; there are: {known}"))
+
+
+def _answers(shape: tuple[int, ...], members: Sequence[tuple[str, tuple[int, ...], Any]],
+             out: Answers | None) -> tuple[Answers, _library.Answers]:
+    """Arrays for answers, new or those of ``out``, and the structure that tells libpalpate where they are."""
+    arrays = {}
+    for name, rest, kind in members:
+        if out is None:
+            arrays[name] = np.empty(shape + rest, kind)
+            continue
+        given = getattr(out, name)
+        if given is None or given.shape != shape + rest or given.dtype != kind or not given.flags.c_contiguous:
+            raise ValueError(f"out.{name} must be the array of an earlier answer for as many displacements, {shape + rest}")
+        arrays[name] = given
+    pointers = {_members[name]: array.ctypes.data for name, array in arrays.items()}
+    return Answers(**arrays) if out is None else out, _library.Answers(**pointers)

@@ -1,0 +1,48 @@
+"""Runs of ``palpate view --record``, as NumPy arrays."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._library import Numbers
+from .arrays import open_hdf5
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What every one of n ticks read and did. Positions and forces are in the frame of the scene, but for ``device_position``."""
+
+    time: Numbers  #: (n,), s
+    device_position: Numbers  #: (n, 3), m, of the device
+    buttons: npt.NDArray[np.int32]  #: (n,), bits
+    status: npt.NDArray[np.uint8]  #: (n,): 0 fresh, 1 repeated, 2 lost
+    tool: Numbers  #: (n, 3), m
+    force: Numbers  #: (n, 3), N, that the device was given
+    raw_force: Numbers  #: (n, 3), N, of the tissue, before the guard
+    touching: npt.NDArray[np.bool_]  #: (n,)
+    anchor: Numbers  #: (n, 3), m, the point of contact at rest; 0 when not touching
+    displacement: Numbers  #: (n, 3), m, of the anchor
+    energy: Numbers  #: (n,), J, in the tissue; NaN where the method has none
+    error_bound: Numbers  #: (n,), N; NaN where the method gives none
+    guards: npt.NDArray[np.int32]  #: (n,), bits: what limited the force
+    attributes: dict[str, Any]  #: datasets, methods, device and options of the run
+
+    @staticmethod
+    def read(file: str | os.PathLike[str]) -> Recording:
+        """The recording in a file. Error when it is none."""
+        with open_hdf5(file, "recording", (1,)) as f:
+            def array(path: str) -> npt.NDArray[Any]:
+                return np.asarray(f[path])
+
+            attributes = {name: value.decode() if isinstance(value, bytes) else value for name, value in f.attrs.items()}
+            return Recording(time=array("time"), device_position=array("device/position"), buttons=array("device/buttons"),
+                             status=array("device/status"), tool=array("tool/position"), force=array("force/rendered"),
+                             raw_force=array("force/raw"), touching=array("contact/touching").astype(np.bool_),
+                             anchor=array("contact/anchor"), displacement=array("contact/displacement"),
+                             energy=array("contact/energy"), error_bound=array("contact/error_bound"), guards=array("guards"),
+                             attributes=attributes)

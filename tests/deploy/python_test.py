@@ -1,0 +1,356 @@
+#!/usr/bin/env python3
+"""deploy/python: the package for Python, on datasets that the programs build here. ctest runs each suite by itself; by hand
+PALPATE_BIN_DIR=build/release/bin tests/deploy/python_test.py."""
+import inspect
+import json
+import re
+import shutil
+import subprocess
+import sys
+import threading
+import unittest
+
+from small_datasets import BIN, EXAMPLES, FINGER, LIBRARY, PACKAGE, ROOT, TIP, WithDatasets, palpate
+
+if palpate is not None:
+    import h5py
+    import numpy as np
+
+
+class PythonQueries(WithDatasets):
+    def testAnswersAreThoseOfTheProgramToTheLastBit(self):
+        displacements = np.random.default_rng(5).uniform(-0.015, 0.015, (20, 3))
+        with palpate.Dataset(self.file) as dataset:
+            answers = dataset.query(displacements, active="tip")
+        lines = "".join(" ".join(map(repr, p)) + "\n" for p in displacements.tolist())
+        said = subprocess.run([BIN / "palpate", "query", self.file, "--active", "tip", "--displacement", "-", "--json"],
+                              input=lines, capture_output=True, text=True, check=False)
+        said = [json.loads(line) for line in said.stdout.splitlines()]
+        self.assertEqual(len(said), len(displacements))
+        for n, one in enumerate(said):
+            for member in ("force", "stiffness"):
+                np.testing.assert_array_equal(getattr(answers, member)[n], one[member])
+            for member in ("energy", "error_bound", "coverage", "inside"):
+                np.testing.assert_equal(getattr(answers, member)[n], np.nan if one[member] is None else one[member])
+
+    def testArraysOfAnyShapeAreAnsweredAndOldAnswersAreOverwritten(self):
+        dataset = palpate.Dataset(self.file)
+        displacements = np.random.default_rng(6).uniform(-0.01, 0.01, (2, 5, 3))
+        answers = dataset.query(displacements, active=0)
+        self.assertEqual((answers.force.shape, answers.stiffness.shape, answers.energy.shape), ((2, 5, 3), (2, 5, 3, 3), (2, 5)))
+        one = dataset.query(displacements[1, 2], active=0)
+        self.assertEqual(one.force.shape, (3,))
+        np.testing.assert_array_equal(one.force, answers.force[1, 2])
+        np.testing.assert_array_equal(dataset.query(displacements[:, ::-2], active=0).force, answers.force[:, ::-2])
+        force = answers.force
+        self.assertIs(dataset.query(2 * displacements, active=0, out=answers), answers)
+        np.testing.assert_array_equal(force, dataset.query(2 * displacements, active=0).force)
+        with self.assertRaisesRegex(ValueError, "out.force must be the array of an earlier answer"):
+            dataset.query(displacements[0], active=0, out=answers)
+        self.assertEqual(dataset.query(np.empty((0, 3)), active=0).force.shape, (0, 3))
+
+    def testWhatLiesOutsideOrIsNotFiniteIsMarkedAndNoError(self):
+        answers = palpate.Dataset(self.file).query([[0, 0, -0.01], [0, 0, 1], [np.nan, 0, 0]], active="tip")
+        self.assertEqual(answers.inside.tolist(), [True, False, False])
+        self.assertTrue(np.isfinite(answers.force).all() and np.isfinite(answers.stiffness).all())
+        self.assertGreater(answers.force[0, 2], 0)  # the tissue pushes back
+        self.assertEqual(answers.force[2].tolist(), [0, 0, 0])
+
+    def testTheForceIsTheGradientOfTheEnergyAndTheStiffnessThatOfTheForce(self):
+        dataset, step = palpate.Dataset(self.file), 1e-6
+        p = np.random.default_rng(7).uniform(-0.008, 0.008, (50, 3))
+        at = dataset.query(p, active="tip")
+        for axis in range(3):
+            d = step * np.eye(3)[axis]
+            more, less = dataset.query(p + d, active="tip"), dataset.query(p - d, active="tip")
+            np.testing.assert_allclose(-(more.energy - less.energy) / (2 * step), at.force[:, axis], atol=2e-5)
+            np.testing.assert_allclose((more.force - less.force) / (2 * step), at.stiffness[:, :, axis], atol=2e-2)
+
+    def testTheBodyIsThatOfTheFile(self):
+        dataset = palpate.Dataset(self.file, methods=["tricubic"])
+        self.assertEqual(dataset.methods, ("tricubic",))
+        self.assertEqual([space.name for space in dataset.spaces], ["tip", "rim"])
+        self.assertEqual((dataset.name, dataset.areas, len(dataset.content_id)), ("nodes", (), 64))
+        tip = dataset.spaces[0]
+        np.testing.assert_allclose(tip.rest_position, (0.05, 0.05, 0.1))
+        np.testing.assert_array_equal(dataset.vertices[tip.vertex], tip.rest_position)
+        a, b, c = dataset.vertices[dataset.triangles].transpose(1, 0, 2)
+        self.assertAlmostEqual(np.einsum("ni,ni", a, np.cross(b, c)) / 6, 0.1 ** 3)  # the volume: normals outward
+        self.assertTrue(dataset.touchable.any() and not dataset.touchable.all())
+        shape = dataset.shape((0, 0, -0.01), active="tip")
+        np.testing.assert_allclose(shape[tip.vertex], (0, 0, -0.01), atol=1e-5)
+
+    def testAFileIsOpenedWhileH5pyReadsOthers(self):
+        stop, read = threading.Event(), []
+
+        def reads():
+            while not stop.is_set():
+                with palpate.Arrays(self.file) as arrays:
+                    read.append(len(arrays["tip"].force))
+
+        reader = threading.Thread(target=reads)
+        reader.start()
+        for _ in range(5):
+            self.assertEqual(palpate.Dataset(self.file).name, "nodes")
+        stop.set()
+        reader.join()
+        self.assertGreater(len(set(read)), 0)
+
+    def testManyThreadsAskAtOnceAndWhileItAnswersOthersRun(self):
+        dataset = palpate.Dataset(self.file)
+        displacements = np.random.default_rng(8).uniform(-0.01, 0.01, (400000, 3))
+        expected = dataset.query(displacements, active=0).force
+        equal = []
+        threads = [threading.Thread(target=lambda: equal.append(np.array_equal(dataset.query(displacements, active=0).force, expected)))
+                   for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(equal, [True] * 3)
+        # With a switch every 1000 s another thread runs only where this one gives the interpreter away: during the call.
+        held, ran, interval = threading.Lock(), [], sys.getswitchinterval()
+        with held:
+            other = threading.Thread(target=lambda: held.acquire() and ran.append(True))
+            other.start()
+            sys.setswitchinterval(1000)
+        try:
+            dataset.query(displacements, active=0)
+            self.assertEqual(ran, [True])
+        finally:
+            sys.setswitchinterval(interval)
+            other.join()
+
+    def testWrongQuestionsNameWhatIsWrongAndWhatThereIs(self):
+        dataset = palpate.Dataset(self.file)
+        for ask, text in ((lambda: dataset.query([0, 0, 0]), r"which active node\? there are: tip, rim"),
+                          (lambda: dataset.query([0, 0, 0], active="nose"), "no active node 'nose'; there are: tip, rim"),
+                          (lambda: dataset.query([0, 0, 0], active=7), "no active node 7"),
+                          (lambda: dataset.query([0, 0, 0], active="tip", method="quick"), "there are: potential, trilinear"),
+                          (lambda: dataset.query([0, 0, 0], at=[0, 0, 0]), r"which area\? there are: none"),
+                          (lambda: palpate.Dataset(self.folder / "absent.h5"), "absent.h5: there is no such dataset"),
+                          (lambda: palpate.Dataset(self.folder / "block.msh"), "block.msh: is not an HDF5 file"),
+                          (lambda: palpate.Dataset(self.file, methods=["quick"]), "no method \"quick\""),
+                          (lambda: palpate.device("spoon"), "spoon")):
+            with self.assertRaisesRegex(palpate.Error, text):
+                ask()
+        for ask in (lambda: dataset.query([0, 0]), lambda: dataset.query(0.01), lambda: dataset.shape(np.zeros((2, 3)), active=0)):
+            with self.assertRaisesRegex(ValueError, "shape"):
+                ask()
+        dataset.close()
+        with self.assertRaisesRegex(palpate.Error, "was closed"):
+            dataset.query([0, 0, 0], active=0)
+
+
+class PythonFingers(WithDatasets):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.finger = cls.build("finger", FINGER, 0.01, 0.005)
+
+    def testAFingerIsAskedAnywhereByOneOrManyPlaces(self):
+        dataset = palpate.Dataset(self.finger)
+        self.assertEqual([area.name for area in dataset.areas], ["finger"])
+        p, at = (0.001, 0, -0.006), np.array([(0.05, 0.05, 0.2), (0.045, 0.052, 0.1)])
+        answers = dataset.query(p, at=at)
+        self.assertEqual((answers.force.shape, answers.drive.shape, answers.triangle.shape), ((2, 3), (2, 3), (2,)))
+        np.testing.assert_allclose(answers.at[:, 2], 0.1)  # the nearest place of the surface
+        self.assertTrue(answers.inside.all() and (answers.force[:, 2] > 0).all())
+        said = json.loads(self.run_program("query", self.finger, "--at", *at[1], "--displacement", *p, "--json"))
+        np.testing.assert_array_equal(answers.force[1], said["force"])
+        np.testing.assert_allclose(answers.drive[1], said["drive"], atol=1e-12)
+        many = dataset.query(np.outer((0.2, 0.6, 1), p), at=at[1])
+        np.testing.assert_array_equal(many.force[2], answers.force[1])
+        self.assertIs(dataset.query(p, at=at, out=answers), answers)
+        with self.assertRaisesRegex(palpate.Error, "one method only"):
+            dataset.query(p, at=at, method="trilinear")
+        for again in self.examples_draw("stiffness_map.py", self.finger, "3"):
+            self.assertRegex(again, r"[0-9]+ places, [0-9.]+ to [0-9.]+ N/mm")
+
+    def examples_draw(self, script, *words):
+        figure = self.folder / "figure.png"
+        done = self.run_python(EXAMPLES / script, words[0], figure, *words[1:], MPLCONFIGDIR=str(self.folder))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertGreater(figure.stat().st_size, 10000)
+        yield done.stdout
+
+
+class PythonContacts(WithDatasets):
+    def pressing(self, tip, depths):
+        return tip.rest_position + np.outer(depths, (0, 0, -1))
+
+    def testAToolPressesIsPushedBackAndLetsGo(self):
+        dataset = palpate.Dataset(self.file)
+        tip = dataset.spaces[0]
+        with palpate.Contact(dataset) as contact:
+            depths = np.concatenate([np.linspace(-0.002, 0.008, 50), np.linspace(0.008, -0.002, 50)])
+            touches = contact.follow(self.pressing(tip, depths))
+            self.assertEqual((touches[0].touching, touches[49].touching, touches[-1].touching), (False, True, False))
+            self.assertAlmostEqual(touches[0].gap, 0.002)
+            deepest = touches[49]
+            expected = dataset.query(deepest.displacement, active="tip").force
+            np.testing.assert_allclose(deepest.force, expected, rtol=0.2)
+            self.assertGreater(deepest.force[2], 0)
+            np.testing.assert_allclose(deepest.anchor + deepest.displacement, self.pressing(tip, [0.008])[0], atol=1e-9)
+            shape = contact.shape(deepest)
+            self.assertLess(shape[tip.vertex, 2], -0.004)
+            self.assertFalse(contact.shape(touches[0]).any())
+
+    def testOptionsAreThoseOfTheSceneUntilTheyAreChanged(self):
+        dataset = palpate.Dataset(self.file)
+        options = palpate.Contact.defaults(dataset)
+        self.assertEqual(options.mode, palpate.ContactMode.UNILATERAL)
+        options.mode = palpate.ContactMode.GLUED
+        tip = dataset.spaces[0]
+        with palpate.Contact(dataset, options, method="trilinear") as contact:
+            held = contact.follow(self.pressing(tip, np.linspace(-0.001, -0.006, 20)))[-1]
+            self.assertLess(held.force[2], 0)  # it pulls the tool back
+            contact.use(dataset, "potential")
+            self.assertTrue(contact.update(held.anchor + held.displacement).touching)
+            self.assertFalse(contact.update(held.anchor + held.displacement, hold=False).touching)
+            contact.release()
+        options.friction = -1
+        with self.assertRaisesRegex(palpate.Error, "friction"):
+            palpate.Contact(dataset, options)
+
+    def testAGuardLimitsWhatADeviceIsGiven(self):
+        dataset = palpate.Dataset(self.file)
+        options = palpate.Guard.defaults("touch", period=0.001)
+        options.max_force = 0.05
+        with palpate.Guard(options) as guard, palpate.Contact(dataset) as contact:
+            for tool in self.pressing(dataset.spaces[0], np.linspace(-0.001, 0.01, 300)):
+                touch = contact.update(tool)
+                given = guard.limit(tool, touch)
+                self.assertLessEqual(np.linalg.norm(given.force), 0.05 * (1 + 1e-12))
+            self.assertIn("clamped", given.guards)
+            self.assertEqual(guard.limit(tool, touch, lost=True).force.tolist(), [0, 0, 0])
+            guard.reset()
+        self.assertGreater(palpate.device("touch").max_force, 1)
+
+
+class PythonArrays(WithDatasets):
+    def testArraysAreThoseOfTheFile(self):
+        with palpate.Arrays(self.file) as arrays, h5py.File(self.file) as f:
+            self.assertEqual(list(arrays), ["tip", "rim"])
+            rim, rows = arrays["rim"], slice(*f["spaces/first_point"][1:3])
+            for name in ("position", "force", "stiffness", "energy", "tag", "min_det_F"):
+                np.testing.assert_array_equal(getattr(rim, name), f["points"][name][rows])
+            np.testing.assert_array_equal(rim["parent"], f["points/parent"][rows])
+            np.testing.assert_array_equal(rim.displacement(), f["points/displacement"][rows])
+            np.testing.assert_array_equal(rim.displacement(3), f["points/displacement"][rows.start + 3])
+            np.testing.assert_array_equal(rim.displacement(rim.solved), f["points/displacement"][rows][rim.solved])
+            np.testing.assert_array_equal(arrays.nodes[arrays.stored_nodes], f["mesh/points"][:][f["mesh/stored_nodes"][:]])
+            corners = arrays.nodes[arrays.tetrahedra]
+            self.assertGreater(np.linalg.det(corners[:, 1:] - corners[:, :1]).min(), 0)
+            self.assertEqual(len(rim.probes["position"]), len(rim.probes["force"]))
+            with self.assertRaisesRegex(KeyError, "no active node 'nose'; there are: tip, rim"):
+                arrays["nose"]
+            with self.assertRaisesRegex(KeyError, "no /points/colour; there are: .*position"):
+                rim["colour"]
+
+    def testInterpolationPassesThroughEverySolvedPoint(self):
+        with palpate.Arrays(self.file) as arrays:
+            tip = arrays["tip"]
+            answers = palpate.Dataset(self.file).query(tip.position[tip.solved], active="tip")
+            np.testing.assert_allclose(answers.force, tip.force[tip.solved], atol=1e-9)
+        with self.assertRaisesRegex(palpate.Error, "energy: the file was closed"):
+            tip.energy
+
+    def testQuantizedDisplacementsComeInMetres(self):
+        coarse = self.build("coarse", TIP, 0.02, 0.01, '[storage]\nprecision = "int16"\n')
+        with palpate.Arrays(self.file) as exact, palpate.Arrays(coarse) as rounded:
+            a, b = exact["tip"], rounded["tip"]
+            np.testing.assert_allclose(b.displacement(b.solved), a.displacement(a.solved), atol=0.02 / 60000)
+
+    def testWordsForTagsAndCausesAreThoseOfTheProgram(self):
+        causes = re.search(r"Causes: (.*?)\. `unreachable`", (ROOT / "docs/dataset.md").read_text(encoding="utf-8"), re.S)[1]
+        listed = {int(number): word for number, word in re.findall(r"([0-9]+)\s+([a-z_]+)", re.sub(r"\([^)]*\)", "", causes))}
+        self.assertEqual(dict(enumerate(palpate.arrays.CAUSES[1:], 1)), listed)
+
+    def testRecordingsAreRead(self):
+        run = self.folder / "run.h5"
+        self.run_program("view", self.file, "--headless", "--fast", "--duration", "1.5", "--record", run, "-q")
+        recording = palpate.Recording.read(run)
+        self.assertEqual(recording.force.shape, (len(recording.time), 3))
+        self.assertTrue(recording.touching.any() and np.isfinite(recording.force).all())
+        with h5py.File(run) as f:
+            np.testing.assert_array_equal(recording.raw_force, f["force/raw"])
+        self.assertIn("nodes", recording.attributes["models"] + recording.attributes["datasets"])
+        for wrong, text in ((self.file, "not a palpate recording"), (self.folder / "none.h5", "none.h5"),
+                            (self.folder / "block.msh", "block.msh")):
+            with self.assertRaisesRegex(palpate.Error, text):
+                palpate.Recording.read(wrong)
+        with self.assertRaisesRegex(palpate.Error, "not a palpate dataset"):
+            palpate.Arrays(run)
+
+
+class PythonPackage(WithDatasets):
+    def testWithoutALibraryItSaysWhatToDo(self):
+        for library, text in ((self.folder / "absent.so", "cannot load libpalpate: .*absent.so.*Install libpalpate0"),
+                              (self.folder / "block.msh", "block.msh: (file too short|invalid ELF header)"),
+                              ("libm.so.6", "older than this package: .*palpate_")):
+            done = self.run_python("-c", "import palpate", PALPATE_LIBRARY=str(library))
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stderr.splitlines()[-1], "ImportError: .*" + text)
+        other = self.folder / "arm.so"
+        other.write_bytes(LIBRARY.read_bytes()[:18] + b"\xb7\0" + LIBRARY.read_bytes()[20:])  # of AArch64, its header says
+        done = self.run_python("-c", "import palpate", PALPATE_LIBRARY=str(other))
+        self.assertRegex(done.stderr.splitlines()[-1], "ImportError: .*arm.so.*Install libpalpate0")
+
+    def testWithoutNumPyOrH5pyTheyAreNamed(self):
+        done = self.run_python("-c", "import sys; sys.modules['numpy'] = None; import palpate")
+        self.assertIn("ImportError: palpate needs NumPy: install python3-numpy", done.stderr)
+        done = self.run_python("-c", "import sys, palpate; sys.modules['h5py'] = None; palpate.Arrays(sys.argv[1])", self.file)
+        self.assertIn("ImportError: arrays of files need h5py: install python3-h5py", done.stderr)
+
+    def testItFindsTheLibraryOfItsOwnBuild(self):
+        tree = self.folder / "tree"
+        shutil.copytree(PACKAGE, tree / "lib/python3/dist-packages", ignore=shutil.ignore_patterns("__pycache__"))
+        (tree / "lib/x86_64-linux-gnu").mkdir()
+        shutil.copy(LIBRARY, tree / "lib/x86_64-linux-gnu")
+        environment = {"PYTHONPATH": str(tree / "lib/python3/dist-packages"), "PALPATE_LIBRARY": ""}
+        done = self.run_python("-c", "import palpate; print(palpate._library.library_file)", **environment)
+        self.assertEqual(done.stdout.strip(), str(tree / "lib/x86_64-linux-gnu/libpalpate.so.0"), done.stderr)
+
+    def testEverythingPublicIsDescribedAndHasTypes(self):
+        for name in palpate.__all__:
+            thing = getattr(palpate, name)
+            self.assertTrue(thing.__doc__, name)
+            members = inspect.getmembers(thing, inspect.isfunction) if inspect.isclass(thing) else [(name, thing)]
+            for member, function in members:
+                if function.__module__.split(".")[0] != "palpate" or member.startswith("_") and member != "__init__" or "__dataclass_fields__" in vars(thing):
+                    continue
+                self.assertTrue(function.__doc__ or member == "__init__", f"{name}.{member} has no docstring")
+                signature = inspect.signature(function)
+                untyped = [p for p in signature.parameters.values() if p.annotation is p.empty and p.name not in ("self", "_")]
+                self.assertEqual(untyped, [], f"{name}.{member}")
+
+    def testMypyFindsNothing(self):
+        if shutil.which("mypy") is None:
+            self.skipTest("mypy is not installed")
+        done = subprocess.run(["mypy", "--strict", "--ignore-missing-imports", "--cache-dir", self.folder / "mypy", PACKAGE / "palpate"],
+                              capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def testTheManualRunsAsItStands(self):
+        manual = (ROOT / "docs/python.md").read_text(encoding="utf-8")
+        programs = re.findall(r"```python\n(.*?)```", manual, re.S)
+        self.assertGreater(len(programs), 3)
+        shutil.copy(self.file, self.folder / "liver.h5")
+        shutil.copy(self.build("finger", FINGER, 0.01, 0.005), self.folder / "organ.h5")
+        self.run_program("view", self.file, "--headless", "--fast", "--duration", "1", "--record", self.folder / "run.h5", "-q")
+        done = self.run_python("-c", "\n".join(programs), MPLCONFIGDIR=str(self.folder))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        for figure in re.findall(r"savefig\(\"(.*?)\"\)", manual):
+            self.assertGreater((self.folder / figure).stat().st_size, 5000)
+
+    def testTheExampleOfACurveRuns(self):
+        figure = self.folder / "curve.svg"
+        done = self.run_python(EXAMPLES / "force_curve.py", self.file, figure, "tip", 0, 0, -1, MPLCONFIGDIR=str(self.folder))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"tip: [0-9.]+ N at most, 100% of the way inside")
+        self.assertIn("<svg", figure.read_text(encoding="utf-8"))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,110 @@
+"""Small datasets that the programs build here, for tests of what reads them from Python."""
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+PACKAGE = ROOT / "deploy" / "python"
+EXAMPLES = ROOT / "deploy" / "examples" / "python"
+BIN = pathlib.Path(os.environ.get("PALPATE_BIN_DIR", ROOT / "build/release/bin")).resolve()
+LIBRARY = BIN.parent / "lib" / "libpalpate.so.0"
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(PACKAGE), "PALPATE_LIBRARY": str(LIBRARY), "PYTHONDONTWRITEBYTECODE": "1"}
+os.environ["PALPATE_LIBRARY"] = str(LIBRARY)
+sys.path.insert(0, str(PACKAGE))
+
+try:
+    import h5py
+    import numpy as np
+    import palpate
+    missing = ""
+except ImportError as error:  # a library with a sanitizer in it; NumPy and h5py are among the packages of the tests
+    palpate, missing = None, str(error)
+
+SCENE = """name = "{name}"
+mesh = "block.msh"
+[material]
+law = "mooney-rivlin"
+c10 = 1300
+c01 = 1280
+[fixed]
+below = {{ axis = "z", fraction = 0.1 }}
+{active}
+[workspace]
+radius = {radius}
+spacing = {spacing}
+"""
+TIP = """[[active]]
+name = "tip"
+near = [0.05, 0.05, 0.1]
+[[active]]
+name = "rim"
+near = [0.1, 0.05, 0.1]
+"""
+FINGER = """[[active]]
+name = "finger"
+surface = { box = { lowest = [0.02, 0.02, 0.09], highest = [0.08, 0.08, 0.11] } }
+tool = "finger"
+radius = 0.02
+"""
+
+
+def block(n=4, edge=0.1):
+    """A cube as Gmsh writes it, n cells along an edge, six tetrahedra each."""
+    def number(i, j, k):
+        return 1 + i + (n + 1) * (j + (n + 1) * k)
+
+    nodes = [f"{number(i, j, k)} {i * edge / n} {j * edge / n} {k * edge / n}" for k in range(n + 1) for j in range(n + 1)
+             for i in range(n + 1)]
+    tetrahedra = []
+    for i, j, k in np.ndindex(n, n, n):
+        for way in ((0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (2, 1, 0), (1, 0, 2)):
+            corner, corners = [i, j, k], [number(i, j, k)]
+            for axis in way:
+                corner[axis] += 1
+                corners.append(number(*corner))
+            if way in ((0, 2, 1), (2, 1, 0), (1, 0, 2)):  # odd permutations turn the tetrahedron inside out
+                corners[2], corners[3] = corners[3], corners[2]
+            tetrahedra.append(f"{len(tetrahedra) + 1} 4 2 0 1 " + " ".join(map(str, corners)))
+    return "\n".join(["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(nodes)), *nodes, "$EndNodes", "$Elements",
+                      str(len(tetrahedra)), *tetrahedra, "$EndElements", ""])
+
+
+class WithDatasets(unittest.TestCase):
+    """A cube of 10 cm, touched at "tip" and "rim": `file`, in `folder`."""
+
+    @classmethod
+    def setUpClass(cls):
+        if palpate is None:
+            raise unittest.SkipTest(missing)
+        cls.directory = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.directory.name)
+        (cls.folder / "block.msh").write_text(block(), encoding="utf-8")
+        cls.file = cls.build("nodes", TIP, 0.02, 0.01)
+
+    @classmethod
+    def tearDownClass(cls):
+        if palpate is not None:
+            cls.directory.cleanup()
+
+    @classmethod
+    def build(cls, name, active, radius, spacing, rest=""):
+        (cls.folder / f"{name}.toml").write_text(SCENE.format(name=name, active=active, radius=radius, spacing=spacing) + rest,
+                                                 encoding="utf-8")
+        cls.run_program("build", cls.folder / f"{name}.toml", "-o", cls.folder / f"{name}.h5", "-q", codes=(0, 3))
+        return cls.folder / f"{name}.h5"
+
+    @classmethod
+    def run_program(cls, *words, codes=(0,)):
+        done = subprocess.run([str(word) for word in (BIN / "palpate", *words)], capture_output=True, text=True, check=False)
+        if done.returncode not in codes:
+            raise AssertionError(f"{words}: {done.returncode}\n{done.stdout}{done.stderr}")
+        return done.stdout
+
+    def run_python(self, *words, **environment):
+        return subprocess.run([sys.executable, *map(str, words)], capture_output=True, text=True, check=False, cwd=self.folder,
+                              env={**ENVIRONMENT, **environment})
+
+
