@@ -12,6 +12,7 @@
 #include "common/base/error.hpp"
 #include "common/base/nearest_word.hpp"
 #include "common/base/program.hpp"
+#include "commit.hpp"
 
 namespace palpate {
 namespace {
@@ -145,7 +146,10 @@ int become(const Route& route, std::vector<std::string> arguments) {
   argv.push_back(nullptr);
   execv(program.c_str(), argv.data());
   const char* hint =
-      errno == ENOENT ? "; `cmake --build --preset release` builds all programs" : "";
+      errno == ENOENT
+          ? "; install the package palpate-viewer, or build all programs with "
+            "`cmake --build --preset release`"
+          : "";
   tell("palpate {}: cannot start {}: {}{}\n", route.verb, program, errnoText(), hint);
   return static_cast<int>(ExitCode::failed);
 }
@@ -159,7 +163,8 @@ int run(std::vector<std::string> arguments) {
   }
   if (asks_for_help) arguments = {arguments[1], "--help"};
   if (arguments[0] == "--version") {
-    fmt::print("palpate {}\n", version());
+    fmt::print("palpate {}\ncommit {}, {}\n{}\n", version(), commit, PALPATE_BUILD_TYPE,
+               PALPATE_BUILT_WITH);
     return static_cast<int>(ExitCode::done);
   }
   const auto* const route = std::ranges::find(routes, arguments[0], &Route::verb);

@@ -60,6 +60,7 @@ class RobotsOfMuJoCo(WithAFinger):
             self.skipTest("libmujoco-dev is not installed: the example for MuJoCo is NOT tested")
         prefix, build = self.folder / "prefix", self.folder / "build"
         for words in (("cmake", "--install", BIN.parent, "--prefix", prefix, "--component", "library"),
+                      ("cmake", "--install", BIN.parent, "--prefix", prefix, "--component", "development"),
                       ("cmake", "-S", EXAMPLES.parent / "mujoco", "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}",
                        "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Wpedantic -Werror"),
                       ("cmake", "--build", build)):

@@ -49,7 +49,9 @@ class Examples : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     prefix_ = new test::TemporaryDirectory;
-    outputOf(PALPATE_LIBRARY_INSTALL_COMMAND " " + shellWord(prefix_->path()));
+    for (const char* component : {"library", "development"})
+      outputOf(PALPATE_INSTALL_COMMAND " --component " + std::string(component) + " --prefix " +
+               shellWord(prefix_->path()));
   }
   static void TearDownTestSuite() {
     delete prefix_;
