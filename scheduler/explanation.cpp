@@ -1,7 +1,6 @@
 #include "scheduler/explanation.hpp"
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <limits>
 
 #include "common/base/assertion.hpp"
@@ -9,6 +8,7 @@
 #include "common/base/index.hpp"
 #include "common/dataset/dataset.hpp"
 #include "common/problem/problem.hpp"
+#include "common/space/named_point.hpp"
 #include "common/wire/wire.hpp"
 #include "scheduler/recorded_build.hpp"
 #include "scheduler/service/status.hpp"
@@ -17,23 +17,6 @@
 
 namespace palpate {
 namespace {
-
-std::int32_t numberOf(const Lattice& lattice, const Eigen::Vector3d& in_spacings) {
-  const Eigen::Array3d coordinates = lattice.divisions() * in_spacings;
-  if ((coordinates.abs() < 1e9).all() && (coordinates == coordinates.round()).all()) {
-    const Eigen::Array3i point = coordinates.cast<std::int32_t>();
-    if (const auto number = lattice.indexOf({point[0], point[1], point[2]})) return *number;
-  }
-  throw badInput(
-      "({:g}, {:g}, {:g}) is not in the lattice: "
-      "it holds the points with i^2 + j^2 + k^2 <= {:.6g} (radius {} m / spacing {} m, "
-      "squared){}",
-      in_spacings[0], in_spacings[1], in_spacings[2],
-      std::pow(lattice.radius() / lattice.spacing(), 2), lattice.radius(), lattice.spacing(),
-      lattice.size() > lattice.uniformSize()
-          ? fmt::format(", and {} refined ones", lattice.size() - lattice.uniformSize())
-          : "");
-}
 
 std::string textOf(const wire::Explanation& e) {
   const std::string where = fmt::format("{}: point {}, displacement ({:g}, {:g}, {:g}) m",
@@ -106,7 +89,7 @@ const SpaceTable& siteNearest(const std::vector<SpaceTable>& spaces, const std::
 wire::Explanation explain(const SpaceTable& space, const Eigen::Vector3d& in_spacings) {
   const Lattice& lattice = space.lattice;
   PALPATE_ASSERT(space.points.size() == at(lattice.size()), "a table has a row for every point");
-  const std::int32_t number = numberOf(lattice, in_spacings);
+  const std::int32_t number = pointNamed(lattice, in_spacings);
   const PointRecord& record = space.points[at(number)];
   wire::Explanation explanation;
   explanation.set_active(space.patch.name);
