@@ -6,39 +6,24 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "common/base/displacement_input.hpp"
 #include "common/dataset/dataset.hpp"
-#include "common/mesh/surface_point.hpp"
-#include "common/problem/finger.hpp"
-#include "common/problem/sites.hpp"
-#include "common/scene/active_choice.hpp"
-#include "viewer/fields/area_field.hpp"
+#include "viewer/answers/force_answers.hpp"
 #include "viewer/fields/field_choice.hpp"
 
 namespace palpate {
 namespace {
 
-/// Zero without its sign: -0 means nothing to a reader.
-template <class Derived>
-auto plain(const Eigen::MatrixBase<Derived>& values) {
-  return (values.array() + 0.0).matrix().eval();
-}
-
 nlohmann::ordered_json toJson(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
-/// Of a finger: where it is, and what drives it along the surface.
-struct Place {
-  Eigen::Vector3d at, drive;
-};
-
-std::string describeJson(const std::optional<Place>& place, const Eigen::Vector3d& displacement,
-                         const ForceSample& sample, std::string_view method) {
+std::string describeJson(const std::optional<FingerPlace>& place,
+                         const Eigen::Vector3d& displacement, const ForceSample& sample,
+                         std::string_view method) {
   nlohmann::ordered_json answer;  // prints what is not finite as null
   answer["displacement"] = toJson(displacement);
   answer["force"] = toJson(sample.force);
   for (int row = 0; row < 3; ++row)
     answer["stiffness"].push_back(toJson(sample.stiffness.row(row)));
-  answer["energy"] = sample.energy + 0.0;
+  answer["energy"] = sample.energy;
   answer["error_bound"] = sample.error_bound;
   answer["coverage"] = sample.coverage;
   answer["inside"] = sample.inside;
@@ -86,8 +71,8 @@ std::string describeGaps(const SpaceTable& space, const Eigen::Vector3d& displac
 }
 
 /// The numbers of an answer, a line each.
-std::string describeSample(const std::optional<Place>& place, const Eigen::Vector3d& displacement,
-                           const ForceSample& sample) {
+std::string describeSample(const std::optional<FingerPlace>& place,
+                           const Eigen::Vector3d& displacement, const ForceSample& sample) {
   std::string text;
   const auto addVector = [&text](const char* label, const Eigen::Vector3d& v, const char* rest) {
     text += fmt::format("{:<13} {:11.6g} {:11.6g} {:11.6g}  {}", label, v.x(), v.y(), v.z(), rest);
@@ -119,8 +104,8 @@ std::string describeForPerson(const SpaceTable& space, const Eigen::Vector3d& di
   return text + "\n\n";
 }
 
-std::string describeInArea(const Place& place, double radius, const Eigen::Vector3d& displacement,
-                           const ForceSample& sample) {
+std::string describeInArea(const FingerPlace& place, double radius,
+                           const Eigen::Vector3d& displacement, const ForceSample& sample) {
   std::string text = describeSample(place, displacement, sample);
   if (sample.inside)
     return text +
@@ -133,71 +118,13 @@ std::string describeInArea(const Place& place, double radius, const Eigen::Vecto
   return text + fmt::format("inside        NO: {}.\n\n", why);
 }
 
-/// Answers from one configuration space, or from the area of a finger.
-class Answers {
- public:
-  Answers(const QueryOptions& options, const Dataset& dataset)
-      : options_(options),
-        dataset_(dataset),
-        choice_(chooseActive(dataset.scene(), options.active)),
-        first_(dataset.spaces()[choice_.spaces.front()]) {
-    requirePlace(choice_, !options.at.empty());
-    if (options.at.empty()) {
-      field_ = makeForceField(options.method, first_);
-      return;
-    }
-    if (!first_.patch.finger)
-      throw badInput("--at: \"{}\" is no finger, and answers where it is only", choice_.name);
-    if (options.method != QueryOptions{}.method)
-      throw badInput("--method {}: between the sites of a finger there is only {}", options.method,
-                     QueryOptions{}.method);
-    const auto sites = chosenOf(dataset.spaces(), choice_.spaces);
-    area_ = std::make_unique<AreaField>(
-        sites, placesAround(dataset.mesh(), centersOf(sites), first_.patch.finger->radius));
-  }
-
-  /// The text of an answer, and whether it lies inside.
-  std::pair<std::string, bool> answer(const TouchInput& touch) const {
-    const Eigen::Vector3d& p = touch.displacement;
-    if (area_) return answerAt(touch.at.value(), p);
-    const ForceSample sample = withoutSigns(field_->evaluate(p));
-    return {options_.json ? describeJson(std::nullopt, p, sample, field_->name())
-                          : describeForPerson(first_, p, sample, field_->name()),
-            sample.inside};
-  }
-
-  double workspaceRadius() const { return first_.lattice.radius(); }
-
- private:
-  template <class Sample>
-  static Sample withoutSigns(Sample sample) {
-    sample.force = plain(sample.force);
-    sample.stiffness = plain(sample.stiffness);
-    return sample;
-  }
-
-  std::pair<std::string, bool> answerAt(const Eigen::Vector3d& near,
-                                        const Eigen::Vector3d& p) const {
-    const Mesh& mesh = dataset_.mesh();
-    const Eigen::Vector3d at = fingerNear("--at", mesh, near, 0).center;
-    AreaSample sample = withoutSigns(area_->evaluate(at, p));
-    const double radius = first_.patch.finger->radius;
-    // `solve` refuses these; who asks for many places wants the others.
-    if (fingerWeights(mesh, dataset_.fixedNodes(), at, radius).free_share < least_free_share)
-      sample.inside = false;
-    const Place place = {at, plain(alongSurface(mesh, at, sample.drive))};
-    return {options_.json ? describeJson(place, p, sample, options_.method)
-                          : describeInArea(place, workspaceRadius(), p, sample),
-            sample.inside};
-  }
-
-  const QueryOptions& options_;
-  const Dataset& dataset_;
-  const ActiveChoice choice_;
-  const SpaceTable& first_;
-  std::unique_ptr<ForceField> field_;  ///< without a place
-  std::unique_ptr<AreaField> area_;    ///< with one
-};
+std::string answerText(const ForceAnswers& answers, const Eigen::Vector3d& p,
+                       const ForceAnswer& answer, bool json) {
+  if (json) return describeJson(answer.finger, p, answer.sample, answers.method());
+  if (answer.finger)
+    return describeInArea(*answer.finger, answers.workspaceRadius(), p, answer.sample);
+  return describeForPerson(answers.firstSpace(), p, answer.sample, answers.method());
+}
 
 std::function<ExitCode()> prepareQuery(CLI::App& app) {
   auto options = std::make_shared<QueryOptions>();
@@ -228,14 +155,15 @@ std::function<ExitCode()> prepareQuery(CLI::App& app) {
 ExitCode query(const QueryOptions& options, std::istream& input, std::ostream& output) {
   const Dataset dataset(options.dataset);
   warnIfPartial(dataset);
-  const Answers answers(options, dataset);
+  const ForceAnswers answers(dataset, options.active, !options.at.empty(), options.method);
   ExitCode code = ExitCode::done;
   forEachTouch(options.at, options.displacement, input, answers.workspaceRadius(),
                [&](const TouchInput& touch) {
-                 const auto [text, inside] = answers.answer(touch);
-                 if (!inside) code = ExitCode::partly_failed;
+                 const ForceAnswer answer = answers.answer(touch);
+                 if (!answer.sample.inside) code = ExitCode::partly_failed;
                  // At once: whoever asks line by line waits for each answer.
-                 output << text << std::flush;
+                 output << answerText(answers, touch.displacement, answer, options.json)
+                        << std::flush;
                  if (!output) throw failure("cannot write the answer to standard output");
                });
   return code;
