@@ -24,7 +24,7 @@ struct Route {
   const char* program_of_directory = nullptr;
 };
 
-constexpr std::array<Route, 23> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
+constexpr std::array<Route, 24> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
                                            {"build", "palpate-scheduler"},
                                            {"query", "palpate-viewer"},
                                            {"solve", "palpate-worker"},
@@ -44,6 +44,7 @@ constexpr std::array<Route, 23> routes = {{{"check", "palpate-worker", "palpate-
                                            {"verify", "palpate-verify"},
                                            {"report", "palpate-viewer"},
                                            {"share", "palpate-viewer"},
+                                           {"export", "palpate-viewer"},
                                            {"doctor", "palpate-viewer"},
                                            {"view", "palpate-viewer"},
                                            {"device", "palpate-viewer"}}};
@@ -60,6 +61,7 @@ From a scene to forces
   query    Force, stiffness and error bound at any displacement, from a dataset
   view     Feel and see it: the haptic client, with a virtual hand when there is no device
   share    A dataset as one HTML page that can be touched, by mouse or finger
+  export   Deformed bodies for ParaView and others; force curves as CSV
   solve    One exact solution, without scheduler and dataset
 
 On several machines

@@ -1,0 +1,281 @@
+#include "viewer/export/export_command.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include <array>
+#include <sstream>
+
+#include "common/base/whole_file.hpp"
+#include "common/dataset/dataset_format.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/finger_body.hpp"
+#include "tests/support/sample_dataset.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "viewer/query_command.hpp"
+
+namespace palpate {
+namespace {
+
+using test::expectBadInput;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// A sealed sample dataset that can be exported.
+class ExportCommand : public ::testing::Test {
+ protected:
+  ExportCommand() { sample.seal(options.dataset); }
+
+  ExitCode run(const std::string& lines = "") {
+    std::istringstream input(lines);
+    std::ostringstream output;
+    const ExitCode code = exportConfigurations(options, input, output);
+    told = output.str();
+    return code;
+  }
+  void storeAll() {
+    sample.problem.scene.storage.displacement = StoredNodes::all;
+    sample.seal(options.dataset);
+  }
+  std::string written() const { return readText(options.output, "file"); }
+  std::vector<std::string> linesWritten() const {
+    std::istringstream text(written());
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(text, line);) lines.push_back(line);
+    return lines;
+  }
+  /// Only the dataset is there.
+  void expectNothingIsLeft() const {
+    for (const auto& entry : std::filesystem::directory_iterator(directory.path()))
+      EXPECT_EQ(entry.path(), options.dataset);
+  }
+
+  test::TemporaryDirectory directory;
+  test::SampleDataset sample;
+  ExportOptions options{
+      directory / "sample.h5", directory / "touch.vtu", "edge-2", {"0.001", "-0.002", "0"}};
+  std::string told;
+};
+
+TEST_F(ExportCommand, WritesTheSurfaceAndSaysHowToGetTheVolume) {
+  EXPECT_EQ(run(), ExitCode::done);
+  EXPECT_THAT(told,
+              AllOf(HasSubstr("26 points, 48 triangles"), HasSubstr("displacement = \"all\"")));
+  EXPECT_THAT(written(),
+              AllOf(HasSubstr("Name=\"displacement\""), HasSubstr("Name=\"touched\""),
+                    Not(HasSubstr("Name=\"det_F\"")), Not(HasSubstr("Name=\"pressure\"")),
+                    HasSubstr("scene=\"sample\" active=\"edge-2\" method=\"potential\"")));
+}
+
+TEST_F(ExportCommand, WritesTheVolumeWhereAllNodesAreStored) {
+  storeAll();
+  EXPECT_EQ(run(), ExitCode::done);
+  EXPECT_THAT(told, AllOf(HasSubstr("27 points, 48 tetrahedra"), Not(HasSubstr("storage"))));
+  EXPECT_THAT(written(), AllOf(HasSubstr("Name=\"det_F\""), HasSubstr("Name=\"pressure\"")));
+}
+
+TEST_F(ExportCommand, EscapesTheNameOfTheScene) {
+  sample.problem.scene.name = "<organ> & \"co\"";
+  sample.seal(options.dataset);
+  EXPECT_EQ(run(), ExitCode::done);
+  EXPECT_THAT(written(), HasSubstr("scene=\"&lt;organ&gt; &amp; &quot;co&quot;\""));
+}
+
+TEST_F(ExportCommand, WritesASolvedPointWithItsNumbers) {
+  options.displacement.clear();
+  options.point = {1, 0, -1};
+  EXPECT_EQ(run(), ExitCode::done);
+  EXPECT_THAT(written(), AllOf(HasSubstr("method=\"solved\""), HasSubstr("Name=\"lattice_point\""),
+                               HasSubstr("Name=\"min_det_F\"")));
+}
+
+TEST_F(ExportCommand, SaysWhyThereIsNoConfiguration) {
+  options.active = "tip";
+  options.displacement.clear();
+  const LatticePoint failed = sample.lattice.point(7), unknown = sample.lattice.point(32);
+  options.point = {failed.begin(), failed.end()};
+  expectBadInput([&] { run(); }, {"sample.h5", "of tip is failed (wrong_inertia)",
+                                  "palpate explain", "--active tip"});
+  options.point = {unknown.begin(), unknown.end()};
+  expectBadInput([&] { run(); }, {"of tip is unknown: there is no configuration"});
+  options.point = {3, 0, 0};
+  expectBadInput([&] { run(); }, {"(3, 0, 0) is not in the lattice"});
+  expectNothingIsLeft();
+}
+
+TEST_F(ExportCommand, WritesASeriesAndItsListLast) {
+  options.output = directory / "press.pvd";
+  options.steps = 3;
+  EXPECT_EQ(run(), ExitCode::done);
+  EXPECT_THAT(told, HasSubstr("4 files in"));
+  for (int n = 0; n < 4; ++n) {
+    const std::string file = fmt::format("press/press_{:04}.vtu", n);
+    EXPECT_THAT(written(), HasSubstr(fmt::format(
+                               "timestep=\"{}\" group=\"\" part=\"0\" file=\"{}\"", n, file)));
+    EXPECT_THAT(readText(directory / file, "file"), HasSubstr("Name=\"way\""));
+  }
+  EXPECT_FALSE(std::filesystem::exists(directory / "press/press_0004.vtu"));
+  options.steps = 1;
+  expectBadInput([&] { run(); }, {"press.pvd is there already"});
+  options.force = true;
+  EXPECT_EQ(run(), ExitCode::done);
+  EXPECT_FALSE(std::filesystem::exists(directory / "press/press_0002.vtu")) << "of the longer one";
+}
+
+TEST_F(ExportCommand, ACurveHasTheAnswersOfQuery) {
+  options.output = directory / "curve.csv";
+  options.displacement = {"-"};
+  const std::string lines = "0 0 0\n0.001 -0.002 0\n0.03 0 0\n";
+  EXPECT_EQ(run(lines), ExitCode::partly_failed) << "the last is outside";
+  const std::vector<std::string> written = linesWritten();
+  ASSERT_EQ(written.size(), 4U);
+  EXPECT_EQ(written[0],
+            "step,way_m,displacement_x_m,displacement_y_m,displacement_z_m,force_x_N,force_y_N,"
+            "force_z_N,force_N,stiffness_x_x_N_per_m,stiffness_x_y_N_per_m,stiffness_x_z_N_per_m,"
+            "stiffness_y_x_N_per_m,stiffness_y_y_N_per_m,stiffness_y_z_N_per_m,"
+            "stiffness_z_x_N_per_m,stiffness_z_y_N_per_m,stiffness_z_z_N_per_m,energy_J,"
+            "error_bound_N,coverage,inside");
+  std::istringstream input(lines);
+  std::ostringstream answers;
+  query({options.dataset, "edge-2", {"-"}, "potential", true}, input, answers);
+  std::istringstream asked(answers.str());
+  std::string answer;
+  for (std::size_t n = 1; n < written.size() && std::getline(asked, answer); ++n) {
+    double f[3] = {}, of_query[3] = {};
+    ASSERT_EQ(
+        std::sscanf(written[n].c_str(), "%*d,%*f,%*f,%*f,%*f,%lf,%lf,%lf", &f[0], &f[1], &f[2]), 3);
+    const std::size_t force = answer.find("\"force\":[");
+    ASSERT_EQ(std::sscanf(answer.c_str() + force, "\"force\":[%lf,%lf,%lf]", &of_query[0],
+                          &of_query[1], &of_query[2]),
+              3);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(f[i], of_query[i]) << "to the last bit";
+    EXPECT_EQ(written[n].back(), n < 3 ? '1' : '0');
+  }
+}
+
+TEST_F(ExportCommand, OutsideOfTheWorkspaceIsWrittenAndEndsWithCodeThree) {
+  options.displacement = {"0.03", "0", "0"};
+  EXPECT_EQ(run(), ExitCode::partly_failed);
+  EXPECT_THAT(written(), HasSubstr("Name=\"inside\""));
+}
+
+TEST_F(ExportCommand, ADiskThatIsFullIsToldWithTheFileAndNothingIsLeft) {
+  for (const char* name : {"touch.vtu", "touch.vtkhdf"}) {
+    options.output = directory / name;
+    // What is written aside goes where nothing fits.
+    std::filesystem::create_symlink("/dev/full", (directory / name).string() + ".tmp");
+    test::expectError(ExitCode::failed, [&] { run(); }, {name, "No space left on device"});
+    expectNothingIsLeft();
+  }
+}
+
+TEST_F(ExportCommand, AFolderThatIsNotThereIsNamed) {
+  options.output = directory / "nowhere" / "touch.vtu";
+  test::expectError(ExitCode::failed, [&] { run(); }, {"nowhere", "give another -o"});
+}
+
+TEST_F(ExportCommand, RefusesWhatDoesNotSayOneThing) {
+  options.output = directory / "touch.obj";
+  expectBadInput([&] { run(); }, {"touch.obj", ".vtu", ".pvd", ".vtkhdf", ".csv"});
+  options.output = directory / "press.pvd";
+  expectBadInput([&] { run(); }, {"press.pvd", "--steps N"});
+  options.output = directory / "curve.csv";
+  expectBadInput([&] { run(); }, {"curve.csv", "--steps N"});
+  options.steps = -1;
+  expectBadInput([&] { run(); }, {"--steps -1"});
+  options.output = directory / "touch.vtu";
+  expectBadInput([&] { run(); }, {"touch.vtu", "one configuration", ".pvd or .csv"});
+  options.steps = 0;
+  options.point = {0, 0, 0};
+  expectBadInput([&] { run(); }, {"--displacement X Y Z", "--point I J K"});
+  options.displacement.clear();
+  options.output = directory / "press.pvd";
+  expectBadInput([&] { run(); }, {"press.pvd", "no --point"});
+  options.point.clear();
+  expectBadInput([&] { run(); }, {"--displacement X Y Z", "--point I J K"});
+  expectNothingIsLeft();
+}
+
+TEST_F(ExportCommand, RefusesUnknownNamesMethodsAndDatasets) {
+  options.active = "top";
+  expectBadInput([&] { run(); }, {"\"top\"", "tip, edge-2"});
+  options.active = "tip";
+  options.method = "cubic";
+  expectBadInput([&] { run(); }, {"cubic", "potential, trilinear"});
+  options.method = "potential";
+  options.at = {"0", "0", "0"};
+  expectBadInput([&] { run(); }, {"--at", "\"tip\" is no finger"});
+  options.at.clear();
+  const hid_t file = H5Fopen(options.dataset.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t version = H5Aopen(file, layout::version_attribute, H5P_DEFAULT);
+  const std::array<std::int32_t, 2> other = {99, 0};
+  EXPECT_GE(H5Awrite(version, H5T_NATIVE_INT32, other.data()), 0);
+  H5Aclose(version);
+  H5Fclose(file);
+  expectBadInput([&] { run(); }, {"sample.h5", "format version 99.0"});
+  options.dataset = directory / "other.h5";
+  expectBadInput([&] { run(); }, {"other.h5", "no such dataset"});
+}
+
+TEST_F(ExportCommand, ProgramTakesItsWordsAndEndsWithItsCodes) {
+  const std::string words = fmt::format("{}/palpate-viewer export {} --active edge-2 ",
+                                        PALPATE_BIN_DIR, options.dataset.string());
+  const std::string out = fmt::format("-o {} ", options.output.string());
+  test::CommandResult result = test::runCommand(words + out + "--displacement -0.01 -1e-3 -.002");
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  result = test::runCommand(words + out + "--point -1 0 0");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, HasSubstr("is there already"));
+  result = test::runCommand(words + out + "--point -1 0 0 --force");
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  result = test::runCommand(words + out + "--displacement 0.5 0 0 --force");
+  EXPECT_EQ(result.exit_code, 3) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("1 of 1 displacements lie outside"));
+  EXPECT_EQ(test::runCommand(words + out + "--point 1 0").exit_code, 2);
+  result = test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-viewer export --help");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.output, HasSubstr(".vtkhdf"));
+}
+
+/// A dataset whose top a finger touches.
+class ExportOfAFinger : public ExportCommand {
+ protected:
+  ExportOfAFinger() {
+    body.seal(options.dataset);
+    options.active = "top";
+  }
+  test::FingerBody body;
+};
+
+TEST_F(ExportOfAFinger, IsAtAPlaceOfTheSurface) {
+  expectBadInput([&] { run(); }, {"\"top\"", "--at X Y Z"});
+  options.at = {"0.0512", "0.0437", "0.12"};
+  options.displacement = {"0.003", "-0.002", "-0.009"};
+  EXPECT_EQ(run(), ExitCode::done);
+  EXPECT_THAT(written(), AllOf(HasSubstr("active=\"top\""), HasSubstr("Name=\"drive\"")));
+}
+
+TEST_F(ExportOfAFinger, APointIsOfTheSiteNearestToThePlace) {
+  options.displacement.clear();
+  options.point = {0, 0, -1};
+  expectBadInput([&] { run(); }, {"\"top\"", "--at X Y Z"});
+  const Eigen::Vector3d& center = body.problem.active[2].finger.value().center;
+  for (const double x : center) options.at.push_back(fmt::format("{}", x));
+  EXPECT_EQ(run(), ExitCode::done);
+  EXPECT_THAT(written(), HasSubstr("active=\"" + body.problem.active[2].name + "\""));
+}
+
+TEST_F(ExportOfAFinger, ACurveTellsPlaceAndDrive) {
+  options.output = directory / "curve.csv";
+  options.at = options.displacement = {"-"};
+  EXPECT_EQ(run("0.05 0.04 0.1 0 0 -0.01\n0.02 0.08 0.1, 0.001 0 -0.002\n"), ExitCode::done);
+  EXPECT_THAT(linesWritten().front(),
+              AllOf(HasSubstr("way_m,at_x_m,"), HasSubstr("drive_z_N,energy_J")));
+  EXPECT_EQ(linesWritten().size(), 3U);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,85 @@
+#include "viewer/export/export_target.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/support/temporary_directory.hpp"
+
+namespace palpate {
+namespace {
+
+using test::expectBadInput;
+
+struct ExportTargetTest : testing::Test {
+  test::TemporaryDirectory directory;
+  std::filesystem::path dataset = directory / "organ.h5";
+  ExportTargetTest() { touch(dataset); }
+  static void touch(const std::filesystem::path& file) { std::ofstream(file) << "something"; }
+};
+
+TEST_F(ExportTargetTest, TheEndingSaysTheFormat) {
+  EXPECT_EQ(ExportTarget("a.vtu").format(), ExportFormat::vtu);
+  EXPECT_EQ(ExportTarget("a.b.pvd").format(), ExportFormat::pvd);
+  EXPECT_EQ(ExportTarget("a.vtkhdf").format(), ExportFormat::vtkhdf);
+  EXPECT_EQ(ExportTarget("a.hdf").format(), ExportFormat::vtkhdf);
+  EXPECT_EQ(ExportTarget("a.csv").format(), ExportFormat::csv);
+  for (const char* file : {"a.vtk", "a", ".vtu", "a.h5", "a.VTU", ""})
+    expectBadInput([&] { ExportTarget{file}; },
+                   {std::string("-o ") + file, ".vtu", ".pvd", ".vtkhdf", ".hdf", ".csv"});
+}
+
+TEST_F(ExportTargetTest, WhatIsThereIsKeptUnlessItMayBeReplaced) {
+  const ExportTarget target(directory / "touch.vtu");
+  target.refuseWhatIsThere(dataset, false);
+  touch(target.file());
+  expectBadInput([&] { target.refuseWhatIsThere(dataset, false); },
+                 {"touch.vtu is there already", "--force"});
+  target.refuseWhatIsThere(dataset, true);
+}
+
+TEST_F(ExportTargetTest, TheDatasetAndFoldersAreNeverReplaced) {
+  const std::filesystem::path named_so = directory / "organ.hdf";
+  std::filesystem::create_hard_link(dataset, named_so);
+  expectBadInput([&] { ExportTarget(named_so).refuseWhatIsThere(dataset, true); },
+                 {"the dataset itself"});
+  std::filesystem::create_directory(directory / "folder.vtu");
+  expectBadInput([&] { ExportTarget(directory / "folder.vtu").refuseWhatIsThere(dataset, true); },
+                 {"is a directory"});
+}
+
+TEST_F(ExportTargetTest, ASeriesHasAFolderOfItsName) {
+  const ExportTarget target(directory / "press.pvd");
+  EXPECT_EQ(target.seriesFile(7), directory / "press/press_0007.vtu");
+  EXPECT_EQ(target.nameInSeries(12345), "press/press_12345.vtu");
+  std::filesystem::create_directory(directory / "press");
+  target.refuseWhatIsThere(dataset, false);
+  touch(directory / "press/notes.txt");
+  expectBadInput([&] { target.refuseWhatIsThere(dataset, false); }, {"press", "--force"});
+  target.refuseWhatIsThere(dataset, true);
+  const ExportTarget other(directory / "file.pvd");
+  touch(directory / "file");
+  expectBadInput([&] { other.refuseWhatIsThere(dataset, true); }, {"no folder"});
+}
+
+TEST_F(ExportTargetTest, OfALongerSeriesBeforeNothingIsLeftAndNothingElseIsTouched) {
+  const ExportTarget target(directory / "press.pvd");
+  target.beginSeries();
+  for (std::size_t n = 0; n < 4; ++n) touch(target.seriesFile(n));
+  touch(directory / "press/press_.vtu");
+  touch(directory / "press/press_3b.vtu");
+  touch(directory / "press/pressed_0003.vtu");
+  touch(target.file());
+  target.beginSeries();
+  EXPECT_FALSE(std::filesystem::exists(target.file())) << "the list goes first";
+  target.endSeries(2);
+  EXPECT_TRUE(std::filesystem::exists(target.seriesFile(1)));
+  EXPECT_FALSE(std::filesystem::exists(target.seriesFile(2)));
+  EXPECT_FALSE(std::filesystem::exists(target.seriesFile(3)));
+  for (const char* other : {"press_.vtu", "press_3b.vtu", "pressed_0003.vtu"})
+    EXPECT_TRUE(std::filesystem::exists(directory / "press" / other)) << other;
+}
+
+}  // namespace
+}  // namespace palpate

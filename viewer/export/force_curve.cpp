@@ -1,0 +1,63 @@
+#include "viewer/export/force_curve.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "common/base/assertion.hpp"
+#include "viewer/plot/csv.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr const char* axes = "xyz";
+
+/// In as few digits as tell it from all other numbers; nothing when it is not finite.
+std::string exact(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+
+void addTitles(std::vector<std::string>& titles, const char* name, const char* unit) {
+  for (int i = 0; i < 3; ++i) titles.push_back(fmt::format("{}_{}_{}", name, axes[i], unit));
+}
+
+std::vector<std::string> titlesOf(const ForceAnswer& answer) {
+  std::vector<std::string> titles = {"step", "way_m"};
+  if (answer.finger) addTitles(titles, "at", "m");
+  addTitles(titles, "displacement", "m");
+  addTitles(titles, "force", "N");
+  titles.emplace_back("force_N");
+  for (int row = 0; row < 3; ++row)
+    addTitles(titles, fmt::format("stiffness_{}", axes[row]).c_str(), "N_per_m");
+  if (answer.finger) addTitles(titles, "drive", "N");
+  for (const char* title : {"energy_J", "error_bound_N", "coverage", "inside"})
+    titles.emplace_back(title);
+  return titles;
+}
+
+std::string lineOf(std::size_t number, const WayStep& step, const ForceAnswer& answer) {
+  std::vector<std::string> cells = {std::to_string(number), exact(step.way)};
+  const auto add = [&cells](const auto& vector) {
+    for (int i = 0; i < 3; ++i) cells.push_back(exact(vector[i]));
+  };
+  const ForceSample& sample = answer.sample;
+  if (answer.finger) add(answer.finger->at);
+  add(step.touch.displacement);
+  add(sample.force);
+  cells.push_back(exact(sample.force.norm()));
+  for (int row = 0; row < 3; ++row) add(sample.stiffness.row(row));
+  if (answer.finger) add(answer.finger->drive);
+  for (const double number_of : {sample.energy, sample.error_bound, sample.coverage})
+    cells.push_back(exact(number_of));
+  cells.emplace_back(sample.inside ? "1" : "0");
+  return csvLine(cells);
+}
+
+}  // namespace
+
+std::string forceCurve(const std::vector<WayStep>& way, const std::vector<ForceAnswer>& answers) {
+  PALPATE_ASSERT(!way.empty() && way.size() == answers.size(), "every step has its answer");
+  std::string text = csvLine(titlesOf(answers.front()));
+  for (std::size_t n = 0; n < way.size(); ++n) text += lineOf(n, way[n], answers[n]);
+  return text;
+}
+
+}  // namespace palpate

@@ -1,0 +1,77 @@
+#include "viewer/export/interpolated_shape.hpp"
+
+#include <algorithm>
+
+#include "common/base/assertion.hpp"
+#include "common/mesh/surface_point.hpp"
+
+namespace palpate {
+namespace {
+
+/// sum += factor * values.
+void addTo(Eigen::VectorXd& sum, double factor, const std::vector<float>& values) {
+  if (sum.size() == 0) sum = Eigen::VectorXd::Zero(std::ssize(values));
+  sum += factor * Eigen::Map<const Eigen::VectorXf>(values.data(), sum.size()).cast<double>();
+}
+
+std::vector<float> toFloats(const Eigen::VectorXd& values) {
+  std::vector<float> floats(at(values.size()));
+  Eigen::Map<Eigen::VectorXf>(floats.data(), values.size()) = values.cast<float>();
+  return floats;
+}
+
+}  // namespace
+
+InterpolatedShape::InterpolatedShape(const Dataset& dataset, const ActiveChoice& choice)
+    : dataset_(dataset), choice_(choice) {
+  if (choice.spaces.size() > 1) surface_ = std::make_unique<TouchSurface>(dataset);
+}
+
+NodalFields InterpolatedShape::at(const std::optional<Eigen::Vector3d>& place,
+                                  const Eigen::Vector3d& displacement) {
+  std::map<Key, double> factors;
+  for (const auto& [space, weight] : spacesAt(place))
+    for (const PointShare& share : blendOf(space).sharesAt(displacement))
+      factors[{space, share.point}] += weight * share.factor;
+  std::erase_if(read_, [&](const auto& row) { return !factors.contains(row.first); });
+  Eigen::VectorXd displacements, pressures;
+  for (const auto& [key, factor] : factors) {
+    const auto [row, is_new] = read_.try_emplace(key);
+    if (is_new) row->second = dataset_.fields(key.first, key.second);
+    addTo(displacements, factor, row->second.displacement);
+    addTo(pressures, factor, row->second.pressure);
+  }
+  return {toFloats(displacements), toFloats(pressures)};
+}
+
+std::vector<std::pair<std::size_t, double>> InterpolatedShape::spacesAt(
+    const std::optional<Eigen::Vector3d>& place) {
+  if (!surface_) return {{choice_.spaces.front(), 1.0}};
+  PALPATE_ASSERT(place.has_value(), "an area is asked with a place");
+  const SpaceBlend blend = surface_->blendAt(nearestOnSurface(dataset_.mesh(), *place));
+  std::vector<std::pair<std::size_t, double>> spaces;
+  double sum = 0;
+  for (const SpaceWeight& share : std::span(blend.shares).first(palpate::at(blend.size))) {
+    if (std::ranges::find(choice_.spaces, palpate::at(share.space)) == choice_.spaces.end())
+      continue;
+    spaces.emplace_back(palpate::at(share.space), share.weight);
+    sum += share.weight;
+  }
+  // Beyond the area, where no answer is inside.
+  if (spaces.empty()) return {{nearestSite(dataset_, choice_.spaces, *place), 1.0}};
+  for (auto& [space, weight] : spaces) weight /= sum;
+  return spaces;
+}
+
+const PointBlend& InterpolatedShape::blendOf(std::size_t space) {
+  return blends_.try_emplace(space, dataset_.spaces()[space]).first->second;
+}
+
+std::size_t nearestSite(const Dataset& dataset, const std::vector<std::size_t>& spaces,
+                        const Eigen::Vector3d& place) {
+  return *std::ranges::min_element(spaces, {}, [&](std::size_t space) {
+    return (dataset.spaces()[space].patch.finger.value().center - place).squaredNorm();
+  });
+}
+
+}  // namespace palpate

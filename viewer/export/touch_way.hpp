@@ -1,0 +1,29 @@
+#pragma once
+
+#include <iosfwd>
+
+#include "common/base/displacement_input.hpp"
+
+namespace palpate {
+
+/// One touch of a way of the tool.
+struct WayStep {
+  TouchInput touch;
+  double way = 0;  ///< m, that the tool has gone since the first step
+};
+
+/// More steps of a straight way are refused: a file for each.
+inline constexpr int most_steps = 100000;
+
+/// The touches of a way: from rest straight to the displacement in `words` in so many steps, rest
+/// included; or, where `words` is "-", one per line of the input (forEachTouch), and no `steps`
+/// (0). Error (bad input) when there are none or too many, or none in the input.
+std::vector<WayStep> touchWay(const std::vector<std::string>& at,
+                              const std::vector<std::string>& words, int steps, std::istream& input,
+                              double workspace_radius);
+
+/// The only touch: the displacement in `words`, which is not "-".
+TouchInput onlyTouch(const std::vector<std::string>& at, const std::vector<std::string>& words,
+                     double workspace_radius);
+
+}  // namespace palpate

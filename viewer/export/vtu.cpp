@@ -1,0 +1,113 @@
+#include "viewer/export/vtu.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+
+#include "common/base/content_id.hpp"
+#include "viewer/plot/svg_plot.hpp"
+
+namespace palpate {
+namespace {
+
+const char* vtkName(const std::vector<float>&) { return "Float32"; }
+const char* vtkName(const std::vector<double>&) { return "Float64"; }
+const char* vtkName(const std::vector<std::int32_t>&) { return "Int32"; }
+const char* vtkName(const std::vector<std::uint8_t>&) { return "UInt8"; }
+
+/// Elements that describe arrays, and the bytes that these have behind the text.
+class Arrays {
+ public:
+  /// One array. `attributes` begins with a blank.
+  template <class Number>
+  std::string element(const std::string& attributes, const std::vector<Number>& values) {
+    const std::string_view bytes = bytesOf(std::span(values));
+    const std::uint64_t size = bytes.size();
+    const std::size_t offset = appended_.size();
+    appended_ += bytesOf(std::span(&size, 1));
+    appended_ += bytes;
+    return fmt::format("<DataArray type=\"{}\"{} format=\"appended\" offset=\"{}\"/>\n",
+                       vtkName(values), attributes, offset);
+  }
+
+  /// All of a section. with_tuples: tell how many there are, which only VTK's field data needs.
+  std::string section(const char* name, const std::vector<GridArray>& arrays,
+                      bool with_tuples = false) {
+    std::string text = fmt::format("<{}>\n", name);
+    for (const GridArray& array : arrays)
+      text += std::visit(
+          [&](const auto& values) {
+            return element(attributesOf(array, with_tuples ? values.size() : 0), values);
+          },
+          array.values);
+    return text + fmt::format("</{}>\n", name);
+  }
+
+  const std::string& appended() const { return appended_; }
+
+ private:
+  static std::string attributesOf(const GridArray& array, std::size_t values) {
+    std::string text =
+        fmt::format(" Name=\"{}\" unit=\"{}\"", xmlText(array.name), xmlText(array.unit));
+    if (array.components > 1) text += fmt::format(" NumberOfComponents=\"{}\"", array.components);
+    if (values > 0)
+      text += fmt::format(" NumberOfTuples=\"{}\"",
+                          values / static_cast<std::size_t>(array.components));
+    return text;
+  }
+
+  std::string appended_;
+};
+
+std::string cellsOf(const Grid& grid, Arrays& arrays) {
+  std::vector<std::int32_t> ends;
+  for (std::size_t n = 1; n <= grid.cellCount(); ++n)
+    ends.push_back(static_cast<std::int32_t>(n) * pointsOf(grid.kind));
+  const std::vector<std::uint8_t> types(grid.cellCount(), static_cast<std::uint8_t>(grid.kind));
+  std::string text = "<Cells>\n" + arrays.element(" Name=\"connectivity\"", grid.cells);
+  text += arrays.element(" Name=\"offsets\"", ends);
+  return text + arrays.element(" Name=\"types\"", types) + "</Cells>\n";
+}
+
+}  // namespace
+
+std::string xmlText(std::string_view text) {
+  std::string clean(text);
+  std::ranges::replace_if(
+      clean, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
+  return escaped(clean);
+}
+
+std::string vtuBytes(const Grid& grid) {
+  Arrays arrays;
+  std::string text =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\"";
+  for (const auto& [name, value] : grid.texts)
+    text += fmt::format(" {}=\"{}\"", name, xmlText(value));
+  text += ">\n<UnstructuredGrid>\n" + arrays.section("FieldData", grid.field_data, true);
+  text += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", grid.pointCount(),
+                      grid.cellCount());
+  text += arrays.section("PointData", grid.point_data);
+  text += arrays.section("CellData", grid.cell_data);
+  text += "<Points>\n";
+  text += arrays.element(" Name=\"Points\" unit=\"m\" NumberOfComponents=\"3\"", grid.points);
+  text += "</Points>\n" + cellsOf(grid, arrays) + "</Piece>\n</UnstructuredGrid>\n";
+  // No line ends between the mark and the bytes.
+  return text + "<AppendedData encoding=\"raw\">_" + arrays.appended() +
+         "\n</AppendedData>\n</VTKFile>\n";
+}
+
+std::string pvdText(const std::vector<SeriesFile>& series) {
+  std::string text =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n";
+  for (const SeriesFile& step : series)
+    text += fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"0\" file=\"{}\"/>\n", step.time,
+                        xmlText(step.file));
+  return text + "</Collection>\n</VTKFile>\n";
+}
+
+}  // namespace palpate
