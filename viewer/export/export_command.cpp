@@ -4,19 +4,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <iostream>
 #include <memory>
 
-#include "common/base/index.hpp"
 #include "common/base/whole_file.hpp"
-#include "common/problem/finger.hpp"
-#include "common/space/named_point.hpp"
-#include "viewer/answers/force_answers.hpp"
 #include "viewer/export/configuration_grid.hpp"
+#include "viewer/export/configuration_source.hpp"
 #include "viewer/export/export_target.hpp"
 #include "viewer/export/force_curve.hpp"
-#include "viewer/export/interpolated_shape.hpp"
 #include "viewer/export/touch_way.hpp"
 #include "viewer/export/vtkhdf.hpp"
 #include "viewer/export/vtu.hpp"
@@ -43,101 +38,6 @@ void checkChoice(const ExportOptions& options, const ExportTarget& target) {
   if (is_path || options.steps != 0)
     throw badInput("{}: holds one configuration; for a way give -o an ending .pvd or .csv", name);
 }
-
-/// What can be exported of a dataset, one configuration at a time.
-class Exporter {
- public:
-  Exporter(const ExportOptions& options, const Dataset& dataset)
-      : options_(options), dataset_(dataset), grid_(dataset) {}
-
-  const ConfigurationGrid& grid() const { return grid_; }
-
-  /// Everything that is interpolated is prepared by the first.
-  Configuration interpolated(const ForceAnswers& answers, const TouchInput& touch) {
-    if (!shape_) shape_.emplace(dataset_, answers.choice());
-    const ForceAnswer answer = answers.answer(touch);
-    Configuration configuration;
-    configuration.sample = answer.sample;
-    configuration.displacement = touch.displacement;
-    configuration.active = answers.choice().name;
-    configuration.method = answers.method();
-    const ActivePatch& patch = answers.firstSpace().patch;
-    if (answer.finger) {
-      configuration.place = answer.finger->at;
-      configuration.drive = answer.finger->drive;
-      configuration.touched = fingerWeights(dataset_.mesh(), dataset_.fixedNodes(),
-                                            answer.finger->at, patch.finger.value().radius)
-                                  .nodes;
-      configuration.fields = shape_->at(answer.finger->at, touch.displacement);
-      return configuration;
-    }
-    setTool(patch, configuration);
-    configuration.fields = shape_->at(std::nullopt, touch.displacement);
-    return configuration;
-  }
-
-  /// A lattice point exactly as it was solved.
-  Configuration solved() const {
-    const std::size_t number = spaceOfPoint();
-    const SpaceTable& space = dataset_.spaces()[number];
-    const Eigen::Vector3d point = Eigen::Map<const Eigen::Vector3d>(options_.point.data());
-    const std::int32_t n = pointNamed(space.lattice, point);
-    const PointRecord& record = space.points[at(n)];
-    if (!isSolved(record.tag)) refuseUnsolved(space, point, record);
-    Configuration configuration;
-    configuration.fields = dataset_.fields(number, n);
-    configuration.displacement = space.lattice.displacement(n);
-    const Equilibrium& equilibrium = record.equilibrium;
-    configuration.sample.force = equilibrium.force;
-    configuration.sample.stiffness = equilibrium.stiffness;
-    configuration.sample.energy = equilibrium.energy;
-    configuration.sample.error_bound = 0;
-    configuration.sample.coverage = 1;
-    configuration.sample.inside = true;
-    if (space.patch.finger) configuration.drive = equilibrium.drive;
-    configuration.lattice_point = point;
-    configuration.min_det_F = equilibrium.min_det_F;
-    configuration.active = space.patch.name;
-    configuration.method = "solved";
-    setTool(space.patch, configuration);
-    return configuration;
-  }
-
- private:
-  void setTool(const ActivePatch& patch, Configuration& configuration) const {
-    configuration.place =
-        patch.finger ? patch.finger->center : dataset_.mesh().nodes[at(patch.node)];
-    configuration.touched = patch.nodes;
-  }
-
-  /// Of an area the site nearest to the place.
-  std::size_t spaceOfPoint() const {
-    const ActiveChoice choice = chooseActive(dataset_.scene(), options_.active);
-    requirePlace(choice, !options_.at.empty());
-    if (options_.at.empty()) return choice.spaces.front();
-    if (!dataset_.spaces()[choice.spaces.front()].patch.finger)
-      throw badInput("--at: \"{}\" is no finger, and answers where it is only", choice.name);
-    const std::vector<std::string> rest = {"0", "0", "0"};
-    const TouchInput touch = onlyTouch(options_.at, rest, 1);
-    return nearestSite(dataset_, choice.spaces, touch.at.value());
-  }
-
-  [[noreturn]] void refuseUnsolved(const SpaceTable& space, const Eigen::Vector3d& point,
-                                   const PointRecord& record) const {
-    const std::string cause =
-        record.tag == Tag::failed ? fmt::format(" ({})", name(record.cause)) : "";
-    throw badInput(
-        "{}: point ({:g}, {:g}, {:g}) of {} is {}{}: there is no configuration to export; "
-        "palpate explain {} --active {} {:g} {:g} {:g} says why",
-        dataset_.file().string(), point[0], point[1], point[2], space.patch.name, name(record.tag),
-        cause, dataset_.file().string(), space.patch.name, point[0], point[1], point[2]);
-  }
-
-  const ExportOptions& options_;
-  const Dataset& dataset_;
-  const ConfigurationGrid grid_;
-  std::optional<InterpolatedShape> shape_;
-};
 
 /// How many of the touches lie outside, as a warning and an exit code.
 ExitCode codeOf(std::size_t outside, std::size_t all) {
@@ -166,26 +66,35 @@ void writeOne(const ExportTarget& target, const Grid& grid) {
   replaceFile(target.file(), [&](const std::filesystem::path& aside) { writeVtkHdf(aside, grid); });
 }
 
+/// The only one that is asked for.
+Configuration chosenConfiguration(const ExportOptions& options, const Dataset& dataset) {
+  ConfigurationSource source(dataset);
+  if (!options.point.empty()) {
+    // The displacement is not looked at.
+    const auto place =
+        options.at.empty() ? std::nullopt : onlyTouch(options.at, {"0", "0", "0"}, 1).at;
+    const Eigen::Vector3d point = Eigen::Map<const Eigen::Vector3d>(options.point.data());
+    return source.solved(options.active, place, point);
+  }
+  const ForceAnswers answers(dataset, options.active, !options.at.empty(), options.method);
+  return source.interpolated(
+      answers, onlyTouch(options.at, options.displacement, answers.workspaceRadius()));
+}
+
 ExitCode exportOne(const ExportOptions& options, const Dataset& dataset, const ExportTarget& target,
                    std::ostream& output) {
-  Exporter exporter(options, dataset);
-  Configuration configuration;
-  if (options.point.empty()) {
-    const ForceAnswers answers(dataset, options.active, !options.at.empty(), options.method);
-    configuration = exporter.interpolated(
-        answers, onlyTouch(options.at, options.displacement, answers.workspaceRadius()));
-  } else {
-    configuration = exporter.solved();
-  }
-  writeOne(target, exporter.grid().of(configuration));
-  output << fmt::format("{}: {}\n", target.file().string(), describe(exporter.grid()));
+  const Configuration configuration = chosenConfiguration(options, dataset);
+  const ConfigurationGrid grid(dataset);
+  writeOne(target, grid.of(configuration));
+  output << fmt::format("{}: {}\n", target.file().string(), describe(grid));
   return codeOf(configuration.sample.inside ? 0 : 1, 1);
 }
 
-ExitCode exportSeries(const ExportOptions& options, const Dataset& dataset,
-                      const ForceAnswers& answers, const std::vector<WayStep>& way,
-                      const ExportTarget& target, std::ostream& output) {
-  Exporter exporter(options, dataset);
+ExitCode exportSeries(const Dataset& dataset, const ForceAnswers& answers,
+                      const std::vector<WayStep>& way, const ExportTarget& target,
+                      std::ostream& output) {
+  ConfigurationSource source(dataset);
+  const ConfigurationGrid grid(dataset);
   target.beginSeries();
   std::vector<SeriesFile> series;
   std::size_t outside = 0;
@@ -195,16 +104,16 @@ ExitCode exportSeries(const ExportOptions& options, const Dataset& dataset,
                    target.file().string());
       return ExitCode::interrupted;
     }
-    Configuration configuration = exporter.interpolated(answers, way[n].touch);
+    Configuration configuration = source.interpolated(answers, way[n].touch);
     configuration.way = way[n].way;
     outside += configuration.sample.inside ? 0 : 1;
-    replaceFile(target.seriesFile(n), vtuBytes(exporter.grid().of(configuration)), "grid");
+    replaceFile(target.seriesFile(n), vtuBytes(grid.of(configuration)), "grid");
     series.push_back({static_cast<double>(n), target.nameInSeries(n)});
   }
   target.endSeries(way.size());
   replaceFile(target.file(), pvdText(series), "list of the series");
   output << fmt::format("{}: {} files in {}, each {}\n", target.file().string(), way.size(),
-                        target.seriesFolder().string(), describe(exporter.grid()));
+                        target.seriesFolder().string(), describe(grid));
   return codeOf(outside, way.size());
 }
 
@@ -214,9 +123,9 @@ ExitCode exportCurve(const ForceAnswers& answers, const std::vector<WayStep>& wa
   for (const WayStep& step : way) found.push_back(answers.answer(step.touch));
   replaceFile(target.file(), forceCurve(way, found), "curve");
   output << fmt::format("{}: {} lines\n", target.file().string(), way.size());
-  const auto outside = std::ranges::count(
+  const std::ptrdiff_t outside = std::ranges::count(
       found, false, [](const ForceAnswer& answer) { return answer.sample.inside; });
-  return codeOf(at(outside), way.size());
+  return codeOf(static_cast<std::size_t>(outside), way.size());
 }
 
 std::function<ExitCode()> prepareExport(CLI::App& app) {
@@ -271,7 +180,7 @@ ExitCode exportConfigurations(const ExportOptions& options, std::istream& input,
   const std::vector<WayStep> way =
       touchWay(options.at, options.displacement, options.steps, input, answers.workspaceRadius());
   if (target.format() == ExportFormat::csv) return exportCurve(answers, way, target, output);
-  return exportSeries(options, dataset, answers, way, target, output);
+  return exportSeries(dataset, answers, way, target, output);
 }
 
 Verb exportVerb() {

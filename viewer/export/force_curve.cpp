@@ -13,7 +13,10 @@ namespace {
 constexpr const char* axes = "xyz";
 
 /// In as few digits as tell it from all other numbers; nothing when it is not finite.
-std::string exact(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+std::string exact(double value) {
+  // + 0.0: nobody wants to read -0.
+  return std::isfinite(value) ? fmt::format("{}", value + 0.0) : "";
+}
 
 void addTitles(std::vector<std::string>& titles, const char* name, const char* unit) {
   for (int i = 0; i < 3; ++i) titles.push_back(fmt::format("{}_{}_{}", name, axes[i], unit));

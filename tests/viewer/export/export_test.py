@@ -253,15 +253,16 @@ class ExportedBody(ExportedBox):
                 self.assertEqual(hdf["VTKHDF/PointData/pressure"].attrs["unit"].decode(), "Pa")
 
     def testOfTheSurfaceIsThatOfTheDataset(self):
-        self.build(stored="surface")
-        file = self.export("touch.vtu", "--point", "1", "-1", "-1")
-        for grid in [VtkGrid(file)] + ([MeshioGrid(file)] if meshio else []):
-            self.holds(grid, self.row(1, -1, -1))
-            self.assertEqual(grid.cell_type, 5)
-            stored = self.dataset["mesh/stored_nodes"][:]
-            np.testing.assert_array_equal(stored[grid.cells], self.dataset["mesh/surface"][:])
-            self.assertNotIn("det_F", grid.cell)
-            self.assertNotIn("pressure", grid.point)
+        for displacement in ("P1", "P2"):
+            self.build(displacement, stored="surface")
+            file = self.export("touch.vtu", "--point", "1", "-1", "-1")
+            for grid in [VtkGrid(file)] + ([MeshioGrid(file)] if meshio else []):
+                self.holds(grid, self.row(1, -1, -1))
+                self.assertEqual(grid.cell_type, 5)
+                stored = self.dataset["mesh/stored_nodes"][:]
+                np.testing.assert_array_equal(stored[grid.cells], self.dataset["mesh/surface"][:])
+                self.assertNotIn("det_F", grid.cell)
+                self.assertNotIn("pressure", grid.point)
 
     def testBetweenLatticePointsIsTheirMeanAndTheForceOfQuery(self):
         self.build()

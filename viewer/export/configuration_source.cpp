@@ -1,0 +1,86 @@
+#include "viewer/export/configuration_source.hpp"
+
+#include "common/base/error.hpp"
+#include "common/base/index.hpp"
+#include "common/problem/finger.hpp"
+#include "common/space/named_point.hpp"
+
+namespace palpate {
+
+Configuration ConfigurationSource::interpolated(const ForceAnswers& answers,
+                                                const TouchInput& touch) {
+  if (!shape_) shape_.emplace(dataset_, answers.choice());
+  const ForceAnswer answer = answers.answer(touch);
+  const ActivePatch& patch = answers.firstSpace().patch;
+  Configuration configuration = touchedBy(patch);
+  std::optional<Eigen::Vector3d> place;
+  if (answer.finger) {
+    place = configuration.place = answer.finger->at;
+    configuration.drive = answer.finger->drive;
+    configuration.touched =
+        fingerWeights(dataset_.mesh(), dataset_.fixedNodes(), *place, patch.finger.value().radius)
+            .nodes;
+  }
+  configuration.fields = shape_->at(place, touch.displacement);
+  configuration.displacement = touch.displacement;
+  configuration.sample = answer.sample;
+  configuration.active = answers.choice().name;
+  configuration.method = answers.method();
+  return configuration;
+}
+
+Configuration ConfigurationSource::solved(const std::string& active,
+                                          const std::optional<Eigen::Vector3d>& place,
+                                          const Eigen::Vector3d& point) const {
+  const std::size_t number = spaceOf(active, place);
+  const SpaceTable& space = dataset_.spaces()[number];
+  const std::int32_t n = pointNamed(space.lattice, point);
+  if (!isSolved(space.points[at(n)].tag)) refuseUnsolved(space, n, point);
+  const Equilibrium& equilibrium = space.points[at(n)].equilibrium;
+  Configuration configuration = touchedBy(space.patch);
+  configuration.fields = dataset_.fields(number, n);
+  configuration.displacement = space.lattice.displacement(n);
+  configuration.sample.force = equilibrium.force;
+  configuration.sample.stiffness = equilibrium.stiffness;
+  configuration.sample.energy = equilibrium.energy;
+  configuration.sample.error_bound = 0;
+  configuration.sample.coverage = 1;
+  configuration.sample.inside = true;
+  if (space.patch.finger) configuration.drive = equilibrium.drive;
+  configuration.lattice_point = point;
+  configuration.min_det_F = equilibrium.min_det_F;
+  configuration.active = space.patch.name;
+  configuration.method = "solved";
+  return configuration;
+}
+
+std::size_t ConfigurationSource::spaceOf(const std::string& active,
+                                         const std::optional<Eigen::Vector3d>& place) const {
+  const ActiveChoice choice = chooseActive(dataset_.scene(), active);
+  requirePlace(choice, place.has_value());
+  if (!place) return choice.spaces.front();
+  if (!dataset_.spaces()[choice.spaces.front()].patch.finger)
+    throw badInput("--at: \"{}\" is no finger, and answers where it is only", choice.name);
+  return nearestSite(dataset_, choice.spaces, *place);
+}
+
+Configuration ConfigurationSource::touchedBy(const ActivePatch& patch) const {
+  Configuration configuration;
+  configuration.place = patch.finger ? patch.finger->center : dataset_.mesh().nodes[at(patch.node)];
+  configuration.touched = patch.nodes;
+  return configuration;
+}
+
+void ConfigurationSource::refuseUnsolved(const SpaceTable& space, std::int32_t number,
+                                         const Eigen::Vector3d& point) const {
+  const PointRecord& record = space.points[at(number)];
+  const std::string file = dataset_.file().string();
+  throw badInput(
+      "{}: point ({:g}, {:g}, {:g}) of {} is {}{}: there is no configuration to export; "
+      "palpate explain {} --active {} {:g} {:g} {:g} says why",
+      file, point[0], point[1], point[2], space.patch.name, name(record.tag),
+      record.tag == Tag::failed ? fmt::format(" ({})", name(record.cause)) : "", file,
+      space.patch.name, point[0], point[1], point[2]);
+}
+
+}  // namespace palpate
