@@ -7,8 +7,10 @@ import json
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import tempfile
+import time
 import unittest
 import xml.etree.ElementTree as ElementTree
 
@@ -87,6 +89,27 @@ displacement = "{stored}"
 """
 
 
+# The top of a box of smaller cubes, which a finger touches.
+FINGER_SCENE = """mesh = "box.msh"
+[material]
+law = "mooney-rivlin"
+c10 = 1300
+c01 = 1280
+[fixed]
+below = { axis = "z", at = 0.001 }
+[[active]]
+name = "skin"
+surface = { box = { lowest = [0.005, 0.005, 0.039], highest = [0.055, 0.035, 0.041] } }
+tool = "finger"
+radius = 0.015
+[workspace]
+radius = 0.006
+spacing = 0.006
+[storage]
+displacement = "all"
+"""
+
+
 class VtkGrid:
     """A grid as VTK has it: points, cells (one row each), cell_type, and arrays by name."""
 
@@ -151,9 +174,12 @@ def det_F(rest, moved, places):
 
 class ExportedBox(unittest.TestCase):
     def build(self, displacement="P1", stored="all"):
+        self.build_scene(SCENE.format(displacement=displacement, stored=stored), *box())
+
+    def build_scene(self, scene, points, tetrahedra):
         self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
-        write_gmsh(self.folder / "box.msh", *box())
-        (self.folder / "box.toml").write_text(SCENE.format(displacement=displacement, stored=stored), encoding="utf-8")
+        write_gmsh(self.folder / "box.msh", points, tetrahedra)
+        (self.folder / "box.toml").write_text(scene, encoding="utf-8")
         self.run_palpate("build", "box.toml", "-o", "box.h5", "-j", "1")
         self.dataset = self.enterContext(h5py.File(self.folder / "box.h5"))
 
@@ -276,6 +302,30 @@ class ExportedBody(ExportedBox):
         for name in ("force", "stiffness", "energy", "error_bound", "coverage"):
             np.testing.assert_array_equal(np.ravel(grid.field[name]), np.ravel(answer[name]), name)
 
+    def testUnderAFingerTheBodyMovesWithIt(self):
+        self.build_scene(FINGER_SCENE, *box((6, 4, 4), 0.01))
+        place = ["--at", "0.031", "0.022", "0.04"]
+        site = VtkGrid(self.export("site.vtu", *place, "--point", "0", "0", "-1"))
+        spaces, patches = self.dataset["spaces"], self.dataset["patches"]
+        centers = spaces["finger"][:, :3]
+        nearest = np.argmin(np.linalg.norm(centers - (0.031, 0.022, 0.04), axis=1))
+        np.testing.assert_array_equal(np.ravel(site.field["tool_place"]), centers[nearest])
+        of_site = slice(*spaces["first_patch_node"][nearest:nearest + 2])
+        np.testing.assert_array_equal(np.flatnonzero(site.point["touched"]), patches["node"][of_site])
+        mean = patches["weight"][of_site] @ site.point["displacement"][patches["node"][of_site]]
+        np.testing.assert_allclose(mean, [0, 0, -0.006], atol=1e-7)
+        self.assertAlmostEqual(site.cell["det_F"].min(), site.field["min_det_F"].item(), delta=2e-5)
+
+        asked = [*place, "--displacement", "0.001", "0", "-0.004"]
+        between = VtkGrid(self.export("between.vtu", *asked))
+        answer = json.loads(self.run_palpate("query", "box.h5", *asked, "--json"))
+        np.testing.assert_array_equal(np.ravel(between.field["tool_place"]), answer["at"])
+        for name in ("force", "stiffness", "energy", "drive"):
+            np.testing.assert_array_equal(np.ravel(between.field[name]), np.ravel(answer[name]), name)
+        moved = between.point["displacement"][between.point["touched"] == 1].mean(axis=0)
+        self.assertLess(np.linalg.norm(moved - (0.001, 0, -0.004)), 0.004)
+        self.assertLess(moved[2], -0.001)
+
     def testOfAWayIsASeriesWithTimes(self):
         self.build()
         series = ElementTree.parse(self.export("press.pvd", "--displacement", "0.004", "0", "-0.003", "--steps", "4"))
@@ -287,6 +337,23 @@ class ExportedBody(ExportedBox):
             self.assertAlmostEqual(grid.field["way"].item(), 5e-3 * n / 4)
             touched = grid.point["displacement"][grid.point["touched"] == 1]
             np.testing.assert_allclose(touched, np.tile([4e-3 * n / 4, 0, -3e-3 * n / 4], (len(touched), 1)), atol=1e-8)
+
+    def testInterruptedHasNoListAndNoHalfFile(self):
+        self.build()
+        going = subprocess.Popen([PALPATE, "export", "box.h5", "-o", "press.pvd", "--displacement", "0.004", "0", "0",
+                                  "--steps", "100000"], cwd=self.folder, stdout=subprocess.DEVNULL,
+                                 stderr=subprocess.PIPE, text=True)
+        while not (self.folder / "press/press_0003.vtu").exists():
+            self.assertIsNone(going.poll(), "it ended by itself")
+            time.sleep(0.01)
+        going.send_signal(signal.SIGINT)
+        _, told = going.communicate()
+        self.assertEqual(going.returncode, 130, told)
+        self.assertIn("press.pvd is not written", told)
+        self.assertFalse((self.folder / "press.pvd").exists())
+        files = sorted((self.folder / "press").iterdir())
+        self.assertEqual([file.name for file in files], [f"press_{n:04}.vtu" for n in range(len(files))])
+        self.assertEqual(VtkGrid(files[-1]).point["displacement"].shape, VtkGrid(files[0]).points.shape)
 
     def testOfForcesIsACurveWithTheAnswersOfQuery(self):
         self.build()
