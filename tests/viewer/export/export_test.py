@@ -343,6 +343,7 @@ class ExportedBody(ExportedBox):
         going = subprocess.Popen([PALPATE, "export", "box.h5", "-o", "press.pvd", "--displacement", "0.004", "0", "0",
                                   "--steps", "100000"], cwd=self.folder, stdout=subprocess.DEVNULL,
                                  stderr=subprocess.PIPE, text=True)
+        self.addCleanup(going.kill)
         while not (self.folder / "press/press_0003.vtu").exists():
             self.assertIsNone(going.poll(), "it ended by itself")
             time.sleep(0.01)
