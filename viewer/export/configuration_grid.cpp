@@ -4,7 +4,6 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
-#include "common/dataset/dataset_format.hpp"
 #include "viewer/export/det_f.hpp"
 
 namespace palpate {
@@ -92,7 +91,7 @@ Grid ConfigurationGrid::of(const Configuration& configuration) const {
                 {"active", configuration.active},
                 {"method", configuration.method},
                 {"content_hash", dataset_.contentId().hex()},
-                {"units", std::string(layout::units)}};
+                {"units", "SI"}};
   return grid;
 }
 
