@@ -1,0 +1,76 @@
+#!/usr/bin/env python3
+"""Commands of the documentation: that their verbs, options and scripts exist. Those of docs/python.md, the tutorial and
+docs/client.md are run by tests of their own. By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/docs_commands_test.py."""
+import functools
+import os
+import pathlib
+import re
+import subprocess
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+BIN = pathlib.Path(os.environ.get("PALPATE_BIN_DIR", ROOT / "build/release/bin")).resolve()
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def commands():
+    """(page:line, command) of every line of code in the pages that is one, without comment, with what it continues on."""
+    for page in PAGES:
+        fenced, pending = "", ""
+        for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1):
+            if line.startswith("```"):
+                fenced = "" if fenced else line[3:].strip() or "text"
+                continue
+            code = line if fenced in ("sh", "bash") else line[4:] if not fenced and line.startswith("    ") else ""
+            text = pending + re.sub(r"(^|\s)#.*", "", code).strip()
+            pending = text[:-1] if text.endswith("\\") else ""
+            if text and not pending:
+                for command in filter(None, re.split(r"\s*(?:&&|\|)\s*", text)):
+                    yield f"{page.relative_to(ROOT)}:{number}", re.sub(r"^(sudo|time|nohup|[A-Z_]+=\S+) ", "", command.strip())
+
+
+@functools.cache
+def help_of(*verb):
+    """Of a verb, or of a verb of a verb (`key new`)."""
+    done = subprocess.run([BIN / "palpate", *verb, "--help"], capture_output=True, text=True, check=False)
+    return done.stdout if done.returncode == 0 else ""
+
+
+class DocsCommands(unittest.TestCase):
+    maxDiff = None
+
+    def testEveryVerbAndOptionOfThePagesExists(self):
+        wrong, seen = [], 0
+        for where, command in commands():
+            words = command.split()
+            if words[0] != "palpate" or len(words) < 2 or not words[1].isalpha() or not words[1].islower():
+                continue
+            seen += 1
+            text = help_of(words[1])
+            if re.search(r"^Subcommands:", text, re.M) and len(words) > 2:
+                text = help_of(*words[1:3])
+            if not text:
+                wrong.append(f"{where}: there is no verb {words[1]}: {command}")
+                continue
+            own = words[:words.index("--")] if "--" in words else words  # behind -- they are another program's
+            for option in re.findall(r"(?<!\S)(--[a-z][a-z-]*)", " ".join(own)):
+                if not re.search(rf"(^|[\s,]){option}\b", text):
+                    wrong.append(f"{where}: palpate {words[1]} has no {option}: {command}")
+        self.assertEqual(wrong, [])
+        self.assertGreater(seen, 60)
+
+    def testEveryScriptOfThePagesExists(self):
+        wrong, seen = [], 0
+        for where, command in commands():
+            script = command.split()[0]
+            if not re.match(r"(deploy|tests)/[a-z_/-]+(\.py)?$", script):
+                continue
+            seen += 1
+            if not os.access(ROOT / script, os.X_OK):
+                wrong.append(f"{where}: {script} cannot be run")
+        self.assertEqual(wrong, [])
+        self.assertGreater(seen, 10)
+
+
+if __name__ == "__main__":
+    unittest.main()
