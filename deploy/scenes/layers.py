@@ -101,3 +101,13 @@ def write_mesh(file, points, tetrahedra, part, names, surfaces=(), vectors=None)
             out.write(f'$ElementData\n1\n"{vectors[0]}"\n1\n0\n3\n0\n3\n{len(tetrahedra)}\n')
             out.writelines("%d %.4f %.4f %.4f\n" % (len(triangles) + i + 1, *v) for i, v in enumerate(vectors[1]))
             out.write("$EndElementData\n")
+
+
+def write_stl(file, points, triangles, title):
+    """A surface as binary STL, in mm; points in m, triangles counterclockwise seen from outside."""
+    corners = 1e3 * points[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    records = np.zeros(len(triangles), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    records["normal"], records["corners"] = normals, corners
+    file.write_bytes(title.encode().ljust(80) + np.array(len(triangles), "<u4").tobytes() + records.tobytes())

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Makes kidney.msh beside this script: medulla in cortex in a capsule, a bean 11 cm long. Metres.
+"""Makes kidney.msh beside this script: medulla in cortex in a capsule, a bean 11 cm long. Metres. And kidney.stl, its surface as
+a segmentation would give it, in mm (docs/tutorial.md).
 
     apt-get install python3-numpy gmsh
     deploy/scenes/kidney/make_kidney.py [--out DIR] [--size EDGE]
@@ -17,7 +18,7 @@ import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 from implicit_body import blend, ellipsoid, mesh_surface, press, surface_of
-from layers import grow, read_mesh, surface_triangles, vertex_normals, write_mesh
+from layers import grow, read_mesh, surface_triangles, vertex_normals, write_mesh, write_stl
 
 CAPSULE = 0.001
 CORTEX = 0.010
@@ -51,6 +52,7 @@ def main():
     tetrahedra = np.concatenate([tetrahedra, layer])
     part = np.concatenate([part, np.full(len(layer), 2)])
     write_mesh(given.out.resolve() / "kidney.msh", points, tetrahedra, part, ["medulla", "cortex", "capsule"])
+    write_stl(given.out.resolve() / "kidney.stl", points, surface_triangles(tetrahedra), "The surface of Palpate's kidney, mm")
 
 
 if __name__ == "__main__":
