@@ -11,7 +11,7 @@
 #include <memory>
 
 #include "scheduler/asked_scheduler.hpp"
-#include "scheduler/state/file_descriptor.hpp"
+#include "common/base/file_descriptor.hpp"
 #include "scheduler/state/state_directory.hpp"
 
 namespace palpate {

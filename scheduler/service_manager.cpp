@@ -13,7 +13,7 @@
 #include <string_view>
 
 #include "common/base/error.hpp"
-#include "scheduler/state/file_descriptor.hpp"
+#include "common/base/file_descriptor.hpp"
 
 namespace palpate {
 namespace {

@@ -26,7 +26,7 @@ const Verb kernels_verb = {"kernels", "The kernels that solve on this machine",
 
 int main(int argc, char** argv) {
   chooseBlasKernels(argv);
-  const std::array verbs = {check_verb, work_verb, solve_verb, kernels_verb};
+  const std::array verbs = {mesh_verb, new_verb, check_verb, work_verb, solve_verb, kernels_verb};
   const int code = runProgram(argc, argv, "palpate-worker: everything that solves", verbs);
   if (solver_left_running) std::_Exit(code);
   return code;

@@ -25,12 +25,6 @@ class TextLines {
     return false;
   }
 
-  /// Goes behind the next blank line, or to the end of the text.
-  void skipToBlankLine() {
-    while (nextLine() && !rest_.empty()) {
-    }
-  }
-
   /// advance(), or an error that the file is truncated inside `section`.
   void advanceIn(std::string_view section) {
     if (!advance())

@@ -24,7 +24,9 @@ struct Route {
   const char* program_of_directory = nullptr;
 };
 
-constexpr std::array<Route, 24> routes = {{{"check", "palpate-worker", "palpate-scheduler"},
+constexpr std::array<Route, 26> routes = {{{"mesh", "palpate-worker"},
+                                           {"new", "palpate-worker"},
+                                           {"check", "palpate-worker", "palpate-scheduler"},
                                            {"build", "palpate-scheduler"},
                                            {"query", "palpate-viewer"},
                                            {"solve", "palpate-worker"},
@@ -55,7 +57,9 @@ lattice of positions of one displaced surface node, and answers with forces inte
 
 Usage: palpate VERB [ARGUMENTS]        palpate VERB --help tells all of a verb
 
-From a scene to forces
+From a mesh to forces
+  mesh     Make a mesh: of a closed surface (.stl, .obj, .ply, .off), or of a mesh of another format
+  new      Write a scene around a mesh, commented, to begin with
   check    Validate a scene; print sizes, mesh quality, doubts and what a build will cost
   build    Compute the dataset of a scene with workers on this machine; interrupted, it goes on where it was
   query    Force, stiffness and error bound at any displacement, from a dataset
@@ -88,7 +92,13 @@ Whether to trust it
   report   Speed against error of every method of interpolation, from a dataset; with --html a page
   doctor   Can this machine run the haptic client: timer, real-time limits, display, devices
 
-In five minutes, with a tetrahedral mesh organ.msh from Gmsh (here in millimetres) and this as organ.toml:
+In five minutes, from a closed surface organ.stl:
+  palpate mesh organ.stl -o organ.msh
+  palpate new organ --mesh organ.msh
+  palpate check organ/scene.toml
+  palpate build organ/scene.toml -o organ.h5
+  palpate view organ.h5
+or with organ.msh (here in millimetres) and this as organ.toml:
   mesh = "organ.msh"
   length_unit = "mm"
   [material]

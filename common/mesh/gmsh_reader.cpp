@@ -61,20 +61,19 @@ class GmshText {
     if (!lines_.advance()) throw badInput("{}: the file is empty", lines_.source());
     if (lines_.rest() != "$MeshFormat")
       throw lines_.wrong(
-          "this is not a Gmsh .msh file of version 2.2 or 4.1: its first line is not $MeshFormat");
+          "this is not a Gmsh .msh file of version 2.2 or 4.1: its first line is not $MeshFormat; "
+          "palpate mesh makes one of other formats");
     section_ = lines_.rest();
     nextLine();
     const auto version = lines_.take<double>("the version");
     const auto binary = lines_.take<int>("the file type");
     if (version != 2.2 && version != 4.1)
       throw lines_.wrong(
-          "Gmsh format version {} is not read; convert with: "
-          "gmsh {} -save -format msh41 -o NEW.msh",
+          "Gmsh format version {} is not read; convert it with: palpate mesh {} -o NEW.msh",
           version, lines_.source());
     if (binary != 0)
-      throw lines_.wrong(
-          "the file is binary; convert with: gmsh {} -save -format msh41 -o NEW.msh (no -bin)",
-          lines_.source());
+      throw lines_.wrong("the file is binary; convert it with: palpate mesh {} -o NEW.msh",
+                         lines_.source());
     entity_blocks_ = version == 4.1;
     endSection();
   }

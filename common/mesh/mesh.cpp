@@ -23,8 +23,9 @@ constexpr std::array<std::array<int, 3>, 4> faces_of_tetrahedron = {
 void refuseBrokenNumbers(const Mesh& mesh, const std::string& source) {
   if (mesh.tetrahedra.empty())
     throw badInput(
-        "{}: no tetrahedra in it; mesh the volume (gmsh -3), and if there are physical groups, "
-        "name the volume in one, because Gmsh then saves only what is in a group",
+        "{}: no tetrahedra in it; mesh the volume (gmsh -3, or palpate mesh of a closed surface), "
+        "and if there are physical groups, name the volume in one, because Gmsh then saves only "
+        "what is in a group",
         source);
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
     if (!(mesh.nodes[n].array().abs() <= farthest_node).all())

@@ -32,7 +32,7 @@ struct Mesh {
   std::map<std::string, NodeSet> node_groups;
   /// Named physical groups of dimension 3 -> sorted tetrahedra.
   std::map<std::string, std::vector<std::int32_t>> element_groups;
-  /// Named vector per tetrahedron ($ElementData of three components, CELL_DATA).
+  /// Named vector per tetrahedron ($ElementData of three components).
   std::map<std::string, std::vector<Eigen::Vector3d>> element_vectors;
   /// Quadratic meshes only (addMidEdgeNodes): the middle of edge e is node vertices() + e.
   std::vector<Edge> edges;  ///< (lower, higher) vertex, ascending

@@ -8,9 +8,11 @@
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/units.hpp"
+#include "common/base/whole_file.hpp"
 #include "common/mesh/mesh_reader.hpp"
 #include "common/problem/finger.hpp"
 #include "common/problem/selection.hpp"
+#include "common/scene/key_line.hpp"
 
 namespace palpate {
 namespace {
@@ -200,17 +202,24 @@ void checkProbe(const Problem& problem, std::size_t number) {
         problem.active[number].name, placeText(*probe), least, workspace.radius);
 }
 
-Mesh readMesh(const Scene& scene, const std::string& scene_file) {
+/// Here the scene's file and key can be named; the reader knows the mesh only.
+void refuseOtherMeshes(const Scene& scene) {
   std::error_code ignored;
-  // Here the scene's file and key can be named; the readers know the mesh only.
   if (!std::filesystem::exists(scene.mesh, ignored))
-    throw badInput("{}: mesh = \"{}\": there is no such file", scene_file, scene.mesh.string());
-  if (scene.mesh.extension() == ".msh") return readGmsh(scene.mesh, scene.metres_per_unit);
-  if (scene.mesh.extension() == ".vtk") return readVtk(scene.mesh, scene.metres_per_unit);
-  throw badInput(
-      "{}: mesh = \"{}\": its format is not read; there is Gmsh .msh, version 2.2 or 4.1, "
-      "and legacy VTK .vtk",
-      scene_file, scene.mesh.string());
+    throw badInput("mesh = \"{}\": there is no such file", scene.mesh.string());
+  if (scene.mesh.extension() != ".msh")
+    throw badInput(
+        "mesh = \"{0}\": scenes take Gmsh's .msh; make one with: palpate mesh {0} -o {1}, and name "
+        "it here",
+        scene.mesh.string(), std::filesystem::path(scene.mesh).replace_extension(".msh").string());
+}
+
+/// The error with its place in the scene's file.
+Error inScene(const std::filesystem::path& scene_file, const Error& error) {
+  const std::size_t line = lineOfKey(readText(scene_file, "scene"), error.what());
+  return {error.exitCode(), line > 0
+                                ? fmt::format("{}:{}: {}", scene_file.string(), line, error.what())
+                                : fmt::format("{}: {}", scene_file.string(), error.what())};
 }
 
 }  // namespace
@@ -322,11 +331,16 @@ Problem resolve(Scene scene, Mesh mesh) {
 
 Problem loadProblem(const std::filesystem::path& scene_file) {
   Scene scene = readScene(scene_file);
-  Mesh mesh = readMesh(scene, scene_file.string());
+  try {
+    refuseOtherMeshes(scene);
+  } catch (const Error& error) {
+    throw inScene(scene_file, error);
+  }
+  Mesh mesh = readGmsh(scene.mesh, scene.metres_per_unit);
   try {
     return resolve(std::move(scene), std::move(mesh));
   } catch (const Error& error) {
-    throw Error(error.exitCode(), fmt::format("{}: {}", scene_file.string(), error.what()));
+    throw inScene(scene_file, error);
   }
 }
 

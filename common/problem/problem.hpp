@@ -78,7 +78,7 @@ std::int32_t probesIn(const Scene& scene, std::size_t space);
 /// (`mesh` has none). selection.hpp says what is selected.
 Problem resolve(Scene scene, Mesh mesh);
 
-/// readScene + read the mesh (by file ending) + resolve.
+/// readScene + readGmsh + resolve; another format is an Error that names `palpate mesh`.
 Problem loadProblem(const std::filesystem::path& scene_file);
 
 /// The problem as bytes (Protobuf message palpate.wire.Problem, deterministic field order) and

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "scheduler/events/event.hpp"
-#include "scheduler/state/file_descriptor.hpp"
+#include "common/base/file_descriptor.hpp"
 
 namespace palpate {
 

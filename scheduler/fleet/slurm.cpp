@@ -13,8 +13,8 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/foreign_program.hpp"
 #include "common/base/printable.hpp"
-#include "scheduler/fleet/engine_command.hpp"
 #include "scheduler/fleet/slurm_words.hpp"
 
 namespace palpate {
@@ -30,7 +30,7 @@ int secondsToLeave(int minutes) { return std::min(60, 15 * minutes); }
 
 /// Ran well, or said no.
 std::string orders(const std::vector<std::string>& words, const std::string& input = "") {
-  Ran ran = runOfEngine(words, input);
+  Ran ran = runToItsEnd({.words = words, .package = "slurm-client", .input = input});
   if (ran.exit_code == 0) return std::move(ran.out);
   const std::string said = printable(ran.err.empty() ? ran.out : ran.err, longest_reason);
   const SlurmAdvice advice = adviceOnRefusal(ran.exit_code, said);

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "scheduler/state/file_descriptor.hpp"
+#include "common/base/file_descriptor.hpp"
 
 namespace palpate {
 

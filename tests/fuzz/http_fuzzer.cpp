@@ -2,7 +2,7 @@
 #include <sys/socket.h>
 
 #include "scheduler/events/event_reader.hpp"
-#include "scheduler/state/file_descriptor.hpp"
+#include "common/base/file_descriptor.hpp"
 #include "scheduler/web/http_server.hpp"
 #include "tests/fuzz/fuzzer.hpp"
 

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "common/base/assertion.hpp"
+#include "common/mesh/mesh_text.hpp"
 #include "common/problem/problem_warnings.hpp"
 #include "common/scene/material_toml.hpp"
 #include "worker/check/scene_report.hpp"
@@ -19,35 +20,6 @@ std::string duration(double seconds) {
 
 std::string text(const Eigen::Vector3d& v) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g})", v[0], v[1], v[2]);
-}
-
-void printMesh(const SceneReport& report) {
-  const Mesh& mesh = report.problem->mesh;
-  const MeshQuality& quality = report.quality;
-  const std::string middles =
-      mesh.edges.empty() ? "" : fmt::format(" and {} mid-edge nodes", mesh.edges.size());
-  fmt::print(
-      "mesh       {}: {} nodes{}, {} tetrahedra, {} surface triangles with {} nodes, {} piece(s)\n",
-      report.problem->scene.mesh.filename().string(), mesh.vertices(), middles,
-      mesh.tetrahedra.size(), mesh.surface.size(), surfaceNodes(mesh).size(), quality.pieces);
-  fmt::print("           from {} to {} m, {:.4g} litres\n", text(quality.lowest),
-             text(quality.highest), 1000 * quality.volume);
-  fmt::print(
-      "           edges {:.4g} to {:.4g} m, mean {:.4g}; shape (1 regular, 0 flat) mean {:.3g}, "
-      "worst {:.3g} in element {}\n",
-      quality.shortest_edge, quality.longest_edge, quality.mean_edge, quality.mean_shape,
-      quality.worst_shape, quality.worst_element);
-  if (mesh.dropped_nodes > 0)
-    fmt::print(
-        "           note: {} node(s) that are no corner of a tetrahedron were dropped, "
-        "later ones count down\n",
-        mesh.dropped_nodes);
-  if (mesh.reoriented_tetrahedra > 0)
-    fmt::print("           note: the file counts its tetrahedra left-handed; all were turned\n");
-  for (const auto& [name, nodes] : mesh.node_groups)
-    fmt::print("group      \"{}\": {} nodes\n", name, nodes.size());
-  for (const auto& [name, elements] : mesh.element_groups)
-    fmt::print("group      \"{}\": {} tetrahedra\n", name, elements.size());
 }
 
 /// The scene's lengths in metres, for the one who wrote them in another unit.
@@ -158,7 +130,7 @@ void printCost(const SceneReport& report) {
 void printSceneReport(const SceneReport& report) {
   const Scene& scene = report.problem->scene;
   fmt::print("scene      {}\n", scene.name);
-  printMesh(report);
+  fmt::print("{}", meshText(report.problem->mesh, report.quality, scene.mesh.filename().string()));
   printConversion(scene);
   printBody(report);
   fmt::print("fixed      {} nodes\n", report.problem->fixed.size());

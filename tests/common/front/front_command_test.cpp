@@ -70,7 +70,7 @@ TEST_F(FrontCommand, OverviewNamesEveryVerbAndIsWhatNoArgumentPrints) {
   EXPECT_EQ(result.exit_code, 0);
   for (const char* verb :
        {"build", "serve", "fleet", "status", "stop", "pause", "resume", "seal", "priority", "retry",
-        "explain", "events", "work", "solve", "check", "query", "verify"})
+        "explain", "events", "work", "solve", "check", "query", "verify", "mesh", "new"})
     EXPECT_THAT(result.output, HasSubstr(std::string("\n  ") + verb + " "));
   EXPECT_EQ(palpate("").output, result.output);
   EXPECT_EQ(palpate("help").output, result.output);

@@ -216,9 +216,11 @@ TEST_F(GmshReader, RefusesAMissingFileOrADirectory) {
 }
 
 TEST_F(GmshReader, RefusesOtherFormatsSayingHowToConvert) {
-  refuses(tetrahedron_22, "2.2 0 8", "4.0 0 8", {"body.msh:2", "version 4", "gmsh"});
-  refuses(tetrahedron_22, "2.2 0 8", "2.2 1 8", {"body.msh:2", "binary", "gmsh"});
-  expectBadInput([&] { read("solid cube\n"); }, {"body.msh:1", "not a Gmsh"});
+  refuses(tetrahedron_22, "2.2 0 8", "4.0 0 8",
+          {"body.msh:2", "version 4", "palpate mesh body.msh -o "});
+  refuses(tetrahedron_22, "2.2 0 8", "2.2 1 8",
+          {"body.msh:2", "binary", "palpate mesh body.msh -o "});
+  expectBadInput([&] { read("solid cube\n"); }, {"body.msh:1", "not a Gmsh", "palpate mesh"});
   expectBadInput([&] { read(""); }, {"empty"});
 }
 

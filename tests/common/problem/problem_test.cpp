@@ -594,16 +594,17 @@ TEST_F(Problem, IsLoadedFromFilesWithErrorsThatNameTheScene) {
   scene.fixed.groups = {"nobody"};
   std::ofstream(directory / "cube.toml") << resolvedToml(scene);
   expectBadInput([&] { loadProblem(directory / "cube.toml"); },
-                 {"cube.toml", "fixed.group", "nobody"});
+                 {"cube.toml:", ": fixed.group", "nobody"});
   for (const char* missing : {"nowhere.msh", "cube.stl"}) {
     scene.mesh = missing;
     std::ofstream(directory / "cube.toml") << resolvedToml(scene);
     expectBadInput([&] { loadProblem(directory / "cube.toml"); },
-                   {"cube.toml: mesh", directory / missing, "there is no such file"});
+                   {"cube.toml:2: mesh", directory / missing, "there is no such file"});
   }
   std::ofstream(directory / "cube.stl") << "solid";
   expectBadInput([&] { loadProblem(directory / "cube.toml"); },
-                 {"cube.toml: mesh", "cube.stl", "Gmsh .msh", "VTK .vtk"});
+                 {"cube.toml:2: mesh", "palpate mesh " + (directory / "cube.stl").string() + " -o ",
+                  "cube.msh"});
 }
 
 TEST_F(Problem, ResolvesTheRealLiver) {

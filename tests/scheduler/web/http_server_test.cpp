@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "common/base/error.hpp"
-#include "scheduler/state/file_descriptor.hpp"
+#include "common/base/file_descriptor.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/http_get.hpp"
 

@@ -1,0 +1,160 @@
+#include "common/base/foreign_program.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <optional>
+#include <sstream>
+#include <thread>
+
+#include "common/base/assertion.hpp"
+#include "common/base/error.hpp"
+#include "common/base/file_descriptor.hpp"
+#include "common/base/printable.hpp"
+#include "common/base/program.hpp"
+
+namespace palpate {
+namespace {
+
+/// In memory: what is written to it waits, however much it is, until somebody reads.
+FileDescriptor memoryFile(const char* name) {
+  FileDescriptor file(memfd_create(name, MFD_CLOEXEC));
+  if (!file) throw failure("memfd_create: {}", errnoText());
+  return file;
+}
+
+void writeWhole(const FileDescriptor& file, const std::string& text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const ssize_t written = write(file.get(), text.data() + at, text.size() - at);
+    if (written < 0 && errno != EINTR) throw failure("a file in memory: {}", errnoText());
+    if (written > 0) at += static_cast<std::size_t>(written);
+  }
+  if (lseek(file.get(), 0, SEEK_SET) != 0) throw failure("a file in memory: {}", errnoText());
+}
+
+std::string readWhole(const FileDescriptor& file) {
+  const off_t size = lseek(file.get(), 0, SEEK_END);
+  if (size < 0) throw failure("a file in memory: {}", errnoText());
+  std::string text(static_cast<std::size_t>(size), '\0');
+  std::size_t length = 0;
+  while (length < text.size()) {
+    const ssize_t read =
+        pread(file.get(), text.data() + length, text.size() - length, static_cast<off_t>(length));
+    if (read < 0 && errno != EINTR) throw failure("a file in memory: {}", errnoText());
+    if (read == 0) break;
+    if (read > 0) length += static_cast<std::size_t>(read);
+  }
+  text.resize(length);
+  return text;
+}
+
+/// Between fork and exec: only calls that are safe there. What stops it goes through the pipe.
+[[noreturn]] void becomeProgram(pid_t parent, char* const* arguments,
+                                const std::array<int, 3>& files, int pipe) {
+  int number = 0;
+  for (const int file : files)
+    if (dup2(file, number++) < 0) _exit(126);
+  if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent) _exit(126);
+  execvp(arguments[0], arguments);
+  const int error = errno;
+  // Nobody is left to tell of a write that fails.
+  if (write(pipe, &error, sizeof error) < 0) _exit(125);
+  _exit(127);
+}
+
+/// The errno of an exec that failed; 0 when the program runs.
+int errorOfStart(const FileDescriptor& pipe) {
+  int error = 0;
+  ssize_t count = 0;
+  do count = read(pipe.get(), &error, sizeof error);
+  while (count < 0 && errno == EINTR);
+  return count == sizeof error ? error : 0;
+}
+
+pid_t start(const ForeignProgram& program, const std::array<int, 3>& files) {
+  // Before fork(): memory may not be allocated behind it.
+  std::vector<std::string> words = program.words;
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw failure("pipe: {}", errnoText());
+  const FileDescriptor reading(ends[0]);
+  FileDescriptor writing(ends[1]);
+  const pid_t parent = getpid();
+  const pid_t child = fork();
+  if (child < 0) throw failure("{} cannot be run: {}", words[0], errnoText());
+  if (child == 0) becomeProgram(parent, arguments.data(), files, writing.get());
+  writing = FileDescriptor();
+  const int error = errorOfStart(reading);
+  if (error == 0) return child;
+  while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
+  }
+  if (error == ENOENT)
+    throw badInput("{} is not installed here, or not in $PATH (Debian: {})", words[0],
+                   program.package);
+  errno = error;
+  throw failure("{} cannot be run: {}", words[0], errnoText());
+}
+
+enum class WhyEnded : std::uint8_t { by_itself, out_of_patience, interrupted };
+
+/// Waits for the end of the child, whose status is then as waitpid has it; or kills it.
+WhyEnded endOf(pid_t child, const ForeignProgram& program, int& status) {
+  const auto deadline = std::chrono::steady_clock::now() + program.patience;
+  for (;;) {
+    const pid_t ended = waitpid(child, &status, WNOHANG);
+    if (ended == child) return WhyEnded::by_itself;
+    if (ended < 0 && errno != EINTR) throw failure("waitpid: {}", errnoText());
+    const bool stop = program.heeds_interrupts && interrupted();
+    if (stop || std::chrono::steady_clock::now() > deadline) {
+      kill(child, SIGKILL);
+      while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+      }
+      return stop ? WhyEnded::interrupted : WhyEnded::out_of_patience;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
+}  // namespace
+
+Ran runToItsEnd(const ForeignProgram& program) {
+  PALPATE_ASSERT(!program.words.empty(), "the first word is the program");
+  const std::string& name = program.words[0];
+  const FileDescriptor in = memoryFile("stdin"), out = memoryFile("stdout"),
+                       err = memoryFile("stderr");
+  writeWhole(in, program.input);
+  const pid_t child = start(program, {in.get(), out.get(), err.get()});
+  int status = 0;
+  switch (endOf(child, program, status)) {
+    case WhyEnded::interrupted:
+      throw Error(ExitCode::interrupted, fmt::format("interrupted while {} was at work", name));
+    case WhyEnded::out_of_patience: {
+      // sbatch tries again by itself, for minutes, and says why.
+      const std::string said = printable(readWhole(err), longest_reason);
+      throw failure("{} did not answer within {} s{}{}", name, program.patience.count(),
+                    said.empty() ? "" : " but: ", said);
+    }
+    case WhyEnded::by_itself: break;
+  }
+  if (!WIFEXITED(status)) throw failure("{} was ended by signal {}", name, WTERMSIG(status));
+  return {WEXITSTATUS(status), readWhole(out), readWhole(err)};
+}
+
+bool isInstalled(const std::string& program) {
+  if (program.find('/') != std::string::npos) return access(program.c_str(), X_OK) == 0;
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path != nullptr ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (access((folder + "/" + program).c_str(), X_OK) == 0) return true;
+  return false;
+}
+
+}  // namespace palpate

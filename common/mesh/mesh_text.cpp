@@ -1,0 +1,49 @@
+#include "common/mesh/mesh_text.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+namespace palpate {
+namespace {
+
+std::string shortPlace(const Eigen::Vector3d& v) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g})", v[0], v[1], v[2]);
+}
+
+}  // namespace
+
+std::string meshText(const Mesh& mesh, const MeshQuality& quality, const std::string& name) {
+  std::string text;
+  const auto out = std::back_inserter(text);
+  const std::string middles =
+      mesh.edges.empty() ? "" : fmt::format(" and {} mid-edge nodes", mesh.edges.size());
+  fmt::format_to(
+      out,
+      "mesh       {}: {} nodes{}, {} tetrahedra, {} surface triangles with {} nodes, {} piece(s)\n",
+      name, mesh.vertices(), middles, mesh.tetrahedra.size(), mesh.surface.size(),
+      surfaceNodes(mesh).size(), quality.pieces);
+  fmt::format_to(out, "           from {} to {} m, {:.4g} litres\n", shortPlace(quality.lowest),
+                 shortPlace(quality.highest), 1000 * quality.volume);
+  fmt::format_to(
+      out,
+      "           edges {:.4g} to {:.4g} m, mean {:.4g}; shape (1 regular, 0 flat) mean {:.3g}, "
+      "worst {:.3g} in element {}\n",
+      quality.shortest_edge, quality.longest_edge, quality.mean_edge, quality.mean_shape,
+      quality.worst_shape, quality.worst_element);
+  if (mesh.dropped_nodes > 0)
+    fmt::format_to(out,
+                   "           note: {} node(s) that are no corner of a tetrahedron were dropped, "
+                   "later ones count down\n",
+                   mesh.dropped_nodes);
+  if (mesh.reoriented_tetrahedra > 0)
+    fmt::format_to(
+        out, "           note: the file counts its tetrahedra left-handed; all were turned\n");
+  for (const auto& [group, nodes] : mesh.node_groups)
+    fmt::format_to(out, "group      \"{}\": {} nodes\n", group, nodes.size());
+  for (const auto& [group, elements] : mesh.element_groups)
+    fmt::format_to(out, "group      \"{}\": {} tetrahedra\n", group, elements.size());
+  return text;
+}
+
+}  // namespace palpate

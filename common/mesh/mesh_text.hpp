@@ -1,0 +1,11 @@
+#pragma once
+
+#include "common/mesh/mesh.hpp"
+
+namespace palpate {
+
+/// What people are told of a mesh: lines that begin with a word for the topic, SI units. `quality`
+/// is measure(mesh), `name` what the mesh is called.
+std::string meshText(const Mesh& mesh, const MeshQuality& quality, const std::string& name);
+
+}  // namespace palpate

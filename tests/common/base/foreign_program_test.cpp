@@ -1,0 +1,55 @@
+#include "common/base/foreign_program.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/expect_error.hpp"
+
+namespace palpate {
+namespace {
+
+using test::expectBadInput;
+using test::expectError;
+
+TEST(ForeignProgram, IsRunWithItsWordsAsTheyAreAndAnswers) {
+  const Ran ran = runToItsEnd({.words = {"sh", "-c", "cat; echo \"$1\" >&2; exit 7", "sh", "a  $b"},
+                               .package = "dash",
+                               .input = std::string(300000, 'x')});
+  EXPECT_EQ(ran.exit_code, 7);
+  EXPECT_EQ(ran.out, std::string(300000, 'x'));
+  EXPECT_EQ(ran.err, "a  $b\n");
+}
+
+TEST(ForeignProgram, ThatIsNotThereIsNamedWithItsPackage) {
+  expectBadInput([] { runToItsEnd({.words = {"no-such-program"}, .package = "no-package"}); },
+                 {"no-such-program is not installed here", "(Debian: no-package)"});
+  EXPECT_TRUE(isInstalled("sh"));
+  EXPECT_TRUE(isInstalled("/bin/sh"));
+  EXPECT_FALSE(isInstalled("no-such-program"));
+  EXPECT_FALSE(isInstalled("/etc/passwd"));
+}
+
+TEST(ForeignProgram, ThatMayNotBeRunIsNoMissingPackage) {
+  expectError(ExitCode::failed, [] { runToItsEnd({.words = {"/etc/passwd"}, .package = "none"}); },
+              {"/etc/passwd cannot be run", "denied"});
+}
+
+TEST(ForeignProgram, ThatTakesTooLongIsKilledAndWhatItSaidIsTold) {
+  expectError(ExitCode::failed,
+              [] {
+                runToItsEnd({.words = {"sh", "-c", "echo thinking >&2; exec sleep 60"},
+                             .package = "dash",
+                             .patience = std::chrono::seconds(1)});
+              },
+              {"sh did not answer within 1 s", "thinking"});
+}
+
+TEST(ForeignProgram, ThatASignalEndsIsTold) {
+  expectError(ExitCode::failed,
+              [] {
+                runToItsEnd({.words = {"sh", "-c", "kill -9 $$"}, .package = "dash"});
+              },
+              {"sh was ended by signal 9"});
+}
+
+}  // namespace
+}  // namespace palpate

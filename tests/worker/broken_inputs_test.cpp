@@ -1,0 +1,300 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "common/mesh/mesh_reader.hpp"
+#include "common/problem/problem.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "tests/worker/meshing/surfaces.hpp"
+#include "worker/meshing/mesh_conversion.hpp"
+
+// Scenes and meshes as people break them: each is answered with where, what and what to do.
+
+namespace palpate {
+namespace {
+
+/// Of a scene on a cube of 0.1 m: its files, and what of them is broken.
+struct BrokenScene {
+  std::string what, instead;
+  std::vector<std::string> words;  ///< the sentence holds all of them
+};
+
+constexpr const char* sound_scene = R"(mesh = "cube.msh"
+[material]
+law = "mooney-rivlin"
+c10 = 1300
+c01 = 1280
+[fixed]
+group = "xmin"
+[[active]]
+name = "tip"
+near = [0.1, 0.05, 0.05]
+radius = 0.02
+[workspace]
+radius = 0.05
+spacing = 0.025
+)";
+
+const std::string whole_material = "law = \"mooney-rivlin\"\nc10 = 1300\nc01 = 1280";
+
+const std::vector<BrokenScene>& brokenScenes() {
+  static const std::vector<BrokenScene> all = {
+      // The mesh it names.
+      {"cube.msh", "none.msh", {"scene.toml:1: mesh = ", "none.msh", "there is no such file"}},
+      {"cube.msh", "cube.vtu", {"scene.toml:1: mesh", "palpate mesh ", "cube.vtu -o ", "cube.msh"}},
+      {"cube.msh", "cube.stl", {"scene.toml:1: mesh", "palpate mesh ", "cube.stl -o ", "cube.msh"}},
+      {"cube.msh", "cube.vtk", {"scene.toml:1: mesh", "palpate mesh ", "cube.vtk -o ", "cube.msh"}},
+      {"cube.msh", "binary.msh", {"binary.msh:2", "binary", "palpate mesh ", "-o NEW.msh"}},
+      {"cube.msh", "meshes/", {"scene.toml:1: mesh", "is a folder"}},
+      {"mesh = \"cube.msh\"", "", {"scene.toml:1", "\"mesh\" is missing"}},
+      {"[material]",
+       "length_unit = \"mm\"\n[material]",
+       {"scene.toml:1: the mesh is 0.0001 m wide only", "write length_unit = \"m\""}},
+      {"[material]",
+       "length_unit = \"inch\"\n[material]",
+       {"scene.toml:2: length_unit", "m, cm or mm"}},
+      // What is held.
+      {"[fixed]\ngroup = \"xmin\"\n", "", {"scene.toml:1: \"fixed\" is missing", "which nodes"}},
+      {"group = \"xmin\"", "", {"scene.toml:6: [fixed] selects no node", "fly away"}},
+      {"\"xmin\"",
+       "\"base\"",
+       {"scene.toml:7: fixed.group: there is no \"base\"", "the mesh has body, xmax, xmin"}},
+      {"group = \"xmin\"",
+       "box = { lowest = [1, 1, 1], highest = [2, 2, 2] }",
+       {"scene.toml:7: fixed.box selects no node", "from (0, 0, 0) to (0.1, 0.1, 0.1) m"}},
+      {"group = \"xmin\"",
+       "box = { lowest = [-1, -1, -1], highest = [2, 2, 2] }",
+       {"scene.toml:6: [fixed] selects all 64 nodes", "nothing is left to move"}},
+      {"group = \"xmin\"",
+       "nodes = [0]",
+       {"scene.toml:6: [fixed] holds 1 node(s) on one line", "fix at least three nodes"}},
+      {"group = \"xmin\"",
+       "nodes = [64]",
+       {"scene.toml:7: fixed.nodes: there is no node 64", "nodes 0 to 63"}},
+      {"group = \"xmin\"",
+       "below = { axis = \"x\", fraction = 15 }",
+       {"scene.toml:7: fixed.below.fraction", "at most 1"}},
+      {"group = \"xmin\"",
+       "sphere = { center = [0, 0, 0] }",
+       {"scene.toml:7", "fixed.sphere.radius", "missing"}},
+      // What is touched.
+      {"[0.1, 0.05, 0.05]",
+       "[0.0, 0.05, 0.05]",
+       {"scene.toml:9: active \"tip\": node", "one of the 16 fixed nodes", "move it, or fix less"}},
+      {"[0.1, 0.05, 0.05]",
+       "[100, 50, 50]",
+       {"scene.toml:9: active \"tip\"", "122.3 m away", "is its unit that of length_unit?"}},
+      {"near = [0.1, 0.05, 0.05]",
+       "node = 640",
+       {"scene.toml:9: active \"tip\": there is no node 640", "nodes 0 to 63"}},
+      {"near = [0.1, 0.05, 0.05]\n", "", {"scene.toml:8: active.near", "give either near"}},
+      {"radius = 0.02",
+       "radius = 0.2",
+       {"scene.toml:9: active \"tip\": its patch of 48 nodes", "make radius smaller"}},
+      {"\"tip\"", "\"the tip\"", {"scene.toml:9: active.name", "letters, digits"}},
+      {"radius = 0.02",
+       "tool = \"finger\"",
+       {"scene.toml:11: active.tool", "finger needs a radius"}},
+      {"radius = 0.02",
+       "radius = 0.2\ntool = \"finger\"",
+       {"scene.toml:9: active \"tip\": a finger of radius 0.2 m", "make radius smaller"}},
+      {"radius = 0.02",
+       "radius = 0.02\ntool = \"hand\"",
+       {"scene.toml:12: active.tool", "there is rigid, weighted-average or finger"}},
+      {"near = [0.1, 0.05, 0.05]\nradius = 0.02",
+       "surface = \"all\"\ntool = \"finger\"\nradius = 0.0002",
+       {"scene.toml:12: a finger of radius 0.0002 m", "5000 sites", "make radius larger"}},
+      // What it is made of.
+      {"c10", "c1O", {"scene.toml:4: unknown key \"material.c1O\"", "did you mean \"c10\""}},
+      {"[workspace]", "[worksapce]", {"scene.toml:12", "did you mean \"workspace\""}},
+      {"c01 = 1280", "c10 = 1280", {"scene.toml:5: not TOML", "cannot redefine"}},
+      {"c01 = 1280\n", "", {"scene.toml:2: \"material.c01\" is missing", "Pa"}},
+      {"1300", "1300 Pa", {"scene.toml:4: not TOML"}},
+      {whole_material,
+       "law = \"linear\"\nyoung = 15480\npoisson = 0.5",
+       {"scene.toml:5: material.poisson", "modified-st-venant-kirchhoff"}},
+      {whole_material,
+       "law = \"holzapfel-gasser-ogden\"\nmu = 3000\nk1 = 2300\nk2 = 0.8\nfiber = \"direction\"",
+       {"scene.toml:7: material.fiber: there are no element vectors \"direction\""}},
+      {"[fixed]",
+       "[gravity]\nacceleration = [0, 0, -9.81]\n[fixed]",
+       {"scene.toml:7: gravity.acceleration", "needs a density"}},
+      {"[fixed]",
+       "[[region]]\ngroup = \"tumour\"\nlaw = \"linear\"\nyoung = 1e4\npoisson = 0.3\n[fixed]",
+       {"scene.toml:7: region.group: there is no \"tumour\"", "the mesh has body"}},
+      {"[fixed]",
+       "[discretization]\npressure = \"P2\"\n[fixed]",
+       {"scene.toml:7: discretization.pressure", "write P1-stabilized or P1"}},
+      // How far, how finely, for what.
+      {"spacing = 0.025",
+       "spacing = 0.25",
+       {"scene.toml:13: workspace.radius", "smaller than the spacing"}},
+      {"spacing = 0.025",
+       "spacing = 0.0001",
+       {"scene.toml:13: workspace.radius / workspace.spacing", "choose a larger spacing"}},
+      {"radius = 0.05\nspacing = 0.025",
+       "radius = 50\nspacing = 25",
+       {"scene.toml:13: workspace.radius = 50 m", "3 times the diagonal", "unit"}},
+      {"[workspace]",
+       "[device]\nprofile = \"tuoch\"\n[workspace]",
+       {"scene.toml:13: device.profile", "did you mean \"touch\""}},
+      {"[workspace]",
+       "[accuracy]\nforce_error = 3\n[workspace]",
+       {"scene.toml:13: accuracy.force_error", "between 0 and 1"}},
+      {"[workspace]",
+       "[storage]\nprecision = \"float16\"\n[workspace]",
+       {"scene.toml:13: storage.precision", "did you mean \"float32\""}},
+  };
+  return all;
+}
+
+/// A mesh file of its own, as `palpate mesh` reads it.
+struct BrokenMesh {
+  std::string name, content;
+  std::vector<std::string> words;
+};
+
+constexpr const char* four_points = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+
+std::string binaryStlWithout(std::size_t bytes) {
+  const test::TemporaryDirectory directory;
+  test::writeBinaryStl(test::sphereSurface(1, 2), directory / "s.stl");
+  std::ifstream in(directory / "s.stl", std::ios::binary);
+  std::string all((std::istreambuf_iterator<char>(in)), {});
+  all.replace(0, 5, "made ");
+  return all.substr(0, all.size() - bytes);
+}
+
+/// A legacy VTK file of one cell of this type.
+std::string vtkOf(const std::string& type, const std::string& nodes) {
+  return "# vtk DataFile Version 3.0\nmade in code\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 "
+         "double\n0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1\nCELLS 1 " +
+         std::to_string(1 + std::stoi(nodes)) + "\n" + nodes + "\nCELL_TYPES 1\n" + type + "\n";
+}
+
+std::vector<BrokenMesh> brokenMeshes() {
+  const std::string febio_head =
+      "<?xml version=\"1.0\"?>\n<febio_spec version=\"4.0\">\n<Mesh>\n"
+      "<Nodes>\n<node id=\"1\">0,0,0</node>\n</Nodes>\n";
+  return {
+      {"cut.stl", binaryStlWithout(7), {"cut.stl: it announces 48 triangles", "truncated"}},
+      {"words.stl", "this is a letter\n", {"words.stl:1: this is no STL file", "\"solid\""}},
+      {"comma.stl",
+       "solid\nfacet\nouter loop\nvertex 0,5 0 0 0\n",
+       {"comma.stl:4", "4 numbers where 3 are expected"}},
+      {"corner.stl",
+       "solid\nvertex 0 0 0\nvertex 1 0 0\n",
+       {"corner.stl:3", "not three corners", "truncated"}},
+      {"empty.stl", "solid nothing\nendsolid\n", {"empty.stl: there are neither tetrahedra nor"}},
+      {"far.obj",
+       "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n",
+       {"far.obj:4: a face of corners that are not there", "3 are defined"}},
+      {"word.obj", "v 0 0 zero\n", {"word.obj:1", "\"0 0 zero\" where numbers are expected"}},
+      {"cut.off",
+       std::string("OFF\n4 4 0\n") + four_points + "3 0 1 2\n",
+       {"cut.off:7: the file is truncated"}},
+      {"none.off", "4 4 0\n", {"none.off:1: this is no OFF file"}},
+      {"cut.ply", "ply\nformat ascii 1.0\nelement vertex 4\n", {"cut.ply: meshio cannot read it"}},
+      {"brick.inp",
+       "*NODE\n1, 0, 0, 0\n*ELEMENT, TYPE=SPRINGA\n1, 1, 1\n",
+       {"brick.inp:3: elements of type SPRINGA are not read", "C3D4 and C3D10"}},
+      {"lost.inp",
+       "*NODE\n1, 0, 0, 0\n*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n",
+       {"lost.inp:4: node 2 is used and not defined"}},
+      {"more.inp",
+       "*NODE\n1, 0, 0, 0\n*ELEMENT, TYPE=C3D4\n1, 1, 1, 1, 1, 1\n",
+       {"more.inp:4: an element of 5 nodes where 4 are expected"}},
+      {"set.inp",
+       "*NODE\n1, 0, 0, 0\n*ELSET, ELSET=all\nliver\n",
+       {"set.inp:4: there is no set \"liver\""}},
+      {"plane.inp", "*NODE\n1, 0, 0\n", {"plane.inp:2: a node is not a number and three"}},
+      {"text.feb", "no XML at all\n", {"text.feb:1: this is not XML"}},
+      {"old.feb",
+       "<febio_spec version=\"1.2\">\n</febio_spec>\n",
+       {"old.feb:1: there is no <Geometry> or <Mesh>", "FEBio 2.5"}},
+      {"shell.feb",
+       febio_head + "<Elements type=\"truss2\">\n</Elements>\n</Mesh></febio_spec>\n",
+       {"shell.feb:7: elements of type \"truss2\" are not read", "tet4 and tet10"}},
+      {"few.feb",
+       febio_head +
+           "<Elements type=\"tet4\">\n<elem id=\"1\">1,1,1</elem>\n</Elements></Mesh></febio_spec>",
+       {"few.feb:8: 3 nodes where 4 are expected"}},
+      {"lost.feb",
+       febio_head + "<Elements type=\"tet4\">\n<elem id=\"1\">1,2,3,4</elem>\n</Elements></Mesh>"
+                    "</febio_spec>",
+       {"lost.feb:8: node '2' is used and not defined"}},
+      {"alone.node",
+       "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n",
+       {"alone.ele: No such file or directory"}},
+      {"cut.node", "4 3 0 0\n0 0 0 0\n", {"cut.node: 4 points are announced, and there are 1"}},
+      {"plane.node", "4 2 0 0\n", {"plane.node:1: the first line is not: number of points, 3"}},
+      {"brick.vtk",
+       vtkOf("12", "8 0 1 2 3 4 5 6 7"),
+       {"brick.vtk: it has volume cells that are no tetrahedra", "1 of kind hexahedron", ".stl"}},
+      {"line.vtk", vtkOf("3", "2 0 1"), {"line.vtk: there are neither tetrahedra nor triangles"}},
+      {"far.vtk",
+       vtkOf("10", "4 0 1 2 9"),
+       {"far.vtk: a cell (tetra) uses point 9", "there are 8"}},
+      {"not.vtk", "# stl\n", {"not.vtk: meshio cannot read it", "of the format that its ending"}},
+      {"cut.vtu",
+       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Unstr",
+       {"cut.vtu: meshio cannot read it"}},
+      {"cut.msh", "$MeshFormat\n2.2 1 8\n\x01\x01", {"cut.msh: the file is truncated"}},
+      {"other.msh",
+       std::string("$MeshFormat\n4.1 1 8\n") + std::string("\0\0\0\1", 4),
+       {"other.msh:3", "another byte order"}},
+      {"letter.doc", "dear all\n", {"letter.doc: no format of this ending is known", ".vtu"}},
+  };
+}
+
+template <class Row, class Action>
+void expectSentence(const Row& row, Action action) {
+  try {
+    action();
+    ADD_FAILURE() << "no error, where one that says \"" << row.words.at(0) << "\" was expected";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exitCode(), ExitCode::usage) << error.what();
+    for (const std::string& word : row.words)
+      EXPECT_NE(std::string(error.what()).find(word), std::string::npos)
+          << "\"" << word << "\" is not in: " << error.what();
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "one sentence";
+  }
+}
+
+TEST(BrokenInputs, ScenesAreAnsweredWithFileLineKeyAndRemedy) {
+  const test::TemporaryDirectory directory;
+  test::writeGmsh22(test::cubeMesh(0.1, 3), directory / "cube.msh");
+  std::ofstream(directory / "binary.msh") << "$MeshFormat\n2.2 1 8\n";
+  for (const char* other : {"cube.vtu", "cube.stl", "cube.vtk"})
+    std::ofstream(directory / other) << "solid";
+  std::ofstream(directory / "scene.toml") << sound_scene;
+  EXPECT_NO_THROW(loadProblem(directory / "scene.toml"));
+  for (const BrokenScene& broken : brokenScenes()) {
+    SCOPED_TRACE(broken.instead);
+    std::string text = sound_scene;
+    const std::size_t at = text.find(broken.what);
+    ASSERT_NE(at, std::string::npos) << broken.what;
+    std::ofstream(directory / "scene.toml") << text.replace(at, broken.what.size(), broken.instead);
+    expectSentence(broken, [&] { loadProblem(directory / "scene.toml"); });
+  }
+}
+
+TEST(BrokenInputs, MeshesOfOtherFormatsAreAnsweredWithFileLineAndWhatIsWrong) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  const test::TemporaryDirectory directory;
+  for (const BrokenMesh& broken : brokenMeshes()) {
+    SCOPED_TRACE(broken.name);
+    std::ofstream(directory / broken.name, std::ios::binary) << broken.content;
+    expectSentence(broken, [&] { convertMesh(directory / broken.name, directory.path(), false); });
+  }
+}
+
+TEST(BrokenInputs, AreManyThatAreHeldToTheirAnswers) {
+  EXPECT_GE(brokenScenes().size(), 40u);
+  EXPECT_GE(brokenMeshes().size(), 30u);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,152 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "common/mesh/mesh_reader.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/reference_data.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "tests/worker/meshing/surfaces.hpp"
+
+// `palpate mesh` and `palpate new` as users call them.
+
+namespace palpate {
+namespace {
+
+using test::CommandResult;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class MeshCommand : public ::testing::Test {
+ protected:
+  CommandResult worker(const std::string& arguments, const std::string& environment = "") {
+    return test::runCommand("cd '" + directory.path().string() + "' && " + environment +
+                            " '" PALPATE_BIN_DIR "/palpate-worker' " + arguments);
+  }
+  std::string content(const std::string& name) const {
+    std::ostringstream text;
+    text << std::ifstream(directory / name).rdbuf();
+    return text.str();
+  }
+  /// check of a scene says nothing but what it amounts to.
+  void expectSoundScene(const std::string& scene) {
+    const CommandResult checked =
+        worker("check " + scene, "env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE");
+    EXPECT_EQ(checked.exit_code, 0) << checked.output;
+    EXPECT_THAT(checked.output, Not(HasSubstr("warning")));
+    EXPECT_THAT(checked.output, HasSubstr("sites of a finger"));
+  }
+  test::TemporaryDirectory directory;
+};
+
+TEST_F(MeshCommand, MakesASceneOfAnStlThatCheckFindsSound) {
+  PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  test::writeStl(test::sphereSurface(60, 8), directory / "organ.stl");
+  const CommandResult meshed = worker("mesh organ.stl -o organ.msh --nodes 500");
+  EXPECT_EQ(meshed.exit_code, 0) << meshed.output;
+  EXPECT_THAT(meshed.output,
+              AllOf(HasSubstr("768 triangles, closed"), HasSubstr("group      \"body\""),
+                    HasSubstr("unit       millimetres by its size"),
+                    HasSubstr("next: palpate new organ --mesh organ.msh")));
+  const CommandResult made = worker("new organ --mesh organ.msh");
+  EXPECT_EQ(made.exit_code, 0) << made.output;
+  EXPECT_THAT(made.output, AllOf(HasSubstr("finger     radius"), Not(HasSubstr("warning")),
+                                 HasSubstr("next: palpate check organ/scene.toml")));
+  EXPECT_EQ(content("organ/organ.msh"), content("organ.msh"));
+  EXPECT_THAT(content("organ/scene.toml"), HasSubstr("length_unit = \"mm\""));
+  expectSoundScene("organ/scene.toml");
+}
+
+TEST_F(MeshCommand, ProposesSoundScenesForABoxTheShippedLiverAndARealOne) {
+  test::writeGmsh22(test::boxMesh({0.12, 0.08, 0.06}, {9, 6, 5}), directory / "box.msh");
+  std::filesystem::copy_file(std::string(PALPATE_SOURCE_DIR) + "/deploy/scenes/liver/liver-500.msh",
+                             directory / "liver.msh");
+  for (const char* name : {"box", "liver"}) {
+    SCOPED_TRACE(name);
+    const CommandResult made =
+        worker("new " + std::string(name) + " --mesh " + name + ".msh --unit m");
+    EXPECT_EQ(made.exit_code, 0) << made.output;
+    expectSoundScene(std::string(name) + "/scene.toml");
+  }
+  PALPATE_REFERENCE_FILE(real, "meshes/liver-493.msh");
+  EXPECT_EQ(worker("new real --mesh " + real.string()).exit_code, 0);
+  expectSoundScene("real/scene.toml");
+}
+
+TEST_F(MeshCommand, ConvertsAMeshAndKeepsItsNumbers) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  std::ofstream(directory / "one.inp") << "*NODE\n1, 0, 0, 0\n2, 30, 0, 0\n3, 0, 30, 0\n"
+                                          "4, 0, 0, 30\n*ELEMENT, TYPE=C3D4, ELSET=all\n"
+                                          "1, 1, 2, 3, 4\n";
+  const CommandResult converted = worker("mesh one.inp -o one.msh");
+  EXPECT_EQ(converted.exit_code, 0) << converted.output;
+  EXPECT_THAT(converted.output, AllOf(HasSubstr("(30 cm wide in centimetres, and 3 cm"),
+                                      HasSubstr("--unit says otherwise")));
+  EXPECT_EQ(readGmsh(directory / "one.msh").nodes[1], Eigen::Vector3d(30, 0, 0));
+  EXPECT_THAT(worker("mesh one.inp -o one.msh --unit mm").output,
+              HasSubstr("to (0.03, 0.03, 0.03) m"));
+  const CommandResult refused = worker("mesh one.inp -o other.msh --nodes 100");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.output, HasSubstr("has tetrahedra, which are kept"));
+}
+
+TEST_F(MeshCommand, RefusesWhatCannotBeMeantBeforeItWorks) {
+  test::writeStl(test::sphereSurface(60, 2), directory / "organ.stl");
+  for (const auto& [arguments, words] :
+       {std::pair("mesh organ.stl -o organ.vtu", "give it the ending .msh"),
+        std::pair("mesh none.stl -o organ.msh", "none.stl: there is no such file"),
+        std::pair("mesh . -o organ.msh", "is a folder"),
+        std::pair("mesh organ.stl -o organ.msh --unit inch", "m, cm or mm"),
+        std::pair("mesh organ.stl -o organ.msh --nodes 2", "--nodes"),
+        std::pair("mesh organ.stl -o organ.msh --nodes 100 --size 3", "--nodes"),
+        std::pair("mesh organ.stl -o organ.msh --mesher netgen", "--mesher"),
+        std::pair("new organ --mesh organ.stl", "palpate mesh organ.stl -o organ.msh"),
+        std::pair("new organ --mesh none.msh", "No such file"),
+        std::pair("new organ.stl --mesh none.msh", "is a file")}) {
+    const CommandResult refused = worker(arguments);
+    EXPECT_EQ(refused.exit_code, 2) << arguments;
+    EXPECT_THAT(refused.output, HasSubstr(words)) << arguments;
+  }
+  std::filesystem::create_directory(directory / "made");
+  std::ofstream(directory / "made/scene.toml") << "mine";
+  EXPECT_THAT(worker("new made --mesh none.msh").output, HasSubstr("there is a scene already"));
+  EXPECT_EQ(content("made/scene.toml"), "mine");
+  EXPECT_EQ(worker("mesh organ.stl -o nowhere/organ.msh").exit_code, 1);
+}
+
+TEST_F(MeshCommand, NamesThePackagesOfWhatIsNotInstalled) {
+  test::writeStl(test::sphereSurface(60, 2), directory / "organ.stl");
+  if (test::runCommand("test -x /usr/bin/python3").exit_code == 0) {
+    PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+    const CommandResult refused =
+        worker("mesh organ.stl -o organ.msh", "env PATH=" + directory.path().string());
+    EXPECT_EQ(refused.exit_code, 1) << refused.output;
+    EXPECT_THAT(refused.output, AllOf(HasSubstr("(Debian: gmsh)"), HasSubstr("(Debian: tetgen)")));
+  }
+  EXPECT_FALSE(std::filesystem::exists(directory / "organ.msh"));
+}
+
+TEST_F(MeshCommand, LeavesNothingBehindWhenItIsInterrupted) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  test::writeStl(test::sphereSurface(60, 2), directory / "organ.stl");
+  std::filesystem::create_directory(directory / "tmp");
+  std::ofstream(directory / "gmsh") << "#!/bin/sh\ntouch started\nexec sleep 300\n";
+  std::filesystem::permissions(directory / "gmsh", std::filesystem::perms::owner_all);
+  const CommandResult stopped = test::runCommand(
+      "(cd '" + directory.path().string() +
+      "' && export TMPDIR=$PWD/tmp PATH=$PWD:$PATH && exec '" PALPATE_BIN_DIR
+      "/palpate-worker' mesh organ.stl -o organ.msh 2>&1) & "
+      "while ! test -e '" +
+      (directory / "started").string() + "'; do sleep 0.05; done; kill -TERM $!; wait $!");
+  EXPECT_EQ(stopped.exit_code, 130) << stopped.output;
+  EXPECT_THAT(stopped.output, HasSubstr("interrupted while gmsh was at work"));
+  EXPECT_TRUE(std::filesystem::is_empty(directory / "tmp"));
+  EXPECT_FALSE(std::filesystem::exists(directory / "organ.msh"));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,213 @@
+#include "worker/meshing/closed_surface.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/expect_error.hpp"
+#include "tests/worker/meshing/surfaces.hpp"
+#include "worker/meshing/surface_cuts.hpp"
+
+namespace palpate {
+namespace {
+
+using test::boxSurface;
+using test::expectBadInput;
+using test::insideOut;
+using test::sphereSurface;
+using test::together;
+using test::torusSurface;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+ClosedSurface closed(const TriangleSoup& soup, Bodies bodies = Bodies::only) {
+  return closedSurface(soup, "organ.stl", bodies);
+}
+
+void refuses(const TriangleSoup& soup, std::initializer_list<std::string> words) {
+  expectBadInput([&] { closed(soup); }, words);
+}
+
+TEST(ClosedSurface, OfSoundBodiesIsTakenAsItIs) {
+  for (const TriangleSoup& soup : {boxSurface({2, 3, 4}), sphereSurface(1), torusSurface(3, 1)}) {
+    const ClosedSurface surface = closed(soup);
+    EXPECT_EQ(surface.triangles.size(), soup.triangles.size());
+    EXPECT_EQ(surface.points.size(), soup.points.size());
+    EXPECT_THAT(surface.notes, IsEmpty());
+    EXPECT_THAT(surface.cavities, IsEmpty());
+  }
+  const ClosedSurface box = closed(boxSurface({2, 3, 4}));
+  EXPECT_NEAR(box.volume, 24, 1e-12);
+  EXPECT_NEAR(box.area, 52, 1e-12);
+}
+
+TEST(ClosedSurface, MergesTheCornersThatAnStlRepeats) {
+  const TriangleSoup box = boxSurface({1, 1, 1});
+  TriangleSoup soup;
+  for (const Triangle& t : box.triangles) {
+    const auto first = static_cast<std::int32_t>(soup.points.size());
+    for (const std::int32_t corner : t) soup.points.push_back(box.points[corner]);
+    soup.triangles.push_back({first, first + 1, first + 2});
+  }
+  EXPECT_EQ(closed(soup).points.size(), box.points.size());
+  // As six digits leave them.
+  for (std::size_t n = 0; n < soup.points.size(); n += 2) soup.points[n][0] += 5e-7;
+  const ClosedSurface surface = closed(soup);
+  EXPECT_EQ(surface.points.size(), box.points.size());
+  EXPECT_THAT(surface.notes, Contains(HasSubstr("are one with them")));
+}
+
+TEST(ClosedSurface, LeavesOutTrianglesWithoutAreaAndRepeatedOnes) {
+  TriangleSoup soup = boxSurface({1, 1, 1});
+  const Triangle t = soup.triangles[3];
+  soup.triangles.push_back({t[0], t[0], t[1]});
+  soup.triangles.push_back({t[1], t[2], t[0]});
+  const ClosedSurface surface = closed(soup);
+  EXPECT_EQ(surface.triangles.size(), soup.triangles.size() - 2);
+  EXPECT_THAT(surface.notes, Contains(HasSubstr("1 triangles without area")));
+  EXPECT_THAT(surface.notes, Contains(HasSubstr("1 triangles that are there twice")));
+}
+
+TEST(ClosedSurface, TurnsASurfaceThatFacesInward) {
+  const ClosedSurface surface = closed(insideOut(sphereSurface(2)));
+  EXPECT_GT(surface.volume, 0);
+  EXPECT_THAT(surface.notes, Contains(HasSubstr("faced inward")));
+  EXPECT_NEAR(closed(sphereSurface(2)).volume, surface.volume, 1e-12);
+}
+
+TEST(ClosedSurface, TurnsSingleTrianglesLikeTheirNeighbours) {
+  TriangleSoup soup = sphereSurface(1);
+  for (const std::size_t t : {0, 7, 8}) std::swap(soup.triangles[t][0], soup.triangles[t][1]);
+  const ClosedSurface surface = closed(soup);
+  EXPECT_THAT(surface.notes, Contains(HasSubstr("3 of 432 triangles faced another side")));
+  EXPECT_NEAR(surface.volume, closed(sphereSurface(1)).volume, 1e-12);
+}
+
+TEST(ClosedSurface, OfAShellInAShellIsABodyWithACavity) {
+  for (const TriangleSoup& inner : {sphereSurface(0.4), insideOut(sphereSurface(0.4))}) {
+    const ClosedSurface surface = closed(together(sphereSurface(1), inner));
+    const double outer_volume = closed(sphereSurface(1)).volume,
+                 inner_volume = closed(sphereSurface(0.4)).volume;
+    EXPECT_NEAR(surface.volume, outer_volume - inner_volume, 1e-12);
+    ASSERT_EQ(surface.cavities.size(), 1u);
+    EXPECT_LT(surface.cavities[0].norm(), 0.39) << "a point in the cavity";
+    EXPECT_THAT(surface.notes, Contains(HasSubstr("cavities")));
+  }
+}
+
+TEST(ClosedSurface, RefusesAnOpenOneSayingHowManyEdgesAndWhere) {
+  TriangleSoup soup = sphereSurface(1);
+  soup.triangles.pop_back();
+  refuses(soup,
+          {"organ.stl: the surface is open", "3 of its edges", "the first is at (", "Close Holes"});
+  soup.triangles = {soup.triangles[0]};
+  refuses(soup, {"is open", "3 of its edges"});
+}
+
+TEST(ClosedSurface, RefusesWallsInside) {
+  TriangleSoup soup = boxSurface({1, 1, 1}, 1);
+  const Triangle t = soup.triangles[0];
+  soup.points.emplace_back(0, 0, 0);
+  const auto middle = static_cast<std::int32_t>(soup.points.size()) - 1;
+  // A fin on one edge, closed like an envelope.
+  soup.triangles.push_back({t[0], t[1], middle});
+  soup.points.emplace_back(0.1, 0, 0);
+  soup.triangles.push_back({t[1], t[0], middle + 1});
+  soup.triangles.push_back({t[0], middle, middle + 1});
+  soup.triangles.push_back({middle, t[1], middle + 1});
+  refuses(soup, {"1 of its edges have more than two triangles", "the first is at"});
+}
+
+TEST(ClosedSurface, RefusesOneThatCutsItself) {
+  // Two boxes as one shell would be: joined by nothing, so one lies half in the other.
+  const TriangleSoup soup =
+      together(boxSurface({1, 1, 1}), boxSurface({1, 1, 1}, 2, {0.3, 0.3, 0.3}));
+  expectBadInput([&] { closed(soup, Bodies::only); }, {"organ.stl", "2 separate bodies"});
+  // A sphere one of whose corners was drawn through the other side.
+  TriangleSoup drawn = sphereSurface(1);
+  drawn.points[0] = -1.5 * drawn.points[0];
+  refuses(drawn, {"the surface cuts itself", "pairs of its triangles", "the first is at ("});
+}
+
+TEST(ClosedSurface, RefusesSeveralBodiesWithTheirSizesAndTakesTheLargestWhenAsked) {
+  const TriangleSoup soup = together(boxSurface({1, 1, 1}, 2, {5, 0, 0}), boxSurface({2, 3, 4}));
+  refuses(soup, {"organ.stl: there are 2 separate bodies", "2 x 3 x 4 at (0, 0, 0)",
+                 "1 x 1 x 1 at (5, 0, 0)", "--largest"});
+  const ClosedSurface surface = closed(soup, Bodies::largest);
+  EXPECT_NEAR(surface.volume, 24, 1e-12);
+  EXPECT_EQ(surface.points.size(), boxSurface({2, 3, 4}).points.size());
+  EXPECT_THAT(surface.notes, Contains(HasSubstr("of 2 bodies the largest")));
+}
+
+TEST(ClosedSurface, LeavesOutAnOpenScrapBesideTheLargest) {
+  TriangleSoup soup = sphereSurface(1);
+  TriangleSoup scrap = boxSurface({1, 1, 1}, 1, {4, 0, 0});
+  scrap.triangles.pop_back();
+  soup = together(soup, scrap);
+  refuses(soup, {"is open", "2 separate pieces", "--largest"});
+  EXPECT_THAT(closed(soup, Bodies::largest).notes, Contains(HasSubstr("1 open pieces")));
+}
+
+TEST(ClosedSurface, RefusesWhatEnclosesNothing) {
+  TriangleSoup flat;
+  flat.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  flat.triangles = {{0, 1, 2}, {1, 3, 2}, {0, 3, 1}, {0, 2, 3}};
+  refuses(flat, {"encloses no volume"});
+  refuses({}, {"there is no triangle"});
+  refuses({{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, {{0, 1, 2}}}, {"at one place"});
+  refuses({{{0, 0, 0}, {1, 0, 0}}, {{0, 1, 2}}}, {"corner 2, there are 2"});
+  refuses({{{0, 0, 0}, {1e300, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, {"far beyond any body"});
+}
+
+TEST(ClosedSurface, RefusesAOneSidedOne) {
+  // A Klein bottle as the square with its sides identified, in no shape at all: only how the
+  // triangles hang together counts.
+  constexpr int n = 5;
+  TriangleSoup soup;
+  for (int i = 0; i < n * n; ++i)
+    soup.points.emplace_back(std::sin(1.0 + 7 * i), std::cos(2.0 + 3 * i), std::sin(5.0 * i));
+  const auto at = [](int i, int k) {
+    const bool flipped = i / n % 2 == 1;
+    const int row = flipped ? (2 * n - k) % n : k % n;
+    return static_cast<std::int32_t>((i % n) * n + row);
+  };
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < n; ++k) {
+      soup.triangles.push_back({at(i, k), at(i + 1, k), at(i + 1, k + 1)});
+      soup.triangles.push_back({at(i, k), at(i + 1, k + 1), at(i, k + 1)});
+    }
+  refuses(soup, {"one side only"});
+}
+
+TEST(SurfaceCuts, AreNoneInSoundSurfaces) {
+  for (const TriangleSoup& soup :
+       {boxSurface({2, 3, 4}, 5), sphereSurface(0.07, 10), torusSurface(3, 1, 40, 20)})
+    EXPECT_EQ(cutsOf(soup.points, soup.triangles).count, 0);
+}
+
+TEST(SurfaceCuts, AreFoundWhereverTwoBoxesMeet) {
+  const TriangleSoup box = boxSurface({1, 1, 1}, 2);
+  const auto cuts = [&](const Eigen::Vector3d& offset) {
+    const TriangleSoup both = together(box, boxSurface({1, 1, 1}, 2, offset));
+    return cutsOf(both.points, both.triangles).count;
+  };
+  EXPECT_GT(cuts({0.5, 0.5, 0.5}), 0) << "corners on corners of the grid";
+  EXPECT_GT(cuts({0.31, 0.27, 0.43}), 0);
+  EXPECT_GT(cuts({0.4, 0, 0}), 0) << "sides in one plane";
+  EXPECT_GT(cuts({1, 0.2, 0.1}), 0) << "touching";
+  EXPECT_EQ(cuts({1.001, 0, 0}), 0);
+}
+
+TEST(SurfaceCuts, AreFoundBesideASharedCornerAndAFoldedEdge) {
+  const std::vector<Eigen::Vector3d> points = {{0, 0, 0},   {1, 0, 0},      {0, 1, 0},
+                                               {1, 1, 1},   {0.3, 0.3, -1}, {0.2, 0.2, 0},
+                                               {1, 0.5, 0}, {0.5, 1, 0}};
+  EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {0, 3, 4}}).count, 1) << "through the inside";
+  EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {0, 6, 7}}).count, 1) << "over each other in a plane";
+  EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {0, 1, 5}}).count, 1) << "folded";
+  EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {1, 3, 2}}).count, 0);
+  EXPECT_EQ(cutsOf(points, {{0, 1, 2}, {1, 3, 2}}).first[0], -1);
+}
+
+}  // namespace
+}  // namespace palpate

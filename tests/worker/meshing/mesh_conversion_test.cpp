@@ -1,0 +1,321 @@
+#include "worker/meshing/mesh_conversion.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/base/whole_file.hpp"
+#include "common/mesh/mesh_reader.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "tests/worker/meshing/surfaces.hpp"
+
+namespace palpate {
+namespace {
+
+using test::expectBadInput;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// A distorted box of ten-node tetrahedra in two parts, and files of it in formats of others.
+class MeshConversion : public ::testing::Test {
+ protected:
+  MeshConversion() {
+    body = test::distortedBoxMesh({2, 1, 1}, {4, 2, 2});
+    addMidEdgeNodes(body);
+    for (std::size_t e = 0; e < body.tetrahedra.size(); ++e) {
+      double x = 0;
+      for (const std::int32_t node : body.tetrahedra[e]) x += body.nodes[node][0] / 4;
+      part.push_back(x < 1 ? 3 : 8);
+    }
+  }
+
+  /// The ten nodes of a tetrahedron in VTK's order.
+  std::array<std::int32_t, 10> nodesOf(std::size_t e) const {
+    std::array<std::int32_t, 10> nodes{};
+    std::ranges::copy(body.tetrahedra[e], nodes.begin());
+    std::ranges::copy(body.mid_edge_nodes[e], nodes.begin() + 4);
+    return nodes;
+  }
+
+  std::ofstream create(const std::string& name) const {
+    std::ofstream out(directory / name);
+    out.precision(17);
+    return out;
+  }
+
+  /// By meshio, with the parts in `region`, a vector field, and the points of xmin in `fixed`.
+  void writeByMeshio(const std::string& name, const std::string& arguments = "") const {
+    std::ofstream points = create("points"), cells = create("cells"), parts = create("parts");
+    for (const Eigen::Vector3d& x : body.nodes) points << x.transpose() << "\n";
+    for (std::size_t e = 0; e < body.tetrahedra.size(); ++e) {
+      for (const std::int32_t node : nodesOf(e)) cells << node << " ";
+      cells << "\n";
+      parts << part[e] << "\n";
+    }
+    for (std::ofstream* file : {&points, &cells, &parts}) file->close();
+    std::ofstream script = create("write.py");
+    script << "import meshio, numpy as np\n"
+              "p, c, r = np.loadtxt('points'), np.loadtxt('cells', int), np.loadtxt('parts', int)\n"
+              "m = meshio.Mesh(p, [('tetra10', c)], cell_data={'region': [r],\n"
+              "    'direction': [np.tile([0.0, 0.6, 0.8], (len(c), 1))]},\n"
+              "    point_data={'fixed': (p[:, 0] == 0).astype(int)})\n"
+              "meshio.write('"
+           << name << "', m" << arguments << ")\n";
+    script.close();
+    const test::CommandResult result =
+        test::runCommand("cd " + directory.path().string() + " && /usr/bin/python3 write.py");
+    ASSERT_EQ(result.exit_code, 0) << result.output;
+  }
+
+  Mesh convert(const std::string& name, bool straight = false) {
+    const ConvertedMesh converted = convertMesh(directory / name, directory.path(), straight);
+    EXPECT_TRUE(converted.is_volume);
+    notes = converted.notes;
+    text = readText(converted.file, "mesh");
+    return parseGmsh(text, name);
+  }
+
+  /// The same tetrahedra, in place and of positive volume, with mid-edge nodes in the middles: else
+  /// parseGmsh would have refused them as curved.
+  void expectTheBody(const Mesh& mesh, double tolerance = 1e-12) const {
+    ASSERT_EQ(mesh.tetrahedra.size(), body.tetrahedra.size());
+    EXPECT_EQ(mesh.reoriented_tetrahedra, 0);
+    EXPECT_NE(text.find(" 11 2 "), std::string::npos) << "ten nodes each";
+    for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
+      for (int i = 0; i < 4; ++i)
+        EXPECT_LT((mesh.nodes[mesh.tetrahedra[e][i]] - body.nodes[body.tetrahedra[e][i]]).norm(),
+                  tolerance);
+    EXPECT_NEAR(measure(mesh).volume, 2, 1e-6);
+  }
+
+  void expectParts(const Mesh& mesh, const std::string& low, const std::string& high) const {
+    ASSERT_THAT(mesh.element_groups, Contains(::testing::Key(low)));
+    ASSERT_THAT(mesh.element_groups, Contains(::testing::Key(high)));
+    std::vector<std::int32_t> of_low;
+    for (std::size_t e = 0; e < part.size(); ++e)
+      if (part[e] == 3) of_low.push_back(static_cast<std::int32_t>(e));
+    EXPECT_EQ(mesh.element_groups.at(low), of_low);
+    EXPECT_EQ(mesh.element_groups.at(high).size(), part.size() - of_low.size());
+  }
+
+  /// Vertices of the side x = 0 under this name.
+  void expectFixed(const Mesh& mesh, const std::string& name) const {
+    ASSERT_THAT(mesh.node_groups, Contains(::testing::Key(name)));
+    EXPECT_EQ(mesh.node_groups.at(name).size(), 9u);
+    for (const std::int32_t node : mesh.node_groups.at(name)) EXPECT_EQ(mesh.nodes[node][0], 0);
+  }
+
+  test::TemporaryDirectory directory;
+  Mesh body;
+  std::vector<int> part;  ///< per tetrahedron, 3 or 8
+  std::vector<std::string> notes;
+  std::string text;
+};
+
+TEST_F(MeshConversion, KeepsTenNodesGroupsAndVectorsOfWhatMeshioReads) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  for (const auto& [name, arguments] :
+       {std::pair("b.vtu", ""), std::pair("a.vtu", ", binary=False"), std::pair("b.vtk", ""),
+        std::pair("a.vtk", ", binary=False"), std::pair("old.vtk", ", file_format='vtk42'")}) {
+    SCOPED_TRACE(name);
+    writeByMeshio(name, arguments);
+    const Mesh mesh = convert(name);
+    expectTheBody(mesh);
+    expectParts(mesh, "region 3", "region 8");
+    expectFixed(mesh, "fixed");
+    ASSERT_THAT(mesh.element_vectors, Contains(::testing::Key("direction")));
+    EXPECT_EQ(mesh.element_vectors.at("direction")[5], Eigen::Vector3d(0, 0.6, 0.8));
+  }
+}
+
+TEST_F(MeshConversion, ReadsTheTenNodesOfAbaqusWithItsSets) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  std::ofstream out = create("body.inp");
+  out << "*HEADING\n** made in code\n*NODE, NSET=all\n";
+  for (std::size_t n = 0; n < body.nodes.size(); ++n)
+    out << n + 11 << ", " << body.nodes[n][0] << ", " << body.nodes[n][1] << ", "
+        << body.nodes[n][2] << "\n";
+  for (const int wanted : {3, 8}) {
+    // In two blocks, as exporters do for each part; lines end after eight numbers.
+    out << "*ELEMENT, TYPE=C3D10MH, ELSET=" << (wanted == 3 ? "liver" : "tumour") << "\n";
+    for (std::size_t e = 0; e < part.size(); ++e) {
+      if (part[e] != wanted) continue;
+      out << e + 1;
+      for (int i = 0; i < 10; ++i) out << (i == 7 ? ",\n" : ", ") << nodesOf(e)[i] + 11;
+      out << "\n";
+    }
+  }
+  out << "*NSET, NSET=\"base plate\"\n";
+  for (const std::int32_t node : body.node_groups.at("xmin")) out << node + 11 << ",\n";
+  out << "*ELSET, ELSET=first, GENERATE\n1, 5, 2\n*ELSET, ELSET=both\nliver, tumour\n*STEP\n";
+  out.close();
+  const Mesh mesh = convert("body.inp");
+  // First all of one part, then of the other.
+  ASSERT_EQ(mesh.tetrahedra.size(), body.tetrahedra.size());
+  EXPECT_EQ(mesh.element_groups.at("liver").size() + mesh.element_groups.at("tumour").size(),
+            part.size());
+  EXPECT_EQ(mesh.element_groups.at("both").size(), part.size());
+  EXPECT_EQ(mesh.element_groups.at("first").size(), 3u);
+  for (const std::int32_t e : mesh.element_groups.at("liver"))
+    EXPECT_LT(mesh.nodes[mesh.tetrahedra[e][0]][0], 1.1);
+  expectFixed(mesh, "base plate");
+  EXPECT_NEAR(measure(mesh).volume, 2, 1e-9);
+}
+
+TEST_F(MeshConversion, ReadsFebioOfEveryVersionWithItsSets) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  for (const bool modern : {false, true}) {
+    SCOPED_TRACE(modern);
+    std::ofstream out = create("body.feb");
+    out << "<?xml version=\"1.0\"?>\n<febio_spec version=\"" << (modern ? "4.0" : "2.5") << "\">\n"
+        << (modern ? "<Mesh>\n" : "<Geometry>\n") << "<Nodes name=\"Object1\">\n";
+    for (std::size_t n = 0; n < body.nodes.size(); ++n)
+      out << "<node id=\"" << n + 1 << "\">" << body.nodes[n][0] << "," << body.nodes[n][1] << ","
+          << body.nodes[n][2] << "</node>\n";
+    out << "</Nodes>\n";
+    for (const int wanted : {3, 8}) {
+      out << "<Elements type=\"tet10\" "
+          << (modern ? "name=\"Part" + std::to_string(wanted) + "\""
+                     : "mat=\"" + std::to_string(wanted) + "\"")
+          << ">\n";
+      for (std::size_t e = 0; e < part.size(); ++e) {
+        if (part[e] != wanted) continue;
+        out << "<elem id=\"" << e + 1 << "\">" << nodesOf(e)[0] + 1;
+        for (int i = 1; i < 10; ++i) out << ", " << nodesOf(e)[i] + 1;
+        out << "</elem>\n";
+      }
+      out << "</Elements>\n";
+    }
+    out << "<NodeSet name=\"clamp\">";
+    const NodeSet& fixed = body.node_groups.at("xmin");
+    for (std::size_t i = 0; i < fixed.size(); ++i)
+      if (modern)
+        out << (i > 0 ? "," : "") << fixed[i] + 1;
+      else
+        out << "<node id=\"" << fixed[i] + 1 << "\"/>";
+    out << "</NodeSet>\n<Surface name=\"skin\"><tri3 id=\"1\">" << fixed[0] + 1 << ","
+        << fixed[1] + 1 << "," << fixed[2] + 1 << "</tri3></Surface>\n"
+        << (modern ? "</Mesh>\n" : "</Geometry>\n") << "</febio_spec>\n";
+    out.close();
+    const Mesh mesh = convert("body.feb");
+    EXPECT_NEAR(measure(mesh).volume, 2, 1e-9);
+    EXPECT_NE(text.find(" 11 2 "), std::string::npos);
+    const std::string low = modern ? "Part3" : "material 3", high = modern ? "Part8" : "material 8";
+    EXPECT_EQ(mesh.element_groups.at(low).size() + mesh.element_groups.at(high).size(),
+              part.size());
+    expectFixed(mesh, "clamp");
+    EXPECT_EQ(mesh.node_groups.at("skin").size(), 3u);
+  }
+}
+
+TEST_F(MeshConversion, ReadsTetGenCountedFromZeroOrOneWithItsRegions) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  // Where TetGen's -o2 has the middles that we have by tetrahedron_edges.
+  constexpr std::array<int, 6> tetgen_order = {5, 3, 0, 1, 4, 2};
+  for (const int first : {0, 1}) {
+    SCOPED_TRACE(first);
+    std::ofstream node = create("body.node"), ele = create("body.ele");
+    node << "# made in code\n" << body.nodes.size() << " 3 0 1\n";
+    for (std::size_t n = 0; n < body.nodes.size(); ++n)
+      node << n + first << "  " << body.nodes[n].transpose() << "  " << (body.nodes[n][0] == 0)
+           << "\n";
+    ele << body.tetrahedra.size() << "  10  1\n";
+    for (std::size_t e = 0; e < part.size(); ++e) {
+      ele << e + first;
+      for (int i = 0; i < 4; ++i) ele << "  " << nodesOf(e)[i] + first;
+      for (const int i : tetgen_order) ele << "  " << nodesOf(e)[4 + i] + first;
+      ele << "  " << part[e] << "\n";
+    }
+    node.close();
+    ele.close();
+    for (const char* name : {"body.node", "body.ele"}) {
+      const Mesh mesh = convert(name);
+      expectTheBody(mesh);
+      expectParts(mesh, "region 3", "region 8");
+      expectFixed(mesh, "marker");
+    }
+  }
+}
+
+TEST_F(MeshConversion, ReadsGmshOfEveryKindWithAllItsGroups) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
+  // One body of two has a name, and one of its sides: what meshio cannot read of version 4.1.
+  create("two.geo") << "SetFactory(\"OpenCASCADE\");\nBox(1) = {0, 0, 0, 1, 1, 1};\n"
+                       "Box(2) = {1, 0, 0, 1, 1, 1};\nCoherence;\n"
+                       "Physical Volume(\"left part\") = {1};\n"
+                       "Physical Surface(\"base\") = {1};\nMesh.MeshSizeMax = 0.7;\n";
+  for (const char* how : {"-order 1 -save_all -format msh41", "-order 2 -format msh41 -bin",
+                          "-order 2 -save_all -format msh41 -bin", "-order 2 -format msh22 -bin",
+                          "-order 1 -format msh22 -bin"}) {
+    SCOPED_TRACE(how);
+    const test::CommandResult meshed = test::runCommand(
+        "cd " + directory.path().string() + " && gmsh -3 two.geo -v 1 -o two.msh " + how);
+    ASSERT_EQ(meshed.exit_code, 0) << meshed.output;
+    const Mesh mesh = convert("two.msh");
+    const bool all = std::string(how).find("save_all") != std::string::npos;
+    EXPECT_NEAR(measure(mesh).volume, all ? 2 : 1, 1e-9);
+    double volume = 0;
+    for (const std::int32_t e : mesh.element_groups.at("left part"))
+      volume += sixVolume(mesh, static_cast<std::size_t>(e)) / 6;
+    EXPECT_NEAR(volume, 1, 1e-9);
+    ASSERT_THAT(mesh.node_groups, Contains(::testing::Key("base")));
+    for (const std::int32_t node : mesh.node_groups.at("base")) EXPECT_EQ(mesh.nodes[node][0], 0);
+  }
+}
+
+TEST_F(MeshConversion, PutsTheMiddlesOfAnotherProgramsOrderRight) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  for (auto& middles : body.mid_edge_nodes) std::swap(middles[4], middles[5]);
+  writeByMeshio("mixed-up.vtu");
+  convert("mixed-up.vtu");
+  EXPECT_THAT(notes, Contains(HasSubstr("in Gmsh's order; put right")));
+}
+
+TEST_F(MeshConversion, RefusesCurvedEdgesUnlessTheCornersAreWanted) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  body.nodes[body.mid_edge_nodes[3][2]] += Eigen::Vector3d(0.01, 0, 0);
+  writeByMeshio("curved.vtu");
+  expectBadInput([&] { convert("curved.vtu"); },
+                 {"curved.vtu: tetrahedron ", "curved edge at (", "--straight"});
+  const Mesh mesh = convert("curved.vtu", true);
+  EXPECT_THAT(notes, Contains(HasSubstr("the corners are taken")));
+  EXPECT_EQ(text.find(" 11 2 "), std::string::npos);
+  EXPECT_NEAR(measure(mesh).volume, 2, 1e-9);
+}
+
+TEST_F(MeshConversion, ReadsSurfacesOfEveryFormatToTheSameTriangles) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  const TriangleSoup sphere = test::sphereSurface(40, 3);
+  test::writeStl(sphere, directory / "a.stl");
+  test::writeBinaryStl(sphere, directory / "b.STL");
+  test::writeObj(sphere, directory / "c.obj");
+  test::writeOff(sphere, directory / "d.off");
+  test::writePly(sphere, directory / "e.ply");
+  for (const char* name : {"a.stl", "b.STL", "c.obj", "d.off", "e.ply"}) {
+    SCOPED_TRACE(name);
+    const ConvertedMesh converted = convertMesh(directory / name, directory.path(), false);
+    EXPECT_FALSE(converted.is_volume);
+    const ClosedSurface surface = closedSurface(readTriangles(converted.file), name, Bodies::only);
+    EXPECT_EQ(surface.points.size(), sphere.points.size());
+    EXPECT_EQ(surface.triangles.size(), sphere.triangles.size());
+    EXPECT_NEAR(surface.volume, closedSurface(sphere, "", Bodies::only).volume, 0.05);
+  }
+}
+
+TEST_F(MeshConversion, MakesTrianglesOfPolygonsAndCountsBackwardsAsObjDoes) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  create("cube.obj") << "v 0 0 0 1 1 1\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\n"
+                        "v 0 1 1\ng sides\nf 4 3 2 1\nf -4 -3 -2 -1\nf 1 2 6 5\nf 2 3 7 6\n"
+                        "f 3 4 8 7\nf 4 1 5 8\n";
+  const ConvertedMesh converted = convertMesh(directory / "cube.obj", directory.path(), false);
+  const ClosedSurface surface = closedSurface(readTriangles(converted.file), "", Bodies::only);
+  EXPECT_EQ(surface.triangles.size(), 12u);
+  EXPECT_DOUBLE_EQ(surface.volume, 1);
+  EXPECT_THAT(surface.notes, ::testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace palpate

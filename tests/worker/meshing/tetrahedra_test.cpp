@@ -1,0 +1,113 @@
+#include "worker/meshing/tetrahedra.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/mesh/mesh_reader.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "tests/worker/meshing/surfaces.hpp"
+
+namespace palpate {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Key;
+
+class FilledSurface : public ::testing::Test {
+ protected:
+  Tetrahedra fill(const TriangleSoup& soup, const Fineness& fineness,
+                  Mesher mesher = Mesher::gmsh) {
+    surface = closedSurface(soup, "organ.stl", Bodies::only);
+    return fillWithTetrahedra(surface, fineness, mesher, folder.path(), "organ.stl");
+  }
+  static double shareOf(double nodes, double wanted) { return std::abs(std::log(nodes / wanted)); }
+
+  test::TemporaryDirectory folder;
+  ClosedSurface surface;
+};
+
+TEST_F(FilledSurface, HasAboutTheWantedNodesAndTheGroupsBodyAndSurface) {
+  PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
+  for (const TriangleSoup& soup : {test::sphereSurface(50, 8), test::torusSurface(60, 20)}) {
+    const Tetrahedra filled = fill(soup, {.nodes = 400});
+    EXPECT_LE(shareOf(static_cast<double>(filled.mesh.nodes.size()), 400),
+              std::log(1 + near_enough));
+    EXPECT_THAT(filled.mesh.element_groups, Contains(Key("body")));
+    EXPECT_THAT(filled.mesh.node_groups, Contains(Key("surface")));
+    const MeshQuality quality = measure(filled.mesh);
+    EXPECT_NEAR(quality.volume / surface.volume, 1, 0.06);
+    EXPECT_GT(quality.worst_shape, 0.1);
+    EXPECT_EQ(parseGmsh(filled.msh, "again").nodes, filled.mesh.nodes);
+  }
+}
+
+TEST_F(FilledSurface, KeepsTheEdgesOfABoxAndTakesTheSizeThatIsAskedFor) {
+  PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
+  const Tetrahedra filled = fill(test::boxSurface({100, 60, 40}, 4), {.size = 15});
+  const MeshQuality quality = measure(filled.mesh);
+  EXPECT_NEAR(quality.volume, 100 * 60 * 40, 1e-6 * quality.volume);
+  EXPECT_NEAR(quality.mean_edge, 15, 4);
+  EXPECT_THAT(filled.notes, IsEmpty());
+}
+
+TEST_F(FilledSurface, LeavesCavitiesEmpty) {
+  const TriangleSoup soup = test::together(test::sphereSurface(50, 8), test::sphereSurface(20, 6));
+  for (const auto& [program, mesher] :
+       {std::pair("gmsh", Mesher::gmsh), std::pair("tetgen", Mesher::tetgen)}) {
+    SCOPED_TRACE(program);
+    PALPATE_NEEDS(test::hasProgram(program), program);
+    if (mesher == Mesher::tetgen) PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+    const Tetrahedra filled = fill(soup, {.nodes = 800}, mesher);
+    EXPECT_NEAR(measure(filled.mesh).volume / surface.volume, 1, 0.06);
+    for (const Eigen::Vector3d& node : filled.mesh.nodes) EXPECT_GT(node.norm(), 17);
+  }
+}
+
+TEST_F(FilledSurface, ByTetgenHasTheGivenTriangles) {
+  PALPATE_NEEDS(test::hasProgram("tetgen"), "tetgen");
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  const Tetrahedra filled = fill(test::sphereSurface(50, 5), {.nodes = 300}, Mesher::tetgen);
+  EXPECT_NEAR(measure(filled.mesh).volume / surface.volume, 1, 1e-9);
+  EXPECT_THAT(filled.mesh.element_groups, Contains(Key("body")));
+  EXPECT_THAT(filled.notes, Contains(HasSubstr("filled by tetgen")));
+}
+
+TEST_F(FilledSurface, NamesThePackageOfAProgramThatIsNotThere) {
+  const char* path = std::getenv("PATH");
+  const std::string before = path != nullptr ? path : "";
+  setenv("PATH", folder.path().c_str(), 1);
+  for (const Mesher mesher : {Mesher::gmsh, Mesher::tetgen, Mesher::automatic})
+    test::expectError(
+        ExitCode::failed, [&] { fill(test::sphereSurface(50, 3), {.nodes = 100}, mesher); },
+        {"organ.stl", mesher == Mesher::gmsh ? "(Debian: gmsh)" : "(Debian: tetgen)"});
+  setenv("PATH", before.c_str(), 1);
+}
+
+TEST_F(FilledSurface, TriesTetgenWhereGmshFailsAndSaysWhatGmshSaid) {
+  PALPATE_NEEDS(test::hasProgram("tetgen"), "tetgen");
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  std::ofstream(folder / "gmsh") << "#!/bin/sh\necho 'Info    : begins'\n"
+                                    "echo 'Error   : Wrong topology of boundary mesh'\nexit 1\n";
+  std::filesystem::permissions(folder / "gmsh", std::filesystem::perms::owner_all);
+  const std::string before = std::getenv("PATH");
+  setenv("PATH", (folder.path().string() + ":" + before).c_str(), 1);
+  const Tetrahedra filled = fill(test::sphereSurface(50, 5), {.nodes = 300}, Mesher::automatic);
+  EXPECT_THAT(filled.notes, Contains(HasSubstr("Wrong topology of boundary mesh")));
+  EXPECT_THAT(filled.notes, Contains(HasSubstr("filled by tetgen")));
+  test::expectError(ExitCode::failed,
+                    [&] { fill(test::sphereSurface(50, 5), {.nodes = 300}, Mesher::gmsh); },
+                    {"organ.stl: no tetrahedra could be made", "Wrong topology", "--mesher"});
+  setenv("PATH", before.c_str(), 1);
+}
+
+TEST(EdgeLength, IsThatOfAsManyNodes) {
+  EXPECT_GT(edgeFor(1, 6, 100), edgeFor(1, 6, 1000));
+  const double h = edgeFor(1, 6, 1e9);
+  EXPECT_NEAR(std::numbers::sqrt2 / (h * h * h) / 1e9, 1, 0.01) << "inside there are nearly all";
+}
+
+}  // namespace
+}  // namespace palpate

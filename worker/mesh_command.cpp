@@ -1,0 +1,153 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "common/base/whole_file.hpp"
+#include "common/mesh/mesh_reader.hpp"
+#include "common/mesh/mesh_text.hpp"
+#include "worker/meshing/guessed_unit.hpp"
+#include "worker/meshing/mesh_conversion.hpp"
+#include "worker/meshing/scratch_folder.hpp"
+#include "worker/meshing/tetrahedra.hpp"
+#include "worker/verbs.hpp"
+
+namespace palpate {
+namespace {
+
+struct MeshOptions {
+  std::string input, output;
+  std::optional<std::int32_t> nodes = {};
+  std::optional<double> size = {};
+  std::string mesher = "auto", unit;
+  bool largest = false, straight = false;
+};
+
+/// A mesh on its way into a file.
+struct MadeMesh {
+  std::string msh;
+  Mesh mesh;  ///< read as if its unit were metres
+  std::vector<std::string> notes;
+};
+
+Mesher mesherNamed(const std::string& word) {
+  return word == "gmsh" ? Mesher::gmsh : word == "tetgen" ? Mesher::tetgen : Mesher::automatic;
+}
+
+MadeMesh madeOfVolume(const MeshOptions& options, ConvertedMesh converted) {
+  if (options.nodes || options.size || options.largest || options.mesher != "auto")
+    throw badInput(
+        "{}: has tetrahedra, which are kept as they are: --nodes, --size, --mesher and --largest "
+        "are for surfaces",
+        options.input);
+  MadeMesh made{readText(converted.file, "mesh"), {}, std::move(converted.notes)};
+  made.mesh = parseGmsh(made.msh, options.input);
+  return made;
+}
+
+MadeMesh madeOfSurface(const MeshOptions& options, const ConvertedMesh& converted,
+                       const std::filesystem::path& folder) {
+  const ClosedSurface surface = closedSurface(readTriangles(converted.file), options.input,
+                                              options.largest ? Bodies::largest : Bodies::only);
+  fmt::print("surface    {}: {} triangles, closed\n", options.input, surface.triangles.size());
+  Fineness fineness;
+  fineness.size = options.size;
+  if (options.nodes) fineness.nodes = *options.nodes;
+  Tetrahedra filled =
+      fillWithTetrahedra(surface, fineness, mesherNamed(options.mesher), folder, options.input);
+  MadeMesh made{std::move(filled.msh), std::move(filled.mesh), converted.notes};
+  made.notes.insert(made.notes.end(), surface.notes.begin(), surface.notes.end());
+  made.notes.insert(made.notes.end(), filled.notes.begin(), filled.notes.end());
+  return made;
+}
+
+/// Before anything is computed.
+void refuseOutput(const MeshOptions& options) {
+  const std::filesystem::path output = options.output;
+  if (output.extension() != ".msh")
+    throw badInput("-o {}: what is written is a Gmsh file; give it the ending .msh",
+                   options.output);
+  std::error_code ignored;
+  if (std::filesystem::equivalent(options.input, output, ignored))
+    throw badInput("-o {}: is the input itself; give another name", options.output);
+  refuseUnwritable(output, "-o");
+}
+
+/// The report is in metres, whatever the file counts in.
+void printMesh(MadeMesh& made, const MeshOptions& options) {
+  const double extent = boundingBox(made.mesh).sizes().maxCoeff();
+  const std::optional<GuessedUnit> guess = guessedUnit(extent);
+  const LengthUnit unit = !options.unit.empty() ? unitNamed(options.unit)
+                          : guess               ? guess->unit
+                                                : length_units.front();
+  for (Eigen::Vector3d& node : made.mesh.nodes)
+    node = node.unaryExpr([&](double x) { return toMetres(x, unit.metres); });
+  fmt::print("{}", meshText(made.mesh, measure(made.mesh),
+                            std::filesystem::path(options.output).filename().string()));
+  if (!options.unit.empty())
+    fmt::print("unit       {}\n", unit.name);
+  else if (!guess)
+    fmt::print(
+        "warning    the body is {:.4g} wide, and no unit (m, cm, mm) makes it one of 1 mm to 10 m: "
+        "scale it before it is used\n",
+        extent);
+  else
+    fmt::print("unit       {} by its size{}; --unit says otherwise\n", unit.name,
+               guess->doubt.empty() ? "" : fmt::format(" ({})", guess->doubt));
+  for (const std::string& note : made.notes) fmt::print("note       {}\n", note);
+}
+
+ExitCode mesh(const MeshOptions& options) {
+  if (!options.unit.empty()) unitNamed(options.unit);
+  refuseOutput(options);
+  catchInterrupts();
+  const ScratchFolder folder;
+  const ConvertedMesh converted = convertMesh(options.input, folder.path(), options.straight);
+  MadeMesh made = converted.is_volume ? madeOfVolume(options, converted)
+                                      : madeOfSurface(options, converted, folder.path());
+  replaceFile(options.output, made.msh, "mesh");
+  printMesh(made, options);
+  fmt::print("next: palpate new {} --mesh {}\n",
+             std::filesystem::path(options.output).stem().string(), options.output);
+  return ExitCode::done;
+}
+
+std::function<ExitCode()> prepareMesh(CLI::App& app) {
+  auto options = std::make_shared<MeshOptions>();
+  app.add_option("INPUT", options->input,
+                 "A closed surface (.stl, .obj, .ply, .off), or a mesh of tetrahedra (.vtu, .vtk, "
+                 ".inp, .feb, .node, .msh, or whatever else meshio reads)")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("-o,--output", options->output, "The mesh to write")
+      ->required()
+      ->type_name("FILE.msh");
+  app.add_option("--nodes", options->nodes, "Of a surface: how many nodes about [1000]")
+      ->check(CLI::Range(4, 10000000))
+      ->type_name("N");
+  app.add_option("--size", options->size, "Instead: the length of edges, in the unit of the file")
+      ->check(CLI::PositiveNumber)
+      ->excludes("--nodes")
+      ->type_name("L");
+  app.add_option(
+         "--mesher", options->mesher,
+         "gmsh makes new triangles of even size, tetgen keeps those of the file; auto tries "
+         "gmsh, then tetgen [auto]")
+      ->check(CLI::IsMember({"auto", "gmsh", "tetgen"}))
+      ->type_name("WORD");
+  app.add_flag("--largest", options->largest, "Of several bodies in a surface take the largest");
+  app.add_flag("--straight", options->straight, "Of tetrahedra with curved edges take the corners");
+  app.add_option("--unit", options->unit,
+                 "What the file counts in, m, cm or mm, for the report [guessed]")
+      ->type_name("UNIT");
+  app.footer(
+      "The mesh keeps the numbers of INPUT: its unit is said in the scene (length_unit). Groups\n"
+      "and sets are kept by their names. gmsh, tetgen and Python are run as programs (Debian:\n"
+      "gmsh, tetgen, python3-meshio); docs/meshes.md tells what is put right and what is refused.");
+  return [options] { return mesh(*options); };
+}
+
+}  // namespace
+
+const Verb mesh_verb = {"mesh", "Make a mesh: of a closed surface, or of a mesh of another format",
+                        prepareMesh};
+
+}  // namespace palpate

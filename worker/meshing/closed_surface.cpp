@@ -1,0 +1,523 @@
+#include "worker/meshing/closed_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <tuple>
+
+#include "common/base/assertion.hpp"
+#include "common/base/error.hpp"
+#include "common/base/index.hpp"
+#include "common/base/near_points.hpp"
+#include "common/base/whole_file.hpp"
+#include "worker/meshing/surface_cuts.hpp"
+
+namespace palpate {
+namespace {
+
+/// Of the diagonal: what is written with six digits differs by no more.
+constexpr double same_place = 1e-6;
+/// Bodies of a refused file that are listed by their sizes.
+constexpr std::size_t listed_bodies = 5;
+
+/// One edge of one triangle, named by its lower and its higher end.
+struct Side {
+  std::int32_t low, high, triangle;
+  bool upward;  ///< the triangle goes from low to high
+};
+
+std::vector<Side> sidesOf(const std::vector<Triangle>& triangles) {
+  std::vector<Side> sides;
+  sides.reserve(3 * triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const std::int32_t a = triangles[t][i], b = triangles[t][(i + 1) % 3];
+      sides.push_back({std::min(a, b), std::max(a, b), static_cast<std::int32_t>(t), a < b});
+    }
+  std::ranges::sort(sides, [](const Side& a, const Side& b) {
+    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
+  });
+  return sides;
+}
+
+/// Calls visit(run) for the sides of each edge.
+template <class Visit>
+void forEachEdge(const std::vector<Side>& sides, Visit visit) {
+  for (std::size_t first = 0, next; first < sides.size(); first = next) {
+    next = first + 1;
+    while (next < sides.size() && sides[next].low == sides[first].low &&
+           sides[next].high == sides[first].high)
+      ++next;
+    visit(std::span(sides).subspan(first, next - first));
+  }
+}
+
+/// A connected part of the surface.
+struct Shell {
+  std::vector<std::int32_t> triangles;
+  Eigen::AlignedBox3d box = {};
+  double volume = 0;  ///< positive where it faces outward
+  double area = 0;
+  std::int64_t open_edges = 0;
+  int depth = 0;             ///< shells around it
+  std::int32_t around = -1;  ///< the smallest of them
+};
+
+class SurfaceRepair {
+ public:
+  SurfaceRepair(TriangleSoup soup, const std::string& source, Bodies bodies)
+      : points_(std::move(soup.points)),
+        triangles_(std::move(soup.triangles)),
+        source_(source),
+        bodies_(bodies) {}
+
+  ClosedSurface make() {
+    refuseNumbers();
+    mergePoints();
+    dropIdleTriangles();
+    findShells();
+    if (bodies_ == Bodies::largest) leaveOutOpenScraps();
+    refuseEdges();
+    turnAlike();
+    measureShells();
+    nest();
+    chooseBody();
+    turnOutward();
+    refuseCuts();
+    return result();
+  }
+
+ private:
+  template <class... Args>
+  void note(fmt::format_string<Args...> format, Args&&... args) {
+    notes_.push_back(fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  template <class... Args>
+  [[nodiscard]] Error wrong(fmt::format_string<Args...> format, Args&&... args) const {
+    return badInput("{}: {}", source_, fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  void refuseNumbers() {
+    if (triangles_.empty()) throw wrong("there is no triangle in it");
+    for (const Eigen::Vector3d& point : points_) {
+      if (!(point.array().abs() <= farthest_node).all())
+        throw wrong("a corner at {} is not finite, or far beyond any body", placeText(point));
+      box_.extend(point);
+    }
+    for (const Triangle& triangle : triangles_)
+      for (const std::int32_t corner : triangle)
+        if (corner < 0 || at(corner) >= points_.size())
+          throw wrong("a triangle uses corner {}, there are {}", corner, points_.size());
+  }
+
+  /// First corners that are equal, as STL repeats them, then those that nearly are.
+  void mergePoints() {
+    const auto less = [this](std::int32_t a, std::int32_t b) {
+      const Eigen::Vector3d &p = points_[a], &q = points_[b];
+      return std::tie(p[0], p[1], p[2]) < std::tie(q[0], q[1], q[2]);
+    };
+    std::vector<std::int32_t> order(points_.size()), same_as(points_.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::sort(order, less);
+    std::vector<Eigen::Vector3d> distinct;
+    for (const std::int32_t point : order) {
+      if (distinct.empty() || distinct.back() != points_[point]) distinct.push_back(points_[point]);
+      same_as[point] = static_cast<std::int32_t>(distinct.size()) - 1;
+    }
+    points_ = std::move(distinct);
+    renumber(same_as);
+    mergeNearPoints();
+  }
+
+  void mergeNearPoints() {
+    const double reach = same_place * box_.diagonal().norm();
+    if (!(reach > 0)) throw wrong("all its corners lie at one place");
+    const NearPoints near(points_, reach);
+    std::vector<std::int32_t> same_as(points_.size());
+    std::int64_t merged = 0;
+    for (std::size_t p = 0; p < points_.size(); ++p) {
+      same_as[p] = static_cast<std::int32_t>(p);
+      for (const std::int32_t q : near.near(points_[p]))
+        if (at(q) < p && (points_[q] - points_[p]).norm() <= reach) {
+          same_as[p] = same_as[q];
+          ++merged;
+          break;
+        }
+    }
+    if (merged == 0) return;
+    renumber(same_as);
+    note("{} corners within {:.2g} of others are one with them", merged, reach);
+  }
+
+  void renumber(const std::vector<std::int32_t>& same_as) {
+    for (Triangle& triangle : triangles_)
+      for (std::int32_t& corner : triangle) corner = same_as[corner];
+  }
+
+  /// Without area because two corners are one, or there already.
+  void dropIdleTriangles() {
+    const auto flat = std::erase_if(
+        triangles_, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+    if (flat > 0) note("{} triangles without area are left out", flat);
+    std::vector<std::pair<Triangle, std::int32_t>> order;
+    order.reserve(triangles_.size());
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+      Triangle sorted = triangles_[t];
+      std::ranges::sort(sorted);
+      order.emplace_back(sorted, static_cast<std::int32_t>(t));
+    }
+    std::ranges::sort(order);
+    std::vector<bool> repeated(triangles_.size());
+    std::int64_t count = 0;
+    for (std::size_t i = 1; i < order.size(); ++i)
+      if (order[i].first == order[i - 1].first) {
+        repeated[order[i].second] = true;
+        ++count;
+      }
+    if (count > 0) {
+      note("{} triangles that are there twice are left out", count);
+      std::size_t number = 0;
+      std::erase_if(triangles_, [&](const Triangle&) { return repeated[number++]; });
+    }
+    if (triangles_.empty()) throw wrong("none of its triangles has an area");
+  }
+
+  /// Triangles that share an edge are of one.
+  void findShells() {
+    std::vector<std::int32_t> parent(triangles_.size());
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto rootOf = [&parent](std::int32_t t) {
+      while (parent[t] != t) t = parent[t] = parent[parent[t]];
+      return t;
+    };
+    const std::vector<Side> sides = sidesOf(triangles_);
+    forEachEdge(sides, [&](std::span<const Side> edge) {
+      for (const Side& side : edge.subspan(1)) {
+        const std::int32_t a = rootOf(edge[0].triangle), b = rootOf(side.triangle);
+        parent[std::max(a, b)] = std::min(a, b);
+      }
+    });
+    shells_.clear();
+    std::map<std::int32_t, std::size_t> shell_of;
+    for (std::int32_t t = 0; t < static_cast<std::int32_t>(triangles_.size()); ++t) {
+      const auto [found, is_new] = shell_of.emplace(rootOf(t), shells_.size());
+      if (is_new) shells_.emplace_back();
+      Shell& shell = shells_[found->second];
+      shell.triangles.push_back(t);
+      for (const std::int32_t corner : triangles_[t]) shell.box.extend(points_[corner]);
+      shell.area += crossOf(t).norm() / 2;
+    }
+    forEachEdge(sides, [&](std::span<const Side> edge) {
+      if (edge.size() == 1) ++shells_[shell_of.at(rootOf(edge[0].triangle))].open_edges;
+    });
+  }
+
+  Eigen::Vector3d crossOf(std::int32_t t) const {
+    const auto& [a, b, c] = triangles_[t];
+    return (points_[b] - points_[a]).cross(points_[c] - points_[a]);
+  }
+
+  /// Where the largest is meant, a leaf that floats beside it is no reason to refuse.
+  void leaveOutOpenScraps() {
+    const auto largest = std::ranges::max_element(shells_, {}, &Shell::area);
+    const auto isScrap = [&](const Shell& s) { return &s != &*largest && s.open_edges > 0; };
+    const auto count = std::ranges::count_if(shells_, isScrap);
+    if (count == 0) return;
+    std::vector<bool> kept(triangles_.size(), true);
+    for (const Shell& shell : shells_)
+      if (isScrap(shell))
+        for (const std::int32_t t : shell.triangles) kept[t] = false;
+    keep(kept);
+    note("{} open pieces beside the largest are left out", count);
+  }
+
+  void keep(const std::vector<bool>& kept) {
+    std::size_t number = 0;
+    std::erase_if(triangles_, [&](const Triangle&) { return !kept[number++]; });
+    findShells();
+  }
+
+  Eigen::Vector3d middleOf(const Side& side) const {
+    return (points_[side.low] + points_[side.high]) / 2;
+  }
+
+  void refuseEdges() {
+    std::int64_t open = 0, crowded = 0;
+    const Side *first_open = nullptr, *first_crowded = nullptr;
+    const std::vector<Side> sides = sidesOf(triangles_);
+    forEachEdge(sides, [&](std::span<const Side> edge) {
+      if (edge.size() == 1 && open++ == 0) first_open = edge.data();
+      if (edge.size() > 2 && crowded++ == 0) first_crowded = edge.data();
+    });
+    if (open > 0)
+      throw wrong(
+          "the surface is open: {} of its edges have one triangle only, the first is at {}; close "
+          "its holes (MeshLab: Close Holes; Blender: 3D-Print Toolbox, Make Manifold) and save it "
+          "again{}",
+          open, placeText(middleOf(*first_open)),
+          shells_.size() > 1 && bodies_ == Bodies::only
+              ? fmt::format(" (there are {} separate pieces; --largest takes one)", shells_.size())
+              : "");
+    if (crowded > 0)
+      throw wrong(
+          "{} of its edges have more than two triangles, the first is at {}: walls inside of the "
+          "body, or bodies that touch; keep the outer surface alone (MeshLab: Remove Non Manifold "
+          "Edges; Blender: 3D-Print Toolbox, Make Manifold)",
+          crowded, placeText(middleOf(*first_crowded)));
+  }
+
+  /// From the first triangle of each shell over all edges, until neighbours run through their edge
+  /// in opposite directions.
+  void turnAlike() {
+    const std::vector<Side> sides = sidesOf(triangles_);
+    std::vector<std::array<std::int32_t, 3>> neighbours(triangles_.size(), {-1, -1, -1});
+    std::vector<std::array<bool, 3>> alike(triangles_.size());
+    std::vector<std::uint8_t> count(triangles_.size());
+    forEachEdge(sides, [&](std::span<const Side> edge) {
+      PALPATE_ASSERT(edge.size() == 2, "refuseEdges() refuses others");
+      for (const auto& [one, other] : {std::pair(0, 1), std::pair(1, 0)}) {
+        const std::int32_t t = edge[one].triangle;
+        neighbours[t][count[t]] = edge[other].triangle;
+        alike[t][count[t]++] = edge[0].upward != edge[1].upward;
+      }
+    });
+    std::vector<std::int8_t> turned(triangles_.size(), -1);
+    std::int64_t total = 0;
+    for (const Shell& shell : shells_) {
+      std::int64_t in_shell = 0;
+      std::vector<std::int32_t> open = {shell.triangles.front()};
+      turned[open[0]] = 0;
+      while (!open.empty()) {
+        const std::int32_t t = open.back();
+        open.pop_back();
+        in_shell += turned[t];
+        for (int i = 0; i < 3; ++i) {
+          const std::int32_t next = neighbours[t][i];
+          const std::int8_t wanted = alike[t][i] ? turned[t] : 1 - turned[t];
+          if (turned[next] < 0) {
+            turned[next] = wanted;
+            open.push_back(next);
+          } else if (turned[next] != wanted) {
+            throw wrong(
+                "the surface has one side only, like a Moebius strip, at {}: it encloses nothing; "
+                "mend it in the program that made it",
+                placeText(points_[triangles_[t][0]]));
+          }
+        }
+      }
+      total += std::min(in_shell, static_cast<std::int64_t>(shell.triangles.size()) - in_shell);
+    }
+    for (std::size_t t = 0; t < triangles_.size(); ++t)
+      if (turned[t] == 1) std::swap(triangles_[t][1], triangles_[t][2]);
+    if (total > 0)
+      note("{} of {} triangles faced another side than their neighbours, and were turned", total,
+           triangles_.size());
+  }
+
+  void measureShells() {
+    for (Shell& shell : shells_) {
+      const Eigen::Vector3d origin = shell.box.center();
+      for (const std::int32_t t : shell.triangles)
+        shell.volume += (points_[triangles_[t][0]] - origin).dot(crossOf(t)) / 6;
+    }
+    // Of a sphere it is 0.094.
+    constexpr double flat = 1e-6;
+    std::vector<bool> kept(triangles_.size(), true);
+    std::int64_t left_out = 0;
+    for (const Shell& shell : shells_)
+      if (std::abs(shell.volume) <= flat * std::pow(shell.area, 1.5)) {
+        ++left_out;
+        for (const std::int32_t t : shell.triangles) kept[t] = false;
+      }
+    if (left_out == static_cast<std::int64_t>(shells_.size()))
+      throw wrong("the surface encloses no volume: it is flat, or lies on itself");
+    if (left_out == 0) return;
+    note("{} pieces that enclose no volume are left out", left_out);
+    keep(kept);
+    measureShells();
+  }
+
+  /// Whether a point lies inside a shell: the solid angle that it fills is all around, or none.
+  bool isInside(const Eigen::Vector3d& point, const Shell& shell) const {
+    if (!shell.box.contains(point)) return false;
+    double angle = 0;
+    for (const std::int32_t t : shell.triangles) {
+      std::array<Eigen::Vector3d, 3> r;
+      for (int i = 0; i < 3; ++i) r[i] = points_[triangles_[t][i]] - point;
+      const double a = r[0].norm(), b = r[1].norm(), c = r[2].norm();
+      // Van Oosterom and Strackee, IEEE Trans. Biomed. Eng. 30 (1983).
+      angle +=
+          2 * std::atan2(r[0].dot(r[1].cross(r[2])),
+                         a * b * c + r[0].dot(r[1]) * c + r[1].dot(r[2]) * a + r[2].dot(r[0]) * b);
+    }
+    return std::abs(angle) > 2 * std::numbers::pi;
+  }
+
+  void nest() {
+    for (std::size_t inner = 0; inner < shells_.size(); ++inner)
+      for (std::size_t outer = 0; outer < shells_.size(); ++outer) {
+        Shell &in = shells_[inner], &out = shells_[outer];
+        if (inner == outer || !out.box.contains(in.box)) continue;
+        if (!isInside(points_[triangles_[in.triangles[0]][0]], out)) continue;
+        ++in.depth;
+        if (in.around < 0 || std::abs(out.volume) < std::abs(shells_[in.around].volume))
+          in.around = static_cast<std::int32_t>(outer);
+      }
+  }
+
+  static bool isBody(const Shell& shell) { return shell.depth % 2 == 0; }
+
+  void chooseBody() {
+    std::vector<std::int32_t> bodies;
+    for (std::int32_t s = 0; s < static_cast<std::int32_t>(shells_.size()); ++s)
+      if (isBody(shells_[s])) bodies.push_back(s);
+    std::ranges::sort(bodies, [this](std::int32_t a, std::int32_t b) {
+      return std::abs(shells_[a].volume) > std::abs(shells_[b].volume);
+    });
+    if (bodies.size() > 1 && bodies_ == Bodies::only) {
+      std::string sizes;
+      for (std::size_t i = 0; i < std::min(bodies.size(), listed_bodies); ++i) {
+        const Eigen::Vector3d size = shells_[bodies[i]].box.sizes();
+        sizes += fmt::format("{}{:.4g} x {:.4g} x {:.4g} at {}", i == 0 ? "" : ", ", size[0],
+                             size[1], size[2], placeText(shells_[bodies[i]].box.center()));
+      }
+      throw wrong(
+          "there are {} separate bodies: {}{}; --largest takes the largest, or join them "
+          "in the program that made them",
+          bodies.size(), sizes, bodies.size() > listed_bodies ? ", ..." : "");
+    }
+    body_ = bodies.front();
+    if (bodies.size() > 1) note("of {} bodies the largest is taken", bodies.size());
+    std::erase_if(shells_, [&, number = 0](const Shell& shell) mutable {
+      const std::int32_t s = number++;
+      return s != body_ && !(shell.around == body_ && !isBody(shell));
+    });
+    body_ = static_cast<std::int32_t>(
+        std::ranges::find_if(shells_, [](const Shell& s) { return isBody(s); }) - shells_.begin());
+    if (shells_.size() > 1) note("cavities, shells inside of it: {}", shells_.size() - 1);
+  }
+
+  void turnOutward() {
+    std::vector<Triangle> chosen;
+    for (Shell& shell : shells_) {
+      const bool inward = (shell.volume < 0) == isBody(shell);
+      if (inward && isBody(shell)) note("the surface faced inward, and was turned");
+      if (inward) shell.volume = -shell.volume;
+      for (std::int32_t& t : shell.triangles) {
+        Triangle triangle = triangles_[t];
+        if (inward) std::swap(triangle[1], triangle[2]);
+        t = static_cast<std::int32_t>(chosen.size());
+        chosen.push_back(triangle);
+      }
+    }
+    triangles_ = std::move(chosen);
+    dropIdlePoints();
+  }
+
+  void dropIdlePoints() {
+    std::vector<std::int32_t> number(points_.size(), -1);
+    std::vector<Eigen::Vector3d> kept;
+    for (Triangle& triangle : triangles_)
+      for (std::int32_t& corner : triangle) {
+        if (number[corner] < 0) {
+          number[corner] = static_cast<std::int32_t>(kept.size());
+          kept.push_back(points_[corner]);
+        }
+        corner = number[corner];
+      }
+    points_ = std::move(kept);
+  }
+
+  void refuseCuts() const {
+    const SurfaceCuts cuts = cutsOf(points_, triangles_);
+    if (cuts.count == 0) return;
+    const Triangle& triangle = triangles_[cuts.first[0]];
+    throw wrong(
+        "the surface cuts itself: {} pairs of its triangles cross, overlap or touch, the first is "
+        "at {}; mend it (Blender: Remesh modifier, or Boolean union; MeshLab: Uniform Mesh "
+        "Resampling) and save it again",
+        cuts.count,
+        placeText((points_[triangle[0]] + points_[triangle[1]] + points_[triangle[2]]) / 3));
+  }
+
+  /// Inside of a shell: in the middle of the way from one of its triangles to the next wall behind.
+  Eigen::Vector3d pointInside(const Shell& shell) const {
+    const std::int32_t largest = *std::ranges::max_element(
+        shell.triangles, {}, [this](std::int32_t t) { return crossOf(t).norm(); });
+    const Triangle& from = triangles_[largest];
+    const Eigen::Vector3d start = (points_[from[0]] + points_[from[1]] + points_[from[2]]) / 3;
+    // Cavities face inward.
+    const Eigen::Vector3d along = crossOf(largest).normalized();
+    double nearest = box_.diagonal().norm();
+    for (const std::int32_t t : shell.triangles) {
+      if (t == largest) continue;
+      const Eigen::Vector3d a = points_[triangles_[t][0]], u = points_[triangles_[t][1]] - a,
+                            v = points_[triangles_[t][2]] - a, normal = u.cross(v);
+      const double slope = normal.dot(along);
+      if (slope == 0) continue;
+      const double distance = normal.dot(a - start) / slope;
+      const Eigen::Vector3d hit = start + distance * along - a;
+      const double x = normal.dot(hit.cross(v)), y = normal.dot(u.cross(hit)),
+                   all = normal.squaredNorm();
+      if (distance > 0 && x >= 0 && y >= 0 && x + y <= all) nearest = std::min(nearest, distance);
+    }
+    return start + nearest / 2 * along;
+  }
+
+  ClosedSurface result() {
+    ClosedSurface surface;
+    for (const Shell& shell : shells_) {
+      surface.volume += shell.volume;
+      surface.area += shell.area;
+      if (!isBody(shell)) surface.cavities.push_back(pointInside(shell));
+    }
+    surface.points = std::move(points_);
+    surface.triangles = std::move(triangles_);
+    surface.notes = std::move(notes_);
+    return surface;
+  }
+
+  std::vector<Eigen::Vector3d> points_;
+  std::vector<Triangle> triangles_;
+  const std::string& source_;
+  Bodies bodies_;
+  Eigen::AlignedBox3d box_;
+  std::vector<Shell> shells_;
+  std::int32_t body_ = -1;  ///< of shells_
+  std::vector<std::string> notes_;
+};
+
+}  // namespace
+
+TriangleSoup readTriangles(const std::filesystem::path& file) {
+  const std::string bytes = readText(file, "surface");
+  std::size_t at = 0;
+  const auto take = [&](void* to, std::size_t count) {
+    if (count > bytes.size() - at)
+      throw failure("{}: the conversion of the surface is not whole", file.string());
+    std::memcpy(to, bytes.data() + at, count);
+    at += count;
+  };
+  std::array<std::int64_t, 2> counts{};
+  take(counts.data(), sizeof counts);
+  const auto limit = static_cast<std::int64_t>(bytes.size());
+  if (counts[0] < 0 || counts[1] < 0 || counts[0] > limit || counts[1] > limit)
+    throw failure("{}: the conversion of the surface is not whole", file.string());
+  TriangleSoup soup;
+  soup.points.resize(static_cast<std::size_t>(counts[0]));
+  soup.triangles.resize(static_cast<std::size_t>(counts[1]));
+  static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double) && sizeof(Triangle) == 12);
+  take(soup.points.data(), 3 * sizeof(double) * soup.points.size());
+  take(soup.triangles.data(), sizeof(Triangle) * soup.triangles.size());
+  return soup;
+}
+
+ClosedSurface closedSurface(TriangleSoup soup, const std::string& source, Bodies bodies) {
+  return SurfaceRepair(std::move(soup), source, bodies).make();
+}
+
+}  // namespace palpate

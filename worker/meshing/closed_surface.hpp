@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/mesh/mesh.hpp"
+
+namespace palpate {
+
+/// Triangles as a file has them; lengths in the unit of the file.
+struct TriangleSoup {
+  std::vector<Eigen::Vector3d> points = {};
+  std::vector<Triangle> triangles = {};  ///< 0-based
+};
+
+/// Reads what convert_mesh.py writes of a surface. Error when it is not that.
+TriangleSoup readTriangles(const std::filesystem::path& file);
+
+/// The closed surface of one body, which may have cavities; lengths in the unit of the file.
+struct ClosedSurface {
+  std::vector<Eigen::Vector3d> points = {};
+  /// Every edge has two; normals point out of the tissue, those of cavities into them.
+  std::vector<Triangle> triangles = {};
+  std::vector<Eigen::Vector3d> cavities = {};  ///< a point in each
+  double volume = 0;                           ///< of the tissue
+  double area = 0;
+  std::vector<std::string> notes = {};  ///< what was put right, sentences for people
+};
+
+/// Which bodies of a file are meant.
+enum class Bodies : std::uint8_t {
+  only,    ///< there must be one
+  largest  ///< the one of the largest volume, with its cavities; what else is there is left out
+};
+
+/// Makes a closed surface of triangles. Put right, with a note: corners that lie within 1e-6 of the
+/// bounding box's diagonal of each other are one; triangles without area and repeated ones are left
+/// out; triangles are turned until neighbours face the same side and all face outward. A shell
+/// inside of a body is a cavity.
+///
+/// Error (bad input), which begins with `source` and tells how many, where the first is and what to
+/// do: no triangles, or far too large coordinates; edges with one triangle (open) or with more than
+/// two; one side only; no volume; several bodies, with their sizes; triangles that cut each other
+/// (surface_cuts.hpp).
+ClosedSurface closedSurface(TriangleSoup soup, const std::string& source, Bodies bodies);
+
+}  // namespace palpate

@@ -1,0 +1,55 @@
+#include "worker/meshing/guessed_unit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/base/nearest_word.hpp"
+
+namespace palpate {
+namespace {
+
+/// Bodies that scenes take (common/problem), m.
+constexpr double least_body = 1e-3, largest_body_m = 10;
+/// Up to here the number is taken for metres, and up to there for centimetres.
+constexpr double most_metres = 1, most_centimetres = 40;
+/// A body of these extents in metres or in millimetres is nothing else.
+constexpr double sure_metres = 0.01, sure_millimetres = 100, most_millimetres = 1000;
+
+LengthUnit unitOf(std::string_view word) {
+  return *std::ranges::find(length_units, word, &LengthUnit::word);
+}
+
+std::string sizeIn(double extent, const LengthUnit& unit) {
+  return fmt::format("{:.3g} cm wide in {}", 100 * extent * unit.metres, unit.name);
+}
+
+}  // namespace
+
+std::optional<GuessedUnit> guessedUnit(double extent) {
+  if (!(extent >= least_body) || extent * unitOf("mm").metres > largest_body_m) return std::nullopt;
+  if (extent <= most_metres) {
+    const bool sure = extent >= sure_metres;
+    return GuessedUnit{unitOf("m"), sure ? "" : sizeIn(extent, unitOf("m")) + ", which is little"};
+  }
+  if (extent < most_centimetres)
+    return GuessedUnit{unitOf("cm"), fmt::format("{}, and {}", sizeIn(extent, unitOf("cm")),
+                                                 sizeIn(extent, unitOf("mm")))};
+  if (extent < sure_millimetres)
+    return GuessedUnit{unitOf("mm"), fmt::format("{}, and {}", sizeIn(extent, unitOf("mm")),
+                                                 sizeIn(extent, unitOf("cm")))};
+  const bool sure = extent <= most_millimetres;
+  return GuessedUnit{unitOf("mm"), sure ? "" : sizeIn(extent, unitOf("mm")) + ", which is much"};
+}
+
+LengthUnit unitNamed(const std::string& word) {
+  const auto* const found = std::ranges::find(length_units, word, &LengthUnit::word);
+  if (found != length_units.end()) return *found;
+  std::vector<std::string_view> words;
+  for (const LengthUnit& unit : length_units) words.push_back(unit.word);
+  throw badInput("--unit {}: there is {}", word, listed(words));
+}
+
+}  // namespace palpate

@@ -1,0 +1,236 @@
+#include "worker/meshing/proposed_scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <iterator>
+#include <optional>
+
+#include "common/base/error.hpp"
+#include "common/problem/problem.hpp"
+#include "common/problem/problem_warnings.hpp"
+
+namespace palpate {
+namespace {
+
+/// In names of what holds a body, the most telling first.
+constexpr const char* words_of_fixed[] = {"fix",  "clamp",  "encastre", "support",
+                                          "held", "anchor", "ground",   "attach",
+                                          "base", "bottom", "bone",     "ligament"};
+/// Of the nodes of a surface: a group of more holds too much.
+constexpr double most_fixed = 0.6;
+/// Of the length along the longest axis.
+constexpr double fixed_end = 0.15;
+/// The finger, in mean edges of the surface; smaller ones where it would reach around a lobe.
+constexpr double wanted_edges = 1.5;
+constexpr double finger_shares[] = {1, 0.85, 0.75, 0.67, 1.3, 1.7, 2.2};
+/// So that a surface has some 330 sites at most: about 1.7 area / radius^2 of them.
+constexpr double area_per_finger = 190;
+/// Of the device proposed, N ([device] profile = "touch"); and Young's modulus of the tissue, Pa.
+constexpr double touch_force = 3.3, tissue_young = 6 * (1300.0 + 1280.0);
+/// How deep a finger goes before most places meet that force, as livers showed: E r d = 2 F.
+constexpr double force_depth = 2;
+/// Depths in radii of the finger; deeper the tissue is torn.
+constexpr double deepest = 1.5;
+
+struct FixedProposal {
+  std::string toml, why;
+};
+
+bool nameSays(const std::string& name, std::string_view word) {
+  std::string lower;
+  for (const char c : name) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return lower.find(word) != std::string::npos;
+}
+
+std::optional<std::string> fixedGroup(const Mesh& mesh) {
+  const NodeSet surface = surfaceNodes(mesh);
+  for (const char* word : words_of_fixed)
+    for (const auto& [name, nodes] : mesh.node_groups) {
+      if (!nameSays(name, word) || nodes.size() < 3) continue;
+      const auto share = static_cast<double>(nodes.size()) / static_cast<double>(surface.size());
+      if (share <= most_fixed && name.find('"') == std::string::npos &&
+          name.find('\\') == std::string::npos)
+        return name;
+    }
+  return std::nullopt;
+}
+
+/// Area of the surface, m^2, beyond `fraction` of the axis from one end or the other.
+double areaAtEnd(const Mesh& mesh, int axis, bool below) {
+  const Eigen::AlignedBox3d box = boundingBox(mesh);
+  const double depth = fixed_end * box.sizes()[axis];
+  double area = 0;
+  for (const auto& [a, b, c] : mesh.surface) {
+    const Eigen::Vector3d middle = (mesh.nodes[a] + mesh.nodes[b] + mesh.nodes[c]) / 3;
+    const double from_end = below ? middle[axis] - box.min()[axis] : box.max()[axis] - middle[axis];
+    if (from_end < depth)
+      area += (mesh.nodes[b] - mesh.nodes[a]).cross(mesh.nodes[c] - mesh.nodes[a]).norm() / 2;
+  }
+  return area;
+}
+
+FixedProposal proposedFixed(const Mesh& mesh) {
+  if (const auto group = fixedGroup(mesh))
+    return {fmt::format("group = \"{}\"", *group),
+            fmt::format("the group \"{}\", by its name", *group)};
+  int axis = 0;
+  boundingBox(mesh).sizes().maxCoeff(&axis);
+  const char word = "xyz"[axis];
+  // Of two alike the lower one.
+  const bool below = areaAtEnd(mesh, axis, true) >= 0.98 * areaAtEnd(mesh, axis, false);
+  return {fmt::format("{} = {{ axis = \"{}\", fraction = {} }}", below ? "below" : "above", word,
+                      fixed_end),
+          fmt::format("the {} {:.0f} % along {}, the longest axis: the broader end",
+                      below ? "first" : "last", 100 * fixed_end, word)};
+}
+
+struct SurfaceMeasure {
+  double area = 0;       ///< m^2
+  double mean_edge = 0;  ///< m
+};
+
+SurfaceMeasure measuredSurface(const Mesh& mesh) {
+  SurfaceMeasure measured;
+  for (const Triangle& t : mesh.surface) {
+    const Eigen::Vector3d u = mesh.nodes[t[1]] - mesh.nodes[t[0]],
+                          v = mesh.nodes[t[2]] - mesh.nodes[t[0]];
+    measured.area += u.cross(v).norm() / 2;
+    measured.mean_edge += (u.norm() + v.norm() + (v - u).norm()) / 3;
+  }
+  measured.mean_edge /= static_cast<double>(mesh.surface.size());
+  return measured;
+}
+
+/// Two digits: what is only proposed has no more.
+double rounded(double value) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+  return std::round(value / unit) * unit;
+}
+
+/// What is written of one size of the finger.
+class SceneText {
+ public:
+  SceneText(const Mesh& mesh, const std::string& name, const std::string& mesh_file,
+            const LengthUnit& unit, const std::string& doubt)
+      : mesh_(mesh), name_(name), mesh_file_(mesh_file), unit_(unit), doubt_(doubt) {}
+
+  /// radius: of the finger, in the unit of the file.
+  std::string with(double radius, double depth, const FixedProposal& fixed) const {
+    const Eigen::Vector3d size = boundingBox(mesh_).sizes() / unit_.metres;
+    std::string text;
+    const auto out = std::back_inserter(text);
+    fmt::format_to(
+        out,
+        R"(# A scene for palpate, proposed from the mesh: what to look at is marked with <-. `palpate check scene.toml`
+# tells what it amounts to and what a build will cost; docs/scene.md has every key.
+name = "{}"
+mesh = "{}"
+length_unit = "{}"{}# of the mesh and of every length here: the body is {:.3g} x {:.3g} x {:.3g} {}{}
+)",
+        name_, mesh_file_, unit_.word, std::string(21 - unit_.word.size(), ' '), size[0], size[1],
+        size[2], unit_.word,
+        doubt_.empty()
+            ? ""
+            : fmt::format("\n#                                    <- is it? {}", doubt_));
+    fmt::format_to(out, R"(
+[material]                           # <- of soft tissue: a liver after Peterlik et al., Computers & Graphics 34 (2010)
+law = "mooney-rivlin"
+c10 = 1300.0                         # Pa: the stiffness at small strains is 6 (c10 + c01), 15 kPa
+c01 = 1280.0                         # Pa
+)");
+    describeParts(text);
+    fmt::format_to(out, R"(
+[fixed]                              # <- what holds the body: {}
+{}
+
+[[active]]                           # what is touched: a soft finger, anywhere on the surface that is not fixed
+name = "skin"
+surface = "all"                      # or {{ box = ... }}, {{ sphere = ... }}, {{ group = ... }}
+tool = "finger"
+radius = {:.4g}{}# {}: of the finger, at least the length of an edge of the mesh
+
+[workspace]                          # how far the finger pushes, and how finely that is computed
+radius = {:.4g}{}# {}: about as deep as the device's largest force reaches
+spacing = {:.4g}{}# {}: of the coarsest lattice of displacements
+)",
+                   fixed.why, fixed.toml, radius, pad(radius), unit_.word, depth, pad(depth),
+                   unit_.word, depth / 2, pad(depth / 2, 1), unit_.word);
+    text += R"(
+[accuracy]
+force_error = 0.05                   # relative: the lattice is refined where interpolation is not that good; a hand feels 7 %
+force_floor = 0.01                   # N: an error below it is always allowed
+levels = 1                           # cells are halved at most so often: quick; 0.03 and 2 levels are better
+probes = 100                         # exact solutions at random places, with which `palpate report` measures
+
+[device]
+profile = "touch"                    # <- the haptic device: no force above what it renders, 3.3 N, is computed
+
+[storage]
+precision = "int16"                  # of displacements, which only the picture needs: half the room
+)";
+    return text;
+  }
+
+ private:
+  /// Up to where comments begin.
+  static std::string pad(double number, std::size_t longer_key = 0) {
+    const std::size_t written =
+        std::string("radius = ").size() + longer_key + fmt::format("{:.4g}", number).size();
+    return std::string(written < 37 ? 37 - written : 1, ' ');
+  }
+
+  void describeParts(std::string& text) const {
+    if (mesh_.element_groups.size() < 2) return;
+    text +=
+        "# The mesh names parts of the body: each may have a material of its own, and [material] "
+        "is then the rest.\n";
+    for (const auto& [group, elements] : mesh_.element_groups)
+      text += fmt::format("# [[region]] group = \"{}\"  ({} of {} tetrahedra)\n", group,
+                          elements.size(), mesh_.tetrahedra.size());
+  }
+
+  const Mesh& mesh_;
+  const std::string &name_, &mesh_file_;
+  const LengthUnit& unit_;
+  const std::string& doubt_;
+};
+
+}  // namespace
+
+ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std::string& mesh_file,
+                            const LengthUnit& unit, const std::string& doubt) {
+  const SurfaceMeasure measured = measuredSurface(mesh);
+  const FixedProposal fixed = proposedFixed(mesh);
+  const SceneText text(mesh, name, mesh_file, unit, doubt);
+  const double wanted =
+      std::max(wanted_edges * measured.mean_edge, std::sqrt(measured.area / area_per_finger));
+  std::optional<ProposedScene> best;
+  std::optional<Error> refusal;
+  for (const double share : finger_shares) {
+    const double radius = rounded(share * wanted / unit.metres);
+    const double radius_m = radius * unit.metres;
+    const double depth = rounded(
+        std::min(deepest * radius_m, force_depth * touch_force / (tissue_young * radius_m)) /
+        unit.metres);
+    ProposedScene scene{text.with(radius, depth, fixed), {}};
+    scene.choices = {fmt::format("fixed      {}", fixed.why),
+                     fmt::format("finger     radius {:.4g} {}: {:.2g} edges of the surface", radius,
+                                 unit.word, radius_m / measured.mean_edge),
+                     fmt::format("workspace  {:.4g} {} deep", depth, unit.word)};
+    try {
+      scene.warnings = warningsOf(resolve(parseScene(scene.toml, "the proposed scene"), mesh));
+    } catch (const Error& error) {
+      if (!refusal) refusal = error;
+      continue;
+    }
+    if (!best || scene.warnings.size() < best->warnings.size()) best = std::move(scene);
+    if (best->warnings.empty()) break;
+  }
+  if (!best) throw *refusal;
+  return std::move(*best);
+}
+
+}  // namespace palpate

@@ -1,0 +1,214 @@
+#include "worker/meshing/surface_cuts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace palpate {
+namespace {
+
+using Corners = std::array<Eigen::Vector3d, 3>;
+
+/// On which side of the plane through a, b, c the point d lies: 1, -1, or 0 where round-off
+/// decides.
+int sideOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+           const Eigen::Vector3d& d) {
+  using Long = Eigen::Matrix<long double, 3, 1>;
+  const Long u = b.cast<long double>() - a.cast<long double>(),
+             v = c.cast<long double>() - a.cast<long double>(),
+             w = d.cast<long double>() - a.cast<long double>();
+  const long double volume = u.cross(v).dot(w);
+  // Six products of three differences of doubles, each at most this, and the sum of them.
+  const long double round_off = 32 * std::numeric_limits<long double>::epsilon() *
+                                u.cwiseAbs().maxCoeff() * v.cwiseAbs().maxCoeff() *
+                                w.cwiseAbs().maxCoeff();
+  return volume > round_off ? 1 : volume < -round_off ? -1 : 0;
+}
+
+/// The same in the plane that leaves out the coordinate `axis`.
+int turnOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, int axis) {
+  const int x = (axis + 1) % 3, y = (axis + 2) % 3;
+  const long double ux = static_cast<long double>(b[x]) - a[x],
+                    uy = static_cast<long double>(b[y]) - a[y],
+                    vx = static_cast<long double>(c[x]) - a[x],
+                    vy = static_cast<long double>(c[y]) - a[y];
+  const long double area = ux * vy - uy * vx;
+  const long double round_off = 8 * std::numeric_limits<long double>::epsilon() *
+                                (std::abs(ux) + std::abs(uy)) * (std::abs(vx) + std::abs(vy));
+  return area > round_off ? 1 : area < -round_off ? -1 : 0;
+}
+
+/// Of two segments of a plane: whether their insides cross.
+bool crossInside(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector3d& a,
+                 const Eigen::Vector3d& b, int axis) {
+  return turnOf(p, q, a, axis) * turnOf(p, q, b, axis) < 0 &&
+         turnOf(a, b, p, axis) * turnOf(a, b, q, axis) < 0;
+}
+
+bool liesInside(const Eigen::Vector3d& p, const Corners& t, int axis) {
+  const int first = turnOf(t[0], t[1], p, axis);
+  return first != 0 && turnOf(t[1], t[2], p, axis) == first && turnOf(t[2], t[0], p, axis) == first;
+}
+
+/// Of two triangles in one plane.
+bool overlapInPlane(const Corners& s, const Corners& t) {
+  int axis = 0;
+  (s[1] - s[0]).cross(s[2] - s[0]).cwiseAbs().maxCoeff(&axis);
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k)
+      if (crossInside(s[i], s[(i + 1) % 3], t[k], t[(k + 1) % 3], axis)) return true;
+  const auto middle = [](const Corners& c) { return Eigen::Vector3d((c[0] + c[1] + c[2]) / 3); };
+  if (liesInside(middle(s), t, axis) || liesInside(middle(t), s, axis)) return true;
+  const auto anyInside = [axis](const Corners& of, const Corners& in) {
+    return std::ranges::any_of(of, [&](const auto& p) { return liesInside(p, in, axis); });
+  };
+  return anyInside(s, t) || anyInside(t, s);
+}
+
+/// Whether a segment and a triangle have a point in common; not told where it lies in the plane.
+bool meets(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Corners& t) {
+  const int from = sideOf(t[0], t[1], t[2], p), to = sideOf(t[0], t[1], t[2], q);
+  if (from * to > 0 || (from == 0 && to == 0)) return false;
+  const std::array<int, 3> around = {sideOf(p, q, t[0], t[1]), sideOf(p, q, t[1], t[2]),
+                                     sideOf(p, q, t[2], t[0])};
+  const auto [least, most] = std::ranges::minmax(around);
+  // All of one sign, or zero where the segment passes through an edge; not in line with all three.
+  return least * most >= 0 && (least != 0 || most != 0);
+}
+
+bool isFlatOn(const Corners& s, const Corners& t) {
+  return std::ranges::all_of(s, [&](const auto& p) { return sideOf(t[0], t[1], t[2], p) == 0; });
+}
+
+/// The tree: boxes around runs of triangles, halved down to a few.
+class BoxTree {
+ public:
+  BoxTree(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles)
+      : order_(triangles.size()) {
+    boxes_.reserve(triangles.size());
+    for (const Triangle& triangle : triangles) {
+      Eigen::AlignedBox3d box;
+      for (const std::int32_t node : triangle) box.extend(points[node]);
+      boxes_.push_back(box);
+    }
+    std::iota(order_.begin(), order_.end(), 0);
+    if (!order_.empty()) build(0, order_.size());
+  }
+
+  /// Calls visit(other) for the triangles whose boxes meet that of `triangle`.
+  template <class Visit>
+  void meeting(std::int32_t triangle, Visit visit) const {
+    const Eigen::AlignedBox3d& box = boxes_[triangle];
+    std::vector<std::size_t>& open = open_;
+    open.assign(1, 0);
+    while (!open.empty()) {
+      const Node& node = nodes_[open.back()];
+      open.pop_back();
+      if (!node.box.intersects(box)) continue;
+      if (node.right != 0) {
+        open.push_back(node.left);
+        open.push_back(node.right);
+        continue;
+      }
+      for (std::size_t i = node.begin; i < node.end; ++i)
+        if (boxes_[order_[i]].intersects(box)) visit(order_[i]);
+    }
+  }
+
+ private:
+  struct Node {
+    Eigen::AlignedBox3d box;
+    std::size_t begin, end;       ///< of order_
+    std::size_t left, right = 0;  ///< children; none where right is 0
+  };
+  static constexpr std::size_t few = 8;
+
+  std::size_t build(std::size_t begin, std::size_t end) {
+    const std::size_t number = nodes_.size();
+    Node node{{}, begin, end, 0};
+    for (std::size_t i = begin; i < end; ++i) node.box.extend(boxes_[order_[i]]);
+    nodes_.push_back(node);
+    if (end - begin <= few) return number;
+    int axis = 0;
+    node.box.sizes().maxCoeff(&axis);
+    const std::size_t middle = (begin + end) / 2;
+    const auto at = [this](std::size_t i) {
+      return order_.begin() + static_cast<std::ptrdiff_t>(i);
+    };
+    std::nth_element(at(begin), at(middle), at(end), [&](std::int32_t a, std::int32_t b) {
+      return boxes_[a].center()[axis] < boxes_[b].center()[axis];
+    });
+    const std::size_t left = build(begin, middle), right = build(middle, end);
+    nodes_[number].left = left;
+    nodes_[number].right = right;
+    return number;
+  }
+
+  std::vector<Eigen::AlignedBox3d> boxes_;  ///< per triangle
+  std::vector<std::int32_t> order_;
+  std::vector<Node> nodes_;
+  mutable std::vector<std::size_t> open_;
+};
+
+/// Whether two triangles have more in common than the corners that they share.
+class PairCheck {
+ public:
+  PairCheck(const std::vector<Eigen::Vector3d>& points, const std::vector<Triangle>& triangles)
+      : points_(points), triangles_(triangles) {}
+
+  bool cut(std::int32_t a, std::int32_t b) const {
+    const Triangle &s = triangles_[a], &t = triangles_[b];
+    std::array<bool, 3> of_s{}, of_t{};  // shared corners
+    int shared = 0;
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k)
+        if (s[i] == t[k]) {
+          of_s[i] = of_t[k] = true;
+          ++shared;
+        }
+    const Corners p = cornersOf(s), q = cornersOf(t);
+    // Beside a shared edge, or in one plane, only an overlap in the plane is more.
+    if (shared >= 2 || isFlatOn(p, q)) return isFlatOn(p, q) && overlapInPlane(p, q);
+    if (shared == 1) return edgeBeside(of_s, p, q) || edgeBeside(of_t, q, p);
+    for (int i = 0; i < 3; ++i)
+      if (meets(p[i], p[(i + 1) % 3], q) || meets(q[i], q[(i + 1) % 3], p)) return true;
+    return false;
+  }
+
+ private:
+  Corners cornersOf(const Triangle& t) const {
+    return {points_[t[0]], points_[t[1]], points_[t[2]]};
+  }
+
+  /// Whether the edge of `s` that does not have the shared corner meets `t`.
+  static bool edgeBeside(const std::array<bool, 3>& shared, const Corners& s, const Corners& t) {
+    for (int i = 0; i < 3; ++i)
+      if (shared[i]) return meets(s[(i + 1) % 3], s[(i + 2) % 3], t);
+    return false;
+  }
+
+  const std::vector<Eigen::Vector3d>& points_;
+  const std::vector<Triangle>& triangles_;
+};
+
+}  // namespace
+
+SurfaceCuts cutsOf(const std::vector<Eigen::Vector3d>& points,
+                   const std::vector<Triangle>& triangles) {
+  SurfaceCuts cuts;
+  const BoxTree tree(points, triangles);
+  const PairCheck check(points, triangles);
+  for (std::int32_t a = 0; a < static_cast<std::int32_t>(triangles.size()); ++a) {
+    std::int32_t lowest = -1;
+    tree.meeting(a, [&](std::int32_t b) {
+      if (b <= a || !check.cut(a, b)) return;
+      ++cuts.count;
+      if (lowest < 0 || b < lowest) lowest = b;
+    });
+    if (lowest >= 0 && cuts.first[0] < 0) cuts.first = {a, lowest};
+  }
+  return cuts;
+}
+
+}  // namespace palpate

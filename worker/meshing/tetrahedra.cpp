@@ -1,0 +1,332 @@
+#include "worker/meshing/tetrahedra.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <numbers>
+#include <sstream>
+
+#include "common/base/assertion.hpp"
+#include "common/base/error.hpp"
+#include "common/base/printable.hpp"
+#include "common/base/whole_file.hpp"
+#include "common/mesh/mesh_reader.hpp"
+#include "worker/meshing/mesh_conversion.hpp"
+#include "worker/meshing/meshing_programs.hpp"
+
+namespace palpate {
+namespace {
+
+/// How often a size is tried until the number of nodes is near what was wanted.
+constexpr int most_tries = 5;
+/// Of the number of nodes by the length of edges: between those inside (-3) and on the surface
+/// (-2).
+constexpr double nodes_by_size = -2.5;
+/// A mesh whose volume differs by more from that of the surface is of another body.
+constexpr double lost_volume = 0.25, told_volume = 0.05;
+/// Degrees between neighbours of a surface from which on their edge is one of the body, where such
+/// edges form lines.
+constexpr double crease = 40;
+
+/// What one program made of the surface; text as of a .msh, or why there is none.
+struct Attempt {
+  std::string msh;
+  std::string problem;
+  bool missing = false;  ///< the program is not installed
+};
+
+/// The last line in which a program speaks of an error, or its last line at all.
+std::string decisiveLine(const Ran& ran) {
+  std::string last, error;
+  std::istringstream lines(ran.out + "\n" + ran.err);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find_first_not_of(" -\r") == std::string::npos) continue;
+    last = line;
+    const bool speaks = line.starts_with("Error") || line.find("rror:") != std::string::npos ||
+                        line.find("intersect") != std::string::npos;
+    const bool says_more = line.find("error summary") == std::string::npos &&
+                           line.find("Check the full log") == std::string::npos &&
+                           line.find("----") == std::string::npos &&
+                           line.find("error") != line.size() - 5;
+    if (speaks && says_more && error.empty()) error = line;
+  }
+  return printable(error.empty() ? last : error, longest_reason);
+}
+
+std::string coordinates(const Eigen::Vector3d& x) {
+  return fmt::format("{:.17g} {:.17g} {:.17g}", x[0], x[1], x[2]);
+}
+
+/// The triangles, for gmsh.
+std::string trianglesAsMsh(const ClosedSurface& surface) {
+  std::string text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
+  auto out = std::back_inserter(text);
+  fmt::format_to(out, "$Nodes\n{}\n", surface.points.size());
+  for (std::size_t n = 0; n < surface.points.size(); ++n)
+    fmt::format_to(out, "{} {}\n", n + 1, coordinates(surface.points[n]));
+  fmt::format_to(out, "$EndNodes\n$Elements\n{}\n", surface.triangles.size());
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto& [a, b, c] = surface.triangles[t];
+    fmt::format_to(out, "{} 2 2 0 1 {} {} {}\n", t + 1, a + 1, b + 1, c + 1);
+  }
+  return text + "$EndElements\n";
+}
+
+/// The triangles and a point in each cavity, for tetgen.
+std::string trianglesAsSmesh(const ClosedSurface& surface) {
+  std::string text;
+  auto out = std::back_inserter(text);
+  fmt::format_to(out, "{} 3 0 0\n", surface.points.size());
+  for (std::size_t n = 0; n < surface.points.size(); ++n)
+    fmt::format_to(out, "{} {}\n", n, coordinates(surface.points[n]));
+  fmt::format_to(out, "{} 0\n", surface.triangles.size());
+  for (const auto& [a, b, c] : surface.triangles) fmt::format_to(out, "3 {} {} {}\n", a, b, c);
+  fmt::format_to(out, "{}\n", surface.cavities.size());
+  for (std::size_t h = 0; h < surface.cavities.size(); ++h)
+    fmt::format_to(out, "{} {}\n", h, coordinates(surface.cavities[h]));
+  return text + "0\n";
+}
+
+std::string meshAsMsh(const Mesh& mesh) {
+  std::string text =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
+      "$PhysicalNames\n2\n2 1 \"surface\"\n3 2 \"body\"\n$EndPhysicalNames\n";
+  auto out = std::back_inserter(text);
+  fmt::format_to(out, "$Nodes\n{}\n", mesh.nodes.size());
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
+    fmt::format_to(out, "{} {}\n", n + 1, coordinates(mesh.nodes[n]));
+  fmt::format_to(out, "$EndNodes\n$Elements\n{}\n", mesh.surface.size() + mesh.tetrahedra.size());
+  std::size_t element = 0;
+  for (const auto& [a, b, c] : mesh.surface)
+    fmt::format_to(out, "{} 2 2 1 1 {} {} {}\n", ++element, a + 1, b + 1, c + 1);
+  for (const auto& [a, b, c, d] : mesh.tetrahedra)
+    fmt::format_to(out, "{} 4 2 2 1 {} {} {} {}\n", ++element, a + 1, b + 1, c + 1, d + 1);
+  return text + "$EndElements\n";
+}
+
+/// Whether the sharp edges of the surface are lines, as those of a box, and not the noise of a
+/// coarse or scanned one, in which they end after a triangle or two.
+bool hasCreases(const ClosedSurface& surface) {
+  std::map<Edge, Eigen::Vector3d> normal_of;
+  std::map<std::int32_t, int> sharp_at;
+  const double limit = std::cos(crease * std::numbers::pi / 180);
+  for (const Triangle& t : surface.triangles) {
+    const Eigen::Vector3d a = surface.points[t[0]];
+    const Eigen::Vector3d normal =
+        (surface.points[t[1]] - a).cross(surface.points[t[2]] - a).stableNormalized();
+    for (int i = 0; i < 3; ++i) {
+      const Edge edge = {std::min(t[i], t[(i + 1) % 3]), std::max(t[i], t[(i + 1) % 3])};
+      const auto [other, is_first] = normal_of.emplace(edge, normal);
+      if (is_first || other->second.dot(normal) > limit) continue;
+      ++sharp_at[edge[0]];
+      ++sharp_at[edge[1]];
+    }
+  }
+  const auto ends = std::ranges::count_if(sharp_at, [](const auto& at) { return at.second == 1; });
+  return 10 * ends < static_cast<std::ptrdiff_t>(sharp_at.size());
+}
+
+constexpr const char* gmsh_settings = R"(
+Mesh.MeshSizeMin = {0:.17g};
+Mesh.MeshSizeMax = {0:.17g};
+Mesh.MeshSizeExtendFromBoundary = 0;
+Mesh.Algorithm = 6;
+Mesh.Algorithm3D = 1;
+Mesh.Optimize = 1;
+Mesh.OptimizeThreshold = 0.4;
+Mesh.Smoothing = 10;
+Mesh.Binary = 0;
+Mesh.MshFileVersion = 2.2;
+General.NumThreads = 1;
+)";
+
+constexpr const char* gmsh_body = R"(
+faces() = Surface{:};
+Surface Loop(1) = faces();
+Volume(1) = {1};
+Physical Surface("surface") = faces();
+Physical Volume("body") = {1};
+)";
+
+class Filling {
+ public:
+  Filling(const ClosedSurface& surface, std::filesystem::path folder, std::string source)
+      : surface_(surface), folder_(std::move(folder)), source_(std::move(source)) {}
+
+  /// New triangles of this size, and tetrahedra.
+  Attempt byGmsh(double size) {
+    const double angle = (creases() ? crease : 180) * std::numbers::pi / 180;
+    return runGmsh(fmt::format("ClassifySurfaces{{{:.6g}, 1, 1, Pi}};\nCreateGeometry;", angle),
+                   size);
+  }
+
+  /// Tetrahedra between the given triangles.
+  Attempt byGmshOnTriangles(double size) { return runGmsh("", size); }
+
+  Attempt byTetgen(double size) {
+    if (!isInstalled("tetgen")) return missing("tetgen");
+    replaceFile(folder_ / "surface.smesh", trianglesAsSmesh(surface_), "surface");
+    // A regular tetrahedron with edges of that length; tetgen's are that at most.
+    const double volume = size * size * size / (6 * std::numbers::sqrt2);
+    const Ran ran = runMeshing(
+        {"tetgen", fmt::format("-pq1.4a{:.6g}", volume), (folder_ / "surface.smesh").string()},
+        "tetgen");
+    const std::filesystem::path node = folder_ / "surface.1.node";
+    std::error_code ignored;
+    if (ran.exit_code != 0 || !std::filesystem::exists(node, ignored))
+      return {"", "tetgen: " + decisiveLine(ran)};
+    const ConvertedMesh converted = convertMesh(node, folder_, false);
+    return {meshAsMsh(readGmsh(converted.file)), ""};
+  }
+
+ private:
+  bool creases() {
+    if (!creases_) creases_ = hasCreases(surface_);
+    return *creases_;
+  }
+
+  static Attempt missing(const std::string& program) {
+    return {"", fmt::format("{0} is not installed here, or not in $PATH (Debian: {0})", program),
+            true};
+  }
+
+  Attempt runGmsh(const std::string& remesh, double size) {
+    if (!isInstalled("gmsh")) return missing("gmsh");
+    if (!written_) replaceFile(folder_ / "surface.msh", trianglesAsMsh(surface_), "surface");
+    written_ = true;
+    const std::string geo = "Merge \"surface.msh\";\n" + remesh + gmsh_body +
+                            fmt::format(fmt::runtime(gmsh_settings), size);
+    replaceFile(folder_ / "body.geo", geo, "geometry");
+    const std::filesystem::path body = folder_ / "body.msh";
+    std::error_code ignored;
+    std::filesystem::remove(body, ignored);
+    const Ran ran = runMeshing({"gmsh", "-3", (folder_ / "body.geo").string(), "-format", "msh22",
+                                "-o", body.string(), "-v", "3"},
+                               "gmsh");
+    if (ran.exit_code != 0 || !std::filesystem::exists(body, ignored))
+      return {"", "gmsh: " + decisiveLine(ran)};
+    return {readText(body, "mesh"), ""};
+  }
+
+  const ClosedSurface& surface_;
+  std::filesystem::path folder_;
+  std::string source_;
+  std::optional<bool> creases_;
+  bool written_ = false;
+};
+
+double volumeOf(const Mesh& mesh) {
+  double volume = 0;
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) volume += sixVolume(mesh, e) / 6;
+  return volume;
+}
+
+/// Reads what a program made; its problem when that is no mesh of this body.
+std::optional<Tetrahedra> accepted(Attempt& attempt, const ClosedSurface& surface) {
+  if (!attempt.problem.empty()) return std::nullopt;
+  Tetrahedra made;
+  try {
+    made.mesh = parseGmsh(attempt.msh, "what it made");
+  } catch (const Error& error) {
+    attempt.problem = error.what();
+    return std::nullopt;
+  }
+  const double change = volumeOf(made.mesh) / surface.volume - 1;
+  if (std::abs(change) > lost_volume) {
+    attempt.problem =
+        fmt::format("its tetrahedra have {:.3g} times the volume of the surface", 1 + change);
+    return std::nullopt;
+  }
+  if (std::abs(change) > told_volume)
+    made.notes.push_back(
+        fmt::format("the mesh has {:.2g} % {} volume than the surface: more nodes follow it better",
+                    100 * std::abs(change), change < 0 ? "less" : "more"));
+  made.msh = std::move(attempt.msh);
+  return made;
+}
+
+/// One way to fill a surface, tried with sizes until the number of nodes is right.
+template <class Fill>
+std::optional<Tetrahedra> nearest(const ClosedSurface& surface, const Fineness& fineness,
+                                  Attempt& last, Fill fill) {
+  double size =
+      fineness.size.value_or(edgeFor(surface.volume, surface.area, double(fineness.nodes)));
+  std::optional<Tetrahedra> best;
+  double best_off = 0;
+  for (int n = 0; n < most_tries; ++n) {
+    last = fill(size);
+    std::optional<Tetrahedra> made = accepted(last, surface);
+    if (!made) return best;
+    const auto nodes = static_cast<double>(made->mesh.nodes.size());
+    const double off = std::abs(std::log(nodes / fineness.nodes));
+    spdlog::info("{} nodes with edges of {:.3g}", made->mesh.nodes.size(), size);
+    if (!best || off < best_off) {
+      best = std::move(made);
+      best_off = off;
+    }
+    if (fineness.size || off < std::log(1 + near_enough)) break;
+    size *= std::pow(fineness.nodes / nodes, 1 / nodes_by_size);
+  }
+  return best;
+}
+
+}  // namespace
+
+double edgeFor(double volume, double area, double nodes) {
+  PALPATE_ASSERT(volume > 0 && area > 0 && nodes > 0, "closedSurface() refuses others");
+  // nodes(h) falls with h: halved until it fits.
+  double low = 0, high = std::cbrt(std::numbers::sqrt2 * volume) + std::sqrt(area);
+  for (int n = 0; n < 60; ++n) {
+    const double h = (low + high) / 2;
+    const double made =
+        std::numbers::sqrt2 * volume / (h * h * h) + area / (std::numbers::sqrt3 * h * h);
+    (made > nodes ? low : high) = h;
+  }
+  return high;
+}
+
+Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fineness, Mesher mesher,
+                              const std::filesystem::path& folder, const std::string& source) {
+  Filling filling(surface, folder, source);
+  std::vector<std::string> problems;
+  const auto attempt = [&](auto fill) {
+    Attempt last;
+    std::optional<Tetrahedra> made = nearest(surface, fineness, last, fill);
+    if (!made) problems.push_back(last.problem);
+    return made;
+  };
+  const auto finished = [&](Tetrahedra made, const std::string& how) {
+    for (const std::string& problem : problems) made.notes.push_back(problem);
+    if (!how.empty()) made.notes.push_back(how);
+    const auto nodes = static_cast<double>(made.mesh.nodes.size());
+    if (!fineness.size && std::abs(std::log(nodes / fineness.nodes)) > std::log(1 + near_enough))
+      made.notes.push_back(
+          fmt::format("{} nodes were wanted; --size sets the length of edges", fineness.nodes));
+    return made;
+  };
+  if (mesher != Mesher::tetgen) {
+    if (auto made = attempt([&](double size) { return filling.byGmsh(size); }))
+      return finished(std::move(*made), "");
+    if (mesher == Mesher::automatic && isInstalled("gmsh"))
+      if (auto made = attempt([&](double size) { return filling.byGmshOnTriangles(size); }))
+        return finished(std::move(*made),
+                        "filled by gmsh between the triangles as they are: it could not make new "
+                        "ones of the wanted size");
+  }
+  if (mesher != Mesher::gmsh)
+    if (auto made = attempt([&](double size) { return filling.byTetgen(size); }))
+      return finished(std::move(*made),
+                      "filled by tetgen between the triangles as they are, which are split where "
+                      "the tetrahedra would be too flat");
+  std::string reasons;
+  for (const std::string& problem : problems) reasons += (reasons.empty() ? "" : "; ") + problem;
+  throw failure(
+      "{}: no tetrahedra could be made in the surface: {}. Make its triangles more even (MeshLab: "
+      "Isotropic Remeshing; Blender: Remesh), or take another --size or --mesher",
+      source, reasons);
+}
+
+}  // namespace palpate

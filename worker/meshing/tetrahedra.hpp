@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "worker/meshing/closed_surface.hpp"
+
+namespace palpate {
+
+/// Which program fills a surface.
+enum class Mesher : std::uint8_t {
+  automatic,  ///< gmsh; where that fails gmsh on the given triangles, then tetgen
+  gmsh,       ///< new triangles of the wanted size, then tetrahedra
+  tetgen      ///< the given triangles stay, and decide how coarse it can be
+};
+
+/// How fine a body is wanted.
+struct Fineness {
+  std::int32_t nodes = 1000;  ///< as near to it as a few tries get
+  /// Length of the edges in the unit of the surface; then `nodes` does not count.
+  std::optional<double> size = {};
+};
+
+/// What came out.
+struct Tetrahedra {
+  std::string msh;  ///< a whole file, Gmsh 2.2 ASCII, in the unit of the surface
+  Mesh mesh;        ///< the same, read as if its unit were metres
+  std::vector<std::string> notes = {};  ///< which program, what it could not do
+};
+
+/// Nodes within this share of what was wanted are near enough.
+inline constexpr double near_enough = 0.2;
+
+/// Length of edges with which a body of this volume and surface gets so many nodes, roughly: sqrt 2
+/// per cube of the edge inside, and on the surface half a layer more.
+double edgeFor(double volume, double area, double nodes);
+
+/// Fills a surface with tetrahedra, in files of `folder`. The volume is the group "body", the
+/// surface the group "surface". `source` begins errors.
+///
+/// Error that names the package when no program is installed that may be used; Error, with what it
+/// said, when none of them makes a mesh whose volume is that of the surface to 25 %.
+Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fineness, Mesher mesher,
+                              const std::filesystem::path& folder, const std::string& source);
+
+}  // namespace palpate

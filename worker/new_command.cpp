@@ -1,0 +1,111 @@
+#include <CLI/CLI.hpp>
+#include <cctype>
+#include <memory>
+
+#include "common/base/whole_file.hpp"
+#include "common/mesh/mesh_reader.hpp"
+#include "worker/meshing/guessed_unit.hpp"
+#include "worker/meshing/proposed_scene.hpp"
+#include "worker/verbs.hpp"
+
+namespace palpate {
+namespace {
+
+struct NewOptions {
+  std::string directory, mesh, unit;
+};
+
+constexpr const char* scene_file_name = "scene.toml";
+
+/// What a scene may be called, of the name of its folder.
+std::string sceneNameOf(const std::filesystem::path& directory) {
+  const std::filesystem::path plain = (directory / "").parent_path();
+  std::string name;
+  for (const char c : plain.filename().string())
+    name += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ? c : '-';
+  return name.find_first_not_of('-') == std::string::npos ? "organ" : name;
+}
+
+void refuseDirectory(const std::filesystem::path& directory) {
+  std::error_code ignored;
+  if (std::filesystem::exists(directory, ignored) &&
+      !std::filesystem::is_directory(directory, ignored))
+    throw badInput("{}: is a file; give the name of a folder", directory.string());
+  if (std::filesystem::exists(directory / scene_file_name, ignored))
+    throw badInput("{}: there is a scene already; give another folder, or remove it",
+                   (directory / scene_file_name).string());
+}
+
+/// The unit of a mesh, and what is not sure about it.
+GuessedUnit unitOfMesh(const NewOptions& options, const Mesh& as_metres) {
+  if (!options.unit.empty()) return {unitNamed(options.unit)};
+  const double extent = boundingBox(as_metres).sizes().maxCoeff();
+  const std::optional<GuessedUnit> guess = guessedUnit(extent);
+  if (!guess)
+    throw badInput(
+        "{}: the body is {:.4g} wide, and no unit (m, cm, mm) makes it one of 1 mm to 10 m: scale "
+        "the mesh",
+        options.mesh, extent);
+  return *guess;
+}
+
+void makeFolder(const std::filesystem::path& directory) {
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  if (error)
+    throw failure("{}: the folder cannot be made: {}", directory.string(), error.message());
+}
+
+ExitCode writeScene(const NewOptions& options) {
+  const std::filesystem::path directory = options.directory, mesh_file = options.mesh;
+  refuseDirectory(directory);
+  if (mesh_file.extension() != ".msh")
+    throw badInput("--mesh {0}: scenes take Gmsh's .msh; make one with: palpate mesh {0} -o {1}",
+                   options.mesh,
+                   std::filesystem::path(mesh_file).replace_extension(".msh").string());
+  const std::string msh = readText(mesh_file, "mesh");
+  const GuessedUnit unit = unitOfMesh(options, parseGmsh(msh, options.mesh));
+  const ProposedScene scene =
+      proposedScene(parseGmsh(msh, options.mesh, unit.unit.metres), sceneNameOf(directory),
+                    mesh_file.filename().string(), unit.unit, unit.doubt);
+  makeFolder(directory);
+  // The scene last: it says that all is there.
+  std::error_code ignored;
+  const std::filesystem::path copy = directory / mesh_file.filename();
+  if (!std::filesystem::equivalent(mesh_file, copy, ignored)) replaceFile(copy, msh, "mesh");
+  replaceFile(directory / scene_file_name, scene.toml, "scene");
+
+  const std::string file = (directory / scene_file_name).string();
+  fmt::print("scene      {}, with {}\n", file, mesh_file.filename().string());
+  fmt::print("unit       {}{}\n", unit.unit.name,
+             !options.unit.empty() ? ""
+             : unit.doubt.empty()
+                 ? " by the size of the body; --unit says otherwise"
+                 : fmt::format(" by the size of the body ({}); --unit says otherwise", unit.doubt));
+  for (const std::string& choice : scene.choices) fmt::print("{}\n", choice);
+  for (const std::string& warning : scene.warnings) fmt::print("warning    {}\n", warning);
+  fmt::print("next: palpate check {}\n", file);
+  return ExitCode::done;
+}
+
+std::function<ExitCode()> prepareNew(CLI::App& app) {
+  auto options = std::make_shared<NewOptions>();
+  app.add_option("DIRECTORY", options->directory, "The folder to make: scene.toml and the mesh")
+      ->required()
+      ->type_name("FOLDER");
+  app.add_option("--mesh", options->mesh, "The mesh, as palpate mesh or Gmsh writes it")
+      ->required()
+      ->type_name("FILE.msh");
+  app.add_option("--unit", options->unit, "What the mesh counts in: m, cm or mm [guessed]")
+      ->type_name("UNIT");
+  app.footer(
+      "Proposes what holds the body, a finger that touches the rest of it, and how deep; change\n"
+      "what is marked in the file (docs/meshes.md, docs/scene.md).");
+  return [options] { return writeScene(*options); };
+}
+
+}  // namespace
+
+const Verb new_verb = {"new", "Write a scene around a mesh, commented, to begin with", prepareNew};
+
+}  // namespace palpate
