@@ -56,7 +56,7 @@ void forEachEdge(const std::vector<Side>& sides, Visit visit) {
 }
 
 /// A connected part of the surface.
-struct Shell {
+struct SurfaceShell {
   std::vector<std::int32_t> triangles;
   Eigen::AlignedBox3d box = {};
   double volume = 0;  ///< positive where it faces outward
@@ -206,7 +206,7 @@ class SurfaceRepair {
     for (std::int32_t t = 0; t < static_cast<std::int32_t>(triangles_.size()); ++t) {
       const auto [found, is_new] = shell_of.emplace(rootOf(t), shells_.size());
       if (is_new) shells_.emplace_back();
-      Shell& shell = shells_[found->second];
+      SurfaceShell& shell = shells_[found->second];
       shell.triangles.push_back(t);
       for (const std::int32_t corner : triangles_[t]) shell.box.extend(points_[corner]);
       shell.area += crossOf(t).norm() / 2;
@@ -223,12 +223,12 @@ class SurfaceRepair {
 
   /// Where the largest is meant, a leaf that floats beside it is no reason to refuse.
   void leaveOutOpenScraps() {
-    const auto largest = std::ranges::max_element(shells_, {}, &Shell::area);
-    const auto isScrap = [&](const Shell& s) { return &s != &*largest && s.open_edges > 0; };
+    const auto largest = std::ranges::max_element(shells_, {}, &SurfaceShell::area);
+    const auto isScrap = [&](const SurfaceShell& s) { return &s != &*largest && s.open_edges > 0; };
     const auto count = std::ranges::count_if(shells_, isScrap);
     if (count == 0) return;
     std::vector<bool> kept(triangles_.size(), true);
-    for (const Shell& shell : shells_)
+    for (const SurfaceShell& shell : shells_)
       if (isScrap(shell))
         for (const std::int32_t t : shell.triangles) kept[t] = false;
     keep(kept);
@@ -287,7 +287,7 @@ class SurfaceRepair {
     });
     std::vector<std::int8_t> turned(triangles_.size(), -1);
     std::int64_t total = 0;
-    for (const Shell& shell : shells_) {
+    for (const SurfaceShell& shell : shells_) {
       std::int64_t in_shell = 0;
       std::vector<std::int32_t> open = {shell.triangles.front()};
       turned[open[0]] = 0;
@@ -319,7 +319,7 @@ class SurfaceRepair {
   }
 
   void measureShells() {
-    for (Shell& shell : shells_) {
+    for (SurfaceShell& shell : shells_) {
       const Eigen::Vector3d origin = shell.box.center();
       for (const std::int32_t t : shell.triangles)
         shell.volume += (points_[triangles_[t][0]] - origin).dot(crossOf(t)) / 6;
@@ -328,7 +328,7 @@ class SurfaceRepair {
     constexpr double flat = 1e-6;
     std::vector<bool> kept(triangles_.size(), true);
     std::int64_t left_out = 0;
-    for (const Shell& shell : shells_)
+    for (const SurfaceShell& shell : shells_)
       if (std::abs(shell.volume) <= flat * std::pow(shell.area, 1.5)) {
         ++left_out;
         for (const std::int32_t t : shell.triangles) kept[t] = false;
@@ -342,7 +342,7 @@ class SurfaceRepair {
   }
 
   /// Whether a point lies inside a shell: the solid angle that it fills is all around, or none.
-  bool isInside(const Eigen::Vector3d& point, const Shell& shell) const {
+  bool isInside(const Eigen::Vector3d& point, const SurfaceShell& shell) const {
     if (!shell.box.contains(point)) return false;
     double angle = 0;
     for (const std::int32_t t : shell.triangles) {
@@ -360,7 +360,7 @@ class SurfaceRepair {
   void nest() {
     for (std::size_t inner = 0; inner < shells_.size(); ++inner)
       for (std::size_t outer = 0; outer < shells_.size(); ++outer) {
-        Shell &in = shells_[inner], &out = shells_[outer];
+        SurfaceShell &in = shells_[inner], &out = shells_[outer];
         if (inner == outer || !out.box.contains(in.box)) continue;
         if (!isInside(points_[triangles_[in.triangles[0]][0]], out)) continue;
         ++in.depth;
@@ -369,7 +369,7 @@ class SurfaceRepair {
       }
   }
 
-  static bool isBody(const Shell& shell) { return shell.depth % 2 == 0; }
+  static bool isBody(const SurfaceShell& shell) { return shell.depth % 2 == 0; }
 
   void chooseBody() {
     std::vector<std::int32_t> bodies;
@@ -392,18 +392,19 @@ class SurfaceRepair {
     }
     body_ = bodies.front();
     if (bodies.size() > 1) note("of {} bodies the largest is taken", bodies.size());
-    std::erase_if(shells_, [&, number = 0](const Shell& shell) mutable {
+    std::erase_if(shells_, [&, number = 0](const SurfaceShell& shell) mutable {
       const std::int32_t s = number++;
       return s != body_ && !(shell.around == body_ && !isBody(shell));
     });
     body_ = static_cast<std::int32_t>(
-        std::ranges::find_if(shells_, [](const Shell& s) { return isBody(s); }) - shells_.begin());
+        std::ranges::find_if(shells_, [](const SurfaceShell& s) { return isBody(s); }) -
+        shells_.begin());
     if (shells_.size() > 1) note("cavities, shells inside of it: {}", shells_.size() - 1);
   }
 
   void turnOutward() {
     std::vector<Triangle> chosen;
-    for (Shell& shell : shells_) {
+    for (SurfaceShell& shell : shells_) {
       const bool inward = (shell.volume < 0) == isBody(shell);
       if (inward && isBody(shell)) note("the surface faced inward, and was turned");
       if (inward) shell.volume = -shell.volume;
@@ -445,7 +446,7 @@ class SurfaceRepair {
   }
 
   /// Inside of a shell: in the middle of the way from one of its triangles to the next wall behind.
-  Eigen::Vector3d pointInside(const Shell& shell) const {
+  Eigen::Vector3d pointInside(const SurfaceShell& shell) const {
     const std::int32_t largest = *std::ranges::max_element(
         shell.triangles, {}, [this](std::int32_t t) { return crossOf(t).norm(); });
     const Triangle& from = triangles_[largest];
@@ -470,7 +471,7 @@ class SurfaceRepair {
 
   ClosedSurface result() {
     ClosedSurface surface;
-    for (const Shell& shell : shells_) {
+    for (const SurfaceShell& shell : shells_) {
       surface.volume += shell.volume;
       surface.area += shell.area;
       if (!isBody(shell)) surface.cavities.push_back(pointInside(shell));
@@ -486,7 +487,7 @@ class SurfaceRepair {
   const std::string& source_;
   Bodies bodies_;
   Eigen::AlignedBox3d box_;
-  std::vector<Shell> shells_;
+  std::vector<SurfaceShell> shells_;
   std::int32_t body_ = -1;  ///< of shells_
   std::vector<std::string> notes_;
 };

@@ -73,8 +73,9 @@ class Body:
 # ---- Formats with a reader of their own --------------------------------------------------------
 
 
-def numbers(text, source, line, count=None, kind=float):
-    words = text.replace(",", " ").split()
+def numbers(text, source, line, count=None, kind=float, commas=False):
+    """commas: between the numbers; else one is the decimal sign of another country, and refused."""
+    words = (text.replace(",", " ") if commas else text).split()
     try:
         found = [kind(word) for word in words]
     except ValueError:
@@ -114,7 +115,7 @@ def read_stl(path):
             return surface_of(corners, np.arange(len(corners)).reshape(-1, 3))
     if not data.lstrip().lower().startswith(b"solid"):
         if len(data) >= 84:
-            wrong(path, None, f"it announces {count} triangles, which are {84 + 50 * count} bytes, and has {len(data)}: "
+            wrong(path, None, f"it announces {count} triangles in {84 + 50 * count} bytes, and has {len(data)}: "
                               "the file is truncated, or no STL")
         wrong(path, 1, "this is no STL file: it begins neither with \"solid\" nor with 84 bytes of a header")
     corners, last = [], 0
@@ -215,7 +216,7 @@ def read_tetgen(path):
         cells.append(node_numbers([int(i) for i in row[1:1 + header[1]]], number_of, ele_file, line))
         regions.append(row[1 + header[1]] if header[2] else 0)
     if len(cells) != header[0]:
-        wrong(ele_file, None, f"{header[0]} tetrahedra are announced, and there are {len(cells)}: the file is truncated")
+        wrong(ele_file, None, f"{header[0]} tetrahedra are announced, there are {len(cells)}: the file is truncated")
     cells = np.array(cells, dtype=np.int64).reshape(-1, header[1])
     block = body.add("tetra", cells) if header[1] == 4 else body.add("tetra10", cells[:, TETGEN_ORDER])
     if header[2]:
@@ -240,7 +241,7 @@ def abaqus_kind(word):
 
 def read_abaqus(path, into=None):
     """*NODE, *ELEMENT, *NSET, *ELSET and *INCLUDE, of one part or instance."""
-    state = into or {"number_of": {}, "points": [], "elements": {}, "sets": [], "nsets": {}, "elsets": {}}
+    state = into or {"files": [path], "number_of": {}, "points": [], "elements": {}, "nsets": {}, "elsets": {}}
     keyword, options, kind = "", {}, None
     pending = []  # of an element whose nodes go on in the next line
     for line, text in data_lines(path, comment="**"):
@@ -255,17 +256,21 @@ def read_abaqus(path, into=None):
                 word = options.get("TYPE", "").upper()
                 kind, pending = abaqus_kind(word), []
                 if kind is None:
-                    wrong(path, line, f"elements of type {word or '(none)'} are not read; tetrahedra are C3D4 and C3D10")
+                    wrong(path, line, f"elements of type {word or '(none)'} are not read; "
+                                      "tetrahedra are C3D4 and C3D10")
                 if options.get("ELSET"):
                     state["elsets"].setdefault(options["ELSET"], [])
             elif keyword == "INCLUDE":
-                read_abaqus(path.parent / options.get("INPUT", ""), state)
+                included = path.parent / options.get("INPUT", "")
+                if included in state["files"]:
+                    wrong(path, line, f"{included} includes itself")
+                read_abaqus(included, {**state, "files": [*state["files"], included]})
             elif keyword == "NSET" and options.get("NSET"):
                 state["nsets"].setdefault(options["NSET"], [])
             elif keyword == "ELSET" and options.get("ELSET"):
                 state["elsets"].setdefault(options["ELSET"], [])
         elif keyword == "NODE":
-            row = numbers(text, path, line)
+            row = numbers(text, path, line, commas=True)
             if len(row) != 4:
                 wrong(path, line, "a node is not a number and three coordinates")
             state["number_of"][int(row[0])] = len(state["points"])
@@ -273,7 +278,7 @@ def read_abaqus(path, into=None):
             if options.get("NSET"):
                 state["nsets"].setdefault(options["NSET"], []).append(int(row[0]))
         elif keyword == "ELEMENT":
-            pending += numbers(text, path, line, kind=int)
+            pending += numbers(text, path, line, kind=int, commas=True)
             if len(pending) > 1 + NODES_OF[kind]:
                 wrong(path, line, f"an element of {len(pending) - 1} nodes where {NODES_OF[kind]} are expected")
             if len(pending) == 1 + NODES_OF[kind]:
@@ -290,7 +295,7 @@ def read_abaqus(path, into=None):
             members = sets[options[keyword]]
             words = [word.strip().strip('"') for word in text.split(",") if word.strip()]
             if "GENERATE" in options:
-                row = numbers(text, path, line, kind=int)
+                row = numbers(text, path, line, kind=int, commas=True)
                 if len(row) not in (2, 3) or (len(row) == 3 and row[2] == 0):
                     wrong(path, line, "GENERATE needs first, last and step")
                 members += range(row[0], row[1] + 1, row[2] if len(row) == 3 else 1)
@@ -374,7 +379,7 @@ def read_febio(path):
     nodes_of_set = {}
     for nodes in (n for mesh in meshes for n in mesh.all("Nodes")):
         for node in nodes.all("node"):
-            row = numbers(node.text, path, node.line, 3)
+            row = numbers(node.text, path, node.line, 3, commas=True)
             number_of[node.attributes.get("id", "")] = len(points)
             points.append(row)
             if nodes.attributes.get("name"):
@@ -440,7 +445,7 @@ def read_febio(path):
             block, cell = rows[at]
             vectors = body.vectors.setdefault(name, {})
             vectors.setdefault(block, np.zeros((len(body.blocks[block][1]), 3)))[cell] = numbers(
-                row.text, path, row.line, 3)
+                row.text, path, row.line, 3, commas=True)
     return body
 
 
@@ -811,8 +816,8 @@ def put_middles_right(body, source, straight):
                     cells, off = cells[:, order], other
                     break
         if off.max() > STRAIGHT and straight:
-            print(f"mid-edge nodes lie off the middles of their edges by up to {off.max():.2g} of the edge; the corners "
-                  "are taken, with straight edges")
+            print(f"mid-edge nodes lie off the middles of their edges by up to {off.max():.2g} of the edge; "
+                  "the corners are taken, with straight edges")
             body.blocks[i] = ("tetra", cells[:, :4])
             continue
         if off.max() > STRAIGHT:
@@ -820,8 +825,9 @@ def put_middles_right(body, source, straight):
             middle = body.points[cells[at, list(EDGES[e])]].mean(axis=0)
             wrong(source, None, f"tetrahedron {at} of ten nodes (counted from 0) has a curved edge at "
                                 f"({middle[0]:.6g}, {middle[1]:.6g}, {middle[2]:.6g}): its mid-edge node is off the "
-                                f"middle by {off.max():.2g} of its length, {np.count_nonzero(off > STRAIGHT)} edges are "
-                                "curved; --straight takes the corners with straight edges")
+                                f"middle by {off.max():.2g} of its length; of all tetrahedra "
+                                f"{np.count_nonzero(off > STRAIGHT)} edges are curved; "
+                                "--straight takes the corners with straight edges")
         body.blocks[i] = (kind, cells)
 
 

@@ -30,8 +30,8 @@ constexpr double finger_shares[] = {1, 0.85, 0.75, 0.67, 1.3, 1.7, 2.2};
 constexpr double area_per_finger = 190;
 /// Of the device proposed, N ([device] profile = "touch"); and Young's modulus of the tissue, Pa.
 constexpr double touch_force = 3.3, tissue_young = 6 * (1300.0 + 1280.0);
-/// How deep a finger goes before most places meet that force, as livers showed: E r d = 2 F.
-constexpr double force_depth = 2;
+/// How deep a finger goes before most places meet that force, as livers showed: E r d = 1.6 F.
+constexpr double force_depth = 1.6;
 /// Depths in radii of the finger; deeper the tissue is torn.
 constexpr double deepest = 1.5;
 
@@ -223,6 +223,8 @@ ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std
     try {
       scene.warnings = warningsOf(resolve(parseScene(scene.toml, "the proposed scene"), mesh));
     } catch (const Error& error) {
+      // Another finger may be taken; what else is wrong stays wrong.
+      if (std::string(error.what()).find("finger") == std::string::npos) throw;
       if (!refusal) refusal = error;
       continue;
     }

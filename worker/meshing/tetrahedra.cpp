@@ -27,6 +27,8 @@ constexpr int most_tries = 5;
 constexpr double nodes_by_size = -2.5;
 /// A mesh whose volume differs by more from that of the surface is of another body.
 constexpr double lost_volume = 0.25, told_volume = 0.05;
+/// More than can be computed on by far.
+constexpr double most_nodes = 3e6;
 /// Degrees between neighbours of a surface from which on their edge is one of the body, where such
 /// edges form lines.
 constexpr double crease = 40;
@@ -153,8 +155,8 @@ Physical Volume("body") = {1};
 
 class Filling {
  public:
-  Filling(const ClosedSurface& surface, std::filesystem::path folder, std::string source)
-      : surface_(surface), folder_(std::move(folder)), source_(std::move(source)) {}
+  Filling(const ClosedSurface& surface, std::filesystem::path folder)
+      : surface_(surface), folder_(std::move(folder)) {}
 
   /// New triangles of this size, and tetrahedra.
   Attempt byGmsh(double size) {
@@ -213,7 +215,6 @@ class Filling {
 
   const ClosedSurface& surface_;
   std::filesystem::path folder_;
-  std::string source_;
   std::optional<bool> creases_;
   bool written_ = false;
 };
@@ -246,6 +247,20 @@ std::optional<Tetrahedra> accepted(Attempt& attempt, const ClosedSurface& surfac
                     100 * std::abs(change), change < 0 ? "less" : "more"));
   made.msh = std::move(attempt.msh);
   return made;
+}
+
+/// A size in another unit than the file's would keep the machine busy for hours, or fill nothing.
+void refuseSize(double size, const ClosedSurface& surface, const std::string& source) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& point : surface.points) box.extend(point);
+  const double extent = box.sizes().maxCoeff();
+  const double nodes = std::numbers::sqrt2 * surface.volume / (size * size * size);
+  if (size < extent && nodes < most_nodes) return;
+  throw badInput(
+      "{}: --size {:.4g} makes {}: the body is {:.4g} wide; is the size in the unit of the file?",
+      source, size,
+      size < extent ? fmt::format("about {:.2g} nodes", nodes) : std::string("no element in it"),
+      extent);
 }
 
 /// One way to fill a surface, tried with sizes until the number of nodes is right.
@@ -290,7 +305,8 @@ double edgeFor(double volume, double area, double nodes) {
 
 Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fineness, Mesher mesher,
                               const std::filesystem::path& folder, const std::string& source) {
-  Filling filling(surface, folder, source);
+  if (fineness.size) refuseSize(*fineness.size, surface, source);
+  Filling filling(surface, folder);
   std::vector<std::string> problems;
   const auto attempt = [&](auto fill) {
     Attempt last;

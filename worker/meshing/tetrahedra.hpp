@@ -40,8 +40,9 @@ double edgeFor(double volume, double area, double nodes);
 /// Fills a surface with tetrahedra, in files of `folder`. The volume is the group "body", the
 /// surface the group "surface". `source` begins errors.
 ///
-/// Error that names the package when no program is installed that may be used; Error, with what it
-/// said, when none of them makes a mesh whose volume is that of the surface to 25 %.
+/// Error (bad input) for a size that makes no element, or millions; Error that names the package
+/// when no program is installed that may be used; Error, with what it said, when none of them makes
+/// a mesh whose volume is that of the surface to 25 %.
 Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fineness, Mesher mesher,
                               const std::filesystem::path& folder, const std::string& source);
 

@@ -53,6 +53,13 @@ TEST_F(FilledSurface, KeepsTheEdgesOfABoxAndTakesTheSizeThatIsAskedFor) {
   EXPECT_THAT(filled.notes, IsEmpty());
 }
 
+TEST_F(FilledSurface, RefusesASizeInAnotherUnit) {
+  for (const auto& [size, words] :
+       {std::pair(0.05, "e+09 nodes"), std::pair(500.0, "no element")})
+    test::expectBadInput([&] { fill(test::sphereSurface(50, 6), {.size = size}); },
+                         {"organ.stl: --size", words, "the body is 100 wide", "unit of the file"});
+}
+
 TEST_F(FilledSurface, LeavesCavitiesEmpty) {
   const TriangleSoup soup = test::together(test::sphereSurface(50, 8), test::sphereSurface(20, 6));
   for (const auto& [program, mesher] :
