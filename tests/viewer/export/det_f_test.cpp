@@ -7,6 +7,7 @@
 #include <random>
 
 #include "common/base/index.hpp"
+#include "common/scene/formulation.hpp"
 #include "tests/support/meshes.hpp"
 #include "worker/elements/shape_functions.hpp"
 #include "worker/solver/element_geometry.hpp"
