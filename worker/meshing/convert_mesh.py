@@ -184,6 +184,70 @@ def read_off(path):
     return surface_of(points, np.array(fans(polygons), dtype=np.int64).reshape(-1, 3))
 
 
+PLY_TYPES = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
+             "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
+             "double": "f8", "float64": "f8"}
+
+
+def ply_header(path, data):
+    """Order of bytes (empty: text), elements as (name, count, [(name, type, type of a list's length or None)])."""
+    end = data.find(b"end_header")
+    if not data.startswith(b"ply") or end < 0:
+        wrong(path, 1, "this is no PLY file, or its header is truncated: there is no ply or no end_header")
+    order, elements = None, []
+    for number, line in enumerate(data[:end].decode("latin-1").splitlines(), 1):
+        words = line.split()
+        try:
+            if words[:1] == ["format"]:
+                order = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}[words[1]]
+            elif words[:1] == ["element"]:
+                elements.append((words[1], int(words[2]), []))
+            elif words[:1] == ["property"]:
+                length = PLY_TYPES[words[2]] if words[1] == "list" else None
+                elements[-1][2].append((words[-1], PLY_TYPES[words[-2]], length))
+        except (KeyError, IndexError, ValueError):
+            wrong(path, number, f"\"{line[:60]}\" is not understood")
+    if order is None:
+        wrong(path, 1, "its header does not say the format")
+    return order, elements, data.find(b"\n", end) + 1
+
+
+def read_ply(path):
+    """Of our own: meshio waits forever for the end of a truncated header."""
+    data = path.read_bytes()
+    order, elements, at = ply_header(path, data)
+    words = iter(data[at:].split()) if order == "" else None
+
+    def take(kind, count):
+        nonlocal at
+        if words is not None:
+            taken = [float(next(words)) for _ in range(count)]
+            return taken if kind[0] == "f" else [int(x) for x in taken]
+        dtype = np.dtype(order + kind)
+        taken = np.frombuffer(data, dtype, count, at)
+        at += count * dtype.itemsize
+        return taken.tolist()
+
+    points, polygons = [], []
+    try:
+        for name, count, properties in elements:
+            for _ in range(count):
+                row = {key: take(kind, 1)[0] if length is None else take(kind, take(length, 1)[0])
+                       for key, kind, length in properties}
+                if name == "vertex":
+                    points.append([row["x"], row["y"], row["z"]])
+                elif name == "face":
+                    polygons.append(row["vertex_indices"] if "vertex_indices" in row else row["vertex_index"])
+    except (StopIteration, RuntimeError, ValueError):
+        wrong(path, None, "the file is truncated, or has words where numbers are expected")
+    except KeyError as missing:
+        wrong(path, None, f"its header has no property {missing}")
+    for corners in polygons:
+        if len(corners) < 3 or min(corners) < 0 or max(corners) >= len(points):
+            wrong(path, None, f"a face of corners that are not there: there are {len(points)}")
+    return surface_of(points, np.array(fans(polygons), dtype=np.int64).reshape(-1, 3))
+
+
 def read_tetgen(path):
     """.node and .ele of one name; counted from 0 or 1. Attributes of elements are regions."""
     node_file, ele_file = path.with_suffix(".node"), path.with_suffix(".ele")
@@ -749,21 +813,6 @@ def of_meshio(read):
         elif are_numbers_of_parts(name, [array]):
             add_point_parts(body, name, array)
     return body
-
-
-def read_ply(path):
-    """By meshio, which knows the corners of faces by one of their two usual names only."""
-    data = path.read_bytes()
-    end = data.find(b"end_header")
-    if end > 0 and b" vertex_index\n" in data[:end].replace(b"\r", b""):
-        import tempfile
-
-        head = data[:end].replace(b"\r", b"").replace(b" vertex_index\n", b" vertex_indices\n")
-        with tempfile.TemporaryDirectory() as folder:
-            renamed = pathlib.Path(folder) / path.name
-            renamed.write_bytes(head + data[end:])
-            return read_by_meshio(renamed)
-    return read_by_meshio(path)
 
 
 READERS = {".stl": read_stl, ".obj": read_obj, ".off": read_off, ".ply": read_ply, ".node": read_tetgen,

@@ -54,8 +54,7 @@ TEST_F(FilledSurface, KeepsTheEdgesOfABoxAndTakesTheSizeThatIsAskedFor) {
 }
 
 TEST_F(FilledSurface, RefusesASizeInAnotherUnit) {
-  for (const auto& [size, words] :
-       {std::pair(0.05, "e+09 nodes"), std::pair(500.0, "no element")})
+  for (const auto& [size, words] : {std::pair(0.05, "e+09 nodes"), std::pair(500.0, "no element")})
     test::expectBadInput([&] { fill(test::sphereSurface(50, 6), {.size = size}); },
                          {"organ.stl: --size", words, "the body is 100 wide", "unit of the file"});
 }
