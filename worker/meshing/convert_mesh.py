@@ -13,6 +13,7 @@ TetGen of ten nodes), and plain surfaces, whose errors then name the line. Every
 import contextlib
 import io
 import pathlib
+import signal
 import sys
 import xml.parsers.expat
 
@@ -749,12 +750,21 @@ def are_numbers_of_parts(name, arrays):
     return plain(name).lower().replace("_", "").rstrip("s").removesuffix("id") in words
 
 
+LONGEST_READING = 900  # s
+
+
+def give_up(*_):
+    raise TimeoutError(f"it does not come to an end in {LONGEST_READING} s")
+
+
 def read_by_meshio(path):
     try:
         import meshio
     except ImportError:
         raise ModuleNotFoundError("meshio", name="meshio") from None
     said = io.StringIO()
+    signal.signal(signal.SIGALRM, give_up)  # some of its readers wait forever on files that were cut
+    signal.alarm(LONGEST_READING)
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             read = meshio.read(path)
@@ -770,6 +780,8 @@ def read_by_meshio(path):
             wrong(path, None, f"no format of this ending is known; there is {', '.join(known)}")
         wrong(path, None, f"meshio cannot read it: {text or type(error).__name__}; is it whole, and of the format that "
                           "its ending says? Another program may save it as .vtu or .msh")
+    finally:
+        signal.alarm(0)
     return of_meshio(read)
 
 
