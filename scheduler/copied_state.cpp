@@ -10,8 +10,8 @@
 #include <fstream>
 #include <memory>
 
-#include "scheduler/asked_scheduler.hpp"
 #include "common/base/file_descriptor.hpp"
+#include "scheduler/asked_scheduler.hpp"
 #include "scheduler/state/state_directory.hpp"
 
 namespace palpate {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/events/event.hpp"
 #include "common/base/file_descriptor.hpp"
+#include "scheduler/events/event.hpp"
 
 namespace palpate {
 

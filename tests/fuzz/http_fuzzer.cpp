@@ -1,8 +1,8 @@
 #include <arpa/inet.h>
 #include <sys/socket.h>
 
-#include "scheduler/events/event_reader.hpp"
 #include "common/base/file_descriptor.hpp"
+#include "scheduler/events/event_reader.hpp"
 #include "scheduler/web/http_server.hpp"
 #include "tests/fuzz/fuzzer.hpp"
 
