@@ -44,7 +44,6 @@ std::vector<ArraySize> arraySizes(const std::string& file) {
   // As hdf5::Reader opens it: HDF5 wants the same properties from everyone who has a file open.
   const hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   hdf5::checked(H5Pset_file_locking(access.get(), false, true), file, "file locking");
-  hdf5::checked(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), file, "close degree");
   const hdf5::Handle opened(
       hdf5::checked(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.get()), file, "cannot be opened"),
       H5Fclose);
