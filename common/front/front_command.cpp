@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "commit.hpp"
 #include "common/base/error.hpp"
 #include "common/base/nearest_word.hpp"
 #include "common/base/program.hpp"
-#include "commit.hpp"
 
 namespace palpate {
 namespace {
@@ -157,11 +157,10 @@ int become(const Route& route, std::vector<std::string> arguments) {
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
   execv(program.c_str(), argv.data());
-  const char* hint =
-      errno == ENOENT
-          ? "; install the package palpate-viewer, or build all programs with "
-            "`cmake --build --preset release`"
-          : "";
+  const char* hint = errno == ENOENT
+                         ? "; install the package palpate-viewer, or build all programs with "
+                           "`cmake --build --preset release`"
+                         : "";
   tell("palpate {}: cannot start {}: {}{}\n", route.verb, program, errnoText(), hint);
   return static_cast<int>(ExitCode::failed);
 }
