@@ -50,7 +50,7 @@ std::size_t lineOfKey(std::string_view scene_text, std::string_view sentence) {
     begin = end + 1;
     ++number;
     if (line.starts_with("[")) {
-      table = trimmed(line.substr(0, line.find_first_of("]")), "[] \t");
+      table = trimmed(line.substr(0, line.find(']')), "[] \t");
       if (table == wanted.table && of_table == 0) of_table = number;
       continue;
     }
