@@ -105,7 +105,7 @@ ExitCode mesh(const MeshOptions& options) {
                                       : madeOfSurface(options, converted, folder.path());
   replaceFile(options.output, made.msh, "mesh");
   printMesh(made, options);
-  fmt::print("next: palpate new {} --mesh {}\n",
+  fmt::print("next: palpate new '{}' --mesh '{}'\n",
              std::filesystem::path(options.output).stem().string(), options.output);
   return ExitCode::done;
 }

@@ -84,7 +84,7 @@ ExitCode writeScene(const NewOptions& options) {
                  : fmt::format(" by the size of the body ({}); --unit says otherwise", unit.doubt));
   for (const std::string& choice : scene.choices) fmt::print("{}\n", choice);
   for (const std::string& warning : scene.warnings) fmt::print("warning    {}\n", warning);
-  fmt::print("next: palpate check {}\n", file);
+  fmt::print("next: palpate check '{}'\n", file);
   return ExitCode::done;
 }
 

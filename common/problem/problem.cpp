@@ -17,8 +17,8 @@
 namespace palpate {
 namespace {
 
-/// Extents between which a body is taken for meant, and that of an organ, metres.
-constexpr double smallest_body = 1e-3, largest_body = 10, usual_body = 0.2;
+/// Extent of an organ, metres.
+constexpr double usual_body = 0.2;
 
 void refuseMistakenUnit(const Mesh& mesh, double metres_per_unit) {
   const double size = boundingBox(mesh).sizes().maxCoeff();

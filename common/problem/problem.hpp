@@ -8,6 +8,9 @@
 
 namespace palpate {
 
+/// Extents between which a body is taken for meant, metres.
+inline constexpr double smallest_body = 1e-3, largest_body = 10;
+
 /// A scene with its mesh and with its selectors resolved to nodes: everything that determines a
 /// dataset.
 struct Problem {

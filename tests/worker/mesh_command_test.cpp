@@ -51,11 +51,11 @@ TEST_F(MeshCommand, MakesASceneOfAnStlThatCheckFindsSound) {
   EXPECT_THAT(meshed.output,
               AllOf(HasSubstr("768 triangles, closed"), HasSubstr("group      \"body\""),
                     HasSubstr("unit       millimetres by its size"),
-                    HasSubstr("next: palpate new organ --mesh organ.msh")));
+                    HasSubstr("next: palpate new 'organ' --mesh 'organ.msh'")));
   const CommandResult made = worker("new organ --mesh organ.msh");
   EXPECT_EQ(made.exit_code, 0) << made.output;
   EXPECT_THAT(made.output, AllOf(HasSubstr("finger     radius"), Not(HasSubstr("warning")),
-                                 HasSubstr("next: palpate check organ/scene.toml")));
+                                 HasSubstr("next: palpate check 'organ/scene.toml'")));
   EXPECT_EQ(content("organ/organ.msh"), content("organ.msh"));
   EXPECT_THAT(content("organ/scene.toml"), HasSubstr("length_unit = \"mm\""));
   expectSoundScene("organ/scene.toml");

@@ -7,12 +7,11 @@
 
 #include "common/base/error.hpp"
 #include "common/base/nearest_word.hpp"
+#include "common/problem/problem.hpp"
 
 namespace palpate {
 namespace {
 
-/// Bodies that scenes take (common/problem), m.
-constexpr double least_body = 1e-3, largest_body_m = 10;
 /// Up to here the number is taken for metres, and up to there for centimetres.
 constexpr double most_metres = 1, most_centimetres = 40;
 /// A body of these extents in metres or in millimetres is nothing else.
@@ -29,7 +28,8 @@ std::string sizeIn(double extent, const LengthUnit& unit) {
 }  // namespace
 
 std::optional<GuessedUnit> guessedUnit(double extent) {
-  if (!(extent >= least_body) || extent * unitOf("mm").metres > largest_body_m) return std::nullopt;
+  if (!(extent >= smallest_body) || extent * unitOf("mm").metres > largest_body)
+    return std::nullopt;
   if (extent <= most_metres) {
     const bool sure = extent >= sure_metres;
     return GuessedUnit{unitOf("m"), sure ? "" : sizeIn(extent, unitOf("m")) + ", which is little"};

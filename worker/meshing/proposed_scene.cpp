@@ -11,6 +11,7 @@
 #include "common/base/error.hpp"
 #include "common/problem/problem.hpp"
 #include "common/problem/problem_warnings.hpp"
+#include "common/scene/device_profile.hpp"
 
 namespace palpate {
 namespace {
@@ -28,8 +29,9 @@ constexpr double wanted_edges = 1.5;
 constexpr double finger_shares[] = {1, 0.85, 0.75, 0.67, 1.3, 1.7, 2.2};
 /// So that a surface has some 330 sites at most: about 1.7 area / radius^2 of them.
 constexpr double area_per_finger = 190;
-/// Of the device proposed, N ([device] profile = "touch"); and Young's modulus of the tissue, Pa.
-constexpr double touch_force = 3.3, tissue_young = 6 * (1300.0 + 1280.0);
+constexpr const DeviceProfile& proposed_device = device_profiles.front();
+/// Of the tissue proposed, Pa, and its Young's modulus.
+constexpr double c10 = 1300, c01 = 1280, tissue_young = 6 * (c10 + c01);
 /// How deep a finger goes before most places meet that force, as livers showed: E r d = 1.6 F.
 constexpr double force_depth = 1.6;
 /// Depths in radii of the finger; deeper the tissue is torn.
@@ -138,9 +140,10 @@ length_unit = "{}"{}# of the mesh and of every length here: the body is {:.3g} x
     fmt::format_to(out, R"(
 [material]                           # <- of soft tissue: a liver after Peterlik et al., Computers & Graphics 34 (2010)
 law = "mooney-rivlin"
-c10 = 1300.0                         # Pa: the stiffness at small strains is 6 (c10 + c01), 15 kPa
-c01 = 1280.0                         # Pa
-)");
+c10 = {:.1f}                         # Pa: the stiffness at small strains is 6 (c10 + c01), {:.0f} kPa
+c01 = {:.1f}                         # Pa
+)",
+                   c10, tissue_young / 1000, c01);
     describeParts(text);
     fmt::format_to(out, R"(
 [fixed]                              # <- what holds the body: {}
@@ -158,7 +161,7 @@ spacing = {:.4g}{}# {}: of the coarsest lattice of displacements
 )",
                    fixed.why, fixed.toml, radius, pad(radius), unit_.word, depth, pad(depth),
                    unit_.word, depth / 2, pad(depth / 2, 1), unit_.word);
-    text += R"(
+    fmt::format_to(out, R"(
 [accuracy]
 force_error = 0.05                   # relative: the lattice is refined where interpolation is not that good; a hand feels 7 %
 force_floor = 0.01                   # N: an error below it is always allowed
@@ -166,11 +169,12 @@ levels = 1                           # cells are halved at most so often: quick;
 probes = 100                         # exact solutions at random places, with which `palpate report` measures
 
 [device]
-profile = "touch"                    # <- the haptic device: no force above what it renders, 3.3 N, is computed
+profile = "{}"                    # <- the haptic device: no force above what it renders, {} N, is computed
 
 [storage]
 precision = "int16"                  # of displacements, which only the picture needs: half the room
-)";
+)",
+                   proposed_device.name, proposed_device.max_force);
     return text;
   }
 
@@ -212,9 +216,10 @@ ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std
   for (const double share : finger_shares) {
     const double radius = rounded(share * wanted / unit.metres);
     const double radius_m = radius * unit.metres;
-    const double depth = rounded(
-        std::min(deepest * radius_m, force_depth * touch_force / (tissue_young * radius_m)) /
-        unit.metres);
+    const double depth =
+        rounded(std::min(deepest * radius_m,
+                         force_depth * proposed_device.max_force / (tissue_young * radius_m)) /
+                unit.metres);
     ProposedScene scene{text.with(radius, depth, fixed), {}};
     scene.choices = {fmt::format("fixed      {}", fixed.why),
                      fmt::format("finger     radius {:.4g} {}: {:.2g} edges of the surface", radius,
