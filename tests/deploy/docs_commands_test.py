@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Commands of the documentation: that their verbs, options and scripts exist. Those of docs/python.md, the tutorial and
-docs/client.md are run by tests of their own. By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/docs_commands_test.py."""
+"""Commands of the documentation: that their verbs, options and scripts exist; pages_run_test.py runs them.
+By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/docs_commands_test.py."""
 import functools
 import os
 import pathlib

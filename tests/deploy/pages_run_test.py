@@ -1,0 +1,252 @@
+#!/usr/bin/env python3
+"""The commands of the pages, run as they stand there, page by page, each page in a folder of its own with small bodies under
+the names that it uses, in a network of its own. What cannot be run here is listed in ELSEWHERE with its reason. The tutorial,
+docs/python.md and docs/client.md have tests of their own. By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/pages_run_test.py."""
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+from docs_commands_test import commands
+from small_datasets import BIN, ENVIRONMENT, ROOT, missing, palpate
+
+PAGES = ("README.md", "docs/client.md", "docs/commands.md", "docs/export.md", "docs/meshes.md", "docs/metrics.md", "docs/operating.md",
+         "docs/security.md", "docs/sharing.md", "docs/devices.md", "docs/install.md")
+# What is not run here, and why.
+ELSEWHERE = {
+    r"--device haply": "needs the device",
+    r"--device plugin:": "needs a plug-in that was compiled: DevicePlugin tests",
+    r"palpate verify": "takes minutes: the Verify tests",
+    r"palpate fleet (slurm|ssh)": "needs other machines: the Fleet tests",
+    r"palpate share": "needs the modules for browsers: the Share tests",
+}
+# Programs that go on until they are stopped.
+ENDLESS = r"palpate (serve|work|device) |--watch|--follow|palpate view (?!.*--duration)|--metrics|--dashboard"
+# A name in a page, and what stands for it here.
+STANDS_FOR = ((r"tcp://(HOST|head|new|0\.0\.0\.0|\$\(hostname\)):", "tcp://127.0.0.1:"), (r"/var/lib/palpate/|/var/tmp/|/local/", ""),
+              (r"10\.0\.0\.5:9464", "127.0.0.2:9464"), (r" -j 16", " -j 1"), (r"\bKEY(_OF_\w+)?\b", "$KEY"))
+
+SCENE = """name = "liver"
+mesh = "body.msh"
+[material]
+law = "mooney-rivlin"
+c10 = 1300
+c01 = 1280
+[fixed]
+below = {{ axis = "z", fraction = 0.1 }}
+[[active]]
+{active}
+[workspace]
+radius = {radius}
+spacing = {spacing}
+"""
+TIP = 'name = "tip"\nnear = [0.05, 0.065, 0.1]'
+SKIN = 'name = "skin"\nsurface = { box = { lowest = [0.02, 0.1, 0.01], highest = [0.08, 0.14, 0.06] } }\ntool = "finger"\nradius = 0.03'
+
+
+def box_surface(x=100, y=130, z=100):
+    """Of a box in millimetres, as STL."""
+    corners = [(i, j, k) for i in (0, x) for j in (0, y) for k in (0, z)]
+    faces = ((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4),
+             (1, 5, 7), (1, 7, 3))
+    lines = ["solid box"]
+    for face in faces:
+        lines += ["facet normal 0 0 0", "outer loop", *("vertex {} {} {}".format(*corners[n]) for n in face), "endloop", "endfacet"]
+    return "\n".join([*lines, "endsolid box", ""])
+
+
+class Bodies:
+    """Small scenes, datasets and meshes, made once, under all the names that pages use."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        folder.mkdir()
+        (folder / "organ.stl").write_text(box_surface(), encoding="utf-8")
+        run = lambda *words: subprocess.run([BIN / "palpate", *words], cwd=folder, check=False, capture_output=True, text=True)
+        self.said = [run("mesh", "organ.stl", "-o", "organ.msh", "--nodes", "150")]
+        text = ("import meshio; mesh = meshio.read('organ.msh'); mesh.cell_sets = {}; mesh.write('organ.vtu'); "
+                "surface = meshio.read('organ.stl'); surface.write('organ.ply'); surface.write('parts.obj')")
+        self.said.append(subprocess.run([sys.executable, "-c", text], cwd=folder, check=False, capture_output=True, text=True))
+        metres = "import meshio; m = meshio.read('organ.msh'); m.points *= 1e-3; m.write('body.msh', file_format='gmsh22', binary=False)"
+        self.said.append(subprocess.run([sys.executable, "-c", metres], cwd=folder, check=False, capture_output=True, text=True))
+        self.scene("liver", TIP, 0.03, 0.01)
+        self.scene("long", TIP, 0.03, 0.0008)  # lasts as long as somebody watches it
+        self.scene("skin", SKIN, 0.01, 0.01)
+        for name in ("liver", "skin"):
+            self.said.append(run("build", f"{name}.toml", "-o", f"{name}.h5", "-q", "-j", "2"))
+        for name in ("stiff-liver", "liver-20mm", "liver-10mm", "liver-soft", "liver-stiff", "organ"):
+            shutil.copy(folder / "liver.h5", folder / f"{name}.h5")
+        shutil.copy(folder / "liver.toml", folder / "organ.toml")
+        shutil.copy(folder / "skin.h5", folder / "liver-surface.h5")
+        shutil.copytree(folder / "liver.h5.state", folder / "organ.h5.state")
+        for name, numbers in (("positions.txt", "0.01 0 0\n0 0.01 -0.01\n"), ("way.txt", "0 0 0\n0.01 0 0\n0.01 0.01 0\n"),
+                              ("touches.txt", "0.05 0.13 0.03 0 0 -0.005\n")):
+            (folder / name).write_text(numbers, encoding="utf-8")
+
+    def scene(self, name, active, radius, spacing):
+        (self.folder / f"{name}.toml").write_text(SCENE.format(active=active, radius=radius, spacing=spacing), encoding="utf-8")
+
+
+class Machine:
+    """A screen and a network of its own, which only loopback is in."""
+
+    def __init__(self):
+        self.network = subprocess.Popen(["unshare", "--net", "sh", "-c", "ip link set lo up && echo up && exec sleep 3600"],
+                                        stdout=subprocess.PIPE, text=True)
+        if self.network.stdout.readline() != "up\n":
+            raise RuntimeError("no network of its own")
+        self.screen = subprocess.Popen(["Xvfb", "-displayfd", "1", "-screen", "0", "1600x1000x24", "-nolisten", "tcp", "-noreset"],
+                                       stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.display = ":" + self.screen.stdout.readline().strip()
+
+    def close(self):
+        for process in (self.network, self.screen):
+            process.kill()
+            process.wait()
+            process.stdout.close()
+
+
+class Reader:
+    """Who follows a page, in a folder of his own."""
+
+    def __init__(self, folder, bodies, machine):
+        self.folder, self.bodies, self.machine = folder, bodies, machine
+        folder.mkdir()
+        self.server = None
+        self.environment = {**ENVIRONMENT, "HOME": str(folder / "home"), "PATH": f"{BIN}:/usr/bin:/bin:/usr/sbin:/sbin",
+                            "DISPLAY": machine.display, "LIBGL_ALWAYS_SOFTWARE": "1", "XDG_RUNTIME_DIR": str(folder)}
+        self.environment.pop("XDG_CONFIG_HOME", None)
+        self.environment["KEY"] = self.run("palpate key new --keys others", (0,)).strip()
+
+    def close(self):
+        self.stop_server()
+
+    def follow(self, command):
+        """What is wrong with it, or nothing."""
+        for name, stands in STANDS_FOR:
+            command = re.sub(name, stands, command)
+        self.lay_out(command)
+        try:
+            if variable := re.match(r"(\w+)=\$\((.*)\)$", command):
+                self.environment[variable[1]] = self.run(variable[2], (0,)).strip()
+            elif command.startswith("palpate serve"):
+                self.serve(command)
+            elif re.search(ENDLESS, command):
+                self.watch(command)
+            else:
+                self.run(command, (0, 1) if "doctor" in command else (0, 3))  # what a machine lacks; what is outside or failed
+                if command.startswith("palpate stop"):
+                    self.server.wait(60)
+        except (RuntimeError, subprocess.TimeoutExpired) as error:
+            return f"{command}: {error}"
+        return ""
+
+    def lay_out(self, command):
+        """Everything as it was, without what an earlier command made of the same name."""
+        shutil.copytree(self.bodies.folder, self.folder, dirs_exist_ok=True)
+        verb = command.split()[1]
+        if verb == "serve" or "skin" in command:  # of what else the pages call liver or organ
+            other = "long" if verb == "serve" else "skin"
+            for name in ("liver", "organ"):
+                shutil.copy(self.folder / f"{other}.toml", self.folder / f"{name}.toml")
+                if verb != "serve":
+                    shutil.copy(self.folder / f"{other}.h5", self.folder / f"{name}.h5")
+        made = {"serve": ["liver.h5"], "new": ["organ"], "key": ["home/.config"] if command.endswith(" new") else []}.get(verb, [])
+        if output := re.search(r" (?:-o|--html|--record) (\S+)", command):
+            made += [output[1], output[1] + ".state", re.sub(r"\.pvd$", "", output[1])]
+        elif verb == "build":
+            made += ["liver.h5", "liver.h5.state"]
+        for name in made:
+            place = self.folder / name
+            shutil.rmtree(place) if place.is_dir() else place.unlink(missing_ok=True)
+
+    def start(self, command, out=subprocess.PIPE):
+        return subprocess.Popen(["nsenter", f"--net=/proc/{self.machine.network.pid}/ns/net", "bash", "-c", f"exec {command}"],
+                                cwd=self.folder, env=self.environment, text=True, stdin=subprocess.DEVNULL, stdout=out,
+                                stderr=subprocess.STDOUT)
+
+    def run(self, command, codes):
+        process = self.start(command)
+        try:
+            said = process.communicate(timeout=120)[0]
+        finally:
+            process.kill()
+        if process.returncode not in codes:
+            raise RuntimeError(f"exit code {process.returncode}: {said[-600:]}")
+        return said
+
+    def watch(self, command):
+        """Goes on for two seconds, and ends when it is told to."""
+        process = self.start(command)
+        try:
+            time.sleep(2)
+            process.send_signal(signal.SIGINT)
+            said = process.communicate(timeout=60)[0]
+        finally:
+            process.kill()
+        if process.returncode not in (0, 130, -signal.SIGINT):  # the last while it is still loading
+            raise RuntimeError(f"exit code {process.returncode}: {said[-600:]}")
+
+    def serve(self, command):
+        self.stop_server()
+        shutil.rmtree(self.folder / re.search(r"--state (\S+)", command)[1], ignore_errors=True)
+        log = self.folder / "serve.log"
+        with log.open("w", encoding="utf-8") as said:
+            self.server = self.start(command, said)
+        for _ in range(100):
+            time.sleep(0.1)
+            if self.server.poll() is not None:
+                raise RuntimeError(f"exit code {self.server.returncode}: {log.read_text()[-600:]}")
+            if "listen" in log.read_text():
+                return
+        raise RuntimeError(f"does not listen: {log.read_text()[-600:]}")
+
+    def stop_server(self):
+        if self.server and self.server.poll() is None:
+            self.server.send_signal(signal.SIGINT)
+            self.server.wait(60)
+
+
+class Pages(unittest.TestCase):
+    maxDiff = None
+
+    def testHaveCommandsThatDoWhatTheySay(self):
+        if palpate is None:
+            self.skipTest(missing)
+        for program in ("gmsh", "tetgen", "Xvfb", "unshare"):
+            if shutil.which(program) is None:
+                self.skipTest(f"{program} is not installed: commands of the pages are NOT run")
+        if os.geteuid() != 0:
+            self.skipTest("a network of its own needs root: commands of the pages are NOT run")
+        wrong, seen = [], 0
+        machine = Machine()
+        self.addCleanup(machine.close)
+        with tempfile.TemporaryDirectory() as root:
+            bodies = Bodies(pathlib.Path(root) / "bodies")
+            for said in bodies.said:
+                self.assertIn(said.returncode, (0, 3), said.args + [said.stdout, said.stderr])
+            for page in PAGES:
+                reader = Reader(pathlib.Path(root) / page.replace("/", "-"), bodies, machine)
+                for where, command in commands():
+                    if where.split(":")[0] != page or not re.match(r"(\w+=\$\()?palpate (-|[a-z]+( |$))", command):
+                        continue
+                    if any(re.search(elsewhere, command) for elsewhere in ELSEWHERE):
+                        continue
+                    seen += 1
+                    begin = time.monotonic()
+                    if problem := reader.follow(command):
+                        wrong.append(f"{where}: {problem}")
+                    print(f"{time.monotonic() - begin:6.1f} s  {where}: {command}", flush=True)
+                reader.close()
+        self.assertEqual(wrong, [])
+        self.assertGreater(seen, 90)
+
+
+if __name__ == "__main__":
+    unittest.main()
