@@ -15,7 +15,7 @@ std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r
 /// What a sentence speaks of.
 struct NamedKey {
   std::string_view table, key;  ///< no table: above the first; no key: the table itself
-  std::string_view value = {};  ///< where several tables have the key
+  std::string_view value = {};  ///< in quotes in the sentence: tells which of several tables it is
 };
 
 NamedKey namedIn(std::string_view sentence) {
@@ -34,7 +34,8 @@ NamedKey namedIn(std::string_view sentence) {
   const std::size_t dot = path.find('.');
   if (dot == std::string_view::npos) return {};
   const std::string_view key = path.substr(dot + 1);
-  return {path.substr(0, dot), key.substr(0, key.find('.'))};
+  const std::string_view quoted = quote == std::string_view::npos ? "" : sentence.substr(quote + 1);
+  return {path.substr(0, dot), key.substr(0, key.find('.')), quoted.substr(0, quoted.find('"'))};
 }
 
 }  // namespace
@@ -43,7 +44,8 @@ std::size_t lineOfKey(std::string_view scene_text, std::string_view sentence) {
   const NamedKey wanted = namedIn(sentence);
   if (wanted.table.empty() && wanted.key.empty()) return 0;
   std::string_view table;
-  std::size_t number = 0, of_table = 0;
+  std::size_t number = 0, of_table = 0, of_key = 0;
+  bool several = false;
   for (std::size_t begin = 0; begin < scene_text.size();) {
     const std::size_t end = std::min(scene_text.find('\n', begin), scene_text.size());
     const std::string_view line = trimmed(scene_text.substr(begin, end - begin));
@@ -59,11 +61,15 @@ std::size_t lineOfKey(std::string_view scene_text, std::string_view sentence) {
     // A key may have its own dots: below.fraction.
     const std::string_view key = trimmed(line.substr(0, equals));
     if (key.substr(0, key.find('.')) != wanted.key) continue;
-    if (wanted.value.empty() ||
+    if (!wanted.value.empty() &&
         line.find("\"" + std::string(wanted.value) + "\"") != std::string_view::npos)
       return number;
+    several = of_key != 0;
+    if (of_key == 0) of_key = number;
   }
-  return of_table;
+  // Of several tables with that key nobody knows which one is meant.
+  if (several) return wanted.table == "active" && wanted.key == "name" ? of_table : 0;
+  return of_key != 0 ? of_key : of_table;
 }
 
 }  // namespace palpate

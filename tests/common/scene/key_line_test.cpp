@@ -40,6 +40,13 @@ TEST(KeyLine, IsThatOfTheActiveNodeOfThatName) {
   EXPECT_EQ(lineOfKey(text, "active \"skin-12\": node 3 is fixed"), 11u) << "the first table";
 }
 
+TEST(KeyLine, OfSeveralTablesIsThatWhoseValueIsNamedOrNone) {
+  constexpr const char* two =
+      "[[region]]\ngroup = \"body\"\nmu = 1\n[[region]]\ngroup = \"tumour\"\nmu = -1\n";
+  EXPECT_EQ(lineOfKey(two, "region.group: there is no \"tumour\", there is \"liver\""), 5u);
+  EXPECT_EQ(lineOfKey(two, "region.mu = -1: must be positive"), 0u);
+}
+
 TEST(KeyLine, IsThatOfTheTableWhereTheKeyIsLeftOut) {
   EXPECT_EQ(lineOfKey(text, "workspace.spacing: 3"), 17u);
 }
