@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <filesystem>
@@ -23,11 +24,20 @@
 namespace palpate {
 namespace {
 
+/// The same file under a number that is none of stdin, stdout and stderr, which this process may
+/// have been started without.
+FileDescriptor beyondStandard(FileDescriptor file) {
+  if (file.get() > STDERR_FILENO) return file;
+  FileDescriptor other(fcntl(file.get(), F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
+  if (!other) throw failure("fcntl: {}", errnoText());
+  return other;
+}
+
 /// In memory: what is written to it waits, however much it is, until somebody reads.
 FileDescriptor memoryFile(const char* name) {
   FileDescriptor file(memfd_create(name, MFD_CLOEXEC));
   if (!file) throw failure("memfd_create: {}", errnoText());
-  return file;
+  return beyondStandard(std::move(file));
 }
 
 void writeWhole(const FileDescriptor& file, const std::string& text) {
@@ -56,13 +66,14 @@ std::string readWhole(const FileDescriptor& file) {
 }
 
 /// Between fork and exec: only calls that are safe there. What stops it goes through the pipe.
-[[noreturn]] void becomeProgram(pid_t parent, char* const* arguments,
+[[noreturn]] void becomeProgram(pid_t parent, char* const* arguments, char* const* environment,
                                 const std::array<int, 3>& files, int pipe) {
   int number = 0;
   for (const int file : files)
     if (dup2(file, number++) < 0) _exit(126);
   if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != parent) _exit(126);
-  execvp(arguments[0], arguments);
+  if (setpgid(0, 0) != 0) _exit(126);
+  execvpe(arguments[0], arguments, environment);
   const int error = errno;
   // Nobody is left to tell of a write that fails.
   if (write(pipe, &error, sizeof error) < 0) _exit(125);
@@ -80,18 +91,25 @@ int errorOfStart(const FileDescriptor& pipe) {
 
 pid_t start(const ForeignProgram& program, const std::array<int, 3>& files) {
   // Before fork(): memory may not be allocated behind it.
-  std::vector<std::string> words = program.words;
-  std::vector<char*> arguments;
+  std::vector<std::string> words = program.words, more = program.environment;
+  std::vector<char*> arguments, environment;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
+  for (std::string& setting : more) environment.push_back(setting.data());
+  for (char** setting = environ; *setting != nullptr; ++setting)
+    if (std::ranges::none_of(more, [&](const std::string& other) {
+          return std::string_view(*setting).starts_with(other.substr(0, other.find('=') + 1));
+        }))
+      environment.push_back(*setting);
+  environment.push_back(nullptr);
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) throw failure("pipe: {}", errnoText());
-  const FileDescriptor reading(ends[0]);
-  FileDescriptor writing(ends[1]);
+  const FileDescriptor reading = beyondStandard(FileDescriptor(ends[0]));
+  FileDescriptor writing = beyondStandard(FileDescriptor(ends[1]));
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child < 0) throw failure("{} cannot be run: {}", words[0], errnoText());
-  if (child == 0) becomeProgram(parent, arguments.data(), files, writing.get());
+  if (child == 0) becomeProgram(parent, arguments.data(), environment.data(), files, writing.get());
   writing = FileDescriptor();
   const int error = errorOfStart(reading);
   if (error == 0) return child;
@@ -115,7 +133,7 @@ WhyEnded endOf(pid_t child, const ForeignProgram& program, int& status) {
     if (ended < 0 && errno != EINTR) throw failure("waitpid: {}", errnoText());
     const bool stop = program.heeds_interrupts && interrupted();
     if (stop || std::chrono::steady_clock::now() > deadline) {
-      kill(child, SIGKILL);
+      kill(-child, SIGKILL);  // and what it started
       while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
       }
       return stop ? WhyEnded::interrupted : WhyEnded::out_of_patience;

@@ -11,6 +11,7 @@ struct ForeignProgram {
   std::vector<std::string> words;  ///< the first is the program, looked for in $PATH; no shell
   std::string package;             ///< of Debian, named where the program is missing
   std::string input = {};          ///< at its stdin
+  std::vector<std::string> environment = {};  ///< NAME=value, beside what this process has
   std::chrono::seconds patience = std::chrono::seconds(60);  ///< then it is killed
   /// Kill it when this process is interrupted (interrupted()), and end with exit code 130. Else
   /// whoever waits for it finishes first.
@@ -23,7 +24,8 @@ struct Ran {
   std::string out, err;  ///< what it wrote to stdout and stderr
 };
 
-/// Runs it and waits for its end; the system kills it when this process dies. Error (bad input)
+/// Runs it, in a group of processes of its own, which signals of a terminal do not reach, and waits
+/// for its end; the system kills it when this process dies. Error (bad input)
 /// that names the package when it is not installed; Error when it cannot be started, a signal ends
 /// it, or it takes longer than `patience`.
 Ran runToItsEnd(const ForeignProgram& program);

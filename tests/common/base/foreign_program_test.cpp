@@ -1,8 +1,12 @@
 #include "common/base/foreign_program.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <thread>
 
 #include "tests/support/expect_error.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace palpate {
 namespace {
@@ -41,6 +45,40 @@ TEST(ForeignProgram, ThatTakesTooLongIsKilledAndWhatItSaidIsTold) {
                              .patience = std::chrono::seconds(1)});
               },
               {"sh did not answer within 1 s", "thinking"});
+}
+
+TEST(ForeignProgram, ThatIsKilledTakesWhatItStartedAlong) {
+  const test::TemporaryDirectory directory;
+  const std::string file = directory / "late";
+  expectError(
+      ExitCode::failed,
+      [&] {
+        runToItsEnd({.words = {"sh", "-c", "(sleep 3; echo late > \"$1\") & wait", "sh", file},
+                     .package = "dash",
+                     .patience = std::chrono::seconds(1)});
+      },
+      {"sh did not answer"});
+  std::this_thread::sleep_for(std::chrono::seconds(4));
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+TEST(ForeignProgram, HasTheSettingsThatItIsGivenBesideOurs) {
+  setenv("PALPATE_TEST_OURS", "ours", 1);
+  setenv("PALPATE_TEST_BOTH", "ours", 1);
+  const Ran ran = runToItsEnd(
+      {.words = {"sh", "-c", "echo $PALPATE_TEST_OURS $PALPATE_TEST_BOTH $PALPATE_TEST_GIVEN"},
+       .package = "dash",
+       .environment = {"PALPATE_TEST_GIVEN=given", "PALPATE_TEST_BOTH=given"}});
+  EXPECT_EQ(ran.out, "ours given given\n");
+}
+
+TEST(ForeignProgram, IsRunWhereThisProcessHasNoStandardFiles) {
+  const int in = dup(STDIN_FILENO);
+  close(STDIN_FILENO);
+  const Ran ran = runToItsEnd({.words = {"cat"}, .package = "coreutils", .input = "asked"});
+  dup2(in, STDIN_FILENO);
+  close(in);
+  EXPECT_EQ(ran.out, "asked");
 }
 
 TEST(ForeignProgram, ThatASignalEndsIsTold) {
