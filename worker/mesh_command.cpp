@@ -45,6 +45,9 @@ MadeMesh madeOfVolume(const MeshOptions& options, ConvertedMesh converted) {
 
 MadeMesh madeOfSurface(const MeshOptions& options, const ConvertedMesh& converted,
                        const std::filesystem::path& folder) {
+  if (options.straight)
+    throw badInput("{}: is a surface; --straight is for tetrahedra with curved edges",
+                   options.input);
   const ClosedSurface surface = closedSurface(readTriangles(converted.file), options.input,
                                               options.largest ? Bodies::largest : Bodies::only);
   fmt::print("surface    {}: {} triangles, closed\n", options.input, surface.triangles.size());
@@ -68,6 +71,8 @@ void refuseOutput(const MeshOptions& options) {
   std::error_code ignored;
   if (std::filesystem::equivalent(options.input, output, ignored))
     throw badInput("-o {}: is the input itself; give another name", options.output);
+  if (std::filesystem::is_directory(output, ignored))
+    throw badInput("-o {}: is a folder; give the name of a file", options.output);
   refuseUnwritable(output, "-o");
 }
 
@@ -121,7 +126,7 @@ std::function<ExitCode()> prepareMesh(CLI::App& app) {
       ->required()
       ->type_name("FILE.msh");
   app.add_option("--nodes", options->nodes, "Of a surface: how many nodes about [1000]")
-      ->check(CLI::Range(4, 10000000))
+      ->check(CLI::Range(4, most_nodes))
       ->type_name("N");
   app.add_option("--size", options->size, "Instead: the length of edges, in the unit of the file")
       ->check(CLI::PositiveNumber)

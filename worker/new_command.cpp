@@ -1,7 +1,9 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cctype>
 #include <memory>
 
+#include "common/base/printable.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/mesh/mesh_reader.hpp"
 #include "worker/meshing/guessed_unit.hpp"
@@ -36,6 +38,26 @@ void refuseDirectory(const std::filesystem::path& directory) {
                    (directory / scene_file_name).string());
 }
 
+/// The scene names the file in quotes.
+void refuseFileName(const std::string& name) {
+  const bool fits = std::ranges::none_of(name, [](const char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == 0x7f || c == '"' || c == '\\';
+  });
+  if (!fits)
+    throw badInput("--mesh {}: a scene cannot name this file; rename it: letters, digits, -, _",
+                   printable(name, longest_reason));
+}
+
+/// Nothing that is there is changed: true when the mesh is there already.
+bool isThereAlready(const std::filesystem::path& copy, const std::string& msh) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(copy, ignored)) return false;
+  if (readText(copy, "mesh") == msh) return true;
+  throw badInput(
+      "{}: there is another mesh of this name already; give another folder, or remove it",
+      copy.string());
+}
+
 /// The unit of a mesh, and what is not sure about it.
 GuessedUnit unitOfMesh(const NewOptions& options, const Mesh& as_metres) {
   if (!options.unit.empty()) return {unitNamed(options.unit)};
@@ -63,16 +85,17 @@ ExitCode writeScene(const NewOptions& options) {
     throw badInput("--mesh {0}: scenes take Gmsh's .msh; make one with: palpate mesh {0} -o {1}",
                    options.mesh,
                    std::filesystem::path(mesh_file).replace_extension(".msh").string());
+  refuseFileName(mesh_file.filename().string());
   const std::string msh = readText(mesh_file, "mesh");
+  const std::filesystem::path copy = directory / mesh_file.filename();
+  const bool is_there = isThereAlready(copy, msh);
   const GuessedUnit unit = unitOfMesh(options, parseGmsh(msh, options.mesh));
   const ProposedScene scene =
       proposedScene(parseGmsh(msh, options.mesh, unit.unit.metres), sceneNameOf(directory),
                     mesh_file.filename().string(), unit.unit, unit.doubt);
   makeFolder(directory);
   // The scene last: it says that all is there.
-  std::error_code ignored;
-  const std::filesystem::path copy = directory / mesh_file.filename();
-  if (!std::filesystem::equivalent(mesh_file, copy, ignored)) replaceFile(copy, msh, "mesh");
+  if (!is_there) replaceFile(copy, msh, "mesh");
   replaceFile(directory / scene_file_name, scene.toml, "scene");
 
   const std::string file = (directory / scene_file_name).string();

@@ -9,6 +9,7 @@
 #include "common/base/error.hpp"
 #include "common/base/units.hpp"
 #include "common/base/whole_file.hpp"
+#include "common/mesh/collinear.hpp"
 #include "common/mesh/mesh_reader.hpp"
 #include "common/problem/finger.hpp"
 #include "common/problem/selection.hpp"
@@ -44,17 +45,6 @@ void refuseMistakenUnit(const Mesh& mesh, double metres_per_unit) {
       finding, best->name, used->name, best->word, best_size, best->word);
 }
 
-/// True when the nodes lie on one line, so that the body can turn around it.
-bool onOneLine(const NodeSet& nodes, const Mesh& mesh, double size) {
-  const Eigen::Vector3d& a = mesh.nodes[nodes.front()];
-  const std::int32_t far = *std::ranges::max_element(
-      nodes, {}, [&](std::int32_t n) { return (mesh.nodes[n] - a).norm(); });
-  const Eigen::Vector3d along = (mesh.nodes[far] - a).stableNormalized();
-  return std::ranges::all_of(nodes, [&](std::int32_t n) {
-    return (mesh.nodes[n] - a).cross(along).norm() <= 1e-6 * size;
-  });
-}
-
 void refuseLoosePieces(const Problem& problem) {
   const Mesh& mesh = problem.mesh;
   const std::vector<std::int32_t> piece_of = pieceOfNode(mesh);
@@ -62,7 +52,6 @@ void refuseLoosePieces(const Problem& problem) {
   for (std::size_t n = 0; n < piece_of.size(); ++n)
     all[piece_of[n]].push_back(static_cast<std::int32_t>(n));
   for (const std::int32_t node : problem.fixed) held[piece_of[node]].push_back(node);
-  const double size = boundingBox(mesh).diagonal().norm();
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (held[i].empty())
       throw badInput(
@@ -70,7 +59,7 @@ void refuseLoosePieces(const Problem& problem) {
           "and the one of {} nodes around node {} at {} has no fixed node: "
           "nothing holds it (merge coincident nodes, remove the piece, or fix it)",
           all.size(), all[i].size(), all[i].front(), placeText(mesh.nodes[all[i].front()]));
-    if (onOneLine(held[i], mesh, size))
+    if (areCollinear(held[i], mesh))
       throw badInput(
           "[fixed] holds {} node(s) on one line (node {} at {}): the body can turn around it; "
           "fix at least three nodes that are not on a line",

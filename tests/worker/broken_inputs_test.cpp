@@ -195,7 +195,7 @@ std::vector<BrokenMesh> brokenMeshes() {
       {"cut.off",
        std::string("OFF\n4 4 0\n") + four_points + "3 0 1 2\n",
        {"cut.off:7: the file is truncated"}},
-      {"none.off", "4 4 0\n", {"none.off:1: this is no OFF file"}},
+      {"none.off", "4 4 0\n", {"none.off:1: this is no plain OFF file"}},
       {"cut.ply",
        "ply\nformat ascii 1.0\nelement vertex 4\n",
        {"cut.ply:1: ", "its header is truncated"}},

@@ -116,6 +116,32 @@ TEST_F(MeshCommand, RefusesWhatCannotBeMeantBeforeItWorks) {
   EXPECT_THAT(worker("new made --mesh none.msh").output, HasSubstr("there is a scene already"));
   EXPECT_EQ(content("made/scene.toml"), "mine");
   EXPECT_EQ(worker("mesh organ.stl -o nowhere/organ.msh").exit_code, 1);
+  std::filesystem::create_directory(directory / "folder.msh");
+  EXPECT_THAT(worker("mesh organ.stl -o folder.msh").output, HasSubstr("is a folder"));
+  EXPECT_THAT(worker("mesh organ.stl -o organ.msh --straight").output, HasSubstr("is a surface"));
+}
+
+TEST_F(MeshCommand, ChangesNoMeshThatIsInTheFolderOfANewScene) {
+  test::writeGmsh22(test::boxMesh({0.12, 0.08, 0.06}, {9, 6, 5}), directory / "box.msh");
+  std::filesystem::create_directory(directory / "organ");
+  std::ofstream(directory / "organ/box.msh") << "mine";
+  const CommandResult refused = worker("new organ --mesh box.msh");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.output, HasSubstr("organ/box.msh: there is another mesh of this name"));
+  EXPECT_EQ(content("organ/box.msh"), "mine");
+  std::filesystem::copy_file(directory / "box.msh", directory / "organ/box.msh",
+                             std::filesystem::copy_options::overwrite_existing);
+  EXPECT_EQ(worker("new organ --mesh box.msh").exit_code, 0);
+}
+
+TEST_F(MeshCommand, RefusesFilesThatASceneCannotName) {
+  test::writeGmsh22(test::boxMesh({0.12, 0.08, 0.06}, {9, 6, 5}), directory / "a\"b.msh");
+  const CommandResult refused = worker("new organ --mesh 'a\"b.msh'");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.output, HasSubstr("a scene cannot name this file; rename it"));
+  std::filesystem::rename(directory / "a\"b.msh", directory / "Nierenlänge 1.msh");
+  EXPECT_EQ(worker("new organ --mesh 'Nierenlänge 1.msh'").exit_code, 0);
+  expectSoundScene("organ/scene.toml");
 }
 
 TEST_F(MeshCommand, NamesThePackagesOfWhatIsNotInstalled) {
@@ -144,6 +170,17 @@ TEST_F(MeshCommand, LeavesNothingBehindWhenItIsInterrupted) {
       (directory / "started").string() + "'; do sleep 0.05; done; kill -TERM $!; wait $!");
   EXPECT_EQ(stopped.exit_code, 130) << stopped.output;
   EXPECT_THAT(stopped.output, HasSubstr("interrupted while gmsh was at work"));
+  // A signal of a terminal reaches all of a group.
+  std::filesystem::remove(directory / "started");
+  const CommandResult group = test::runCommand(
+      "cd '" + directory.path().string() +
+      "' && export TMPDIR=$PWD/tmp PATH=$PWD:$PATH && setsid -w '" PALPATE_BIN_DIR
+      "/palpate-worker' mesh organ.stl -o organ.msh 2>&1 & "
+      "while ! test -e '" +
+      (directory / "started").string() +
+      "'; do sleep 0.05; done; pkill -TERM -g $(pgrep -f '^[^ ]*palpate-worker mesh organ.stl' -n); "
+      "wait $!");
+  EXPECT_EQ(group.exit_code, 130) << group.output;
   EXPECT_TRUE(std::filesystem::is_empty(directory / "tmp"));
   EXPECT_FALSE(std::filesystem::exists(directory / "organ.msh"));
 }

@@ -13,6 +13,7 @@
 #include "common/base/index.hpp"
 #include "common/base/near_points.hpp"
 #include "common/base/whole_file.hpp"
+#include "worker/meshing/meshing_programs.hpp"
 #include "worker/meshing/surface_cuts.hpp"
 
 namespace palpate {
@@ -106,12 +107,13 @@ class SurfaceRepair {
     for (const Eigen::Vector3d& point : points_) {
       if (!(point.array().abs() <= farthest_node).all())
         throw wrong("a corner at {} is not finite, or far beyond any body", placeText(point));
-      box_.extend(point);
     }
     for (const Triangle& triangle : triangles_)
-      for (const std::int32_t corner : triangle)
+      for (const std::int32_t corner : triangle) {
         if (corner < 0 || at(corner) >= points_.size())
           throw wrong("a triangle uses corner {}, there are {}", corner, points_.size());
+        box_.extend(points_[corner]);
+      }
   }
 
   /// First corners that are equal, as STL repeats them, then those that nearly are.
@@ -358,7 +360,8 @@ class SurfaceRepair {
   }
 
   void nest() {
-    for (std::size_t inner = 0; inner < shells_.size(); ++inner)
+    for (std::size_t inner = 0; inner < shells_.size(); ++inner) {
+      endWhenInterrupted();
       for (std::size_t outer = 0; outer < shells_.size(); ++outer) {
         SurfaceShell &in = shells_[inner], &out = shells_[outer];
         if (inner == outer || !out.box.contains(in.box)) continue;
@@ -367,6 +370,7 @@ class SurfaceRepair {
         if (in.around < 0 || std::abs(out.volume) < std::abs(shells_[in.around].volume))
           in.around = static_cast<std::int32_t>(outer);
       }
+    }
   }
 
   static bool isBody(const SurfaceShell& shell) { return shell.depth % 2 == 0; }

@@ -10,11 +10,15 @@ where the input is wrong, 3 and the name of a Python module where that is missin
 Formats with a reader here: those of which meshio loses groups (.inp, binary .msh), or that it does not know (.feb,
 TetGen of ten nodes), and plain surfaces, whose errors then name the line. Everything else is read by meshio.
 """
+import sys
+
+sys.path[:] = [folder for folder in sys.path if folder]  # not the current one: files of others lie there
+
 import contextlib
+import errno
 import io
 import pathlib
 import signal
-import sys
 import xml.parsers.expat
 
 try:
@@ -26,6 +30,10 @@ except ModuleNotFoundError:
 
 class Wrong(Exception):
     """What is wrong with the input, as a sentence."""
+
+
+class Unwritable(Exception):
+    """Why the output could not be written."""
 
 
 def wrong(source, line, what):
@@ -57,6 +65,7 @@ class Body:
         self.groups = {}  # (dimension, name) -> {block: set of cells as an array}
         self.point_groups = {}  # name -> nodes
         self.vectors = {}  # name -> {block: n x 3}
+        self.notes = []  # for people
 
     def add(self, kind, nodes):
         self.blocks.append((kind, np.asarray(nodes, dtype=np.int64)))
@@ -69,6 +78,11 @@ class Body:
             return
         members = self.groups.setdefault((WRITTEN[kind][1], name), {})
         members[block] = np.union1d(members.get(block, cells), cells)
+
+    def group_of(self, places, name):
+        """The cells at (block, cell)."""
+        for block in {block for block, _ in places}:
+            self.group(name, block, [cell for of, cell in places if of == block])
 
 
 # ---- Formats with a reader of their own --------------------------------------------------------
@@ -107,17 +121,18 @@ def data_lines(path, comment="#"):
 
 def read_stl(path):
     data = path.read_bytes()
+    binary = len(data) >= 84 and (b"\0" in data[:4096] or not data.lstrip().lower().startswith(b"solid"))
+    count = int.from_bytes(data[80:84], "little")
     if len(data) >= 84:
-        count = int.from_bytes(data[80:84], "little")
-        if len(data) == 84 + 50 * count:
+        if len(data) == 84 + 50 * count or binary and len(data) > 84 + 50 * count:  # some write more behind
             facets = np.frombuffer(data, np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")]),
                                    count, 84)
             corners = facets["corners"].astype(float).reshape(-1, 3)
             return surface_of(corners, np.arange(len(corners)).reshape(-1, 3))
+    if binary:
+        wrong(path, None, f"it announces {count} triangles in {84 + 50 * count} bytes, and has {len(data)}: "
+                          "the file is truncated, or no STL")
     if not data.lstrip().lower().startswith(b"solid"):
-        if len(data) >= 84:
-            wrong(path, None, f"it announces {count} triangles in {84 + 50 * count} bytes, and has {len(data)}: "
-                              "the file is truncated, or no STL")
         wrong(path, 1, "this is no STL file: it begins neither with \"solid\" nor with 84 bytes of a header")
     corners, last = [], 0
     for number, line in enumerate(data.decode("latin-1").splitlines(), 1):
@@ -136,9 +151,54 @@ def surface_of(points, triangles):
     return body
 
 
-def fans(polygons):
-    """Triangles of polygons, each from its first corner."""
-    return [(p[0], p[i], p[i + 1]) for p in polygons for i in range(1, len(p) - 1)]
+def polygons_of(points, polygons):
+    """A surface of polygons, cut into triangles."""
+    return surface_of(points, cut(points, polygons))
+
+
+def cut(points, polygons):
+    """Triangles of polygons: n x 3."""
+    points = np.asarray(points, dtype=float).reshape(len(points), -1)[:, :3]
+    by_size = {}
+    for polygon in polygons:
+        by_size.setdefault(len(polygon), []).append(polygon)
+    triangles = [np.zeros((0, 3), dtype=np.int64)]
+    for size, alike in by_size.items():
+        alike = np.array(alike, dtype=np.int64)
+        fan = np.stack([alike[:, [0, i, i + 1]] for i in range(1, size - 1)])
+        a, b, c = (points[fan[:, :, i]] for i in range(3))
+        normals = np.cross(b - a, c - a)
+        plain_ones = ((normals * normals.sum(axis=0)).sum(axis=2) > 0).all(axis=0) | (size == 3)
+        triangles.append(fan[:, plain_ones].reshape(-1, 3))
+        triangles += [np.array(ears(points, list(polygon))) for polygon in alike[~plain_ones]]
+    return np.concatenate(triangles)
+
+
+def ears(points, polygon):
+    """Triangles of a polygon of more corners, which need not be convex: ears are cut off (Meisters 1975)."""
+    corners = points[polygon]
+    normal = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)  # twice its area, as a vector
+    axis = int(np.abs(normal).argmax())
+    flat = np.delete(points[polygon], axis, axis=1)
+    turn = (1 if normal[axis] >= 0 else -1) * (-1 if axis == 1 else 1)
+
+    def area(a, b, c):
+        return turn * ((flat[b][0] - flat[a][0]) * (flat[c][1] - flat[a][1])
+                       - (flat[b][1] - flat[a][1]) * (flat[c][0] - flat[a][0]))
+
+    left, triangles = list(range(len(polygon))), []
+    while len(left) > 3:
+        for n, b in enumerate(left):
+            a, c = left[n - 1], left[(n + 1) % len(left)]
+            others = (p for p in left if p not in (a, b, c))
+            if area(a, b, c) > 0 and not any(min(area(a, b, p), area(b, c, p), area(c, a, p)) >= 0 for p in others):
+                break
+        else:
+            n, b = 1, left[1]  # degenerate: what it encloses is looked at later
+            a, c = left[0], left[2]
+        triangles.append((polygon[a], polygon[b], polygon[c]))
+        del left[n]
+    return [*triangles, tuple(polygon[n] for n in left)]
 
 
 def read_obj(path):
@@ -153,13 +213,14 @@ def read_obj(path):
             if len(corners) < 3 or min(corners) < 0 or max(corners) >= len(points):
                 wrong(path, number, f"a face of corners that are not there: {len(points)} are defined before it")
             polygons.append(corners)
-    return surface_of(points, np.array(fans(polygons), dtype=np.int64).reshape(-1, 3))
+    return polygons_of(points, polygons)
 
 
 def read_off(path):
     words = [(number, word) for number, line in data_lines(path) for word in line.split()]
-    if not words or not words[0][1].upper().endswith("OFF"):
-        wrong(path, 1, "this is no OFF file: it does not begin with OFF")
+    if not words or words[0][1].upper() != "OFF":
+        wrong(path, 1, "this is no plain OFF file: it does not begin with OFF alone (COFF, NOFF and binary ones are not "
+                       "read; save it as .stl, or as OFF without colours and normals)")
     at = 1
 
     def take(count, kind):
@@ -182,7 +243,7 @@ def read_off(path):
         polygons.append(corners)
         while at < len(words) and words[at][0] == line:  # a colour
             at += 1
-    return surface_of(points, np.array(fans(polygons), dtype=np.int64).reshape(-1, 3))
+    return polygons_of(points, polygons)
 
 
 PLY_TYPES = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
@@ -246,7 +307,7 @@ def read_ply(path):
     for corners in polygons:
         if len(corners) < 3 or min(corners) < 0 or max(corners) >= len(points):
             wrong(path, None, f"a face of corners that are not there: there are {len(points)}")
-    return surface_of(points, np.array(fans(polygons), dtype=np.int64).reshape(-1, 3))
+    return polygons_of(points, polygons)
 
 
 def read_tetgen(path):
@@ -304,94 +365,175 @@ def abaqus_kind(word):
     return ABAQUS[max(matches, key=len)] if matches else None
 
 
-def read_abaqus(path, into=None):
+class Abaqus:
+    """Keywords of one .inp with what it includes. Numbers of nodes and elements hold in their part: a scope."""
+
+    def __init__(self, path):
+        self.files, self.scope, self.part_of = [path], "", {}  # part_of: instance -> scope
+        self.points, self.number_of = [], {}  # number_of: (scope, number) -> point
+        self.elements = {}  # (scope, number) -> (kind, points)
+        self.sets = {"NSET": {}, "ELSET": {}}  # capitals of the name -> (name, [(scope, number)])
+        self.keyword, self.options, self.kind = "", {}, None
+        self.pending = []  # of an element whose nodes go on in the next line
+        self.read(path)
+
+    def read(self, path):
+        for line, text in data_lines(path, comment="**"):
+            self.path, self.line = path, line
+            if text.startswith("*"):
+                self.begin(text)
+            elif self.keyword == "NODE":
+                self.node(text)
+            elif self.keyword == "ELEMENT":
+                self.element(text)
+            elif self.keyword in self.sets:
+                self.members(text)
+        self.refuse_half_an_element()
+
+    def wrong(self, what):
+        wrong(self.path, self.line, what)
+
+    def refuse_half_an_element(self):
+        if self.pending:
+            self.wrong(f"element {self.pending[0]} has {len(self.pending) - 1} nodes where {NODES_OF[self.kind]} are expected "
+                       "before this line: the file is truncated")
+
+    def begin(self, text):
+        self.refuse_half_an_element()
+        words = [word.strip() for word in text[1:].split(",")]
+        self.keyword = words[0].upper()
+        pairs = (word.partition("=") for word in words[1:])
+        self.options = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
+        if self.keyword == "INCLUDE":
+            self.include()
+        elif self.keyword in ("PART", "ASSEMBLY", "INSTANCE", "END PART", "END ASSEMBLY", "END INSTANCE"):
+            self.enter()
+        elif self.keyword in ("NODE", "ELEMENT", "NSET", "ELSET"):
+            if "INPUT" in self.options:
+                self.wrong(f"INPUT={self.options['INPUT']} is not read: put the lines of that file here, or use *INCLUDE")
+            if self.keyword == "ELEMENT":
+                word = self.options.get("TYPE", "").upper()
+                self.kind = abaqus_kind(word)
+                if self.kind is None:
+                    self.wrong(f"elements of type {word or '(none)'} are not read; tetrahedra are C3D4 and C3D10")
+            elif self.keyword == "NSET" and self.options.get("NSET") and self.options.get("ELSET"):
+                self.nodes_of_elements()
+
+    def include(self):
+        included = self.path.parent / self.options.get("INPUT", "")
+        if included in self.files:
+            self.wrong(f"{included} includes itself")
+        path = self.path
+        self.files.append(included)
+        self.keyword = ""
+        self.read(included)
+        self.files.pop()
+        self.path, self.keyword = path, ""
+
+    def enter(self):
+        """Parts have numbers of their own, and so has the assembly; an instance has those of its part."""
+        if self.keyword == "PART":
+            self.scope = "part " + self.options.get("NAME", "").upper()
+        elif self.keyword == "INSTANCE":
+            self.scope = "part " + self.options.get("PART", "").upper()
+            self.part_of[self.options.get("NAME", "").upper()] = self.scope
+        else:
+            self.scope = "assembly" if self.keyword in ("ASSEMBLY", "END INSTANCE") else ""
+
+    def node(self, text):
+        row = numbers(text, self.path, self.line, commas=True)
+        if len(row) != 4:
+            self.wrong("a node is not a number and three coordinates")
+        node = self.scope, int(row[0])
+        if node in self.number_of and self.points[self.number_of[node]] != row[1:]:
+            self.wrong(f"node {node[1]} is defined twice, at different places; of several parts export one")
+        self.number_of[node] = len(self.points)
+        self.points.append(row[1:])
+        if self.options.get("NSET"):
+            self.set_of("NSET").append(node)
+
+    def element(self, text):
+        self.pending += numbers(text, self.path, self.line, kind=int, commas=True)
+        nodes = self.pending[1:]
+        if len(nodes) > NODES_OF[self.kind]:
+            self.wrong(f"an element of {len(nodes)} nodes where {NODES_OF[self.kind]} are expected")
+        if len(nodes) < NODES_OF[self.kind]:
+            return
+        element = self.scope, self.pending[0]
+        if element in self.elements:
+            self.wrong(f"element {element[1]} is defined twice; of several parts export one")
+        for node in nodes:
+            if (self.scope, node) not in self.number_of:
+                self.wrong(f"node {node} is used and not defined")
+        self.elements[element] = self.kind, [self.number_of[self.scope, node] for node in nodes]
+        if self.options.get("ELSET"):
+            self.set_of("ELSET").append(element)
+        self.pending = []
+
+    def set_of(self, kind):
+        """Members of the set that the options name; names differ by more than capitals."""
+        name = self.options.get(kind)
+        if not name:
+            self.wrong(f"a *{kind} without a name")
+        return self.sets[kind].setdefault(name.upper(), (name, []))[1]
+
+    def members(self, text):
+        if self.keyword == "NSET" and self.options.get("ELSET"):
+            return
+        found = self.set_of(self.keyword)
+        instance = self.options.get("INSTANCE", "").upper()
+        scope = self.part_of.get(instance, self.scope) if instance else self.scope
+        if "GENERATE" in self.options:
+            row = numbers(text, self.path, self.line, kind=int, commas=True)
+            if len(row) not in (2, 3) or (len(row) == 3 and row[2] == 0):
+                self.wrong("GENERATE needs first, last and step")
+            found += [(scope, n) for n in range(row[0], row[1] + 1, row[2] if len(row) == 3 else 1)]
+            return
+        for word in (word.strip().strip('"') for word in text.split(",")):
+            if word.lstrip("-").isdigit():
+                found.append((scope, int(word)))
+            elif word:
+                found += self.known_set(self.keyword, word)
+
+    def known_set(self, kind, name):
+        if name.upper() not in self.sets[kind]:
+            self.wrong(f"there is no set \"{name}\" before this line")
+        return self.sets[kind][name.upper()][1]
+
+    def nodes_of_elements(self):
+        """*NSET, NSET=name, ELSET=elements."""
+        elements = self.known_set("ELSET", self.options["ELSET"])
+        number = {point: node for node, point in self.number_of.items()}
+        self.set_of("NSET").extend(number[point] for e in elements if e in self.elements for point in self.elements[e][1])
+
+    def body(self):
+        parts = {scope for (scope, _), (kind, _) in self.elements.items() if kind.startswith("tetra")}
+        if len(parts) > 1:
+            wrong(self.files[0], None, f"there are tetrahedra in {len(parts)} parts ({', '.join(sorted(parts))}); export one")
+        body, by_kind, place = Body(self.points), {}, {}
+        for element, (kind, nodes) in self.elements.items():
+            by_kind.setdefault(kind, []).append((element, nodes))
+        for kind, rows in by_kind.items():
+            block = body.add(kind, [nodes for _, nodes in rows])
+            place.update({element: (block, i) for i, (element, _) in enumerate(rows)})
+        for name, elements in self.sets["ELSET"].values():
+            body.group_of([place[element] for element in elements if element in place], name)
+            self.note_missing(body, name, elements, place, "element")
+        for name, nodes in self.sets["NSET"].values():
+            body.point_groups[name] = [self.number_of[node] for node in nodes if node in self.number_of]
+            self.note_missing(body, name, nodes, self.number_of, "node")
+        return body
+
+    @staticmethod
+    def note_missing(body, name, members, known, what):
+        missing = sum(member not in known for member in members)
+        if missing:
+            body.notes.append(f"the set \"{name}\" names {missing} {what}(s) that are not there")
+
+
+def read_abaqus(path):
     """*NODE, *ELEMENT, *NSET, *ELSET and *INCLUDE, of one part or instance."""
-    state = into or {"files": [path], "number_of": {}, "points": [], "elements": {}, "nsets": {}, "elsets": {}}
-    keyword, options, kind = "", {}, None
-    pending = []  # of an element whose nodes go on in the next line
-    for line, text in data_lines(path, comment="**"):
-        if text.startswith("*"):
-            words = [word.strip() for word in text[1:].split(",")]
-            keyword = words[0].upper()
-            options = {}
-            for word in words[1:]:
-                key, _, value = word.partition("=")
-                options[key.strip().upper()] = value.strip().strip('"')
-            if keyword == "ELEMENT":
-                word = options.get("TYPE", "").upper()
-                kind, pending = abaqus_kind(word), []
-                if kind is None:
-                    wrong(path, line, f"elements of type {word or '(none)'} are not read; "
-                                      "tetrahedra are C3D4 and C3D10")
-                if options.get("ELSET"):
-                    state["elsets"].setdefault(options["ELSET"], [])
-            elif keyword == "INCLUDE":
-                included = path.parent / options.get("INPUT", "")
-                if included in state["files"]:
-                    wrong(path, line, f"{included} includes itself")
-                read_abaqus(included, {**state, "files": [*state["files"], included]})
-            elif keyword == "NSET" and options.get("NSET"):
-                state["nsets"].setdefault(options["NSET"], [])
-            elif keyword == "ELSET" and options.get("ELSET"):
-                state["elsets"].setdefault(options["ELSET"], [])
-        elif keyword == "NODE":
-            row = numbers(text, path, line, commas=True)
-            if len(row) != 4:
-                wrong(path, line, "a node is not a number and three coordinates")
-            state["number_of"][int(row[0])] = len(state["points"])
-            state["points"].append(row[1:])
-            if options.get("NSET"):
-                state["nsets"].setdefault(options["NSET"], []).append(int(row[0]))
-        elif keyword == "ELEMENT":
-            pending += numbers(text, path, line, kind=int, commas=True)
-            if len(pending) > 1 + NODES_OF[kind]:
-                wrong(path, line, f"an element of {len(pending) - 1} nodes where {NODES_OF[kind]} are expected")
-            if len(pending) == 1 + NODES_OF[kind]:
-                if pending[0] in state["elements"]:
-                    wrong(path, line, f"element {pending[0]} is defined twice; of several parts export one")
-                state["elements"][pending[0]] = (kind, node_numbers(pending[1:], state["number_of"], path, line))
-                if options.get("ELSET"):
-                    state["elsets"][options["ELSET"]].append(pending[0])
-                pending = []
-        elif keyword in ("NSET", "ELSET"):
-            sets = state["nsets" if keyword == "NSET" else "elsets"]
-            if not options.get(keyword):
-                wrong(path, line, f"a *{keyword} without a name")
-            members = sets[options[keyword]]
-            words = [word.strip().strip('"') for word in text.split(",") if word.strip()]
-            if "GENERATE" in options:
-                row = numbers(text, path, line, kind=int, commas=True)
-                if len(row) not in (2, 3) or (len(row) == 3 and row[2] == 0):
-                    wrong(path, line, "GENERATE needs first, last and step")
-                members += range(row[0], row[1] + 1, row[2] if len(row) == 3 else 1)
-                continue
-            for word in words:
-                if word.lstrip("-").isdigit():
-                    members.append(int(word))
-                elif word in sets:
-                    members += sets[word]
-                else:
-                    wrong(path, line, f"there is no set \"{word}\" before this line")
-    if into is not None:
-        return None
-    body = Body(state["points"])
-    by_kind = {}
-    for element, (kind, nodes) in state["elements"].items():
-        by_kind.setdefault(kind, []).append((element, nodes))
-    place = {}
-    for kind, rows in by_kind.items():
-        block = body.add(kind, [nodes for _, nodes in rows])
-        place.update({element: (block, i) for i, (element, _) in enumerate(rows)})
-    for name, elements in state["elsets"].items():
-        cells = {}
-        for element in elements:
-            if element in place:
-                cells.setdefault(place[element][0], []).append(place[element][1])
-        for block, members in cells.items():
-            body.group(name, block, members)
-    for name, nodes in state["nsets"].items():
-        body.point_groups[name] = [state["number_of"][n] for n in nodes if n in state["number_of"]]
-    return body
+    return Abaqus(path).body()
 
 
 class Element:
@@ -486,8 +628,7 @@ def read_febio(path):
         for element_set in mesh.all("ElementSet"):
             name = element_set.attributes.get("name", "")
             lists[name] = [place[i] for i in ids(element_set) if i in place]
-            for block in {block for block, _ in lists[name]}:
-                body.group(name, block, [i for b, i in lists[name] if b == block])
+            body.group_of(lists[name], name)
         for surface in mesh.all("Surface"):
             faces = {}
             for face in surface.children:
@@ -594,6 +735,8 @@ def read_gmsh(path):
                     of_entity[entity] = file.take("i", int(file.take("s")[0]))
                     if dimension:
                         file.take("i", int(file.take("s")[0]))
+        elif section == "PartitionedEntities":
+            wrong(path, None, "the mesh is partitioned: save it whole (in Gmsh, Mesh, Unpartition)")
         elif section == "Nodes":
             if old:
                 count = int(file.line()) if file.binary else int(file.take("i")[0])
@@ -709,6 +852,12 @@ def plain(name):
     return name.rsplit(":", 1)[-1]
 
 
+def are_no_parts(body, name, numbers_in):
+    if len(numbers_in) > MOST_PARTS:
+        body.notes.append(f"the array \"{plain(name)}\" has {len(numbers_in)} different numbers: too many to name parts")
+    return len(numbers_in) > MOST_PARTS or not np.all(numbers_in == np.round(numbers_in))
+
+
 def add_parts(body, name, values):
     """Cells with one number in an array are a group; with 0 and 1 alone, those of 1, under its name."""
     values = {block: np.asarray(array) for block, array in values.items() if body.blocks[block][0] in WRITTEN}
@@ -717,7 +866,7 @@ def add_parts(body, name, values):
     values = {block: array.reshape(-1) for block, array in values.items()}
     together = np.concatenate(list(values.values()))
     parts = np.unique(together)
-    if len(parts) > MOST_PARTS or not np.all(parts == np.round(parts)):
+    if are_no_parts(body, name, parts):
         return
     flag = len(parts) == 2 and parts[0] == 0 and parts[1] == 1
     for part in parts:
@@ -733,7 +882,7 @@ def add_point_parts(body, name, values):
     if values.ndim > 1:
         return
     parts = np.unique(values)
-    if len(parts) > MOST_PARTS or not np.all(parts == np.round(parts)):
+    if are_no_parts(body, name, parts):
         return
     flag = len(parts) == 2 and parts[0] == 0 and parts[1] == 1
     for part in parts[parts != 0]:
@@ -842,25 +991,28 @@ def check_points(body, source):
     if len(bad):
         wrong(source, None, f"point {bad[0]} (counted from 0) has a coordinate that is not finite")
     for kind, nodes in body.blocks:
-        flat = np.concatenate([np.ravel(row) for row in nodes]) if nodes.dtype == object else nodes.reshape(-1)
+        flat = nodes.reshape(-1)
         if len(flat) and (flat.min() < 0 or flat.max() >= len(body.points)):
             wrong(source, None, f"a cell ({kind}) uses point {flat.min() if flat.min() < 0 else flat.max()}, counted "
                                 f"from 0; there are {len(body.points)}")
 
 
 def off_middle(points, cells):
-    """How far mid-edge nodes lie off the middles of their edges, in lengths of the edges: n x 6."""
-    off = np.empty((len(cells), 6))
+    """How far mid-edge nodes lie off the middles of their edges, and how far is still straight, in lengths: n x 6."""
+    off, straight = np.empty((len(cells), 6)), np.empty((len(cells), 6))
+    rounding = ROUNDED * np.abs(points).max()
     for e, (a, b) in enumerate(EDGES):
         p, q = points[cells[:, a]], points[cells[:, b]]
         length = np.maximum(np.linalg.norm(q - p, axis=1), 1e-300)
         off[:, e] = np.linalg.norm(points[cells[:, 4 + e]] - (p + q) / 2, axis=1) / length
-    return off
+        straight[:, e] = np.maximum(STRAIGHT, rounding / length)
+    return off, straight
 
 
 # Orders that files of other formats have by mistake.
 ORDERS = {"Gmsh": GMSH_ORDER, "TetGen": TETGEN_ORDER}
 STRAIGHT = 1e-6  # as common/mesh/mesh.cpp has it: of an edge's length
+ROUNDED = 2e-6  # of the largest coordinate: what six digits, or float32, leave of a middle
 
 
 def put_middles_right(body, source, straight):
@@ -868,28 +1020,33 @@ def put_middles_right(body, source, straight):
     for i, (kind, cells) in enumerate(body.blocks):
         if kind != "tetra10" or not len(cells):
             continue
-        off = off_middle(body.points, cells)
-        if off.max() > STRAIGHT:
+        off, allowed = off_middle(body.points, cells)
+        if (off > allowed).any():
             for name, order in ORDERS.items():
-                other = off_middle(body.points, cells[:, order])
-                if other.max() <= STRAIGHT:
-                    print(f"its tetrahedra of ten nodes have their mid-edge nodes in {name}'s order; put right")
-                    cells, off = cells[:, order], other
+                other, allowed_there = off_middle(body.points, cells[:, order])
+                if (other <= allowed_there).all():
+                    body.notes.append(f"its tetrahedra of ten nodes have their mid-edge nodes in {name}'s order; put right")
+                    cells, off, allowed = cells[:, order], other, allowed_there
                     break
-        if off.max() > STRAIGHT and straight:
-            print(f"mid-edge nodes lie off the middles of their edges by up to {off.max():.2g} of the edge; "
-                  "the corners are taken, with straight edges")
+        if (off <= allowed).all():
+            if off.max() > STRAIGHT:
+                body.notes.append(f"mid-edge nodes are rounded, off the middles by up to {off.max():.2g} of the edge; "
+                                  "put there")
+                for e, (a, b) in enumerate(EDGES):
+                    body.points[cells[:, 4 + e]] = (body.points[cells[:, a]] + body.points[cells[:, b]]) / 2
+            body.blocks[i] = (kind, cells)
+        elif straight:
+            body.notes.append(f"mid-edge nodes lie off the middles of their edges by up to {off.max():.2g} of the edge; "
+                              "the corners are taken, with straight edges")
             body.blocks[i] = ("tetra", cells[:, :4])
-            continue
-        if off.max() > STRAIGHT:
+        else:
             at, e = np.unravel_index(off.argmax(), off.shape)
             middle = body.points[cells[at, list(EDGES[e])]].mean(axis=0)
             wrong(source, None, f"tetrahedron {at} of ten nodes (counted from 0) has a curved edge at "
                                 f"({middle[0]:.6g}, {middle[1]:.6g}, {middle[2]:.6g}): its mid-edge node is off the "
                                 f"middle by {off.max():.2g} of its length; of all tetrahedra "
-                                f"{np.count_nonzero(off > STRAIGHT)} edges are curved; "
+                                f"{np.count_nonzero(off > allowed)} edges are curved; "
                                 "--straight takes the corners with straight edges")
-        body.blocks[i] = (kind, cells)
 
 
 def refuse_other_volumes(body, source):
@@ -912,17 +1069,24 @@ def safe(name):
 def write_volume(body, output):
     physical = {}  # (dimension, name) -> number
     lists = {block: [[] for _ in cells] for block, (kind, cells) in enumerate(body.blocks) if kind in WRITTEN}
+    of_points = {safe(name): nodes for name, nodes in sorted(body.point_groups.items()) if safe(name)}
     for (dimension, name), members in sorted(body.groups.items()):
-        number = physical.setdefault((dimension, safe(name)), len(physical) + 1)
+        name = safe(name)
+        if name in of_points:  # a reader of Gmsh's files takes the nodes of both for one group
+            name += " elements" if dimension == 3 else f" ({DIMENSIONS[dimension]})"
+            body.notes.append(f"\"{name}\" are the cells of a set whose name a set of nodes has too")
+        if not name:
+            continue
+        number = physical.setdefault((dimension, name), len(physical) + 1)
         for block, cells in members.items():
             for cell in cells:
                 lists[block][cell].append(number)
-    for name in sorted(body.point_groups):
-        physical.setdefault((0, safe(name)), len(physical) + 1)
+    for name in of_points:
+        physical.setdefault((0, name), len(physical) + 1)
 
     element, lines, first = 0, [], {}
-    for name, nodes in sorted(body.point_groups.items()):
-        number = physical[0, safe(name)]
+    for name, nodes in of_points.items():
+        number = physical[0, name]
         for node in np.unique(np.asarray(nodes, dtype=np.int64)):
             element += 1
             lines.append(f"{element} 15 2 {number} {number} {node + 1}")
@@ -951,14 +1115,22 @@ def write_volume(body, output):
         out.writelines(line + "\n" for line in lines)
         out.write("$EndElements\n")
         for name, blocks in sorted(body.vectors.items()):
-            rows = [(first[block, cell], vector) for block, array in blocks.items()
-                    if body.blocks[block][0] in ("tetra", "tetra10") for cell, vector in enumerate(array)]
-            if not rows or not all(np.isfinite(vector).all() for _, vector in rows):
-                continue
-            out.write(f'$ElementData\n1\n"{safe(name)}"\n1\n0\n3\n0\n3\n{len(rows)}\n')
-            for number, vector in rows:
-                out.write(f"{number} " + " ".join(repr(float(x)) for x in vector) + "\n")
-            out.write("$EndElementData\n")
+            write_vectors(body, name, blocks, first, out)
+
+
+def write_vectors(body, name, blocks, element_of, out):
+    """Of the tetrahedra; element_of: numbers in the file by (block, cell)."""
+    rows = [(element_of[block, cell], vector) for block, array in blocks.items()
+            if body.blocks[block][0] in ("tetra", "tetra10") for cell, vector in enumerate(array)]
+    if not rows:
+        return
+    if not all(np.isfinite(vector).all() for _, vector in rows):
+        body.notes.append(f"the vectors \"{safe(name)}\" are left out: some are not finite")
+        return
+    out.write(f'$ElementData\n1\n"{safe(name)}"\n1\n0\n3\n0\n3\n{len(rows)}\n')
+    for number, vector in rows:
+        out.write(f"{number} " + " ".join(repr(float(x)) for x in vector) + "\n")
+    out.write("$EndElementData\n")
 
 
 def triangles_of(body):
@@ -967,42 +1139,51 @@ def triangles_of(body):
         if kind in SURFACE_CELLS and len(cells):
             corners = {"triangle6": 3, "quad8": 4, "quad9": 4}.get(kind)
             polygons = [list(cell)[:corners] for cell in cells]
-            triangles.append(cells if kind == "triangle" else np.array(fans(polygons), dtype=np.int64).reshape(-1, 3))
+            triangles.append(cells if kind == "triangle" else cut(body.points, polygons))
     return np.concatenate(triangles)
 
 
 def write_surface(body, triangles, output):
     with open(output, "wb") as out:
-        np.array([len(body.points), len(triangles)], dtype="<i8").tofile(out)
-        body.points.astype("<f8").tofile(out)
-        triangles.astype("<i4").tofile(out)
+        out.write(np.array([len(body.points), len(triangles)], dtype="<i8").tobytes())
+        out.write(body.points.astype("<f8").tobytes())
+        out.write(triangles.astype("<i4").tobytes())
 
 
 def convert(source, output, straight):
+    """"volume" or "surface", and notes."""
     path = pathlib.Path(source)
     body = READERS.get(path.suffix.lower(), read_by_meshio)(path)
     check_points(body, source)
     refuse_other_volumes(body, source)
-    if any(kind.startswith("tetra") and len(cells) for kind, cells in body.blocks):
-        print("volume")
+    is_volume = any(kind.startswith("tetra") and len(cells) for kind, cells in body.blocks)
+    if is_volume:
         put_middles_right(body, source, straight)
-        write_volume(body, output)
-        return
     triangles = triangles_of(body)
-    if not len(triangles):
+    if not is_volume and not len(triangles):
         wrong(source, None, "there are neither tetrahedra nor triangles in it")
-    print("surface")
-    write_surface(body, triangles, output)
+    try:
+        if is_volume:
+            write_volume(body, output)
+        else:
+            write_surface(body, triangles, output)
+    except OSError as error:
+        more = "; make room, or set TMPDIR to another folder" if error.errno in (errno.ENOSPC, errno.EDQUOT) else ""
+        raise Unwritable(f"{output}: cannot be written: {error.strerror or error}{more}") from None
+    return ["volume" if is_volume else "surface", *body.notes]
 
 
 def main(arguments):
     straight = "--straight" in arguments
     source, output = [a for a in arguments if a != "--straight"]
     try:
-        convert(source, output, straight)
+        print("\n".join(convert(source, output, straight)))
     except Wrong as what:
-        print(what, file=sys.stderr)
+        print(str(what).replace("\n", "?"), file=sys.stderr)  # one line, whatever the file is called
         return 2
+    except Unwritable as why:
+        print(why, file=sys.stderr)
+        return 1
     except ModuleNotFoundError as missing:
         print(missing.name, file=sys.stderr)
         return 3

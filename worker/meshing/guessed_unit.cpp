@@ -34,9 +34,14 @@ std::optional<GuessedUnit> guessedUnit(double extent) {
     const bool sure = extent >= sure_metres;
     return GuessedUnit{unitOf("m"), sure ? "" : sizeIn(extent, unitOf("m")) + ", which is little"};
   }
-  if (extent < most_centimetres)
-    return GuessedUnit{unitOf("cm"), fmt::format("{}, and {}", sizeIn(extent, unitOf("cm")),
-                                                 sizeIn(extent, unitOf("mm")))};
+  if (extent < most_centimetres) {
+    const std::string others = sizeIn(extent, unitOf("mm"));
+    return GuessedUnit{
+        unitOf("cm"),
+        fmt::format(
+            "{}, and {}", sizeIn(extent, unitOf("cm")),
+            extent > largest_body ? others : others + ", or " + sizeIn(extent, unitOf("m")))};
+  }
   if (extent < sure_millimetres)
     return GuessedUnit{unitOf("mm"), fmt::format("{}, and {}", sizeIn(extent, unitOf("mm")),
                                                  sizeIn(extent, unitOf("cm")))};

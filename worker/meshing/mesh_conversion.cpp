@@ -41,7 +41,7 @@ Ran runScript(const std::vector<std::string>& arguments) {
     if (!isInstalled(python)) continue;
     std::vector<std::string> words = {python, "-B", "-"};
     words.insert(words.end(), arguments.begin(), arguments.end());
-    ran = runMeshing(words, "python3", convert_mesh_py);
+    ran = runMeshing({.words = words, .package = "python3", .input = convert_mesh_py});
     if (ran.exit_code != script_missing_module) return ran;
     missing = linesOf(ran.err).empty() ? "" : linesOf(ran.err).back();
   }

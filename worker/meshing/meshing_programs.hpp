@@ -1,6 +1,8 @@
 #pragma once
 
+#include "common/base/error.hpp"
 #include "common/base/foreign_program.hpp"
+#include "common/base/program.hpp"
 
 namespace palpate {
 
@@ -8,12 +10,15 @@ namespace palpate {
 inline constexpr std::chrono::minutes longest_meshing(30);
 
 /// Runs gmsh, tetgen or Python to its end, or until this process is interrupted.
-inline Ran runMeshing(std::vector<std::string> words, std::string package, std::string input = {}) {
-  return runToItsEnd({.words = std::move(words),
-                      .package = std::move(package),
-                      .input = std::move(input),
-                      .patience = longest_meshing,
-                      .heeds_interrupts = true});
+inline Ran runMeshing(ForeignProgram program) {
+  program.patience = longest_meshing;
+  program.heeds_interrupts = true;
+  return runToItsEnd(program);
+}
+
+/// Error with the exit code of an interrupt, once interrupted(): for our own work between them.
+inline void endWhenInterrupted() {
+  if (interrupted()) throw Error(ExitCode::interrupted, "interrupted");
 }
 
 }  // namespace palpate

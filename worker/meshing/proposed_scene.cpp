@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "common/base/error.hpp"
+#include "common/mesh/collinear.hpp"
 #include "common/problem/problem.hpp"
 #include "common/problem/problem_warnings.hpp"
 #include "common/scene/device_profile.hpp"
@@ -41,18 +42,30 @@ struct FixedProposal {
   std::string toml, why;
 };
 
+/// Whether a word of the name begins so: "BC_Fixed" and "fixedNodes" say "fix", "prefix" does not.
 bool nameSays(const std::string& name, std::string_view word) {
   std::string lower;
-  for (const char c : name) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return lower.find(word) != std::string::npos;
+  char before = ' ';
+  for (const char c : name) {
+    const auto is = [](int (*kind)(int), char letter) {
+      return kind(static_cast<unsigned char>(letter)) != 0;
+    };
+    if (!is(std::isalpha, c) || (is(std::isupper, c) && is(std::islower, before))) lower += ' ';
+    if (is(std::isalpha, c))
+      lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    before = c;
+  }
+  return (" " + lower).find(" " + std::string(word)) != std::string::npos;
 }
 
 std::optional<std::string> fixedGroup(const Mesh& mesh) {
   const NodeSet surface = surfaceNodes(mesh);
   for (const char* word : words_of_fixed)
     for (const auto& [name, nodes] : mesh.node_groups) {
-      if (!nameSays(name, word) || nodes.size() < 3) continue;
-      const auto share = static_cast<double>(nodes.size()) / static_cast<double>(surface.size());
+      if (!nameSays(name, word) || nodes.empty() || areCollinear(nodes, mesh)) continue;
+      const auto on_surface = std::ranges::count_if(
+          nodes, [&](std::int32_t node) { return std::ranges::binary_search(surface, node); });
+      const auto share = static_cast<double>(on_surface) / static_cast<double>(surface.size());
       if (share <= most_fixed && name.find('"') == std::string::npos &&
           name.find('\\') == std::string::npos)
         return name;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "worker/meshing/meshing_programs.hpp"
+
 namespace palpate {
 namespace {
 
@@ -200,6 +202,7 @@ SurfaceCuts cutsOf(const std::vector<Eigen::Vector3d>& points,
   const BoxTree tree(points, triangles);
   const PairCheck check(points, triangles);
   for (std::int32_t a = 0; a < static_cast<std::int32_t>(triangles.size()); ++a) {
+    endWhenInterrupted();
     std::int32_t lowest = -1;
     tree.meeting(a, [&](std::int32_t b) {
       if (b <= a || !check.cut(a, b)) return;

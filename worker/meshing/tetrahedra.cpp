@@ -27,8 +27,6 @@ constexpr int most_tries = 5;
 constexpr double nodes_by_size = -2.5;
 /// A mesh whose volume differs by more from that of the surface is of another body.
 constexpr double lost_volume = 0.25, told_volume = 0.05;
-/// More than can be computed on by far.
-constexpr double most_nodes = 3e6;
 /// Degrees between neighbours of a surface from which on their edge is one of the body, where such
 /// edges form lines.
 constexpr double crease = 40;
@@ -174,11 +172,12 @@ class Filling {
     // A regular tetrahedron with edges of that length; tetgen's are that at most. Without -Y it
     // splits the triangles, five times as many nodes on a sphere, with worse shapes.
     const double volume = size * size * size / (6 * std::numbers::sqrt2);
-    const Ran ran = runMeshing(
-        {"tetgen", fmt::format("-pYq1.4a{:.6g}", volume), (folder_ / "surface.smesh").string()},
-        "tetgen");
     const std::filesystem::path node = folder_ / "surface.1.node";
     std::error_code ignored;
+    std::filesystem::remove(node, ignored);
+    const Ran ran = runMeshing({.words = {"tetgen", fmt::format("-pYq1.4a{:.6g}", volume),
+                                          (folder_ / "surface.smesh").string()},
+                                .package = "tetgen"});
     if (ran.exit_code != 0 || !std::filesystem::exists(node, ignored))
       return {"", "tetgen: " + decisiveLine(ran)};
     const ConvertedMesh converted = convertMesh(node, folder_, false);
@@ -206,9 +205,11 @@ class Filling {
     const std::filesystem::path body = folder_ / "body.msh";
     std::error_code ignored;
     std::filesystem::remove(body, ignored);
-    const Ran ran = runMeshing({"gmsh", "-3", (folder_ / "body.geo").string(), "-format", "msh22",
-                                "-o", body.string(), "-v", "3"},
-                               "gmsh");
+    const Ran ran = runMeshing({.words = {"gmsh", "-3", (folder_ / "body.geo").string(), "-format",
+                                          "msh22", "-o", body.string(), "-v", "3"},
+                                .package = "gmsh",
+                                // Else options that its user has saved change the mesh.
+                                .environment = {"GMSH_HOME=" + folder_.string()}});
     if (ran.exit_code != 0 || !std::filesystem::exists(body, ignored))
       return {"", "gmsh: " + decisiveLine(ran)};
     return {readText(body, "mesh"), ""};
@@ -264,6 +265,17 @@ void refuseSize(double size, const ClosedSurface& surface, const std::string& so
       extent);
 }
 
+/// What it makes; its problem when a signal or our patience ends it. Interrupts end everything.
+template <class Fill>
+Attempt tried(Fill fill, double size) {
+  try {
+    return fill(size);
+  } catch (const Error& error) {
+    if (error.exitCode() == ExitCode::interrupted) throw;
+    return {"", error.what()};
+  }
+}
+
 /// One way to fill a surface, tried with sizes until the number of nodes is right.
 template <class Fill>
 std::optional<Tetrahedra> nearest(const ClosedSurface& surface, const Fineness& fineness,
@@ -273,7 +285,7 @@ std::optional<Tetrahedra> nearest(const ClosedSurface& surface, const Fineness& 
   std::optional<Tetrahedra> best;
   double best_off = 0;
   for (int n = 0; n < most_tries; ++n) {
-    last = fill(size);
+    last = tried(fill, size);
     std::optional<Tetrahedra> made = accepted(last, surface);
     if (!made) return best;
     const auto nodes = static_cast<double>(made->mesh.nodes.size());

@@ -30,6 +30,9 @@ struct Tetrahedra {
   std::vector<std::string> notes = {};  ///< which program, what it could not do
 };
 
+/// More than can be computed on by far.
+inline constexpr std::int32_t most_nodes = 3000000;
+
 /// Nodes within this share of what was wanted are near enough.
 inline constexpr double near_enough = 0.2;
 

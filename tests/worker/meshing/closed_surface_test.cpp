@@ -57,6 +57,13 @@ TEST(ClosedSurface, MergesTheCornersThatAnStlRepeats) {
   EXPECT_THAT(surface.notes, Contains(HasSubstr("are one with them")));
 }
 
+TEST(ClosedSurface, IsNotMeasuredByPointsThatNoTriangleUses) {
+  TriangleSoup soup = test::boxSurface({1, 1, 1}, 2);
+  const std::size_t points = closedSurface(soup, "box", Bodies::only).points.size();
+  soup.points.emplace_back(1e6, 0, 0);
+  EXPECT_EQ(closedSurface(soup, "box", Bodies::only).points.size(), points);
+}
+
 TEST(ClosedSurface, LeavesOutTrianglesWithoutAreaAndRepeatedOnes) {
   TriangleSoup soup = boxSurface({1, 1, 1});
   const Triangle t = soup.triangles[3];

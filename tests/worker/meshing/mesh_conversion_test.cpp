@@ -82,12 +82,20 @@ class MeshConversion : public ::testing::Test {
   void expectTheBody(const Mesh& mesh, double tolerance = 1e-12) const {
     ASSERT_EQ(mesh.tetrahedra.size(), body.tetrahedra.size());
     EXPECT_EQ(mesh.reoriented_tetrahedra, 0);
-    EXPECT_NE(text.find(" 11 2 "), std::string::npos) << "ten nodes each";
+    EXPECT_TRUE(hasTenNodesEach());
     for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
       for (int i = 0; i < 4; ++i)
         EXPECT_LT((mesh.nodes[mesh.tetrahedra[e][i]] - body.nodes[body.tetrahedra[e][i]]).norm(),
                   tolerance);
     EXPECT_NEAR(measure(mesh).volume, 2, 1e-6);
+  }
+
+  /// Whether the file that was written has tetrahedra of ten nodes.
+  bool hasTenNodesEach() const {
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+      if (line.find(" 11 2 ") == line.find(' ') && line.find(' ') != std::string::npos) return true;
+    return false;
   }
 
   void expectParts(const Mesh& mesh, const std::string& low, const std::string& high) const {
@@ -201,7 +209,7 @@ TEST_F(MeshConversion, ReadsFebioOfEveryVersionWithItsSets) {
     out.close();
     const Mesh mesh = convert("body.feb");
     EXPECT_NEAR(measure(mesh).volume, 2, 1e-9);
-    EXPECT_NE(text.find(" 11 2 "), std::string::npos);
+    EXPECT_TRUE(hasTenNodesEach());
     const std::string low = modern ? "Part3" : "material 3", high = modern ? "Part8" : "material 8";
     EXPECT_EQ(mesh.element_groups.at(low).size() + mesh.element_groups.at(high).size(),
               part.size());
@@ -266,6 +274,18 @@ TEST_F(MeshConversion, ReadsGmshOfEveryKindWithAllItsGroups) {
   }
 }
 
+TEST_F(MeshConversion, RefusesAPartitionedMeshWhoseGroupsWouldBeLost) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
+  create("box.geo") << "SetFactory(\"OpenCASCADE\");\nBox(1) = {0, 0, 0, 1, 1, 1};\n"
+                       "Physical Volume(\"all\") = {1};\n";
+  const test::CommandResult meshed =
+      test::runCommand("cd " + directory.path().string() +
+                       " && gmsh -3 box.geo -part 2 -v 1 -format msh41 -o box.msh");
+  ASSERT_EQ(meshed.exit_code, 0) << meshed.output;
+  expectBadInput([&] { convert("box.msh"); }, {"box.msh: the mesh is partitioned: save it whole"});
+}
+
 TEST_F(MeshConversion, PutsTheMiddlesOfAnotherProgramsOrderRight) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   for (auto& middles : body.mid_edge_nodes) std::swap(middles[4], middles[5]);
@@ -282,8 +302,130 @@ TEST_F(MeshConversion, RefusesCurvedEdgesUnlessTheCornersAreWanted) {
                  {"curved.vtu: tetrahedron ", "curved edge at (", "--straight"});
   const Mesh mesh = convert("curved.vtu", true);
   EXPECT_THAT(notes, Contains(HasSubstr("the corners are taken")));
-  EXPECT_EQ(text.find(" 11 2 "), std::string::npos);
+  EXPECT_FALSE(hasTenNodesEach());
   EXPECT_NEAR(measure(mesh).volume, 2, 1e-9);
+}
+
+/// One tetrahedron and more lines of an .inp.
+constexpr const char* one_tetrahedron =
+    "*NODE\n1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n5, 1,1,1\n"
+    "*ELEMENT, TYPE=C3D4, ELSET=Liver\n1, 1,2,3,4\n2, 2,5,3,4\n";
+
+TEST_F(MeshConversion, KeepsNodesAndElementsOfOneNameApart) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  create("body.inp") << one_tetrahedron
+                     << "*NSET, NSET=FIXED\n1, 2, 3\n*ELSET, ELSET=Fixed\n2\n*ELSET, ELSET=FIXED\n";
+  const Mesh mesh = convert("body.inp");
+  EXPECT_EQ(mesh.node_groups.at("FIXED").size(), 3u);
+  EXPECT_EQ(mesh.element_groups.at("Fixed").size(), 1u) << "names differ by more than capitals";
+  create("both.inp") << one_tetrahedron << "*NSET, NSET=FIXED\n1, 2, 3\n*ELSET, ELSET=FIXED\n2\n";
+  const Mesh both = convert("both.inp");
+  EXPECT_EQ(both.node_groups.at("FIXED").size(), 3u);
+  EXPECT_EQ(both.element_groups.at("FIXED elements").size(), 1u);
+  EXPECT_THAT(notes, Contains(HasSubstr("whose name a set of nodes has too")));
+}
+
+TEST_F(MeshConversion, ReadsNumbersOfAbaqusInTheirPart) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  const auto write = [this](const char* more) {
+    create("assembly.inp")
+        << "*PART, NAME=Organ\n"
+        << one_tetrahedron
+        << "*NSET, NSET=Fix\n1,2,3\n*END PART\n"
+           "*PART, NAME=Tool\n*NODE\n1, 9,9,9\n2, 9,9,8\n3, 9,8,9\n"
+           "*ELEMENT, TYPE=R3D3\n7, 1,2,3\n*END PART\n"
+           "*ASSEMBLY, NAME=All\n*INSTANCE, NAME=Organ-1, PART=Organ\n*END INSTANCE\n"
+           "*NODE\n1, 20,20,20\n*NSET, NSET=Top, INSTANCE=Organ-1\n3, 4\n"
+           "*NSET, NSET=Nobody\n77\n*END ASSEMBLY\n"
+        << more;
+  };
+  write("*NSET, NSET=of, ELSET=LIVER\n");
+  const Mesh mesh = convert("assembly.inp");
+  EXPECT_EQ(mesh.tetrahedra.size(), 2u);
+  for (const std::int32_t node : mesh.node_groups.at("Fix")) EXPECT_LT(mesh.nodes[node].norm(), 2);
+  EXPECT_EQ(mesh.node_groups.at("Fix").size(), 3u);
+  EXPECT_EQ(mesh.node_groups.at("Top").size(), 2u);
+  EXPECT_EQ(mesh.node_groups.at("of").size(), 5u);
+  EXPECT_THAT(notes, Contains(HasSubstr("\"Nobody\" names 1 node(s) that are not there")));
+  write(
+      "*PART, NAME=Second\n*NODE\n1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n"
+      "*ELEMENT, TYPE=C3D4\n1, 1,2,3,4\n*END PART\n");
+  expectBadInput([&] { convert("assembly.inp"); }, {"tetrahedra in 2 parts", "export one"});
+}
+
+TEST_F(MeshConversion, RefusesAnAbaqusFileThatEndsInsideAnElementOrNeedsAnother) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  create("cut.inp") << one_tetrahedron << "3, 5, 3";
+  expectBadInput([&] { convert("cut.inp"); }, {"cut.inp:10: element 3 has 2 nodes where 4"});
+  create("more.inp") << one_tetrahedron << "*NSET, NSET=base, INPUT=nodes.txt\n";
+  expectBadInput([&] { convert("more.inp"); }, {"more.inp:10: INPUT=nodes.txt is not read"});
+  create("twice.inp") << one_tetrahedron << "*NODE\n2, 5,5,5\n";
+  expectBadInput([&] { convert("twice.inp"); }, {"twice.inp:11: node 2 is defined twice"});
+}
+
+TEST_F(MeshConversion, PutsMiddlesThatWereRoundedInTheirPlaces) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  for (Eigen::Vector3d& node : body.nodes)
+    node = (node + Eigen::Vector3d(312, -205, 1151)).cast<float>().cast<double>();
+  writeByMeshio("rounded.vtu");
+  EXPECT_NEAR(measure(convert("rounded.vtu")).volume, 2, 1e-3);
+  EXPECT_THAT(notes, Contains(HasSubstr("mid-edge nodes are rounded")));
+}
+
+TEST_F(MeshConversion, ExecutesNothingThatLiesInTheCurrentFolder) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  test::writeStl(test::sphereSurface(40, 3), directory / "a.stl");
+  create("numpy.py") << "raise SystemExit('this is of somebody else')\n";
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(directory.path());
+  EXPECT_FALSE(convertMesh("a.stl", directory.path(), false).is_volume);
+  std::filesystem::current_path(before);
+}
+
+TEST_F(MeshConversion, SaysThatTheOutputCannotBeWritten) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  test::writeStl(test::sphereSurface(40, 3), directory / "a.stl");
+  std::filesystem::create_symlink("/dev/full", directory / "converted.msh");
+  test::expectError(ExitCode::failed,
+                    [&] { convertMesh(directory / "a.stl", directory.path(), false); },
+                    {"converted.msh: cannot be written: No space left", "TMPDIR"});
+}
+
+TEST_F(MeshConversion, CutsPolygonsThatAreNotConvexIntoTheirOwnTriangles) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  // A prism whose ends are an L, seen from every corner of it.
+  for (int first = 0; first < 6; ++first) {
+    std::ofstream out = create("prism.obj");
+    for (const int z : {0, 1})
+      for (const auto& [x, y] : {std::pair(0, 0), {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}})
+        out << "v " << x << " " << y << " " << z << "\n";
+    for (const bool top : {false, true}) {
+      out << "f";
+      for (int i = 0; i < 6; ++i)
+        out << " " << 1 + (top ? 6 + (first + i) % 6 : (first + 5 - i) % 6);
+      out << "\n";
+    }
+    for (int i = 0; i < 6; ++i)
+      out << "f " << i + 1 << " " << (i + 1) % 6 + 1 << " " << (i + 1) % 6 + 7 << " " << i + 7
+          << "\n";
+    out.close();
+    const ConvertedMesh converted = convertMesh(directory / "prism.obj", directory.path(), false);
+    const ClosedSurface surface = closedSurface(readTriangles(converted.file), "", Bodies::only);
+    EXPECT_DOUBLE_EQ(surface.volume, 3) << first;
+    EXPECT_EQ(surface.triangles.size(), 20u);
+  }
+}
+
+TEST_F(MeshConversion, TakesABinaryStlForOneWhateverItsHeaderSays) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  test::writeBinaryStl(test::sphereSurface(40, 3), directory / "a.stl");
+  std::string bytes = readText(directory / "a.stl", "surface");
+  bytes.replace(0, 6, "solid ");
+  create("more.stl") << bytes << "xy";
+  EXPECT_FALSE(convertMesh(directory / "more.stl", directory.path(), false).is_volume);
+  create("cut.stl") << bytes.substr(0, bytes.size() - 500);
+  expectBadInput([&] { convertMesh(directory / "cut.stl", directory.path(), false); },
+                 {"cut.stl: it announces", "truncated"});
 }
 
 TEST_F(MeshConversion, ReadsSurfacesOfEveryFormatToTheSameTriangles) {

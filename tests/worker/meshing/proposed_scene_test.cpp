@@ -33,6 +33,7 @@ TEST(GuessedUnit, FollowsTheSizeOfTheBodyAndSaysWhereItMayBeAnother) {
   EXPECT_THAT(doubt(0.004), HasSubstr("0.4 cm wide"));
   EXPECT_EQ(word(21), "cm");
   EXPECT_THAT(doubt(21), HasSubstr("2.1 cm wide in millimetres"));
+  EXPECT_THAT(doubt(1.2), HasSubstr("0.12 cm wide in millimetres, or 120 cm wide in metres"));
   EXPECT_EQ(word(60), "mm");
   EXPECT_THAT(doubt(60), HasSubstr("60 cm wide in centimetres"));
   EXPECT_EQ(word(210), "mm");
@@ -45,6 +46,26 @@ TEST(GuessedUnit, FollowsTheSizeOfTheBodyAndSaysWhereItMayBeAnother) {
 TEST(GuessedUnit, RefusesUnitsThatThereAreNot) {
   EXPECT_EQ(unitNamed("cm").metres, 0.01);
   test::expectBadInput([] { unitNamed("inch"); }, {"--unit inch", "m, cm or mm"});
+}
+
+TEST(ProposedScene, HoldsAGroupOnlyWhereItsNameSaysSoAndItCanHoldABody) {
+  Mesh mesh = test::boxMesh({0.1, 0.06, 0.04}, {8, 5, 4});
+  const auto fixed = [&] {
+    return proposedScene(mesh, "organ", "organ.msh", unit("m"), "").choices.front();
+  };
+  const NodeSet side = mesh.node_groups.at("xmin");
+  mesh.node_groups.clear();
+  for (const char* name : {"prefix", "background", "database"}) mesh.node_groups[name] = side;
+  NodeSet line;
+  for (const std::int32_t node : side)
+    if (mesh.nodes[node][2] == 0) line.push_back(node);
+  mesh.node_groups["fixed edge"] = line;
+  EXPECT_THAT(fixed(), HasSubstr("15 % along x"));
+  for (const char* name : {"bcFixed", "BC_FIXED", "base plate", "fixation2"}) {
+    mesh.node_groups[name] = side;
+    EXPECT_THAT(fixed(), HasSubstr(name));
+    mesh.node_groups.erase(name);
+  }
 }
 
 TEST(ProposedScene, HasNoWarningsForBodiesOfManyShapesAndSizes) {

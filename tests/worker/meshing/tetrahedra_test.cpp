@@ -109,6 +109,43 @@ TEST_F(FilledSurface, TriesTetgenWhereGmshFailsAndSaysWhatGmshSaid) {
   setenv("PATH", before.c_str(), 1);
 }
 
+TEST_F(FilledSurface, TriesTetgenWhereGmshCrashesAndKeepsWhatItMadeBefore) {
+  PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
+  PALPATE_NEEDS(test::hasProgram("tetgen"), "tetgen");
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  const std::string before = std::getenv("PATH");
+  const auto gmshIs = [&](const std::string& script) {
+    std::ofstream(folder / "gmsh") << "#!/bin/sh\n" << script;
+    std::filesystem::permissions(folder / "gmsh", std::filesystem::perms::owner_all);
+    setenv("PATH", (folder.path().string() + ":" + before).c_str(), 1);
+  };
+  gmshIs("kill -SEGV $$\n");
+  const Tetrahedra filled = fill(test::sphereSurface(50, 5), {.nodes = 300}, Mesher::automatic);
+  EXPECT_THAT(filled.notes, Contains(HasSubstr("gmsh was ended by signal 11")));
+  EXPECT_THAT(filled.notes, Contains(HasSubstr("filled by tetgen")));
+  // The first size is not near enough, and the second one crashes.
+  gmshIs("[ -e \"$0.ran\" ] && kill -SEGV $$\ntouch \"$0.ran\"\nPATH=" + before +
+         " exec gmsh \"$@\"\n");
+  const Tetrahedra first = fill(test::boxSurface({100, 10, 10}, 10), {.nodes = 60});
+  EXPECT_GT(first.mesh.nodes.size(), 60u);
+  setenv("PATH", before.c_str(), 1);
+}
+
+TEST_F(FilledSurface, DoesNotDependOnWhatItsUserSetInGmsh) {
+  PALPATE_NEEDS(test::hasProgram("gmsh"), "gmsh");
+  const char* home = std::getenv("HOME");
+  const std::string before = home != nullptr ? home : "";
+  const auto nodes = [&] {
+    return fill(test::sphereSurface(50, 5), {.size = 20}).mesh.nodes.size();
+  };
+  const std::size_t wanted = nodes();
+  const test::TemporaryDirectory user;
+  std::ofstream(user / ".gmshrc") << "Mesh.MeshSizeFactor = 0.5;\nMesh.ElementOrder = 2;\n";
+  setenv("HOME", user.path().c_str(), 1);
+  EXPECT_EQ(nodes(), wanted);
+  setenv("HOME", before.c_str(), 1);
+}
+
 TEST(EdgeLength, IsThatOfAsManyNodes) {
   EXPECT_GT(edgeFor(1, 6, 100), edgeFor(1, 6, 1000));
   const double h = edgeFor(1, 6, 1e9);
