@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The commands of the pages, run as they stand there, page by page, each page in a folder of its own with small bodies under
-the names that it uses, in a network of its own. What cannot be run here is listed in ELSEWHERE with its reason. The tutorial,
-docs/python.md and docs/client.md have tests of their own. By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/pages_run_test.py."""
+the names that it uses, in a network of its own. What cannot be run here is listed in ELSEWHERE with its reason. The tutorial
+and docs/python.md have tests of their own. By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/pages_run_test.py."""
 import os
 import pathlib
 import re
@@ -14,17 +14,17 @@ import time
 import unittest
 
 from docs_commands_test import commands
-from small_datasets import BIN, ENVIRONMENT, ROOT, missing, palpate
+from small_datasets import BIN, ENVIRONMENT, SCENE, missing, palpate
 
 PAGES = ("README.md", "docs/client.md", "docs/commands.md", "docs/export.md", "docs/meshes.md", "docs/metrics.md", "docs/operating.md",
          "docs/security.md", "docs/sharing.md", "docs/devices.md", "docs/install.md")
 # What is not run here, and why.
 ELSEWHERE = {
     r"--device haply": "needs the device",
-    r"--device plugin:": "needs a plug-in that was compiled: DevicePlugin tests",
-    r"palpate verify": "takes minutes: the Verify tests",
-    r"palpate fleet (slurm|ssh)": "needs other machines: the Fleet tests",
-    r"palpate share": "needs the modules for browsers: the Share tests",
+    r"--device plugin:": "needs a plug-in that was compiled: tests/viewer/devices",
+    r"palpate verify": "takes minutes: tests/worker/verification",
+    r"palpate fleet (slurm|ssh)": "needs other machines: tests/scheduler/fleet",
+    r"palpate share": "needs the modules for browsers: tests/viewer/share",
 }
 # Programs that go on until they are stopped.
 ENDLESS = r"palpate (serve|work|device) |--watch|--follow|palpate view (?!.*--duration)|--metrics|--dashboard"
@@ -32,22 +32,12 @@ ENDLESS = r"palpate (serve|work|device) |--watch|--follow|palpate view (?!.*--du
 STANDS_FOR = ((r"tcp://(HOST|head|new|0\.0\.0\.0|\$\(hostname\)):", "tcp://127.0.0.1:"), (r"/var/lib/palpate/|/var/tmp/|/local/", ""),
               (r"10\.0\.0\.5:9464", "127.0.0.2:9464"), (r" -j 16", " -j 1"), (r"\bKEY(_OF_\w+)?\b", "$KEY"))
 
-SCENE = """name = "liver"
-mesh = "body.msh"
-[material]
-law = "mooney-rivlin"
-c10 = 1300
-c01 = 1280
-[fixed]
-below = {{ axis = "z", fraction = 0.1 }}
-[[active]]
-{active}
-[workspace]
-radius = {radius}
-spacing = {spacing}
-"""
-TIP = 'name = "tip"\nnear = [0.05, 0.065, 0.1]'
-SKIN = 'name = "skin"\nsurface = { box = { lowest = [0.02, 0.1, 0.01], highest = [0.08, 0.14, 0.06] } }\ntool = "finger"\nradius = 0.03'
+TIP = '[[active]]\nname = "tip"\nnear = [0.05, 0.065, 0.1]'
+SKIN = """[[active]]
+name = "skin"
+surface = { box = { lowest = [0.02, 0.1, 0.01], highest = [0.08, 0.14, 0.06] } }
+tool = "finger"
+radius = 0.03"""
 
 
 def box_surface(x=100, y=130, z=100):
@@ -73,7 +63,7 @@ class Bodies:
         text = ("import meshio; mesh = meshio.read('organ.msh'); mesh.cell_sets = {}; mesh.write('organ.vtu'); "
                 "surface = meshio.read('organ.stl'); surface.write('organ.ply'); surface.write('parts.obj')")
         self.said.append(subprocess.run([sys.executable, "-c", text], cwd=folder, check=False, capture_output=True, text=True))
-        metres = "import meshio; m = meshio.read('organ.msh'); m.points *= 1e-3; m.write('body.msh', file_format='gmsh22', binary=False)"
+        metres = "import meshio; m = meshio.read('organ.msh'); m.points *= 1e-3; m.write('block.msh', file_format='gmsh22', binary=False)"
         self.said.append(subprocess.run([sys.executable, "-c", metres], cwd=folder, check=False, capture_output=True, text=True))
         self.scene("liver", TIP, 0.03, 0.01)
         self.scene("long", TIP, 0.03, 0.0008)  # lasts as long as somebody watches it
@@ -90,7 +80,8 @@ class Bodies:
             (folder / name).write_text(numbers, encoding="utf-8")
 
     def scene(self, name, active, radius, spacing):
-        (self.folder / f"{name}.toml").write_text(SCENE.format(active=active, radius=radius, spacing=spacing), encoding="utf-8")
+        (self.folder / f"{name}.toml").write_text(SCENE.format(name="liver", active=active, radius=radius, spacing=spacing),
+                                                   encoding="utf-8")
 
 
 class Machine:

@@ -178,7 +178,8 @@ TEST_F(MeshCommand, LeavesNothingBehindWhenItIsInterrupted) {
       "/palpate-worker' mesh organ.stl -o organ.msh 2>&1 & "
       "while ! test -e '" +
       (directory / "started").string() +
-      "'; do sleep 0.05; done; pkill -TERM -g $(pgrep -f '^[^ ]*palpate-worker mesh organ.stl' -n); "
+      "'; do sleep 0.05; done; pkill -TERM -g $(pgrep -f '^[^ ]*palpate-worker mesh organ.stl' "
+      "-n); "
       "wait $!");
   EXPECT_EQ(group.exit_code, 130) << group.output;
   EXPECT_TRUE(std::filesystem::is_empty(directory / "tmp"));
