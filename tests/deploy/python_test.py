@@ -1,14 +1,18 @@
 #!/usr/bin/env python3
 """deploy/python: the package for Python, on datasets that the programs build here. ctest runs each suite by itself; by hand
 PALPATE_BIN_DIR=build/release/bin tests/deploy/python_test.py."""
+import copy
+import dataclasses
 import inspect
 import json
+import pickle
 import re
 import shutil
 import subprocess
 import sys
 import threading
 import unittest
+import unittest.mock
 
 from small_datasets import BIN, EXAMPLES, FINGER, LIBRARY, PACKAGE, ROOT, TIP, WithDatasets, palpate
 
@@ -121,6 +125,28 @@ class PythonQueries(WithDatasets):
             sys.setswitchinterval(interval)
             other.join()
 
+    def testItStaysOpenUntilEveryCallThatIsInItHasEnded(self):
+        dataset = palpate.Dataset(self.file)
+        again, expected = copy.copy(dataset), dataset.query([0, 0, -0.01], active=0).force
+        ask = palpate._library.functions["query_many"]
+
+        def closing(*arguments):  # as another thread may
+            dataset.close()
+            again.close()
+            return ask(*arguments)
+
+        with unittest.mock.patch.dict(palpate._library.functions, query_many=closing):
+            np.testing.assert_array_equal(dataset.query([0, 0, -0.01], active=0).force, expected)
+        with self.assertRaisesRegex(palpate.Error, "was closed"):
+            dataset.query([0, 0, -0.01], active=0)
+
+    def testErrorsGoToOtherProcesses(self):
+        with self.assertRaises(palpate.Error) as caught:
+            palpate.Dataset(self.folder / "absent.h5")
+        received = pickle.loads(pickle.dumps(caught.exception))
+        self.assertEqual((str(received), received.status), (str(caught.exception), caught.exception.status))
+        self.assertIn("absent.h5: there is no such dataset", str(received))
+
     def testWrongQuestionsNameWhatIsWrongAndWhatThereIs(self):
         dataset = palpate.Dataset(self.file)
         for ask, text in ((lambda: dataset.query([0, 0, 0]), r"which active node\? there are: tip, rim"),
@@ -138,6 +164,10 @@ class PythonQueries(WithDatasets):
             with self.assertRaisesRegex(ValueError, "shape"):
                 ask()
         dataset.close()
+        frozen = palpate.Dataset(self.file).query([0, 0, 0.01], active=0)
+        frozen.force.flags.writeable = False
+        with self.assertRaisesRegex(ValueError, "out.force"):
+            palpate.Dataset(self.file).query([0, 0, 0.01], active=0, out=frozen)
         with self.assertRaisesRegex(palpate.Error, "was closed"):
             dataset.query([0, 0, 0], active=0)
 
@@ -225,6 +255,13 @@ class PythonContacts(WithDatasets):
             self.assertIn("clamped", given.guards)
             self.assertEqual(guard.limit(tool, touch, lost=True).force.tolist(), [0, 0, 0])
             guard.reset()
+            wall = dataclasses.replace(contact.update([1, 1, 1]), touching=True, force=np.array([0, 0, 0.02]))
+            for _ in range(1000):  # faded in
+                given = guard.limit([1, 1, 1], wall)
+            np.testing.assert_allclose(given.force, [0, 0, 0.02], atol=1e-9)
+            deep = contact.update(tool)
+            dataset.close()
+            self.assertEqual(contact.shape(deep).shape[1], 3)
         self.assertGreater(palpate.device("touch").max_force, 1)
 
 
@@ -341,6 +378,7 @@ class PythonPackage(WithDatasets):
         self.run_program("view", self.file, "--headless", "--fast", "--duration", "1", "--record", self.folder / "run.h5", "-q")
         done = self.run_python("-c", "\n".join(programs), MPLCONFIGDIR=str(self.folder))
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertRegex(done.stdout, r"6\.0 mm True \[")
         for figure in re.findall(r"savefig\(\"(.*?)\"\)", manual):
             self.assertGreater((self.folder / figure).stat().st_size, 5000)
 

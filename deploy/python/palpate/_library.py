@@ -34,8 +34,11 @@ class Error(Exception):
     """
 
     def __init__(self, status: int, text: str) -> None:
-        super().__init__(text)
+        super().__init__(status, text)  # both, so that it can go to another process
         self.status = status
+
+    def __str__(self) -> str:
+        return str(self.args[1])
 
 
 class _Sized(ctypes.Structure):
@@ -140,7 +143,7 @@ def _candidates() -> Iterator[str]:
         yield named
         return
     for folder in Path(__file__).resolve().parents:
-        for found in [folder / SONAME, *folder.glob(f"*-linux-gnu/{SONAME}"), *folder.glob(f"build/*/lib/{SONAME}")]:
+        for found in [folder / SONAME, *folder.glob(f"*-linux-gnu/{SONAME}"), folder / "build" / "release" / "lib" / SONAME]:
             if found.is_file():
                 yield str(found)
     yield ctypes.util.find_library("palpate") or SONAME
@@ -162,9 +165,11 @@ def _load() -> tuple[str, dict[str, Callable[..., Any]]]:
                 function.restype, function.argtypes = result, arguments
                 functions[word] = function
         except AttributeError as error:
-            raise ImportError(f"{name} is older than this package: {error}; install both of one version") from None
+            refusals.append(f"{name} is older than this package: {error}; install both of one version")
+            continue
         if (abi := functions["abi_version"]()) != ABI_VERSION:
-            raise ImportError(f"{name} has ABI {abi}, this package is for {ABI_VERSION}; install both of one version")
+            refusals.append(f"{name} has ABI {abi}, this package is for {ABI_VERSION}; install both of one version")
+            continue
         return name, functions
     raise ImportError("palpate cannot load libpalpate: " + "; ".join(refusals) + ". Install libpalpate0, build it "
                       "(cmake --build --preset release), or set PALPATE_LIBRARY to its file")
@@ -190,17 +195,29 @@ def version() -> str:
     return bytes(functions["version"]()).decode()
 
 
-class Handle:
-    """Owns a handle of the library: a context manager that gives it back once."""
+class _Owned:
+    """A handle of the library, given back with the last reference to it: a call that is running in another thread has one."""
 
-    _handle: c_void_p | None = None
+    def __init__(self, handle: c_void_p, destroy: str) -> None:
+        self._as_parameter_, self._destroy = handle, functions[destroy]  # what ctypes passes on
+
+    def __del__(self) -> None:
+        self._destroy(self._as_parameter_)
+
+
+class Handle:
+    """Has a handle of the library: a context manager."""
+
+    _handle: _Owned | None = None
     _destroy = ""
 
+    def _own(self, handle: c_void_p) -> None:
+        self._handle = _Owned(handle, self._destroy)
+
     def close(self) -> None:
-        """Gives it back now; nothing can be asked of it then. Without, Python does so when nobody refers to it any more."""
-        handle, self._handle = self._handle, None
-        if handle:
-            functions[self._destroy](handle)
+        """Gives it back, once calls that other threads are in have ended; nothing can be asked of it from now on. Without,
+        Python does so when nobody refers to it any more."""
+        self._handle = None
 
     def __enter__(self) -> Any:
         return self
@@ -208,12 +225,9 @@ class Handle:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def __del__(self) -> None:
-        self.close()
-
     @property
-    def handle(self) -> c_void_p:
+    def handle(self) -> _Owned:
         """For calls of the library. Error when it was given back."""
-        if not self._handle:
+        if self._handle is None:
             raise Error(1, f"this {type(self).__name__} was closed")
         return self._handle

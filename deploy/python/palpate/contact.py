@@ -54,7 +54,7 @@ class Touch:
     normal: Numbers  #: (3,), unit, outward, of the surface at rest there
     displacement: Numbers  #: (3,), m, of the point of contact: tool - anchor
     gap: float  #: m, when not touching: distance to the body, negative inside of it
-    _given: _library.Touch  #: for ``Contact.shape`` and ``Guard.limit``
+    _given: _library.Touch  #: for ``Contact.shape``
 
 
 def _touch(given: _library.Touch) -> Touch:
@@ -91,8 +91,8 @@ class Contact(_library.Handle):
         given.method = dataset._method(method)
         handle = c_void_p()
         _library.call("contact_create", dataset.handle, byref(given), byref(handle))
-        self._handle = handle
-        self._dataset = dataset
+        self._own(handle)
+        self._dataset, self._vertices = dataset.handle, dataset.vertices.shape
 
     @staticmethod
     def defaults(dataset: Dataset) -> ContactOptions:
@@ -114,8 +114,8 @@ class Contact(_library.Handle):
 
     def shape(self, touch: Touch) -> npt.NDArray[np.float32]:
         """(V, 3), m: displacements of ``Dataset.vertices`` in a touch of this contact."""
-        shape = np.empty(self._dataset.vertices.shape, np.float32)
-        _library.call("touch_displacements", self._dataset.handle, byref(touch._given), shape.ctypes.data_as(POINTER(c_float)),
+        shape = np.empty(self._vertices, np.float32)
+        _library.call("touch_displacements", self._dataset, byref(touch._given), shape.ctypes.data_as(POINTER(c_float)),
                       shape.size)
         return shape
 
@@ -126,7 +126,7 @@ class Contact(_library.Handle):
     def use(self, dataset: Dataset, method: str | int = 0) -> None:
         """Goes on with another dataset or method. Contact is kept where both surfaces have the same triangles."""
         _library.call("contact_use", self.handle, dataset.handle, dataset._method(method))
-        self._dataset = dataset
+        self._dataset, self._vertices = dataset.handle, dataset.vertices.shape
 
 
 @dataclass(frozen=True)
@@ -185,7 +185,7 @@ class Guard(_library.Handle):
                 setattr(given, field.name, getattr(options, field.name))
         handle = c_void_p()
         _library.call("guard_create", byref(given), byref(handle))
-        self._handle = handle
+        self._own(handle)
 
     @staticmethod
     def defaults(device: str | None = None, period: float = 0.001) -> GuardOptions:
@@ -198,11 +198,13 @@ class Guard(_library.Handle):
               late: bool = False) -> GuardedForce:
         """The force to send, once per period, also while nothing is touched. Should this raise, send zero.
 
-        tool: (3,), m, that the touch is of. fresh: the position is new. lost: the device is gone. late: the loop hung before.
+        tool: (3,), m, that the touch is of; ``dataclasses.replace(touch, force=..., touching=True)`` adds forces of yours. fresh: the position is new. lost: the device is gone. late: the loop hung before.
         """
         given = _library.GuardedForce()
-        flags = fresh | lost << 1 | late << 2
-        _library.call("guard_limit", self.handle, _position(tool), byref(touch._given), flags, byref(given))
+        flags = bool(fresh) | bool(lost) << 1 | bool(late) << 2
+        limited = _library.Touch(touching=touch.touching, stepped=touch.stepped, energy=touch.energy,
+                                 force=_library.Vector(*touch.force), stiffness=_library.Matrix(*np.ravel(touch.stiffness)))
+        _library.call("guard_limit", self.handle, _position(tool), byref(limited), flags, byref(given))
         words = tuple(word for bit, word in enumerate(_guards) if given.guards >> bit & 1)
         return GuardedForce(np.array(given.force), given.passivity, words)
 

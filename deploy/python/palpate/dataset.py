@@ -110,7 +110,7 @@ class Dataset(_library.Handle):
         handle = c_void_p()
         with _hdf5_alone():
             _library.call("dataset_open", os.fsencode(file), byref(options), byref(handle))
-        self._handle = handle
+        self._own(handle)
         self._info = _library.DatasetInfo()
         _library.call("dataset_describe", self.handle, byref(self._info))
         self.name: str = self._info.name.decode()  #: of the scene
@@ -228,7 +228,7 @@ def _answers(shape: tuple[int, ...], members: Sequence[tuple[str, tuple[int, ...
             arrays[name] = np.empty(shape + rest, kind)
             continue
         given = getattr(out, name)
-        if given is None or given.shape != shape + rest or given.dtype != kind or not given.flags.c_contiguous:
+        if given is None or given.shape != shape + rest or given.dtype != kind or not (given.flags.c_contiguous and given.flags.writeable):
             raise ValueError(f"out.{name} must be the array of an earlier answer for as many displacements, {shape + rest}")
         arrays[name] = given
     pointers = {_members[name]: array.ctypes.data for name, array in arrays.items()}
