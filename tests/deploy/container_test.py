@@ -84,8 +84,24 @@ class Container(unittest.TestCase):
         for path in copied:
             self.assertTrue(os.path.exists(os.path.join(ROOT, path)), path)
         with open(f"{ROOT}/CMakeLists.txt", encoding="utf-8") as file:
-            folders = re.findall(r"^add_subdirectory\((\w+)\)", file.read(), re.M)
+            text = file.read()
+        folders = re.findall(r"^add_subdirectory\((\w+)\)", text, re.M)
         self.assertEqual([folder for folder in folders if folder not in copied], [])
+        needed = re.findall(r"^include\((\S+/\S+)\)", text, re.M)  # not with OPTIONAL
+        self.assertEqual([path for path in needed if path.split("/")[0] not in copied and path not in copied], [])
+
+    def testWhatIsCopiedCanBeConfigured(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for line in stages()[0]:
+                if line.startswith("COPY "):
+                    *paths, into = line.split()[1:]
+                    for path in paths:
+                        copy = os.path.join(folder, into, "" if os.path.isdir(f"{ROOT}/{path}") else os.path.basename(path))
+                        os.makedirs(os.path.dirname(copy.rstrip("/")), exist_ok=True)
+                        subprocess.run(["cp", "-r", "-T", f"{ROOT}/{path}", copy], check=True)
+            done = subprocess.run(["cmake", "--preset", "release", "-DPALPATE_TESTS=OFF"], cwd=folder, capture_output=True, text=True,
+                                  check=False)
+            self.assertEqual(done.returncode, 0, done.stdout[-1000:] + done.stderr)
 
     def testTheProgramsOfTheComponentAreThoseOfTheManifests(self):
         """What `cmake --install --component service` brings."""
