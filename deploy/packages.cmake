@@ -56,7 +56,7 @@ function(palpate_package name)
 endfunction()
 
 palpate_package(palpate COMPONENTS service verification manual documents data SECTION science
-  RECOMMENDS "palpate-viewer (= ${PROJECT_VERSION}), gmsh" SUGGESTS "python3-palpate, python3-meshio, tetgen, slurm-client"
+  RECOMMENDS "palpate-viewer (= ${PROJECT_VERSION}), gmsh" SUGGESTS "python3-palpate, python3-meshio, tetgen, slurm-client, bash-completion"
   SUMMARY "feel a nonlinear soft body at 1 kHz"
   DESCRIPTION "A scheduler and workers precompute the equilibrium of a soft body, by
 finite elements, for a lattice of positions of a finger that displaces its

@@ -133,6 +133,8 @@ class Reader:
             else:
                 self.run(command, (0, 1) if "doctor" in command else (0, 3))  # what a machine lacks; what is outside or failed
                 if command.startswith("palpate stop"):
+                    if self.server is None:
+                        raise RuntimeError("stops what does not run")
                     self.server.wait(60)
         except (RuntimeError, subprocess.TimeoutExpired) as error:
             return f"{command}: {error}"
@@ -224,6 +226,7 @@ class Pages(unittest.TestCase):
                 self.assertIn(said.returncode, (0, 3), said.args + [said.stdout, said.stderr])
             for page in PAGES:
                 reader = Reader(pathlib.Path(root) / page.replace("/", "-"), bodies, machine)
+                self.addCleanup(reader.close)
                 for where, command in commands():
                     if where.split(":")[0] != page or not re.match(r"(\w+=\$\()?palpate (-|[a-z]+( |$))", command):
                         continue
