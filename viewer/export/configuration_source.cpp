@@ -8,9 +8,9 @@
 namespace palpate {
 
 Configuration ConfigurationSource::interpolated(const ForceAnswers& answers,
+                                                const ForceAnswer& answer,
                                                 const TouchInput& touch) {
   if (!shape_) shape_.emplace(dataset_, answers.choice());
-  const ForceAnswer answer = answers.answer(touch);
   const ActivePatch& patch = answers.firstSpace().patch;
   Configuration configuration = touchedBy(patch);
   std::optional<Eigen::Vector3d> place;
@@ -61,7 +61,8 @@ std::size_t ConfigurationSource::spaceOf(const std::string& active,
   if (!place) return choice.spaces.front();
   if (!dataset_.spaces()[choice.spaces.front()].patch.finger)
     throw badInput("--at: \"{}\" is no finger, and answers where it is only", choice.name);
-  return nearestSite(dataset_, choice.spaces, *place);
+  return nearestSite(dataset_, choice.spaces,
+                     fingerNear("--at", dataset_.mesh(), *place, 0).center);
 }
 
 Configuration ConfigurationSource::touchedBy(const ActivePatch& patch) const {
@@ -77,7 +78,7 @@ void ConfigurationSource::refuseUnsolved(const SpaceTable& space, std::int32_t n
   const std::string file = dataset_.file().string();
   throw badInput(
       "{}: point ({:g}, {:g}, {:g}) of {} is {}{}: there is no configuration to export; "
-      "palpate explain {} --active {} {:g} {:g} {:g} says why",
+      "palpate explain '{}' --active {} {:g} {:g} {:g} says why",
       file, point[0], point[1], point[2], space.patch.name, name(record.tag),
       record.tag == Tag::failed ? fmt::format(" ({})", name(record.cause)) : "", file,
       space.patch.name, point[0], point[1], point[2]);

@@ -15,8 +15,10 @@ class ConfigurationSource {
   /// The dataset must outlive this object.
   explicit ConfigurationSource(const Dataset& dataset) : dataset_(dataset) {}
 
-  /// Shape and force at a touch. `answers`: of this dataset, the same ones every time.
-  Configuration interpolated(const ForceAnswers& answers, const TouchInput& touch);
+  /// Shape and force at a touch. `answers`: of this dataset, the same ones every time; `answer`:
+  /// theirs to this touch.
+  Configuration interpolated(const ForceAnswers& answers, const ForceAnswer& answer,
+                             const TouchInput& touch);
 
   /// The lattice point of an active node, or of the site of a finger's area that is nearest to a
   /// place (metres), with these coordinates in spacings. Error (bad input) for an unknown name, a

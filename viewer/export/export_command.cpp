@@ -43,8 +43,9 @@ void checkChoice(const ExportOptions& options, const ExportTarget& target) {
 ExitCode codeOf(std::size_t outside, std::size_t all) {
   if (outside == 0) return ExitCode::done;
   spdlog::warn(
-      "{} of {} displacements lie outside of the workspace ball, or where nothing around was "
-      "solved: written is what is nearest to them, with inside = 0",
+      "{} of {} touches lie outside of the workspace, where nothing around was solved or no site of "
+      "the finger is near, or rest on what is fixed: they are marked inside = 0, with what is "
+      "nearest, or without a force",
       outside, all);
   return ExitCode::partly_failed;
 }
@@ -77,14 +78,26 @@ Configuration chosenConfiguration(const ExportOptions& options, const Dataset& d
     return source.solved(options.active, place, point);
   }
   const ForceAnswers answers(dataset, options.active, !options.at.empty(), options.method);
-  return source.interpolated(
-      answers, onlyTouch(options.at, options.displacement, answers.workspaceRadius()));
+  const TouchInput touch = onlyTouch(options.at, options.displacement, answers.workspaceRadius());
+  return source.interpolated(answers, answers.answer(touch), touch);
+}
+
+/// All that the way feels: what is wrong with a touch is told before anything is replaced.
+std::vector<ForceAnswer> answersAlong(const std::vector<WayStep>& way,
+                                      const ForceAnswers& answers) {
+  std::vector<ForceAnswer> found;
+  for (const WayStep& step : way) {
+    leaveWhenInterrupted();
+    found.push_back(answers.answer(step.touch));
+  }
+  return found;
 }
 
 ExitCode exportOne(const ExportOptions& options, const Dataset& dataset, const ExportTarget& target,
                    std::ostream& output) {
   const Configuration configuration = chosenConfiguration(options, dataset);
   const ConfigurationGrid grid(dataset);
+  leaveWhenInterrupted();
   writeOne(target, grid.of(configuration));
   output << fmt::format("{}: {}\n", target.file().string(), describe(grid));
   return codeOf(configuration.sample.inside ? 0 : 1, 1);
@@ -95,6 +108,7 @@ ExitCode exportSeries(const Dataset& dataset, const ForceAnswers& answers,
                       std::ostream& output) {
   ConfigurationSource source(dataset);
   const ConfigurationGrid grid(dataset);
+  const std::vector<ForceAnswer> found = answersAlong(way, answers);
   target.beginSeries();
   std::vector<SeriesFile> series;
   std::size_t outside = 0;
@@ -104,7 +118,7 @@ ExitCode exportSeries(const Dataset& dataset, const ForceAnswers& answers,
                    target.file().string());
       return ExitCode::interrupted;
     }
-    Configuration configuration = source.interpolated(answers, way[n].touch);
+    Configuration configuration = source.interpolated(answers, found[n], way[n].touch);
     configuration.way = way[n].way;
     outside += configuration.sample.inside ? 0 : 1;
     replaceFile(target.seriesFile(n), vtuBytes(grid.of(configuration)), "grid");
@@ -119,8 +133,7 @@ ExitCode exportSeries(const Dataset& dataset, const ForceAnswers& answers,
 
 ExitCode exportCurve(const ForceAnswers& answers, const std::vector<WayStep>& way,
                      const ExportTarget& target, std::ostream& output) {
-  std::vector<ForceAnswer> found;
-  for (const WayStep& step : way) found.push_back(answers.answer(step.touch));
+  const std::vector<ForceAnswer> found = answersAlong(way, answers);
   replaceFile(target.file(), forceCurve(way, found), "curve");
   output << fmt::format("{}: {} lines\n", target.file().string(), way.size());
   const std::ptrdiff_t outside = std::ranges::count(
@@ -177,6 +190,7 @@ ExitCode exportConfigurations(const ExportOptions& options, std::istream& input,
   warnIfPartial(dataset);
   if (!target.holdsWay()) return exportOne(options, dataset, target, output);
   const ForceAnswers answers(dataset, options.active, !options.at.empty(), options.method);
+  leaveWhenInterrupted();
   const std::vector<WayStep> way =
       touchWay(options.at, options.displacement, options.steps, input, answers.workspaceRadius());
   if (target.format() == ExportFormat::csv) return exportCurve(answers, way, target, output);

@@ -92,8 +92,8 @@ std::filesystem::path ExportTarget::seriesFile(std::size_t number) const {
 
 void ExportTarget::beginSeries() const {
   std::error_code error;
-  std::filesystem::remove(file_, error);
-  if (!error) std::filesystem::create_directory(seriesFolder(), error);
+  std::filesystem::create_directory(seriesFolder(), error);
+  if (!error) std::filesystem::remove(file_, error);
   if (error)
     throw failure("{}: the series cannot be begun: {}", seriesFolder().string(), error.message());
 }

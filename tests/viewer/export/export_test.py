@@ -356,6 +356,40 @@ class ExportedBody(ExportedBox):
         self.assertEqual([file.name for file in files], [f"press_{n:04}.vtu" for n in range(len(files))])
         self.assertEqual(VtkGrid(files[-1]).point["displacement"].shape, VtkGrid(files[0]).points.shape)
 
+    def testInterruptedWhileItReadsReplacesNothing(self):
+        self.build()
+        (self.folder / "curve.csv").write_text("of yesterday", encoding="utf-8")
+        going = subprocess.Popen([PALPATE, "export", "box.h5", "-o", "curve.csv", "--displacement", "-", "--force"],
+                                 cwd=self.folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.addCleanup(going.kill)
+        going.stdin.write("0.001 0 0\n0.002 0 0\n")
+        going.stdin.flush()
+        time.sleep(1)
+        going.send_signal(signal.SIGTERM)
+        told = going.stdout.read()
+        self.assertEqual((going.wait(), (self.folder / "curve.csv").read_text(encoding="utf-8")), (130, "of yesterday"), told)
+        self.assertIn("nothing was written", told)
+        going.stdin.close()
+        going.stdout.close()
+
+    def testAWrongPlaceLeavesTheEarlierSeriesAsItWas(self):
+        self.build_scene(FINGER_SCENE, *box((6, 4, 4), 0.01))
+        touch = "0.031 0.022 0.04 0 0 -0.004\n"
+        self.export("press.pvd", "--at", "-", "--displacement", "-", lines=2 * touch)
+        before = {file.name: file.read_bytes() for file in [self.folder / "press.pvd", *(self.folder / "press").iterdir()]}
+        for words in (("--at", "-", "--displacement", "-"), ("--at", "31", "22", "40", "--point", "0", "0", "-1")):
+            name = "press.pvd" if "-" == words[1] else "site.vtu"
+            told = self.run_palpate("export", "box.h5", "-o", name, *words, "--force", code=2, lines=touch + "31 22 40 0 0 -0.004\n")
+            self.assertIn("--at", told)
+        after = {file.name: file.read_bytes() for file in [self.folder / "press.pvd", *(self.folder / "press").iterdir()]}
+        self.assertEqual(after, before)
+        self.assertFalse((self.folder / "site.vtu").exists())
+
+    def testOutsideIsMarked(self):
+        self.build()
+        grid = VtkGrid(self.export("out.vtu", "--displacement", "0.5", "0", "0", code=3))
+        self.assertEqual(np.ravel(grid.field["inside"]).tolist(), [0])
+
     def testOfForcesIsACurveWithTheAnswersOfQuery(self):
         self.build()
         file = self.export("curve.csv", "--displacement", "0.006", "0", "0.012", "--steps", "6", code=3)
