@@ -90,10 +90,7 @@ void printMesh(MadeMesh& made, const MeshOptions& options) {
   if (!options.unit.empty())
     fmt::print("unit       {}\n", unit.name);
   else if (!guess)
-    fmt::print(
-        "warning    the body is {:.4g} wide, and no unit (m, cm, mm) makes it one of 1 mm to 10 m: "
-        "scale it before it is used\n",
-        extent);
+    fmt::print("warning    {}: scale it before it is used\n", whyNoUnit(extent));
   else
     fmt::print("unit       {} by its size{}; --unit says otherwise\n", unit.name,
                guess->doubt.empty() ? "" : fmt::format(" ({})", guess->doubt));

@@ -63,11 +63,7 @@ GuessedUnit unitOfMesh(const NewOptions& options, const Mesh& as_metres) {
   if (!options.unit.empty()) return {unitNamed(options.unit)};
   const double extent = boundingBox(as_metres).sizes().maxCoeff();
   const std::optional<GuessedUnit> guess = guessedUnit(extent);
-  if (!guess)
-    throw badInput(
-        "{}: the body is {:.4g} wide, and no unit (m, cm, mm) makes it one of 1 mm to 10 m: scale "
-        "the mesh",
-        options.mesh, extent);
+  if (!guess) throw badInput("{}: {}: scale the mesh", options.mesh, whyNoUnit(extent));
   return *guess;
 }
 

@@ -173,14 +173,11 @@ TEST_F(MeshCommand, LeavesNothingBehindWhenItIsInterrupted) {
   // A signal of a terminal reaches all of a group.
   std::filesystem::remove(directory / "started");
   const CommandResult group = test::runCommand(
-      "cd '" + directory.path().string() +
-      "' && export TMPDIR=$PWD/tmp PATH=$PWD:$PATH && setsid -w '" PALPATE_BIN_DIR
-      "/palpate-worker' mesh organ.stl -o organ.msh 2>&1 & "
+      "(cd '" + directory.path().string() +
+      "' && export TMPDIR=$PWD/tmp PATH=$PWD:$PATH && exec setsid -w '" PALPATE_BIN_DIR
+      "/palpate-worker' mesh organ.stl -o organ.msh 2>&1) & "
       "while ! test -e '" +
-      (directory / "started").string() +
-      "'; do sleep 0.05; done; pkill -TERM -g $(pgrep -f '^[^ ]*palpate-worker mesh organ.stl' "
-      "-n); "
-      "wait $!");
+      (directory / "started").string() + "'; do sleep 0.05; done; pkill -TERM -g $!; wait $!");
   EXPECT_EQ(group.exit_code, 130) << group.output;
   EXPECT_TRUE(std::filesystem::is_empty(directory / "tmp"));
   EXPECT_FALSE(std::filesystem::exists(directory / "organ.msh"));

@@ -7,6 +7,7 @@
 #include <iostream>
 #include <memory>
 
+#include "common/base/interruption.hpp"
 #include "common/base/whole_file.hpp"
 #include "viewer/export/configuration_grid.hpp"
 #include "viewer/export/configuration_source.hpp"
@@ -87,7 +88,7 @@ std::vector<ForceAnswer> answersAlong(const std::vector<WayStep>& way,
                                       const ForceAnswers& answers) {
   std::vector<ForceAnswer> found;
   for (const WayStep& step : way) {
-    leaveWhenInterrupted();
+    endWhenInterrupted();
     found.push_back(answers.answer(step.touch));
   }
   return found;
@@ -97,7 +98,7 @@ ExitCode exportOne(const ExportOptions& options, const Dataset& dataset, const E
                    std::ostream& output) {
   const Configuration configuration = chosenConfiguration(options, dataset);
   const ConfigurationGrid grid(dataset);
-  leaveWhenInterrupted();
+  endWhenInterrupted();
   writeOne(target, grid.of(configuration));
   output << fmt::format("{}: {}\n", target.file().string(), describe(grid));
   return codeOf(configuration.sample.inside ? 0 : 1, 1);
@@ -190,7 +191,7 @@ ExitCode exportConfigurations(const ExportOptions& options, std::istream& input,
   warnIfPartial(dataset);
   if (!target.holdsWay()) return exportOne(options, dataset, target, output);
   const ForceAnswers answers(dataset, options.active, !options.at.empty(), options.method);
-  leaveWhenInterrupted();
+  endWhenInterrupted();
   const std::vector<WayStep> way =
       touchWay(options.at, options.displacement, options.steps, input, answers.workspaceRadius());
   if (target.format() == ExportFormat::csv) return exportCurve(answers, way, target, output);

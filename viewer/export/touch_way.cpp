@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "common/base/error.hpp"
-#include "common/base/program.hpp"
+#include "common/base/interruption.hpp"
 
 namespace palpate {
 namespace {
@@ -32,12 +32,12 @@ std::vector<WayStep> touchWay(const std::vector<std::string>& at,
     if (steps != 0)
       throw badInput("--steps {}: with --displacement - every line of the input is a step", steps);
     forEachTouch(at, words, input, workspace_radius, [&](const TouchInput& touch) {
-      leaveWhenInterrupted();
+      endWhenInterrupted();
       if (std::ssize(way) > most_steps)
         throw badInput("standard input has more than {} touches", most_steps + 1);
       append(way, touch);
     });
-    leaveWhenInterrupted();
+    endWhenInterrupted();
     if (way.empty()) throw badInput("standard input has no displacement: one per line, X Y Z");
     return way;
   }
@@ -47,10 +47,6 @@ std::vector<WayStep> touchWay(const std::vector<std::string>& at,
   for (int n = 0; n <= steps; ++n)
     append(way, {end.at, static_cast<double>(n) / steps * end.displacement});
   return way;
-}
-
-void leaveWhenInterrupted() {
-  if (interrupted()) throw Error(ExitCode::interrupted, "interrupted; nothing was written");
 }
 
 TouchInput onlyTouch(const std::vector<std::string>& at, const std::vector<std::string>& words,

@@ -17,14 +17,11 @@ inline constexpr int most_steps = 100000;
 
 /// The touches of a way: from rest straight to the displacement in `words` in so many steps, rest
 /// included; or, where `words` is "-", one per line of the input (forEachTouch), and no `steps`
-/// (0). Error (bad input) when there are none or too many, or none in the input; leaves when it is
-/// interrupted, which ends the input too.
+/// (0). Error (bad input) when there are none or too many, or none in the input; Error with the
+/// exit code of an interrupt when this process is interrupted, which ends the input too.
 std::vector<WayStep> touchWay(const std::vector<std::string>& at,
                               const std::vector<std::string>& words, int steps, std::istream& input,
                               double workspace_radius);
-
-/// Error with the exit code of an interrupt, once interrupted(): while nothing is replaced yet.
-void leaveWhenInterrupted();
 
 /// The only touch: the displacement in `words`, which is not "-".
 TouchInput onlyTouch(const std::vector<std::string>& at, const std::vector<std::string>& words,

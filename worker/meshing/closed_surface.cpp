@@ -11,9 +11,9 @@
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
 #include "common/base/index.hpp"
+#include "common/base/interruption.hpp"
 #include "common/base/near_points.hpp"
 #include "common/base/whole_file.hpp"
-#include "worker/meshing/meshing_programs.hpp"
 #include "worker/meshing/surface_cuts.hpp"
 
 namespace palpate {

@@ -35,14 +35,14 @@ enum class Bodies : std::uint8_t {
 };
 
 /// Makes a closed surface of triangles. Put right, with a note: corners that lie within 1e-6 of the
-/// bounding box's diagonal of each other are one; triangles without area and repeated ones are left
-/// out; triangles are turned until neighbours face the same side and all face outward. A shell
-/// inside of a body is a cavity.
+/// bounding box's diagonal of each other are one; triangles of which two corners are one, and
+/// repeated ones, are left out; triangles are turned until neighbours face the same side and all
+/// face outward. A shell inside of a body is a cavity.
 ///
 /// Error (bad input), which begins with `source` and tells how many, where the first is and what to
 /// do: no triangles, or far too large coordinates; edges with one triangle (open) or with more than
 /// two; one side only; no volume; several bodies, with their sizes; triangles that cut each other
-/// (surface_cuts.hpp).
+/// (surface_cuts.hpp). Error with the exit code of an interrupt when this process is interrupted.
 ClosedSurface closedSurface(TriangleSoup soup, const std::string& source, Bodies bodies);
 
 }  // namespace palpate

@@ -49,6 +49,12 @@ std::optional<GuessedUnit> guessedUnit(double extent) {
   return GuessedUnit{unitOf("mm"), sure ? "" : sizeIn(extent, unitOf("mm")) + ", which is much"};
 }
 
+std::string whyNoUnit(double extent) {
+  return fmt::format(
+      "the body is {:.4g} wide, and no unit (m, cm, mm) makes it one of {:g} to {:g} m", extent,
+      smallest_body, largest_body);
+}
+
 LengthUnit unitNamed(const std::string& word) {
   const auto* const found = std::ranges::find(length_units, word, &LengthUnit::word);
   if (found != length_units.end()) return *found;

@@ -20,6 +20,9 @@ struct GuessedUnit {
 /// to 10 m.
 std::optional<GuessedUnit> guessedUnit(double extent);
 
+/// Why there is none for a body of this extent: a clause for people.
+std::string whyNoUnit(double extent);
+
 /// The unit of this word; Error (bad input) that lists the words otherwise.
 LengthUnit unitNamed(const std::string& word);
 

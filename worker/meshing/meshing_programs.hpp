@@ -1,8 +1,6 @@
 #pragma once
 
-#include "common/base/error.hpp"
 #include "common/base/foreign_program.hpp"
-#include "common/base/program.hpp"
 
 namespace palpate {
 
@@ -14,11 +12,6 @@ inline Ran runMeshing(ForeignProgram program) {
   program.patience = longest_meshing;
   program.heeds_interrupts = true;
   return runToItsEnd(program);
-}
-
-/// Error with the exit code of an interrupt, once interrupted(): for our own work between them.
-inline void endWhenInterrupted() {
-  if (interrupted()) throw Error(ExitCode::interrupted, "interrupted");
 }
 
 }  // namespace palpate

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "worker/meshing/meshing_programs.hpp"
+#include "common/base/interruption.hpp"
 
 namespace palpate {
 namespace {

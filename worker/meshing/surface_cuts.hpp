@@ -17,6 +17,7 @@ struct SurfaceCuts {
 
 /// Looks at all pairs whose bounding boxes meet, by a tree of boxes. Sides of planes are told in
 /// extended precision, and by less than its round-off a point counts as on the plane.
+/// Error with the exit code of an interrupt when this process is interrupted.
 SurfaceCuts cutsOf(const std::vector<Eigen::Vector3d>& points,
                    const std::vector<Triangle>& triangles);
 

@@ -45,7 +45,8 @@ double edgeFor(double volume, double area, double nodes);
 ///
 /// Error (bad input) for a size that makes no element, or millions; Error that names the package
 /// when no program is installed that may be used; Error, with what it said, when none of them makes
-/// a mesh whose volume is that of the surface to 25 %.
+/// a mesh whose volume is that of the surface to 25 %. One that crashes or takes too long has
+/// failed like any other; an interrupt ends everything, with its exit code.
 Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fineness, Mesher mesher,
                               const std::filesystem::path& folder, const std::string& source);
 

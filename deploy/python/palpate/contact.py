@@ -198,7 +198,8 @@ class Guard(_library.Handle):
               late: bool = False) -> GuardedForce:
         """The force to send, once per period, also while nothing is touched. Should this raise, send zero.
 
-        tool: (3,), m, that the touch is of; ``dataclasses.replace(touch, force=..., touching=True)`` adds forces of yours. fresh: the position is new. lost: the device is gone. late: the loop hung before.
+        tool: (3,), m, that the touch is of. touch: as it is, or ``dataclasses.replace(touch, force=..., touching=True)`` with
+        forces of yours. fresh: the position is new. lost: the device is gone. late: the loop hung before.
         """
         given = _library.GuardedForce()
         flags = bool(fresh) | bool(lost) << 1 | bool(late) << 2

@@ -228,7 +228,8 @@ def _answers(shape: tuple[int, ...], members: Sequence[tuple[str, tuple[int, ...
             arrays[name] = np.empty(shape + rest, kind)
             continue
         given = getattr(out, name)
-        if given is None or given.shape != shape + rest or given.dtype != kind or not (given.flags.c_contiguous and given.flags.writeable):
+        fits = given is not None and given.shape == shape + rest and given.dtype == kind
+        if not (fits and given.flags.c_contiguous and given.flags.writeable):
             raise ValueError(f"out.{name} must be the array of an earlier answer for as many displacements, {shape + rest}")
         arrays[name] = given
     pointers = {_members[name]: array.ctypes.data for name, array in arrays.items()}
