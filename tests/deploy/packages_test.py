@@ -96,7 +96,7 @@ class Packages(unittest.TestCase):
 
     def testVersionsSayWhatWasBuiltFromWhat(self):
         text = output(BIN / "palpate", "--version")
-        self.assertRegex(text, r"^palpate [0-9.]+\ncommit \S+, \w+\n")
+        self.assertRegex(text, r"^palpate [0-9.]+\ncommit \S+, \w+( with [a-z ]+ sanitizer)?\n")
         for library in ("GNU", "Eigen", "MUMPS", "OpenBLAS", "HDF5", "SQLite", "ZeroMQ", "Protobuf"):
             self.assertRegex(text, library + r" [0-9]+\.[0-9]")
 

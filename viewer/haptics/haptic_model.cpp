@@ -76,19 +76,20 @@ bool HapticModel::makeAreas(const std::stop_token& stop) {
     if (stop.stop_requested()) throw Stopped();
     sites_done_.fetch_add(1, std::memory_order_relaxed);
   };
-  const auto make_all = [&] {
-    sites_done_ = 0;
-    std::vector<std::shared_ptr<const AreaField>> areas;
+  // No std::call_once: after an exception it never ends under the thread sanitizer.
+  const std::scoped_lock lock(making_areas_);
+  if (areas_made_) return true;
+  sites_done_ = 0;
+  std::vector<std::shared_ptr<const AreaField>> areas;
+  try {
     for (std::size_t a = 0; a < places_.size(); ++a)
       areas.push_back(std::make_shared<const AreaField>(
           chosenOf(spaces_, surface_.areas()[a].spaces), places_[a], site_done));
-    areas_ = std::move(areas);
-  };
-  try {
-    std::call_once(areas_made_, make_all);
   } catch (const Stopped&) {
     return false;
   }
+  areas_ = std::move(areas);
+  areas_made_ = true;
   return true;
 }
 

@@ -101,7 +101,8 @@ class HapticModel {
   std::vector<SpaceTable> spaces_;
   std::vector<double> tool_radii_;                    ///< m, [space]
   std::vector<std::vector<Eigen::Vector3d>> places_;  ///< m, per area, for its stations
-  std::once_flag areas_made_;
+  std::mutex making_areas_;
+  bool areas_made_ = false;
   std::atomic<std::size_t> sites_done_ = 0;              ///< of all areas
   std::vector<std::shared_ptr<const AreaField>> areas_;  ///< as surface_.areas()
   std::vector<std::int32_t> area_of_space_;              ///< -1: none

@@ -11,7 +11,10 @@ struct Person::Impl {
   Display* display = nullptr;
   Window window = 0;
   Time clock = 1000;  ///< ms
-  int x = 0, y = 0;   ///< of the pointer
+  ~Impl() {
+    if (display != nullptr) XCloseDisplay(display);
+  }
+  int x = 0, y = 0;  ///< of the pointer
 
   void find(const std::string& title);
   void button(int type, long mask) {
@@ -54,9 +57,7 @@ Person::Person(const std::string& screen, const std::string& title)
   if (impl_->window == 0) throw failure("no window \"{}\" on {}", title, screen);
 }
 
-Person::~Person() {
-  if (impl_->display != nullptr) XCloseDisplay(impl_->display);
-}
+Person::~Person() = default;
 
 void Person::closeWindow() {
   XEvent event{};
