@@ -138,6 +138,14 @@ TEST_F(ViewTest, ADatasetThatIsReplacedMeanwhileChangesNothing) {
   EXPECT_THAT(run->output(), HasSubstr("cube.h5 was replaced"));
 }
 
+TEST_F(ViewTest, ARecordingDoesNotReplaceItsDataset) {
+  const std::string before = content("cube.h5");
+  auto run = start({"cube.h5", "--headless", "--duration", "0.1", "--record", "./cube.h5"});
+  EXPECT_EQ(run->wait(), 2);
+  EXPECT_THAT(run->output(), HasSubstr("--record ./cube.h5: is one of the datasets"));
+  EXPECT_EQ(content("cube.h5"), before);
+}
+
 TEST_F(ViewTest, SaysWhatToDoWithoutADisplay) {
   auto run = start({"cube.h5", "--duration", "1"});
   EXPECT_EQ(run->wait(), 1);

@@ -95,6 +95,14 @@ TEST_F(ShareCommandTest, APageNeedsNoScriptOfItsOwnToSayThatItCannotStart) {
     EXPECT_THAT(trouble.substr(trouble.find("<script>")), Not(HasSubstr(newer)));
 }
 
+TEST_F(ShareCommandTest, ThePageDoesNotReplaceTheDataset) {
+  seal("cube");
+  const std::string before = readText(options.dataset, "dataset");
+  options.output = directory / "." / "cube.h5";
+  test::expectError(ExitCode::usage, [&] { told(); }, {"-o", "is the dataset", "cube.html"});
+  EXPECT_EQ(readText(options.dataset, "dataset"), before);
+}
+
 TEST_F(ShareCommandTest, WhatIsNoDatasetIsRefusedAndNoPageIsLeft) {
   std::ofstream(options.dataset) << "nothing";
   test::expectError(ExitCode::usage, [&] { told(); }, {"cube.h5"});
