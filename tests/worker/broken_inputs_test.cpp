@@ -251,6 +251,7 @@ std::vector<BrokenMesh> brokenMeshes() {
       {"cut.vtu",
        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Unstr",
        {"cut.vtu: meshio cannot read it"}},
+      {"begun.msh", "$MeshFormat\n", {"begun.msh: it is truncated", "save it again"}},
       {"cut.msh", "$MeshFormat\n2.2 1 8\n\x01\x01", {"cut.msh: the file is truncated"}},
       {"other.msh",
        std::string("$MeshFormat\n4.1 1 8\n") + std::string("\0\0\0\1", 4),

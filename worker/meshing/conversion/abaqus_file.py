@@ -1,0 +1,186 @@
+"""Abaqus's .inp, of which meshio loses sets."""
+from body import NODES_OF, Body, wrong
+from lines import data_lines, numbers
+
+ABAQUS = {"C3D4": "tetra", "C3D10": "tetra10", "C3D8": "hexahedron", "C3D20": "hexahedron20", "C3D6": "wedge",
+          "C3D15": "wedge15", "C3D5": "pyramid", "S3": "triangle", "STRI3": "triangle", "CPS3": "triangle",
+          "CPE3": "triangle", "R3D3": "triangle", "M3D3": "triangle", "SFM3D3": "triangle", "STRI65": "triangle6",
+          "CPS6": "triangle6", "CPE6": "triangle6", "M3D6": "triangle6", "S4": "quad", "CPS4": "quad", "R3D4": "quad",
+          "T3D2": "line", "B31": "line", "T3D3": "line3", "B32": "line3"}
+
+
+def abaqus_kind(word):
+    """C3D10MH is C3D10 with another formulation."""
+    matches = [name for name in ABAQUS if word.startswith(name) and not word[len(name):len(name) + 1].isdigit()]
+    return ABAQUS[max(matches, key=len)] if matches else None
+
+
+class Abaqus:
+    """Keywords of one .inp with what it includes. Numbers of nodes and elements hold in their part: a scope."""
+
+    def __init__(self, path):
+        self.files, self.scope, self.part_of = [path], "", {}  # part_of: instance -> scope
+        self.points, self.number_of = [], {}  # number_of: (scope, number) -> point
+        self.elements = {}  # (scope, number) -> (kind, points)
+        self.sets = {"NSET": {}, "ELSET": {}}  # capitals of the name -> (name, [(scope, number)])
+        self.keyword, self.options, self.kind = "", {}, None
+        self.pending = []  # of an element whose nodes go on in the next line
+        self.read(path)
+
+    def read(self, path):
+        for line, text in data_lines(path, comment="**"):
+            self.path, self.line = path, line
+            if text.startswith("*"):
+                self.begin(text)
+            elif self.keyword == "NODE":
+                self.node(text)
+            elif self.keyword == "ELEMENT":
+                self.element(text)
+            elif self.keyword in self.sets:
+                self.members(text)
+        self.refuse_half_an_element()
+
+    def wrong(self, what):
+        wrong(self.path, self.line, what)
+
+    def refuse_half_an_element(self):
+        if self.pending:
+            self.wrong(f"element {self.pending[0]} has {len(self.pending) - 1} nodes where {NODES_OF[self.kind]} are expected "
+                       "before this line: the file is truncated")
+
+    def begin(self, text):
+        self.refuse_half_an_element()
+        words = [word.strip() for word in text[1:].split(",")]
+        self.keyword = words[0].upper()
+        pairs = (word.partition("=") for word in words[1:])
+        self.options = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
+        if self.keyword == "INCLUDE":
+            self.include()
+        elif self.keyword in ("PART", "ASSEMBLY", "INSTANCE", "END PART", "END ASSEMBLY", "END INSTANCE"):
+            self.enter()
+        elif self.keyword in ("NODE", "ELEMENT", "NSET", "ELSET"):
+            if "INPUT" in self.options:
+                self.wrong(f"INPUT={self.options['INPUT']} is not read: put the lines of that file here, or use *INCLUDE")
+            if self.keyword == "ELEMENT":
+                word = self.options.get("TYPE", "").upper()
+                self.kind = abaqus_kind(word)
+                if self.kind is None:
+                    self.wrong(f"elements of type {word or '(none)'} are not read; tetrahedra are C3D4 and C3D10")
+            elif self.keyword == "NSET" and self.options.get("NSET") and self.options.get("ELSET"):
+                self.nodes_of_elements()
+
+    def include(self):
+        included = self.path.parent / self.options.get("INPUT", "")
+        if included in self.files:
+            self.wrong(f"{included} includes itself")
+        path = self.path
+        self.files.append(included)
+        self.keyword = ""
+        self.read(included)
+        self.files.pop()
+        self.path, self.keyword = path, ""
+
+    def enter(self):
+        """Parts have numbers of their own, and so has the assembly; an instance has those of its part."""
+        if self.keyword == "PART":
+            self.scope = "part " + self.options.get("NAME", "").upper()
+        elif self.keyword == "INSTANCE":
+            self.scope = "part " + self.options.get("PART", "").upper()
+            self.part_of[self.options.get("NAME", "").upper()] = self.scope
+        else:
+            self.scope = "assembly" if self.keyword in ("ASSEMBLY", "END INSTANCE") else ""
+
+    def node(self, text):
+        row = numbers(text, self.path, self.line, commas=True)
+        if len(row) != 4:
+            self.wrong("a node is not a number and three coordinates")
+        node = self.scope, int(row[0])
+        if node in self.number_of and self.points[self.number_of[node]] != row[1:]:
+            self.wrong(f"node {node[1]} is defined twice, at different places; of several parts export one")
+        self.number_of[node] = len(self.points)
+        self.points.append(row[1:])
+        if self.options.get("NSET"):
+            self.set_of("NSET").append(node)
+
+    def element(self, text):
+        self.pending += numbers(text, self.path, self.line, kind=int, commas=True)
+        nodes = self.pending[1:]
+        if len(nodes) > NODES_OF[self.kind]:
+            self.wrong(f"an element of {len(nodes)} nodes where {NODES_OF[self.kind]} are expected")
+        if len(nodes) < NODES_OF[self.kind]:
+            return
+        element = self.scope, self.pending[0]
+        if element in self.elements:
+            self.wrong(f"element {element[1]} is defined twice; of several parts export one")
+        for node in nodes:
+            if (self.scope, node) not in self.number_of:
+                self.wrong(f"node {node} is used and not defined")
+        self.elements[element] = self.kind, [self.number_of[self.scope, node] for node in nodes]
+        if self.options.get("ELSET"):
+            self.set_of("ELSET").append(element)
+        self.pending = []
+
+    def set_of(self, kind):
+        """Members of the set that the options name; names differ by more than capitals."""
+        name = self.options.get(kind)
+        if not name:
+            self.wrong(f"a *{kind} without a name")
+        return self.sets[kind].setdefault(name.upper(), (name, []))[1]
+
+    def members(self, text):
+        if self.keyword == "NSET" and self.options.get("ELSET"):
+            return
+        found = self.set_of(self.keyword)
+        instance = self.options.get("INSTANCE", "").upper()
+        scope = self.part_of.get(instance, self.scope) if instance else self.scope
+        if "GENERATE" in self.options:
+            row = numbers(text, self.path, self.line, kind=int, commas=True)
+            if len(row) not in (2, 3) or (len(row) == 3 and row[2] == 0):
+                self.wrong("GENERATE needs first, last and step")
+            found += [(scope, n) for n in range(row[0], row[1] + 1, row[2] if len(row) == 3 else 1)]
+            return
+        for word in (word.strip().strip('"') for word in text.split(",")):
+            if word.lstrip("-").isdigit():
+                found.append((scope, int(word)))
+            elif word:
+                found += self.known_set(self.keyword, word)
+
+    def known_set(self, kind, name):
+        if name.upper() not in self.sets[kind]:
+            self.wrong(f"there is no set \"{name}\" before this line")
+        return self.sets[kind][name.upper()][1]
+
+    def nodes_of_elements(self):
+        """*NSET, NSET=name, ELSET=elements."""
+        elements = self.known_set("ELSET", self.options["ELSET"])
+        number = {point: node for node, point in self.number_of.items()}
+        self.set_of("NSET").extend(number[point] for e in elements if e in self.elements for point in self.elements[e][1])
+
+    def body(self):
+        parts = {scope for (scope, _), (kind, _) in self.elements.items() if kind.startswith("tetra")}
+        if len(parts) > 1:
+            wrong(self.files[0], None, f"there are tetrahedra in {len(parts)} parts ({', '.join(sorted(parts))}); export one")
+        body, by_kind, place = Body(self.points), {}, {}
+        for element, (kind, nodes) in self.elements.items():
+            by_kind.setdefault(kind, []).append((element, nodes))
+        for kind, rows in by_kind.items():
+            block = body.add(kind, [nodes for _, nodes in rows])
+            place.update({element: (block, i) for i, (element, _) in enumerate(rows)})
+        for name, elements in self.sets["ELSET"].values():
+            body.group_of([place[element] for element in elements if element in place], name)
+            self.note_missing(body, name, elements, place, "element")
+        for name, nodes in self.sets["NSET"].values():
+            body.point_groups[name] = [self.number_of[node] for node in nodes if node in self.number_of]
+            self.note_missing(body, name, nodes, self.number_of, "node")
+        return body
+
+    @staticmethod
+    def note_missing(body, name, members, known, what):
+        missing = sum(member not in known for member in members)
+        if missing:
+            body.notes.append(f"the set \"{name}\" names {missing} {what}(s) that are not there")
+
+
+def read_abaqus(path):
+    """*NODE, *ELEMENT, *NSET, *ELSET and *INCLUDE, of one part or instance."""
+    return Abaqus(path).body()

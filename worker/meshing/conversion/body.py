@@ -1,0 +1,97 @@
+"""A mesh as it was read, whatever the format: cells with groups, and what is wrong with a file."""
+import numpy as np
+
+# Gmsh's number, dimension and number of nodes of every kind of cell that is written.
+WRITTEN = {"vertex": (15, 0, 1), "line": (1, 1, 2), "line3": (8, 1, 3), "triangle": (2, 2, 3), "triangle6": (9, 2, 6),
+           "tetra": (4, 3, 4), "tetra10": (11, 3, 10)}
+# Corners of the edges of a tetrahedron in the order of VTK's mid-edge nodes, which Abaqus and FEBio share.
+EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+# VTK's order from Gmsh's and back: the last two change places.
+GMSH_ORDER = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
+# VTK's order from TetGen's, which its manual does not tell (found from its -o2).
+TETGEN_ORDER = [0, 1, 2, 3, 6, 7, 9, 5, 8, 4]
+NODES_OF = {"hexahedron": 8, "hexahedron20": 20, "wedge": 6, "wedge15": 15, "pyramid": 5, "quad": 4,
+            **{kind: row[2] for kind, row in WRITTEN.items()}}
+DIMENSIONS = ("point", "curve", "surface", "volume")
+# Of arrays with more different numbers the numbers are counted, not names of parts.
+MOST_PARTS = 64
+
+
+class Wrong(Exception):
+    """What is wrong with the input, as a sentence."""
+
+
+def wrong(source, line, what):
+    raise Wrong(f"{source}:{line}: {what}" if line else f"{source}: {what}")
+
+
+class Body:
+    """Cells in blocks of one kind, and what names parts of them."""
+
+    def __init__(self, points):
+        points = np.asarray(points, dtype=float)
+        self.points = points.reshape(len(points), -1) if len(points) else np.zeros((0, 3))
+        self.blocks = []  # (kind, nodes n x k), tetra10 in VTK's order
+        self.groups = {}  # (dimension, name) -> {block: set of cells as an array}
+        self.point_groups = {}  # name -> nodes
+        self.vectors = {}  # name -> {block: n x 3}
+        self.notes = []  # for people
+
+    def add(self, kind, nodes):
+        self.blocks.append((kind, np.asarray(nodes, dtype=np.int64)))
+        return len(self.blocks) - 1
+
+    def group(self, name, block, cells):
+        cells = np.asarray(cells, dtype=np.int64)
+        kind = self.blocks[block][0]
+        if len(cells) == 0 or kind not in WRITTEN:
+            return
+        members = self.groups.setdefault((WRITTEN[kind][1], name), {})
+        members[block] = np.union1d(members.get(block, cells), cells)
+
+    def group_of(self, places, name):
+        """The cells at (block, cell)."""
+        for block in {block for block, _ in places}:
+            self.group(name, block, [cell for of, cell in places if of == block])
+
+
+def plain(name):
+    """"medit:ref" is "ref"."""
+    return name.rsplit(":", 1)[-1]
+
+
+def are_no_parts(body, name, numbers_in):
+    if len(numbers_in) > MOST_PARTS:
+        body.notes.append(f"the array \"{plain(name)}\" has {len(numbers_in)} different numbers: too many to name parts")
+    return len(numbers_in) > MOST_PARTS or not np.all(numbers_in == np.round(numbers_in))
+
+
+def add_parts(body, name, values):
+    """Cells with one number in an array are a group; with 0 and 1 alone, those of 1, under its name."""
+    values = {block: np.asarray(array) for block, array in values.items() if body.blocks[block][0] in WRITTEN}
+    if not values or any(array.ndim > 1 and array.shape[1:] != (1,) for array in values.values()):
+        return
+    values = {block: array.reshape(-1) for block, array in values.items()}
+    together = np.concatenate(list(values.values()))
+    parts = np.unique(together)
+    if are_no_parts(body, name, parts):
+        return
+    flag = len(parts) == 2 and parts[0] == 0 and parts[1] == 1
+    for part in parts:
+        if flag and part == 0:
+            continue
+        for block, array in values.items():
+            body.group(plain(name) if flag else f"{plain(name)} {int(part)}", block, np.flatnonzero(array == part))
+
+
+def add_point_parts(body, name, values):
+    """The same of points; 0 is no part."""
+    values = np.asarray(values)
+    if values.ndim > 1:
+        return
+    parts = np.unique(values)
+    if are_no_parts(body, name, parts):
+        return
+    flag = len(parts) == 2 and parts[0] == 0 and parts[1] == 1
+    for part in parts[parts != 0]:
+        body.point_groups[plain(name) if flag else f"{plain(name)} {int(part)}"] = np.flatnonzero(values == part)

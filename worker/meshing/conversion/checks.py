@@ -1,0 +1,82 @@
+"""What a mesh must be before it is written, and what can be put right."""
+import numpy as np
+
+from body import EDGES, GMSH_ORDER, TETGEN_ORDER, WRITTEN, wrong
+
+# Orders that files of other formats have by mistake.
+ORDERS = {"Gmsh": GMSH_ORDER, "TetGen": TETGEN_ORDER}
+STRAIGHT = 1e-6  # as common/mesh/mesh.cpp has it: of an edge's length
+ROUNDED = 2e-6  # of the largest coordinate: what six digits, or float32, leave of a middle
+
+
+def check_points(body, source):
+    if body.points.shape[1:] == (2,):
+        wrong(source, None, "its points have two coordinates: a mesh of the plane has no volume")
+    body.points = np.ascontiguousarray(body.points[:, :3])
+    bad = np.flatnonzero(~np.isfinite(body.points).all(axis=1))
+    if len(bad):
+        wrong(source, None, f"point {bad[0]} (counted from 0) has a coordinate that is not finite")
+    for kind, nodes in body.blocks:
+        flat = nodes.reshape(-1)
+        if len(flat) and (flat.min() < 0 or flat.max() >= len(body.points)):
+            wrong(source, None, f"a cell ({kind}) uses point {flat.min() if flat.min() < 0 else flat.max()}, counted "
+                                f"from 0; there are {len(body.points)}")
+
+
+def off_middle(points, cells):
+    """How far mid-edge nodes lie off the middles of their edges, and how far is still straight, in lengths: n x 6."""
+    off, straight = np.empty((len(cells), 6)), np.empty((len(cells), 6))
+    rounding = ROUNDED * np.abs(points).max()
+    for e, (a, b) in enumerate(EDGES):
+        p, q = points[cells[:, a]], points[cells[:, b]]
+        length = np.maximum(np.linalg.norm(q - p, axis=1), 1e-300)
+        off[:, e] = np.linalg.norm(points[cells[:, 4 + e]] - (p + q) / 2, axis=1) / length
+        straight[:, e] = np.maximum(STRAIGHT, rounding / length)
+    return off, straight
+
+
+def put_middles_right(body, source, straight):
+    """Ten nodes in VTK's order with straight edges, or four."""
+    for i, (kind, cells) in enumerate(body.blocks):
+        if kind != "tetra10" or not len(cells):
+            continue
+        off, allowed = off_middle(body.points, cells)
+        if (off > allowed).any():
+            for name, order in ORDERS.items():
+                other, allowed_there = off_middle(body.points, cells[:, order])
+                if (other <= allowed_there).all():
+                    body.notes.append(f"its tetrahedra of ten nodes have their mid-edge nodes in {name}'s order; put right")
+                    cells, off, allowed = cells[:, order], other, allowed_there
+                    break
+        if (off <= allowed).all():
+            if off.max() > STRAIGHT:
+                body.notes.append(f"mid-edge nodes are rounded, off the middles by up to {off.max():.2g} of the edge; "
+                                  "put there")
+                for e, (a, b) in enumerate(EDGES):
+                    body.points[cells[:, 4 + e]] = (body.points[cells[:, a]] + body.points[cells[:, b]]) / 2
+            body.blocks[i] = (kind, cells)
+        elif straight:
+            body.notes.append(f"mid-edge nodes lie off the middles of their edges by up to {off.max():.2g} of the edge; "
+                              "the corners are taken, with straight edges")
+            body.blocks[i] = ("tetra", cells[:, :4])
+        else:
+            at, e = np.unravel_index(off.argmax(), off.shape)
+            middle = body.points[cells[at, list(EDGES[e])]].mean(axis=0)
+            wrong(source, None, f"tetrahedron {at} of ten nodes (counted from 0) has a curved edge at "
+                                f"({middle[0]:.6g}, {middle[1]:.6g}, {middle[2]:.6g}): its mid-edge node is off the "
+                                f"middle by {off.max():.2g} of its length; of all tetrahedra "
+                                f"{np.count_nonzero(off > allowed)} edges are curved; "
+                                "--straight takes the corners with straight edges")
+
+
+def refuse_other_volumes(body, source):
+    counts = {}
+    for kind, cells in body.blocks:
+        volume = kind.startswith(("hexa", "wedge", "pyramid", "penta", "polyhedron", "voxel", "tetra", "VTK_LAGRANGE_H",
+                                  "VTK_LAGRANGE_T", "VTK_LAGRANGE_W", "VTK_LAGRANGE_P"))
+        if volume and kind not in WRITTEN and kind != "VTK_LAGRANGE_TRIANGLE" and len(cells):
+            counts[kind] = counts.get(kind, 0) + len(cells)
+    if counts:
+        found = ", ".join(f"{count} of kind {kind}" for kind, count in sorted(counts.items()))
+        wrong(source, None, f"it has volume cells that are no tetrahedra of 4 or 10 nodes: {found}; mesh the body with "
+                            "tetrahedra, or have its surface meshed (save it as .stl)")

@@ -1,0 +1,157 @@
+"""FEBio's .feb."""
+import xml.parsers.expat
+
+import numpy as np
+
+from body import NODES_OF, Body, wrong
+from lines import node_numbers, numbers
+
+
+class Element:
+    """One of XML, with the line it begins in."""
+
+    def __init__(self, tag, attributes, line):
+        self.tag, self.attributes, self.line = tag, attributes, line
+        self.text, self.children = "", []
+
+    def all(self, *tags):
+        return [child for child in self.children if child.tag in tags]
+
+
+def read_xml(path):
+    root = Element("", {}, 0)
+    open_elements = [root]
+    parser = xml.parsers.expat.ParserCreate()
+
+    def begin(tag, attributes):
+        element = Element(tag, attributes, parser.CurrentLineNumber)
+        open_elements[-1].children.append(element)
+        open_elements.append(element)
+
+    def text(more):
+        open_elements[-1].text += more
+
+    parser.StartElementHandler = begin
+    parser.EndElementHandler = lambda tag: open_elements.pop()
+    parser.CharacterDataHandler = text
+    parser.buffer_text = True
+    try:
+        parser.Parse(path.read_bytes(), True)
+    except xml.parsers.expat.ExpatError as error:
+        wrong(path, error.lineno, f"this is not XML: {xml.parsers.expat.errors.messages[error.code]}")
+    return root
+
+
+FEBIO = {"tet4": "tetra", "tet10": "tetra10", "tri3": "triangle", "tri6": "triangle6", "hex8": "hexahedron",
+         "hex20": "hexahedron20", "penta6": "wedge", "penta15": "wedge15", "pyra5": "pyramid", "quad4": "quad"}
+
+
+class Febio:
+    """The nodes, elements, sets and surfaces of a file, as a Body."""
+
+    def __init__(self, path, meshes):
+        self.path = path
+        self.number_of = {}  # id of a node -> point
+        self.nodes_of = {}  # name of a set -> points
+        self.place = {}  # id of an element -> (block, cell)
+        self.cells_of = {}  # name of elements or of a set of them -> [(block, cell)]
+        self.body = Body(self.points(meshes))
+        for mesh in meshes:
+            for part in mesh.all("Elements"):
+                self.elements(part)
+            for node_set in mesh.all("NodeSet"):
+                self.node_set(node_set)
+            for element_set in mesh.all("ElementSet"):
+                self.element_set(element_set)
+            for surface in mesh.all("Surface"):
+                self.surface(surface)
+
+    def points(self, meshes):
+        points = []
+        for nodes in (nodes for mesh in meshes for nodes in mesh.all("Nodes")):
+            name = nodes.attributes.get("name")
+            for node in nodes.all("node"):
+                self.number_of[node.attributes.get("id", "")] = len(points)
+                if name:
+                    self.nodes_of.setdefault(name, []).append(len(points))
+                points.append(numbers(node.text, self.path, node.line, 3, commas=True))
+        return points
+
+    def cell(self, element, kind):
+        """Nodes of an element or a face."""
+        words = words_of(element)
+        if len(words) != NODES_OF[kind]:
+            wrong(self.path, element.line, f"{len(words)} nodes where {NODES_OF[kind]} are expected")
+        return node_numbers(words, self.number_of, self.path, element.line)
+
+    def elements(self, part):
+        kind = FEBIO.get(part.attributes.get("type", "").lower())
+        if kind is None:
+            wrong(self.path, part.line, f"elements of type \"{part.attributes.get('type')}\" are not read; "
+                                        "tetrahedra are tet4 and tet10")
+        rows = part.all("elem", "e")
+        if not rows:
+            return
+        block = self.body.add(kind, [self.cell(row, kind) for row in rows])
+        places = [(block, cell) for cell in range(len(rows))]
+        self.place.update(zip((row.attributes.get("id", "") for row in rows), places))
+        name = part.attributes.get("name") or (
+            f"material {part.attributes['mat']}" if "mat" in part.attributes else "")
+        if name:
+            self.cells_of[name] = places
+            self.body.group_of(places, name)
+
+    def node_set(self, node_set):
+        name = node_set.attributes.get("name", "")
+        nodes = node_numbers(ids_in(node_set), self.number_of, self.path, node_set.line)
+        for other in node_set.all("NodeSet"):
+            nodes += self.nodes_of.get(other.attributes.get("node_set", ""), [])
+        self.nodes_of[name] = self.body.point_groups[name] = nodes
+
+    def element_set(self, element_set):
+        name = element_set.attributes.get("name", "")
+        self.cells_of[name] = [self.place[i] for i in ids_in(element_set) if i in self.place]
+        self.body.group_of(self.cells_of[name], name)
+
+    def surface(self, surface):
+        for tag in ("tri3", "tri6"):
+            faces = [self.cell(face, FEBIO[tag]) for face in surface.all(tag)]
+            if faces:
+                block = self.body.add(FEBIO[tag], faces)
+                self.body.group(surface.attributes.get("name", ""), block, range(len(faces)))
+
+    def vectors(self, data):
+        """Three numbers of each element of a set, which names them by their places in it, from 1."""
+        places = self.cells_of.get(data.attributes.get("elem_set", ""), [])
+        name = data.attributes.get("var") or data.attributes.get("name") or data.attributes.get("type") or "fiber"
+        for row in data.all("e", "elem"):
+            at = int(row.attributes.get("lid", "0")) - 1
+            if len(words_of(row)) != 3 or not 0 <= at < len(places):
+                continue
+            block, cell = places[at]
+            vectors = self.body.vectors.setdefault(name, {})
+            array = vectors.setdefault(block, np.zeros((len(self.body.blocks[block][1]), 3)))
+            array[cell] = numbers(row.text, self.path, row.line, 3, commas=True)
+
+
+def words_of(element):
+    return element.text.replace(",", " ").split()
+
+
+def ids_in(element):
+    """Of <node id="1"/>, <n id="1"/> and <e id="1"/>, or in the text."""
+    return [child.attributes["id"] for child in element.children if "id" in child.attributes] + words_of(element)
+
+
+def read_febio(path):
+    """FEBio 2.5, 3 and 4: Geometry or Mesh with Nodes, Elements, NodeSet, ElementSet, Surface; fibres of MeshData."""
+    root = read_xml(path)
+    spec = (root.all("febio_spec") or [root])[0]
+    meshes = spec.all("Geometry", "Mesh")
+    if not meshes:
+        wrong(path, spec.line, "there is no <Geometry> or <Mesh>: is this a .feb file of FEBio 2.5 or later?")
+    febio = Febio(path, meshes)
+    for section in spec.all("MeshData"):
+        for data in section.all("ElementData"):
+            febio.vectors(data)
+    return febio.body

@@ -1,0 +1,218 @@
+"""Gmsh's .msh of version 2.2 and 4.1, of which meshio loses groups where it is binary."""
+import numpy as np
+
+from body import DIMENSIONS, GMSH_ORDER, NODES_OF, WRITTEN, Body, wrong
+from meshio_file import read_by_meshio
+from lines import node_numbers
+
+GMSH_KINDS = {number: kind for kind, (number, _, _) in WRITTEN.items()}
+GMSH_KINDS.update({3: "quad", 5: "hexahedron", 6: "wedge", 7: "pyramid", 10: "quad9", 12: "hexahedron27", 13: "wedge18",
+                   14: "pyramid14", 16: "quad8", 17: "hexahedron20", 18: "wedge15", 19: "pyramid13"})
+GMSH_NODES = {**NODES_OF, "quad9": 9, "hexahedron27": 27, "wedge18": 18, "pyramid14": 14, "quad8": 8, "pyramid13": 13}
+
+
+class GmshFile:
+    """Numbers of a .msh file of version 2.2 or 4.1, binary or text, section by section."""
+
+    def __init__(self, path):
+        self.path, self.data, self.at = path, path.read_bytes(), 0
+        if self.line() != "$MeshFormat":
+            wrong(path, 1, "this is not a Gmsh .msh file: its first line is not $MeshFormat")
+        words = self.line().split()
+        self.version, self.binary = words[0], words[1] == "1"
+        self.size = np.dtype("<u8") if words[2:] != ["4"] else np.dtype("<u4")
+        if self.binary and int.from_bytes(self.bytes(4), "little") != 1:
+            wrong(path, 3, "it was written on a machine of another byte order")
+        self.words = None
+
+    def line(self):
+        end = self.data.find(b"\n", self.at)
+        end = len(self.data) if end < 0 else end
+        text = self.data[self.at:end].decode("utf-8", "replace").strip()
+        self.at = end + 1
+        return text
+
+    def bytes(self, count):
+        if self.at + count > len(self.data):
+            wrong(self.path, None, "the file is truncated")
+        self.at += count
+        return self.data[self.at - count:self.at]
+
+    def sections(self):
+        while self.at < len(self.data):
+            line = self.line()
+            if line.startswith("$") and not line.startswith("$End"):
+                name = line[1:]
+                begin = self.at
+                end = self.data.find(b"$End" + name.encode(), begin)
+                if end < 0:
+                    wrong(self.path, None, f"the file is truncated: it ends inside ${name}")
+                # A text section is numbers between words; a binary one is read where it lies.
+                self.words = None if self.binary else iter(self.data[begin:end].split())
+                yield name, begin, end
+
+    def take(self, kind, count=1):
+        """`count` numbers: "i" of 32 bits, "s" of the file's size, "d" double."""
+        if self.words is not None:
+            try:
+                return np.array([next(self.words) for _ in range(count)], dtype=float if kind == "d" else np.int64)
+            except (StopIteration, ValueError, RuntimeError):
+                wrong(self.path, None, "the file is truncated, or has words where numbers are expected")
+        dtype = {"i": np.dtype("<i4"), "s": self.size, "d": np.dtype("<f8")}[kind]
+        values = np.frombuffer(self.bytes(count * dtype.itemsize), dtype)
+        return values if kind == "d" else values.astype(np.int64)
+
+
+class GmshMesh:
+    """What the sections of a file say."""
+
+    def __init__(self, file):
+        self.file, self.old = file, file.version == "2.2"
+        self.names = {}  # (dimension, number) of a physical group -> name
+        self.groups_of = {}  # (dimension, number) of an entity -> numbers of physical groups
+        self.tags, self.points = [], []
+        self.rows = {}  # kind -> [(tag, [(dimension, number) of physical groups], tags of nodes)]
+        self.groups_of_cell = {}  # (kind, sorted nodes) -> those in rows: of old a cell stands there once for each group
+        self.vectors = {}  # name -> {tag of an element: vector}
+        sections = {"PhysicalNames": self.physical_names, "Entities": self.entities,
+                    "PartitionedEntities": self.partitioned_entities, "Nodes": self.nodes, "Elements": self.elements,
+                    "ElementData": self.element_data}
+        for section, begin, end in file.sections():
+            if section in sections:
+                sections[section](begin, end)
+            file.at = end
+
+    def physical_names(self, begin, end):
+        for text in self.file.data[begin:end].decode("utf-8", "replace").splitlines()[1:]:
+            words = text.split(None, 2)
+            if len(words) == 3:
+                self.names[int(words[0]), int(words[1])] = words[2].strip().strip('"')
+
+    def entities(self, *_):
+        file = self.file
+        for dimension, count in enumerate(file.take("s", 4)):
+            for _ in range(count):
+                entity = dimension, int(file.take("i")[0])
+                file.take("d", 6 if dimension else 3)
+                self.groups_of[entity] = file.take("i", int(file.take("s")[0]))
+                if dimension:
+                    file.take("i", int(file.take("s")[0]))
+
+    def partitioned_entities(self, *_):
+        wrong(self.file.path, None, "the mesh is partitioned: save it whole (in Gmsh, Mesh, Unpartition)")
+
+    def old_count(self):
+        return int(self.file.line()) if self.file.binary else int(self.file.take("i")[0])
+
+    def nodes(self, *_):
+        file = self.file
+        if self.old:
+            for _ in range(self.old_count()):
+                self.tags.append(file.take("i")[0])
+                self.points.append(file.take("d", 3))
+            return
+        for _ in range(file.take("s", 4)[0]):
+            dimension, _, parametric = file.take("i", 3)
+            count = int(file.take("s")[0])
+            self.tags += list(file.take("s", count))
+            width = 3 + (int(dimension) if parametric else 0)
+            self.points += list(file.take("d", width * count).reshape(count, width)[:, :3])
+
+    def kind_of(self, number):
+        if number not in GMSH_KINDS:
+            wrong(self.file.path, None, f"elements of Gmsh's type {number} are not read")
+        return GMSH_KINDS[number]
+
+    def add(self, kind, tag, groups, nodes):
+        self.rows.setdefault(kind, []).append((tag, groups, nodes))
+
+    def elements(self, *_):
+        if self.old:
+            self.old_elements()
+            return
+        file = self.file
+        for _ in range(file.take("s", 4)[0]):
+            dimension, entity, number = (int(n) for n in file.take("i", 3))
+            kind, count = self.kind_of(number), int(file.take("s")[0])
+            groups = [(dimension, abs(int(group))) for group in self.groups_of.get((dimension, entity), [])]
+            for row in file.take("s", count * (1 + GMSH_NODES[kind])).reshape(count, -1):
+                self.add(kind, row[0], groups, row[1:])
+
+    def old_elements(self):
+        file, count = self.file, self.old_count()
+        while count > 0:
+            if file.binary:
+                number, elements, n_tags = (int(n) for n in file.take("i", 3))
+                kind = self.kind_of(number)
+                for row in file.take("i", elements * (1 + n_tags + GMSH_NODES[kind])).reshape(elements, -1):
+                    self.add_old(kind, row, n_tags)
+                count -= elements
+            else:
+                tag, number, n_tags = (int(n) for n in file.take("i", 3))
+                kind = self.kind_of(number)
+                self.add_old(kind, np.concatenate([[tag], file.take("i", n_tags + GMSH_NODES[kind])]), n_tags)
+                count -= 1
+
+    def add_old(self, kind, row, n_tags):
+        nodes = row[1 + n_tags:]
+        dimension = WRITTEN[kind][1] if kind in WRITTEN else -1
+        groups = [(dimension, abs(int(row[1])))] if n_tags and row[1] != 0 else []
+        key = kind, tuple(sorted(nodes))
+        known = self.groups_of_cell.get(key)
+        if known is not None and groups and groups[0] not in known:
+            known.append(groups[0])
+            return
+        self.groups_of_cell[key] = groups
+        self.add(kind, row[0], groups, nodes)
+
+    def element_data(self, begin, _):
+        """Vectors: every other data are left."""
+        file = self.file
+        file.at, file.words = begin, None
+        strings = [file.line() for _ in range(int(file.line()))]
+        for _ in range(int(file.line())):
+            file.line()
+        integers = [int(file.line()) for _ in range(int(file.line()))]
+        name = strings[0].strip('"') if strings else ""
+        if len(integers) < 3 or integers[1] != 3 or not name or name in self.vectors:
+            return
+        values = self.vectors[name] = {}
+        for _ in range(integers[2]):
+            if file.binary:
+                values[int(file.take("i")[0])] = file.take("d", 3)
+            else:
+                words = file.line().split()
+                values[int(words[0])] = [float(word) for word in words[1:4]]
+
+    def body(self):
+        if not self.rows:
+            wrong(self.file.path, None, "there is no $Elements section: the file is truncated")
+        number_of = {int(tag): n for n, tag in enumerate(self.tags)}
+        body = Body(self.points)
+        for kind, rows in self.rows.items():
+            cells = np.array([node_numbers(map(int, nodes), number_of, self.file.path, None) for _, _, nodes in rows])
+            block = body.add(kind, cells[:, GMSH_ORDER] if kind == "tetra10" else cells)
+            self.add_groups(body, block, rows)
+            self.add_vectors(body, block, rows)
+        return body
+
+    def add_groups(self, body, block, rows):
+        members = {}
+        for cell, (_, groups, _) in enumerate(rows):
+            for group in groups:
+                members.setdefault(group, []).append(cell)
+        for (dimension, number), cells in members.items():
+            body.group(self.names.get((dimension, number), f"{DIMENSIONS[dimension]} {number}"), block, cells)
+
+    def add_vectors(self, body, block, rows):
+        cell_of = {int(tag): cell for cell, (tag, _, _) in enumerate(rows)}
+        for name, values in self.vectors.items():
+            for tag in values.keys() & cell_of.keys():
+                array = body.vectors.setdefault(name, {}).setdefault(block, np.zeros((len(rows), 3)))
+                array[cell_of[tag]] = values[tag]
+
+
+def read_gmsh(path):
+    """Version 2.2 or 4.1; others by meshio."""
+    file = GmshFile(path)
+    return GmshMesh(file).body() if file.version in ("2.2", "4.1") else read_by_meshio(path)

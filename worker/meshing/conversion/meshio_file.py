@@ -1,0 +1,94 @@
+"""Everything else: what meshio reads."""
+import contextlib
+import io
+import signal
+
+import numpy as np
+
+from body import DIMENSIONS, WRITTEN, Body, add_parts, add_point_parts, plain, wrong
+
+LONGEST_READING = 900  # s
+
+
+def are_numbers_of_parts(name, arrays):
+    """Integers, or floats of a name like that of parts; what Gmsh and VTK count for themselves is none."""
+    if name == "gmsh:geometrical" or name.startswith("vtk") or name == "gmsh:dim_tags":
+        return False
+    if all(np.asarray(array).dtype.kind in "iu" for array in arrays):
+        return True
+    words = ("region", "material", "mat", "part", "label", "tag", "group", "ref", "domain", "fixed")
+    return plain(name).lower().replace("_", "").rstrip("s").removesuffix("id") in words
+
+
+def give_up(*_):
+    raise TimeoutError(f"it does not come to an end in {LONGEST_READING} s")
+
+
+def read_by_meshio(path):
+    try:
+        import meshio
+    except ImportError:
+        raise ModuleNotFoundError("meshio", name="meshio") from None
+    said = io.StringIO()
+    signal.signal(signal.SIGALRM, give_up)  # some of its readers wait forever on files that were cut
+    signal.alarm(LONGEST_READING)
+    try:
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            read = meshio.read(path)
+    except ModuleNotFoundError:
+        raise
+    except BaseException as error:  # meshio ends with sys.exit() where it cannot read
+        if isinstance(error, KeyboardInterrupt):
+            raise
+        text = str(error) if not isinstance(error, SystemExit) else said.getvalue()
+        text = " ".join((text or said.getvalue()).replace("Error:", "").split())
+        if "deduce" in text:
+            known = sorted({*meshio.extension_to_filetypes, ".feb"})
+            wrong(path, None, f"no format of this ending is known; there is {', '.join(known)}")
+        wrong(path, None, f"meshio cannot read it: {text or type(error).__name__}; is it whole, and of the format that "
+                          "its ending says? Another program may save it as .vtu or .msh")
+    finally:
+        signal.alarm(0)
+    return of_meshio(read)
+
+
+def of_meshio(read):
+    body = Body(read.points)
+    for cell_block in read.cells:
+        body.add(cell_block.type, cell_block.data)
+    names = {(int(d), int(n)): name for name, (n, d) in
+             ((name, row) for name, row in read.field_data.items() if np.shape(row) == (2,))}
+    for name, members in read.cell_sets.items():
+        if name.startswith("gmsh:"):
+            continue
+        for block, cells in enumerate(members):
+            if cells is not None:
+                body.group(name, block, cells)
+    families = getattr(read, "cell_tags", None) or {}
+    for name, arrays in read.cell_data.items():
+        if all(np.ndim(a) == 2 and np.shape(a)[1] == 3 for a in arrays):
+            body.vectors[name] = dict(enumerate(arrays))
+        elif name == "gmsh:physical":
+            for block, array in enumerate(arrays):
+                dimension = WRITTEN.get(body.blocks[block][0], (0, 0, 0))[1]
+                for number in np.unique(array[array != 0]):
+                    body.group(names.get((dimension, int(number)), f"{DIMENSIONS[dimension]} {number}"), block,
+                               np.flatnonzero(array == number))
+        elif name == "cell_tags" and families:  # of MED: names by number
+            for block, array in enumerate(arrays):
+                for number in np.unique(array):
+                    for family in families.get(int(number), []):
+                        body.group(family, block, np.flatnonzero(array == number))
+        elif are_numbers_of_parts(name, arrays):
+            add_parts(body, name, dict(enumerate(arrays)))
+    for name, nodes in read.point_sets.items():
+        body.point_groups[name] = nodes
+    families = getattr(read, "point_tags", None) or {}
+    for name, array in read.point_data.items():
+        if name == "point_tags" and families:
+            for number in np.unique(array):
+                for family in families.get(int(number), []):
+                    body.point_groups[family] = np.flatnonzero(array == number)
+        elif are_numbers_of_parts(name, [array]):
+            add_point_parts(body, name, array)
+    return body

@@ -1,0 +1,152 @@
+"""Plain surfaces: .stl, .obj, .off and .ply, whose errors name the line."""
+import numpy as np
+
+from body import Body, wrong
+from polygons import cut
+from lines import data_lines, numbers
+
+
+def surface_of(points, triangles):
+    body = Body(points)
+    body.add("triangle", triangles)
+    return body
+
+
+def polygons_of(points, polygons):
+    """A surface of polygons, cut into triangles."""
+    return surface_of(points, cut(points, polygons))
+
+
+def read_stl(path):
+    data = path.read_bytes()
+    binary = len(data) >= 84 and (b"\0" in data[:4096] or not data.lstrip().lower().startswith(b"solid"))
+    count = int.from_bytes(data[80:84], "little")
+    if len(data) >= 84:
+        if len(data) == 84 + 50 * count or binary and len(data) > 84 + 50 * count:  # some write more behind
+            facets = np.frombuffer(data, np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")]),
+                                   count, 84)
+            corners = facets["corners"].astype(float).reshape(-1, 3)
+            return surface_of(corners, np.arange(len(corners)).reshape(-1, 3))
+    if binary:
+        wrong(path, None, f"it announces {count} triangles in {84 + 50 * count} bytes, and has {len(data)}: "
+                          "the file is truncated, or no STL")
+    if not data.lstrip().lower().startswith(b"solid"):
+        wrong(path, 1, "this is no STL file: it begins neither with \"solid\" nor with 84 bytes of a header")
+    corners, last = [], 0
+    for number, line in enumerate(data.decode("latin-1").splitlines(), 1):
+        words = line.lower().split()
+        if words and words[0] == "vertex":
+            corners.append(numbers(" ".join(words[1:]), path, number, 3))
+            last = number
+    if len(corners) % 3:
+        wrong(path, last, "the last triangle has not three corners: the file is truncated")
+    return surface_of(np.array(corners).reshape(-1, 3), np.arange(len(corners)).reshape(-1, 3))
+
+
+def read_obj(path):
+    points, polygons = [], []
+    for number, line in data_lines(path):
+        words = line.split()
+        if words[0] == "v":
+            points.append(numbers(" ".join(words[1:4]), path, number, 3))
+        elif words[0] == "f":
+            corners = numbers(" ".join(word.split("/")[0] for word in words[1:]), path, number, kind=int)
+            corners = [c - 1 if c > 0 else len(points) + c for c in corners]
+            if len(corners) < 3 or min(corners) < 0 or max(corners) >= len(points):
+                wrong(path, number, f"a face of corners that are not there: {len(points)} are defined before it")
+            polygons.append(corners)
+    return polygons_of(points, polygons)
+
+
+def read_off(path):
+    words = [(number, word) for number, line in data_lines(path) for word in line.split()]
+    if not words or words[0][1].upper() != "OFF":
+        wrong(path, 1, "this is no plain OFF file: it does not begin with OFF alone (COFF, NOFF and binary ones are not "
+                       "read; save it as .stl, or as OFF without colours and normals)")
+    at = 1
+
+    def take(count, kind):
+        nonlocal at
+        if at + count > len(words):
+            wrong(path, words[-1][0], "the file is truncated")
+        line = words[at][0] if count else None
+        taken = numbers(" ".join(word for _, word in words[at:at + count]), path, line, count, kind)
+        at += count
+        return taken
+
+    n_points, n_faces, _ = take(3, int)
+    points = np.array(take(3 * n_points, float)).reshape(-1, 3)
+    polygons = []
+    for _ in range(n_faces):
+        line = words[at][0] if at < len(words) else None
+        corners = take(take(1, int)[0], int)
+        if len(corners) < 3 or min(corners) < 0 or max(corners) >= n_points:
+            wrong(path, line, f"a face of corners that are not there: there are {n_points}")
+        polygons.append(corners)
+        while at < len(words) and words[at][0] == line:  # a colour
+            at += 1
+    return polygons_of(points, polygons)
+
+
+PLY_TYPES = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
+             "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
+             "double": "f8", "float64": "f8"}
+
+
+def ply_header(path, data):
+    """Order of bytes (empty: text), elements as (name, count, [(name, type, type of a list's length or None)])."""
+    end = data.find(b"end_header")
+    if not data.startswith(b"ply") or end < 0:
+        wrong(path, 1, "this is no PLY file, or its header is truncated: there is no ply or no end_header")
+    order, elements = None, []
+    for number, line in enumerate(data[:end].decode("latin-1").splitlines(), 1):
+        words = line.split()
+        try:
+            if words[:1] == ["format"]:
+                order = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}[words[1]]
+            elif words[:1] == ["element"]:
+                elements.append((words[1], int(words[2]), []))
+            elif words[:1] == ["property"]:
+                length = PLY_TYPES[words[2]] if words[1] == "list" else None
+                elements[-1][2].append((words[-1], PLY_TYPES[words[-2]], length))
+        except (KeyError, IndexError, ValueError):
+            wrong(path, number, f"\"{line[:60]}\" is not understood")
+    if order is None:
+        wrong(path, 1, "its header does not say the format")
+    return order, elements, data.find(b"\n", end) + 1
+
+
+def read_ply(path):
+    """Of our own: meshio waits forever for the end of a truncated header."""
+    data = path.read_bytes()
+    order, elements, at = ply_header(path, data)
+    words = iter(data[at:].split()) if order == "" else None
+
+    def take(kind, count):
+        nonlocal at
+        if words is not None:
+            taken = [float(next(words)) for _ in range(count)]
+            return taken if kind[0] == "f" else [int(x) for x in taken]
+        dtype = np.dtype(order + kind)
+        taken = np.frombuffer(data, dtype, count, at)
+        at += count * dtype.itemsize
+        return taken.tolist()
+
+    points, polygons = [], []
+    try:
+        for name, count, properties in elements:
+            for _ in range(count):
+                row = {key: take(kind, 1)[0] if length is None else take(kind, take(length, 1)[0])
+                       for key, kind, length in properties}
+                if name == "vertex":
+                    points.append([row["x"], row["y"], row["z"]])
+                elif name == "face":
+                    polygons.append(row["vertex_indices"] if "vertex_indices" in row else row["vertex_index"])
+    except (StopIteration, RuntimeError, ValueError):
+        wrong(path, None, "the file is truncated, or has words where numbers are expected")
+    except KeyError as missing:
+        wrong(path, None, f"its header has no property {missing}")
+    for corners in polygons:
+        if len(corners) < 3 or min(corners) < 0 or max(corners) >= len(points):
+            wrong(path, None, f"a face of corners that are not there: there are {len(points)}")
+    return polygons_of(points, polygons)

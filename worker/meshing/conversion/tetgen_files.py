@@ -1,0 +1,45 @@
+"""TetGen's .node and .ele; meshio does not know ten nodes."""
+import numpy as np
+
+from body import TETGEN_ORDER, Body, add_parts, add_point_parts, wrong
+from lines import data_lines, node_numbers, numbers
+
+
+def read_tetgen(path):
+    """.node and .ele of one name; counted from 0 or 1. Attributes of elements are regions."""
+    node_file, ele_file = path.with_suffix(".node"), path.with_suffix(".ele")
+    lines = data_lines(node_file)
+    line, header = next(lines, (1, ""))
+    header = numbers(header, node_file, line, kind=int)
+    if len(header) < 2 or header[1] != 3:
+        wrong(node_file, line, "the first line is not: number of points, 3, attributes, markers")
+    header += [0, 0]
+    width = 4 + header[2] + header[3]
+    number_of, points, markers = {}, [], []
+    for line, text in lines:
+        row = numbers(text, node_file, line, width)
+        number_of[int(row[0])] = len(points)
+        points.append(row[1:4])
+        markers.append(int(row[-1]) if header[3] else 0)
+    if len(points) != header[0]:
+        wrong(node_file, None, f"{header[0]} points are announced, and there are {len(points)}: the file is truncated")
+    body = Body(points)
+    if len(set(markers)) > 1:
+        add_point_parts(body, "marker", np.array(markers))
+    lines = data_lines(ele_file)
+    line, header = next(lines, (1, ""))
+    header = numbers(header, ele_file, line, kind=int) + [0]
+    if len(header) < 3 or header[1] not in (4, 10):
+        wrong(ele_file, line, "the first line is not: number of tetrahedra, 4 or 10, attributes")
+    cells, regions = [], []
+    for line, text in lines:
+        row = numbers(text, ele_file, line, 1 + header[1] + header[2])
+        cells.append(node_numbers([int(i) for i in row[1:1 + header[1]]], number_of, ele_file, line))
+        regions.append(row[1 + header[1]] if header[2] else 0)
+    if len(cells) != header[0]:
+        wrong(ele_file, None, f"{header[0]} tetrahedra are announced, there are {len(cells)}: the file is truncated")
+    cells = np.array(cells, dtype=np.int64).reshape(-1, header[1])
+    block = body.add("tetra", cells) if header[1] == 4 else body.add("tetra10", cells[:, TETGEN_ORDER])
+    if header[2]:
+        add_parts(body, "region", {block: np.array(regions)})
+    return body
