@@ -66,11 +66,7 @@ class Solving {
 
   /// The point of the surface nearest to `near`.
   void moveTo(const Eigen::Vector3d& near) {
-    if (!finger())
-      throw badInput(
-          "--at: \"{}\" is no finger, and answers where it is only; "
-          "write tool = \"finger\" in the scene",
-          chosen_.name);
+    PALPATE_ASSERT(finger().has_value(), "requirePlace refused others");
     const Finger moved = fingerNear("--at", problem_.mesh, near, finger()->radius);
     if (*place_ == moved.center) return;
     solver_.placeFinger("--at", moved);

@@ -28,13 +28,17 @@ ActiveChoice chooseActive(const Scene& scene, const std::string& name) {
   ActiveChoice choice = {{}, name.empty() ? names.front() : name};
   for (std::size_t s = 0; s < scene.active.size(); ++s) {
     if (scene.active[s].isProbe()) continue;
-    if (scene.active[s].name == choice.name) return {{s}, choice.name};
+    if (scene.active[s].name == choice.name) {
+      choice.spaces = {s};
+      choice.is_finger = scene.active[s].tool == ToolKind::finger;
+      return choice;
+    }
     if (scene.active[s].area == choice.name) choice.spaces.push_back(s);
   }
   if (choice.spaces.empty())
     throw badInput("--active: there is no active node \"{}\"; there are: {}", name,
                    fmt::join(names, ", "));
-  choice.is_area = true;
+  choice.is_area = choice.is_finger = true;
   return choice;
 }
 
@@ -44,7 +48,7 @@ std::vector<ActiveChoice> areasOf(const Scene& scene) {
     const std::string& name = scene.active[s].area;
     if (name.empty()) continue;
     auto area = std::ranges::find(areas, name, &ActiveChoice::name);
-    if (area == areas.end()) area = areas.insert(area, {{}, name, true});
+    if (area == areas.end()) area = areas.insert(area, {{}, name, true, true});
     area->spaces.push_back(s);
   }
   std::size_t place = 0;
@@ -62,6 +66,11 @@ void requirePlace(const ActiveChoice& choice, bool given) {
   if (choice.is_area && !given)
     throw badInput("\"{}\" is a surface that a finger touches; say where with --at X Y Z",
                    choice.name);
+  if (given && !choice.is_finger)
+    throw badInput(
+        "--at: \"{}\" is no finger, and answers where it is only; leave --at out, or write "
+        "tool = \"finger\" in the scene",
+        choice.name);
 }
 
 }  // namespace palpate

@@ -9,6 +9,7 @@ struct ActiveChoice {
   std::vector<std::size_t> spaces;  ///< one, or the sites of an area
   std::string name;                 ///< of the active node or the area
   bool is_area = false;
+  bool is_finger = false;  ///< its tool; always of an area
   /// Where an area is measured (Dataset::probePlaces), of areasOf() alone.
   std::vector<std::size_t> probe_places = {};
 };
@@ -20,7 +21,8 @@ ActiveChoice chooseActive(const Scene& scene, const std::string& name);
 /// Every area with its sites, in the order of the scene.
 std::vector<ActiveChoice> areasOf(const Scene& scene);
 
-/// Error (bad input) when an area was chosen and no place in it, `at`, is given.
+/// Error (bad input) when an area was chosen and no place in it, `--at`, is given, or a place of
+/// what is no finger.
 void requirePlace(const ActiveChoice& choice, bool given);
 
 }  // namespace palpate

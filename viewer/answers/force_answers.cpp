@@ -37,8 +37,6 @@ ForceAnswers::ForceAnswers(const Dataset& dataset, const std::string& active, bo
     field_ = makeForceField(method, first_);
     return;
   }
-  if (!first_.patch.finger)
-    throw badInput("--at: \"{}\" is no finger, and answers where it is only", choice_.name);
   if (const std::string& only = forceFieldMethods().front(); method != only)
     throw badInput("--method {}: between the sites of a finger there is only {}", method, only);
   const auto sites = chosenOf(dataset.spaces(), choice_.spaces);

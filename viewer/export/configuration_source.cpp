@@ -7,9 +7,8 @@
 
 namespace palpate {
 
-Configuration ConfigurationSource::interpolated(const ForceAnswers& answers,
-                                                const ForceAnswer& answer,
-                                                const TouchInput& touch) {
+Configuration ConfigurationSource::interpolated(const ForceAnswers& answers, const WayStep& step) {
+  const ForceAnswer& answer = step.answer;
   if (!shape_) shape_.emplace(dataset_, answers.choice());
   const ActivePatch& patch = answers.firstSpace().patch;
   Configuration configuration = touchedBy(patch);
@@ -21,8 +20,8 @@ Configuration ConfigurationSource::interpolated(const ForceAnswers& answers,
         fingerWeights(dataset_.mesh(), dataset_.fixedNodes(), *place, patch.finger.value().radius)
             .nodes;
   }
-  configuration.fields = shape_->at(place, touch.displacement);
-  configuration.displacement = touch.displacement;
+  configuration.displacement = step.touch.displacement;
+  configuration.fields = shape_->at(place, configuration.displacement);
   configuration.sample = answer.sample;
   configuration.active = answers.choice().name;
   configuration.method = answers.method();
@@ -59,8 +58,6 @@ std::size_t ConfigurationSource::spaceOf(const std::string& active,
   const ActiveChoice choice = chooseActive(dataset_.scene(), active);
   requirePlace(choice, place.has_value());
   if (!place) return choice.spaces.front();
-  if (!dataset_.spaces()[choice.spaces.front()].patch.finger)
-    throw badInput("--at: \"{}\" is no finger, and answers where it is only", choice.name);
   return nearestSite(dataset_, choice.spaces,
                      fingerNear("--at", dataset_.mesh(), *place, 0).center);
 }

@@ -2,9 +2,9 @@
 
 #include <optional>
 
-#include "viewer/answers/force_answers.hpp"
 #include "viewer/export/configuration_grid.hpp"
 #include "viewer/export/interpolated_shape.hpp"
+#include "viewer/export/touch_way.hpp"
 
 namespace palpate {
 
@@ -15,10 +15,9 @@ class ConfigurationSource {
   /// The dataset must outlive this object.
   explicit ConfigurationSource(const Dataset& dataset) : dataset_(dataset) {}
 
-  /// Shape and force at a touch. `answers`: of this dataset, the same ones every time; `answer`:
-  /// theirs to this touch.
-  Configuration interpolated(const ForceAnswers& answers, const ForceAnswer& answer,
-                             const TouchInput& touch);
+  /// Shape and force at a step of a way, but not how far that is. `answers`: of this dataset, which
+  /// the step has its own from; the same ones every time.
+  Configuration interpolated(const ForceAnswers& answers, const WayStep& step);
 
   /// The lattice point of an active node, or of the site of a finger's area that is nearest to a
   /// place (metres), with these coordinates in spacings. Error (bad input) for an unknown name, a

@@ -26,6 +26,9 @@ void checkChoice(const ExportOptions& options, const ExportTarget& target) {
   const bool has_point = !options.point.empty(), has_displacement = !options.displacement.empty();
   if (has_point == has_displacement)
     throw badInput("say which configuration: --displacement X Y Z (metres), or --point I J K");
+  if (has_point && !options.method.empty())
+    throw badInput("--method {}: a --point is as it was solved, and nothing is interpolated",
+                   options.method);
   const bool is_path = options.displacement == std::vector<std::string>{"-"};
   const std::string name = target.file().string();
   if (target.holdsWay()) {
@@ -68,6 +71,11 @@ void writeOne(const ExportTarget& target, const Grid& grid) {
   replaceFile(target.file(), [&](const std::filesystem::path& aside) { writeVtkHdf(aside, grid); });
 }
 
+ForceAnswers answersFor(const ExportOptions& options, const Dataset& dataset) {
+  const std::string& method = options.method.empty() ? forceFieldMethods().front() : options.method;
+  return ForceAnswers(dataset, options.active, !options.at.empty(), method);
+}
+
 /// The only one that is asked for.
 Configuration chosenConfiguration(const ExportOptions& options, const Dataset& dataset) {
   ConfigurationSource source(dataset);
@@ -78,20 +86,9 @@ Configuration chosenConfiguration(const ExportOptions& options, const Dataset& d
     const Eigen::Vector3d point = Eigen::Map<const Eigen::Vector3d>(options.point.data());
     return source.solved(options.active, place, point);
   }
-  const ForceAnswers answers(dataset, options.active, !options.at.empty(), options.method);
+  const ForceAnswers answers = answersFor(options, dataset);
   const TouchInput touch = onlyTouch(options.at, options.displacement, answers.workspaceRadius());
-  return source.interpolated(answers, answers.answer(touch), touch);
-}
-
-/// All that the way feels: what is wrong with a touch is told before anything is replaced.
-std::vector<ForceAnswer> answersAlong(const std::vector<WayStep>& way,
-                                      const ForceAnswers& answers) {
-  std::vector<ForceAnswer> found;
-  for (const WayStep& step : way) {
-    endWhenInterrupted();
-    found.push_back(answers.answer(step.touch));
-  }
-  return found;
+  return source.interpolated(answers, followWay({touch}, answers).front());
 }
 
 ExitCode exportOne(const ExportOptions& options, const Dataset& dataset, const ExportTarget& target,
@@ -109,7 +106,6 @@ ExitCode exportSeries(const Dataset& dataset, const ForceAnswers& answers,
                       std::ostream& output) {
   ConfigurationSource source(dataset);
   const ConfigurationGrid grid(dataset);
-  const std::vector<ForceAnswer> found = answersAlong(way, answers);
   target.beginSeries();
   std::vector<SeriesFile> series;
   std::size_t outside = 0;
@@ -119,7 +115,7 @@ ExitCode exportSeries(const Dataset& dataset, const ForceAnswers& answers,
                    target.file().string());
       return ExitCode::interrupted;
     }
-    Configuration configuration = source.interpolated(answers, found[n], way[n].touch);
+    Configuration configuration = source.interpolated(answers, way[n]);
     configuration.way = way[n].way;
     outside += configuration.sample.inside ? 0 : 1;
     replaceFile(target.seriesFile(n), vtuBytes(grid.of(configuration)), "grid");
@@ -132,13 +128,12 @@ ExitCode exportSeries(const Dataset& dataset, const ForceAnswers& answers,
   return codeOf(outside, way.size());
 }
 
-ExitCode exportCurve(const ForceAnswers& answers, const std::vector<WayStep>& way,
-                     const ExportTarget& target, std::ostream& output) {
-  const std::vector<ForceAnswer> found = answersAlong(way, answers);
-  replaceFile(target.file(), forceCurve(way, found), "curve");
+ExitCode exportCurve(const std::vector<WayStep>& way, const ExportTarget& target,
+                     std::ostream& output) {
+  replaceFile(target.file(), forceCurve(way), "curve");
   output << fmt::format("{}: {} lines\n", target.file().string(), way.size());
-  const std::ptrdiff_t outside = std::ranges::count(
-      found, false, [](const ForceAnswer& answer) { return answer.sample.inside; });
+  const std::ptrdiff_t outside =
+      std::ranges::count(way, false, [](const WayStep& step) { return step.answer.sample.inside; });
   return codeOf(static_cast<std::size_t>(outside), way.size());
 }
 
@@ -165,8 +160,9 @@ std::function<ExitCode()> prepareExport(CLI::App& app) {
                  "A straight way from rest to the displacement in so many steps (.pvd and .csv)")
       ->type_name("N");
   app.add_option("--method", options->method,
-                 fmt::format("Interpolation of forces: {}", fmt::join(forceFieldMethods(), " or ")))
-      ->capture_default_str();
+                 fmt::format("Interpolation of forces: {} [{}]",
+                             fmt::join(forceFieldMethods(), " or "), forceFieldMethods().front()))
+      ->type_name("NAME");
   app.add_flag("--force", options->force, "Replace what is there");
   app.footer(
       "Points are those at rest: in ParaView, Warp By Vector with `displacement` deforms the body\n"
@@ -190,11 +186,13 @@ ExitCode exportConfigurations(const ExportOptions& options, std::istream& input,
   const Dataset dataset(options.dataset);
   warnIfPartial(dataset);
   if (!target.holdsWay()) return exportOne(options, dataset, target, output);
-  const ForceAnswers answers(dataset, options.active, !options.at.empty(), options.method);
+  const ForceAnswers answers = answersFor(options, dataset);
   endWhenInterrupted();
-  const std::vector<WayStep> way =
+  const std::vector<TouchInput> touches =
       touchWay(options.at, options.displacement, options.steps, input, answers.workspaceRadius());
-  if (target.format() == ExportFormat::csv) return exportCurve(answers, way, target, output);
+  // What is wrong with a touch is told before anything is replaced.
+  const std::vector<WayStep> way = followWay(touches, answers);
+  if (target.format() == ExportFormat::csv) return exportCurve(way, target, output);
   return exportSeries(dataset, answers, way, target, output);
 }
 

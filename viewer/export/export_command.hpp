@@ -19,8 +19,8 @@ struct ExportOptions {
   std::vector<std::string> at = {};
   std::vector<double> point = {};  ///< three coordinates in spacings, or none
   int steps = 0;                   ///< of a straight way from rest; 0: not given
-  std::string method = "potential";
-  bool force = false;  ///< replace what is there
+  std::string method = {};         ///< of interpolation; empty: the first of forceFieldMethods()
+  bool force = false;              ///< replace what is there
 };
 
 /// `palpate export`: writes configurations of a dataset for ParaView and others, or the forces

@@ -36,14 +36,15 @@ std::vector<std::string> titlesOf(const ForceAnswer& answer) {
   return titles;
 }
 
-std::string lineOf(std::size_t number, const WayStep& step, const ForceAnswer& answer) {
-  std::vector<std::string> cells = {std::to_string(number), exact(step.way)};
+std::string lineOf(std::size_t number, const WayStep& step) {
+  const auto& [touch, answer, length] = step;
+  std::vector<std::string> cells = {std::to_string(number), exact(length)};
   const auto add = [&cells](const auto& vector) {
     for (int i = 0; i < 3; ++i) cells.push_back(exact(vector[i]));
   };
   const ForceSample& sample = answer.sample;
   if (answer.finger) add(answer.finger->at);
-  add(step.touch.displacement);
+  add(touch.displacement);
   add(sample.force);
   cells.push_back(exact(sample.force.norm()));
   for (int row = 0; row < 3; ++row) add(sample.stiffness.row(row));
@@ -56,10 +57,10 @@ std::string lineOf(std::size_t number, const WayStep& step, const ForceAnswer& a
 
 }  // namespace
 
-std::string forceCurve(const std::vector<WayStep>& way, const std::vector<ForceAnswer>& answers) {
-  PALPATE_ASSERT(!way.empty() && way.size() == answers.size(), "every step has its answer");
-  std::string text = csvLine(titlesOf(answers.front()));
-  for (std::size_t n = 0; n < way.size(); ++n) text += lineOf(n, way[n], answers[n]);
+std::string forceCurve(const std::vector<WayStep>& way) {
+  PALPATE_ASSERT(!way.empty(), "a way has a first step");
+  std::string text = csvLine(titlesOf(way.front().answer));
+  for (std::size_t n = 0; n < way.size(); ++n) text += lineOf(n, way[n]);
   return text;
 }
 

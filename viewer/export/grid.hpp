@@ -13,9 +13,7 @@ struct GridArray {
   std::string name;
   const char* unit;    ///< "m"; "1" where there is none
   int components = 1;  ///< of a tuple
-  std::variant<std::vector<float>, std::vector<double>, std::vector<std::int32_t>,
-               std::vector<std::uint8_t>>
-      values = {};
+  std::variant<std::vector<float>, std::vector<double>, std::vector<std::uint8_t>> values = {};
 };
 
 /// VTK's numbers of cells (vtkCellType.h). Quadratic tetrahedra have their mid-edge nodes in the

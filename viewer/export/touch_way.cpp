@@ -12,41 +12,37 @@ bool isFromInput(const std::vector<std::string>& words) {
   return words.size() == 1 && words[0] == "-";
 }
 
-Eigen::Vector3d toolAt(const TouchInput& touch) {
-  return touch.at.value_or(Eigen::Vector3d::Zero()) + touch.displacement;
-}
-
-void append(std::vector<WayStep>& way, const TouchInput& touch) {
-  double length = 0;
-  if (!way.empty()) length = way.back().way + (toolAt(touch) - toolAt(way.back().touch)).norm();
-  way.push_back({touch, length});
+/// Where the tool is; of others than fingers from where it is at rest.
+Eigen::Vector3d toolAt(const WayStep& step) {
+  const auto& finger = step.answer.finger;
+  return step.touch.displacement + (finger ? finger->at : Eigen::Vector3d::Zero());
 }
 
 }  // namespace
 
-std::vector<WayStep> touchWay(const std::vector<std::string>& at,
-                              const std::vector<std::string>& words, int steps, std::istream& input,
-                              double workspace_radius) {
-  std::vector<WayStep> way;
+std::vector<TouchInput> touchWay(const std::vector<std::string>& at,
+                                 const std::vector<std::string>& words, int steps,
+                                 std::istream& input, double workspace_radius) {
+  std::vector<TouchInput> touches;
   if (isFromInput(words)) {
     if (steps != 0)
       throw badInput("--steps {}: with --displacement - every line of the input is a step", steps);
     forEachTouch(at, words, input, workspace_radius, [&](const TouchInput& touch) {
       endWhenInterrupted();
-      if (std::ssize(way) > most_steps)
+      if (std::ssize(touches) > most_steps)
         throw badInput("standard input has more than {} touches", most_steps + 1);
-      append(way, touch);
+      touches.push_back(touch);
     });
     endWhenInterrupted();
-    if (way.empty()) throw badInput("standard input has no displacement: one per line, X Y Z");
-    return way;
+    if (touches.empty()) throw badInput("standard input has no displacement: one per line, X Y Z");
+    return touches;
   }
   if (steps < 1 || steps > most_steps)
     throw badInput("--steps {}: a way from rest has 1 to {} steps", steps, most_steps);
   const TouchInput end = onlyTouch(at, words, workspace_radius);
   for (int n = 0; n <= steps; ++n)
-    append(way, {end.at, static_cast<double>(n) / steps * end.displacement});
-  return way;
+    touches.push_back({end.at, static_cast<double>(n) / steps * end.displacement});
+  return touches;
 }
 
 TouchInput onlyTouch(const std::vector<std::string>& at, const std::vector<std::string>& words,
@@ -56,6 +52,18 @@ TouchInput onlyTouch(const std::vector<std::string>& at, const std::vector<std::
   forEachTouch(at, words, nothing, workspace_radius,
                [&](const TouchInput& touch) { only = touch; });
   return only;
+}
+
+std::vector<WayStep> followWay(const std::vector<TouchInput>& touches,
+                               const ForceAnswers& answers) {
+  std::vector<WayStep> way;
+  for (const TouchInput& touch : touches) {
+    endWhenInterrupted();
+    WayStep step = {touch, answers.answer(touch)};
+    if (!way.empty()) step.way = way.back().way + (toolAt(step) - toolAt(way.back())).norm();
+    way.push_back(step);
+  }
+  return way;
 }
 
 }  // namespace palpate

@@ -69,6 +69,8 @@ TEST(ActiveChoiceTest, OfAnAreaWantsAPlace) {
                        {"\"skin\"", "--at X Y Z"});
   EXPECT_NO_THROW(requirePlace(chooseActive(scene, "skin"), true));
   EXPECT_NO_THROW(requirePlace(chooseActive(scene, "tip"), false));
+  test::expectBadInput([&] { requirePlace(chooseActive(scene, "tip"), true); },
+                       {"--at", "\"tip\" is no finger", "leave --at out"});
 }
 
 }  // namespace

@@ -23,6 +23,7 @@ using test::expectBadInput;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 /// A sealed sample dataset that can be exported.
 class ExportCommand : public ::testing::Test {
@@ -194,6 +195,9 @@ TEST_F(ExportCommand, RefusesWhatDoesNotSayOneThing) {
   options.displacement.clear();
   options.output = directory / "press.pvd";
   expectBadInput([&] { run(); }, {"press.pvd", "no --point"});
+  options.output = directory / "touch.vtu";
+  options.method = "trilinear";
+  expectBadInput([&] { run(); }, {"--method trilinear", "nothing is interpolated"});
   options.point.clear();
   expectBadInput([&] { run(); }, {"--displacement X Y Z", "--point I J K"});
   expectNothingIsLeft();
@@ -275,6 +279,10 @@ TEST_F(ExportOfAFinger, ACurveTellsPlaceAndDrive) {
   EXPECT_THAT(linesWritten().front(),
               AllOf(HasSubstr("way_m,at_x_m,"), HasSubstr("drive_z_N,energy_J")));
   EXPECT_EQ(linesWritten().size(), 3U);
+  options.force = true;
+  EXPECT_EQ(run("0.05 0.04 0.1 0 0 -0.01\n0.05 0.04 0.12 0 0 -0.01\n"), ExitCode::done);
+  EXPECT_THAT(linesWritten().back(), StartsWith("1,0,0.05,0.04,0.1,"))
+      << "the tool has not moved: both places are the same point of the surface";
 }
 
 }  // namespace

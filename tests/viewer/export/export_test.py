@@ -302,6 +302,20 @@ class ExportedBody(ExportedBox):
         for name in ("force", "stiffness", "energy", "error_bound", "coverage"):
             np.testing.assert_array_equal(np.ravel(grid.field[name]), np.ravel(answer[name]), name)
 
+    def testUnderGravityTheSagIsInTheDisplacementAndNotInTheTool(self):
+        scene = SCENE.format(displacement="P1", stored="all").replace("c01 = 1280", "c01 = 1280\ndensity = 1000")
+        self.build_scene(scene + "[gravity]\nacceleration = [0, 0, -9.81]\n", *box())
+        rest, moved = (VtkGrid(self.export(f"{n}.vtu", "--point", str(n), "0", "0")) for n in (0, 1))
+        sag = rest.point["displacement"]
+        self.assertLess(sag[:, 2].min(), -1e-4, "it sags")
+        for grid, n in ((rest, 0), (moved, 1)):
+            self.holds(grid, self.row(n, 0, 0))
+            self.holds_volume(grid, self.row(n, 0, 0))
+            tool = np.ravel(grid.field["tool_displacement"])
+            np.testing.assert_array_equal(tool, [0.005 * n, 0, 0])
+            touched = grid.point["touched"] == 1
+            np.testing.assert_allclose((grid.point["displacement"] - sag)[touched], np.tile(tool, (touched.sum(), 1)), atol=1e-8)
+
     def testUnderAFingerTheBodyMovesWithIt(self):
         self.build_scene(FINGER_SCENE, *box((6, 4, 4), 0.01))
         place = ["--at", "0.031", "0.022", "0.04"]
