@@ -2,8 +2,8 @@
 import numpy as np
 
 from body import DIMENSIONS, GMSH_ORDER, NODES_OF, WRITTEN, Body, wrong
-from meshio_file import read_by_meshio
 from lines import node_numbers
+from meshio_file import read_by_meshio
 
 GMSH_KINDS = {number: kind for kind, (number, _, _) in WRITTEN.items()}
 GMSH_KINDS.update({3: "quad", 5: "hexahedron", 6: "wedge", 7: "pyramid", 10: "quad9", 12: "hexahedron27", 13: "wedge18",

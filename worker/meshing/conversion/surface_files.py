@@ -2,8 +2,8 @@
 import numpy as np
 
 from body import Body, wrong
-from polygons import cut
 from lines import data_lines, numbers
+from polygons import cut
 
 
 def surface_of(points, triangles):
