@@ -34,7 +34,8 @@ struct ViewOptions {
 
 /// `palpate view`: runs the haptic client in this thread, which draws, until the window is closed,
 /// the duration is over, a replay has ended, or a signal came; then prints what the loop measured.
-/// Errors of datasets, window and device name what could not be had.
+/// Error (bad input) when the recording would replace a dataset. Errors of datasets, window and
+/// device name what could not be had.
 ExitCode view(const ViewOptions& options, std::ostream& output);
 
 /// The verb `view` of palpate-viewer: the haptic client. Feels the first dataset through a device

@@ -5,7 +5,8 @@
 A mesh with tetrahedra becomes Gmsh's format 2.2, ASCII, with its groups; one of triangles alone the bytes that
 closed_surface.cpp reads: two int64 (points, triangles), the points as float64, the triangles as int32. The first line
 of stdout says which, "volume" or "surface"; each further line is a note for people. Exit 2 and one sentence on stderr
-where the input is wrong, 3 and the name of a Python module where that is missing (numpy too, as `palpate mesh` runs it).
+where the input is wrong, 3 and the name of a Python module where that is missing
+(of numpy as `palpate mesh` runs it).
 
 Formats with a reader here: those of which meshio loses groups (.inp, binary .msh), or that it does not know (.feb,
 TetGen of ten nodes), and plain surfaces, whose errors then name the line. Everything else is read by meshio.
@@ -38,8 +39,8 @@ def convert(source, output, straight):
     try:
         body = READERS.get(path.suffix.lower(), read_by_meshio)(path)
     except (IndexError, KeyError, ValueError) as error:
-        wrong(source, None, f"it is truncated, or not of the format that its ending says ({error!r}); save it again, or "
-                            "in another format")
+        wrong(source, None, f"it is truncated, or not of the format that its ending says ({error!r}); save it again, "
+                            "or in another format")
     check_points(body, source)
     refuse_other_volumes(body, source)
     is_volume = any(kind.startswith("tetra") and len(cells) for kind, cells in body.blocks)
