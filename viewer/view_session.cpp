@@ -69,11 +69,11 @@ class ViewSession {
     // The device last: until then nothing that fails leaves it with a force.
     loaded_ = load();
     if (!options_.headless) openPicture();
-    // Not before the window is there: a first start that fails is none.
-    if (options_.tutorial || (picture_ && options_.device == window_device && firstStart()))
-      picture_->playTutorial();
     prepareFirst();
     if (quit_) return;
+    // Not before: a start that fails, or that the person ends at once, is no first one.
+    if (options_.tutorial || (picture_ && options_.device == window_device && firstStart()))
+      picture_->playTutorial();
     device_ = openDevice(options_.device,
                          {&loaded_->first(), 1 / options_.rate, wantedProfile(), options_.keys});
     makeTick();

@@ -216,7 +216,7 @@ TEST_F(ViewTest, APersonWithAMousePressesTheBodyInTheWindow) {
 TEST_F(ViewTest, QEndsItAsSoonAsThereIsAWindow) {
   const test::VirtualScreen screen;
   std::vector<std::string> arguments(40, "cube.h5");
-  arguments.insert(arguments.end(), {"--method", "rbf-cubic", "--device", "virtual"});
+  arguments.insert(arguments.end(), {"--method", "rbf-cubic"});
   auto run = start(arguments);
   std::unique_ptr<test::Person> person;
   ASSERT_TRUE(test::eventually([&] {
@@ -229,6 +229,8 @@ TEST_F(ViewTest, QEndsItAsSoonAsThereIsAWindow) {
   person->press("q");
   ASSERT_TRUE(test::eventually([&] { return !run->running(); })) << run->output();
   EXPECT_EQ(run->wait(), 0);
+  EXPECT_FALSE(std::filesystem::exists(directory / "state/palpate/tutorial-shown"))
+      << "nobody saw the tutorial";
 }
 
 TEST_F(ViewTest, RefusesWhatItCannotFeel) {

@@ -16,6 +16,9 @@
 namespace palpate {
 namespace {
 
+/// Of the sphere's radius, about: where the scale of displacements ends before any was larger.
+constexpr double first_scale_share = 0.035;
+
 constexpr float contour_width = 1.7F, contour_opacity = 0.85F;
 constexpr std::array<float, 3> ghost_line = {0.14F, 0.24F, 0.46F};
 constexpr float ghost_line_opacity = 0.75F, ghost_line_width = 1.6F;
@@ -78,6 +81,7 @@ BodyView::BodyView(const HapticModel& model)
       displacements_(3 * model.surface().vertices().size()),
       drawing_([this] { drawSurface(); }),
       over_drawing_([this] { drawOver(); }) {
+  full_colour_ = roundUp(first_scale_share * sphere_.radius);
   ghost_shares_.resize(shape_.size());
   ghost_colours_.resize(shape_.size());
   ghost_corners_.reserve(shape_.corners().size());

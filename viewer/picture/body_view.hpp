@@ -80,7 +80,7 @@ class BodyView {
   SpaceBlend blend_;                  ///< of the touch that deformed it; of no space: at rest
   Eigen::Vector3d touch_displacement_ = Eigen::Vector3d::Zero();  ///< m
   std::vector<float> pressures_;  ///< by vertex, Pa; empty until they are seen
-  double full_colour_ = 0.005, full_pressure_ = 0;
+  double full_colour_ = 0, full_pressure_ = 0;
   bool has_untouchable_ = false;
   std::map<std::int32_t, std::vector<float>> error_places_;  ///< by method; by vertex, 0 to 1
   const SoftLight* light_ = nullptr;

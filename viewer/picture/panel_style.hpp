@@ -8,7 +8,7 @@ inline constexpr ImU32 ink = IM_COL32(38, 42, 52, 255), faint = IM_COL32(38, 42,
 inline constexpr ImU32 red = IM_COL32(196, 30, 30, 255), blue = IM_COL32(24, 84, 170, 255);
 /// Of a force that is uncertain; darker where it is text.
 inline constexpr ImU32 amber = IM_COL32(240, 150, 10, 255), amber_ink = IM_COL32(158, 88, 0, 255);
-inline constexpr ImU32 paper = IM_COL32(255, 255, 255, 225);
+inline constexpr ImU32 white = IM_COL32(255, 255, 255, 255), paper = IM_COL32(255, 255, 255, 225);
 inline constexpr ImU32 line_grey = IM_COL32(214, 219, 227, 255);
 /// Of the axes x, y, z, wherever they are.
 inline constexpr ImU32 axis_colours[] = {IM_COL32(214, 84, 0, 255), IM_COL32(0, 140, 100, 255),

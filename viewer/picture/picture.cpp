@@ -42,20 +42,26 @@ struct Picture::Impl {
 
   void use(std::int32_t number) {
     if (number == model) return;
-    const bool first = model < 0;
+    const std::optional<FramedSphere> before =
+        model < 0 ? std::nullopt : std::optional(inUse().sphere());
     model = number;
     BodyView& now = inUse();
     stage->setBody(now);
-    if (!first) return;  // the person keeps the view while materials change
+    // The person keeps the view while materials of one body change.
+    if (before && isFramedWith(*before, now.sphere())) return;
+    if (before) return frameAll();
     const Viewport all = panels.view();
     stage->camera().frame(now.sphere().centre, now.sphere().radius, now.bestView(),
                           Eigen::Vector3d::UnitY(), static_cast<double>(all.width) / all.height);
   }
 
-  void frameAll() {
-    const FramedSphere& sphere = inUse().sphere();
+  void frameAll() { frame(inUse(), touchedPart()); }
+
+  /// From the side from which the camera looks.
+  void frame(const BodyView& body, const Viewport& part) {
+    const FramedSphere& sphere = body.sphere();
     stage->camera().frame(sphere.centre, sphere.radius,
-                          static_cast<double>(touchedPart().width) / viewport.height);
+                          static_cast<double>(part.width) / part.height);
   }
 
   /// part: in which the touched body is; in another beside it the mouse is where it would be there.
@@ -200,12 +206,16 @@ struct Picture::Impl {
   /// With the same tool; what belongs to the touched body is put back.
   void renderBeside(const HapticState& state) {
     ToolView& tool = stage->tool();
+    const OrbitCamera camera = stage->camera();
+    if (!isFramedWith(inUse().sphere(), beside->body->sphere()))
+      frame(*beside->body, viewport.rightHalf());
     stage->setBody(*beside->body);
     if (beside->touch)
       tool.setArrow(arrowOf(beside->touch->force), isUncertain(*beside->touch));
     else
       tool.setTool({.tip = Eigen::Vector3d::Constant(NAN)});
     stage->render(viewport.rightHalf(), false);
+    stage->camera() = camera;
     stage->setBody(inUse());
     tool.setTool(held.pose());
     tool.setArrow(arrowOf(state.force), isUncertain(state.touch));

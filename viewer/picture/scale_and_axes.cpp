@@ -51,8 +51,8 @@ void drawAxes(ImDrawList& draw, const OrbitCamera& camera, ImVec2 at) {
 
 }  // namespace
 
-void drawScaleAndAxes(ImDrawList& draw, const PanelContents& contents, ImVec2 size) {
-  const ImVec2 corner = {size.x - px(corner_margin), size.y - px(corner_margin)};
+void drawScaleAndAxes(ImDrawList& draw, const PanelContents& contents, ImVec2 size, float foot) {
+  const ImVec2 corner = {size.x - px(corner_margin), foot - px(corner_margin)};
   drawAxes(draw, contents.camera, {corner.x - px(axes_room / 2), corner.y - px(axes_room / 2)});
   drawScale(draw, contents, size, {corner.x - px(axes_room + 2 * corner_margin), corner.y});
 }

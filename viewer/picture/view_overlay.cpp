@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <sstream>
+#include <string_view>
 #include <string>
 #include <vector>
 
@@ -19,12 +21,28 @@ constexpr float label_padding_x = 7, label_padding_y = 4, arrow_width = 6;
 constexpr float banner_stripe = 4, banner_left = 12, banner_right = 8, banner_padding = 6,
                 banner_gap = 6;
 constexpr float help_gap = 18, hint_above = 18, hint_above_scale = 84;
+constexpr float narrow_view = 760;  // in which a hint takes the place of legends and scale
 constexpr double view_edge = 4;
 constexpr float widest_name = 0.7F;  // of the view: beyond it would lie under what is said
 
 Eigen::Vector2d screenPoint(ImVec2 at) { return {at.x, at.y}; }
 ImVec2 imPoint(const Eigen::Vector2d& at) {
   return {static_cast<float>(at.x()), static_cast<float>(at.y())};
+}
+
+/// The text, or its beginning and three dots where all of it would be wider.
+std::string shortened(const std::string& text, float widest) {
+  if (ImGui::CalcTextSize(text.c_str()).x <= widest) return text;
+  std::string_view kept = text;
+  std::string all;
+  do {
+    // Bytes that go on a letter go with it.
+    while (!kept.empty() && (static_cast<unsigned char>(kept.back()) & 0xC0U) == 0x80U)
+      kept.remove_suffix(1);
+    if (!kept.empty()) kept.remove_suffix(1);
+    all = std::string(kept) + "...";
+  } while (!kept.empty() && ImGui::CalcTextSize(all.c_str()).x > widest);
+  return all;
 }
 
 /// Text on a light ground, as wide as the view at most; tells where the next may begin.
@@ -42,7 +60,8 @@ float banner(ImDrawList& draw, ImVec2 at, float width, ImU32 colour, const std::
 }
 
 /// The keys in a column, what they do in another: in the text two spaces or more are between them.
-void drawHelp(ImDrawList& draw, ImVec2 at) {
+/// Over all else, and in as many such pairs of columns as a window of that height needs.
+void drawHelp(ImVec2 at, float height) {
   std::vector<std::array<std::string, 2>> lines;
   std::istringstream text(key_help);
   float keys = 0, widest = 0;
@@ -53,19 +72,35 @@ void drawHelp(ImDrawList& draw, ImVec2 at) {
     keys = std::max(keys, ImGui::CalcTextSize(lines.back()[0].c_str()).x + px(help_gap));
     widest = std::max(widest, ImGui::CalcTextSize(lines.back()[1].c_str()).x);
   }
-  const float step = ImGui::GetTextLineHeightWithSpacing();
-  const ImVec2 end = {at.x + keys + widest + px(banner_left) + px(banner_right),
-                      at.y + step * static_cast<float>(lines.size()) + 2 * px(banner_padding)};
-  draw.AddRectFilled(at, end, paper, px(4));
-  at = {at.x + px(banner_left), at.y + px(banner_padding)};
-  for (const auto& [key, words] : lines) {
-    draw.AddText(at, blue, key.c_str());
-    draw.AddText({at.x + keys, at.y}, ink, words.c_str());
-    at.y += step;
+  const float step = ImGui::GetTextLineHeightWithSpacing(), wide = keys + widest + px(help_gap);
+  const float room = (height - at.y - px(margin) - 2 * px(banner_padding)) / step;
+  const auto rows = static_cast<std::size_t>(
+      std::clamp(std::floor(room), 1.0F, static_cast<float>(lines.size())));
+  const std::size_t columns = (lines.size() + rows - 1) / rows;
+  ImDrawList& draw = *ImGui::GetForegroundDrawList();
+  draw.AddRectFilled(at,
+                     {at.x + wide * static_cast<float>(columns) + px(banner_left),
+                      at.y + step * static_cast<float>(rows) + 2 * px(banner_padding)},
+                     white, px(4));
+  for (std::size_t n = 0; n < lines.size(); ++n) {
+    const ImVec2 place = {at.x + px(banner_left) + wide * static_cast<float>(n / rows),
+                          at.y + px(banner_padding) + step * static_cast<float>(n % rows)};
+    draw.AddText(place, blue, lines[n][0].c_str());
+    draw.AddText({place.x + keys, place.y}, ink, lines[n][1].c_str());
   }
 }
 
-void drawBanners(ImDrawList& draw, const PictureStatus& status, bool help, float width) {
+/// Why B shows nothing.
+const char* besideNothing(const PanelContents& contents, const ViewChoices& choices) {
+  return choices.beside && contents.models.size() == 1
+             ? "B shows another dataset beside this one; there is none: palpate view A.h5 B.h5"
+             : "";
+}
+
+void drawBanners(ImDrawList& draw, const PanelContents& contents, const ViewChoices& choices,
+                 const Viewport& view) {
+  const PictureStatus& status = contents.status;
+  const auto width = static_cast<float>(view.width);
   float next = px(margin);
   const auto say = [&](ImU32 colour, const std::string& text) {
     if (!text.empty())
@@ -74,7 +109,8 @@ void drawBanners(ImDrawList& draw, const PictureStatus& status, bool help, float
   say(red, status.trouble);
   say(blue, status.notice);
   say(blue, status.paused ? "paused" : "");
-  if (help) drawHelp(draw, {px(margin), next});
+  say(blue, besideNothing(contents, choices));
+  if (choices.help) drawHelp({px(margin), next}, static_cast<float>(view.window_height));
 }
 
 }  // namespace
@@ -84,9 +120,9 @@ ScreenBox drawNames(ImDrawList& draw, const std::vector<std::string>& names, flo
   const float line = ImGui::GetTextLineHeightWithSpacing(), right = left + width - px(margin);
   float y = px(margin), begin = right;
   for (const std::string& name : names) {
-    const float wide = ImGui::CalcTextSize(name.c_str()).x;
-    if (wide > widest_name * width) continue;
-    draw.AddText({right - wide, y}, &name == names.data() ? ink : faint, name.c_str());
+    const std::string shown = shortened(name, widest_name * width);
+    const float wide = ImGui::CalcTextSize(shown.c_str()).x;
+    draw.AddText({right - wide, y}, &name == names.data() ? ink : faint, shown.c_str());
     begin = std::min(begin, right - wide);
     y += line;
   }
@@ -132,12 +168,15 @@ void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
                      const Viewport& view, std::vector<ScreenBox> taken) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const ImVec2 size = {static_cast<float>(view.width), static_cast<float>(view.height)};
+  // Where a hint leaves them no room they stand above it.
+  const bool narrow = size.x < px(narrow_view) && !taken.empty() && !contents.beside;
+  const float foot = narrow ? static_cast<float>(taken.front().from.y()) : size.y;
   draw.PushClipRect({0, 0}, size);
-  drawScaleAndAxes(draw, contents, size);
-  taken.push_back(drawLegends(draw, contents, choices, size));
+  drawScaleAndAxes(draw, contents, size, foot);
+  taken.push_back(drawLegends(draw, contents, choices, {size.x, foot}));
   taken.push_back(drawNames(draw, {contents.dataset, contents.tissue, "H: help"}, 0, size.x));
   drawLabel(draw, contents.label, contents.camera, 0, size, taken);
-  drawBanners(draw, contents.status, choices.help, size.x);
+  drawBanners(draw, contents, choices, view);
   draw.PopClipRect();
 }
 

@@ -16,9 +16,9 @@ namespace palpate {
 /// alone. The part of the view that they take.
 ScreenBox drawLegends(ImDrawList& draw, const PanelContents& contents, const ViewChoices& choices,
                       ImVec2 size);
-/// At the lower right a length at the depth of the body, and the directions of the axes of the
-/// scene.
-void drawScaleAndAxes(ImDrawList& draw, const PanelContents& contents, ImVec2 size);
+/// At the right above `foot` a length at the depth of the body, and the directions of the axes of
+/// the scene.
+void drawScaleAndAxes(ImDrawList& draw, const PanelContents& contents, ImVec2 size, float foot);
 
 /// What is touched, at the upper right, a line each. The part of the window that it takes. left: of
 /// the view.

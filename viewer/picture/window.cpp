@@ -4,6 +4,8 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
@@ -13,11 +15,24 @@
 namespace palpate {
 namespace {
 
+// Units at a scale of 1: below these the panels hide each other.
+constexpr int least_width = 480, least_height = 320;
+
 /// What GLFW says about its last failure.
 std::string lastTrouble() {
   const char* text = nullptr;
   glfwGetError(&text);
   return text != nullptr ? text : "no reason given";
+}
+
+/// Units that a window can have beside bars and docks; no limit where no screen is known.
+std::array<int, 2> roomOnScreen() {
+  std::array<int, 2> size{};
+  if (GLFWmonitor* const screen = glfwGetPrimaryMonitor())
+    glfwGetMonitorWorkarea(screen, nullptr, nullptr, size.data(), &size[1]);
+  for (int& length : size)
+    if (length <= 0) length = std::numeric_limits<int>::max();
+  return size;
 }
 
 }  // namespace
@@ -40,8 +55,14 @@ Window::Window(const std::string& title, int width, int height, bool visible, bo
         "or install libgl1-mesa-dri and set LIBGL_ALWAYS_SOFTWARE=1 to draw in software",
         trouble);
   }
-  if (const double larger = screenScale(window_) / pixelsPerUnit(window_); larger != 1)
-    glfwSetWindowSize(window_, static_cast<int>(width * larger), static_cast<int>(height * larger));
+  const double larger = screenScale(window_) / pixelsPerUnit(window_);
+  const auto scaled = [larger](int length) { return static_cast<int>(length * larger); };
+  glfwSetWindowSizeLimits(window_, scaled(least_width), scaled(least_height), GLFW_DONT_CARE,
+                          GLFW_DONT_CARE);
+  if (larger != 1) {
+    const std::array<int, 2> room = roomOnScreen();
+    glfwSetWindowSize(window_, std::min(scaled(width), room[0]), std::min(scaled(height), room[1]));
+  }
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(vsync ? 1 : 0);
   glfwSetWindowUserPointer(window_, this);

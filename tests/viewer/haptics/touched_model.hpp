@@ -29,6 +29,15 @@ inline HapticModel cubeModel(const std::function<double(const Eigen::Vector3d&)>
   return modelOf({mesh, active}, 0.2);
 }
 
+/// The cube in a tenth of its size, by itself far from the origin.
+inline HapticModel smallCubeModel() {
+  Mesh mesh = cubeMesh(0.01, 4);
+  for (Eigen::Vector3d& node : mesh.nodes) node.x() += 0.5;
+  std::vector<TouchableBody::Active> active;
+  for (const std::int32_t node : mesh.node_groups.at("zmax")) active.push_back({node});
+  return modelOf({mesh, active, 0.003, 0.0015}, 0.02);
+}
+
 /// The blob with ten active nodes on its upper side, of factors from 0.8 to 1.25, all of it
 /// touchable.
 inline HapticModel tenNodeModel() {

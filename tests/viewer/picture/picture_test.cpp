@@ -64,13 +64,15 @@ class PictureTest : public ::testing::Test {
   PictureTest() : model(test::tenNodeModel()) {}
 
   /// The hand above the middle of the touchable surface, or pressed into it by `depth` metres.
-  HapticState pressed(double depth) {
+  HapticState pressed(double depth) { return pressedInto(model, 0, depth); }
+  /// The same at another x of a model.
+  HapticState pressedInto(const HapticModel& body, double x, double depth) {
     HapticState state;
     state.time = ++time;
-    state.tool = {0, 0, 0.2};
-    Contact contact(model);
+    state.tool = {x, 0, 0.2};
+    Contact contact(body);
     contact.update(state.tool);
-    const double top = model.surface().tree().nearest({0, 0, 0.2}).position.z();
+    const double top = body.surface().tree().nearest({x, 0, 0.2}).position.z();
     for (int step = 0; step <= 100 && depth > 0; ++step) {
       state.tool.z() = top + 1e-4 - (depth + 1e-4) * step / 100;
       contact.update(state.tool);
@@ -171,6 +173,65 @@ TEST_F(PictureTest, SwitchesBetweenModelsThatShareTheWindow) {
   state.model = 1;
   picture.draw(state, {});
   EXPECT_GT(differences(first, picture.grab(), 980, 622), 20000);
+}
+
+TEST_F(PictureTest, ShowsABodyOfAnotherSizeAsLargeAsTheFirst) {
+  const HapticModel small = test::smallCubeModel();
+  Picture picture({&model, &small}, {.vsync = false});
+  HapticState state = pressed(0);
+  picture.draw(state, {});
+  test::Person(screen.name(), "Palpate").press("b");
+  for (int n = 0; n < 3; ++n) picture.draw(state, {});
+  const Image both = picture.grab();
+  const int left = find(both, isTissue, 494).count;
+  EXPECT_GT(left, 2000);
+  EXPECT_GT(find(both, isTissue).count - left, 2000) << "the one beside it";
+  test::Person(screen.name(), "Palpate").press("b");
+  state.model = 1;
+  for (int n = 0; n < 3; ++n) picture.draw(state, {});
+  EXPECT_GT(find(picture.grab(), isTissue).count, 5000);
+}
+
+TEST_F(PictureTest, ColoursASmallBodyByAScaleOfItsSize) {
+  const HapticModel small = test::smallCubeModel();
+  const HapticState press = pressedInto(small, 0.505, 0.0006);
+  ASSERT_TRUE(press.touch.touching);
+  Picture picture({&small}, {.vsync = false, .ghost = false});
+  picture.draw(press, {});
+  EXPECT_GT(find(picture.grab(), isYellow).count, 300);
+}
+
+TEST_F(PictureTest, SaysWhyBShowsNothingBesideAnOnlyDataset) {
+  Picture picture({&model}, {.vsync = false});
+  picture.draw(pressed(0), {});
+  const Image before = picture.grab();
+  test::Person(screen.name(), "Palpate").press("b");
+  for (int n = 0; n < 3; ++n) picture.draw(pressed(0), {});
+  EXPECT_GT(find(picture.grab(), isBlue, 600, 60).count, find(before, isBlue, 600, 60).count + 200);
+}
+
+TEST_F(PictureTest, ShortensNamesThatTheWindowHasNoRoomFor) {
+  const Image image =
+      pictureOf(pressed(0), {.width = 480, .height = 320, .visible = false, .ghost = false});
+  // The second line of the names is the material.
+  const auto word = [](Pixel p) { return p[0] < 190 && p[1] < 190 && p[2] < 195; };
+  int count = 0;
+  for (int y = 32; y < 46; ++y)
+    for (int x = 80; x < 264; ++x) count += word(pixelOf(image, x, y)) ? 1 : 0;
+  EXPECT_GT(count, 200);
+}
+
+TEST_F(PictureTest, ShowsAllKeysInALowWindow) {
+  Picture picture({&model}, {.width = 640, .height = 400, .vsync = false, .ghost = false});
+  const HapticState state = pressed(0);
+  picture.draw(state, {});
+  const Image before = picture.grab();
+  test::Person(screen.name(), "Palpate").press("h");
+  for (int n = 0; n < 3; ++n) picture.draw(state, {});
+  const Image help = picture.grab();
+  // 24 lines in two columns: the last is at the right, on a ground through which nothing is seen.
+  const auto isWhite = [](Pixel p) { return p[0] == 255 && p[1] == 255 && p[2] == 255; };
+  EXPECT_GT(find(help, isWhite, 640, 390).count, find(before, isWhite, 640, 390).count + 100000);
 }
 
 TEST_F(PictureTest, ShowsAnotherDatasetBesideInTheSameTouch) {
