@@ -1,15 +1,18 @@
 #!/usr/bin/python3
-"""Writes index.html over what deploy/gallery made in a folder: pictures, tables, links. Needs no other file but those there.
+"""Writes index.html over what deploy/gallery made in a folder: pictures, tables, links. What no program measures, where the
+numbers of a material are from and what was verified, is read from docs/gallery.md.
 
     deploy/scenes/gallery_index.py FOLDER NAME... [--markdown]     (the tables alone, as docs/gallery.md has them)
 """
 import html
 import json
 import pathlib
+import re
 import sys
 import tomllib
 
 SCENES = pathlib.Path(__file__).resolve().parent
+MANUAL = SCENES.parents[1] / "docs" / "gallery.md"
 
 
 def scene_file(name):
@@ -82,6 +85,36 @@ def rows(folder, name):
     ]
 
 
+def written(name):
+    """What the manual says of a scene beyond what is measured: (property, value), and its grade."""
+    section = next(part for part in MANUAL.read_text(encoding="utf-8").split("\n## ") if f"deploy/scenes/{name}/" in part)
+    said = dict(re.findall(r"^\| (.+?) \| (.+) \|$", section, re.M))
+    plain = lambda text: re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", text).replace("`", "")
+    return [(what, plain(value)) for what, value in said.items()
+            if what == "materials" or what.startswith(("forces by", "finer mesh"))], said["grade"].strip("*")
+
+
+def table(folder, name):
+    """Rows as HTML."""
+    known, grade = written(name)
+    every = {**dict(rows(folder, name)), **dict(known)}
+    return "".join(f"<tr><td>{html.escape(what)}<td>{html.escape(value)}"
+                   for what, value in [*every.items(), ("grade", f"{grade} (below)")])
+
+
+def links(folder, name):
+    """To what of it is there; the dataset is named, since it is no page."""
+    there = [(f"{name}.html", "Touch it"), (f"{name}-report.html", "Report: how accurate, how fast")]
+    parts = [f'<a href="{file}">{words}</a>' for file, words in there if (folder / file).exists()]
+    return " &middot; ".join([*parts, f"dataset: {name}.h5"])
+
+
+def grades():
+    """What they mean: (letter, sentence), of the manual."""
+    return [(letter, value.replace("`", "")) for letter, value in
+            re.findall(r"^\| ([A-C]) \| (.+?) \|$", MANUAL.read_text(encoding="utf-8"), re.M)]
+
+
 def page(folder, names):
     parts = ["""<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">
 <title>Palpate: gallery</title><style>
@@ -93,8 +126,10 @@ td:first-child { color: #777; white-space: nowrap }
         touch, picture = (folder / f"{name}.{ending}" for ending in ("html", "png"))
         shown = f'<img src="{name}.png" alt="{name}">' if picture.exists() else f"<h3>{name}: no picture</h3>"
         linked = f'<a href="{name}.html">{shown}</a>' if touch.exists() else shown
-        cells = "".join(f"<tr><td>{html.escape(what)}<td>{html.escape(value)}" for what, value in rows(folder, name))
-        parts.append(f"<section><h2>{html.escape(title(name))}</h2>{linked}<table>{cells}</table></section>")
+        parts.append(f"<section><h2>{html.escape(title(name))}</h2>{linked}<p>{links(folder, name)}</p>"
+                     f"<table>{table(folder, name)}</table></section>")
+    meanings = "".join(f"<tr><td>{letter}<td>{html.escape(meaning)}" for letter, meaning in grades())
+    parts.append(f"<section><h2>Grades</h2><table>{meanings}</table></section>")
     return "\n".join(parts) + "</html>\n"
 
 

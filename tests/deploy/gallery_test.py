@@ -19,6 +19,8 @@ except ImportError:  # NumPy and SciPy are among the packages of the tests
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SCENES = ROOT / "deploy" / "scenes"
+sys.path.insert(0, str(SCENES))
+import gallery_index
 PALPATE = pathlib.Path(os.environ.get("PALPATE_BIN_DIR", ROOT / "build/release/bin")).resolve() / "palpate"
 
 
@@ -79,6 +81,39 @@ class Gallery(unittest.TestCase):
             self.assertIn(f"gallery-{name}.png", page)
 
 
+    def testEverySceneHasAGradeAndTheSourcesOfItsMaterials(self):
+        grades = dict(gallery_index.grades())
+        for name in GALLERY:
+            known, grade = gallery_index.written(name)
+            self.assertIn(grade, grades)
+            self.assertRegex(dict(known)["materials"], r"\d{4}\)")
+
+
+@unittest.skipUnless(os.environ.get("PALPATE_LONG_TESTS"), "builds a dataset: set PALPATE_LONG_TESTS=1")
+class GalleryRun(unittest.TestCase):
+    def testItMakesWhatItsIndexLinksAndSaysWhatItCouldNotMake(self):
+        folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+        screenless = folder / "programs"
+        screenless.mkdir()
+        for program in pathlib.Path("/usr/bin").iterdir():
+            if program.name != "xvfb-run":
+                (screenless / program.name).symlink_to(program)
+        settings = {key: value for key, value in os.environ.items() if key != "DISPLAY"} | {"PALPATE_BIN_DIR": str(PALPATE.parent)}
+        make = [ROOT / "deploy" / "gallery", folder / "made", "kidney"]
+        first = run(*make, env=settings | {"PATH": str(screenless)})
+        self.assertEqual(first.returncode, 1, first.stdout)
+        self.assertIn("the picture of kidney was not made", first.stdout)
+        again = run(*make, env=settings)
+        self.assertEqual(again.returncode, 0, again.stdout)
+        index = (folder / "made" / "index.html").read_text(encoding="utf-8")
+        linked = set(re.findall(r'(?:href|src)="([^"]*)"', index))
+        self.assertEqual(linked, {"kidney.html", "kidney-report.html", "kidney.png"})
+        for file in linked:
+            self.assertGreater((folder / "made" / file).stat().st_size, 20000, file)
+        self.assertIn("Gennisson", index)
+        self.assertIn("dataset: kidney.h5", index)
+
+
 @unittest.skipUnless(os.environ.get("PALPATE_LONG_TESTS"), "builds a dataset: set PALPATE_LONG_TESTS=1")
 @unittest.skipUnless(palpation, "needs python3-scipy")
 class Inclusion(unittest.TestCase):
@@ -126,7 +161,6 @@ class Inclusion(unittest.TestCase):
 
     def truth(self):
         """Centre of the ball in the mesh, and how deep it is, m."""
-        sys.path.insert(0, str(SCENES))
         from layers import read_mesh, volumes
         points, tetrahedra, group, names = read_mesh(self.folder / "skin.msh")
         ball = tetrahedra[[names[number] == "inclusion" for number in group]]
