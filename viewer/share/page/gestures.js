@@ -8,6 +8,7 @@ class Gestures {
     canvas.addEventListener('pointermove', (event) => this.move(event));
     for (const end of ['pointerup', 'pointercancel'])
       canvas.addEventListener(end, (event) => this.up(event));
+    canvas.addEventListener('pointerleave', () => this.leave());
     canvas.addEventListener('wheel', (event) => this.wheel(event), {passive: false});
     canvas.addEventListener('contextmenu', (event) => event.preventDefault());
   }
@@ -64,6 +65,12 @@ class Gestures {
     page.changed = true;
     if (this.over) page.prepare(hit);
   }
+  // Nothing is pointed at any more, while a finger that presses goes on.
+  leave() {
+    this.over = null;
+    this.page.canvas.classList.remove('over');
+    this.page.changed = true;
+  }
   up(event) {
     const pointer = this.pointers.get(event.pointerId);
     this.pointers.delete(event.pointerId);
@@ -77,7 +84,7 @@ class Gestures {
   wheel(event) {
     event.preventDefault();
     const {page} = this, notches = event.deltaY / (event.deltaMode === 0 ? 100 : 3);
-    if (page.hand.held || this.over) return page.setDepth(page.hand.wanted - 0.001 * notches);
+    if (page.hand.held || this.over) return page.setDepth(page.hand.wanted - 2 * page.step * notches);
     page.camera.zoom(Math.exp(0.12 * notches));
     page.changed = true;
   }

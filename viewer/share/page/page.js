@@ -8,6 +8,7 @@ class Page {
       gl,
       worker,
       reach,
+      step: reach / 60,  // of the depth: half a millimetre where the hand can press 30
       canvas: gl.canvas,
       camera: new Camera(surface),
       hand: new Hand(reach),
@@ -29,15 +30,17 @@ class Page {
     this.gestures = new Gestures(this);
     this.pointers = this.gestures.pointers;
     const slider = byId('depth');
-    slider.max = Math.round(1000 * reach);
+    for (const end of ['min', 'step']) slider[end] = 1000 * this.step;
+    slider.max = 1000 * reach;
     this.setDepth(this.hand.wanted);
     slider.addEventListener('input', () => this.setDepth(slider.value / 1000));
     requestAnimationFrame((time) => this.frame(time));
   }
   setDepth(depth) {
-    this.hand.wanted = Math.min(this.reach, Math.max(0.001, depth));
+    this.hand.wanted = Math.min(this.reach, Math.max(this.step, depth));
     byId('depth').value = 1000 * this.hand.wanted;
-    byId('depth-shown').textContent = `${(1000 * this.hand.wanted).toFixed(1)} mm`;
+    byId('depth-shown').textContent =
+        `${(1000 * this.hand.wanted).toFixed(this.reach < 0.01 ? 2 : 1)} mm`;
   }
   hit(x, y) { return this.surface.hit(this.camera.eye, this.camera.ray(x, y)); }
   // Something may be asked there soon.
