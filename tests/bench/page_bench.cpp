@@ -1,14 +1,22 @@
 // A page of `palpate share` in Chromium without a screen, 1280 x 800, drawn in software, while a
 // finger slides over the organ: ms until the organ is seen, pictures a second, and the processor
-// time that a picture takes of each of the browser's processes, which work side by side. Prints one
-// JSON object. Nothing here is checked: times belong to the machine.
+// time that a picture takes of each of the browser's processes, which work side by side. With the
+// DATASET that the page was made of, random touches from all sides and to random depths too, held
+// against `palpate query`. Prints one JSON object. Nothing here is checked: times belong to the
+// machine.
 //
-//   page_bench PAGE.html [PICTURES]
+//   page_bench PAGE.html [PICTURES [DATASET.h5 [TOUCHES]]]
 
+#include <Eigen/Core>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
 
+#include "tests/support/command.hpp"
 #include "tests/system/touchable_pixel.hpp"
 
 namespace palpate {
@@ -28,7 +36,99 @@ double slide(test::Browser& browser, std::pair<double, double> from, int picture
       pictures, from.first, from.second));
 }
 
-int run(const std::filesystem::path& page, int pictures) {
+/// Presses at a pixel from a random side to a random depth at once, until the field has answered;
+/// null where the organ is not. The numbers are the same in every run.
+constexpr const char* press_somewhere = R"((async () => {
+  const {page} = palpate, {hand, camera} = page;
+  let state = page.benchState || 1;
+  const random = () => (state = (48271 * state) % 2147483647) / 2147483647;
+  camera.turn = 2 * Math.PI * random();
+  camera.tilt = 2.4 * random() - 1.2;
+  page.look();
+  const hit = page.hit(innerWidth * random(), innerHeight * random());
+  const depth = page.reach * random();
+  page.benchState = state;
+  if (!hit || hit.touch < 0) return null;
+  hand.begin(hit);
+  page.setDepth(depth);
+  hand.depth = hand.wanted;
+  const p = hand.displacement(page.touches[hit.touch].radius);
+  const isAnswered = ({answer}) => answer && answer.triangle === hit.triangle && answer.u === hit.u &&
+      answer.v === hit.v && answer.p.every((x, i) => x === p[i]);
+  while (!isAnswered(page)) await new Promise(requestAnimationFrame);
+  const {s, force, bound} = palpate.touched, {fingerRadius} = page.touches[hit.touch];
+  const name = JSON.parse(document.getElementById('facts').textContent).touches[hit.touch].name;
+  hand.letGo();
+  hand.place = null;
+  hand.depth = 0;
+  page.letGo();
+  return {s: fingerRadius > 0 ? s : null, p, force, bound, name};
+})())";
+
+std::string numbersOf(const nlohmann::json& vector) {
+  std::string text;
+  for (const nlohmann::json& number : vector) text += " " + number.dump();
+  return text;
+}
+
+/// What `palpate query` says, of touches that all have the same name: in their order.
+std::vector<nlohmann::json> askedOfQuery(const std::filesystem::path& dataset,
+                                         const std::string& name,
+                                         const std::vector<nlohmann::json>& touches) {
+  const test::TemporaryDirectory directory;
+  const bool is_finger = !touches.front().at("s").is_null();
+  {
+    std::ofstream lines(directory / "touches");
+    for (const nlohmann::json& touch : touches)
+      lines << (is_finger ? numbersOf(touch.at("s")) : "") << numbersOf(touch.at("p")) << "\n";
+    if (!lines.flush()) throw failure("{} cannot be written", (directory / "touches").string());
+  }
+  const test::CommandResult asked = test::runCommand(fmt::format(
+      PALPATE_BIN_DIR "/palpate query '{}' --json -q --active '{}'{} --displacement - < '{}'",
+      dataset.string(), name, is_finger ? " --at -" : "", (directory / "touches").string()));
+  if (asked.exit_code != 0 && asked.exit_code != 3) throw failure("{}", asked.output);
+  std::vector<nlohmann::json> answers;
+  std::istringstream lines(asked.output);
+  for (std::string line; std::getline(lines, line);) answers.push_back(nlohmann::json::parse(line));
+  if (answers.size() != touches.size()) throw failure("{}", asked.output);
+  return answers;
+}
+
+Eigen::Vector3d forceOf(const nlohmann::json& said) {
+  const nlohmann::json& force = said.at("force");
+  return {force.at(0).get<double>(), force.at(1).get<double>(), force.at(2).get<double>()};
+}
+
+/// Largest differences from what `palpate query` says in the same touches.
+nlohmann::json differencesFrom(test::Browser& browser, const std::filesystem::path& dataset,
+                               int count) {
+  std::map<std::string, std::vector<nlohmann::json>> touches;
+  for (int n = 0; n < count;) {
+    nlohmann::json touched = browser.valueOf(press_somewhere);
+    if (touched.is_null()) continue;
+    touches[touched.at("name")].push_back(std::move(touched));
+    ++n;
+  }
+  double largest = 0, of_bound = 0, strongest = 0;
+  for (const auto& [name, felt] : touches) {
+    const std::vector<nlohmann::json> answers = askedOfQuery(dataset, name, felt);
+    for (std::size_t n = 0; n < felt.size(); ++n) {
+      const Eigen::Vector3d force = forceOf(answers[n]);
+      strongest = std::max(strongest, force.norm());
+      largest = std::max(largest, (forceOf(felt[n]) - force).cwiseAbs().maxCoeff());
+      const nlohmann::json &bound = felt[n].at("bound"), &of_query = answers[n].at("error_bound");
+      if (bound.is_number() && of_query.is_number())
+        of_bound = std::max(of_bound, std::abs(bound.get<double>() - of_query.get<double>()));
+    }
+  }
+  return {{"touches", count},
+          {"largest_force", strongest},
+          {"largest_difference", largest},
+          {"largest_difference_of_bound", of_bound}};
+}
+
+int run(const std::filesystem::path& page, int pictures, const std::filesystem::path& dataset,
+        int touches) {
   test::Browser browser;
   browser.go(std::filesystem::absolute(page));
   if (!browser.becomesTrue("document.body && document.body.dataset.state === 'ready'"))
@@ -45,11 +145,13 @@ int run(const std::filesystem::path& page, int pictures) {
   for (const auto& [pid, end] : browser.processorSeconds())
     if (begin.contains(pid) && end > begin.at(pid))
       processor.push_back(1e3 * (end - begin.at(pid)) / drawn);
-  const nlohmann::json out = {{"bytes", std::filesystem::file_size(page)},
-                              {"seen_ms", browser.valueOf("palpate.ready")},
-                              {"pictures", drawn},
-                              {"pictures_a_second", drawn / seconds},
-                              {"processor_ms_of_processes", processor}};
+  browser.mouse("mouseReleased", place.first, place.second);
+  nlohmann::json out = {{"bytes", std::filesystem::file_size(page)},
+                        {"seen_ms", browser.valueOf("palpate.ready")},
+                        {"pictures", drawn},
+                        {"pictures_a_second", drawn / seconds},
+                        {"processor_ms_of_processes", processor}};
+  if (!dataset.empty()) out["beside_query"] = differencesFrom(browser, dataset, touches);
   std::puts(out.dump(2).c_str());
   return 0;
 }
@@ -59,8 +161,9 @@ int run(const std::filesystem::path& page, int pictures) {
 
 int main(int argc, char** argv) {
   try {
-    if (argc < 2) throw palpate::failure("page_bench PAGE.html [PICTURES]");
-    return palpate::run(argv[1], argc > 2 ? std::atoi(argv[2]) : 300);
+    if (argc < 2) throw palpate::failure("page_bench PAGE.html [PICTURES [DATASET.h5 [TOUCHES]]]");
+    return palpate::run(argv[1], argc > 2 ? std::atoi(argv[2]) : 300, argc > 3 ? argv[3] : "",
+                        argc > 4 ? std::atoi(argv[4]) : 100);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

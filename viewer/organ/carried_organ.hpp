@@ -38,8 +38,7 @@ struct CarriedShapes {
 /// the last digits, shapes as well as they are seen.
 ///
 /// Of spaces: patch.finger, lattice, splits, and of points tag and equilibrium. Energy, force and
-/// stiffness keep every bit; what only a finger has is rounded to single precision, as the fields
-/// round what they make of it.
+/// stiffness keep every bit; what only a finger has is rounded to 37 significant bits.
 struct CarriedOrgan {
   std::string name;                             ///< of the scene
   double max_force = 0;                         ///< N, of the scene: beyond it nothing was solved

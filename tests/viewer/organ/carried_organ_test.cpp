@@ -26,7 +26,7 @@ void expectFault(const std::function<void(CarriedOrgan&)>& change,
 
 TEST(CarriedOrgan, OfAnotherVersionSaysWhichAndWhatToDo) {
   test::expectError(ExitCode::failed, [] { decode("palpate-organ-0\n..."); },
-                    {"version 0", "of version 1", "palpate share"});
+                    {"version 0", "of version 2", "palpate share"});
   for (const char* bytes : {"", "something else", "palpate-organ-", "palpate-organ-no version\n"})
     test::expectError(ExitCode::failed, [&] { decode(bytes); }, {"organ", "palpate share"});
 }
@@ -36,6 +36,22 @@ TEST(CarriedOrgan, StaysWhatItWas) {
     const std::string bytes = encode(test::smallOrgan(finger));
     EXPECT_EQ(encode(decode(bytes)), bytes);
   }
+}
+
+/// In single precision forces on a stiff organ were more than 1e-6 N off.
+TEST(CarriedOrgan, KeepsWhatAFingerHasFarBeyondSinglePrecision) {
+  CarriedOrgan organ = test::smallOrgan(true);
+  Equilibrium& exact = organ.spaces[1].points[4].equilibrium;
+  exact.energy = M_PI;
+  exact.drive = {-M_PI, 1e-9 * M_PI, 0};
+  exact.stiffness_by_s.setConstant(1e5 * M_E);
+  const Equilibrium kept = decode(encode(organ)).spaces[1].points[4].equilibrium;
+  EXPECT_EQ(kept.energy, exact.energy);
+  EXPECT_EQ(kept.drive.z(), 0);
+  EXPECT_NEAR(kept.drive.x() / exact.drive.x(), 1, 1e-11);
+  EXPECT_NEAR(kept.drive.y() / exact.drive.y(), 1, 1e-11);
+  EXPECT_LT((kept.stiffness_by_s - exact.stiffness_by_s).norm(),
+            1e-11 * exact.stiffness_by_s.norm());
 }
 
 TEST(CarriedOrgan, CutOffAnywhereIsRefused) {
