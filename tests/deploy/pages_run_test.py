@@ -14,7 +14,7 @@ import time
 import unittest
 
 from docs_commands_test import commands
-from small_datasets import BIN, ENVIRONMENT, SCENE, missing, palpate
+from small_datasets import BIN, ENVIRONMENT, ROOT, SCENE, missing, palpate
 
 PAGES = ("README.md", "docs/client.md", "docs/commands.md", "docs/export.md", "docs/meshes.md", "docs/metrics.md", "docs/operating.md",
          "docs/security.md", "docs/sharing.md", "docs/devices.md", "docs/install.md")
@@ -204,6 +204,52 @@ class Reader:
         if self.server and self.server.poll() is None:
             self.server.send_signal(signal.SIGINT)
             self.server.wait(60)
+
+
+class PagesInPython(unittest.TestCase):
+    """What pages show in Python of the files that Palpate makes."""
+
+    def setUp(self):
+        if palpate is None:
+            self.skipTest(missing)
+        if shutil.which("gmsh") is None:
+            self.skipTest("gmsh is not installed: Python of the pages is NOT run")
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) / "bodies"
+        for said in Bodies(self.folder).said:
+            self.assertIn(said.returncode, (0, 3), said.args + [said.stdout, said.stderr])
+
+    def run_here(self, *words):
+        done = subprocess.run(words, cwd=self.folder, env=ENVIRONMENT, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, f"{words}\n{done.stdout}{done.stderr}")
+        return done.stdout
+
+    def blocks(self, page):
+        return re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(encoding="utf-8"), re.M | re.S)
+
+    def testReadsDatasetsAsTheManualOfTheFormatDoes(self):
+        blocks = self.blocks("docs/dataset.md")
+        self.assertEqual(len(blocks), 3)
+        said = [self.run_here(sys.executable, "-c", block, "liver.h5") for block in blocks]
+        self.assertIn("deformed surface nodes:", said[0])
+        self.assertIn("largest displacement:", said[1])
+
+    def testReadsWhatWasExportedAsItsManualDoes(self):
+        with (self.folder / "liver.toml").open("a", encoding="utf-8") as scene:
+            scene.write('\n[storage]\ndisplacement = "all"\n')  # det F is of volumes
+        self.run_here(BIN / "palpate", "build", "liver.toml", "-o", "stored.h5", "-q")
+        self.run_here(BIN / "palpate", "export", "stored.h5", "-o", "touch.vtu", "--displacement", "0.01", "0", "0")
+        self.run_here(BIN / "palpate", "export", "stored.h5", "-o", "curve.csv", "--displacement", "0.02", "0", "0", "--steps", "5")
+        blocks = self.blocks("docs/export.md")
+        self.assertEqual(len(blocks), 4)
+        for block in blocks:
+            if "paraview" not in block:
+                self.assertTrue(self.run_here(sys.executable, "-c", block))
+            elif shutil.which("pvpython") and shutil.which("xvfb-run"):
+                (self.folder / "render.py").write_text(block, encoding="utf-8")
+                self.run_here("xvfb-run", "-a", "pvpython", "--force-offscreen-rendering", "render.py")
+                self.assertGreater((self.folder / "touch.png").stat().st_size, 5000)
+            else:
+                print("NOT TESTED: ParaView needs pvpython and xvfb-run (Debian: python3-paraview, xvfb)")
 
 
 class Pages(unittest.TestCase):
