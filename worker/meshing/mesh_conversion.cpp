@@ -43,7 +43,8 @@ Ran runScript(const std::vector<std::string>& arguments) {
     words.insert(words.end(), arguments.begin(), arguments.end());
     ran = runMeshing({.words = words, .package = "python3", .input = convert_mesh_py});
     if (ran.exit_code != script_missing_module) return ran;
-    missing = linesOf(ran.err).empty() ? "" : linesOf(ran.err).back();
+    // Of Debian's, where there is one: its packages are what is told to install.
+    if (missing.empty() && !linesOf(ran.err).empty()) missing = linesOf(ran.err).back();
   }
   if (missing.empty())
     throw failure("python3 is not installed here, or not in $PATH (Debian: python3-meshio)");

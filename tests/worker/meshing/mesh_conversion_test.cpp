@@ -138,6 +138,47 @@ TEST_F(MeshConversion, KeepsTenNodesGroupsAndVectorsOfWhatMeshioReads) {
   }
 }
 
+TEST_F(MeshConversion, ReadsMedNastranAndMeditWithTheirGroups) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  writeByMeshio("body.vtu");
+  std::ofstream script = create("others.py");
+  script << "import meshio, numpy as np\n"
+            "p, c, r = np.loadtxt('points'), np.loadtxt('cells', int), np.loadtxt('parts', int)\n"
+            "m = meshio.Mesh(p, [('tetra10', c)], cell_data={'nastran:ref': [r]})\n"
+            "meshio.write('body.bdf', m)\n"
+            "m = meshio.Mesh(p, [('tetra10', c)], cell_data={'cell_tags': [-r]},\n"
+            "    point_data={'point_tags': (p[:, 0] == 0).astype(int)})\n"
+            "m.cell_tags, m.point_tags = {-3: ['soft'], -8: ['stiff']}, {1: ['wall']}\n"
+            "meshio.write('body.med', m)\n"
+            "m = meshio.Mesh(p, [('tetra', c[:, :4])], cell_data={'medit:ref': [r]})\n"
+            "meshio.write('body.mesh', m)\n";
+  script.close();
+  const test::CommandResult written =
+      test::runCommand("cd " + directory.path().string() + " && /usr/bin/python3 others.py");
+  ASSERT_EQ(written.exit_code, 0) << written.output;
+
+  const Mesh med = convert("body.med");
+  expectTheBody(med);
+  expectParts(med, "soft", "stiff");
+  expectFixed(med, "wall");
+  const Mesh nastran = convert("body.bdf");
+  expectTheBody(nastran, 1e-6);  // its numbers have 16 columns at most
+  expectParts(nastran, "ref 3", "ref 8");
+  const Mesh medit = convert("body.mesh");
+  EXPECT_NEAR(measure(medit).volume, 2, 1e-6);
+  expectParts(medit, "ref 3", "ref 8");
+}
+
+TEST_F(MeshConversion, NamesThePackageOfAMissingMeshio) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  writeByMeshio("body.vtu");
+  create("meshio.py") << "raise ImportError('as if it were not there')\n";
+  setenv("PYTHONPATH", directory.path().c_str(), 1);
+  test::expectError(ExitCode::failed, [&] { convert("body.vtu"); },
+                    {"body.vtu cannot be read", "Debian: python3-meshio"});
+  unsetenv("PYTHONPATH");
+}
+
 TEST_F(MeshConversion, ReadsTheTenNodesOfAbaqusWithItsSets) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   std::ofstream out = create("body.inp");
