@@ -1,3 +1,5 @@
+#include <spdlog/spdlog.h>
+
 #include <CLI/CLI.hpp>
 #include <memory>
 
@@ -12,6 +14,9 @@
 
 namespace palpate {
 namespace {
+
+/// More triangles than these take a mesher minutes.
+constexpr std::size_t many_triangles = 200'000;
 
 struct MeshOptions {
   std::string input, output;
@@ -51,6 +56,11 @@ MadeMesh madeOfSurface(const MeshOptions& options, const ConvertedMesh& converte
   const ClosedSurface surface = closedSurface(readTriangles(converted.file), options.input,
                                               options.largest ? Bodies::largest : Bodies::only);
   fmt::print("surface    {}: {} triangles, closed\n", options.input, surface.triangles.size());
+  if (surface.triangles.size() > many_triangles)
+    spdlog::warn(
+        "{}: {} triangles take minutes to fill, and thousands of nodes do not show so many: "
+        "simplify the surface first (MeshLab: Quadric Edge Collapse Decimation)",
+        options.input, surface.triangles.size());
   Fineness fineness;
   fineness.size = options.size;
   if (options.nodes) fineness.nodes = *options.nodes;

@@ -77,6 +77,16 @@ TEST_F(MeshCommand, ProposesSoundScenesForABoxTheShippedLiverAndARealOne) {
   expectSoundScene("real/scene.toml");
 }
 
+TEST_F(MeshCommand, WarnsOfSoManyTrianglesThatTheyTakeMinutes) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  test::writeStl(test::sphereSurface(60, 130), directory / "organ.stl");
+  // Said before anything is filled, which this size is not.
+  const CommandResult meshed = worker("mesh organ.stl -o organ.msh --size 1000");
+  EXPECT_EQ(meshed.exit_code, 2) << meshed.output;
+  EXPECT_THAT(meshed.output,
+              AllOf(HasSubstr("organ.stl: 202800 triangles take minutes"), HasSubstr("MeshLab")));
+}
+
 TEST_F(MeshCommand, ConvertsAMeshAndKeepsItsNumbers) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   std::ofstream(directory / "one.inp") << "*NODE\n1, 0, 0, 0\n2, 30, 0, 0\n3, 0, 30, 0\n"
