@@ -45,16 +45,6 @@ double largestStiffness(const HapticModel& model) {
   return largest;
 }
 
-/// Error where the recording would replace what is felt.
-void refuseOwnDatasets(const ViewOptions& options) {
-  for (const std::filesystem::path& dataset : options.datasets) {
-    std::error_code none;  // what does not exist is no other file
-    if (std::filesystem::equivalent(options.record, dataset, none))
-      throw badInput("--record {}: is one of the datasets; name another file",
-                     options.record.string());
-  }
-}
-
 /// One run of the haptic client: datasets, a device, the haptic loop, a picture, a recording. The
 /// thread that makes it is the one that draws.
 class ViewSession {
@@ -63,7 +53,7 @@ class ViewSession {
   /// be had.
   explicit ViewSession(const ViewOptions& options) : options_(options) {
     if (!options_.record.empty()) refuseUnwritable(options_.record, "--record");
-    refuseOwnDatasets(options_);
+    refuseInput(options_.record, "--record", options_.datasets);
     if (!options_.screenshot.empty()) refuseUnwritable(options_.screenshot, "--screenshot");
     if (!options_.video.empty()) video_.emplace(options_.video);
     // The device last: until then nothing that fails leaves it with a force.

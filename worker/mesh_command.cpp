@@ -78,9 +78,9 @@ void refuseOutput(const MeshOptions& options) {
   if (output.extension() != ".msh")
     throw badInput("-o {}: what is written is a Gmsh file; give it the ending .msh",
                    options.output);
+  const std::filesystem::path input = options.input;
+  refuseInput(output, "-o", {&input, 1});
   std::error_code ignored;
-  if (std::filesystem::equivalent(options.input, output, ignored))
-    throw badInput("-o {}: is the input itself; give another name", options.output);
   if (std::filesystem::is_directory(output, ignored))
     throw badInput("-o {}: is a folder; give the name of a file", options.output);
   refuseUnwritable(output, "-o");

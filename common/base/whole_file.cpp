@@ -97,4 +97,14 @@ void refuseUnwritable(const std::filesystem::path& file, const char* option) {
                   folder.string(), errnoText(), option);
 }
 
+void refuseInput(const std::filesystem::path& file, const char* option,
+                 std::span<const std::filesystem::path> inputs) {
+  for (const std::filesystem::path& input : inputs) {
+    std::error_code none;  // what does not exist is no other file
+    if (std::filesystem::equivalent(file, input, none))
+      throw badInput("{} {}: is {}, which is read and would be replaced; name another file", option,
+                     file.string(), input.string());
+  }
+}
+
 }  // namespace palpate

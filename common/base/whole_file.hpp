@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -34,5 +35,10 @@ void syncFolder(const std::filesystem::path& folder);
 /// Error unless the folder of `file` is there and may be written: to be asked before hours of work.
 /// `option`: what names another file, for the message.
 void refuseUnwritable(const std::filesystem::path& file, const char* option);
+
+/// Error (bad input) where `file` is, by whatever name, one of those that are read: it would
+/// replace it. `option` as above.
+void refuseInput(const std::filesystem::path& file, const char* option,
+                 std::span<const std::filesystem::path> inputs);
 
 }  // namespace palpate

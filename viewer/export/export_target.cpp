@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/whole_file.hpp"
 
 namespace palpate {
 namespace {
@@ -59,9 +60,8 @@ std::string ExportTarget::endings() {
 }
 
 void ExportTarget::refuseWhatIsThere(const std::filesystem::path& dataset, bool may_replace) const {
+  refuseInput(file_, "-o", {&dataset, 1});
   std::error_code ignored;
-  if (std::filesystem::equivalent(file_, dataset, ignored))
-    throw badInput("-o {}: is the dataset itself; name another file", file_.string());
   if (std::filesystem::is_directory(file_, ignored))
     throw badInput("-o {}: is a directory; name a file", file_.string());
   if (isThere(file_) && !may_replace)

@@ -22,8 +22,8 @@ inline FramedSphere sphereAround(const std::vector<Eigen::Vector3d>& vertices) {
   return sphere;
 }
 
-/// Whether a camera that frames one shows the other well: nearly in the same place, and of nearly the
-/// same size.
+/// Whether a camera that frames one shows the other well: nearly in the same place, and of nearly
+/// the same size.
 inline bool isFramedWith(const FramedSphere& one, const FramedSphere& other) {
   const double larger = std::max(one.radius, other.radius);
   return 2 * std::min(one.radius, other.radius) > larger &&

@@ -34,18 +34,6 @@ std::function<ExitCode()> prepareReport(CLI::App& app) {
   return [options] { return report(*options, std::cout); };
 }
 
-/// Error where the page would replace what it is made of.
-void refuseOwnDatasets(const ReportCommandOptions& options) {
-  for (const std::filesystem::path& dataset : options.report.datasets) {
-    std::error_code none;  // what does not exist is no other file
-    if (std::filesystem::equivalent(options.html, dataset, none))
-      throw badInput(
-          "--html: {} is one of the datasets, which the page would replace; name another "
-          "file, as {}.html",
-          options.html.string(), dataset.stem().string());
-  }
-}
-
 /// What curves are made by: one method, the default unless another was asked for.
 std::string methodOf(const std::vector<std::string>& asked) {
   const std::vector<std::string>& known = forceFieldMethods();
@@ -70,7 +58,7 @@ ExitCode compare(const ReportCommandOptions& options, std::vector<Dataset> open,
 ExitCode report(const ReportCommandOptions& options, std::ostream& output) {
   // Before minutes of measuring, not after.
   if (!options.html.empty()) {
-    refuseOwnDatasets(options);
+    refuseInput(options.html, "--html", options.report.datasets);
     refuseUnwritable(options.html, "--html");
   }
   std::vector<Dataset> open = openDatasets(options.report.datasets);

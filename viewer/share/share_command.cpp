@@ -31,10 +31,7 @@ std::function<ExitCode()> prepareShare(CLI::App& app) {
 
 ExitCode share(const ShareOptions& options, std::ostream& output) {
   refuseUnwritable(options.output, "-o");
-  std::error_code none;  // what does not exist is no other file
-  if (std::filesystem::equivalent(options.output, options.dataset, none))
-    throw badInput("-o {}: is the dataset, which the page would replace; name another file, as {}",
-                   options.output.string(), options.dataset.stem().string() + ".html");
+  refuseInput(options.output, "-o", {&options.dataset, 1});
   const Dataset dataset(options.dataset);
   warnIfPartial(dataset);
   requirePageField();  // before the search for modes, which would be for nothing

@@ -43,7 +43,7 @@ TEST_F(ExportTargetTest, TheDatasetAndFoldersAreNeverReplaced) {
   const std::filesystem::path named_so = directory / "organ.hdf";
   std::filesystem::create_hard_link(dataset, named_so);
   expectBadInput([&] { ExportTarget(named_so).refuseWhatIsThere(dataset, true); },
-                 {"the dataset itself"});
+                 {"which is read and would be replaced"});
   std::filesystem::create_directory(directory / "folder.vtu");
   expectBadInput([&] { ExportTarget(directory / "folder.vtu").refuseWhatIsThere(dataset, true); },
                  {"is a directory"});

@@ -64,15 +64,13 @@ class PictureTest : public ::testing::Test {
   PictureTest() : model(test::tenNodeModel()) {}
 
   /// The hand above the middle of the touchable surface, or pressed into it by `depth` metres.
-  HapticState pressed(double depth) { return pressedInto(model, 0, depth); }
-  /// The same at another x of a model.
-  HapticState pressedInto(const HapticModel& body, double x, double depth) {
+  HapticState pressed(double depth) {
     HapticState state;
     state.time = ++time;
-    state.tool = {x, 0, 0.2};
-    Contact contact(body);
+    state.tool = {0, 0, 0.2};
+    Contact contact(model);
     contact.update(state.tool);
-    const double top = body.surface().tree().nearest({x, 0, 0.2}).position.z();
+    const double top = model.surface().tree().nearest({0, 0, 0.2}).position.z();
     for (int step = 0; step <= 100 && depth > 0; ++step) {
       state.tool.z() = top + 1e-4 - (depth + 1e-4) * step / 100;
       contact.update(state.tool);
@@ -194,7 +192,13 @@ TEST_F(PictureTest, ShowsABodyOfAnotherSizeAsLargeAsTheFirst) {
 
 TEST_F(PictureTest, ColoursASmallBodyByAScaleOfItsSize) {
   const HapticModel small = test::smallCubeModel();
-  const HapticState press = pressedInto(small, 0.505, 0.0006);
+  Contact contact(small, {.mode = ContactMode::glued});
+  HapticState press;
+  press.tool = {0.505, 0.005, 0.0099};
+  contact.update(press.tool, false);
+  press.touch = contact.update(press.tool, true);
+  press.tool.z() = 0.00942;
+  press.touch = contact.update(press.tool, true);
   ASSERT_TRUE(press.touch.touching);
   Picture picture({&small}, {.vsync = false, .ghost = false});
   picture.draw(press, {});

@@ -416,7 +416,7 @@ TEST_F(ReportCommand, RefusesDatasetsOfAnotherFormatAndSaysWhatToDo) {
 
 TEST_F(ReportCommand, NeverReplacesADatasetByItsPage) {
   options.html = directory / "." / "sample.h5";
-  expectBadInput([&] { text(); }, {"--html", "sample.h5", "one of the datasets", "sample.html"});
+  expectBadInput([&] { text(); }, {"--html", "sample.h5, which is read", "name another file"});
   EXPECT_NO_THROW(Dataset(options.report.datasets.front()));
 }
 

@@ -99,7 +99,8 @@ TEST_F(ShareCommandTest, ThePageDoesNotReplaceTheDataset) {
   seal("cube");
   const std::string before = readText(options.dataset, "dataset");
   options.output = directory / "." / "cube.h5";
-  test::expectError(ExitCode::usage, [&] { told(); }, {"-o", "is the dataset", "cube.html"});
+  test::expectError(ExitCode::usage, [&] { told(); },
+                    {"-o", "cube.h5, which is read", "name another file"});
   EXPECT_EQ(readText(options.dataset, "dataset"), before);
 }
 
