@@ -235,7 +235,7 @@ TEST_F(PictureTest, ShowsAllKeysInALowWindow) {
   const Image help = picture.grab();
   // 24 lines in two columns: the last is at the right, on a ground through which nothing is seen.
   const auto isWhite = [](Pixel p) { return p[0] == 255 && p[1] == 255 && p[2] == 255; };
-  EXPECT_GT(find(help, isWhite, 640, 390).count, find(before, isWhite, 640, 390).count + 100000);
+  EXPECT_GT(find(help, isWhite, 640, 390).count, find(before, isWhite, 640, 390).count + 150000);
 }
 
 TEST_F(PictureTest, ShowsAnotherDatasetBesideInTheSameTouch) {
