@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <sstream>
-#include <string_view>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "viewer/picture/label_place.hpp"
@@ -83,7 +83,8 @@ void drawHelp(ImVec2 at, float height) {
                       at.y + step * static_cast<float>(rows) + 2 * px(banner_padding)},
                      white, px(4));
   for (std::size_t n = 0; n < lines.size(); ++n) {
-    const ImVec2 place = {at.x + px(banner_left) + wide * static_cast<float>(n / rows),
+    const std::size_t column = n / rows;
+    const ImVec2 place = {at.x + px(banner_left) + wide * static_cast<float>(column),
                           at.y + px(banner_padding) + step * static_cast<float>(n % rows)};
     draw.AddText(place, blue, lines[n][0].c_str());
     draw.AddText({place.x + keys, place.y}, ink, lines[n][1].c_str());
