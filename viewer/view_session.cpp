@@ -61,9 +61,6 @@ class ViewSession {
     if (!options_.headless) openPicture();
     prepareFirst();
     if (quit_) return;
-    // Not before: a start that fails, or that the person ends at once, is no first one.
-    if (options_.tutorial || (picture_ && options_.device == window_device && firstStart()))
-      picture_->playTutorial();
     device_ = openDevice(options_.device,
                          {&loaded_->first(), 1 / options_.rate, wantedProfile(), options_.keys});
     makeTick();
@@ -72,6 +69,9 @@ class ViewSession {
     ticks_ = std::llround(options_.duration * options_.rate);
     // A replay ends with its recording.
     if (ticks_ == 0) ticks_ = device_->readings();
+    // Not before: a start that fails, or that the person ends at once, is no first one.
+    if (options_.tutorial || (picture_ && options_.device == window_device && firstStart()))
+      picture_->playTutorial();
   }
 
   /// Until the window is closed, the duration is over, a replay has ended, or a signal came. The

@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-/// More triangles than these take a mesher minutes.
+/// More triangles than these take a mesher a minute or more.
 constexpr std::size_t many_triangles = 200'000;
 
 struct MeshOptions {
@@ -58,7 +58,7 @@ MadeMesh madeOfSurface(const MeshOptions& options, const ConvertedMesh& converte
   fmt::print("surface    {}: {} triangles, closed\n", options.input, surface.triangles.size());
   if (surface.triangles.size() > many_triangles)
     spdlog::warn(
-        "{}: {} triangles take minutes to fill, and thousands of nodes do not show so many: "
+        "{}: {} triangles take a minute or more to fill, and nodes by the thousand show fewer: "
         "simplify the surface first (MeshLab: Quadric Edge Collapse Decimation)",
         options.input, surface.triangles.size());
   Fineness fineness;

@@ -85,21 +85,24 @@ def rows(folder, name):
     ]
 
 
+def plain(text):
+    """Without the links and signs of Markdown."""
+    return re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", text).replace("`", "").replace("*", "")
+
+
 def written(name):
-    """What the manual says of a scene beyond what is measured: (property, value), and its grade."""
-    section = next(part for part in MANUAL.read_text(encoding="utf-8").split("\n## ") if f"deploy/scenes/{name}/" in part)
-    said = dict(re.findall(r"^\| (.+?) \| (.+) \|$", section, re.M))
-    plain = lambda text: re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", text).replace("`", "")
-    return [(what, plain(value)) for what, value in said.items()
-            if what == "materials" or what.startswith(("forces by", "finer mesh"))], said["grade"].strip("*")
+    """What the manual says of a scene beyond what is measured: (property, value), the grade last. Nothing of a scene that it
+    does not know."""
+    sections = MANUAL.read_text(encoding="utf-8").split("\n## ")
+    section = next((part for part in sections if f"deploy/scenes/{name}/" in part), "")
+    return [(what, plain(value)) for what, value in re.findall(r"^\| (.+?) \| (.+) \|$", section, re.M)
+            if what in ("materials", "grade") or what.startswith(("forces by", "finer mesh"))]
 
 
 def table(folder, name):
     """Rows as HTML."""
-    known, grade = written(name)
-    every = {**dict(rows(folder, name)), **dict(known)}
-    return "".join(f"<tr><td>{html.escape(what)}<td>{html.escape(value)}"
-                   for what, value in [*every.items(), ("grade", f"{grade} (below)")])
+    every = {**dict(rows(folder, name)), **dict(written(name))}
+    return "".join(f"<tr><td>{html.escape(what)}<td>{html.escape(value)}" for what, value in every.items())
 
 
 def links(folder, name):
@@ -111,7 +114,7 @@ def links(folder, name):
 
 def grades():
     """What they mean: (letter, sentence), of the manual."""
-    return [(letter, value.replace("`", "")) for letter, value in
+    return [(letter, plain(value)) for letter, value in
             re.findall(r"^\| ([A-C]) \| (.+?) \|$", MANUAL.read_text(encoding="utf-8"), re.M)]
 
 

@@ -55,7 +55,10 @@ constexpr const char* press_somewhere = R"((async () => {
   const p = hand.displacement(page.touches[hit.touch].radius);
   const isAnswered = ({answer}) => answer && answer.triangle === hit.triangle && answer.u === hit.u &&
       answer.v === hit.v && answer.p.every((x, i) => x === p[i]);
-  while (!isAnswered(page)) await new Promise(requestAnimationFrame);
+  for (const end = performance.now() + 30000; !isAnswered(page);) {
+    if (performance.now() > end) throw new Error('the field does not answer');
+    await new Promise(requestAnimationFrame);
+  }
   const {s, force, bound} = palpate.touched, {fingerRadius} = page.touches[hit.touch];
   const name = JSON.parse(document.getElementById('facts').textContent).touches[hit.touch].name;
   hand.letGo();
@@ -103,7 +106,8 @@ Eigen::Vector3d forceOf(const nlohmann::json& said) {
 nlohmann::json differencesFrom(test::Browser& browser, const std::filesystem::path& dataset,
                                int count) {
   std::map<std::string, std::vector<nlohmann::json>> touches;
-  for (int n = 0; n < count;) {
+  for (int n = 0, tries = 0; n < count; ++tries) {
+    if (tries > 100 * count) throw failure("nothing of the organ can be touched");
     nlohmann::json touched = browser.valueOf(press_somewhere);
     if (touched.is_null()) continue;
     touches[touched.at("name")].push_back(std::move(touched));
@@ -114,8 +118,10 @@ nlohmann::json differencesFrom(test::Browser& browser, const std::filesystem::pa
     const std::vector<nlohmann::json> answers = askedOfQuery(dataset, name, felt);
     for (std::size_t n = 0; n < felt.size(); ++n) {
       const Eigen::Vector3d force = forceOf(answers[n]);
+      const Eigen::Vector3d difference = forceOf(felt[n]) - force;
+      if (!difference.allFinite()) throw failure("a force is no number: {}", felt[n].dump());
       strongest = std::max(strongest, force.norm());
-      largest = std::max(largest, (forceOf(felt[n]) - force).cwiseAbs().maxCoeff());
+      largest = std::max(largest, difference.cwiseAbs().maxCoeff());
       const nlohmann::json &bound = felt[n].at("bound"), &of_query = answers[n].at("error_bound");
       if (bound.is_number() && of_query.is_number())
         of_bound = std::max(of_bound, std::abs(bound.get<double>() - of_query.get<double>()));

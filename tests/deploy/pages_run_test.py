@@ -2,6 +2,7 @@
 """The commands of the pages, run as they stand there, page by page, each page in a folder of its own with small bodies under
 the names that it uses, in a network of its own. What cannot be run here is listed in ELSEWHERE with its reason. The tutorial
 and docs/python.md have tests of their own. By hand PALPATE_BIN_DIR=build/release/bin tests/deploy/pages_run_test.py."""
+import importlib.util
 import os
 import pathlib
 import re
@@ -214,6 +215,9 @@ class PagesInPython(unittest.TestCase):
             self.skipTest(missing)
         if shutil.which("gmsh") is None:
             self.skipTest("gmsh is not installed: Python of the pages is NOT run")
+        for module, package in (("meshio", "python3-meshio"), ("vtkmodules", "python3-paraview")):
+            if importlib.util.find_spec(module) is None:
+                self.skipTest(f"{package} is not installed: Python of the pages is NOT run")
         self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) / "bodies"
         for said in Bodies(self.folder).said:
             self.assertIn(said.returncode, (0, 3), said.args + [said.stdout, said.stderr])

@@ -63,8 +63,10 @@ TEST_F(ShareTest, AMousePressesSlidesPressesDeeperAndLetsGo) {
   settle(browser);
   EXPECT_GT(browser.valueOf("Math.hypot(...palpate.touched.force)").get<double>(), before);
   expectAnswerOfQuery(browser, true);
+  const std::string deep = fmt::format(
+      "{:.1f} mm deep", 10 + 4 * 1000 * browser.valueOf("palpate.page.reach").get<double>() / 30);
   EXPECT_THAT(browser.valueOf("document.getElementById('numbers').innerText").get<std::string>(),
-              testing::AllOf(HasSubstr("N"), HasSubstr("±"), HasSubstr(" mm deep")));
+              testing::AllOf(HasSubstr("N"), HasSubstr("±"), HasSubstr(deep)));
 
   browser.mouse("mouseReleased", x + 40, y + 20);
   EXPECT_TRUE(browser.becomesTrue("palpate.touched === null"));
@@ -97,6 +99,21 @@ TEST_F(ShareTest, AFingerOnATouchScreenPressesAnActiveNode) {
   EXPECT_GT(browser.valueOf("Math.hypot(...palpate.touched.force)").get<double>(), 0.05);
   browser.touch("touchEnd");
   EXPECT_TRUE(browser.becomesTrue("palpate.touched === null"));
+}
+
+/// It ended before, where a sixtieth of the reach is no round number.
+TEST_F(ShareTest, TheSliderComesToTheDeepestPress) {
+  const Mesh mesh = test::cubeMesh(0.1, 2);
+  const auto everywhere = test::wholeSurface(mesh, [](const Eigen::Vector3d&) { return 1.0; });
+  if (!makePage(test::TouchableBody(mesh, everywhere, 0.05, 0.025))) return;
+  test::Browser browser;
+  open(browser);
+  const json at_the_end = browser.valueOf(
+      "(slider => { slider.value = slider.max; slider.dispatchEvent(new Event('input'));"
+      "  return [palpate.page.hand.wanted, palpate.page.reach,"
+      "          slider.getAttribute('aria-valuetext')]; })(document.getElementById('depth'))");
+  EXPECT_NEAR(at_the_end.at(0).get<double>(), at_the_end.at(1).get<double>(), 1e-12);
+  EXPECT_EQ(at_the_end.at(2), "50.0 mm");
 }
 
 TEST_F(ShareTest, APointerThatLeavesTheOrganPointsAtNothing) {

@@ -77,14 +77,14 @@ TEST_F(MeshCommand, ProposesSoundScenesForABoxTheShippedLiverAndARealOne) {
   expectSoundScene("real/scene.toml");
 }
 
-TEST_F(MeshCommand, WarnsOfSoManyTrianglesThatTheyTakeMinutes) {
+TEST_F(MeshCommand, WarnsOfSoManyTrianglesThatTheyTakeAMinute) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   test::writeStl(test::sphereSurface(60, 130), directory / "organ.stl");
   // Said before anything is filled, which this size is not.
   const CommandResult meshed = worker("mesh organ.stl -o organ.msh --size 1000");
   EXPECT_EQ(meshed.exit_code, 2) << meshed.output;
-  EXPECT_THAT(meshed.output,
-              AllOf(HasSubstr("organ.stl: 202800 triangles take minutes"), HasSubstr("MeshLab")));
+  EXPECT_THAT(meshed.output, AllOf(HasSubstr("organ.stl: 202800 triangles take a minute or more"),
+                                   HasSubstr("MeshLab")));
 }
 
 TEST_F(MeshCommand, ConvertsAMeshAndKeepsItsNumbers) {

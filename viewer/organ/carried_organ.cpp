@@ -1,6 +1,7 @@
 #include "viewer/organ/carried_organ.hpp"
 
 #include <array>
+#include <bit>
 #include <cstring>
 
 #include "common/base/error.hpp"
@@ -20,6 +21,7 @@ constexpr float mode_steps = 32767;
 /// Of a double that is rounded: 37 bits of it stay significant. In single precision, which is what
 /// fields make of these numbers in the end, forces were up to 1.7e-6 N off where an organ is stiff.
 constexpr std::size_t left_out_bytes = 2;
+static_assert(std::endian::native == std::endian::little, "the least significant bytes are first");
 
 // More than any page has, and far enough from where products of numbers of a lattice overflow.
 constexpr std::int32_t most_divisions = 4096;
@@ -107,17 +109,22 @@ class OrganReader {
   std::string_view bytes_;
 };
 
+/// What only a finger has of an equilibrium, one after the other.
+template <class OfFinger, class Each>
+void eachOfFinger(OfFinger& e, Each each) {
+  each(e.drive);
+  each(e.drive_stiffness);
+  each(e.drive_slope);
+  each(e.stiffness_by_p);
+  each(e.stiffness_by_s);
+  each(e.drive_slope_by_p);
+}
+
 void putEquilibrium(OrganWriter& out, const Equilibrium& e, bool is_finger) {
   out.put(e.energy);
   out.putVector(e.force);
   for (const auto& [a, b] : symmetric_axes) out.put(e.stiffness(a, b));
-  if (!is_finger) return;
-  out.putRounded(e.drive);
-  out.putRounded(e.drive_stiffness);
-  out.putRounded(e.drive_slope);
-  out.putRounded(e.stiffness_by_p);
-  out.putRounded(e.stiffness_by_s);
-  out.putRounded(e.drive_slope_by_p);
+  if (is_finger) eachOfFinger(e, [&out](const auto& values) { out.putRounded(values); });
 }
 
 Equilibrium getEquilibrium(OrganReader& in, bool is_finger) {
@@ -126,13 +133,7 @@ Equilibrium getEquilibrium(OrganReader& in, bool is_finger) {
   e.force = in.getVector();
   for (const auto& [a, b] : symmetric_axes)
     e.stiffness(a, b) = e.stiffness(b, a) = in.get<double>();
-  if (!is_finger) return e;
-  in.getRounded(e.drive);
-  in.getRounded(e.drive_stiffness);
-  in.getRounded(e.drive_slope);
-  in.getRounded(e.stiffness_by_p);
-  in.getRounded(e.stiffness_by_s);
-  in.getRounded(e.drive_slope_by_p);
+  if (is_finger) eachOfFinger(e, [&in](auto& values) { in.getRounded(values); });
   return e;
 }
 

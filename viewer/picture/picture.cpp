@@ -109,9 +109,11 @@ struct Picture::Impl {
       BodyView& other = *shown[(at(model) + 1) % shown.size()];
       const std::size_t method = at(state.method);
       beside = {&other, sameTouch(inUse().model(), state.touch, other.model(), method)};
-      other.useScaleOf(inUse());
+      // Of another body nothing is compared, and the scale of a larger one would leave it pale.
+      const bool compared = beside->touch.has_value();
+      if (compared) other.useScaleOf(inUse());
       showBody(other, beside->touch.value_or(Touch()), state.method);
-      inUse().useScaleOf(other);
+      if (compared) inUse().useScaleOf(other);
     }
     if (before != beside.has_value()) frameAll();
   }

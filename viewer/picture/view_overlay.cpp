@@ -5,7 +5,6 @@
 #include <cmath>
 #include <sstream>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "viewer/picture/label_place.hpp"
@@ -21,7 +20,7 @@ constexpr float label_padding_x = 7, label_padding_y = 4, arrow_width = 6;
 constexpr float banner_stripe = 4, banner_left = 12, banner_right = 8, banner_padding = 6,
                 banner_gap = 6;
 constexpr float help_gap = 18, hint_above = 18, hint_above_scale = 84;
-constexpr float narrow_view = 760;  // in which a hint takes the place of legends and scale
+constexpr float narrow_view = 760;  // in which legends and scale stand above the hint
 constexpr double view_edge = 4;
 constexpr float widest_name = 0.7F;  // of the view: beyond it would lie under what is said
 
@@ -30,19 +29,18 @@ ImVec2 imPoint(const Eigen::Vector2d& at) {
   return {static_cast<float>(at.x()), static_cast<float>(at.y())};
 }
 
-/// The text, or its beginning and three dots where all of it would be wider.
+/// The first line of a text, or its beginning and three dots where all of it would be wider.
 std::string shortened(const std::string& text, float widest) {
-  if (ImGui::CalcTextSize(text.c_str()).x <= widest) return text;
-  std::string_view kept = text;
-  std::string all;
-  do {
-    // Bytes that go on a letter go with it.
-    while (!kept.empty() && (static_cast<unsigned char>(kept.back()) & 0xC0U) == 0x80U)
-      kept.remove_suffix(1);
-    if (!kept.empty()) kept.remove_suffix(1);
-    all = std::string(kept) + "...";
-  } while (!kept.empty() && ImGui::CalcTextSize(all.c_str()).x > widest);
-  return all;
+  constexpr const char* dots = "...";
+  const std::string line = text.substr(0, text.find('\n'));
+  const char* const end = line.data() + line.size();
+  const auto endWithin = [&](float width) {
+    const char* fits = nullptr;
+    ImGui::GetFont()->CalcTextSizeA(ImGui::GetFontSize(), width, 0, line.data(), end, &fits);
+    return fits;
+  };
+  if (endWithin(widest) == end) return line;
+  return std::string(line.data(), endWithin(widest - ImGui::CalcTextSize(dots).x)) + dots;
 }
 
 /// Text on a light ground, as wide as the view at most; tells where the next may begin.
@@ -60,8 +58,9 @@ float banner(ImDrawList& draw, ImVec2 at, float width, ImU32 colour, const std::
 }
 
 /// The keys in a column, what they do in another: in the text two spaces or more are between them.
-/// Over all else, and in as many such pairs of columns as a window of that height needs.
-void drawHelp(ImVec2 at, float height) {
+/// Over all else, in as many such pairs of columns as a window of that height needs, and in smaller
+/// letters where its width has no room for them.
+void drawHelp(ImVec2 at, ImVec2 window) {
   std::vector<std::array<std::string, 2>> lines;
   std::istringstream text(key_help);
   float keys = 0, widest = 0;
@@ -73,28 +72,33 @@ void drawHelp(ImVec2 at, float height) {
     widest = std::max(widest, ImGui::CalcTextSize(lines.back()[1].c_str()).x);
   }
   const float step = ImGui::GetTextLineHeightWithSpacing(), wide = keys + widest + px(help_gap);
-  const float room = (height - at.y - px(margin) - 2 * px(banner_padding)) / step;
+  const float room = (window.y - at.y - px(margin) - 2 * px(banner_padding)) / step;
   const auto rows = static_cast<std::size_t>(
       std::clamp(std::floor(room), 1.0F, static_cast<float>(lines.size())));
-  const std::size_t columns = (lines.size() + rows - 1) / rows;
+  const auto columns = static_cast<float>((lines.size() + rows - 1) / rows);
+  const ImVec2 size = {wide * columns + px(banner_left),
+                       step * static_cast<float>(rows) + 2 * px(banner_padding)};
+  const float smaller = std::min(1.0F, (window.x - at.x - px(margin)) / size.x);
   ImDrawList& draw = *ImGui::GetForegroundDrawList();
-  draw.AddRectFilled(at,
-                     {at.x + wide * static_cast<float>(columns) + px(banner_left),
-                      at.y + step * static_cast<float>(rows) + 2 * px(banner_padding)},
-                     white, px(4));
+  draw.AddRectFilled(at, {at.x + smaller * size.x, at.y + size.y}, white, px(4));
+  const auto write = [&](float x, float y, ImU32 colour, const std::string& words) {
+    draw.AddText(ImGui::GetFont(), smaller * ImGui::GetFontSize(), {at.x + smaller * x, at.y + y},
+                 colour, words.c_str());
+  };
   for (std::size_t n = 0; n < lines.size(); ++n) {
     const std::size_t column = n / rows;
-    const ImVec2 place = {at.x + px(banner_left) + wide * static_cast<float>(column),
-                          at.y + px(banner_padding) + step * static_cast<float>(n % rows)};
-    draw.AddText(place, blue, lines[n][0].c_str());
-    draw.AddText({place.x + keys, place.y}, ink, lines[n][1].c_str());
+    const float x = px(banner_left) + wide * static_cast<float>(column),
+                y = px(banner_padding) + step * static_cast<float>(n % rows);
+    write(x, y, blue, lines[n][0]);
+    write(x + keys, y, ink, lines[n][1]);
   }
 }
 
 /// Why B shows nothing.
 const char* besideNothing(const PanelContents& contents, const ViewChoices& choices) {
   return choices.beside && contents.models.size() == 1
-             ? "B shows another dataset beside this one; there is none: palpate view A.h5 B.h5"
+             ? "B shows another dataset beside this one; there is none (palpate view A.h5 "
+               "B.h5). B again hides this."
              : "";
 }
 
@@ -111,7 +115,9 @@ void drawBanners(ImDrawList& draw, const PanelContents& contents, const ViewChoi
   say(blue, status.notice);
   say(blue, status.paused ? "paused" : "");
   say(blue, besideNothing(contents, choices));
-  if (choices.help) drawHelp({px(margin), next}, static_cast<float>(view.window_height));
+  if (choices.help)
+    drawHelp({px(margin), next},
+             {static_cast<float>(view.window_width), static_cast<float>(view.window_height)});
 }
 
 }  // namespace
@@ -166,12 +172,13 @@ std::vector<ScreenBox> drawHint(const PanelContents& contents, const Viewport& v
 }
 
 void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
-                     const Viewport& view, std::vector<ScreenBox> taken) {
+                     const Viewport& view, const std::vector<ScreenBox>& hint) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const ImVec2 size = {static_cast<float>(view.width), static_cast<float>(view.height)};
   // Where a hint leaves them no room they stand above it.
-  const bool narrow = size.x < px(narrow_view) && !taken.empty() && !contents.beside;
-  const float foot = narrow ? static_cast<float>(taken.front().from.y()) : size.y;
+  const bool narrow = size.x < px(narrow_view) && !hint.empty() && !contents.beside;
+  const float foot = narrow ? static_cast<float>(hint.front().from.y()) : size.y;
+  std::vector<ScreenBox> taken = hint;
   draw.PushClipRect({0, 0}, size);
   drawScaleAndAxes(draw, contents, size, foot);
   taken.push_back(drawLegends(draw, contents, choices, {size.x, foot}));

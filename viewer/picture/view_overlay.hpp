@@ -13,7 +13,7 @@ namespace palpate {
 // What drawViewOverlay() puts together, a source each. size: of the view, whose upper left is 0.
 
 /// What the colours of the surface and of the lattice mean, at the lower left: of what is shown
-/// alone. The part of the view that they take.
+/// alone. The part of the view that they take. size: of the view, or of its part above a hint.
 ScreenBox drawLegends(ImDrawList& draw, const PanelContents& contents, const ViewChoices& choices,
                       ImVec2 size);
 /// At the right above `foot` a length at the depth of the body, and the directions of the axes of

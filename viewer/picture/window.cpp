@@ -25,10 +25,11 @@ std::string lastTrouble() {
   return text != nullptr ? text : "no reason given";
 }
 
-/// Units that a window can have beside bars and docks; no limit where no screen is known.
-std::array<int, 2> roomOnScreen() {
+/// Units that a window can have beside bars and docks; no limit where no screen is known, or
+/// nothing is to be seen on it.
+std::array<int, 2> roomOnScreen(bool visible) {
   std::array<int, 2> size{};
-  if (GLFWmonitor* const screen = glfwGetPrimaryMonitor())
+  if (GLFWmonitor* const screen = visible ? glfwGetPrimaryMonitor() : nullptr)
     glfwGetMonitorWorkarea(screen, nullptr, nullptr, size.data(), &size[1]);
   for (int& length : size)
     if (length <= 0) length = std::numeric_limits<int>::max();
@@ -56,13 +57,14 @@ Window::Window(const std::string& title, int width, int height, bool visible, bo
         trouble);
   }
   const double larger = screenScale(window_) / pixelsPerUnit(window_);
-  const auto scaled = [larger](int length) { return static_cast<int>(length * larger); };
-  glfwSetWindowSizeLimits(window_, scaled(least_width), scaled(least_height), GLFW_DONT_CARE,
-                          GLFW_DONT_CARE);
-  if (larger != 1) {
-    const std::array<int, 2> room = roomOnScreen();
-    glfwSetWindowSize(window_, std::min(scaled(width), room[0]), std::min(scaled(height), room[1]));
-  }
+  const std::array<int, 2> room = roomOnScreen(visible);
+  const auto fitted = [&](int across, int down) {
+    return std::array{std::min(static_cast<int>(across * larger), room[0]),
+                      std::min(static_cast<int>(down * larger), room[1])};
+  };
+  const auto least = fitted(least_width, least_height), size = fitted(width, height);
+  glfwSetWindowSizeLimits(window_, least[0], least[1], GLFW_DONT_CARE, GLFW_DONT_CARE);
+  if (size != std::array{width, height}) glfwSetWindowSize(window_, size[0], size[1]);
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(vsync ? 1 : 0);
   glfwSetWindowUserPointer(window_, this);

@@ -79,6 +79,18 @@ class PictureTest : public ::testing::Test {
     state.force = state.touch.force;
     return state;
   }
+  /// smallCubeModel(), its top held and pressed by half a millimetre.
+  static HapticState pressedSmall(const HapticModel& small) {
+    Contact contact(small, {.mode = ContactMode::glued});
+    HapticState press;
+    press.tool = {0.505, 0.005, 0.0099};
+    contact.update(press.tool, false);
+    press.touch = contact.update(press.tool, true);
+    press.tool.z() = 0.00942;
+    press.touch = contact.update(press.tool, true);
+    EXPECT_TRUE(press.touch.touching);
+    return press;
+  }
   Image pictureOf(const HapticState& state, PictureOptions options = {}) {
     options.vsync = false;
     Picture picture({&model}, options);
@@ -192,16 +204,24 @@ TEST_F(PictureTest, ShowsABodyOfAnotherSizeAsLargeAsTheFirst) {
 
 TEST_F(PictureTest, ColoursASmallBodyByAScaleOfItsSize) {
   const HapticModel small = test::smallCubeModel();
-  Contact contact(small, {.mode = ContactMode::glued});
-  HapticState press;
-  press.tool = {0.505, 0.005, 0.0099};
-  contact.update(press.tool, false);
-  press.touch = contact.update(press.tool, true);
-  press.tool.z() = 0.00942;
-  press.touch = contact.update(press.tool, true);
-  ASSERT_TRUE(press.touch.touching);
   Picture picture({&small}, {.vsync = false, .ghost = false});
-  picture.draw(press, {});
+  picture.draw(pressedSmall(small), {});
+  EXPECT_GT(find(picture.grab(), isYellow).count, 300);
+}
+
+/// Once the scale of a body ten times as large remained.
+TEST_F(PictureTest, ColoursASmallBodyAsBeforeAfterALargeOneWasBesideIt) {
+  const HapticModel small = test::smallCubeModel();
+  Picture picture({&small, &model}, {.vsync = false, .ghost = false});
+  HapticState rest;
+  rest.tool = {0.505, 0.005, 0.05};
+  picture.draw(rest, {});
+  test::Person person(screen.name(), "Palpate");
+  for (int n = 0; n < 2; ++n) {
+    person.press("b");
+    for (int drawn = 0; drawn < 3; ++drawn) picture.draw(rest, {});
+  }
+  picture.draw(pressedSmall(small), {});
   EXPECT_GT(find(picture.grab(), isYellow).count, 300);
 }
 
@@ -223,6 +243,20 @@ TEST_F(PictureTest, ShortensNamesThatTheWindowHasNoRoomFor) {
   for (int y = 32; y < 46; ++y)
     for (int x = 80; x < 264; ++x) count += word(pixelOf(image, x, y)) ? 1 : 0;
   EXPECT_GT(count, 200);
+}
+
+TEST_F(PictureTest, ShowsAllKeysInTheSmallestWindow) {
+  Picture picture({&model}, {.width = 480, .height = 320, .vsync = false, .ghost = false});
+  const HapticState state = pressed(0);
+  picture.draw(state, {});
+  test::Person(screen.name(), "Palpate").press("h");
+  for (int n = 0; n < 3; ++n) picture.draw(state, {});
+  const Image help = picture.grab();
+  // A white margin on all sides: no word is cut off at the right.
+  const auto isWhite = [](Pixel p) { return p[0] == 255 && p[1] == 255 && p[2] == 255; };
+  for (int y = 20; y < 280; ++y)
+    ASSERT_TRUE(isWhite(pixelOf(help, 464, y))) << "the right end of the ground, line " << y;
+  EXPECT_FALSE(isWhite(pixelOf(help, 468, 150))) << "the panel beside it";
 }
 
 TEST_F(PictureTest, ShowsAllKeysInALowWindow) {

@@ -173,10 +173,17 @@ TEST_F(MeshConversion, NamesThePackageOfAMissingMeshio) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   writeByMeshio("body.vtu");
   create("meshio.py") << "raise ImportError('as if it were not there')\n";
+  // A Python of the person's own, which lacks more.
+  create("python3") << "#!/bin/sh\necho numpy >&2\nexit 3\n";
+  std::filesystem::permissions(directory / "python3", std::filesystem::perms::owner_all);
+  const char* const before = std::getenv("PATH");
+  const std::string path = before != nullptr ? before : "/usr/bin:/bin";
+  setenv("PATH", (directory.path().string() + ":" + path).c_str(), 1);
   setenv("PYTHONPATH", directory.path().c_str(), 1);
   test::expectError(ExitCode::failed, [&] { convert("body.vtu"); },
                     {"body.vtu cannot be read", "Debian: python3-meshio"});
   unsetenv("PYTHONPATH");
+  setenv("PATH", path.c_str(), 1);
 }
 
 TEST_F(MeshConversion, ReadsTheTenNodesOfAbaqusWithItsSets) {

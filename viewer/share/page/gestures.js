@@ -84,7 +84,8 @@ class Gestures {
   wheel(event) {
     event.preventDefault();
     const {page} = this, notches = event.deltaY / (event.deltaMode === 0 ? 100 : 3);
-    if (page.hand.held || this.over) return page.setDepth(page.hand.wanted - 2 * page.step * notches);
+    if (page.hand.held || this.over)
+      return page.setDepth(page.hand.wanted - 2 * page.step * notches);
     page.camera.zoom(Math.exp(0.12 * notches));
     page.changed = true;
   }

@@ -8,13 +8,13 @@ class Page {
       gl,
       worker,
       reach,
-      step: reach / 60,  // of the depth: half a millimetre where the hand can press 30
+      step: reach / 60,  // of the slider: half a millimetre where the hand can press 30
       canvas: gl.canvas,
       camera: new Camera(surface),
       hand: new Hand(reach),
       picture: new Picture(gl, surface),
       plot: new ForcePlot(byId('plot')),
-      words: new Words(touches),
+      words: new Words(touches, reach),
       spots: touches.filter((touch) => touch.fingerRadius === 0).map((touch) => touch.rest),
       answer: null,
       felt: null,
@@ -30,17 +30,16 @@ class Page {
     this.gestures = new Gestures(this);
     this.pointers = this.gestures.pointers;
     const slider = byId('depth');
-    for (const end of ['min', 'step']) slider[end] = 1000 * this.step;
-    slider.max = 1000 * reach;
     this.setDepth(this.hand.wanted);
-    slider.addEventListener('input', () => this.setDepth(slider.value / 1000));
+    slider.addEventListener('input', () => this.setDepth(slider.value * this.step));
     requestAnimationFrame((time) => this.frame(time));
   }
   setDepth(depth) {
     this.hand.wanted = Math.min(this.reach, Math.max(this.step, depth));
-    byId('depth').value = 1000 * this.hand.wanted;
-    byId('depth-shown').textContent =
-        `${(1000 * this.hand.wanted).toFixed(this.reach < 0.01 ? 2 : 1)} mm`;
+    const slider = byId('depth'), text = this.words.millimetres(this.hand.wanted);
+    slider.value = this.hand.wanted / this.step;
+    slider.setAttribute('aria-valuetext', text);
+    byId('depth-shown').textContent = text;
   }
   hit(x, y) { return this.surface.hit(this.camera.eye, this.camera.ray(x, y)); }
   // Something may be asked there soon.

@@ -1,12 +1,15 @@
 // What the page says of what can be done, and of what is felt.
 class Words {
-  constructor(touches) {
+  // reach: how deep the hand can press, m.
+  constructor(touches, reach) {
     this.touches = touches;
+    this.digits = reach < 0.01 ? 2 : 1;
     const spots = touches.filter((touch) => touch.fingerRadius === 0).length;
     this.spot = spots === 0 ? '' : spots === 1 ? 'at the marked place' : 'at a marked place';
     this.byFinger = matchMedia('(pointer: coarse)').matches;
     this.rest();
   }
+  millimetres(metres) { return `${(1000 * metres).toFixed(this.digits)} mm`; }
   say(text) { byId('hint').textContent = text; }
   rest() {
     const how = this.byFinger ?
@@ -39,6 +42,6 @@ class Words {
     if (!inside) return 'Beyond what was computed: this force is a guess';
     if (coverage < 0.5) return 'Near the end of what was computed: do not rely on this force';
     const where = this.touches[touch].fingerRadius > 0 ? 'deep' : 'from rest';
-    return `${(1000 * length(p)).toFixed(1)} mm ${where}, ${(1000 * energy).toFixed(1)} mJ stored`;
+    return `${this.millimetres(length(p))} ${where}, ${(1000 * energy).toFixed(1)} mJ stored`;
   }
 }
