@@ -17,6 +17,9 @@ import unittest
 from docs_commands_test import commands
 from small_datasets import BIN, ENVIRONMENT, ROOT, SCENE, missing, palpate
 
+sys.path.insert(0, str(ROOT / "tests" / "support"))
+from virtual_screen import virtual_screen
+
 PAGES = ("README.md", "docs/client.md", "docs/commands.md", "docs/export.md", "docs/meshes.md", "docs/metrics.md", "docs/operating.md",
          "docs/security.md", "docs/sharing.md", "docs/devices.md", "docs/install.md")
 # What is not run here, and why.
@@ -86,22 +89,19 @@ class Bodies:
 
 
 class Machine:
-    """A screen and a network of its own, which only loopback is in."""
+    """A screen, and a network of its own, which only loopback is in."""
 
-    def __init__(self):
+    def __init__(self, display):
+        self.display = display
         self.network = subprocess.Popen(["unshare", "--net", "sh", "-c", "ip link set lo up && echo up && exec sleep 3600"],
                                         stdout=subprocess.PIPE, text=True)
         if self.network.stdout.readline() != "up\n":
             raise RuntimeError("no network of its own")
-        self.screen = subprocess.Popen(["Xvfb", "-displayfd", "1", "-screen", "0", "1600x1000x24", "-nolisten", "tcp", "-noreset"],
-                                       stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        self.display = ":" + self.screen.stdout.readline().strip()
 
     def close(self):
-        for process in (self.network, self.screen):
-            process.kill()
-            process.wait()
-            process.stdout.close()
+        self.network.kill()
+        self.network.wait()
+        self.network.stdout.close()
 
 
 class Reader:
@@ -222,8 +222,8 @@ class PagesInPython(unittest.TestCase):
         for said in Bodies(self.folder).said:
             self.assertIn(said.returncode, (0, 3), said.args + [said.stdout, said.stderr])
 
-    def run_here(self, *words):
-        done = subprocess.run(words, cwd=self.folder, env=ENVIRONMENT, capture_output=True, text=True, check=False)
+    def run_here(self, *words, screen=None):
+        done = subprocess.run(words, cwd=self.folder, env={**ENVIRONMENT, **(screen or {})}, capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, f"{words}\n{done.stdout}{done.stderr}")
         return done.stdout
 
@@ -248,12 +248,13 @@ class PagesInPython(unittest.TestCase):
         for block in blocks:
             if "paraview" not in block:
                 self.assertTrue(self.run_here(sys.executable, "-c", block))
-            elif shutil.which("pvpython") and shutil.which("xvfb-run"):
+            elif shutil.which("pvpython") and shutil.which("Xvfb"):
                 (self.folder / "render.py").write_text(block, encoding="utf-8")
-                self.run_here("xvfb-run", "-a", "pvpython", "--force-offscreen-rendering", "render.py")
+                with virtual_screen() as screen:
+                    self.run_here("pvpython", "--force-offscreen-rendering", "render.py", screen=screen)
                 self.assertGreater((self.folder / "touch.png").stat().st_size, 5000)
             else:
-                print("NOT TESTED: ParaView needs pvpython and xvfb-run (Debian: python3-paraview, xvfb)")
+                print("NOT TESTED: ParaView needs pvpython and Xvfb (Debian: python3-paraview, xvfb)")
 
 
 class Pages(unittest.TestCase):
@@ -268,7 +269,7 @@ class Pages(unittest.TestCase):
         if os.geteuid() != 0:
             self.skipTest("a network of its own needs root: commands of the pages are NOT run")
         wrong, seen = [], 0
-        machine = Machine()
+        machine = Machine(self.enterContext(virtual_screen())["DISPLAY"])
         self.addCleanup(machine.close)
         with tempfile.TemporaryDirectory() as root:
             bodies = Bodies(pathlib.Path(root) / "bodies")

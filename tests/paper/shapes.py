@@ -1,31 +1,18 @@
 """Fig. 5 of the paper: the same pull by law, as pictures and as a change of volume."""
 import contextlib
-import os
-import shutil
+import pathlib
 import subprocess
+import sys
 
 import figure
 import organs
 from active_places import DRAWN_LAWS, places, scene_at, straight_path
 from record import Incomplete, NotMeasured
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from virtual_screen import virtual_screen
+
 PULL, REACH = 0.04, 0.08  # m: the displacement that is shown, a point of the lattice, and the radius of that
-
-
-@contextlib.contextmanager
-def screen():
-    """The environment of a program that draws: an Xvfb of its own, and OpenGL in software."""
-    if not shutil.which("Xvfb"):
-        raise NotMeasured("Xvfb is not installed (package xvfb)")
-    with subprocess.Popen(["Xvfb", "-displayfd", "1", "-screen", "0", "1600x1000x24", "-nolisten", "tcp", "-noreset"],
-                          stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as server:
-        try:
-            number = server.stdout.readline().strip()
-            if not number:
-                raise NotMeasured("Xvfb did not start")
-            yield {**os.environ, "DISPLAY": f":{number}", "LIBGL_ALWAYS_SOFTWARE": "1"}
-        finally:
-            server.terminate()
 
 
 def view(record, *words, env=None):
@@ -48,7 +35,11 @@ def hand(record, dataset, where, aim):
 def draw_shapes(record, datasets, where, aim):
     """figures/figure5-LAW.png of each: the last picture of the same hand."""
     recording = hand(record, datasets["mr"], where, aim)
-    with screen() as env:
+    with contextlib.ExitStack() as screen:
+        try:
+            env = screen.enter_context(virtual_screen())
+        except OSError as why:
+            raise NotMeasured(f"no screen to draw on (package xvfb): {why}") from why
         for law, dataset in datasets.items():
             picture = record.folder / "figures" / f"figure5-{law}.png"
             picture.parent.mkdir(parents=True, exist_ok=True)

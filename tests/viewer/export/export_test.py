@@ -9,6 +9,7 @@ import pathlib
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
@@ -33,14 +34,17 @@ except ImportError:
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 PALPATE = pathlib.Path(os.environ.get("PALPATE_BIN_DIR", ROOT / "build/release/bin")).resolve() / "palpate"
+sys.path.insert(0, str(ROOT / "tests" / "support"))
+from virtual_screen import virtual_screen
+
 # Ends of the edges of VTK's quadratic tetrahedron, in the order of its mid-edge nodes.
 EDGES = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]
 
 needs_vtk = unittest.skipUnless(h5py and vtkHDFReader, "NOT TESTED: needs python3-h5py, and VTK for Python "
                                 "(Debian: python3-paraview)")
 needs_meshio = unittest.skipUnless(meshio, "NOT TESTED: needs python3-meshio")
-needs_paraview = unittest.skipUnless(shutil.which("pvpython") and shutil.which("xvfb-run"),
-                                     "NOT TESTED: needs pvpython and xvfb-run (Debian: python3-paraview, xvfb)")
+needs_paraview = unittest.skipUnless(shutil.which("pvpython") and shutil.which("Xvfb"),
+                                     "NOT TESTED: needs pvpython and Xvfb (Debian: python3-paraview, xvfb)")
 
 
 def box(cells=(3, 2, 2), size=0.02):
@@ -463,8 +467,10 @@ class ExportedToParaView(ExportedBox):
         self.export("touch.vtu", "--point", "1", "-1", "-1")
         self.export("press.pvd", "--displacement", "0.004", "0", "-0.003", "--steps", "2")
         files = ["touch.vtkhdf", "touch.hdf", "touch.vtu", "press.pvd"]
-        pvpython = subprocess.run(["xvfb-run", "-a", "pvpython", "--force-offscreen-rendering", "open.py", "body.png",
-                                   *files], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        command = ["pvpython", "--force-offscreen-rendering", "open.py", "body.png", *files]
+        with virtual_screen() as env:
+            pvpython = subprocess.run(command, cwd=self.folder, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                      text=True, check=False)
         self.assertEqual(pvpython.returncode, 0, pvpython.stdout)
         mesh = self.dataset["mesh"]
         seen = [line.split() for line in pvpython.stdout.splitlines() if line.split(" ")[0] in files]
