@@ -32,7 +32,7 @@ ImVec2 imPoint(const Eigen::Vector2d& at) {
 /// The first line of a text, or its beginning and three dots where all of it would be wider.
 std::string shortened(const std::string& text, float widest) {
   constexpr const char* dots = "...";
-  const std::string line = text.substr(0, text.find('\n'));
+  std::string line = text.substr(0, text.find('\n'));
   const char* const end = line.data() + line.size();
   const auto endWithin = [&](float width) {
     const char* fits = nullptr;
@@ -40,7 +40,9 @@ std::string shortened(const std::string& text, float widest) {
     return fits;
   };
   if (endWithin(widest) == end) return line;
-  return std::string(line.data(), endWithin(widest - ImGui::CalcTextSize(dots).x)) + dots;
+  const char* const cut = endWithin(widest - ImGui::CalcTextSize(dots).x);
+  line.resize(static_cast<std::size_t>(cut - line.data()));
+  return line + dots;
 }
 
 /// Text on a light ground, as wide as the view at most; tells where the next may begin.
@@ -75,8 +77,8 @@ void drawHelp(ImVec2 at, ImVec2 window) {
   const float room = (window.y - at.y - px(margin) - 2 * px(banner_padding)) / step;
   const auto rows = static_cast<std::size_t>(
       std::clamp(std::floor(room), 1.0F, static_cast<float>(lines.size())));
-  const auto columns = static_cast<float>((lines.size() + rows - 1) / rows);
-  const ImVec2 size = {wide * columns + px(banner_left),
+  const std::size_t columns = (lines.size() + rows - 1) / rows;
+  const ImVec2 size = {wide * static_cast<float>(columns) + px(banner_left),
                        step * static_cast<float>(rows) + 2 * px(banner_padding)};
   const float smaller = std::min(1.0F, (window.x - at.x - px(margin)) / size.x);
   ImDrawList& draw = *ImGui::GetForegroundDrawList();
