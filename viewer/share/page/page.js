@@ -8,7 +8,7 @@ class Page {
       gl,
       worker,
       reach,
-      step: reach / 60,  // of the slider: half a millimetre where the hand can press 30
+      step: reach / byId('depth').max,  // half a millimetre where the hand can press 30
       canvas: gl.canvas,
       camera: new Camera(surface),
       hand: new Hand(reach),
