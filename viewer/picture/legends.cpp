@@ -16,7 +16,7 @@ namespace {
 
 // px
 constexpr float legend_margin = 18, lattice_legend_gap = 40;
-constexpr float title_gap = 7, bar_width = 12, word_gap = 7, note_gap = 9, word_ground = 3;
+constexpr float title_gap = 7, bar_width = 12, word_gap = 7, note_gap = 9;
 constexpr float note_width = 156;  // beside it begins the hint
 constexpr float swatch_size = 11, swatch_gap = 7;
 constexpr float bar_share = 0.24F, shortest_bar = 64, longest_bar = 150;  // of the view's height
@@ -29,9 +29,7 @@ ImU32 imColour(const Rgb& rgb) {
 /// A legend that grows upward from where it stands.
 class Legend {
  public:
-  /// on_dots: on a light ground, or the dots of the lattice would hide it.
-  Legend(ImDrawList& draw, ImVec2 lower_left, bool on_dots)
-      : draw_(draw), at_(lower_left), on_dots_(on_dots) {}
+  Legend(ImDrawList& draw, ImVec2 lower_left) : draw_(draw), at_(lower_left) {}
 
   /// The last first: a square of a colour and what it means.
   void swatch(const Rgb& colour, const std::string& meaning) {
@@ -46,9 +44,7 @@ class Legend {
   void note(const std::string& text) {
     const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, px(note_width));
     at_.y -= size.y;
-    ground(at_, size);
-    draw_.AddText(ImGui::GetFont(), ImGui::GetFontSize(), at_, ink, text.c_str(), nullptr,
-                  px(note_width));
+    drawRimmedText(draw_, at_, ink, text.c_str(), px(note_width));
     right_ = std::max(right_, at_.x + size.x);
   }
 
@@ -76,17 +72,9 @@ class Legend {
  private:
   static float line() { return ImGui::GetTextLineHeight(); }
 
-  void ground(ImVec2 at, ImVec2 size) {
-    if (on_dots_)
-      draw_.AddRectFilled({at.x - px(word_ground), at.y},
-                          {at.x + size.x + px(word_ground), at.y + size.y}, paper);
-  }
-
   void word(ImVec2 at, const std::string& text) {
-    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
-    ground(at, size);
-    draw_.AddText(at, ink, text.c_str());
-    right_ = std::max(right_, at.x + size.x);
+    drawRimmedText(draw_, at, ink, text.c_str());
+    right_ = std::max(right_, at.x + ImGui::CalcTextSize(text.c_str()).x);
   }
 
   void colours(ImVec2 from, float height, const std::function<Rgb(double)>& colour) {
@@ -103,7 +91,6 @@ class Legend {
 
   ImDrawList& draw_;
   ImVec2 at_;
-  bool on_dots_;
   float right_ = 0;
 };
 
@@ -180,12 +167,12 @@ ScreenBox drawLegends(ImDrawList& draw, const PanelContents& contents, const Vie
                       ImVec2 size) {
   const float bar_height = std::clamp(bar_share * size.y, px(shortest_bar), px(longest_bar));
   const ImVec2 corner = {px(legend_margin), size.y - px(legend_margin)};
-  Legend surface(draw, corner, choices.lattice);
+  Legend surface(draw, corner);
   surfaceLegend(surface, contents, choices.colour, bar_height);
   float right = corner.x + surface.width(), top = surface.top();
   if (choices.lattice) {
     const float left = surface.width() > 0 ? right + px(lattice_legend_gap) : corner.x;
-    Legend lattice(draw, {left, corner.y}, true);
+    Legend lattice(draw, {left, corner.y});
     latticeLegend(lattice, choices.errors, bar_height);
     right = left + lattice.width();
     top = std::min(top, lattice.top());

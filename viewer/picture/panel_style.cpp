@@ -12,6 +12,7 @@ constexpr const char* font_files[] = {
     "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/Roboto-Regular.ttf",
     "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"};
 constexpr float own_font_size = 13;  // of ImGui, drawn for it
+constexpr float rim = 1.4F;          // px
 
 void addFont(ImFontAtlas& atlas, float scale) {
   std::error_code unreadable;
@@ -51,6 +52,16 @@ void setPanelStyle(double scale, double units) {
   style.Colors[ImGuiCol_ButtonActive] = {0.55F, 0.71F, 0.90F, 1};
   style.Colors[ImGuiCol_CheckMark] = {0.09F, 0.33F, 0.66F, 1};
   style.Colors[ImGuiCol_ScrollbarBg] = {0, 0, 0, 0};
+}
+
+void drawRimmedText(ImDrawList& draw, ImVec2 at, ImU32 colour, const char* text, float wrap) {
+  const auto write = [&](ImVec2 place, ImU32 with) {
+    draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(), place, with, text, nullptr, wrap);
+  };
+  const float r = px(rim);
+  for (const float x : {-r, 0.0F, r})
+    for (const float y : {-r, 0.0F, r}) write({at.x + x, at.y + y}, paper);
+  write(at, colour);
 }
 
 }  // namespace palpate

@@ -32,4 +32,8 @@ inline constexpr ImGuiWindowFlags fixed_panel =
 /// error: ImGui has one of its own.
 void setPanelStyle(double scale, double units);
 
+/// Words that can be read whatever is behind them: with a light rim. wrap: how wide a line of them
+/// may be; 0: as wide as it is.
+void drawRimmedText(ImDrawList& draw, ImVec2 at, ImU32 colour, const char* text, float wrap = 0);
+
 }  // namespace palpate

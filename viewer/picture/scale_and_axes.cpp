@@ -27,8 +27,8 @@ void drawScale(ImDrawList& draw, const PanelContents& contents, ImVec2 size, ImV
     draw.AddLine({end.x, end.y - px(bar_tick)}, {end.x, end.y + px(bar_tick)}, ink, px(1.5F));
   const std::string text = fmt::format("{:g} mm", 1e3 * length);
   const ImVec2 words = ImGui::CalcTextSize(text.c_str());
-  draw.AddText({(left.x + right_end.x - words.x) / 2, left.y - words.y - px(bar_text_gap)}, ink,
-               text.c_str());
+  drawRimmedText(draw, {(left.x + right_end.x - words.x) / 2, left.y - words.y - px(bar_text_gap)},
+                 ink, text.c_str());
 }
 
 void drawAxes(ImDrawList& draw, const OrbitCamera& camera, ImVec2 at) {
@@ -45,7 +45,8 @@ void drawAxes(ImDrawList& draw, const OrbitCamera& camera, ImVec2 at) {
     draw.AddLine(at, place(px(axis_length)), axis_colours[n], px(2));
     const ImVec2 words = ImGui::CalcTextSize(axis_letters[n]),
                  end = place(px(axis_length + letter_gap));
-    draw.AddText({end.x - words.x / 2, end.y - words.y / 2}, axis_colours[n], axis_letters[n]);
+    drawRimmedText(draw, {end.x - words.x / 2, end.y - words.y / 2}, axis_colours[n],
+                   axis_letters[n]);
   }
 }
 

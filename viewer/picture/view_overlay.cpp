@@ -131,7 +131,7 @@ ScreenBox drawNames(ImDrawList& draw, const std::vector<std::string>& names, flo
   for (const std::string& name : names) {
     const std::string shown = shortened(name, widest_name * width);
     const float wide = ImGui::CalcTextSize(shown.c_str()).x;
-    draw.AddText({right - wide, y}, &name == names.data() ? ink : faint, shown.c_str());
+    drawRimmedText(draw, {right - wide, y}, &name == names.data() ? ink : faint, shown.c_str());
     begin = std::min(begin, right - wide);
     y += line;
   }

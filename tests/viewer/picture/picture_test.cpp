@@ -245,6 +245,27 @@ TEST_F(PictureTest, ShortensNamesThatTheWindowHasNoRoomFor) {
   EXPECT_GT(count, 200);
 }
 
+TEST_F(PictureTest, RimsTheWordsOfALegendThatTheBodyIsBehind) {
+  Picture picture({&model}, {.vsync = false, .ghost = false});
+  const HapticState state = pressed(0);
+  picture.draw(state, {});
+  test::Person person(screen.name(), "Palpate");
+  for (int n = 0; n < 8; ++n) {
+    person.press("equal");
+    picture.draw(state, {});
+  }
+  const Image near = picture.grab();
+  const auto isLight = [](Pixel p) { return p[0] > 200 && p[1] > 200 && p[2] > 200; };
+  int tissue = 0, light = 0;
+  for (int y = 390; y < 410; ++y)
+    for (int x = 16; x < 130; ++x) {
+      tissue += isTissue(pixelOf(near, x, y)) ? 1 : 0;
+      light += isLight(pixelOf(near, x, y)) ? 1 : 0;
+    }
+  EXPECT_GT(tissue, 500) << "about the title";
+  EXPECT_GT(light, 300) << "its rim";
+}
+
 TEST_F(PictureTest, ShowsAllKeysInTheSmallestWindow) {
   Picture picture({&model}, {.width = 480, .height = 320, .vsync = false, .ghost = false});
   const HapticState state = pressed(0);
@@ -572,6 +593,21 @@ TEST_F(StageTest, PointsTheArrowAlongTheForce) {
     EXPECT_GT(seen.normalized().dot(arrow.head<2>().normalized()), 0.98) << arrow.transpose();
     EXPECT_GT(seen.norm(), 20);
   }
+}
+
+TEST_F(StageTest, DashesTheArrowOfAnUncertainForce) {
+  stage.tool().setTool({});
+  /// How many pieces of a colour there are along the middle of the picture.
+  const auto pieces = [&](bool uncertain, bool (*colour)(Pixel)) {
+    stage.tool().setArrow({0.08, 0, 0}, uncertain);
+    const Image image = render();
+    int count = 0;
+    for (int x = 1; x < 400; ++x)
+      count += colour(pixelOf(image, x, 200)) && !colour(pixelOf(image, x - 1, 200)) ? 1 : 0;
+    return count;
+  };
+  EXPECT_EQ(pieces(false, isBlue), 1);
+  EXPECT_GT(pieces(true, isAmber), 1);
 }
 
 TEST_F(StageTest, DrawsDotsWhereTheyAreInTheirColours) {
