@@ -75,7 +75,8 @@ void HandControl::moveHand(const PersonsInput& input, const MouseMotion& motion,
                            const HapticModel& model, ContactMode contact,
                            const OrbitCamera& camera) {
   HandInput wanted = input.hand;
-  const bool heard = motion.over_view || hand_.holds();  // a drag goes on over panels
+  // A drag goes on over panels; of a press by keys there is no drag.
+  const bool heard = motion.over_view || (hand_.holds() && !hand_.holdsByKey());
   if (heard) wanted.pointer = motion.at;
   wanted.button = motion.left && heard;
   if (hand_.holds()) wanted.deeper += motion.wheel;

@@ -9,12 +9,22 @@ bool feelsNothingInside(const HapticState& state) {
          state.reading.status != DeviceStatus::away && state.reading.status != DeviceStatus::lost;
 }
 
+/// Where the keys have hold, or the ring: nothing is said of a button that is not held.
+const char* keysHint(bool glued, bool holds) {
+  if (!holds)
+    return glued ? "Enter takes hold here, arrows move the ring."
+                 : "Enter presses here, arrows move the ring.";
+  return glued ? "Arrows pull, Page Down presses, Enter lets go."
+               : "Arrows slide, Page Down presses deeper, Enter comes out.";
+}
+
 }  // namespace
 
 std::string handHint(const HapticState& state, ContactMode contact, const MouseHand& hand) {
   if (feelsNothingInside(state)) return "The tool is inside and feels nothing: R takes it out.";
-  if (hand.holds() && contact == ContactMode::glued)
-    return "Move to pull, turn the wheel to press, let go to release.";
+  const bool glued = contact == ContactMode::glued;
+  if (hand.placedByKeys() && hand.place()) return keysHint(glued, hand.holds());
+  if (hand.holds() && glued) return "Move to pull, turn the wheel to press, let go to release.";
   if (hand.holds()) return "Move to slide, turn the wheel to press deeper, let go to come out.";
   if (hand.place()) return "Hold the left button to press.";
   if (hand.seen()) return "Nothing was computed here: press where the skin is tinted.";

@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// What the person at the mouse can do now, in a sentence. state: of the loop, whose contact is as
-/// told. hand: as of this picture.
+/// What the person at mouse and keys can do now, in a sentence. state: of the loop, whose contact
+/// is as told. hand: as of this picture.
 std::string handHint(const HapticState& state, ContactMode contact, const MouseHand& hand);
 
 /// The same where another device moves the tool; empty: nothing.

@@ -32,14 +32,16 @@ void MouseHand::update(const HapticModel& model, ContactMode contact, const Orbi
   seen_ = placeUnder(model.surface(), camera, input.pointer);
   double seconds = std::clamp(input.seconds, 0.0, longest_picture);
   const bool pressed = input.button && !last_.button;
-  if (held_) {
-    if (input.out || (by_key_ ? input.take : !input.button))
+  if (pressed && seen_ && seen_->touchable) {
+    // From a press by keys: it comes out there and appears here.
+    if (held_) ++target_.appearance;
+    takeHold(*seen_, false);
+    seconds = 0;  // first the tool is outside, before the place
+  } else if (held_) {
+    if (input.out || (by_key_ ? input.take || pressed : !input.button))
       letGo();
     else
       follow(camera, input, seconds);
-  } else if (pressed && seen_ && seen_->touchable) {
-    takeHold(*seen_, false);
-    seconds = 0;  // first the tool is outside, before the place
   } else if (input.take) {
     takeHold(place_.value_or(placeInFront(camera)), true);
     seconds = 0;
@@ -89,9 +91,11 @@ void MouseHand::hover(const OrbitCamera& camera, const HandInput& input) {
     const Eigen::Vector2d way = stroke * input.strokes;
     place_ = touchablePlace(model_->surface(),
                             from.position + camera.moveInPlane(from.position, way.x(), way.y()));
+    by_key_ = true;
   } else if (!same(input.pointer, pointed_)) {  // else the keys keep their place
     pointed_ = input.pointer;
     place_ = seen_ && seen_->touchable ? seen_ : std::nullopt;
+    by_key_ = false;
   }
   if (place_) depth_ = -gap();
   // An edge of the body may still have the tool that is outside: it lets go here at the latest.

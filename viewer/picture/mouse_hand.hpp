@@ -29,9 +29,10 @@ struct HandInput {
 /// The tool waits before the place that is pointed at, a little outside of the skin. While the
 /// button is held, or the key took hold, it is pressed in along the normal, to a depth that the
 /// wheel changes, and slides over the surface after the pointer; then it comes out the way it went
-/// in. Where contact is glued there is no tool until it takes hold in the place; it is pulled in
-/// the plane of the screen then. The tool never goes through the body from one place to another: it
-/// vanishes here and appears there.
+/// in. The button takes a press by keys over where it can touch, and ends it elsewhere. Where
+/// contact is glued there is no tool until it takes hold in the place; it is pulled in the plane of
+/// the screen then. The tool never goes through the body from one place to another: it vanishes
+/// here and appears there.
 ///
 /// Places are of the surface at rest: what is seen of the deformed one would slip away under a
 /// pointer that stands still. One thread.
@@ -45,10 +46,14 @@ class MouseHand {
   const MouseTarget& target() const { return target_; }
   /// Something is held: button and wheel are the hand's, not the camera's.
   bool holds() const { return held_; }
+  /// The key took hold: no button is held that could be let go.
+  bool holdsByKey() const { return held_ && by_key_; }
   /// What is pointed at, whether it can be touched or not.
   const std::optional<PointedPlace>& seen() const { return seen_; }
   /// What the tool waits before, or presses.
   const std::optional<PointedPlace>& place() const { return place_; }
+  /// Keys chose place(), if there is one, and not the pointer.
+  bool placedByKeys() const { return by_key_; }
 
  private:
   void use(const HapticModel& model, bool glued);
@@ -68,7 +73,8 @@ class MouseHand {
   bool glued_ = false;
   double radius_ = 0;  ///< m, of the body
   std::optional<PointedPlace> seen_, place_;
-  bool held_ = false, by_key_ = false;
+  bool held_ = false;
+  bool by_key_ = false;   ///< keys took hold last, or moved the place
   bool came_in_ = false;  ///< since the tool was free last
   HandInput last_;
   Eigen::Vector2d pointed_ = HandInput().pointer;  ///< where it was when it chose the place

@@ -169,6 +169,65 @@ TEST_F(MouseHandTest, ObeysKeysAlone) {
   EXPECT_FALSE(run.state().touch.touching);
 }
 
+TEST_F(MouseHandTest, ComesOutByOneKeyOfAPressByKeysToo) {
+  test::MouseRun run(*cube);
+  run.act({.take = true}, 60);
+  ASSERT_TRUE(run.hand.holdsByKey() && run.state().touch.touching);
+  run.act({.out = true}, 40);
+  EXPECT_FALSE(run.hand.holds() || run.state().touch.touching);
+}
+
+TEST_F(MouseHandTest, TakesAPressByKeysOverWithTheButton) {
+  test::MouseRun run(*cube);
+  run.act({.take = true}, 60);
+  ASSERT_TRUE(run.state().touch.touching);
+  const Eigen::Vector3d there = top() + Eigen::Vector3d(0.02, -0.03, 0);
+  const HandInput press{.pointer = run.onScreen(there), .button = true};
+  run.act(press);
+  EXPECT_TRUE(run.hand.holds());
+  EXPECT_FALSE(run.hand.holdsByKey());
+  EXPECT_FALSE(run.state().touch.touching) << "first it is outside, before the place";
+  run.act(press, 60);
+  EXPECT_TRUE(run.state().touch.touching);
+  const Eigen::Vector3d pressed = there - 0.01 * run.hand.place()->normal;
+  EXPECT_NEAR((run.state().tool - pressed).norm(), 0, 1e-4);
+  run.act({.pointer = press.pointer}, 40);
+  EXPECT_FALSE(run.hand.holds() || run.state().touch.touching) << "its button holds now";
+}
+
+TEST_F(MouseHandTest, LetsGoOfAPressByKeysWhereTheButtonCannotTouch) {
+  test::MouseRun run(*cube);
+  run.act({.take = true}, 60);
+  run.act({.pointer = run.onScreen(top())}, 10);
+  EXPECT_TRUE(run.hand.holdsByKey()) << "pointing ends nothing";
+  run.act({.pointer = {0.7, 0.45}, .button = true}, 40);
+  EXPECT_FALSE(run.hand.holds() || run.state().touch.touching);
+}
+
+TEST_F(MouseHandTest, LeavesTheDragThatEndsAPressByKeysToTheCamera) {
+  test::MouseRun run(*cube);
+  HandControl control;
+  PersonsInput input;
+  const auto act = [&](int pictures) {
+    input.hand.seconds = 1.0 / 60;
+    for (int picture = 0; picture < pictures; ++picture) run.act(control, input);
+    return run.state().touch.touching;
+  };
+  input.hand.take = true;
+  act(1);
+  input.hand.take = false;
+  ASSERT_TRUE(act(60));
+  const Eigen::Vector3d eye = run.camera.position();
+  input.motion = {.right = 0.005, .at = {0.7, 0.45}, .left = true};
+  EXPECT_TRUE(act(40)) << "a click on a panel is none on the body";
+  EXPECT_EQ(run.camera.position(), eye);
+  input.motion.left = false;
+  act(1);
+  input.motion.left = input.motion.over_view = true;
+  EXPECT_FALSE(act(40));
+  EXPECT_GT((run.camera.position() - eye).norm(), 0.01);
+}
+
 TEST_F(MouseHandTest, PullsWhatIsGlued) {
   test::MouseRun run(*blob, ContactMode::glued);
   const Eigen::Vector2d at = run.onScreen(touchablePlace(blob->surface(), {0, 0, 0.2}).position);
@@ -235,6 +294,24 @@ TEST_F(MouseHandTest, SaysWhatCanBeDoneNow) {
             std::string::npos);
   EXPECT_NE(deviceHint(lost_inside).find("outside"), std::string::npos);
   EXPECT_EQ(deviceHint(run.state()), "");
+}
+
+/// Once they spoke of a button that nobody held.
+TEST_F(MouseHandTest, SaysWhatKeysDoWhereKeysHaveTheTool) {
+  test::MouseRun run(*cube);
+  const auto hint = [&] { return handHint(run.state(), ContactMode::unilateral, run.hand); };
+  run.act({.strokes = {1, 0}}, 2);
+  EXPECT_EQ(hint(), "Enter presses here, arrows move the ring.");
+  run.act({.take = true}, 30);
+  EXPECT_EQ(hint(), "Arrows slide, Page Down presses deeper, Enter comes out.");
+  run.act({.take = true}, 40);
+  EXPECT_EQ(hint(), "Enter presses here, arrows move the ring.");
+  run.act({.pointer = run.onScreen(top())}, 2);
+  EXPECT_NE(hint().find("Hold the left button"), std::string::npos);
+  test::MouseRun pull(*blob, ContactMode::glued);
+  pull.act({.take = true}, 30);
+  EXPECT_EQ(handHint(pull.state(), ContactMode::glued, pull.hand),
+            "Arrows pull, Page Down presses, Enter lets go.");
 }
 
 }  // namespace
