@@ -253,7 +253,8 @@ std::vector<double> logarithmicTicks(double lowest, double highest) {
     // Two numbers do not show that an axis is logarithmic.
     if (ticks.size() >= 3) break;
   }
-  return ticks;
+  // Between two leading digits an axis would have no number, or one.
+  return ticks.size() < 2 ? linearTicks(lowest, highest) : ticks;
 }
 
 std::string tickLabel(double value) {

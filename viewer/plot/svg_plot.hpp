@@ -68,7 +68,7 @@ std::string markerAt(double x, double y, const SeriesStyle& style, double size);
 std::vector<double> linearTicks(double lowest, double highest, int count = 5);
 
 /// The same for a logarithmic axis: powers of ten; between them 2 and 5, then all digits, where
-/// there would be fewer than three.
+/// there would be fewer than three; where not two of these are within, linearTicks.
 std::vector<double> logarithmicTicks(double lowest, double highest);
 
 /// "0.02", "300", "10⁻⁵": a tick in the fewest characters.

@@ -46,6 +46,9 @@ TEST(SvgPlot, LogarithmicTicksArePowersOfTenAndMoreOfThemWhereThereAreFew) {
               ::testing::ElementsAreArray(near({1e-4, 1e-3, 1e-2, 1e-1, 1})));
   EXPECT_THAT(logarithmicTicks(15, 250), ::testing::ElementsAreArray(near({20, 50, 100, 200})));
   EXPECT_THAT(logarithmicTicks(3.5, 6.5), ::testing::ElementsAreArray(near({4, 5, 6})));
+  EXPECT_THAT(logarithmicTicks(0.0105, 0.0149),
+              ::testing::ElementsAreArray(near({0.011, 0.012, 0.013, 0.014})));
+  EXPECT_GE(logarithmicTicks(0.0093, 0.0113).size(), 2U);
   EXPECT_LE(logarithmicTicks(1e-14, 1e2).size(), 9U);
   EXPECT_GE(logarithmicTicks(1e-14, 1e2).size(), 4U);
 }
