@@ -8,7 +8,9 @@
 namespace palpate {
 namespace {
 
-constexpr double dot_size = 4, dot_size_in_a_cut = 7;  // px
+// px, for a picture of 800 from top to bottom
+constexpr double dot_size = 4, dot_size_in_a_cut = 7;
+constexpr float rim = 1;
 
 }  // namespace
 
@@ -70,12 +72,20 @@ void LatticeView::draw() const {
   // In front of the body, whatever its depth: most points of a space lie inside of it.
   glClear(GL_DEPTH_BUFFER_BIT);
   glEnable(GL_DEPTH_TEST);
-  glPointSize(size_);
+  // A dot is as deep as its rim, and before it.
+  glDepthFunc(GL_LEQUAL);
+  const auto count = static_cast<GLsizei>(places_.size() / 3);
   glEnableClientState(GL_VERTEX_ARRAY);
-  glEnableClientState(GL_COLOR_ARRAY);
   glVertexPointer(3, GL_FLOAT, 0, places_.data());
+  // Colours of errors are those of the surface too, on which dots without a rim would be lost.
+  glDisableClientState(GL_COLOR_ARRAY);
+  glColor3f(1, 1, 1);
+  setPointSize(size_ + 2 * rim);
+  glDrawArrays(GL_POINTS, 0, count);
+  glEnableClientState(GL_COLOR_ARRAY);
   glColorPointer(3, GL_UNSIGNED_BYTE, 0, colours_.data());
-  glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(places_.size() / 3));
+  setPointSize(size_);
+  glDrawArrays(GL_POINTS, 0, count);
 }
 
 }  // namespace palpate

@@ -31,7 +31,8 @@ class LatticeView {
   void show(const BodyView& body, const HapticState& state, const ViewChoices& choices);
   /// The space that was shown last; 0 after another model came.
   std::int32_t space() const { return space_; }
-  /// origin: added to the displacements, m, scene frame. size: pixels.
+  /// origin: added to the displacements, m, scene frame. size: of a dot without its white rim,
+  /// pixels where the picture has 800 from top to bottom; more in a larger one.
   void setDots(std::span<const LatticeDot> dots, const Eigen::Vector3d& origin, double size);
   void show(bool shown);
 
@@ -51,7 +52,7 @@ class LatticeView {
   Drawing dots_;
   std::vector<float> places_;          ///< [dot][axis], m
   std::vector<std::uint8_t> colours_;  ///< [dot][red, green, blue]
-  float size_ = 4;                     ///< px
+  float size_ = 4;                     ///< px, as for setDots()
 
   std::int32_t model_ = -1;
   std::int32_t space_ = 0;

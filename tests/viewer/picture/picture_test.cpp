@@ -155,6 +155,17 @@ TEST_F(PictureTest, ShowsTheLatticeByTag) {
   EXPECT_GT(find(pictureOf(state, {.lattice = true}), green, 980, 500).count, 16 * 10);
 }
 
+TEST_F(PictureTest, HasLargerDotsInALargerWindow) {
+  const HapticState state = pressed(0);
+  const auto greens = [&](int width, int height) {
+    const Image image =
+        pictureOf(state, {.width = width, .height = height, .visible = false, .lattice = true});
+    const auto green = [](Pixel p) { return p[0] == 38 && p[1] == 140 && p[2] == 72; };
+    return find(image, green, width * 3 / 4, height * 5 / 8).count;
+  };
+  EXPECT_GT(greens(2560, 1600), 2 * greens(1280, 800));
+}
+
 TEST_F(PictureTest, FillsItsPanelsAndSaysTroubleInRed) {
   Picture picture({&model}, {.vsync = false});
   const HapticState state = pressed(0);
@@ -629,6 +640,11 @@ TEST_F(StageTest, DrawsDotsWhereTheyAreInTheirColours) {
     EXPECT_NE(at(without, dot), dot.colour);
     EXPECT_EQ(at(with, dot), dot.colour);
   }
+  const auto whites = [](const Image& image) {
+    const auto isWhite = [](Pixel p) { return p[0] == 255 && p[1] == 255 && p[2] == 255; };
+    return find(image, isWhite, 400, 400).count;
+  };
+  EXPECT_NEAR(whites(with) - whites(without), 2 * (8 * 8 - 6 * 6), 8) << "a rim about each";
 }
 
 }  // namespace
