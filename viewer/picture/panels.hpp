@@ -65,8 +65,8 @@ std::vector<ScreenBox> drawHint(const PanelContents& contents, const Viewport& v
 void drawBesideOverlay(const BesideContents& contents, const OrbitCamera& camera,
                        const Viewport& part, std::vector<ScreenBox> taken);
 /// What lies over the part of the view where the touched body is: names, a label, legends, scale
-/// and axes, what must be said, the help. hint: where drawHint() put it, if there is one; the label
-/// keeps clear of it, and in a narrow view legends and scale do.
+/// and axes, what must be said, the help (which legends make room for). hint: where drawHint() put
+/// it, if there is one; the label keeps clear of it, and in a narrow view legends and scale do.
 void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
                      const Viewport& view, const std::vector<ScreenBox>& hint);
 

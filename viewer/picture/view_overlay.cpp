@@ -183,7 +183,8 @@ void drawViewOverlay(const PanelContents& contents, const ViewChoices& choices,
   std::vector<ScreenBox> taken = hint;
   draw.PushClipRect({0, 0}, size);
   drawScaleAndAxes(draw, contents, size, foot);
-  taken.push_back(drawLegends(draw, contents, choices, {size.x, foot}));
+  // The help covers a part of them, and a bar without its name and its numbers says nothing.
+  if (!choices.help) taken.push_back(drawLegends(draw, contents, choices, {size.x, foot}));
   taken.push_back(drawNames(draw, {contents.dataset, contents.tissue, "H: help"}, 0, size.x));
   drawLabel(draw, contents.label, contents.camera, 0, size, taken);
   drawBanners(draw, contents, choices, view);

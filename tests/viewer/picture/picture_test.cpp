@@ -304,6 +304,21 @@ TEST_F(PictureTest, ShowsAllKeysInALowWindow) {
   EXPECT_GT(find(help, isWhite, 640, 390).count, find(before, isWhite, 640, 390).count + 150000);
 }
 
+TEST_F(PictureTest, ShowsNoHalfOfALegendBesideTheHelp) {
+  Picture picture({&model}, {.vsync = false, .ghost = false});
+  const HapticState state = pressed(0.0048);
+  picture.draw(state, {});
+  test::Person person(screen.name(), "Palpate");
+  const auto bar = [&] {
+    person.press("h");
+    for (int n = 0; n < 3; ++n) picture.draw(state, {});
+    const auto isLegend = [](Pixel p) { return isYellow(p) && p[0] > 240; };
+    return find(picture.grab(), isLegend, 40, 622).count;
+  };
+  EXPECT_EQ(bar(), 0);
+  EXPECT_GT(bar(), 10) << "without the help again";
+}
+
 TEST_F(PictureTest, ShowsAnotherDatasetBesideInTheSameTouch) {
   const auto bluesAfterB = [&](const HapticModel& other) {
     Picture picture({&model, &other}, {.vsync = false});
