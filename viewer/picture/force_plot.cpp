@@ -28,6 +28,9 @@ constexpr int most_steps = 2;           // of the grid, up and down from zero
 constexpr std::array<ImU32, 4> curve_colours = {axis_colours[0], axis_colours[1], axis_colours[2],
                                                 IM_COL32(30, 30, 36, 255)};
 constexpr std::array<const char*, 4> curve_names = {"x", "y", "z", "|F|"};
+constexpr const char* band_name = "its error bound";
+constexpr const char* plot_title = "force on the tool, N";
+constexpr const char* short_plot_title = "force, N";
 constexpr ImU32 band_colour = IM_COL32(30, 30, 36, 46);
 
 /// Where the curves of the plot go on the screen.
@@ -102,6 +105,17 @@ void plotCurves(ImDrawList& draw, const PlotArea& area, const ForceHistory& hist
   }
 }
 
+/// The title, then every entry with its key.
+float plotLegendWidth() {
+  float width = ImGui::CalcTextSize(plot_title).x;
+  const auto add = [&](const char* name) {
+    width += px(legend_gap + key_length + key_gap) + ImGui::CalcTextSize(name).x;
+  };
+  for (const char* const name : curve_names) add(name);
+  add(band_name);
+  return width;
+}
+
 /// As many entries as fit above the curves.
 void plotLegend(ImDrawList& draw, ImVec2 at, float right) {
   const float middle = at.y + ImGui::GetTextLineHeight() / 2;
@@ -114,12 +128,12 @@ void plotLegend(ImDrawList& draw, ImVec2 at, float right) {
     at.x = begin + width + px(legend_gap);
     return std::optional(left);
   };
-  entry("force on the tool, N", 0);
+  entry(at.x + plotLegendWidth() > right ? short_plot_title : plot_title, 0);
   const float key = px(key_length);
   for (std::size_t curve = 0; curve < curve_colours.size(); ++curve)
     if (const auto left = entry(curve_names[curve], key))
       draw.AddLine({*left, middle}, {*left + key, middle}, curve_colours[curve], px(2));
-  if (const auto left = entry("its error bound", key))
+  if (const auto left = entry(band_name, key))
     draw.AddRectFilled({*left, middle - px(band_height) / 2},
                        {*left + key, middle + px(band_height) / 2}, band_colour);
 }

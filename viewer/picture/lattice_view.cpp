@@ -10,7 +10,7 @@ namespace {
 
 // px, for a picture of 800 from top to bottom
 constexpr double dot_size = 4, dot_size_in_a_cut = 7;
-constexpr float rim = 1;
+constexpr float dot_rim = 1;
 
 }  // namespace
 
@@ -80,7 +80,7 @@ void LatticeView::draw() const {
   // Colours of errors are those of the surface too, on which dots without a rim would be lost.
   glDisableClientState(GL_COLOR_ARRAY);
   glColor3f(1, 1, 1);
-  setPointSize(size_ + 2 * rim);
+  setPointSize(size_ + 2 * dot_rim);
   glDrawArrays(GL_POINTS, 0, count);
   glEnableClientState(GL_COLOR_ARRAY);
   glColorPointer(3, GL_UNSIGNED_BYTE, 0, colours_.data());

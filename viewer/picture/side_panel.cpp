@@ -143,7 +143,8 @@ std::string stiffnessText(const Eigen::Matrix3d& stiffness) {
 void touchNumbers(const Touch& touch) {
   const Eigen::Vector3d u = 1e3 * touch.displacement;
   row("pressed", fmt::format("{:.1f} mm", u.norm()));
-  row("", fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", u.x(), u.y(), u.z()));
+  // A narrow panel has no room for the unit again.
+  row("", fmt::format("({:.1f}, {:.1f}, {:.1f})", u.x(), u.y(), u.z()));
   row("stiffness", stiffnessText(touch.stiffness));
   row("coverage", fmt::format("{:.0f} %{}", 100 * touch.coverage, touch.inside ? "" : ", outside"));
 }

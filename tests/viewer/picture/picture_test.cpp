@@ -304,6 +304,25 @@ TEST_F(PictureTest, ShowsAllKeysInALowWindow) {
   EXPECT_GT(find(help, isWhite, 640, 390).count, find(before, isWhite, 640, 390).count + 150000);
 }
 
+TEST_F(PictureTest, CutsNoWordOfItsPanelsInALowWindow) {
+  HapticState state = pressed(0.0048);
+  state.touch.displacement = {-0.0103, -0.0125, -0.0101};
+  const Image low =
+      pictureOf(state, {.width = 640, .height = 400, .visible = false, .ghost = false});
+  // At the right of the side panel, beside the scroll bar, is nothing but the ends of its buttons.
+  const auto isInk = [](Pixel p) { return p[0] < 120 && p[1] < 120 && p[2] < 120; };
+  int beyond = 0;
+  for (int y = 120; y < 400; ++y)
+    for (int x = 618; x < 628; ++x) beyond += isInk(pixelOf(low, x, y)) ? 1 : 0;
+  EXPECT_EQ(beyond, 0);
+  // The last entry above the curves: a bar as light as the band.
+  const auto isBand = [](Pixel p) { return p[0] > 204 && p[0] < 214 && p[2] > p[0]; };
+  int bar = 0;
+  for (int y = 308; y < 330; ++y)
+    for (int x = 14; x < 424; ++x) bar += isBand(pixelOf(low, x, y)) ? 1 : 0;
+  EXPECT_GT(bar, 100);
+}
+
 TEST_F(PictureTest, ShowsNoHalfOfALegendBesideTheHelp) {
   Picture picture({&model}, {.vsync = false, .ghost = false});
   const HapticState state = pressed(0.0048);
