@@ -156,10 +156,8 @@ struct Picture::Impl {
     BesideContents all{other.name(), tissueText(other.regions())};
     if (view.colour == SurfaceColour::pressure) all.colourless = whyNoPressures(other.pressures());
     if (!beside->touch) {
-      all.sentence = sameSurface(inUse().model().surface(), other.surface())
-                         ? "Nothing was computed here, or the method is still being prepared."
-                         : "Another body: it cannot be touched in the same place. Give datasets "
-                           "of one mesh to compare them.";
+      all.sentence = untouchedText(sameSurface(inUse().model().surface(), other.surface()),
+                                   isFramedWith(inUse().sphere(), beside->body->sphere()));
       return all;
     }
     const Touch& touch = *beside->touch;

@@ -41,6 +41,14 @@ std::string forceText(const HapticState& state) { return textOf(state.force, sta
 
 std::string tissueForceText(const Touch& touch) { return textOf(touch.force, touch); }
 
+std::string untouchedText(bool one_mesh, bool one_scale) {
+  if (one_mesh) return "Nothing was computed here, or the method is still being prepared.";
+  return fmt::format(
+      "Another body{}: it cannot be touched in the same place. Give datasets of one mesh to "
+      "compare them.",
+      one_scale ? "" : ", not to the same scale");
+}
+
 std::string tissueText(const std::vector<Region>& regions) {
   PALPATE_ASSERT(!regions.empty(), "a body has a material");
   const Material& first = regions.front().material;

@@ -16,6 +16,9 @@ bool isUncertain(const Touch& touch);
 std::string forceText(const HapticState& state);
 /// The same of the tissue alone.
 std::string tissueForceText(const Touch& touch);
+/// Why nothing is touched of the dataset that is shown beside another. one_mesh: it is of that
+/// one's. one_scale: both are seen by one camera.
+std::string untouchedText(bool one_mesh, bool one_scale);
 /// "Mooney-Rivlin, Young's modulus 3.6 kPa": the first of the regions, and how many others there
 /// are.
 std::string tissueText(const std::vector<Region>& regions);

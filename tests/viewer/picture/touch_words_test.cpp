@@ -35,6 +35,12 @@ TEST(TouchWords, SayForceAndBoundAndOnceThatItIsUncertain) {
   EXPECT_EQ(forceText(HapticState()), "");
 }
 
+TEST(TouchWords, SayWhyNothingIsTouchedBesideAndThatItIsNotToTheSameScale) {
+  EXPECT_THAT(untouchedText(true, true), HasSubstr("Nothing was computed here"));
+  EXPECT_THAT(untouchedText(false, false), HasSubstr("not to the same scale"));
+  EXPECT_THAT(untouchedText(false, true), HasSubstr("Another body: it cannot be touched"));
+}
+
 TEST(TouchWords, NameTheTissue) {
   Region liver;
   liver.material.c10 = 500;
