@@ -81,12 +81,17 @@ BodyView::BodyView(const HapticModel& model)
       displacements_(3 * model.surface().vertices().size()),
       drawing_([this] { drawSurface(); }),
       over_drawing_([this] { drawOver(); }) {
-  full_colour_ = roundUp(first_scale_share * sphere_.radius);
+  forgetScale();
   ghost_shares_.resize(shape_.size());
   ghost_colours_.resize(shape_.size());
   ghost_corners_.reserve(shape_.corners().size());
   for (std::size_t t = 0; t < model.surface().triangles().size(); ++t)
     has_untouchable_ |= !model.surface().touchable(static_cast<std::int32_t>(t));
+}
+
+void BodyView::forgetScale() {
+  full_colour_ = roundUp(first_scale_share * sphere_.radius);
+  full_pressure_ = 0;
 }
 
 Eigen::Vector3d BodyView::bestView() const {

@@ -31,7 +31,8 @@ class BodyView {
   const HapticModel& model() const { return model_; }
   /// The ball around all vertices at rest, nearly the smallest.
   const FramedSphere& sphere() const { return sphere_; }
-  /// m, at the end of the colours of the surface: a round number that grows with what was seen.
+  /// m, at the end of the colours of the surface: a round number that grows with what was seen
+  /// since forgetScale().
   double fullColour() const { return full_colour_; }
   /// Pa, the same of how strong pressures were, up to the usual(). 0: none were seen yet.
   double fullPressure() const { return full_pressure_; }
@@ -40,6 +41,8 @@ class BodyView {
     full_colour_ = std::max(full_colour_, other.full_colour_);
     full_pressure_ = std::max(full_pressure_, other.full_pressure_);
   }
+  /// The scales begin anew with the next shade().
+  void forgetScale();
   /// Whether there are parts where nothing can be felt.
   bool hasUntouchable() const { return has_untouchable_; }
   /// From where the touchable surface is seen best, a direction of any length: along its mean

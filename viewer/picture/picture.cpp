@@ -57,6 +57,12 @@ struct Picture::Impl {
 
   void frameAll() { frame(inUse(), touchedPart()); }
 
+  /// Of all, for one takes the scale of another beside it.
+  void showEverything() {
+    frameAll();
+    for (const auto& each : shown) each->forgetScale();
+  }
+
   /// From the side from which the camera looks.
   void frame(const BodyView& body, const Viewport& part) {
     const FramedSphere& sphere = body.sphere();
@@ -235,7 +241,7 @@ struct Picture::Impl {
     lamps.update(glfwGetTime(), state.guards, status.loop.guards);
     // Before the mouse, which then moves what is framed.
     if (!ImGui::GetIO().WantTextInput && std::ranges::count(window.keys(), GLFW_KEY_F) > 0)
-      frameAll();
+      showEverything();
     requests.tool = control.apply(persons(), inUse().model(), state, status, stage->camera());
     stage->lattice().show(inUse(), state, view);
     showTool(state, status);

@@ -34,7 +34,7 @@ const char* const key_help =
     "R, Esc                take the tool out\n"
     "Shift arrows, + -     turn, nearer, farther\n"
     "\n"
-    "F                     show everything\n"
+    "F                     show all, colours anew\n"
     "G, L                  ghost, lattice\n"
     "E                     lattice by error, by tag\n"
     "C                     what the colours show\n"

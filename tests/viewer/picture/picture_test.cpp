@@ -119,6 +119,18 @@ TEST_F(PictureTest, ShowsTheBodyAndColoursWhatIsPressed) {
   EXPECT_GT(find(dent, isYellow).count, 300);
 }
 
+/// Once all that was pressed after a deep press was dark.
+TEST_F(PictureTest, BringsTheScaleOfTheColoursBackWhenItShowsEverything) {
+  Picture picture({&model}, {.vsync = false, .ghost = false});
+  const HapticState press = pressed(0.0048);
+  picture.draw(pressed(0.015), {});
+  picture.draw(press, {});
+  EXPECT_LT(find(picture.grab(), isYellow).count, 30);
+  test::Person(screen.name(), "Palpate").press("f");
+  for (int n = 0; n < 2; ++n) picture.draw(press, {});
+  EXPECT_GT(find(picture.grab(), isYellow).count, 300);
+}
+
 TEST_F(PictureTest, ShowsTheGhostOnlyWhereTheBodyIsDeformed) {
   const HapticState rest = pressed(0), press = pressed(0.012);
   EXPECT_EQ(
