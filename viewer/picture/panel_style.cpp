@@ -60,7 +60,8 @@ void drawRimmedText(ImDrawList& draw, ImVec2 at, ImU32 colour, const char* text,
   };
   const float r = px(rim);
   for (const float x : {-r, 0.0F, r})
-    for (const float y : {-r, 0.0F, r}) write({at.x + x, at.y + y}, paper);
+    for (const float y : {-r, 0.0F, r})
+      if (x != 0 || y != 0) write({at.x + x, at.y + y}, paper);
   write(at, colour);
 }
 
