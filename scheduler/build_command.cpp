@@ -7,6 +7,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/cpu_family.hpp"
+#include "common/base/shell_word.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/keys/key_options.hpp"
 #include "common/problem/problem_warnings.hpp"
@@ -104,8 +105,8 @@ std::vector<SpaceTable> spacesAndProbes(const Dataset& dataset) {
 ExitCode finish(const SpaceRowsList& spaces, const Scene& scene, const std::filesystem::path& out,
                 const std::string& how) {
   PALPATE_ASSERT(!spaces.empty(), "a scene has something to touch, and each of it a space");
-  fmt::print("{}\n{}: {}\nnext: palpate query '{}' {}\n", summaryOf(spaces, scene), out.string(),
-             how, out.string(), exampleOf(spaces.front()->patch(), scene));
+  fmt::print("{}\n{}: {}\nnext: palpate query {} {}\n", summaryOf(spaces, scene), out.string(), how,
+             shellWord(out.string()), exampleOf(spaces.front()->patch(), scene));
   return exitCodeOf(spaces);
 }
 
@@ -192,7 +193,7 @@ ExitCode tellWhy(const Coordinator& coordinator, const std::string& state, ExitC
         "not sealed: everything is computed but what workers ended on, {} transition(s) set aside "
         "(see above, and palpate status {}). When the reason is gone, palpate retry {} and the "
         "same command again try them anew.",
-        coordinator.asideCount(), state, state);
+        coordinator.asideCount(), shellWord(state), shellWord(state));
   return ExitCode::failed;
 }
 
@@ -224,7 +225,8 @@ std::pair<SpaceRowsList, ExitCode> sealedBy(const Compute& compute, Build& build
   if (coordinator.found() > 0)
     spdlog::info("going on: {} results are recorded in {}", coordinator.found(), state);
   if (coordinator.paused())
-    spdlog::warn("paused by an operator: nothing is computed before palpate resume {}", state);
+    spdlog::warn("paused by an operator: nothing is computed before palpate resume {}",
+                 shellWord(state));
   zmq::context_t context;
   allowAsManyPeers();
   if (where.own_keys) {

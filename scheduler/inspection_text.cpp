@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/base/shell_word.hpp"
 #include "scheduler/status_text.hpp"
 
 namespace palpate {
@@ -94,7 +95,7 @@ std::string verdictText(const Inspection& found, const std::filesystem::path& di
   return fmt::format(
       "damaged: the next start of the build computes again what is lost; palpate check {} --repair "
       "drops what is damaged now\n",
-      directory.string());
+      shellWord(directory.string()));
 }
 
 const char* wordOf(Inspection::TableState state) {

@@ -3,11 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "common/base/shell_word.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/mesh/mesh_reader.hpp"
 #include "common/mesh/mesh_text.hpp"
 #include "worker/meshing/guessed_unit.hpp"
 #include "worker/meshing/mesh_conversion.hpp"
+#include "worker/meshing/proposed_scene.hpp"
 #include "worker/meshing/scratch_folder.hpp"
 #include "worker/meshing/tetrahedra.hpp"
 #include "worker/verbs.hpp"
@@ -78,12 +80,35 @@ void refuseOutput(const MeshOptions& options) {
   if (output.extension() != ".msh")
     throw badInput("-o {}: what is written is a Gmsh file; give it the ending .msh",
                    options.output);
+  refuseMeshName(output, "-o");
   const std::filesystem::path input = options.input;
   refuseInput(output, "-o", {&input, 1});
   std::error_code ignored;
   if (std::filesystem::is_directory(output, ignored))
     throw badInput("-o {}: is a folder; give the name of a file", options.output);
   refuseUnwritable(output, "-o");
+}
+
+void printUnit(const MeshOptions& options, const LengthUnit& unit, double extent) {
+  const std::optional<GuessedUnit> guess = guessedUnit(extent);
+  if (!guess)
+    fmt::print("warning    {}: scale it before it is used\n", whyNoUnit(extent));
+  else if (!options.unit.empty() && !makesABody(extent, unit))
+    fmt::print("warning    {}; --unit {} fits\n", whyNotIn(unit, extent), guess->unit.word);
+  else if (!options.unit.empty())
+    fmt::print("unit       {}\n", unit.name);
+  else
+    fmt::print("unit       {} by its size{}; --unit says otherwise\n", unit.name,
+               guess->doubt.empty() ? "" : fmt::format(" ({})", guess->doubt));
+}
+
+/// What makes a scene of the mesh, where its unit lets it.
+void printNext(const MeshOptions& options, const LengthUnit& unit, double extent) {
+  if (!makesABody(extent, unit)) return;
+  fmt::print("next: palpate new {} --mesh {}{}\n",
+             shellWord(std::filesystem::path(options.output).stem().string()),
+             shellWord(options.output),
+             options.unit.empty() ? "" : fmt::format(" --unit {}", unit.word));
 }
 
 /// The report is in metres, whatever the file counts in.
@@ -97,14 +122,9 @@ void printMesh(MadeMesh& made, const MeshOptions& options) {
     node = node.unaryExpr([&](double x) { return toMetres(x, unit.metres); });
   fmt::print("{}", meshText(made.mesh, measure(made.mesh),
                             std::filesystem::path(options.output).filename().string()));
-  if (!options.unit.empty())
-    fmt::print("unit       {}\n", unit.name);
-  else if (!guess)
-    fmt::print("warning    {}: scale it before it is used\n", whyNoUnit(extent));
-  else
-    fmt::print("unit       {} by its size{}; --unit says otherwise\n", unit.name,
-               guess->doubt.empty() ? "" : fmt::format(" ({})", guess->doubt));
+  printUnit(options, unit, extent);
   for (const std::string& note : made.notes) fmt::print("note       {}\n", note);
+  printNext(options, unit, extent);
 }
 
 ExitCode mesh(const MeshOptions& options) {
@@ -117,8 +137,6 @@ ExitCode mesh(const MeshOptions& options) {
                                       : madeOfSurface(options, converted, folder.path());
   replaceFile(options.output, made.msh, "mesh");
   printMesh(made, options);
-  fmt::print("next: palpate new '{}' --mesh '{}'\n",
-             std::filesystem::path(options.output).stem().string(), options.output);
   return ExitCode::done;
 }
 

@@ -3,7 +3,7 @@
 #include <cctype>
 #include <memory>
 
-#include "common/base/printable.hpp"
+#include "common/base/shell_word.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/mesh/mesh_reader.hpp"
 #include "worker/meshing/guessed_unit.hpp"
@@ -38,16 +38,6 @@ void refuseDirectory(const std::filesystem::path& directory) {
                    (directory / scene_file_name).string());
 }
 
-/// The scene names the file in quotes.
-void refuseFileName(const std::string& name) {
-  const bool fits = std::ranges::none_of(name, [](const char c) {
-    return static_cast<unsigned char>(c) < 0x20 || c == 0x7f || c == '"' || c == '\\';
-  });
-  if (!fits)
-    throw badInput("--mesh {}: a scene cannot name this file; rename it: letters, digits, -, _",
-                   printable(name, longest_reason));
-}
-
 /// Nothing that is there is changed: true when the mesh is there already.
 bool isThereAlready(const std::filesystem::path& copy, const std::string& msh) {
   std::error_code ignored;
@@ -60,9 +50,14 @@ bool isThereAlready(const std::filesystem::path& copy, const std::string& msh) {
 
 /// The unit of a mesh, and what is not sure about it.
 GuessedUnit unitOfMesh(const NewOptions& options, const Mesh& as_metres) {
-  if (!options.unit.empty()) return {unitNamed(options.unit)};
   const double extent = boundingBox(as_metres).sizes().maxCoeff();
   const std::optional<GuessedUnit> guess = guessedUnit(extent);
+  if (!options.unit.empty()) {
+    const LengthUnit unit = unitNamed(options.unit);
+    if (makesABody(extent, unit) || !guess) return {unit};
+    throw badInput("{}: {}; give --unit {}", options.mesh, whyNotIn(unit, extent),
+                   guess->unit.word);
+  }
   if (!guess) throw badInput("{}: {}: scale the mesh", options.mesh, whyNoUnit(extent));
   return *guess;
 }
@@ -78,10 +73,10 @@ ExitCode writeScene(const NewOptions& options) {
   const std::filesystem::path directory = options.directory, mesh_file = options.mesh;
   refuseDirectory(directory);
   if (mesh_file.extension() != ".msh")
-    throw badInput("--mesh {0}: scenes take Gmsh's .msh; make one with: palpate mesh {0} -o {1}",
-                   options.mesh,
-                   std::filesystem::path(mesh_file).replace_extension(".msh").string());
-  refuseFileName(mesh_file.filename().string());
+    throw badInput("--mesh {}: scenes take Gmsh's .msh; make one with: palpate mesh {} -o {}",
+                   options.mesh, shellWord(options.mesh),
+                   shellWord(std::filesystem::path(mesh_file).replace_extension(".msh").string()));
+  refuseMeshName(mesh_file, "--mesh");
   const std::string msh = readText(mesh_file, "mesh");
   const std::filesystem::path copy = directory / mesh_file.filename();
   const bool is_there = isThereAlready(copy, msh);
@@ -103,7 +98,7 @@ ExitCode writeScene(const NewOptions& options) {
                  : fmt::format(" by the size of the body ({}); --unit says otherwise", unit.doubt));
   for (const std::string& choice : scene.choices) fmt::print("{}\n", choice);
   for (const std::string& warning : scene.warnings) fmt::print("warning    {}\n", warning);
-  fmt::print("next: palpate check '{}'\n", file);
+  fmt::print("next: palpate check {}\n", shellWord(file));
   return ExitCode::done;
 }
 

@@ -8,6 +8,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/shell_word.hpp"
 #include "common/base/text_lines.hpp"
 #include "common/base/units.hpp"
 #include "common/base/whole_file.hpp"
@@ -70,10 +71,10 @@ class GmshText {
     if (version != 2.2 && version != 4.1)
       throw lines_.wrong(
           "Gmsh format version {} is not read; convert it with: palpate mesh {} -o NEW.msh",
-          version, lines_.source());
+          version, shellWord(lines_.source()));
     if (binary != 0)
       throw lines_.wrong("the file is binary; convert it with: palpate mesh {} -o NEW.msh",
-                         lines_.source());
+                         shellWord(lines_.source()));
     entity_blocks_ = version == 4.1;
     endSection();
   }

@@ -7,6 +7,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/shell_word.hpp"
 #include "common/base/units.hpp"
 #include "common/base/whole_file.hpp"
 #include "common/mesh/collinear.hpp"
@@ -198,9 +199,10 @@ void refuseOtherMeshes(const Scene& scene) {
     throw badInput("mesh = \"{}\": there is no such file", scene.mesh.string());
   if (scene.mesh.extension() != ".msh")
     throw badInput(
-        "mesh = \"{0}\": scenes take Gmsh's .msh; make one with: palpate mesh {0} -o {1}, and name "
-        "it here",
-        scene.mesh.string(), std::filesystem::path(scene.mesh).replace_extension(".msh").string());
+        "mesh = \"{}\": scenes take Gmsh's .msh; make one with: palpate mesh {} -o {}, and name it "
+        "here",
+        scene.mesh.string(), shellWord(scene.mesh.string()),
+        shellWord(std::filesystem::path(scene.mesh).replace_extension(".msh").string()));
 }
 
 /// The error with its place in the scene's file.

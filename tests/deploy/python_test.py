@@ -313,11 +313,15 @@ class PythonArrays(WithDatasets):
         with h5py.File(run) as f:
             np.testing.assert_array_equal(recording.raw_force, f["force/raw"])
         self.assertIn("nodes", recording.attributes["models"] + recording.attributes["datasets"])
-        for wrong, text in ((self.file, "not a palpate recording"), (self.folder / "none.h5", "none.h5"),
-                            (self.folder / "block.msh", "block.msh")):
-            with self.assertRaisesRegex(palpate.Error, text):
+        half = self.folder / "half.h5"
+        with h5py.File(half, "w") as f:
+            f.attrs["format"] = "palpate-recording"
+        for wrong, text in ((self.file, "not a palpate recording"), (half, "not a palpate recording; palpate view --record"),
+                            (self.folder / "none.h5", "none.h5: there is no such recording; palpate view --record makes one"),
+                            (self.folder, "is no file"), (self.folder / "block.msh", "block.msh: is not an HDF5 file")):
+            with self.assertRaisesRegex(palpate.Error, f"^[^\n]*{text}[^\n]*$"):
                 palpate.Recording.read(wrong)
-        with self.assertRaisesRegex(palpate.Error, "not a palpate dataset"):
+        with self.assertRaisesRegex(palpate.Error, "not a palpate dataset; palpate build makes one"):
             palpate.Arrays(run)
 
 

@@ -51,11 +51,11 @@ TEST_F(MeshCommand, MakesASceneOfAnStlThatCheckFindsSound) {
   EXPECT_THAT(meshed.output,
               AllOf(HasSubstr("768 triangles, closed"), HasSubstr("group      \"body\""),
                     HasSubstr("unit       millimetres by its size"),
-                    HasSubstr("next: palpate new 'organ' --mesh 'organ.msh'")));
+                    HasSubstr("next: palpate new organ --mesh organ.msh")));
   const CommandResult made = worker("new organ --mesh organ.msh");
   EXPECT_EQ(made.exit_code, 0) << made.output;
   EXPECT_THAT(made.output, AllOf(HasSubstr("finger     radius"), Not(HasSubstr("warning")),
-                                 HasSubstr("next: palpate check 'organ/scene.toml'")));
+                                 HasSubstr("next: palpate check organ/scene.toml")));
   EXPECT_EQ(content("organ/organ.msh"), content("organ.msh"));
   EXPECT_THAT(content("organ/scene.toml"), HasSubstr("length_unit = \"mm\""));
   expectSoundScene("organ/scene.toml");
@@ -98,7 +98,13 @@ TEST_F(MeshCommand, ConvertsAMeshAndKeepsItsNumbers) {
                                       HasSubstr("--unit says otherwise")));
   EXPECT_EQ(readGmsh(directory / "one.msh").nodes[1], Eigen::Vector3d(30, 0, 0));
   EXPECT_THAT(worker("mesh one.inp -o one.msh --unit mm").output,
-              HasSubstr("to (0.03, 0.03, 0.03) m"));
+              AllOf(HasSubstr("to (0.03, 0.03, 0.03) m"),
+                    HasSubstr("next: palpate new one --mesh one.msh --unit mm\n")));
+  EXPECT_THAT(worker("mesh one.inp -o 'my one.msh'").output,
+              HasSubstr("next: palpate new 'my one' --mesh 'my one.msh'\n"));
+  EXPECT_THAT(worker("mesh one.inp -o one.msh --unit m").output,
+              AllOf(HasSubstr("30 wide, which is no organ in metres"), HasSubstr("--unit cm fits"),
+                    Not(HasSubstr("next:"))));
   const CommandResult refused = worker("mesh one.inp -o other.msh --nodes 100");
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.output, HasSubstr("has tetrahedra, which are kept"));
@@ -115,6 +121,8 @@ TEST_F(MeshCommand, RefusesWhatCannotBeMeantBeforeItWorks) {
         std::pair("mesh organ.stl -o organ.msh --nodes 100 --size 3", "--nodes"),
         std::pair("mesh organ.stl -o organ.msh --mesher netgen", "--mesher"),
         std::pair("new organ --mesh organ.stl", "palpate mesh organ.stl -o organ.msh"),
+        std::pair("new organ --mesh 'my organ.stl'",
+                  "palpate mesh 'my organ.stl' -o 'my organ.msh'"),
         std::pair("new organ --mesh none.msh", "No such file"),
         std::pair("new organ.stl --mesh none.msh", "is a file")}) {
     const CommandResult refused = worker(arguments);
@@ -146,6 +154,8 @@ TEST_F(MeshCommand, ChangesNoMeshThatIsInTheFolderOfANewScene) {
 
 TEST_F(MeshCommand, RefusesFilesThatASceneCannotName) {
   test::writeGmsh22(test::boxMesh({0.12, 0.08, 0.06}, {9, 6, 5}), directory / "a\"b.msh");
+  EXPECT_THAT(worker("mesh a.inp -o 'a\"b.msh'").output,
+              HasSubstr("-o a\"b.msh: a scene cannot name this file"));
   const CommandResult refused = worker("new organ --mesh 'a\"b.msh'");
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.output, HasSubstr("a scene cannot name this file; rename it"));
@@ -161,9 +171,39 @@ TEST_F(MeshCommand, NamesThePackagesOfWhatIsNotInstalled) {
     const CommandResult refused =
         worker("mesh organ.stl -o organ.msh", "env PATH=" + directory.path().string());
     EXPECT_EQ(refused.exit_code, 1) << refused.output;
-    EXPECT_THAT(refused.output, AllOf(HasSubstr("(Debian: gmsh)"), HasSubstr("(Debian: tetgen)")));
+    EXPECT_THAT(refused.output, AllOf(HasSubstr("(Debian: gmsh)"), HasSubstr("(Debian: tetgen)"),
+                                      HasSubstr("Install one of them"), Not(HasSubstr("MeshLab"))));
   }
   EXPECT_FALSE(std::filesystem::exists(directory / "organ.msh"));
+}
+
+TEST_F(MeshCommand, SaysThatAMesherEndedWithoutAWord) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  test::writeStl(test::sphereSurface(60, 2), directory / "organ.stl");
+  std::ofstream(directory / "gmsh") << "#!/bin/sh\nexit 7\n";
+  std::filesystem::permissions(directory / "gmsh", std::filesystem::perms::owner_all);
+  const CommandResult refused =
+      worker("mesh organ.stl -o organ.msh --mesher gmsh", "env PATH=\"$PWD:$PATH\"");
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.output, AllOf(HasSubstr("gmsh: ended with exit code 7 without a word"),
+                                    HasSubstr("MeshLab")));
+}
+
+TEST_F(MeshCommand, NamesTheUnitThatAMeshFits) {
+  test::writeGmsh22(test::boxMesh({120, 80, 60}, {9, 6, 5}), directory / "box.msh");
+  const CommandResult refused = worker("new organ --mesh box.msh --unit m");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.output, AllOf(HasSubstr("box.msh: the body is 120 wide, which is no organ in "
+                                              "metres"),
+                                    HasSubstr("give --unit mm")));
+  EXPECT_FALSE(std::filesystem::exists(directory / "organ"));
+}
+
+TEST_F(MeshCommand, WithoutAFolderToWorkInSaysWhatSetsOne) {
+  test::writeStl(test::sphereSurface(60, 2), directory / "organ.stl");
+  const CommandResult refused = worker("mesh organ.stl -o organ.msh", "env TMPDIR=/nowhere");
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.output, HasSubstr("set TMPDIR to one that is there"));
 }
 
 TEST_F(MeshCommand, LeavesNothingBehindWhenItIsInterrupted) {

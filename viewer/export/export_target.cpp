@@ -1,11 +1,13 @@
 #include "viewer/export/export_target.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <optional>
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/printable.hpp"
 #include "common/base/whole_file.hpp"
 
 namespace palpate {
@@ -59,8 +61,18 @@ std::string ExportTarget::endings() {
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
+/// A .pvd names its files, which XML can do of no control character.
+void ExportTarget::refuseNameForXml() const {
+  const std::string name = file_.filename().string();
+  if (format_ == ExportFormat::pvd &&
+      std::ranges::any_of(name, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
+    throw badInput("-o {}: a .pvd cannot name its files so; give a name without control characters",
+                   printable(name, longest_reason));
+}
+
 void ExportTarget::refuseWhatIsThere(const std::filesystem::path& dataset, bool may_replace) const {
   refuseInput(file_, "-o", {&dataset, 1});
+  refuseNameForXml();
   std::error_code ignored;
   if (std::filesystem::is_directory(file_, ignored))
     throw badInput("-o {}: is a directory; name a file", file_.string());

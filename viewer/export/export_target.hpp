@@ -35,6 +35,8 @@ class ExportTarget {
   void endSeries(std::size_t count) const;
 
  private:
+  void refuseNameForXml() const;
+
   std::filesystem::path file_;
   ExportFormat format_;
 };

@@ -55,6 +55,15 @@ std::string whyNoUnit(double extent) {
       smallest_body, largest_body);
 }
 
+bool makesABody(double extent, const LengthUnit& unit) {
+  return extent * unit.metres >= smallest_body && extent * unit.metres <= largest_body;
+}
+
+std::string whyNotIn(const LengthUnit& unit, double extent) {
+  return fmt::format("the body is {:.4g} wide, which is no organ in {} ({:g} to {:g} m)", extent,
+                     unit.name, smallest_body, largest_body);
+}
+
 LengthUnit unitNamed(const std::string& word) {
   const auto* const found = std::ranges::find(length_units, word, &LengthUnit::word);
   if (found != length_units.end()) return *found;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "common/base/error.hpp"
+#include "common/base/printable.hpp"
 #include "common/mesh/collinear.hpp"
 #include "common/problem/problem.hpp"
 #include "common/problem/problem_warnings.hpp"
@@ -251,6 +252,16 @@ ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std
   }
   if (!best) throw *refusal;
   return std::move(*best);
+}
+
+void refuseMeshName(const std::filesystem::path& file, const char* option) {
+  const std::string name = file.filename().string();
+  const bool fits = std::ranges::none_of(name, [](const char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == 0x7f || c == '"' || c == '\\';
+  });
+  if (!fits)
+    throw badInput("{} {}: a scene cannot name this file; rename it: letters, digits, -, _", option,
+                   printable(name, longest_reason));
 }
 
 }  // namespace palpate

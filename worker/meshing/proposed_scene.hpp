@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -24,5 +25,9 @@ struct ProposedScene {
 /// empty). Error (bad input) where no scene can be made of the mesh, as resolve() says it.
 ProposedScene proposedScene(const Mesh& mesh, const std::string& name, const std::string& mesh_file,
                             const LengthUnit& unit, const std::string& doubt);
+
+/// A scene names the mesh beside it in quotes: Error (bad input) that names the option for a file
+/// whose name has a quote, a backslash or a control character.
+void refuseMeshName(const std::filesystem::path& file, const char* option);
 
 }  // namespace palpate

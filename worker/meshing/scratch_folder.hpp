@@ -13,7 +13,11 @@ class ScratchFolder {
  public:
   /// Error when the system gives none.
   ScratchFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "palpate-mesh-XXXXXX").string();
+    std::error_code error;
+    const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
+    if (error)
+      throw failure("no folder to work in: {}; set TMPDIR to one that is there", error.message());
+    std::string name = (parent / "palpate-mesh-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr)
       throw failure("{}: cannot make a folder to work in: {}; set TMPDIR to another one", name,
                     errnoText());

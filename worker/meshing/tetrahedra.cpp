@@ -53,6 +53,7 @@ std::string decisiveLine(const Ran& ran) {
                            line.find("error") != line.size() - 5;
     if (speaks && says_more && error.empty()) error = line;
   }
+  if (last.empty()) return fmt::format("ended with exit code {} without a word", ran.exit_code);
   return printable(error.empty() ? last : error, longest_reason);
 }
 
@@ -321,10 +322,12 @@ Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fine
   if (fineness.size) refuseSize(*fineness.size, surface, source);
   Filling filling(surface, folder);
   std::vector<std::string> problems;
+  bool all_missing = true;
   const auto attempt = [&](auto fill) {
     Attempt last;
     std::optional<Tetrahedra> made = nearest(surface, fineness, last, fill);
     if (!made) problems.push_back(last.problem);
+    all_missing = all_missing && last.missing;
     return made;
   };
   const auto finished = [&](Tetrahedra made, const std::string& how) {
@@ -350,10 +353,10 @@ Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fine
       return finished(std::move(*made), "filled by tetgen between the triangles as they are");
   std::string reasons;
   for (const std::string& problem : problems) reasons += (reasons.empty() ? "" : "; ") + problem;
-  throw failure(
-      "{}: no tetrahedra could be made in the surface: {}. Make its triangles more even (MeshLab: "
-      "Isotropic Remeshing; Blender: Remesh), or take another --size or --mesher",
-      source, reasons);
+  throw failure("{}: no tetrahedra could be made in the surface: {}. {}", source, reasons,
+                all_missing ? "Install one of them"
+                            : "Make its triangles more even (MeshLab: Isotropic Remeshing; "
+                              "Blender: Remesh), or take another --size or --mesher");
 }
 
 }  // namespace palpate

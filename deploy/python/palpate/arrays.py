@@ -25,18 +25,22 @@ def open_hdf5(file: str | os.PathLike[str], what: str, majors: tuple[int, ...]) 
     except ModuleNotFoundError as missing:
         raise ImportError("arrays of files need h5py: install python3-h5py (or pip install h5py)") from missing
     name = os.fsdecode(file)
+    maker = {"dataset": "palpate build makes one", "recording": "palpate view --record makes one"}[what]
+    if not os.path.isfile(name):
+        raise Error(2, f"{name}: there is no such {what}; {maker}" if not os.path.exists(name) else f"{name}: is no file; {maker}")
     try:
         opened = h5py.File(name, "r")
     except OSError as error:
-        raise Error(2, f"{name}: {error}") from None
+        said = f"cannot be opened: {str(error).splitlines()[0]}" if h5py.is_hdf5(name) else f"is not an HDF5 file; {maker}"
+        raise Error(2, f"{name}: {said}") from None
     found = opened.attrs.get("format", b"")
-    if (found.decode() if isinstance(found, bytes) else found) != "palpate-" + what:
+    major = int(np.ravel(opened.attrs.get("format_version", 0))[0])
+    if (found.decode() if isinstance(found, bytes) else found) != "palpate-" + what or major == 0:
         opened.close()
-        raise Error(2, f"{name}: not a palpate {what}")
-    major = int(np.ravel(opened.attrs["format_version"])[0])
+        raise Error(2, f"{name}: not a palpate {what}; {maker}")
     if major not in majors:
         opened.close()
-        raise Error(2, f"{name}: a {what} of format {major}; this palpate reads {' and '.join(map(str, majors))}")
+        raise Error(2, f"{name}: a {what} of format {major}; this palpate reads {' and '.join(map(str, majors))}; {maker}")
     return opened
 
 

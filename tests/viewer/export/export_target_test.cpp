@@ -49,6 +49,13 @@ TEST_F(ExportTargetTest, TheDatasetAndFoldersAreNeverReplaced) {
                  {"is a directory"});
 }
 
+TEST_F(ExportTargetTest, ASeriesHasANameThatXmlCanHold) {
+  expectBadInput(
+      [&] { ExportTarget(directory / "new\nway.pvd").refuseWhatIsThere(dataset, false); },
+      {"new?way.pvd", "without control characters"});
+  ExportTarget(directory / "Weg ä.pvd").refuseWhatIsThere(dataset, false);
+}
+
 TEST_F(ExportTargetTest, ASeriesHasAFolderOfItsName) {
   const ExportTarget target(directory / "press.pvd");
   EXPECT_EQ(target.seriesFile(7), directory / "press/press_0007.vtu");
