@@ -121,6 +121,12 @@ class Site(unittest.TestCase):
     def testEveryLinkOfTheSiteLeadsSomewhereAndNoPageLoadsFromElsewhere(self):
         if shutil.which("mkdocs") is None:
             self.skipTest("mkdocs is not installed: the site is NOT tested")
+        with tempfile.TemporaryDirectory() as gallery:
+            for name in ("index.html", "liver.html", "liver.png", "liver.h5", "skin.part.html"):
+                (pathlib.Path(gallery) / name).write_text("<a href=liver.html>liver</a>", encoding="utf-8")
+            output("env", f"PALPATE_GALLERY={gallery}", ROOT / "deploy/site")
+        self.assertEqual({path.name for path in (ROOT / "build/site/gallery").iterdir()}, {"index.html", "liver.html", "liver.png"})
+        self.assertIn('href="gallery/index.html"', (ROOT / "build/site/gallery.html").read_text(encoding="utf-8"))
         output(ROOT / "deploy/site")
         pages = {path: Links(path.read_text(encoding="utf-8")) for path in (ROOT / "build/site").glob("*.html")}
         self.assertGreater(len(pages), len(list((ROOT / "docs").glob("*.md"))))

@@ -25,7 +25,6 @@ PAGES = ("README.md", "docs/client.md", "docs/commands.md", "docs/export.md", "d
 # What is not run here, and why.
 ELSEWHERE = {
     r"--device haply": "needs the device",
-    r"--device plugin:": "needs a plug-in that was compiled: tests/viewer/devices",
     r"palpate verify": "takes minutes: tests/worker/verification",
     r"palpate fleet (slurm|ssh)": "needs other machines: tests/scheduler/fleet",
     r"palpate share": "needs the modules for browsers: tests/viewer/share",
@@ -34,6 +33,7 @@ ELSEWHERE = {
 ENDLESS = r"palpate (serve|work|device) |--watch|--follow|palpate view (?!.*--duration)|--metrics|--dashboard"
 # A name in a page, and what stands for it here.
 STANDS_FOR = ((r"tcp://(HOST|head|new|0\.0\.0\.0|\$\(hostname\)):", "tcp://127.0.0.1:"), (r"/var/lib/palpate/|/var/tmp/|/local/", ""),
+              (r"PREFIX/include/palpate", str(ROOT / "viewer/devices")),
               (r"10\.0\.0\.5:9464", "127.0.0.2:9464"), (r" -j 16", " -j 1"), (r"\bKEY(_OF_\w+)?\b", "$KEY"))
 
 TIP = '[[active]]\nname = "tip"\nnear = [0.05, 0.065, 0.1]'
@@ -79,6 +79,7 @@ class Bodies:
         shutil.copy(folder / "liver.toml", folder / "organ.toml")
         shutil.copy(folder / "skin.h5", folder / "liver-surface.h5")
         shutil.copytree(folder / "liver.h5.state", folder / "organ.h5.state")
+        shutil.copy(ROOT / "deploy/examples/device-plugin/circle_device.c", folder)
         for name, numbers in (("positions.txt", "0.01 0 0\n0 0.01 -0.01\n"), ("way.txt", "0 0 0\n0.01 0 0\n0.01 0.01 0\n"),
                               ("touches.txt", "0.05 0.13 0.03 0 0 -0.005\n")):
             (folder / name).write_text(numbers, encoding="utf-8")
@@ -263,7 +264,7 @@ class Pages(unittest.TestCase):
     def testHaveCommandsThatDoWhatTheySay(self):
         if palpate is None:
             self.skipTest(missing)
-        for program in ("gmsh", "tetgen", "Xvfb", "unshare"):
+        for program in ("gmsh", "tetgen", "Xvfb", "unshare", "cc"):
             if shutil.which(program) is None:
                 self.skipTest(f"{program} is not installed: commands of the pages are NOT run")
         if os.geteuid() != 0:
@@ -279,7 +280,7 @@ class Pages(unittest.TestCase):
                 reader = Reader(pathlib.Path(root) / page.replace("/", "-"), bodies, machine)
                 self.addCleanup(reader.close)
                 for where, command in commands():
-                    if where.split(":")[0] != page or not re.match(r"(\w+=\$\()?palpate (-|[a-z]+( |$))", command):
+                    if where.split(":")[0] != page or not re.match(r"(\w+=\$\()?palpate (-|[a-z]+( |$))|cc -shared ", command):
                         continue
                     if any(re.search(elsewhere, command) for elsewhere in ELSEWHERE):
                         continue
