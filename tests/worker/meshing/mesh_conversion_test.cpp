@@ -266,6 +266,19 @@ TEST_F(MeshConversion, ReadsFebioOfEveryVersionWithItsSets) {
   }
 }
 
+TEST_F(MeshConversion, TellsOfSetsOfFebioThatNameWhatIsNotThere) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  create("body.feb") << "<febio_spec>\n<Mesh>\n<Nodes>\n<node id=\"1\">0,0,0</node>\n"
+                        "<node id=\"2\">1,0,0</node>\n<node id=\"3\">0,1,0</node>\n"
+                        "<node id=\"4\">0,0,1</node>\n</Nodes>\n<Elements type=\"tet4\">\n"
+                        "<elem id=\"1\">1,2,3,4</elem>\n</Elements>\n"
+                        "<NodeSet name=\"a\"><NodeSet node_set=\"none\"/></NodeSet>\n"
+                        "<ElementSet name=\"e\">1,77</ElementSet>\n</Mesh>\n</febio_spec>\n";
+  EXPECT_EQ(convert("body.feb").element_groups.at("e").size(), 1u);
+  EXPECT_THAT(notes, Contains(HasSubstr("\"a\" names the set \"none\", which is not there")));
+  EXPECT_THAT(notes, Contains(HasSubstr("\"e\" names 1 element(s) that are not there")));
+}
+
 TEST_F(MeshConversion, ReadsTetGenCountedFromZeroOrOneWithItsRegions) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
   // Where TetGen's -o2 has the middles that we have by tetrahedron_edges.
@@ -399,6 +412,16 @@ TEST_F(MeshConversion, ReadsNumbersOfAbaqusInTheirPart) {
       "*PART, NAME=Second\n*NODE\n1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n"
       "*ELEMENT, TYPE=C3D4\n1, 1,2,3,4\n*END PART\n");
   expectBadInput([&] { convert("assembly.inp"); }, {"tetrahedra in 2 parts", "export one"});
+}
+
+TEST_F(MeshConversion, TellsThatAnInstanceOfAbaqusIsMoved) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  create("moved.inp") << "*PART, NAME=Organ\n"
+                      << one_tetrahedron
+                      << "*END PART\n*ASSEMBLY, NAME=All\n*INSTANCE, NAME=Organ-1, PART=Organ\n"
+                         "0., 0., 5.\n*END INSTANCE\n*END ASSEMBLY\n";
+  convert("moved.inp");
+  EXPECT_THAT(notes, Contains(HasSubstr("moved.inp:14: the instance is moved")));
 }
 
 TEST_F(MeshConversion, RefusesAnAbaqusFileThatEndsInsideAnElementOrNeedsAnother) {

@@ -9,6 +9,11 @@ ABAQUS = {"C3D4": "tetra", "C3D10": "tetra10", "C3D8": "hexahedron", "C3D20": "h
           "T3D2": "line", "B31": "line", "T3D3": "line3", "B32": "line3"}
 
 
+# Of nodes and elements that are not written out, or whose coordinates are others'.
+UNREAD = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM")
+MOST_GENERATED = 10_000_000
+
+
 def abaqus_kind(word):
     """C3D10MH is C3D10 with another formulation."""
     matches = [name for name in ABAQUS if word.startswith(name) and not word[len(name):len(name) + 1].isdigit()]
@@ -25,6 +30,7 @@ class Abaqus:
         self.sets = {"NSET": {}, "ELSET": {}}  # capitals of the name -> (name, [(scope, number)])
         self.keyword, self.options, self.kind = "", {}, None
         self.pending = []  # of an element whose nodes go on in the next line
+        self.moved = ""  # a note
         self.read(path)
 
     def read(self, path):
@@ -38,6 +44,8 @@ class Abaqus:
                 self.element(text)
             elif self.keyword in self.sets:
                 self.members(text)
+            elif self.keyword == "INSTANCE" and not self.moved:
+                self.moved = f"{self.path.name}:{self.line}: the instance is moved; the mesh has the coordinates of its part"
         self.refuse_half_an_element()
 
     def wrong(self, what):
@@ -54,6 +62,8 @@ class Abaqus:
         self.keyword = words[0].upper()
         pairs = (word.partition("=") for word in words[1:])
         self.options = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
+        if self.keyword in UNREAD or self.keyword == "NODE" and self.options.get("SYSTEM", "R").upper() != "R":
+            self.wrong(f"*{text[1:].strip()} is not read: write out all nodes and elements, in rectangular coordinates")
         if self.keyword == "INCLUDE":
             self.include()
         elif self.keyword in ("PART", "ASSEMBLY", "INSTANCE", "END PART", "END ASSEMBLY", "END INSTANCE"):
@@ -73,6 +83,8 @@ class Abaqus:
         included = self.path.parent / self.options.get("INPUT", "")
         if included in self.files:
             self.wrong(f"{included} includes itself")
+        if not included.is_file():
+            self.wrong(f"*INCLUDE needs INPUT=FILE, and {included} is no file; put it there")
         path = self.path
         self.files.append(included)
         self.keyword = ""
@@ -92,7 +104,7 @@ class Abaqus:
 
     def node(self, text):
         row = numbers(text, self.path, self.line, commas=True)
-        if len(row) != 4:
+        if len(row) != 4 or not row[0].is_integer():
             self.wrong("a node is not a number and three coordinates")
         node = self.scope, int(row[0])
         if node in self.number_of and self.points[self.number_of[node]] != row[1:]:
@@ -137,6 +149,8 @@ class Abaqus:
             row = numbers(text, self.path, self.line, kind=int, commas=True)
             if len(row) not in (2, 3) or (len(row) == 3 and row[2] == 0):
                 self.wrong("GENERATE needs first, last and step")
+            if abs(row[1] - row[0]) > MOST_GENERATED:
+                self.wrong(f"GENERATE of more than {MOST_GENERATED} numbers; name those that there are")
             found += [(scope, n) for n in range(row[0], row[1] + 1, row[2] if len(row) == 3 else 1)]
             return
         for word in (word.strip().strip('"') for word in text.split(",")):
@@ -168,17 +182,13 @@ class Abaqus:
             place.update({element: (block, i) for i, (element, _) in enumerate(rows)})
         for name, elements in self.sets["ELSET"].values():
             body.group_of([place[element] for element in elements if element in place], name)
-            self.note_missing(body, name, elements, place, "element")
+            body.note_missing(name, sum(element not in place for element in elements), "element")
         for name, nodes in self.sets["NSET"].values():
             body.point_groups[name] = [self.number_of[node] for node in nodes if node in self.number_of]
-            self.note_missing(body, name, nodes, self.number_of, "node")
+            body.note_missing(name, sum(node not in self.number_of for node in nodes), "node")
+        if self.moved:
+            body.notes.append(self.moved)
         return body
-
-    @staticmethod
-    def note_missing(body, name, members, known, what):
-        missing = sum(member not in known for member in members)
-        if missing:
-            body.notes.append(f"the set \"{name}\" names {missing} {what}(s) that are not there")
 
 
 def read_abaqus(path):

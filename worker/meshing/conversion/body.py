@@ -37,6 +37,10 @@ class Body:
         self.vectors = {}  # name -> {block: n x 3}
         self.notes = []  # for people
 
+    def note_missing(self, name, count, what):
+        if count:
+            self.notes.append(f"the set \"{name}\" names {count} {what}(s) that are not there")
+
     def add(self, kind, nodes):
         self.blocks.append((kind, np.asarray(nodes, dtype=np.int64)))
         return len(self.blocks) - 1

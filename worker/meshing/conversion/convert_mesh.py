@@ -38,7 +38,7 @@ def convert(source, output, straight):
     path = pathlib.Path(source)
     try:
         body = READERS.get(path.suffix.lower(), read_by_meshio)(path)
-    except (IndexError, KeyError, ValueError) as error:
+    except (ArithmeticError, LookupError, ValueError) as error:
         wrong(source, None, f"it is truncated, or not of the format that its ending says ({error!r}); save it again, "
                             "or in another format")
     check_points(body, source)

@@ -4,7 +4,7 @@ import xml.parsers.expat
 import numpy as np
 
 from body import NODES_OF, Body, wrong
-from lines import node_numbers, numbers
+from lines import name_once, node_numbers, numbers
 
 
 class Element:
@@ -39,6 +39,8 @@ def read_xml(path):
         parser.Parse(path.read_bytes(), True)
     except xml.parsers.expat.ExpatError as error:
         wrong(path, error.lineno, f"this is not XML: {xml.parsers.expat.errors.messages[error.code]}")
+    except LookupError as error:
+        wrong(path, 1, f"{error}: save it with encoding=\"UTF-8\"")
     return root
 
 
@@ -71,7 +73,9 @@ class Febio:
         for nodes in (nodes for mesh in meshes for nodes in mesh.all("Nodes")):
             name = nodes.attributes.get("name")
             for node in nodes.all("node"):
-                self.number_of[node.attributes.get("id", "")] = len(points)
+                if "id" not in node.attributes:
+                    wrong(self.path, node.line, "a node without an id; number each once")
+                name_once(self.number_of, "node", node.attributes["id"], len(points), self.path, node.line)
                 if name:
                     self.nodes_of.setdefault(name, []).append(len(points))
                 points.append(numbers(node.text, self.path, node.line, 3, commas=True))
@@ -94,7 +98,9 @@ class Febio:
             return
         block = self.body.add(kind, [self.cell(row, kind) for row in rows])
         places = [(block, cell) for cell in range(len(rows))]
-        self.place.update(zip((row.attributes.get("id", "") for row in rows), places))
+        for row, place in zip(rows, places):
+            if "id" in row.attributes:
+                name_once(self.place, "element", row.attributes["id"], place, self.path, row.line)
         name = part.attributes.get("name") or (
             f"material {part.attributes['mat']}" if "mat" in part.attributes else "")
         if name:
@@ -105,12 +111,17 @@ class Febio:
         name = node_set.attributes.get("name", "")
         nodes = node_numbers(ids_in(node_set), self.number_of, self.path, node_set.line)
         for other in node_set.all("NodeSet"):
-            nodes += self.nodes_of.get(other.attributes.get("node_set", ""), [])
+            named = other.attributes.get("node_set", "")
+            if named not in self.nodes_of:
+                self.body.notes.append(f"the set \"{name}\" names the set \"{named}\", which is not there before it")
+            nodes = nodes + self.nodes_of.get(named, [])
         self.nodes_of[name] = self.body.point_groups[name] = nodes
 
     def element_set(self, element_set):
         name = element_set.attributes.get("name", "")
-        self.cells_of[name] = [self.place[i] for i in ids_in(element_set) if i in self.place]
+        ids = ids_in(element_set)
+        self.cells_of[name] = [self.place[i] for i in ids if i in self.place]
+        self.body.note_missing(name, len(ids) - len(self.cells_of[name]), "element")
         self.body.group_of(self.cells_of[name], name)
 
     def surface(self, surface):
@@ -125,7 +136,7 @@ class Febio:
         places = self.cells_of.get(data.attributes.get("elem_set", ""), [])
         name = data.attributes.get("var") or data.attributes.get("name") or data.attributes.get("type") or "fiber"
         for row in data.all("e", "elem"):
-            at = int(row.attributes.get("lid", "0")) - 1
+            at = numbers(row.attributes.get("lid", "0"), self.path, row.line, 1, int)[0] - 1
             if len(words_of(row)) != 3 or not 0 <= at < len(places):
                 continue
             block, cell = places[at]

@@ -2,7 +2,7 @@
 import numpy as np
 
 from body import DIMENSIONS, GMSH_ORDER, NODES_OF, WRITTEN, Body, wrong
-from lines import node_numbers
+from lines import name_once, node_numbers
 from meshio_file import read_by_meshio
 
 GMSH_KINDS = {number: kind for kind, (number, _, _) in WRITTEN.items()}
@@ -187,7 +187,9 @@ class GmshMesh:
     def body(self):
         if not self.rows:
             wrong(self.file.path, None, "there is no $Elements section: the file is truncated")
-        number_of = {int(tag): n for n, tag in enumerate(self.tags)}
+        number_of = {}
+        for n, tag in enumerate(self.tags):
+            name_once(number_of, "node", int(tag), n, self.file.path, None)
         body = Body(self.points)
         for kind, rows in self.rows.items():
             cells = np.array([node_numbers(map(int, nodes), number_of, self.file.path, None) for _, _, nodes in rows])

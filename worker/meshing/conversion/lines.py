@@ -14,6 +14,13 @@ def numbers(text, source, line, count=None, kind=float, commas=False):
     return found
 
 
+def name_once(known, what, name, value, source, line):
+    """known[name] = value, of a node or an element that has this number in the file."""
+    if name in known:
+        wrong(source, line, f"{what} {name} is defined twice; number each once")
+    known[name] = value
+
+
 def node_numbers(ids, number_of, source, line):
     try:
         return [number_of[i] for i in ids]

@@ -8,6 +8,8 @@ import numpy as np
 from body import DIMENSIONS, WRITTEN, Body, add_parts, add_point_parts, plain, wrong
 
 LONGEST_READING = 900  # s
+OTHER_WAYS = ("save a surface as .stl (3D Slicer: Export to file; ParaView: Save Data), tetrahedra as .vtu, and unpack what is "
+              "compressed")
 
 
 def are_numbers_of_parts(name, arrays):
@@ -44,7 +46,9 @@ def read_by_meshio(path):
         text = " ".join((text or said.getvalue()).replace("Error:", "").split())
         if "deduce" in text:
             known = sorted({*meshio.extension_to_filetypes, ".feb"})
-            wrong(path, None, f"no format of this ending is known; there is {', '.join(known)}")
+            wrong(path, None, f"no format of this ending is known: {OTHER_WAYS}. There is {', '.join(known)}")
+        if "POLYDATA" in text:
+            wrong(path, None, f"it holds a surface in a format that is not read: {OTHER_WAYS}")
         wrong(path, None, f"meshio cannot read it: {text or type(error).__name__}; is it whole, and of the format that "
                           "its ending says? Another program may save it as .vtu or .msh")
     finally:

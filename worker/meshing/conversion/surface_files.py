@@ -40,6 +40,8 @@ def read_stl(path):
             last = number
     if len(corners) % 3:
         wrong(path, last, "the last triangle has not three corners: the file is truncated")
+    if b"endsolid" not in data.lower():
+        wrong(path, last, "there is no endsolid: the file is truncated; save it again")
     return surface_of(np.array(corners).reshape(-1, 3), np.arange(len(corners)).reshape(-1, 3))
 
 

@@ -2,7 +2,7 @@
 import numpy as np
 
 from body import TETGEN_ORDER, Body, add_parts, add_point_parts, wrong
-from lines import data_lines, node_numbers, numbers
+from lines import data_lines, name_once, node_numbers, numbers
 
 
 def read_tetgen(path):
@@ -18,7 +18,7 @@ def read_tetgen(path):
     number_of, points, markers = {}, [], []
     for line, text in lines:
         row = numbers(text, node_file, line, width)
-        number_of[int(row[0])] = len(points)
+        name_once(number_of, "node", int(row[0]), len(points), node_file, line)
         points.append(row[1:4])
         markers.append(int(row[-1]) if header[3] else 0)
     if len(points) != header[0]:
