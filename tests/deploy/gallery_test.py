@@ -117,6 +117,7 @@ class GalleryRun(unittest.TestCase):
         self.assertEqual(linked, {"kidney.html", "kidney-report.html", "kidney.png"})
         for file in linked:
             self.assertGreater((folder / "made" / file).stat().st_size, 20000, file)
+        self.assertLess((folder / "made" / "kidney.html").stat().st_size, 10e6, "a page can be sent")
         self.assertIn("Gennisson", index)
         self.assertIn("dataset: kidney.h5", index)
 
