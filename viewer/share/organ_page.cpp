@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
+#include "viewer/fields/relative_error.hpp"
 #include "viewer/haptics/hand_pace.hpp"
 #include "viewer/share/page_parts.hpp"
 
@@ -59,6 +60,8 @@ nlohmann::json pageFacts(const CarriedOrgan& organ) {
   nlohmann::json facts = {{"name", organ.name},
                           {"maxForce", organ.max_force},
                           {"mostVertices", most_carried_vertices},
+                          {"noticeableError", noticeable_force_error},
+                          {"leastForce", relative_error_floor},
                           {"hand",
                            {{"pressRate", press_rate},
                             {"releaseRate", release_rate},

@@ -101,8 +101,11 @@ class Page {
       spots,
       hand: {
         tip: add(felt.seen.point, felt.p),
+        normal: felt.normal,
         axis,
+        fingerRadius: this.touches[felt.touch].fingerRadius,
         force: felt.force,
+        uncertain: isUncertain(felt),
         scale: 0.7 * this.surface.radius / facts.maxForce
       }
     };

@@ -12,7 +12,8 @@ class Picture {
       colour: this.buffer(surface.colours()),
       index: this.indexBuffer(surface.index)
     };
-    this.tool = this.solidOf(turned(roundedTip(0.045 * r, 0.75 * r)));
+    this.stylus = this.solidOf(turned(roundedTip(0.045 * r, 0.75 * r)));
+    this.finger = this.solidOf(turned(finger(), 28));
     this.shaft = this.solidOf(turned([[0.0001, 0], [1, 0], [1, 1], [0.0001, 1]]));
     this.head = this.solidOf(turned([[0.0001, 0], [1, 0], [0.0001, 1]]));
     this.ball = this.solidOf(turned(Array.from(
@@ -89,8 +90,32 @@ class Picture {
     this.feed(this.solid, solid, {position: 3, normal: 3});
     gl.drawElements(gl.TRIANGLES, solid.count, gl.UNSIGNED_SHORT, 0);
   }
-  // mark: what of the organ is shown as touched, {point, radius, pressure}; hand: {tip, axis,
-  // force, scale}; spots: places.
+  // The finger in its true size; it rests on its tip, however it is held.
+  drawTool({tip, normal, axis, fingerRadius: r}) {
+    const [solid, place] = r > 0 ?
+        [this.finger, placed(add(add(tip, normal, r), axis, -r), axis, r, r)] :
+        [this.stylus, placed(tip, axis)];
+    this.drawSolid(solid, place, [0.72, 0.76, 0.79], 0.8);
+  }
+  // Nothing hides the force, not the tool either. Dashed where it is uncertain.
+  drawForce({tip, force, scale, uncertain}) {
+    const {gl, surface} = this, size = length(force);
+    if (size < 0.005) return;
+    const colour = uncertain ? [1, 0.66, 0.22] : [0.24, 0.56, 1];
+    const along = scaled(force, 1 / size), long = scale * size, wide = 0.016 * surface.radius;
+    const headLong = Math.min(0.6 * long, 0.11 * surface.radius), shaft = long - headLong;
+    const pieces = uncertain ? Math.max(2, Math.floor(shaft / (0.1 * surface.radius))) : 1;
+    const piece = shaft / pieces, filled = uncertain ? 0.6 : 1;
+    gl.depthRange(0, 0.01);
+    for (let n = 0; n < pieces; ++n)
+      this.drawSolid(
+          this.shaft, placed(add(tip, along, n * piece), along, wide, filled * piece), colour, 0.3);
+    this.drawSolid(
+        this.head, placed(add(tip, along, shaft), along, 2.4 * wide, headLong), colour, 0.3);
+    gl.depthRange(0, 1);
+  }
+  // mark: what of the organ is shown as touched, {point, radius, pressure}; hand: {tip, normal,
+  // axis, fingerRadius (0: a stylus), force, scale, uncertain}; spots: places.
   draw(camera, {mark, hand, spots}) {
     const gl = this.gl, {surface} = this;
     gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
@@ -117,16 +142,7 @@ class Picture {
           this.ball, placed(spot, [0, 0, 1], 0.035 * surface.radius, 0.035 * surface.radius),
           [1, 0.72, 0.36], 0.4);
     if (!hand) return;
-    this.drawSolid(this.tool, placed(hand.tip, hand.axis), [0.72, 0.76, 0.79], 0.8);
-    const size = length(hand.force);
-    if (size < 0.005) return;
-    const along = scaled(hand.force, 1 / size), long = hand.scale * size,
-          wide = 0.016 * surface.radius;
-    const headLong = Math.min(0.6 * long, 0.11 * surface.radius);
-    this.drawSolid(
-        this.shaft, placed(hand.tip, along, wide, long - headLong), [1, 0.66, 0.22], 0.3);
-    this.drawSolid(
-        this.head, placed(add(hand.tip, along, long - headLong), along, 2.4 * wide, headLong),
-        [1, 0.66, 0.22], 0.3);
+    this.drawTool(hand);
+    this.drawForce(hand);
   }
 }

@@ -26,6 +26,16 @@ function roundedTip(radius, top) {
   }
   return [...profile, [radius, top * 0.6], [radius * 1.15, top], [0.0001, top]];
 }
+// As long as that of palpate view, of radius 1: its tip is at 0.
+function finger() {
+  const profile = [];
+  for (const [from, height] of [[0, 1], [8, 3.2]])
+    for (let n = from; n <= from + 8; ++n) {
+      const angle = Math.PI / 2 * n / 8;
+      profile.push([Math.max(1e-4, Math.sin(angle)), height - Math.cos(angle)]);
+    }
+  return profile;
+}
 // Stands the z axis of a solid along a direction at a place, with its own scales.
 function placed(at, direction, wide = 1, long = 1) {
   const z = unit(direction), x = unit(cross(Math.abs(z[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0], z)),
