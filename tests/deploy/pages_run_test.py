@@ -25,6 +25,7 @@ PAGES = ("README.md", "docs/client.md", "docs/commands.md", "docs/export.md", "d
 # What is not run here, and why.
 ELSEWHERE = {
     r"--device haply": "needs the device",
+    r"plugin:\./touch\.so": "is the reader's own: that of docs/devices.md is compiled here",
     r"palpate verify": "takes minutes: tests/worker/verification",
     r"palpate fleet (slurm|ssh)": "needs other machines: tests/scheduler/fleet",
     r"palpate share": "needs the modules for browsers: tests/viewer/share",
