@@ -14,7 +14,7 @@ bool isPlain(unsigned char c) {
 }  // namespace
 
 std::string shellWord(std::string_view file) {
-  const std::string name = (file.starts_with('-') ? "./" : "") + std::string(file);
+  std::string name = (file.starts_with('-') ? "./" : "") + std::string(file);
   if (!name.empty() && std::ranges::all_of(name, isPlain)) return name;
   std::string quoted = "'";
   for (const char c : name) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
