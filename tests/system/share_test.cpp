@@ -101,36 +101,6 @@ TEST_F(ShareTest, AFingerOnATouchScreenPressesAnActiveNode) {
   EXPECT_TRUE(browser.becomesTrue("palpate.touched === null"));
 }
 
-/// As `palpate view` does.
-TEST_F(ShareTest, SaysWhereTheErrorBoundIsALargeShareOfTheForce) {
-  if (!makePage(test::FingerBody())) return;
-  test::Browser browser;
-  open(browser);
-  const auto [x, y] = test::touchablePixel(browser);
-  browser.mouse("mouseMoved", x, y);
-  browser.mouse("mousePressed", x, y);
-  settle(browser);
-  EXPECT_EQ(browser.valueOf("(hand => hand.fingerRadius > 0 && hand.fingerRadius ==="
-                            " facts.touches[palpate.touched.touch].fingerRadius)"
-                            "(palpate.page.scene().hand)"),
-            true);
-  const auto with_share = [&](double share) {
-    return browser.valueOf(
-        "(page => { page.felt = {...page.felt, bound: " + std::to_string(share) +
-        " * length(page.felt.force), inside: true, coverage: 1}; page.words.show(page.felt);"
-        " return [page.scene().hand.uncertain, byId('felt').className, byId('about').innerText]; })"
-        "(palpate.page)");
-  };
-  const json sure = with_share(0.069), unsure = with_share(0.3);
-  EXPECT_EQ(sure.at(0), false);
-  EXPECT_EQ(sure.at(1), "");
-  EXPECT_THAT(sure.at(2).get<std::string>(), HasSubstr("mJ stored"));
-  EXPECT_EQ(unsure.at(0), true);
-  EXPECT_EQ(unsure.at(1), "uncertain");
-  EXPECT_THAT(unsure.at(2).get<std::string>(),
-              HasSubstr(" deep, uncertain: ± 30 %, a hand notices 7 %"));
-}
-
 /// It ended before, where a sixtieth of the reach is no round number.
 TEST_F(ShareTest, TheSliderComesToTheDeepestPress) {
   const Mesh mesh = test::cubeMesh(0.1, 2);

@@ -60,13 +60,12 @@ nlohmann::json pageFacts(const CarriedOrgan& organ) {
   nlohmann::json facts = {{"name", organ.name},
                           {"maxForce", organ.max_force},
                           {"mostVertices", most_carried_vertices},
-                          {"noticeableError", noticeable_force_error},
-                          {"leastForce", relative_error_floor},
                           {"hand",
                            {{"pressRate", press_rate},
                             {"releaseRate", release_rate},
                             {"usualDepth", usual_depth},
                             {"usualShare", usual_share}}}};
+  facts["error"] = {{"noticeable", noticeable_force_error}, {"floor", relative_error_floor}};
   for (const CarriedTouch& touch : organ.touches)
     facts["touches"].push_back({{"name", touch.name},
                                 {"fingerRadius", touch.finger_radius},

@@ -5,6 +5,7 @@
 #include <hdf5.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "common/base/whole_file.hpp"
@@ -13,6 +14,7 @@
 #include "tests/support/meshes.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/support/touchable_body.hpp"
+#include "viewer/fields/relative_error.hpp"
 #include "viewer/share/organ_page.hpp"
 
 namespace palpate {
@@ -54,6 +56,16 @@ TEST_F(ShareCommandTest, NamesAreNoMarkup) {
   organ.name = "</script><b>";
   EXPECT_THAT(organPage(organ), AllOf(HasSubstr("&lt;/script>"), HasSubstr("\\u003c/script>"),
                                       Not(HasSubstr("</script><b>"))));
+}
+
+TEST_F(ShareCommandTest, ThePageIsToldWhatErrorAHandNotices) {
+  if (!hasPageField()) GTEST_SKIP() << "NOT TESTED: built without Emscripten (Debian: emscripten)";
+  const std::string page = organPage({});
+  const std::string begin = R"(<script id="facts" type="application/json">)";
+  const std::size_t at = page.find(begin) + begin.size();
+  const auto facts = nlohmann::json::parse(page.substr(at, page.find("</script>", at) - at));
+  EXPECT_EQ(facts.at("error").at("noticeable"), noticeable_force_error);
+  EXPECT_EQ(facts.at("error").at("floor"), relative_error_floor);
 }
 
 TEST_F(ShareCommandTest, WithoutEmscriptenItSaysWhatToInstall) {

@@ -56,7 +56,7 @@ class ForcePlot {
     samples.forEach((s) => pen.lineTo(x(s.time), y(s.force + s.bound)));
     for (let n = samples.length; n-- > 0;)
       pen.lineTo(x(samples[n].time), y(Math.max(0, samples[n].force - samples[n].bound)));
-    pen.fillStyle = '#ffffff3d';
+    pen.fillStyle = '#b4bcc266';
     pen.fill();
     pen.beginPath();
     samples.forEach((s) => pen.lineTo(x(s.time), y(s.force)));

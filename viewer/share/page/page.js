@@ -103,9 +103,9 @@ class Page {
         tip: add(felt.seen.point, felt.p),
         normal: felt.normal,
         axis,
-        fingerRadius: this.touches[felt.touch].fingerRadius,
+        radius: this.touches[felt.touch].fingerRadius,
         force: felt.force,
-        uncertain: isUncertain(felt),
+        isUncertain: isUncertain(felt),
         scale: 0.7 * this.surface.radius / facts.maxForce
       }
     };

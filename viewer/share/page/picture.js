@@ -1,4 +1,8 @@
 // The organ and what is beside it, drawn in WebGL.
+
+// Of a force that is certain, and of one that is not, as in `palpate view`.
+const blue = [0.10, 0.42, 0.86], amber = [0.98, 0.67, 0.10];
+
 class Picture {
   constructor(gl, surface) {
     Object.assign(this, {gl, surface});
@@ -12,8 +16,9 @@ class Picture {
       colour: this.buffer(surface.colours()),
       index: this.indexBuffer(surface.index)
     };
-    this.stylus = this.solidOf(turned(roundedTip(0.045 * r, 0.75 * r)));
     this.finger = this.solidOf(turned(finger(), 28));
+    this.thinRadius = 0.045 * r;
+    this.thinTool = this.solidOf(turned(thinTool(this.thinRadius, 0.75 * r)));
     this.shaft = this.solidOf(turned([[0.0001, 0], [1, 0], [1, 1], [0.0001, 1]]));
     this.head = this.solidOf(turned([[0.0001, 0], [1, 0], [0.0001, 1]]));
     this.ball = this.solidOf(turned(Array.from(
@@ -90,32 +95,34 @@ class Picture {
     this.feed(this.solid, solid, {position: 3, normal: 3});
     gl.drawElements(gl.TRIANGLES, solid.count, gl.UNSIGNED_SHORT, 0);
   }
-  // The finger in its true size; it rests on its tip, however it is held.
-  drawTool({tip, normal, axis, fingerRadius: r}) {
-    const [solid, place] = r > 0 ?
-        [this.finger, placed(add(add(tip, normal, r), axis, -r), axis, r, r)] :
-        [this.stylus, placed(tip, axis)];
-    this.drawSolid(solid, place, [0.72, 0.76, 0.79], 0.8);
+  // What touches with its tip, of its true size where it has one.
+  drawTool({tip, normal, axis, radius}) {
+    const middle = add(tip, normal, radius || this.thinRadius);
+    if (radius > 0)
+      this.drawSolid(this.finger, placed(middle, axis, radius, radius), [0.66, 0.71, 0.76], 0.3);
+    else
+      this.drawSolid(this.thinTool, placed(middle, axis), [0.72, 0.76, 0.79], 0.8);
   }
-  // Nothing hides the force, not the tool either. Dashed where it is uncertain.
-  drawForce({tip, force, scale, uncertain}) {
-    const {gl, surface} = this, size = length(force);
+  // Nothing hides it, not the tool either. Blue; amber and in pieces where the force is uncertain.
+  drawArrow({tip, force, scale, isUncertain}) {
+    const size = length(force), {radius} = this.surface;
     if (size < 0.005) return;
-    const colour = uncertain ? [1, 0.66, 0.22] : [0.24, 0.56, 1];
-    const along = scaled(force, 1 / size), long = scale * size, wide = 0.016 * surface.radius;
-    const headLong = Math.min(0.6 * long, 0.11 * surface.radius), shaft = long - headLong;
-    const pieces = uncertain ? Math.max(2, Math.floor(shaft / (0.1 * surface.radius))) : 1;
-    const piece = shaft / pieces, filled = uncertain ? 0.6 : 1;
-    gl.depthRange(0, 0.01);
+    const along = scaled(force, 1 / size), long = scale * size, wide = 0.016 * radius;
+    const headLong = Math.min(0.6 * long, 0.11 * radius), shaft = long - headLong;
+    const pieces = isUncertain ? Math.max(2, Math.floor(shaft / (0.1 * radius))) : 1;
+    const filled = isUncertain ? 0.6 : 1, colour = isUncertain ? amber : blue;
+    this.gl.depthRange(0, 0.01);
     for (let n = 0; n < pieces; ++n)
       this.drawSolid(
-          this.shaft, placed(add(tip, along, n * piece), along, wide, filled * piece), colour, 0.3);
+          this.shaft,
+          placed(add(tip, along, shaft * n / pieces), along, wide, filled * shaft / pieces), colour,
+          0.3);
     this.drawSolid(
         this.head, placed(add(tip, along, shaft), along, 2.4 * wide, headLong), colour, 0.3);
-    gl.depthRange(0, 1);
+    this.gl.depthRange(0, 1);
   }
   // mark: what of the organ is shown as touched, {point, radius, pressure}; hand: {tip, normal,
-  // axis, fingerRadius (0: a stylus), force, scale, uncertain}; spots: places.
+  // axis, radius, force, isUncertain, scale}, its radius 0 where there is no finger; spots: places.
   draw(camera, {mark, hand, spots}) {
     const gl = this.gl, {surface} = this;
     gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
@@ -143,6 +150,6 @@ class Picture {
           [1, 0.72, 0.36], 0.4);
     if (!hand) return;
     this.drawTool(hand);
-    this.drawForce(hand);
+    this.drawArrow(hand);
   }
 }

@@ -18,23 +18,22 @@ function turned(profile, around = 14) {
   });
   return {position, normal, index};
 }
-function roundedTip(radius, top) {
+// From a pole at the height -radius to the equator at 0.
+function halfBall(radius) {
   const profile = [];
   for (let n = 0; n <= 8; ++n) {
     const angle = Math.PI / 2 * n / 8;
-    profile.push([radius * Math.sin(angle), radius - radius * Math.cos(angle)]);
+    profile.push([radius * Math.sin(angle), -radius * Math.cos(angle)]);
   }
-  return [...profile, [radius, top * 0.6], [radius * 1.15, top], [0.0001, top]];
-}
-// As long as that of palpate view, of radius 1: its tip is at 0.
-function finger() {
-  const profile = [];
-  for (const [from, height] of [[0, 1], [8, 3.2]])
-    for (let n = from; n <= from + 8; ++n) {
-      const angle = Math.PI / 2 * n / 8;
-      profile.push([Math.max(1e-4, Math.sin(angle)), height - Math.cos(angle)]);
-    }
   return profile;
+}
+// Where no finger was computed, so that the tool has no size: the middle of its tip is at 0.
+const thinTool = (radius, top) =>
+    [...halfBall(radius), [radius, top * 0.6], [radius * 1.15, top], [0.0001, top]];
+// Of radius 1, the middle of its tip at 0, as long as that of `palpate view`.
+function finger() {
+  const end = halfBall(1), long = 2.2;
+  return [...end, ...end.reverse().map(([r, z]) => [r, long - z])];
 }
 // Stands the z axis of a solid along a direction at a place, with its own scales.
 function placed(at, direction, wide = 1, long = 1) {

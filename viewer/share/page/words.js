@@ -1,9 +1,3 @@
-// The error bound as a share of the force, as palpate view counts it (viewer/fields/relative_error.hpp).
-function shareOfBound({force, bound}) {
-  return Number.isFinite(bound) ? bound / Math.max(length(force), facts.leastForce) : 0;
-}
-function isUncertain(felt) { return shareOfBound(felt) > facts.noticeableError; }
-
 // What the page says of what can be done, and of what is felt.
 class Words {
   // reach: how deep the hand can press, m.
@@ -42,18 +36,17 @@ class Words {
         felt && Number.isFinite(felt.bound) ?
             `± ${felt.bound.toFixed(felt.bound < 0.095 ? 3 : 2)}` :
             '');
-    byId('felt').classList.toggle('uncertain', Boolean(felt) && isUncertain(felt));
     write('about', felt ? this.about(felt) : 'Not touching');
+    byId('numbers').classList.toggle('uncertain', felt !== null && isUncertain(felt));
   }
   about(felt) {
     const {touch, p, energy, inside, coverage} = felt;
     if (!inside) return 'Beyond what was computed: this force is a guess';
     if (coverage < 0.5) return 'Near the end of what was computed: do not rely on this force';
+    if (isUncertain(felt))
+      return `uncertain: ± ${(100 * errorShare(felt)).toFixed(0)} %, ` +
+          `a hand notices ${+(100 * facts.error.noticeable).toPrecision(6)} %`;
     const where = this.touches[touch].fingerRadius > 0 ? 'deep' : 'from rest';
-    const percent = (share) => `${Math.round(100 * share)} %`;
-    const more = isUncertain(felt) ?
-        `uncertain: ± ${percent(shareOfBound(felt))}, a hand notices ${percent(facts.noticeableError)}` :
-        `${(1000 * energy).toFixed(1)} mJ stored`;
-    return `${this.millimetres(length(p))} ${where}, ${more}`;
+    return `${this.millimetres(length(p))} ${where}, ${(1000 * energy).toFixed(1)} mJ stored`;
   }
 }
