@@ -174,10 +174,27 @@ std::string vtkOf(const std::string& type, const std::string& nodes) {
          std::to_string(1 + std::stoi(nodes)) + "\n" + nodes + "\nCELL_TYPES 1\n" + type + "\n";
 }
 
+/// A Gmsh file of one tetrahedron whose node 4 is there twice, in lines 9 and 10.
+constexpr const char* gmsh_twice =
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n4 5 5 5\n"
+    "$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n";
+
+/// The same of version 4.1, where numbers come before places.
+constexpr const char* gmsh41_twice =
+    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 5 1 4\n3 1 0 5\n1\n2\n3\n4\n4\n0 0 0\n1 0 0\n"
+    "0 1 0\n0 0 1\n5 5 5\n$EndNodes\n$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n";
+
+/// A part of one tetrahedron, in the first 8 lines.
+const std::string abaqus_part =
+    "*PART, NAME=Organ\n*NODE\n1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n*ELEMENT, TYPE=C3D4\n"
+    "1, 1,2,3,4\n*END PART\n*ASSEMBLY, NAME=All\n";
+
 std::vector<BrokenMesh> brokenMeshes() {
   const std::string febio_head =
       "<?xml version=\"1.0\"?>\n<febio_spec version=\"4.0\">\n<Mesh>\n"
       "<Nodes>\n<node id=\"1\">0,0,0</node>\n</Nodes>\n";
+  const std::string febio_elements =
+      febio_head + "<Elements type=\"tet4\" name=\"all\">\n<elem id=\"1\">1,1,1,1</elem>\n";
   return {
       {"cut.stl", binaryStlWithout(7), {"cut.stl: it announces 48 triangles", "truncated"}},
       {"words.stl", "this is a letter\n", {"words.stl:1: this is no STL file", "\"solid\""}},
@@ -187,9 +204,10 @@ std::vector<BrokenMesh> brokenMeshes() {
       {"corner.stl",
        "solid\nvertex 0 0 0\nvertex 1 0 0\n",
        {"corner.stl:3", "not three corners", "truncated"}},
-      {"half.stl",
-       "solid\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n",
-       {"half.stl:4: there is no endsolid", "truncated"}},
+      {"unended.stl",
+       "solid a\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendsolid a\nsolid b\nvertex 0 0 0\n"
+       "vertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n",
+       {"unended.stl:11: there is no endsolid", "the file is truncated; write it again"}},
       {"empty.stl", "solid nothing\nendsolid\n", {"empty.stl: there are neither tetrahedra nor"}},
       {"far.obj",
        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n",
@@ -209,6 +227,13 @@ std::vector<BrokenMesh> brokenMeshes() {
       {"word.ply",
        "ply\nformat runes 1.0\nend_header\n",
        {"word.ply:2: \"format runes 1.0\" is not understood"}},
+      {"scalar.ply",
+       "ply\nformat ascii 1.0\nelement face 1\nproperty int vertex_indices\nend_header\n0\n",
+       {"scalar.ply: the corners of its faces are no list"}},
+      {"inf.ply",
+       "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+       "3 0 inf 2\n",
+       {"inf.ply: the file is truncated, or has words where numbers"}},
       {"brick.inp",
        "*NODE\n1, 0, 0, 0\n*ELEMENT, TYPE=SPRINGA\n1, 1, 1\n",
        {"brick.inp:3: elements of type SPRINGA are not read", "C3D4 and C3D10"}},
@@ -222,20 +247,40 @@ std::vector<BrokenMesh> brokenMeshes() {
        "*NODE\n1, 0, 0, 0\n*ELSET, ELSET=all\nliver\n",
        {"set.inp:4: there is no set \"liver\""}},
       {"loop.inp", "*NODE\n*INCLUDE, INPUT=loop.inp\n", {"loop.inp:2: ", "includes itself"}},
-      {"plane.inp", "*NODE\n1, 0, 0\n", {"plane.inp:2: a node is not a number and three"}},
-      {"infinite.inp",
+      {"beside.inp",
+       "*NODE\n*INCLUDE, INPUT=none.inp\n",
+       {"beside.inp:2: *INCLUDE, INPUT=none.inp: there is no file ", "put it there"}},
+      {"nothing.inp",
+       "*NODE\n*INCLUDE\n",
+       {"nothing.inp:2: *INCLUDE names no file: write *INCLUDE, INPUT=FILE"}},
+      {"inf.inp",
        "*NODE\ninf, 0, 0, 0\n",
-       {"infinite.inp:2: a node is not a number and three"}},
+       {"inf.inp:2: node number inf is not a whole number", "write one"}},
       {"made.inp",
        "*NODE\n1, 0, 0, 0\n*NGEN\n1, 9\n",
-       {"made.inp:3: *NGEN is not read", "write out all nodes"}},
-      {"polar.inp", "*NODE, SYSTEM=C\n", {"polar.inp:1: *NODE, SYSTEM=C is not read"}},
-      {"absent.inp",
-       "*NODE\n*INCLUDE, INPUT=none.inp\n",
-       {"absent.inp:2: *INCLUDE needs INPUT=FILE", "none.inp is no file"}},
-      {"many.inp",
-       "*NSET, NSET=all, GENERATE\n1, 300000000\n",
-       {"many.inp:2: GENERATE of more than 10000000 numbers"}},
+       {"made.inp:3: *NGEN makes nodes or elements, and is not read", "write the model flat",
+        ".vtu"}},
+      {"copied.inp", "*NODE\n*ELGEN\n1, 9\n", {"copied.inp:2: *ELGEN makes nodes or elements"}},
+      {"round.inp",
+       "*NODE, SYSTEM=C\n1, 1, 90, 0\n",
+       {"round.inp:1: *NODE, SYSTEM=C: only rectangular coordinates are read", "flat"}},
+      {"system.inp",
+       "*SYSTEM\n1, 0, 0\n*NODE\n",
+       {"system.inp:2: *SYSTEM moves the nodes behind it", "write the model flat"}},
+      {"moved.inp",
+       abaqus_part + "*INSTANCE, NAME=O, PART=Organ\n0., 0., 5.\n*END INSTANCE\n",
+       {"moved.inp:12: an instance of part ORGAN is moved by this line", "take the line out"}},
+      {"turned.inp",
+       abaqus_part + "*INSTANCE, NAME=O, PART=Organ\n0,0,0\n0,0,0,1,0,0,90\n*END INSTANCE\n",
+       {"turned.inp:13: an instance of part ORGAN is moved by this line", "take the line out"}},
+      {"two.inp",
+       abaqus_part +
+           "*INSTANCE, NAME=O, PART=Organ\n*END INSTANCE\n*INSTANCE, NAME=P, PART=Organ\n",
+       {"two.inp: there are 2 instances of part ORGAN", "export one"}},
+      {"range.inp",
+       "*NODE\n1, 0, 0, 0\n*NSET, NSET=all, GENERATE\n1, 300000000\n",
+       {"range.inp:4: GENERATE makes more than 10000000 members", "name those that are there"}},
+      {"plane.inp", "*NODE\n1, 0, 0\n", {"plane.inp:2: a node is not a number and three"}},
       {"text.feb", "no XML at all\n", {"text.feb:1: this is not XML"}},
       {"old.feb",
        "<febio_spec version=\"1.2\">\n</febio_spec>\n",
@@ -251,14 +296,24 @@ std::vector<BrokenMesh> brokenMeshes() {
        febio_head + "<Elements type=\"tet4\">\n<elem id=\"1\">1,2,3,4</elem>\n</Elements></Mesh>"
                     "</febio_spec>",
        {"lost.feb:8: node '2' is used and not defined"}},
-      {"again.feb",
-       "<febio_spec>\n<Mesh>\n<Nodes>\n<node id=\"1\">0,0,0</node>\n<node id=\"1\">1,0,0</node>\n"
+      {"twice.feb",
+       "<febio_spec>\n<Mesh>\n<Nodes>\n<node id=\"3\">0,0,0</node>\n<node id=\"3\">1,0,0</node>\n"
        "</Nodes>\n</Mesh>\n</febio_spec>\n",
-       {"again.feb:5: node 1 is defined twice"}},
+       {"twice.feb:5: node 3 is defined twice", "give each a number of its own"}},
+      {"same.feb",
+       febio_elements + "<elem id=\"1\">1,1,1,1</elem>\n</Elements></Mesh></febio_spec>",
+       {"same.feb:9: element 1 is defined twice", "give each a number of its own"}},
       {"runes.feb",
        "<?xml version=\"1.0\" encoding=\"utf-99\"?>\n<febio_spec/>\n",
-       {"runes.feb:1: unknown encoding: utf-99", "UTF-8"}},
-      {"twice.node", "2 3 0 0\n1 0 0 0\n1 1 0 0\n", {"twice.node:3: node 1 is defined twice"}},
+       {"runes.feb:1: the encoding that this line names cannot be read", "utf-99", "as UTF-8"}},
+      {"place.feb",
+       febio_elements + "</Elements></Mesh>\n<MeshData><ElementData elem_set=\"all\">\n"
+                        "<e lid=\"x\">0,0,1</e></ElementData></MeshData></febio_spec>",
+       {"place.feb:11: lid=\"x\" where the place of an element in its set is expected"}},
+      {"twice.node",
+       "2 3 0 0\n4 0 0 0\n4 1 0 0\n",
+       {"twice.node:3: node 4 is defined twice", "give each a number of its own"}},
+      {"inf.node", "1 3 0 0\ninf 0 0 0\n", {"inf.node:2: node number inf is not a whole number"}},
       {"alone.node",
        "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n",
        {"alone.ele: No such file or directory"}},
@@ -272,9 +327,15 @@ std::vector<BrokenMesh> brokenMeshes() {
        vtkOf("10", "4 0 1 2 9"),
        {"far.vtk: a cell (tetra) uses point 9", "there are 8"}},
       {"surface.vtk",
-       "# vtk DataFile Version 3.0\nskin\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0 0 0\n",
-       {"surface.vtk: it holds a surface in a format that is not read", "3D Slicer", ".stl"}},
-      {"surface.vtp", "<VTKFile/>", {"surface.vtp: no format of this ending", "as .stl"}},
+       "# vtk DataFile Version 3.0\nmade in code\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n"
+       "0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 2\n",
+       {"surface.vtk: it is a surface", "save it as .stl", "3D Slicer", "ParaView"}},
+      {"surface.vtp",
+       "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\"><PolyData/></VTKFile>\n",
+       {"surface.vtp: it is a surface", "save it as .stl"}},
+      {"surface.vtu",
+       "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\"><PolyData/></VTKFile>\n",
+       {"surface.vtu: it is a surface", "save it as .stl"}},
       {"not.vtk", "# stl\n", {"not.vtk: meshio cannot read it", "of the format that its ending"}},
       {"cut.vtu",
        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Unstr",
@@ -284,12 +345,18 @@ std::vector<BrokenMesh> brokenMeshes() {
       {"other.msh",
        std::string("$MeshFormat\n4.1 1 8\n") + std::string("\0\0\0\1", 4),
        {"other.msh:3", "another byte order"}},
-      {"twice.msh",
-       std::string("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n") +
-           "1 0 0 0\n2 1 0 0\n"
-           "3 0 1 0\n4 0 0 1\n4 9 9 9\n$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n",
-       {"twice.msh: node 4 is defined twice"}},
-      {"letter.doc", "dear all\n", {"letter.doc: no format of this ending is known", ".vtu"}},
+      {"twice.msh", gmsh_twice, {"twice.msh:10: node 4 is defined twice", "a number of its own"}},
+      {"twice41.msh", gmsh41_twice, {"twice41.msh:11: node 4 is defined twice"}},
+      {"word.msh",
+       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 0 0 0\n2 0 one 0\n$EndNodes\n",
+       {"word.msh:7: the file is truncated, or has words where numbers"}},
+      {"number.msh",
+       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$ElementData\none\n$EndElementData\n",
+       {"number.msh:5: $ElementData is truncated, or has words", "save it again"}},
+      {"letter.doc",
+       "dear all\n",
+       {"letter.doc: no format of this ending is known", "a surface as .stl", "as .vtu"}},
+      {"solid.stl.gz", "\x1f\x8b", {"solid.stl.gz: it is compressed: decompress it first"}},
   };
 }
 

@@ -266,17 +266,25 @@ TEST_F(MeshConversion, ReadsFebioOfEveryVersionWithItsSets) {
   }
 }
 
-TEST_F(MeshConversion, TellsOfSetsOfFebioThatNameWhatIsNotThere) {
+TEST_F(MeshConversion, TellsOfFebiosSetsThatNameWhatIsNotThere) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
-  create("body.feb") << "<febio_spec>\n<Mesh>\n<Nodes>\n<node id=\"1\">0,0,0</node>\n"
+  create("sets.feb") << "<febio_spec>\n<Mesh>\n<Nodes>\n<node id=\"1\">0,0,0</node>\n"
                         "<node id=\"2\">1,0,0</node>\n<node id=\"3\">0,1,0</node>\n"
-                        "<node id=\"4\">0,0,1</node>\n</Nodes>\n<Elements type=\"tet4\">\n"
-                        "<elem id=\"1\">1,2,3,4</elem>\n</Elements>\n"
-                        "<NodeSet name=\"a\"><NodeSet node_set=\"none\"/></NodeSet>\n"
-                        "<ElementSet name=\"e\">1,77</ElementSet>\n</Mesh>\n</febio_spec>\n";
-  EXPECT_EQ(convert("body.feb").element_groups.at("e").size(), 1u);
-  EXPECT_THAT(notes, Contains(HasSubstr("\"a\" names the set \"none\", which is not there")));
-  EXPECT_THAT(notes, Contains(HasSubstr("\"e\" names 1 element(s) that are not there")));
+                        "<node id=\"4\">0,0,1</node>\n</Nodes>\n"
+                        "<Elements type=\"tet4\" name=\"all\">\n<elem id=\"1\">1,2,3,4</elem>\n"
+                        "</Elements>\n<NodeSet name=\"base\">1,2,3</NodeSet>\n"
+                        "<NodeSet name=\"a\"><NodeSet node_set=\"base\"/>"
+                        "<NodeSet node_set=\"zzz\"/></NodeSet>\n"
+                        "<ElementSet name=\"e\">1, 77</ElementSet>\n</Mesh>\n<MeshData>\n"
+                        "<ElementData var=\"fiber\" elem_set=\"all\"><e lid=\"1\">0,0,1</e>"
+                        "<e lid=\"2\">0,0,1</e></ElementData>\n</MeshData>\n</febio_spec>\n";
+  const Mesh mesh = convert("sets.feb");
+  EXPECT_EQ(mesh.node_groups.at("a").size(), 3u);
+  EXPECT_EQ(mesh.element_groups.at("e").size(), 1u);
+  EXPECT_THAT(mesh.element_vectors, Contains(::testing::Key("fiber")));
+  EXPECT_THAT(notes, Contains("the set \"a\" names the set \"zzz\", which is not there before it"));
+  EXPECT_THAT(notes, Contains("the set \"e\" names 1 element(s) that are not there"));
+  EXPECT_THAT(notes, Contains("the data \"fiber\" names 1 element(s) that are not there"));
 }
 
 TEST_F(MeshConversion, ReadsTetGenCountedFromZeroOrOneWithItsRegions) {
@@ -395,7 +403,8 @@ TEST_F(MeshConversion, ReadsNumbersOfAbaqusInTheirPart) {
         << "*NSET, NSET=Fix\n1,2,3\n*END PART\n"
            "*PART, NAME=Tool\n*NODE\n1, 9,9,9\n2, 9,9,8\n3, 9,8,9\n"
            "*ELEMENT, TYPE=R3D3\n7, 1,2,3\n*END PART\n"
-           "*ASSEMBLY, NAME=All\n*INSTANCE, NAME=Organ-1, PART=Organ\n*END INSTANCE\n"
+           "*ASSEMBLY, NAME=All\n*INSTANCE, NAME=Organ-1, PART=Organ\n0., 0., 0.\n*END INSTANCE\n"
+           "*INSTANCE, NAME=Tool-1, PART=Tool\n0., 0., 5.\n*END INSTANCE\n"
            "*NODE\n1, 20,20,20\n*NSET, NSET=Top, INSTANCE=Organ-1\n3, 4\n"
            "*NSET, NSET=Nobody\n77\n*END ASSEMBLY\n"
         << more;
@@ -414,14 +423,15 @@ TEST_F(MeshConversion, ReadsNumbersOfAbaqusInTheirPart) {
   expectBadInput([&] { convert("assembly.inp"); }, {"tetrahedra in 2 parts", "export one"});
 }
 
-TEST_F(MeshConversion, TellsThatAnInstanceOfAbaqusIsMoved) {
+TEST_F(MeshConversion, TakesANodeOfAbaqusThatIsThereTwiceAtOnePlaceForOne) {
   PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
-  create("moved.inp") << "*PART, NAME=Organ\n"
-                      << one_tetrahedron
-                      << "*END PART\n*ASSEMBLY, NAME=All\n*INSTANCE, NAME=Organ-1, PART=Organ\n"
-                         "0., 0., 5.\n*END INSTANCE\n*END ASSEMBLY\n";
-  convert("moved.inp");
-  EXPECT_THAT(notes, Contains(HasSubstr("moved.inp:14: the instance is moved")));
+  create("again.inp") << "*NODE\n1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n"
+                         "*ELEMENT, TYPE=C3D4\n1, 1,2,3,4\n"
+                         "*NODE\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n5, 1,1,1\n"
+                         "*ELEMENT, TYPE=C3D4\n2, 2,5,3,4\n";
+  const Mesh mesh = convert("again.inp");
+  EXPECT_EQ(mesh.nodes.size(), 5u);
+  EXPECT_EQ(mesh.surface.size(), 6u) << "the two share a face";
 }
 
 TEST_F(MeshConversion, RefusesAnAbaqusFileThatEndsInsideAnElementOrNeedsAnother) {
@@ -497,6 +507,30 @@ TEST_F(MeshConversion, TakesABinaryStlForOneWhateverItsHeaderSays) {
   create("cut.stl") << bytes.substr(0, bytes.size() - 500);
   expectBadInput([&] { convertMesh(directory / "cut.stl", directory.path(), false); },
                  {"cut.stl: it announces", "truncated"});
+}
+
+TEST_F(MeshConversion, ReadsTextStlOfSeveralSolidsInCapitalsWithBlanksBehind) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  create("solids.stl") << "solid a\nvertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\n"
+                          "vertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\nendsolid a\n\n"
+                          "SOLID B\r\nVERTEX 0 0 0\r\nVERTEX 0 0 1\r\nVERTEX 0 1 0\r\n"
+                          "VERTEX 1 0 0\r\nVERTEX 0 1 0\r\nVERTEX 0 0 1\r\n  ENDSOLID B  \r\n\r\n";
+  const ConvertedMesh converted = convertMesh(directory / "solids.stl", directory.path(), false);
+  EXPECT_DOUBLE_EQ(closedSurface(readTriangles(converted.file), "", Bodies::only).volume, 1.0 / 6);
+}
+
+TEST_F(MeshConversion, RefusesVectorsOfTetrahedraThatShareANumber) {
+  PALPATE_NEEDS(test::hasMeshio(), "python3-meshio");
+  const char* const two_tetrahedra =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
+      "5 1 1 1\n$EndNodes\n$Elements\n2\n1 4 2 1 1 1 2 3 4\n1 4 2 1 1 2 5 3 4\n$EndElements\n";
+  create("one.msh") << two_tetrahedra;
+  EXPECT_EQ(convert("one.msh").tetrahedra.size(), 2u);
+  create("data.msh") << two_tetrahedra
+                     << "$ElementData\n1\n\"f\"\n1\n0\n3\n0\n3\n1\n1 0 0 1\n$EndElementData\n";
+  expectBadInput(
+      [&] { convert("data.msh"); },
+      {"data.msh:17: $ElementData cannot be assigned: two tetrahedra have the number 1"});
 }
 
 TEST_F(MeshConversion, ReadsSurfacesOfEveryFormatToTheSameTriangles) {

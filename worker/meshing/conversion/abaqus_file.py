@@ -1,17 +1,16 @@
 """Abaqus's .inp, of which meshio loses sets."""
 from body import NODES_OF, Body, wrong
-from lines import data_lines, numbers
+from lines import data_lines, numbers, whole
 
 ABAQUS = {"C3D4": "tetra", "C3D10": "tetra10", "C3D8": "hexahedron", "C3D20": "hexahedron20", "C3D6": "wedge",
           "C3D15": "wedge15", "C3D5": "pyramid", "S3": "triangle", "STRI3": "triangle", "CPS3": "triangle",
           "CPE3": "triangle", "R3D3": "triangle", "M3D3": "triangle", "SFM3D3": "triangle", "STRI65": "triangle6",
           "CPS6": "triangle6", "CPE6": "triangle6", "M3D6": "triangle6", "S4": "quad", "CPS4": "quad", "R3D4": "quad",
           "T3D2": "line", "B31": "line", "T3D3": "line3", "B32": "line3"}
-
-
-# Of nodes and elements that are not written out, or whose coordinates are others'.
-UNREAD = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM")
-MOST_GENERATED = 10_000_000
+# What makes or moves nodes and elements that the lines of *NODE and *ELEMENT do not tell.
+GENERATORS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYMMETRIC MODEL GENERATION")
+REMEDY = "write the model flat, with every node where it is and every element, or convert it to .vtu by another program"
+LONGEST_RANGE = 10_000_000  # members of a set
 
 
 def abaqus_kind(word):
@@ -25,12 +24,12 @@ class Abaqus:
 
     def __init__(self, path):
         self.files, self.scope, self.part_of = [path], "", {}  # part_of: instance -> scope
+        self.moved = {}  # scope -> (path, line) that moves an instance of it
         self.points, self.number_of = [], {}  # number_of: (scope, number) -> point
         self.elements = {}  # (scope, number) -> (kind, points)
         self.sets = {"NSET": {}, "ELSET": {}}  # capitals of the name -> (name, [(scope, number)])
         self.keyword, self.options, self.kind = "", {}, None
         self.pending = []  # of an element whose nodes go on in the next line
-        self.moved = ""  # a note
         self.read(path)
 
     def read(self, path):
@@ -44,8 +43,10 @@ class Abaqus:
                 self.element(text)
             elif self.keyword in self.sets:
                 self.members(text)
-            elif self.keyword == "INSTANCE" and not self.moved:
-                self.moved = f"{self.path.name}:{self.line}: the instance is moved; the mesh has the coordinates of its part"
+            elif self.keyword == "INSTANCE":
+                self.move(text)
+            elif self.keyword == "SYSTEM":
+                self.wrong(f"*SYSTEM moves the nodes behind it, and is not read; {REMEDY}")
         self.refuse_half_an_element()
 
     def wrong(self, what):
@@ -62,10 +63,10 @@ class Abaqus:
         self.keyword = words[0].upper()
         pairs = (word.partition("=") for word in words[1:])
         self.options = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
-        if self.keyword in UNREAD or self.keyword == "NODE" and self.options.get("SYSTEM", "R").upper() != "R":
-            self.wrong(f"*{text[1:].strip()} is not read: write out all nodes and elements, in rectangular coordinates")
         if self.keyword == "INCLUDE":
             self.include()
+        elif self.keyword in GENERATORS:
+            self.wrong(f"*{self.keyword} makes nodes or elements, and is not read; {REMEDY}")
         elif self.keyword in ("PART", "ASSEMBLY", "INSTANCE", "END PART", "END ASSEMBLY", "END INSTANCE"):
             self.enter()
         elif self.keyword in ("NODE", "ELEMENT", "NSET", "ELSET"):
@@ -76,15 +77,20 @@ class Abaqus:
                 self.kind = abaqus_kind(word)
                 if self.kind is None:
                     self.wrong(f"elements of type {word or '(none)'} are not read; tetrahedra are C3D4 and C3D10")
+            elif self.keyword == "NODE" and self.options.get("SYSTEM", "R").upper() != "R":
+                self.wrong(f"*NODE, SYSTEM={self.options['SYSTEM']}: only rectangular coordinates are read; {REMEDY}")
             elif self.keyword == "NSET" and self.options.get("NSET") and self.options.get("ELSET"):
                 self.nodes_of_elements()
 
     def include(self):
-        included = self.path.parent / self.options.get("INPUT", "")
-        if included in self.files:
-            self.wrong(f"{included} includes itself")
+        name = self.options.get("INPUT")
+        if not name:
+            self.wrong("*INCLUDE names no file: write *INCLUDE, INPUT=FILE")
+        included = self.path.parent / name
         if not included.is_file():
-            self.wrong(f"*INCLUDE needs INPUT=FILE, and {included} is no file; put it there")
+            self.wrong(f"*INCLUDE, INPUT={name}: there is no file {included}; put it there, or its lines here")
+        if any(included.samefile(file) for file in self.files):
+            self.wrong(f"{included} includes itself")
         path = self.path
         self.files.append(included)
         self.keyword = ""
@@ -102,15 +108,22 @@ class Abaqus:
         else:
             self.scope = "assembly" if self.keyword in ("ASSEMBLY", "END INSTANCE") else ""
 
+    def move(self, text):
+        """A line of where an instance lies: how far it is shifted, or two points of an axis and an angle."""
+        row = numbers(text, self.path, self.line, commas=True)
+        if any(row[6:] if len(row) == 7 else row):
+            self.moved.setdefault(self.scope, (self.path, self.line))
+
     def node(self, text):
         row = numbers(text, self.path, self.line, commas=True)
-        if len(row) != 4 or not row[0].is_integer():
+        if len(row) != 4:
             self.wrong("a node is not a number and three coordinates")
-        node = self.scope, int(row[0])
-        if node in self.number_of and self.points[self.number_of[node]] != row[1:]:
+        node = self.scope, whole(row[0], "node number", self.path, self.line)
+        if node not in self.number_of:
+            self.number_of[node] = len(self.points)
+            self.points.append(row[1:])
+        elif self.points[self.number_of[node]] != row[1:]:
             self.wrong(f"node {node[1]} is defined twice, at different places; of several parts export one")
-        self.number_of[node] = len(self.points)
-        self.points.append(row[1:])
         if self.options.get("NSET"):
             self.set_of("NSET").append(node)
 
@@ -149,9 +162,10 @@ class Abaqus:
             row = numbers(text, self.path, self.line, kind=int, commas=True)
             if len(row) not in (2, 3) or (len(row) == 3 and row[2] == 0):
                 self.wrong("GENERATE needs first, last and step")
-            if abs(row[1] - row[0]) > MOST_GENERATED:
-                self.wrong(f"GENERATE of more than {MOST_GENERATED} numbers; name those that there are")
-            found += [(scope, n) for n in range(row[0], row[1] + 1, row[2] if len(row) == 3 else 1)]
+            members = range(row[0], row[1] + 1, row[2] if len(row) == 3 else 1)
+            if (row[1] - row[0]) // members.step >= LONGEST_RANGE:
+                self.wrong(f"GENERATE makes more than {LONGEST_RANGE} members: name those that are there")
+            found += [(scope, n) for n in members]
             return
         for word in (word.strip().strip('"') for word in text.split(",")):
             if word.lstrip("-").isdigit():
@@ -170,10 +184,21 @@ class Abaqus:
         number = {point: node for node, point in self.number_of.items()}
         self.set_of("NSET").extend(number[point] for e in elements if e in self.elements for point in self.elements[e][1])
 
+    def refuse_instances_of(self, scope):
+        """More than one, or one that lies elsewhere than its part."""
+        count = list(self.part_of.values()).count(scope)
+        if count > 1:
+            wrong(self.files[0], None, f"there are {count} instances of {scope}, which has tetrahedra; export one")
+        if scope in self.moved:
+            wrong(*self.moved[scope], f"an instance of {scope} is moved by this line, which is not read; take the line "
+                                      f"out if the body may lie where the part does, or {REMEDY}")
+
     def body(self):
         parts = {scope for (scope, _), (kind, _) in self.elements.items() if kind.startswith("tetra")}
         if len(parts) > 1:
             wrong(self.files[0], None, f"there are tetrahedra in {len(parts)} parts ({', '.join(sorted(parts))}); export one")
+        for scope in parts:
+            self.refuse_instances_of(scope)
         body, by_kind, place = Body(self.points), {}, {}
         for element, (kind, nodes) in self.elements.items():
             by_kind.setdefault(kind, []).append((element, nodes))
@@ -186,8 +211,6 @@ class Abaqus:
         for name, nodes in self.sets["NSET"].values():
             body.point_groups[name] = [self.number_of[node] for node in nodes if node in self.number_of]
             body.note_missing(name, sum(node not in self.number_of for node in nodes), "node")
-        if self.moved:
-            body.notes.append(self.moved)
         return body
 
 

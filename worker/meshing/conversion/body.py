@@ -37,10 +37,6 @@ class Body:
         self.vectors = {}  # name -> {block: n x 3}
         self.notes = []  # for people
 
-    def note_missing(self, name, count, what):
-        if count:
-            self.notes.append(f"the set \"{name}\" names {count} {what}(s) that are not there")
-
     def add(self, kind, nodes):
         self.blocks.append((kind, np.asarray(nodes, dtype=np.int64)))
         return len(self.blocks) - 1
@@ -58,6 +54,10 @@ class Body:
         for block in {block for block, _ in places}:
             self.group(name, block, [cell for of, cell in places if of == block])
 
+    def note_missing(self, name, missing, what, by="set"):
+        if missing:
+            self.notes.append(f"the {by} \"{name}\" names {missing} {what}(s) that are not there")
+
 
 def plain(name):
     """"medit:ref" is "ref"."""
@@ -67,7 +67,9 @@ def plain(name):
 def are_no_parts(body, name, numbers_in):
     if len(numbers_in) > MOST_PARTS:
         body.notes.append(f"the array \"{plain(name)}\" has {len(numbers_in)} different numbers: too many to name parts")
-    return len(numbers_in) > MOST_PARTS or not np.all(numbers_in == np.round(numbers_in))
+    numbers_in = np.asarray(numbers_in, dtype=float)
+    are_whole = np.isfinite(numbers_in) & (numbers_in == np.round(numbers_in))
+    return len(numbers_in) > MOST_PARTS or not np.all(are_whole)
 
 
 def add_parts(body, name, values):

@@ -4,7 +4,7 @@ import xml.parsers.expat
 import numpy as np
 
 from body import NODES_OF, Body, wrong
-from lines import name_once, node_numbers, numbers
+from lines import define, node_numbers, numbers
 
 
 class Element:
@@ -39,8 +39,8 @@ def read_xml(path):
         parser.Parse(path.read_bytes(), True)
     except xml.parsers.expat.ExpatError as error:
         wrong(path, error.lineno, f"this is not XML: {xml.parsers.expat.errors.messages[error.code]}")
-    except LookupError as error:
-        wrong(path, 1, f"{error}: save it with encoding=\"UTF-8\"")
+    except (LookupError, ValueError) as error:  # Python's, which it asks for what it does not know itself
+        wrong(path, 1, f"the encoding that this line names cannot be read ({error}); save the file as UTF-8")
     return root
 
 
@@ -73,13 +73,16 @@ class Febio:
         for nodes in (nodes for mesh in meshes for nodes in mesh.all("Nodes")):
             name = nodes.attributes.get("name")
             for node in nodes.all("node"):
-                if "id" not in node.attributes:
-                    wrong(self.path, node.line, "a node without an id; number each once")
-                name_once(self.number_of, "node", node.attributes["id"], len(points), self.path, node.line)
+                self.define(self.number_of, node, len(points), "node")
                 if name:
                     self.nodes_of.setdefault(name, []).append(len(points))
                 points.append(numbers(node.text, self.path, node.line, 3, commas=True))
         return points
+
+    def define(self, known, element, value, what):
+        """Under its id; what has none cannot be named."""
+        if "id" in element.attributes:
+            define(known, element.attributes["id"].strip(), value, what, self.path, element.line)
 
     def cell(self, element, kind):
         """Nodes of an element or a face."""
@@ -99,8 +102,7 @@ class Febio:
         block = self.body.add(kind, [self.cell(row, kind) for row in rows])
         places = [(block, cell) for cell in range(len(rows))]
         for row, place in zip(rows, places):
-            if "id" in row.attributes:
-                name_once(self.place, "element", row.attributes["id"], place, self.path, row.line)
+            self.define(self.place, row, place, "element")
         name = part.attributes.get("name") or (
             f"material {part.attributes['mat']}" if "mat" in part.attributes else "")
         if name:
@@ -111,15 +113,16 @@ class Febio:
         name = node_set.attributes.get("name", "")
         nodes = node_numbers(ids_in(node_set), self.number_of, self.path, node_set.line)
         for other in node_set.all("NodeSet"):
-            named = other.attributes.get("node_set", "")
-            if named not in self.nodes_of:
-                self.body.notes.append(f"the set \"{name}\" names the set \"{named}\", which is not there before it")
-            nodes = nodes + self.nodes_of.get(named, [])
+            nodes += self.nodes_of_set(other.attributes.get("node_set", ""), name)
         self.nodes_of[name] = self.body.point_groups[name] = nodes
 
+    def nodes_of_set(self, name, of):
+        if name not in self.nodes_of:
+            self.body.notes.append(f"the set \"{of}\" names the set \"{name}\", which is not there before it")
+        return self.nodes_of.get(name, [])
+
     def element_set(self, element_set):
-        name = element_set.attributes.get("name", "")
-        ids = ids_in(element_set)
+        name, ids = element_set.attributes.get("name", ""), ids_in(element_set)
         self.cells_of[name] = [self.place[i] for i in ids if i in self.place]
         self.body.note_missing(name, len(ids) - len(self.cells_of[name]), "element")
         self.body.group_of(self.cells_of[name], name)
@@ -135,14 +138,23 @@ class Febio:
         """Three numbers of each element of a set, which names them by their places in it, from 1."""
         places = self.cells_of.get(data.attributes.get("elem_set", ""), [])
         name = data.attributes.get("var") or data.attributes.get("name") or data.attributes.get("type") or "fiber"
-        for row in data.all("e", "elem"):
-            at = numbers(row.attributes.get("lid", "0"), self.path, row.line, 1, int)[0] - 1
-            if len(words_of(row)) != 3 or not 0 <= at < len(places):
-                continue
+        rows = [row for row in data.all("e", "elem") if len(words_of(row)) == 3]
+        of_places = [(self.place_in_set(row), row) for row in rows]
+        of_places = [(at, row) for at, row in of_places if 0 <= at < len(places)]
+        self.body.note_missing(name, len(rows) - len(of_places), "element", "data")
+        for at, row in of_places:
             block, cell = places[at]
             vectors = self.body.vectors.setdefault(name, {})
             array = vectors.setdefault(block, np.zeros((len(self.body.blocks[block][1]), 3)))
             array[cell] = numbers(row.text, self.path, row.line, 3, commas=True)
+
+    def place_in_set(self, row):
+        """From 0."""
+        lid = row.attributes.get("lid", "0")
+        try:
+            return int(lid) - 1
+        except ValueError:
+            wrong(self.path, row.line, f"lid=\"{lid}\" where the place of an element in its set is expected: 1, 2, ...")
 
 
 def words_of(element):
@@ -151,7 +163,8 @@ def words_of(element):
 
 def ids_in(element):
     """Of <node id="1"/>, <n id="1"/> and <e id="1"/>, or in the text."""
-    return [child.attributes["id"] for child in element.children if "id" in child.attributes] + words_of(element)
+    ids = [child.attributes["id"].strip() for child in element.children if "id" in child.attributes]
+    return ids + words_of(element)
 
 
 def read_febio(path):

@@ -2,7 +2,7 @@
 import numpy as np
 
 from body import DIMENSIONS, GMSH_ORDER, NODES_OF, WRITTEN, Body, wrong
-from lines import name_once, node_numbers
+from lines import node_numbers
 from meshio_file import read_by_meshio
 
 GMSH_KINDS = {number: kind for kind, (number, _, _) in WRITTEN.items()}
@@ -23,7 +23,7 @@ class GmshFile:
         self.size = np.dtype("<u8") if words[2:] != ["4"] else np.dtype("<u4")
         if self.binary and int.from_bytes(self.bytes(4), "little") != 1:
             wrong(path, 3, "it was written on a machine of another byte order")
-        self.words = None
+        self.words, self.text, self.taken = None, (0, 0), 0  # of a section of text: where it lies, words taken of it
 
     def line(self):
         end = self.data.find(b"\n", self.at)
@@ -48,16 +48,36 @@ class GmshFile:
                 if end < 0:
                     wrong(self.path, None, f"the file is truncated: it ends inside ${name}")
                 # A text section is numbers between words; a binary one is read where it lies.
-                self.words = None if self.binary else iter(self.data[begin:end].split())
+                self.words, self.text, self.taken = None, (begin, end), 0
+                if not self.binary:
+                    self.words = iter(self.data[begin:end].split())
                 yield name, begin, end
+
+    def here(self, back=0):
+        """The line of the number that was taken last, or of one `back` before it; of text."""
+        if self.words is None:
+            return None
+        begin, end = self.text
+        number, left = self.data.count(b"\n", 0, begin), self.taken - back
+        for line in self.data[begin:end].split(b"\n"):
+            number += 1
+            left -= len(line.split())
+            if left <= 0:
+                break
+        return number
+
+    def word(self, convert):
+        self.taken += 1
+        return convert(next(self.words))
 
     def take(self, kind, count=1):
         """`count` numbers: "i" of 32 bits, "s" of the file's size, "d" double."""
         if self.words is not None:
+            convert, dtype = (float, float) if kind == "d" else (int, np.int64)
             try:
-                return np.array([next(self.words) for _ in range(count)], dtype=float if kind == "d" else np.int64)
-            except (StopIteration, ValueError, RuntimeError):
-                wrong(self.path, None, "the file is truncated, or has words where numbers are expected")
+                return np.array([self.word(convert) for _ in range(count)], dtype=dtype)
+            except (StopIteration, ValueError, RuntimeError, OverflowError):
+                wrong(self.path, self.here(), "the file is truncated, or has words where numbers are expected")
         dtype = {"i": np.dtype("<i4"), "s": self.size, "d": np.dtype("<f8")}[kind]
         values = np.frombuffer(self.bytes(count * dtype.itemsize), dtype)
         return values if kind == "d" else values.astype(np.int64)
@@ -70,17 +90,26 @@ class GmshMesh:
         self.file, self.old = file, file.version == "2.2"
         self.names = {}  # (dimension, number) of a physical group -> name
         self.groups_of = {}  # (dimension, number) of an entity -> numbers of physical groups
-        self.tags, self.points = [], []
+        self.number_of, self.points = {}, []  # number_of: tag of a node -> point
         self.rows = {}  # kind -> [(tag, [(dimension, number) of physical groups], tags of nodes)]
         self.groups_of_cell = {}  # (kind, sorted nodes) -> those in rows: of old a cell stands there once for each group
         self.vectors = {}  # name -> {tag of an element: vector}
+        self.line_of_vectors = None
         sections = {"PhysicalNames": self.physical_names, "Entities": self.entities,
                     "PartitionedEntities": self.partitioned_entities, "Nodes": self.nodes, "Elements": self.elements,
                     "ElementData": self.element_data}
         for section, begin, end in file.sections():
             if section in sections:
-                sections[section](begin, end)
+                self.read(section, sections[section], begin, end)
             file.at = end
+
+    def read(self, section, reader, begin, end):
+        file = self.file
+        try:
+            reader(begin, end)
+        except (IndexError, ValueError):
+            line = None if file.binary else file.data.count(b"\n", 0, file.at)
+            wrong(file.path, line, f"${section} is truncated, or has words where numbers are expected; save it again")
 
     def physical_names(self, begin, end):
         for text in self.file.data[begin:end].decode("utf-8", "replace").splitlines()[1:]:
@@ -108,19 +137,25 @@ class GmshMesh:
         file = self.file
         if self.old:
             for _ in range(self.old_count()):
-                self.tags.append(file.take("i")[0])
+                self.node(file.take("i")[0])
                 self.points.append(file.take("d", 3))
             return
         for _ in range(file.take("s", 4)[0]):
             dimension, _, parametric = file.take("i", 3)
             count = int(file.take("s")[0])
-            self.tags += list(file.take("s", count))
+            for n, tag in enumerate(file.take("s", count), 1):
+                self.node(tag, count - n)
             width = 3 + (int(dimension) if parametric else 0)
             self.points += list(file.take("d", width * count).reshape(count, width)[:, :3])
 
+    def node(self, tag, back=0):
+        if int(tag) in self.number_of:
+            wrong(self.file.path, self.file.here(back), f"node {tag} is defined twice; give each a number of its own")
+        self.number_of[int(tag)] = len(self.number_of)
+
     def kind_of(self, number):
         if number not in GMSH_KINDS:
-            wrong(self.file.path, None, f"elements of Gmsh's type {number} are not read")
+            wrong(self.file.path, self.file.here(), f"elements of Gmsh's type {number} are not read")
         return GMSH_KINDS[number]
 
     def add(self, kind, tag, groups, nodes):
@@ -177,6 +212,7 @@ class GmshMesh:
         if len(integers) < 3 or integers[1] != 3 or not name or name in self.vectors:
             return
         values = self.vectors[name] = {}
+        self.line_of_vectors = file.data.count(b"\n", 0, begin)
         for _ in range(integers[2]):
             if file.binary:
                 values[int(file.take("i")[0])] = file.take("d", 3)
@@ -187,16 +223,25 @@ class GmshMesh:
     def body(self):
         if not self.rows:
             wrong(self.file.path, None, "there is no $Elements section: the file is truncated")
-        number_of = {}
-        for n, tag in enumerate(self.tags):
-            name_once(number_of, "node", int(tag), n, self.file.path, None)
+        self.refuse_tetrahedra_of_one_tag()
         body = Body(self.points)
         for kind, rows in self.rows.items():
-            cells = np.array([node_numbers(map(int, nodes), number_of, self.file.path, None) for _, _, nodes in rows])
+            cells = np.array([node_numbers(map(int, nodes), self.number_of, self.file.path, None)
+                              for _, _, nodes in rows])
             block = body.add(kind, cells[:, GMSH_ORDER] if kind == "tetra10" else cells)
             self.add_groups(body, block, rows)
             self.add_vectors(body, block, rows)
         return body
+
+    def refuse_tetrahedra_of_one_tag(self):
+        """Only where vectors ask for tags: version 2.2 may write an element once for each of its groups."""
+        if not self.vectors:
+            return
+        tags, counts = np.unique([int(row[0]) for kind in ("tetra", "tetra10") for row in self.rows.get(kind, [])],
+                                 return_counts=True)
+        if len(twice := tags[counts > 1]):
+            wrong(self.file.path, self.line_of_vectors, "$ElementData cannot be assigned: two tetrahedra have the "
+                                                        f"number {twice[0]}; give each one of its own")
 
     def add_groups(self, body, block, rows):
         members = {}

@@ -14,18 +14,25 @@ def numbers(text, source, line, count=None, kind=float, commas=False):
     return found
 
 
-def name_once(known, what, name, value, source, line):
-    """known[name] = value, of a node or an element that has this number in the file."""
-    if name in known:
-        wrong(source, line, f"{what} {name} is defined twice; number each once")
-    known[name] = value
-
-
 def node_numbers(ids, number_of, source, line):
     try:
         return [number_of[i] for i in ids]
     except KeyError as missing:
         wrong(source, line, f"node {missing} is used and not defined")
+
+
+def define(known, number, value, what, source, line):
+    """known[number] is value from here on, and was nothing before."""
+    if number in known:
+        wrong(source, line, f"{what} {number} is defined twice; give each a number of its own")
+    known[number] = value
+
+
+def whole(number, what, source, line):
+    """A number that was read together with others, which need not be whole."""
+    if not float(number).is_integer():
+        wrong(source, line, f"{what} {number:g} is not a whole number; write one here")
+    return int(number)
 
 
 def data_lines(path, comment="#"):

@@ -8,8 +8,9 @@ import numpy as np
 from body import DIMENSIONS, WRITTEN, Body, add_parts, add_point_parts, plain, wrong
 
 LONGEST_READING = 900  # s
-OTHER_WAYS = ("save a surface as .stl (3D Slicer: Export to file; ParaView: Save Data), tetrahedra as .vtu, and unpack what is "
-              "compressed")
+COMPRESSED = (".gz", ".bz2", ".xz", ".zip", ".zst", ".7z")
+A_SURFACE = ("it is a surface of VTK's PolyData, which is not read: save it as .stl (3D Slicer: Export to File, STL; "
+             "ParaView: File, Save Data, STL)")
 
 
 def are_numbers_of_parts(name, arrays):
@@ -44,16 +45,22 @@ def read_by_meshio(path):
             raise
         text = str(error) if not isinstance(error, SystemExit) else said.getvalue()
         text = " ".join((text or said.getvalue()).replace("Error:", "").split())
+        if path.suffix.lower() == ".vtp" or "not POLYDATA" in text or "found PolyData" in text:
+            wrong(path, None, A_SURFACE)
         if "deduce" in text:
-            known = sorted({*meshio.extension_to_filetypes, ".feb"})
-            wrong(path, None, f"no format of this ending is known: {OTHER_WAYS}. There is {', '.join(known)}")
-        if "POLYDATA" in text:
-            wrong(path, None, f"it holds a surface in a format that is not read: {OTHER_WAYS}")
+            refuse_ending(path, {*meshio.extension_to_filetypes, ".feb"})
         wrong(path, None, f"meshio cannot read it: {text or type(error).__name__}; is it whole, and of the format that "
                           "its ending says? Another program may save it as .vtu or .msh")
     finally:
         signal.alarm(0)
     return of_meshio(read)
+
+
+def refuse_ending(path, known):
+    if path.suffix.lower() in COMPRESSED:
+        wrong(path, None, "it is compressed: decompress it first")
+    wrong(path, None, "no format of this ending is known; save a surface as .stl, a mesh of tetrahedra as .vtu, or "
+                      f"another that is known: {', '.join(sorted(known))}")
 
 
 def of_meshio(read):

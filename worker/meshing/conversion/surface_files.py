@@ -32,16 +32,20 @@ def read_stl(path):
                           "the file is truncated, or no STL")
     if not data.lstrip().lower().startswith(b"solid"):
         wrong(path, 1, "this is no STL file: it begins neither with \"solid\" nor with 84 bytes of a header")
-    corners, last = [], 0
-    for number, line in enumerate(data.decode("latin-1").splitlines(), 1):
+    corners, last, number, ended = [], 0, 1, False
+    for number, line in enumerate(data.decode("latin-1").rstrip().splitlines(), 1):
         words = line.lower().split()
         if words and words[0] == "vertex":
             corners.append(numbers(" ".join(words[1:]), path, number, 3))
             last = number
+        if "".join(words).startswith("endsolid"):
+            ended = True
+        elif words and words[0] in ("solid", "facet", "vertex"):
+            ended = False
     if len(corners) % 3:
         wrong(path, last, "the last triangle has not three corners: the file is truncated")
-    if b"endsolid" not in data.lower():
-        wrong(path, last, "there is no endsolid: the file is truncated; save it again")
+    if not ended:
+        wrong(path, number, "there is no endsolid behind this line: the file is truncated; write it again")
     return surface_of(np.array(corners).reshape(-1, 3), np.arange(len(corners)).reshape(-1, 3))
 
 
@@ -144,11 +148,13 @@ def read_ply(path):
                     points.append([row["x"], row["y"], row["z"]])
                 elif name == "face":
                     polygons.append(row["vertex_indices"] if "vertex_indices" in row else row["vertex_index"])
-    except (StopIteration, RuntimeError, ValueError):
+    except (StopIteration, RuntimeError, ValueError, OverflowError):
         wrong(path, None, "the file is truncated, or has words where numbers are expected")
     except KeyError as missing:
         wrong(path, None, f"its header has no property {missing}")
     for corners in polygons:
+        if not isinstance(corners, list):
+            wrong(path, None, "the corners of its faces are no list: its header has no property list vertex_indices")
         if len(corners) < 3 or min(corners) < 0 or max(corners) >= len(points):
             wrong(path, None, f"a face of corners that are not there: there are {len(points)}")
     return polygons_of(points, polygons)

@@ -2,7 +2,7 @@
 import numpy as np
 
 from body import TETGEN_ORDER, Body, add_parts, add_point_parts, wrong
-from lines import data_lines, name_once, node_numbers, numbers
+from lines import data_lines, define, node_numbers, numbers, whole
 
 
 def read_tetgen(path):
@@ -18,9 +18,9 @@ def read_tetgen(path):
     number_of, points, markers = {}, [], []
     for line, text in lines:
         row = numbers(text, node_file, line, width)
-        name_once(number_of, "node", int(row[0]), len(points), node_file, line)
+        define(number_of, whole(row[0], "node number", node_file, line), len(points), "node", node_file, line)
         points.append(row[1:4])
-        markers.append(int(row[-1]) if header[3] else 0)
+        markers.append(whole(row[-1], "marker", node_file, line) if header[3] else 0)
     if len(points) != header[0]:
         wrong(node_file, None, f"{header[0]} points are announced, and there are {len(points)}: the file is truncated")
     body = Body(points)
@@ -34,7 +34,8 @@ def read_tetgen(path):
     cells, regions = [], []
     for line, text in lines:
         row = numbers(text, ele_file, line, 1 + header[1] + header[2])
-        cells.append(node_numbers([int(i) for i in row[1:1 + header[1]]], number_of, ele_file, line))
+        nodes = [whole(node, "node number", ele_file, line) for node in row[1:1 + header[1]]]
+        cells.append(node_numbers(nodes, number_of, ele_file, line))
         regions.append(row[1 + header[1]] if header[2] else 0)
     if len(cells) != header[0]:
         wrong(ele_file, None, f"{header[0]} tetrahedra are announced, there are {len(cells)}: the file is truncated")
