@@ -89,12 +89,12 @@ void refuseOutput(const MeshOptions& options) {
   refuseUnwritable(output, "-o");
 }
 
-void printUnit(const MeshOptions& options, const LengthUnit& unit, double extent) {
-  const std::optional<GuessedUnit> guess = guessedUnit(extent);
+void printUnit(const MeshOptions& options, const LengthUnit& unit,
+               const std::optional<GuessedUnit>& guess, double extent) {
   if (!guess)
     fmt::print("warning    {}: scale it before it is used\n", whyNoUnit(extent));
   else if (!options.unit.empty() && !makesABody(extent, unit))
-    fmt::print("warning    {}; --unit {} fits\n", whyNotIn(unit, extent), guess->unit.word);
+    fmt::print("warning    {}; --unit {} fits\n", whyNotIn(extent, unit), guess->unit.word);
   else if (!options.unit.empty())
     fmt::print("unit       {}\n", unit.name);
   else
@@ -122,7 +122,7 @@ void printMesh(MadeMesh& made, const MeshOptions& options) {
     node = node.unaryExpr([&](double x) { return toMetres(x, unit.metres); });
   fmt::print("{}", meshText(made.mesh, measure(made.mesh),
                             std::filesystem::path(options.output).filename().string()));
-  printUnit(options, unit, extent);
+  printUnit(options, unit, guess, extent);
   for (const std::string& note : made.notes) fmt::print("note       {}\n", note);
   printNext(options, unit, extent);
 }
@@ -165,8 +165,9 @@ std::function<ExitCode()> prepareMesh(CLI::App& app) {
       ->type_name("WORD");
   app.add_flag("--largest", options->largest, "Of several bodies in a surface take the largest");
   app.add_flag("--straight", options->straight, "Of tetrahedra with curved edges take the corners");
-  app.add_option("--unit", options->unit,
-                 "What the file counts in, m, cm or mm, for the report [guessed]")
+  app.add_option(
+         "--unit", options->unit,
+         "What the file counts in, m, cm or mm, for the report and the next command [guessed]")
       ->type_name("UNIT");
   app.footer(
       "The mesh keeps the numbers of INPUT: its unit is said in the scene (length_unit). Groups\n"

@@ -55,7 +55,7 @@ GuessedUnit unitOfMesh(const NewOptions& options, const Mesh& as_metres) {
   if (!options.unit.empty()) {
     const LengthUnit unit = unitNamed(options.unit);
     if (makesABody(extent, unit) || !guess) return {unit};
-    throw badInput("{}: {}; give --unit {}", options.mesh, whyNotIn(unit, extent),
+    throw badInput("{}: {}; give --unit {}", options.mesh, whyNotIn(extent, unit),
                    guess->unit.word);
   }
   if (!guess) throw badInput("{}: {}: scale the mesh", options.mesh, whyNoUnit(extent));

@@ -59,7 +59,7 @@ bool makesABody(double extent, const LengthUnit& unit) {
   return extent * unit.metres >= smallest_body && extent * unit.metres <= largest_body;
 }
 
-std::string whyNotIn(const LengthUnit& unit, double extent) {
+std::string whyNotIn(double extent, const LengthUnit& unit) {
   return fmt::format("the body is {:.4g} wide, which is no organ in {} ({:g} to {:g} m)", extent,
                      unit.name, smallest_body, largest_body);
 }

@@ -26,8 +26,8 @@ std::string whyNoUnit(double extent);
 /// Whether a body of this extent in the unit of its file is one of 1 mm to 10 m.
 bool makesABody(double extent, const LengthUnit& unit);
 
-/// What a unit makes of a body that it does not fit: a clause for people.
-std::string whyNotIn(const LengthUnit& unit, double extent);
+/// What is wrong with a unit that makes none: a clause for people.
+std::string whyNotIn(double extent, const LengthUnit& unit);
 
 /// The unit of this word; Error (bad input) that lists the words otherwise.
 LengthUnit unitNamed(const std::string& word);

@@ -354,7 +354,7 @@ Tetrahedra fillWithTetrahedra(const ClosedSurface& surface, const Fineness& fine
   std::string reasons;
   for (const std::string& problem : problems) reasons += (reasons.empty() ? "" : "; ") + problem;
   throw failure("{}: no tetrahedra could be made in the surface: {}. {}", source, reasons,
-                all_missing ? "Install one of them"
+                all_missing ? (problems.size() > 1 ? "Install one of them" : "Install it")
                             : "Make its triangles more even (MeshLab: Isotropic Remeshing; "
                               "Blender: Remesh), or take another --size or --mesher");
 }
