@@ -20,8 +20,9 @@
 namespace palpate::test {
 
 /// Waits until `condition` holds. A test that has to wait a minute is broken, not slow.
-inline bool eventually(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+inline bool eventually(const std::function<bool()>& condition,
+                       std::chrono::seconds limit = std::chrono::minutes(1)) {
+  const auto deadline = std::chrono::steady_clock::now() + limit;
   while (!condition()) {
     if (std::chrono::steady_clock::now() > deadline) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -81,8 +82,15 @@ class Process {
            info.si_pid == 0;
   }
   void signal(int number) const { kill(pid_, number); }
-  /// The exit code, or 128 + the signal that ended it.
-  int wait() {
+  /// The exit code, or 128 + the signal that ended it. One that does not end within `limit`, less
+  /// than a test is given, is killed and shown.
+  int wait(std::chrono::seconds limit = std::chrono::minutes(10)) {
+    if (!eventually([&] { return !running(); }, limit)) {
+      ADD_FAILURE() << "process " << pid_ << " did not end within " << limit.count()
+                    << " s and is killed; it said:\n"
+                    << output();
+      signal(SIGKILL);
+    }
     int status = 0;
     waitpid(pid_, &status, 0);
     pid_ = -1;
