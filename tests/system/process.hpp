@@ -1,7 +1,6 @@
 #pragma once
 
 #include <fcntl.h>
-#include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -11,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iostream>
 #include <iterator>
 #include <sstream>
 #include <string>
@@ -83,12 +83,12 @@ class Process {
   }
   void signal(int number) const { kill(pid_, number); }
   /// The exit code, or 128 + the signal that ended it. One that does not end within `limit`, less
-  /// than a test is given, is killed and shown.
+  /// than a test is given, is shown and killed.
   int wait(std::chrono::seconds limit = std::chrono::minutes(10)) {
     if (!eventually([&] { return !running(); }, limit)) {
-      ADD_FAILURE() << "process " << pid_ << " did not end within " << limit.count()
-                    << " s and is killed; it said:\n"
-                    << output();
+      std::cerr << "process " << pid_ << " did not end within " << limit.count()
+                << " s and is killed; it said:\n"
+                << output() << std::endl;
       signal(SIGKILL);
     }
     int status = 0;
