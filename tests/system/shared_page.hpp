@@ -41,11 +41,12 @@ struct SharedPage : testing::Test {
   static std::string troubleOf(Browser& browser) {
     return browser.valueOf("document.getElementById('trouble').innerText");
   }
-  /// The hand has come to rest, and the field with it.
+  /// The hand has come to rest, and what is shown is the field's answer to where it is: that to an
+  /// earlier question may come when the hand is at rest already.
   static void settle(Browser& browser) {
     ASSERT_TRUE(browser.becomesTrue(
         "palpate.touched && Math.abs(palpate.page.hand.depth - palpate.page.hand.wanted) < 1e-9 &&"
-        "!palpate.page.waiting"));
+        "palpate.page.isAnswered(palpate.page.question())"));
   }
 
  private:

@@ -45,19 +45,25 @@ class Page {
   // Something may be asked there soon.
   prepare({touch, triangle, u, v}) { this.worker.postMessage({near: {touch, triangle, u, v}}); }
 
+  // Where the hand is, as the field is asked.
+  question() {
+    const {hand, touches} = this, {touch, triangle, u, v} = hand.place;
+    return {touch, triangle, u, v, p: hand.displacement(touches[touch].radius)};
+  }
+  // Whether the last answer is to that.
+  isAnswered({triangle, u, v, p}) {
+    const {answer} = this;
+    return answer && answer.triangle === triangle && answer.u === u && answer.v === v &&
+        answer.p.every((x, i) => x === p[i]);
+  }
   // Asks the field for where the hand is, one question at a time.
   ask() {
-    const {hand} = this;
-    if (!hand.place || this.waiting) return;
-    const {touch, triangle, u, v, seen} = hand.place,
-                                  p = hand.displacement(this.touches[touch].radius);
-    const same = this.answer && this.answer.triangle === triangle && this.answer.u === u &&
-        this.answer.v === v && this.answer.p.every((x, i) => x === p[i]);
-    if (same) return;
+    if (!this.hand.place || this.waiting) return;
+    const question = this.question(), {seen, normal} = this.hand.place;
+    if (this.isAnswered(question)) return;
     this.waiting = ++this.asked;
-    this.seen = seen;
-    this.normal = hand.place.normal;
-    this.worker.postMessage({touch, triangle, u, v, p, id: this.waiting});
+    Object.assign(this, {seen, normal});
+    this.worker.postMessage({...question, id: this.waiting});
   }
   heard(answer) {
     this.waiting = 0;
