@@ -122,7 +122,7 @@ class Browser {
       if (count <= 0) throw failure("Chromium went away: {}", process_->output());
       received_.append(buffer, static_cast<std::size_t>(count));
     }
-    const nlohmann::json message = nlohmann::json::parse(received_.substr(0, end));
+    nlohmann::json message = nlohmann::json::parse(received_.substr(0, end));
     received_.erase(0, end + 1);
     return message;
   }
