@@ -151,7 +151,8 @@ class DisturbedBuild {
   }
   bool isOurs(pid_t worker) const {
     const std::string command = test::contentOf("/proc/" + std::to_string(worker) + "/cmdline");
-    return command.starts_with("palpate-worker") && command.find(endpoint_) != std::string::npos;
+    return command.find("palpate-worker") != std::string::npos &&
+           command.find(endpoint_) != std::string::npos;
   }
   void tell(const std::string& what) {
     story_ += std::to_string(secondsOf(Clock::now() - began_)) + " s: " + what + "\n";
