@@ -103,24 +103,24 @@ TWO_RATES = ["solver", "hand (mm/s)", "equilibria a second", "mean way since the
 def two_rates(solver, seconds_of, path, force, stiffness):
     """A row of TWO_RATES for each speed. seconds_of(way): what an equilibrium takes that is so far from the last, m to s; path: n x 3
     places from rest (m), as far apart as the hand is looked at; force and stiffness: the exact ones there. The first place is
-    solved when the hand sets out."""
+    solved when the hand sets out, and is not counted; nor is what is not done when the hand stops."""
     path, force, rows = np.asarray(path), np.asarray(force), []
     for speed in SPEEDS:
         when = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))]) / speed
-        solved, target, ready, begun = 0, 0, 0.0, [0.0]
+        solved, target, ready, came = 0, 0, 0.0, 0
         errors, ways = [], []
         for now, at in zip(when, range(len(path))):
             while ready <= now:  # the solver turns to where the hand was when it was done
+                came += target != solved
                 solved, target = target, int(np.searchsorted(when, ready, side="right")) - 1
                 if target == solved:
                     ready = when[solved + 1] if solved + 1 < len(when) else np.inf
                 else:
-                    begun.append(ready)
                     ready += seconds_of(float(np.linalg.norm(path[target] - path[solved])))
             way = path[at] - path[solved]
             ways.append(np.linalg.norm(way))
             errors.append(np.linalg.norm(force[solved] + stiffness[solved] @ way - force[at]))
-        rows.append([solver, 1e3 * speed, (len(begun) - 1) / when[-1], 1e3 * float(np.mean(ways)), float(np.mean(errors)),
+        rows.append([solver, 1e3 * speed, came / when[-1], 1e3 * float(np.mean(ways)), float(np.mean(errors)),
                      float(np.percentile(errors, 95)), float(max(errors))])
     return rows
 

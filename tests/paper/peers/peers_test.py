@@ -239,7 +239,8 @@ class AnswersTest(unittest.TestCase):
             self.assertEqual(quick[1], 1e3 * speed)
             self.assertEqual(quick[-1], 0)
             self.assertAlmostEqual(stuck[-1], 0.04**2)
-            self.assertEqual(stuck[2] * 0.04 / speed, 1)
+            self.assertAlmostEqual(quick[2] * 0.04 / speed, 40)
+            self.assertEqual(stuck[2], 0)
 
     def testWhatConvergedInTimeIsExactAndElseWhatThereIsIsAnswered(self):
         length = round(loop.SPEEDS[0] * loop.BUDGETS[0], 9)
