@@ -4,13 +4,13 @@ Errors are of the force vector, so they do not divide by components that are zer
 in N, relative by max(|f|, references.FLOOR). A place is covered by tri-linear interpolation when the 8 corners of its cell
 are in the ball and solved, by tri-cubic when the 64 around it are, by radial functions always."""
 import dataclasses
-import json
+import pathlib
 
 import figure
 import organs
 import published
 import references
-from record import NotMeasured, needed
+from record import NotMeasured, content, needed
 
 PAPERS = ["trilinear", "tricubic", "rbf-linear", "rbf-cubic"]
 OURS = ["hermite", "potential"]
@@ -32,7 +32,9 @@ class Case:
 
 
 def cases(record):
-    return [Case(nodes, law) for nodes in record.nodes for law in record.laws]
+    """The paper's two laws that can be moved through all of the ball."""
+    laws = [law for law in ("mr", "msvk") if law in record.laws]
+    return [Case(nodes, law) for nodes in record.nodes for law in (laws[:1] if record.quick else laws)]
 
 
 def lattices(record):
@@ -80,19 +82,23 @@ def radial_by_scipy(record, name, dataset, method, displacements):
         force = numpy.concatenate([cdist(part, places / scale) ** power @ weights for part in numpy.array_split(at, 1 + len(at) // 500)])
         return {"force": force.tolist(), "query_ns": None, "prepare_s": None}
 
-    return record.measure(f"{method} of {name} by SciPy", make, dataset, displacements, command=f"tests/paper/run {record.target}")
+    return record.measure(f"{method} of {name} by SciPy", make, content(pathlib.Path(dataset)), displacements,
+                          command=f"tests/paper/run {record.target}")
 
 
 def all_answers(record, name, dataset, displacements):
+    """({method: its answers}, {method: where they come from})"""
     solved = dataset.value["points"]["expandable"] + dataset.value["points"]["terminating"]
     radial = [method for method in PAPERS if method.startswith("rbf")]
     few = solved <= LARGEST_RBF
     methods = [method for method in PAPERS + OURS if few or method not in radial]
     given, measured = answers(record, name, dataset.value["dataset"], methods, displacements)
+    sources = dict.fromkeys(methods, measured)
     if not few:
         for method in radial:
-            given[method] = radial_by_scipy(record, name, dataset.value["dataset"], method, displacements).value
-    return given, measured
+            sources[method] = radial_by_scipy(record, name, dataset.value["dataset"], method, displacements)
+            given[method] = sources[method].value
+    return given, sources
 
 
 # Where a method of the paper can answer
@@ -124,28 +130,41 @@ COLUMNS = ["organ", "law", "configurations", "method", "places wanted", "places 
 
 
 def errors(record, kind):
-    """A row of COLUMNS for each case, lattice and method."""
+    """A row of COLUMNS for each case, lattice and method, of the cases that are measured as a whole; the others are named."""
+    return [row for case in cases(record) for row in whole(record, f"{case.name()}, {kind} paths", lambda: errors_of(record, case, kind))]
+
+
+def whole(record, name, rows):
+    """rows(), or none where a part of them is not measured: what is drawn and compared lacks no lattice."""
+    try:
+        return rows()
+    except NotMeasured as why:
+        record.not_measured(name, str(why))
+        return []
+
+
+def errors_of(record, case, kind):
     numpy = needed("numpy")
     rows = []
-    for case in cases(record):
-        truth = exact(record, case, kind)
-        force = numpy.array(truth.force)
-        length = numpy.maximum(numpy.linalg.norm(force, axis=1), references.FLOOR)
-        for divisions in lattices(record):
-            dataset = built(record, case, divisions)
-            given, measured = all_answers(record, f"{case.name()} n{divisions} {kind}", dataset, truth.displacement)
-            inside = covered(dataset.value["dataset"], truth.displacement)
-            for method in PAPERS + OURS:
-                error = numpy.linalg.norm(numpy.array(given[method]["force"]) - force, axis=1)
-                measures = [error.mean(), error.max(), 100 * (error / length).mean(), 100 * (error / length).max()]
-                part = inside[method]
-                few = [None] * 4 if not part.any() else [error[part].mean(), error[part].max(), 100 * (error / length)[part].mean(),
-                                                         100 * (error / length)[part].max()]
-                row = [case.organ().name, organs.LAWS[case.law], dataset.value["points"]["points"] - 1, method, truth.wanted, len(force),
-                       100 * float(part.mean()), *map(float, measures), *(None if m is None else float(m) for m in few),
-                       100 * float(numpy.median(error / length))]
-                rows.append(row)
-                record.row(f"{case.name()}/{row[2]}/{method}", COLUMNS[6:], row[6:], [measured] * len(COLUMNS[6:]))
+    truth = exact(record, case, kind)
+    force = numpy.array(truth.force)
+    length = numpy.maximum(numpy.linalg.norm(force, axis=1), references.FLOOR)
+    for divisions in lattices(record):
+        dataset = built(record, case, divisions)
+        given, sources = all_answers(record, f"{case.name()} n{divisions} {kind}", dataset, truth.displacement)
+        inside = covered(dataset.value["dataset"], truth.displacement)
+        for method in PAPERS + OURS:
+            error = numpy.linalg.norm(numpy.array(given[method]["force"]) - force, axis=1)
+            measures = [error.mean(), error.max(), 100 * (error / length).mean(), 100 * (error / length).max()]
+            part = inside[method]
+            few = [None] * 4 if not part.any() else [error[part].mean(), error[part].max(), 100 * (error / length)[part].mean(),
+                                                     100 * (error / length)[part].max()]
+            row = [case.organ().name, organs.LAWS[case.law], dataset.value["points"]["points"] - 1, method, truth.wanted, len(force),
+                   100 * float(part.mean()), *map(float, measures), *(None if m is None else float(m) for m in few),
+                   100 * float(numpy.median(error / length))]
+            rows.append(row)
+            record.row(f"{kind} paths, {case.name()}/{row[2]}/{method}", COLUMNS[4:], row[4:],
+                       [truth.measured] * 2 + [sources[method]] * len(COLUMNS[6:]))
     return rows
 
 
@@ -179,7 +198,8 @@ def draw_errors(rows, kind):
 
 def figure_of(record, name, kind):
     rows = errors(record, kind)
-    figure.save_figure(record, name, COLUMNS, rows, draw_errors(rows, kind), size=(3.4 * len(cases(record)) + 1, 6), holes=True)
+    groups = len({(row[0], row[1]) for row in rows})
+    figure.save_figure(record, name, COLUMNS, rows, draw_errors(rows, kind), size=(3.4 * groups + 1, 6), holes=True)
 
 
 def figure8(record):
@@ -194,19 +214,25 @@ def figure9(record):
 
 def methods(record):
     """Every method by what it costs: configurations, seconds of building, ns of a query, bytes."""
+    rows = [row for case in cases(record) for row in whole(record, f"{case.name()}, costs", lambda: costs_of(record, case))]
+    groups = len({(row[0], row[1]) for row in rows})
+    figure.save_figure(record, "methods", METHOD_COLUMNS, rows, draw_methods(rows), size=(10, 4.6 * groups + 0.6), holes=True)
+
+
+def costs_of(record, case):
     rows = []
-    for case in cases(record):
-        by_key = {(row[2], row[3]): row for row in errors(record, "random") if (row[0], row[1]) == (case.organ().name, organs.LAWS[case.law])}
-        truth = exact(record, case, "random")
-        for divisions in lattices(record):
-            dataset = built(record, case, divisions)
-            given, measured = all_answers(record, f"{case.name()} n{divisions} random", dataset, truth.displacement)
-            for method in PAPERS + OURS:
-                row = by_key[(dataset.value["points"]["points"] - 1, method)]
-                rows.append([row[0], row[1], method, row[2], dataset.value["seconds"], given[method]["query_ns"], dataset.value["bytes"] / 1e6,
-                             row[7], row[9], row[8], row[15]])
-                record.row(f"{case.name()}/{row[2]}/{method}", METHOD_COLUMNS[3:], rows[-1][3:], [measured] * len(METHOD_COLUMNS[3:]))
-    figure.save_figure(record, "methods", METHOD_COLUMNS, rows, draw_methods(rows), size=(10, 4.6 * len(cases(record)) + 0.6), holes=True)
+    by_key = {(row[2], row[3]): row for row in errors_of(record, case, "random")}
+    truth = exact(record, case, "random")
+    for divisions in lattices(record):
+        dataset = built(record, case, divisions)
+        given, sources = all_answers(record, f"{case.name()} n{divisions} random", dataset, truth.displacement)
+        for method in PAPERS + OURS:
+            row = by_key[(dataset.value["points"]["points"] - 1, method)]
+            rows.append([row[0], row[1], method, row[2], dataset.value["seconds"], given[method]["query_ns"], dataset.value["bytes"] / 1e6,
+                         row[7], row[9], row[8], row[15]])
+            by, answered = dataset, sources[method]
+            record.row(f"{case.name()}/{row[2]}/{method}", METHOD_COLUMNS[3:], rows[-1][3:], [by, by, answered, by, *[answered] * 4])
+    return rows
 
 
 METHOD_COLUMNS = ["organ", "law", "method", "configurations", "build (s)", "query (ns)", "dataset (MB)", "mean error (N)",

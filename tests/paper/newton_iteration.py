@@ -1,7 +1,8 @@
 """Table 1 of the paper: what one Newton iteration costs, beside GetFEM, with which the paper solved, in the same run.
 
 Ours is assembly of residual and tangent, and factorisation with one solve, where Newton begins on a way of 1 mm; GetFEM's is
-its assembly, and its linear solve by the same MUMPS, at rest. The best of all rounds counts on both sides. Seconds."""
+its assembly, and its linear solve by the same MUMPS, at rest. The best round counts on both sides; in a round GetFEM makes one
+iteration, and ours is the median of several. Seconds."""
 import dataclasses
 import sys
 
@@ -82,8 +83,8 @@ COLUMNS = ["law, order, organ", "published unknowns", "published assembly (s)", 
 
 def seconds_of(samples):
     """Unknowns and seconds, the best of the rounds, in parts as the paper has them; and a measurement they are from."""
-    best = min(samples, key=lambda sample: sample.value["newton_iteration"]["best_ms"])
-    seconds = lambda *parts: sum(best.value[part]["best_ms"] for part in parts) / 1e3
+    best = min(samples, key=lambda sample: sample.value["newton_iteration"]["median_ms"])
+    seconds = lambda *parts: sum(best.value[part]["median_ms"] for part in parts) / 1e3
     return [best.value["unknowns"], seconds("assemble_residual_and_tangent"), seconds("factorize", "solve_one"),
             seconds("newton_iteration")], best
 
@@ -117,5 +118,13 @@ def measured_row(record, row):
 
 def table1(record):
     """Table 1: a Newton iteration, published, by GetFEM 5.4 and by ours, the paper's elements and stable ones."""
-    rows = [row for row in ROWS if row.nodes in record.nodes]
-    figure.save_table(record, "table1", COLUMNS, [measured_row(record, row) for row in rows])
+    rows = [row for row in ROWS if row.nodes in record.nodes and row.law in record.laws]
+    figure.save_table(record, "table1", COLUMNS, [whole_row(record, row) for row in rows])
+
+
+def whole_row(record, row):
+    try:
+        return measured_row(record, row)
+    except NotMeasured as why:
+        record.not_measured(row.name(), str(why))
+        return [row.name(), *[None] * (len(COLUMNS) - 1)]

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""tests/paper: what it keeps, and what it refuses. ctest runs each case by itself; by hand tests/paper/paper_test.py."""
+"""tests/paper: what it keeps, and what it refuses. ctest runs each case by itself; by hand
+PALPATE_BIN_DIR=build/release/bin tests/paper/paper_test.py."""
 import functools
 import json
 import os
@@ -14,11 +15,25 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 sys.dont_write_bytecode = True
 
+import builds
+import claims
 import figure
 import interpolation
+import newton_iteration
 import organs
 import references
-from record import Incomplete, NotMeasured, Record, needed
+import surveys
+from record import Incomplete, Measured, NotMeasured, Record, needed
+
+PROGRAMS = pathlib.Path(os.environ.get("PALPATE_BIN_DIR", HERE.parents[1] / "build/release/bin")).parent
+
+
+def waited(until, seconds=60):
+    ends = time.monotonic() + seconds
+    while not until():
+        if time.monotonic() > ends:
+            raise AssertionError(f"waited for {seconds} s")
+        time.sleep(0.05)
 
 
 class Paper(unittest.TestCase):
@@ -57,6 +72,31 @@ class Paper(unittest.TestCase):
             file.write_text(text)
             self.assertEqual(self.record().run("cat", ["cat", file]).value, int(text))
 
+    def testACommandIsRunAgainWhenTheMeshOfItsSceneHasChanged(self):
+        scene, mesh = self.folder / "scene.toml", self.folder / "body.msh"
+        scene.write_text(f'mesh = "{mesh.name}"\n')
+        count = ["sh", "-c", 'wc -c < "$(dirname "$0")/body.msh"', scene]
+        for text in ("1", "22"):
+            mesh.write_text(text)
+            self.assertEqual(self.record().run("count", count).value, len(text))
+
+    def testWhatACommandReadIsKeptForWhoeverRunsItAgain(self):
+        measured = self.record().run("cat", ["cat"], "[1, 2]")
+        command, _, file = measured.command.partition(" < ")
+        self.assertEqual((command, pathlib.Path(os.path.join(HERE.parents[1], file)).read_text()), ("cat", "[1, 2]"))
+
+    def testACommandEndsWithTheRunThatWaitsForIt(self):
+        program = f"""
+import sys
+sys.path.insert(0, {str(HERE)!r})
+from record import Record
+Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec sleep 600', {str(self.folder / "pid")!r}])"""
+        with subprocess.Popen([sys.executable, "-B", "-c", program], stdout=subprocess.DEVNULL) as run:
+            waited(lambda: (self.folder / "pid").exists() and (self.folder / "pid").read_text())
+            run.kill()
+        process = pathlib.Path("/proc") / (self.folder / "pid").read_text().strip()
+        waited(lambda: not process.exists() or "State:\tZ" in (process / "status").read_text())
+
     def testACommandThatFailsIsNoMeasurement(self):
         with self.assertRaisesRegex(Incomplete, "ls .*/nowhere ended with 2: .*No such file"):
             self.record().run("ls", ["ls", "/nowhere"])
@@ -72,6 +112,12 @@ class Paper(unittest.TestCase):
         self.assertEqual((number["value"], number["unit"], number["command"]), (1.5, "N", "echo 1.5"))
         self.assertTrue(number["machine"]["processor"] and number["commit"])
         self.assertEqual(kept["not_measured"], {"test/other": "no such package"})
+
+    def testANumberOfSeveralMeasurementsIsToldWithAllOfTheirCommandsAndCommits(self):
+        of = lambda command, commit, at: Measured(1, command, "machine", commit, at)
+        all_of = Measured.of_all([of("one", "c1", "2026-01-02"), of("two", "c2", "2026-01-03"), of("one", "c1", "2026-01-01")])
+        self.assertEqual((all_of.command, all_of.commit, all_of.at), ("one; two", "c1; c2", "2026-01-03"))
+        self.assertEqual(Measured.of_all([of("one", "c1", "2026-01-02")], "both").command, "both")
 
     def testATargetThatIsMadeAloneLeavesTheNumbersOfOthers(self):
         record = self.record()
@@ -89,6 +135,40 @@ class Paper(unittest.TestCase):
         self.assertEqual(record.measure("a number", lambda: 8).value, 7)
         with self.assertRaisesRegex(NotMeasured, "another was not begun in the hours that were given"):
             record.measure("another", lambda: 8)
+
+    # How long builds take
+
+    def built(self, again=False, scene=None, **options):
+        """Seven configurations of a body that takes no time; `again`: though it was measured."""
+        for measurement in self.folder.glob("measurements/build-*") if again else []:
+            measurement.unlink()
+        record = Record(self.folder, PROGRAMS, say=self.said.append, **{"jobs": 1, **options})
+        return record.dataset("seven", scene or organs.scene(organs.organ(500), "linear", radius=0.001, divisions=1)).value
+
+    def setClock(self, **clock):
+        (self.folder / "datasets" / "seven.clock").write_text(json.dumps(clock))
+
+    def testAnInterruptedBuildTookAsLongAsItsParts(self):
+        self.assertEqual(self.built()["points"]["points"], 7)
+        self.setClock(seconds=1000.0, jobs=1)
+        self.assertGreater(self.built(again=True)["seconds"], 1000)
+
+    def testABuildThatOthersBeganBeginsAnew(self):
+        self.built()
+        for begun in ({"seconds": 1000.0, "jobs": 2}, {"seconds": 1000.0, "jobs": None}):
+            self.setClock(**begun)
+            self.assertLess(self.built(again=True)["seconds"], 1000)
+
+    def testABuildOfAnotherSceneBeginsAnew(self):
+        self.built()
+        self.setClock(seconds=1000.0, jobs=1)
+        other = organs.scene(organs.organ(500), "linear", radius=0.002, divisions=1)
+        self.assertLess(self.built(scene=other)["seconds"], 1000)
+
+    def testTheTimeOfLocalWorkersIsNotThatOfOthers(self):
+        self.built()
+        with self.assertRaisesRegex(NotMeasured, "was not begun"):
+            self.built(listen="tcp://127.0.0.1:*", hours=0)
 
     def testMeasurementsThatRunTogetherAreInOrderAndAFailureEndsTheRest(self):
         record = Record(self.folder, jobs=2, say=self.said.append)
@@ -129,10 +209,41 @@ class Paper(unittest.TestCase):
         self.assertEqual((self.folder / "figures" / "table.md").read_text(),
                          "| method | error (N) |\n| --- | --- |\n| ours | 0.25 |\n| other | not measured |\n")
 
+    def testWhatASurveyLacksIsNamedAndItsFigureNotDrawn(self):
+        with self.assertRaisesRegex(Incomplete, "not all of the paper's surveys"):
+            surveys.how_far(self.withoutTime())
+        table = (self.folder / "figures" / "paths.md").read_text()
+        self.assertEqual(table.count("| liver"), len(surveys.surveys(self.withoutTime())))
+        self.assertIn("| Mooney-Rivlin | finger, 20 mm | regular | 20 mm, adaptive | not measured |", table)
+        self.assertFalse((self.folder / "figures" / "paths-way.svg").exists())
+
+    def testOfWhatIsNotMeasuredTablesNameEveryRow(self):
+        newton_iteration.table1(self.withoutTime())
+        claims.claims(self.withoutTime())
+        for name, rows in ("table1", newton_iteration.ROWS), ("claims", claims.CLAIMS):
+            table = (self.folder / "figures" / f"{name}.md").read_text()
+            self.assertEqual(len([line for line in table.splitlines()[2:] if "not measured" in line]), len(rows))
+
+    def testErrorsAlongPathsAreDrawnOfWholeCasesAlone(self):
+        record = self.withoutTime()
+        with self.assertRaisesRegex(Incomplete, "there are no data"):
+            interpolation.figure8(record)
+        self.assertEqual(len(record.missing), len(interpolation.cases(record)))
+
+    def withoutTime(self):
+        record = Record(self.folder, hours=0, say=self.said.append)
+        record.target = "test"
+        return record
+
+    def testOneLawCanBeAskedFor(self):
+        record = Record(self.folder, laws=("mr",), say=self.said.append)
+        asked = [survey.law for survey in surveys.surveys(record)] + [row.law for row in builds.cases(record)]
+        asked += [case.law for case in interpolation.cases(record)]
+        self.assertEqual(set(asked), {"mr"})
+
     # The paper's experiments
 
     def testTheLatticesHaveThePapersPoints(self):
-        import claims
         self.assertEqual({n: len(claims.ball(n)) for n in organs.LATTICES}, organs.LATTICES)
 
     def testThereAre26DirectionsOfLengthOne(self):

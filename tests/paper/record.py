@@ -47,6 +47,15 @@ def commit():
         return "unknown: these sources are no git repository"
 
 
+def commit_of(programs):
+    """What `palpate --version` says that they are made of."""
+    try:
+        said = subprocess.run([programs / "palpate", "--version"], capture_output=True, text=True, check=True).stdout
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown: there is no palpate"
+    return (re.search(r"^commit (.*)$", said, re.M) or ["", "unknown"])[1]
+
+
 def write_whole(path, text):
     """A file is there as a whole or not at all, whenever we are killed."""
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -62,14 +71,14 @@ class Record:
     hours: nothing is measured that is not begun by then."""
 
     def __init__(self, folder, programs=ROOT / "build" / "release", quick=False, jobs=2, listen=None, nodes=(500, 2000),
-                 laws=("mr", "msvk"), random_paths=200, hours=float("inf"), say=print):
+                 laws=("mr", "msvk", "svk"), random_paths=200, hours=float("inf"), say=print):
         self.folder = pathlib.Path(folder).resolve()
         self.programs, self.bench = pathlib.Path(programs).resolve() / "bin", pathlib.Path(programs).resolve() / "bench"
         self.quick, self.jobs, self.listen, self.say = quick, jobs, listen, say
-        self.nodes, self.laws = ((500,), ("mr",)) if quick else (tuple(nodes), tuple(laws))
+        self.nodes, self.laws = (500,) if quick else tuple(nodes), tuple(laws)
         self.random_paths = random_paths
         self.ends = time.monotonic() + 3600 * hours
-        self.machine, self.commit = machine(), commit()
+        self.machine, self.commit = machine(), f"{commit()}, programs of {commit_of(self.programs)}"
         self.target = None
         self.numbers, self.missing = {}, {}
 
@@ -98,15 +107,25 @@ class Record:
         words = [str(word) for word in command]
 
         def make():
-            done = subprocess.run(words, input=text, capture_output=True, text=True, check=False, cwd=self.folder)
+            done = subprocess.run(words, input=text, capture_output=True, text=True, check=False, cwd=self.folder,
+                                  preexec_fn=end_with_parent)
             if done.returncode not in codes:
                 raise Incomplete(f"{self.shown(words)} ended with {done.returncode}: {done.stderr.strip()[-1000:]}")
             return [json.loads(line) for line in done.stdout.splitlines() if line] if lines else json.loads(done.stdout)
 
         self.folder.mkdir(parents=True, exist_ok=True)
         inputs = [content(pathlib.Path(word)) for word in words[1:]]
-        return self.measure(name, make, words, inputs, hashlib.sha256((text or "").encode()).hexdigest(), *depends,
-                            command=self.shown(words))
+        read = hashlib.sha256((text or "").encode()).hexdigest()
+        return self.measure(name, make, words, inputs, read, *depends, command=self.shown(words) + self.reading(read, text))
+
+    def reading(self, name, text):
+        """" < FILE" that holds what a command reads, so that a reader can run it again."""
+        if text is None:
+            return ""
+        file = self.folder / "inputs" / f"{name[:16]}.txt"
+        if not file.exists():
+            write_whole(file, text)
+        return f" < {self.shown([file])}"
 
     def together(self, measurements):
         """What these functions return, in their order; as many at once as there are local workers. Not for what is timed.
@@ -127,29 +146,35 @@ class Record:
     def dataset(self, name, scene, jobs=None):
         """Builds `scene` (text of a scene file) and says how long it took: {dataset, seconds, bytes, jobs (None:
         workers from anywhere), points by tag}.
-        An interrupted build goes on where it was, and then took as long as its parts together."""
+        An interrupted build goes on where it was, and then took as long as its parts together; begun with other workers
+        or of another scene it begins anew."""
         jobs = jobs or self.jobs
+        workers = None if self.listen else jobs  # for how many the time counts; None: what comes from anywhere
         folder = self.folder / "datasets"
         path, dataset = folder / f"{name}.toml", folder / f"{name}.h5"
         folder.mkdir(parents=True, exist_ok=True)
-        if not path.exists() or path.read_text(encoding="utf-8") != scene:
-            shutil.rmtree(f"{dataset}.state", ignore_errors=True)  # of another scene of this name
+        clock = folder / f"{name}.clock"
+
+        def begin_anew():
+            shutil.rmtree(f"{dataset}.state", ignore_errors=True)
             dataset.unlink(missing_ok=True)
+            clock.unlink(missing_ok=True)
+
+        if not path.exists() or path.read_text(encoding="utf-8") != scene:
+            begin_anew()
             write_whole(path, scene)
         command = [str(self.programs / "palpate"), "build", str(path), "-o", str(dataset), "-j", str(jobs), "-q"]
         if self.listen:
             command[1:2], command[-3:-1] = ["serve"], ["--listen", self.listen, "--state", f"{dataset}.state"]
-        clock = folder / f"{name}.clock"
 
         def make():
-            before = {"seconds": 0.0, "jobs": jobs}
-            if pathlib.Path(f"{dataset}.state").exists():
-                with contextlib.suppress(OSError, ValueError):
-                    before = json.loads(clock.read_text(encoding="ascii"))
-            if dataset.exists() and before["jobs"] != jobs:  # complete: how long so many take is to be measured
-                shutil.rmtree(f"{dataset}.state")
-                dataset.unlink()
+            before = {"seconds": 0.0, "jobs": "nobody"}
+            with contextlib.suppress(OSError, ValueError):
+                before = json.loads(clock.read_text(encoding="ascii"))
+            if before["jobs"] != workers:
+                begin_anew()
                 before["seconds"] = 0.0
+            write_whole(clock, json.dumps({"seconds": before["seconds"], "jobs": workers}))
             began = time.monotonic()
             with (tempfile.TemporaryFile("w+") as words,
                   subprocess.Popen(command, stdout=words, stderr=words, preexec_fn=end_with_parent) as build):
@@ -157,19 +182,19 @@ class Record:
                     with contextlib.suppress(subprocess.TimeoutExpired):
                         build.wait(2)
                     seconds = before["seconds"] + time.monotonic() - began
-                    write_whole(clock, json.dumps({"seconds": seconds, "jobs": jobs}))
+                    write_whole(clock, json.dumps({"seconds": seconds, "jobs": workers}))
                 words.seek(0)
                 said = words.read()
             if build.returncode not in (0, 3):  # 3: complete, with failed points
                 raise Incomplete(f"{self.shown(command)} ended with {build.returncode}: {said.strip()[-1000:]}")
             spaces = json.loads(subprocess.run([self.programs / "palpate", "status", f"{dataset}.state", "--json"],
                                                capture_output=True, text=True, check=True).stdout)["spaces"]
-            return {"dataset": str(dataset), "seconds": seconds, "bytes": dataset.stat().st_size, "jobs": None if self.listen else jobs,
+            return {"dataset": str(dataset), "seconds": seconds, "bytes": dataset.stat().st_size, "jobs": workers,
                     "points": {tag: sum(space[tag] for space in spaces)
                                for tag in ("points", "expandable", "terminating", "failed", "unknown")}}
 
         mesh = re.search(r'^mesh = "(.*)"$', scene, re.M)
-        made = self.measure(f"build {name}", make, scene, content(pathlib.Path(mesh[1])) if mesh else "", jobs, command=self.shown(command))
+        made = self.measure(f"build {name}", make, scene, content(pathlib.Path(mesh[1])) if mesh else "", workers, command=self.shown(command))
         if not dataset.exists():  # the measurement is there, its dataset was removed
             raise Incomplete(f"{dataset} is gone; remove {self.folder}/measurements/build-{name}-*.json to build it again")
         return made
@@ -221,12 +246,20 @@ class Measured:
     def __init__(self, value, command, made_on, of_commit, at):
         self.value, self.command, self.machine, self.commit, self.at = value, command, made_on, of_commit, at
 
+    @staticmethod
+    def of_all(parts, command=None):
+        """Of a number that is made of several; `command` makes them all, else it is each of theirs."""
+        each = lambda name: "; ".join(dict.fromkeys(getattr(part, name) for part in parts))
+        return Measured(None, command or each("command"), parts[0].machine, each("commit"), max(part.at for part in parts))
+
 
 def content(path):
-    """A word for what a file of a command line holds; other words stand for themselves."""
+    """A word for what a file of a command line holds, of a scene with its mesh; other words stand for themselves."""
     if not path.is_file() or path.stat().st_size > 1 << 28:
         return ""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    held = path.read_bytes()
+    mesh = re.search(rb'^mesh = "(.*)"$', held, re.M) if path.suffix == ".toml" else None
+    return hashlib.sha256(held).hexdigest() + (content(path.parent / mesh[1].decode()) if mesh else "")
 
 
 def needed(module):

@@ -11,7 +11,7 @@ import functools
 import figure
 import organs
 import published
-from record import NotMeasured
+from record import Incomplete, Measured, NotMeasured
 
 LAW_WORDS = {"svk": "st-venant-kirchhoff", "msvk": "modified-st-venant-kirchhoff", "mr": "mooney-rivlin"}  # of the survey
 
@@ -42,7 +42,8 @@ def surveys(record):
     more += [Survey(2000, law, merely=True) for law in ("msvk", "mr")]
     more += [Survey(2000, law, tool="rigid", radius=0.015) for law in ("msvk", "mr")]
     more += [Survey(2000, law, tool="finger", radius=0.02) for law in ("msvk", "mr")]
-    return papers if record.quick else [survey for survey in papers + more if survey.nodes in record.nodes]
+    every = papers if record.quick else papers + more
+    return [survey for survey in every if survey.nodes in record.nodes and survey.law in record.laws]
 
 
 @dataclasses.dataclass
@@ -81,12 +82,13 @@ def walked(record, survey, merely):
     name = f"paths of {survey.name()}, {steps_words(record, survey)}{', merely converged' if merely else ''}"
     parts = record.together([functools.partial(record.run, f"{name}, {axis} node {node + 1} of {nodes}",
                                                [*words, "--axis", axis, "--only-node", node]) for axis in axes for node in range(nodes)])
+    command = record.shown([*words, "--axis", "|".join(axes), "--only-node", f"0..{nodes - 1}"])
     every = [path for part in parts for path in part.value["every_path"]]
     done = [path for path in every if "cause" not in path]
     return Reached(way=[path["reached_m"] for path in every], length=0.2 if survey.kind == "random" else 0.1, complete=len(done),
                    without_inverted=sum(path["smallest_det_F"] > 0 for path in done), straight=sum(path["detours"] == 0 for path in done),
                    causes=collections.Counter(path["cause"] for path in every if "cause" in path),
-                   measured=parts[0])
+                   measured=Measured.of_all(parts, command))
 
 
 def wilson(successes, trials, z=1.96):
@@ -108,18 +110,26 @@ SURVEY_COLUMNS = ["organ", "law", "tool", "paths", "steps", "number of paths", "
                   "why the others stopped, valid"]
 
 
+def what_is_surveyed(record, survey):
+    """The first columns."""
+    return [organs.organ(survey.nodes).name, organs.LAWS[survey.law], survey.touch(), survey.kind, steps_words(record, survey)]
+
+
+def is_the_papers(survey):
+    return survey.nodes == 500 and survey.radius == 0
+
+
 def survey_row(record, survey, merely, valid):
     causes = lambda reached: ", ".join(f"{count} {cause}" for cause, count in reached.causes.most_common()) or "none did"
-    comparable = survey.kind == "regular" and survey.nodes == 500 and survey.radius == 0
-    row = [organs.organ(survey.nodes).name, organs.LAWS[survey.law], survey.touch(), survey.kind, steps_words(record, survey),
-           len(valid.way), published.CONVERGED[survey.law] if comparable else "-"]
+    comparable = survey.kind == "regular" and is_the_papers(survey)
+    row = [*what_is_surveyed(record, survey), len(valid.way), published.CONVERGED[survey.law] if comparable else "-"]
     row += [merely.percent(), interval(survey, merely), merely.percent(merely.without_inverted)] if merely else [None] * 3
     row += [valid.percent(), interval(survey, valid), valid.percent(valid.straight), causes(merely) if merely else None, causes(valid)]
     for column, value in zip(SURVEY_COLUMNS, row):
         reached = merely if "merely" in column else valid
-        if isinstance(value, float):
+        if isinstance(value, float) or column == "number of paths":
             name = f"{survey.name()}, {steps_words(record, survey)}/{column.removesuffix(' (%)')}"
-            record.number(name, value, "%", reached.measured)
+            record.number(name, value, "%" if column.endswith("(%)") else "", reached.measured)
     return row
 
 
@@ -160,17 +170,22 @@ def draw_survival(rows):
 
 def how_far(record):
     """Sec. 6.1: how many paths get to their end, merely converged and valid, by law and steps."""
-    rows, curves = [], []
+    rows, curves, papers = [], [], True
     for one in surveys(record):
         try:
             merely = walked(record, one, True) if one.merely else None
             valid = walked(record, one, False)
         except NotMeasured as why:
             record.not_measured(f"{one.name()}, {steps_words(record, one)}", str(why))
+            start = what_is_surveyed(record, one)
+            rows.append([*start, *[None] * (len(SURVEY_COLUMNS) - len(start))])
+            papers = papers and not is_the_papers(one)
             continue
         rows.append(survey_row(record, one, merely, valid))
-        if one.nodes == 500 and one.radius == 0:
+        if is_the_papers(one):
             curves += survival(record, one, merely, "merely converged") + survival(record, one, valid, "valid")
     figure.save_table(record, "paths", SURVEY_COLUMNS, rows)
+    if not papers:
+        raise Incomplete("paths-way: not all of the paper's surveys are measured")
     if curves:
         figure.save_figure(record, "paths-way", SURVIVAL_COLUMNS, curves, draw_survival(curves), size=(11, 4.4))

@@ -35,6 +35,16 @@ def label_points(axis, points):
                       xytext=(-5 if right else 5, 3 + 58 * (at - math.log10(y))))
 
 
+def naming(draw, missing):
+    """`draw`, with the methods over it that are not measured."""
+    def named(page):
+        draw(page)
+        if missing:
+            page.suptitle(f"not measured: {', '.join(dict.fromkeys(missing))}", fontsize=8, color=figure.COLORS[1])
+
+    return named
+
+
 def groups_of(rows):
     return list(dict.fromkeys((row[0], row[1]) for row in rows))
 
@@ -69,7 +79,8 @@ def speed(rows):
 
 
 def distributions(points):
-    """points: [organ, tool, method, error]. The share of the probes whose error is larger than so much."""
+    """points: [organ, tool, method, error; infinite where there was no answer]. The share of the probes whose error is larger
+    than so much."""
     def draw(page):
         axes = page.subplots(1, len(groups_of(points)), squeeze=False, sharey=True)[0]
         for axis, group in zip(axes, groups_of(points)):
@@ -79,7 +90,8 @@ def distributions(points):
                 seen[color(method)] += 1
                 errors = sorted(row[3] for row in points if (row[0], row[1]) == group and row[2] == method)
                 share = [100 * (1 - k / len(errors)) for k in range(len(errors))]
-                axis.plot(errors, share, linestyle=style, color=color(method), linewidth=2 if method.startswith("potential") else 1.1,
+                there = sum(map(math.isfinite, errors))
+                axis.plot(errors[:there], share[:there], linestyle=style, color=color(method), linewidth=2 if method.startswith("potential") else 1.1,
                           label=method)
             axis.set(xscale="log", xlabel="error of the force (N)", title=f"{group[0]}, {group[1]}")
             axis.legend(fontsize=5.5, loc="lower left")

@@ -36,7 +36,8 @@ class GetfemBody:
         model.add_initialized_data("C10", [some_body.law.c10])
         model.add_initialized_data("C01", [some_body.law.c01])
         model.add_macro("F", "(Id(3)+Grad_u)")
-        model.add_nonlinear_term(getfem.MeshIm(mesh, getfem.Integ("IM_TETRAHEDRON(2)")), POTENTIAL)
+        exact = getfem.Integ("IM_TETRAHEDRON(1)")  # F is constant in an element, and p, which is linear, a factor
+        model.add_nonlinear_term(getfem.MeshIm(mesh, exact), POTENTIAL)
         model.add_explicit_matrix("p", "p", self.stabilisation(some_body))
         held = np.flatnonzero(np.isin(self.u_node, fixed))
         self.moved = np.flatnonzero(np.isin(self.u_node, some_body.tool_nodes))

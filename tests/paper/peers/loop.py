@@ -2,8 +2,8 @@
 
 A loop that answers every B seconds sees a hand of speed v move by v B. From an equilibrium, made exact, the solver has B for
 the next one; a hand that goes on finds it late, so this favours the solver. What has not converged by then answers with what
-there is: the worker with the force and stiffness of where it was, GetFEM with its latest iterate, or the force of where it was
-when not one iteration was done.
+there is: GetFEM with its latest iterate; where not one is done, and the worker always, the linear answer with force and
+stiffness of where it was.
 
 A hand does not wait, and a solver that takes longer than a tick need not either: at *two rates* it goes on solving for where the
 hand is when it begins, and a fast loop answers with force and stiffness of the last equilibrium that is there (as Courtecuisse
@@ -13,6 +13,8 @@ Times are of one core; the worker's on the wall."""
 import json
 
 import numpy as np
+
+from peers.setting import larger
 
 BUDGETS = [0.001, 0.016, 0.1]  # s
 SPEEDS = [0.01, 0.05, 0.2]     # m/s
@@ -55,7 +57,7 @@ def by_getfem(record, name, configurations, some_body, count):
             started = solver.start(configurations.displacement[row], configurations.pressure[row], configurations.place[row])
             start = solver.kept()
             if started:
-                apart = max(apart, float(np.linalg.norm(solver.force() - configurations.force[row])))
+                apart = larger(apart, np.linalg.norm(solver.force() - configurations.force[row]))
             for length in lengths():
                 found[str(length)].append(solver.history(start, configurations.place[row] + length * way) if started else [])
         return {"histories": found, "largest_difference_N": apart}
@@ -82,13 +84,17 @@ def rows_of(solver, outcomes, exact):
     return rows
 
 
+def linear_answer(configurations, row, way):
+    return configurations.force[row] + configurations.stiffness[row] @ way
+
+
 def worker_rows(found, configurations, count):
     rows, ways = movements(configurations, count)
 
     def outcomes(length):
         made = []
         for end, row, way in zip(found[length], rows, ways):
-            linear = configurations.force[row] + configurations.stiffness[row] @ (length * way)
+            linear = linear_answer(configurations, row, length * way)
             answered = lambda budget, end=end, linear=linear: end["force"] if end["seconds"] <= budget else linear
             made.append(end and (end["seconds"], answered))
         return made
@@ -160,23 +166,22 @@ def exact_along(record, name, scene_file, some_body, path):
             made["place"].append(place)
             made["force"].append(at.force.tolist())
             made["stiffness"].append(body.stiffness(model.assemble(at.z, at.p), at.slope).tolist())
-            apart = max(apart, float(np.linalg.norm(at.force - force)))
+            apart = larger(apart, np.linalg.norm(at.force - force))
         return {**made, "largest_difference": apart}
 
     return record.measure(f"{name} path in NumPy", make, other, path, command="tests/paper/run peers")
 
 
 def getfem_rows(histories, found, configurations, count):
-    rows, _ = movements(configurations, count)
+    rows, ways = movements(configurations, count)
 
     def outcomes(length):
         made = []
-        for history, row in zip(histories[length], rows):
-            def answered(budget, history=history, row=row):
+        for history, row, way in zip(histories[length], rows, ways):  # no history: not even its start was found
+            def answered(budget, history=history, linear=linear_answer(configurations, row, length * way)):
                 done = [iterate for iterate in history if iterate["seconds"] <= budget and np.isfinite(iterate["force"]).all()]
-                return done[-1]["force"] if done else configurations.force[row]
-            took = history[-1]["seconds"] if history and history[-1]["converged"] else None
-            made.append((took, answered) if history else None)
+                return done[-1]["force"] if done else linear
+            made.append((history[-1]["seconds"] if history and history[-1]["converged"] else None, answered))
         return made
 
     return rows_of("GetFEM", outcomes, lambda length: [end and end["force"] for end in found[length][:len(rows)]])

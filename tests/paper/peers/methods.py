@@ -2,7 +2,7 @@
 
 given: setting.Setting. Times of Python peers are processor time of one core. Along a hand's path an answer begins with the one
 before; "without one before" with the configurations alone."""
-from peers.setting import EXACT, median, timed
+from peers.setting import NOT_ASKED, median, timed
 from record import NotMeasured
 
 INTERPOLATIONS = {"trilinear": ("tri-linear (paper)", "no"), "rbf-linear": ("RBF r (paper)", "no"), "rbf-cubic": ("RBF r³ (paper)", "no"),
@@ -139,7 +139,13 @@ def reduced_models(record, given):
 
         measured = given.measure(record, f"POD {count}", make, len(given.path))
         label = f"POD {count} ({measured.value['unknowns']} unknowns), all elements"
+        stuck(record, given, label, measured)
         yield given.row(label, measured.value, given.errors(measured.value["force"])), measured.value["force"], measured
+
+
+def stuck(record, given, label, measured):
+    """How often it had no answer on the hand's path; what an answer takes is of the others."""
+    record.number(f"{given.name}/{label}/stuck_on_the_path", measured.value["stuck_on_the_path"], f"of {measured.value['steps']}", measured)
 
 
 def sampled_models(record, given):
@@ -158,12 +164,14 @@ def sampled_models(record, given):
             steps = [took for force, took in answered if force is not None]
             return {**newton, "elements": len(few.elements), "misfit": few.misfit, "answer_s": median(steps),
                     "by_newton_s": newton["answer_s"], "slowest_s": max(steps), "tangents_on_the_path": follower.tangents,
+                    "stuck_on_the_path": len(answered) - len(steps), "steps": len(answered),
                     "force": [None if force is None else force.tolist() for force in forces]}
 
         measured = given.measure(record, f"POD {count} of elements to {tolerance:g}", make, len(given.path))
         label = f"POD {count}, {measured.value['elements']} elements (ECSW, {tolerance:g})"
         for what, unit in ("by_newton_s", "s"), ("slowest_s", "s"), ("misfit", ""), ("tangents_on_the_path", ""), ("unknowns", ""):
             record.number(f"{given.name}/{label}/{what}", measured.value[what], unit, measured)
+        stuck(record, given, label, measured)
         yield given.row(label, measured.value, given.errors(measured.value["force"])), measured.value["force"], measured
 
 
@@ -197,7 +205,8 @@ def networks(record, given):
 
         measured = given.measure(record, f"network, {kind}", make, effort, shortlist)
         told = {**measured.value, "shape_bytes": "answers none"}
-        for what, unit in ("batch_s", "s"), ("held_back_error", "N"), ("training_error", "N"), ("tried", ""), ("parameters", ""):
+        for what, unit in (("batch_s", "s"), ("held_back_error", "N"), ("training_error", "N"), ("tried", ""), ("finalists", ""),
+                           ("seeds", ""), ("epochs", ""), ("polish", ""), ("parameters", "")):
             record.number(f"{given.name}/network: {kind}/{what}", told[what], unit, measured)
         record.say(f"        {kind}: {told['settings']}, best of {told['tried']}; {told['held_back_error']:.3g} N on configurations held "
                    "back")
@@ -210,20 +219,28 @@ def networks(record, given):
 # Newton in the loop
 
 def newton(record, given):
-    """(rows of loop.COLUMNS, rows of loop.TWO_RATES, [(row of setting.COLUMNS, record.Measured)])"""
+    """(rows of loop.COLUMNS, rows of loop.TWO_RATES, [(row of setting.COLUMNS, record.Measured)]). What converges is the exact
+    force, at places of its own; the probes are not asked."""
     from peers import loop
     count, scene = 3 if record.quick else 5, scene_file(record, given.case)
     found, by_worker = loop.by_worker(record, given.name, scene, given.configurations, count)
     along = loop.exact_along(record, given.name, scene, given.body, given.fine)
     exact = along.value
     record.number(f"{given.name}/largest difference of worker and NumPy on a path", exact["largest_difference"], "N", along)
+    record.number(f"{given.name}/places of the path with an equilibrium", len(exact["place"]) - 1, f"of {len(given.fine)}", along)
     in_time, rates, main = [], [], []
 
     def add(solver, rows, times, measured):
+        behind = loop.two_rates(solver, loop.seconds_by_way(times), exact["place"], exact["force"], exact["stiffness"])
         in_time.extend(rows)
-        rates.extend(loop.two_rates(solver, loop.seconds_by_way(times), exact["place"], exact["force"], exact["stiffness"]))
+        rates.extend(behind)
+        for columns, some in (loop.COLUMNS, rows), (loop.TWO_RATES, behind):
+            hand = columns.index("hand (mm/s)")
+            for row in some:
+                record.row(f"{given.name}/{solver}, {' '.join(f'{value:g}' for value in row[1:hand + 1])}", columns[hand + 1:],
+                           row[hand + 1:], [measured] * len(row))
         value = {"before_s": 0.0, "answer_s": median(times[0.001])}
-        main.append((given.row(f"full Newton, {solver} (1 mm)", value, EXACT, 0, language="C++"), measured))
+        main.append((given.row(f"full Newton, {solver} (1 mm)", value, NOT_ASKED, 0, language="C++"), measured))
 
     add("this project's worker", loop.worker_rows(found, given.configurations, count), loop.worker_times(found), by_worker)
     try:
@@ -231,6 +248,8 @@ def newton(record, given):
     except NotMeasured as why:
         record.not_measured(f"{given.name}/GetFEM", str(why))
         in_time.append(["GetFEM"] + [None] * (len(loop.COLUMNS) - 1))
+        rates.append(["GetFEM"] + [None] * (len(loop.TWO_RATES) - 1))
+        main.append((given.row("full Newton, GetFEM (1 mm)", {}, NOT_ASKED, 0, language="C++"), by_worker))
         return in_time, rates, main
     record.number(f"{given.name}/GetFEM/largest difference of the force at {count} configurations", measured.value["largest_difference_N"],
                   "N", measured)

@@ -179,7 +179,7 @@ def search(kind, configurations, effort, shortlist=None, say=lambda text: None):
         if left(1.0) or not trained:
             model = train(Model(kind, dataclasses.replace(best, seed=best.seed + seed), configurations), every, effort.long, effort.polish)
             trained.append((float(model.loss(every)), model))
-    loss, model = min(trained, key=lambda one: one[0])
+    loss, model = min(trained, key=lambda one: one[0] if np.isfinite(one[0]) else np.inf)
     return model, {"seconds": time.process_time() - began, "shortlist": [dataclasses.asdict(settings) for _, settings in short[:6]],
                    "tried": len(short), "finalists": len(final), "seeds": len(trained), "epochs": effort.long, "polish": effort.polish,
                    "settings": best.text(), "held_back_error": final[0][0], "median_of_tried": float(np.median([one[0] for one in short])),

@@ -18,7 +18,7 @@ def peers(record):
         record.say(f"    {given.name}: {len(given.configurations.place)} configurations, {len(given.configurations.probe_place)} probes")
         for method in methods.BEFORE_THE_TOUCH:
             add(record, given, method, rows, errors)
-        in_time, at_two_rates, main = methods.newton(record, given)
+        in_time, at_two_rates, main = newton(record, given)
         loops += [[case.organ().name, case.tool(), *row] for row in in_time]
         rates += [[case.organ().name, case.tool(), *row] for row in at_two_rates]
         for row, measured in main:
@@ -30,9 +30,19 @@ def peers(record):
     figure.save_table(record, "peers-two-rates", ["organ", "tool", *loop.TWO_RATES], rates)
     figure.save_table(record, "peers-published", ["method", "what is published", "source"],
                       [[name, *said] for name, said in published.OTHERS.items()])
-    figure.save_figure(record, "peers-speed", setting.COLUMNS, rows, drawing.speed(rows), drawing.size(rows), holes=True)
-    figure.save_figure(record, "peers-errors", ["organ", "tool", "method", "error (N)"], errors, drawing.distributions(errors),
+    draw = lambda drawn: drawing.naming(drawn, [row[2] for row in rows if row[drawing.ANSWER] is None])
+    figure.save_figure(record, "peers-speed", setting.COLUMNS, rows, draw(drawing.speed(rows)), drawing.size(rows), holes=True)
+    figure.save_figure(record, "peers-errors", ["organ", "tool", "method", "error (N)"], errors, draw(drawing.distributions(errors)),
                        drawing.size(errors))
+
+
+def newton(record, given):
+    from peers import loop, methods
+    try:
+        return methods.newton(record, given)
+    except NotMeasured as why:
+        record.not_measured(f"{given.name}/full Newton", str(why))
+        return *([["full Newton", *[None] * (len(columns) - 1)]] for columns in (loop.COLUMNS, loop.TWO_RATES)), []
 
 
 def add(record, given, method, rows, errors):

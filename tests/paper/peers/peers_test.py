@@ -3,14 +3,16 @@
 import itertools
 import pathlib
 import sys
+import types
 import unittest
+import unittest.mock
 
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.dont_write_bytecode = True
 
-from peers import body, configurations, equilibrium, laws, loop, reduced, sampled
+from peers import body, configurations, equilibrium, laws, loop, reduced, sampled, setting
 
 MOONEY_RIVLIN = laws.MooneyRivlin(1300.0, 1280.0)
 
@@ -228,6 +230,23 @@ class AnswersTest(unittest.TestCase):
         self.assertAlmostEqual(told["in_target"], 100 / 3)
         self.assertAlmostEqual(told["relative_p95"], 10 + 0.95 * 10)  # 0.01 N of what counts as 0.05 N; 10 % of 1 N
         self.assertEqual(configurations.errors(np.full((3, 3), np.nan), exact)["unanswered"], 3)
+
+    def testWhatIsNotAnsweredIsWrongWithoutALimit(self):
+        given = setting.Setting(None, None, types.SimpleNamespace(probe_force=np.array([[1.0, 0, 0], [2.0, 0, 0]])), None, 0, [], [], "")
+        self.assertEqual(given.lengths_of_errors([[1.0, 2.0, 0], None]), [2.0, float("inf")])
+
+    def testWithoutAnIterateInTimeAllSolversAnswerLinearly(self):
+        place, length = np.array([[0.0] * 3, [0.01, 0, 0]]), round(loop.SPEEDS[0] * loop.BUDGETS[0], 9)
+        given = types.SimpleNamespace(place=place, force=100 * place, stiffness=np.array([100 * np.eye(3)] * 2))
+        _, ways = loop.movements(given, 1)
+        exact = {length: [{"force": (100 * (place[1] + length * ways[0])).tolist(), "seconds": 1.0}]}
+        late = [{"seconds": 1.0, "converged": True, "force": [7.0, 0, 0]}]
+        with unittest.mock.patch.object(loop, "BUDGETS", loop.BUDGETS[:1]), unittest.mock.patch.object(loop, "SPEEDS", loop.SPEEDS[:1]):
+            for rows, never in ((loop.worker_rows(exact, given, 1), 0), (loop.getfem_rows({length: [late]}, exact, given, 1), 0),
+                                (loop.getfem_rows({length: [[]]}, exact, given, 1), 1)):
+                self.assertEqual(rows[0][4:6], [1, 0])
+                self.assertEqual(rows[0][7], never)
+                self.assertAlmostEqual(rows[0][-1], 0)
 
     def testBehindAHandTheLinearAnswerIsAsWrongAsTheWayIsLong(self):
         path = [[0.001 * n, 0, 0] for n in range(41)]
