@@ -42,7 +42,7 @@ std::string meaningOf(const Failure& f) {
       return fmt::format(
           "the equilibrium path turns back there, "
           "{} negative pivots instead of {} beyond the turn; "
-          "a patch (radius) carries further than a single node",
+          "smaller steps get no further, a way around may",
           f.negative_pivots, f.expected_negative_pivots);
     case Cause::beyond_force:
       return "the force there is many times workspace.max_force, more than is ever rendered; "
