@@ -65,7 +65,7 @@ def measured_row(record, row, divisions):
         try:
             by[workers] = built(record, row, divisions, workers)
         except NotMeasured as why:  # the dataset of the others may still be there
-            record.not_measured(f"{row.name()}, {configurations}", str(why))
+            record.not_measured(f"{row.name()}, {configurations}, {workers or 'any'} workers", str(why))
     if not by:
         return [*start, configurations, *[None] * (len(COLUMNS) - 7), papers, None, papers_size]
     dataset = next(iter(by.values()))

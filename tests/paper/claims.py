@@ -15,7 +15,7 @@ def claims(record):
     rows = []
     for claim, test in CLAIMS.items():
         try:
-            rows += test(record)
+            rows += test(record, claim)
         except NotMeasured as why:
             rows.append(told(record, claim, "all of it", None, "", None, str(why)))
     figure.save_table(record, "claims", ["claim", "measured", "value", "unit"], rows)
@@ -31,8 +31,8 @@ def told(record, claim, what, value, unit, measured, why="nothing was solved"):
 
 # RBF-cubic at 514 points equals tri-linear at 14146
 
-def radial_beside_trilinear(record):
-    rows, claim = [], "RBF-cubic with few points equals tri-linear with many"
+def radial_beside_trilinear(record, claim):
+    rows = []
     for case in interpolation.cases(record):
         for kind in ("regular", "random"):
             errors = {(row[2], row[3]): row for row in interpolation.errors_of(record, case, kind)}
@@ -48,10 +48,10 @@ def radial_beside_trilinear(record):
 
 # The haptic loop does not depend on the material, nor on how hard it was to converge
 
-def loop_beside_material(record):
+def loop_beside_material(record, claim):
     generator = random.Random(17)
     places = [references.in_ball(generator, 0.05) for _ in range(500)]
-    rows, times, claim = [], {"trilinear": [], "potential": []}, "the haptic loop depends on neither material nor convergence"
+    rows, times = [], {"trilinear": [], "potential": []}
     for count in record.nodes:
         organ = organs.organ(count)
         for law in organs.MATERIALS:
@@ -78,10 +78,10 @@ def seconds_a_point(dataset):
 
 # k nodes take O(2^k)
 
-def several_nodes(record):
+def several_nodes(record, claim):
     """The paper says O(2^k); a lattice for each of k nodes at once has N^k points. Counted, not solved."""
     measured = record.measure("points of lattices of several nodes", lambda: {n: len(ball(n)) for n in (2, 3, 5)}, command="tests/paper/run claims")
-    return [told(record, "k nodes at once take 2^k times the configurations", f"{k} nodes, each of the {measured.value[str(n)]} points of a lattice",
+    return [told(record, claim, f"{k} nodes, each of the {measured.value[str(n)]} points of a lattice",
                  measured.value[str(n)] ** k, "configurations", measured) for n in (5,) for k in (1, 2, 3)]
 
 
@@ -92,7 +92,7 @@ def ball(n):
 
 # The same point is the same configuration, whichever way leads there
 
-def uniqueness(record):
+def uniqueness(record, claim):
     """Lattice points are reached straight, and along the axes in two orders."""
     numpy = needed("numpy")
     rows = []
@@ -110,7 +110,7 @@ def uniqueness(record):
         for what, value, unit in ((f"reached in all three ways, of {len(points)}", len(all_ways), "points"),
                                   ("of these with one force (to 1e-5)", sum(same), "points"),
                                   ("largest difference of forces", float(max(spread, default=0)), "N")):
-            rows.append(told(record, "a displacement has one configuration", f"{case.name()}: {what}", value, unit, ends[-1]))
+            rows.append(told(record, claim, f"{case.name()}: {what}", value, unit, ends[-1]))
     return rows
 
 
@@ -139,7 +139,7 @@ def ends_of(record, name, scene, paths):
 TOOLS = {"single node": {}, "rigid patch of 25 mm": {"patch": 0.025}, "finger of 25 mm": {"patch": 0.025, "tool": "finger"}}
 
 
-def which_error(record):
+def which_error(record, claim):
     """Mean relative difference of forces at the same displacements, within 30 mm of the tip, by what differs."""
     generator = random.Random(7)
     places = [references.in_ball(generator, 0.03) for _ in range(12 if record.quick else 60)]
@@ -154,7 +154,7 @@ def which_error(record):
 
     def differs(what, others, ours):
         value, count = relative(others.value, ours.value)
-        return told(record, "which error dominates", f"{what} ({count} of {len(places)} places)", value, "%", others)
+        return told(record, claim, f"{what} ({count} of {len(places)} places)", value, "%", others)
 
     rows = []
     for tool in TOOLS:
@@ -164,13 +164,13 @@ def which_error(record):
             rows.append(differs(f"law, {tool}: linear, in elements that do not lock (Mooney-Rivlin's forces of displacements a "
                                 "1000th as large, times 1000)", forces(coarse, tool, scale=0.001), ours))
             rows.append(differs(f"elements, {tool}: P1/P1, det F - 1 (the paper's)", forces(coarse, tool, pressure="P1", constraint="det-F-1"), ours))
-            rows += interpolated(record, coarse, TOOLS[tool], places, ours)
+            rows += interpolated(record, claim, coarse, TOOLS[tool], places, ours)
         rows.append(differs(f"elements, {tool}: P2/P1 on the same mesh", forces(coarse, tool, displacement="P2"), ours))
         for nodes in () if record.quick else (2000, 6000):
             finer = organs.organ(nodes)
             rows.append(differs(f"mesh, {tool}: {finer.name}", forces(finer, tool), ours))
     value, count, wanted, measured = snapping(record, coarse)
-    rows.append(told(record, "which error dominates",
+    rows.append(told(record, claim,
                      f"snapping to the nearest node, a finger of 20 mm pressed in by 5 mm ({count} of {wanted} places)", value, "%", measured))
     return rows
 
@@ -183,18 +183,18 @@ def relative(forces, reference):
     return (float(numpy.mean(each)) if each else None), len(both)
 
 
-def interpolated(record, organ, tool, places, exact):
+def interpolated(record, claim, organ, tool, places, exact):
     dataset = record.dataset(f"{organ.name}-which", organs.scene(organ, "mr", radius=0.03, divisions=2, **tool))
     given, measured = interpolation.answers(record, "which", dataset.value["dataset"], ["trilinear", "potential"], places)
     wrong = {method: relative(given[method]["force"], exact.value) for method in given}
-    return [told(record, "which error dominates",
+    return [told(record, claim,
                  f"interpolation: {interpolation.LABELS[method]}, lattice of 15 mm ({count} of {len(places)} places)", value, "%", measured)
             for method, (value, count) in wrong.items()]
 
 
 def snapping(record, organ):
-    """A finger pressed 5 mm inward at random places of the surface, and at the node nearest to each: the paper snaps.
-    (Mean relative difference, %; of how many places; of how many that were asked; where from)"""
+    """A finger pressed 5 mm inward at random places of the surface, and at the node nearest to each: the paper snaps. Returns
+    the mean relative difference (%), of how many places it is, how many were asked, and what it is from."""
     numpy = needed("numpy")
     needed("h5py")
     import h5py

@@ -119,7 +119,7 @@ class Record:
         return self.measure(name, make, words, inputs, read, *depends, command=self.shown(words) + self.reading(read, text))
 
     def reading(self, name, text):
-        """" < FILE" that holds what a command reads, so that a reader can run it again."""
+        """What follows the words of a command that reads `text`, so that anybody can run it again: the file that holds it."""
         if text is None:
             return ""
         file = self.folder / "inputs" / f"{name[:16]}.txt"
@@ -193,8 +193,7 @@ class Record:
                     "points": {tag: sum(space[tag] for space in spaces)
                                for tag in ("points", "expandable", "terminating", "failed", "unknown")}}
 
-        mesh = re.search(r'^mesh = "(.*)"$', scene, re.M)
-        made = self.measure(f"build {name}", make, scene, content(pathlib.Path(mesh[1])) if mesh else "", workers, command=self.shown(command))
+        made = self.measure(f"build {name}", make, scene, content_of_mesh(path), workers, command=self.shown(command))
         if not dataset.exists():  # the measurement is there, its dataset was removed
             raise Incomplete(f"{dataset} is gone; remove {self.folder}/measurements/build-{name}-*.json to build it again")
         return made
@@ -248,7 +247,8 @@ class Measured:
 
     @staticmethod
     def of_all(parts, command=None):
-        """Of a number that is made of several; `command` makes them all, else it is each of theirs."""
+        """Of a number that is made of several, on the machine of the first; `command` makes them all, else it is each of
+        theirs."""
         each = lambda name: "; ".join(dict.fromkeys(getattr(part, name) for part in parts))
         return Measured(None, command or each("command"), parts[0].machine, each("commit"), max(part.at for part in parts))
 
@@ -257,9 +257,13 @@ def content(path):
     """A word for what a file of a command line holds, of a scene with its mesh; other words stand for themselves."""
     if not path.is_file() or path.stat().st_size > 1 << 28:
         return ""
-    held = path.read_bytes()
-    mesh = re.search(rb'^mesh = "(.*)"$', held, re.M) if path.suffix == ".toml" else None
-    return hashlib.sha256(held).hexdigest() + (content(path.parent / mesh[1].decode()) if mesh else "")
+    return hashlib.sha256(path.read_bytes()).hexdigest() + (content_of_mesh(path) if path.suffix == ".toml" else "")
+
+
+def content_of_mesh(scene):
+    """Of the one that a scene file names."""
+    mesh = re.search(r'^mesh = "(.*)"$', scene.read_text(encoding="utf-8"), re.M)
+    return content(scene.parent / mesh[1]) if mesh else ""
 
 
 def needed(module):

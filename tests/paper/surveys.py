@@ -170,7 +170,7 @@ def draw_survival(rows):
 
 def how_far(record):
     """Sec. 6.1: how many paths get to their end, merely converged and valid, by law and steps."""
-    rows, curves, papers = [], [], True
+    rows, curves, whole = [], [], True
     for one in surveys(record):
         try:
             merely = walked(record, one, True) if one.merely else None
@@ -179,13 +179,13 @@ def how_far(record):
             record.not_measured(f"{one.name()}, {steps_words(record, one)}", str(why))
             start = what_is_surveyed(record, one)
             rows.append([*start, *[None] * (len(SURVEY_COLUMNS) - len(start))])
-            papers = papers and not is_the_papers(one)
+            whole = whole and not is_the_papers(one)
             continue
         rows.append(survey_row(record, one, merely, valid))
         if is_the_papers(one):
             curves += survival(record, one, merely, "merely converged") + survival(record, one, valid, "valid")
     figure.save_table(record, "paths", SURVEY_COLUMNS, rows)
-    if not papers:
+    if not whole:
         raise Incomplete("paths-way: not all of the paper's surveys are measured")
     if curves:
         figure.save_figure(record, "paths-way", SURVIVAL_COLUMNS, curves, draw_survival(curves), size=(11, 4.4))

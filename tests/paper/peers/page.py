@@ -37,12 +37,19 @@ def peers(record):
 
 
 def newton(record, given):
+    """As methods.newton; rows of nothing where it is not measured."""
     from peers import loop, methods
     try:
         return methods.newton(record, given)
     except NotMeasured as why:
         record.not_measured(f"{given.name}/full Newton", str(why))
-        return *([["full Newton", *[None] * (len(columns) - 1)]] for columns in (loop.COLUMNS, loop.TWO_RATES)), []
+        in_time, at_two_rates = ([["full Newton", *[None] * (len(columns) - 1)]] for columns in (loop.COLUMNS, loop.TWO_RATES))
+        return in_time, at_two_rates, [(nothing_of(given, "full Newton"), None)]
+
+
+def nothing_of(given, method):
+    """The row of a method that is not measured."""
+    return [given.case.organ().name, given.case.tool(), method] + [None] * (len(setting.COLUMNS) - 3)
 
 
 def add(record, given, method, rows, errors):
@@ -55,7 +62,7 @@ def add(record, given, method, rows, errors):
             errors += [[*who, row[2], length] for length in given.lengths_of_errors(forces)]
     except NotMeasured as why:
         record.not_measured(f"{given.name}/{method.__name__}", str(why))
-        rows.append([*who, method.__name__] + [None] * (len(setting.COLUMNS) - 3))
+        rows.append(nothing_of(given, method.__name__))
 
 
 def told(record, given, row, measured):
