@@ -300,6 +300,17 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         self.assertEqual(done.returncode, 1)
         self.assertIn("build the targets all and benchmarks", done.stderr)
 
+    def testFiguresOfAnEarlierRunAreSaidToBeSo(self):
+        for file in "bin/palpate", "bench/palpate_path_forces", "kept/figures/figure6.svg":
+            path = self.folder / file
+            path.parent.mkdir(parents=True)
+            path.touch()
+            os.utime(path, (1, 1))
+        done = subprocess.run([HERE / "run", "--programs", self.folder, "--folder", self.folder / "kept", "--hours", "0", "figure6"],
+                              capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertRegex(done.stdout, "not begun in the hours that were given; of an earlier run: figure6.svg\n")
+
 
 if __name__ == "__main__":
     unittest.main()
