@@ -1,8 +1,8 @@
 """Fig. 7 of the paper: how long a configuration space takes, and how large it is, by lattice and row of Table 1.
 
-Minutes by one and two workers here, and by up to 64 of the scheduler's simulator, which does the recorded build again: the
-same transitions, each as long as it took here (docs/benchmarks.md). Elements are those that satisfy inf-sup, the product's
-defaults; the paper's were of equal order."""
+Minutes by one and two workers here (quadratic elements by two alone), and by up to 64 of the scheduler's simulator, which
+does the recorded build again: the same transitions, each as long as it took here (docs/benchmarks.md). Elements are those
+that satisfy inf-sup, the product's defaults; the paper's were of equal order."""
 import pathlib
 
 import figure
@@ -34,6 +34,12 @@ def scene(row, divisions):
     return organs.scene(row.organ(), row.law, divisions=divisions, **({} if row.order == 1 else row.stable()))
 
 
+def numbers_of_workers(record, row):
+    """That of Figs. 8 and 9 first; None: whoever comes. One alone would need a night for the quadratic row by itself: what all of
+    its solves take together says as much."""
+    return [None] if record.listen else [record.jobs, *({1, 2} - {record.jobs} if row.order == 1 else ())]
+
+
 def built(record, row, divisions, workers):
     """By the workers that are asked for with -j this is the dataset of Figs. 8 and 9, under the same name."""
     name = f"{row.organ().name}-{row.law}{'-p2' if row.order == 2 else ''}-n{divisions}"
@@ -61,7 +67,7 @@ def measured_row(record, row, divisions):
     papers = None if least is None else f"{least}" if least == most else f"{least} to {most}"
     papers_size = published.DATASET_MB.get((row.published, configurations)) if row.order == 1 else None
     by = {}
-    for workers in [None] if record.listen else [record.jobs, *{1, 2} - {record.jobs}]:
+    for workers in numbers_of_workers(record, row):
         try:
             by[workers] = built(record, row, divisions, workers)
         except NotMeasured as why:  # the dataset of the others may still be there

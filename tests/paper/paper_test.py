@@ -241,6 +241,11 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         asked += [case.law for case in interpolation.cases(record)]
         self.assertEqual(set(asked), {"mr"})
 
+    def testLatticesAreBuiltByOneAndTwoWorkersQuadraticOnesByTheLocalOnesAlone(self):
+        linear, quadratic = (next(row for row in newton_iteration.ROWS if row.order == order) for order in (1, 2))
+        asked = [builds.numbers_of_workers(self.record(), row) for row in (linear, quadratic)]
+        self.assertEqual(asked, [[2, 1], [2]])
+
     # The paper's experiments
 
     def testTheLatticesHaveThePapersPoints(self):
