@@ -1,8 +1,8 @@
 """Fig. 7 of the paper: how long a configuration space takes, and how large it is, by lattice and row of Table 1.
 
-Minutes by one and two workers here (quadratic elements by two alone), and by up to 64 of the scheduler's simulator, which
-does the recorded build again: the same transitions, each as long as it took here (docs/benchmarks.md). Elements are those
-that satisfy inf-sup, the product's defaults; the paper's were of equal order."""
+Minutes by one and two workers here (quadratic elements by the local workers alone), and by up to 64 of the scheduler's
+simulator, which does the recorded build again: the same transitions, each as long as it took here (docs/benchmarks.md).
+Elements are those that satisfy inf-sup, the product's defaults; the paper's were of equal order."""
 import pathlib
 
 import figure
@@ -35,8 +35,8 @@ def scene(row, divisions):
 
 
 def numbers_of_workers(record, row):
-    """That of Figs. 8 and 9 first; None: whoever comes. One alone would need a night for the quadratic row by itself: what all of
-    its solves take together says as much."""
+    """How many build a lattice, once each, that of Figs. 8 and 9 first; None: whoever comes. The quadratic row is built by these
+    alone: it is the longest, and what its solves take together says what one worker takes."""
     return [None] if record.listen else [record.jobs, *({1, 2} - {record.jobs} if row.order == 1 else ())]
 
 
