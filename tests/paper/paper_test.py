@@ -102,6 +102,11 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
             self.record().run("ls", ["ls", "/nowhere"])
         self.assertEqual(list(self.folder.glob("measurements/*")), [])
 
+    def testAProgramThatIsMissingIsNamedWithWhatToDo(self):
+        record = Record(self.folder, self.folder / "release", say=self.said.append)
+        with self.assertRaisesRegex(NotMeasured, "no .*release/bench/palpate_newton_bench: build the targets all and benchmarks"):
+            record.run("newton", [record.bench / "palpate_newton_bench"])
+
     def testANumberIsToldWithItsCommandMachineAndCommit(self):
         record = self.record()
         record.number("one", 1.5, "N", record.run("echo", ["echo", "1.5"]))

@@ -20,6 +20,7 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD_THEM = "build the targets all and benchmarks (docs/benchmarks.md)"
 
 
 class Incomplete(Exception):
@@ -27,7 +28,7 @@ class Incomplete(Exception):
 
 
 class NotMeasured(Exception):
-    """A peer, a package, a mesh or the time is not there: its column says so, and the rest is made."""
+    """A peer, a package, a program, a mesh or the time is not there: its column says so, and the rest is made."""
 
 
 def machine():
@@ -107,8 +108,11 @@ class Record:
         words = [str(word) for word in command]
 
         def make():
-            done = subprocess.run(words, input=text, capture_output=True, text=True, check=False, cwd=self.folder,
-                                  preexec_fn=end_with_parent)
+            try:
+                done = subprocess.run(words, input=text, capture_output=True, text=True, check=False, cwd=self.folder,
+                                      preexec_fn=end_with_parent)
+            except FileNotFoundError as missing:
+                raise NotMeasured(f"there is no {self.shown(words[:1])}: {BUILD_THEM}") from missing
             if done.returncode not in codes:
                 raise Incomplete(f"{self.shown(words)} ended with {done.returncode}: {done.stderr.strip()[-1000:]}")
             return [json.loads(line) for line in done.stdout.splitlines() if line] if lines else json.loads(done.stdout)
