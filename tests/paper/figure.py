@@ -5,7 +5,8 @@ is None is refused (record.Incomplete), unless the figure says that holes are pa
 import csv
 import io
 
-from record import Incomplete, needed, write_whole
+from interruption import write_whole
+from record import Incomplete, needed
 
 # As tell apart well, also in grey and for the colour-blind (Okabe and Ito 2008).
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999933"]

@@ -4,7 +4,6 @@ A *measurement* is the JSON of one command, or of one function, kept in FOLDER/m
 what it depends on. A run that was interrupted finds them there and goes on. A *number* is what a reader is told."""
 import concurrent.futures
 import contextlib
-import ctypes
 import datetime
 import hashlib
 import json
@@ -12,12 +11,12 @@ import os
 import pathlib
 import platform
 import re
-import shutil
-import signal
 import subprocess
 import sys
-import tempfile
 import time
+
+from dataset_build import DatasetBuild
+from interruption import end_with_parent, write_whole
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD_THEM = "build the targets all and benchmarks (docs/benchmarks.md)"
@@ -55,14 +54,6 @@ def commit_of(programs):
     except (OSError, subprocess.CalledProcessError):
         return "unknown: there is no palpate"
     return (re.search(r"^commit (.*)$", said, re.M) or ["", "unknown"])[1]
-
-
-def write_whole(path, text):
-    """A file is there as a whole or not at all, whenever we are killed."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_name(path.name + ".new")
-    beside.write_text(text, encoding="utf-8")
-    os.replace(beside, path)
 
 
 class Record:
@@ -153,53 +144,25 @@ class Record:
         An interrupted build goes on where it was, and then took as long as its parts together; begun with other workers
         or of another scene it begins anew."""
         jobs = jobs or self.jobs
-        workers = None if self.listen else jobs  # for how many the time counts; None: what comes from anywhere
-        folder = self.folder / "datasets"
-        path, dataset = folder / f"{name}.toml", folder / f"{name}.h5"
-        folder.mkdir(parents=True, exist_ok=True)
-        clock = folder / f"{name}.clock"
-
-        def begin_anew():
-            shutil.rmtree(f"{dataset}.state", ignore_errors=True)
-            dataset.unlink(missing_ok=True)
-            clock.unlink(missing_ok=True)
-
-        if not path.exists() or path.read_text(encoding="utf-8") != scene:
-            begin_anew()
-            write_whole(path, scene)
-        command = [str(self.programs / "palpate"), "build", str(path), "-o", str(dataset), "-j", str(jobs), "-q"]
+        build = DatasetBuild(self.folder / "datasets", name, None if self.listen else jobs)
+        build.of(scene)
+        command = [str(self.programs / "palpate"), "build", str(build.scene), "-o", str(build.dataset), "-j", str(jobs), "-q"]
         if self.listen:
-            command[1:2], command[-3:-1] = ["serve"], ["--listen", self.listen, "--state", f"{dataset}.state"]
+            command[1:2], command[-3:-1] = ["serve"], ["--listen", self.listen, "--state", str(build.state)]
 
         def make():
-            before = {"seconds": 0.0, "jobs": "nobody"}
-            with contextlib.suppress(OSError, ValueError):
-                before = json.loads(clock.read_text(encoding="ascii"))
-            if before["jobs"] != workers:
-                begin_anew()
-                before["seconds"] = 0.0
-            write_whole(clock, json.dumps({"seconds": before["seconds"], "jobs": workers}))
-            began = time.monotonic()
-            with (tempfile.TemporaryFile("w+") as words,
-                  subprocess.Popen(command, stdout=words, stderr=words, preexec_fn=end_with_parent) as build):
-                while build.poll() is None:  # whenever this run is killed, what it took so far is known to 2 s
-                    with contextlib.suppress(subprocess.TimeoutExpired):
-                        build.wait(2)
-                    seconds = before["seconds"] + time.monotonic() - began
-                    write_whole(clock, json.dumps({"seconds": seconds, "jobs": workers}))
-                words.seek(0)
-                said = words.read()
-            if build.returncode not in (0, 3):  # 3: complete, with failed points
-                raise Incomplete(f"{self.shown(command)} ended with {build.returncode}: {said.strip()[-1000:]}")
-            spaces = json.loads(subprocess.run([self.programs / "palpate", "status", f"{dataset}.state", "--json"],
+            code, said, seconds = build.run(command)
+            if code not in (0, 3):  # 3: complete, with failed points
+                raise Incomplete(f"{self.shown(command)} ended with {code}: {said[-1000:]}")
+            spaces = json.loads(subprocess.run([self.programs / "palpate", "status", build.state, "--json"],
                                                capture_output=True, text=True, check=True).stdout)["spaces"]
-            return {"dataset": str(dataset), "seconds": seconds, "bytes": dataset.stat().st_size, "jobs": workers,
+            return {"dataset": str(build.dataset), "seconds": seconds, "bytes": build.dataset.stat().st_size, "jobs": build.workers,
                     "points": {tag: sum(space[tag] for space in spaces)
                                for tag in ("points", "expandable", "terminating", "failed", "unknown")}}
 
-        made = self.measure(f"build {name}", make, scene, content_of_mesh(path), workers, command=self.shown(command))
-        if not dataset.exists():  # the measurement is there, its dataset was removed
-            raise Incomplete(f"{dataset} is gone; remove {self.folder}/measurements/build-{name}-*.json to build it again")
+        made = self.measure(f"build {name}", make, scene, content_of_mesh(build.scene), build.workers, command=self.shown(command))
+        if not build.dataset.exists():  # the measurement is there, its dataset was removed
+            raise Incomplete(f"{build.dataset} is gone; remove {self.folder}/measurements/build-{name}-*.json to build it again")
         return made
 
     def shown(self, words):
@@ -235,12 +198,6 @@ class Record:
         rest = lambda kind: {name: value for name, value in before[kind].items() if name.split("/")[0] not in made}
         write_whole(path, json.dumps({"numbers": {**rest("numbers"), **self.numbers},
                                       "not_measured": {**rest("not_measured"), **self.missing}}, indent=1, sort_keys=True) + "\n")
-
-
-def end_with_parent():
-    """SIGTERM when the parent is gone, even by kill -9: else a build would go on in a directory that the next run wants."""
-    pr_set_pdeathsig = 1
-    ctypes.CDLL(None).prctl(pr_set_pdeathsig, signal.SIGTERM)
 
 
 class Measured:
