@@ -359,9 +359,13 @@ bool Tables::showSome(std::span<const SpacePlan> plans, Changed& next, std::int3
         writePoint(rowOf(next.space, next.point, plan));
       if (next.point < plan.size()) return;
       // Of a run that knew more.
-      Statement(database_, "DELETE FROM configurations WHERE space = ? AND point >= ?")
+      Statement(database_,
+                "DELETE FROM configurations WHERE space = ? AND (point >= ? OR point < 0)")
           .run(next.space, plan.size());
     }
+    if (next.space >= plans.size())  // damage alone makes these, which readers cut to their types
+      Statement(database_, "DELETE FROM configurations WHERE space >= ? OR space < 0")
+          .run(plans.size());
   });
   return next.space >= plans.size();
 }

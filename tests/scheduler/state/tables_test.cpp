@@ -133,6 +133,17 @@ TEST_F(TablesTest, ShowCausesOfFailedPointsAndPointsThatWereAdded) {
   EXPECT_TRUE(std::ranges::none_of(rows, [](const PointRow& row) { return row.tag == "unknown"; }));
 }
 
+TEST_F(TablesTest, ShowNoPointsOrSpacesThatThereAreNotAfterDamage) {
+  const std::vector<SpacePlan> plans = plansAfter(25);
+  open().showAll(plans);
+  alter("UPDATE configurations SET point = -4294967295 WHERE space = 0 AND point = 2");
+  alter("UPDATE configurations SET space = 7 WHERE space = 1 AND point = 3");
+  alter("UPDATE configurations SET space = -4294967296 WHERE space = 1 AND point = 4");
+  ASSERT_NE(shown(), rowsFor(plans));
+  open().showAll(plans);
+  EXPECT_EQ(shown(), rowsFor(plans));
+}
+
 TEST_F(TablesTest, ShowOfWhatChangedThatAlone) {
   const std::vector<SpacePlan> before = plansAtFirst(), now = plansAfter(20);
   Tables tables = open();
