@@ -220,6 +220,7 @@ std::vector<std::string> stateSeeds() {
       Script().op(appends_record).putBytes("header").putBytes("payload").text(),
       Script().op(changes_row).op(0).put(std::int64_t{1} << 40).text(),
       Script().op(changes_row).op(6).put(std::int64_t{5}).text(),
+      Script().op(changes_row).op(7).put(std::int64_t{1} - (std::int64_t{1} << 32)).text(),
       Script().op(changes_meta).op(2).putBytes("no problem").text(),
       Script().op(changes_file).op(1).putBytes("tcp://127.0.0.1:1\n").text()};
   for (const wire::Result& result : {other_build, far, failed})
