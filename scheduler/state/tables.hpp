@@ -92,7 +92,7 @@ class Tables : public StoredTables {
     std::int32_t point = -1;
   };
   void show(std::span<const SpacePlan> plans, std::span<const Changed> changed);
-  /// Every point of every space.
+  /// Every point of every space, and nothing else: rows of other points go, which damage may leave.
   void showAll(std::span<const SpacePlan> plans);
   /// The same in parts, for whoever has something else to do meanwhile: of `most` points from
   /// `next` on, which is moved behind them. Whether it was the last part.
