@@ -1,10 +1,13 @@
 // How long the force fields of a sealed dataset take for given displacements, one query at a time
-// in this process, and what they answer. Prints one JSON object. scipy_bench times SciPy with the
-// same points and displacements. Nothing here is checked: times belong to the machine.
+// in this process, what they answer, and the memory that each holds. Prints one JSON object.
+// scipy_bench times SciPy with the same points and displacements. Nothing here is checked: times
+// belong to the machine.
 //
 //   palpate_force_query_bench DATASET ACTIVE METHOD... < DISPLACEMENTS
 //
 // DISPLACEMENTS: a line "x y z" each, metres.
+
+#include <malloc.h>
 
 #include <algorithm>
 #include <cmath>
@@ -46,12 +49,20 @@ double medianTime(const ForceField& field, const std::vector<Eigen::Vector3d>& d
   return std::isfinite(sum) ? times[times.size() / 2] : 0;
 }
 
+/// Bytes that the program has asked for and not given back.
+std::size_t bytesInUse() {
+  const struct mallinfo2 info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+}
+
 Json measure(const std::string& method, const SpaceTable& space,
              const std::vector<Eigen::Vector3d>& displacements) {
+  const std::size_t before = bytesInUse();
   const double start = cpuSeconds();
   const auto field = makeForceField(method, space);
   Json result;
   result["prepare_s"] = cpuSeconds() - start;
+  result["field_bytes"] = bytesInUse() - before;
   result["query_ns"] = medianTime(*field, displacements);
   for (const Eigen::Vector3d& p : displacements)
     result["force"].push_back(toJson(field->evaluate(p).force));

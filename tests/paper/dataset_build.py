@@ -45,9 +45,10 @@ class DatasetBuild:
             return code, words.read().strip(), seconds
 
     def seconds_before(self):
+        """Of the parts whose results are still there."""
         with contextlib.suppress(OSError, ValueError, KeyError):
             noted = json.loads(self.clock.read_text(encoding="ascii"))
-            if noted["jobs"] == self.workers:
+            if noted["jobs"] == self.workers and self.state.is_dir():
                 return noted["seconds"]
         self.begin_anew()
         return 0.0

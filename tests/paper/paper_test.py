@@ -5,11 +5,13 @@ import functools
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
@@ -23,7 +25,7 @@ import newton_iteration
 import organs
 import references
 import surveys
-from record import Incomplete, Measured, NotMeasured, Record, needed
+from record import ALL, Incomplete, Measured, NotMeasured, Record, needed
 
 PROGRAMS = pathlib.Path(os.environ.get("PALPATE_BIN_DIR", HERE.parents[1] / "build/release/bin")).parent
 
@@ -123,6 +125,19 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         all_of = Measured.of_all([of("one", "c1", "2026-01-02"), of("two", "c2", "2026-01-03"), of("one", "c1", "2026-01-01")])
         self.assertEqual((all_of.command, all_of.commit, all_of.at), ("one; two", "c1; c2", "2026-01-03"))
         self.assertEqual(Measured.of_all([of("one", "c1", "2026-01-02")], "both").command, "both")
+        self.assertEqual(all_of.machine, "machine")
+        elsewhere = Measured(1, "two", "another machine", "c1", "2026-01-02")
+        self.assertEqual(Measured.of_all([of("one", "c1", "2026-01-02"), elsewhere]).machine, ["machine", "another machine"])
+
+    def testATargetMadeOnSeveralMachinesOrOfSeveralCommitsSaysSo(self):
+        self.record().measure("a number", lambda: 7)
+        record = self.record()
+        record.commit = "another"
+        for number in "a number", "another number":
+            record.measure(number, lambda: 8)
+        record.save()
+        sources = json.loads((self.folder / "results.json").read_text())["sources"]["test"]
+        self.assertEqual(sources, sorted(f"{record.machine['processor']}, {commit}" for commit in (self.record().commit, "another")))
 
     def testATargetThatIsMadeAloneLeavesTheNumbersOfOthers(self):
         record = self.record()
@@ -133,6 +148,19 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         other.number("two", 2, "N", other.run("echo", ["echo", "2"]))
         other.save()
         self.assertEqual(sorted(json.loads((self.folder / "results.json").read_text())["numbers"]), ["other/two", "test/one"])
+
+    def testATargetThatIsNotMadeLeavesItsEarlierNumbersWhoseFigureIsStillThere(self):
+        record = self.record()
+        for number in "one", "two":
+            record.number(number, 1, "N", record.run("echo", ["echo", "1"]))
+        record.save()
+        again = self.record()
+        again.number("one", 2, "N", again.run("echo", ["echo", "2"]))
+        again.not_measured(ALL, "no time")
+        again.save()
+        kept = json.loads((self.folder / "results.json").read_text())
+        self.assertEqual({name: number["value"] for name, number in kept["numbers"].items()}, {"test/one": 2, "test/two": 1})
+        self.assertEqual(kept["not_measured"], {"test/all": "no time"})
 
     def testWhatThereIsNoTimeForIsNamedAndWhatWasMeasuredIsThere(self):
         self.record().measure("a number", lambda: 7)
@@ -157,6 +185,12 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         self.assertEqual(self.built()["points"]["points"], 7)
         self.setClock(seconds=1000.0, jobs=1)
         self.assertGreater(self.built(again=True)["seconds"], 1000)
+
+    def testABuildWhoseResultsAreGoneTakesNoTimeOfTheOneBefore(self):
+        self.built()
+        self.setClock(seconds=1000.0, jobs=1)
+        shutil.rmtree(self.folder / "datasets" / "seven.h5.state")
+        self.assertLess(self.built(again=True)["seconds"], 1000)
 
     def testABuildThatOthersBeganBeginsAnew(self):
         self.built()
@@ -252,6 +286,15 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         self.assertEqual(asked, [[2, 1], [2]])
 
     # The paper's experiments
+
+    def testAnotherOrganIsNoFinerMeshOfThisOne(self):
+        here, other = organs.Organ("liver-493", None, "", (), "reference"), organs.Organ("liver-2000", None, "", (), "shipped")
+        finer = organs.Organ("liver-5984", None, "", (), "reference")
+        for organs_there, kept in (({2000: other, 6000: finer}, ["liver-5984"]), ({2000: finer, 6000: finer}, ["liver-5984"])):
+            record = self.record()
+            with unittest.mock.patch.object(organs, "organ", organs_there.get):
+                self.assertEqual([organ.name for organ in claims.finer_meshes(record, here)], kept)
+            self.assertEqual(len(record.missing), 1)
 
     def testTheLatticesHaveThePapersPoints(self):
         self.assertEqual({n: len(claims.ball(n)) for n in organs.LATTICES}, organs.LATTICES)

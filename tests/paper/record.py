@@ -19,6 +19,7 @@ from dataset_build import DatasetBuild
 from interruption import end_with_parent, write_whole
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+ALL = "all"  # of a target, in what is not measured: it was not made
 BUILD_THEM = "build the targets all and benchmarks (docs/benchmarks.md)"
 
 
@@ -72,7 +73,7 @@ class Record:
         self.ends = time.monotonic() + 3600 * hours
         self.machine, self.commit = machine(), f"{commit()}, programs of {commit_of(self.programs)}"
         self.target = None
-        self.numbers, self.missing = {}, {}
+        self.numbers, self.missing, self.sources = {}, {}, {}
 
     # Measurements
 
@@ -82,7 +83,7 @@ class Record:
         path = self.folder / "measurements" / f"{re.sub(r'[^a-z0-9.-]+', '-', name.lower())}-{key}.json"
         with contextlib.suppress(OSError, ValueError, KeyError):
             kept = json.loads(path.read_text(encoding="utf-8"))
-            return Measured(kept["value"], kept["command"], kept["machine"], kept["commit"], kept["at"])
+            return self.used(Measured(kept["value"], kept["command"], kept["machine"], kept["commit"], kept["at"]))
         if time.monotonic() >= self.ends:
             raise NotMeasured(f"{name} was not begun in the hours that were given")
         self.say(f"    {name} ...")
@@ -92,7 +93,12 @@ class Record:
                 "at": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
                 "seconds": round(time.monotonic() - began, 3), "value": value}
         write_whole(path, json.dumps(made))
-        return Measured(value, command, made["machine"], made["commit"], made["at"])
+        return self.used(Measured(value, command, made["machine"], made["commit"], made["at"]))
+
+    def used(self, measured):
+        """Takes down what the measurements of this target were made on and with; a run that goes on elsewhere has several."""
+        self.sources.setdefault(self.target, {})[f"{measured.machine['processor']}, {measured.commit}"] = None
+        return measured
 
     def run(self, name, command, text=None, lines=False, codes=(0,), depends=()):
         """Measures a command that prints one JSON object, or with `lines` one on each line."""
@@ -189,15 +195,19 @@ class Record:
         self.say(f"    not measured: {name}: {why}")
 
     def save(self):
-        """results.json: the numbers of this run beside those of targets that it did not make."""
+        """results.json: the numbers of this run beside those of targets that it did not make, or not to the end: their figures
+        are still there."""
         path = self.folder / "results.json"
-        before = {"numbers": {}, "not_measured": {}}
+        before = {}
         with contextlib.suppress(OSError, ValueError):
             before = json.loads(path.read_text(encoding="utf-8"))
         made = {name.split("/")[0] for name in [*self.numbers, *self.missing]}
-        rest = lambda kind: {name: value for name, value in before[kind].items() if name.split("/")[0] not in made}
-        write_whole(path, json.dumps({"numbers": {**rest("numbers"), **self.numbers},
-                                      "not_measured": {**rest("not_measured"), **self.missing}}, indent=1, sort_keys=True) + "\n")
+        whole = made - {name.split("/")[0] for name in self.missing if name.endswith(f"/{ALL}")}
+        rest = lambda kind, of: {name: value for name, value in before.get(kind, {}).items() if name.split("/")[0] not in of}
+        sources = {target: sorted(sources) for target, sources in self.sources.items()}
+        write_whole(path, json.dumps({"numbers": {**rest("numbers", whole), **self.numbers},
+                                      "not_measured": {**rest("not_measured", made), **self.missing},
+                                      "sources": {**rest("sources", whole), **sources}}, indent=1, sort_keys=True) + "\n")
 
 
 class Measured:
@@ -208,10 +218,12 @@ class Measured:
 
     @staticmethod
     def of_all(parts, command=None):
-        """Of a number that is made of several, on the machine of the first; `command` makes them all, else it is each of
-        theirs."""
+        """Of a number that is made of several, on their machine, or a list of machines; `command` makes them all, else it is each
+        of theirs."""
         each = lambda name: "; ".join(dict.fromkeys(getattr(part, name) for part in parts))
-        return Measured(None, command or each("command"), parts[0].machine, each("commit"), max(part.at for part in parts))
+        machines = [part.machine for n, part in enumerate(parts) if part.machine not in [other.machine for other in parts[:n]]]
+        return Measured(None, command or each("command"), machines[0] if len(machines) == 1 else machines, each("commit"),
+                        max(part.at for part in parts))
 
 
 def content(path):

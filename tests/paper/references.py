@@ -8,6 +8,7 @@ import json
 import random
 
 import organs
+from record import Measured
 
 FLOOR = 0.05  # N: a smaller force counts as this in relative errors
 
@@ -59,4 +60,4 @@ def solved_along(record, name, scene, paths, detours=True):
                             for n, path in enumerate(paths)])
     points = [point for measured in each for point in measured.value["paths"][0]["reached"]]
     return References([point["displacement"] for point in points], [point["force"] for point in points],
-                      sum(map(len, paths)), each[0])
+                      sum(map(len, paths)), Measured.of_all(each, f"tests/paper/run {record.target}"))

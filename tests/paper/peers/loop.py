@@ -132,7 +132,7 @@ def two_rates(solver, seconds_of, path, force, stiffness):
 
 
 def seconds_by_way(times):
-    """Of {way: [seconds]}, the medians, and between them on a line."""
+    """Of {way: [seconds]}, of which some have any, the medians, and between them on a line."""
     ways = [way for way in sorted(times) if times[way]]
     medians = [float(np.median(times[way])) for way in ways]
     return lambda way: float(np.interp(way, ways, medians))

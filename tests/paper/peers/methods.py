@@ -13,12 +13,11 @@ def interpolations(record, given):
     """The paper's and ours, by the force fields of the client, which are C++."""
     text = "".join("%.17g %.17g %.17g\n" % tuple(p) for p in given.configurations.probe_place)
     command = [record.bench / "palpate_force_query_bench", given.dataset.value["dataset"], "tip", *INTERPOLATIONS]
-    measured = record.run(f"{given.name} forces of interpolations", command, text, depends=[given.configurations.identity])
+    measured = record.run(f"{given.name} forces and memory of interpolations", command, text, depends=[given.configurations.identity])
     for method, (label, conservative) in INTERPOLATIONS.items():
         told = measured.value["methods"][method]
-        numbers = {"trilinear": 3, "potential": 13}.get(method, 6)  # forces; energy, force, stiffness; places and weights
-        kept = 8 * numbers * len(given.configurations.place)
-        value = {"before_s": told["prepare_s"], "force_bytes": kept, "shape_bytes": kept + given.configurations.displacement.nbytes,
+        value = {"before_s": told["prepare_s"], "force_bytes": told["field_bytes"],
+                 "shape_bytes": told["field_bytes"] + given.configurations.displacement.nbytes,
                  "answer_s": 1e-9 * told["query_ns"], "cold_s": 1e-9 * told["query_ns"]}
         yield given.row(label, value, given.errors(told["force"]), conservative=conservative, language="C++"), told["force"], measured
 
@@ -56,11 +55,12 @@ def corotated(record, given):
         factors = model.factors(model.assemble(numpy.zeros(given.body.size), numpy.zeros(3)))
         size = 12 * (factors.factors.L.nnz + factors.factors.U.nnz)
         return {"before_s": 0.0, "force_bytes": size, "shape_bytes": size, "answer_s": median(steps), "cold_s": None,
-                "force": [one and one.force.tolist() for one in found]}
+                "force": [one and one.force.tolist() for one in found], "stuck_on_the_path": steps.count(None), "steps": len(steps)}
 
-    measured = given.measure(record, "co-rotated", make, len(given.path))
-    yield (given.row("co-rotated linear, in equilibrium", measured.value, given.errors(measured.value["force"]), 0),
-           measured.value["force"], measured)
+    measured = given.measure(record, "co-rotated body", make, len(given.path))
+    label = "co-rotated linear, in equilibrium"
+    stuck(record, given, label, measured)
+    yield given.row(label, measured.value, given.errors(measured.value["force"]), 0), measured.value["force"], measured
 
 
 def chained(model, places):
@@ -123,8 +123,7 @@ def by_newton(given, model, before):
     rest = model.at_rest()
     found, took = zip(*(timed(lambda p=p: reduced.answer(model, p, rest)) for p in given.configurations.probe_place))
     steps = seconds_along(model, rest, given.path)
-    shape = max(given.body.size * 8 * (model.size + 3), model.memory())
-    return {"before_s": before, "force_bytes": model.memory(), "shape_bytes": shape, "answer_s": median(steps),
+    return {"before_s": before, "force_bytes": model.memory(), "shape_bytes": model.memory_with_shape(), "answer_s": median(steps),
             "cold_s": median(took), "force": [one and one.force.tolist() for one in found], "unknowns": model.size,
             "stuck_on_the_path": steps.count(None), "steps": len(steps)}
 
@@ -137,7 +136,7 @@ def reduced_models(record, given):
             model, seconds = bases.model(count)
             return by_newton(given, model, seconds)
 
-        measured = given.measure(record, f"POD {count}", make, len(given.path))
+        measured = given.measure(record, f"reduced, POD {count}", make, len(given.path))
         label = f"POD {count} ({measured.value['unknowns']} unknowns), all elements"
         stuck(record, given, label, measured)
         yield given.row(label, measured.value, given.errors(measured.value["force"])), measured.value["force"], measured
@@ -167,7 +166,7 @@ def sampled_models(record, given):
                     "stuck_on_the_path": len(answered) - len(steps), "steps": len(answered),
                     "force": [None if force is None else force.tolist() for force in forces]}
 
-        measured = given.measure(record, f"POD {count} of elements to {tolerance:g}", make, len(given.path))
+        measured = given.measure(record, f"reduced, POD {count} of elements to {tolerance:g}", make, len(given.path))
         label = f"POD {count}, {measured.value['elements']} elements (ECSW, {tolerance:g})"
         for what, unit in ("by_newton_s", "s"), ("slowest_s", "s"), ("misfit", ""), ("tangents_on_the_path", ""), ("unknowns", ""):
             record.number(f"{given.name}/{label}/{what}", measured.value[what], unit, measured)
@@ -231,9 +230,13 @@ def newton(record, given):
     in_time, rates, main = [], [], []
 
     def add(solver, rows, times, measured):
-        behind = loop.two_rates(solver, loop.seconds_by_way(times), exact["place"], exact["force"], exact["stiffness"])
+        behind = []
+        if any(times.values()):
+            behind = loop.two_rates(solver, loop.seconds_by_way(times), exact["place"], exact["force"], exact["stiffness"])
+        else:
+            record.not_measured(f"{given.name}/{solver} at two rates", "not one of its movements converged")
         in_time.extend(rows)
-        rates.extend(behind)
+        rates.extend(behind or [[solver] + [None] * (len(loop.TWO_RATES) - 1)])
         for columns, some in (loop.COLUMNS, rows), (loop.TWO_RATES, behind):
             hand = columns.index("hand (mm/s)")
             for row in some:

@@ -12,7 +12,7 @@ import numpy as np
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 sys.dont_write_bytecode = True
 
-from peers import body, configurations, equilibrium, laws, loop, reduced, sampled, setting
+from peers import body, configurations, equilibrium, laws, loop, methods, reduced, sampled, setting
 
 MOONEY_RIVLIN = laws.MooneyRivlin(1300.0, 1280.0)
 
@@ -166,6 +166,16 @@ class ReducedTest(unittest.TestCase):
         np.testing.assert_allclose(force, equilibrium.transition(few, rest, target).force, atol=1e-6)
         self.assertLess(follower.tangents, 4)
 
+    def testMemoryIsCountedWithoutTheZerosBetweenDisplacementAndPressure(self):
+        model = reduced.Reduced(self.body, self.made, 4)
+        few = sampled.Sampled(model, 1e-2, states=5)
+        beside = sum(kept.nbytes for kept in (self.made.lift, model.coordinates, self.body.gradients, self.body.volume))
+        self.assertEqual(model.memory(), beside + 4 * self.body.tetrahedra.size + 8 * np.count_nonzero(model.basis))
+        basis = few.memory() - sum(kept.nbytes for kept in (few.gradients, few.volume, few.coordinates))
+        self.assertGreaterEqual(basis, 8 * np.count_nonzero(few.basis))  # those of nodes that are held are zero
+        self.assertLess(basis, few.basis.nbytes)
+        self.assertEqual(few.memory_with_shape() - few.memory(), 4 * self.body.displacements * (model.columns[0] + 3))
+
     def testAllElementsWithWeightOneAreTheReducedModel(self):
         model = reduced.Reduced(self.body, self.made, 4)
         few = sampled.Sampled(model, 1e-2, states=5)
@@ -260,6 +270,21 @@ class AnswersTest(unittest.TestCase):
             self.assertAlmostEqual(stuck[-1], 0.04**2)
             self.assertAlmostEqual(quick[2] * 0.04 / speed, 40)
             self.assertEqual(stuck[2], 0)
+
+    def testWhereOneSolverNeverConvergesTheOtherIsTold(self):
+        record, made = unittest.mock.MagicMock(), types.SimpleNamespace(value={
+            "place": [[0.0] * 3, [0.001, 0, 0]], "force": [[0.0] * 3] * 2, "stiffness": [np.zeros((3, 3))] * 2, "largest_difference": 0.0,
+            "largest_difference_N": 0.0})
+        given = types.SimpleNamespace(name="here", case=setting.Case(500, 0.0, 0.06, 3, 20), configurations=None, body=None, fine=[0],
+                                      row=lambda label, value, *_, **__: [label, value.get("answer_s")])
+        told = dict(by_worker=({0.001: [{"force": [0.0] * 3, "seconds": 1.0}]}, made), exact_along=made, worker_rows=[],
+                    by_getfem=({0.001: [[], [{"seconds": 9.0, "converged": False, "force": [0.0] * 3}]]}, made), getfem_rows=[])
+        with unittest.mock.patch.multiple(loop, **{name: unittest.mock.Mock(return_value=value) for name, value in told.items()}):
+            _, rates, main = methods.newton(record, given)
+        self.assertEqual([row[0] for row in rates], ["this project's worker"] * len(loop.SPEEDS) + ["GetFEM"])
+        self.assertEqual([row[1] for row, _ in main], [1.0, None])
+        self.assertEqual(rates[-1][1:], [None] * (len(loop.TWO_RATES) - 1))
+        record.not_measured.assert_called_once_with("here/GetFEM at two rates", "not one of its movements converged")
 
     def testWhatConvergedInTimeIsExactAndElseWhatThereIsIsAnswered(self):
         length = round(loop.SPEEDS[0] * loop.BUDGETS[0], 9)

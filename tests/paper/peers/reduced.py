@@ -110,6 +110,7 @@ class Reduced(Galerkin):
         if supremized:
             u = orthonormal(np.column_stack([u, made.supremizers[:, :pressures]]), made.grad_inner)
         q = made.pressure[:, :pressures]
+        self.columns = u.shape[1], q.shape[1]
         self.scale = np.concatenate([np.abs(u).max(axis=0), np.abs(q).max(axis=0)])
         # Coordinates are what the largest entry of a mode moves, m, so that a residual is in newtons, as the whole body's is.
         self.basis = scipy.linalg.block_diag(u, q) / self.scale
@@ -132,8 +133,15 @@ class Reduced(Galerkin):
         return self.body.admissible(self.whole(a, p), p)
 
     def memory(self):
-        """Bytes that an answer reads: modes, sensitivities, coordinates to start from."""
-        return self.basis.nbytes + self.made.lift.nbytes + self.coordinates.nbytes
+        """Bytes that an answer reads: modes without the zeros between displacement and pressure, sensitivities, coordinates to
+        start from, and of all elements gradients, volume and corners."""
+        of_u, of_q = self.columns
+        rows = self.body.displacements, self.body.size - self.body.displacements
+        elements = self.body.gradients.nbytes + self.body.volume.nbytes + 4 * self.body.tetrahedra.size
+        return 8 * (rows[0] * of_u + rows[1] * of_q) + self.made.lift.nbytes + self.coordinates.nbytes + elements
+
+    def memory_with_shape(self):
+        return self.memory()  # which has all rows of the displacement
 
 
 class Dense:
