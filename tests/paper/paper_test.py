@@ -155,12 +155,14 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
             record.number(number, 1, "N", record.run("echo", ["echo", "1"]))
         record.save()
         again = self.record()
+        again.commit = "another"
         again.number("one", 2, "N", again.run("echo", ["echo", "2"]))
         again.not_measured(ALL, "no time")
         again.save()
         kept = json.loads((self.folder / "results.json").read_text())
         self.assertEqual({name: number["value"] for name, number in kept["numbers"].items()}, {"test/one": 2, "test/two": 1})
         self.assertEqual(kept["not_measured"], {"test/all": "no time"})
+        self.assertEqual(len(kept["sources"]["test"]), 2)
 
     def testWhatThereIsNoTimeForIsNamedAndWhatWasMeasuredIsThere(self):
         self.record().measure("a number", lambda: 7)

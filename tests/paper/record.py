@@ -204,10 +204,11 @@ class Record:
         made = {name.split("/")[0] for name in [*self.numbers, *self.missing]}
         whole = made - {name.split("/")[0] for name in self.missing if name.endswith(f"/{ALL}")}
         rest = lambda kind, of: {name: value for name, value in before.get(kind, {}).items() if name.split("/")[0] not in of}
-        sources = {target: sorted(sources) for target, sources in self.sources.items()}
+        earlier = rest("sources", whole)  # of a target that is not made, some numbers are still of these
+        sources = {target: sorted({*some, *earlier.get(target, ())}) for target, some in self.sources.items()}
         write_whole(path, json.dumps({"numbers": {**rest("numbers", whole), **self.numbers},
                                       "not_measured": {**rest("not_measured", made), **self.missing},
-                                      "sources": {**rest("sources", whole), **sources}}, indent=1, sort_keys=True) + "\n")
+                                      "sources": {**earlier, **sources}}, indent=1, sort_keys=True) + "\n")
 
 
 class Measured:
