@@ -49,6 +49,7 @@ struct Options {
   unsigned seed = 2010;
   bool fixed_steps = false;
   bool merely_converged = false;
+  int iterations = 20;
 };
 
 Scene sceneOf(const Options& options) {
@@ -89,6 +90,9 @@ std::vector<std::int32_t> spreadNodes(const Mesh& mesh, const std::vector<std::i
     candidates.push_back(node);
     distance.push_back(nearest);
   }
+  if (std::ssize(candidates) < count)
+    throw badInput("--nodes {}: {} surface nodes are {:g} mm or more from what is held", count,
+                   candidates.size(), 1000 * clearance);
   std::vector<std::int32_t> chosen;
   while (static_cast<int>(chosen.size()) < count) {
     const auto farthest = std::max_element(distance.begin(), distance.end()) - distance.begin();
@@ -195,7 +199,10 @@ class ValidWalker {
 class ConvergingWalker {
  public:
   ConvergingWalker(const Problem& problem, const Options& options)
-      : halves_(!options.fixed_steps), system_(problem, chooseKernels()), solver_(system_) {}
+      : halves_(!options.fixed_steps),
+        most_iterations_(options.iterations),
+        system_(problem, chooseKernels()),
+        solver_(system_) {}
 
   void chooseTool(std::size_t space) { system_.chooseTool(space); }
 
@@ -252,7 +259,7 @@ class ConvergingWalker {
     now.state = from;
     system_.assemble(now.state, now.residual, tangent);
     do {
-      if (now.iterations == most_iterations) now.cause = Cause::iteration_limit;
+      if (now.iterations == most_iterations_) now.cause = Cause::iteration_limit;
       if (!std::isfinite(now.residual.norm)) now.cause = causeOfNotFinite(now.residual);
       if (now.cause != Cause::none) return now;
       Eigen::VectorXd step = -now.residual.free - tangent.tool_coupling * way;
@@ -284,8 +291,8 @@ class ConvergingWalker {
           *walked.right_inertia && newton.factorization.negative_pivots == *expected;
   }
 
-  static constexpr int most_iterations = 20;
   bool halves_;
+  int most_iterations_;
   System system_;
   TangentSolver solver_;
 };
@@ -488,6 +495,9 @@ int main(int argc, char** argv) try {
   app.add_flag("--merely-converged", options.merely_converged,
                "As the paper counts: its elements (P1/P1, det F - 1), inverted ones and any "
                "inertia accepted, no detours");
+  app.add_option("--iterations", options.iterations, "Of Newton at most, of what merely converges")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   const palpate::Json result = options.merely_converged
                                    ? palpate::survey<palpate::ConvergingWalker>(options)

@@ -48,8 +48,7 @@ def built(record, row, divisions, workers):
 
 
 def simulated(record, row, divisions, dataset):
-    """Minutes of all solves; by simulated workers; of the longest chain of recorded transitions, which more workers shorten only
-    by coming to a point from another one."""
+    """Minutes of all solves; by simulated workers; of the longest chain of transitions each of which waits for the one before."""
     state = pathlib.Path(dataset.value["dataset"] + ".state")
     if not state.is_dir():
         raise Incomplete(f"{state} is gone, which the simulator does again; remove measurement and dataset of that build to make it anew")
@@ -63,8 +62,7 @@ def measured_row(record, row, divisions):
     """A row of COLUMNS, and the numbers in it; None where there was no time for it."""
     configurations = organs.LATTICES.get(divisions)  # without rest, as the paper counts
     start = [row.organ().name, organs.LAWS[row.law], newton_iteration.elements(row.stable(), row.law)]
-    least, most = published.BUILD_MINUTES.get(configurations, (None, None))
-    papers = None if least is None else f"{least}" if least == most else f"{least} to {most}"
+    papers = published.BUILD_WORDS.get(configurations)
     papers_size = published.DATASET_MB.get((row.published, configurations)) if row.order == 1 else None
     by = {}
     for workers in numbers_of_workers(record, row):
@@ -120,7 +118,7 @@ def draw(rows):
         speed.plot(SIMULATED, SIMULATED, color="black", linewidth=0.7)
         time.set(xscale="log", yscale="log", xlabel="configurations", ylabel="time (min)")
         size.set(xscale="log", yscale="log", xlabel="configurations", ylabel="dataset (MB)")
-        speed.set(xscale="log", yscale="log", xlabel="simulated workers", ylabel="times faster than one, largest lattice")
+        speed.set(xscale="log", yscale="log", xlabel="simulated workers", ylabel="all solves / simulated time, largest lattice")
         figure.legend_below(page, time, lines=4)
 
     return page

@@ -2,7 +2,8 @@
 
 Errors are of the force vector, so they do not divide by components that are zero (Eqs. 13 and 14 do): absolute |f' - f|
 in N, relative by max(|f|, references.FLOOR). A place is covered by tri-linear interpolation when the 8 corners of its cell
-are in the ball and solved, by tri-cubic when the 64 around it are, by radial functions always."""
+are in the ball and solved, by tri-cubic when the 64 around it are, by radial functions always; points whose weight is zero,
+where a place lies in a plane of the lattice, are not needed."""
 import dataclasses
 import pathlib
 
@@ -104,7 +105,7 @@ def all_answers(record, name, dataset, displacements):
 # Where a method of the paper can answer
 
 def covered(dataset, displacements):
-    """{method: n booleans}: whether all the points around are solved that the paper's method reads."""
+    """{method: n booleans}: whether all the points around are solved that have a weight in the paper's method."""
     numpy, h5py = needed("numpy"), needed("h5py")
     with h5py.File(dataset) as file:
         solved = numpy.isin(file["points/tag"][:], (1, 2)) & (file["points/ijk"][:] % round(file["points"].attrs["divisions"]) == 0).all(1)
@@ -113,11 +114,14 @@ def covered(dataset, displacements):
     reach = int(numpy.abs(ijk).max()) + 3
     there = numpy.zeros((2 * reach + 1,) * 3, dtype=bool)
     there[tuple((ijk + reach).T)] = True
-    lowest = numpy.floor(numpy.array(displacements) / spacing).astype(int) + reach
+    at = numpy.array(displacements) / spacing
+    in_plane = numpy.abs(at - numpy.round(at)) < 1e-9  # by axis: only the points of that plane have a weight
+    lowest = numpy.where(in_plane, numpy.round(at), numpy.floor(at)).astype(int) + reach
     lowest = numpy.clip(lowest, 1, 2 * reach - 2)
 
     def all_of(offsets):
-        return numpy.all([there[tuple((lowest + (i, j, k)).T)] for i in offsets for j in offsets for k in offsets], axis=0)
+        cube = [numpy.array((i, j, k)) for i in offsets for j in offsets for k in offsets]
+        return numpy.all([there[tuple((lowest + corner).T)] | (in_plane & (corner != 0)).any(1) for corner in cube], axis=0)
 
     eight, all64 = all_of((0, 1)), all_of((-1, 0, 1, 2))
     everywhere = numpy.ones(len(lowest), dtype=bool)
@@ -126,7 +130,8 @@ def covered(dataset, displacements):
 
 COLUMNS = ["organ", "law", "configurations", "method", "places wanted", "places solved", "covered (%)", "mean error (N)", "largest error (N)",
            "mean relative error (%)", "largest relative error (%)", "mean error, covered (N)", "largest error, covered (N)",
-           "mean relative error, covered (%)", "largest relative error, covered (%)", "median relative error (%)"]
+           "mean relative error, covered (%)", "largest relative error, covered (%)", "median relative error (%)",
+           "places after a detour"]
 
 
 def errors(record, kind):
@@ -161,10 +166,10 @@ def errors_of(record, case, kind):
                                                      100 * (error / length)[part].max()]
             row = [case.organ().name, organs.LAWS[case.law], dataset.value["points"]["points"] - 1, method, truth.wanted, len(force),
                    100 * float(part.mean()), *map(float, measures), *(None if m is None else float(m) for m in few),
-                   100 * float(numpy.median(error / length))]
+                   100 * float(numpy.median(error / length)), truth.after_detour]
             rows.append(row)
             record.row(f"{kind} paths, {case.name()}/{row[2]}/{method}", COLUMNS[4:], row[4:],
-                       [truth.measured] * 2 + [sources[method]] * len(COLUMNS[6:]))
+                       [truth.measured] * 2 + [sources[method]] * len(COLUMNS[6:-1]) + [truth.measured])
     return rows
 
 

@@ -5,6 +5,7 @@ import functools
 import json
 import os
 import pathlib
+import runpy
 import shutil
 import subprocess
 import sys
@@ -25,6 +26,7 @@ import newton_iteration
 import organs
 import references
 import surveys
+from interruption import write_whole
 from record import ALL, Incomplete, Measured, NotMeasured, Record, needed
 
 PROGRAMS = pathlib.Path(os.environ.get("PALPATE_BIN_DIR", HERE.parents[1] / "build/release/bin")).parent
@@ -343,6 +345,24 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         self.assertEqual(inside["trilinear"].tolist(), [True, True, False, True])
         self.assertEqual(inside["tricubic"].tolist(), [True, True, False, False])
 
+    def testPointsWithoutAWeightNeedNotBeThere(self):
+        numpy, h5py = needed("numpy"), needed("h5py")
+        ijk = numpy.array([(i, j, 0) for i in range(-2, 3) for j in range(-2, 3)])
+        with h5py.File(self.folder / "plane.h5", "w") as file:
+            points = file.create_group("points")
+            points.attrs["divisions"], points.attrs["spacing"] = 1.0, 0.01
+            points["ijk"], points["tag"] = ijk, numpy.ones(len(ijk), dtype=numpy.uint8)
+        inside = interpolation.covered(self.folder / "plane.h5", [(0.005, 0.005, 0), (0.005, 0.005, 0.001), (0.01 * 0.3 / 0.3, -0.02, 0)])
+        self.assertEqual(inside["trilinear"].tolist(), [True, False, True])
+        self.assertEqual(inside["tricubic"].tolist(), [True, False, True])
+
+    def testPlacesAfterADetourAreCounted(self):
+        detours = iter([[0, 1, 0], [0, 0], [2]])
+        record = unittest.mock.Mock(bench=self.folder, target="figure8", **{"together": lambda each: [one() for one in each], "scene.return_value": "scene"})
+        record.run = lambda *_: Measured({"paths": [{"reached": [{"displacement": [0, 0, 0], "force": [0, 0, 0], "detours": d}
+                                                                 for d in next(detours)]}]}, "", {}, "", "")
+        self.assertEqual(references.solved_along(record, "any", "", [[0] * 3] * 3).after_detour, 3)
+
     # The command
 
     def testATargetThatIsUnknownIsRefusedWithTheNamesThereAre(self):
@@ -365,6 +385,21 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
                               capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertRegex(done.stdout, "not begun in the hours that were given; of an earlier run: figure6.svg\n")
+
+    def testFilesThatATargetDoesNotMakeAgainAreSaidToBeOfAnEarlierRun(self):
+        record = Record(self.folder, self.folder, say=lambda text: None)
+        kept = self.folder / "figures" / "figure5-mr.png"
+        write_whole(kept, "")
+        os.utime(kept, (1, 1))
+
+        def only_a_table(record):
+            """Fig. 5 where there is no screen."""
+            figure.save_table(record, "figure5", ["a"], [[1]])
+
+        run = runpy.run_path(str(HERE / "run"))
+        with unittest.mock.patch.dict(run["make"].__globals__, target=lambda name: only_a_table):
+            self.assertTrue(run["make"]("figure5", record))
+        self.assertEqual(record.missing, {"figure5/files": "of an earlier run: figure5-mr.png"})
 
 
 if __name__ == "__main__":

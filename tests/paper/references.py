@@ -1,9 +1,11 @@
-"""Exact forces to hold interpolations against: along the paper's regular and random paths, each solved from the one before.
+"""Exact forces to hold interpolations against: along the paper's regular and random paths, each solved from the one before,
+by way of points beside where straight on fails (docs/solver.md).
 
 Displacements in metres, forces in newtons (tissue on tool). What a path did not reach is counted, never filled in.
 Relative errors are |f' - f| / max(|f|, FLOOR), of force vectors."""
 import dataclasses
 import functools
+import itertools
 import json
 import random
 
@@ -18,6 +20,7 @@ class References:
     displacement: list  # of all that were reached, n x 3
     force: list         # n x 3
     wanted: int         # how many were asked for
+    after_detour: int   # how many of the reached are, or come after one on their path that is, reached by a detour
     measured: object    # where they come from (record.Measured)
 
 
@@ -58,6 +61,8 @@ def solved_along(record, name, scene, paths, detours=True):
     command = [record.bench / "palpate_path_forces", record.scene(name, scene), "--active", "tip", *(["--detours"] if detours else [])]
     each = record.together([functools.partial(record.run, f"{name} path {n + 1} of {len(paths)}", command, json.dumps([path]))
                             for n, path in enumerate(paths)])
-    points = [point for measured in each for point in measured.value["paths"][0]["reached"]]
+    reached = [measured.value["paths"][0]["reached"] for measured in each]
+    points = [point for path in reached for point in path]
+    after = sum(sum(itertools.accumulate((point["detours"] > 0 for point in path), max)) for path in reached)
     return References([point["displacement"] for point in points], [point["force"] for point in points],
-                      sum(map(len, paths)), Measured.of_all(each, f"tests/paper/run {record.target}"))
+                      sum(map(len, paths)), after, Measured.of_all(each, f"tests/paper/run {record.target}"))

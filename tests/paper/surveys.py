@@ -60,6 +60,10 @@ class Reached:
     def percent(self, count=None):
         return 100 * (self.complete if count is None else count) / len(self.way)
 
+    def why(self):
+        """In words: why the others stopped."""
+        return ", ".join(f"{count} {cause}" for cause, count in self.causes.most_common()) or "none did"
+
 
 def step(record, survey):
     """m of a transition."""
@@ -70,8 +74,9 @@ def steps_words(record, survey):
     return f"{1000 * step(record, survey):g} mm, {'fixed' if survey.fixed_steps else 'adaptive'}"
 
 
-def walked(record, survey, merely):
-    """Measures a survey from node to node, so that an interruption costs one at most."""
+def walked(record, survey, merely, iterations=None):
+    """Measures a survey from node to node, so that an interruption costs one at most. `iterations`: of Newton at most, of what
+    merely converges, if not as many as the survey takes by itself."""
     axes, nodes, directions = (("x",), 2, 6) if record.quick else (("x", "y"), 10, 26)
     each = 1 if record.quick else -(-record.random_paths // (len(axes) * nodes))
     words = [record.bench / "palpate_path_survey", organs.organ(survey.nodes).mesh, "--law", LAW_WORDS[survey.law], "--every-path",
@@ -79,7 +84,9 @@ def walked(record, survey, merely):
     steps = round(0.2 / step(record, survey))
     words += ["--random", each, "--steps", steps] if survey.kind == "random" else ["--directions", directions]
     words += (["--fixed-steps"] if survey.fixed_steps else []) + (["--merely-converged"] if merely else [])
+    words += ["--iterations", iterations] if iterations else []
     name = f"paths of {survey.name()}, {steps_words(record, survey)}{', merely converged' if merely else ''}"
+    name += f", {iterations} iterations" if iterations else ""
     parts = record.together([functools.partial(record.run, f"{name}, {axis} node {node + 1} of {nodes}",
                                                [*words, "--axis", axis, "--only-node", node]) for axis in axes for node in range(nodes)])
     command = record.shown([*words, "--axis", "|".join(axes), "--only-node", f"0..{nodes - 1}"])
@@ -120,11 +127,10 @@ def is_the_papers(survey):
 
 
 def survey_row(record, survey, merely, valid):
-    causes = lambda reached: ", ".join(f"{count} {cause}" for cause, count in reached.causes.most_common()) or "none did"
     comparable = survey.kind == "regular" and is_the_papers(survey)
     row = [*what_is_surveyed(record, survey), len(valid.way), published.CONVERGED[survey.law] if comparable else "-"]
     row += [merely.percent(), interval(survey, merely), merely.percent(merely.without_inverted)] if merely else [None] * 3
-    row += [valid.percent(), interval(survey, valid), valid.percent(valid.straight), causes(merely) if merely else None, causes(valid)]
+    row += [valid.percent(), interval(survey, valid), valid.percent(valid.straight), merely.why() if merely else None, valid.why()]
     for column, value in zip(SURVEY_COLUMNS, row):
         reached = merely if "merely" in column else valid
         if isinstance(value, float) or column == "number of paths":
@@ -170,13 +176,14 @@ def draw_survival(rows):
 
 def how_far(record):
     """Sec. 6.1: how many paths get to their end, merely converged and valid, by law and steps."""
-    rows, curves, whole = [], [], True
+    rows, curves, failed, whole = [], [], [], True
     for one in surveys(record):
         try:
             merely = walked(record, one, True) if one.merely else None
             valid = walked(record, one, False)
-        except NotMeasured as why:
+        except (Incomplete, NotMeasured) as why:  # one survey costs no other
             record.not_measured(f"{one.name()}, {steps_words(record, one)}", str(why))
+            failed += [one.name()] if isinstance(why, Incomplete) else []
             start = what_is_surveyed(record, one)
             rows.append([*start, *[None] * (len(SURVEY_COLUMNS) - len(start))])
             whole = whole and not is_the_papers(one)
@@ -189,3 +196,25 @@ def how_far(record):
         raise Incomplete("paths-way: not all of the paper's surveys are measured")
     if curves:
         figure.save_figure(record, "paths-way", SURVIVAL_COLUMNS, curves, draw_survival(curves), size=(11, 4.4))
+    if failed:
+        raise Incomplete(f"not surveyed: {'; '.join(failed)}")
+
+
+LIMITS = (20, 50)
+LIMIT_COLUMNS = ["organ", "law", "paths", "steps", "number of paths", "published (%)", "Newton iterations at most", "merely converged (%)",
+                 "merely converged, no element inverted (%)", "why the others stopped"]
+
+
+def limits(record):
+    """Sec. 6.1 again: how much of what merely converges is a matter of how many iterations Newton may take."""
+    rows = []
+    for law in record.laws if 500 in record.nodes else ():
+        for fixed in (True, False):
+            one = Survey(500, law, fixed_steps=fixed)
+            for limit in LIMITS:
+                reached = walked(record, one, True, limit)
+                what = what_is_surveyed(record, one)
+                rows.append([*what[:2], *what[3:], len(reached.way), published.CONVERGED[law], limit, reached.percent(),
+                             reached.percent(reached.without_inverted), reached.why()])
+                record.row(f"{one.name()}, {what[4]}, {limit} iterations", LIMIT_COLUMNS[7:9], rows[-1][7:9], [reached.measured] * 2)
+    figure.save_table(record, "limits", LIMIT_COLUMNS, rows)

@@ -1,6 +1,7 @@
 #include "tests/speed_up/ideal.hpp"
 
 #include <queue>
+#include <utility>
 
 #include "common/base/assertion.hpp"
 
@@ -11,21 +12,24 @@ namespace {
 std::vector<Dependencies::Wave> wavesOf(SpacePlan& plan, std::uint32_t space,
                                         const Recording& recording) {
   std::vector<Dependencies::Wave> waves;
+  std::vector<Transition> ready = plan.takeReady();
   while (!plan.complete()) {
     Dependencies::Wave wave{.stage = plan.stage(), .chains = {}};
-    for (const Transition& first : plan.takeReady()) wave.chains.push_back({first});
-    for (std::vector<Transition>& chain : wave.chains) {
+    for (const Transition& first : std::exchange(ready, {})) wave.chains.push_back({first});
+    for (std::vector<Transition>& chain : wave.chains)
       for (std::size_t n = 0; n < chain.size(); ++n) {
-        const bool is_last = plan.openCount() == 1 && &chain == &wave.chains.back();
         const StoredResult& result =
             recording.find(plan, {space, chain[n].target, chain[n].parent}).result;
         plan.record(chain[n], result.outcome, fieldsOf(result.header));
-        // What the last one of a wave makes ready is the next wave, or waits for it like one.
-        if (is_last) break;
         const std::vector<Transition> next = plan.takeReady();
-        chain.insert(chain.end(), next.begin(), next.end());
+        // The next parent of a target; the last one of a wave makes the next wave ready.
+        if (next.size() == 1 && next[0].target == chain[n].target && plan.stage() == wave.stage) {
+          chain.push_back(next[0]);
+        } else {
+          PALPATE_ASSERT(ready.empty(), "a wave begins when the one before has ended");
+          ready = next;
+        }
       }
-    }
     waves.push_back(std::move(wave));
   }
   return waves;
