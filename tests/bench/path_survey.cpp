@@ -260,7 +260,7 @@ class ConvergingWalker {
     system_.assemble(now.state, now.residual, tangent);
     do {
       if (now.iterations == most_iterations_) now.cause = Cause::iteration_limit;
-      if (!std::isfinite(now.residual.norm)) now.cause = causeOfNotFinite(now.residual);
+      if (!std::isfinite(now.residual.norm)) now.cause = Cause::not_finite;
       if (now.cause != Cause::none) return now;
       Eigen::VectorXd step = -now.residual.free - tangent.tool_coupling * way;
       now.factorization = solver_.factorize(tangent);

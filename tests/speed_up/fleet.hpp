@@ -40,8 +40,9 @@ struct FleetRun {
 /// what worker/link/worker_session.hpp does (two jobs in advance, starts fetched once and kept,
 /// heartbeats), and find what is recorded. All have joined and asked for work when it begins.
 ///
-/// Left out: ZeroMQ, encryption, the bytes on the wire, the time that a disk takes to sync, the
-/// problem's way to workers, accidents.
+/// Left out: what a worker needs to make a start ready (TransitionSolver::startFrom), ZeroMQ,
+/// encryption, the bytes on the wire, the time that a disk takes to sync, the problem's way to
+/// workers, accidents.
 FleetRun runFleet(const Recording& recording, const FleetSettings& settings);
 
 }  // namespace palpate::speed_up
