@@ -16,7 +16,7 @@ WANTED_MINUTES = 8  # of all four lattices of the 500-node Mooney-Rivlin liver b
 
 COLUMNS = ["organ", "law", "elements", "configurations", "failed", "1 worker (min)", "2 workers (min)", "workers elsewhere (min)",
            "all solves (min)", *[f"{workers} workers, simulated (min)" for workers in SIMULATED], "longest chain (min)",
-           "published, 64 cores (min)", "dataset (MB)", "published (MB)"]
+           "published, 64 cores (min)", "dataset (MB)", "with all nodes (MB)", "published (MB)"]
 
 
 def cases(record):
@@ -30,8 +30,8 @@ def lattices(record, row):
     return (5,) if record.quick and row.law == "mr" else (3,) if record.quick else tuple(organs.LATTICES)
 
 
-def scene(row, divisions):
-    return organs.scene(row.organ(), row.law, divisions=divisions, **({} if row.order == 1 else row.stable()))
+def scene(row, divisions, **options):
+    return organs.scene(row.organ(), row.law, divisions=divisions, **({} if row.order == 1 else row.stable()), **options)
 
 
 def numbers_of_workers(record, row):
@@ -45,6 +45,14 @@ def built(record, row, divisions, workers):
     name = f"{row.organ().name}-{row.law}{'-p2' if row.order == 2 else ''}-n{divisions}"
     same = record.listen or workers == record.jobs
     return record.dataset(name if same else f"{name}-j{workers}", scene(row, divisions), None if same else workers)
+
+
+def with_all_nodes(record, row, divisions):
+    """The smallest lattice of linear elements again, with the displacements of all nodes as the paper's, or None: for its size."""
+    if row.order == 2 or divisions != min(organs.LATTICES):
+        return None
+    name = f"{row.organ().name}-{row.law}-n{divisions}-all-nodes"
+    return record.dataset(name, scene(row, divisions, storage='displacement = "all"'))
 
 
 def simulated(record, row, divisions, dataset):
@@ -71,17 +79,23 @@ def measured_row(record, row, divisions):
         except NotMeasured as why:  # the dataset of the others may still be there
             record.not_measured(f"{row.name()}, {configurations}, {workers or 'any'} workers", str(why))
     if not by:
-        return [*start, configurations, *[None] * (len(COLUMNS) - 7), papers, None, papers_size]
+        return [*start, configurations, *[None] * (len(COLUMNS) - 8), papers, None, None, papers_size]
     dataset = next(iter(by.values()))
     try:
         many, simulator = simulated(record, row, divisions, dataset)
     except NotMeasured as why:
         record.not_measured(f"{row.name()}, {configurations}, simulated", str(why))
         many, simulator = [None] * (len(SIMULATED) + 2), None
+    try:
+        whole = with_all_nodes(record, row, divisions)
+    except NotMeasured as why:
+        record.not_measured(f"{row.name()}, {configurations}, with all nodes", str(why))
+        whole = None
     points = dataset.value["points"]
     minutes = [by[workers].value["seconds"] / 60 if workers in by else None for workers in (1, 2, None)]
-    cells = [*start, points["points"] - 1, points["failed"], *minutes, *many, papers, dataset.value["bytes"] / 1e6, papers_size]
-    sources = [None, None, None, dataset, dataset, by.get(1), by.get(2), by.get(None), *[simulator] * len(many), None, dataset, None]
+    cells = [*start, points["points"] - 1, points["failed"], *minutes, *many, papers, dataset.value["bytes"] / 1e6,
+             whole and whole.value["bytes"] / 1e6, papers_size]
+    sources = [None, None, None, dataset, dataset, by.get(1), by.get(2), by.get(None), *[simulator] * len(many), None, dataset, whole, None]
     record.row(f"{row.name()}, {points['points'] - 1}", COLUMNS, cells, sources)
     return cells
 
@@ -104,12 +118,14 @@ def draw(rows):
             curve(time, group, "1 worker (min)", "o:", color)
             curve(time, group, "64 workers, simulated (min)", "s--", color)
             curve(size, group, "dataset (MB)", "o-", color)
+            curve(size, group, "with all nodes (MB)", "x", color)
             done = [row for row in rows if tuple(row[:3]) == group and row[COLUMNS.index("all solves (min)")] is not None]
             if done:
                 work, *times = max(done, key=lambda row: row[3])[COLUMNS.index("all solves (min)"):][:len(SIMULATED) + 1]
                 speed.plot(SIMULATED, [work / minutes for minutes in times], "s--", markersize=4, color=color)
         for label, style in (("1 worker", "o:"), ("2 workers", "o-"), ("64 workers, simulated", "s--")):
             time.plot([], [], style, color="black", markersize=4, label=label)
+        time.plot([], [], "x", color="black", markersize=4, label="size with all nodes")
         for configurations, (least, most) in published.BUILD_MINUTES.items():
             label = "published, 64 cores" if configurations == min(published.BUILD_MINUTES) else None
             time.plot([configurations] * 2, [least, most], "*-", color="black", label=label)
@@ -141,7 +157,7 @@ def save_table(record, rows):
     """Without the columns of workers that were not asked for; what the paper does not say is no measurement that is missing."""
     unasked = ("1 worker (min)", "2 workers (min)") if record.listen else ("workers elsewhere (min)",)
     kept = [n for n, column in enumerate(COLUMNS) if column not in unasked]
-    shown = lambda row, n: "-" if row[n] is None and COLUMNS[n].startswith("published") else row[n]
+    shown = lambda row, n: "-" if row[n] is None and COLUMNS[n].startswith(("published", "with all")) else row[n]
     figure.save_table(record, "figure7-table", [COLUMNS[n] for n in kept], [[shown(row, n) for n in kept] for row in rows])
 
 
