@@ -258,7 +258,7 @@ def draw_methods(rows):
                     axis.plot(*zip(*points) if points else ([], []), marker="o" if method in PAPERS else "s", markersize=4, label=LABELS[method],
                               linestyle="" if cost == 5 else "-" if method in PAPERS else "--", color=figure.COLORS[n])
                 axis.set(xscale="log", yscale="log")
-            axes_of_line[0].set_ylabel(f"{group[0]}, {group[1]}\n{label}")
+            axes_of_line[0].set_ylabel(f"{group[0]}\n{group[1]}\n{label}")
         for axis, cost in zip(axes[-1], (3, 4, 5, 6)):
             axis.set_xlabel(METHOD_COLUMNS[cost])
         figure.legend_below(page, axes[0][0])
