@@ -205,6 +205,7 @@ std::vector<std::int32_t> SpacePlan::parentsNear(const LatticePoint& position) c
 
 /// From a stage with nothing open to the next one, which may have nothing to do.
 void SpacePlan::advanceStage() {
+  ++stages_begun_;
   switch (stage_) {
     case Stage::lattice:
       PALPATE_ASSERT(frontier_.complete(), "a lattice with nothing to solve is solved");

@@ -65,6 +65,9 @@ class SpacePlan {
   void record(const Transition& transition, const Outcome& outcome, const ContentId& fields);
 
   Stage stage() const { return stage_; }
+  /// Stages that have begun since the lattice, the same one again counted again: all that was open
+  /// before was recorded before.
+  int stagesBegun() const { return stages_begun_; }
   bool complete() const { return stage_ == Stage::complete; }
   /// Transitions that are ready and not recorded.
   std::int32_t openCount() const;
@@ -123,6 +126,7 @@ class SpacePlan {
   std::map<std::int32_t, Pursuit> pursuits_;  ///< by target; what is open after the lattice
   std::vector<Transition> ready_;
   Stage stage_ = Stage::lattice;
+  int stages_begun_ = 0;
   int branch_round_ = 0;
   bool may_grow_;
 };

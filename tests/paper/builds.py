@@ -47,10 +47,13 @@ def built(record, row, divisions, workers):
     return record.dataset(name if same else f"{name}-j{workers}", scene(row, divisions), None if same else workers)
 
 
+def wants_all_nodes(row, divisions):
+    """Of linear elements the smallest lattice: the larger ones are so many times as large."""
+    return row.order == 1 and divisions == min(organs.LATTICES)
+
+
 def with_all_nodes(record, row, divisions):
-    """The smallest lattice of linear elements again, with the displacements of all nodes as the paper's, or None: for its size."""
-    if row.order == 2 or divisions != min(organs.LATTICES):
-        return None
+    """The same again, with the displacements of all nodes as the paper's: for its size."""
     name = f"{row.organ().name}-{row.law}-n{divisions}-all-nodes"
     return record.dataset(name, scene(row, divisions, storage='displacement = "all"'))
 
@@ -87,14 +90,14 @@ def measured_row(record, row, divisions):
         record.not_measured(f"{row.name()}, {configurations}, simulated", str(why))
         many, simulator = [None] * (len(SIMULATED) + 2), None
     try:
-        whole = with_all_nodes(record, row, divisions)
+        whole = with_all_nodes(record, row, divisions) if wants_all_nodes(row, divisions) else None
     except NotMeasured as why:
         record.not_measured(f"{row.name()}, {configurations}, with all nodes", str(why))
         whole = None
     points = dataset.value["points"]
     minutes = [by[workers].value["seconds"] / 60 if workers in by else None for workers in (1, 2, None)]
     cells = [*start, points["points"] - 1, points["failed"], *minutes, *many, papers, dataset.value["bytes"] / 1e6,
-             whole and whole.value["bytes"] / 1e6, papers_size]
+             whole.value["bytes"] / 1e6 if whole else None, papers_size]
     sources = [None, None, None, dataset, dataset, by.get(1), by.get(2), by.get(None), *[simulator] * len(many), None, dataset, whole, None]
     record.row(f"{row.name()}, {points['points'] - 1}", COLUMNS, cells, sources)
     return cells
@@ -129,6 +132,8 @@ def draw(rows):
         for configurations, (least, most) in published.BUILD_MINUTES.items():
             label = "published, 64 cores" if configurations == min(published.BUILD_MINUTES) else None
             time.plot([configurations] * 2, [least, most], "*-", color="black", label=label)
+            if published.BUILD_WORDS[configurations].startswith("less than"):
+                time.plot([configurations], [least], "v", color="black")
         for (_, configurations), megabytes in published.DATASET_MB.items():
             size.plot([configurations], [megabytes], "*", color="black")
         speed.plot(SIMULATED, SIMULATED, color="black", linewidth=0.7)
@@ -154,10 +159,13 @@ def wanted(record):
 
 
 def save_table(record, rows):
-    """Without the columns of workers that were not asked for; what the paper does not say is no measurement that is missing."""
+    """Without the columns of workers that were not asked for; what the paper does not say is no measurement that is missing, nor is
+    a size that was not asked for."""
     unasked = ("1 worker (min)", "2 workers (min)") if record.listen else ("workers elsewhere (min)",)
     kept = [n for n, column in enumerate(COLUMNS) if column not in unasked]
-    shown = lambda row, n: "-" if row[n] is None and COLUMNS[n].startswith(("published", "with all")) else row[n]
+    smallest = organs.LATTICES[min(organs.LATTICES)]
+    is_wanted = lambda row, column: not (column.startswith("published") or column.startswith("with all") and (row[3] != smallest or "P2" in row[2]))
+    shown = lambda row, n: "-" if row[n] is None and not is_wanted(row, COLUMNS[n]) else row[n]
     figure.save_table(record, "figure7-table", [COLUMNS[n] for n in kept], [[shown(row, n) for n in kept] for row in rows])
 
 

@@ -41,7 +41,7 @@ def draw_forces(rows, paths):
             axis.set(xlabel="displacement (mm)", xlim=(0, 102), ylim=(0, None))
             axis.set_title(path, fontsize=9)
         axes[0].set_ylabel("force (N)")
-        axes[0].plot([], [], "x", color="black", label="no further in steps of 1 mm")
+        axes[0].plot([], [], "x", color="black", label="no further straight on")
         axes[0].plot([], [], "|", markersize=10, color=figure.COLORS[0], label="an element is inverted from here on")
         figure.legend_below(page, axes[0], lines=2)
 

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """tests/paper: what it keeps, and what it refuses. ctest runs each case by itself; by hand
 PALPATE_BIN_DIR=build/release/bin tests/paper/paper_test.py."""
+import collections
 import functools
 import json
 import os
@@ -260,10 +261,41 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
         self.assertIn("| Mooney-Rivlin | finger, 20 mm | regular | 20 mm, adaptive | not measured |", table)
         self.assertFalse((self.folder / "figures" / "paths-way.svg").exists())
 
+    def testASurveyThatFailsCostsNoOtherOne(self):
+        record = Record(self.folder, nodes=(500,), laws=("mr",), say=self.said.append)
+        record.target = "paths"
+        there = surveys.Reached([0.1] * 4, 0.1, 4, 4, 4, collections.Counter(), Measured(None, "", {}, "", ""))
+        fails = lambda survey: survey.tool == "finger"
+
+        def walked(record, survey, merely):
+            if fails(survey):
+                raise Incomplete("the survey ended with 1")
+            return there
+
+        with unittest.mock.patch.object(surveys, "walked", walked), self.assertRaisesRegex(Incomplete, "^failed: .*finger, 20 mm, regular$"):
+            surveys.how_far(record)
+        table = (self.folder / "figures" / "paths.md").read_text().splitlines()[2:]
+        self.assertEqual(["| 100 |" in line for line in table], [not fails(survey) for survey in surveys.surveys(record)])
+        self.assertTrue((self.folder / "figures" / "paths-way.svg").exists())
+
+    def testALatticeThatIsNotMeasuredIsARowOfFig7(self):
+        for row in newton_iteration.ROWS:
+            for divisions in organs.LATTICES:
+                self.assertEqual(len(builds.measured_row(self.withoutTime(), row, divisions)), len(builds.COLUMNS))
+
+    def testTheSizeOfAllNodesIsMissedWhereItIsAskedForAlone(self):
+        rows = [builds.measured_row(self.withoutTime(), row, divisions) for row in newton_iteration.ROWS for divisions in organs.LATTICES]
+        builds.save_table(self.withoutTime(), rows)
+        head, _, *lines = [line.split(" | ") for line in (self.folder / "figures" / "figure7-table.md").read_text().splitlines()]
+        cells = [line[head.index("with all nodes (MB)")] for line in lines]
+        self.assertEqual(cells, ["not measured" if builds.wants_all_nodes(row, divisions) else "-"
+                                 for row in newton_iteration.ROWS for divisions in organs.LATTICES])
+
     def testOfWhatIsNotMeasuredTablesNameEveryRow(self):
         newton_iteration.table1(self.withoutTime())
         claims.claims(self.withoutTime())
-        for name, rows in ("table1", newton_iteration.ROWS), ("claims", claims.CLAIMS):
+        surveys.limits(self.withoutTime())
+        for name, rows in ("table1", newton_iteration.ROWS), ("claims", claims.CLAIMS), ("limits", range(3 * 2 * 2)):
             table = (self.folder / "figures" / f"{name}.md").read_text()
             self.assertEqual(len([line for line in table.splitlines()[2:] if "not measured" in line]), len(rows))
 
@@ -352,7 +384,7 @@ Record({str(self.folder)!r}).run("wait", ["sh", "-c", 'echo $$ > "$0"; exec slee
             points = file.create_group("points")
             points.attrs["divisions"], points.attrs["spacing"] = 1.0, 0.01
             points["ijk"], points["tag"] = ijk, numpy.ones(len(ijk), dtype=numpy.uint8)
-        inside = interpolation.covered(self.folder / "plane.h5", [(0.005, 0.005, 0), (0.005, 0.005, 0.001), (0.01 * 0.3 / 0.3, -0.02, 0)])
+        inside = interpolation.covered(self.folder / "plane.h5", [(0.005, 0.005, 0), (0.005, 0.005, 0.001), (0.01 * (1 - 1e-12), -0.02, 0)])
         self.assertEqual(inside["trilinear"].tolist(), [True, False, True])
         self.assertEqual(inside["tricubic"].tolist(), [True, False, True])
 

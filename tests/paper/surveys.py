@@ -192,29 +192,34 @@ def how_far(record):
         if is_the_papers(one):
             curves += survival(record, one, merely, "merely converged") + survival(record, one, valid, "valid")
     figure.save_table(record, "paths", SURVEY_COLUMNS, rows)
-    if not whole:
-        raise Incomplete("paths-way: not all of the paper's surveys are measured")
-    if curves:
+    if curves and whole:
         figure.save_figure(record, "paths-way", SURVIVAL_COLUMNS, curves, draw_survival(curves), size=(11, 4.4))
-    if failed:
-        raise Incomplete(f"not surveyed: {'; '.join(failed)}")
+    missing = [] if whole else ["paths-way: not all of the paper's surveys are measured"]
+    if missing or failed:
+        raise Incomplete("; ".join([*missing, *(f"failed: {name}" for name in failed)]))
 
 
 LIMITS = (20, 50)
-LIMIT_COLUMNS = ["organ", "law", "paths", "steps", "number of paths", "published (%)", "Newton iterations at most", "merely converged (%)",
+LIMIT_COLUMNS = ["organ", "law", "paths", "steps", "published (%)", "Newton iterations at most", "number of paths", "merely converged (%)",
                  "merely converged, no element inverted (%)", "why the others stopped"]
 
 
 def limits(record):
     """Sec. 6.1 again: how much of what merely converges is a matter of how many iterations Newton may take."""
-    rows = []
-    for law in record.laws if 500 in record.nodes else ():
-        for fixed in (True, False):
-            one = Survey(500, law, fixed_steps=fixed)
-            for limit in LIMITS:
-                reached = walked(record, one, True, limit)
-                what = what_is_surveyed(record, one)
-                rows.append([*what[:2], *what[3:], len(reached.way), published.CONVERGED[law], limit, reached.percent(),
-                             reached.percent(reached.without_inverted), reached.why()])
-                record.row(f"{one.name()}, {what[4]}, {limit} iterations", LIMIT_COLUMNS[7:9], rows[-1][7:9], [reached.measured] * 2)
-    figure.save_table(record, "limits", LIMIT_COLUMNS, rows)
+    asked = [(Survey(record.nodes[0], law, fixed_steps=fixed), limit) for law in record.laws for fixed in (True, False) for limit in LIMITS]
+    figure.save_table(record, "limits", LIMIT_COLUMNS, [limited(record, one, limit) for one, limit in asked])
+
+
+def limited(record, one, limit):
+    """A row of LIMIT_COLUMNS."""
+    organ, law, _, kind, steps = what_is_surveyed(record, one)
+    row = [organ, law, kind, steps, published.CONVERGED[one.law] if is_the_papers(one) else "-", limit]
+    name = f"{one.name()}, {steps}, {limit} iterations"
+    try:
+        reached = walked(record, one, True, limit)
+    except NotMeasured as why:
+        record.not_measured(name, str(why))
+        return [*row, *[None] * (len(LIMIT_COLUMNS) - len(row))]
+    row += [len(reached.way), reached.percent(), reached.percent(reached.without_inverted), reached.why()]
+    record.row(name, LIMIT_COLUMNS[7:9], row[7:9], [reached.measured] * 2)
+    return row

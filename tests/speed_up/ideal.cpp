@@ -20,15 +20,12 @@ std::vector<Dependencies::Wave> wavesOf(SpacePlan& plan, std::uint32_t space,
       for (std::size_t n = 0; n < chain.size(); ++n) {
         const StoredResult& result =
             recording.find(plan, {space, chain[n].target, chain[n].parent}).result;
+        const int begun = plan.stagesBegun();
         plan.record(chain[n], result.outcome, fieldsOf(result.header));
         const std::vector<Transition> next = plan.takeReady();
-        // The next parent of a target; the last one of a wave makes the next wave ready.
-        if (next.size() == 1 && next[0].target == chain[n].target && plan.stage() == wave.stage) {
-          chain.push_back(next[0]);
-        } else {
-          PALPATE_ASSERT(ready.empty(), "a wave begins when the one before has ended");
-          ready = next;
-        }
+        // The last one of a wave makes the next wave ready, others the next parent of their target.
+        std::vector<Transition>& goes_on = plan.stagesBegun() == begun ? chain : ready;
+        goes_on.insert(goes_on.end(), next.begin(), next.end());
       }
     waves.push_back(std::move(wave));
   }

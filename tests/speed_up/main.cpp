@@ -64,7 +64,7 @@ json rowOf(const Dependencies& dependencies, const Options& options, std::size_t
                                             .charge_measured = options.measured,
                                             .spot_checks = !options.no_checks,
                                             .directory = folder / "state"});
-  PALPATE_ASSERT(run.until_solved > longest_chain * (1 - 1e-9),
+  PALPATE_ASSERT(run.until_solved >= longest_chain * (1 - 1e-9),
                  "no fleet is faster than what waits for what");
   const double ideal = idealOf(dependencies, workers).seconds;
   const double bound = std::max(recording.seconds() / static_cast<double>(workers), longest_chain);

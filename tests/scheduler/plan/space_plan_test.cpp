@@ -15,6 +15,7 @@
 namespace palpate {
 namespace {
 
+using testing::ElementsAre;
 using testing::IsEmpty;
 
 /// What a worker answers to a transition, a function of nothing else.
@@ -168,6 +169,23 @@ TEST_F(SpacePlanTest, APointOnAnotherBranchIsSolvedFromItsNeighboursAndTheLeastE
   EXPECT_EQ(plan.point(number).equilibrium.energy,
             test::StiffeningEnergy().energy(plan.positions().displacement(number)));
   EXPECT_THAT(inconsistentEdges(plan.table()), IsEmpty());
+}
+
+TEST_F(SpacePlanTest, AStageBeginsWhenTheLastThatWasOpenIsRecordedAndIsCountedThen) {
+  SpacePlan plan(problem, 0);
+  int begun = 0, were_open = plan.openCount();
+  std::vector<Stage> stages = {plan.stage()};
+  finish(plan, [&, solve = withJumpAt({0, 1, 1})](const SpacePlan& at, const Transition& asked) {
+    if (at.stagesBegun() != begun) {
+      EXPECT_EQ(were_open, 1);
+      stages.push_back(at.stage());
+    }
+    begun = at.stagesBegun();
+    were_open = at.openCount();
+    return solve(at, asked);
+  });
+  EXPECT_THAT(stages, ElementsAre(Stage::lattice, Stage::branches));
+  EXPECT_GT(plan.stagesBegun(), begun);
 }
 
 TEST_F(SpacePlanTest, AJumpThatEveryParentGivesStays) {
