@@ -52,7 +52,7 @@ def wants_all_nodes(row, divisions):
     return row.order == 1 and divisions == min(organs.LATTICES)
 
 
-def with_all_nodes(record, row, divisions):
+def built_with_all_nodes(record, row, divisions):
     """The same again, with the displacements of all nodes as the paper's: for its size."""
     name = f"{row.organ().name}-{row.law}-n{divisions}-all-nodes"
     return record.dataset(name, scene(row, divisions, storage='displacement = "all"'))
@@ -70,10 +70,11 @@ def simulated(record, row, divisions, dataset):
 
 
 def measured_row(record, row, divisions):
-    """A row of COLUMNS, and the numbers in it; None where there was no time for it."""
+    """A row of COLUMNS, and the numbers in it; None where there was no time for it, "-" what is not asked for."""
     configurations = organs.LATTICES.get(divisions)  # without rest, as the paper counts
     start = [row.organ().name, organs.LAWS[row.law], newton_iteration.elements(row.stable(), row.law)]
     papers = published.BUILD_WORDS.get(configurations)
+    with_all_nodes = None if wants_all_nodes(row, divisions) else "-"
     papers_size = published.DATASET_MB.get((row.published, configurations)) if row.order == 1 else None
     by = {}
     for workers in numbers_of_workers(record, row):
@@ -82,22 +83,24 @@ def measured_row(record, row, divisions):
         except NotMeasured as why:  # the dataset of the others may still be there
             record.not_measured(f"{row.name()}, {configurations}, {workers or 'any'} workers", str(why))
     if not by:
-        return [*start, configurations, *[None] * (len(COLUMNS) - 8), papers, None, None, papers_size]
+        return [*start, configurations, *[None] * (len(COLUMNS) - 8), papers, None, with_all_nodes, papers_size]
     dataset = next(iter(by.values()))
     try:
         many, simulator = simulated(record, row, divisions, dataset)
     except NotMeasured as why:
         record.not_measured(f"{row.name()}, {configurations}, simulated", str(why))
         many, simulator = [None] * (len(SIMULATED) + 2), None
+    whole = None
     try:
-        whole = with_all_nodes(record, row, divisions) if wants_all_nodes(row, divisions) else None
+        if wants_all_nodes(row, divisions):
+            whole = built_with_all_nodes(record, row, divisions)
+            with_all_nodes = whole.value["bytes"] / 1e6
     except NotMeasured as why:
         record.not_measured(f"{row.name()}, {configurations}, with all nodes", str(why))
-        whole = None
     points = dataset.value["points"]
     minutes = [by[workers].value["seconds"] / 60 if workers in by else None for workers in (1, 2, None)]
-    cells = [*start, points["points"] - 1, points["failed"], *minutes, *many, papers, dataset.value["bytes"] / 1e6,
-             whole.value["bytes"] / 1e6 if whole else None, papers_size]
+    cells = [*start, points["points"] - 1, points["failed"], *minutes, *many, papers, dataset.value["bytes"] / 1e6, with_all_nodes,
+             papers_size]
     sources = [None, None, None, dataset, dataset, by.get(1), by.get(2), by.get(None), *[simulator] * len(many), None, dataset, whole, None]
     record.row(f"{row.name()}, {points['points'] - 1}", COLUMNS, cells, sources)
     return cells
@@ -108,7 +111,7 @@ def draw(rows):
 
     def curve(axis, group, name, style, color, **options):
         column = COLUMNS.index(name)
-        points = [(row[3], row[column]) for row in rows if tuple(row[:3]) == group and row[column] is not None]
+        points = [(row[3], row[column]) for row in rows if tuple(row[:3]) == group and isinstance(row[column], float)]
         if points:
             axis.plot(*zip(*points), style, color=color, markersize=4, **options)
 
@@ -159,13 +162,10 @@ def wanted(record):
 
 
 def save_table(record, rows):
-    """Without the columns of workers that were not asked for; what the paper does not say is no measurement that is missing, nor is
-    a size that was not asked for."""
+    """Without the columns of workers that were not asked for; what the paper does not say is no measurement that is missing."""
     unasked = ("1 worker (min)", "2 workers (min)") if record.listen else ("workers elsewhere (min)",)
     kept = [n for n, column in enumerate(COLUMNS) if column not in unasked]
-    smallest = organs.LATTICES[min(organs.LATTICES)]
-    is_wanted = lambda row, column: not (column.startswith("published") or column.startswith("with all") and (row[3] != smallest or "P2" in row[2]))
-    shown = lambda row, n: "-" if row[n] is None and not is_wanted(row, COLUMNS[n]) else row[n]
+    shown = lambda row, n: "-" if row[n] is None and COLUMNS[n].startswith("published") else row[n]
     figure.save_table(record, "figure7-table", [COLUMNS[n] for n in kept], [[shown(row, n) for n in kept] for row in rows])
 
 
