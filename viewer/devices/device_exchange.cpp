@@ -1,26 +1,77 @@
 #include "viewer/devices/device_exchange.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
 namespace palpate {
 
-DeviceReading DeviceExchange::read() noexcept {
-  const Arrival& arrival = readings_.read();
-  const bool fresh = arrival.time != last_arrival_;
-  last_arrival_ = arrival.time;
+namespace {
+
+double seconds(DeviceExchange::Clock::duration time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+}  // namespace
+
+/// s, from a reading to the force that is written now: the device takes it at its next turn.
+double DeviceExchange::delayOf(const Arrival& arrival, Clock::time_point now) noexcept {
+  const double age = seconds(now - arrival.time), turn = seconds(arrival.turn),
+               offset = seconds(arrival.offset);
+  if (!(turn > 0)) return age;
+  return offset + turn * std::max(0.0, std::floor((age - offset) / turn) + 1);
+}
+
+DeviceReading DeviceExchange::read(Clock::time_point now) noexcept {
+  const Arrival arrival = readings_.read();
+  const std::uint64_t unseen = arrival.number - seen_.number;  // this one, and those before it
   DeviceReading reading = arrival.reading;
+  const std::uint64_t oldest = std::min(arrival.oldest, unseen == 2  ? arrival.before
+                                                        : unseen > 2 ? seen_.newest
+                                                                     : UINT64_MAX);
+  const auto ticksAgo = [this](std::uint64_t force) {
+    return static_cast<std::uint16_t>(
+        force == 0 ? 0 : std::min<std::uint64_t>(written_ - force + 1, UINT16_MAX));
+  };
+  reading.held = {ticksAgo(arrival.newest), ticksAgo(oldest), delayOf(arrival, now),
+                  unseen > 0 && seen_.number > 0 ? seconds(arrival.time - seen_.time) : 0,
+                  seconds(arrival.turn)};
+  seen_ = arrival;
   if (reading.status == DeviceStatus::lost) return reading;
-  // steady_clock does not enter the kernel here (vDSO).
-  if (Clock::now() - arrival.time > silence)
+  if (now - arrival.time > silence)
     reading.status = DeviceStatus::lost;
   else
-    reading.status = fresh ? DeviceStatus::fresh : DeviceStatus::repeated;
+    reading.status = unseen > 0 ? DeviceStatus::fresh : DeviceStatus::repeated;
   return reading;
 }
 
-Eigen::Vector3d DeviceExchange::force() noexcept {
+void DeviceExchange::deliver(const DeviceReading& reading, Clock::time_point now) noexcept {
+  next_.reading = reading;
+  next_.time = now;
+  ++next_.number;
+  readings_.write(next_);
+  next_.before = next_.oldest;
+  next_.oldest = next_.newest;
+}
+
+Eigen::Vector3d DeviceExchange::force(Clock::time_point now) noexcept {
+  constexpr int share = 64;          // of the longest turn that is forgotten in each
+  constexpr double at_once = 0.125;  // of a turn: less is taken for none
+  if (taken_ != Clock::time_point{})
+    next_.turn =
+        std::max(std::min<Clock::duration>(now - taken_, silence), next_.turn - next_.turn / share);
+  taken_ = now;
+  next_.offset = std::min(now - next_.time, next_.turn);
   // In this order: who sees the resume also sees the zero that was written before it.
-  if (halted_.load(std::memory_order_acquire)) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d& force = forces_.read();
-  return force.allFinite() ? force : Eigen::Vector3d::Zero().eval();
+  const bool halted = halted_.load(std::memory_order_acquire);
+  const NumberedForce& taken = forces_.read();
+  const bool usable = !halted && taken.force.allFinite();
+  const std::uint64_t number = usable ? taken.number : 0;
+  // Later than at once: the force before was held on the way to the next reading too.
+  if (number != next_.newest && seconds(now - next_.time) <= at_once * seconds(next_.turn))
+    next_.oldest = number;
+  next_.newest = number;
+  return usable ? taken.force : Eigen::Vector3d::Zero().eval();
 }
 
 void DeviceExchange::setTrouble(const std::string& sentence) {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -12,7 +13,8 @@
 namespace palpate {
 
 /// What passes between the haptic thread and the thread that speaks with a device: the newest
-/// reading one way, the newest force the other. Neither side ever waits for the other.
+/// reading one way, the newest force the other. Neither side ever waits for the other. Forces are
+/// numbered and all is stamped, so that each reading knows its HeldForces. `now` is for tests.
 class DeviceExchange {
  public:
   using Clock = std::chrono::steady_clock;
@@ -21,8 +23,8 @@ class DeviceExchange {
 
   // Haptic thread; real time.
   /// Fresh when a reading came since the last call; lost when none came for `silence`.
-  DeviceReading read() noexcept;
-  void write(const Eigen::Vector3d& force) noexcept { forces_.write(force); }
+  DeviceReading read(Clock::time_point now = Clock::now()) noexcept;
+  void write(const Eigen::Vector3d& force) noexcept { forces_.write({force, ++written_}); }
 
   // Any thread; real time.
   void halt() noexcept { halted_ = true; }
@@ -31,10 +33,11 @@ class DeviceExchange {
   bool halted() const noexcept { return halted_; }
 
   // The thread of the device.
-  /// status: fresh or lost.
-  void deliver(const DeviceReading& reading) noexcept { readings_.write({reading, Clock::now()}); }
-  /// N: the last one written; zero while halted, and when it is not finite.
-  Eigen::Vector3d force() noexcept;
+  /// status: fresh or lost. reading.held is filled in.
+  void deliver(const DeviceReading& reading, Clock::time_point now = Clock::now()) noexcept;
+  /// N: the last one written; zero while halted, and when it is not finite. It counts as held from
+  /// now on.
+  Eigen::Vector3d force(Clock::time_point now = Clock::now()) noexcept;
   /// What is wrong, as a sentence; empty when nothing is. Any thread may ask.
   void setTrouble(const std::string& sentence);
   std::string trouble() const;
@@ -43,10 +46,24 @@ class DeviceExchange {
   struct Arrival {
     DeviceReading reading;
     Clock::time_point time{};
+    /// Numbers of the forces that were held since the reading before, and of the oldest since the
+    /// one before that; 0: zero.
+    std::uint64_t oldest = 0, newest = 0, before = 0;
+    Clock::duration turn{};    ///< between takings of forces, the longest of late
+    Clock::duration offset{};  ///< from a reading to the taking of a force
+    std::uint64_t number = 0;  ///< of the reading
   };
+  struct NumberedForce {
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    std::uint64_t number = 0;
+  };
+  static double delayOf(const Arrival& arrival, Clock::time_point now) noexcept;
   TripleBuffer<Arrival> readings_;
-  Clock::time_point last_arrival_{};  ///< haptic thread
-  TripleBuffer<Eigen::Vector3d> forces_{Eigen::Vector3d::Zero()};
+  Arrival seen_;               ///< haptic thread
+  std::uint64_t written_ = 0;  ///< haptic thread
+  TripleBuffer<NumberedForce> forces_;
+  Arrival next_;               ///< the device's thread
+  Clock::time_point taken_{};  ///< when a force was; the device's thread
   std::atomic<bool> halted_ = false;
   mutable std::mutex mutex_;  ///< of trouble_; never taken by the haptic thread
   std::string trouble_;

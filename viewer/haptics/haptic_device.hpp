@@ -16,12 +16,29 @@ enum class DeviceStatus : std::uint8_t {
   away       ///< all is well, and no hand is in the scene; the position means nothing
 };
 
+/// Which forces a device held on the way to a reading, and how late it takes the next one: so the
+/// force guard knows the energy of the loop. The defaults are those of a device that is read and
+/// written in the tick.
+struct HeldForces {
+  /// Ticks ago that they were written; 1: in the last tick, 0: the force was zero.
+  std::uint16_t newest = 1, oldest = 1;
+  double delay = 0;     ///< s, from the motion that was read to the force that answers it
+  double interval = 0;  ///< s, since the reading before; 0: a period for each tick
+  double hold = 0;      ///< s, that a force is held; 0: a period
+};
+
 /// One reading of a device. Nothing in it can be trusted: a device may send NaN.
 struct DeviceReading {
+  DeviceReading() = default;
+  DeviceReading(const Eigen::Vector3d& at, std::uint32_t pressed, DeviceStatus is,
+                const HeldForces& forces = {})
+      : position(at), buttons(pressed), status(is), held(forces) {}
+
   /// m, in the frame of the device (HapticDevice)
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   std::uint32_t buttons = 0;  ///< bit n: button n is down; bit 0 lets go (contact.hpp)
   DeviceStatus status = DeviceStatus::lost;
+  HeldForces held;
 };
 
 /// Where the mouse of the picture has the tool.

@@ -20,6 +20,8 @@ TickOptions limited(TickOptions options, const HapticDevice& device) {
   options.guard.period = options.period;
   const double most = device.profile().max_force;
   if (most > 0) options.guard.max_force = std::min(options.guard.max_force, most);
+  options.guard.max_slew = slewOf(options.guard);
+  options.guard.max_speed *= options.map.scale;
   return options;
 }
 
@@ -80,6 +82,7 @@ const HapticState& HapticTick::run(bool late) noexcept {
   GuardInput input;
   input.tool = tool;
   input.touch = contact_.update(tool, (state_.reading.buttons & 1U) == 0);
+  input.held = state_.reading.held;
   input.fresh = away || state_.reading.status == DeviceStatus::fresh;
   input.lost = lost;
   input.away = away;

@@ -148,7 +148,7 @@ TEST(ForceGuard, GoesToZeroWhenReadingsStallAndComesBackByARamp) {
   for (int n = 0; n < 20; ++n) EXPECT_EQ(guard.limit(old).force.x(), 1) << n;
   GuardedForce given = guard.limit(old);
   EXPECT_TRUE(has(given, Guarded::stalled));
-  EXPECT_NEAR(given.force.x(), 1 - options.max_slew * options.period, 1e-12);
+  EXPECT_NEAR(given.force.x(), 1 - slewOf(options) * options.period, 1e-12);
   for (int n = 0; n < 3; ++n) given = guard.limit(old);
   EXPECT_EQ(given.force.norm(), 0);
 
@@ -222,6 +222,35 @@ TEST(ForceGuard, HardlyMovesTheForceForOneBadReading) {
   for (int n = 0; n < 60; ++n) EXPECT_NEAR(guard.limit(touching({0, 0, 2})).force.z(), 2, 0.01);
 }
 
+TEST(ForceGuard, TakesAMotionThatNoHandMakesForAStep) {
+  for (const bool there_and_back : {true, false}) {
+    ForceGuard guard({});
+    guard.limit(spring(200, 0));
+    for (int n = 1; n <= 100; ++n) guard.limit(spring(200, 2e-5 * n));
+    const double before = hold(guard, spring(200, 0.002), 0.05).force.y();
+    EXPECT_NEAR(before, -0.4, 1e-9);
+    GuardedForce given = guard.limit(spring(200, 0.016));  // 14 mm in a period
+    EXPECT_TRUE(has(given, Guarded::ramped));
+    double last = given.force.y();
+    EXPECT_NEAR(last, before, 0.02);
+    for (int n = 0; n < 60; ++n) {
+      given = guard.limit(spring(200, there_and_back ? 0.002 : 0.016));
+      EXPECT_NEAR(given.force.y(), last, 0.1) << n;
+      last = given.force.y();
+      EXPECT_TRUE(!there_and_back || std::abs(last - before) < 0.02) << n;
+    }
+    EXPECT_NEAR(last, there_and_back ? before : -3.2, 1e-9);
+  }
+}
+
+TEST(ForceGuard, TakesAFastHandForAHand) {
+  ForceGuard guard({});
+  for (int n = -40; n < 10; ++n) {
+    const GuardedForce given = guard.limit(spring(100, std::max(0.0, 1.5e-3 * n)));
+    EXPECT_FALSE(has(given, Guarded::ramped)) << n;
+  }
+}
+
 /// A hand that presses a spring up and down between 0 and `depth`, as a sine, whole cycles. The
 /// work it gets out, J: of the spring held for a tick at a time, and of what the guard makes of it.
 struct Extracted {
@@ -254,7 +283,7 @@ Extracted pressSpring(double stiffness, double depth, double hertz, const GuardO
   return extracted;
 }
 
-TEST(PassivityController, TakesOutTheEnergyThatHoldingASpringForATickCreates) {
+TEST(EnergyLimit, TakesOutTheEnergyThatHoldingASpringForATickCreates) {
   const GuardOptions options = wideOptions();
   const double stiffness = 1000, depth = 0.01, hertz = 5;
   const Extracted extracted = pressSpring(stiffness, depth, hertz, options);
@@ -264,11 +293,12 @@ TEST(PassivityController, TakesOutTheEnergyThatHoldingASpringForATickCreates) {
   EXPECT_NEAR(extracted.held, created, 0.01 * created);
   const double of_one_tick = 0.5 * stiffness * std::pow(speed * options.period, 2);
   EXPECT_LE(extracted.guarded, 2 * of_one_tick);
-  EXPECT_GE(extracted.least_passivity, -2 * of_one_tick);
-  EXPECT_GT(extracted.damped, 1000);
+  // What a way in creates, which the way out leaves away.
+  EXPECT_GE(extracted.least_passivity, -1.1 * created / 20);
+  EXPECT_GT(extracted.damped, 900);
 }
 
-TEST(PassivityController, KeepsAHandFromGettingMoreThanItGaveWithoutAStoredEnergy) {
+TEST(EnergyLimit, KeepsAHandFromGettingMoreThanItGaveWithoutAStoredEnergy) {
   const GuardOptions options = wideOptions();
   const Extracted extracted = pressSpring(1000, 0.01, 5, options, false);
   EXPECT_GT(extracted.held, 0.01);
@@ -276,7 +306,7 @@ TEST(PassivityController, KeepsAHandFromGettingMoreThanItGaveWithoutAStoredEnerg
   EXPECT_GT(extracted.damped, 0);
 }
 
-TEST(PassivityController, LeavesAHandAloneThatLosesEnergy) {
+TEST(EnergyLimit, LeavesAHandAloneThatLosesEnergy) {
   GuardOptions options = wideOptions();
   ForceGuard guard(options);
   guard.limit(spring(100, 0));
@@ -288,45 +318,53 @@ TEST(PassivityController, LeavesAHandAloneThatLosesEnergy) {
     input.touch.force.y() -= 5 * speed;  // a damper of its own
     damped += has(guard.limit(input), Guarded::damped) ? 1 : 0;
   }
-  // Only at the very begin, before anything was dissipated.
-  EXPECT_LE(damped, 3);
+  // Only near the surface, where less is stored than is not known.
+  EXPECT_LE(damped, 40);
 }
 
-TEST(PassivityController, DampsNoMoreThanThePeriodTimesTheStiffness) {
-  for (const double max_stiffness : {1e6, 300.0}) {
-    GuardOptions options = wideOptions();
-    options.max_stiffness = max_stiffness;
-    ForceGuard guard(options);
-    guard.limit(spring(1000, 0));
-    std::mt19937 random(7);
-    std::uniform_real_distribution<double> place(0, 0.01), wrong_energy(0, 1);
-    double last = 0;
-    int damped = 0;
-    for (int n = 0; n < 2000; ++n) {
-      const double y = place(random);
-      GuardInput input = spring(1000, y);
-      input.touch.energy += n * 1e-3;  // as if ever more were stored that nobody put in
-      const GuardedForce given = guard.limit(input);
-      const double damping = (given.force - input.touch.force).norm();
-      EXPECT_LE(damping, std::min(1000.0, max_stiffness) * std::abs(y - last) * (1 + 1e-9) + 1e-12);
-      EXPECT_LE((given.force - input.touch.force).y() * (y - last), 1e-15);  // against the motion
-      damped += damping > 0 ? 1 : 0;
-      last = y;
-    }
-    EXPECT_GT(damped, 1900);
+TEST(EnergyLimit, NeitherTurnsNorEnlargesTheForce) {
+  ForceGuard guard(wideOptions());
+  guard.limit(spring(1000, 0));
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> speed(-0.5, 0.5);
+  double y = 0, damped = 0;
+  for (int n = 0; n < 5000; ++n) {
+    y = std::clamp(y + speed(random) * 1e-3, 0.0, 0.01);
+    GuardInput input = spring(1000, y);
+    input.touch.energy += n * 1e-5;  // as if ever more were stored that nobody put in
+    const GuardedForce given = guard.limit(input);
+    EXPECT_EQ(given.force.x(), 0);
+    EXPECT_EQ(given.force.z(), 0);
+    EXPECT_LE(given.force.y(), 0);
+    EXPECT_GE(given.force.y(), input.touch.force.y() - 1e-12);
+    damped += has(given, Guarded::damped) ? 1 : 0;
+  }
+  EXPECT_GT(damped, 100);
+}
+
+TEST(EnergyLimit, LeavesADeviceAloneThatCountsInSteps) {
+  ForceGuard guard({});
+  guard.limit(spring(400, 0));
+  for (int n = 1; n <= 500; ++n) guard.limit(spring(400, 1e-5 * n));
+  std::mt19937 random(3);
+  for (int n = 0; n < 20000; ++n) {
+    const GuardInput input = spring(400, 0.005 + (random() % 2 == 0 ? 0 : 5e-5));
+    const GuardedForce given = guard.limit(input);
+    EXPECT_GT(given.passivity, -1e-3) << n;
+    EXPECT_LE(given.force.y(), 0.9 * input.touch.force.y()) << n;
   }
 }
 
-TEST(PassivityController, DoesNotTakeAClampedForceForCreatedEnergy) {
+TEST(EnergyLimit, DoesNotTakeAClampedForceForCreatedEnergy) {
   GuardOptions options = wideOptions();
   options.max_force = 2;  // of 10 N at the deepest
   const Extracted extracted = pressSpring(1000, 0.01, 1, options);
   const double speed = std::numbers::pi * 1 * 0.01;
-  EXPECT_GE(extracted.least_passivity, -4 * 0.5 * 1000 * std::pow(speed * options.period, 2));
+  EXPECT_GE(extracted.least_passivity, -1000 * options.period * speed * speed / 8);
   EXPECT_LE(extracted.guarded, 1e-4);
 }
 
-TEST(PassivityController, CountsNoSwitchOfModelsAsWork) {
+TEST(EnergyLimit, CountsNoSwitchOfModelsAsWork) {
   ForceGuard guard({});
   guard.limit(spring(50, 0));
   for (int n = 1; n <= 1000; ++n) guard.limit(spring(50, 1e-5 * n));
@@ -337,7 +375,7 @@ TEST(PassivityController, CountsNoSwitchOfModelsAsWork) {
   EXPECT_GE(given.passivity, -1e-4);
 }
 
-TEST(PassivityController, RemembersNoMoreThanItsCredit) {
+TEST(EnergyLimit, RemembersNoMoreThanItsCredit) {
   const GuardOptions options;
   ForceGuard guard(options);
   guard.limit(spring(100, 0));
@@ -346,7 +384,7 @@ TEST(PassivityController, RemembersNoMoreThanItsCredit) {
     GuardInput input = spring(100, y);
     input.touch.force.y() -=
         100 * 0.00005 * std::sin(0.05 * n);  // friction-like: ever more is dissipated
-    EXPECT_LE(guard.limit(input).passivity, options.energy_credit);
+    EXPECT_LE(guard.limit(input).passivity, options.energy_credit + 1e-12);
   }
   GuardInput free;
   free.tool = {0, 0.001, 0};
@@ -397,7 +435,7 @@ TEST(ForceGuard, KeepsItsLimitsWhateverComes) {
       if (input.lost || input.late)
         ASSERT_EQ(given.force, Eigen::Vector3d::Zero()) << n;
       else
-        ASSERT_LE((given.force - before).norm(), options.max_slew * options.period * (1 + 1e-9))
+        ASSERT_LE((given.force - before).norm(), slewOf(options) * options.period * (1 + 1e-9))
             << n;
       before = given.force;
     }
@@ -423,7 +461,7 @@ TEST(GuardOptions, AreThoseOfTheDevice) {
   EXPECT_EQ(options.period, 2e-4);
   EXPECT_EQ(options.max_force, 12);
   EXPECT_EQ(options.max_stiffness, 5000);
-  EXPECT_NEAR(options.max_slew, 1200, 1e-9);
+  EXPECT_NEAR(slewOf(options), 1200, 1e-9);
 }
 
 TEST(GuardOptions, CannotSwitchTheGuardOff) {
@@ -432,15 +470,26 @@ TEST(GuardOptions, CannotSwitchTheGuardOff) {
     options.max_force = bad;
     EXPECT_THROW(ForceGuard{options}, Error) << bad;
     options = {};
-    options.max_slew = bad;
-    EXPECT_THROW(ForceGuard{options}, Error) << bad;
-    options = {};
     options.period = bad;
     EXPECT_THROW(ForceGuard{options}, Error) << bad;
   }
   GuardOptions options;
   options.stall = not_a_number;
   EXPECT_THROW(ForceGuard{options}, Error);
+  options = {};
+  options.max_slew = -1;
+  EXPECT_THROW(ForceGuard{options}, Error);
+  options = {};
+  options.delay = 1;
+  EXPECT_THROW(ForceGuard{options}, Error);
+}
+
+TEST(GuardOptions, TakeTheWholeForceIn10MillisecondsUnlessASlewIsGiven) {
+  GuardOptions options;
+  options.max_force = 12;
+  EXPECT_NEAR(slewOf(options), 1200, 1e-9);
+  options.max_slew = 50;
+  EXPECT_EQ(slewOf(options), 50);
 }
 
 TEST(GuardWord, NamesEachBit) {
