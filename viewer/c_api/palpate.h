@@ -394,12 +394,15 @@ typedef struct palpate_guard_options {
   size_t size;
   double period;    /* s, > 0, of the loop; default 0.001 */
   double max_force; /* N, > 0; default 3.3, of the smallest device */
-  double max_slew;  /* N/s, > 0; default: max_force in 10 ms */
+  double max_slew;  /* N/s; 0 or NaN, the default: max_force in 10 ms */
   double ramp;      /* s, > 0, in which a step of the force is faded in; default 0.05 */
   /* s, > 0, without a fresh reading, after which the force goes to zero; default 0.02 */
   double stall;
-  double max_stiffness; /* N/m, > 0, of the device: bounds the damping; default 400 */
+  double max_stiffness; /* N/m, > 0, of the device; default 400; limits nothing any more */
   double energy_credit; /* J, >= 0, of dissipated energy that is remembered at most; default 1e-4 */
+  /* s, >= 0, from when a position was read to when the force that answers it acts, at most 30
+   * periods; default 0: the force is sent in the call's own period, and acts at once */
+  double delay;
 } palpate_guard_options;
 
 /* Of the reading, the flags of palpate_guard_limit. */
@@ -408,8 +411,8 @@ typedef struct palpate_guard_options {
 #define PALPATE_LOOP_LATE 4u     /* the loop hung before this tick: zero at once, then faded in */
 
 /* Why a force is not the raw one: bits of palpate_guarded_force.guards. Only append. */
-#define PALPATE_GUARD_RAMPED 1u      /* a step is being faded in */
-#define PALPATE_GUARD_DAMPED 2u      /* energy is taken out */
+#define PALPATE_GUARD_RAMPED 1u      /* a step, or a jump of the tool, is being faded in */
+#define PALPATE_GUARD_DAMPED 2u      /* the hand would get back more energy than it put in */
 #define PALPATE_GUARD_CLAMPED 4u     /* longer than max_force */
 #define PALPATE_GUARD_SLEWED 8u      /* changing faster than max_slew */
 #define PALPATE_GUARD_STALLED 16u    /* no fresh reading for `stall` seconds */

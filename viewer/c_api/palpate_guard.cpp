@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "common/scene/device_profile.hpp"
 #include "viewer/c_api/arguments.hpp"
@@ -36,16 +37,16 @@ const DeviceProfile* profileNamed(const char* function, std::string_view name) {
 }
 
 using Options = palpate_guard_options;
-constexpr std::array<OptionNumber<Options, GuardOptions>, 7> limits = {
+constexpr std::array<OptionNumber<Options, GuardOptions>, 8> limits = {
     {{"options->period", Least::above_zero, &Options::period, &GuardOptions::period},
      {"options->max_force", Least::above_zero, &Options::max_force, &GuardOptions::max_force},
-     {"options->max_slew", Least::above_zero, &Options::max_slew, &GuardOptions::max_slew},
+     {"options->max_slew", Least::zero, &Options::max_slew, &GuardOptions::max_slew},
      {"options->ramp", Least::above_zero, &Options::ramp, &GuardOptions::ramp},
      {"options->stall", Least::above_zero, &Options::stall, &GuardOptions::stall},
      {"options->max_stiffness", Least::above_zero, &Options::max_stiffness,
       &GuardOptions::max_stiffness},
-     {"options->energy_credit", Least::zero, &Options::energy_credit,
-      &GuardOptions::energy_credit}}};
+     {"options->energy_credit", Least::zero, &Options::energy_credit, &GuardOptions::energy_credit},
+     {"options->delay", Least::zero, &Options::delay, &GuardOptions::delay}}};
 
 Options toStruct(const GuardOptions& options) noexcept {
   Options given{};
@@ -115,8 +116,9 @@ palpate_status palpate_guard_create(const palpate_guard_options* options, palpat
   *guard = nullptr;
   GuardOptions chosen;
   palpate_guard_options given = toStruct(chosen);
-  if (!takeOptions(__func__, options, given) || !takeOver(__func__, given, chosen, limits))
-    return PALPATE_INVALID_ARGUMENT;
+  if (!takeOptions(__func__, options, given)) return PALPATE_INVALID_ARGUMENT;
+  if (std::isnan(given.max_slew)) given.max_slew = 0;
+  if (!takeOver(__func__, given, chosen, limits)) return PALPATE_INVALID_ARGUMENT;
   return withoutExceptions(__func__, [&] { *guard = new palpate_guard{ForceGuard(chosen)}; });
 }
 

@@ -95,7 +95,8 @@ class Profile(_Sized):
 
 class GuardOptions(_Sized):
     _fields_ = [("size", c_size_t), ("period", c_double), ("max_force", c_double), ("max_slew", c_double),
-                ("ramp", c_double), ("stall", c_double), ("max_stiffness", c_double), ("energy_credit", c_double)]
+                ("ramp", c_double), ("stall", c_double), ("max_stiffness", c_double), ("energy_credit", c_double),
+                ("delay", c_double)]
 
 
 class GuardedForce(_Sized):

@@ -152,11 +152,12 @@ class GuardOptions:
 
     period: float  #: s, of the loop
     max_force: float  #: N
-    max_slew: float  #: N/s
+    max_slew: float  #: N/s; 0: max_force in 10 ms
     ramp: float  #: s, in which a step of the force is faded in
     stall: float  #: s without a fresh reading, after which the force goes to zero
-    max_stiffness: float  #: N/m, of the device
+    max_stiffness: float  #: N/m, of the device; limits nothing any more
     energy_credit: float  #: J of dissipated energy that is remembered at most
+    delay: float = 0.0  #: s, from a position to the force that answers it, beyond the period
 
 
 @dataclass(frozen=True)

@@ -153,6 +153,7 @@ int main(void) {
   MEMBER(palpate_guard_options, stall);
   MEMBER(palpate_guard_options, max_stiffness);
   MEMBER(palpate_guard_options, energy_credit);
+  MEMBER(palpate_guard_options, delay);
 
   STRUCT(palpate_guarded_force);
   MEMBER(palpate_guarded_force, size);

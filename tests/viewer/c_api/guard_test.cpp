@@ -64,11 +64,32 @@ TEST(CGuard, TakesItsLimitsFromADevice) {
   EXPECT_EQ(options.period, 5e-4);
   EXPECT_EQ(options.max_force, 12);
   EXPECT_EQ(options.max_stiffness, 5000);
-  EXPECT_DOUBLE_EQ(options.max_slew, 1200);
+  EXPECT_EQ(options.max_slew, 0) << "follows max_force";
+  EXPECT_EQ(options.delay, 0);
   ASSERT_EQ(palpate_guard_defaults(nullptr, 1e-3, &options), PALPATE_OK);
   EXPECT_EQ(options.max_force, 3.3);
   EXPECT_INVALID(palpate_guard_defaults("joystick", 1e-3, &options), "joystick");
   EXPECT_INVALID(palpate_guard_defaults("omega", 0, &options), "period is 0");
+}
+
+TEST(CGuard, TakesTheWholeForceIn10MillisecondsUnlessASlewIsGiven) {
+  const double tool[3] = {};
+  for (const double max_slew : {0.0, test::nan_value, 500.0}) {
+    auto options = test::sized<palpate_guard_options>();
+    ASSERT_EQ(palpate_guard_defaults("touch", 1e-3, &options), PALPATE_OK);
+    options.max_force = 20;
+    options.max_slew = max_slew;
+    palpate_guard* guard = nullptr;
+    ASSERT_EQ(palpate_guard_create(&options, &guard), PALPATE_OK);
+    auto touch = test::sized<palpate_touch>();
+    auto given = test::sized<palpate_guarded_force>();
+    EXPECT_EQ(palpate_guard_limit(guard, tool, &touch, PALPATE_READING_FRESH, &given), PALPATE_OK);
+    touch.touching = 1;
+    touch.force[0] = 10;
+    EXPECT_EQ(palpate_guard_limit(guard, tool, &touch, PALPATE_READING_FRESH, &given), PALPATE_OK);
+    EXPECT_NEAR(given.force[0], max_slew > 0 ? 0.5 : 2, 1e-12) << max_slew;
+    palpate_guard_destroy(guard);
+  }
 }
 
 TEST(CGuard, ClampsToTheDevice) {
@@ -205,6 +226,8 @@ TEST(CGuard, RefusesOptionsThatMakeNoSense) {
   EXPECT_THAT(complaint(&palpate_guard_options::max_stiffness, 0), HasSubstr("max_stiffness is 0"));
   EXPECT_THAT(complaint(&palpate_guard_options::energy_credit, -1),
               HasSubstr("energy_credit is -1"));
+  EXPECT_THAT(complaint(&palpate_guard_options::delay, -1), HasSubstr("delay is -1"));
+  EXPECT_THAT(complaint(&palpate_guard_options::delay, 1), HasSubstr("30 periods"));
   EXPECT_INVALID(palpate_guard_create(nullptr, nullptr), "guard is NULL");
 }
 
