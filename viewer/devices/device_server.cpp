@@ -2,6 +2,7 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "common/base/printable.hpp"
 #include "common/wire/wire.hpp"
 
 namespace palpate {
@@ -12,7 +13,6 @@ using namespace std::chrono_literals;
 constexpr auto holder_silence = 1s;
 constexpr auto trouble_interval = 100ms;
 constexpr auto longest_validity = 1s;
-constexpr std::size_t longest_trouble = 500;
 /// An honest client says as much in two seconds; what is more is a flood.
 constexpr int messages_per_turn = 2048;
 
@@ -70,7 +70,7 @@ void DeviceServer::turn() {
   const DeviceReading reading = device_.read();
   device_.write(pushing_ ? force_ : Eigen::Vector3d::Zero().eval());
   if (now - last_trouble_ > trouble_interval) {
-    trouble_ = device_.trouble().substr(0, longest_trouble);
+    trouble_ = printable(device_.trouble(), longest_reason);  // a message takes UTF-8 alone
     last_trouble_ = now;
   }
   if (!holder_.empty()) sendReading(reading);
@@ -123,7 +123,7 @@ void DeviceServer::greet(const std::string& peer, const wire::DeviceGreeting& gr
   wire::DeviceMessage answer;
   wire::DeviceHello& hello = *answer.mutable_hello();
   hello.set_protocol(device_protocol);
-  hello.set_name(device_.name());
+  hello.set_name(printable(device_.name()));
   hello.set_max_force(profile_.max_force);
   hello.set_max_stiffness(profile_.max_stiffness);
   hello.set_workspace_radius(profile_.workspace_radius);

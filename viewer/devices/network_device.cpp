@@ -43,7 +43,8 @@ NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
 
 std::string NetworkDevice::name() const {
   const std::lock_guard lock(mutex_);
-  return hello_ ? fmt::format("{} at {}", hello_->name(), options_.endpoint) : options_.endpoint;
+  return hello_ ? fmt::format("{} at {}", printable(hello_->name()), options_.endpoint)
+                : options_.endpoint;
 }
 
 void NetworkDevice::run(const std::stop_token& stop) {
@@ -90,7 +91,7 @@ void NetworkDevice::handle(const wire::DeviceMessage& message) {
       last_heard_ = Clock::now();
       connected_ = true;
       connection_trouble_.clear();
-      device_trouble_ = reading.trouble();
+      device_trouble_ = printable(reading.trouble(), longest_reason);
       exchange_->deliver({vectorOf(reading), reading.buttons(),
                           reading.lost() ? DeviceStatus::lost : DeviceStatus::fresh});
       return;

@@ -224,6 +224,26 @@ class FarSide {
   zmq::socket_t socket_;
 };
 
+/// Says what moves a cursor, and what no message of text may hold.
+class RudeDevice : public test::TrayDevice {
+ public:
+  std::string name() const override { return "\x1b[2Jtray"; }
+  std::string trouble() const override {
+    return "\xff\x1b[31m" + std::string(600, 'x') + "\xc3\xa4";
+  }
+};
+
+TEST(NetworkDevice, KeepsADeviceWhoseTextIsNone) {
+  RudeDevice rude;
+  DeviceServer server(rude, "tcp://127.0.0.1:*");
+  NetworkDevice device({.endpoint = server.endpoint()});
+  EXPECT_TRUE(eventually([&] { return device.read().status == DeviceStatus::fresh; }));
+  EXPECT_TRUE(eventually([&] { return !device.trouble().empty(); }));
+  EXPECT_THAT(device.trouble(), HasSubstr("??[31mxxx"));
+  EXPECT_THAT(device.name(), HasSubstr("?[2Jtray at"));
+  EXPECT_EQ(device.trouble().find('\x1b'), std::string::npos);
+}
+
 TEST(NetworkDevice, IgnoresGarbageAndCountsIt) {
   FarSide far;
   NetworkDevice device({.endpoint = far.endpoint, .wait = 1ms});
