@@ -73,11 +73,16 @@ void printActives(const SceneReport& report) {
                report.spaces.back().patch->finger ? "sites of a finger" : "active nodes");
 }
 
-void printDevice(const Scene& scene) {
+void printDevice(const Scene& scene, double stiffness) {
   if (!scene.device) return;
   const DeviceProfile& profile = scene.device->profile;
   fmt::print("device     {}: reaches {:.4g} m, {:.4g} N, {:.4g} N/m\n", profile.name,
              profile.workspace_radius, profile.max_force, profile.max_stiffness);
+  if (stiffness > profile.max_stiffness)
+    fmt::print(
+        "           the tissue has up to {:.4g} N/m, stiffer than this device renders: it "
+        "may buzz, or feel softer\n",
+        stiffness);
   if (const auto radius = scene.device->wanted_radius)
     fmt::print("           workspace.radius cut from {:.4g} to {:.4g} m\n", *radius,
                scene.workspace.radius);
@@ -135,7 +140,7 @@ void printSceneReport(const SceneReport& report) {
   printBody(report);
   fmt::print("fixed      {} nodes\n", report.problem->fixed.size());
   printActives(report);
-  printDevice(scene);
+  printDevice(scene, report.measured.stiffness);
   fmt::print(
       "lattice    radius {:.4g} m, spacing {:.4g} m: {} points in each of {} space(s), "
       "{}{} configurations\n",

@@ -1,5 +1,6 @@
 #include "worker/check/measured_ways.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <functional>
@@ -53,6 +54,8 @@ void walkOutward(TransitionSolver& solver, const Workspace& workspace,
     const Outcome& outcome = reached.outcome;
     way.steps.push_back({processorSeconds() - step_began, outcome.converged});
     ++found.transitions;
+    if (outcome.converged && way.steps.size() == 1)
+      found.stiffness = std::max(found.stiffness, outcome.equilibrium.force.norm() / at);
     if (!outcome.converged || outcome.equilibrium.force.norm() > workspace.max_force) {
       way.end = outcome.converged ? WayEnd::max_force : WayEnd::failed;
       return;

@@ -29,7 +29,8 @@ struct Way {
 struct MeasuredWays {
   std::vector<Way> ways;
   std::int32_t transitions = 0;
-  double seconds = 0;  ///< of the processor, the analysis of the matrix included
+  double seconds = 0;    ///< of the processor, the analysis of the matrix included
+  double stiffness = 0;  ///< N/m, the largest of the first steps: force over displacement
   /// Why the body has no rest state to start from; empty as a rule. Then there are no ways.
   std::string no_rest;
 };
