@@ -1,7 +1,6 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <csignal>
@@ -30,19 +29,6 @@ DeviceProfile profileNamed(std::string_view word) {
   const DeviceProfile* const known = deviceNamed(word);
   PALPATE_ASSERT(known != nullptr, "the command line takes known words");
   return *known;
-}
-
-/// N/m, the largest of all spaces at rest.
-double largestStiffness(const HapticModel& model) {
-  double largest = 0;
-  for (std::size_t space = 0; space < model.spaces().size(); ++space) {
-    const Eigen::Matrix3d stiffness =
-        model.field(0, space).evaluate(Eigen::Vector3d::Zero()).stiffness;
-    const Eigen::Matrix3d symmetric = -0.5 * (stiffness + stiffness.transpose());
-    largest = std::max(largest,
-                       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(symmetric).eigenvalues()[2]);
-  }
-  return largest;
 }
 
 /// One run of the haptic client: datasets, a device, the haptic loop, a picture, a recording. The
@@ -141,15 +127,10 @@ class ViewSession {
     return loaded_->device().value_or(profileNamed("touch"));
   }
 
-  /// Those of the device, and no more than what was asked for.
+  /// Those of the device, and no more than what was asked for: by name, else by the scene.
   DeviceProfile limits() const {
-    DeviceProfile limits = device_->profile();
-    if (options_.profile.empty()) return limits;
-    const DeviceProfile asked = profileNamed(options_.profile);
-    // Asking for more than the device has would not be honoured by it.
-    limits.max_force = std::min(limits.max_force, asked.max_force);
-    limits.max_stiffness = std::min(limits.max_stiffness, asked.max_stiffness);
-    return limits;
+    const bool asked = !options_.profile.empty() || loaded_->device();
+    return asked ? smallerOf(device_->profile(), wantedProfile()) : device_->profile();
   }
 
   void makeTick() {
@@ -159,7 +140,7 @@ class ViewSession {
     tick_options.contact.mode = options_.contact.value_or(model.contactMode());
     tick_options.contact.friction = options_.friction;
     tick_options.guard = guardFor(limits(), tick_options.period);
-    tick_options.map = workspaceFor(model, *device_);
+    tick_options.map = workspaceFor(model, *device_, limits());
     tick_options.guard.max_stiffness /= tick_options.map.scale;  // per metre of the scene
     tick_ = std::make_unique<HapticTick>(loaded_->pointers(), *device_, tick_options);
   }
@@ -177,13 +158,8 @@ class ViewSession {
     spdlog::info("{} at {:g} Hz: at most {:g} N and {:g} N/s, workspace scale {:.3g}",
                  device_->name(), options_.rate, used.guard.max_force, used.guard.max_slew,
                  used.map.scale);
-    const double felt = used.map.scale * largestStiffness(model);
-    const double rendered = limits().max_stiffness;
-    if (felt > rendered)
-      spdlog::warn(
-          "the tissue at rest is felt with {:.0f} N/m, of which the device renders {:.0f} stably: "
-          "it may buzz; a smaller scale or a device profile of its own helps",
-          felt, rendered);
+    if (const std::string doubts = doubtsOf(device_->profile()); !doubts.empty())
+      spdlog::warn("{}: {}", device_->name(), doubts);
   }
 
   /// Ticks and pictures in turn, by the time of the ticks alone: the same pictures on every
@@ -260,11 +236,27 @@ class ViewSession {
     if (status_.trouble != said_ && !status_.trouble.empty()) spdlog::warn("{}", status_.trouble);
     said_ = status_.trouble;
     if (loop_) status_.loop = loop_->statistics();
+    doubtPosition();
     const std::optional<std::filesystem::path> replaced = loaded_->replaced();
     if (!replaced || !status_.notice.empty()) return;
     status_.notice = fmt::format(
         "{} was replaced; what is felt is the old one until it is read again", replaced->string());
     spdlog::warn("{}", status_.notice);
+  }
+
+  /// A device that tells millimetres is never near the body: it gives no force.
+  void doubtPosition() {
+    constexpr double most_radii = 10;
+    if (!loop_ || doubted_ || device_->livesInScene()) return;
+    const double radius = device_->profile().workspace_radius;
+    const DeviceReading reading = loop_->latest().reading;
+    if (reading.status != DeviceStatus::fresh || !(reading.position.norm() > most_radii * radius))
+      return;
+    spdlog::warn(
+        "{}: the hand is {:.3g} m from the middle of a workspace of {:.3g} m: are its "
+        "positions in metres?",
+        device_->name(), reading.position.norm(), radius);
+    doubted_ = true;
   }
 
   PictureRequests drawFrame(const HapticState& state) {
@@ -365,6 +357,7 @@ class ViewSession {
   PictureStatus status_;
   std::string said_;  ///< the trouble that was logged last
   std::chrono::steady_clock::time_point looked_;
+  bool doubted_ = false;  ///< where the hand is
   bool quit_ = false;
 };
 

@@ -120,6 +120,23 @@ void checkDeviceWord(const std::string& text) {
     openerOf(text, split(text));
 }
 
+DeviceProfile smallerOf(const DeviceProfile& first, const DeviceProfile& second) {
+  return {first.name, std::min(first.max_force, second.max_force),
+          std::min(first.max_stiffness, second.max_stiffness),
+          std::min(first.workspace_radius, second.workspace_radius)};
+}
+
+std::string doubtsOf(const DeviceProfile& profile) {
+  constexpr double most_force = 100, least_radius = 0.005, most_radius = 2;
+  if (profile.max_force <= most_force && profile.workspace_radius >= least_radius &&
+      profile.workspace_radius <= most_radius)
+    return {};
+  return fmt::format(
+      "it says that it gives {:g} N and reaches {:g} m, which no haptic device does: are its limits "
+      "in newtons and metres? Limit it with --profile",
+      profile.max_force, profile.workspace_radius);
+}
+
 std::unique_ptr<HapticDevice> openDevice(const std::string& text, const DeviceContext& context) {
   if (isEndpoint(text))
     return std::make_unique<NetworkDevice>(NetworkDeviceOptions{

@@ -43,4 +43,10 @@ void checkDeviceWord(const std::string& word);
 /// Error (bad input) as of checkDeviceWord(); else what the device's constructor throws.
 std::unique_ptr<HapticDevice> openDevice(const std::string& word, const DeviceContext& context);
 
+/// The smaller force, stiffness and workspace of two; the name of the first.
+DeviceProfile smallerOf(const DeviceProfile& first, const DeviceProfile& second);
+/// What no haptic device has, as a sentence: more than 100 N, or a workspace of less than 5 mm or
+/// more than 2 m. Empty as a rule.
+std::string doubtsOf(const DeviceProfile& profile);
+
 }  // namespace palpate

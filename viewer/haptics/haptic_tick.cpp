@@ -43,9 +43,10 @@ double largestDisplacement(const std::vector<SpaceTable>& spaces) {
 
 }  // namespace
 
-WorkspaceMap workspaceFor(const HapticModel& model, const HapticDevice& device) {
+WorkspaceMap workspaceFor(const HapticModel& model, const HapticDevice& device,
+                          const DeviceProfile& limits) {
   WorkspaceMap map;
-  const double radius = device.profile().workspace_radius;
+  const double radius = limits.workspace_radius;
   const Eigen::Matrix3Xd vertices = touchableVertices(model.surface());
   if (device.livesInScene() || !(radius > 0) || vertices.cols() == 0) return map;
   map.origin = 0.5 * (vertices.rowwise().minCoeff() + vertices.rowwise().maxCoeff());

@@ -49,9 +49,10 @@ struct WorkspaceMap {
   }
 };
 /// The device's workspace around what is touchable: identity for devices that live in the scene;
-/// else the scale at which `profile`'s workspace holds the touchable vertices and the displacements
-/// around them, at least 1; the device's axes are the scene's.
-WorkspaceMap workspaceFor(const HapticModel& model, const HapticDevice& device);
+/// else the scale at which the workspace of `limits` holds the touchable vertices and the
+/// displacements around them, at least 1; the device's axes are the scene's.
+WorkspaceMap workspaceFor(const HapticModel& model, const HapticDevice& device,
+                          const DeviceProfile& limits);
 
 struct TickOptions {
   double period = 1e-3;  ///< s

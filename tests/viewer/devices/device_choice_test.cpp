@@ -23,6 +23,18 @@ namespace {
 using test::expectBadInput;
 using ::testing::HasSubstr;
 
+TEST(DeviceLimits, AreTheSmallerOfTwo) {
+  const DeviceProfile device = {"plugin", 3300, 400, 60}, scene = {"falcon", 8, 3000, 0.04};
+  EXPECT_EQ(smallerOf(device, scene), (DeviceProfile{"plugin", 8, 400, 0.04}));
+}
+
+TEST(DeviceLimits, AreDoubtedWhenNoDeviceHasThem) {
+  for (const DeviceProfile& known : device_profiles) EXPECT_EQ(doubtsOf(known), "");
+  EXPECT_THAT(doubtsOf({"plugin", 3300, 400, 0.1}), HasSubstr("3300 N"));
+  EXPECT_THAT(doubtsOf({"plugin", 3.3, 400, 60}), HasSubstr("60 m"));
+  EXPECT_THAT(doubtsOf({"plugin", 3.3, 400, 0.001}), HasSubstr("metres?"));
+}
+
 /// A model of the sample dataset, a cube with two active nodes.
 class DeviceChoice : public ::testing::Test {
  protected:

@@ -266,7 +266,7 @@ TEST_F(HapticTickTest, NeedsAModel) {
 
 TEST_F(HapticTickTest, ScalesTheWorkspaceOfADeviceAroundWhatCanBeTouched) {
   ScriptedHand hand(pressing, false);
-  const WorkspaceMap map = workspaceFor(model(), hand);
+  const WorkspaceMap map = workspaceFor(model(), hand, hand.profile());
   EXPECT_GT(map.scale, 1);
   EXPECT_LT(map.scale, 2);
   EXPECT_TRUE(map.rotation.isIdentity());
@@ -278,12 +278,12 @@ TEST_F(HapticTickTest, ScalesTheWorkspaceOfADeviceAroundWhatCanBeTouched) {
     EXPECT_LE(reach / map.scale, hand.limits.workspace_radius * (1 + 1e-9));
   }
   hand.limits.workspace_radius = 10;
-  EXPECT_EQ(workspaceFor(model(), hand).scale, 1);
+  EXPECT_EQ(workspaceFor(model(), hand, hand.profile()).scale, 1);
 }
 
 TEST_F(HapticTickTest, DoesNotMapDevicesThatLiveInTheScene) {
   const ScriptedHand hand(pressing);
-  const WorkspaceMap map = workspaceFor(model(), hand);
+  const WorkspaceMap map = workspaceFor(model(), hand, hand.profile());
   EXPECT_EQ(map.scale, 1);
   EXPECT_EQ(map.origin, Eigen::Vector3d::Zero());
 }
