@@ -11,9 +11,9 @@
  * stiffness[3 * i + j] = d force[i] / d position[j].
  *
  * Structures. Every one begins with `size`, and the caller sets it to sizeof(the structure) before
- * a call, for those that are filled too. Later versions append members, and know by `size` what a
- * caller was compiled with. A program needs a library at least as new as the header it was compiled
- * with.
+ * a call, for those that are filled too: PALPATE_INIT does. Later versions append members, and know
+ * by `size` what a caller was compiled with. A program needs a library at least as new as the
+ * header it was compiled with.
  *
  * Errors. What can fail returns a palpate_status; everything but PALPATE_OK has a text in
  * palpate_last_error. Unless a function says otherwise its results are left as they were then.
@@ -40,6 +40,20 @@
 #define PALPATE_API __attribute__((visibility("default")))
 #else
 #define PALPATE_API
+#endif
+
+/* Initializer of a structure: its size, and zero in all other members. Nothing warns of it:
+ *   palpate_touch touch = PALPATE_INIT(palpate_touch); */
+#ifdef __cplusplus
+#define PALPATE_INIT(type)              \
+  [] {                                  \
+    type palpate_zeroed = type();       \
+    palpate_zeroed.size = sizeof(type); \
+    return palpate_zeroed;              \
+  }()
+#else
+#define PALPATE_INIT(type) \
+  { .size = sizeof(type) }
 #endif
 
 #ifdef __cplusplus

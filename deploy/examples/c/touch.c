@@ -85,8 +85,8 @@ static int run(palpate_contact* contact, palpate_guard* guard, const palpate_spa
     double tool[3];
     for (int i = 0; i < 3; ++i) tool[i] = space->rest_position[i] - inward * normal[i];
 
-    palpate_touch touch = {.size = sizeof touch};
-    palpate_guarded_force force = {.size = sizeof force};
+    palpate_touch touch = PALPATE_INIT(palpate_touch);
+    palpate_guarded_force force = PALPATE_INIT(palpate_guarded_force);
     if (palpate_contact_update(contact, tool, 1, &touch) != PALPATE_OK) return fail("contact");
     /* DEVICE: without a new position leave PALPATE_READING_FRESH out; unplugged: add
      * PALPATE_READING_LOST. */
@@ -109,7 +109,7 @@ static int query(const palpate_dataset* dataset, const palpate_space_info* space
                  const double normal[3], double depth) {
   double displacement[3];
   for (int i = 0; i < 3; ++i) displacement[i] = -depth * normal[i];
-  palpate_sample sample = {.size = sizeof sample};
+  palpate_sample sample = PALPATE_INIT(palpate_sample);
   if (palpate_query(dataset, 0, 0, displacement, &sample) != PALPATE_OK) return fail("query");
   printf("query %s %.17g %.17g %.17g force %.17g %.17g %.17g inside %d\n", space->name,
          displacement[0], displacement[1], displacement[2], sample.force[0], sample.force[1],
@@ -127,9 +127,9 @@ int main(int argc, char** argv) {
   palpate_dataset* dataset = NULL;
   palpate_contact* contact = NULL;
   palpate_guard* guard = NULL;
-  palpate_dataset_info info = {.size = sizeof info};
-  palpate_space_info space = {.size = sizeof space};
-  palpate_guard_options limits = {.size = sizeof limits};
+  palpate_dataset_info info = PALPATE_INIT(palpate_dataset_info);
+  palpate_space_info space = PALPATE_INIT(palpate_space_info);
+  palpate_guard_options limits = PALPATE_INIT(palpate_guard_options);
   double normal[3];
   int code = 1;
 

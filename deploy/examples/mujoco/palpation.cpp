@@ -33,14 +33,6 @@ void need(palpate_status status) {
   if (status != PALPATE_OK) throw std::runtime_error(palpate_last_error());
 }
 
-/// Structures of libpalpate know their size.
-template <class Struct>
-Struct sized() {
-  Struct made{};
-  made.size = sizeof made;
-  return made;
-}
-
 /// What is needed of a dataset: handles that are given back, and where it is touched.
 struct Body {
   explicit Body(const char* file) {
@@ -51,7 +43,7 @@ struct Body {
     need(palpate_contact_create(opened, nullptr, &made));
     contact.reset(made);
     need(palpate_dataset_space(opened, 0, &space));
-    auto info = sized<palpate_dataset_info>();
+    auto info = PALPATE_INIT(palpate_dataset_info);
     need(palpate_dataset_describe(opened, &info));
     vertices.resize(3 * static_cast<std::size_t>(info.vertex_count));
     triangles.resize(3 * static_cast<std::size_t>(info.triangle_count));
@@ -64,7 +56,7 @@ struct Body {
                                                                        palpate_dataset_close};
   std::unique_ptr<palpate_contact, void (*)(palpate_contact*)> contact{nullptr,
                                                                        palpate_contact_destroy};
-  palpate_space_info space = sized<palpate_space_info>();
+  palpate_space_info space = PALPATE_INIT(palpate_space_info);
   std::vector<double> vertices;
   std::vector<int32_t> triangles;
   double normal[3] = {0, 0, 0};  // outward, where the body is touched
@@ -181,7 +173,7 @@ void run(const Body& body, double depth) {
     const double* x = &data->site_xpos[3 * tip];
 
     // what the tissue does to the tip
-    auto touch = sized<palpate_touch>();
+    auto touch = PALPATE_INIT(palpate_touch);
     need(palpate_contact_update(body.contact.get(), x, 1, &touch));
     const double no_torque[3] = {0, 0, 0};
     mju_zero(data->qfrc_applied, model->nv);

@@ -22,8 +22,7 @@ void PalpateForceFeedback::init() {
   palpate_dataset* dataset = nullptr;
   palpate_contact* contact = nullptr;
   palpate_guard* guard = nullptr;
-  palpate_guard_options limits{};
-  limits.size = sizeof limits;
+  palpate_guard_options limits = PALPATE_INIT(palpate_guard_options);
   const bool ready =
       palpate_dataset_open(d_dataset.getFullPath().c_str(), nullptr, &dataset) == PALPATE_OK &&
       palpate_contact_create(dataset, nullptr, &contact) == PALPATE_OK &&
@@ -44,10 +43,8 @@ void PalpateForceFeedback::computeForce(SReal x, SReal y, SReal z, SReal, SReal,
   if (!m_guard || !d_activate.getValue()) return;
   const double scale = d_scale.getValue();
   const double tool[3] = {scale * x, scale * y, scale * z};
-  palpate_touch touch{};
-  palpate_guarded_force force{};
-  touch.size = sizeof touch;
-  force.size = sizeof force;
+  palpate_touch touch = PALPATE_INIT(palpate_touch);
+  palpate_guarded_force force = PALPATE_INIT(palpate_guarded_force);
   // A driver that knows that its device is gone should say so: PALPATE_READING_LOST. SOFA's do not
   // tell.
   if (palpate_contact_update(m_contact.get(), tool, 1, &touch) != PALPATE_OK ||
@@ -76,8 +73,7 @@ void PalpateForceFeedback::handleEvent(sofa::core::objectmodel::Event* event) {
     touch = m_seen;
   }
   if (touch.size == 0) return;
-  palpate_dataset_info info{};
-  info.size = sizeof info;
+  palpate_dataset_info info = PALPATE_INIT(palpate_dataset_info);
   palpate_dataset_describe(m_dataset.get(), &info);
   auto displacements = sofa::helper::getWriteOnlyAccessor(d_displacements);
   displacements.resize(static_cast<std::size_t>(info.vertex_count));

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdlib>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -109,6 +110,23 @@ TEST_F(Examples, InCBuildsWithPkgConfig) {
   outputOf("cc -std=c99 -Wall -Wextra -Wpedantic -Werror " +
            shellWord(std::string(examples) + "/c/touch.c") + " -o " + shellWord(build_ / "touch") +
            " $(" + config + "--cflags --libs palpate) -lm");
+}
+
+TEST_F(Examples, StructuresBeginWithTheirSizeWithoutAWarningInCAndInCpp) {
+  const std::filesystem::path source = build_ / "begin.c";
+  std::ofstream(source) << "#include <palpate.h>\n"
+                           "int main(void) {\n"
+                           "  static palpate_answers answers = PALPATE_INIT(palpate_answers);\n"
+                           "  palpate_touch touch = PALPATE_INIT(palpate_touch);\n"
+                           "  palpate_sample sample = PALPATE_INIT(palpate_sample);\n"
+                           "  return !(answers.size == sizeof answers && !answers.forces &&\n"
+                           "           touch.size == sizeof touch && touch.gap == 0 &&\n"
+                           "           sample.size == sizeof sample && sample.inside == 0);\n"
+                           "}\n";
+  for (const char* compiler : {"cc -std=c99", "c++ -std=c++11 -x c++", "c++ -std=c++20 -x c++"})
+    outputOf(std::string(compiler) + " -Wall -Wextra -Wpedantic -Wshadow -Werror -I " +
+             shellWord(*prefix_ / "include") + " " + shellWord(source) + " -o " +
+             shellWord(build_ / "begin") + " && " + shellWord(build_ / "begin"));
 }
 
 TEST_F(Examples, InCBuildsAndRunsAsTheManualSays) {
