@@ -140,6 +140,35 @@ class PythonQueries(WithDatasets):
         with self.assertRaisesRegex(palpate.Error, "was closed"):
             dataset.query([0, 0, -0.01], active=0)
 
+    def testWhatIsAnsweredTwiceIsEqualAlsoWhereNothingIsKnown(self):
+        one, other = palpate.Dataset(self.file), palpate.Dataset(self.file)
+        p = [[0, 0, -0.01], [0, 0, 1]]
+        for method in ("potential", "trilinear"):  # whose energy is NaN
+            self.assertEqual(one.query(p, active="tip", method=method), other.query(p, active="tip", method=method))
+        answers = one.query(p, active="tip")
+        for different in (one.query(p[:1], active="tip"), one.query(p[::-1], active="tip"), p,
+                          dataclasses.replace(answers, drive=answers.force)):
+            self.assertNotEqual(answers, different)
+        self.assertEqual(one.spaces, other.spaces)
+        self.assertNotEqual(one.spaces[0], one.spaces[1])
+        with palpate.Contact(one) as contact, palpate.Guard() as guard, palpate.Guard() as same:
+            tool = one.spaces[0].rest_position
+            away, touches = contact.update(tool + [0, 0, 1]), contact.follow([tool - [0, 0, 0.001]] * 2)
+            self.assertTrue(touches[0].touching)
+            self.assertEqual(dataclasses.replace(touches[1], stepped=touches[0].stepped), touches[0])
+            self.assertNotEqual(away, touches[0])
+            self.assertEqual(guard.limit(tool, touches[0]), same.limit(tool, touches[0]))
+
+    def testAFileIsOpenedWhileOthersImport(self):
+        class Meanwhile(str):
+            def startswith(self, *words):
+                modules["another"] = None
+                return super().startswith(*words)
+
+        modules = {Meanwhile("one"): None, "two": None}
+        with unittest.mock.patch.object(palpate.dataset, "sys", unittest.mock.Mock(modules=modules)):
+            self.assertEqual(palpate.Dataset(self.file).name, "nodes")
+
     def testErrorsGoToOtherProcesses(self):
         with self.assertRaises(palpate.Error) as caught:
             palpate.Dataset(self.folder / "absent.h5")
@@ -313,6 +342,7 @@ class PythonArrays(WithDatasets):
         with h5py.File(run) as f:
             np.testing.assert_array_equal(recording.raw_force, f["force/raw"])
         self.assertIn("nodes", recording.attributes["models"] + recording.attributes["datasets"])
+        self.assertEqual(recording, palpate.Recording.read(run))
         half = self.folder / "half.h5"
         with h5py.File(half, "w") as f:
             f.attrs["format"] = "palpate-recording"

@@ -50,7 +50,8 @@ class Recorder {
   ///   /time                 float64  n     s, tick * period: increasing
   ///   /device/position      float64  n x 3 m, of device or scene (scene_frame); also NaN
   ///   /device/buttons       int32    n     bits
-  ///   /device/status        uint8    n     0 fresh, 1 repeated, 2 lost: part of the format
+  ///   /device/status        uint8    n     DeviceStatus: 0 fresh, 1 repeated, 2 lost, 3 away:
+  ///                                      part of the format
   ///   /tool/position        float64  n x 3 m, scene frame
   ///   /force/rendered, raw  float64  n x 3 N, scene frame, after and before the guard
   ///   /contact/touching     uint8    n     0 or 1

@@ -179,6 +179,24 @@ def _load() -> tuple[str, dict[str, Callable[..., Any]]]:
 library_file, functions = _load()
 
 
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        one, other = np.asarray(one), np.asarray(other)
+        return one.shape == other.shape and bool(((one == other) | ((one != one) & (other != other))).all())
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
+    return bool(one == other or (one != one and other != other))
+
+
+class ByValue:
+    """Equality of dataclasses that hold arrays: the same members, bit for bit but for zeros' signs; NaN equals NaN."""
+
+    def __eq__(self, other: object) -> bool:
+        if type(self) is not type(other):
+            return NotImplemented
+        return all(_same(value, vars(other)[name]) for name, value in vars(self).items() if not name.startswith("_"))
+
+
 def last_error() -> str:
     """The text of the last failure of this thread."""
     return bytes(functions["last_error"]()).decode(errors="replace")

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _library
-from ._library import Numbers
+from ._library import ByValue, Numbers
 from .dataset import Dataset
 
 _guards = ("ramped", "damped", "clamped", "slewed", "stalled", "lost", "not_finite", "late")
@@ -36,8 +36,8 @@ class ContactOptions:
     most_relaxation: float  #: share of the force per update that sliding may change beyond what the tool's motion does
 
 
-@dataclass(frozen=True)
-class Touch:
+@dataclass(frozen=True, eq=False)
+class Touch(ByValue):
     """What the tissue does to the tool, after one position."""
 
     touching: bool
@@ -160,8 +160,8 @@ class GuardOptions:
     delay: float = 0.0  #: s, from a position to the force that answers it, beyond the period
 
 
-@dataclass(frozen=True)
-class GuardedForce:
+@dataclass(frozen=True, eq=False)
+class GuardedForce(ByValue):
     """A force that a device may be given."""
 
     force: Numbers  #: (3,), N, finite, no longer than max_force

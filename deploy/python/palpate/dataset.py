@@ -16,11 +16,11 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _library
-from ._library import Numbers
+from ._library import ByValue, Numbers
 
 
-@dataclass(frozen=True)
-class SpaceInfo:
+@dataclass(frozen=True, eq=False)
+class SpaceInfo(ByValue):
     """One active node and its configuration space."""
 
     name: str  #: of the active node in the scene
@@ -42,8 +42,8 @@ class AreaInfo:
     site_count: int  #: places of the finger that were solved
 
 
-@dataclass(frozen=True)
-class Answers:
+@dataclass(frozen=True, eq=False)
+class Answers(ByValue):
     """What a dataset says of displacements. ``...`` is the shape of what was asked: () for one displacement, (n,) for n."""
 
     force: Numbers  #: (..., 3), N, of the tissue on the tool; always finite
@@ -79,7 +79,8 @@ def _doubles(array: Numbers) -> Any:
 @contextlib.contextmanager
 def _hdf5_alone() -> Iterator[None]:
     """HDF5 is not thread-safe: keeps h5py out of it, where that is used in this process, while libpalpate reads a file."""
-    objects = (module for name, module in sys.modules.items() if name.startswith("h5py.") and name.endswith("._objects"))
+    # A copy: another thread may import meanwhile.
+    objects = (module for name, module in list(sys.modules.items()) if name.startswith("h5py.") and name.endswith("._objects"))
     lock = getattr(next(objects, None), "phil", None)
     with lock or contextlib.nullcontext():
         yield

@@ -9,18 +9,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._library import Numbers
+from ._library import ByValue, Numbers
 from .arrays import open_hdf5
 
 
-@dataclass(frozen=True)
-class Recording:
+@dataclass(frozen=True, eq=False)
+class Recording(ByValue):
     """What every one of n ticks read and did. Positions and forces are in the frame of the scene, but for ``device_position``."""
 
     time: Numbers  #: (n,), s
     device_position: Numbers  #: (n, 3), m, of the device
     buttons: npt.NDArray[np.int32]  #: (n,), bits
-    status: npt.NDArray[np.uint8]  #: (n,): 0 fresh, 1 repeated, 2 lost
+    status: npt.NDArray[np.uint8]  #: (n,): 0 fresh, 1 repeated, 2 lost, 3 away (no hand in the scene)
     tool: Numbers  #: (n, 3), m
     force: Numbers  #: (n, 3), N, that the device was given
     raw_force: Numbers  #: (n, 3), N, of the tissue, before the guard
