@@ -31,6 +31,7 @@ std::string describeJson(const std::optional<FingerPlace>& place,
   if (place) {
     answer["at"] = toJson(place->at);
     answer["drive"] = toJson(place->drive);
+    answer["distance"] = place->distance;
   }
   return answer.dump() + '\n';
 }
@@ -104,6 +105,21 @@ std::string describeForPerson(const SpaceTable& space, const Eigen::Vector3d& di
   return text + "\n\n";
 }
 
+/// Why an answer of an area is not inside, for a person.
+std::string describeFault(const FingerPlace& place, bool in_ball) {
+  switch (place.fault) {
+    case FingerPlace::Fault::away:
+      return fmt::format(
+          "--at is {:.4g} m away from the surface.\n"
+          "              The values are those at the nearest place of it",
+          place.distance);
+    case FingerPlace::Fault::no_site: return "no site of the finger is near";
+    case FingerPlace::Fault::fixed: return "the finger rests on what is fixed";
+    case FingerPlace::Fault::none: break;
+  }
+  return in_ball ? "nothing was solved around" : "the displacement is beyond the workspace";
+}
+
 std::string describeInArea(const FingerPlace& place, double radius,
                            const Eigen::Vector3d& displacement, const ForceSample& sample) {
   std::string text = describeSample(place, displacement, sample);
@@ -111,11 +127,8 @@ std::string describeInArea(const FingerPlace& place, double radius,
     return text +
            fmt::format("inside        yes; {:.0f} % of it stands on solved lattice points\n\n",
                        100 * sample.coverage);
-  const char* why = displacement.stableNorm() > radius ? "the displacement is beyond the workspace"
-                    : !std::isfinite(sample.error_bound)
-                        ? "no site of the finger is near"
-                        : "nothing was solved around, or the finger rests on what is fixed";
-  return text + fmt::format("inside        NO: {}.\n\n", why);
+  return text + fmt::format("inside        NO: {}.\n\n",
+                            describeFault(place, displacement.stableNorm() <= radius));
 }
 
 std::string answerText(const ForceAnswers& answers, const Eigen::Vector3d& p,
@@ -145,8 +158,9 @@ std::function<ExitCode()> prepareQuery(CLI::App& app) {
       "coverage (--json): share of the answer that stands on solved lattice points of one branch.\n"
       "Exit codes: 0 done, 1 failed, 2 wrong usage, "
       "3 some displacement lies outside of the workspace ball, or\n"
-      "where nothing around was solved, or some place where a finger has no site near "
-      "or rests on what is fixed\n(it is answered all the same, and marked), 130 interrupted.");
+      "where nothing around was solved, or some place is away from the surface, has no site of "
+      "the finger near,\nor rests on what is fixed (it is answered all the same, and marked), "
+      "130 interrupted.");
   return [options] { return query(*options, std::cin, std::cout); };
 }
 

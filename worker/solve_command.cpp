@@ -1,3 +1,5 @@
+#include <spdlog/spdlog.h>
+
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -6,6 +8,7 @@
 #include "common/base/displacement_input.hpp"
 #include "common/mesh/surface_point.hpp"
 #include "common/problem/finger.hpp"
+#include "common/problem/place_distance.hpp"
 #include "common/problem/problem_warnings.hpp"
 #include "common/scene/active_choice.hpp"
 #include "worker/solver/path.hpp"
@@ -68,6 +71,11 @@ class Solving {
   void moveTo(const Eigen::Vector3d& near) {
     PALPATE_ASSERT(finger().has_value(), "requirePlace refused others");
     const Finger moved = fingerNear("--at", problem_.mesh, near, finger()->radius);
+    if (const double distance = (moved.center - near).norm();
+        distance > mostPlaceDistance(problem_.mesh, moved.radius))
+      spdlog::warn(
+          "--at is {:.4g} m away from the surface; the finger is at the nearest place of it",
+          distance);
     if (*place_ == moved.center) return;
     solver_.placeFinger("--at", moved);
     place_ = moved.center;

@@ -1,36 +1,12 @@
 #include "common/mesh/bump_integrals.hpp"
 
-#include <cmath>
-
 #include "common/base/assertion.hpp"
+#include "common/mesh/bump_quadrature.hpp"
 
 namespace palpate {
 namespace {
 
-/// Corners, or a point, in barycentric coordinates of a surface triangle.
 using Barycentric = Eigen::Vector3d;
-
-struct QuadraturePoint {
-  Barycentric at;
-  double weight;  ///< of the area
-};
-
-/// Exact for polynomials of degree 5 (Radon 1948; Dunavant 1985).
-std::array<QuadraturePoint, 7> degreeFive() {
-  const double root = std::sqrt(15.0);
-  std::array<QuadraturePoint, 7> points;
-  points[0] = {Barycentric::Constant(1.0 / 3), 0.225};
-  std::size_t next = 1;
-  for (const double s : {root, -root}) {
-    const double near = (6 + s) / 21, weight = (155 + s) / 1200;
-    for (int i = 0; i < 3; ++i) {
-      Barycentric at = Barycentric::Constant(near);
-      at[i] = 1 - 2 * near;
-      points[next++] = {at, weight};
-    }
-  }
-  return points;
-}
 
 /// Adds up the integrals over the triangles of one surface.
 class Integration {
@@ -46,36 +22,14 @@ class Integration {
         if (!mesh_.edges.empty())
           nodes_[3 + i] = midEdgeNode(mesh_, triangle[i], triangle[(i + 1) % 3]);
       }
-      add(Barycentric::UnitX(), Barycentric::UnitY(), Barycentric::UnitZ());
+      BumpQuadrature(center_, radius_).over(corners_, [this](const Barycentric& l, double area) {
+        addPoint(l, area);
+      });
     }
     return std::move(integrals_);
   }
 
  private:
-  /// The bump is smooth inside the radius and only once differentiable across it: small parts see
-  /// it well.
-  static constexpr double part_of_radius = 1.0 / 16;
-
-  void add(const Barycentric& a, const Barycentric& b, const Barycentric& c) {
-    const Eigen::Vector3d x = corners_ * a, y = corners_ * b, z = corners_ * c;
-    const double longest =
-        std::sqrt(std::max({(y - x).squaredNorm(), (z - y).squaredNorm(), (x - z).squaredNorm()}));
-    // Nothing of the bump reaches into a part that is farther away than it is wide.
-    if (((x + y + z) / 3 - center_).norm() > radius_ + longest) return;
-    if (longest > part_of_radius * radius_) {
-      const Barycentric ab = (a + b) / 2, bc = (b + c) / 2, ca = (c + a) / 2;
-      add(a, ab, ca);
-      add(ab, b, bc);
-      add(ca, bc, c);
-      add(ab, bc, ca);
-      return;
-    }
-    static const std::array<QuadraturePoint, 7> points = degreeFive();
-    const double area = (y - x).cross(z - x).norm() / 2;
-    for (const QuadraturePoint& point : points)
-      addPoint(point.at[0] * a + point.at[1] * b + point.at[2] * c, point.weight * area);
-  }
-
   void addPoint(const Barycentric& l, double area) {
     const Eigen::Vector3d away = corners_ * l - center_;
     const double relative = away.squaredNorm() / (radius_ * radius_);

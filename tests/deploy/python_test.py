@@ -210,14 +210,19 @@ class PythonFingers(WithDatasets):
     def testAFingerIsAskedAnywhereByOneOrManyPlaces(self):
         dataset = palpate.Dataset(self.finger)
         self.assertEqual([area.name for area in dataset.areas], ["finger"])
-        p, at = (0.001, 0, -0.006), np.array([(0.05, 0.05, 0.2), (0.045, 0.052, 0.1)])
+        p, at = (0.001, 0, -0.006), np.array([(0.05, 0.05, 0.104), (0.045, 0.052, 0.1)])
         answers = dataset.query(p, at=at)
         self.assertEqual((answers.force.shape, answers.drive.shape, answers.triangle.shape), ((2, 3), (2, 3), (2,)))
         np.testing.assert_allclose(answers.at[:, 2], 0.1)  # the nearest place of the surface
         self.assertTrue(answers.inside.all() and (answers.force[:, 2] > 0).all())
+        np.testing.assert_allclose(answers.distance, (0.004, 0), atol=1e-12)
+        away = dataset.query(p, at=1e3 * at)  # millimetres
+        self.assertEqual(away.inside.tolist(), [False, False])
+        self.assertTrue((away.distance > 50).all() and np.isfinite(away.force).all())
         said = json.loads(self.run_program("query", self.finger, "--at", *at[1], "--displacement", *p, "--json"))
         np.testing.assert_array_equal(answers.force[1], said["force"])
         np.testing.assert_allclose(answers.drive[1], said["drive"], atol=1e-12)
+        self.assertEqual((answers.inside[1], answers.distance[1]), (said["inside"], said["distance"]))
         many = dataset.query(np.outer((0.2, 0.6, 1), p), at=at[1])
         np.testing.assert_array_equal(many.force[2], answers.force[1])
         self.assertIs(dataset.query(p, at=at, out=answers), answers)

@@ -45,12 +45,12 @@ Eigen::Vector3d FingerBody::drive(const Eigen::Vector3d& s, const Eigen::Vector3
   return -ConvexEnergy().energy(p) * factorGradient(s);
 }
 
-FingerBody::FingerBody(std::int32_t probes) {
+FingerBody::FingerBody(std::int32_t probes, const std::string& fixed) {
   Scene scene;
   scene.name = "fingered";
   scene.mesh = "fingered.msh";
   scene.regions[0].material = {.law = LawName::mooney_rivlin, .c10 = 1300, .c01 = 1280};
-  scene.fixed.groups = {"zmin"};
+  scene.fixed.groups = {fixed};
   scene.workspace = {.radius = 0.03, .spacing = 0.01, .max_force = 8.5};
   scene.accuracy.probes = probes;
   ActiveSelection active;

@@ -201,7 +201,7 @@ class QueryOfAFinger : public QueryCommand {
 };
 
 TEST_F(QueryOfAFinger, AnswersAnywhereOnTheSurface) {
-  options.at = {"0.0512", "0.0437", "0.12"};
+  options.at = {"0.0512", "0.0437", "0.104"};
   options.displacement = {"0.003", "-0.002", "-0.009"};
   EXPECT_EQ(ask(), ExitCode::done);
   const auto found = nlohmann::json::parse(answer);
@@ -216,6 +216,19 @@ TEST_F(QueryOfAFinger, AnswersAnywhereOnTheSurface) {
   }
   EXPECT_NEAR(found.at("energy").get<double>(), test::FingerBody::energy(s, p), 1e-4);
   EXPECT_EQ(found.at("inside"), true);
+  EXPECT_NEAR(found.at("distance").get<double>(), 0.004, 1e-12);
+}
+
+TEST_F(QueryOfAFinger, SaysThatAPlaceIsAwayFromTheSurface) {
+  options.at = {"0.05", "0.05", "0.078"};
+  options.displacement = {"0", "0", "-0.01"};
+  EXPECT_EQ(ask(), ExitCode::partly_failed);
+  EXPECT_THAT(answer, HasSubstr("\"inside\":false"));
+  EXPECT_NEAR(nlohmann::json::parse(answer).at("distance").get<double>(), 0.022, 1e-12);
+  options.json = false;
+  EXPECT_EQ(ask(), ExitCode::partly_failed);
+  EXPECT_THAT(answer, HasSubstr("NO: --at is 0.022 m away from the surface.\n"
+                                "              The values are those at the nearest place of it."));
 }
 
 TEST_F(QueryOfAFinger, ReadsSixNumbersPerLine) {
@@ -226,7 +239,7 @@ TEST_F(QueryOfAFinger, ReadsSixNumbersPerLine) {
 }
 
 TEST_F(QueryOfAFinger, SaysWhereThereIsNoAnswer) {
-  options.at = {"0.05", "0.05", "-0.1"};
+  options.at = {"0.05", "0.05", "0"};
   options.displacement = {"0", "0", "0.001"};
   options.json = false;
   EXPECT_EQ(ask(), ExitCode::partly_failed);

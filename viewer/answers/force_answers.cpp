@@ -2,7 +2,6 @@
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
-#include "common/mesh/surface_point.hpp"
 #include "common/problem/finger.hpp"
 #include "common/problem/sites.hpp"
 #include "viewer/fields/field_choice.hpp"
@@ -16,12 +15,13 @@ auto plain(const Eigen::MatrixBase<Derived>& values) {
   return (values.array() + 0.0).matrix().eval();
 }
 
-template <class Sample>
-Sample withoutSigns(Sample sample) {
+ForceAnswer withoutSigns(ForceAnswer answer) {
+  ForceSample& sample = answer.sample;
   sample.force = plain(sample.force);
   sample.stiffness = plain(sample.stiffness);
   sample.energy += 0.0;
-  return sample;
+  if (answer.finger) answer.finger->drive = plain(answer.finger->drive);
+  return answer;
 }
 
 }  // namespace
@@ -40,25 +40,17 @@ ForceAnswers::ForceAnswers(const Dataset& dataset, const std::string& active, bo
   if (const std::string& only = forceFieldMethods().front(); method != only)
     throw badInput("--method {}: between the sites of a finger there is only {}", method, only);
   const auto sites = chosenOf(dataset.spaces(), choice_.spaces);
-  area_ = std::make_unique<AreaField>(
-      sites, placesAround(dataset.mesh(), centersOf(sites), first_.patch.finger->radius));
+  const std::vector<Eigen::Vector3d> centers = centersOf(sites);
+  const double radius = first_.patch.finger->radius;
+  area_ = std::make_unique<AreaField>(sites, placesAround(dataset.mesh(), centers, radius));
+  places_.emplace(dataset.mesh(), dataset.fixedNodes(), centers, radius);
 }
 
 ForceAnswer ForceAnswers::answer(const TouchInput& touch) const {
-  if (!area_) return {withoutSigns(field_->evaluate(touch.displacement)), std::nullopt};
+  if (!area_) return withoutSigns({field_->evaluate(touch.displacement), std::nullopt});
   PALPATE_ASSERT(touch.at.has_value(), "who makes answers for places asks with one");
-  return answerAt(*touch.at, touch.displacement);
-}
-
-ForceAnswer ForceAnswers::answerAt(const Eigen::Vector3d& near, const Eigen::Vector3d& p) const {
-  const Mesh& mesh = dataset_.mesh();
-  const Eigen::Vector3d at = fingerNear("--at", mesh, near, 0).center;
-  AreaSample sample = withoutSigns(area_->evaluate(at, p));
-  const double radius = first_.patch.finger->radius;
-  // `solve` refuses these; who asks for many places wants the others.
-  if (fingerWeights(mesh, dataset_.fixedNodes(), at, radius).free_share < least_free_share)
-    sample.inside = false;
-  return {sample, FingerPlace{at, plain(alongSurface(mesh, at, sample.drive))}};
+  fingerNear("--at", dataset_.mesh(), *touch.at, 0);  // refuses what is far beyond the body
+  return withoutSigns(places_->answer(*area_, *touch.at, touch.displacement));
 }
 
 }  // namespace palpate

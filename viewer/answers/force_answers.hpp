@@ -6,22 +6,10 @@
 #include "common/base/displacement_input.hpp"
 #include "common/dataset/dataset.hpp"
 #include "common/scene/active_choice.hpp"
+#include "viewer/answers/area_places.hpp"
 #include "viewer/fields/area_field.hpp"
 
 namespace palpate {
-
-/// Of a finger: the point of the surface where it is, metres, and what of its drive lies in the
-/// surface there, N.
-struct FingerPlace {
-  Eigen::Vector3d at, drive;
-};
-
-/// What a dataset says about one touch.
-struct ForceAnswer {
-  /// Without signs of zeros. Of a finger `inside` is false too where it rests on what is fixed.
-  ForceSample sample;
-  std::optional<FingerPlace> finger;  ///< where a place was given
-};
 
 /// Forces of one active node, or of the area of a finger, as every verb answers with them: by the
 /// interpolation that was asked for, or by the one energy of the area where places are given.
@@ -34,8 +22,8 @@ class ForceAnswers {
   ForceAnswers(const Dataset& dataset, const std::string& active, bool with_places,
                const std::string& method);
 
-  /// Error (bad input) when the place is farther from the surface than the body is wide. A touch
-  /// without a place where one is needed is a mistake of the caller.
+  /// Without signs of zeros. Error (bad input) when the place is farther from the surface than the
+  /// body is wide. A touch without a place where one is needed is a mistake of the caller.
   ForceAnswer answer(const TouchInput& touch) const;
 
   const ActiveChoice& choice() const { return choice_; }
@@ -45,14 +33,13 @@ class ForceAnswers {
   const std::string& method() const { return method_; }               ///< its word
 
  private:
-  ForceAnswer answerAt(const Eigen::Vector3d& near, const Eigen::Vector3d& p) const;
-
   const Dataset& dataset_;
   const ActiveChoice choice_;
   const SpaceTable& first_;
   const std::string method_;
   std::unique_ptr<ForceField> field_;  ///< without a place
   std::unique_ptr<AreaField> area_;    ///< with one
+  std::optional<AreaPlaces> places_;
 };
 
 }  // namespace palpate

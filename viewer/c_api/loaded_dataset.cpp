@@ -57,6 +57,8 @@ LoadedDataset::LoadedDataset(const Dataset& dataset, const HapticModelOptions& o
     of_area.finger_radius = area.radius;
     of_area.workspace_radius = model.spaces()[area.spaces.front()].lattice.radius();
     of_area.site_count = static_cast<std::int32_t>(area.spaces.size());
+    places.emplace_back(dataset.mesh(), dataset.fixedNodes(),
+                        centersOf(chosenOf(model.spaces(), area.spaces)), area.radius);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "viewer/answers/area_places.hpp"
 #include "viewer/c_api/palpate.h"
 #include "viewer/haptics/haptic_model.hpp"
 
@@ -20,6 +21,7 @@ struct LoadedDataset {
   palpate_dataset_info info{};  ///< its texts belong to this object
   std::vector<palpate_space_info> spaces;
   std::vector<palpate_area_info> areas;  ///< as HapticModel::surface().areas()
+  std::vector<AreaPlaces> places;        ///< the same
 };
 
 }  // namespace palpate

@@ -232,12 +232,18 @@ typedef struct palpate_area_sample {
   double force[3];     /* N, on the tool: -dE/dp */
   double stiffness[9]; /* N/m, row major: the exact derivative of force by p */
   double drive[3];     /* N, -dE/ds along the surface: where the tissue slides the finger to */
-  double at[3];        /* m, the place that was asked: on the surface at rest */
+  double at[3];        /* m, the place of the surface at rest nearest to the one that was asked */
   double energy;       /* J, stored in the tissue; NaN beyond the workspace ball */
   double error_bound;  /* as in palpate_sample, and the next one */
   double coverage;
-  int32_t inside;   /* 1: on the area, in the workspace ball, with something solved around */
+  /* 1: at a place of the area that can be touched, in the workspace ball, with something solved
+   * around. 0: an answer for `at` all the same, which lies elsewhere (distance), has no site near,
+   * or rests on what is fixed; or extrapolated as in palpate_sample */
+  int32_t inside;
   int32_t triangle; /* of the surface, that `at` lies in; -1 for what is not finite, `at` is 0 */
+  /* m, from the place that was asked to `at`: beyond a quarter of the finger's radius (a millionth
+   * of the body's size if that is more) never inside; NaN for what is not finite */
+  double distance;
 } palpate_area_sample;
 
 /* How many areas there are; 0 where a scene has no finger. Any thread, real time. */
@@ -251,10 +257,11 @@ PALPATE_API palpate_status palpate_dataset_area(const palpate_dataset* dataset, 
 PALPATE_API palpate_status palpate_dataset_find_area(const palpate_dataset* dataset,
                                                      const char* name, int32_t* area);
 
-/* Force and drive of the finger of an area. at: anywhere; the nearest point of the surface at rest
- * is meant, m. displacement: of the finger from there, m; outside of the workspace ball as in
- * palpate_query. A place or displacement that is not finite gives no force and inside = 0. Any
- * thread, real time (wait-free). */
+/* Force and drive of the finger of an area. at: m, on or near the surface at rest; the answer is
+ * that of the nearest point of it, and not inside for a place that is not near. displacement: of
+ * the finger from there, m; outside of the workspace ball as in palpate_query. A place or
+ * displacement that is not finite gives no force and inside = 0. Any thread, real time (wait-free);
+ * beside what is fixed it takes a tenth of a millisecond longer. */
 PALPATE_API palpate_status palpate_area_query(const palpate_dataset* dataset, int32_t area,
                                               const double at[3], const double displacement[3],
                                               palpate_area_sample* sample);
@@ -276,6 +283,7 @@ typedef struct palpate_answers {
   double* drives;     /* 3 count, N */
   double* places;     /* 3 count, m: `at` of palpate_area_sample */
   int32_t* triangles; /* count */
+  double* distances;  /* count, m */
 } palpate_answers;
 
 /* palpate_query for `count` displacements (3 count numbers, m). Any thread, real time; its time

@@ -1,4 +1,3 @@
-#include "common/mesh/surface_point.hpp"
 #include "viewer/c_api/arguments.hpp"
 #include "viewer/c_api/loaded_dataset.hpp"
 
@@ -6,24 +5,16 @@ using namespace palpate;
 
 namespace {
 
-/// At the place of the surface at rest that is nearest to `near`.
-palpate_area_sample sampleOf(const HapticModel& model, std::int32_t area,
+palpate_area_sample sampleOf(const LoadedDataset& dataset, std::int32_t area,
                              const Eigen::Vector3d& near, const Eigen::Vector3d& displacement) {
+  const ForceAnswer answer =
+      dataset.places[at(area)].answer(dataset.model.area(at(area)), near, displacement);
   palpate_area_sample given{};
-  given.triangle = -1;
-  if (!near.allFinite() || !displacement.allFinite()) {
-    giveForce(given, AreaSample());
-    return given;
-  }
-  const TouchSurface& surface = model.surface();
-  const NearestPoint place = surface.tree().nearest(withinSquares(near));
-  const AreaSample sample = model.area(at(area)).evaluate(place.position, displacement);
-  giveForce(given, sample);
-  const Eigen::Vector3d& normal = surface.faceNormal(place.triangle);
-  give(given.drive, Eigen::Vector3d(sample.drive - normal.dot(sample.drive) * normal));
-  give(given.at, place.position);
-  given.triangle = place.triangle;
-  if (surface.areaOf(place.triangle) != area) given.inside = 0;
+  giveForce(given, answer.sample);
+  give(given.drive, answer.finger->drive);
+  give(given.at, answer.finger->at);
+  given.triangle = answer.finger->triangle;
+  given.distance = answer.finger->distance;
   return given;
 }
 
@@ -63,7 +54,7 @@ palpate_status palpate_area_query(const palpate_dataset* dataset, std::int32_t a
       !sizeIsKnown(__func__, "sample", sample) ||
       !isNumber(__func__, "area", area, std::ssize(dataset->loaded->areas)))
     return PALPATE_INVALID_ARGUMENT;
-  give(sample, sampleOf(dataset->loaded->model, area, vectorOf(at), vectorOf(displacement)));
+  give(sample, sampleOf(*dataset->loaded, area, vectorOf(at), vectorOf(displacement)));
   return PALPATE_OK;
 }
 
@@ -77,12 +68,13 @@ palpate_status palpate_area_query_many(const palpate_dataset* dataset, std::int3
     return PALPATE_INVALID_ARGUMENT;
   const palpate_answers wanted = taken(answers, palpate_answers{});
   for (std::size_t n = 0; n < count; ++n) {
-    const palpate_area_sample sample = sampleOf(
-        dataset->loaded->model, area, vectorOf(places + 3 * n), vectorOf(displacements + 3 * n));
+    const palpate_area_sample sample =
+        sampleOf(*dataset->loaded, area, vectorOf(places + 3 * n), vectorOf(displacements + 3 * n));
     giveAnswer(wanted, n, sample);
     if (wanted.drives != nullptr) std::copy_n(sample.drive, 3, wanted.drives + 3 * n);
     if (wanted.places != nullptr) std::copy_n(sample.at, 3, wanted.places + 3 * n);
     if (wanted.triangles != nullptr) wanted.triangles[n] = sample.triangle;
+    if (wanted.distances != nullptr) wanted.distances[n] = sample.distance;
   }
   return PALPATE_OK;
 }

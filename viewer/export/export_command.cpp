@@ -47,9 +47,9 @@ void checkChoice(const ExportOptions& options, const ExportTarget& target) {
 ExitCode codeOf(std::size_t outside, std::size_t all) {
   if (outside == 0) return ExitCode::done;
   spdlog::warn(
-      "{} of {} touches lie outside of the workspace, where nothing around was solved or no site "
-      "of the finger is near, or rest on what is fixed: they are marked inside = 0, with what is "
-      "nearest, or without a force",
+      "{} of {} touches have no reliable answer (beyond the workspace, nothing solved around, "
+      "--at away from the surface, no site of the finger near, or resting on what is fixed): "
+      "they are marked inside = 0",
       outside, all);
   return ExitCode::partly_failed;
 }

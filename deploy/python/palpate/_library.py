@@ -72,7 +72,7 @@ class AreaInfo(_Sized):
 class Answers(_Sized):
     _fields_ = [("size", c_size_t), ("forces", c_void_p), ("stiffnesses", c_void_p), ("energies", c_void_p),
                 ("error_bounds", c_void_p), ("coverages", c_void_p), ("inside", c_void_p), ("drives", c_void_p),
-                ("places", c_void_p), ("triangles", c_void_p)]
+                ("places", c_void_p), ("triangles", c_void_p), ("distances", c_void_p)]
 
 
 class ContactOptions(_Sized):

@@ -51,17 +51,19 @@ class Answers(ByValue):
     energy: Numbers  #: (...), J, stored in the tissue; NaN where the method has none, or beyond a finger's ball
     error_bound: Numbers  #: (...), N, on the force, estimated to hold at 99 % of places; NaN: not known
     coverage: Numbers  #: (...), 0 to 1: share of the answer that stands on solved equilibria of one branch
-    inside: npt.NDArray[np.bool_]  #: (...): False beyond the workspace ball, or with nothing solved around
+    inside: npt.NDArray[np.bool_]  #: (...): False beyond the workspace ball, with nothing solved around, or away from the area
     drive: Numbers | None = None  #: of a finger: (..., 3), N: where the tissue slides it to, along the surface
-    at: Numbers | None = None  #: of a finger: (..., 3), m: the place on the surface at rest that was meant
+    at: Numbers | None = None  #: of a finger: (..., 3), m: the place on the surface at rest that is answered, the nearest
     triangle: npt.NDArray[np.int32] | None = None  #: of a finger: (...), that ``at`` lies in; -1: not finite
+    distance: Numbers | None = None  #: of a finger: (...), m, from the place that was asked to ``at``; far ones are not ``inside``
 
 
 _of_all = ("force", (3,), np.float64), ("stiffness", (3, 3), np.float64), ("energy", (), np.float64), (
     "error_bound", (), np.float64), ("coverage", (), np.float64), ("inside", (), np.bool_)
-_of_areas = ("drive", (3,), np.float64), ("at", (3,), np.float64), ("triangle", (), np.int32)
+_of_areas = ("drive", (3,), np.float64), ("at", (3,), np.float64), ("triangle", (), np.int32), ("distance", (), np.float64)
 _members = {"force": "forces", "stiffness": "stiffnesses", "energy": "energies", "error_bound": "error_bounds",
-            "coverage": "coverages", "inside": "inside", "drive": "drives", "at": "places", "triangle": "triangles"}
+            "coverage": "coverages", "inside": "inside", "drive": "drives", "at": "places", "triangle": "triangles",
+            "distance": "distances"}
 
 
 def _vectors(values: npt.ArrayLike, what: str) -> Numbers:
@@ -158,8 +160,9 @@ class Dataset(_library.Handle):
 
         displacements: (..., 3), m, of the active node from rest. Beyond the workspace ball the answer is that at the nearest
         point of its sphere, and ``inside`` is False. What is not finite gives no force, and is no error.
-        at: (..., 3), m, of a finger: where it is. The nearest place of the surface at rest is meant. One place (3,) serves for all
-        displacements, and the other way round.
+        at: (..., 3), m, of a finger: where it is, on the surface at rest. The answer is that of the nearest place of it, ``distance``
+        away: not ``inside`` beyond a quarter of the finger's radius. One place (3,) serves for all displacements, and the other way
+        round.
         active: which active node, or which area when ``at`` is given: name or number; not needed where there is only one.
         method: name or number of a prepared method; a finger with ``at`` has one only.
         out: the answers of an earlier call for as many displacements, to be overwritten; for loops that should not allocate.

@@ -40,11 +40,18 @@ TEST(ForceAnswers, OfAFingerAreThoseOfItsAreaAtThePlaceNearest) {
   const Dataset dataset(directory / "finger.h5");
   const ForceAnswers answers(dataset, "top", true, "potential");
   const Vector3d s(0.0512, 0.0437, 0.1), p(0.003, -0.002, -0.009);
-  const ForceAnswer answer = answers.answer({s + Vector3d(0, 0, 0.01), p});
+  const ForceAnswer answer = answers.answer({s + Vector3d(0, 0, 0.004), p});
   EXPECT_TRUE(answer.finger.value().at.isApprox(s, 1e-12));
   EXPECT_TRUE(answer.sample.force.isApprox(test::FingerBody::force(s, p), 0.02));
   EXPECT_EQ(answer.finger->drive.z(), 0) << "along the surface";
   EXPECT_TRUE(answer.sample.inside);
+  EXPECT_NEAR(answer.finger->distance, 0.004, 1e-12);
+  const ForceAnswer away = answers.answer({s + Vector3d(0, 0, 0.01), p});
+  EXPECT_EQ(away.sample.force, answer.sample.force);
+  EXPECT_FALSE(away.sample.inside);
+  EXPECT_EQ(away.finger->fault, FingerPlace::Fault::away);
+  EXPECT_EQ(answers.answer({Vector3d(0.05, 0.05, 0), p}).finger->fault,
+            FingerPlace::Fault::no_site);
   expectBadInput([&] { ForceAnswers(dataset, "top", false, "potential"); }, {"--at X Y Z"});
   expectBadInput([&] { ForceAnswers(dataset, "top", true, "trilinear"); }, {"only potential"});
 }

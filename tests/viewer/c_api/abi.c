@@ -87,6 +87,7 @@ int main(void) {
   MEMBER(palpate_answers, drives);
   MEMBER(palpate_answers, places);
   MEMBER(palpate_answers, triangles);
+  MEMBER(palpate_answers, distances);
 
   STRUCT(palpate_area_info);
   MEMBER(palpate_area_info, size);
@@ -107,6 +108,7 @@ int main(void) {
   MEMBER(palpate_area_sample, coverage);
   MEMBER(palpate_area_sample, inside);
   MEMBER(palpate_area_sample, triangle);
+  MEMBER(palpate_area_sample, distance);
 
   STRUCT(palpate_contact_options);
   MEMBER(palpate_contact_options, size);

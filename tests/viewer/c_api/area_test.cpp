@@ -1,9 +1,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/problem/finger.hpp"
 #include "tests/support/finger_body.hpp"
 #include "tests/viewer/c_api/counting_malloc.hpp"
 #include "tests/viewer/c_api/sample_file.hpp"
+#include "viewer/answers/force_answers.hpp"
 
 namespace palpate {
 namespace {
@@ -67,12 +69,13 @@ TEST_F(CArea, SaysWhatItIsAndRefusesWhatNamesNothing) {
 }
 
 TEST_F(CArea, AnswersForceStiffnessAndDriveAtThePlaceOfTheSurfaceThatIsNearest) {
-  const Eigen::Vector3d above(0.043, 0.055, 0.12), p(0.002, -0.001, -0.009);
+  const Eigen::Vector3d above(0.043, 0.055, 0.104), p(0.002, -0.001, -0.009);
   const palpate_area_sample sample = query(above, p);
   const Eigen::Vector3d s(sample.at), force = test::FingerBody::force(s, p);
   EXPECT_LT((s - Eigen::Vector3d(0.043, 0.055, 0.1)).norm(), 1e-12);
   EXPECT_LT((Eigen::Vector3d(sample.force) - force).norm(), 0.01 * force.norm());
   EXPECT_EQ(sample.inside, 1);
+  EXPECT_NEAR(sample.distance, 0.004, 1e-12);
   EXPECT_EQ(sample.drive[2], 0);  // along the surface
   EXPECT_NEAR(sample.energy, test::FingerBody::energy(s, p), 1e-2 * sample.energy);
   EXPECT_GT(sample.error_bound, 0);
@@ -90,9 +93,68 @@ TEST_F(CArea, AnswersForceStiffnessAndDriveAtThePlaceOfTheSurfaceThatIsNearest) 
 
 TEST_F(CArea, AnswersForPlacesWhoseDistanceHasNoSquare) {
   const palpate_area_sample sample = query({0, 0, 1e200}, {0, 0, -0.01});
+  EXPECT_EQ(sample.inside, 0);
+  EXPECT_EQ(sample.distance, 1e200);
   EXPECT_GE(sample.triangle, 0);
   EXPECT_NEAR(sample.at[2], 0.1, 1e-9);
   EXPECT_TRUE(Eigen::Vector3d(sample.force).allFinite());
+}
+
+/// Metres that are millimetres, points in the body and beside it were once answered like others.
+TEST_F(CArea, IsNotInsideAtAPlaceAwayFromTheSurfaceAndSaysHowFar) {
+  const Eigen::Vector3d p(0, 0, -0.01);
+  for (const auto& [z, inside] : {std::pair(0.1049, 1),
+                                  {0.1051, 0},
+                                  {0.0951, 1},
+                                  {0.0949, 0},
+                                  {0.05, 0},
+                                  {50.0, 0},
+                                  {1e6, 0}}) {
+    const palpate_area_sample sample = query({0.05, 0.05, z}, p);
+    EXPECT_EQ(sample.inside, inside) << z;
+    EXPECT_NEAR(sample.distance, std::abs(z - 0.1), 1e-12 * (1 + z));
+    EXPECT_TRUE(Eigen::Vector3d(sample.force).allFinite());
+  }
+  // A caller that was compiled before there was a distance.
+  auto older = test::sized<palpate_area_sample>();
+  older.size = offsetof(palpate_area_sample, distance);
+  older.distance = 7;
+  const double place[3] = {0.05, 0.05, 0.2};
+  ASSERT_EQ(palpate_area_query(dataset(), 0, place, p.data(), &older), PALPATE_OK);
+  EXPECT_EQ(older.inside, 0);
+  EXPECT_EQ(older.distance, 7);
+}
+
+/// The programs once looked at what is fixed, and C at the triangle alone.
+TEST_F(CArea, SaysWhatTheProgramsSayAlsoBesideWhatIsFixed) {
+  const test::FingerBody beside(0, "xmin");
+  const test::TemporaryDirectory directory;
+  beside.seal(directory / "beside.h5");
+  const Dataset sealed(directory / "beside.h5");
+  const ForceAnswers answers(sealed, "top", true, "potential");
+  const test::DatasetHandle opened = test::open(directory / "beside.h5");
+  const Eigen::Vector3d p(0.001, 0.002, -0.009);
+  int fixed = 0, inside = 0;
+  for (int n = 0; n < 500; ++n) {
+    const Eigen::Vector3d near(1e-3 * (n % 40) - 0.004, 0.05 + 2e-3 * (n % 7),
+                               0.1 - (n % 3) * 4e-3 - (n % 11 == 0 ? 0.01 : 0));
+    auto sample = test::sized<palpate_area_sample>();
+    ASSERT_EQ(palpate_area_query(opened.get(), 0, near.data(), p.data(), &sample), PALPATE_OK);
+    const ForceAnswer answer = answers.answer({near, p});
+    EXPECT_EQ(sample.inside == 1, answer.sample.inside) << near.transpose();
+    EXPECT_EQ(Eigen::Vector3d(sample.force), answer.sample.force);
+    EXPECT_EQ(Eigen::Vector3d(sample.drive), answer.finger->drive);
+    EXPECT_EQ(Eigen::Vector3d(sample.at), answer.finger->at);
+    EXPECT_EQ(sample.distance, answer.finger->distance);
+    inside += sample.inside;
+    if (answer.finger->fault != FingerPlace::Fault::fixed) continue;
+    ++fixed;
+    EXPECT_EQ(sample.inside, 0);
+    EXPECT_LT(fingerWeights(sealed.mesh(), sealed.fixedNodes(), answer.finger->at, 0.02).free_share,
+              least_free_share);
+  }
+  EXPECT_GT(fixed, 20);
+  EXPECT_GT(inside, 100);
 }
 
 TEST_F(CArea, AnswersManyPlacesAtOnceAsOneByOneAlsoInPlace) {
@@ -103,7 +165,7 @@ TEST_F(CArea, AnswersManyPlacesAtOnceAsOneByOneAlsoInPlace) {
     for (const double p : {1e-4 * n, -2e-4 * n, -1e-3 * n}) displacements.push_back(p);
   }
   const std::vector<double> asked = places;
-  std::vector<double> forces(60), drives(60), bounds(20);
+  std::vector<double> forces(60), drives(60), bounds(20), distances(20);
   std::vector<std::int32_t> triangles(20);
   auto answers = test::sized<palpate_answers>();
   answers.forces = forces.data();
@@ -111,6 +173,7 @@ TEST_F(CArea, AnswersManyPlacesAtOnceAsOneByOneAlsoInPlace) {
   answers.places = places.data();
   answers.triangles = triangles.data();
   answers.error_bounds = bounds.data();
+  answers.distances = distances.data();
   ASSERT_EQ(
       palpate_area_query_many(dataset(), 0, places.data(), displacements.data(), 20, &answers),
       PALPATE_OK);
@@ -124,6 +187,7 @@ TEST_F(CArea, AnswersManyPlacesAtOnceAsOneByOneAlsoInPlace) {
     }
     EXPECT_EQ(triangles[n], one.triangle);
     EXPECT_TRUE(bounds[n] == one.error_bound || (n == 7 && std::isnan(bounds[n])));
+    EXPECT_TRUE(distances[n] == one.distance || (n == 7 && std::isnan(distances[n])));
   }
   EXPECT_EQ(palpate_area_query_many(dataset(), 1, places.data(), places.data(), 1, &answers),
             PALPATE_INVALID_ARGUMENT);
@@ -142,6 +206,7 @@ TEST_F(CArea, IsNotInsideBeyondItsSurfaceOrBallAndAllocatesNowhere) {
     EXPECT_EQ(Eigen::Vector3d(none.force), Eigen::Vector3d::Zero());
     EXPECT_EQ(none.triangle, -1);
     EXPECT_TRUE(std::isnan(none.energy) && std::isnan(none.error_bound));
+    EXPECT_TRUE(std::isnan(none.distance));
   }
   auto sample = test::sized<palpate_area_sample>();
   palpate_dataset* const opened = dataset();
