@@ -3,7 +3,6 @@
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <netinet/in.h>
-#include <pthread.h>
 #include <spawn.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -24,7 +23,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <system_error>
-#include <thread>
+
+#include "viewer/haptics/real_time.hpp"
 
 namespace palpate {
 namespace {
@@ -32,10 +32,13 @@ namespace {
 using Verdict = Finding::Verdict;
 namespace fs = std::filesystem;
 
-constexpr const char* realtime_advice =
-    "put \"@realtime - rtprio 80\" and \"@realtime - memlock unlimited\" "
-    "into /etc/security/limits.d, join the group realtime, log in again; "
-    "without it the loop runs all the same, and is woken late more often";
+std::string realTimeAdvice() {
+  return fmt::format(
+      "put \"@realtime - rtprio {}\" and \"@realtime - memlock unlimited\" "
+      "into /etc/security/limits.d, join the group realtime, log in again; "
+      "without it the loop runs all the same, and is woken late more often",
+      highest_priority);
+}
 
 std::string firstLine(const fs::path& file) {
   std::string line;
@@ -44,28 +47,12 @@ std::string firstLine(const fs::path& file) {
   return line;
 }
 
-/// Asks for SCHED_FIFO on a thread of its own, so that nothing else changes. An errno; also where
-/// the system refuses the thread.
-int refusalOfFifo() {
-  int refusal = 0;
-  const auto ask = [&] {
-    const sched_param parameters{.sched_priority = 1};
-    refusal = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
-  };
-  try {
-    std::thread(ask).join();
-  } catch (const std::system_error& error) {
-    return error.code().value();
-  }
-  return refusal;
-}
-
 Finding realTimePriority() {
-  const int refusal = refusalOfFifo();
-  if (refusal == 0)
-    return {Verdict::good, "real-time priority", "SCHED_FIFO is granted (--real-time)"};
+  const int refusal = refusalOfPriority(highest_priority);
+  const std::string asked = fmt::format("SCHED_FIFO {} is", highest_priority);
+  if (refusal == 0) return {Verdict::good, "real-time priority", asked + " granted (--real-time)"};
   return {Verdict::note, "real-time priority",
-          fmt::format("SCHED_FIFO is refused: {}", std::strerror(refusal)), realtime_advice};
+          fmt::format("{} refused: {}", asked, std::strerror(refusal)), realTimeAdvice()};
 }
 
 Finding lockedMemory() {
@@ -75,8 +62,9 @@ Finding lockedMemory() {
   if (limit.rlim_cur == RLIM_INFINITY) return {Verdict::good, "locked memory", "no limit"};
   constexpr rlim_t enough = 1U << 30;
   const std::string found = fmt::format("at most {} MiB", limit.rlim_cur >> 20);
-  return limit.rlim_cur >= enough ? Finding{Verdict::good, "locked memory", found}
-                                  : Finding{Verdict::note, "locked memory", found, realtime_advice};
+  return limit.rlim_cur >= enough
+             ? Finding{Verdict::good, "locked memory", found}
+             : Finding{Verdict::note, "locked memory", found, realTimeAdvice()};
 }
 
 /// How late a thread wakes from sleeps to times 1 ms apart, sorted, seconds.

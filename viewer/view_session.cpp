@@ -47,8 +47,8 @@ class ViewSession {
     if (!options_.headless) openPicture();
     prepareFirst();
     if (quit_) return;
-    device_ = openDevice(options_.device,
-                         {&loaded_->first(), 1 / options_.rate, wantedProfile(), options_.keys});
+    device_ = openDevice(options_.device, {&loaded_->first(), 1 / options_.rate, wantedProfile(),
+                                           options_.keys, options_.real_time});
     makeTick();
     if (!options_.record.empty())
       recorder_.emplace(describeRun(loaded_->pointers(), *device_, tick_->options()));

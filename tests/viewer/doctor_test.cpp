@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "tests/support/command.hpp"
+#include "viewer/haptics/real_time.hpp"
 
 namespace palpate {
 namespace {
@@ -26,6 +27,16 @@ Finding findingOf(const std::string& topic) {
 
 TEST(Doctor, MeasuresHowLateTheTimerWakes) {
   EXPECT_THAT(findingOf("timer").found, HasSubstr("us at worst of 1000 sleeps"));
+}
+
+/// It once tried 1 and advised 80, while the watchdog of the loop asks for 81.
+TEST(Doctor, TriesAndAdvisesTheHighestPriorityThatTheLoopAsksFor) {
+  const Finding finding = findingOf("real-time priority");
+  EXPECT_THAT(finding.found, HasSubstr("SCHED_FIFO 81 is "));
+  if (refusalOfPriority(watchdog_priority) == 0)
+    EXPECT_THAT(finding.found, HasSubstr("granted"));
+  else
+    EXPECT_THAT(finding.advice, HasSubstr("@realtime - rtprio 81\""));
 }
 
 TEST(Doctor, SaysWhatToDoWithoutADisplay) {

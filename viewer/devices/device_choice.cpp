@@ -139,8 +139,10 @@ std::string doubtsOf(const DeviceProfile& profile) {
 
 std::unique_ptr<HapticDevice> openDevice(const std::string& text, const DeviceContext& context) {
   if (isEndpoint(text))
-    return std::make_unique<NetworkDevice>(NetworkDeviceOptions{
-        .endpoint = text, .keys = context.keys.keys(), .fallback = context.profile});
+    return std::make_unique<NetworkDevice>(NetworkDeviceOptions{.endpoint = text,
+                                                                .keys = context.keys.keys(),
+                                                                .fallback = context.profile,
+                                                                .real_time = context.real_time});
   const Word word = split(text);
   return openerOf(text, word).open(word, context);
 }

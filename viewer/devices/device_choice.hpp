@@ -19,7 +19,8 @@ struct DeviceContext {
   /// Of devices that have no limits of their own: virtual hand, mouse; and of a network device
   /// until it told its own.
   DeviceProfile profile = device_profiles.front();
-  KeyOptions keys = {};  ///< for a device on the network
+  KeyOptions keys = {};    ///< for a device on the network
+  bool real_time = false;  ///< as NetworkDeviceOptions::real_time
 };
 
 /// The word of --device when there is none: in a window that follows the clock, and else.

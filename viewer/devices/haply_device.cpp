@@ -6,6 +6,7 @@
 #include <boost/beast/websocket.hpp>
 
 #include "common/base/error.hpp"
+#include "viewer/haptics/real_time.hpp"
 
 namespace palpate {
 namespace {
@@ -123,6 +124,10 @@ HaplyDevice::HaplyDevice(HaplyDeviceOptions options)
 
 std::string HaplyDevice::name() const {
   return options_.id.empty() ? "Haply Inverse3" : "Haply Inverse3 " + options_.id;
+}
+
+std::string HaplyDevice::askForRealTime() {
+  return giveRealTime(thread_.native_handle(), "device", device_priority);
 }
 
 void HaplyDevice::run(const std::stop_token& stop) {

@@ -43,6 +43,7 @@ class HaplyDevice : public ThreadedDevice {
   explicit HaplyDevice(HaplyDeviceOptions options);
 
   std::string name() const override;
+  std::string askForRealTime() override;
 
  private:
   void run(const std::stop_token& stop);

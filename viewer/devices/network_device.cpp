@@ -5,6 +5,7 @@
 #include "common/base/printable.hpp"
 #include "common/base/program.hpp"
 #include "common/wire/wire.hpp"
+#include "viewer/haptics/real_time.hpp"
 
 namespace palpate {
 namespace {
@@ -17,11 +18,21 @@ constexpr auto greeting_interval = 100ms;
 constexpr auto force_interval = 5ms;
 constexpr auto farewell_time = 100ms;
 
+/// Its own threads are between us and the device. ZeroMQ ends the program where they may not have
+/// the priority that it is told.
+zmq::context_t contextFor(bool real_time) {
+  zmq::context_t context(1);
+  if (!real_time || refusalOfPriority(device_priority) != 0) return context;
+  context.set(zmq::ctxopt::thread_sched_policy, SCHED_FIFO);
+  context.set(zmq::ctxopt::thread_priority, device_priority);
+  return context;
+}
+
 }  // namespace
 
 NetworkDevice::NetworkDevice(NetworkDeviceOptions options)
     : options_(std::move(options)),
-      context_(1),
+      context_(contextFor(options_.real_time)),
       socket_(makeDeviceDealer(context_)),
       handshakes_(context_, socket_),
       max_force_(options_.fallback.max_force) {
@@ -45,6 +56,10 @@ std::string NetworkDevice::name() const {
   const std::lock_guard lock(mutex_);
   return hello_ ? fmt::format("{} at {}", printable(hello_->name()), options_.endpoint)
                 : options_.endpoint;
+}
+
+std::string NetworkDevice::askForRealTime() {
+  return giveRealTime(thread_.native_handle(), "device", device_priority);
 }
 
 void NetworkDevice::run(const std::stop_token& stop) {

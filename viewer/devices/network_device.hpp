@@ -22,6 +22,7 @@ struct NetworkDeviceOptions {
   /// For how long a force stays valid at the far side, from the reading that it answers; then it
   /// renders zero.
   std::chrono::milliseconds valid{50};
+  bool real_time = false;  ///< ask for real-time priority for the threads of the connection
 };
 
 /// A device on another machine (docs/devices.md, DeviceServer). Its readings come at the rate of
@@ -38,6 +39,7 @@ class NetworkDevice : public ThreadedDevice {
   explicit NetworkDevice(NetworkDeviceOptions options);
 
   std::string name() const override;
+  std::string askForRealTime() override;
 
  private:
   using Clock = DeviceExchange::Clock;

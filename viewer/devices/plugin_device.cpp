@@ -10,6 +10,7 @@
 
 #include "common/base/error.hpp"
 #include "viewer/devices/palpate_device.h"
+#include "viewer/haptics/real_time.hpp"
 
 namespace palpate {
 namespace {
@@ -211,5 +212,8 @@ PluginDevice::~PluginDevice() {
 
 void PluginDevice::halt() noexcept { session_->halt(); }
 std::string PluginDevice::name() const { return session_->name; }
+std::string PluginDevice::askForRealTime() {
+  return giveRealTime(thread_.native_handle(), "device", device_priority);
+}
 
 }  // namespace palpate

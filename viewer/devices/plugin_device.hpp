@@ -31,6 +31,7 @@ class PluginDevice : public ThreadedDevice {
 
   void halt() noexcept override;
   std::string name() const override;
+  std::string askForRealTime() override;
 
  private:
   class Session;

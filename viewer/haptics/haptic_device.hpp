@@ -84,6 +84,9 @@ class HapticDevice {
   virtual bool livesInScene() const { return false; }
   virtual bool hasButtons() const { return false; }
   virtual std::string name() const = 0;
+  /// Real-time priority for the device's own threads, one less than the loop's. Returns sentences
+  /// about what was refused; empty where nothing was.
+  virtual std::string askForRealTime() { return {}; }
   /// What is wrong, as a sentence for a person ("no service at ws://localhost:10001: ..."); empty
   /// when nothing is.
   virtual std::string trouble() const { return {}; }

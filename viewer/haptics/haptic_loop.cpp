@@ -8,21 +8,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <ctime>
 #include <system_error>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
+#include "viewer/haptics/real_time.hpp"
 
 namespace palpate {
 namespace {
 
 using namespace std::chrono_literals;
 
-// Of 1..99: above sound servers, below the kernel's own threads. The watchdog must get past a loop
-// that spins.
-constexpr int loop_priority = 80, watchdog_priority = loop_priority + 1;
 constexpr std::size_t stack_bytes = 256 * 1024;  // far more than a tick needs
 constexpr std::int64_t publish_ns = 100'000'000;
 
@@ -87,8 +84,10 @@ void HapticLoop::start() {
   }
   std::unique_lock lock(waiting_);
   woken_.wait(lock, [this] { return prepared_; });
-  if (options_.real_time && watchdog_.joinable())
-    askForPriority(watchdog_.native_handle(), "watchdog", watchdog_priority);
+  if (!options_.real_time) return;
+  if (watchdog_.joinable())
+    trouble_ += giveRealTime(watchdog_.native_handle(), "watchdog", watchdog_priority);
+  trouble_ += device_.askForRealTime();
 }
 
 void HapticLoop::stop() {
@@ -128,22 +127,11 @@ void HapticLoop::lockMemory() {
         errnoText());
 }
 
-void HapticLoop::askForPriority(pthread_t thread, const char* name, int wanted) {
-  const sched_param priority = {wanted};
-  const int refused = pthread_setschedparam(thread, SCHED_FIFO, &priority);
-  if (refused != 0)
-    trouble_ += fmt::format(
-        "The {} thread has no real-time priority ({}), so other programs may delay it: "
-        "allow it with ulimit -r {}, \"@realtime - rtprio {}\" in /etc/security/limits.conf, "
-        "or LimitRTPRIO={} of a systemd unit. ",
-        name, std::strerror(refused), watchdog_priority, watchdog_priority, watchdog_priority);
-}
-
 void HapticLoop::runLoop() {
   pthread_setname_np(pthread_self(), "haptic");
   prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL,
         0UL);  // the kernel's default delays each sleep by up to 50 us
-  if (options_.real_time) askForPriority(pthread_self(), "haptic", loop_priority);
+  if (options_.real_time) trouble_ += giveRealTime(pthread_self(), "haptic", loop_priority);
   touchStack();
   {
     const std::lock_guard lock(waiting_);

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <pthread.h>
-
 #include <atomic>
 #include <boost/lockfree/spsc_queue.hpp>
 #include <condition_variable>
@@ -44,7 +42,7 @@ struct LoopOptions {
 /// While the device is lost the watchdog keeps it halted too: a device whose own thread hangs would
 /// go on with the last force. It is resumed after the first tick that is not lost, which is late
 /// and writes zero. A free-running loop has no watchdog. With real_time the watchdog has one
-/// priority more than the loop.
+/// priority more than the loop, and threads of the device have one less (real_time.hpp).
 ///
 /// Other threads: latest() from one thread (the picture), command() from one thread, takeRecorded()
 /// from one thread, the rest from the owner.
@@ -82,7 +80,6 @@ class HapticLoop {
   };
 
   void lockMemory();
-  void askForPriority(pthread_t thread, const char* name, int wanted);
   void runLoop();
   void runTicks();
   bool oneTick(std::int64_t begin_ns);

@@ -13,6 +13,8 @@
 
 #include "tests/support/expect_error.hpp"
 #include "tests/viewer/devices/polling.hpp"
+#include "tests/viewer/devices/real_time_threads.hpp"
+#include "viewer/haptics/real_time.hpp"
 
 namespace palpate {
 namespace {
@@ -189,6 +191,13 @@ TEST(HaplyDevice, ReadsAndPushesThroughTheService) {
   EXPECT_TRUE(eventually([&] {
     return service.lastReceived() == json::parse(haplyForceMessage("049D", {0, 0, 0}));
   }));
+}
+
+TEST(HaplyDevice, HasAThreadInRealTimeWhereThatIsAskedFor) {
+  HaplyDevice device({.port = 9});
+  const std::string refused = device.askForRealTime();
+  if (!refused.empty()) GTEST_SKIP() << refused;
+  EXPECT_EQ(test::threadsWith(device_priority), 1);
 }
 
 TEST(HaplyDevice, SaysHowToStartTheServiceWhenThereIsNone) {

@@ -11,9 +11,11 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "tests/viewer/devices/polling.hpp"
+#include "tests/viewer/devices/real_time_threads.hpp"
 #include "tests/viewer/devices/stalling_relay.hpp"
 #include "tests/viewer/devices/tray_device.hpp"
 #include "viewer/devices/device_server.hpp"
+#include "viewer/haptics/real_time.hpp"
 
 namespace palpate {
 namespace {
@@ -169,6 +171,13 @@ TEST(NetworkDevice, SaysHowToStartADeviceWhenNobodyAnswers) {
   EXPECT_THAT(device.trouble(), HasSubstr("tcp://127.0.0.1:9"));
   EXPECT_THAT(device.trouble(), HasSubstr("palpate device"));
   EXPECT_EQ(device.profile(), device_profiles.front());
+}
+
+TEST(NetworkDevice, HasItsThreadsInRealTimeWhereThatIsAskedFor) {
+  NetworkDevice device({.endpoint = "tcp://127.0.0.1:9", .wait = 1ms, .real_time = true});
+  const std::string refused = device.askForRealTime();
+  if (!refused.empty()) GTEST_SKIP() << refused;
+  EXPECT_EQ(test::threadsWith(device_priority), 3) << "its own, and two of ZeroMQ";
 }
 
 TEST(NetworkDevice, RefusesAnEndpointThatIsNone) {

@@ -8,8 +8,10 @@
 
 #include "tests/support/expect_error.hpp"
 #include "tests/viewer/devices/polling.hpp"
+#include "tests/viewer/devices/real_time_threads.hpp"
 #include "tests/viewer/haptics/scripted_hand.hpp"
 #include "viewer/haptics/haptic_loop.hpp"
+#include "viewer/haptics/real_time.hpp"
 
 namespace palpate {
 namespace {
@@ -51,6 +53,14 @@ TEST(PluginDevice, MovesOnTheCircleOfItsOptionsAndGivesWayToForce) {
   EXPECT_TRUE(eventually([&] { return device.read().position.z() == 0; }));
   device.resume();
   EXPECT_TRUE(eventually([&] { return std::abs(device.read().position.z() - 0.004) < 1e-12; }));
+}
+
+TEST(PluginDevice, HasAThreadInRealTimeWhereThatIsAskedFor) {
+  PluginDevice device(circle());
+  EXPECT_EQ(test::threadsWith(device_priority), 0) << "unless it is asked for";
+  const std::string refused = device.askForRealTime();
+  if (!refused.empty()) GTEST_SKIP() << refused;
+  EXPECT_EQ(test::threadsWith(device_priority), 1);
 }
 
 TEST(PluginDevice, PassesOnWhyADeviceCannotBeOpened) {

@@ -267,6 +267,22 @@ TEST_F(HapticLoopTest, TheWatchdogGetsPastALoopThatSpins) {
   EXPECT_EQ(hand.watchdog, hand.loop + 1);
 }
 
+TEST_F(HapticLoopTest, AsksForTheThreadsOfTheDeviceTooAndTellsWhatWasRefused) {
+  struct ThreadedHand : ScriptedHand {
+    using ScriptedHand::ScriptedHand;
+    std::string askForRealTime() override { return "The device thread has none. "; }
+  };
+  for (const bool real_time : {false, true}) {
+    ThreadedHand hand([](std::uint64_t) { return fresh({0, 0, 1}); });
+    HapticTick tick(models(), hand, tickOptions());
+    LoopOptions options = loopOptions(1);
+    options.real_time = real_time;
+    HapticLoop loop(tick, hand, options);
+    runToTheEnd(loop);
+    EXPECT_EQ(loop.trouble().ends_with("The device thread has none. "), real_time);
+  }
+}
+
 void compute(double cpu_seconds) {
   const auto now = [] {
     timespec time{};
