@@ -6,8 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
-#include <future>
 
 #include "common/base/assertion.hpp"
 #include "common/dataset/dataset.hpp"
@@ -20,6 +18,9 @@ using namespace std::chrono_literals;
 constexpr auto tell_every = 1s;
 constexpr auto call_every = 50ms;
 constexpr int least_priority = 19;  // nice
+
+/// This thread, and those that it starts, on Linux.
+void giveWay() { setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), least_priority); }
 
 bool prepareFirstMethod(HapticModel& model, const LoadedModels::Meanwhile& meanwhile) {
   std::stop_source stop;
@@ -66,8 +67,7 @@ bool LoadedModels::prepareFirst(const Meanwhile& meanwhile) {
 
 void LoadedModels::prepareTheRest() {
   preparation_ = std::jthread([this](const std::stop_token& stop) {
-    // Of this thread alone, on Linux.
-    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), least_priority);
+    giveWay();
     // The others go on: one that needs too much memory is no reason to end.
     for (const auto& model : models_) try {
         model->preparePressures(stop);
@@ -82,6 +82,26 @@ void LoadedModels::prepareTheRest() {
                        error.what());
         }
   });
+}
+
+ModelsReload::ModelsReload(std::vector<std::filesystem::path> files, HapticModelOptions options) {
+  options.stop = stop_.get_token();
+  whole_ = std::async(std::launch::async, [this, files = std::move(files), options] {
+    giveWay();
+    auto models = std::make_unique<LoadedModels>(files, options);
+    const std::vector<const HapticModel*> all = models->pointers();
+    models->prepareFirst([&](const HapticModel& model, double share) {
+      const auto done = std::ranges::find(all, &model) - all.begin();
+      share_ = (static_cast<double>(done) + share) / static_cast<double>(all.size());
+      return !options.stop.stop_requested();
+    });
+    return models;
+  });
+}
+
+ModelsReload::~ModelsReload() {
+  stop_.request_stop();
+  if (whole_.valid()) whole_.wait();
 }
 
 std::vector<const HapticModel*> LoadedModels::pointers() const {

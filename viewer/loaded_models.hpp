@@ -1,6 +1,9 @@
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -46,6 +49,27 @@ class LoadedModels {
   std::vector<std::unique_ptr<HapticModel>> models_;
   std::optional<DeviceProfile> device_;
   std::jthread preparation_;  ///< the last member: it ends before the models go
+};
+
+/// Datasets that are read, and whose first methods are prepared, in a thread of its own, which
+/// gives way to every other: a hand is on the device meanwhile. Belongs to one thread.
+class ModelsReload {
+ public:
+  ModelsReload(std::vector<std::filesystem::path> files, HapticModelOptions options);
+  /// Stops it, and waits for that: some tens of milliseconds, a file that is being opened aside.
+  ~ModelsReload();
+  bool ended() const {
+    return whole_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  }
+  /// Of all forces, 0 to 1.
+  double share() const { return share_; }
+  /// Once, when it has ended. Error as of LoadedModels.
+  std::unique_ptr<LoadedModels> take() { return whole_.get(); }
+
+ private:
+  std::stop_source stop_;
+  std::atomic<double> share_ = 0;
+  std::future<std::unique_ptr<LoadedModels>> whole_;  ///< the last member: of a running thread
 };
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 #include <csignal>
 #include <ostream>
 #include <thread>
+#include <utility>
 
 #include "common/base/assertion.hpp"
 #include "common/base/error.hpp"
@@ -43,7 +44,7 @@ class ViewSession {
     if (!options_.screenshot.empty()) refuseUnwritable(options_.screenshot, "--screenshot");
     if (!options_.video.empty()) video_.emplace(options_.video);
     // The device last: until then nothing that fails leaves it with a force.
-    loaded_ = load();
+    loaded_ = std::make_unique<LoadedModels>(options_.datasets, modelOptions());
     if (!options_.headless) openPicture();
     prepareFirst();
     if (quit_) return;
@@ -79,6 +80,7 @@ class ViewSession {
       saveRecording();
       throw;
     }
+    reload_.reset();
     finish(output);
     return interrupted() ? ExitCode::interrupted : ExitCode::done;
   }
@@ -88,7 +90,7 @@ class ViewSession {
   bool stepped() const { return options_.fast && !options_.headless; }
   bool over() const { return interrupted() || (picture_ && picture_->wantsClose()) || quit_; }
 
-  std::unique_ptr<LoadedModels> load() const {
+  HapticModelOptions modelOptions() const {
     HapticModelOptions model_options;
     model_options.reach = options_.reach;
     std::erase(model_options.methods, options_.method);
@@ -97,7 +99,7 @@ class ViewSession {
     if (!steered) model_options.methods.clear();
     model_options.methods.insert(model_options.methods.begin(), options_.method);
     model_options.pressures = steered;
-    return std::make_unique<LoadedModels>(options_.datasets, model_options);
+    return model_options;
   }
 
   void openPicture() {
@@ -286,34 +288,47 @@ class ViewSession {
     if (requests.tool) device_->moveTo(*requests.tool);
     if (requests.pause && !stepped()) loop_ ? endLoop() : startLoop();
     if (requests.reload) reload();
+    followReload();
     quit_ = quit_ || requests.quit;
   }
 
-  /// Reads the files again. When that fails, everything stays as it is.
+  /// Begins to read the files again; what is felt is the old ones until the new ones are whole.
   void reload() {
-    if (recorder_) {
+    if (recorder_)
       status_.notice = "not while a recording runs: it belongs to the datasets that it began with";
-      return;
-    }
+    else if (!reload_)
+      reload_ = std::make_unique<ModelsReload>(options_.datasets, modelOptions());
+  }
+
+  /// Takes over what was read again. When that failed, everything stays as it is.
+  void followReload() {
+    if (!reload_) return;
+    status_.notice =
+        fmt::format("reading again: {:.0f} % of the forces are prepared", 100 * reload_->share());
+    if (!reload_->ended()) return;
+    const auto ended = std::move(reload_);
     std::unique_ptr<LoadedModels> fresh;
     try {
-      fresh = load();
-      fresh->prepareFirst();
+      fresh = ended->take();
     } catch (const std::exception& error) {
       status_.notice = fmt::format("not read again: {}", error.what());
       spdlog::warn("{}", status_.notice);
       return;
     }
-    // The old models go only now that the new ones are there.
+    change(std::move(fresh));
+    status_.notice.clear();
+  }
+
+  void change(std::unique_ptr<LoadedModels> fresh) {
     const bool ran = loop_ != nullptr;
     endLoop();
     tick_.reset();
     picture_.reset();
-    loaded_ = std::move(fresh);
+    // The old ones go last: their own preparation may still run.
+    const auto old = std::exchange(loaded_, std::move(fresh));
     openPicture();
     makeTick();
     if (!stepped()) loaded_->prepareTheRest();
-    status_.notice.clear();
     if (ran) startLoop();
   }
 
@@ -358,6 +373,7 @@ class ViewSession {
   std::string said_;  ///< the trouble that was logged last
   std::chrono::steady_clock::time_point looked_;
   bool doubted_ = false;  ///< where the hand is
+  std::unique_ptr<ModelsReload> reload_;  ///< while datasets are read again
   bool quit_ = false;
 };
 

@@ -233,6 +233,40 @@ TEST_F(ViewTest, QEndsItAsSoonAsThereIsAWindow) {
       << "nobody saw the tutorial";
 }
 
+/// F5 once prepared in the thread that draws, so that nobody heard Ctrl-C.
+TEST_F(ViewTest, CtrlCEndsItSoonWhileDatasetsAreReadAgain) {
+  const test::VirtualScreen screen;
+  using Clock = std::chrono::steady_clock;
+  std::vector<std::string> arguments(20, "cube.h5");
+  arguments.insert(arguments.end(), {"--method", "rbf-cubic"});
+  const auto begin = Clock::now();
+  auto run = start(arguments);
+  ASSERT_TRUE(
+      test::eventually([&] { return run->output().find("mouse at") != std::string::npos; }));
+  const auto prepared = Clock::now() - begin;
+  test::Person person(screen.name(), "Palpate");
+  person.press("F5");
+  std::this_thread::sleep_for(prepared / 8);
+  const auto asked = Clock::now();
+  run->signal(SIGINT);
+  EXPECT_EQ(run->wait(), 130) << run->output();
+  EXPECT_LT(Clock::now() - asked, prepared / 2);
+}
+
+TEST_F(ViewTest, FeelsWhatWasReadAgain) {
+  const test::VirtualScreen screen;
+  auto run = start({"cube.h5", "--device", "virtual", "--duration", "8", "--json"});
+  ASSERT_TRUE(
+      test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));
+  test::Person person(screen.name(), "Palpate");
+  seal(4);
+  person.press("F5");
+  const double stiff = measuredBy(*run).at("largest_force");
+  seal(1);
+  EXPECT_GT(stiff,
+            1.5 * measured({"cube.h5", "--duration", "8"}).at("largest_force").get<double>());
+}
+
 TEST_F(ViewTest, RefusesWhatItCannotFeel) {
   struct Case {
     std::vector<std::string> arguments;

@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/error.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/pressed_body.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -82,6 +83,30 @@ TEST_F(LoadedModelsTest, PreparesNothingMoreForOneWhoGoes) {
 TEST_F(LoadedModelsTest, EndsAPreparationThatNobodyWaitsFor) {
   LoadedModels loaded({file}, {});
   loaded.prepareTheRest();
+}
+
+TEST_F(LoadedModelsTest, AreReadAgainBesideAndHandedOverWhole) {
+  ModelsReload reload({file, file}, {});
+  while (!reload.ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  const auto fresh = reload.take();
+  ASSERT_EQ(fresh->pointers().size(), 2U);
+  for (const HapticModel* model : fresh->pointers()) EXPECT_TRUE(model->isPrepared(0));
+  ModelsReload absent({directory / "none.h5"}, {});
+  EXPECT_THROW(absent.take(), Error);
+}
+
+/// F5 once kept the window and Ctrl-C waiting until all was prepared.
+TEST_F(LoadedModelsTest, AReloadThatNobodyWaitsForEndsSoon) {
+  const Mesh mesh = test::cubeMesh(0.1, 4);
+  test::TouchableBody(mesh, test::wholeSurface(mesh, [](const Eigen::Vector3d&) { return 1; }))
+      .seal(file);
+  const std::vector<std::filesystem::path> files(8, file);
+  const auto now = [] { return std::chrono::steady_clock::now(); };
+  const auto begin = now();
+  { ModelsReload(files, {.methods = {"rbf-cubic"}}).take(); }
+  const auto whole = now() - begin, again = now().time_since_epoch();
+  { const ModelsReload reload(files, {.methods = {"rbf-cubic"}}); }
+  EXPECT_LT(now().time_since_epoch() - again, whole / 4);
 }
 
 TEST_F(LoadedModelsTest, NoticesThatAFileWasReplaced) {

@@ -50,14 +50,16 @@ HapticModel::HapticModel(const Dataset& dataset, const HapticModelOptions& optio
         placesAround(dataset.mesh(), centersOf(chosenOf(spaces_, area.spaces)), area.radius));
   for (std::size_t method = 0; options.prepare && method < methods_.size(); ++method)
     prepare(method);
-  readShapes(dataset, options.pressures);
+  readShapes(dataset, options.pressures, options.stop);
   if (options.pressures && options.prepare) preparePressures();
 }
 
-void HapticModel::readShapes(const Dataset& dataset, bool with_pressures) {
+void HapticModel::readShapes(const Dataset& dataset, bool with_pressures,
+                             const std::stop_token& stop) {
   shapes_.resize(spaces_.size());
   std::mutex reading;  // one at a time: a dataset is one file
   inParallel(spaces_.size(), [&](std::size_t s) {
+    if (stop.stop_requested()) throw Error(ExitCode::interrupted, file_ + ": not read to its end");
     std::unique_lock lock(reading);
     NodalFields fields = dataset.surfaceFields(s);
     lock.unlock();

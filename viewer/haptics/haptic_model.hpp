@@ -25,6 +25,8 @@ struct HapticModelOptions {
   bool pressures = false;
   /// In the constructor, all of them; else each by HapticModel::prepare(), and preparePressures().
   bool prepare = true;
+  /// Ends the reading of what is seen: the constructor throws an Error of an interrupt then.
+  std::stop_token stop = {};
 };
 
 /// All of one dataset that a hand needs, in memory: the file may be replaced or go.
@@ -90,7 +92,7 @@ class HapticModel {
   };
   void make(std::size_t method, std::size_t space);
   bool makeAreas(const std::stop_token& stop);  ///< whether they are there
-  void readShapes(const Dataset& dataset, bool with_pressures);
+  void readShapes(const Dataset& dataset, bool with_pressures, const std::stop_token& stop);
 
   std::string name_, file_;
   std::vector<Region> regions_;
