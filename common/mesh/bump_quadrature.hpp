@@ -11,8 +11,9 @@ namespace palpate {
 /// is only once differentiable, does not matter.
 class BumpQuadrature {
  public:
-  BumpQuadrature(const Eigen::Vector3d& center, double radius) noexcept
-      : center_(center), radius_(radius) {}
+  /// part: of the radius, the widest part of a triangle.
+  BumpQuadrature(const Eigen::Vector3d& center, double radius, double part = 1.0 / 16) noexcept
+      : center_(center), radius_(radius), part_(part * radius) {}
 
   /// Calls visit(barycentric coordinates, area that the point stands for, m^2) at points of a
   /// triangle, whose corners are columns. What is beyond the radius is left out in part. Real time.
@@ -24,7 +25,6 @@ class BumpQuadrature {
 
  private:
   using Barycentric = Eigen::Vector3d;
-  static constexpr double part_of_radius = 1.0 / 16;
 
   template <class Visit>
   void add(const Eigen::Matrix3d& corners, const Barycentric& a, const Barycentric& b,
@@ -34,7 +34,7 @@ class BumpQuadrature {
         std::sqrt(std::max({(y - x).squaredNorm(), (z - y).squaredNorm(), (x - z).squaredNorm()}));
     // Nothing of the bump reaches into a part that is farther away than it is wide.
     if (((x + y + z) / 3 - center_).norm() > radius_ + longest) return;
-    if (longest > part_of_radius * radius_) {
+    if (longest > part_) {
       const Barycentric ab = (a + b) / 2, bc = (b + c) / 2, ca = (c + a) / 2;
       add(corners, a, ab, ca, visit);
       add(corners, ab, b, bc, visit);
@@ -55,7 +55,7 @@ class BumpQuadrature {
   }
 
   const Eigen::Vector3d center_;
-  const double radius_;
+  const double radius_, part_;
 };
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 #include "common/mesh/free_share.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/base/assertion.hpp"
 #include "common/mesh/bump_integrals.hpp"
@@ -46,13 +47,9 @@ bool FreeShare::isNear(const Part& part, const Eigen::Vector3d& center) const no
   return part.box.squaredExteriorDistance(center) < radius_ * radius_;
 }
 
-double FreeShare::at(const Eigen::Vector3d& center) const noexcept {
-  const auto all_free = parts_.begin() + static_cast<std::ptrdiff_t>(with_fixed_);
-  if (std::none_of(parts_.begin(), all_free,
-                   [&](const Part& part) { return isNear(part, center); }))
-    return 1;
+double FreeShare::shareAt(const Eigen::Vector3d& center, double part_of_radius) const noexcept {
   double whole = 0, free = 0;
-  const BumpQuadrature quadrature(center, radius_);
+  const BumpQuadrature quadrature(center, radius_, part_of_radius);
   for (const Part& part : parts_)
     if (isNear(part, center))
       quadrature.over(part.corners, [&](const Eigen::Vector3d& l, double area) {
@@ -60,7 +57,18 @@ double FreeShare::at(const Eigen::Vector3d& center) const noexcept {
         whole += bump;
         free += bump * freeAt(part, l);
       });
-  return whole > 0 ? std::max(0.0, free / whole) : 0;
+  return whole > 0 ? free / whole : 0;
+}
+
+bool FreeShare::isBelow(double share, const Eigen::Vector3d& center) const noexcept {
+  const auto all_free = parts_.begin() + static_cast<std::ptrdiff_t>(with_fixed_);
+  if (std::none_of(parts_.begin(), all_free,
+                   [&](const Part& part) { return isNear(part, center); }))
+    return false;
+  constexpr double rough_part = 1.0 / 4, rough_error = 0.02, fine_part = 1.0 / 16;
+  const double rough = shareAt(center, rough_part);
+  if (std::abs(rough - share) > rough_error) return rough < share;
+  return shareAt(center, fine_part) < share;
 }
 
 }  // namespace palpate

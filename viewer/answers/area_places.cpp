@@ -36,7 +36,7 @@ FingerPlace::Fault AreaPlaces::faultOf(const FingerPlace& place) const noexcept 
         return (sites_.points()[at(site)] - place.at).norm() <= sites_.reach();
       }))
     return Fault::no_site;
-  return free_share_.at(place.at) < least_free_share ? Fault::fixed : Fault::none;
+  return free_share_.isBelow(least_free_share, place.at) ? Fault::fixed : Fault::none;
 }
 
 ForceAnswer AreaPlaces::judged(FingerPlace place, const AreaSample& sample) const noexcept {

@@ -261,7 +261,8 @@ PALPATE_API palpate_status palpate_dataset_find_area(const palpate_dataset* data
  * that of the nearest point of it, and not inside for a place that is not near. displacement: of
  * the finger from there, m; outside of the workspace ball as in palpate_query. A place or
  * displacement that is not finite gives no force and inside = 0. Any thread, real time (wait-free);
- * beside what is fixed it takes a tenth of a millisecond longer. */
+ * beside what is fixed it takes some 100 microseconds longer, and about a millisecond where half of
+ * the finger rests on it. */
 PALPATE_API palpate_status palpate_area_query(const palpate_dataset* dataset, int32_t area,
                                               const double at[3], const double displacement[3],
                                               palpate_area_sample* sample);

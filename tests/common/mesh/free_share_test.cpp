@@ -10,7 +10,7 @@ namespace {
 
 class FreeShares : public ::testing::TestWithParam<bool> {};
 
-TEST_P(FreeShares, AreThoseOfTheWeightsAtEveryPlace) {
+TEST_P(FreeShares, AreBelowWhatTheWeightsSayAtEveryPlace) {
   Mesh mesh = test::blobMesh(7);
   if (GetParam()) addMidEdgeNodes(mesh);
   const NodeSet fixed = mesh.node_groups.at("xmin");
@@ -20,8 +20,11 @@ TEST_P(FreeShares, AreThoseOfTheWeightsAtEveryPlace) {
     const Eigen::Vector3d middle =
         (mesh.nodes[triangle[0]] + mesh.nodes[triangle[1]] + mesh.nodes[triangle[2]]) / 3;
     const double share = fingerWeights(mesh, fixed, middle, 0.03).free_share;
-    EXPECT_NEAR(shares.at(middle), share, 1e-12);
-    between += share > 0.01 && share < 0.99 ? 1 : 0;
+    if (share > 0.01 && share < 0.99) ++between;
+    for (const double difference : {1e-9, 1e-3, 0.01, 0.03, 0.3}) {
+      EXPECT_TRUE(share > 1 - 1e-12 || shares.isBelow(share + difference, middle)) << share;
+      EXPECT_FALSE(shares.isBelow(share - difference, middle)) << share;
+    }
   }
   EXPECT_GT(between, 10);
 }

@@ -237,7 +237,7 @@ TEST_F(ExportCommand, ProgramTakesItsWordsAndEndsWithItsCodes) {
   EXPECT_EQ(result.exit_code, 0) << result.output;
   result = test::runCommand(words + out + "--displacement 0.5 0 0 --force");
   EXPECT_EQ(result.exit_code, 3) << result.output;
-  EXPECT_THAT(result.output, HasSubstr("1 of 1 touches lie outside"));
+  EXPECT_THAT(result.output, HasSubstr("1 of 1 touches have no reliable answer"));
   EXPECT_EQ(test::runCommand(words + out + "--point 1 0").exit_code, 2);
   result = test::runCommand(std::string(PALPATE_BIN_DIR) + "/palpate-viewer export --help");
   EXPECT_EQ(result.exit_code, 0);
@@ -256,7 +256,7 @@ class ExportOfAFinger : public ExportCommand {
 
 TEST_F(ExportOfAFinger, IsAtAPlaceOfTheSurface) {
   expectBadInput([&] { run(); }, {"\"top\"", "--at X Y Z"});
-  options.at = {"0.0512", "0.0437", "0.12"};
+  options.at = {"0.0512", "0.0437", "0.104"};
   options.displacement = {"0.003", "-0.002", "-0.009"};
   EXPECT_EQ(run(), ExitCode::done);
   EXPECT_THAT(written(), AllOf(HasSubstr("active=\"top\""), HasSubstr("Name=\"drive\"")));
@@ -280,7 +280,7 @@ TEST_F(ExportOfAFinger, ACurveTellsPlaceAndDrive) {
               AllOf(HasSubstr("way_m,at_x_m,"), HasSubstr("drive_z_N,energy_J")));
   EXPECT_EQ(linesWritten().size(), 3U);
   options.force = true;
-  EXPECT_EQ(run("0.05 0.04 0.1 0 0 -0.01\n0.05 0.04 0.12 0 0 -0.01\n"), ExitCode::done);
+  EXPECT_EQ(run("0.05 0.04 0.1 0 0 -0.01\n0.05 0.04 0.104 0 0 -0.01\n"), ExitCode::done);
   EXPECT_THAT(linesWritten().back(), StartsWith("1,0,0.05,0.04,0.1,"))
       << "the tool has not moved: both places are the same point of the surface";
 }
