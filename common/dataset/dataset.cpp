@@ -118,7 +118,9 @@ struct Dataset::Impl {
         content_id(idIn(in, layout::content_attribute)),
         build_id(idIn(in, layout::build_attribute)),
         partial(in.hasAttribute(layout::partial_attribute)),
-        kernel_family(in.text(layout::kernel_attribute)) {}
+        kernel_family(in.text(layout::kernel_attribute)) {
+    for (SpaceTable& space : spaces) space.max_force = scene.workspace.max_force;
+  }
 
   std::filesystem::path file;
   Reader in;

@@ -37,11 +37,23 @@ bool bordersLeaf(const Leaves& leaves, const LatticePoint& lower, std::size_t ax
   return false;
 }
 
+/// N: the thresholds in newtons are those of bodies with forces as large as this, or larger.
+constexpr double measured_force = 3.3;
+
+double largestForce(const Lattice& lattice, const EquilibriumOf& equilibriumOf) {
+  double largest = 0;
+  for (std::int32_t n = 0; n < lattice.size(); ++n)
+    if (const ToolEquilibrium* const here = equilibriumOf(n))
+      largest = std::max(largest, here->force.norm());
+  return largest;
+}
+
 /// The edges of leaf cells between solved points for which `selects` their check.
 template <class Select>
 std::vector<LatticeEdge> selectEdges(const Lattice& lattice, const std::vector<LatticeCell>& splits,
                                      const EquilibriumOf& equilibriumOf, Select selects) {
   const Leaves leaves = {splits, lattice.divisions()};
+  const double largest_force = largestForce(lattice, equilibriumOf);
   std::vector<LatticeEdge> found;
   for (std::int32_t n = 0; n < lattice.size(); ++n) {
     const ToolEquilibrium* const here = equilibriumOf(n);
@@ -55,8 +67,8 @@ std::vector<LatticeEdge> selectEdges(const Lattice& lattice, const std::vector<L
         const auto other = lattice.indexOf(upper);
         const ToolEquilibrium* const there = other ? equilibriumOf(*other) : nullptr;
         if (there == nullptr || !bordersLeaf(leaves, lattice.point(n), axis, level)) continue;
-        if (selects(
-                checkEdge(*here, *there, lattice.displacement(*other) - lattice.displacement(n))))
+        if (selects(checkEdge(*here, *there, lattice.displacement(*other) - lattice.displacement(n),
+                              largest_force)))
           found.push_back({std::min(n, *other), std::max(n, *other)});
       }
     }
@@ -82,24 +94,25 @@ constexpr auto is_inconsistent = [](const EdgeCheck& check) { return !check.cons
 
 bool EdgeCheck::consistent() const {
   // The constants only keep round-off and perfectly linear edges out.
-  return force_mismatch <= 2e-3 + 0.1 * change + bend &&
-         energy_mismatch <= 5e-4 + 0.02 * change + 0.25 * bend;
+  return force_mismatch <= 2e-3 * scale + 0.1 * change + bend &&
+         energy_mismatch <= 5e-4 * scale + 0.02 * change + 0.25 * bend;
 }
 
 bool EdgeCheck::suspect() const {
-  return !consistent() || force_mismatch > 0.05 + 0.5 * change ||
-         energy_mismatch > 0.01 + 0.08 * change;
+  return !consistent() || force_mismatch > 0.05 * scale + 0.5 * change ||
+         energy_mismatch > 0.01 * scale + 0.08 * change;
 }
 
-EdgeCheck checkEdge(const ToolEquilibrium& a, const ToolEquilibrium& b,
-                    const Eigen::Vector3d& step) {
+EdgeCheck checkEdge(const ToolEquilibrium& a, const ToolEquilibrium& b, const Eigen::Vector3d& step,
+                    double largest_force) {
   const Eigen::Vector3d at_a = a.stiffness * step, at_b = b.stiffness * step, bend = at_b - at_a;
   // The corrected trapezoidal rule: forces at both ends, and their slopes.
   const double work = 0.5 * (a.force + b.force).dot(step) - bend.dot(step) / 12;
   return {.force_mismatch = (b.force - a.force - 0.5 * (at_a + at_b)).norm(),
           .energy_mismatch = std::abs(b.energy - a.energy + work) / step.norm(),
           .change = 0.5 * (at_a.norm() + at_b.norm()),
-          .bend = bend.norm()};
+          .bend = bend.norm(),
+          .scale = std::min(1.0, largest_force / measured_force)};
 }
 
 std::vector<LatticeEdge> inconsistentEdges(const SpaceTable& space) {

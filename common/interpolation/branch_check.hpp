@@ -17,6 +17,8 @@ struct EdgeCheck {
   double energy_mismatch = 0;
   double change = 0;  ///< N
   double bend = 0;    ///< N
+  /// 0 to 1: forces of the space against those that the thresholds in newtons were measured with.
+  double scale = 1;
 
   /// False only when no smooth branch plausibly joins the two. Where the stiffness changes
   /// monotonically the force mismatch is at most bend / 2; bend is allowed, so that a stiffness
@@ -27,9 +29,10 @@ struct EdgeCheck {
   /// another way; not worth giving up order.
   bool suspect() const;
 };
-/// Of the step from a to b.
-EdgeCheck checkEdge(const ToolEquilibrium& a, const ToolEquilibrium& b,
-                    const Eigen::Vector3d& step);
+/// Of the step from a to b. largest_force: N, of the space; thresholds in newtons shrink with it,
+/// so that a jump shows in a soft body as it does in a stiff one.
+EdgeCheck checkEdge(const ToolEquilibrium& a, const ToolEquilibrium& b, const Eigen::Vector3d& step,
+                    double largest_force);
 
 /// The edges whose two ends lie on different branches of solutions, or with a fold between: no
 /// interpolation may treat the force between them as smooth. Sorted by (a, b). Points that are not

@@ -274,22 +274,53 @@ AxisFactors axisFactors(double edge, double spacing, const Eigen::Vector3d& loca
   return factors;
 }
 
-LeafBasis valueBasis(double edge, double spacing, const Eigen::Vector3d& local) noexcept {
-  std::array<std::array<std::array<double, 3>, 2>, 3> axes;  // [axis][end][order]
+namespace {
+
+/// Factors of the orders at both ends along an axis, in units of the spacing.
+using AxisBasis = std::array<std::array<double, 3>, 2>;
+
+/// Of a derivative of the quintic by the place in the leaf.
+AxisBasis axisBasis(double edge, double spacing, double local, std::size_t derivative) {
   const double scale = edge / spacing;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    axes[axis] = quinticHermite(local[static_cast<Eigen::Index>(axis)])[0];
-    for (auto& end : axes[axis]) {
-      end[1] *= scale;
-      end[2] *= scale * scale;
-    }
+  AxisBasis axis = quinticHermite(local)[derivative];
+  for (auto& end : axis) {
+    end[1] *= scale;
+    end[2] *= scale * scale;
   }
-  LeafBasis basis;
+  return axis;
+}
+
+void addProduct(const std::array<AxisBasis, 3>& axes, double factor, LeafBasis& basis) {
   for (std::size_t c = 0; c < 8; ++c) {
     const auto &x = axes[0][c & 1], &y = axes[1][c >> 1 & 1], &z = axes[2][c >> 2];
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t j = 0; j < 3; ++j)
-        for (std::size_t i = 0; i < 3; ++i) basis[c][i + 3 * j + 9 * k] = x[i] * y[j] * z[k];
+        for (std::size_t i = 0; i < 3; ++i)
+          basis[c][i + 3 * j + 9 * k] += factor * x[i] * y[j] * z[k];
+  }
+}
+
+std::array<AxisBasis, 3> valueAxes(double edge, double spacing, const Eigen::Vector3d& local) {
+  return {axisBasis(edge, spacing, local.x(), 0), axisBasis(edge, spacing, local.y(), 0),
+          axisBasis(edge, spacing, local.z(), 0)};
+}
+
+}  // namespace
+
+LeafBasis valueBasis(double edge, double spacing, const Eigen::Vector3d& local) noexcept {
+  LeafBasis basis{};
+  addProduct(valueAxes(edge, spacing, local), 1, basis);
+  return basis;
+}
+
+LeafBasis slopeBasis(double edge, double spacing, const Eigen::Vector3d& local,
+                     const Eigen::Vector3d& direction) noexcept {
+  LeafBasis basis{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    std::array<AxisBasis, 3> axes = valueAxes(edge, spacing, local);
+    axes[axis] = axisBasis(edge, spacing, local[a], 1);
+    addProduct(axes, direction[a] / edge, basis);
   }
   return basis;
 }

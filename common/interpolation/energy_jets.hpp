@@ -96,5 +96,8 @@ std::array<Value, 27> jetInLeaf(const AxisFactors& factors, const Value& zero, K
 /// What the value of such a polynomial is of the 27 numbers at each corner: its factors.
 using LeafBasis = std::array<std::array<double, 27>, 8>;
 LeafBasis valueBasis(double edge, double spacing, const Eigen::Vector3d& local) noexcept;
+/// The same of its derivative along a direction, per metre.
+LeafBasis slopeBasis(double edge, double spacing, const Eigen::Vector3d& local,
+                     const Eigen::Vector3d& direction) noexcept;
 
 }  // namespace palpate

@@ -138,19 +138,6 @@ FieldError::FieldError(const CellTree& tree, const std::vector<LocalPolynomial>&
           }));
 }
 
-std::vector<double> boundsInMiddles(const CellTree& tree,
-                                    const std::vector<LocalPolynomial>& polynomials,
-                                    const std::vector<EnergyJet>& jets,
-                                    const std::vector<LatticeEdge>& suspect) {
-  Disagreement disagreement(tree, polynomials, jets, suspect);
-  std::vector<double> bounds(tree.leaves().size());
-  for (const std::int32_t leaf : coarseFirst(tree))
-    bounds[at(leaf)] = disagreement.boundAt(
-        leaf, Eigen::Vector3d::Constant(0.5),
-        [&](std::int32_t coarser, const auto&) { return bounds[at(coarser)]; });
-  return bounds;
-}
-
 double FieldError::bound(std::int32_t leaf, const Eigen::Vector3d& local) const noexcept {
   const Nodes& nodes = nodes_[at(leaf)];
   std::size_t lowest = 0, stride = 1;

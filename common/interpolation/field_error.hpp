@@ -17,6 +17,7 @@ namespace palpate {
 /// Immutable after construction: any thread may read.
 class FieldError {
  public:
+  FieldError() = default;  ///< of no leaf
   /// The arguments belong together; none is kept.
   FieldError(const CellTree& tree, const std::vector<LocalPolynomial>& polynomials,
              const std::vector<EnergyJet>& jets, const std::vector<LatticeEdge>& suspect);
@@ -29,11 +30,5 @@ class FieldError {
   using Nodes = std::array<float, 27>;  ///< node (i, j, k), 0..2 along the axes, at [i + 3 j + 9 k]
   std::vector<Nodes> nodes_;            ///< per leaf
 };
-
-/// The same bound in the middle of every leaf alone, N.
-std::vector<double> boundsInMiddles(const CellTree& tree,
-                                    const std::vector<LocalPolynomial>& polynomials,
-                                    const std::vector<EnergyJet>& jets,
-                                    const std::vector<LatticeEdge>& suspect);
 
 }  // namespace palpate

@@ -42,6 +42,7 @@ struct Probe {
 /// One configuration space without the bulky fields. points[n] belongs to lattice number n.
 struct SpaceTable {
   ActivePatch patch;
+  double max_force = 3.3;  ///< N, of the scene's workspace; default: of the smallest device
   Lattice lattice;
   std::vector<LatticeCell> splits;  ///< cells that were split into eight, by coarserFirst
   std::vector<PointRecord> points;

@@ -189,15 +189,15 @@ typedef struct palpate_sample {
   /* N, on the error of the force, estimated to hold at 99 % of places; NaN: not known */
   double error_bound;
   double coverage;  /* 0..1, share of the answer that stands on solved equilibria of one branch */
-  int32_t inside;   /* 1: in the workspace ball, with something solved around. 0: extrapolated */
+  int32_t inside;   /* 1: in what was computed. 0: a continuation that only stiffens */
   int32_t reserved; /* 0 */
 } palpate_sample;
 
 /* Force and stiffness of one space. displacement: of its active node from its rest position, m.
- * Outside of the workspace ball the answer is that at the nearest point of the sphere, with a
- * growing error bound and inside = 0: something to fade out from. A displacement that is not finite
- * gives no force and inside = 0; that is no error, so that a bad reading does not stop a loop. Any
- * thread, real time (wait-free). */
+ * Beyond what was computed the force goes on from the edge, of the same energy, and only stiffens;
+ * the error bound grows with it, and inside = 0. A displacement that is not finite gives no force
+ * and inside = 0; that is no error, so that a bad reading does not stop a loop. Any thread, real
+ * time (wait-free). */
 PALPATE_API palpate_status palpate_query(const palpate_dataset* dataset, int32_t space,
                                          int32_t method, const double displacement[3],
                                          palpate_sample* sample);
@@ -233,12 +233,12 @@ typedef struct palpate_area_sample {
   double stiffness[9]; /* N/m, row major: the exact derivative of force by p */
   double drive[3];     /* N, -dE/ds along the surface: where the tissue slides the finger to */
   double at[3];        /* m, the place of the surface at rest nearest to the one that was asked */
-  double energy;       /* J, stored in the tissue; NaN beyond the workspace ball */
+  double energy;       /* J, stored in the tissue */
   double error_bound;  /* as in palpate_sample, and the next one */
   double coverage;
-  /* 1: at a place of the area that can be touched, in the workspace ball, with something solved
-   * around. 0: an answer for `at` all the same, which lies elsewhere (distance), has no site near,
-   * or rests on what is fixed; or extrapolated as in palpate_sample */
+  /* 1: at a place of the area that can be touched, in what was computed there. 0: an answer for
+   * `at` all the same, which lies elsewhere (distance), has no site near, or rests on what is
+   * fixed; or a continuation as in palpate_sample */
   int32_t inside;
   int32_t triangle; /* of the surface, that `at` lies in; -1 for what is not finite, `at` is 0 */
   /* m, from the place that was asked to `at`: beyond a quarter of the finger's radius (a millionth
@@ -259,7 +259,7 @@ PALPATE_API palpate_status palpate_dataset_find_area(const palpate_dataset* data
 
 /* Force and drive of the finger of an area. at: m, on or near the surface at rest; the answer is
  * that of the nearest point of it, and not inside for a place that is not near. displacement: of
- * the finger from there, m; outside of the workspace ball as in palpate_query. A place or
+ * the finger from there, m; beyond what was computed as in palpate_query. A place or
  * displacement that is not finite gives no force and inside = 0. Any thread, real time (wait-free);
  * beside what is fixed it takes some 100 microseconds longer, and about a millisecond where half of
  * the finger rests on it. */
@@ -351,6 +351,10 @@ typedef struct palpate_touch {
   int32_t share_count;    /* spaces that take part, at most PALPATE_MOST_SHARES */
   int32_t share_spaces[PALPATE_MOST_SHARES];
   double share_weights[PALPATE_MOST_SHARES]; /* sum 1 */
+  /* m, along the displacement, beyond what was computed, where the force is that of a continuation
+   * that only stiffens; 0: inside. Draw the tool at tool - displacement * beyond / |displacement|.
+   */
+  double beyond;
 } palpate_touch;
 
 /* Fills in the defaults above for a dataset (options->size is set by the caller). Any thread, real
@@ -442,6 +446,7 @@ typedef struct palpate_guard_options {
 #define PALPATE_GUARD_LOST 32u       /* the device is gone */
 #define PALPATE_GUARD_NOT_FINITE 64u /* the position or the raw force was not finite */
 #define PALPATE_GUARD_LATE 128u      /* the loop hung */
+#define PALPATE_GUARD_BEYOND 256u    /* deeper than was computed: the force of a wall */
 
 typedef struct palpate_guarded_force {
   size_t size;

@@ -21,7 +21,8 @@ static_assert(guard_count == 8 &&
               PALPATE_GUARD_STALLED == static_cast<std::uint32_t>(Guarded::stalled) &&
               PALPATE_GUARD_LOST == static_cast<std::uint32_t>(Guarded::lost) &&
               PALPATE_GUARD_NOT_FINITE == static_cast<std::uint32_t>(Guarded::not_finite) &&
-              PALPATE_GUARD_LATE == static_cast<std::uint32_t>(Guarded::late));
+              PALPATE_GUARD_LATE == static_cast<std::uint32_t>(Guarded::late) &&
+              PALPATE_GUARD_BEYOND == static_cast<std::uint32_t>(Guarded::beyond));
 
 namespace {
 

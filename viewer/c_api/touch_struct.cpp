@@ -20,6 +20,7 @@ palpate_touch toStruct(const Touch& touch) noexcept {
   give(given.normal, touch.normal);
   give(given.displacement, touch.displacement);
   given.gap = touch.gap;
+  given.beyond = touch.beyond;
   given.share_count = touch.blend.size;
   for (std::size_t s = 0; s < static_cast<std::size_t>(touch.blend.size); ++s) {
     given.share_spaces[s] = touch.blend.shares[s].space;
@@ -43,6 +44,7 @@ Touch toTouch(const palpate_touch& given) noexcept {
   touch.normal = vectorOf(given.normal);
   touch.displacement = vectorOf(given.displacement);
   touch.gap = given.gap;
+  touch.beyond = std::max(0.0, given.beyond);
   // A touch may have been put together by the caller: nothing is read beyond the arrays.
   touch.blend.size = std::clamp(given.share_count, 0, PALPATE_MOST_SHARES);
   for (std::size_t s = 0; s < static_cast<std::size_t>(touch.blend.size); ++s)

@@ -57,11 +57,13 @@ struct Site {
 /// What is touched without leaving the surface: one active node, or sites, one after the other.
 using Stroke = std::vector<Site>;
 
-/// The largest depth up to `wanted` at which the force, and at all smaller depths, is bearable.
+/// The largest depth up to `wanted` at which the force, and at all smaller depths, is bearable and
+/// known.
 double bearableDepth(const ForceField& field, const Eigen::Vector3d& normal, double wanted) {
   for (int step = 1; step <= depth_steps; ++step) {
     const double depth = wanted * step / depth_steps;
-    if (field.evaluate(-depth * normal).force.norm() > largest_force)
+    const ForceSample sample = field.evaluate(-depth * normal);
+    if (!sample.inside || sample.force.norm() > largest_force)
       return wanted * (step - 1) / depth_steps;
   }
   return wanted;

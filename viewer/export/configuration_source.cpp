@@ -22,7 +22,8 @@ Configuration ConfigurationSource::interpolated(const ForceAnswers& answers, con
             .nodes;
   }
   configuration.displacement = step.touch.displacement;
-  configuration.fields = shape_->at(place, configuration.displacement);
+  configuration.fields =
+      shape_->at(place, step.touch.displacement - answer.sample.excessOf(step.touch.displacement));
   configuration.sample = answer.sample;
   configuration.active = answers.choice().name;
   configuration.method = answers.method();

@@ -11,6 +11,7 @@
 #include "common/base/farthest_points.hpp"
 #include "common/base/parallel.hpp"
 #include "viewer/fields/jet_sums.hpp"
+#include "viewer/fields/wendland.hpp"
 
 namespace palpate {
 namespace {
@@ -29,19 +30,10 @@ constexpr double kernel_width = 1.5;
 /// them than places stand from the nearest), and, of the force, what stations leave out. Chosen at
 /// 1000 exact solutions: docs/evaluation.md.
 constexpr double share_of_p_error = 0.3, share_of_lack = 0.2, share_of_force = 0.004;
+/// Of the largest force of a site: below it nothing is taken as a share of a force.
+constexpr float weakest_share = 0.01f;
 /// Of refinement (Accuracy::levels).
 constexpr std::size_t most_levels = 6;
-
-/// Wendland's function of the second smoothness in three dimensions, and its derivative by x over
-/// x, which is finite at 0.
-struct Wendland {
-  explicit Wendland(double x) noexcept {
-    const double u = 1 - x, cubed = u * u * u;
-    value = cubed * u * (4 * x + 1);
-    slope_over_x = -20 * cubed;
-  }
-  double value, slope_over_x;
-};
 
 /// The numbers of the nearest points, the nearest first; `except` is left out.
 std::vector<std::size_t> nearestOf(const std::vector<Eigen::Vector3d>& points,
@@ -78,7 +70,7 @@ class Interpolation {
       places[n] = made[from[n]]->placeOf(point);
       solved[n] = made[from[n]]->isSolvedAt(places[n]);
     }
-    const Eigen::MatrixXf& coefficients = coefficientsFor(solved);
+    const Eigen::MatrixXf& coefficients = weightsFor(solved).coefficients;
     Eigen::Matrix<float, SiteJet::RowsAtCompileTime, quantities> sum = decltype(sum)::Zero();
     for (std::size_t n = 0; n < from.size(); ++n) {
       const Eigen::Matrix<float, quantities, place_quantities> block =
@@ -89,15 +81,18 @@ class Interpolation {
     return sum;
   }
 
+  /// HermiteWeights::power where all of them are solved.
+  double power() { return weightsFor(std::bitset<sites_of_station>().set()).power; }
+
   const std::vector<std::size_t> from;
 
  private:
-  const Eigen::MatrixXf& coefficientsFor(const std::bitset<sites_of_station>& solved) {
-    const auto [known, is_new] = coefficients_.try_emplace(solved.to_ulong());
+  const HermiteWeights& weightsFor(const std::bitset<sites_of_station>& solved) {
+    const auto [known, is_new] = weights_.try_emplace(solved.to_ulong());
     if (is_new) {
       std::vector<bool> of_sites;
       for (std::size_t n = 0; n < from.size(); ++n) of_sites.push_back(solved[n]);
-      known->second = hermiteCoefficients(place_, centers_, of_sites, width_);
+      known->second = hermiteWeights(place_, centers_, of_sites, width_);
     }
     return known->second;
   }
@@ -105,7 +100,7 @@ class Interpolation {
   const Eigen::Vector3d place_;
   const double width_;
   std::vector<Eigen::Vector3d> centers_;
-  std::map<std::uint64_t, Eigen::MatrixXf> coefficients_;  ///< by which of them are solved
+  std::map<std::uint64_t, HermiteWeights> weights_;  ///< by which of them are solved
 };
 
 /// Q(d) = E - T . d - d . (dT/ds) d / 2: what Q is of each quantity.
@@ -290,6 +285,7 @@ void AreaField::interpolateTo(std::size_t station, const MadeSites& made) {
   jets.resize(tree.slots().size());
   Interpolation interpolation(sites_.points(), stations_.points()[station], sites_of_station,
                               siteCount(), kernel_width * finger_);
+  at_stations_[station].power = interpolation.power();
   for (std::size_t slot = 0; slot < jets.size(); ++slot)
     if (tree.slots()[slot].kind != SlotKind::hanging)
       jets[slot] = interpolation.at(made, tree.slots()[slot].point);
@@ -305,88 +301,174 @@ void AreaField::beginJudgement(std::size_t site, const std::vector<const SpaceTa
 void AreaField::judge(std::size_t site, const std::vector<const SpaceTable*>& spaces,
                       const MadeSites& made) {
   const SiteJets& own = *made[site];
+  judgements_[site].region = own.region;
   std::vector<Doubt>& doubts = judgements_[site].doubts;
+  judgements_[site].p_error = own.p_error;
   for (std::size_t slot = 0; slot < own.jets.size(); ++slot)
-    doubts.push_back({static_cast<float>(share_of_p_error) * own.p_error[slot],
-                      std::numeric_limits<float>::quiet_NaN(), own.coverage[slot]});
+    doubts.push_back({std::numeric_limits<float>::quiet_NaN(), own.coverage[slot]});
   Interpolation others(sites_.points(), sites_.points()[site], sites_of_judgement, site,
                        kernel_width * finger_);
   if (others.from.empty()) return;
   const CellTree& tree = own.tree;
+  const auto share = static_cast<float>(share_of_lack / others.power());
+  const auto slopeOf = [](const auto& jet) {
+    return Eigen::Vector3f(jet(1, 0), jet(3, 0), jet(9, 0));
+  };
+  float strongest = std::numeric_limits<float>::min();
+  for (const SiteJet& jet : own.jets) strongest = std::max(strongest, slopeOf(jet).norm());
+  // A force that nearly vanishes away from rest tells no share.
+  const float weakest = weakest_share * strongest;
   float worst = 0, least = std::numeric_limits<float>::infinity();
   for (std::size_t slot = 0; slot < doubts.size(); ++slot) {
     const auto number = spaces[site]->lattice.indexOf(tree.slots()[slot].point);
     // The force at rest is zero, of which nothing is a share.
     if (!number || *number == 0 || !isSolved(spaces[site]->points[at(*number)].tag)) continue;
-    const auto slopeOf = [](const auto& jet) {
-      return Eigen::Vector3f(jet(1, 0), jet(3, 0), jet(9, 0));
-    };
     const Eigen::Vector3f slope = slopeOf(own.jets[slot]);
     const Eigen::Vector3f difference =
         slopeOf(others.at<1>(made, tree.slots()[slot].point)) - slope;
-    const float lack = static_cast<float>(share_of_lack) * difference.norm() / slope.norm();
+    const float lack = share * difference.norm() / std::max(slope.norm(), weakest);
     doubts[slot].lack = lack;
     worst = std::max(worst, lack);
     least = std::min(least, lack);
   }
   // Rest alone tells nothing.
-  if (worst == 0) worst = least = 1;
+  if (worst == 0) worst = least = share;
   // What is not solved is no better known than the worst that is; near rest all is best.
   for (std::size_t slot = 0; slot < doubts.size(); ++slot)
     if (std::isnan(doubts[slot].lack))
       doubts[slot].lack = tree.slots()[slot].point == LatticePoint{0, 0, 0} ? least : worst;
 }
 
-AreaSample AreaField::evaluate(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept {
-  if (!s.allFinite() || p.array().isNaN().any()) return {};
-  const double length = p.stableNorm();
-  if (length <= radius_) return inBall(s, p);
-  const Eigen::Vector3d nearest = nearestInBall(p, radius_);
-  AreaSample sample = inBall(s, nearest);
-  // The force of the nearest point of the sphere is the gradient of no energy out here.
-  sample.inside = false;
-  sample.energy = std::numeric_limits<double>::quiet_NaN();
-  sample.error_bound += sample.stiffness.norm() * (p - nearest).stableNorm();
-  const Eigen::Vector3d outwards = nearest / radius_;
-  sample.stiffness -= sample.stiffness * outwards * outwards.transpose();
-  sample.stiffness *= radius_ / length;
+struct AreaField::NearStation {
+  const Station* station;
+  Eigen::Vector3d offset;  ///< m, of the place from it
+  double weight;
+  Eigen::Vector3d weight_slope;  ///< 1/m
+  const CellTree* tree;
+  LeafPlace place;  ///< of the displacement in the tree
+  bool is_new_tree;
+
+  std::array<const SiteJet*, 8> jets() const noexcept {
+    const LeafCorners& slots = tree->corners(place.leaf);
+    std::array<const SiteJet*, 8> found;
+    for (std::size_t c = 0; c < 8; ++c) found[c] = &station->jets[at(slots[c])];
+    return found;
+  }
+};
+
+template <class Visit>
+void AreaField::eachStation(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
+                            Visit visit) const noexcept {
+  NearStation near{};
+  for (const std::int32_t number : stations_.near(s)) {
+    near.offset = s - stations_.points()[at(number)];
+    const double x = near.offset.norm() / stations_.reach();
+    if (!(x < 1)) continue;
+    near.station = &at_stations_[at(number)];
+    // Neighbours often share a tree.
+    const CellTree* const tree = &trees_[near.station->tree];
+    near.is_new_tree = near.tree != tree;
+    if (near.is_new_tree) {
+      near.tree = tree;
+      near.place = tree->find(p);
+      if (near.place.leaf < 0) return;
+    }
+    const Wendland w(x);
+    near.weight = w.value;
+    near.weight_slope = w.slope_over_x / (stations_.reach() * stations_.reach()) * near.offset;
+    visit(near);
+  }
+}
+
+template <class Visit>
+void AreaField::eachSite(const Eigen::Vector3d& s, Visit visit) const noexcept {
+  for (const std::int32_t site : sites_.near(s)) {
+    const Eigen::Vector3d offset = s - sites_.points()[at(site)];
+    const double x = offset.norm() / sites_.reach();
+    if (!(x < 1)) continue;
+    const Wendland w(x);
+    visit(judgements_[at(site)], w.value,
+          Eigen::Vector3d(w.slope_over_x / (sites_.reach() * sites_.reach()) * offset));
+  }
+}
+
+AreaSample AreaField::evaluate(const Eigen::Vector3d& s,
+                               const Eigen::Vector3d& displacement) const noexcept {
+  if (!s.allFinite() || displacement.array().isNaN().any()) return {};
+  const Eigen::Vector3d p = nearestInBall(displacement, farthest_in_radii * radius_);
+  const double length = p.norm();
+  if (isWithin(length, leastRadiusAt(s))) return inRegion(s, p);
+  const Eigen::Vector3d unit = p / length;
+  const PlacedEdge edge = edgeAt(s, unit);
+  if (isWithin(length, edge.radius)) return inRegion(s, p);
+  return beyondRegion(s, edge, unit, length - edge.radius);
+}
+
+double AreaField::leastRadiusAt(const Eigen::Vector3d& s) const noexcept {
+  double least = radius_;
+  eachSite(s, [&](const Judgement& judgement, double, const Eigen::Vector3d&) {
+    least = std::min(least, judgement.region.leastRadius());
+  });
+  return least;
+}
+
+/// That of the sites around, by their weights.
+AreaField::PlacedEdge AreaField::edgeAt(const Eigen::Vector3d& s,
+                                        const Eigen::Vector3d& unit) const noexcept {
+  const DirectionWeights direction(unit);
+  PlacedEdge edge;
+  double whole = 0;
+  Eigen::Vector3d whole_slope = Eigen::Vector3d::Zero();
+  eachSite(s, [&](const Judgement& judgement, double weight, const Eigen::Vector3d& slope) {
+    const RegionEdge of_site = judgement.region.along(direction);
+    edge.add(weight, of_site);
+    edge.radius_by_s += of_site.radius * slope;
+    edge.stiffness_by_s += of_site.stiffness * slope;
+    whole += weight;
+    whole_slope += slope;
+  });
+  if (whole < std::numeric_limits<double>::min()) return {};
+  PlacedEdge mean;
+  mean.add(1 / whole, edge);
+  mean.radius_by_s = (edge.radius_by_s - mean.radius * whole_slope) / whole;
+  mean.stiffness_by_s = (edge.stiffness_by_s - mean.stiffness * whole_slope) / whole;
+  return mean;
+}
+
+AreaSample AreaField::beyondRegion(const Eigen::Vector3d& s, const PlacedEdge& edge,
+                                   const Eigen::Vector3d& unit, double depth) const noexcept {
+  if (edge.radius <= 0) return {};
+  AreaSample sample = inRegion(s, edge.radius * unit);
+  const double slope = -unit.dot(sample.force), curvature = -unit.dot(sample.stiffness * unit);
+  // -d/ds of the energy of continuedBeyond, where the radius and the stiffness depend on s too.
+  sample.drive += depth * driveSlope(s, edge.radius * unit, unit, slope) -
+                  depth * (curvature - edge.stiffness) * edge.radius_by_s -
+                  0.5 * depth * depth * edge.stiffness_by_s;
+  static_cast<ForceSample&>(sample) = continuedBeyond(sample, edge, unit, depth);
   return sample;
 }
 
-AreaSample AreaField::inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept {
+AreaSample AreaField::inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept {
   std::array<LevelSum, most_levels + 1> levels;
-  const CellTree* tree = nullptr;
-  LeafPlace place;
   LevelSum* level = nullptr;
-  double spacing = 0, whole = 0;
+  double spacing = 0, whole = 0, power = 0;
   Eigen::Vector3d whole_slope = Eigen::Vector3d::Zero(), slope = Eigen::Vector3d::Zero();
-  for (const std::int32_t number : stations_.near(s)) {
-    const Eigen::Vector3d d = s - stations_.points()[at(number)];
-    const double x = d.norm() / stations_.reach();
-    if (!(x < 1)) continue;
-    const Station& station = at_stations_[at(number)];
-    // Neighbours often share a tree.
-    if (tree != &trees_[station.tree]) {
-      tree = &trees_[station.tree];
-      spacing = tree->spacing();  // of all the same
-      place = tree->find(p);
-      if (place.leaf < 0) return {};
-      level = &levels[at(tree->leaves()[at(place.leaf)].level)];
-      if (!level->begun) level->begin(tree->edge(place.leaf), spacing, place.local);
+  eachStation(s, p, [&](const NearStation& near) {
+    if (near.is_new_tree) {
+      spacing = near.tree->spacing();  // of all the same
+      level = &levels[at(near.tree->leaves()[at(near.place.leaf)].level)];
+      if (!level->begun) level->begin(near.tree->edge(near.place.leaf), spacing, near.place.local);
     }
-    const Wendland w(x);
-    const Eigen::Vector3d w_slope = w.slope_over_x / (stations_.reach() * stations_.reach()) * d;
-    const Eigen::Vector3f offset = d.cast<float>();
+    const Eigen::Vector3f offset = near.offset.cast<float>();
     const JetSums::Quantities factors = expansionAt(offset);
-    const LeafCorners& slots = tree->corners(place.leaf);
-    std::array<const SiteJet*, 8> jets;
-    for (std::size_t c = 0; c < 8; ++c) jets[c] = &station.jets[at(slots[c])];
-    const JetSums::Quantities values = level->sums.add(jets, static_cast<float>(w.value) * factors);
-    whole += w.value;
-    whole_slope += w_slope;
-    slope += static_cast<double>(factors.dot(values)) * w_slope +
-             w.value * slopeAt(offset, values).cast<double>();
-  }
+    const JetSums::Quantities values =
+        level->sums.add(near.jets(), static_cast<float>(near.weight) * factors);
+    whole += near.weight;
+    power += near.weight * near.station->power;
+    whole_slope += near.weight_slope;
+    slope += static_cast<double>(factors.dot(values)) * near.weight_slope +
+             near.weight * slopeAt(offset, values).cast<double>();
+  });
   if (whole < std::numeric_limits<double>::min()) return {};
   AreaSample sample;
   sample.energy = 0;
@@ -394,35 +476,55 @@ AreaSample AreaField::inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p)
     if (sum.begun) sum.addTo(sample, whole, spacing);
   // -d/ds of a quotient.
   sample.drive = (sample.energy * whole_slope - slope) / whole;
-  addJudgement(s, p, sample);
+  addJudgement(s, p, power / whole, sample);
   return sample;
 }
 
-void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
+/// N/m, of the drive when the displacement moves along a direction, with dE/dp along it. The same
+/// sums as in inRegion, of derivatives in place of values.
+Eigen::Vector3d AreaField::driveSlope(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
+                                      const Eigen::Vector3d& direction,
+                                      double energy_slope) const noexcept {
+  JetSums sums;
+  double whole = 0;
+  Eigen::Vector3d whole_slope = Eigen::Vector3d::Zero(), slope = Eigen::Vector3d::Zero();
+  eachStation(s, p, [&](const NearStation& near) {
+    if (near.is_new_tree)
+      sums.begin(slopeBasis(near.tree->edge(near.place.leaf), near.tree->spacing(),
+                            near.place.local, direction));
+    const Eigen::Vector3f offset = near.offset.cast<float>();
+    const JetSums::Quantities slopes = sums.add(near.jets(), JetSums::Quantities::Zero());
+    whole += near.weight;
+    whole_slope += near.weight_slope;
+    slope += static_cast<double>(expansionAt(offset).dot(slopes)) * near.weight_slope +
+             near.weight * slopeAt(offset, slopes).cast<double>();
+  });
+  if (whole < std::numeric_limits<double>::min()) return Eigen::Vector3d::Zero();
+  return (energy_slope * whole_slope - slope) / whole;
+}
+
+void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p, double power,
                              AreaSample& sample) const noexcept {
   double whole = 0, error = 0, lack = 0, coverage = 0;
-  for (const std::int32_t site : sites_.near(s)) {
-    const double x = (s - sites_.points()[at(site)]).norm() / sites_.reach();
-    if (!(x < 1)) continue;
-    const double weight = Wendland(x).value;
+  eachSite(s, [&](const Judgement& judgement, double weight, const Eigen::Vector3d&) {
     whole += weight;
-    const Judgement& judgement = judgements_[at(site)];
     const CellTree& tree = trees_[judgement.tree];
     const LeafPlace place = tree.find(p);
     const LeafCorners& slots = tree.corners(place.leaf);
     const std::array<double, 8> weights = trilinearWeights(place.local);
+    error += weight * judgement.p_error.bound(place.leaf, place.local);
     double covered = 0;
     for (std::size_t c = 0; c < 8; ++c) {
       const Doubt& doubt = judgement.doubts[at(slots[c])];
-      error += weight * weights[c] * static_cast<double>(doubt.error);
       lack += weight * weights[c] * static_cast<double>(doubt.lack);
       covered += weights[c] * static_cast<double>(doubt.coverage);
     }
     // Rounded, so that what is solved on all sides is covered.
     coverage += weight * static_cast<double>(static_cast<float>(covered));
-  }
+  });
   if (whole < std::numeric_limits<double>::min()) return;
-  sample.error_bound = error / whole + (lack / whole + share_of_force) * sample.force.norm();
+  sample.error_bound = share_of_p_error * error / whole +
+                       (power * lack / whole + share_of_force) * sample.force.norm();
   sample.coverage = std::clamp(coverage / whole, 0.0, 1.0);
   sample.inside = sample.coverage > 0;
 }

@@ -61,10 +61,11 @@ class AreaField {
             const std::vector<Eigen::Vector3d>& surface,
             const std::function<void()>& site_done = {});
 
-  /// s: metres, where the surface is at rest; p: displacement, metres, any value. Beyond the ball
-  /// the force is that at its nearest point, as ForceSample says; where no site is within reach of
-  /// s the sample is not inside, and fades out to nothing. Of a single site there is no bound
-  /// (NaN), because nothing tells how its expansion does beside it. Real time.
+  /// s: metres, where the surface is at rest; p: displacement, metres, any value. Beyond what was
+  /// computed around s the sample is the continuation of answered_region.hpp, one energy over s
+  /// too; where no site is within reach of s the sample is not inside, and fades out to nothing. Of
+  /// a single site there is no bound (NaN), because nothing tells how its expansion does beside it.
+  /// Real time.
   AreaSample evaluate(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
 
   std::size_t siteCount() const { return sites_.points().size(); }
@@ -110,16 +111,27 @@ class AreaField {
   struct Station {
     std::size_t tree = 0;
     std::vector<SiteJet> jets;  ///< per slot of the tree
+    double power = 0;           ///< HermiteWeights::power
   };
-  /// What is said about the error at a slot of a site's lattice: N, share of the force, and as
-  /// ForceSample::coverage.
+  /// What is said at a slot of a site's lattice.
   struct Doubt {
-    float error = 0, lack = 0, coverage = 0;
+    /// Of the force, by the power of the place: what is lacking when the others around stand in.
+    float lack = 0;
+    float coverage = 0;  ///< as ForceSample::coverage
   };
   struct Judgement {
     std::size_t tree = 0;
     std::vector<Doubt> doubts;  ///< per slot of the tree
+    FieldError p_error;         ///< of its leaves
+    AnsweredRegion region;
   };
+  /// Where the answers at a place end along one direction.
+  struct PlacedEdge : RegionEdge {
+    /// By the place: m/m and N/m per m.
+    Eigen::Vector3d radius_by_s = Eigen::Vector3d::Zero(), stiffness_by_s = Eigen::Vector3d::Zero();
+  };
+  /// A station within reach of a place, and what is known of a displacement there.
+  struct NearStation;
   /// Sums over the stations whose leaves around a displacement are on one level: all are the same.
   struct LevelSum;
 
@@ -127,8 +139,21 @@ class AreaField {
   void setStations(std::vector<Eigen::Vector3d> stations);
   /// The number of the tree of a lattice like that of a space, with these cells split.
   std::size_t treeOf(const SpaceTable& like, const std::vector<LatticeCell>& splits);
-  AreaSample inBall(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
-  void addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
+  /// visit(NearStation), in a fixed order; p: in the ball.
+  template <class Visit>
+  void eachStation(const Eigen::Vector3d& s, const Eigen::Vector3d& p, Visit visit) const noexcept;
+  /// visit(judgement, weight of the site, by s).
+  template <class Visit>
+  void eachSite(const Eigen::Vector3d& s, Visit visit) const noexcept;
+  AreaSample inRegion(const Eigen::Vector3d& s, const Eigen::Vector3d& p) const noexcept;
+  AreaSample beyondRegion(const Eigen::Vector3d& s, const PlacedEdge& edge,
+                          const Eigen::Vector3d& unit, double depth) const noexcept;
+  double leastRadiusAt(const Eigen::Vector3d& s) const noexcept;
+  PlacedEdge edgeAt(const Eigen::Vector3d& s, const Eigen::Vector3d& unit) const noexcept;
+  Eigen::Vector3d driveSlope(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
+                             const Eigen::Vector3d& direction, double energy_slope) const noexcept;
+  /// power: HermiteWeights::power at s.
+  void addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p, double power,
                     AreaSample& sample) const noexcept;
 
   double radius_ = 0, finger_ = 0;  ///< of the ball, of the finger, m

@@ -53,7 +53,8 @@ CellData::CellData(const SpaceTable& space, LocalFits& fits)
       ghosts(ghostPolynomials(tree, space, inconsistent, fits)),
       equilibria(slotEquilibria(tree, space, ghosts)),
       support(slotCoverage(tree, inconsistent)),
-      divisions(space.lattice.divisions()) {}
+      divisions(space.lattice.divisions()),
+      max_force(space.max_force) {}
 
 std::int32_t CellData::slotAt(const LatticePoint& point) const {
   const std::vector<CellSlot>& slots = tree.slots();

@@ -69,6 +69,7 @@ struct CellData : CellBranches {
   std::vector<Equilibrium> equilibria;  ///< slotEquilibria
   std::vector<double> support;          ///< slotCoverage
   std::int32_t divisions;               ///< lattice coordinates per spacing
+  double max_force;                     ///< N, SpaceTable::max_force
 
   CellData(const SpaceTable& space, LocalFits&& fits);
   /// The slot at lattice coordinates; -1 when there is none.

@@ -34,7 +34,7 @@ Eigen::Matrix<double, Rows, 4> trilinearJet(const LeafCorners& corners,
 }  // namespace
 
 CellField::CellField(std::string_view name, const CellData& data, Limit limit)
-    : name_(name), tree_(data.tree), limit_(limit), nodes_(data.equilibria.size()) {
+    : name_(name), tree_(data.tree), region_(data), limit_(limit), nodes_(data.equilibria.size()) {
   PALPATE_ASSERT(data.support.size() == nodes_.size() && tree_.slots().size() == nodes_.size(),
                  "forces and their support are per slot");
   for (std::size_t s = 0; s < nodes_.size(); ++s)
@@ -69,25 +69,21 @@ void CellField::setSpread() {
 }
 
 ForceSample CellField::evaluate(const Eigen::Vector3d& displacement) const noexcept {
-  LeafPlace place = tree_.find(displacement);
-  if (place.leaf >= 0) {
-    ForceSample sample = sampleAt(place);
-    sample.inside = !tree_.unsupported(place.leaf);
-    return sample;
-  }
-  // Outside of the ball, or no displacement at all.
   if (displacement.array().isNaN().any()) return {};
-  const Eigen::Vector3d nearest = nearestInBall(displacement, tree_.radius());
-  place = tree_.find(nearest);
+  const Eigen::Vector3d p = nearestInBall(displacement, farthest_in_radii * tree_.radius());
+  const double length = p.norm();
+  if (isWithin(length, region_.leastRadius())) return inRegion(p);
+  const Eigen::Vector3d unit = p / length;
+  const RegionEdge edge = region_.along(DirectionWeights(unit));
+  if (isWithin(length, edge.radius)) return inRegion(p);
+  return continuedBeyond(inRegion(edge.radius * unit), edge, unit, length - edge.radius);
+}
+
+ForceSample CellField::inRegion(const Eigen::Vector3d& displacement) const noexcept {
+  const LeafPlace place = tree_.find(displacement);
   if (place.leaf < 0) return {};
   ForceSample sample = sampleAt(place);
-  // The force of the nearest point of the sphere is the gradient of no energy out here.
-  sample.energy = std::numeric_limits<double>::quiet_NaN();
-  sample.error_bound += sample.stiffness.norm() * (displacement - nearest).stableNorm();
-  // The derivative of radius * displacement / |displacement|.
-  const Eigen::Vector3d outwards = nearest / tree_.radius();
-  sample.stiffness -= sample.stiffness * outwards * outwards.transpose();
-  sample.stiffness *= tree_.radius() / displacement.stableNorm();
+  sample.inside = !tree_.unsupported(place.leaf);
   return sample;
 }
 

@@ -1,12 +1,11 @@
 #pragma once
 
-#include "viewer/fields/cell_data.hpp"
-#include "viewer/fields/force_field.hpp"
+#include "viewer/fields/answered_region.hpp"
 
 namespace palpate {
 
 /// What all methods that interpolate in the leaves of a cell tree have in common: where a
-/// displacement lies, what happens outside of the ball, coverage, and the limiter.
+/// displacement lies, what happens beyond the region that was computed, coverage, and the limiter.
 ///
 /// Limiter: smooth interpolants overshoot where two corners of a leaf lie on different branches.
 /// All corners of a leaf with such an edge (branch_check.hpp) have the flag 1, the others 0; w is
@@ -41,11 +40,13 @@ class CellField : public ForceField {
  private:
   void setFlags(const std::vector<std::int32_t>& leaves);
   void setSpread();
+  ForceSample inRegion(const Eigen::Vector3d& displacement) const noexcept;
   ForceSample sampleAt(const LeafPlace& place) const noexcept;
   void limit(const LeafPlace& place, const ForceSample& linear, ForceSample& sample) const noexcept;
 
   std::string_view name_;
   CellTree tree_;
+  AnsweredRegion region_;
   Limit limit_;
   std::vector<Eigen::Vector4d> nodes_;  ///< per slot: force, N, and support
   std::vector<double> flags_;           ///< per slot

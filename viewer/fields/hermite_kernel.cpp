@@ -1,6 +1,7 @@
 #include "viewer/fields/hermite_kernel.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -90,9 +91,9 @@ Block blockOf(const Eigen::Vector3d& to, const Eigen::Vector3d& from, double wid
 
 }  // namespace
 
-Eigen::MatrixXf hermiteCoefficients(const Eigen::Vector3d& place,
-                                    const std::vector<Eigen::Vector3d>& sites,
-                                    const std::vector<bool>& solved, double width) {
+HermiteWeights hermiteWeights(const Eigen::Vector3d& place,
+                              const std::vector<Eigen::Vector3d>& sites,
+                              const std::vector<bool>& solved, double width) {
   PALPATE_ASSERT(!sites.empty() && sites.size() == solved.size() && width > 0,
                  "something is interpolated over some distance");
   const Eigen::Index n = place_quantities * static_cast<Eigen::Index>(sites.size());
@@ -111,6 +112,8 @@ Eigen::MatrixXf hermiteCoefficients(const Eigen::Vector3d& place,
     if (!solved[at(i / place_quantities)])
       matrix(i, i) += noise[at(axesOf(static_cast<int>(i % place_quantities)).count)];
   Eigen::MatrixXd coefficients = matrix.ldlt().solve(to_place.transpose()).transpose();
+  // The kernel at distance 0 is 1.
+  const double variance = 1 - coefficients.row(0).dot(to_place.row(0));
   // In units of the width derivatives are width^order times larger; T and its slope are minus
   // derivatives.
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -119,7 +122,7 @@ Eigen::MatrixXf hermiteCoefficients(const Eigen::Vector3d& place,
     coefficients.col(i) *= unit;
     if (i < place_quantities) coefficients.row(i) /= unit;
   }
-  return coefficients.cast<float>();
+  return {coefficients.cast<float>(), std::sqrt(std::max(0.0, variance))};
 }
 
 }  // namespace palpate

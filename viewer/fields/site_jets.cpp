@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "common/interpolation/field_error.hpp"
 #include "viewer/fields/potential_field.hpp"
 
 namespace palpate {
@@ -39,17 +38,6 @@ void setQuantity(std::vector<SiteJet>& jets, Eigen::Index quantity,
   for (std::size_t s = 0; s < jets.size(); ++s)
     for (std::size_t n = 0; n < values[s].size(); ++n)
       jets[s](static_cast<Eigen::Index>(n), quantity) = static_cast<float>(values[s][n]);
-}
-
-/// Of each slot the largest bound in the leaves around it: errors are largest in their middles.
-std::vector<float> largestAround(const CellTree& tree, const std::vector<double>& bounds) {
-  std::vector<float> largest(tree.slots().size(), 0);
-  for (std::int32_t leaf = 0; leaf < std::ssize(tree.leaves()); ++leaf) {
-    const auto bound = static_cast<float>(bounds[at(leaf)]);
-    for (const std::int32_t slot : tree.corners(leaf))
-      largest[at(slot)] = std::max(largest[at(slot)], bound);
-  }
-  return largest;
 }
 
 /// Of a place that is a corner of its leaf.
@@ -93,13 +81,14 @@ bool SiteJets::isSolvedAt(const LeafPlace& place) const {
                                : std::ranges::all_of(corners, isSolved);
 }
 
-SiteJets::SiteJets(CellData data, const SpaceTable& space, SiteFits& fits) : tree(data.tree) {
+SiteJets::SiteJets(CellData data, const SpaceTable& space, SiteFits& fits)
+    : tree(data.tree), region(data) {
   PALPATE_ASSERT(space.patch.finger, "only a finger has a drive");
   jets.assign(tree.slots().size(), SiteJet::Zero());
   coverage.assign(data.support.begin(), data.support.end());
   const auto polynomials = correctedPolynomials(data, space, fits.energy);
   const std::vector<EnergyJet> energies = energyJets(tree, polynomials);
-  p_error = largestAround(tree, boundsInMiddles(tree, polynomials, energies, data.suspect));
+  p_error = FieldError(tree, polynomials, energies, data.suspect);
   setQuantity(jets, 0, energies);
   const auto jetsOf = [&](const SpaceTable& quantity, LocalFits& of_its_order) {
     auto ghosts = ghostPolynomials(tree, quantity, data.inconsistent, of_its_order);

@@ -2,7 +2,8 @@
 
 #include <span>
 
-#include "viewer/fields/cell_data.hpp"
+#include "common/interpolation/field_error.hpp"
+#include "viewer/fields/answered_region.hpp"
 #include "viewer/fields/hermite_kernel.hpp"
 
 namespace palpate {
@@ -39,8 +40,9 @@ struct SiteJets {
   bool isSolvedAt(const LeafPlace& place) const;
 
   CellTree tree;
+  AnsweredRegion region;
   std::vector<SiteJet> jets;    ///< per slot
-  std::vector<float> p_error;   ///< per slot: bound on the force's error by interpolation in p, N
+  FieldError p_error;           ///< of the force, by interpolation in p
   std::vector<float> coverage;  ///< per slot, as ForceSample::coverage
 
  private:

@@ -1,5 +1,6 @@
 #include "viewer/haptics/blended_force.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace palpate {
@@ -32,6 +33,7 @@ void BlendedForce::evaluate(const HapticModel& model, std::size_t method,
     sum_.error_bound += weight * sample->error_bound;
     sum_.coverage += weight * sample->coverage;
     sum_.inside = sum_.inside && sample->inside;
+    sum_.beyond = std::max(sum_.beyond, sample->beyond);
   }
 }
 
@@ -39,9 +41,7 @@ AnchorSlope BlendedForce::slopeAlong(std::int32_t triangle) noexcept {
   const TouchSurface& surface = model_->surface();
   const Eigen::Vector3d& normal = surface.faceNormal(triangle);
   if (surface.areaOf(triangle) >= 0) {
-    // Beyond the ball there is no energy, and the force alone is what is left.
-    const Eigen::Vector3d total =
-        std::isfinite(sum_.energy) ? Eigen::Vector3d(sum_.force - drive_) : sum_.force;
+    const Eigen::Vector3d total = sum_.force - drive_;
     return {total - normal.dot(total) * normal, -sum_.stiffness, -sum_.stiffness};
   }
   Eigen::Vector3d of_energies = Eigen::Vector3d::Zero();

@@ -30,7 +30,8 @@ class BlendedForce {
   const SpaceBlend& blend() const { return blend_; }
   const Eigen::Vector3d& force() const { return sum_.force; }
   const Eigen::Matrix3d& stiffness() const { return sum_.stiffness; }
-  /// Sums by weight; energy and bound are NaN where one space has none; inside: all are.
+  /// Sums by weight; energy and bound are NaN where one space has none; inside: all are; beyond:
+  /// the largest.
   const ForceSample& sum() const { return sum_; }
 
   /// For a touchable triangle that the anchor lies in or at the edge of, in the same area or none.

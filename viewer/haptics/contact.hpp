@@ -21,7 +21,7 @@ struct ContactOptions {
 
 /// What the tissue does to the tool: the force on it, not limited yet, with what is known of it,
 /// blended from the spaces of the anchor. stiffness: d force / d tool with the anchor held. inside:
-/// all of these spaces answer from inside of their workspaces.
+/// all of these spaces were computed as deep; else the force is that of their continuation.
 struct Touch : ForceSample {
   Touch() {  // nothing is touched: a force of zero, which is exact
     energy = error_bound = 0;
@@ -41,6 +41,10 @@ struct Touch : ForceSample {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
   SpaceBlend blend;
   double gap = 0;  ///< m, when not touching: distance to the body, negative inside of it
+
+  /// m, what of the displacement lies beyond what was computed. Pictures leave it out: the tool
+  /// stops at the edge, and so does the shape.
+  Eigen::Vector3d excess() const noexcept { return excessOf(displacement); }
 };
 
 /// A point tool on a soft body.
@@ -62,6 +66,9 @@ struct Touch : ForceSample {
 /// than most_slide, than twice the tool's motion and what changes the force by most_relaxation
 /// (anchor_slide.cpp); what is left is slid in the next ticks. Since the anchor moves continuously
 /// and the weights are continuous, so is the force.
+///
+/// Beyond the region that was computed the spaces go on with a continuation that only stiffens
+/// (fields/answered_region.hpp), of the same energy: nothing else changes here.
 ///
 /// Release: nothing pulls. When F.n becomes <= 0 (n outward) the contact ends with it. A tool that
 /// is inside the body then, or came in where nothing is touchable, feels nothing until it has been

@@ -12,7 +12,7 @@ namespace {
 void passThroughTool(const TouchSurface& surface, const Touch& touch,
                      std::span<float> out) noexcept {
   const Triangle& t = surface.triangles()[at(touch.anchor.triangle)];
-  Eigen::Vector3d missing = touch.displacement;
+  Eigen::Vector3d missing = touch.displacement - touch.excess();
   double radius = 0, bump = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     const double share = touch.anchor.barycentric[static_cast<Eigen::Index>(c)];
@@ -46,9 +46,10 @@ void DeformedShape::evaluate(const HapticModel& model, const Touch& touch,
 void DeformedShape::blend(const HapticModel& model, const Touch& touch,
                           std::span<float> out) noexcept {
   const std::span<float> one = std::span(scratch_).first(std::min(out.size(), scratch_.size()));
+  const Eigen::Vector3d displacement = touch.displacement - touch.excess();
   for (std::size_t n = 0; n < at(touch.blend.size); ++n) {
     const auto weight = static_cast<float>(touch.blend.shares[n].weight);
-    model.shape(at(touch.blend.shares[n].space)).evaluate(touch.displacement, one);
+    model.shape(at(touch.blend.shares[n].space)).evaluate(displacement, one);
     for (std::size_t i = 0; i < one.size(); ++i) out[i] += weight * one[i];
   }
 }

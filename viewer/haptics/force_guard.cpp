@@ -45,7 +45,7 @@ double slewOf(const GuardOptions& options) {
 
 const char* guardWord(int bit) {
   constexpr std::array<const char*, guard_count> words = {
-      "ramped", "damped", "clamped", "slewed", "stalled", "lost", "not_finite", "late"};
+      "ramped", "damped", "clamped", "slewed", "stalled", "lost", "not_finite", "late", "beyond"};
   return bit >= 0 && bit < guard_count ? words[at(bit)] : "";
 }
 
@@ -122,6 +122,7 @@ GuardedForce ForceGuard::limit(const GuardInput& input) noexcept {
   tell(Guarded::not_finite, !usable && !input.lost && !input.away);
   tell(Guarded::lost, input.lost);
   tell(Guarded::late, input.late);
+  tell(Guarded::beyond, input.touch.touching && !input.touch.inside);
   if (input.lost || input.late) {
     reset();
     return result;

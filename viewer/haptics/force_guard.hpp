@@ -37,9 +37,10 @@ enum class Guarded : std::uint32_t {
   stalled = 16,     ///< no fresh reading for `stall` seconds
   lost = 32,        ///< the device is gone
   not_finite = 64,  ///< the position or the raw force was not finite
-  late = 128        ///< the loop itself hung; the force starts from zero again
+  late = 128,       ///< the loop itself hung; the force starts from zero again
+  beyond = 256      ///< deeper than was computed: the raw force is that of the continuation
 };
-inline constexpr int guard_count = 8;
+inline constexpr int guard_count = 9;
 /// "clamped", ... for bit n.
 const char* guardWord(int bit);
 

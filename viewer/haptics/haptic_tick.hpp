@@ -23,6 +23,9 @@ struct HapticState {
   std::uint32_t guards = 0;            ///< Guarded bits
   double passivity = 0;                ///< J, GuardedForce
   std::int32_t model = 0, method = 0;  ///< in use
+
+  /// m, scene frame: where pictures show the tool, which stops where the answers end.
+  Eigen::Vector3d shownTool() const noexcept { return tool - touch.excess(); }
 };
 
 /// What another thread asks of the haptic thread.

@@ -57,6 +57,8 @@ auto makeChannels() {
               +[](State s) { return whileTouching(s.touch, s.touch.anchor_position); }},
       Channel{"/contact/displacement", "m",
               +[](State s) { return whileTouching(s.touch, s.touch.displacement); }},
+      Channel{"/contact/inside", "0 or 1", +[](State s) { return std::uint8_t{s.touch.inside}; }},
+      Channel{"/contact/coverage", "1", +[](State s) { return s.touch.coverage; }},
       Channel{"/contact/energy", "J", +[](State s) { return s.touch.energy; }},
       Channel{"/contact/error_bound", "N", +[](State s) { return s.touch.error_bound; }},
       Channel{"/guards", "bits", +[](State s) { return s.guards; }},

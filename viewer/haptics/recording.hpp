@@ -57,6 +57,8 @@ class Recorder {
   ///   /contact/touching     uint8    n     0 or 1
   ///   /contact/anchor       float64  n x 3 m, at rest; 0 when not touching
   ///   /contact/displacement float64  n x 3 m, of the anchor; 0 when not touching
+  ///   /contact/inside       uint8    n     0 or 1; 1 when not touching
+  ///   /contact/coverage     float64  n     0 to 1; 1 when not touching
   ///   /contact/energy       float64  n     J, in the tissue; NaN where the method has none
   ///   /contact/error_bound  float64  n     N; NaN where the method gives none
   ///   /guards               int32    n     bits of Guarded: part of the format, only append

@@ -355,6 +355,7 @@ CarriedOrgan decode(std::string_view bytes) {
   for (std::size_t n = 0; n < touches; ++n) organ.touches.push_back(getTouch(in));
   const std::size_t spaces = in.getSize();
   for (std::size_t n = 0; n < spaces; ++n) organ.spaces.push_back(getSpace(in));
+  for (SpaceTable& space : organ.spaces) space.max_force = organ.max_force;
   organ.shapes = getShapes(in, 3 * organ.vertices.size(), organ.spaces);
   if (!in.done()) throw damaged("something follows it");
   if (const std::string fault = faultOf(organ); !fault.empty()) throw damaged(fault);

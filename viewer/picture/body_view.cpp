@@ -129,7 +129,7 @@ void BodyView::deform(const Touch& touch) {
                  "the touch is of this model");
   deformed_.evaluate(model_, touch, displacements_);
   blend_ = touch.touching ? touch.blend : SpaceBlend();
-  touch_displacement_ = touch.displacement;
+  touch_displacement_ = touch.displacement - touch.excess();
 }
 
 void BodyView::shade(SurfaceColour colour, std::int32_t method) {

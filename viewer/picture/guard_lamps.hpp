@@ -11,8 +11,9 @@ namespace palpate {
 /// the tissue. Two or three words.
 inline const char* lampWords(int bit) {
   static constexpr std::array<const char*, guard_count> words = {
-      "fading in",       "calming vibration", "device at its limit", "slowing a jump",
-      "no new position", "device gone",       "impossible number",   "computer too slow"};
+      "fading in",         "calming vibration", "device at its limit",
+      "slowing a jump",    "no new position",   "device gone",
+      "impossible number", "computer too slow", "deeper than was computed"};
   return bit >= 0 && bit < guard_count ? words[static_cast<std::size_t>(bit)] : "";
 }
 /// The same as a sentence.
@@ -25,7 +26,8 @@ inline const char* lampSentence(int bit) {
       "The device has sent no new position for a while: the force goes to zero.",
       "The device is unplugged or does not answer.",
       "The position or the force was no finite number, and counts as zero.",
-      "The loop was held up; the force begins at zero again."};
+      "The loop was held up; the force begins at zero again.",
+      "Nothing was computed this deep: a wall, not the tissue, pushes back."};
   return bit >= 0 && bit < guard_count ? sentences[static_cast<std::size_t>(bit)] : "";
 }
 

@@ -18,16 +18,16 @@ void HeldTool::update(const HapticModel& model, const HapticState& state, bool t
                       const OrbitCamera& camera, double extent) {
   extent_ = extent;
   touching_ = state.touch.touching;
-  pose_.tip = there ? state.tool : Eigen::Vector3d::Constant(NAN).eval();
+  pose_.tip = there ? state.shownTool() : Eigen::Vector3d::Constant(NAN).eval();
   if (!pose_.tip.allFinite()) return;
   const NearestPoint nearest = model.surface().tree().nearest(
-      state.tool, near_triangle_ < std::ssize(model.surface().triangles()) ? near_triangle_ : -1);
+      pose_.tip, near_triangle_ < std::ssize(model.surface().triangles()) ? near_triangle_ : -1);
   near_triangle_ = nearest.triangle;
   skin_ = {nearest.position, nearest.outside ? nearest.distance : 0};
   if (touching_)
     turnOutward(state.touch.normal);
   else if (nearest.outside && nearest.distance > 0)
-    turnOutward((state.tool - nearest.position) / nearest.distance);
+    turnOutward((pose_.tip - nearest.position) / nearest.distance);
   const Eigen::Matrix3d axes = camera.axes();
   pose_.handle =
       (pose_.outward + 0.55 * axes.col(0) + 0.45 * axes.col(1) + 0.25 * axes.col(2)).normalized();

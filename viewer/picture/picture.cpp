@@ -148,8 +148,8 @@ struct Picture::Impl {
   ViewLabel labelOf(const HapticState& state, const Eigen::Vector3d& force, std::string text,
                     bool uncertain) const {
     const ToolView& tool = stage->tool();
-    return {.from = state.tool,
-            .at = state.tool + arrowOf(force),
+    return {.from = state.shownTool(),
+            .at = state.shownTool() + arrowOf(force),
             .tool = tool.axis(),
             .tip_radius = tool.radius(),
             .handle_radius = tool.handleRadius(),

@@ -20,9 +20,12 @@ static_assert(law_names.size() == words_of<LawName>.size());
 
 double shareOf(const Touch& touch) { return relativeError(touch.error_bound, touch.force.norm()); }
 
+bool isBeyond(const Touch& touch) { return touch.touching && !touch.inside; }
+
 std::string textOf(const Eigen::Vector3d& force, const Touch& touch) {
   if (!touch.touching && force.norm() == 0) return {};
   std::string text = fmt::format("{:.2f} N", force.norm());
+  if (isBeyond(touch)) return text + "\ndeeper than was computed: a wall pushes back";
   if (touch.touching && std::isfinite(touch.error_bound))
     text += fmt::format(" ± {:.2g} N", touch.error_bound);
   if (isUncertain(touch))
@@ -34,7 +37,7 @@ std::string textOf(const Eigen::Vector3d& force, const Touch& touch) {
 }  // namespace
 
 bool isUncertain(const Touch& touch) {
-  return touch.touching && shareOf(touch) > noticeable_force_error;
+  return isBeyond(touch) || (touch.touching && shareOf(touch) > noticeable_force_error);
 }
 
 std::string forceText(const HapticState& state) { return textOf(state.force, state.touch); }

@@ -85,7 +85,8 @@ class Touch(_Sized):
                 ("triangle", c_int32), ("force", Vector), ("stiffness", Matrix), ("energy", c_double),
                 ("error_bound", c_double), ("coverage", c_double), ("barycentric", Vector), ("anchor", Vector),
                 ("normal", Vector), ("displacement", Vector), ("gap", c_double), ("share_count", c_int32),
-                ("share_spaces", c_int32 * MOST_SHARES), ("share_weights", c_double * MOST_SHARES)]
+                ("share_spaces", c_int32 * MOST_SHARES), ("share_weights", c_double * MOST_SHARES),
+                ("beyond", c_double)]
 
 
 class Profile(_Sized):

@@ -15,7 +15,7 @@ from . import _library
 from ._library import ByValue, Numbers
 from .dataset import Dataset
 
-_guards = ("ramped", "damped", "clamped", "slewed", "stalled", "lost", "not_finite", "late")
+_guards = ("ramped", "damped", "clamped", "slewed", "stalled", "lost", "not_finite", "late", "beyond")
 
 
 class ContactMode(enum.IntEnum):
@@ -54,6 +54,7 @@ class Touch(ByValue):
     normal: Numbers  #: (3,), unit, outward, of the surface at rest there
     displacement: Numbers  #: (3,), m, of the point of contact: tool - anchor
     gap: float  #: m, when not touching: distance to the body, negative inside of it
+    beyond: float  #: m, along the displacement, beyond what was computed: a continuation pushes back; 0: inside
     _given: _library.Touch  #: for ``Contact.shape``
 
 
@@ -62,7 +63,7 @@ def _touch(given: _library.Touch) -> Touch:
                  force=np.array(given.force), stiffness=np.array(given.stiffness).reshape(3, 3), energy=given.energy,
                  error_bound=given.error_bound, coverage=given.coverage, barycentric=np.array(given.barycentric),
                  anchor=np.array(given.anchor), normal=np.array(given.normal), displacement=np.array(given.displacement),
-                 gap=given.gap, _given=given)
+                 gap=given.gap, beyond=given.beyond, _given=given)
 
 
 def _position(tool: npt.ArrayLike) -> Any:
@@ -166,7 +167,7 @@ class GuardedForce(ByValue):
 
     force: Numbers  #: (3,), N, finite, no longer than max_force
     passivity: float  #: J, put in by the hand less stored in the tissue; negative: the loop created energy
-    guards: tuple[str, ...]  #: what limited it: "ramped", "damped", "clamped", "slewed", "stalled", "lost", "not_finite", "late"
+    guards: tuple[str, ...]  #: what limited it: "ramped", "damped", "clamped", "slewed", "stalled", "lost", "not_finite", "late", "beyond"
 
 
 class Guard(_library.Handle):

@@ -48,10 +48,10 @@ class Answers(ByValue):
 
     force: Numbers  #: (..., 3), N, of the tissue on the tool; always finite
     stiffness: Numbers  #: (..., 3, 3), N/m: [i, j] = d force[i] / d displacement[j], exact for this method
-    energy: Numbers  #: (...), J, stored in the tissue; NaN where the method has none, or beyond a finger's ball
+    energy: Numbers  #: (...), J, stored in the tissue; NaN where the method has none
     error_bound: Numbers  #: (...), N, on the force, estimated to hold at 99 % of places; NaN: not known
     coverage: Numbers  #: (...), 0 to 1: share of the answer that stands on solved equilibria of one branch
-    inside: npt.NDArray[np.bool_]  #: (...): False beyond the workspace ball, with nothing solved around, or away from the area
+    inside: npt.NDArray[np.bool_]  #: (...): False beyond what was computed, where a wall answers, or away from the area
     drive: Numbers | None = None  #: of a finger: (..., 3), N: where the tissue slides it to, along the surface
     at: Numbers | None = None  #: of a finger: (..., 3), m: the place on the surface at rest that is answered, the nearest
     triangle: npt.NDArray[np.int32] | None = None  #: of a finger: (...), that ``at`` lies in; -1: not finite
@@ -158,8 +158,8 @@ class Dataset(_library.Handle):
               method: str | int = 0, out: Answers | None = None) -> Answers:
         """Force, stiffness, energy and error bound at displacements, all in one call.
 
-        displacements: (..., 3), m, of the active node from rest. Beyond the workspace ball the answer is that at the nearest
-        point of its sphere, and ``inside`` is False. What is not finite gives no force, and is no error.
+        displacements: (..., 3), m, of the active node from rest. Beyond what was computed the force only stiffens,
+        and ``inside`` is False. What is not finite gives no force, and is no error.
         at: (..., 3), m, of a finger: where it is, on the surface at rest. The answer is that of the nearest place of it, ``distance``
         away: not ``inside`` beyond a quarter of the finger's radius. One place (3,) serves for all displacements, and the other way
         round.

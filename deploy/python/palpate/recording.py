@@ -27,6 +27,8 @@ class Recording(ByValue):
     touching: npt.NDArray[np.bool_]  #: (n,)
     anchor: Numbers  #: (n, 3), m, the point of contact at rest; 0 when not touching
     displacement: Numbers  #: (n, 3), m, of the anchor
+    inside: npt.NDArray[np.bool_]  #: (n,): False where it touched deeper than was computed
+    coverage: Numbers  #: (n,), 0 to 1, as in ``Answers``
     energy: Numbers  #: (n,), J, in the tissue; NaN where the method has none
     error_bound: Numbers  #: (n,), N; NaN where the method gives none
     guards: npt.NDArray[np.int32]  #: (n,), bits: what limited the force
@@ -44,5 +46,6 @@ class Recording(ByValue):
                              status=array("device/status"), tool=array("tool/position"), force=array("force/rendered"),
                              raw_force=array("force/raw"), touching=array("contact/touching").astype(np.bool_),
                              anchor=array("contact/anchor"), displacement=array("contact/displacement"),
+                             inside=array("contact/inside").astype(np.bool_), coverage=array("contact/coverage"),
                              energy=array("contact/energy"), error_bound=array("contact/error_bound"), guards=array("guards"),
                              attributes=attributes)

@@ -59,7 +59,7 @@ TEST(BranchCheck, ExplainsAPolynomialToTheOrderOfItsRules) {
   const SpaceTable space = solvedSpace(Lattice(radius, 0.005), quartic);
   const auto other = *space.lattice.indexOf({1, 1, 0});
   const EdgeCheck check = checkEdge(space.points[0].equilibrium, space.points[other].equilibrium,
-                                    space.lattice.displacement(other));
+                                    space.lattice.displacement(other), 1);
   EXPECT_LT(check.energy_mismatch, 1e-12 * check.change) << "exact up to the fourth degree";
   EXPECT_GT(check.force_mismatch, 1e-6 * check.change);
   EXPECT_LT(check.force_mismatch, check.bend);
@@ -70,6 +70,18 @@ TEST(BranchCheck, FindsEveryEdgeAcrossAJumpOfForceAndNoOther) {
   const SpaceTable smooth = solvedSpace(lattice, StiffeningEnergy());
   for (const double jump : {0.2, 2.0, -20.0})
     EXPECT_EQ(inconsistentEdges(withJump(smooth, jump, 0)), edgesAcross(lattice)) << jump;
+}
+
+/// The same body of a material that is 500 times softer.
+TEST(BranchCheck, FindsTheSameJumpsInABodyWithTinyForces) {
+  const Lattice lattice(radius, 0.005);
+  SpaceTable soft = withJump(solvedSpace(lattice, StiffeningEnergy()), 0.2, 0);
+  for (PointRecord& point : soft.points) {
+    point.equilibrium.energy /= 500;
+    point.equilibrium.force /= 500;
+    point.equilibrium.stiffness /= 500;
+  }
+  EXPECT_EQ(inconsistentEdges(soft), edgesAcross(lattice));
 }
 
 TEST(BranchCheck, FindsBranchesThatDifferInEnergyAlone) {

@@ -104,14 +104,12 @@ TEST_P(EveryCellField, ForceIsContinuousOverHolesLevelsBranchesAndTheSphere) {
   }
 }
 
-TEST_P(EveryCellField, StiffnessIsTheDerivativeOfItsForceInAndOutsideOfTheBall) {
+TEST_P(EveryCellField, StiffnessIsTheDerivativeOfItsForceInTheRegion) {
   const double step = 1e-8;
   for (const SpaceTable& space : {withHoles(), refined(StiffeningEnergy()), branches()}) {
     const auto field = makeForceField(GetParam(), space);
-    std::vector<Vector3d> points = pointsInBall(radius, 300);
-    for (const Vector3d& p : pointsInBall(radius, 50))
-      points.emplace_back(p.normalized() * 1.5 * radius);
-    for (const Vector3d& p : points) {
+    for (const Vector3d& p : pointsInBall(radius, 300)) {
+      if (field->evaluate(p).beyond > 0) continue;
       Matrix3d differences;
       for (int axis = 0; axis < 3; ++axis) {
         const Vector3d d = step * Vector3d::Unit(axis);
@@ -196,15 +194,18 @@ TEST(HermiteField, TricubicCountsThePointsOfItsDifferencesAsCornersToo) {
   EXPECT_LT(makeForceField("tricubic", withHoles())->evaluate(beside_the_hole).coverage, 1);
 }
 
-TEST_P(EveryCellField, AnswersOutsideWithTheNearestPointOfTheSphere) {
+TEST_P(EveryCellField, GoesOnBeyondTheRegionWithAForceThatOnlyGrows) {
   const auto field = makeForceField(GetParam(), withHoles());
   for (const Vector3d& p : pointsInBall(radius, 50)) {
-    const ForceSample at_rim = field->evaluate(radius * (1 - 1e-12) * p.normalized());
-    const ForceSample sample = field->evaluate(3 * radius * p.normalized());
-    EXPECT_TRUE(at_rim.inside);
-    EXPECT_FALSE(sample.inside);
-    EXPECT_LE((sample.force - at_rim.force).norm(), 1e-8);
-    EXPECT_TRUE(std::isnan(sample.error_bound) || sample.error_bound > at_rim.error_bound);
+    const Vector3d unit = p.normalized();
+    double before = -std::numeric_limits<double>::infinity();
+    for (double length = 1.0001 * radius; length < 3 * radius; length += radius / 16) {
+      const ForceSample sample = field->evaluate(length * unit);
+      EXPECT_FALSE(sample.inside);
+      EXPECT_GT(sample.beyond, 0);
+      EXPECT_GT(-unit.dot(sample.force), before);
+      before = -unit.dot(sample.force);
+    }
   }
 }
 
@@ -222,12 +223,12 @@ TEST_P(EveryCellField, SaysSomethingFiniteForAnyDisplacement) {
       const ForceSample sample = field->evaluate(p);
       EXPECT_FALSE(sample.inside);
       EXPECT_TRUE(sample.force.allFinite() && sample.stiffness.allFinite()) << p.transpose();
-      EXPECT_LT(sample.force.norm(), 100);
+      EXPECT_LT(sample.force.norm(), 1000);
     }
     for (const Vector3d& p : pointsInBall(radius, 100)) {
       const ForceSample sample = field->evaluate(p);
       EXPECT_TRUE(sample.force.allFinite() && sample.stiffness.allFinite());
-      EXPECT_LT(sample.force.norm(), 100);
+      EXPECT_LT(sample.force.norm(), 1000);
       EXPECT_GE(sample.coverage, 0);
       EXPECT_LE(sample.coverage, 1);
     }

@@ -36,7 +36,7 @@ TEST(HermiteKernelTest, IsExactAtTheSites) {
   const Eigen::VectorXf data = quantitiesAt(some_sites);
   for (std::size_t s = 0; s < some_sites.size(); ++s) {
     const Eigen::VectorXf found =
-        hermiteCoefficients(some_sites[s], some_sites, all_solved, 0.03) * data;
+        hermiteWeights(some_sites[s], some_sites, all_solved, 0.03).coefficients * data;
     const Eigen::VectorXf exact = quantitiesAt({some_sites[s]});
     EXPECT_LT((found - exact).norm(), 1e-3 * exact.norm());
   }
@@ -45,11 +45,23 @@ TEST(HermiteKernelTest, IsExactAtTheSites) {
 TEST(HermiteKernelTest, InterpolatesAllTenQuantitiesBetweenThem) {
   const Eigen::VectorXf data = quantitiesAt(some_sites);
   const Eigen::Vector3d between(0.004, 0.005, 0);
-  const Eigen::VectorXf found = hermiteCoefficients(between, some_sites, all_solved, 0.03) * data,
+  const Eigen::VectorXf found = hermiteWeights(between, some_sites, all_solved, 0.03).coefficients *
+                                data,
                         exact = quantitiesAt({between});
   EXPECT_NEAR(found[0], exact[0], 1e-3 * exact[0]);
   EXPECT_LT((found.segment<3>(1) - exact.segment<3>(1)).norm(), 0.02 * exact.segment<3>(1).norm());
   EXPECT_LT((found.tail<6>() - exact.tail<6>()).norm(), 0.4 * exact.tail<6>().norm());
+}
+
+TEST(HermiteKernelTest, TellsHowLittleIsKnownFarFromTheSites) {
+  const auto powerAt = [](const Eigen::Vector3d& place) {
+    return hermiteWeights(place, some_sites, all_solved, 0.03).power;
+  };
+  for (const Eigen::Vector3d& site : some_sites) EXPECT_LT(powerAt(site), 1e-4);
+  const double between = powerAt({0.004, 0.005, 0}), beside = powerAt({0.025, 0.02, 0});
+  EXPECT_GT(between, 1e-3);
+  EXPECT_GT(beside, 10 * between);
+  EXPECT_GT(powerAt({1, 0, 0}), 0.99) << "nothing is known there";
 }
 
 TEST(HermiteKernelTest, BelievesLessWhatIsExtrapolated) {
@@ -59,7 +71,7 @@ TEST(HermiteKernelTest, BelievesLessWhatIsExtrapolated) {
   // A drive and a slope as wrong as they are large.
   data.segment<9>(place_quantities + 1) *= -1;
   const auto errorAt = [&](const Eigen::Vector3d& place, const std::vector<bool>& known) {
-    return std::abs((hermiteCoefficients(place, some_sites, known, 0.03) * data)[0] -
+    return std::abs((hermiteWeights(place, some_sites, known, 0.03).coefficients * data)[0] -
                     quantitiesAt({place})[0]);
   };
   const Eigen::Vector3d between(0.008, 0.004, 0.001);

@@ -133,6 +133,43 @@ TEST_F(AreaContact, NoForceJumpsWhileSlidingOverTrianglesAndSites) {
   EXPECT_LT(worst, 0.01);
 }
 
+/// Straight in by more than the body is deep, at places all over the top.
+TEST_F(AreaContact, NothingPassesThroughWithoutTheLargestForce) {
+  for (double x = 0.02; x < 0.09; x += 0.01) {
+    Contact contact(model);
+    double edge = 0, reached = 0;
+    for (double depth = -0.002; depth < 0.12 && reached == 0; depth += 0.0005) {
+      const Touch& touch = contact.update({x, 0.05, 0.1 - depth});
+      EXPECT_EQ(touch.touching, depth > 0 || touch.touching) << depth;
+      if (touch.inside) edge = depth;
+      if (touch.force.norm() >= model.maxForce()) reached = depth;
+    }
+    EXPECT_GT(reached, 0) << "at x = " << x;
+    EXPECT_LT(reached, edge + 0.004) << "at x = " << x;
+  }
+}
+
+TEST_F(AreaContact, TheToolAndTheShapeThatAreShownStopWhereTheAnswersEnd) {
+  Contact contact(model, {.friction = 10});
+  for (int n = 0; n <= 100; ++n) contact.update({0.052, 0.047, 0.101 - 0.0005 * n});
+  const Touch& touch = contact.touch();
+  ASSERT_TRUE(touch.touching);
+  ASSERT_FALSE(touch.inside);
+  EXPECT_GT(touch.beyond, 0.01);
+  EXPECT_NEAR((touch.displacement - touch.excess()).norm(),
+              touch.displacement.norm() - touch.beyond, 1e-12);
+  std::vector<float> shape(3 * surface.vertices().size());
+  DeformedShape deformed(surface.vertices().size());
+  deformed.evaluate(model, touch, shape);
+  Eigen::Vector3d at_anchor = Eigen::Vector3d::Zero();
+  for (std::size_t c = 0; c < 3; ++c)
+    at_anchor +=
+        touch.anchor.barycentric[static_cast<Eigen::Index>(c)] *
+        Eigen::Vector3f::Map(&shape[3 * at(surface.triangles()[at(touch.anchor.triangle)][c])])
+            .cast<double>();
+  EXPECT_LT((at_anchor - (touch.displacement - touch.excess())).norm(), 1e-5);
+}
+
 TEST_F(AreaContact, TheShapePassesThroughTheTool) {
   Contact contact(model, {.friction = 10});
   for (int n = 0; n <= 100; ++n) contact.update({0.052, 0.047, 0.101 - 0.0001 * n});

@@ -61,6 +61,8 @@ HapticState someState(std::uint64_t tick, std::mt19937& random) {
   if (tick % 7 == 0) state.reading.position.y() = not_a_number;
   state.tool = vector();
   state.touch.touching = random() % 2 == 0;
+  state.touch.inside = random() % 2 == 0;
+  state.touch.coverage = std::abs(number(random));
   state.touch.force = vector();
   state.touch.anchor_position = vector();
   state.touch.displacement = vector();
@@ -135,6 +137,10 @@ TEST(Recording, HoldsEveryTickToTheLastBit) {
       "/force/raw", +[](State s) { return s.touch.force; });
   expect(
       "/contact/touching", +[](State s) { return std::uint8_t{s.touch.touching}; });
+  expect(
+      "/contact/inside", +[](State s) { return std::uint8_t{s.touch.inside}; });
+  expect(
+      "/contact/coverage", +[](State s) { return s.touch.coverage; });
   expect(
       "/contact/energy", +[](State s) { return s.touch.energy; });
   expect(

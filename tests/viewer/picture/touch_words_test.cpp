@@ -11,6 +11,7 @@ namespace palpate {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 HapticState touchedWith(double force, double bound) {
   HapticState state;
@@ -33,6 +34,14 @@ TEST(TouchWords, SayForceAndBoundAndOnceThatItIsUncertain) {
   EXPECT_THAT(forceText(touchedWith(1, 0.2)), HasSubstr("uncertain: ± 20 %, a hand notices 7 %"));
   EXPECT_EQ(forceText(touchedWith(1, std::numeric_limits<double>::quiet_NaN())), "1.00 N");
   EXPECT_EQ(forceText(HapticState()), "");
+}
+
+TEST(TouchWords, GiveNoBoundToAWallAndSayThatItIsOne) {
+  HapticState state = touchedWith(1, 0.001);
+  state.touch.inside = false;
+  EXPECT_TRUE(isUncertain(state.touch));
+  EXPECT_THAT(forceText(state), HasSubstr("deeper than was computed"));
+  EXPECT_THAT(forceText(state), Not(HasSubstr("±")));
 }
 
 TEST(TouchWords, SayWhyNothingIsTouchedBesideAndThatItIsNotToTheSameScale) {

@@ -1,0 +1,133 @@
+#include "viewer/fields/answered_region.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+/// Of the answer on solved points: where less is, the region ends, unless the gap is short.
+constexpr double least_support = 0.5;
+/// Spacings. One point that failed among solved ones makes a gap of one.
+constexpr double longest_gap = 1.25;
+/// Of the edge of the smallest leaf: steps along a direction.
+constexpr double step_share = 0.25;
+/// Of the spacing: the region holds at least this much around rest.
+constexpr double least_radius_share = 0.1;
+/// m, and of the ball's radius: in which the continuation reaches max_force.
+constexpr double wall_depth = 3e-3, wall_depth_share = 0.1;
+/// Of the largest stiffness around: tables are coarser than what they tabulate.
+constexpr double stiffness_margin = 1.1;
+
+/// What a region is made of, along straight ways from rest.
+class Ways {
+ public:
+  explicit Ways(const CellData& data) : tree_(data.tree) {
+    for (std::size_t s = 0; s < tree_.slots().size(); ++s) {
+      support_.push_back(tree_.slots()[s].kind == SlotKind::solved ? 1 : 0);
+      stiffness_.push_back(data.equilibria[s].stiffness);
+    }
+    fillHangingTrilinearly(tree_, support_);
+    fillHangingTrilinearly(tree_, stiffness_);
+    smallest_leaf_ = tree_.spacing();
+    for (std::int32_t leaf = 0; leaf < std::ssize(tree_.leaves()); ++leaf)
+      smallest_leaf_ = std::min(smallest_leaf_, tree_.edge(leaf));
+  }
+
+  double radiusAlong(const Eigen::Vector3d& unit) const {
+    const double step = step_share * smallest_leaf_, gap = longest_gap * tree_.spacing();
+    double radius = least_radius_share * tree_.spacing();
+    for (double r = radius; r - radius <= gap; r += step) {
+      const bool is_last = r >= tree_.radius();
+      const LeafPlace place = tree_.find(std::min(r, tree_.radius()) * unit);
+      if (place.leaf >= 0 &&
+          trilinear(tree_.corners(place.leaf), place.local, support_) >= least_support)
+        radius = std::min(r, tree_.radius());
+      if (is_last) break;
+    }
+    return radius;
+  }
+
+  /// N/m, at a displacement in the ball.
+  double stiffnessAlong(const Eigen::Vector3d& unit, double length) const {
+    const LeafPlace place = tree_.find(length * unit);
+    if (place.leaf < 0) return 0;
+    return -unit.dot(trilinear(tree_.corners(place.leaf), place.local, stiffness_) * unit);
+  }
+
+ private:
+  const CellTree& tree_;
+  double smallest_leaf_;
+  std::vector<double> support_;             ///< per slot, 0 to 1
+  std::vector<Eigen::Matrix3d> stiffness_;  ///< per slot
+};
+
+}  // namespace
+
+void RegionEdge::add(double weight, const RegionEdge& other) noexcept {
+  radius += weight * other.radius;
+  stiffness += weight * other.stiffness;
+  radius_slope += weight * other.radius_slope;
+  stiffness_slope += weight * other.stiffness_slope;
+}
+
+AnsweredRegion::AnsweredRegion(const CellData& data) {
+  const Ways ways(data);
+  std::vector<double> stiffness;
+  for (const Eigen::Vector3d& unit : tableDirections()) {
+    edges_.push_back({ways.radiusAlong(unit)});
+    stiffness.push_back(ways.stiffnessAlong(unit, edges_.back().radius));
+  }
+  least_radius_ = data.tree.radius();
+  for (const Edge& edge : edges_) least_radius_ = std::min(least_radius_, edge.radius);
+  const double least = data.max_force / std::min(wall_depth, wall_depth_share * data.tree.radius());
+  for (std::size_t n = 0; n < edges_.size(); ++n) {
+    double largest = 0;
+    for (const std::size_t beside : directionsBeside(n))
+      largest = std::max(largest, stiffness[beside]);
+    edges_[n].stiffness = std::max(least, stiffness_margin * largest);
+  }
+}
+
+RegionEdge AnsweredRegion::along(const DirectionWeights& direction) const noexcept {
+  RegionEdge edge;
+  for (std::size_t n = 0; n < direction.size; ++n) {
+    const Edge& tabulated = edges_[direction.numbers[n]];
+    edge.radius += direction.weights[n] * tabulated.radius;
+    edge.stiffness += direction.weights[n] * tabulated.stiffness;
+    edge.radius_slope += tabulated.radius * direction.gradients[n];
+    edge.stiffness_slope += tabulated.stiffness * direction.gradients[n];
+  }
+  return edge;
+}
+
+ForceSample continuedBeyond(const ForceSample& at_edge, const RegionEdge& edge,
+                            const Eigen::Vector3d& unit, double depth) noexcept {
+  const auto tangential = [&unit](const Eigen::Vector3d& v) -> Eigen::Vector3d {
+    return v - unit.dot(v) * unit;
+  };
+  // Gradient G and Hessian H of the energy at the edge, what the continuation adds to the force.
+  const double radius = edge.radius, length = radius + depth, share = radius / length;
+  const Eigen::Matrix3d hessian = -0.5 * (at_edge.stiffness + at_edge.stiffness.transpose());
+  const Eigen::Vector3d along = hessian * unit, sideways = tangential(along);
+  const double curvature = unit.dot(along), added = edge.stiffness * depth;
+
+  ForceSample sample = at_edge;
+  sample.inside = false;
+  sample.beyond = depth;
+  sample.energy += depth * (0.5 * added - unit.dot(at_edge.force));
+  sample.force -= added * unit + share * depth * sideways +
+                  (depth * (curvature - edge.stiffness) * edge.radius_slope +
+                   0.5 * depth * depth * edge.stiffness_slope) /
+                      length;
+  sample.error_bound += (sample.force - at_edge.force).norm();
+
+  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - unit * unit.transpose();
+  sample.stiffness = -edge.stiffness * unit * unit.transpose() -
+                     (added - share * depth * curvature) / length * across -
+                     share * (1 + depth / length) * across * hessian * across -
+                     share * share * (unit * sideways.transpose() + sideways * unit.transpose());
+  return sample;
+}
+
+}  // namespace palpate
