@@ -13,7 +13,7 @@ struct palpate_guard {
   ForceGuard guard;
 };
 
-static_assert(guard_count == 8 &&
+static_assert(guard_count == 9 &&
               PALPATE_GUARD_RAMPED == static_cast<std::uint32_t>(Guarded::ramped) &&
               PALPATE_GUARD_DAMPED == static_cast<std::uint32_t>(Guarded::damped) &&
               PALPATE_GUARD_CLAMPED == static_cast<std::uint32_t>(Guarded::clamped) &&

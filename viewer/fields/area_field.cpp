@@ -25,11 +25,12 @@ constexpr double reach_in_distances = 1.4;
 constexpr std::size_t sites_of_station = 7, sites_of_judgement = 6;
 /// Of the kernel, in radii of the finger. From 1 to 2 the errors are the same within a third.
 constexpr double kernel_width = 1.5;
-/// What is likely of a bound in p (measured where third derivatives are fitted, here they are
-/// known) and of what a site lacks when the others around stand in for it (it stands farther from
-/// them than places stand from the nearest), and, of the force, what stations leave out. Chosen at
-/// 1000 exact solutions: docs/evaluation.md.
-constexpr double share_of_p_error = 0.3, share_of_lack = 0.2, share_of_force = 0.004;
+/// The bound of an area: of that in p at each site; of the force, what a site lacks when the others
+/// around stand in for it, times the root of the power of the place (HermiteWeights) over that of
+/// the site without itself, between 1, for what is not smooth, and their ratio, for what is; the
+/// power of the place; and what stations leave out. docs/thresholds.md says how they were chosen.
+constexpr double share_of_p_error = 0.7, share_of_lack = 1, share_of_power = 2,
+                 share_of_force = 0.0015;
 /// Of the largest force of a site: below it nothing is taken as a share of a force.
 constexpr float weakest_share = 0.01f;
 /// Of refinement (Accuracy::levels).
@@ -310,7 +311,7 @@ void AreaField::judge(std::size_t site, const std::vector<const SpaceTable*>& sp
                        kernel_width * finger_);
   if (others.from.empty()) return;
   const CellTree& tree = own.tree;
-  const auto share = static_cast<float>(share_of_lack / others.power());
+  const auto share = static_cast<float>(share_of_lack / std::sqrt(others.power()));
   const auto slopeOf = [](const auto& jet) {
     return Eigen::Vector3f(jet(1, 0), jet(3, 0), jet(9, 0));
   };
@@ -523,8 +524,9 @@ void AreaField::addJudgement(const Eigen::Vector3d& s, const Eigen::Vector3d& p,
     coverage += weight * static_cast<double>(static_cast<float>(covered));
   });
   if (whole < std::numeric_limits<double>::min()) return;
-  sample.error_bound = share_of_p_error * error / whole +
-                       (power * lack / whole + share_of_force) * sample.force.norm();
+  const double share =
+      std::sqrt(power) * lack / whole + share_of_power * power + share_of_force;  // of the force
+  sample.error_bound = share_of_p_error * error / whole + share * sample.force.norm();
   sample.coverage = std::clamp(coverage / whole, 0.0, 1.0);
   sample.inside = sample.coverage > 0;
 }

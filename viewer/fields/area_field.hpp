@@ -115,7 +115,8 @@ class AreaField {
   };
   /// What is said at a slot of a site's lattice.
   struct Doubt {
-    /// Of the force, by the power of the place: what is lacking when the others around stand in.
+    /// Of the force, by the root of the power of the place: what is lacking when the others around
+    /// stand in.
     float lack = 0;
     float coverage = 0;  ///< as ForceSample::coverage
   };

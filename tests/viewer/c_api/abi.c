@@ -31,6 +31,7 @@ static void printConstants(void) {
   CONSTANT(PALPATE_GUARD_LOST);
   CONSTANT(PALPATE_GUARD_NOT_FINITE);
   CONSTANT(PALPATE_GUARD_LATE);
+  CONSTANT(PALPATE_GUARD_BEYOND);
 }
 
 int main(void) {
@@ -138,6 +139,7 @@ int main(void) {
   MEMBER(palpate_touch, share_count);
   MEMBER(palpate_touch, share_spaces);
   MEMBER(palpate_touch, share_weights);
+  MEMBER(palpate_touch, beyond);
 
   STRUCT(palpate_profile);
   MEMBER(palpate_profile, size);
