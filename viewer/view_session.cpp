@@ -372,7 +372,7 @@ class ViewSession {
   PictureStatus status_;
   std::string said_;  ///< the trouble that was logged last
   std::chrono::steady_clock::time_point looked_;
-  bool doubted_ = false;  ///< where the hand is
+  bool doubted_ = false;                  ///< where the hand is
   std::unique_ptr<ModelsReload> reload_;  ///< while datasets are read again
   bool quit_ = false;
 };

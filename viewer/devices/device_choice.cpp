@@ -132,8 +132,8 @@ std::string doubtsOf(const DeviceProfile& profile) {
       profile.workspace_radius <= most_radius)
     return {};
   return fmt::format(
-      "it says that it gives {:g} N and reaches {:g} m, which no haptic device does: are its limits "
-      "in newtons and metres? Limit it with --profile",
+      "it says that it gives {:g} N and reaches {:g} m, which no haptic device does: are its "
+      "limits in newtons and metres? Limit it with --profile",
       profile.max_force, profile.workspace_radius);
 }
 
