@@ -37,6 +37,9 @@ const DeviceProfile* profileNamed(const char* function, std::string_view name) {
   return found;
 }
 
+/// Periods, as ForceGuard demands.
+constexpr std::uint32_t most_delay = EnergyLimit::remembered - 2;
+
 using Options = palpate_guard_options;
 constexpr std::array<OptionNumber<Options, GuardOptions>, 8> limits = {
     {{"options->period", Least::above_zero, &Options::period, &GuardOptions::period},
@@ -120,6 +123,11 @@ palpate_status palpate_guard_create(const palpate_guard_options* options, palpat
   if (!takeOptions(__func__, options, given)) return PALPATE_INVALID_ARGUMENT;
   if (std::isnan(given.max_slew)) given.max_slew = 0;
   if (!takeOver(__func__, given, chosen, limits)) return PALPATE_INVALID_ARGUMENT;
+  if (chosen.delay > most_delay * chosen.period) {
+    refuse("{}: options->delay is {}; it must be at most {} periods", __func__, chosen.delay,
+           most_delay);
+    return PALPATE_INVALID_ARGUMENT;
+  }
   return withoutExceptions(__func__, [&] { *guard = new palpate_guard{ForceGuard(chosen)}; });
 }
 

@@ -45,7 +45,7 @@ public unsafe struct Sample {  // 136 bytes
 }
 
 [StructLayout(LayoutKind.Sequential)]
-public unsafe struct Touch {  // 360 bytes
+public unsafe struct Touch {  // 368 bytes
   public UIntPtr Size;
   public int Touching, Stepped, Inside, Triangle;
   public Vector3d Force;
@@ -56,13 +56,14 @@ public unsafe struct Touch {  // 360 bytes
   public int ShareCount;
   public fixed int ShareSpaces[9];
   public fixed double ShareWeights[9];
+  public double Beyond;
   public static Touch Create() => new Touch { Size = (UIntPtr)sizeof(Touch) };
 }
 
 [StructLayout(LayoutKind.Sequential)]
-public struct GuardOptions {  // 64 bytes
+public struct GuardOptions {  // 72 bytes
   public UIntPtr Size;
-  public double Period, MaxForce, MaxSlew, Ramp, Stall, MaxStiffness, EnergyCredit;
+  public double Period, MaxForce, MaxSlew, Ramp, Stall, MaxStiffness, EnergyCredit, Delay;
   public static GuardOptions Create() => new GuardOptions { Size = (UIntPtr)Marshal.SizeOf<GuardOptions>() };
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "tests/support/failed_point.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/viewer/fields/points_in_ball.hpp"
 #include "viewer/fields/potential_field.hpp"
@@ -17,19 +18,13 @@ using test::radius;
 using test::solvedSpace;
 using test::StiffeningEnergy;
 
-constexpr double spacing = 0.005;
-
-PointRecord failedPoint() {
-  PointRecord point;
-  point.tag = Tag::failed;
-  return point;
-}
+constexpr double edge_length = 0.005;  ///< m, of the cells
 
 /// Solved up to x = 7.5 mm; beyond that everything failed.
 SpaceTable halfSolved() {
-  SpaceTable space = solvedSpace(Lattice(radius, spacing), StiffeningEnergy());
+  SpaceTable space = solvedSpace(Lattice(radius, edge_length), StiffeningEnergy());
   for (std::int32_t n = 0; n < space.lattice.size(); ++n)
-    if (space.lattice.displacement(n).x() > 0.0075) space.points[at(n)] = failedPoint();
+    if (space.lattice.displacement(n).x() > 0.0075) space.points[at(n)] = test::failedPoint();
   return space;
 }
 
@@ -62,19 +57,19 @@ TEST(DirectionWeights, AreAPartitionOfUnityWithExactGradients) {
 }
 
 TEST(AnsweredRegion, IsTheBallWhereAllIsSolved) {
-  const SpaceTable space = solvedSpace(Lattice(radius, spacing), StiffeningEnergy());
+  const SpaceTable space = solvedSpace(Lattice(radius, edge_length), StiffeningEnergy());
   EXPECT_NEAR(AnsweredRegion(CellData(space)).leastRadius(), radius, 1e-15);
   EXPECT_NEAR(edgeOf(space, {1, 2, 3}).radius, radius, 1e-15);
 }
 
 TEST(AnsweredRegion, EndsWhereHalfOfTheAnswerWouldBeExtrapolated) {
-  EXPECT_NEAR(edgeOf(halfSolved(), Vector3d::UnitX()).radius, 0.0075, 0.5 * spacing);
+  EXPECT_NEAR(edgeOf(halfSolved(), Vector3d::UnitX()).radius, 0.0075, 0.5 * edge_length);
   EXPECT_NEAR(edgeOf(halfSolved(), -Vector3d::UnitX()).radius, radius, 1e-15);
 }
 
 TEST(AnsweredRegion, BridgesASinglePointThatFailed) {
-  SpaceTable space = solvedSpace(Lattice(radius, spacing), StiffeningEnergy());
-  space.points[at(*space.lattice.indexOf({2, 0, 0}))] = failedPoint();
+  SpaceTable space = solvedSpace(Lattice(radius, edge_length), StiffeningEnergy());
+  space.points[at(*space.lattice.indexOf({2, 0, 0}))] = test::failedPoint();
   EXPECT_NEAR(edgeOf(space, Vector3d::UnitX()).radius, radius, 1e-15);
 }
 

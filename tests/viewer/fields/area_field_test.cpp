@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "tests/support/failed_point.hpp"
 #include "tests/viewer/fields/area_sample.hpp"
 
 namespace palpate {
@@ -15,12 +16,6 @@ std::vector<const SpaceTable*> pointersTo(const std::vector<SpaceTable>& spaces)
   std::vector<const SpaceTable*> pointers;
   for (const SpaceTable& space : spaces) pointers.push_back(&space);
   return pointers;
-}
-
-PointRecord failedPoint() {
-  PointRecord point;
-  point.tag = Tag::failed;
-  return point;
 }
 
 /// Places well inside of the square, displacements well inside of the ball.
@@ -108,7 +103,7 @@ TEST_F(AreaFieldTest, IsOneEnergyOfPlaceAndDisplacementBeyondWhatWasComputedToo)
   for (std::size_t n = 0; n < uneven.size(); n += 2)
     for (std::int32_t point = 0; point < uneven[n].lattice.size(); ++point)
       if (uneven[n].lattice.displacement(point).x() > 0.015)
-        uneven[n].points[at(point)] = failedPoint();
+        uneven[n].points[at(point)] = test::failedPoint();
   const AreaField area(pointersTo(uneven), PaperArea::plane(0.002));
   constexpr double h = 1e-4;
   int beyond = 0;

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "common/space/space_table.hpp"
+
+namespace palpate::test {
+
+/// A lattice point that was tried and has no equilibrium.
+inline PointRecord failedPoint() {
+  PointRecord point;
+  point.tag = Tag::failed;
+  return point;
+}
+
+}  // namespace palpate::test
