@@ -41,10 +41,10 @@ std::string describeOutside(const Lattice& lattice, const Eigen::Vector3d& displ
   if (displacement.stableNorm() > lattice.radius())
     return fmt::format(
         "|displacement| = {:.6g} m is beyond the workspace radius {:.6g} m.\n"
-        "              The values are those at the nearest point of the workspace ball",
+        "              The force goes on from where the answers end, and only stiffens",
         displacement.stableNorm(), lattice.radius());
-  return "none of the lattice points around it was solved.\n"
-         "              The values are an extrapolation";
+  return "that deep nothing was solved along this direction.\n"
+         "              The force goes on from where the answers end, and only stiffens";
 }
 
 /// What is missing around a displacement in the ball, for a person; of the uniform lattice.

@@ -132,7 +132,7 @@ TEST_F(QueryCommand, TellsAPersonWhatIsMissingAroundADisplacement) {
   const LatticePoint failed = sample.lattice.point(7);
   options.displacement.clear();
   for (const std::int32_t coordinate : failed)
-    options.displacement.push_back(fmt::format("{}", 0.0099 * coordinate));
+    options.displacement.push_back(fmt::format("{}", 0.005 * coordinate));
   EXPECT_EQ(ask(), ExitCode::done);
   EXPECT_THAT(answer, HasSubstr(fmt::format("({}, {}, {}) failed (wrong_inertia)", failed[0],
                                             failed[1], failed[2])));

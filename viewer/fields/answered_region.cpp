@@ -24,7 +24,10 @@ class Ways {
  public:
   explicit Ways(const CellData& data) : tree_(data.tree) {
     for (std::size_t s = 0; s < tree_.slots().size(); ++s) {
-      support_.push_back(tree_.slots()[s].kind == SlotKind::solved ? 1 : 0);
+      const bool is_solved = tree_.slots()[s].kind == SlotKind::solved;
+      const double length = tree_.displacement(static_cast<std::int32_t>(s)).norm();
+      // Beyond the ball a corner is extrapolated as a rule, and says nothing.
+      support_.emplace_back(is_solved, is_solved || isWithin(length, tree_.radius()));
       stiffness_.push_back(data.equilibria[s].stiffness);
     }
     fillHangingTrilinearly(tree_, support_);
@@ -40,9 +43,7 @@ class Ways {
     for (double r = radius; r - radius <= gap; r += step) {
       const bool is_last = r >= tree_.radius();
       const LeafPlace place = tree_.find(std::min(r, tree_.radius()) * unit);
-      if (place.leaf >= 0 &&
-          trilinear(tree_.corners(place.leaf), place.local, support_) >= least_support)
-        radius = std::min(r, tree_.radius());
+      if (place.leaf >= 0 && isSupported(place)) radius = std::min(r, tree_.radius());
       if (is_last) break;
     }
     return radius;
@@ -56,9 +57,14 @@ class Ways {
   }
 
  private:
+  bool isSupported(const LeafPlace& place) const {
+    const Eigen::Vector2d shares = trilinear(tree_.corners(place.leaf), place.local, support_);
+    return shares[0] >= least_support * shares[1];
+  }
+
   const CellTree& tree_;
   double smallest_leaf_;
-  std::vector<double> support_;             ///< per slot, 0 to 1
+  std::vector<Eigen::Vector2d> support_;    ///< per slot: is solved, counts; 0 to 1
   std::vector<Eigen::Matrix3d> stiffness_;  ///< per slot
 };
 

@@ -102,8 +102,8 @@ TEST_P(EveryRbfField, ForceIsContinuousEverywhere) {
     Vector3d before = field->evaluate(start - 0.03 * direction).force;
     for (int n = 1; n <= 20000; ++n) {
       const Vector3d force = field->evaluate(start + (n * 3e-6 - 0.03) * direction).force;
-      EXPECT_LE((force - before).norm(),
-                3e-6 * 300);  // 300 N/m is more than the stiffness anywhere
+      // N/m: more than the stiffness anywhere, beyond the ball of 3.3 N in 2 mm
+      EXPECT_LE((force - before).norm(), 3e-6 * 2000);
       before = force;
     }
   }
