@@ -13,7 +13,7 @@ inline const char* lampWords(int bit) {
   static constexpr std::array<const char*, guard_count> words = {
       "fading in",         "calming vibration", "device at its limit",
       "slowing a jump",    "no new position",   "device gone",
-      "impossible number", "computer too slow", "deeper than was computed"};
+      "impossible number", "computer too slow", "deeper than computed"};
   return bit >= 0 && bit < guard_count ? words[static_cast<std::size_t>(bit)] : "";
 }
 /// The same as a sentence.
