@@ -25,6 +25,7 @@ struct HeldForces {
   double delay = 0;     ///< s, from the motion that was read to the force that answers it
   double interval = 0;  ///< s, since the reading before; 0: a period for each tick
   double hold = 0;      ///< s, that a force is held; 0: a period
+  bool operator==(const HeldForces&) const = default;
 };
 
 /// One reading of a device. Nothing in it can be trusted: a device may send NaN.

@@ -39,6 +39,15 @@ Eigen::Vector3d whileTouching(const Touch& touch, const Eigen::Vector3d& value) 
   return touch.touching ? value : Eigen::Vector3d::Zero().eval();
 }
 
+Eigen::Vector3d timesOf(const HeldForces& held) { return {held.delay, held.interval, held.hold}; }
+std::uint32_t forcesOf(const HeldForces& held) {
+  return held.newest | (std::uint32_t{held.oldest} << 16);
+}
+HeldForces heldForces(std::uint32_t forces, const Eigen::Vector3d& times) {
+  return {static_cast<std::uint16_t>(forces), static_cast<std::uint16_t>(forces >> 16), times[0],
+          times[1], times[2]};
+}
+
 /// Every list of a recording: the path of its array, its unit, and what it takes from a state.
 auto makeChannels() {
   using State = const HapticState&;
@@ -48,6 +57,9 @@ auto makeChannels() {
       Channel{"/device/buttons", "bits", +[](State s) { return s.reading.buttons; }},
       Channel{"/device/status", "0 fresh, 1 repeated, 2 lost, 3 away",
               +[](State s) { return s.reading.status; }},
+      Channel{"/device/held_times", "s", +[](State s) { return timesOf(s.reading.held); }},
+      Channel{"/device/held_forces", "ticks ago",
+              +[](State s) { return forcesOf(s.reading.held); }},
       Channel{"/tool/position", "m", +[](State s) { return s.tool; }},
       Channel{"/force/rendered", "N", +[](State s) { return s.force; }},
       Channel{"/force/raw", "N", +[](State s) { return s.touch.force; }},
@@ -208,11 +220,21 @@ Recording readRecording(const std::filesystem::path& file) {
   const auto positions = in.readList<Eigen::Vector3d>("/device/position");
   const auto buttons = in.readList<std::uint32_t>("/device/buttons", positions.size());
   const auto status = in.readList<DeviceStatus>("/device/status", positions.size());
+  // Recordings from before they were written: as of a device that is read in the tick.
+  const bool held =
+      std::ranges::count(in.arrays(), "/device/held_times", &hdf5::ArrayInfo::path) > 0;
+  std::vector<Eigen::Vector3d> times;
+  std::vector<std::uint32_t> forces;
+  if (held) {
+    times = in.readList<Eigen::Vector3d>("/device/held_times", positions.size());
+    forces = in.readList<std::uint32_t>("/device/held_forces", positions.size());
+  }
   recording.readings.reserve(positions.size());
   for (std::size_t tick = 0; tick < positions.size(); ++tick) {
     if (status[tick] > DeviceStatus::away)
       throw in.damaged("/device/status", fmt::format("entry {} is no known status", tick));
-    recording.readings.push_back({positions[tick], buttons[tick], status[tick]});
+    recording.readings.push_back({positions[tick], buttons[tick], status[tick],
+                                  held ? heldForces(forces[tick], times[tick]) : HeldForces{}});
   }
   return recording;
 }

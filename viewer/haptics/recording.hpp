@@ -52,6 +52,8 @@ class Recorder {
   ///   /device/buttons       int32    n     bits
   ///   /device/status        uint8    n     DeviceStatus: 0 fresh, 1 repeated, 2 lost, 3 away:
   ///                                      part of the format
+  ///   /device/held_times    float64  n x 3 s, HeldForces: delay, interval, hold
+  ///   /device/held_forces   int32    n     HeldForces: newest + 65536 oldest
   ///   /tool/position        float64  n x 3 m, scene frame
   ///   /force/rendered, raw  float64  n x 3 N, scene frame, after and before the guard
   ///   /contact/touching     uint8    n     0 or 1

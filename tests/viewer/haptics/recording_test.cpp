@@ -59,6 +59,8 @@ HapticState someState(std::uint64_t tick, std::mt19937& random) {
   state.reading = {vector(), static_cast<std::uint32_t>(random()),
                    static_cast<DeviceStatus>(random() % 3)};
   if (tick % 7 == 0) state.reading.position.y() = not_a_number;
+  state.reading.held = {static_cast<std::uint16_t>(random()), static_cast<std::uint16_t>(random()),
+                        number(random), number(random), number(random)};
   state.tool = vector();
   state.touch.touching = random() % 2 == 0;
   state.touch.inside = random() % 2 == 0;
@@ -178,6 +180,7 @@ TEST(Recording, GivesTheReadingsOfTheDeviceBackToTheLastBit) {
     EXPECT_TRUE(sameBits(read.readings[n].position, states[n].reading.position)) << n;
     EXPECT_EQ(read.readings[n].buttons, states[n].reading.buttons);
     EXPECT_EQ(read.readings[n].status, states[n].reading.status);
+    EXPECT_EQ(read.readings[n].held, states[n].reading.held) << n;
   }
 }
 
