@@ -8,7 +8,7 @@ namespace palpate {
 
 namespace {
 
-double seconds(DeviceExchange::Clock::duration time) {
+double inSeconds(DeviceExchange::Clock::duration time) {
   return std::chrono::duration<double>(time).count();
 }
 
@@ -16,8 +16,8 @@ double seconds(DeviceExchange::Clock::duration time) {
 
 /// s, from a reading to the force that is written now: the device takes it at its next turn.
 double DeviceExchange::delayOf(const Arrival& arrival, Clock::time_point now) noexcept {
-  const double age = seconds(now - arrival.time), turn = seconds(arrival.turn),
-               offset = seconds(arrival.offset);
+  const double age = inSeconds(now - arrival.time), turn = inSeconds(arrival.turn),
+               offset = inSeconds(arrival.offset);
   if (!(turn > 0)) return age;
   return offset + turn * std::max(0.0, std::floor((age - offset) / turn) + 1);
 }
@@ -34,8 +34,8 @@ DeviceReading DeviceExchange::read(Clock::time_point now) noexcept {
         force == 0 ? 0 : std::min<std::uint64_t>(written_ - force + 1, UINT16_MAX));
   };
   reading.held = {ticksAgo(arrival.newest), ticksAgo(oldest), delayOf(arrival, now),
-                  unseen > 0 && seen_.number > 0 ? seconds(arrival.time - seen_.time) : 0,
-                  seconds(arrival.turn)};
+                  unseen > 0 && seen_.number > 0 ? inSeconds(arrival.time - seen_.time) : 0,
+                  inSeconds(arrival.turn)};
   seen_ = arrival;
   if (reading.status == DeviceStatus::lost) return reading;
   if (now - arrival.time > silence)
@@ -68,7 +68,7 @@ Eigen::Vector3d DeviceExchange::force(Clock::time_point now) noexcept {
   const bool usable = !halted && taken.force.allFinite();
   const std::uint64_t number = usable ? taken.number : 0;
   // Later than at once: the force before was held on the way to the next reading too.
-  if (number != next_.newest && seconds(now - next_.time) <= at_once * seconds(next_.turn))
+  if (number != next_.newest && inSeconds(now - next_.time) <= at_once * inSeconds(next_.turn))
     next_.oldest = number;
   next_.newest = number;
   return usable ? taken.force : Eigen::Vector3d::Zero().eval();
