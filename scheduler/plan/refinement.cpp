@@ -118,9 +118,13 @@ class CellInspection {
   }
 
   /// Halving a cell that a jump between branches crosses leaves the jump where it is. An edge that
-  /// is merely suspect gets one chance: over half its length the two are told apart.
+  /// is merely suspect gets one chance: over half its length the two are told apart. Of a finger so
+  /// does what looks like a jump: over a coarse edge tissue stiffens and softens again, and neither
+  /// end knows.
   bool isAtJump(std::int32_t leaf) const {
-    const std::set<LatticeEdge>& edges = tree_.leaves()[at(leaf)].level == 0 ? jumps_ : suspects_;
+    const int level = tree_.leaves()[at(leaf)].level, first = space_.patch.finger ? 1 : 0;
+    if (level < first) return false;
+    const std::set<LatticeEdge>& edges = level == first ? jumps_ : suspects_;
     const LeafCorners& corners = tree_.corners(leaf);
     for (std::size_t c = 0; c < 8; ++c)
       for (const std::size_t along : {1, 2, 4}) {

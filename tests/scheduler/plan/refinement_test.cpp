@@ -95,6 +95,52 @@ TEST(Refinement, DoesNotHalveCellsThatAJumpBetweenBranchesCrosses) {
   for (const LatticeCell& cell : next.splits) EXPECT_NE(cell.lowest[0], 0) << "crossed by the jump";
 }
 
+/// Soft, stiff for a few millimetres on the way along x, and soft again: forces at the ends of a
+/// coarse edge over it look like those of two branches.
+class StepEnergy : public test::AnalyticEnergy {
+ public:
+  double energy(const Vector3d& p) const override {
+    return 30 * p.squaredNorm() +
+           force * (width * std::log(std::cosh((p.x() - middle) / width)) + p.x() * before -
+                    width * std::log(std::cosh(middle / width)));
+  }
+  Vector3d gradient(const Vector3d& p) const override {
+    return 60 * p + force * (std::tanh((p.x() - middle) / width) + before) * Vector3d::UnitX();
+  }
+  Eigen::Matrix3d hessian(const Vector3d& p) const override {
+    Eigen::Matrix3d h = 60 * Eigen::Matrix3d::Identity();
+    h(0, 0) += force / width / std::pow(std::cosh((p.x() - middle) / width), 2);
+    return h;
+  }
+
+ private:
+  static constexpr double middle = 0.015, width = 0.004, force = 2;
+  const double before = std::tanh(middle / width);
+};
+
+TEST(Refinement, HalvesAFingersCellsOnceWhereAJumpMayBeNone) {
+  const Scene scene = adaptiveScene(0.03);
+  const StepEnergy energy;
+  SpaceTable space = solvedStart(scene, energy);
+  ASSERT_FALSE(inconsistentEdges(space).empty()) << "one may take it for a jump";
+  const auto splits_there = [](const Refinement& next) {
+    return std::ranges::any_of(next.splits,
+                               [](const LatticeCell& cell) { return cell.lowest[0] == 0; });
+  };
+  EXPECT_FALSE(splits_there(nextRefinement(space, scene)));
+  space.patch.finger = Finger{Vector3d::Zero(), 0.03};
+  EXPECT_LT(nextRefinement(space, scene).kept, 0.9);
+  int rounds = 0;
+  for (Refinement next = nextRefinement(space, scene); !next.empty();
+       next = nextRefinement(space, scene)) {
+    EXPECT_TRUE(rounds > 0 || splits_there(next));
+    space = refined(space, next, energy);
+    space.patch.finger = Finger{Vector3d::Zero(), 0.03};
+    ASSERT_LT(++rounds, 12);
+  }
+  EXPECT_GE(nextRefinement(space, scene).kept, 0.99);
+}
+
 TEST(Refinement, EndsWithTheAccuracyKept) {
   const Scene scene = adaptiveScene(0.03);
   const RidgeEnergy energy;
