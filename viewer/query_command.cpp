@@ -157,10 +157,10 @@ std::function<ExitCode()> prepareQuery(CLI::App& app) {
       "Prints the force on the tool in N and the stiffness d force / d displacement in N/m.\n"
       "coverage (--json): share of the answer that stands on solved lattice points of one branch.\n"
       "Exit codes: 0 done, 1 failed, 2 wrong usage, "
-      "3 some displacement lies outside of the workspace ball, or\n"
-      "where nothing around was solved, or some place is away from the surface, has no site of "
-      "the finger near,\nor rests on what is fixed (it is answered all the same, and marked), "
-      "130 interrupted.");
+      "3 some displacement lies beyond what was computed\n"
+      "(the workspace ball, or less where points failed), or some place is away from the surface, "
+      "has no site\nof the finger near, or rests on what is fixed (it is answered all the same, "
+      "and marked), 130 interrupted.");
   return [options] { return query(*options, std::cin, std::cout); };
 }
 

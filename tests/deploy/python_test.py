@@ -348,6 +348,11 @@ class PythonArrays(WithDatasets):
             np.testing.assert_array_equal(recording.raw_force, f["force/raw"])
         self.assertIn("nodes", recording.attributes["models"] + recording.attributes["datasets"])
         self.assertEqual(recording, palpate.Recording.read(run))
+        with h5py.File(run, "a") as f:
+            del f["contact/inside"], f["contact/coverage"]
+        older = palpate.Recording.read(run)
+        np.testing.assert_array_equal(older.force, recording.force)
+        self.assertTrue(older.inside.all() and np.isnan(older.coverage).all())
         half = self.folder / "half.h5"
         with h5py.File(half, "w") as f:
             f.attrs["format"] = "palpate-recording"

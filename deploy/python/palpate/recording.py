@@ -27,8 +27,8 @@ class Recording(ByValue):
     touching: npt.NDArray[np.bool_]  #: (n,)
     anchor: Numbers  #: (n, 3), m, the point of contact at rest; 0 when not touching
     displacement: Numbers  #: (n, 3), m, of the anchor
-    inside: npt.NDArray[np.bool_]  #: (n,): False where it touched deeper than was computed
-    coverage: Numbers  #: (n,), 0 to 1, as in ``Answers``
+    inside: npt.NDArray[np.bool_]  #: (n,): False where it touched deeper than was computed; older recordings: True
+    coverage: Numbers  #: (n,), 0 to 1, as in ``Answers``; older recordings: NaN
     energy: Numbers  #: (n,), J, in the tissue; NaN where the method has none
     error_bound: Numbers  #: (n,), N; NaN where the method gives none
     guards: npt.NDArray[np.int32]  #: (n,), bits: what limited the force
@@ -41,11 +41,15 @@ class Recording(ByValue):
             def array(path: str) -> npt.NDArray[Any]:
                 return np.asarray(f[path])
 
+            time = array("time")
+            older = "contact/inside" not in f
+            inside = np.ones(time.shape) if older else array("contact/inside")
+            coverage = np.full(time.shape, np.nan) if older else array("contact/coverage")
             attributes = {name: value.decode() if isinstance(value, bytes) else value for name, value in f.attrs.items()}
-            return Recording(time=array("time"), device_position=array("device/position"), buttons=array("device/buttons"),
+            return Recording(time=time, device_position=array("device/position"), buttons=array("device/buttons"),
                              status=array("device/status"), tool=array("tool/position"), force=array("force/rendered"),
                              raw_force=array("force/raw"), touching=array("contact/touching").astype(np.bool_),
                              anchor=array("contact/anchor"), displacement=array("contact/displacement"),
-                             inside=array("contact/inside").astype(np.bool_), coverage=array("contact/coverage"),
+                             inside=inside.astype(np.bool_), coverage=coverage,
                              energy=array("contact/energy"), error_bound=array("contact/error_bound"), guards=array("guards"),
                              attributes=attributes)

@@ -5,7 +5,9 @@
 #include <algorithm>
 
 #include "common/interpolation/branch_check.hpp"
+#include "common/interpolation/field_error.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/points_in_ball.hpp"
 #include "tests/support/sample_dataset.hpp"
 
 namespace palpate {
@@ -61,6 +63,24 @@ SpaceTable refined(const SpaceTable& space, const Refinement& next,
               return a.level != b.level ? a.level < b.level : a.lowest < b.lowest;
             });
   return result;
+}
+
+/// Of 1000 positions in the ball, how many keep the scene's accuracy, by the energy itself.
+double shareKept(const SpaceTable& space, const Scene& scene, const test::AnalyticEnergy& energy) {
+  const CellTree tree(space);
+  const std::vector<LatticeEdge> inconsistent = inconsistentEdges(space);
+  LocalFits fits(space.lattice.unit());
+  const std::vector<EnergyJet> jets =
+      energyJets(tree, slotPolynomials(tree, space, inconsistent,
+                                       ghostPolynomials(tree, space, inconsistent, fits), fits));
+  double kept = 0;
+  for (const Vector3d& p : test::pointsInBall(tree.radius(), 1000)) {
+    const Vector3d exact = -energy.gradient(p);
+    const double error = (evaluateEnergy(tree, jets, tree.find(p)).force - exact).norm();
+    if (error <= std::max(scene.accuracy.force_error * exact.norm(), scene.accuracy.force_floor))
+      ++kept;
+  }
+  return kept / 1000;
 }
 
 bool hasFailedCorner(const SpaceTable& space, const LatticeCell& cell) {
@@ -154,6 +174,7 @@ TEST(Refinement, EndsWithTheAccuracyKept) {
   }
   EXPECT_LT(kept_before, 0.9);
   EXPECT_GE(nextRefinement(space, scene).kept, 0.998);
+  EXPECT_GE(shareKept(space, scene, energy), 0.998) << "the energy itself says so";
   EXPECT_LT(space.lattice.size(), 1000)
       << "a uniform lattice of the finest spacing has 16 times as many";
 }

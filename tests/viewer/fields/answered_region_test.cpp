@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "tests/support/failed_point.hpp"
+#include "tests/support/points_in_ball.hpp"
 #include "tests/support/sample_dataset.hpp"
-#include "tests/viewer/fields/points_in_ball.hpp"
 #include "viewer/fields/potential_field.hpp"
 
 namespace palpate {

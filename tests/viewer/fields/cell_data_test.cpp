@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/points_in_ball.hpp"
 #include "tests/support/sample_dataset.hpp"
-#include "tests/viewer/fields/points_in_ball.hpp"
 
 namespace palpate {
 namespace {

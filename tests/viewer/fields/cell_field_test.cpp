@@ -6,8 +6,8 @@
 #include <limits>
 #include <random>
 
+#include "tests/support/points_in_ball.hpp"
 #include "tests/support/sample_dataset.hpp"
-#include "tests/viewer/fields/points_in_ball.hpp"
 #include "viewer/fields/field_choice.hpp"
 
 namespace palpate {

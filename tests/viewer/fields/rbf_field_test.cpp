@@ -6,8 +6,8 @@
 #include <random>
 
 #include "tests/support/expect_error.hpp"
+#include "tests/support/points_in_ball.hpp"
 #include "tests/support/sample_dataset.hpp"
-#include "tests/viewer/fields/points_in_ball.hpp"
 #include "viewer/fields/field_choice.hpp"
 
 namespace palpate {

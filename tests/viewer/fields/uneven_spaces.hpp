@@ -2,7 +2,7 @@
 
 #include "common/base/index.hpp"
 #include "tests/support/sample_dataset.hpp"
-#include "tests/viewer/fields/points_in_ball.hpp"
+#include "tests/support/points_in_ball.hpp"
 
 /// Spaces of StiffeningEnergy in the ball of points_in_ball.hpp that are not the same all over.
 namespace palpate::test {
