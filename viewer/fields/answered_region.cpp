@@ -128,8 +128,11 @@ ForceSample continuedBeyond(const ForceSample& at_edge, const RegionEdge& edge,
                       length;
   sample.error_bound += (sample.force - at_edge.force).norm();
 
+  // Where the edge is oblique the wall is steep across it.
+  const Eigen::Vector3d steepest = unit - edge.radius_slope / length;
   const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - unit * unit.transpose();
-  sample.stiffness = -edge.stiffness * unit * unit.transpose() -
+  sample.stiffness = -edge.stiffness * steepest * steepest.transpose() +
+                     curvature * (steepest * steepest.transpose() - unit * unit.transpose()) -
                      (added - share * depth * curvature) / length * across -
                      share * (1 + depth / length) * across * hessian * across -
                      share * share * (unit * sideways.transpose() + sideways * unit.transpose());

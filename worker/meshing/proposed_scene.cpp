@@ -170,7 +170,7 @@ tool = "finger"
 radius = {:.4g}{}# {}: of the finger, at least the length of an edge of the mesh
 
 [workspace]                          # how far the finger pushes, and how finely that is computed
-radius = {:.4g}{}# {}: about as deep as the device's largest force reaches
+radius = {:.4g}{}# {}: a limit: thick parts meet the device's largest force before, thin ones give way
 spacing = {:.4g}{}# {}: of the coarsest lattice of displacements
 )",
                    fixed.why, fixed.toml, radius, pad(radius), unit_.word, depth, pad(depth),

@@ -112,6 +112,25 @@ TEST_F(BeyondTheRegion, EnergyAndForceGoOnWithoutAStep) {
   }
 }
 
+TEST_F(BeyondTheRegion, TheStiffnessJustBeyondTheEdgeIsTheSlopeOfTheForce) {
+  double steepest = 0;
+  for (const Vector3d& p : outside()) {
+    const double length = p.norm(), edge = length - field.evaluate(p).beyond;
+    const Vector3d near = (edge + 1e-5) * p / length;
+    constexpr double h = 1e-8;
+    Eigen::Matrix3d slope;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vector3d d = h * Vector3d::Unit(axis);
+      slope.col(axis) = (field.evaluate(near + d).force - field.evaluate(near - d).force) / (2 * h);
+    }
+    const Eigen::Matrix3d stiffness = field.evaluate(near).stiffness;
+    EXPECT_LE((stiffness - slope).norm(), 0.03 * slope.norm()) << p.transpose();
+    steepest =
+        std::max(steepest, (slope * p.unitOrthogonal()).norm() / (slope * p).norm() * length);
+  }
+  EXPECT_GT(steepest, 0.3) << "some of the edge is oblique";
+}
+
 TEST_F(BeyondTheRegion, PushingDeeperOnlyStiffensAndSoonReachesTheLargestForce) {
   const double max_force = halfSolved().max_force;
   for (const Vector3d& p : outside()) {

@@ -4,10 +4,13 @@
 
 #include <random>
 
+#include "tests/support/failed_point.hpp"
 #include "tests/support/finger_body.hpp"
+#include "tests/support/random_loops.hpp"
 #include "tests/support/temporary_directory.hpp"
 #include "viewer/haptics/contact.hpp"
 #include "viewer/haptics/deformed_shape.hpp"
+#include "viewer/haptics/force_guard.hpp"
 
 namespace palpate {
 namespace {
@@ -147,6 +150,62 @@ TEST_F(AreaContact, NothingPassesThroughWithoutTheLargestForce) {
     EXPECT_GT(reached, 0) << "at x = " << x;
     EXPECT_LT(reached, edge + 0.004) << "at x = " << x;
   }
+}
+
+/// Of what a site says: deep points failed on one side of the body, and on another a fold, beyond
+/// which all forces are larger.
+test::FingerBody withAHoleAndAFold() {
+  test::FingerBody body;
+  for (SpaceTable& space : body.spaces)
+    for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
+      const Eigen::Vector3d p = space.lattice.displacement(n), &s = space.patch.finger->center;
+      PointRecord& point = space.points[static_cast<std::size_t>(n)];
+      if (s.x() < 0.05 && p.z() < -0.008) point = test::failedPoint();
+      if (s.y() > 0.05 && p.x() > 0.004) point.equilibrium.force.z() += 0.8;
+    }
+  return body;
+}
+
+/// A hand that is led, in and out and to and fro, over all of it.
+TEST_F(AreaContact, WithTheGuardAHoleAndAFoldGiveBoundedForcesAndNoEnergy) {
+  const test::TemporaryDirectory directory;
+  withAHoleAndAFold().seal(directory / "body.h5");
+  const HapticModel holed(Dataset(directory / "body.h5"), {.methods = {"potential"}});
+  const GuardOptions options;
+  const double slew = slewOf(options) * options.period;
+  std::mt19937 random(11);
+  int beyond = 0, covered_less = 0;
+  for (int path = 0; path < 20; ++path) {
+    const test::RandomLoop loop(random, 0.045);
+    Contact contact(holed);
+    ForceGuard guard(options);
+    const auto placeAt = [&](int tick) -> Eigen::Vector3d {
+      const double t = tick / 4000.0;
+      // From above, and back there.
+      return Eigen::Vector3d(0.05, 0.05, 0.1 + 0.05 * std::abs(1 - 2 * t)) + loop.at(t);
+    };
+    Eigen::Vector3d before = Eigen::Vector3d::Zero();
+    double given = 0;  // J, to the hand
+    for (int tick = 0; tick <= 4000; ++tick) {
+      GuardInput input;
+      input.tool = placeAt(tick);
+      input.touch = contact.update(input.tool);
+      const GuardedForce guarded = guard.limit(input);
+      ASSERT_TRUE(guarded.force.allFinite());
+      EXPECT_LE(guarded.force.norm(), options.max_force * (1 + 1e-12));
+      EXPECT_LE((guarded.force - before).norm(), slew * (1 + 1e-9));
+      if (input.touch.touching && !input.touch.inside) {
+        ++beyond;
+        EXPECT_NE(guarded.guards & static_cast<std::uint32_t>(Guarded::beyond), 0u);
+      }
+      if (input.touch.inside && input.touch.coverage < 0.9) ++covered_less;
+      given += guarded.force.dot(placeAt(tick + 1) - input.tool);
+      before = guarded.force;
+    }
+    EXPECT_LT(given, 1e-3) << "path " << path;
+  }
+  EXPECT_GT(beyond, 100);
+  EXPECT_GT(covered_less, 100);
 }
 
 TEST_F(AreaContact, TheToolAndTheShapeThatAreShownStopWhereTheAnswersEnd) {
