@@ -152,8 +152,8 @@ TEST_F(AreaContact, NothingPassesThroughWithoutTheLargestForce) {
   }
 }
 
-/// Of what a site says: deep points failed on one side of the body, and on another a fold, beyond
-/// which all forces are larger.
+/// Deep points failed on one side of the body; on another there is a fold, beyond which all forces
+/// are larger.
 test::FingerBody withAHoleAndAFold() {
   test::FingerBody body;
   for (SpaceTable& space : body.spaces)

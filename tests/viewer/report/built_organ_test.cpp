@@ -52,8 +52,7 @@ class BuiltOrgan {
 
   const AreaMeasures& measures() const { return measures_; }
 
-  /// Probes within the force, well inside of what was computed: what `query` and `solve` can be
-  /// asked alike.
+  /// The first probes within the force, for `query` and `solve` alike.
   std::vector<Push> pushes(std::size_t count) const {
     std::vector<Push> found;
     for (const auto& probe : measures_.probes.comparisons)
