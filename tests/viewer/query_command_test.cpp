@@ -186,8 +186,8 @@ TEST_F(QueryCommand, ProgramReadsStandardInputAndEndsWithItsCodes) {
   EXPECT_EQ(run(file + " --active edge-2 --displacement 0 0"), 2);
   EXPECT_EQ(run(file + " --active edge-2"), 2);
   EXPECT_EQ(run("--help"), 0);
-  EXPECT_THAT(answer, AllOf(HasSubstr("Usage: palpate query"),
-                            HasSubstr("3 some displacement lies")));
+  EXPECT_THAT(answer,
+              AllOf(HasSubstr("Usage: palpate query"), HasSubstr("3 some displacement lies")));
 }
 
 /// A dataset whose top a finger touches.

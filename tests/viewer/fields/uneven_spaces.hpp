@@ -1,8 +1,8 @@
 #pragma once
 
 #include "common/base/index.hpp"
-#include "tests/support/sample_dataset.hpp"
 #include "tests/support/points_in_ball.hpp"
+#include "tests/support/sample_dataset.hpp"
 
 /// Spaces of StiffeningEnergy in the ball of points_in_ball.hpp that are not the same all over.
 namespace palpate::test {
