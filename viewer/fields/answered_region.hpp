@@ -54,9 +54,9 @@ inline bool isWithin(double length, double radius) noexcept {
 /// is one energy with the answers inside: the force is its exact gradient, continuous at the edge,
 /// and along n it grows by the continuation's stiffness, which is at least that of the tissue
 /// there, and large enough to bring max_force within 3 mm, or a tenth of the workspace's radius if
-/// that is less. The stiffness is exact at the edge, and leaves out beyond it how the tissue's and
-/// the edge's slope change along it. The bound grows by what the continuation adds to the force.
-/// Real time.
+/// that is less. The stiffness is exact at the edge; beyond it, it leaves out how the tissue's
+/// stiffness and the slope of the edge change along the edge. The bound grows by what the
+/// continuation adds to the force. Real time.
 ///
 /// at_edge: the answer at q; unit: n; depth: t, m, >= 0.
 ForceSample continuedBeyond(const ForceSample& at_edge, const RegionEdge& edge,
