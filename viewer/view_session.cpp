@@ -317,6 +317,7 @@ class ViewSession {
     }
     change(std::move(fresh));
     status_.notice.clear();
+    spdlog::info("read again");
   }
 
   void change(std::unique_ptr<LoadedModels> fresh) {

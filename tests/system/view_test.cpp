@@ -49,10 +49,9 @@ struct ViewTest : testing::Test {
     return measuredBy(*run);
   }
   /// The same of one that was started with --json.
-  static nlohmann::json measuredBy(Process& run) {
-    const int code = run.wait();
+  static nlohmann::json measuredBy(Process& run, int code = 0) {
+    EXPECT_EQ(run.wait(), code) << run.output();
     const std::string output = run.output();
-    EXPECT_EQ(code, 0) << output;
     const std::size_t begin = output.find('{');
     return begin == std::string::npos
                ? nlohmann::json()
@@ -255,16 +254,25 @@ TEST_F(ViewTest, CtrlCEndsItSoonWhileDatasetsAreReadAgain) {
 
 TEST_F(ViewTest, FeelsWhatWasReadAgain) {
   const test::VirtualScreen screen;
-  auto run = start({"cube.h5", "--device", "virtual", "--duration", "8", "--json"});
+  std::filesystem::copy(directory / "cube.h5", directory / "soft.h5");
+  auto run = start({"cube.h5", "--device", "virtual", "--json"});
   ASSERT_TRUE(
       test::eventually([&] { return run->output().find("virtual hand at") != std::string::npos; }));
-  test::Person person(screen.name(), "Palpate");
   seal(4);
-  person.press("F5");
-  const double stiff = measuredBy(*run).at("largest_force");
-  seal(1);
-  EXPECT_GT(stiff,
-            1.5 * measured({"cube.h5", "--duration", "8"}).at("largest_force").get<double>());
+  test::Person person(screen.name(), "Palpate");
+  // Forces are read again on processors that nothing else wants, and here other tests run.
+  const std::chrono::minutes limit(5);
+  const auto again = [&] {
+    person.press("F5");  // a window obeys no key before its first frame
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    return run->output().find("read again") != std::string::npos;
+  };
+  ASSERT_TRUE(test::eventually(again, limit)) << run->output();
+  const double soft =
+      measured({"soft.h5", "--fast", "--duration", "8"}).at("largest_force").get<double>();
+  std::this_thread::sleep_for(std::chrono::seconds(8));
+  run->signal(SIGINT);
+  EXPECT_GT(measuredBy(*run, 130).at("largest_force"), 1.5 * soft);
 }
 
 TEST_F(ViewTest, RefusesWhatItCannotFeel) {

@@ -53,6 +53,7 @@ Person::Person(const std::string& screen, const std::string& title)
     : impl_(std::make_unique<Impl>()) {
   impl_->display = XOpenDisplay(screen.c_str());
   if (impl_->display == nullptr) throw failure("cannot open the display {}", screen);
+  XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });  // a closed window hears nothing
   impl_->find(title);
   if (impl_->window == 0) throw failure("no window \"{}\" on {}", title, screen);
 }
