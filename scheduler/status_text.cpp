@@ -116,9 +116,9 @@ std::string probesOf(const SpaceRowsList& spaces) {
 
 std::string accuracyOf(const SpaceRowsList& spaces, const Scene& scene) {
   if (!scene.accuracy.adaptive()) return "";
-  double worst = 0, kept = 0;
+  double least = 1, kept = 0;
   std::size_t counted = 0, keeping = 0;
-  const std::string* worst_name = nullptr;
+  std::string least_name;
   for (const auto& space : spaces) {
     if (space->patch().probe) continue;
     // Nothing can be refined around an origin that failed, and nothing estimated.
@@ -126,10 +126,10 @@ std::string accuracyOf(const SpaceRowsList& spaces, const Scene& scene) {
     const Refinement state = nextRefinement(tableOf(*space), scene);
     PALPATE_ASSERT(state.kept >= 0 && state.kept <= 1, "a share");
     ++counted;
-    keeping += state.worst_ratio <= 1;
+    keeping += state.kept == 1;
     kept += state.kept;
-    if (worst_name == nullptr || state.worst_ratio > worst) worst_name = &space->patch().name;
-    worst = std::max(worst, state.worst_ratio);
+    if (state.kept < least) least_name = space->patch().name;
+    least = std::min(least, state.kept);
   }
   if (counted == 0) return "";
   std::string text = fmt::format(
@@ -139,10 +139,10 @@ std::string accuracyOf(const SpaceRowsList& spaces, const Scene& scene) {
   if (keeping < counted)
     text += fmt::format(
         "; {} of {} active node(s) keep it everywhere, "
-        "the worst is {} with {:.3g} times the allowed error. "
+        "the worst is {} with {:.4g} %. "
         "More `levels` help where cells were split that often, "
         "nothing where neighbours lie on different branches",
-        keeping, counted, *worst_name, worst);
+        keeping, counted, least_name, 100 * least);
   return text + '\n';
 }
 

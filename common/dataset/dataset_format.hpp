@@ -19,7 +19,8 @@ inline constexpr std::string_view format = "palpate-dataset";
 /// Readers refuse major versions that are not among these and ignore arrays that they do not know:
 /// what a newer minor version added, and /rbf, which version 2 had.
 inline constexpr std::int32_t oldest_major_version = 2, major_version = 3;
-inline constexpr std::int32_t minor_version = 3;  ///< 3: places of probes; 2: fingers
+/// 4: width of fingers; 3: places of probes; 2: fingers
+inline constexpr std::int32_t minor_version = 4;
 inline constexpr std::string_view units = "SI: m, N, Pa, J, N/m";
 
 /// Attributes of the root group that are read.

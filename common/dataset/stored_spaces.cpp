@@ -24,11 +24,11 @@ using hdf5::Writer;
 
 constexpr const char *points_group = "/points", *probes_group = "/probes";
 constexpr const char *name_path = "/spaces/name", *active_path = "/spaces/active_node",
-                     *finger_path = "/spaces/finger", *patch_node_path = "/patches/node",
-                     *patch_weight_path = "/patches/weight", *split_level_path = "/splits/level",
-                     *jumps_path = "/inconsistent_edges", *cause_path = "/attempts/cause",
-                     *ijk_path = "/points/ijk", *position_path = "/points/position",
-                     *probe_position_path = "/probes/position";
+                     *finger_path = "/spaces/finger", *finger_width_path = "/spaces/finger_width",
+                     *patch_node_path = "/patches/node", *patch_weight_path = "/patches/weight",
+                     *split_level_path = "/splits/level", *jumps_path = "/inconsistent_edges",
+                     *cause_path = "/attempts/cause", *ijk_path = "/points/ijk",
+                     *position_path = "/points/position", *probe_position_path = "/probes/position";
 
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
@@ -352,6 +352,8 @@ struct ColumnReader {
 };
 
 /// Centre, radius, and what of the ball it reaches; of other tools no numbers.
+/// Its centre and radius, and what it reaches but the width, which is beside it: files of before
+/// had none.
 using FingerRow = std::array<double, 8>;
 
 FingerRow noFinger() {
@@ -397,6 +399,7 @@ void writePatches(Writer& out, const SpacesToWrite& spaces) {
   std::vector<std::int32_t> nodes;
   std::vector<double> weights;
   std::vector<FingerRow> fingers;
+  std::vector<double> widths;
   bool is_weighted = false;
   for (const SpaceToWrite& space : spaces) {
     const ActivePatch& patch = space.rows.patch();
@@ -405,13 +408,16 @@ void writePatches(Writer& out, const SpacesToWrite& spaces) {
     weights.resize(nodes.size(), no_number);
     is_weighted = is_weighted || !patch.weights.empty();
     fingers.push_back(patch.finger ? rowOf(*patch.finger) : noFinger());
+    widths.push_back(patch.finger ? patch.finger->reach.width : no_number);
   }
   out.makeGroup("/patches");
   out.writeList(patch_node_path, nodes, "1");
   // Left out for rigid tools alone: their files keep their bytes.
   if (is_weighted) out.writeList(patch_weight_path, weights, "1");
-  if (std::ranges::any_of(spaces, [](const SpaceToWrite& space) { return hasFinger(space); }))
+  if (std::ranges::any_of(spaces, [](const SpaceToWrite& space) { return hasFinger(space); })) {
     out.writeList(finger_path, fingers, "m");
+    out.writeList(finger_width_path, widths, "m");
+  }
 }
 
 // ---- reading --------------------------------------------------------------------------------
@@ -455,6 +461,9 @@ void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
   std::vector<FingerRow> fingers(spaces.size());
   if (std::ranges::any_of(scene.active, isFingers))
     fingers = in.readList<FingerRow>(finger_path, spaces.size());
+  std::vector<double> widths(spaces.size(), std::numeric_limits<double>::infinity());
+  if (std::ranges::binary_search(in.arrays(), finger_width_path, {}, &hdf5::ArrayInfo::path))
+    widths = in.readList<double>(finger_width_path, spaces.size());
   auto weight = weights.begin();
   for (std::size_t s = 0; s < spaces.size(); ++s) {
     ActivePatch& patch = spaces[s].patch;
@@ -466,7 +475,7 @@ void readPatches(const Reader& in, const Scene& scene, std::size_t n_nodes,
     weight = end;
     if (isFingers(scene.active[s])) {
       const auto& [x, y, z, radius, nx, ny, nz, pull] = fingers[s];
-      patch.finger = Finger{{x, y, z}, radius, {{nx, ny, nz}, pull}};
+      patch.finger = Finger{{x, y, z}, radius, {{nx, ny, nz}, pull, widths[s]}};
       if (!isFinger(*patch.finger))
         throw in.damaged(finger_path, fmt::format("that of {} is none", patch.name));
     }

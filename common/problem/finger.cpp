@@ -16,6 +16,9 @@ constexpr double both_sides = 0.35;
 /// Of the angle by which what is pushed leans at most, 75 degrees.
 constexpr double lean_cosine = 0.25881904510252074, lean_sine = 0.9659258262890683;
 
+/// What is pushed aside at most, in radii: a part that gives way is followed inward, not sideways.
+constexpr double pushed_width = 1.5;
+
 /// Of the unit normals, by the bump of the finger.
 Eigen::Vector3d meanNormal(const Mesh& mesh, const Finger& finger) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -55,7 +58,8 @@ bool isFinger(const Finger& finger) {
   const PushedPart& reach = finger.reach;
   const double length = reach.outward.norm();
   return finger.center.allFinite() && finger.radius > 0 &&
-         (length == 0 || std::abs(length - 1) < 1e-12) && reach.pull >= -1 && reach.pull <= 1;
+         (length == 0 || std::abs(length - 1) < 1e-12) && reach.pull >= -1 && reach.pull <= 1 &&
+         reach.width > 0;
 }
 
 ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet& fixed,
@@ -77,7 +81,9 @@ ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet
   return patch;
 }
 
-PushedPart pushedAt(const Eigen::Vector3d& normal) { return {normal, -lean_cosine}; }
+PushedPart pushedAt(const Eigen::Vector3d& normal, double radius) {
+  return {normal, -lean_cosine, pushed_width * radius};
+}
 
 PushedPart pushedAround(const Mesh& mesh, const Finger& finger) {
   const Eigen::Vector3d mean = meanNormal(mesh, finger);
@@ -85,7 +91,7 @@ PushedPart pushedAround(const Mesh& mesh, const Finger& finger) {
   const double cosine = std::clamp(2 * length - 1, -1.0, 1.0);  // of a
   const double sine = std::sqrt(1 - cosine * cosine);
   if (!(sine * lean_cosine + cosine * lean_sine > 0)) return {};
-  return {mean / length, sine * lean_sine - cosine * lean_cosine};
+  return {mean / length, sine * lean_sine - cosine * lean_cosine, pushed_width * finger.radius};
 }
 
 bool isOnBothSides(const Mesh& mesh, const Finger& finger) {

@@ -33,10 +33,11 @@ ActivePatch fingerPatch(const std::string& name, const Mesh& mesh, const NodeSet
 Finger fingerNear(const std::string& what, const Mesh& mesh, const Eigen::Vector3d& near,
                   double radius);
 
-/// What a finger that only pushes reaches at a place of the surface with this outward unit normal:
-/// displacements that lean from the inward normal by at most 75 degrees. It slides before it leans
-/// farther; the virtual hand's lean by less than 72 degrees for 99 % of its time.
-PushedPart pushedAt(const Eigen::Vector3d& normal);
+/// What a finger of this radius, metres, that only pushes reaches at a place of the surface with
+/// this outward unit normal: displacements that lean from the inward normal by at most 75 degrees.
+/// It slides before it leans farther; the virtual hand's lean by less than 72 degrees for 99 % of
+/// its time. Deeper than 1.5 radii it goes straight on: no farther aside than that.
+PushedPart pushedAt(const Eigen::Vector3d& normal, double radius);
 
 /// What it reaches at all places under the finger. The surface there turns by about the angle a
 /// with cos a = 2 |m| - 1, m the mean of its unit normals by the bump of the finger; so p leans

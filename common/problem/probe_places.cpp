@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-/// Drawn for each that is wanted, at most: half a ball takes four on average, and a finger may
+/// Drawn for each that is wanted, at most: a finger that only pushes takes a third of them, and may
 /// stand on half of the surface.
 constexpr std::int64_t most_draws = 100;
 
@@ -27,6 +27,12 @@ Eigen::Vector4d quasiRandom(std::int64_t n) {
     component = turns - std::floor(turns);
   }
   return x;
+}
+
+/// The sphere's area is that of its cylinder (Archimedes).
+Eigen::Vector3d onSphere(double height, double turn) {
+  const double z = 2 * height - 1, r = std::sqrt(1 - z * z), angle = 2 * M_PI * turn;
+  return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
 }  // namespace
@@ -46,13 +52,12 @@ std::vector<ProbePlace> probePlaces(const Mesh& mesh, const std::vector<std::int
   std::vector<ProbePlace> found;
   for (std::int64_t n = 1; n <= most_draws * count && std::ssize(found) < count; ++n) {
     const Eigen::Vector4d x = quasiRandom(n);
-    const Eigen::Vector3d p = reach * (2 * x.tail<3>().array() - 1);
-    if (p.norm() > reach) continue;
+    const Eigen::Vector3d p = reach * x[1] * onSphere(x[2], x[3]);
     const auto piece = std::ranges::lower_bound(areas, x[0] * area) - areas.begin();
     const Finger finger = {middles[at(piece)], radius};
     if (fingerWeights(mesh, fixed, finger.center, radius).free_share < least_free_share) continue;
     const PushedPart part =
-        contact == ContactMode::unilateral ? pushedAt(normals[at(piece)]) : PushedPart{};
+        contact == ContactMode::unilateral ? pushedAt(normals[at(piece)], radius) : PushedPart{};
     if (part.contains(p)) found.push_back({finger.center, p});
   }
   return found;

@@ -54,6 +54,7 @@ wire::Problem toMessage(const Problem& problem) {
       const std::vector<Eigen::Vector3d> outward = {patch.finger->reach.outward};
       active.set_finger_outward(bytesOfArray(outward));
       active.set_finger_pull(patch.finger->reach.pull);
+      active.set_finger_width(patch.finger->reach.width);
     }
     if (patch.probe) {
       const std::vector<Eigen::Vector3d> probe = {*patch.probe};
@@ -80,7 +81,9 @@ std::optional<Finger> fingerFrom(const wire::ActivePatch& message) {
       arrayFrom<Eigen::Vector3d>(message.finger_outward(), "the reach of a finger");
   if (center.size() != 1 || outward.size() != 1)
     throw badInput("a finger has {} places and {} directions", center.size(), outward.size());
-  return Finger{center.front(), message.finger_radius(), {outward.front(), message.finger_pull()}};
+  return Finger{center.front(),
+                message.finger_radius(),
+                {outward.front(), message.finger_pull(), message.finger_width()}};
 }
 
 std::optional<Eigen::Vector3d> probeFrom(const wire::ActivePatch& message) {

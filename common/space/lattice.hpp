@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <vector>
@@ -23,14 +24,16 @@ struct LatticeEdge {
 };
 
 /// The part of a ball that a contact which only pushes reaches: displacements p with
-/// p . outward <= pull |p|. By default all of it.
+/// p . outward <= pull |p| that are within `width` of the line along outward. By default all of it.
 struct PushedPart {
-  Eigen::Vector3d outward = Eigen::Vector3d::Zero();  ///< unit; zero: all of the ball
-  double pull = 1;                                    ///< -1 to 1; 1: all of the ball
+  Eigen::Vector3d outward = Eigen::Vector3d::Zero();       ///< unit; zero: all of the ball
+  double pull = 1;                                         ///< -1 to 1; 1: all of the ball
+  double width = std::numeric_limits<double>::infinity();  ///< m, > 0
   bool operator==(const PushedPart&) const = default;
   /// With room: metres that p may lie outside of it.
   bool contains(const Eigen::Vector3d& p, double room = 0) const {
-    return p.dot(outward) <= pull * p.norm() + room;
+    const double along = p.dot(outward);
+    return along <= pull * p.norm() + room && (p - along * outward).norm() <= width + room;
   }
 };
 

@@ -55,7 +55,6 @@ class CellInspection {
 
   Refinement refine() const {
     Refinement result;
-    result.worst_ratio = worst_ratio_;
     result.kept = samples_ > 0 ? kept_ / samples_ : 1;
     if (result.kept >= (space_.patch.finger ? enough_of_finger : enough)) return result;
     std::set<LatticePoint> points;
@@ -94,7 +93,6 @@ class CellInspection {
       if (ratio <= 1) kept_ += volume;
       worst = std::max(worst, ratio);
     }
-    worst_ratio_ = std::max(worst_ratio_, worst);
     if (worst > 1) poor_.push_back(leaf);
   }
 
@@ -179,7 +177,7 @@ class CellInspection {
   std::vector<EnergyJet> jets_;
   std::set<LatticeEdge> jumps_, suspects_;
   std::vector<std::int32_t> poor_;  ///< leaves that do not keep the accuracy
-  double worst_ratio_ = 0, kept_ = 0, samples_ = 0;
+  double kept_ = 0, samples_ = 0;
 };
 
 }  // namespace

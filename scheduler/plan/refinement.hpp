@@ -14,9 +14,6 @@ struct Refinement {
   /// Cells to split, sorted by (level, lowest): to be merged into SpaceTable::splits, together with
   /// the points.
   std::vector<LatticeCell> splits;
-  /// Largest likely force error over what Accuracy allows there, over the whole ball; at most 1:
-  /// the accuracy is kept everywhere.
-  double worst_ratio = 0;
   /// Share (0..1) of the ball in which the likely force error keeps the accuracy.
   double kept = 1;
   bool empty() const { return points.empty() && splits.empty(); }

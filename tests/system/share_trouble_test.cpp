@@ -138,8 +138,8 @@ TEST_F(ShareTroubleTest, WhenItWasCutOff) {
 
 TEST_F(ShareTroubleTest, WithAnOrganOfAnotherVersion) {
   if (!makePage()) return;
-  changeOrgan("o.replace(b'palpate-organ-2', b'palpate-organ-0', 1)");
-  EXPECT_THAT(sentence(), AllOf(HasSubstr("version 0"), HasSubstr("of version 2"),
+  changeOrgan("o.replace(b'palpate-organ-3', b'palpate-organ-0', 1)");
+  EXPECT_THAT(sentence(), AllOf(HasSubstr("version 0"), HasSubstr("of version 3"),
                                 HasSubstr("make its page again with palpate share")));
 }
 

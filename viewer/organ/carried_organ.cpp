@@ -12,7 +12,7 @@ namespace {
 
 // Together the first line.
 constexpr std::string_view organ_mark = "palpate-organ-";
-constexpr std::string_view organ_version = "2";
+constexpr std::string_view organ_version = "3";
 /// Of shares: this many steps on each side of zero for the largest of a mode. A vertex is off by
 /// some tenth of a millimetre then.
 constexpr float share_steps = 127;
@@ -149,6 +149,7 @@ void putSpace(OrganWriter& out, const SpaceTable& space) {
     out.put(finger->radius);
     out.putVector(finger->reach.outward);
     out.put(finger->reach.pull);
+    out.put(finger->reach.width);
   }
   out.putSize(at(lattice.size()));
   out.put(lattice.uniformSize());
@@ -170,9 +171,11 @@ Finger getFinger(OrganReader& in) {
   finger.radius = in.get<double>();
   finger.reach.outward = in.getVector();
   finger.reach.pull = in.get<double>();
+  finger.reach.width = in.get<double>();
   const double length = finger.reach.outward.norm();
   if (!((finger.center.array().abs() <= farthest_node).all() &&
-        (length == 0 || std::abs(length - 1) < 1e-12) && std::abs(finger.reach.pull) <= 1))
+        (length == 0 || std::abs(length - 1) < 1e-12) && std::abs(finger.reach.pull) <= 1 &&
+        finger.reach.width > 0))
     throw damaged("a finger is none");
   return finger;
 }

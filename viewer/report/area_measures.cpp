@@ -73,7 +73,11 @@ void measureBounds(const Samples& found, double radius, AreaMeasures& measures) 
         forces.push_back(sample.force);
       }
     all.insert(all.end(), bounds.begin(), bounds.end());
-    measures.depths.push_back({depths[d] * radius, spreadOf(bounds), spreadOf(forces).mean});
+    measures.depths.push_back({.depth = depths[d] * radius,
+                               .bound = spreadOf(bounds),
+                               .force = spreadOf(forces).mean,
+                               .exact = 0,
+                               .error = {}});
   }
   measures.samples = all.size();
   measures.bound = spreadOf(std::move(all));
@@ -84,6 +88,23 @@ void measureBounds(const Samples& found, double radius, AreaMeasures& measures) 
     const Spread spread = spreadOf(std::move(bounds));
     measures.on_triangles.push_back(spread.median);
     measures.worst_on_triangles.push_back(spread.maximum);
+  }
+}
+
+/// Errors at probes, by how deep they press.
+void measureErrors(AreaMeasures& measures) {
+  std::vector<double> all;
+  for (const auto& probe : measures.probes.comparisons) all.push_back(probe.error);
+  measures.probes.error = spreadOf(std::move(all));
+  double before = 0;
+  for (DepthMeasures& depth : measures.depths) {
+    std::vector<double> errors;
+    for (const AreaProbes::Comparison& probe : measures.probes.comparisons)
+      if (const double p = probe.displacement.norm(); p > before && p <= depth.depth * (1 + 1e-9))
+        errors.push_back(probe.error);
+    depth.exact = errors.size();
+    depth.error = spreadOf(std::move(errors));
+    before = depth.depth * (1 + 1e-9);
   }
 }
 
@@ -205,6 +226,7 @@ AreaMeasures measureArea(const Dataset& dataset, const ActiveChoice& choice,
   NearestSite nearest(spaces);
   measures.probes =
       measureProbes(area, nearest, chosenOf(dataset.probePlaces(), choice.probe_places), target);
+  measureErrors(measures);
   measures.ways = waysOf(area, nearest, dataset.mesh(), spaces, measures.probes);
   for (const SpaceTable* site : spaces) measures.jumps += site->inconsistent_edges.size();
   return measures;

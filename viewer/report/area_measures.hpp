@@ -6,11 +6,14 @@
 
 namespace palpate {
 
-/// What the error bound of a finger's area says at one depth, all over its surface.
+/// What the error bound of a finger's area says at one depth, all over its surface, and the errors
+/// at probes from the depth before it to this one.
 struct DepthMeasures {
   double depth = 0;  ///< m, length of the displacements
   Spread bound;      ///< relative: of the force, or of what the target allows as if it were it
   double force = not_measured;  ///< N, mean
+  std::size_t exact = 0;        ///< probes
+  Spread error;                 ///< relative like the bound
 };
 
 /// What exact solutions at random places of an area say of it: the dataset's probes. The others
@@ -21,6 +24,7 @@ struct AreaProbes {
   std::size_t unsolved = 0;      ///< continuation from rest did not reach them
   std::size_t unanswered = 0;    ///< within the force, but the area gives no bound there
   ErrorMeasures area;            ///< of all within the force, with the bounds
+  Spread error;                  ///< of those, relative as DepthMeasures::error
   ErrorMeasures nearest_site;    ///< of what the space of the nearest site says alone
   /// One within the force.
   struct Comparison {

@@ -112,11 +112,14 @@ Section areasSection(const Report& report, FigureNumbers& numbers) {
   for (const AreaMeasures& area : report.areas) {
     html +=
         "<h3>" + escaped(area.name) + "</h3>\n" +
-        table({"sites", "stations", "preparing, s", "query, ns", "median", "95 %", "99 %"},
+        table({"sites", "stations", "preparing, s", "query, ns", "exact", "error, median", "95 %",
+               "bound, median", "95 %"},
               tableRow({std::to_string(area.sites), std::to_string(area.stations),
                         formatNumber(area.seconds_to_prepare), formatNumber(area.nanoseconds, 3),
-                        formatShare(area.bound.median), formatShare(area.bound.percentile_95),
-                        formatShare(area.bound.percentile_99)}));
+                        std::to_string(area.probes.comparisons.size()),
+                        formatShare(area.probes.error.median),
+                        formatShare(area.probes.error.percentile_95),
+                        formatShare(area.bound.median), formatShare(area.bound.percentile_95)}));
     html += "<p>" + escaped(describeProbes(area, report)) + "</p>\n";
     // One scale, so that the two maps can be compared.
     const ColourScale scale(boundsAndErrors(area));

@@ -26,7 +26,7 @@ void measureBounds(std::span<const ForceComparison> comparisons, ErrorMeasures& 
     if (error > 0) ratios.push_back(at.error_bound / error);
   }
   if (measures.bounds > 0) measures.bound_holds = static_cast<double>(holds) / measures.bounds;
-  measures.bound_over_error = spreadOf(std::move(ratios)).median;
+  measures.bound_over_error = spreadOf(std::move(ratios));
 }
 
 }  // namespace

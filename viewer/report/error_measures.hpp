@@ -48,10 +48,10 @@ struct ErrorMeasures {
   Spread relative;  ///< |interpolated - exact| / max(|exact|, relative_error_floor)
   double relative_to_mean_force = not_measured;  ///< sum of |interpolated - exact| / of |exact|
   double within_target = not_measured;           ///< share of points that keep the AccuracyTarget
-  std::size_t bounds = 0;                  ///< points for which the method gave an error bound
-  double bound_holds = not_measured;       ///< share of those with |error| <= bound
-  double bound_over_error = not_measured;  ///< median over those with an error above zero
-  double covered = not_measured;           ///< share of points
+  std::size_t bounds = 0;             ///< points for which the method gave an error bound
+  double bound_holds = not_measured;  ///< share of those with |error| <= bound
+  Spread bound_over_error;            ///< over those with an error above zero
+  double covered = not_measured;      ///< share of points
 };
 
 /// Of points that count alike; all NaN when there is none.

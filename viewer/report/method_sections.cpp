@@ -205,9 +205,9 @@ Section boundsSection(const Report& report) {
   std::string rows;
   for (std::size_t m = 0; m < report.methods.size(); ++m)
     if (const ErrorMeasures& measures = shownLattice(report).methods[m].all; measures.bounds > 0)
-      rows +=
-          tableRow({report.methods[m], std::to_string(measures.bounds),
-                    formatShare(measures.bound_holds), formatNumber(measures.bound_over_error)});
+      rows += tableRow({report.methods[m], std::to_string(measures.bounds),
+                        formatShare(measures.bound_holds),
+                        formatNumber(measures.bound_over_error.median)});
   return {
       "bounds", "Error bounds",
       "Methods say themselves how wrong they may be. "

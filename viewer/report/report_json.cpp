@@ -32,7 +32,8 @@ Json toJson(const ErrorMeasures& measures) {
           {"covered", measures.covered},
           {"bounds", measures.bounds},
           {"bound_holds", measures.bound_holds},
-          {"bound_over_error", measures.bound_over_error}};
+          {"bound_over_error", measures.bound_over_error.median},
+          {"bound_over_error_95", measures.bound_over_error.percentile_95}};
 }
 
 Json datasetJson(const Dataset& dataset, const DatasetFacts& facts) {
@@ -103,8 +104,11 @@ Json nodeJson(const Report& report, const NodeMeasures& node) {
 Json areaJson(const AreaMeasures& area) {
   Json depths = Json::array();
   for (const DepthMeasures& depth : area.depths)
-    depths.push_back(
-        {{"depth", depth.depth}, {"relative_bound", toJson(depth.bound)}, {"force", depth.force}});
+    depths.push_back({{"depth", depth.depth},
+                      {"relative_bound", toJson(depth.bound)},
+                      {"force", depth.force},
+                      {"exact", depth.exact},
+                      {"relative_error", toJson(depth.error)}});
   return {{"name", area.name},
           {"sites", area.sites},
           {"stations", area.stations},
@@ -119,6 +123,7 @@ Json areaJson(const AreaMeasures& area) {
             {"beyond_max_force", area.probes.beyond_force},
             {"not_reached", area.probes.unsolved},
             {"not_answered", area.probes.unanswered},
+            {"relative_error", toJson(area.probes.error)},
             {"area", toJson(area.probes.area)},
             {"nearest_site", toJson(area.probes.nearest_site)}}}};
 }

@@ -84,21 +84,25 @@ std::string nodes(const Report& report) {
 std::string areas(const Report& report) {
   std::string text;
   for (const AreaMeasures& area : report.areas) {
-    static constexpr const char* row = "{:<12} {:>9} {:>9} {:>9} {:>9}\n";
+    static constexpr const char* row = "{:<12} {:>9} {:>7} {:>8} {:>8} {:>8} {:>8}\n";
+    const auto columns = [&](const std::string& name, const std::string& force, std::size_t exact,
+                             const Spread& error, const Spread& bound) {
+      text += fmt::format(row, name, force, exact, formatShare(error.median),
+                          formatShare(error.percentile_95), formatShare(bound.median),
+                          formatShare(bound.percentile_95));
+    };
     text +=
         "\n" + wrapped(fmt::format(
                    "{}: a finger anywhere on the surface, {} sites, {} stations, prepared in {} "
-                   "s, {} ns per query. Error bound, share of the force:",
+                   "s, {} ns per query. Errors at exact solutions and error bounds everywhere, as "
+                   "shares of the force:",
                    area.name, area.sites, area.stations, formatNumber(area.seconds_to_prepare),
                    formatNumber(area.nanoseconds, 3)));
-    text += fmt::format(row, "displacement", "median", "95 %", "99 %", "force, N");
+    text += fmt::format(row, "displacement", "force, N", "exact", "error", "95 %", "bound", "95 %");
     for (const DepthMeasures& depth : area.depths)
-      text += fmt::format(row, fmt::format("{:g} mm", 1e3 * depth.depth),
-                          formatShare(depth.bound.median), formatShare(depth.bound.percentile_95),
-                          formatShare(depth.bound.percentile_99), formatNumber(depth.force));
-    text += fmt::format(row, "all", formatShare(area.bound.median),
-                        formatShare(area.bound.percentile_95),
-                        formatShare(area.bound.percentile_99), "");
+      columns(fmt::format("{:g} mm", 1e3 * depth.depth), formatNumber(depth.force), depth.exact,
+              depth.error, depth.bound);
+    columns("all", "", area.probes.comparisons.size(), area.probes.error, area.bound);
     text += "\n" + wrapped(describeProbes(area, report));
   }
   return text;

@@ -62,12 +62,12 @@ std::string describeProbes(const AreaMeasures& area, const Report& report) {
       probes.places, probes.area.count, probes.beyond_force, probes.unsolved);
   if (probes.area.count > 0)
     text += fmt::format(
-        " Of those within it {} keep {}, of what the nearest site says alone {}. The error is {} "
-        "of the force in the median, {} at 95 %; the bound holds at {}, and is {} times the error.",
+        " Of those within it {} keep {}, of what the nearest site says alone {}. The bound holds "
+        "at {}; it is {} times the error in the median, {} times at 95 %.",
         formatShare(probes.area.within_target), describeTarget(report),
-        formatShare(probes.nearest_site.within_target), formatShare(probes.area.relative.median),
-        formatShare(probes.area.relative.percentile_95), formatShare(probes.area.bound_holds),
-        formatNumber(probes.area.bound_over_error, 3));
+        formatShare(probes.nearest_site.within_target), formatShare(probes.area.bound_holds),
+        formatNumber(probes.area.bound_over_error.median, 3),
+        formatNumber(probes.area.bound_over_error.percentile_95, 3));
   if (probes.unanswered > 0)
     text += fmt::format(" {} lie where the area does not answer.", probes.unanswered);
   if (area.jumps > 0)

@@ -4,7 +4,6 @@
 #include <exception>
 
 #include "common/base/assertion.hpp"
-#include "common/space/space_table.hpp"
 #include "common/wire/wire.hpp"
 #include "worker/solver/path.hpp"
 
@@ -58,7 +57,7 @@ class ProblemSolver {
  private:
   static TransitionOptions optionsFor(const Workspace& workspace) {
     TransitionOptions options;
-    options.largest_force = largest_force_share * workspace.max_force;
+    options.largest_force = solved_force_share * workspace.max_force;
     return options;
   }
 

@@ -165,8 +165,7 @@ std::optional<Start> TransitionSolver::linearize(State state, Failure& failure) 
 
 /// Whether the stiffness says that the force at the end of the way is not worth computing.
 bool TransitionSolver::givesUp(const Start& start, const Eigen::Vector3d& way) const {
-  return finger_ && isTooStrong((start.exerted + start.sensitivity.bottomRows<3>() * way) /
-                                beyond_force_margin);
+  return finger_ && isTooStrong(start.exerted + start.sensitivity.bottomRows<3>() * way);
 }
 
 /// The state with the tool at `displacement` that the predictor and the relaxation near the tool

@@ -9,6 +9,7 @@
 
 #include "common/dataset/dataset.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/finger_body.hpp"
 #include "tests/support/sample_dataset.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -196,6 +197,13 @@ TEST_F(ChangedDataset, IsRefusedForMoreRowsThanItHasBytes) {
               HasSubstr("/extra: impossible shape 1125899906842624 x 3"));
   EXPECT_THAT(errorAfter(extra("(2**50, 0)", "<f4", "None")), HasSubstr("impossible shape"));
   EXPECT_THAT(errorAfter(extra("(2**31 - 1, 0)", "<i4", "None")), HasSubstr("impossible shape"));
+}
+
+/// Files from before fingers had a width reach all of their part of the ball.
+TEST_F(ChangedDataset, OfFingersNeedsNoWidth) {
+  test::FingerBody().seal(file);
+  EXPECT_EQ(errorAfterForging("del f['spaces/finger_width']"), "no error");
+  EXPECT_THAT(errorAfterForging("f['spaces/finger_width'][2] = -1"), HasSubstr("/spaces/finger"));
 }
 
 TEST_F(ChangedDataset, IsRefusedForImpossibleValues) {

@@ -159,6 +159,7 @@ TEST_F(FingerScene, ReachesWhatPushingNeedsUnlessItIsGlued) {
   scene.active[0].near = Eigen::Vector3d(0.11, 0.09, 0.2);
   const PushedPart flat = resolved().active[0].finger->reach;
   EXPECT_LT((flat.outward - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+  EXPECT_DOUBLE_EQ(flat.width, 0.045) << "one and a half radii aside";
   EXPECT_NEAR(flat.pull, -std::cos(75 * M_PI / 180), 1e-6) << "the surface is flat under it";
   scene.active[0].near = Eigen::Vector3d(0.2, 0.09, 0.2);
   const PushedPart edge = resolved().active[0].finger->reach;

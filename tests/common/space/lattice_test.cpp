@@ -104,6 +104,15 @@ TEST(Lattice, OfAPartOfTheBallHasNeighboursInIt) {
   EXPECT_EQ(half.neighbours(0).size(), 17u);
 }
 
+TEST(Lattice, OfAPartOfTheBallGoesAsDeepAsTheBallAndNoWiderThanItSays) {
+  const PushedPart narrow = {Eigen::Vector3d::UnitZ(), 0, 0.01};
+  const Lattice lattice(0.03, 0.01, 1, narrow);
+  EXPECT_TRUE(lattice.indexOf({0, 0, -3}));
+  EXPECT_TRUE(lattice.indexOf({1, 1, -2})) << "1.4 cm aside, where half a spacing more is allowed";
+  EXPECT_FALSE(lattice.indexOf({2, 0, 0}));
+  EXPECT_FALSE(lattice.indexOf({2, 0, -2}));
+}
+
 TEST(Lattice, OfAPullingPartReachesAsFarAsItSays) {
   const PushedPart wide = {Eigen::Vector3d::UnitZ(), 0.8};
   const Lattice lattice(0.03, 0.01, 1, wide);

@@ -53,7 +53,7 @@ TEST(ErrorMeasures, JudgeBoundsOnlyWhereThereAreSome) {
   const ErrorMeasures measures = measureErrors(points, {});
   EXPECT_EQ(measures.bounds, 3U);
   EXPECT_NEAR(measures.bound_holds, 2.0 / 3, tolerance);
-  EXPECT_NEAR(measures.bound_over_error, (3 + 0.5) / 2, 1e-12);
+  EXPECT_NEAR(measures.bound_over_error.median, (3 + 0.5) / 2, 1e-12);
 }
 
 TEST(ErrorMeasures, TellCoveredPointsFromTheWholeBall) {

@@ -153,7 +153,7 @@ TEST_F(FingerOnABlob, IsPushedNoFurtherThanForcesMatter) {
     Failure failure;
     return solver.reach(*solver.startAtRest(failure), target).outcome;
   };
-  EXPECT_TRUE(reachWith(force, pushed).converged);
+  EXPECT_TRUE(reachWith(1.5 * force, pushed).converged);
   // The stiffness at rest says that this will be too much: nothing is tried.
   const Outcome predicted = reachWith(0.1 * force, pushed);
   EXPECT_EQ(predicted.failure.cause, Cause::beyond_force);
