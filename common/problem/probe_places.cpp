@@ -14,6 +14,8 @@ namespace {
 /// Drawn for each that is wanted, at most: a finger that only pushes takes a third of them, and may
 /// stand on half of the surface.
 constexpr std::int64_t most_draws = 100;
+/// Of the reach: what is shorter is rest, to the lattice that probes are in.
+constexpr double least_length = 0.01;
 
 /// Element n of the sequence that fills the unit cube most evenly: multiples of the powers of 1/g,
 /// where g^5 = g + 1.
@@ -52,6 +54,7 @@ std::vector<ProbePlace> probePlaces(const Mesh& mesh, const std::vector<std::int
   std::vector<ProbePlace> found;
   for (std::int64_t n = 1; n <= most_draws * count && std::ssize(found) < count; ++n) {
     const Eigen::Vector4d x = quasiRandom(n);
+    if (x[1] < least_length) continue;
     const Eigen::Vector3d p = reach * x[1] * onSphere(x[2], x[3]);
     const auto piece = std::ranges::lower_bound(areas, x[0] * area) - areas.begin();
     const Finger finger = {middles[at(piece)], radius};

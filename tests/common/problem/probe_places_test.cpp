@@ -30,6 +30,7 @@ TEST_F(ProbePlacesOnACube, LieWhereAFingerStandsAndPushesInto) {
     EXPECT_LT((positionOf(mesh, nearestOnSurface(mesh, place)) - place).norm(), 1e-12);
     EXPECT_GE(fingerWeights(mesh, fixed, place, 0.03).free_share, least_free_share);
     EXPECT_LE(displacement.norm(), 0.02);
+    EXPECT_GE(displacement.norm(), 0.0002) << "not at rest";
     const Eigen::Vector3d normal = normalOf(mesh, nearestOnSurface(mesh, place).triangle);
     EXPECT_LE(displacement.dot(normal), -0.2588 * displacement.norm());
     EXPECT_TRUE(pushedAround(mesh, {place, 0.03}).contains(displacement));
