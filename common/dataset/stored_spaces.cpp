@@ -351,9 +351,8 @@ struct ColumnReader {
   }
 };
 
-/// Centre, radius, and what of the ball it reaches; of other tools no numbers.
-/// Its centre and radius, and what it reaches but the width, which is beside it: files of before
-/// had none.
+/// Centre, radius, and what of the ball it reaches; of other tools no numbers. The width of that is
+/// an array of its own, which older files lack.
 using FingerRow = std::array<double, 8>;
 
 FingerRow noFinger() {

@@ -4,11 +4,11 @@
 
 namespace palpate::test {
 
-/// 60 N/m everywhere, and with a finger a little that drives it along.
-inline SpaceTable springs(const std::optional<Finger>& finger) {
+/// 60 N/m everywhere in a ball of `radius` metres, and with a finger a little that drives it along.
+inline SpaceTable springs(const std::optional<Finger>& finger, double radius = 0.02) {
   SpaceTable space;
   space.patch.finger = finger;
-  space.lattice = Lattice(0.02, 0.02, 2);
+  space.lattice = Lattice(radius, 0.02, 2, finger ? finger->reach : PushedPart{});
   space.points.resize(static_cast<std::size_t>(space.lattice.size()));
   for (std::int32_t n = 0; n < space.lattice.size(); ++n) {
     PointRecord& point = space.points[static_cast<std::size_t>(n)];
@@ -24,8 +24,8 @@ inline SpaceTable springs(const std::optional<Finger>& finger) {
 }
 
 /// The smallest organ that has all parts: a tetrahedron of 100 mm that a finger of 30 mm touches
-/// from two sites, or with an active node at its tip.
-inline CarriedOrgan smallOrgan(bool finger) {
+/// from two sites, as deep as is given, or with an active node at its tip.
+inline CarriedOrgan smallOrgan(bool finger, double deep = 0.02, const PushedPart& reach = {}) {
   constexpr double radius = 0.03;
   CarriedOrgan organ;
   organ.name = "small";
@@ -39,7 +39,7 @@ inline CarriedOrgan smallOrgan(bool finger) {
     touch.finger_radius = radius;
     touch.stations = {{0.02, 0, 0.02}, {0.03, 0.03, 0.03}};
     for (const Eigen::Vector3d& station : touch.stations)
-      organ.spaces.push_back(springs(Finger{station, radius}));
+      organ.spaces.push_back(springs(Finger{station, radius, reach}, deep));
     touch.spaces = {0, 1};
   } else {
     touch.rest = organ.vertices[3];

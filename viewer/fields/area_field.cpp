@@ -30,7 +30,7 @@ constexpr double kernel_width = 1.5;
 /// the site without itself, between 1, for what is not smooth, and their ratio, for what is; the
 /// power of the place; and what stations leave out. docs/thresholds.md says how they were chosen.
 constexpr double share_of_p_error = 0.7, share_of_lack = 1, share_of_power = 2,
-                 share_of_force = 0.0015;
+                 share_of_force = 0.003;
 /// Of the largest force of a site: below it nothing is taken as a share of a force.
 constexpr float weakest_share = 0.01f;
 /// Of refinement (Accuracy::levels).

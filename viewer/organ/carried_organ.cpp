@@ -1,5 +1,6 @@
 #include "viewer/organ/carried_organ.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
@@ -27,6 +28,8 @@ static_assert(std::endian::native == std::endian::little, "the least significant
 constexpr std::int32_t most_divisions = 4096;
 /// What a finger reaches by pushing is about half of its ball, and no smaller share.
 constexpr double least_share_of_ball = 1.0 / 64;
+/// Of the radius: a narrower part counts as this wide, so that few bytes never make a large ball.
+constexpr double least_narrow = 1.0 / 8;
 
 Error damaged(std::string_view how) {
   return failure(
@@ -181,14 +184,16 @@ Finger getFinger(OrganReader& in) {
 }
 
 /// Before its points are made: bytes that claim many must have them.
-void checkLattice(double radius, double spacing, std::int32_t divisions, std::size_t points) {
+void checkLattice(double radius, double spacing, std::int32_t divisions, std::size_t points,
+                  const PushedPart& part) {
   const double ratio = radius / spacing, in_ball = 4.0 / 3.0 * M_PI * ratio * ratio * ratio;
   const bool is_power_of_two = divisions > 0 && (divisions & (divisions - 1)) == 0;
   // Negated, so that NaN is refused.
   if (!(spacing > 0 && radius >= spacing && radius <= farthest_node && is_power_of_two &&
         divisions <= most_divisions))
     throw damaged("a lattice is none");
-  if (in_ball * least_share_of_ball > static_cast<double>(points))
+  const double narrow = std::clamp(part.width / radius, least_narrow, 1.0);
+  if (in_ball * least_share_of_ball * narrow * narrow > static_cast<double>(points))
     throw damaged(fmt::format("a lattice of about {:.0f} points has {}", in_ball, points));
 }
 
@@ -217,9 +222,9 @@ SpaceTable getSpace(OrganReader& in) {
   if (in.get<std::uint8_t>() != 0) space.patch.finger = getFinger(in);
   const std::size_t size = in.getSize();
   const auto uniform = in.get<std::int32_t>();
-  checkLattice(radius, spacing, divisions, size);
-  space.lattice = Lattice(radius, spacing, divisions,
-                          space.patch.finger ? space.patch.finger->reach : PushedPart{});
+  const PushedPart part = space.patch.finger ? space.patch.finger->reach : PushedPart{};
+  checkLattice(radius, spacing, divisions, size, part);
+  space.lattice = Lattice(radius, spacing, divisions, part);
   if (space.lattice.size() != uniform || at(uniform) > size)
     throw damaged(fmt::format("a lattice has {} uniform points where {} are made", uniform,
                               space.lattice.size()));

@@ -92,7 +92,7 @@ void measureBounds(const Samples& found, double radius, AreaMeasures& measures) 
 }
 
 /// Errors at probes, by how deep they press.
-void measureErrors(AreaMeasures& measures) {
+void measureDepths(AreaMeasures& measures) {
   std::vector<double> all;
   for (const auto& probe : measures.probes.comparisons) all.push_back(probe.error);
   measures.probes.error = spreadOf(std::move(all));
@@ -226,7 +226,7 @@ AreaMeasures measureArea(const Dataset& dataset, const ActiveChoice& choice,
   NearestSite nearest(spaces);
   measures.probes =
       measureProbes(area, nearest, chosenOf(dataset.probePlaces(), choice.probe_places), target);
-  measureErrors(measures);
+  measureDepths(measures);
   measures.ways = waysOf(area, nearest, dataset.mesh(), spaces, measures.probes);
   for (const SpaceTable* site : spaces) measures.jumps += site->inconsistent_edges.size();
   return measures;

@@ -40,8 +40,6 @@ void warnOfWays(SceneReport& report) {
   }
   if (report.cost.reached >= 0.5 || ways.size() < fewest_telling_ways) return;
   const auto ended = [&](WayEnd end) { return std::ranges::count(ways, end, &Way::end); };
-  // A finger's lattice is meant to end at the largest force.
-  if (report.problem->active.front().finger && 2 * ended(WayEnd::failed) < std::ssize(ways)) return;
   const Workspace& workspace = report.problem->scene.workspace;
   report.warnings.push_back(fmt::format(
       "workspace.radius = {:.4g} m: only about {:.0f} % of the lattice points will be reached; "

@@ -38,6 +38,13 @@ TEST(CarriedOrgan, StaysWhatItWas) {
   }
 }
 
+/// A lattice that is deep and narrow was taken for one whose points were lost.
+TEST(CarriedOrgan, MayReachDeepAndNotWide) {
+  const std::string bytes =
+      encode(test::smallOrgan(true, 0.4, {Eigen::Vector3d::UnitZ(), -0.25, 0.02}));
+  EXPECT_EQ(encode(decode(bytes)), bytes);
+}
+
 /// In single precision forces on a stiff organ were more than 1e-6 N off.
 TEST(CarriedOrgan, KeepsWhatAFingerHasFarBeyondSinglePrecision) {
   CarriedOrgan organ = test::smallOrgan(true);

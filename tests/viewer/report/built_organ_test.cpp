@@ -26,9 +26,7 @@ struct Part {
   Eigen::Vector3d center;  ///< m, of what is touched
   double radius;           ///< m
   std::int32_t probes;
-  double median;  ///< of the relative errors, at most; sites half as many have 1.1 to 1.6 times it
-  /// Share of probes, at least. On the dome 4 of 150 errors of 1 to 9 mN are up to 1.6 times it.
-  double bound_holds;
+  double median;  ///< of the relative errors, at most; sites half as many have 1.3 times it or more
 };
 
 /// At a place, pushed; m.
@@ -112,7 +110,7 @@ void expectTruth(const Part& part, std::size_t fewest) {
   EXPECT_GE(probes.area.count, fewest) << "of " << probes.places;
   EXPECT_GE(probes.area.within_target, 0.97);
   EXPECT_LE(probes.area.relative.median, part.median) << "sites are far apart, or cells coarse";
-  EXPECT_GE(probes.area.bound_holds, part.bound_holds);
+  EXPECT_GE(probes.area.bound_holds, 0.98);
   EXPECT_GE(probes.area.bound_over_error.median, 4)
       << "else the next organ has places where it fails";
   EXPECT_LE(probes.area.bound_over_error.median, 12);
@@ -131,11 +129,11 @@ void expectTruth(const Part& part, std::size_t fewest) {
 }
 
 TEST(BuiltOrgan, AnswersAsSolvedOnAPartOfTheLiver) {
-  expectTruth({"liver/liver-surface.toml", {0.0059, 0.0019, 0.0459}, 0.03, 60, 0.0030, 0.98}, 20);
+  expectTruth({"liver/liver-surface.toml", {0.0059, 0.0019, 0.0459}, 0.03, 60, 0.0030}, 20);
 }
 
 TEST(BuiltOrgan, AnswersAsSolvedOnAPartOfTheDome) {
-  expectTruth({"dome/dome.toml", {0.05, 0, 0}, 0.02, 150, 0.0018, 0.96}, 20);
+  expectTruth({"dome/dome.toml", {0.05, 0, 0}, 0.02, 150, 0.0018}, 20);
 }
 
 }  // namespace
