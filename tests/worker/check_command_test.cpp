@@ -147,6 +147,16 @@ TEST_F(CheckCommand, WarnsOfAWorkspaceThatTheForceLimitCutsOff) {
                                          HasSubstr("exceed workspace.max_force = 0.5 N"))));
 }
 
+TEST_F(CheckCommand, IsContentWithAFingersWorkspaceThatTheForceEnds) {
+  scene.active[0] = {.name = "skin",
+                     .radius = 0.06,
+                     .tool = ToolKind::finger,
+                     .surface = SurfaceSelection{.all = true}};
+  scene.workspace.max_force = 0.5;
+  EXPECT_LT(report().at("measured").at("reached").get<double>(), 0.5);
+  EXPECT_THAT(warnings(), Not(Contains(HasSubstr("will be reached"))));
+}
+
 TEST_F(CheckCommand, SaysThatABodyFindsNoRestUnderItsWeight) {
   scene.regions[0].material.density = 1e7;
   scene.gravity = {0, 0, -9.81};

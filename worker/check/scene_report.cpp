@@ -39,7 +39,13 @@ void warnOfWays(SceneReport& report) {
     return;
   }
   if (report.cost.reached >= 0.5 || ways.size() < fewest_telling_ways) return;
-  const auto ended = [&](WayEnd end) { return std::ranges::count(ways, end, &Way::end); };
+  const auto ended = [&](WayEnd end) {
+    return static_cast<std::size_t>(std::ranges::count(ways, end, &Way::end));
+  };
+  // A finger's workspace is deep, so that the force ends its pushes.
+  const bool fingers = std::ranges::all_of(
+      report.spaces, [](const SceneReport::Space& space) { return bool(space.patch->finger); });
+  if (fingers && 2 * ended(WayEnd::failed) < ways.size()) return;
   const Workspace& workspace = report.problem->scene.workspace;
   report.warnings.push_back(fmt::format(
       "workspace.radius = {:.4g} m: only about {:.0f} % of the lattice points will be reached; "
