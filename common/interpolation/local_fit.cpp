@@ -78,6 +78,11 @@ constexpr double distance_power = 4;  // of a source's weight: so much less do i
 constexpr std::array<double, 6> penalty_extrapolating = {0, 0, 0, 1e-6, 1e-2, 1e-1},
                                 penalty_completing = {0, 0, 0, 1e-6, 1e-4, 1e-1};
 
+/// So many times farther than zero may a slope be and still count: one in the middle of a coarse
+/// cell says something even then. Near a point where the stiffness becomes singular slopes of dT/ds
+/// are wrong by factors of thousands.
+constexpr double farther_slopes = 3;
+
 /// From its components (symmetric_axes).
 Eigen::Matrix3d symmetricOf(const Eigen::Matrix<double, 6, 1>& components) {
   Eigen::Matrix3d matrix;
@@ -193,7 +198,6 @@ const LocalFits::Factors& LocalFits::factorsOf(const std::vector<FitSource>& sou
 }
 
 KnownOrders LocalFits::judge(const Equilibrium& own, const std::vector<FitSource>& around) const {
-  PALPATE_ASSERT(kind_.known >= KnownOrders::curvature, "forces and stiffnesses are held against");
   double with = 0, without = 0;  // squares of what is left of quotients of differences
   for (const FitSource& source : around) {
     const Eigen::Vector3d step =
@@ -202,14 +206,18 @@ KnownOrders LocalFits::judge(const Equilibrium& own, const std::vector<FitSource
       with += (change - explained).squaredNorm() / step.squaredNorm();
       without += change.squaredNorm() / step.squaredNorm();
     };
-    if (kind_.known == KnownOrders::curvature) {
+    if (kind_.known == KnownOrders::slope) {
+      using Number = Eigen::Matrix<double, 1, 1>;
+      add(Number(source.data->energy - own.energy), Number(-own.force.dot(step)));
+    } else if (kind_.known == KnownOrders::curvature) {
       add(Eigen::Vector3d(source.data->force - own.force), Eigen::Vector3d(own.stiffness * step));
     } else {
       add(Eigen::Matrix3d(source.data->stiffness - own.stiffness),
           symmetricOf(own.stiffness_by_p * step));
     }
   }
-  return with <= without ? kind_.known : oneLess(kind_.known);
+  const double farther = kind_.known == KnownOrders::slope ? farther_slopes : 1;
+  return with <= farther * farther * without ? kind_.known : oneLess(kind_.known);
 }
 
 int LocalFits::degreeFor(std::size_t sources) const {

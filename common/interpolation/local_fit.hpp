@@ -68,11 +68,11 @@ class LocalFits {
   int degreeFor(std::size_t sources) const;
 
   /// What of a point's own data counts, by the points around it: all that is known, or one order
-  /// less, where the derivatives of the highest order are farther from how those below it change
-  /// on the way to those points than zero is. So it is with a difference of tangents over a tiny
-  /// step in which the stiffness of an element jumps: it is that jump over the step, and says
-  /// nothing of the way to the next point. So it is also where the points are too far apart for a
-  /// derivative to say anything. Of curvatures and third derivatives.
+  /// less, where the derivatives of the highest order are farther (slopes: three times farther)
+  /// than zero is from how those below it change on the way to those points. So it is with a
+  /// difference of tangents over a tiny step in which the stiffness of an element jumps: it is that
+  /// jump over the step. So it is near a singular stiffness, where derivatives grow without limit,
+  /// and where the points are too far apart for a derivative to say anything.
   KnownOrders judge(const Equilibrium& own, const std::vector<FitSource>& around) const;
 
   /// About a position where nothing is known. `edge`: scale of the fit, lattice coordinates, about

@@ -15,9 +15,9 @@ namespace {
 constexpr double ridge = 1e-10;
 
 /// Variances of E, T and dT/ds where they are extrapolated, where those of the kernel are 1, 1 and
-/// 3 to 9. Chosen at 74 exact solutions about the sharpest rim of liver-2228; from there to none of
-/// T and all of dT/ds nothing changes by more than two of them.
-constexpr std::array<double, 3> noise = {0, 0.01, 0.3};
+/// 3 to 9. Of 146 exact solutions of a soft dome, pressed in by up to 1.1 radii, 84 % are kept with
+/// ten times these and 90 % from these down to none; of 148 of the shipped liver 147, 146 and 146.
+constexpr std::array<double, 3> noise = {0, 0.001, 0.03};
 
 /// Up to four axes along which is differentiated.
 struct Axes {

@@ -19,7 +19,7 @@ struct SiteFits {
   explicit SiteFits(double unit)
       : energy(unit, finger_fit),
         drive(unit, {KnownOrders::curvature, 3, 4, 6, 12, true}),
-        slope(unit, {KnownOrders::slope, 3, 3, 6, 12}) {}
+        slope(unit, {KnownOrders::slope, 3, 3, 6, 12, true}) {}
   LocalFits energy, drive, slope;
 };
 

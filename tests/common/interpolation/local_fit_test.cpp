@@ -123,6 +123,16 @@ TEST(LocalFits, JudgeCurvaturesByTheSlopesAround) {
   EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::slope);
 }
 
+TEST(LocalFits, JudgeSlopesByTheValuesAroundWhenFarOff) {
+  KnownToTheThirdOrder around;
+  const LocalFits fits(unit, {KnownOrders::slope, 3, 3, 6, 12, true});
+  EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::slope);
+  around.own.force *= 3;
+  EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::slope) << "of coarse cells";
+  around.own.force *= 10;
+  EXPECT_EQ(fits.judge(around.own, around.sources), KnownOrders::value);
+}
+
 TEST(LocalFits, FitWhatDoesNotCount) {
   KnownToTheThirdOrder around;
   LocalFits fits(unit, finger_fit);
