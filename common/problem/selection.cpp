@@ -144,8 +144,9 @@ std::vector<std::int32_t> trianglesOf(const ActiveSelection& selection, const Me
 /// One finger for each site of a surface.
 std::vector<ActiveSelection> sitesOf(const ActiveSelection& selection, const Mesh& mesh,
                                      const std::vector<std::int32_t>& triangles,
-                                     const NodeSet& fixed) {
-  const std::vector<Eigen::Vector3d> sites = sitesOn(mesh, triangles, fixed, selection.radius);
+                                     const NodeSet& fixed, const Scene& scene) {
+  const std::vector<Eigen::Vector3d> sites =
+      sitesOn(mesh, triangles, fixed, selection.radius, siteDistance(scene, selection.radius));
   if (sites.empty())
     throw badInput(
         "active \"{}\": surface: everywhere in it a finger would rest on what is fixed; "
@@ -316,7 +317,8 @@ std::vector<ActiveSelection> expandSurfaces(const Scene& scene, const Mesh& mesh
     }
     if (selection.tool == ToolKind::finger) {
       const std::vector<std::int32_t> triangles = trianglesOf(selection, mesh);
-      std::ranges::move(sitesOf(selection, mesh, triangles, fixed), std::back_inserter(expanded));
+      std::ranges::move(sitesOf(selection, mesh, triangles, fixed, scene),
+                        std::back_inserter(expanded));
       std::ranges::move(probesOf(selection, mesh, triangles, fixed, scene),
                         std::back_inserter(probes));
       continue;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "common/base/assertion.hpp"
@@ -23,6 +24,13 @@ constexpr double free_share_margin = 0.02;
 /// the energy changes faster with s at rims and tips. As far as site_distance says for |m| above
 /// `flat`, `closest` of that from `bent` down.
 constexpr double flat = 0.95, bent = 0.55, closest = 0.6;
+
+/// They are closer, too, where a finger sinks in, because the tissue folds around it: from
+/// `shallow` to `deep` radii down to `closest_when_deep`. Of 146 exact solutions of a dome under a
+/// finger that is pressed in by up to 1.1 radii 90 % are kept without that, 94 % with it.
+constexpr double shallow = 0.75, deep = 1.25, closest_when_deep = 0.7;
+/// A force F presses a finger in by F / (stiffness_share * shear modulus * radius), about, at most.
+constexpr double stiffness_share = 3;
 
 struct Piece {
   Eigen::Vector3d middle, normal;
@@ -62,7 +70,8 @@ bool mayStand(const Eigen::Vector3d& center, double radius, const std::vector<Pi
 
 /// How far a place may be from a site, metres.
 std::vector<double> siteDistances(const std::vector<Eigen::Vector3d>& places,
-                                  const std::vector<Piece>& pieces, double radius) {
+                                  const std::vector<Piece>& pieces, double radius,
+                                  double distance) {
   std::vector<double> distances;
   if (pieces.empty()) return distances;
   std::vector<Eigen::Vector3d> middles;
@@ -78,12 +87,23 @@ std::vector<double> siteDistances(const std::vector<Eigen::Vector3d>& places,
       sum += bump * piece.normal;
     }
     const double flatness = std::clamp((sum.norm() / whole - bent) / (flat - bent), 0.0, 1.0);
-    distances.push_back(site_distance * radius * std::lerp(closest, 1.0, flatness));
+    distances.push_back(distance * radius * std::lerp(closest, 1.0, flatness));
   }
   return distances;
 }
 
 }  // namespace
+
+double siteDistance(const Scene& scene, double radius) {
+  double softest = std::numeric_limits<double>::infinity();
+  for (const Region& region : scene.regions)
+    softest = std::min(softest, shearModulus(region.material));
+  const double depth = std::min(scene.workspace.radius,
+                                scene.workspace.max_force / (stiffness_share * softest * radius)) /
+                       radius;
+  const double sunk = std::clamp((depth - shallow) / (deep - shallow), 0.0, 1.0);
+  return site_distance * std::lerp(1.0, closest_when_deep, sunk);
+}
 
 std::vector<Eigen::Vector3d> placesAround(const Mesh& mesh,
                                           const std::vector<Eigen::Vector3d>& sites,
@@ -100,7 +120,7 @@ std::vector<Eigen::Vector3d> placesAround(const Mesh& mesh,
 }
 
 std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::int32_t>& triangles,
-                                     const NodeSet& fixed, double radius) {
+                                     const NodeSet& fixed, double radius, double distance) {
   PALPATE_ASSERT(radius > 0, "a scene gives fingers a radius");
   const auto refuse = [&] {
     throw badInput(
@@ -109,7 +129,7 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
         radius, max_sites);
   };
   // None covers more than a disk; known before there are many pieces to go through.
-  const double disk = std::numbers::pi * std::pow(site_distance * radius, 2);
+  const double disk = std::numbers::pi * std::pow(distance * radius, 2);
   if (areaOf(mesh, triangles) > static_cast<double>(max_sites) * disk) refuse();
   // A finger reaches beyond what is to be covered.
   Eigen::AlignedBox3d box;
@@ -128,7 +148,7 @@ std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::in
       if (pieces[n].free > 0) places.push_back(pieces[n].middle);
   }
   PALPATE_ASSERT(wanted == triangles.end(), "triangles are ascending");
-  return farthestPoints(places, siteDistances(places, pieces, radius),
+  return farthestPoints(places, siteDistances(places, pieces, radius, distance),
                         [&](const Eigen::Vector3d& place, std::size_t taken) {
                           // The pieces are quick and look at the vertices alone; what they find is
                           // checked.

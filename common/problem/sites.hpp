@@ -3,15 +3,20 @@
 #include "common/mesh/mesh.hpp"
 #include "common/mesh/node_set.hpp"
 #include "common/problem/finger.hpp"
+#include "common/scene/scene.hpp"
 
 namespace palpate {
 
 /// More are refused: the finger is too small for the surface.
 inline constexpr std::size_t max_sites = 5000;
 
+/// How far a place may be from a site of a finger of `radius` (metres), in radii: site_distance, or
+/// down to 0.7 of that where forces up to max_force may press it in by more than its radius.
+double siteDistance(const Scene& scene, double radius);
+
 /// Sites of a finger of `radius` (metres) that cover these triangles of the mesh's surface: each is
-/// the place farthest from all before it, until none is farther than site_distance radii, down to
-/// 0.6 of that at rims and tips, where the energy changes faster with the place. Distances are
+/// the place farthest from all before it, until none is farther than `distance` radii, down to 0.6
+/// of that at rims and tips, where the energy changes faster with the place. Distances are
 /// straight, because the energy of a finger is a function of its position in space
 /// (finger_weights.hpp): a site serves both sides of a lobe that is thin against the finger.
 ///
@@ -22,7 +27,7 @@ inline constexpr std::size_t max_sites = 5000;
 /// input) that says what to do when there are more than max_sites; empty when a finger can stand
 /// nowhere.
 std::vector<Eigen::Vector3d> sitesOn(const Mesh& mesh, const std::vector<std::int32_t>& triangles,
-                                     const NodeSet& fixed, double radius);
+                                     const NodeSet& fixed, double radius, double distance);
 
 /// Places of the surface around sites of a finger of `radius`, a place_distance of it apart: what
 /// stations of an area are chosen from (viewer/fields/area_field.hpp). Metres.

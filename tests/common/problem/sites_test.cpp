@@ -30,7 +30,7 @@ double distanceTo(const std::vector<Eigen::Vector3d>& sites, const Eigen::Vector
 /// A cube of 20 cm whose side xmin is held.
 struct SitesOnACube : ::testing::Test {
   std::vector<Eigen::Vector3d> cover(double radius) const {
-    return sitesOn(mesh, allTriangles(mesh), mesh.node_groups.at("xmin"), radius);
+    return sitesOn(mesh, allTriangles(mesh), mesh.node_groups.at("xmin"), radius, site_distance);
   }
   Mesh mesh = test::cubeMesh(0.2, 6);
 };
@@ -87,7 +87,7 @@ TEST_F(SitesOnACube, AreAsManyOnAFineMesh) {
 }
 
 TEST_F(SitesOnACube, AreAskedForInVainWhereEverythingIsFixed) {
-  EXPECT_TRUE(sitesOn(mesh, allTriangles(mesh), allNodes(mesh), 0.03).empty());
+  EXPECT_TRUE(sitesOn(mesh, allTriangles(mesh), allNodes(mesh), 0.03, site_distance).empty());
 }
 
 TEST_F(SitesOnACube, AreRefusedWhenTheFingerIsFarTooSmall) {
@@ -193,6 +193,20 @@ TEST_F(FingerScene, IsRefusedWhereAFingerMakesNoSense) {
   refuses({"\"skin\"", "rests by", "on what is fixed"});
   scene.active[0].near = Eigen::Vector3d(10, 0.1, 0.1);
   refuses({"\"skin\": near", "more than the body is wide"});
+}
+
+TEST(SiteDistance, IsLessWhereAFingerSinksIn) {
+  Scene scene;
+  scene.regions[0].material = {.law = LawName::neo_hookean, .mu = 5000};
+  scene.workspace = {.radius = 0.03, .spacing = 0.015, .max_force = 3.3};
+  EXPECT_EQ(siteDistance(scene, 0.02), site_distance) << "the force ends that before";
+  scene.regions.push_back(scene.regions[0]);
+  scene.regions[1].material.mu = 1200;
+  EXPECT_NEAR(siteDistance(scene, 0.02), 0.7 * site_distance, 1e-12) << "1.5 radii";
+  scene.workspace.radius = 0.02;
+  EXPECT_NEAR(siteDistance(scene, 0.02), 0.85 * site_distance, 1e-12);
+  scene.workspace.radius = 0.01;
+  EXPECT_EQ(siteDistance(scene, 0.02), site_distance) << "shallow";
 }
 
 }  // namespace
