@@ -198,6 +198,7 @@ const LocalFits::Factors& LocalFits::factorsOf(const std::vector<FitSource>& sou
 }
 
 KnownOrders LocalFits::judge(const Equilibrium& own, const std::vector<FitSource>& around) const {
+  PALPATE_ASSERT(kind_.known >= KnownOrders::slope, "a value is held against nothing");
   double with = 0, without = 0;  // squares of what is left of quotients of differences
   for (const FitSource& source : around) {
     const Eigen::Vector3d step =

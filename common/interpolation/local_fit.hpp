@@ -72,7 +72,7 @@ class LocalFits {
   /// than zero is from how those below it change on the way to those points. So it is with a
   /// difference of tangents over a tiny step in which the stiffness of an element jumps: it is that
   /// jump over the step. So it is near a singular stiffness, where derivatives grow without limit,
-  /// and where the points are too far apart for a derivative to say anything.
+  /// and where the points are too far apart for a derivative to say anything. Not of values alone.
   KnownOrders judge(const Equilibrium& own, const std::vector<FitSource>& around) const;
 
   /// About a position where nothing is known. `edge`: scale of the fit, lattice coordinates, about

@@ -11,7 +11,9 @@ namespace palpate {
 inline constexpr std::size_t max_sites = 5000;
 
 /// How far a place may be from a site of a finger of `radius` (metres), in radii: site_distance, or
-/// down to 0.7 of that where forces up to max_force may press it in by more than its radius.
+/// down to 0.7 of that where forces up to max_force may press it in by more than its radius, by the
+/// softest region's shear modulus at rest, without fibres. readScene has cut max_force to
+/// what the device renders.
 double siteDistance(const Scene& scene, double radius);
 
 /// Sites of a finger of `radius` (metres) that cover these triangles of the mesh's surface: each is

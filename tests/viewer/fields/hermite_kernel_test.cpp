@@ -75,7 +75,7 @@ TEST(HermiteKernelTest, BelievesLessWhatIsExtrapolated) {
                     quantitiesAt({place})[0]);
   };
   const Eigen::Vector3d between(0.008, 0.004, 0.001);
-  EXPECT_LT(errorAt(between, solved), 0.8F * errorAt(between, all_solved));
+  EXPECT_LT(errorAt(between, solved), 0.7F * errorAt(between, all_solved));
   // The solved ones stay exact.
   for (const std::size_t site : {0, 2, 3, 4})
     EXPECT_LT(errorAt(some_sites[site], solved), 1e-4F * data[0]);
