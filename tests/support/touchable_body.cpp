@@ -19,16 +19,19 @@ Eigen::Matrix3d softness() {
 
 }  // namespace
 
+ConvexEnergy::ConvexEnergy(double factor, const Eigen::Vector3d& stiff_along)
+    : factor_(factor), at_rest_(softness() + stiff_along * stiff_along.transpose()) {}
+
 double ConvexEnergy::energy(const Eigen::Vector3d& p) const {
-  return factor_ * (p.dot(softness() * p) / 2 + hardening / 4 * p.squaredNorm() * p.squaredNorm());
+  return factor_ * (p.dot(at_rest_ * p) / 2 + hardening / 4 * p.squaredNorm() * p.squaredNorm());
 }
 
 Eigen::Vector3d ConvexEnergy::gradient(const Eigen::Vector3d& p) const {
-  return factor_ * (softness() * p + hardening * p.squaredNorm() * p);
+  return factor_ * (at_rest_ * p + hardening * p.squaredNorm() * p);
 }
 
 Eigen::Matrix3d ConvexEnergy::hessian(const Eigen::Vector3d& p) const {
-  return factor_ * (softness() + hardening * (p.squaredNorm() * Eigen::Matrix3d::Identity() +
+  return factor_ * (at_rest_ + hardening * (p.squaredNorm() * Eigen::Matrix3d::Identity() +
                                               2 * p * p.transpose()));
 }
 
@@ -64,7 +67,7 @@ TouchableBody::TouchableBody(Mesh mesh, const std::vector<Active>& active, doubl
   }
   const Lattice lattice(radius, spacing);
   for (std::size_t s = 0; s < active.size(); ++s) {
-    spaces.push_back(solvedSpace(lattice, ConvexEnergy(active[s].factor)));
+    spaces.push_back(solvedSpace(lattice, ConvexEnergy(active[s].factor, active[s].stiff_along)));
     spaces[s].patch = problem.active[s];
     for (std::int32_t n = 0; n < lattice.size(); ++n)
       spaces[s].points[static_cast<std::size_t>(n)].fields = fields(s, n).id();

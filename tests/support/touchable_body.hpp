@@ -9,10 +9,12 @@
 namespace palpate::test {
 
 /// Convex and stiffening: f (p.A p / 2 + b |p|^4 / 4), some 60 f N/m at rest and twice that at 20
-/// mm; A is not isotropic. A body that a hand can slide on without falling into a hole.
+/// mm; A is not isotropic, and stiffer by k k^T, k = `stiff_along` (root of N/m). A body that a hand
+/// can slide on without falling into a hole.
 class ConvexEnergy : public AnalyticEnergy {
  public:
-  explicit ConvexEnergy(double factor = 1) : factor_(factor) {}
+  explicit ConvexEnergy(double factor = 1,
+                        const Eigen::Vector3d& stiff_along = Eigen::Vector3d::Zero());
   double energy(const Eigen::Vector3d& p) const override;
   Eigen::Vector3d gradient(const Eigen::Vector3d& p) const override;
   Eigen::Matrix3d hessian(const Eigen::Vector3d& p) const override;
@@ -20,6 +22,7 @@ class ConvexEnergy : public AnalyticEnergy {
 
  private:
   double factor_;
+  Eigen::Matrix3d at_rest_;
 };
 
 /// The fields of a body whose node at `center` moves by p, others less with the distance from it.
@@ -32,6 +35,7 @@ struct TouchableBody {
   struct Active {
     std::int32_t node;
     double factor = 1;
+    Eigen::Vector3d stiff_along = Eigen::Vector3d::Zero();
   };
   /// Fixed are the nodes of the group "zmin"; the others of `nodes` may be active.
   TouchableBody(Mesh mesh, const std::vector<Active>& active, double radius = 0.03,

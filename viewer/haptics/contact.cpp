@@ -89,16 +89,20 @@ void Contact::seekGrip(const Eigen::Vector3d& tool, bool hold) noexcept {
   press(tool);
 }
 
-/// False where the tissue would pull; then nothing is touched.
+/// False where the tissue would pull back what leaves it; then nothing is touched. A tool behind the
+/// surface presses, whichever way the force leans: that of a lobe that bends is along its normal at
+/// rest no more.
 bool Contact::press(const Eigen::Vector3d& tool) noexcept {
   const TouchSurface& surface = model_->surface();
   const Eigen::Vector3d pressing = tool - offset_;
   force_.evaluate(*model_, method_, anchor_, pressing - surface.position(anchor_));
-  if (options_.mode == ContactMode::unilateral) {
-    slide(pressing, (tool - last_tool_).norm());
-    if (force_.force().dot(surface.normal(anchor_)) <= 0) return false;
-  }
-  describe(pressing - surface.position(anchor_));
+  if (options_.mode == ContactMode::unilateral) slide(pressing, (tool - last_tool_).norm());
+  const Eigen::Vector3d displacement = pressing - surface.position(anchor_),
+                        normal = surface.normal(anchor_);
+  if (options_.mode == ContactMode::unilateral && displacement.dot(normal) >= 0 &&
+      force_.force().dot(normal) <= 0 && surface.tree().nearest(tool, near_triangle_).outside)
+    return false;
+  describe(displacement);
   return true;
 }
 

@@ -70,9 +70,10 @@ struct Touch : ForceSample {
 /// Beyond the region that was computed the spaces go on with a continuation that only stiffens
 /// (fields/answered_region.hpp), of the same energy: nothing else changes here.
 ///
-/// Release: nothing pulls. When F.n becomes <= 0 (n outward) the contact ends with it. A tool that
-/// is inside the body then, or came in where nothing is touchable, feels nothing until it has been
-/// outside.
+/// Release: nothing pulls back a tool that leaves. When F.n <= 0 (n outward, at rest), and the tool
+/// is outside of the body at rest and in front of the anchor's tangent plane, the contact ends. F.n
+/// may be <= 0 elsewhere too, on lobes that bend: there it goes on, and friction holds nothing. A
+/// tool that came in where nothing is touchable feels nothing until it has been outside.
 ///
 /// Glued (the paper's mode): the tool takes hold of the nearest touchable point within
 /// grab_distance, and keeps it, pulling too, as long as `hold`; the displacement counts from where
