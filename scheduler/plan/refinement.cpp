@@ -56,9 +56,10 @@ class CellInspection {
   Refinement refine() const {
     Refinement result;
     result.kept = samples_ > 0 ? kept_ / samples_ : 1;
-    if (result.kept >= (space_.patch.finger ? enough_of_finger : enough)) return result;
+    const bool is_enough = result.kept >= (space_.patch.finger ? enough_of_finger : enough);
     std::set<LatticePoint> points;
     for (const std::int32_t leaf : poor_) {
+      if (is_enough && !endsBesideRest(leaf)) continue;
       if (allTerminating(leaf) || isAtJump(leaf) || isAtEnd(leaf)) continue;
       const std::vector<LatticePoint> untried = untriedCorners(leaf);
       points.insert(untried.begin(), untried.end());
@@ -93,7 +94,7 @@ class CellInspection {
       if (ratio <= 1) kept_ += volume;
       worst = std::max(worst, ratio);
     }
-    if (worst > 1) poor_.push_back(leaf);
+    if (worst > 1 || endsBesideRest(leaf)) poor_.push_back(leaf);
   }
 
   /// Of a finger nothing is promised where it is not pushed to, or the force is too large.
@@ -138,7 +139,21 @@ class CellInspection {
   /// beyond it. One halving shows where it is. Only of a finger: at sharp rims
   /// up to half of its ball lies there.
   bool isAtEnd(std::int32_t leaf) const {
-    if (!space_.patch.finger || tree_.leaves()[at(leaf)].level == 0) return false;
+    return space_.patch.finger && tree_.leaves()[at(leaf)].level > 0 && hasFailedCorner(leaf) &&
+           !endsBesideRest(leaf);
+  }
+
+  /// Whether a finger's answers end in the first cell from rest, as where the tissue is stiff
+  /// against the spacing: nearly all that a hand feels there lies within this cell, and of its
+  /// corners rest alone may be known. So it is halved as often as levels allow.
+  bool endsBesideRest(std::int32_t leaf) const {
+    return space_.patch.finger && hasFailedCorner(leaf) &&
+           std::ranges::any_of(tree_.corners(leaf), [this](std::int32_t corner) {
+             return squaredNorm(slot(corner).point) == 0;
+           });
+  }
+
+  bool hasFailedCorner(std::int32_t leaf) const {
     return std::ranges::any_of(tree_.corners(leaf), [this](std::int32_t corner) {
       const auto number = space_.lattice.indexOf(slot(corner).point);
       return number && !isSolved(space_.points[*number].tag);
@@ -176,7 +191,7 @@ class CellInspection {
   const CellTree tree_;
   std::vector<EnergyJet> jets_;
   std::set<LatticeEdge> jumps_, suspects_;
-  std::vector<std::int32_t> poor_;  ///< leaves that do not keep the accuracy
+  std::vector<std::int32_t> poor_;  ///< leaves that do not keep the accuracy, or end beside rest
   double kept_ = 0, samples_ = 0;
 };
 

@@ -264,6 +264,33 @@ TEST(Refinement, OfAFingerHalvesCellsOnceWhereAnswersEnd) {
   EXPECT_TRUE(halved_twice_elsewhere);
 }
 
+TEST(Refinement, OfAFingerHalvesCellsAtRestUntilTheirCornersAreKnown) {
+  Scene scene = adaptiveScene(0.03);
+  scene.accuracy.force_floor = 100;
+  scene.accuracy.levels = 4;
+  const test::PolynomialEnergy energy(3, 0.06);
+  SpaceTable space = solvedStart(scene, energy);
+  space.patch.finger = Finger{Vector3d::Zero(), 0.02};
+  ASSERT_TRUE(nextRefinement(space, scene).empty()) << "accurate as it is";
+  // Stiff along z: forces that matter end within a sixth of the first cells.
+  const auto failBeyond = [](SpaceTable& table) {
+    for (std::int32_t n = 0; n < table.lattice.size(); ++n)
+      if (table.lattice.displacement(n).z() > 0.005) table.points[n].tag = Tag::failed;
+  };
+  int finest = 0;
+  for (int round = 0; round < 6; ++round) {
+    failBeyond(space);
+    const Refinement next = nextRefinement(space, scene);
+    for (const LatticeCell& cell : next.splits) finest = std::max(finest, cell.level + 1);
+    const Finger finger = *space.patch.finger;
+    space = refined(space, next, energy);
+    space.patch.finger = finger;
+  }
+  failBeyond(space);
+  EXPECT_EQ(finest, 3) << "cells of 30 mm / 8 hold what is known; a fourth halving is not needed";
+  EXPECT_TRUE(nextRefinement(space, scene).empty());
+}
+
 TEST(Refinement, RefusesWhatIsNotAdaptive) {
   const Scene scene = adaptiveScene(0.03);
   SpaceTable space = solvedStart(scene, RidgeEnergy());
