@@ -143,21 +143,28 @@ class CellInspection {
            !endsBesideRest(leaf);
   }
 
-  /// Whether a finger's answers end in the first cell from rest, as where the tissue is stiff
-  /// against the spacing: nearly all that a hand feels there lies within this cell, and of its
+  /// Whether a finger's answers end on the first edge from rest, as where the tissue is stiff
+  /// against the spacing: nearly all that a hand feels there lies within this leaf, and of its
   /// corners rest alone may be known. So it is halved as often as levels allow.
   bool endsBesideRest(std::int32_t leaf) const {
-    return space_.patch.finger && hasFailedCorner(leaf) &&
-           std::ranges::any_of(tree_.corners(leaf), [this](std::int32_t corner) {
-             return squaredNorm(slot(corner).point) == 0;
-           });
+    if (!space_.patch.finger) return false;
+    const LeafCorners& corners = tree_.corners(leaf);
+    for (std::size_t c = 0; c < 8; ++c)
+      if (squaredNorm(slot(corners[c]).point) == 0)
+        return std::ranges::any_of(std::array<std::size_t, 3>{1, 2, 4}, [&](std::size_t along) {
+          return hasFailed(corners[c ^ along]);
+        });
+    return false;
   }
 
   bool hasFailedCorner(std::int32_t leaf) const {
-    return std::ranges::any_of(tree_.corners(leaf), [this](std::int32_t corner) {
-      const auto number = space_.lattice.indexOf(slot(corner).point);
-      return number && !isSolved(space_.points[*number].tag);
-    });
+    return std::ranges::any_of(tree_.corners(leaf),
+                               [this](std::int32_t corner) { return hasFailed(corner); });
+  }
+
+  bool hasFailed(std::int32_t corner) const {
+    const auto number = space_.lattice.indexOf(slot(corner).point);
+    return number && !isSolved(space_.points[*number].tag);
   }
 
   std::vector<LatticePoint> untriedCorners(std::int32_t leaf) const {

@@ -27,9 +27,9 @@ struct Refinement {
 /// (branch_check.hpp). Empty when the accuracy is kept in 99.8 % of the ball, or cannot be
 /// improved; `kept` tells these apart. Of a finger what counts of the ball is what it is pushed to
 /// (Finger::reach) by forces up to max_force, and 99 % of that are enough; a leaf with a corner
-/// that failed, or with what looks like a jump, is split once and no more; but a leaf at rest with
-/// a corner that failed is split whatever is kept elsewhere: the tissue is stiff there against the
-/// spacing, and all that is felt lies between.
+/// that failed, or with what looks like a jump, is split once and no more; but a leaf at rest of
+/// which an edge from there ends in a failed corner is split whatever is kept elsewhere: the tissue
+/// is stiff against the spacing, and all that is felt lies between.
 ///
 /// Start from few points: spacing = radius / 2 (33 points) is refined to what is needed; with
 /// radius / 1 too little is known to judge, and radius / 3 already has more points than many scenes

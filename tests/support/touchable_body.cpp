@@ -32,7 +32,7 @@ Eigen::Vector3d ConvexEnergy::gradient(const Eigen::Vector3d& p) const {
 
 Eigen::Matrix3d ConvexEnergy::hessian(const Eigen::Vector3d& p) const {
   return factor_ * (at_rest_ + hardening * (p.squaredNorm() * Eigen::Matrix3d::Identity() +
-                                              2 * p * p.transpose()));
+                                            2 * p * p.transpose()));
 }
 
 SymmetricSlope ConvexEnergy::hessianSlope(const Eigen::Vector3d& p) const {

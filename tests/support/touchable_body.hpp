@@ -9,8 +9,8 @@
 namespace palpate::test {
 
 /// Convex and stiffening: f (p.A p / 2 + b |p|^4 / 4), some 60 f N/m at rest and twice that at 20
-/// mm; A is not isotropic, and stiffer by k k^T, k = `stiff_along` (root of N/m). A body that a hand
-/// can slide on without falling into a hole.
+/// mm; A is not isotropic, and stiffer by k k^T, k = `stiff_along` (root of N/m). A body that a
+/// hand can slide on without falling into a hole.
 class ConvexEnergy : public AnalyticEnergy {
  public:
   explicit ConvexEnergy(double factor = 1,

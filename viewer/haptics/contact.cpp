@@ -89,9 +89,9 @@ void Contact::seekGrip(const Eigen::Vector3d& tool, bool hold) noexcept {
   press(tool);
 }
 
-/// False where the tissue would pull back what leaves it; then nothing is touched. A tool behind the
-/// surface presses, whichever way the force leans: that of a lobe that bends is along its normal at
-/// rest no more.
+/// False where the tissue would pull back what leaves it; then nothing is touched. A tool behind
+/// the surface presses, whichever way the force leans: that of a lobe that bends is along its
+/// normal at rest no more.
 bool Contact::press(const Eigen::Vector3d& tool) noexcept {
   const TouchSurface& surface = model_->surface();
   const Eigen::Vector3d pressing = tool - offset_;
