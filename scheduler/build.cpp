@@ -64,7 +64,7 @@ SpaceRowsList sealPlans(const std::filesystem::path& file, const Problem& proble
   SpaceRowsList rows = rowsOf(plans);
   const auto fields = [&](std::size_t space, std::int32_t point) {
     return NodalFields::decode(recordOf(plans, space, point, find).payload,
-                               problem.mesh.nodes.size(), pressureNodes(problem));
+                               problem.mesh.nodes.size(), problem.pressures.count());
   };
   sealDataset(file, problem, rows, kernel_family, fields, partial);
   return rows;

@@ -84,16 +84,18 @@ class FieldsReader {
   FieldsReader(const hdf5::Reader& in, const Scene& scene, const Mesh& mesh,
                const std::vector<SpaceTable>& spaces);
 
-  /// Displacements (metres) of the stored nodes, and pressures (Pa) where they are kept, of `count`
-  /// points from `first` on, one after the other; NaN in points that are not solved. Error that
-  /// names point and array when a row is damaged.
+  /// Displacements (metres) of the stored nodes, and pressures (Pa) of the nodes where they are
+  /// kept, of `count` points from `first` on, one after the other; NaN in points that are not
+  /// solved. Of a node between materials the pressure is that of its own slot (PressureSlots).
+  /// Error that names point and array when a row is damaged.
   NodalFields read(std::size_t space, std::size_t first, std::size_t count) const;
 
  private:
   const hdf5::Reader& in_;
   const std::vector<SpaceTable>& spaces_;
   std::vector<std::size_t> first_rows_;  ///< of the spaces
-  std::size_t n_values_, n_pressures_;   ///< per row
+  std::size_t n_values_, n_pressures_;   ///< per row of what is read
+  std::size_t stored_pressures_ = 0;     ///< per row of the file
   bool quantized_;
   std::vector<ContentId> hashes_;
   std::vector<float> steps_;  ///< m

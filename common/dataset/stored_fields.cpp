@@ -74,7 +74,7 @@ std::vector<float> displacementsOf(const NodalFields& fields,
 void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList& spaces,
                  const std::function<NodalFields(std::size_t, std::int32_t)>& fields) {
   const std::vector<std::int32_t> stored = storedNodes(problem.scene, problem.mesh);
-  const hsize_t n_pressures = storedPressures(problem.scene, problem.mesh);
+  const hsize_t n_pressures = storedPressures(problem);
   const bool quantized = isQuantized(problem.scene);
   hsize_t n_rows = 0;
   for (const auto& space : spaces) n_rows += static_cast<hsize_t>(space->points());
@@ -99,7 +99,7 @@ void writeFields(hdf5::Writer& out, const Problem& problem, const SpaceRowsList&
       // What was solved and what is sealed may be weeks and a disk apart.
       if (given.id() != spaces[s]->point(n).fields ||
           given.displacement.size() != 3 * problem.mesh.nodes.size() ||
-          given.pressure.size() != pressureNodes(problem))
+          given.pressure.size() != problem.pressures.count())
         throw failure(
             "{}: space {}: the nodal fields of lattice point {} are not those of its result",
             out.name(), spaces[s]->patch().name, n);
@@ -130,7 +130,9 @@ FieldsReader::FieldsReader(const hdf5::Reader& in, const Scene& scene, const Mes
     : in_(in),
       spaces_(spaces),
       n_values_(3 * storedNodes(scene, mesh).size()),
-      n_pressures_(storedPressures(scene, mesh)),
+      n_pressures_(scene.storage.displacement == StoredNodes::all
+                       ? pressureNodes(scene.discretization.pressure, mesh)
+                       : 0),
       quantized_(isQuantized(scene)) {
   std::size_t n_rows = 0;
   for (const SpaceTable& space : spaces) {
@@ -138,7 +140,12 @@ FieldsReader::FieldsReader(const hdf5::Reader& in, const Scene& scene, const Mes
     n_rows += space.points.size();
   }
   in.array(displacement_path, elementOf(quantized_), {n_rows, n_values_ / 3, 3});
-  if (n_pressures_ > 0) in.array(pressure_path, hdf5::Element::float32, {n_rows, n_pressures_});
+  if (n_pressures_ > 0) {
+    // More than the nodes have where materials meet, which only their regions would tell.
+    const hdf5::Shape& shape = in.array(pressure_path).shape;
+    stored_pressures_ = shape.size() == 2 ? std::max<std::size_t>(shape[1], n_pressures_) : 0;
+    in.array(pressure_path, hdf5::Element::float32, {n_rows, stored_pressures_});
+  }
   hashes_ = in.readList<ContentId>(hash_path, n_rows);
   if (quantized_) steps_ = in.readList<float>(step_path, n_rows);
 }
@@ -149,7 +156,8 @@ NodalFields FieldsReader::read(std::size_t space, std::size_t first, std::size_t
   const std::size_t first_row = first_rows_[space] + first;
   NodalFields rows;
   rows.pressure.resize(count * n_pressures_);
-  if (n_pressures_ > 0) in_.readRows<float>(in_.array(pressure_path), first_row, rows.pressure);
+  std::vector<float> pressures(count * stored_pressures_);
+  if (n_pressures_ > 0) in_.readRows<float>(in_.array(pressure_path), first_row, pressures);
   rows.displacement.resize(count * n_values_);
   std::vector<std::int16_t> integers(quantized_ ? rows.displacement.size() : 0);
   if (quantized_)
@@ -159,6 +167,8 @@ NodalFields FieldsReader::read(std::size_t space, std::size_t first, std::size_t
   for (std::size_t i = 0; i < count; ++i) {
     const auto values = std::span(rows.displacement).subspan(i * n_values_, n_values_);
     const auto pressure = std::span(rows.pressure).subspan(i * n_pressures_, n_pressures_);
+    const auto of_row = std::span(pressures).subspan(i * stored_pressures_, stored_pressures_);
+    std::ranges::copy(of_row.first(n_pressures_), pressure.begin());
     if (!isSolved(points[first + i].tag)) {
       std::ranges::fill(values, unsolved);
       std::ranges::fill(pressure, unsolved);
@@ -172,7 +182,7 @@ NodalFields FieldsReader::read(std::size_t space, std::size_t first, std::size_t
       std::ranges::transform(steps, values.begin(),
                              [step = steps_[row]](std::int16_t n) { return step * n; });
     }
-    if (rowHash(stored, quantized_ ? &steps_[row] : nullptr, pressure) != hashes_[row])
+    if (rowHash(stored, quantized_ ? &steps_[row] : nullptr, of_row) != hashes_[row])
       throw in_.damaged(fmt::format("{} or pressure, row {} (point {} of {})", displacement_path,
                                     row, first + i, spaces_[space].patch.name),
                         "does not match stored_id");

@@ -98,7 +98,27 @@ void checkWeights(const ActivePatch& patch, ToolKind tool) {
                    patch.weights.size(), sum, patch.nodes.size());
 }
 
+/// What is stiffer by more than this drowns what is soft in the round-off of what is stiff.
+constexpr double largest_contrast = 1e7;
+
+void refuseContrast(const std::vector<Region>& regions) {
+  const auto shear = [](const Region& region) { return shearModulus(region.material); };
+  const auto young = [](const Region& region) { return youngModulus(region.material); };
+  const Region &soft = *std::ranges::min_element(regions, {}, shear),
+               &stiff = *std::ranges::max_element(regions, {}, young);
+  const auto named = [](const Region& region) {
+    return region.group.empty() ? std::string("[material]") : "[[region]] \"" + region.group + '"';
+  };
+  if (young(stiff) > largest_contrast * shear(soft))
+    throw badInput(
+        "{} has a Young's modulus of {:.3g} Pa at rest, more than {:g} times the shear modulus of "
+        "{}, {:.3g} Pa: forces would be lost in round-off; {:.1g} Pa is as good as rigid, or fix "
+        "what is rigid",
+        named(stiff), young(stiff), largest_contrast, named(soft), shear(soft), 1e5 * shear(soft));
+}
+
 void checkRegions(const Problem& problem) {
+  refuseContrast(problem.scene.regions);
   const std::size_t n_elements = problem.mesh.tetrahedra.size(),
                     n_regions = problem.scene.regions.size();
   if (problem.region_of.size() != n_elements ||
@@ -242,38 +262,30 @@ void checkProblem(const Problem& problem) {
         radius, diagonal);
 }
 
+PressureSlots pressureSlots(const Problem& problem) {
+  std::vector<Material> materials;
+  for (const Region& region : problem.scene.regions) materials.push_back(region.material);
+  return {problem.scene.discretization.pressure, problem.mesh, materials, problem.region_of};
+}
+
 std::size_t fieldsBytes(const Problem& problem) {
-  return sizeof(float) * (3 * problem.mesh.nodes.size() + pressureNodes(problem));
-}
-
-std::size_t pressureNodes(const Problem& problem) {
-  return pressureNodes(problem.scene.discretization.pressure, problem.mesh);
-}
-
-std::size_t pressureNodes(PressureSpace pressure, const Mesh& mesh) {
-  switch (pressure) {
-    case PressureSpace::none: return 0;
-    case PressureSpace::p1:
-    case PressureSpace::p1_stabilized: return static_cast<std::size_t>(mesh.vertices());
-    case PressureSpace::p2: return mesh.nodes.size();
-  }
-  return 0;
+  return sizeof(float) * (3 * problem.mesh.nodes.size() + problem.pressures.count());
 }
 
 std::vector<std::int32_t> storedNodes(const Scene& scene, const Mesh& mesh) {
   return scene.storage.displacement == StoredNodes::surface ? surfaceNodes(mesh) : allNodes(mesh);
 }
 
-std::size_t storedPressures(const Scene& scene, const Mesh& mesh) {
-  if (scene.storage.displacement == StoredNodes::surface) return 0;
-  return pressureNodes(scene.discretization.pressure, mesh);
+std::size_t storedPressures(const Problem& problem) {
+  if (problem.scene.storage.displacement == StoredNodes::surface) return 0;
+  return problem.pressures.count();
 }
 
-std::size_t storedBytes(const Scene& scene, const Mesh& mesh) {
-  const bool integers = scene.storage.precision == StoredPrecision::int16;
+std::size_t storedBytes(const Problem& problem) {
+  const bool integers = problem.scene.storage.precision == StoredPrecision::int16;
   const std::size_t component = integers ? sizeof(std::int16_t) : sizeof(float);
-  return 3 * component * storedNodes(scene, mesh).size() +
-         sizeof(float) * storedPressures(scene, mesh);
+  return 3 * component * storedNodes(problem.scene, problem.mesh).size() +
+         sizeof(float) * storedPressures(problem);
 }
 
 Lattice uniformLattice(const Scene& scene) { return uniformLattice(scene, {}); }
@@ -317,6 +329,7 @@ Problem resolve(Scene scene, Mesh mesh) {
   problem.scene = std::move(scene);
   problem.mesh = std::move(mesh);
   checkProblem(problem);
+  problem.pressures = pressureSlots(problem);
   return problem;
 }
 

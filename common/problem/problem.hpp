@@ -2,6 +2,7 @@
 
 #include "common/base/content_id.hpp"
 #include "common/mesh/mesh.hpp"
+#include "common/problem/pressure_slots.hpp"
 #include "common/scene/scene.hpp"
 #include "common/space/active_patch.hpp"
 #include "common/space/lattice.hpp"
@@ -22,14 +23,13 @@ struct Problem {
   std::vector<std::array<Eigen::Vector3d, 2>> fibers;
   std::vector<std::int32_t> fixed;  ///< sorted
   std::vector<ActivePatch> active;  ///< one configuration space each, in the order of the scene
+  /// The pressures of NodalFields. Where no material around a node has a pressure its slot is zero
+  /// and no unknown. Follows from the rest.
+  PressureSlots pressures;
 };
 
-/// Number of nodes that have a pressure in NodalFields: none, the vertices, or all nodes. (Where no
-/// material around a node is mixed its pressure is zero and no unknown.)
-std::size_t pressureNodes(const Problem& problem);
 /// NodalFields::encode() of an equilibrium of this problem.
 std::size_t fieldsBytes(const Problem& problem);
-std::size_t pressureNodes(PressureSpace pressure, const Mesh& mesh);
 
 // What a dataset keeps of the nodal fields of a configuration (Storage).
 
@@ -37,10 +37,10 @@ std::size_t pressureNodes(PressureSpace pressure, const Mesh& mesh);
 std::vector<std::int32_t> storedNodes(const Scene& scene, const Mesh& mesh);
 
 /// Number of pressures that are stored.
-std::size_t storedPressures(const Scene& scene, const Mesh& mesh);
+std::size_t storedPressures(const Problem& problem);
 
 /// Bytes of the stored fields of one configuration, before compression.
-std::size_t storedBytes(const Scene& scene, const Mesh& mesh);
+std::size_t storedBytes(const Problem& problem);
 
 /// Error (bad input) unless everything holds that resolve() guarantees of a problem's numbers.
 void checkProblem(const Problem& problem);
@@ -56,6 +56,9 @@ Lattice uniformLattice(const Scene& scene, const ActivePatch& patch);
 /// Held-out positions of one space: those of [accuracy], but of a site none where its area is
 /// measured at places of its own.
 std::int32_t probesIn(const Scene& scene, std::size_t space);
+
+/// Problem::pressures, from what checkProblem accepts.
+PressureSlots pressureSlots(const Problem& problem);
 
 /// Resolves the selectors of a scene on its mesh, which finishMesh has finished. Error (bad input),
 /// naming the scene's key, when

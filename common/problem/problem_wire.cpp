@@ -141,6 +141,7 @@ Problem decodeProblem(std::string_view bytes) {
   try {
     Problem problem = fromMessage(message);
     checkProblem(problem);
+    problem.pressures = pressureSlots(problem);
     // Equal problems must have equal ids, so there is one spelling of each.
     if (encodeProblem(problem) != bytes)
       throw failure("it is not written as this version of Palpate writes it");
@@ -168,7 +169,12 @@ ContentId problemId(const Problem& problem) {
     if (!region.group.empty()) region.group = std::to_string(r);
     if (!region.material.fiber_field.empty()) region.material.fiber_field = "any";
   }
-  return ContentId::of(encodeProblem(bare));
+  ContentHasher hasher;
+  hasher.add(encodeProblem(bare));
+  // Once they were solved with one pressure at each node: those configurations are others.
+  if (problem.pressures.count() > problem.pressures.nodes())
+    hasher.add("pressures jump between materials");
+  return hasher.finish();
 }
 
 }  // namespace palpate

@@ -1,5 +1,10 @@
 #include "common/scene/material.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <ranges>
+
 #include "common/base/assertion.hpp"
 
 namespace palpate {
@@ -34,8 +39,39 @@ double shearModulus(const Material& m) {
   return 0;
 }
 
+double bulkModulus(const Material& material) {
+  if (isIncompressible(material)) return std::numeric_limits<double>::infinity();
+  if (material.bulk) return *material.bulk;
+  return material.young / (3 * (1 - 2 * *material.poisson));
+}
+
 double youngModulus(const Material& material) {
-  return material.young > 0 ? material.young : 3 * shearModulus(material);
+  const double shear = shearModulus(material);
+  return material.bulk ? 9 * *material.bulk * shear / (3 * *material.bulk + shear)
+                       : 2 * (1 + poissonRatio(material)) * shear;
+}
+
+double poissonRatio(const Material& material) {
+  if (isIncompressible(material)) return 0.5;
+  if (!material.bulk) return *material.poisson;
+  const double bulk = *material.bulk, shear = shearModulus(material);
+  return (3 * bulk - 2 * shear) / (2 * (3 * bulk + shear));
+}
+
+std::optional<Softening> softeningOf(const Material& m) {
+  if (m.law == LawName::st_venant_kirchhoff)
+    return Softening{1 - 1 / std::sqrt(3.0), "compression"};
+  if (m.law != LawName::yeoh || m.c20 >= 0) return std::nullopt;
+  // Simple shear g: the stress 2 g (c10 + 2 c20 g^2 + 3 c30 g^4) has its maximum where
+  // 15 c30 x^2 + 6 c20 x + c10 = 0, x = g^2.
+  const double discriminant = 36 * m.c20 * m.c20 - 60 * m.c30 * m.c10;
+  if (discriminant < 0) return std::nullopt;
+  return Softening{std::sqrt(2 * m.c10 / (-6 * m.c20 + std::sqrt(discriminant))), "shear"};
+}
+
+double contrastOf(const std::vector<Material>& materials) {
+  return std::ranges::max(materials | std::views::transform(youngModulus)) /
+         std::ranges::min(materials | std::views::transform(shearModulus));
 }
 
 bool isNearlyIncompressible(const Material& material) {

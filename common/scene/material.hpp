@@ -51,9 +51,20 @@ bool isIncompressible(const Material& material);
 bool isMixed(const Material& material);
 /// Shear modulus at rest, Pa: what pressures and residuals are scaled by.
 double shearModulus(const Material& material);
-/// Young's modulus at rest, Pa: of laws that name none that of an incompressible body, 3 times the
-/// shear modulus. Fibres are not counted.
+/// Resistance to volume at rest, Pa; infinite of what is exactly incompressible.
+double bulkModulus(const Material& material);
+/// Young's modulus (Pa) and Poisson's ratio at rest. Fibres are not counted.
 double youngModulus(const Material& material);
+double poissonRatio(const Material& material);
+/// The strain at which a law stops to stiffen and has no stable equilibrium any more: a shear, of
+/// Yeoh's law with a negative c20; a compression, of St. Venant-Kirchhoff's. Nothing of others.
+struct Softening {
+  double strain;
+  const char* kind;  ///< "shear" or "compression"
+};
+std::optional<Softening> softeningOf(const Material& material);
+/// Largest Young's modulus at rest of some materials, by the smallest shear modulus. At least one.
+double contrastOf(const std::vector<Material>& materials);
 /// Whether the volume resists so much more than the shape (Poisson's ratio > 0.49) that linear
 /// tetrahedra without a pressure lock. Exactly incompressible materials, which have a pressure, do
 /// not count.

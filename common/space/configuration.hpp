@@ -13,7 +13,7 @@ namespace palpate {
 /// The bulky part of a configuration: float32, as stored, sent and started from.
 struct NodalFields {
   std::vector<float> displacement;  ///< nNodes x 3, row per node, metres
-  std::vector<float> pressure;      ///< pressureNodes(problem), Pa; empty without a pressure space
+  std::vector<float> pressure;      ///< Problem::pressures, Pa; empty without a pressure space
 
   /// displacement bytes, then pressure bytes, little-endian.
   std::string encode() const;

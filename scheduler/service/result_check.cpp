@@ -89,7 +89,7 @@ std::string ResultCheck::objectionTo(const wire::Result& result, const std::stri
   try {
     return objectionTo(
         result, *outcome,
-        NodalFields::decode(payload, problem_->mesh.nodes.size(), pressureNodes(*problem_)));
+        NodalFields::decode(payload, problem_->mesh.nodes.size(), problem_->pressures.count()));
   } catch (const Error& error) {
     return error.what();
   }

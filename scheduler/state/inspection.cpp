@@ -160,7 +160,7 @@ class Inspector {
     if (!found_.problem) return "";
     try {
       NodalFields::decode(payload, found_.problem->mesh.nodes.size(),
-                          pressureNodes(*found_.problem));
+                          found_.problem->pressures.count());
       return "";
     } catch (const Error& error) {
       return error.what();

@@ -50,7 +50,7 @@ NodalFields dent(const Problem& problem, std::size_t space, const Eigen::Vector3
       fields.displacement.push_back(static_cast<float>(weight * (displacement[i] + detail)));
     }
   }
-  fields.pressure.assign(pressureNodes(problem), 1.0f);
+  fields.pressure.assign(problem.pressures.count(), 1.0f);
   return fields;
 }
 

@@ -78,7 +78,7 @@ class LinearBody {
     giver.set_host("compute-17.cluster");
     giver.set_key(std::string(32, 'k'));
     fields_.displacement.resize(3 * problem.mesh.nodes.size());
-    fields_.pressure.resize(pressureNodes(problem));
+    fields_.pressure.resize(problem.pressures.count());
   }
 
   std::pair<const wire::Result&, std::string> solve(const SpacePlan& plan, std::uint32_t space,

@@ -53,7 +53,7 @@ std::string Scenario::sealedWith(const FalseResults& instead,
                 const TransitionKey key = {static_cast<std::uint32_t>(space), point,
                                            plans[space].points().parent(point)};
                 return NodalFields::decode(fields.at(key), problem.mesh.nodes.size(),
-                                           pressureNodes(problem));
+                                           problem.pressures.count());
               });
   return readText(file, "the dataset");
 }

@@ -58,8 +58,10 @@ Problem sampleProblem(PressureSpace pressure, DisplacementSpace displacement,
     active.node = patch.node;
     scene.active.push_back(active);
   }
+  problem.region_of.assign(problem.mesh.tetrahedra.size(), 0);
+  if (displacement == DisplacementSpace::p2) addMidEdgeNodes(problem.mesh);
+  problem.pressures = pressureSlots(problem);
   if (displacement == DisplacementSpace::p1) return problem;
-  addMidEdgeNodes(problem.mesh);
   std::vector<std::int32_t>& edge = problem.active[1].nodes;
   edge.push_back(midEdgeNode(problem.mesh, edge[0], edge[1]));
   problem.active[1].weights = {0.25, 0.25, 0.5};
@@ -219,7 +221,7 @@ NodalFields SampleDataset::fields(std::size_t space, std::int32_t point) const {
   for (std::size_t i = 0; i < 3 * n_nodes; ++i)
     values.displacement.push_back(1e-3f * static_cast<float>(point) +
                                   1e-6f * static_cast<float>(i * (space + 1)));
-  for (std::size_t i = 0; i < pressureNodes(problem); ++i)
+  for (std::size_t i = 0; i < problem.pressures.count(); ++i)
     values.pressure.push_back(100.0f + static_cast<float>(i) / (1.0f + static_cast<float>(point)));
   return values;
 }

@@ -71,7 +71,7 @@ class LinearBody {
     outcome.fields = fieldsOf(*problem_, space, p, [&](std::size_t n) -> Eigen::Vector3d {
       return p * problem_->mesh.nodes[n].x() / 0.1;
     });
-    outcome.fields.pressure.assign(pressureNodes(*problem_), static_cast<float>(p.norm()));
+    outcome.fields.pressure.assign(problem_->pressures.count(), static_cast<float>(p.norm()));
     return resultOf(build_, space, at, fromWire(parent), outcome);
   }
 

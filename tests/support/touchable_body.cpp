@@ -81,7 +81,7 @@ NodalFields movedAround(const Problem& problem, const Eigen::Vector3d& center,
     for (Eigen::Index axis = 0; axis < 3; ++axis)
       values.displacement.push_back(
           static_cast<float>(p[axis] * std::exp(-(node - center).norm() / 0.03)));
-  values.pressure.assign(pressureNodes(problem), 0.0f);
+  values.pressure.assign(problem.pressures.count(), 0.0f);
   return values;
 }
 

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t fewest_telling_ways = 4;
 
 std::vector<SceneReport::Space> spacesOf(const Problem& problem) {
-  const std::size_t n_nodes = problem.mesh.nodes.size(), n_pressures = pressureNodes(problem);
+  const std::size_t n_nodes = problem.mesh.nodes.size(), n_pressures = problem.pressures.count();
   std::vector<SceneReport::Space> spaces;
   for (std::size_t s = 0; s < problem.active.size(); ++s) {
     const ActivePatch& patch = problem.active[s];
@@ -36,6 +36,15 @@ void warnOfWays(SceneReport& report) {
   if (!report.measured.no_rest.empty()) {
     report.warnings.push_back("the body finds no rest state, so no configuration can be solved: " +
                               report.measured.no_rest);
+    return;
+  }
+  if (std::ranges::all_of(ways, [](const Way& way) {
+        return way.end == WayEnd::failed && way.steps.size() == 1;
+      })) {
+    report.warnings.push_back(
+        "none of " + std::to_string(ways.size()) +
+        " ways from rest gets to its first lattice point, so that hardly anything can be solved: " +
+        report.measured.no_first_step);
     return;
   }
   if (report.cost.reached >= 0.5 || ways.size() < fewest_telling_ways) return;

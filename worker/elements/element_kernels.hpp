@@ -42,6 +42,7 @@ struct alignas(64) BatchGeometry {
   /// Node numbers, as many as the displacement has. A batch that is not full repeats its last
   /// tetrahedron with volume 0.
   std::int32_t node[10][lanes];
+  std::int32_t pressure[10][lanes];  ///< slots, as many as the pressure has
   /// gradient[b][I] = dx_b/dX_I of the barycentric coordinates of the first three vertices, 1/m;
   /// the fourth is minus their sum.
   Pack gradient[3][3];
@@ -77,7 +78,7 @@ struct alignas(64) BatchTangent {
   Pack entry[localEntries(most_local_unknowns)];  ///< second derivatives of L
 };
 
-/// The kernel of one CPU family. u: nNodes x 3 displacements, metres; q: scaled pressures by node
+/// The kernel of one CPU family. u: nNodes x 3 displacements, metres; q: scaled pressures by slot
 /// (ignored without a pressure); no tangent is computed where there is no place for it (nullptr).
 /// With ln det F or a volumetric energy, an element with det F <= 0 at a quadrature point gets NaN
 /// or infinity. It keeps nothing and may run on any thread.

@@ -141,7 +141,7 @@ struct Unknowns {
       for (int i = 0; i < 3; ++i)
         for (int l = 0; l < lanes; ++l) u[a][i][l] = all_u[3 * geometry.node[a][l] + i];
     for (int b = 0; b < Q::nodes; ++b)
-      for (int l = 0; l < lanes; ++l) q[b][l] = all_q[geometry.node[b][l]];
+      for (int l = 0; l < lanes; ++l) q[b][l] = all_q[geometry.pressure[b][l]];
   }
 
   PALPATE_INLINE Pack pressureAt(const Point& x, double scale) const {

@@ -249,7 +249,8 @@ std::shared_ptr<const NodalFields> WorkerSession::cached(const ContentId& id) {
 void WorkerSession::remember(const ContentId& id, const std::string& payload) {
   if (cached(id)) return;
   PALPATE_ASSERT(problem_, "start configurations are those of a problem");
-  const std::size_t n_nodes = problem_->mesh.nodes.size(), n_pressures = pressureNodes(*problem_);
+  const std::size_t n_nodes = problem_->mesh.nodes.size(),
+                    n_pressures = problem_->pressures.count();
   cache_.emplace_front(
       id, std::make_shared<const NodalFields>(NodalFields::decode(payload, n_nodes, n_pressures)));
   // All fields of a problem are equally long. The newest stays, however long it is.

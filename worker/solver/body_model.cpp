@@ -23,6 +23,15 @@ PressureSpace pressureSpaceOf(const BodyModel& model, std::size_t region) {
   return isMixed(model.materials[region]) ? model.discretization.pressure : PressureSpace::none;
 }
 
+PressureSlots pressureSlots(const BodyModel& model) {
+  return {model.discretization.pressure, model.mesh, model.materials, model.region_of};
+}
+
+bool hasNearlyRigidPart(const BodyModel& model) {
+  constexpr double contrast = 1e4;
+  return contrastOf(model.materials) > contrast;
+}
+
 BodyModel bodyModel(const Problem& problem) {
   BodyModel model;
   model.mesh = problem.mesh;

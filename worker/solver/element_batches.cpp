@@ -53,17 +53,18 @@ std::vector<ElementParameters> elementParameters(const BodyModel& model, double 
   return all;
 }
 
-ElementBatches::ElementBatches(const BodyModel& model) : of_node(model.mesh.nodes.size()) {
+ElementBatches::ElementBatches(const BodyModel& model, const PressureSlots& pressures)
+    : of_node(model.mesh.nodes.size()) {
   std::vector<std::vector<std::int32_t>> elements_of(model.materials.size());
   for (std::int32_t element = 0; at(element) < model.mesh.tetrahedra.size(); ++element)
     elements_of.at(model.region_of[element]).push_back(element);
   for (const std::vector<std::int32_t>& elements : elements_of)
     for (std::size_t first = 0; first < elements.size(); first += lanes)
-      add(model, elements, first);
+      add(model, pressures, elements, first);
 }
 
-void ElementBatches::add(const BodyModel& model, const std::vector<std::int32_t>& elements,
-                         std::size_t first) {
+void ElementBatches::add(const BodyModel& model, const PressureSlots& pressures,
+                         const std::vector<std::int32_t>& elements, std::size_t first) {
   const auto number = static_cast<std::int32_t>(all.size());
   ElementBatch& batch = all.emplace_back();
   batch.material = model.region_of[elements[first]];
@@ -80,6 +81,8 @@ void ElementBatches::add(const BodyModel& model, const std::vector<std::int32_t>
       std::vector<std::int32_t>& touching = of_node[nodes[a]];
       if (touching.empty() || touching.back() != number) touching.push_back(number);
     }
+    for (int b = 0; b < batch.unknowns - batch.displacements; ++b)
+      batch.geometry.pressure[b][lane] = pressures.slotOf(nodes[b], batch.material);
   }
 }
 

@@ -17,20 +17,21 @@ struct ElementBatch {
   Place placeOf(int local_unknown, int lane) const {
     if (local_unknown < displacements)
       return {geometry.node[local_unknown / 3][lane], local_unknown % 3};
-    return {geometry.node[local_unknown - displacements][lane], pressure_component};
+    return {geometry.pressure[local_unknown - displacements][lane], pressure_component};
   }
 };
 
 /// The elements of a body in batches, material by material, in the order of the mesh. Sums over
 /// them are taken in this order.
 struct ElementBatches {
-  explicit ElementBatches(const BodyModel& model);
+  ElementBatches(const BodyModel& model, const PressureSlots& pressures);
 
   std::vector<ElementBatch> all;
   std::vector<std::vector<std::int32_t>> of_node;  ///< ascending, the batches that touch it
 
  private:
-  void add(const BodyModel& model, const std::vector<std::int32_t>& elements, std::size_t first);
+  void add(const BodyModel& model, const PressureSlots& pressures,
+           const std::vector<std::int32_t>& elements, std::size_t first);
 };
 
 /// What the kernels need of the material and the spaces of each region. `pressure_scale` in Pa per

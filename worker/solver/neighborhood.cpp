@@ -50,9 +50,8 @@ Neighborhood System::neighborhood(std::size_t count) const {
   PALPATE_ASSERT(rigid, "a weighted tool holds no nodes that others could be near to");
   Neighborhood near;
   for (const std::int32_t node : nearestNodes(model_.mesh, rigid->nodes, count)) {
-    for (int component = 0; component <= pressure_component; ++component)
-      if (const std::int32_t unknown = unknowns_.at({node, component}); unknown >= 0)
-        near.unknowns.push_back(unknown);
+    const std::vector<std::int32_t> of_node = unknowns_.atNode(pressures_, node);
+    near.unknowns.insert(near.unknowns.end(), of_node.begin(), of_node.end());
     near.batches.insert(near.batches.end(), batches_.of_node[node].begin(),
                         batches_.of_node[node].end());
   }

@@ -100,8 +100,8 @@ void Scatter::hold(const std::vector<std::int32_t>& nodes, const std::vector<std
     }
     changed.insert(changed.end(), batches_.of_node[node].begin(), batches_.of_node[node].end());
   }
-  for (const std::int32_t node : idle)
-    held_[unknowns_.at({node, pressure_component})] = by_tool ? 1 : 0;
+  for (const std::int32_t slot : idle)
+    held_[unknowns_.at({slot, pressure_component})] = by_tool ? 1 : 0;
   sortUnique(changed);
   for (const std::int32_t batch : changed) findSlots(batch);
 }

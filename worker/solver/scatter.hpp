@@ -23,7 +23,7 @@ class Scatter {
   Scatter(const Unknowns& unknowns, const SparsityPattern& pattern, const ElementBatches& batches);
 
   /// The displacements of these nodes, none of them fixed, are the tool's from now on, or not any
-  /// more; the pressures at `idle`, some of these nodes, stay as they are meanwhile.
+  /// more; the pressures of the slots `idle` stay as they are meanwhile.
   void hold(const std::vector<std::int32_t>& nodes, const std::vector<std::int32_t>& idle,
             bool by_tool);
   bool isHeld(std::int32_t unknown) const { return held_[unknown] != 0; }

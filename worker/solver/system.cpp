@@ -11,9 +11,9 @@
 namespace palpate {
 namespace {
 
-State undeformed(const BodyModel& model) {
+State undeformed(const BodyModel& model, const PressureSlots& pressures) {
   return {.u = std::vector<double>(3 * model.mesh.nodes.size()),
-          .q = std::vector<double>(pressureNodes(model.discretization.pressure, model.mesh))};
+          .q = std::vector<double>(pressures.count())};
 }
 
 BodyModel checked(BodyModel model) {
@@ -37,11 +37,12 @@ System::System(BodyModel model, const ElementKernels& kernels)
       mean_edge_(measure(model_.mesh).mean_edge),
       shear_modulus_(shearModulus(*std::ranges::min_element(model_.materials, {}, shearModulus))),
       parameters_(elementParameters(model_, pressureScale())),
-      unknowns_(model_),
-      batches_(model_),
+      pressures_(pressureSlots(model_)),
+      unknowns_(model_, pressures_),
+      batches_(model_, pressures_),
       pattern_(patternOf(unknowns_, batches_)),
       sums_(unknowns_, pattern_, batches_),
-      rest_(undeformed(model_)) {
+      rest_(undeformed(model_, pressures_)) {
   border_.resize(unknowns(), 0);
   for (std::size_t node = 0; 3 * node < model_.load.size(); ++node)
     total_load_ += ofNode(model_.load, node).norm();
@@ -72,9 +73,9 @@ void System::chooseTool(Tool tool) {
   releaseTool();
   tool_ = std::move(tool);
   if (const Tool* rigid = rigidTool()) {
-    idle_ = idlePressures(model_, rigid->nodes);
-    std::erase_if(idle_, [&](std::int32_t node) {
-      return unknowns_.at({node, pressure_component}) < 0;
+    idle_ = idlePressures(model_, pressures_, rigid->nodes);
+    std::erase_if(idle_, [&](std::int32_t slot) {
+      return unknowns_.at({slot, pressure_component}) < 0;
     });
     sums_.hold(rigid->nodes, idle_, true);
   }
@@ -99,14 +100,14 @@ void System::setRest(const State& rest) {
 State System::moved(const State& state, const Eigen::VectorXd& step, double factor,
                     const Eigen::Vector3d& displacement) const {
   State next = state;
-  for (std::int32_t node = 0; at(node) < model_.mesh.nodes.size(); ++node) {
+  for (std::int32_t node = 0; at(node) < model_.mesh.nodes.size(); ++node)
     for (int i = 0; i < 3; ++i)
       if (const std::int32_t unknown = unknowns_.at({node, i}); unknown >= 0)
         ofNode(next.u, node)[i] += factor * step[unknown];
-    if (const std::int32_t pressure = unknowns_.at({node, pressure_component});
+  for (std::int32_t slot = 0; at(slot) < next.q.size(); ++slot)
+    if (const std::int32_t pressure = unknowns_.at({slot, pressure_component});
         pressure >= 0 && !sums_.isHeld(pressure))
-      next.q[node] += factor * step[pressure];
-  }
+      next.q[slot] += factor * step[pressure];
   next.displacement = displacement;
   // From the rest state and not by a step: so the tool is where it is to be to the last bit.
   if (const Tool* rigid = rigidTool())
@@ -114,6 +115,15 @@ State System::moved(const State& state, const Eigen::VectorXd& step, double fact
       ofNode(next.u, node) = ofNode(rest_.u, node) + displacement;
   if (weightedTool()) next.multiplier += factor * step.tail<3>();
   return next;
+}
+
+Eigen::VectorXd System::displacementsOf(const Eigen::VectorXd& unknowns) const {
+  std::vector<std::int32_t> rows;
+  for (std::int32_t node = 0; at(node) < model_.mesh.nodes.size(); ++node)
+    for (int i = 0; i < 3; ++i)
+      if (const std::int32_t unknown = unknowns_.at({node, i}); unknown >= 0)
+        rows.push_back(unknown);
+  return unknowns(rows);
 }
 
 void System::addLoads(const State& state, Residual& residual) const {

@@ -10,8 +10,8 @@ namespace palpate {
 /// the tool.
 struct State {
   std::vector<double> u;  ///< nNodes x 3 displacements, metres
-  /// Scaled pressures, p = System::pressureScale() q, of the vertices or with P2 pressure of all
-  /// nodes; zero where no material around the node has a pressure. Empty without a pressure space.
+  /// Scaled pressures, p = System::pressureScale() q, by slot (PressureSlots); zero where no
+  /// material around the node has a pressure. Empty without a pressure space.
   std::vector<double> q;
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< of the tool from rest, p, metres
   Eigen::Vector3d multiplier = Eigen::Vector3d::Zero();    ///< of a weighted tool, N; else zero
@@ -121,6 +121,9 @@ class System {
   State moved(const State& state, const Eigen::VectorXd& step, double factor,
               const Eigen::Vector3d& displacement) const;
 
+  /// The displacements, metres, in a vector over the unknowns.
+  Eigen::VectorXd displacementsOf(const Eigen::VectorXd& unknowns) const;
+
   /// The equations at `state`, which has the sizes of restState(), and the tangent where it is
   /// asked for. A state that is not admissible has a norm that is not finite; nothing is thrown.
   void assemble(const State& state, Residual& residual) const { run(state, residual, nullptr); }
@@ -151,6 +154,7 @@ class System {
   const double mean_edge_;                           ///< metres
   const double shear_modulus_;                       ///< the smallest, Pa
   const std::vector<ElementParameters> parameters_;  ///< per material
+  const PressureSlots pressures_;
   const Unknowns unknowns_;
   const ElementBatches batches_;
   const SparsityPattern pattern_;

@@ -1,72 +1,145 @@
 #include "worker/solver/unknowns.hpp"
 
 #include <algorithm>
+#include <numeric>
 
+#include "common/base/index.hpp"
+#include "common/mesh/node_set.hpp"
 #include "worker/elements/element_kernels.hpp"
 #include "worker/solver/element_geometry.hpp"
 
 namespace palpate {
 namespace {
 
-bool isFixed(const BodyModel& model, const std::vector<std::int32_t>& nodes) {
-  return std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t node) {
-    const std::uint8_t* fixed = &model.fixed[3 * static_cast<std::size_t>(node)];
-    return fixed[0] && fixed[1] && fixed[2];
-  });
-}
-
-/// 1 at the nodes whose pressure has an equation.
-std::vector<std::uint8_t> nodesWithPressure(const BodyModel& model) {
-  std::vector<std::uint8_t> with_pressure(model.mesh.nodes.size(), 0);
-  for (std::size_t element = 0; element < model.mesh.tetrahedra.size(); ++element) {
-    const std::vector<std::int32_t> nodes = nodesOf(model.mesh, element);
-    const PressureSpace pressure = pressureSpaceOf(model, model.region_of[element]);
-    // Where nothing can move the constraint says nothing; only a stabilisation would give the
-    // pressure a row.
-    if (pressure != PressureSpace::p1_stabilized && isFixed(model, nodes)) continue;
-    for (int b = 0; b < pressureNodes(pressure); ++b) with_pressure[nodes[b]] = 1;
+/// 1 for each node that is fixed in all directions.
+std::vector<std::uint8_t> fixedNodes(const BodyModel& model) {
+  std::vector<std::uint8_t> fixed(model.mesh.nodes.size());
+  for (std::size_t node = 0; node < fixed.size(); ++node) {
+    const std::uint8_t* of_node = &model.fixed[3 * node];
+    fixed[node] = of_node[0] && of_node[1] && of_node[2] ? 1 : 0;
   }
-  return with_pressure;
+  return fixed;
 }
 
-/// Whether the pressure of an element stands in no term but that of its volume.
-bool isMultiplier(const BodyModel& model, std::size_t element) {
-  const std::uint16_t region = model.region_of[element];
-  return pressureSpaceOf(model, region) != PressureSpace::p1_stabilized &&
-         isIncompressible(model.materials[region]);
+/// Finds the pressures that an equation determines while some nodes are held.
+class SpeakingSlots {
+ public:
+  SpeakingSlots(const BodyModel& model, const PressureSlots& slots,
+                const std::vector<std::uint8_t>& held)
+      : model_(model),
+        slots_(slots),
+        held_(held),
+        speaks_(slots.count(), 0),
+        piece_(slots.count()) {
+    std::iota(piece_.begin(), piece_.end(), 0);
+  }
+
+  /// `of_held`: whether a compressible element of which all nodes are held counts, too.
+  std::vector<std::uint8_t> find(bool of_held) {
+    std::vector<std::int32_t> moving;  // slots of stabilised elements with a node that moves
+    for (std::size_t element = 0; element < model_.mesh.tetrahedra.size(); ++element) {
+      const std::uint16_t region = model_.region_of[element];
+      const PressureSpace space = pressureSpaceOf(model_, region);
+      const std::vector<std::int32_t> nodes = nodesOf(model_.mesh, element);
+      const bool moves =
+          std::ranges::any_of(nodes, [&](std::int32_t node) { return !held_[at(node)]; });
+      const bool incompressible = isIncompressible(model_.materials[region]);
+      for (int b = 0; b < pressureNodes(space); ++b) {
+        const std::int32_t slot = slots_.slotOf(nodes[at(b)], region);
+        if (space == PressureSpace::p1_stabilized) {
+          join(slot, slots_.slotOf(nodes.front(), region));
+          if (moves) moving.push_back(slot);
+        } else if (incompressible ? isFelt(nodes, space, b) : moves || of_held) {
+          speaks_[at(slot)] = 1;
+        }
+      }
+    }
+    spread(moving);
+    return std::move(speaks_);
+  }
+
+ private:
+  /// Whether the volume of an element, weighted by the shape function of its node b, changes when
+  /// the nodes that are not held move. Of Taylor-Hood, a vertex changes the volume around all
+  /// vertices, the middle of an edge that around its ends.
+  bool isFelt(const std::vector<std::int32_t>& nodes, PressureSpace space, int b) const {
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      if (held_[at(nodes[n])]) continue;
+      if (n < 4 || space == PressureSpace::p2) return true;
+      const auto& [from, to] = tetrahedron_edges[n - 4];
+      if (b == from || b == to) return true;
+    }
+    return false;
+  }
+
+  // A stabilisation says how pressures differ in a piece of joined elements; their mean has an
+  // equation where a node of the piece moves.
+  std::int32_t pieceOf(std::int32_t slot) {
+    while (piece_[at(slot)] != slot) slot = piece_[at(slot)] = piece_[at(piece_[at(slot)])];
+    return slot;
+  }
+  void join(std::int32_t a, std::int32_t b) { piece_[at(pieceOf(a))] = pieceOf(b); }
+  void spread(const std::vector<std::int32_t>& moving) {
+    std::vector<std::uint8_t> moves(piece_.size(), 0);
+    for (const std::int32_t slot : moving) moves[at(pieceOf(slot))] = 1;
+    for (std::int32_t slot = 0; at(slot) < piece_.size(); ++slot)
+      if (moves[at(pieceOf(slot))]) speaks_[at(slot)] = 1;
+  }
+
+  const BodyModel& model_;
+  const PressureSlots& slots_;
+  const std::vector<std::uint8_t>& held_;
+  std::vector<std::uint8_t> speaks_;
+  std::vector<std::int32_t> piece_;
+};
+
+/// The slots of a node of the mesh, ascending.
+std::vector<std::int32_t> slotsAt(const PressureSlots& slots, std::int32_t node) {
+  std::vector<std::int32_t> of_node;
+  if (at(node) < slots.nodes()) of_node.push_back(node);
+  for (const PressureSlots::Further& further : slots.furtherAt(node))
+    of_node.push_back(slots.numberOf(further));
+  return of_node;
 }
 
 }  // namespace
 
-std::vector<std::int32_t> idlePressures(const BodyModel& model,
+std::vector<std::int32_t> idlePressures(const BodyModel& model, const PressureSlots& slots,
                                         const std::vector<std::int32_t>& tool_nodes) {
-  std::vector<std::uint8_t> inside(model.mesh.nodes.size(), 0), speaks = inside;
-  for (const std::int32_t node : tool_nodes) inside[node] = 1;
-  for (std::size_t element = 0; element < model.mesh.tetrahedra.size(); ++element) {
-    const int pressures = pressureNodes(pressureSpaceOf(model, model.region_of[element]));
-    if (pressures == 0) continue;
-    const std::vector<std::int32_t> nodes = nodesOf(model.mesh, element);
-    const bool rigid = std::ranges::all_of(nodes, [&](std::int32_t node) { return inside[node]; });
-    if (rigid && isMultiplier(model, element)) continue;
-    for (int b = 0; b < pressures; ++b) speaks[nodes[b]] = 1;
-  }
+  std::vector<std::uint8_t> held = fixedNodes(model);
+  for (const std::int32_t node : tool_nodes) held[at(node)] = 1;
+  const std::vector<std::uint8_t> speaks = SpeakingSlots(model, slots, held).find(true);
   std::vector<std::int32_t> idle;
   for (const std::int32_t node : tool_nodes)
-    if (!speaks[node]) idle.push_back(node);
+    for (const std::int32_t slot : slotsAt(slots, node))
+      if (!speaks[at(slot)]) idle.push_back(slot);
+  std::ranges::sort(idle);
   return idle;
 }
 
 // Node by node, so that the unknowns of an element stand near each other in the matrix.
-Unknowns::Unknowns(const BodyModel& model) : number_(4 * model.mesh.nodes.size(), -1) {
-  const std::vector<std::uint8_t> with_pressure = nodesWithPressure(model);
-  for (std::size_t node = 0; node < model.mesh.nodes.size(); ++node) {
-    for (int i = 0; i < 3; ++i)
-      if (!model.fixed[3 * node + i]) number_[4 * node + i] = count_++;
-    if (with_pressure[node]) {
-      number_[4 * node + pressure_component] = count_++;
+Unknowns::Unknowns(const BodyModel& model, const PressureSlots& slots)
+    : displacement_(3 * model.mesh.nodes.size(), -1), pressure_(slots.count(), -1) {
+  const std::vector<std::uint8_t> fixed = fixedNodes(model),
+                                  speaks = SpeakingSlots(model, slots, fixed).find(false);
+  for (std::int32_t node = 0; palpate::at(node) < model.mesh.nodes.size(); ++node) {
+    for (std::size_t k = 3 * palpate::at(node); k < 3 * palpate::at(node) + 3; ++k)
+      if (!model.fixed[k]) displacement_[k] = count_++;
+    for (const std::int32_t slot : slotsAt(slots, node)) {
+      if (!speaks[palpate::at(slot)]) continue;
+      pressure_[palpate::at(slot)] = count_++;
       ++pressures_;
     }
   }
+}
+
+std::vector<std::int32_t> Unknowns::atNode(const PressureSlots& slots, std::int32_t node) const {
+  std::vector<std::int32_t> of_node;
+  for (int i = 0; i < 3; ++i) of_node.push_back(at({node, i}));
+  for (const std::int32_t slot : slotsAt(slots, node))
+    of_node.push_back(at({slot, pressure_component}));
+  std::erase(of_node, -1);
+  return of_node;
 }
 
 }  // namespace palpate

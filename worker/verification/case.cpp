@@ -29,9 +29,9 @@ std::vector<Row> rowsOfSecondOrder(const std::string& name, double coarse, doubl
 
 std::vector<Case> cases() {
   std::vector<Case> all;
-  for (const auto subject :
-       {homogeneousCases, manufacturedCases, infSupCases, cookCases, punchCases, torsionCases,
-        inflationCases, elasticaCases, limitPointCases, reactionCases, contactStiffnessCases})
+  for (const auto subject : {homogeneousCases, manufacturedCases, infSupCases, cookCases,
+                             punchCases, torsionCases, inflationCases, elasticaCases,
+                             limitPointCases, reactionCases, contactStiffnessCases, interfaceCases})
     for (const Case& problem : subject()) all.push_back(problem);
   return all;
 }

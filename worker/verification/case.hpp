@@ -45,6 +45,10 @@ struct Case {
 /// All cases in the order of docs/verification.md.
 std::vector<Case> cases();
 
+/// Cases that are hard to solve: how far each gets and its force beside the right one, so that a
+/// change of the solver shows what it costs and gains.
+std::vector<Case> hardCases();
+
 /// The rows of one case. A solve that does not converge, or another error, becomes one row that is
 /// not ok and says what happened.
 std::vector<Row> rowsOf(const Case& problem);
@@ -61,5 +65,6 @@ std::vector<Case> elasticaCases();
 std::vector<Case> limitPointCases();
 std::vector<Case> reactionCases();
 std::vector<Case> contactStiffnessCases();
+std::vector<Case> interfaceCases();
 
 }  // namespace palpate::verification

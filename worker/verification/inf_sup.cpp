@@ -19,10 +19,12 @@ namespace {
 std::array<Eigen::MatrixXd, 3> coupling(const System& system, Eigen::Index nodes,
                                         Eigen::Index pressures) {
   std::vector<Place> place_of(system.unknowns());
+  const auto note = [&](const Place& place) {
+    if (const std::int32_t k = system.numbers().at(place); k >= 0) place_of[k] = place;
+  };
   for (std::int32_t node = 0; node < nodes; ++node)
-    for (int component = 0; component <= pressure_component; ++component)
-      if (const std::int32_t k = system.numbers().at({node, component}); k >= 0)
-        place_of[k] = {node, component};
+    for (int i = 0; i < 3; ++i) note({node, i});
+  for (std::int32_t slot = 0; slot < pressures; ++slot) note({slot, pressure_component});
 
   Residual residual;
   Tangent tangent;

@@ -194,6 +194,19 @@ Mesh quarterTubeMesh(double inner, double outer, double thickness, int n) {
   return mesh;
 }
 
+Mesh ballOctantMesh(double radius, int n) {
+  Mesh mesh = latticeBox({n, n, n});
+  std::vector<std::int32_t>& outside = mesh.node_groups["outside"];
+  for (std::size_t node = 0; node < mesh.nodes.size(); ++node) {
+    Eigen::Vector3d& X = mesh.nodes[node];
+    const double shell = X.maxCoeff();
+    if (shell > n - 0.5) outside.push_back(static_cast<std::int32_t>(node));
+    if (shell > 0) X *= radius / n * shell / X.norm();
+  }
+  finishMesh(mesh, "a verification mesh made in code");
+  return mesh;
+}
+
 Mesh sphereOctantMesh(double inner, double outer, int n) {
   return layeredMesh(triangleGrid(n), n, [=](const Eigen::Vector3d& x) {
     const Eigen::Vector3d direction(1 - x[0] - x[1], x[0], x[1]);

@@ -37,6 +37,11 @@ Mesh cylinderMesh(double radius, double length, int n, int layers);
 /// layer of `thickness` along z. Node group "inner" is its inner wall.
 Mesh quarterTubeMesh(double inner, double outer, double thickness, int n);
 
+/// An octant (x, y, z >= 0) of a ball: the cube [0, 1]^3 with n cells per edge, its cubical shells
+/// moved onto spheres. Node k <= n is on the x axis; "outside" is the sphere, "xmin", "ymin" and
+/// "zmin" are the flat sides.
+Mesh ballOctantMesh(double radius, int n);
+
 /// An octant (x, y, z >= 0) of a hollow sphere: n^2 triangles on the wall, n layers. "first" is the
 /// inner wall.
 Mesh sphereOctantMesh(double inner, double outer, int n);

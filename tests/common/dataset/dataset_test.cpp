@@ -169,7 +169,7 @@ TEST_F(SealedDataset, GivesBackQuadraticMeshesAndWeightedPatches) {
     EXPECT_EQ(dataset.spaces()[1].patch.weights, quadratic.problem.active[1].weights);
     const NodalFields fields = dataset.fields(1, 3);
     EXPECT_EQ(fields.displacement, quadratic.fields(1, 3).displacement);
-    EXPECT_EQ(fields.pressure.size(), pressureNodes(quadratic.problem));
+    EXPECT_EQ(fields.pressure.size(), quadratic.problem.pressures.count());
     EXPECT_EQ(fields.pressure, quadratic.fields(1, 3).pressure);
   }
 }
@@ -212,6 +212,7 @@ TEST_F(SealedDataset, KeepsPlacesOfProbesApartFromWhatIsTouched) {
 TEST_F(SealedDataset, RefusesFieldsWithPressuresOfAnotherSpace) {
   SampleDataset quadratic(PressureSpace::p1, DisplacementSpace::p2);
   quadratic.problem.scene.discretization.pressure = PressureSpace::p2;
+  quadratic.problem.pressures = pressureSlots(quadratic.problem);
   expectError(ExitCode::failed, [&] { quadratic.seal(copy); }, {"copy.h5", "nodal fields"});
 }
 

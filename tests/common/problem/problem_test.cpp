@@ -369,7 +369,7 @@ TEST_F(QuadraticProblem, SelectsMidEdgeNodesByTheirPosition) {
   EXPECT_EQ(problem.active[0].nodes,
             nodesWhere(problem, [&](auto& x) { return (x - at).norm() <= 0.026; }));
   EXPECT_GT(problem.active[0].nodes.size(), 5u);
-  EXPECT_EQ(pressureNodes(problem), 125u);
+  EXPECT_EQ(problem.pressures.count(), 125u);
 }
 
 TEST_F(QuadraticProblem, MakesOnlyVerticesOfASurfaceActive) {

@@ -1,0 +1,75 @@
+#include "common/problem/pressure_slots.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/support/meshes.hpp"
+
+namespace palpate {
+namespace {
+
+/// A cube of 2 x 2 x 2 cells whose elements are of the region that `regionAt` says of their middle.
+class PressureSlotsOf : public ::testing::Test {
+ protected:
+  PressureSlots slots(const std::vector<Material>& materials, auto regionAt,
+                      PressureSpace space = PressureSpace::p1) {
+    region_of.clear();
+    for (const Tetrahedron& element : mesh.tetrahedra) {
+      Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+      for (const std::int32_t node : element) middle += mesh.nodes[node] / 4;
+      region_of.push_back(static_cast<std::uint16_t>(regionAt(middle)));
+    }
+    return {space, mesh, materials, region_of};
+  }
+  static int upper(const Eigen::Vector3d& X) { return X[2] > 0.5 ? 1 : 0; }
+
+  const Material soft = {.law = LawName::neo_hookean, .mu = 3000},
+                 stiff = {.law = LawName::neo_hookean, .mu = 30000},
+                 bone = {.law = LawName::linear, .young = 1e8, .poisson = 0.3};
+  Mesh mesh = test::cubeMesh(1, 2);
+  std::vector<std::uint16_t> region_of;
+};
+
+TEST_F(PressureSlotsOf, OneMaterialAreItsNodes) {
+  EXPECT_EQ(slots({soft}, [](const auto&) { return 0; }).count(), 27u);
+  EXPECT_EQ(slots({soft, soft}, upper).count(), 27u) << "two regions of it are one material";
+  EXPECT_EQ(slots(
+                {soft}, [](const auto&) { return 0; }, PressureSpace::none)
+                .count(),
+            0u);
+}
+
+TEST_F(PressureSlotsOf, TwoMaterialsAreTwoAtTheNodesBetweenThem) {
+  const PressureSlots between = slots({soft, stiff}, upper);
+  EXPECT_EQ(between.count(), 27u + 9u);
+  EXPECT_EQ(between.nodes(), 27u);
+  std::set<std::int32_t> seen;
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
+    for (const std::int32_t node : mesh.tetrahedra[e]) {
+      const std::int32_t slot = between.slotOf(node, region_of[e]);
+      EXPECT_EQ(slot == node, region_of[e] == 0 || mesh.nodes[node][2] > 0.5);
+      seen.insert(slot);
+    }
+  EXPECT_EQ(seen.size(), between.count());
+  addMidEdgeNodes(mesh);
+  EXPECT_EQ(slots({soft, stiff}, upper, PressureSpace::p2).count(), 125u + 25u);
+}
+
+TEST_F(PressureSlotsOf, ThreeMaterialsAreThreeAtTheirEdge) {
+  const PressureSlots three =
+      slots({soft, stiff, {.law = LawName::neo_hookean, .mu = 500}},
+            [](const Eigen::Vector3d& X) { return X[2] > 0.5 ? (X[0] > 0.5 ? 1 : 2) : 0; });
+  EXPECT_EQ(three.furtherAt(13).size(), 2u) << "the middle of the cube";
+  EXPECT_EQ(three.furtherAt(0).size(), 0u);
+  // 9 nodes of the soft half's top with one more, the edge of the three with two, and 3 nodes above
+  // it.
+  EXPECT_EQ(three.count(), 27u + 9u + 3u + 3u);
+}
+
+TEST_F(PressureSlotsOf, AMaterialWithoutPressureAreNone) {
+  EXPECT_EQ(slots({soft, bone}, upper).count(), 27u);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,61 @@
+#include "worker/solver/unknowns.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/body_models.hpp"
+#include "worker/elements/kernel_family.hpp"
+#include "worker/solver/tangent_solver.hpp"
+#include "worker/verification/rig.hpp"
+
+namespace palpate {
+namespace {
+
+using verification::neoHookean, verification::stabilized, verification::taylor_hood;
+
+/// A cube of 48 elements that stands on one side and leans on another, one element of which is
+/// stiffer: nearly all of its nodes may be fixed, or held by the tool.
+BodyModel withOneStiff(const Discretization& discretization, std::size_t stiff) {
+  BodyModel body = test::freeBody(test::cubeMesh(0.1, 2), discretization, neoHookean(3000));
+  body.materials.push_back(neoHookean(30000));
+  body.region_of[stiff] = 1;
+  test::fix(body, "zmin");
+  test::fix(body, "xmin");
+  return body;
+}
+
+/// As many pressures as the tangent at rest has negative pivots: no more than have an equation.
+void expectRegular(const BodyModel& body, std::size_t stiff) {
+  const System system(body, chooseKernels());
+  TangentSolver solver(system);
+  Residual residual;
+  Tangent tangent;
+  system.assemble(system.restState(), residual, tangent);
+  const Factorization factors = solver.factorize(tangent);
+  ASSERT_TRUE(factors.ok) << "element " << stiff;
+  EXPECT_EQ(factors.negative_pivots, system.expectedNegativePivots()) << "element " << stiff;
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(system.unknowns() + system.multipliers());
+  EXPECT_TRUE(solver.solveWith(tangent, ones, 1e-6).has_value()) << "element " << stiff;
+}
+
+TEST(Unknowns, LeaveNoPressureWithoutAnEquationWhereARegionIsOneElement) {
+  for (const Discretization& discretization : {taylor_hood, stabilized})
+    for (std::size_t stiff = 0; stiff < 48; ++stiff)
+      expectRegular(withOneStiff(discretization, stiff), stiff);
+}
+
+TEST(Unknowns, LeaveNoPressureWithoutAnEquationWhereAToolHoldsARegion) {
+  for (const Discretization& discretization : {taylor_hood, stabilized})
+    for (std::size_t stiff = 0; stiff < 48; ++stiff) {
+      BodyModel body = withOneStiff(discretization, stiff);
+      std::fill(body.fixed.begin(), body.fixed.end(), 0);
+      test::fix(body, "zmin");
+      Tool tool;
+      for (std::size_t node = 0; node < body.mesh.nodes.size(); ++node)
+        if (body.mesh.nodes[node][2] > 0.049) tool.nodes.push_back(static_cast<std::int32_t>(node));
+      body.tools = {tool};
+      expectRegular(body, stiff);
+    }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,122 @@
+// Bodies of two incompressible materials, whose pressure jumps where they meet. A laminate that is
+// stretched along its layers deforms like one material: each layer keeps its sides free by a
+// pressure of its own. A stiff ball in soft tissue is strained uniformly (Eshelby 1957).
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "worker/verification/rig.hpp"
+
+namespace palpate::verification {
+namespace {
+
+constexpr double mu_of_soft = tissue::mu;
+
+/// Soft where `isSoft` says so of the middle of an element at rest, and `contrast` times stiffer
+/// elsewhere.
+BodyModel bodyOfTwo(Mesh mesh, const Discretization& discretization, double contrast,
+                    const std::function<bool(const Eigen::Vector3d& X)>& isSoft) {
+  BodyModel body = bodyOf(std::move(mesh), discretization, neoHookean(mu_of_soft));
+  body.materials.push_back(neoHookean(contrast * mu_of_soft));
+  for (std::size_t element = 0; element < body.mesh.tetrahedra.size(); ++element) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const std::int32_t node : body.mesh.tetrahedra[element])
+      middle += body.mesh.nodes[node] / 4;
+    body.region_of[element] = isSoft(middle) ? 0 : 1;
+  }
+  return body;
+}
+
+// ---- the laminate
+// ---------------------------------------------------------------------------------
+
+constexpr double laminate_stretch = 1.3;
+
+Row laminateRow(const std::string& element, const Discretization& discretization, double contrast) {
+  BodyModel body = bodyOfTwo(cubeMesh(1, 4), discretization, contrast,
+                             [](const Eigen::Vector3d& X) { return X[2] < 0.75; });
+  hold(body, "xmin", "x");
+  hold(body, "ymin", "y");
+  hold(body, "zmin", "z");
+  hold(body, "xmax", "x");
+  Rig rig(body);
+  const NewtonResult result = rig.equilibrium(displaced(rig.system(), [](const Eigen::Vector3d& X) {
+    return Eigen::Vector3d((laminate_stretch - 1) * X[0], 0, 0);
+  }));
+  const NodalForces forces = nodalForces(body, result.state);
+  double force = 0;
+  for (const std::int32_t node : nodesInPlane(body.mesh, 0, 1)) force += forces(node, 0);
+  const double mean_mu = mu_of_soft * (0.75 + 0.25 * contrast);
+  const double exact = mean_mu * (laminate_stretch - 1 / (laminate_stretch * laminate_stretch));
+  return {fmt::format("{}, contrast {}: force", element, contrast), force, exact, 1e-8, "N"};
+}
+
+// ---- the inclusion
+// ----------------------------------------------------------------------------------
+
+constexpr double body_radius = 2, ball_radius = 1;  ///< radii
+const Eigen::Vector3d far_strain(1e-4, -0.5e-4, -0.5e-4);
+
+/// Part of the far strain that a ball `contrast` times stiffer than what is around it does not
+/// follow.
+double keptOut(double contrast) { return 0.4 * (contrast - 1) / (1 + 0.4 * (contrast - 1)); }
+
+/// The displacement in an infinite body: uniform strain within the ball, and outside what makes the
+/// tractions on it agree.
+Eigen::Vector3d exactAround(const Eigen::Vector3d& X, double contrast) {
+  const Eigen::Vector3d far = far_strain.cwiseProduct(X);
+  const double c = keptOut(contrast), q = ball_radius / std::max(X.norm(), ball_radius);
+  return (1 - c * std::pow(q, 5)) * far -
+         2.5 * c * (std::pow(q, 3) - std::pow(q, 5)) * (X.dot(far) / X.squaredNorm()) * X;
+}
+
+/// The strain of the ball along x, of the far strain, where the body's outside is put where it is
+/// in an infinite body.
+double strainWithin(const Discretization& discretization, double contrast, int n) {
+  BodyModel body = bodyOfTwo(ballOctantMesh(body_radius, n), discretization, contrast,
+                             [n](const Eigen::Vector3d& X) { return X.norm() > ball_radius; });
+  hold(body, "xmin", "x");
+  hold(body, "ymin", "y");
+  hold(body, "zmin", "z");
+  hold(body, "outside", "xyz");
+  // The sphere is made of triangles: its displacement encloses a volume that is not quite the same.
+  for (Material& material : body.materials) material.bulk = 1e4 * mu_of_soft;
+  Rig rig(body);
+  const NewtonResult result =
+      rig.equilibrium(displaced(rig.system(), [&](const Eigen::Vector3d& X) {
+        return X.norm() > 0 ? exactAround(X, contrast) : X;
+      }));
+  const std::int32_t on_axis = n / 2;  // of the lattice that the ball is made of
+  return ofNode(result.state.u, on_axis)[0] / (far_strain[0] * ball_radius);
+}
+
+Row inclusionRow(const std::string& element, const Discretization& discretization, double contrast,
+                 int n) {
+  return {fmt::format("ball {} times stiffer, {}, n = {}: its strain", contrast, element, n),
+          strainWithin(discretization, contrast, n), 1 - keptOut(contrast), 0.01};
+}
+
+}  // namespace
+
+std::vector<Case> interfaceCases() {
+  return {{"laminate", false,
+           [] {
+             std::vector<Row> rows;
+             for (const double contrast : {10.0, 100.0}) {
+               rows.push_back(laminateRow("P2/P1", taylor_hood, contrast));
+               rows.push_back(laminateRow("P1-stabilized", stabilized, contrast));
+             }
+             return rows;
+           }},
+          {"inclusion", false, [] {
+             std::vector<Row> rows;
+             for (const double contrast : {10.0, 100.0}) {
+               rows.push_back(inclusionRow("P2/P1", taylor_hood, contrast, 4));
+               rows.push_back(inclusionRow("P2/P1", taylor_hood, contrast, 8));
+               rows.push_back(inclusionRow("P1-stabilized", stabilized, contrast, 16));
+             }
+             return rows;
+           }}};
+}
+
+}  // namespace palpate::verification
