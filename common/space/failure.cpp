@@ -47,6 +47,11 @@ std::string meaningOf(const Failure& f) {
     case Cause::beyond_force:
       return "the force there is many times workspace.max_force, more than is ever rendered; "
              "nothing is wrong with that";
+    case Cause::bifurcation:
+      return fmt::format(
+          "{} negative pivots instead of {}: the body buckles, and no stable shape was found "
+          "beside the unstable one",
+          f.negative_pivots, f.expected_negative_pivots);
   }
   return {};
 }
@@ -68,6 +73,7 @@ std::string_view name(Cause cause) {
     case Cause::unreachable: return "unreachable";
     case Cause::limit_point: return "limit_point";
     case Cause::beyond_force: return "beyond_force";
+    case Cause::bifurcation: return "bifurcation";
   }
   return {};
 }

@@ -24,6 +24,8 @@ enum class Cause : std::uint8_t {
   limit_point = 10,          ///< the path turns back: no equilibrium on this branch beyond
   /// A finger is pushed so hard there that nothing would be interpolated with the configuration.
   beyond_force = 11,
+  /// The branch goes on unstable, and no stable one was found beside it.
+  bifurcation = 12,
 };
 
 /// The word for a cause, as it stands in messages and files: "iteration_limit". "none" for

@@ -21,7 +21,7 @@ struct PointCounts {
   std::int32_t solved() const { return of(Tag::expandable) + of(Tag::terminating); }
 };
 /// Something by cause.
-using CountsOfCauses = std::array<std::int64_t, 1 + static_cast<std::size_t>(Cause::beyond_force)>;
+using CountsOfCauses = std::array<std::int64_t, 1 + static_cast<std::size_t>(Cause::bifurcation)>;
 
 /// The points of one configuration space in about 180 bytes each (a PointRecord has 800, nearly all
 /// of them a finger's), those of fingers in 700 more, and how many there are of each kind, which

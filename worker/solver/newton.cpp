@@ -99,18 +99,29 @@ class Newton {
     const double iterations_left =
         std::log(tolerance() / now_.residual.norm) / std::log(contraction);
     taken_.push_back(std::move(step));
-    return factor == 1 && (contraction <= options_.slow_contraction ||
-                           iterations_left <= options_.iterations_worth_a_tangent);
+    return !options_.renew_always && factor == 1 &&
+           (contraction <= options_.slow_contraction ||
+            iterations_left <= options_.iterations_worth_a_tangent);
   }
 
   bool advance(const Eigen::VectorXd& step, double factor) {
     State next = system_.moved(now_.state, step, factor, displacement_);
     system_.assemble(next, trial_);
     // A NaN compares false: an inadmissible trial is as good as an increase.
-    if (!(trial_.norm <= (1 - sufficient_decrease * factor) * now_.residual.norm)) return false;
+    if (!(trial_.norm <= (1 - sufficient_decrease * factor) * now_.residual.norm) &&
+        !(options_.affine_descent && isNearer(step, factor)))
+      return false;
     now_.state = std::move(next);
     std::swap(now_.residual, trial_);
     return true;
+  }
+
+  /// Whether what the same tangent would still correct in the trial is less than the step was.
+  bool isNearer(const Eigen::VectorXd& step, double factor) {
+    if (!std::isfinite(trial_.norm)) return false;
+    Eigen::VectorXd left = -trial_.free;
+    return solver_.solve(left) && system_.displacementsOf(left).norm() <=
+                                      (1 - factor / 4) * system_.displacementsOf(step).norm();
   }
 
   const System& system_;

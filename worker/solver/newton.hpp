@@ -10,6 +10,13 @@ struct NewtonOptions {
   int max_iterations = 40;
   int max_factorizations = 6;
   int max_halvings = 6;  ///< of a step by the line search
+  /// A tangent serves one iteration: for bodies whose stiffness jumps, where an updated one leads
+  /// nowhere.
+  bool renew_always = false;
+  /// A step is good also where the same tangent would correct less after it than it did (Deuflhard,
+  /// Newton Methods for Nonlinear Problems, 2004, natural monotonicity test): for bodies with a
+  /// part that is nearly rigid, whose turning the residual takes for a strain.
+  bool affine_descent = false;
   /// A tangent is kept while the residual falls to less than this in each iteration ...
   double slow_contraction = 0.5;
   /// ... or when at that rate it is done after no more iterations than a new tangent is worth.

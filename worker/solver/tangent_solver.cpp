@@ -12,18 +12,20 @@ constexpr int max_refinements = 30;
 /// Of the residual in one refinement. Slower, a factorisation costs less than what is still to do.
 constexpr double slowest_contraction = 0.5;
 
-/// Double where the pressure block is zero: there a pivot may be small.
-Precision precisionFor(const Discretization& discretization) {
-  const bool zero_block =
-      discretization.pressure == PressureSpace::p1 || discretization.pressure == PressureSpace::p2;
-  return zero_block ? Precision::double_precision : Precision::single_precision;
+/// Double where the pressure block is zero, for there a pivot may be small, and where single
+/// precision would lose what is soft in what is stiff.
+Precision precisionFor(const BodyModel& body) {
+  const PressureSpace pressure = body.discretization.pressure;
+  const bool zero_block = pressure == PressureSpace::p1 || pressure == PressureSpace::p2;
+  return zero_block || hasNearlyRigidPart(body) ? Precision::double_precision
+                                                : Precision::single_precision;
 }
 
 }  // namespace
 
 TangentSolver::TangentSolver(const System& system)
     : system_(system),
-      solver_(LinearSolver::of(system.pattern(), precisionFor(system.model().discretization),
+      solver_(LinearSolver::of(system.pattern(), precisionFor(system.model()),
                                !isInfSupStable(system.model().discretization))) {}
 
 Factorization TangentSolver::factorize(const Tangent& tangent) {

@@ -8,6 +8,7 @@
 #include "common/base/assertion.hpp"
 #include "common/base/index.hpp"
 #include "common/problem/finger.hpp"
+#include "worker/solver/critical_mode.hpp"
 #include "worker/solver/element_geometry.hpp"
 #include "worker/solver/third_derivatives.hpp"
 
@@ -25,6 +26,11 @@ constexpr double relaxation_tolerance = 1e-3;
 /// Parts that the way of a step is relaxed in at most, and that gravity is applied in.
 constexpr double smallest_approach = 1.0 / 16;
 constexpr double smallest_load_step = 1.0 / 64;
+/// How far a body is pushed along its critical mode at most, of the first try.
+constexpr double widest_step_aside = 4;
+constexpr int aside_factorizations = 12;
+/// Relative difference below which energies are those of twins.
+constexpr double twin_energy = 1e-6;
 
 /// A twentieth of the body, as far as dense matrices are cheap.
 std::size_t nodesNearTool(const Mesh& mesh) {
@@ -41,6 +47,24 @@ Failure failureOf(Cause cause, const NewtonResult& newton) {
           .mumps_infog2 = newton.factorization.infog2};
 }
 
+/// Whether Newton converged to an equilibrium that the body leaves by itself.
+bool isUnstable(const Failure& failure) {
+  return failure.cause == Cause::wrong_inertia &&
+         failure.negative_pivots > failure.expected_negative_pivots;
+}
+
+/// The stiffness of a body with fibres jumps where they become taut. Newton finds the set of taut
+/// ones with a tangent for each iteration (semismooth Newton; Qi and Sun 1993): 5 of them where k1
+/// is ten times mu, 25 where it is a thousand times, and steps when the tool goes far.
+TransitionOptions optionsFor(const Problem& problem, TransitionOptions options) {
+  if (problem.fibers.empty()) return options;
+  options.newton.renew_always = true;
+  options.newton.max_factorizations = 40;
+  options.max_factorizations = 200;
+  options.easy_factorizations = 8;
+  return options;
+}
+
 }  // namespace
 
 /// One step of a transition: the configuration that was accepted, or why none was.
@@ -48,7 +72,7 @@ struct TransitionSolver::Step {
   /// Cause::none: accepted. The numbers are those of where Newton ended, either way.
   Failure failure;
   Cost cost;
-  bool easy = false;  ///< Newton took one tangent or none, so the next step may be longer
+  bool easy = false;  ///< Newton took few tangents, so the next step may be longer
   // Of an accepted one:
   Equilibrium equilibrium;
   Start end;
@@ -56,7 +80,11 @@ struct TransitionSolver::Step {
 
 TransitionSolver::TransitionSolver(const Problem& problem, const ElementKernels& kernels,
                                    TransitionOptions options)
-    : problem_(problem), options_(options), system_(problem, kernels), solver_(system_) {
+    : problem_(problem),
+      options_(optionsFor(problem, options)),
+      system_(problem, kernels),
+      solver_(system_) {
+  options_.newton.affine_descent = hasNearlyRigidPart(system_.model());
   chooseTool(0);
 }
 
@@ -299,13 +327,68 @@ TransitionSolver::Step TransitionSolver::step(const Start& from,
   NewtonResult newton =
       findEquilibrium(system_, solver_, approach(from, displacement), displacement, options);
   Step step;
-  step.easy = newton.factorizations <= 1;
+  step.easy = newton.factorizations <= options_.easy_factorizations;
   const Cause cause = newton.cause == Cause::none ? judge(newton, last, step) : newton.cause;
   step.failure = failureOf(cause, newton);
-  if (cause == Cause::wrong_inertia)
+  if (cause == Cause::wrong_inertia) {
     step.failure.expected_negative_pivots = system_.expectedNegativePivots().value_or(0);
+    step.end.state = std::move(newton.state);
+  }
   step.cost = {newton.iterations, newton.factorizations, cause == Cause::none ? 1 : 0};
   return step;
+}
+
+/// The stable equilibrium that the body falls to from an unstable one, beyond a bifurcation: it is
+/// pushed along its critical mode, to both sides, farther and farther. Of two the one of lower
+/// energy; of twins by symmetry that where the mode's largest component is positive. `way`: metres
+/// that the tool went since the branch was stable. Cause::bifurcation when none is found.
+TransitionSolver::Step TransitionSolver::stepAside(const Step& before, double way, bool last) {
+  const State& unstable = before.end.state;
+  std::optional<Step> found;
+  Cost cost = {.factorizations = 1};
+  const auto mode = criticalMode(system_, solver_, unstable);
+  NewtonOptions options = options_.newton;
+  options.max_factorizations = std::max(options.max_factorizations, aside_factorizations);
+  // Amplitudes grow with the root of the way beyond a bifurcation.
+  const double unit = std::sqrt(system_.meanEdge() * way);
+  for (double size = 1; mode && !found && size <= widest_step_aside; size *= 2)
+    for (const double side : {1.0, -1.0}) {
+      NewtonResult newton =
+          findEquilibrium(system_, solver_,
+                          system_.moved(unstable, *mode, side * size * unit, unstable.displacement),
+                          unstable.displacement, options);
+      Step step;
+      const bool stable = newton.cause == Cause::none && newton.factorizations > 0 &&
+                          judge(newton, last, step) == Cause::none;
+      cost += {newton.iterations, newton.factorizations, 0};
+      if (!stable) continue;
+      step.failure.residual = newton.residual.norm;
+      const double energy = step.equilibrium.energy;
+      if (!found || energy < found->equilibrium.energy - twin_energy * std::abs(energy))
+        found = std::move(step);
+    }
+  if (!found) {
+    found = before;
+    found->failure.cause = Cause::bifurcation;
+  }
+  found->cost = cost;
+  found->cost.steps = found->failure.cause == Cause::none ? 1 : 0;
+  return std::move(*found);
+}
+
+/// What a transition that reached its end has to give.
+void TransitionSolver::setFields(const State& state, const Eigen::Vector3d& target,
+                                 Outcome& outcome) const {
+  const Equilibrium& end = outcome.equilibrium;
+  PALPATE_ASSERT(isUsable(end), "fields of forces are interpolated from these numbers");
+  PALPATE_ASSERT(!problem_.scene.workspace.reject_inverted || end.min_det_F > 0,
+                 "the scene wants no inverted element in its dataset");
+  PALPATE_ASSERT(state.displacement == target,
+                 "the configuration is stored under the lattice point of its target");
+  outcome.fields.displacement.assign(state.u.begin(), state.u.end());
+  outcome.fields.pressure.reserve(state.q.size());
+  for (const double q : state.q)
+    outcome.fields.pressure.push_back(static_cast<float>(q * system_.pressureScale()));
 }
 
 Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& target) {
@@ -314,21 +397,39 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
   Outcome& outcome = reached.outcome;
   const Eigen::Vector3d origin = start.state.displacement, whole = target - origin;
   const Start* from = &start;
-  double at = 0, length = 1;  // fractions of the whole
+  double at = 0, length = 1;     // fractions of the whole
+  std::optional<Step> unstable;  // the last equilibrium that was, which ends at unstable_at
+  double unstable_at = 1;
+  int budget = options_.max_factorizations;
+  bool stepped_aside = false;
   const bool gives_up = givesUp(start, whole);
   if (gives_up) outcome.failure.cause = Cause::beyond_force;
   while (at < 1 && !gives_up) {
-    const double next = std::min(1.0, at + length);
-    const bool last = next == 1;
-    Step tried = step(*from, last ? target : Eigen::Vector3d(origin + next * whole), last,
-                      options_.max_factorizations - outcome.cost.factorizations);
+    double next = std::min(1.0, at + length);
+    Step tried = step(*from, next == 1 ? target : Eigen::Vector3d(origin + next * whole), next == 1,
+                      budget - outcome.cost.factorizations);
     outcome.cost += tried.cost;
+    if (isUnstable(tried.failure)) {
+      unstable = tried;
+      unstable_at = next;
+    }
+    const auto isSpent = [&] {
+      return (next - at) / 2 < options_.smallest_step || outcome.cost.factorizations >= budget;
+    };
+    if (tried.failure.cause != Cause::none && isSpent() && unstable && !stepped_aside) {
+      stepped_aside = true;
+      next = unstable_at;
+      tried = stepAside(*unstable, (next - at) * whole.norm(), next == 1);
+      outcome.cost += tried.cost;
+      budget = outcome.cost.factorizations + options_.max_factorizations;
+    }
     if (tried.failure.cause == Cause::none) {
       outcome.equilibrium = tried.equilibrium;
       outcome.residual = tried.failure.residual;
       reached.end = std::move(tried.end);
       from = &reached.end;
       at = next;
+      if (at >= unstable_at) unstable.reset();
       if (tried.easy) length *= 2;
     } else {
       length = (next - at) / 2;
@@ -337,29 +438,18 @@ Reached TransitionSolver::reach(const Start& start, const Eigen::Vector3d& targe
       outcome.failure = {.cause = Cause::beyond_force, .step_reached = at};
       break;
     }
+    const bool is_split = tried.failure.cause == Cause::bifurcation;
     const bool too_small = length < options_.smallest_step;
-    const bool too_costly = outcome.cost.factorizations >= options_.max_factorizations;
-    if (at < 1 && (too_small || too_costly)) {
+    const bool too_costly = outcome.cost.factorizations >= budget;
+    if (at < 1 && (is_split || too_small || too_costly)) {
       outcome.failure = tried.failure;
       outcome.failure.step_reached = at;
-      if (!too_small) outcome.failure.cause = Cause::step_budget;
+      if (!is_split && !too_small) outcome.failure.cause = Cause::step_budget;
       break;
     }
   }
   outcome.converged = at >= 1;
-  if (outcome.converged) {
-    const Equilibrium& end = outcome.equilibrium;
-    PALPATE_ASSERT(isUsable(end), "fields of forces are interpolated from these numbers");
-    PALPATE_ASSERT(!problem_.scene.workspace.reject_inverted || end.min_det_F > 0,
-                   "the scene wants no inverted element in its dataset");
-    PALPATE_ASSERT(reached.end.state.displacement == target,
-                   "the configuration is stored under the lattice point of its target");
-    const State& state = reached.end.state;
-    outcome.fields.displacement.assign(state.u.begin(), state.u.end());
-    outcome.fields.pressure.reserve(state.q.size());
-    for (const double q : state.q)
-      outcome.fields.pressure.push_back(static_cast<float>(q * system_.pressureScale()));
-  }
+  if (outcome.converged) setFields(reached.end.state, target, outcome);
   outcome.cost.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   return reached;

@@ -19,6 +19,7 @@ struct TransitionOptions {
   /// A lattice transition takes one or two factorisations; one that fails may cost about five times
   /// that, no more.
   int max_factorizations = 8;
+  int easy_factorizations = 1;  ///< after a step with no more of them the next one is longer
   /// N. A transition of a finger is given up (Cause::beyond_force) where the force on the way is
   /// larger, or that which the start's stiffness predicts for the target. What converges in one
   /// step is kept, however strong.
@@ -50,7 +51,7 @@ struct Reached {
 class TransitionSolver {
  public:
   /// `problem` must outlive it. Analyses the sparsity pattern, once for all spaces. Error when that
-  /// fails.
+  /// fails. Bodies with fibres get what they need beside `options`.
   TransitionSolver(const Problem& problem, const ElementKernels& kernels,
                    TransitionOptions options = {});
 
@@ -71,7 +72,9 @@ class TransitionSolver {
 
   /// Moves the tool from `start` to `target` (metres), in steps: tangent predictor, relaxation near
   /// the tool, Newton, check, and half the step when it failed. A state is accepted when it is
-  /// finite, min det F > 0 (if the scene says so) and the tangent has the right inertia.
+  /// finite, min det F > 0 (if the scene says so) and the tangent has the right inertia. Where
+  /// shorter steps lead no further and an unstable equilibrium was met, the body is pushed out of
+  /// it along its critical mode once, so that a column that buckles is followed.
   ///
   /// The inertia is that of the last tangent that Newton factorised; the tangent at the solution
   /// has the same when the sensitivities, which are solved for it with those factors, contract
@@ -99,6 +102,8 @@ class TransitionSolver {
   State approach(const Start& from, const Eigen::Vector3d& displacement);
   Step step(const Start& from, const Eigen::Vector3d& displacement, bool last, int factorizations);
   Cause judge(NewtonResult& newton, bool last, Step& step);
+  Step stepAside(const Step& before, double way, bool last);
+  void setFields(const State& state, const Eigen::Vector3d& target, Outcome& outcome) const;
   void setDrive(const State& state, const Eigen::MatrixXd& slope_by_place,
                 const TangentSolver::Refined& refined, Equilibrium& equilibrium) const;
   Eigen::MatrixXd slopeByPlace(const State& state) const;

@@ -16,13 +16,13 @@ using verification::Row;
 
 struct VerifyOptions {
   std::vector<std::string> names;
-  bool all = false;
+  bool all = false, hard = false;
   bool json = false;
 };
 
 /// The cases to run. Error when a name is part of no case's.
 std::vector<Case> chosenCases(const VerifyOptions& options) {
-  std::vector<Case> chosen = verification::cases();
+  std::vector<Case> chosen = options.hard ? verification::hardCases() : verification::cases();
   const auto has = [](const std::string& name) {
     return [&](const Case& problem) {
       return std::string_view(problem.name).find(name) != std::string_view::npos;
@@ -91,12 +91,13 @@ std::function<ExitCode()> prepareVerify(CLI::App& app) {
   app.add_option("NAME", options->names, "Only the problems with this in their name")
       ->type_name("NAME");
   app.add_flag("--all", options->all, "Also the problems that take longer than seconds");
+  app.add_flag("--hard", options->hard, "Instead the cases that are hard to solve");
   app.add_flag("--json", options->json, "One JSON object per row");
   return [options] { return verify(*options); };
 }
 
-/// `palpate verify [NAME...] [--all] [--json]`: exit 0 when all rows are within their tolerance,
-/// else 1.
+/// `palpate verify [NAME...] [--all | --hard] [--json]`: exit 0 when all rows are within their
+/// tolerance, else 1.
 const Verb verify_verb = {
     "verify", "Solve problems whose solution is known; print computed, reference and deviation",
     prepareVerify};

@@ -14,7 +14,7 @@ from ._library import Error, Numbers
 #: Words for ``Space.tag`` and ``Space.cause``: the numbers of the file are places in these.
 TAGS = ("unknown", "expandable", "terminating", "failed")
 CAUSES = ("", "iteration_limit", "line_search_stalled", "inverted_element", "wrong_inertia", "factorization_failed", "not_finite",
-          "step_budget", "worker_lost", "unreachable", "limit_point", "beyond_force")
+          "step_budget", "worker_lost", "unreachable", "limit_point", "beyond_force", "bifurcation")
 _majors = (2, 3)
 
 

@@ -37,8 +37,11 @@ class Verification : public ::testing::TestWithParam<Case> {
   }
 };
 class LongVerification : public Verification {};
+class HardCase : public Verification {};
 
 TEST_P(Verification, IsWithinItsTolerances) { holdToItsTolerances(); }
+
+TEST_P(HardCase, IsReachedWithItsForce) { holdToItsTolerances(); }
 
 TEST_P(LongVerification, IsWithinItsTolerances) {
   if (!test::longTestsAreWanted())
@@ -62,6 +65,7 @@ std::string testName(const ::testing::TestParamInfo<Case>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Problem, Verification, ::testing::ValuesIn(casesThat(false)), testName);
 INSTANTIATE_TEST_SUITE_P(Problem, LongVerification, ::testing::ValuesIn(casesThat(true)), testName);
+INSTANTIATE_TEST_SUITE_P(Problem, HardCase, ::testing::ValuesIn(hardCases()), testName);
 
 TEST(VerificationRow, IsOkWithinItsToleranceAndNeverWithoutANumber) {
   EXPECT_NEAR((Row{"", 2.02, 2, 0, ""}.deviation()), 0.01, 1e-15);

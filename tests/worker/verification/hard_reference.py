@@ -1,0 +1,120 @@
+#!/usr/bin/python3
+"""Forces of the rigid pushes of worker/verification/hard.cpp by GetFEM, an independent library (python3-getfem).
+
+    tests/worker/verification/hard_reference.py [NAME...]
+
+Meshes, laws, constraint and tool are written here anew. Prints the force in newtons of each case, and Newton iterations.
+"""
+import itertools
+import sys
+
+import getfem
+import numpy as np
+
+ISOCHORIC = "pow(Det(F),-2/3)*Norm_sqr(F)"
+MATRIX = f"mu/2*({ISOCHORIC}-3)"
+# The variation of k1/(2 k2) (exp(k2 E^2) - 1), E = max(0, j4 - 1): GetFEM does not derive a positive part twice.
+STRETCH = "pos_part(pow(Det(F),-2/3)*Norm_sqr(F*a)-1)"
+FIBRES = (f"k1*{STRETCH}*exp(k2*sqr({STRETCH}))*pow(Det(F),-2/3)"
+          "*(2*(F*a).(Grad_Test_u*a)-2/3*Norm_sqr(F*a)*Trace(Inv(F)*Grad_Test_u))")
+VENANT = "lambda_/2*sqr(Trace(E)) + G*Norm_sqr(E)"
+
+
+def box(size, cells):
+    """Nodes and tetrahedra of a box, each brick cut along its diagonal into six."""
+    cells = np.array(cells)
+    number = np.arange(np.prod(cells + 1)).reshape(cells + 1, order="F")
+    places = np.stack(np.unravel_index(np.arange(number.size), cells + 1, order="F"), 1)
+    tetrahedra = []
+    for corner in itertools.product(*map(range, cells)):
+        for order in itertools.permutations(range(3)):
+            path = [np.array(corner)]
+            for axis in order:
+                path.append(path[-1] + np.eye(3, dtype=int)[axis])
+            tetrahedra.append([number[tuple(p)] for p in path])
+    return places / cells * np.array(size), np.array(tetrahedra)
+
+
+class Push:
+    def __init__(self, points, tetrahedra, stiff=None, order=2):
+        self.mesh = getfem.Mesh("empty", 3)
+        shape = getfem.GeoTrans("GT_PK(3,1)")
+        for element in tetrahedra:
+            self.mesh.add_convex(shape, points[element].T)
+        middles = points[tetrahedra].mean(1)
+        parts = np.zeros(len(middles), int) if stiff is None else stiff(middles).astype(int)
+        # GetFEM numbers elements as they were added.
+        for part in range(parts.max() + 1):
+            self.mesh.set_region(part + 1, np.array([np.where(parts == part)[0], -np.ones((parts == part).sum())], int))
+        self.kept = []
+        self.model = model = getfem.Model("real")
+        self.displacement = getfem.MeshFem(self.mesh, 3)
+        self.displacement.set_fem(getfem.Fem(f"FEM_PK(3,{order})"))
+        self.integration = getfem.MeshIm(self.mesh, getfem.Integ("IM_TETRAHEDRON(%d)" % (5 if order == 2 else 3)))
+        model.add_fem_variable("u", self.displacement)
+        model.add_macro("F", "(Id(3)+Grad_u)")
+        model.add_macro("E", "((F'*F-Id(3))/2)")
+
+    def material(self, region, energy, pressure, residual=None, **numbers):
+        for name, value in numbers.items():
+            self.model.add_initialized_data(name, value)
+        self.model.add_nonlinear_term(self.integration, energy, region)
+        if residual:
+            self.model.add_nonlinear_term(self.integration, residual, region)
+        if pressure:
+            field = getfem.MeshFem(self.mesh, 1)
+            field.set_fem(getfem.Fem("FEM_PK(3,1)"))
+            part = getfem.MeshFem("partial", field, np.unique(field.basic_dof_on_region(region)))
+            self.kept += [field, part]  # the model does not own them
+            self.model.add_fem_variable(pressure, part)
+            self.model.add_nonlinear_term(self.integration, f"-{pressure}*log(Det(F))", region)
+
+    def solve(self, near, radius, way, steps=1):
+        places = self.displacement.basic_dof_nodes()
+        fixed = np.where(places[2] < 1e-9)[0]
+        held = np.where(np.linalg.norm(places.T - near, axis=1) <= radius * (1 + 1e-12))[0]
+
+        def hold(name, rows, values):
+            matrix = getfem.Spmat("empty", len(rows), self.displacement.nbdof())
+            for i, row in enumerate(rows):
+                matrix.assign(i, int(row), 1.0)
+            self.model.add_variable(name, len(rows))
+            return self.model.add_constraint_with_multipliers("u", name, matrix, values)
+
+        hold("of_plane", fixed, np.zeros(len(fixed)))
+        tool = hold("of_tool", held, np.zeros(len(held)))
+        iterations = 0
+        for step in range(1, steps + 1):
+            self.model.set_private_rhs(tool, np.array(way)[held % 3] * step / steps)
+            iterations += self.model.solve("max_res", 1e-11, "max_iter", 300, "lsolver", "mumps", "lsearch", "simplest", "alpha min", 0.01)[0]
+        force = self.model.variable("of_tool")
+        return [float(force[held % 3 == axis].sum()) for axis in range(3)], iterations
+
+
+MIDDLE = (0.02, 0.02, 0.04)
+
+
+def fibres(ratio, depth):
+    push = Push(*box((0.04,) * 3, (4, 4, 4)))
+    push.material(-1, MATRIX, "p", FIBRES, mu=3000, k1=3000 * ratio, k2=0.84, a=[1, 0, 0])
+    return push.solve(MIDDLE, 0.0101, (0, 0, -depth), max(1, round(depth / 0.5e-3)))
+
+
+def bone(young):
+    push = Push(*box((0.06,) * 3, (6, 6, 6)), stiff=lambda X: ((X > 0.02) & (X < 0.04)).all(1))
+    push.material(1, MATRIX, "p", mu=3000)
+    push.material(2, VENANT, None, lambda_=young * 0.3 / (1.3 * 0.4), G=young / 2.6)
+    return push.solve((0.03, 0.03, 0.06), 0.0101, (0, 0, -5e-3), 5)
+
+
+CASES = {f"fibres, k1/mu = {ratio}, {1e3 * depth:g} mm": (fibres, ratio, depth)
+         for ratio, depth in [(10, 1e-3), (100, 1e-6), (100, 1e-3), (100, 6e-3), (1000, 1e-6), (1000, 1e-3), (1000, 12e-3)]}
+CASES |= {f"bone of {young:g} Pa, P2": (bone, young) for young in (1e8, 1e10)}
+
+getfem.util_trace_level(0)
+getfem.util_warning_level(0)
+for name, (run, *arguments) in CASES.items():
+    if len(sys.argv) > 1 and not any(part in name for part in sys.argv[1:]):
+        continue
+    force, iterations = run(*arguments)
+    print(f"{name}: {np.linalg.norm(force):.6g} N, {iterations} iterations", flush=True)

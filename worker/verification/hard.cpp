@@ -1,0 +1,152 @@
+// Cases that are hard to solve: each a push into a body, from rest, as `palpate solve` walks it.
+// References are forces by GetFEM on the same meshes, unless a case says otherwise
+// (tests/worker/verification/hard_reference.py).
+#include <fmt/format.h>
+
+#include "worker/elements/kernel_family.hpp"
+#include "worker/solver/path.hpp"
+#include "worker/verification/rig.hpp"
+
+namespace palpate::verification {
+namespace {
+
+/// A tool pressed into a body on a plane.
+struct Push {
+  std::string name;
+  Mesh mesh;  ///< "soft" and "stiff" are its element groups where there are two regions
+  std::vector<Region> regions;
+  Discretization discretization;
+  Eigen::Vector3d near = {0.02, 0.02, 0.04};  ///< metres
+  double radius = 0.0101;                     ///< metres
+  ToolKind tool = ToolKind::rigid;
+  Eigen::Vector3d displacement = {0, 0, -1e-3};  ///< metres
+  int transitions = 1;
+};
+
+Problem problemOf(const Push& push) {
+  Scene scene;
+  scene.name = push.name;
+  scene.regions = push.regions;
+  scene.discretization = push.discretization;
+  scene.fixed.groups = {"zmin"};
+  scene.active = {{.name = "tip", .near = push.near, .radius = push.radius, .tool = push.tool}};
+  return resolve(std::move(scene), push.mesh);
+}
+
+/// How far the tool got, whether all of it is valid there, and the force that it feels.
+std::vector<Row> rowsOfPush(const Push& push, double force, double tolerance) {
+  const Problem problem = problemOf(push);
+  TransitionSolver solver(problem, chooseKernels());
+  WalkedPath path;
+  if (const auto rest = solver.startAtRest(path.outcome.failure))
+    path = walk(solver, *rest, push.displacement, push.transitions);
+  const Outcome& outcome = path.outcome;
+  if (!outcome.converged)
+    return {{fmt::format("{}: {}, the way it gets", push.name, name(outcome.failure.cause)),
+             outcome.failure.step_reached, 1, 0}};
+  return {{push.name + ": all valid", path.min_det_F > 0 ? 1.0 : 0.0, 1, 0},
+          {push.name + ": force", outcome.equilibrium.force.norm(), force, tolerance, "N"}};
+}
+
+// ---- the bodies
+// -------------------------------------------------------------------------------------
+
+constexpr double soft_mu = 3000, cube_edge = 0.04;
+
+/// Puts each element into one of the two regions.
+void divide(Mesh& mesh, const std::function<bool(const Eigen::Vector3d& X)>& isStiff) {
+  for (std::int32_t e = 0; e < std::ssize(mesh.tetrahedra); ++e) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const std::int32_t node : mesh.tetrahedra[e]) middle += mesh.nodes[node] / 4;
+    mesh.element_groups[isStiff(middle) ? "stiff" : "soft"].push_back(e);
+  }
+}
+
+/// A cube of 40 mm whose top quarter is stiffer.
+Push skin(const std::string& element, const Discretization& discretization, double contrast,
+          int n) {
+  Push push{.name = fmt::format("skin {} times stiffer, {}, n = {}", contrast, element, n),
+            .mesh = cubeMesh(cube_edge, n),
+            .regions = {{"soft", neoHookean(soft_mu)}, {"stiff", neoHookean(contrast * soft_mu)}},
+            .discretization = discretization,
+            .radius = 0.0145,
+            .tool = ToolKind::weighted_average};
+  divide(push.mesh, [](const Eigen::Vector3d& X) { return X[2] > 0.03; });
+  return push;
+}
+
+/// A cube of 60 mm of soft tissue with a cube of 20 mm of bone in it.
+Push bone(double young, const Discretization& discretization = stabilized) {
+  Push push{.name = fmt::format("bone of {:g} Pa in tissue of {:g}, {}", young, 3 * soft_mu,
+                                word(discretization.displacement)),
+            .mesh = cubeMesh(0.06, 6),
+            .regions = {{"soft", neoHookean(soft_mu)}, {"stiff", stVenantKirchhoff(young)}},
+            .discretization = discretization,
+            .near = {0.03, 0.03, 0.06},
+            .displacement = {0, 0, -5e-3}};
+  divide(push.mesh, [](const Eigen::Vector3d& X) {
+    return (X.array() > 0.02).all() && (X.array() < 0.04).all();
+  });
+  return push;
+}
+
+/// A column of 10 x 10 x 80 mm, pressed along itself by its whole top.
+Push column(double depth) {
+  return {.name = fmt::format("column, {} mm, Euler's load at 4.11 mm", 1e3 * depth),
+          .mesh = boxMesh({0.01, 0.01, 0.08}, {2, 2, 16}),
+          .regions = {{"", neoHookean(soft_mu)}},
+          .discretization = taylor_hood,
+          .near = {0.005, 0.005, 0.08},
+          .radius = 0.0072,
+          .displacement = {0, 0, -depth}};
+}
+
+/// The same cube with fibres along x, pressed by `depth`.
+Push fibers(double stiffness, double depth) {
+  Material material{.law = LawName::holzapfel_gasser_ogden, .mu = soft_mu};
+  material.k1 = stiffness * soft_mu;
+  material.k2 = 0.84;
+  material.fibers = {Eigen::Vector3d::UnitX()};
+  return {.name = fmt::format("fibres, k1/mu = {}, {} mm", stiffness, 1e3 * depth),
+          .mesh = cubeMesh(cube_edge, 4),
+          .regions = {{"", material}},
+          .discretization = taylor_hood,
+          .displacement = {0, 0, -depth}};
+}
+
+}  // namespace
+
+std::vector<Case> hardCases() {
+  return {{"hard-interfaces", false,
+           [] {
+             return joined({rowsOfPush(skin("P2/P1", taylor_hood, 10, 4), 0.427, 0.01),
+                            rowsOfPush(skin("P2/P1", taylor_hood, 10, 8), 0.427, 0.02),
+                            rowsOfPush(skin("P2/P1", taylor_hood, 100, 4), 0.636, 0.01),
+                            rowsOfPush(skin("P2/P1", taylor_hood, 100, 8), 0.630, 0.01),
+                            rowsOfPush(skin("P1-stabilized", stabilized, 100, 16), 0.630, 0.03)});
+           }},
+          {"hard-contrast", false,
+           [] {
+             return joined({rowsOfPush(bone(1e8), 2.374, 1e-3), rowsOfPush(bone(1e10), 2.374, 1e-3),
+                            rowsOfPush(bone(1e10, taylor_hood), 1.87327, 1e-4)});
+           }},
+          {"hard-column", false,
+           [] {
+             Push in_steps = column(10e-3);
+             in_steps.name += ", in 8 steps";
+             in_steps.transitions = 8;
+             return joined({rowsOfPush(column(5e-3), 0.055042, 1e-4),
+                            rowsOfPush(column(10e-3), 0.055304, 1e-4),
+                            rowsOfPush(in_steps, 0.055304, 1e-4)});
+           }},
+          {"hard-fibres", false, [] {
+             return joined({rowsOfPush(fibers(10, 1e-3), 0.32701, 1e-4),
+                            rowsOfPush(fibers(100, 1e-6), 0.344984e-3, 1e-4),
+                            rowsOfPush(fibers(100, 6e-3), 2.6197, 1e-4),
+                            rowsOfPush(fibers(1000, 1e-6), 0.363647e-3, 1e-4),
+                            rowsOfPush(fibers(1000, 1e-3), 0.378154, 1e-4),
+                            rowsOfPush(fibers(1000, 12e-3), 8.09876, 1e-4)});
+           }}};
+}
+
+}  // namespace palpate::verification
