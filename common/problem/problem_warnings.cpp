@@ -9,6 +9,7 @@
 #include <set>
 
 #include "common/base/assertion.hpp"
+#include "common/mesh/node_set.hpp"
 #include "common/problem/finger.hpp"
 
 namespace palpate {
@@ -18,6 +19,10 @@ namespace {
 constexpr double softest_tissue = 100, stiffest_tissue = 1e6;
 /// Tissue stretched to more than this times its length is far beyond what it, or max_force, allows.
 constexpr double largest_stretch = 3;
+/// Bulk modulus, in moduli of matrix and fibres, below which the isochoric stretch of fibres is
+/// not the whole one. (A cube with fibres, pulled along them: at 2, 10 and
+/// 50 of k1 the force is 29, 11 and 3 % smaller than with the whole stretch.)
+constexpr double fibres_need_bulk = 50;
 
 /// `"a", "b" and 398 more`.
 std::string listOf(const std::vector<std::string>& names) {
@@ -35,7 +40,9 @@ class Doubts {
   explicit Doubts(const Problem& problem)
       : problem_(problem), scene_(problem.scene), quality_(measure(problem.mesh)) {
     doubtMaterials();
+    doubtStability();
     doubtDiscretization();
+    doubtLayers();
     doubtShapes();
     doubtPlaces();
     doubtWorkspace();
@@ -52,6 +59,53 @@ class Doubts {
     warnings_.push_back(fmt::format(format, std::forward<Args>(args)...));
   }
 
+  static std::string named(const Region& region) {
+    return region.group.empty() ? "material" : fmt::format("region \"{}\"", region.group);
+  }
+
+  /// Numbers that another unit than Pa and kg/m^3 explains.
+  void doubtNumbers(const Region& region) {
+    const Material& material = region.material;
+    const double shear = shearModulus(material);
+    if (material.bulk && poissonRatio(material) < 0)
+      warn(
+          "{}: bulk = {:.4g} Pa beside a shear modulus of {:.4g} Pa is Poisson's ratio {:.3g}: it "
+          "gives way in volume sooner than in shape; tissue has 1e4 to 2e9 Pa, or leave bulk out",
+          named(region), *material.bulk, shear, poissonRatio(material));
+    if (material.density && !(*material.density >= 500 && *material.density <= 3000))
+      warn("{}: density = {:.4g} kg/m^3, and tissue has 900 to 2000{}", named(region),
+           *material.density,
+           *material.density >= 0.5 && *material.density <= 3 ? "; its number looks like g/cm^3"
+                                                              : "");
+    if (material.law != LawName::holzapfel_gasser_ogden) return;
+    if (material.k1 < 0.1 * material.mu)
+      warn(
+          "{}: k1 = {:.4g} Pa is less than a tenth of mu = {:.4g} Pa, so that fibres bear nothing; "
+          "its number looks like {}",
+          named(region), material.k1, material.mu,
+          material.k1 * 1e3 < 0.1 * material.mu ? "MPa" : "kPa");
+    if (material.bulk && *material.bulk < fibres_need_bulk * std::max(material.mu, material.k1))
+      warn(
+          "{}: with bulk = {:.4g} Pa fibres feel the stretch without the change of volume, and are "
+          "too soft where the volume changes: make bulk {:.2g} Pa or more, or leave it out",
+          named(region), *material.bulk, fibres_need_bulk * std::max(material.mu, material.k1));
+  }
+
+  /// A tool that goes as deep as the workspace strains what is below it by about that part of the
+  /// way to what is held.
+  void doubtStability() {
+    const double strain = scene_.workspace.radius / usualDistanceToFixed();
+    for (const Region& region : scene_.regions)
+      if (const auto softening = softeningOf(region.material);
+          softening && softening->strain < strain)
+        warn(
+            "{}: law \"{}\" with these numbers is not stable beyond a {} of {:.2g}, and a "
+            "workspace of {:.3g} m strains the body by about {:.2g}: many configurations will not "
+            "be solved",
+            named(region), word(region.material.law), softening->kind, softening->strain,
+            scene_.workspace.radius, strain);
+  }
+
   void doubtMaterials() {
     constexpr std::array<std::pair<const char*, double>, 3> units = {
         {{"kPa", 1e3}, {"MPa", 1e6}, {"GPa", 1e9}}};
@@ -59,13 +113,15 @@ class Doubts {
       return young >= softest_tissue && young <= stiffest_tissue;
     };
     for (const Region& region : scene_.regions) {
-      const double young = youngModulus(region.material);
+      doubtNumbers(region);
+      // A bulk modulus is doubted by itself.
+      const double young =
+          region.material.bulk ? 3 * shearModulus(region.material) : youngModulus(region.material);
       if (isTissue(young)) continue;
       const auto meant = std::ranges::find_if(
           units, [&](const auto& unit) { return isTissue(young * unit.second); });
       warn("{}: Young's modulus at rest is {:.3g} Pa, {} than soft tissue (0.1 to 1000 kPa); {}",
-           region.group.empty() ? "material" : fmt::format("region \"{}\"", region.group), young,
-           young < softest_tissue ? "softer" : "stiffer",
+           named(region), young, young < softest_tissue ? "softer" : "stiffer",
            meant == units.end()
                ? std::string("moduli are in Pa")
                : fmt::format("its numbers look like {}, but moduli are in Pa", meant->first));
@@ -83,16 +139,35 @@ class Doubts {
     for (const Region& region : scene_.regions) {
       const Material& material = region.material;
       const bool has_pressure = d.pressure != PressureSpace::none && isMixed(material);
-      if (!linear || has_pressure || !isNearlyIncompressible(material)) continue;
+      if (has_pressure || !isNearlyIncompressible(material)) continue;
       const std::string number = material.bulk ? fmt::format("bulk = {:.4g} Pa", *material.bulk)
                                                : fmt::format("poisson = {}", *material.poisson);
       warn(
           "law \"{}\" with {} is nearly incompressible, "
-          "and P1 displacement without a pressure locks: much too stiff; {}",
-          word(material.law), number,
+          "and {} displacement without a pressure locks: {} too stiff; {}",
+          word(material.law), number, word(d.displacement), linear ? "much" : "by a fifth or more,",
           isMixed(material) ? "leave out pressure = \"none\""
-                            : "take displacement = \"P2\", or a law that has a pressure");
+                            : "take a law that has a pressure: neo-hookean with mu and bulk is the "
+                              "same at small strains");
     }
+  }
+
+  /// A linear element between two rigid parts cannot bulge.
+  void doubtLayers() {
+    if (scene_.discretization.displacement != DisplacementSpace::p1) return;
+    std::set<std::int32_t> beside_fixed;
+    for (const Tetrahedron& element : problem_.mesh.tetrahedra)
+      if (std::ranges::any_of(element, [&](std::int32_t n) { return contains(problem_.fixed, n); }))
+        beside_fixed.insert(element.begin(), element.end());
+    std::vector<std::string> thin;
+    for (const ActivePatch& patch : problem_.active)
+      if (beside_fixed.contains(patch.node)) thin.push_back(patch.name);
+    // Of many places some lie beside what is held.
+    if (2 * thin.size() > problem_.active.size())
+      warn(
+          "active {}: one element lies between the tool and what is fixed, which cannot bulge: "
+          "forces are a third too large; make the mesh finer there, or take displacement = \"P2\"",
+          listOf(thin));
   }
 
   void doubtShapes() {
@@ -130,6 +205,14 @@ class Doubts {
 
   /// Of many active nodes some lie beside the fixed ones: only where most do the workspace is
   /// meant.
+  double usualDistanceToFixed() const {
+    std::vector<double> distances;
+    for (const ActivePatch& patch : problem_.active) distances.push_back(distanceToFixed(patch));
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    return *middle;
+  }
+
   void doubtWorkspace() {
     const double radius = scene_.workspace.radius;
     const double diagonal = (quality_.highest - quality_.lowest).norm();
@@ -140,17 +223,15 @@ class Doubts {
           radius, diagonal);
       return;
     }
-    std::vector<double> distances;
-    for (const ActivePatch& patch : problem_.active) distances.push_back(distanceToFixed(patch));
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::nth_element(distances.begin(), middle, distances.end());
-    if (radius > (largest_stretch - 1) * *middle)
+    const double distance = usualDistanceToFixed();
+    if (radius > (largest_stretch - 1) * distance)
       warn(
           "workspace.radius = {:.4g} m, and the nearest fixed node is {:.4g} m away from {}: "
           "tissue between them would be stretched to {:.2g} times its length, "
           "most of those configurations will not be reached",
-          radius, *middle, distances.size() == 1 ? "the active node" : "half of the active nodes",
-          1 + radius / *middle);
+          radius, distance,
+          problem_.active.size() == 1 ? "the active node" : "half of the active nodes",
+          1 + radius / distance);
   }
 
   void doubtSingleNodes() {

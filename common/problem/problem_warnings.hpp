@@ -6,8 +6,10 @@ namespace palpate {
 
 /// What is doubtful about a problem although it can be computed, a sentence each, with the number,
 /// what it probably means, and what to do:
-/// - moduli of no soft tissue (0.1 to 1000 kPa at rest): another unit was meant;
-/// - pressures that violate inf-sup, and linear tetrahedra that lock;
+/// - moduli of no soft tissue (0.1 to 1000 kPa at rest), a bulk modulus, density or stiffness of
+///   fibres beside which others are nothing: another unit was meant;
+/// - a law that is not stable at the strains of the workspace, fibres beside a small bulk modulus;
+/// - pressures that violate inf-sup, elements without one that lock, one layer between rigid parts;
 /// - tetrahedra that are nearly flat;
 /// - `near` farther from the surface than an edge;
 /// - a workspace that reaches far beyond what holds the body;

@@ -39,16 +39,19 @@ void fill(std::vector<Shell>& shells, const std::vector<Way>& ways) {
   double going_on = ways.empty() ? 0 : 1;  // share of the ways
   double seconds_each = 0;
   for (std::size_t n = 0; n < shells.size(); ++n) {
-    double tried = 0, failed = 0, too_strong = 0, seconds = 0;
+    double tried = 0, stopped = 0, too_strong = 0, seconds = 0;
     for (const Way& way : ways) {
       if (n >= way.steps.size()) continue;
       const WayStep& step = way.steps[n];
       const bool last = n + 1 == way.steps.size();
       ++tried;
       seconds += step.seconds * (step.reached ? 1 : tries_after_failure);
-      failed += step.reached ? 0 : 1 - reached_after_failure;
+      stopped += step.reached ? 0 : 1;
       too_strong += last && way.end == WayEnd::max_force ? 1 : 0;
     }
+    // Other neighbours lead there as often as they are reached themselves.
+    const double failed =
+        tried > 0 ? stopped * (1 - reached_after_failure * (1 - stopped / tried)) : 0;
     if (tried > 0) seconds_each = seconds / tried;
     shells[n].seconds = going_on * seconds_each;
     shells[n].reached = tried > 0 ? going_on * (1 - failed / tried) : going_on;
@@ -83,7 +86,7 @@ BuildCost buildCost(const Problem& problem, const MeasuredWays& measured) {
     uniform_points += uniformLattice(problem.scene, problem.active[s]).size();
   }
   const double seconds_each = waiting * seconds / lattice.size();
-  const auto bytes_each = static_cast<double>(storedBytes(problem.scene, problem.mesh));
+  const auto bytes_each = static_cast<double>(storedBytes(problem));
   const auto estimate = [&](double points_of_space) {
     const double points = n_spaces * points_of_space;
     const double configurations = points + probes;

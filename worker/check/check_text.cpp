@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "common/base/assertion.hpp"
@@ -36,6 +37,24 @@ void printConversion(const Scene& scene) {
   }
 }
 
+/// What each material is at rest, whatever its law calls it.
+void printModuli(const SceneReport& report) {
+  const Scene& scene = report.problem->scene;
+  std::vector<double> volumes(scene.regions.size());
+  for (std::size_t e = 0; e < report.problem->mesh.tetrahedra.size(); ++e)
+    volumes[report.problem->region_of[e]] += sixVolume(report.problem->mesh, e) / 6;
+  for (std::size_t r = 0; r < scene.regions.size(); ++r) {
+    const Material& m = scene.regions[r].material;
+    const double bulk = bulkModulus(m);
+    fmt::print(
+        "at rest    Young's modulus {:.4g} Pa, Poisson's ratio {:.4g}, shear modulus {:.4g} "
+        "Pa, bulk modulus {}{}\n",
+        youngModulus(m), poissonRatio(m), shearModulus(m),
+        std::isinf(bulk) ? "infinite" : fmt::format("{:.4g} Pa", bulk),
+        m.density ? fmt::format(", mass {:.3g} kg", *m.density * volumes[r]) : "");
+  }
+}
+
 void printBody(const SceneReport& report) {
   const Scene& scene = report.problem->scene;
   PALPATE_ASSERT(report.tetrahedra_in.size() == scene.regions.size(), "a count for each region");
@@ -49,6 +68,7 @@ void printBody(const SceneReport& report) {
                  group.empty() ? "rest" : fmt::format("\"{}\"", group), report.tetrahedra_in[r],
                  inWords(material));
   }
+  printModuli(report);
   const Discretization& d = scene.discretization;
   fmt::print("solved as  displacement {}, pressure {}", word(d.displacement), word(d.pressure));
   if (d.pressure != PressureSpace::none) fmt::print(", constraint {}", word(d.constraint));

@@ -54,6 +54,8 @@ void walkOutward(TransitionSolver& solver, const Workspace& workspace,
     const Outcome& outcome = reached.outcome;
     way.steps.push_back({processorSeconds() - step_began, outcome.converged});
     ++found.transitions;
+    if (!outcome.converged && way.steps.size() == 1 && found.no_first_step.empty())
+      found.no_first_step = describe(outcome.failure);
     if (outcome.converged && way.steps.size() == 1)
       found.stiffness = std::max(found.stiffness, outcome.equilibrium.force.norm() / at);
     if (!outcome.converged || outcome.equilibrium.force.norm() > workspace.max_force) {

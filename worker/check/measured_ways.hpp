@@ -33,6 +33,8 @@ struct MeasuredWays {
   double stiffness = 0;  ///< N/m, the largest of the first steps: force over displacement
   /// Why the body has no rest state to start from; empty as a rule. Then there are no ways.
   std::string no_rest;
+  /// Why the first step of the first way that got nowhere failed; empty when all got somewhere.
+  std::string no_first_step;
 };
 
 /// How long to measure: until one of the two is used up.

@@ -10,6 +10,7 @@ namespace palpate {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -62,13 +63,16 @@ TEST_F(ProblemWarnings, KnowTheModulusOfEveryLaw) {
     EXPECT_NEAR(youngModulus(soft), 15, 1e-9) << word(soft.law);
 }
 
-TEST_F(ProblemWarnings, SayThatLinearTetrahedraLock) {
+TEST_F(ProblemWarnings, SayThatTetrahedraWithoutAPressureLock) {
   for (const LawName law : {LawName::linear, LawName::st_venant_kirchhoff}) {
     scene = test::youngScene(law, 0.495);
-    EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("poisson = 0.495"), HasSubstr("locks"))));
+    scene.workspace.radius = 0.05;
+    EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("poisson = 0.495"), HasSubstr("locks"),
+                                              HasSubstr("neo-hookean"))));
     scene.discretization.displacement = DisplacementSpace::p2;
-    EXPECT_THAT(warnings(), IsEmpty());
+    EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("P2 displacement"), HasSubstr("locks"))));
     scene = test::youngScene(law, 0.48);
+    scene.workspace.radius = 0.05;
     EXPECT_THAT(warnings(), IsEmpty());
   }
   scene = test::mooneyRivlinScene();
@@ -76,6 +80,45 @@ TEST_F(ProblemWarnings, SayThatLinearTetrahedraLock) {
   EXPECT_THAT(warnings(), IsEmpty()) << "it has a pressure";
   scene.discretization.pressure = PressureSpace::none;
   EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("bulk = 1e+06 Pa"), HasSubstr("locks"))));
+}
+
+TEST_F(ProblemWarnings, NameWhatIsNothingBesideTheRest) {
+  material() = {.law = LawName::neo_hookean, .mu = 3000, .bulk = 1, .density = 1.06};
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("Poisson's ratio -0.999"), HasSubstr("g/cm^3")));
+  material().bulk = 3000;
+  material().density = 1060;
+  EXPECT_THAT(warnings(), IsEmpty());
+  material() = {.law = LawName::holzapfel_gasser_ogden, .mu = 3000, .k1 = 2.3, .k2 = 0.84};
+  material().fibers = {Eigen::Vector3d::UnitZ()};
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("looks like kPa")));
+  material().k1 = 10000;
+  EXPECT_THAT(warnings(), IsEmpty());
+  material().bulk = 20000;
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("fibres feel the stretch without the change")));
+}
+
+TEST_F(ProblemWarnings, KnowTheStrainsAtWhichALawGivesWay) {
+  material() = {.law = LawName::yeoh, .c10 = 1500, .c20 = -5000};
+  scene.workspace.radius = 0.03;
+  EXPECT_THAT(warnings(), IsEmpty()) << "15 % of the way to what is held";
+  scene.workspace.radius = 0.06;
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("not stable beyond a shear of 0.22")));
+  material().c30 = 12000;
+  EXPECT_THAT(warnings(), IsEmpty()) << "36 c20^2 < 60 c30 c10: it stiffens before it gives way";
+  scene = test::youngScene(LawName::st_venant_kirchhoff);
+  scene.workspace.radius = 0.1;
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("compression of 0.42")));
+}
+
+TEST_F(ProblemWarnings, SeeOneLinearElementBetweenTheToolAndWhatIsFixed) {
+  mesh = test::boxMesh({0.01, 0.06, 0.06}, {1, 4, 4});
+  near = {0.01, 0.03, 0.03};
+  patch_radius = 0.02;
+  scene.workspace.radius = 0.005;
+  scene.workspace.spacing = 0.0025;
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("one element lies between the tool and")));
+  mesh = test::boxMesh({0.01, 0.06, 0.06}, {2, 4, 4});
+  EXPECT_THAT(warnings(), IsEmpty());
 }
 
 TEST_F(ProblemWarnings, NameWhatViolatesInfSup) {
@@ -100,10 +143,10 @@ TEST_F(ProblemWarnings, TellAWorkspaceThatStretchesTheTissueTooFar) {
   EXPECT_THAT(warnings(), IsEmpty());
   near = {-0.05, 0, 0.06};
   patch_radius = 0.03;
-  EXPECT_THAT(warnings(), ElementsAre(AllOf(HasSubstr("workspace.radius = 0.24 m"),
-                                            HasSubstr("times its length"))));
+  EXPECT_THAT(warnings(), Contains(AllOf(HasSubstr("workspace.radius = 0.24 m"),
+                                         HasSubstr("times its length"))));
   scene.workspace.radius = 0.5;
-  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("body's diagonal")));
+  EXPECT_THAT(warnings(), Contains(HasSubstr("body's diagonal")));
 }
 
 TEST_F(ProblemWarnings, TellSingleNodesUnderTheTool) {
